@@ -1,0 +1,47 @@
+#pragma once
+// Procedural scenes: deterministic meshes whose vertices move by a formula of time t in [0, 1].
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace collided::scenes {
+
+using Vec3d = std::array<double, 3>;
+
+struct Mesh {
+  std::string name;
+  uint32_t vertex_count = 0;
+  std::vector<std::array<uint32_t, 3>> triangles;  ///< counted in the mesh
+  bool is_static = false;
+};
+
+/// A scene that can be asked for its positions at any time.
+class Scene {
+ public:
+  virtual ~Scene() = default;
+  virtual const std::vector<Mesh>& meshes() const = 0;
+  /// Positions of every vertex of every mesh, in mesh order, at time t in [0, 1].
+  virtual std::vector<Vec3d> positions(double t) const = 0;
+  uint64_t triangle_count() const {
+    uint64_t n = 0;
+    for (const Mesh& m : meshes()) n += m.triangles.size();
+    return n;
+  }
+};
+
+struct SceneInfo {
+  std::string name;
+  std::string description;  ///< one line, for `collidectl scenes`
+};
+
+/// The scenes that make_scene knows, in the order of the documentation.
+std::vector<SceneInfo> list_scenes();
+
+/// Throws std::invalid_argument naming the known scenes. `scale` refines the grids: triangles grow by about scale^2.
+std::unique_ptr<Scene> make_scene(const std::string& name, double scale = 1.0);
+
+}  // namespace collided::scenes

@@ -1,0 +1,159 @@
+#pragma once
+// The engine's public face: a scene is specified once, then fed one frame at a time.
+// No CUDA type appears here; everything below this header is the engine's own business.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace collided {
+
+/// A field of the input has a value that cannot be used. `field` is its path within the input.
+class InvalidInput : public std::invalid_argument {
+ public:
+  InvalidInput(std::string field, const std::string& what) : std::invalid_argument(what), field_(std::move(field)) {}
+  const std::string& field() const { return field_; }
+
+ private:
+  std::string field_;
+};
+
+/// The scene would need more memory than its budget or the device has.
+class ResourceExhausted : public std::runtime_error {
+  using runtime_error::runtime_error;
+};
+
+/// The device failed; the scene, and perhaps the device, cannot be used any more.
+class DeviceError : public std::runtime_error {
+  using runtime_error::runtime_error;
+};
+
+/// FrameInput::cancelled returned true between two stages; the scene is as it was before the frame.
+class Cancelled : public std::runtime_error {
+ public:
+  Cancelled() : std::runtime_error("the frame was cancelled") {}
+};
+
+enum class Backend { kCpu, kCuda };
+enum class Mode { kDcd, kCcd };
+enum class Accuracy { kCandidates, kFast };
+enum class Scalar { kF32, kF64 };
+
+struct MeshSpec {
+  uint32_t vertex_count = 0;
+  std::vector<std::array<uint32_t, 3>> triangles;  ///< vertex indices counted in the mesh
+  bool is_static = false;                          ///< positions never change after the first frame
+  uint32_t groups = 1;                             ///< bits
+  uint32_t collide_mask = ~0u;                     ///< bits of groups it can touch
+  bool self_contacts = true;
+};
+
+/// What a scene needs; stages and buffers exist only for what is asked for here.
+struct SceneSpec {
+  Backend backend = Backend::kCpu;
+  Mode mode = Mode::kCcd;
+  Accuracy accuracy = Accuracy::kFast;
+  Scalar scalar = Scalar::kF32;
+  double thickness = 0;  ///< >= 0, finite, unit of the positions
+  bool vertex_triangle = true;
+  bool edge_edge = true;
+  bool weights = false;           ///< return the closest points' weights
+  uint64_t memory_budget = 0;     ///< bytes on the backend; 0: no limit but the device's
+  int threads = 0;                ///< CPU threads; 0: all cores
+  std::vector<MeshSpec> meshes;
+};
+
+/// New positions of one mesh: packed xyz of the scene's scalar type.
+struct MeshPositions {
+  uint32_t mesh = 0;
+  std::span<const std::byte> start;  ///< t = 0 (CCD); empty: where the last frame left the mesh
+  std::span<const std::byte> end;    ///< t = 1
+};
+
+struct FrameInput {
+  std::vector<MeshPositions> updates;  ///< the first frame must name every mesh
+  std::function<bool()> cancelled;     ///< asked between stages; may be empty
+};
+
+enum ContactFlags : uint8_t { kFlagCertified = 1, kFlagNear = 2, kFlagCapped = 4, kFlagInitial = 8 };
+
+/// Contacts of one kind, sorted by (first id, second id). Arrays that the level does not compute are empty.
+struct ContactSet {
+  std::vector<std::array<uint32_t, 2>> elements;  ///< vertex, triangle; or edge, edge (first < second)
+  std::vector<double> toi;                        ///< [0, 1]; CCD from kFast on
+  std::vector<double> distance;                   ///< >= 0; from kFast on
+  std::vector<std::array<double, 2>> weights;     ///< triangle's 2nd and 3rd corner, or along each edge; if asked for
+  std::vector<uint8_t> flags;                     ///< ContactFlags; from kFast on
+  size_t size() const { return elements.size(); }
+};
+
+struct StageTime {
+  std::string stage;
+  double milliseconds = 0;
+};
+
+struct FrameCounts {
+  uint64_t cells = 0, leaves = 0;
+  uint32_t top_level = 0, base_level = 0;
+  uint64_t registrations = 0, tests = 0, pairs = 0;
+  uint64_t candidates_vt = 0, candidates_ee = 0, contacts_vt = 0, contacts_ee = 0;
+};
+
+struct FrameResult {
+  ContactSet vertex_triangle;
+  ContactSet edge_edge;
+  std::vector<StageTime> stages;
+  FrameCounts counts;
+  uint32_t replays = 0;
+  double earliest_toi = 1;
+};
+
+struct MemoryPart {
+  std::string part;
+  uint64_t bytes = 0;
+};
+
+/// Scene-wide features: the vertices and triangles of each mesh follow those of the meshes before it.
+struct Topology {
+  uint32_t vertex_count = 0;
+  std::vector<std::array<uint32_t, 3>> triangles;
+  std::vector<std::array<uint32_t, 2>> edges;  ///< lower vertex first, sorted; the index is the edge's id
+  std::vector<uint32_t> vertex_offset;         ///< of each mesh; one more entry at the end
+  std::vector<uint32_t> triangle_offset;
+};
+
+struct DeviceInfo {
+  Backend backend = Backend::kCpu;
+  std::string name;
+  uint64_t memory_bytes = 0;
+};
+
+/// One scene on one backend. Not thread-safe: one call at a time; different detectors are independent.
+class Detector {
+ public:
+  /// Throws InvalidInput for a bad spec, ResourceExhausted past the budget, DeviceError if the backend is missing.
+  static std::unique_ptr<Detector> create(SceneSpec spec);
+  virtual ~Detector() = default;
+
+  /// Applies one frame and finds its contacts. A throw leaves the scene as it was.
+  virtual FrameResult detect(const FrameInput& frame) = 0;
+
+  virtual std::vector<MemoryPart> memory() const = 0;
+  virtual const Topology& topology() const = 0;
+  virtual DeviceInfo device() const = 0;
+};
+
+/// Devices that scenes can live on: the CPU, then every usable CUDA device.
+std::vector<DeviceInfo> list_devices();
+
+/// Whether a CUDA device can be used now (built in, driver present).
+bool cuda_available();
+
+}  // namespace collided
