@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""The checker finds what it is there to find: one bad include at a time in a temporary tree."""
+
+import pathlib
+import tempfile
+import unittest
+
+import check_layers
+
+GOOD = {
+    "gpu/detector.hpp": "#pragma once\n#include <vector>\n",
+    "gpu/pipeline.hpp": '#include "gpu/octree/count.hpp"\n#include "gpu/narrow/ccd.hpp"\n',
+    "gpu/octree/count.hpp": '#include "gpu/exec/cpu.hpp"\n#include "gpu/math/box.hpp"\n#include <cmath>\n',
+    "gpu/narrow/ccd.hpp": '#include "gpu/math/box.hpp"\n',
+    "gpu/exec/cpu.hpp": "#include <oneapi/tbb/parallel_for.h>\n",
+    "gpu/exec/cuda.cuh": "#include <cub/cub.cuh>\n#include <cuda_runtime.h>\n",
+    "gpu/detector_cuda.cu": "#include <cuda_runtime.h>\n",
+    "gpu/math/box.hpp": "#include <array>\n",
+    "server/service.cpp": '#include "collided/v1/frame.pb.h"\n#include "gpu/detector.hpp"\n',
+    "client/cpp/client.hpp": '#include "collided/v1/collision_service.grpc.pb.h"\n',
+}
+BAD = [
+    ("gpu/octree/bad.hpp", '#include "gpu/broad/pairs.hpp"'),
+    ("gpu/broad/bad.hpp", '#include "gpu/narrow/ccd.hpp"'),
+    ("gpu/narrow/bad.cu", '#include "gpu/octree/count.hpp"'),
+    ("gpu/octree/bad.hpp", '#include "gpu/pipeline.hpp"'),
+    ("gpu/math/bad.hpp", '#include "gpu/octree/count.hpp"'),
+    ("gpu/math/bad.hpp", '#include "server/convert.hpp"'),
+    ("gpu/math/bad.hpp", '#include "math/box.hpp"'),
+    ("gpu/exec/bad.hpp", "#include <cuda_runtime.h>"),
+    ("gpu/octree/bad.cuh", "#include <cub/cub.cuh>"),
+    ("gpu/detector.cpp", "#include <spdlog/spdlog.h>"),
+    ("gpu/detector.cpp", "#include <grpcpp/grpcpp.h>"),
+    ("gpu/detector.cpp", "#include <collided/v1/frame.pb.h>"),
+    ("server/store.cpp", '#include "collided/v1/frame.pb.h"'),
+    ("server/worker.cpp", '#  include "gpu/pipeline.hpp"'),
+    ("server/worker.cpp", "#include <cuda_runtime.h>"),
+    ("server/service.cpp", '#include "client/cpp/client.hpp"'),
+    ("client/cli/main.cpp", '#include "gpu/detector.hpp"'),
+    ("client/cli/main.cpp", '#include "server/config.hpp"'),
+]
+
+
+class CheckLayers(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+        for path, text in GOOD.items():
+            self.write(path, text)
+
+    def write(self, path, text):
+        file = self.root / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+
+    def test_a_clean_tree_passes(self):
+        self.assertEqual(check_layers.bad_includes(self.root), [])
+
+    def test_each_bad_include_is_found(self):
+        for path, line in BAD:
+            with self.subTest(path=path, line=line):
+                before = (self.root / path).read_text() if (self.root / path).exists() else None
+                self.write(path, line + "\n")
+                found = check_layers.bad_includes(self.root)
+                self.assertEqual(len(found), 1, found)
+                self.assertIn(f"{path}:1:", found[0])
+                (self.root / path).unlink()
+                if before is not None:
+                    self.write(path, before)
+
+    def test_a_header_that_needs_another_is_found(self):
+        self.write("gpu/exec/cpu.hpp", "#include <cstddef>\n")
+        (self.root / "client/cpp/client.hpp").unlink()  # needs generated code
+        self.assertEqual(check_layers.bad_headers(self.root, "c++", [])[0], [])
+        self.write("gpu/math/lonely.hpp", "#pragma once\ninline std::vector<int> f() { return {}; }\n")
+        errors, count = check_layers.bad_headers(self.root, "c++", [])
+        self.assertEqual(len(errors), 1)
+        self.assertIn("lonely.hpp", "".join(errors))
+        self.assertEqual(count, 7)
+
+
+if __name__ == "__main__":
+    unittest.main()
