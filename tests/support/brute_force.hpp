@@ -1,0 +1,42 @@
+#pragma once
+// Which pairs of features have boxes that meet, found without the engine: sort and sweep on one axis, exact
+// comparisons.
+
+#include <cstdint>
+#include <vector>
+
+#include "tests/support/case.hpp"
+
+namespace collided::test {
+
+using PairKey = uint64_t;  ///< first id << 32 | second id: ascending keys are the canonical order
+
+inline PairKey key_of(uint32_t first, uint32_t second) { return static_cast<PairKey>(first) << 32 | second; }
+
+/// A box inflated with outward rounding may catch pairs a hair further apart than the thickness,
+/// so what has to be found and what may be found are two sets. With thickness 0 they are the same.
+struct PairSet {
+  std::vector<PairKey> must;  ///< gap <= thickness, decided exactly; sorted
+  std::vector<PairKey> may;   ///< gap <= thickness * (1 + 1e-5) + a few ulp; sorted, includes `must`
+};
+
+struct ExpectedPairs {
+  PairSet vertex_triangle;
+  PairSet edge_edge;
+};
+
+/// Scene-wide ids as in collided::Topology, made independently of it.
+struct Features {
+  std::vector<uint32_t> mesh_of_vertex;
+  std::vector<std::array<uint32_t, 3>> triangles;
+  std::vector<std::array<uint32_t, 2>> edges;
+};
+Features features_of(const Case& c);
+
+/// Pairs of the case (already rounded to `scalar`). DCD looks at t = 1 only, CCD at the boxes swept from t = 0 to 1.
+ExpectedPairs brute_force(const Case& c, Mode mode, Scalar scalar, double thickness);
+
+/// What is wrong with the engine's list; empty if nothing: order, repeats, misses, pairs too many.
+std::string compare(const std::vector<std::array<uint32_t, 2>>& found, const PairSet& expected);
+
+}  // namespace collided::test

@@ -1,0 +1,55 @@
+#pragma once
+// A test case: meshes and where their vertices are at t = 0 and t = 1.
+
+#include <string>
+#include <vector>
+
+#include "client/scenes/scene.hpp"
+#include "gpu/detector.hpp"
+
+namespace collided::test {
+
+using Vec3d = std::array<double, 3>;
+using Positions = std::vector<Vec3d>;
+
+struct Case {
+  std::string name;
+  std::vector<MeshSpec> meshes;
+  std::vector<Positions> start;  ///< of each mesh, t = 0
+  std::vector<Positions> end;    ///< t = 1; static meshes: the same as start
+};
+
+/// A frame that owns its bytes; input() borrows them.
+class Frame {
+ public:
+  Frame(const Case& c, Mode mode, Scalar scalar, bool with_static = true);
+  FrameInput input() const;
+
+ private:
+  struct Update {
+    uint32_t mesh;
+    std::vector<std::byte> start, end;
+  };
+  std::vector<Update> updates_;
+};
+
+std::vector<std::byte> pack(const Positions& positions, Scalar scalar);
+
+/// The case with every coordinate rounded to what the scalar type holds.
+Case rounded(Case c, Scalar scalar);
+
+/// The procedural scene between two times.
+Case case_of(const scenes::Scene& scene, double t0, double t1);
+Case case_of(const std::string& scene, double t, Mode mode);
+
+/// Adds a mesh that moves from `start` to `end`; an empty `end` means that it stands still.
+void add_mesh(Case& c, std::vector<std::array<uint32_t, 3>> triangles, Positions start, Positions end = {},
+              bool is_static = false);
+
+/// `settings` with the case's meshes.
+SceneSpec spec_for(const Case& c, SceneSpec settings);
+
+/// Makes a scene for the case and runs its one frame.
+FrameResult run_case(const Case& c, const SceneSpec& settings);
+
+}  // namespace collided::test
