@@ -87,7 +87,7 @@ def bad_headers(root, compiler, include_dirs):
 
     def compile_alone(header):
         text = f'#include "{header.relative_to(root).as_posix()}"\n'
-        run = subprocess.run([compiler, *options], input=text, capture_output=True, text=True)
+        run = subprocess.run([compiler, *options], input=text, capture_output=True, text=True, cwd=root)
         return run.stderr if run.returncode else None
 
     headers = [file for file in sources(root) if file.suffix == ".hpp"]
