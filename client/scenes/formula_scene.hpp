@@ -1,0 +1,53 @@
+#pragma once
+// A scene whose vertices are given by a formula of two parameters and time, and the shared grids.
+
+#include <functional>
+
+#include "client/scenes/scene.hpp"
+
+namespace collided::scenes {
+
+using Param = std::array<double, 2>;
+
+/// One mesh with the parameters of its vertices and the formula that places them.
+struct Part {
+  Mesh mesh;
+  std::vector<Param> params;
+  std::function<Vec3d(Param, double t)> formula;
+};
+
+class FormulaScene : public Scene {
+ public:
+  explicit FormulaScene(std::vector<Part> parts);
+  const std::vector<Mesh>& meshes() const override { return meshes_; }
+  std::vector<Vec3d> positions(double t) const override;
+
+ private:
+  struct Rule {
+    std::vector<Param> params;
+    std::function<Vec3d(Param, double t)> formula;
+  };
+  std::vector<Mesh> meshes_;
+  std::vector<Rule> rules_;
+};
+
+/// A range of parameters: first value, last value, number of quads between them.
+struct Range {
+  double first;
+  double last;
+  uint32_t quads;
+};
+
+/// nu x nv quads with alternating diagonals: 2 nu nv triangles. A wrapped grid joins its last column to its first.
+Part grid(std::string name, Range u, Range v, bool wrap_u = false);
+
+/// Sphere parameters (longitude, angle from the north pole), one vertex a pole: 2 lon (lat - 1) triangles.
+Part uv_sphere(std::string name, uint32_t lon, uint32_t lat);
+
+/// Adds `other` to `part` as a copy whose parameters are kept; the formula stays that of `part`.
+void append(Part& part, const Part& other);
+
+/// n quads refined by `scale`, at least `least`.
+uint32_t refine(uint32_t n, double scale, uint32_t least = 1);
+
+}  // namespace collided::scenes

@@ -1,0 +1,57 @@
+// Names of the procedural scenes.
+
+#include <cmath>
+#include <stdexcept>
+
+#include "client/scenes/families.hpp"
+
+namespace collided::scenes {
+
+namespace {
+
+constexpr double kMinScale = 0.02, kMaxScale = 30;
+
+struct Entry {
+  SceneInfo info;
+  ScenePtr (*make)(double scale);
+};
+
+const std::vector<Entry>& entries() {
+  static const std::vector<Entry> list = {
+      {{"funnel", "a cloth falls folding through a funnel; 18,504 triangles"}, make_funnel},
+      {{"cloth_ball", "a cloth wraps and twists around a turning ball; 91,872 triangles"}, make_cloth_ball},
+      {{"flamenco", "a dancer spins in a skirt of six ruffled layers; 48,960 triangles"}, make_flamenco},
+      {{"nbody", "240 spheres close in on five cones; 146,000 triangles"}, make_nbody},
+      {{"reef_knot", "two ribbons are tied tighter and tighter; 19,992 triangles"}, make_reef_knot},
+      {{"multiscale_knots", "four reef knots, each an eighth of the one before; 79,968 triangles"},
+       make_multiscale_knots},
+      {{"graded_sheets", "four sheets with triangles graded towards one edge; 180,000 triangles"}, make_graded_sheets},
+      {{"touching_boxes", "a lattice of cubes that share whole faces; 20,736 triangles"}, make_touching_boxes},
+      {{"one_cell", "a dense swarm in a tiny part of a huge domain; 4,004 triangles"}, make_one_cell},
+      {{"huge_triangle", "one triangle as large as the domain sweeps a fine sheet; 20,001 triangles"},
+       make_huge_triangle},
+      {{"anisotropic", "two crossing families of slivers 1 : 1000; 4,000 triangles"}, make_anisotropic},
+  };
+  return list;
+}
+
+}  // namespace
+
+std::vector<SceneInfo> list_scenes() {
+  std::vector<SceneInfo> out;
+  for (const Entry& entry : entries()) out.push_back(entry.info);
+  return out;
+}
+
+std::unique_ptr<Scene> make_scene(const std::string& name, double scale) {
+  if (!(scale >= kMinScale && scale <= kMaxScale))
+    throw std::invalid_argument("scale is " + std::to_string(scale) + "; it must be in [0.02, 30]");
+  std::string known;
+  for (const Entry& entry : entries()) {
+    if (entry.info.name == name) return entry.make(scale);
+    known += (known.empty() ? "" : ", ") + entry.info.name;
+  }
+  throw std::invalid_argument("scene '" + name + "' is not known; the scenes are " + known);
+}
+
+}  // namespace collided::scenes
