@@ -88,7 +88,7 @@ class Interop(unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         address = f"unix:{folder.name}/socket"
         ready = pathlib.Path(folder.name) / "ready"
-        cls.daemon = subprocess.Popen([DAEMON, "--address", address, "--ready-file", ready, "--log-level", "warn"])
+        cls.daemon = subprocess.Popen([DAEMON, "--address", address, "--ready-file", ready, "--log-level", "error"])
         cls.addClassCleanup(cls.stop)
         deadline = time.monotonic() + 30
         while not ready.exists():
