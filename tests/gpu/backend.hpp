@@ -1,0 +1,35 @@
+#pragma once
+// The backend that this executable tests, and a fixture that skips where it is missing.
+
+#include <gtest/gtest.h>
+
+#include "gpu/detector.hpp"
+
+namespace collided::test {
+
+#ifdef COLLIDED_TEST_CUDA
+inline constexpr Backend kBackend = Backend::kCuda;
+#else
+inline constexpr Backend kBackend = Backend::kCpu;
+#endif
+
+template <class Base = ::testing::Test>
+class OnBackend : public Base {
+ protected:
+  void SetUp() override {
+    if (kBackend == Backend::kCuda && !cuda_available()) GTEST_SKIP() << "no CUDA device can be used";
+  }
+};
+
+/// Settings of a scene on the backend under test; meshes are added later.
+inline SceneSpec settings(Mode mode, Accuracy accuracy, Scalar scalar = Scalar::kF64, double thickness = 0) {
+  SceneSpec spec;
+  spec.backend = kBackend;
+  spec.mode = mode;
+  spec.accuracy = accuracy;
+  spec.scalar = scalar;
+  spec.thickness = thickness;
+  return spec;
+}
+
+}  // namespace collided::test

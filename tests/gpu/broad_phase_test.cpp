@@ -1,0 +1,82 @@
+// Candidates are exactly the pairs of features whose boxes meet: compared with brute force.
+
+#include "tests/gpu/backend.hpp"
+#include "tests/support/adversarial.hpp"
+#include "tests/support/brute_force.hpp"
+
+namespace collided::test {
+namespace {
+
+constexpr double kDcdThickness = 0.01;
+
+void expect_brute_force(const Case& exact, Mode mode, Scalar scalar, double thickness) {
+  SCOPED_TRACE(exact.name + (mode == Mode::kCcd ? " CCD" : " DCD") + (scalar == Scalar::kF32 ? " F32" : " F64"));
+  const Case c = rounded(exact, scalar);
+  const FrameResult result = run_case(c, settings(mode, Accuracy::kCandidates, scalar, thickness));
+  const ExpectedPairs expected = brute_force(c, mode, scalar, thickness);
+  EXPECT_EQ("", compare(result.vertex_triangle.elements, expected.vertex_triangle)) << "vertex-triangle";
+  EXPECT_EQ("", compare(result.edge_edge.elements, expected.edge_edge)) << "edge-edge";
+  EXPECT_EQ(result.counts.candidates_vt, result.vertex_triangle.size());
+  EXPECT_EQ(result.counts.candidates_ee, result.edge_edge.size());
+}
+
+class BroadPhaseScene : public OnBackend<::testing::TestWithParam<scenes::SceneInfo>> {};
+
+// The largest scenes are looked at less often: brute force takes seconds there.
+std::vector<double> times_for(uint64_t triangles) {
+  if (triangles > 60000) return {0.5, 1};
+  return {0, 0.2, 0.5, 0.8, 1};
+}
+
+// One dense cell has a quadratic number of pairs; a coarser scene says as much.
+double scale_for(const std::string& scene) { return scene == "one_cell" ? 0.4 : 1; }
+
+void expect_scene(const std::string& name, Mode mode, double thickness) {
+  const auto scene = scenes::make_scene(name, scale_for(name));
+  for (double t : times_for(scene->triangle_count())) {
+    SCOPED_TRACE(t);
+    Case c = case_of(*scene, mode == Mode::kCcd ? std::max(0.0, t - 1.0 / 60) : t, t);
+    c.name = name;
+    for (Scalar scalar : {Scalar::kF32, Scalar::kF64}) expect_brute_force(c, mode, scalar, thickness);
+  }
+}
+
+TEST_P(BroadPhaseScene, ContinuousEqualsBruteForce) { expect_scene(GetParam().name, Mode::kCcd, 0); }
+TEST_P(BroadPhaseScene, DiscreteEqualsBruteForce) { expect_scene(GetParam().name, Mode::kDcd, kDcdThickness); }
+
+INSTANTIATE_TEST_SUITE_P(Procedural, BroadPhaseScene, ::testing::ValuesIn(scenes::list_scenes()),
+                         [](const auto& info) { return info.param.name; });
+
+class BroadPhaseFamily : public OnBackend<::testing::TestWithParam<Case>> {};
+
+TEST_P(BroadPhaseFamily, ContinuousEqualsBruteForce) {
+  for (Scalar scalar : {Scalar::kF32, Scalar::kF64}) expect_brute_force(GetParam(), Mode::kCcd, scalar, 0);
+}
+
+TEST_P(BroadPhaseFamily, ContinuousWithThicknessEqualsBruteForce) {
+  for (Scalar scalar : {Scalar::kF32, Scalar::kF64}) expect_brute_force(GetParam(), Mode::kCcd, scalar, 0.02);
+}
+
+TEST_P(BroadPhaseFamily, DiscreteEqualsBruteForce) {
+  for (double thickness : {0.0, kDcdThickness})
+    for (Scalar scalar : {Scalar::kF32, Scalar::kF64}) expect_brute_force(GetParam(), Mode::kDcd, scalar, thickness);
+}
+
+INSTANTIATE_TEST_SUITE_P(Adversarial, BroadPhaseFamily, ::testing::ValuesIn(adversarial_cases()),
+                         [](const auto& info) { return info.param.name; });
+
+using BroadPhase = OnBackend<>;
+
+TEST_F(BroadPhase, TopologyIsThatOfTheMeshes) {
+  const Case c = case_of("reef_knot", 0.5, Mode::kCcd);
+  const auto detector = Detector::create(spec_for(c, settings(Mode::kCcd, Accuracy::kCandidates)));
+  const Features expected = features_of(c);
+  EXPECT_EQ(detector->topology().triangles, expected.triangles);
+  EXPECT_EQ(detector->topology().edges, expected.edges);
+  EXPECT_EQ(detector->topology().vertex_count, expected.mesh_of_vertex.size());
+  EXPECT_EQ(detector->topology().vertex_offset.size(), c.meshes.size() + 1);
+  EXPECT_EQ(detector->topology().triangle_offset.back(), expected.triangles.size());
+}
+
+}  // namespace
+}  // namespace collided::test
