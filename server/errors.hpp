@@ -1,0 +1,40 @@
+#pragma once
+// The daemon's own refusals; the engine's are in gpu/detector.hpp. status.cpp maps both to gRPC codes.
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace collided::server {
+
+/// A refusal that names a field of the request.
+class FieldError : public std::runtime_error {
+ public:
+  FieldError(std::string field, const std::string& what) : runtime_error(what), field_(std::move(field)) {}
+  const std::string& field() const { return field_; }
+
+ private:
+  std::string field_;
+};
+
+/// The scene does not exist (any more).
+class NotFound : public FieldError {
+  using FieldError::FieldError;
+};
+
+/// The request is sound, but not in the present state.
+class FailedPrecondition : public FieldError {
+  using FieldError::FieldError;
+};
+
+/// A field of the protocol that the daemon does not serve.
+class Unimplemented : public FieldError {
+  using FieldError::FieldError;
+};
+
+/// The request passes a limit of the daemon.
+class LimitExceeded : public FieldError {
+  using FieldError::FieldError;
+};
+
+}  // namespace collided::server

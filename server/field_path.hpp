@@ -1,0 +1,29 @@
+#pragma once
+// The engine names fields by its own structs; clients know those of the protocol.
+
+#include <string>
+#include <string_view>
+
+namespace collided::server {
+
+inline std::string with_last_part(const std::string& path, std::string_view from, std::string_view to) {
+  const bool whole = path == from;
+  const bool last = path.size() > from.size() && path.ends_with(from) && path[path.size() - from.size() - 1] == '.';
+  return whole || last ? path.substr(0, path.size() - from.size()) + std::string(to) : path;
+}
+
+/// "updates[1].end" -> "frame.updates[1].positions".
+inline std::string frame_path(const std::string& engine_path) {
+  if (engine_path.empty()) return "frame";
+  const std::string path = with_last_part(engine_path, "start", "start_positions");
+  return "frame." + with_last_part(path, "end", "positions");
+}
+
+/// "meshes[0].triangles[5]" -> "spec.meshes[0].triangles[5]".
+inline std::string spec_path(const std::string& engine_path) {
+  if (engine_path.empty()) return "spec";
+  const std::string path = with_last_part(engine_path, "memory_budget", "memory_budget_bytes");
+  return "spec." + with_last_part(path, "scalar", "position_format");
+}
+
+}  // namespace collided::server

@@ -1,0 +1,96 @@
+// A resident scene: its plan, its detector, its worker, and what others may see of it.
+#include "server/scene.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "server/errors.hpp"
+#include "server/field_path.hpp"
+#include "server/frame_check.hpp"
+
+namespace collided::server {
+
+Scene::Scene(std::string id, ScenePlan plan, size_t queue_capacity)
+    : id_(std::move(id)), plan_(std::move(plan)), pending_(plan_.engine), worker_(queue_capacity) {
+  for (size_t i = 0; i < plan_.meshes.size(); ++i) {
+    shown_.vertices += pending_.meshes[i].vertex_count;
+    shown_.triangles += pending_.meshes[i].triangles.size() + plan_.meshes[i].awaited;
+    awaited_.push_back(plan_.meshes[i].awaited);
+    plan_.engine.meshes[i].triangles = {};
+  }
+}
+
+SceneSnapshot Scene::snapshot() const {
+  std::lock_guard lock(mutex_);
+  return shown_;
+}
+
+uint64_t Scene::awaited(uint32_t mesh) const {
+  std::lock_guard lock(mutex_);
+  return awaited_.at(mesh);
+}
+
+void Scene::check_open() const {
+  if (closed_) throw NotFound("scene_id", fmt::format("scene {} was deleted", id_));
+}
+
+void Scene::build_if_complete() {
+  check_open();
+  if (std::any_of(awaited_.begin(), awaited_.end(), [](uint64_t n) { return n > 0; })) return;
+  try {
+    detector_ = Detector::create(std::move(pending_));
+  } catch (const InvalidInput& e) {
+    throw InvalidInput(spec_path(e.field()), e.what());
+  }
+  pending_ = {};
+  publish();
+}
+
+void Scene::add_triangles(uint32_t mesh, const Triangles& triangles) {
+  check_open();
+  {
+    std::lock_guard lock(mutex_);
+    if (triangles.size() > awaited_[mesh])
+      throw FailedPrecondition("triangles", fmt::format("triangles brings {} to mesh \"{}\", which awaits {}",
+                                                        triangles.size(), plan_.meshes[mesh].name, awaited_[mesh]));
+    awaited_[mesh] -= triangles.size();
+  }
+  auto& all = pending_.meshes[mesh].triangles;
+  all.insert(all.end(), triangles.begin(), triangles.end());
+  build_if_complete();
+}
+
+FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame) {
+  check_open();
+  if (!detector_) throw FailedPrecondition("scene_id", fmt::format("scene {} still awaits triangles", id_));
+  const uint64_t last = shown_.last_frame_id;  // written by this thread only
+  check_frame_id(frame_id, last);
+  check_updates(plan_, frame, last == 0);
+  FrameResult result;
+  try {
+    result = detector_->detect(frame);
+  } catch (const InvalidInput& e) {
+    throw InvalidInput(frame_path(e.field()), e.what());
+  }
+  {
+    std::lock_guard lock(mutex_);
+    shown_.last_frame_id = frame_id;
+  }
+  publish();
+  return result;
+}
+
+void Scene::publish() {
+  auto memory = detector_->memory();
+  const auto& topology = detector_->topology();
+  auto device = detector_->device().name;
+  std::lock_guard lock(mutex_);
+  shown_.ready = true;
+  shown_.device = std::move(device);
+  shown_.edges = topology.edges.size();
+  shown_.memory = std::move(memory);
+}
+
+}  // namespace collided::server

@@ -1,0 +1,36 @@
+#pragma once
+// One thread that runs a scene's work in order, with a bounded queue for frames.
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <thread>
+
+namespace collided::server {
+
+class SceneWorker {
+ public:
+  using Job = std::function<void()>;  ///< must not throw
+
+  explicit SceneWorker(size_t capacity);
+  /// Runs what is queued, then ends the thread.
+  ~SceneWorker();
+  SceneWorker(const SceneWorker&) = delete;
+  SceneWorker& operator=(const SceneWorker&) = delete;
+
+  /// Queues a frame; false if the queue is full.
+  bool try_post(Job job);
+  /// Queues control work, which is never refused.
+  void post(Job job);
+  /// Waits until all that is queued now has run. Not from the worker's own thread.
+  void flush();
+
+ private:
+  struct State;
+  static void run(const std::shared_ptr<State>& state);
+
+  std::shared_ptr<State> state_;
+  std::thread thread_;
+};
+
+}  // namespace collided::server

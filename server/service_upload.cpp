@@ -1,0 +1,54 @@
+// One UploadMesh call.
+#include "server/service_upload.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include "server/errors.hpp"
+#include "server/status.hpp"
+
+namespace collided::server {
+
+void MeshUpload::OnReadDone(bool ok) try {
+  if (!ok) return commit();
+  if (!scene_) begin();
+  take();
+  StartRead(&request_);
+} catch (...) {
+  Finish(to_status(describe_current()));
+}
+
+void MeshUpload::begin() {
+  auto scene = scenes_.find(request_.scene_id());
+  mesh_ = request_.mesh();
+  const auto& meshes = scene->plan().meshes;
+  if (mesh_ >= meshes.size())
+    throw InvalidInput("mesh", fmt::format("mesh is {}, but the scene has {} meshes", mesh_, meshes.size()));
+  if (scene->awaited(mesh_) == 0)
+    throw FailedPrecondition("mesh",
+                             fmt::format("mesh is {} (\"{}\"), which awaits no triangles", mesh_, meshes[mesh_].name));
+  scene_ = std::move(scene);
+}
+
+void MeshUpload::take() {
+  parse_triangles(request_.triangles(), scene_->plan().engine.meshes[mesh_].vertex_count, "triangles", triangles_);
+  const uint64_t awaited = scene_->awaited(mesh_);
+  if (triangles_.size() > awaited)
+    throw InvalidInput("triangles",
+                       fmt::format("triangles brings {} or more, but the mesh awaits {}", triangles_.size(), awaited));
+}
+
+void MeshUpload::commit() {
+  if (!scene_) throw InvalidInput("scene_id", "scene_id is missing: the upload had no chunk");
+  scene_->worker().post([this] {
+    try {
+      scene_->add_triangles(mesh_, triangles_);
+      fill_scene(*scene_, response_->mutable_scene());
+      spdlog::info("scene {}: {} triangles for mesh {}", scene_->id(), triangles_.size(), mesh_);
+      Finish(grpc::Status::OK);
+    } catch (...) {
+      Finish(to_status(describe_current()));
+    }
+  });
+}
+
+}  // namespace collided::server

@@ -1,0 +1,35 @@
+#pragma once
+// One UploadMesh call: gathers the chunks of one mesh and hands them to the scene's worker at the end.
+
+#include <grpcpp/grpcpp.h>
+
+#include <memory>
+
+#include "server/convert.hpp"
+#include "server/scene_store.hpp"
+
+namespace collided::server {
+
+class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
+ public:
+  MeshUpload(SceneStore& scenes, pb::UploadMeshResponse* response) : scenes_(scenes), response_(response) {
+    StartRead(&request_);
+  }
+
+  void OnReadDone(bool ok) override;
+  void OnDone() override { delete this; }
+
+ private:
+  void begin();
+  void take();
+  void commit();
+
+  SceneStore& scenes_;
+  pb::UploadMeshResponse* response_;
+  pb::UploadMeshRequest request_;
+  std::shared_ptr<Scene> scene_;
+  uint32_t mesh_ = 0;
+  Scene::Triangles triangles_;
+};
+
+}  // namespace collided::server
