@@ -151,7 +151,7 @@ Aimed aimed_vertices(uint32_t count) {
   Aimed aimed;
   for (uint32_t i = 0; i < count; ++i) {
     const double time = 0.1 + 0.8 * (i + 0.5) / count, u = 0.2 + 0.3 * ((i * 7) % 10) / 10.0, w = 0.3;
-    const Vec3d place{i * 20.0, 0, 0};
+    const Vec3d place{i * 4.0, 0, 0};
     const auto local = [&](const Positions& p, uint32_t k) {
       const Vec3d &x = p[9 * i + k], &origin = source.start[0][9 * i];
       return Vec3d{place[0] + x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]};
@@ -186,7 +186,7 @@ TEST_P(NarrowProperty, AimedVerticesHitNotLaterThanAimed) {
   aimed.c = rounded(aimed.c, GetParam());
   const FrameResult r = run_case(aimed.c, fast(Mode::kCcd, GetParam()));
   const std::vector<PairKey> keys = keys_of(r.vertex_triangle);
-  // Floats far from the origin move the hit: their grid is 2^-12 at 4000.
+  // Floats far from the origin move the hit: their grid is 2^-14 at 800.
   const double late = GetParam() == Scalar::kF32 ? 5e-3 : 1e-6;
   for (uint32_t i = 0; i < kCount; ++i) {
     const auto at = std::lower_bound(keys.begin(), keys.end(), key_of(6 * i + 3, 2 * i));

@@ -1,0 +1,168 @@
+// What one frame leaves behind for the next: positions, grown buffers, and nothing else.
+
+#include "tests/gpu/backend.hpp"
+#include "tests/support/adversarial.hpp"
+#include "tests/support/digest.hpp"
+
+namespace collided::test {
+namespace {
+
+SceneSpec fast_spec() { return settings(Mode::kCcd, Accuracy::kFast, Scalar::kF64); }
+
+// Everything far apart, and everything on one spot: few pairs, and millions.
+Case sparse_case() { return soup(60, 1500, 100, 0.2, 0.01); }
+Case dense_case() { return soup(61, 1500, 0.01, 0.2, 0.01); }
+
+using DetectorState = OnBackend<>;
+
+TEST_F(DetectorState, StartIsWhereTheLastFrameEnded) {
+  const auto scene = scenes::make_scene("funnel", 0.3);
+  std::unique_ptr<Detector> kept;
+  for (int step = 0; step < 4; ++step) {
+    const Case c = case_of(*scene, 0.5 + 0.02 * step, 0.52 + 0.02 * step);
+    if (!kept) kept = Detector::create(spec_for(c, fast_spec()));
+    const Frame frame(c, Mode::kCcd, Scalar::kF64, step == 0);
+    FrameInput input = frame.input();
+    if (step > 0)
+      for (MeshPositions& update : input.updates) update.start = {};
+    const FrameResult expected = run_case(c, fast_spec());
+    EXPECT_TRUE(same_contacts(expected, kept->detect(input))) << step;
+  }
+}
+
+TEST_F(DetectorState, AMeshThatIsNotNamedStandsStill) {
+  Case c = soup(62, 300, 1, 0.2, 0.1);
+  const Case second = soup(63, 300, 1, 0.2, 0.1);
+  add_mesh(c, second.meshes[0].triangles, second.start[0], second.end[0]);
+  auto kept = Detector::create(spec_for(c, fast_spec()));
+  kept->detect(Frame(c, Mode::kCcd, Scalar::kF64).input());
+
+  Case next = c;  // mesh 0 goes back, mesh 1 rests where it arrived
+  std::swap(next.start[0], next.end[0]);
+  next.start[1] = next.end[1];
+  const Frame frame(next, Mode::kCcd, Scalar::kF64);
+  FrameInput input = frame.input();
+  input.updates.pop_back();
+  EXPECT_TRUE(same_contacts(run_case(next, fast_spec()), kept->detect(input)));
+}
+
+TEST_F(DetectorState, ManyFramesEqualFreshScenes) {
+  const auto scene = scenes::make_scene("reef_knot", 0.3);
+  auto kept = Detector::create(spec_for(case_of(*scene, 0, 0), fast_spec()));
+  for (int step = 0; step < 12; ++step) {
+    const double t = (step * 5 % 12) / 12.0;
+    const Case c = case_of(*scene, t, t + 1.0 / 60);
+    const Frame frame(c, Mode::kCcd, Scalar::kF64, step == 0);
+    EXPECT_TRUE(same_contacts(run_case(c, fast_spec()), kept->detect(frame.input()))) << step;
+  }
+}
+
+TEST_F(DetectorState, GrownBuffersGiveTheSameResult) {
+  const Case dense = dense_case();
+  auto kept = Detector::create(spec_for(dense, fast_spec()));
+  kept->detect(Frame(sparse_case(), Mode::kCcd, Scalar::kF64).input());
+  const Frame frame(dense, Mode::kCcd, Scalar::kF64);
+  const FrameResult grown = kept->detect(frame.input());
+  const FrameResult warm = kept->detect(frame.input());
+  EXPECT_EQ(warm.replays, 0u) << "buffers keep their size";
+  EXPECT_TRUE(same_contacts(grown, warm));
+  EXPECT_TRUE(same_contacts(grown, run_case(dense, fast_spec())));
+}
+
+uint64_t bytes_of(const Detector& detector) {
+  uint64_t sum = 0;
+  for (const MemoryPart& part : detector.memory()) sum += part.bytes;
+  return sum;
+}
+
+TEST_F(DetectorState, TooSmallABudgetFailsTheFrameAlone) {
+  const Case sparse = sparse_case();
+  const Frame sparse_frame(sparse, Mode::kCcd, Scalar::kF64), dense_frame(dense_case(), Mode::kCcd, Scalar::kF64);
+  SceneSpec spec = spec_for(sparse, fast_spec());
+  auto unbounded = Detector::create(spec);
+  const FrameResult expected = unbounded->detect(sparse_frame.input());
+  spec.memory_budget = bytes_of(*unbounded) * 3 / 2 + (4u << 20);
+
+  auto bounded = Detector::create(spec);
+  EXPECT_TRUE(same_contacts(expected, bounded->detect(sparse_frame.input())));
+  EXPECT_THROW(bounded->detect(dense_frame.input()), ResourceExhausted);
+  EXPECT_LE(bytes_of(*bounded), spec.memory_budget);
+  FrameInput rest = sparse_frame.input();
+  rest.updates[0].start = {};  // from the end of the good frame, not of the failed one
+  unbounded->detect(rest);
+  EXPECT_TRUE(same_contacts(unbounded->detect(sparse_frame.input()), bounded->detect(sparse_frame.input())));
+}
+
+TEST_F(DetectorState, FailedFrameLeavesPositions) {
+  const Case sparse = sparse_case();
+  const Frame sparse_frame(sparse, Mode::kCcd, Scalar::kF64), dense_frame(dense_case(), Mode::kCcd, Scalar::kF64);
+  SceneSpec spec = spec_for(sparse, fast_spec());
+  auto unbounded = Detector::create(spec);
+  unbounded->detect(sparse_frame.input());
+  spec.memory_budget = bytes_of(*unbounded) * 3 / 2 + (4u << 20);
+  auto bounded = Detector::create(spec);
+  bounded->detect(sparse_frame.input());
+  EXPECT_THROW(bounded->detect(dense_frame.input()), ResourceExhausted);
+  FrameInput rest = sparse_frame.input();
+  rest.updates[0].start = {};
+  EXPECT_TRUE(same_contacts(unbounded->detect(rest), bounded->detect(rest)));
+}
+
+TEST_F(DetectorState, AHopelessBudgetIsRefused) {
+  SceneSpec spec = spec_for(sparse_case(), fast_spec());
+  spec.memory_budget = 1000;
+  EXPECT_THROW(
+      {
+        auto detector = Detector::create(spec);
+        detector->detect(Frame(sparse_case(), Mode::kCcd, Scalar::kF64).input());
+      },
+      ResourceExhausted);
+}
+
+TEST_F(DetectorState, CancellingLeavesTheSceneAsItWas) {
+  const Case c = soup(64, 500, 1, 0.2, 0.1), other = soup(65, 500, 1, 0.2, 0.1);
+  auto kept = Detector::create(spec_for(c, fast_spec()));
+  auto twin = Detector::create(spec_for(c, fast_spec()));
+  const Frame first(c, Mode::kCcd, Scalar::kF64), second(other, Mode::kCcd, Scalar::kF64);
+  kept->detect(first.input());
+  twin->detect(first.input());
+
+  int asked = 0;
+  FrameInput counted = second.input();
+  counted.cancelled = [&] { return ++asked, false; };
+  Detector::create(spec_for(c, fast_spec()))->detect(counted);
+  EXPECT_GT(asked, 3);
+
+  for (int stop_at = 1; stop_at <= asked; ++stop_at) {
+    int now = 0;
+    FrameInput input = second.input();
+    input.cancelled = [&] { return ++now >= stop_at; };
+    EXPECT_THROW(kept->detect(input), Cancelled) << stop_at;
+  }
+  FrameInput rest = second.input();
+  rest.updates[0].start = {};
+  EXPECT_TRUE(same_contacts(twin->detect(rest), kept->detect(rest)));
+}
+
+TEST_F(DetectorState, CancelledFirstFrameIsStillTheFirst) {
+  const Case c = soup(66, 200, 1, 0.2, 0.1);
+  auto detector = Detector::create(spec_for(c, fast_spec()));
+  const Frame frame(c, Mode::kCcd, Scalar::kF64);
+  FrameInput input = frame.input();
+  input.cancelled = [] { return true; };
+  EXPECT_THROW(detector->detect(input), Cancelled);
+  EXPECT_THROW(detector->detect(FrameInput{}), InvalidInput);
+  EXPECT_TRUE(same_contacts(run_case(c, fast_spec()), detector->detect(frame.input())));
+}
+
+TEST_F(DetectorState, DetectorsAreIndependent) {
+  const Case a = soup(67, 300, 1, 0.2, 0.1), b = soup(68, 400, 1, 0.2, 0.1);
+  auto one = Detector::create(spec_for(a, fast_spec())), two = Detector::create(spec_for(b, fast_spec()));
+  const FrameResult ra = one->detect(Frame(a, Mode::kCcd, Scalar::kF64).input());
+  const FrameResult rb = two->detect(Frame(b, Mode::kCcd, Scalar::kF64).input());
+  EXPECT_TRUE(same_contacts(ra, run_case(a, fast_spec())));
+  EXPECT_TRUE(same_contacts(rb, run_case(b, fast_spec())));
+}
+
+}  // namespace
+}  // namespace collided::test
