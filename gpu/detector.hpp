@@ -64,9 +64,9 @@ struct SceneSpec {
   double thickness = 0;  ///< >= 0, finite, unit of the positions
   bool vertex_triangle = true;
   bool edge_edge = true;
-  bool weights = false;           ///< return the closest points' weights
-  uint64_t memory_budget = 0;     ///< bytes on the backend; 0: no limit but the device's
-  int threads = 0;                ///< CPU threads; 0: all cores
+  bool weights = false;        ///< return the closest points' weights
+  uint64_t memory_budget = 0;  ///< bytes on the backend; 0: no limit but the device's
+  int threads = 0;             ///< CPU threads; 0: all cores
   std::vector<MeshSpec> meshes;
 };
 

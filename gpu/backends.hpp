@@ -1,0 +1,16 @@
+#pragma once
+// The backends that this build has; one source file makes each.
+
+#include "gpu/topology.hpp"
+
+namespace collided {
+
+std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables features);
+
+/// Throws DeviceError where there is no usable device, or the build has no CUDA.
+std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features);
+
+DeviceInfo cpu_device();
+std::vector<DeviceInfo> cuda_devices();
+
+}  // namespace collided

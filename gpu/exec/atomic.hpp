@@ -1,0 +1,57 @@
+#pragma once
+// Counters that many threads add to, and lists that many threads append to.
+
+#ifndef __CUDA_ARCH__
+#include <atomic>
+#endif
+
+#include "gpu/exec/host_device.hpp"
+
+namespace collided {
+
+/// Adds and returns the value before. Relaxed: the end of a stage orders everything.
+COLLIDED_HD inline uint32_t atomic_add(uint32_t& target, uint32_t value) {
+#ifdef __CUDA_ARCH__
+  return atomicAdd(&target, value);
+#else
+  return std::atomic_ref<uint32_t>(target).fetch_add(value, std::memory_order_relaxed);
+#endif
+}
+
+COLLIDED_HD inline uint64_t atomic_add(uint64_t& target, uint64_t value) {
+#ifdef __CUDA_ARCH__
+  return atomicAdd(reinterpret_cast<unsigned long long*>(&target), static_cast<unsigned long long>(value));
+#else
+  return std::atomic_ref<uint64_t>(target).fetch_add(value, std::memory_order_relaxed);
+#endif
+}
+
+/// One slot for each calling thread; a warp's threads that get here together share one atomic.
+COLLIDED_HD inline uint64_t claim_slot(uint64_t& count) {
+#ifdef __CUDA_ARCH__
+  const unsigned active = __activemask();
+  const unsigned lane = threadIdx.x & 31u;
+  const int leader = __ffs(static_cast<int>(active)) - 1;
+  unsigned long long base = 0;
+  if (static_cast<int>(lane) == leader) base = atomic_add(count, static_cast<uint64_t>(__popc(active)));
+  base = __shfl_sync(active, base, leader);
+  return base + __popc(active & ((1u << lane) - 1u));
+#else
+  return atomic_add(count, uint64_t{1});
+#endif
+}
+
+/// A list that counts past its capacity without writing there, so that the exact need is known and the stage
+/// can be run again at that size: nothing is ever dropped.
+template <class T>
+struct AppendList {
+  Span<T> items;
+  uint64_t* count = nullptr;
+
+  COLLIDED_HD void push(const T& value) const {
+    const uint64_t slot = claim_slot(*count);
+    if (slot < items.size()) items[slot] = value;
+  }
+};
+
+}  // namespace collided

@@ -1,0 +1,45 @@
+#pragma once
+// Who holds how many bytes of a scene's budget.
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "gpu/detector.hpp"
+
+namespace collided {
+
+class MemoryLedger {
+ public:
+  explicit MemoryLedger(uint64_t budget) : budget_(budget) {}
+
+  /// Throws ResourceExhausted if `bytes` more would pass the budget; else books them.
+  void take(const std::string& part, uint64_t bytes) {
+    if (budget_ != 0 && bytes > budget_ - std::min(budget_, total_))
+      throw ResourceExhausted("memory_budget: " + part + " needs " + std::to_string(bytes) +
+                              " bytes more, the scene holds " + std::to_string(total_) + " of a budget of " +
+                              std::to_string(budget_));
+    parts_[part] += bytes;
+    total_ += bytes;
+  }
+
+  void give_back(const std::string& part, uint64_t bytes) {
+    parts_[part] -= bytes;
+    total_ -= bytes;
+  }
+
+  std::vector<MemoryPart> parts() const {
+    std::vector<MemoryPart> out;
+    for (const auto& [part, bytes] : parts_)
+      if (bytes != 0) out.push_back({part, bytes});
+    return out;
+  }
+
+ private:
+  std::map<std::string, uint64_t> parts_;
+  uint64_t total_ = 0;
+  uint64_t budget_;
+};
+
+}  // namespace collided

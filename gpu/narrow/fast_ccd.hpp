@@ -1,0 +1,84 @@
+#pragma once
+// CCD at level FAST, as in the paper (section 3.3; Provot 1997): the times at which the four vertices are coplanar
+// are roots of a cubic; the first of them at which the features are in proximity is the time of impact. Both ends
+// of the step are looked at too. Working precision, no guarantee: degenerate motions can be missed.
+
+#include "gpu/math/cubic.hpp"
+#include "gpu/math/distance.hpp"
+#include "gpu/narrow/proximity.hpp"
+
+namespace collided {
+
+/// Proximity at a root, in units of the query's extent: what rounding alone may leave between touching features.
+COLLIDED_HD inline float proximity_tolerance(float) { return 1e-6f; }
+COLLIDED_HD inline double proximity_tolerance(double) { return 1e-9; }
+
+/// The three vectors whose determinant vanishes when the four vertices are coplanar.
+template <class Real>
+COLLIDED_HD void spanning_vectors(const VertexTriangle&, const Vec3<Real> (&p)[4], Vec3<Real> (&out)[3]) {
+  out[0] = p[2] - p[1], out[1] = p[3] - p[1], out[2] = p[0] - p[1];
+}
+template <class Real>
+COLLIDED_HD void spanning_vectors(const EdgeEdge&, const Vec3<Real> (&p)[4], Vec3<Real> (&out)[3]) {
+  out[0] = p[1] - p[0], out[1] = p[3] - p[2], out[2] = p[2] - p[0];
+}
+
+template <class Real, class Kind>
+struct SolveCubicCcd {
+  const Vec3<Real>* start;
+  const Vec3<Real>* end;
+  Real thickness;
+  Kind kind;
+  Span<const uint64_t> candidates;
+  ContactList<Real> contacts;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const Query q(kind.stencil(candidates[i]), start, end);
+    const Cubic<Real> f = cubic(q);
+    if (thickness == 0 && f.one_sided()) return;
+    const Real reach = thickness + proximity_tolerance(Real(0)) * q.extent();
+    if (report(i, q, Real(0), reach)) return;
+    Real roots[3];
+    const int n = roots_in_unit(f, roots);
+    for (int r = 0; r < n; ++r)
+      if (report(i, q, roots[r], reach)) return;
+    report(i, q, Real(1), reach);
+  }
+
+ private:
+  struct Query {
+    Vec3<Real> x[4], y[4];
+
+    COLLIDED_HD Query(const Stencil& s, const Vec3<Real>* start, const Vec3<Real>* end) {
+      const Vec3<Real> o = start[s.v[0]];
+      for (int k = 0; k < 4; ++k) {
+        x[k] = start[s.v[k]] - o;
+        y[k] = end[s.v[k]] - o;
+      }
+    }
+    COLLIDED_HD Real extent() const {
+      Real m = 0;
+      for (int k = 0; k < 4; ++k) m = larger(m, larger(largest_component(x[k]), largest_component(y[k])));
+      return m;
+    }
+    COLLIDED_HD Vec3<Real> at(int k, Real t) const { return t == 1 ? y[k] : x[k] + t * (y[k] - x[k]); }
+  };
+
+  COLLIDED_HD Cubic<Real> cubic(const Query& q) const {
+    Vec3<Real> u[3], v[3];
+    spanning_vectors(kind, q.x, u);
+    spanning_vectors(kind, q.y, v);
+    return moving_triple(u, v);
+  }
+
+  COLLIDED_HD bool report(uint64_t i, const Query& q, Real t, Real reach) const {
+    const Vec3<Real> p[4] = {q.at(0, t), q.at(1, t), q.at(2, t), q.at(3, t)};
+    const Closest<Real> found = closest(kind, p);
+    const Real distance = std::sqrt(found.squared);
+    if (!(distance <= reach)) return false;
+    contacts.push(candidates[i], {t, distance, found.w0, found.w1, t == 0 ? uint8_t{kFlagInitial} : uint8_t{0}});
+    return true;
+  }
+};
+
+}  // namespace collided

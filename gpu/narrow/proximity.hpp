@@ -1,0 +1,37 @@
+#pragma once
+// DCD: features of one frame that are at most `thickness` apart. Level FAST: working precision, no guarantee.
+
+#include "gpu/math/distance.hpp"
+#include "gpu/narrow/contact.hpp"
+
+namespace collided {
+
+template <class Real>
+COLLIDED_HD Closest<Real> closest(const VertexTriangle&, const Vec3<Real> (&p)[4]) {
+  return closest_vertex_triangle(p[0], p[1], p[2], p[3]);
+}
+template <class Real>
+COLLIDED_HD Closest<Real> closest(const EdgeEdge&, const Vec3<Real> (&p)[4]) {
+  return closest_edge_edge(p[0], p[1], p[2], p[3]);
+}
+
+template <class Real, class Kind>
+struct TestProximity {
+  const Vec3<Real>* positions;
+  Real thickness;
+  Kind kind;
+  Span<const uint64_t> candidates;
+  ContactList<Real> contacts;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const Stencil s = kind.stencil(candidates[i]);
+    // Differences to one vertex keep digits that coordinates far from the origin would waste.
+    const Vec3<Real> o = positions[s.v[0]];
+    const Vec3<Real> p[4] = {o - o, positions[s.v[1]] - o, positions[s.v[2]] - o, positions[s.v[3]] - o};
+    const Closest<Real> found = closest(kind, p);
+    const Real distance = std::sqrt(found.squared);
+    if (distance <= thickness) contacts.push(candidates[i], {Real(0), distance, found.w0, found.w1, 0});
+  }
+};
+
+}  // namespace collided
