@@ -1,0 +1,31 @@
+#pragma once
+// What one scene cost, as JSON.
+
+#include <iosfwd>
+#include <map>
+
+#include "tests/support/case.hpp"
+
+namespace collided::test {
+
+struct SceneReport {
+  std::string name;
+  uint64_t triangles = 0, device_bytes = 0, digest = 0;
+  int steps = 0;
+  uint32_t replays = 0;
+  FrameCounts counts;                                    ///< of the last step
+  std::vector<std::pair<std::string, double>> stage_ms;  ///< medians, in the order of the pipeline
+  double total_ms = 0;                                   ///< median of the sum of a step's stages
+  double wall_ms = 0;                                    ///< median of detect(), transfers included
+};
+
+struct RunReport {
+  std::string date, commit, device, mode, accuracy, scalar;
+  double thickness = 0;
+  std::vector<SceneReport> scenes;
+};
+
+double median(std::vector<double> values);
+void write_json(std::ostream& out, const RunReport& report);
+
+}  // namespace collided::test
