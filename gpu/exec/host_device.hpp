@@ -22,7 +22,12 @@ struct Span {
   COLLIDED_HD T& operator[](uint64_t i) const { return data[i]; }
   COLLIDED_HD uint64_t size() const { return count; }
   COLLIDED_HD bool empty() const { return count == 0; }
-  COLLIDED_HD operator Span<const T>() const requires(!std::is_const_v<T>) { return {data, count}; }
+
+  /// Anyone may read what one may write.
+  template <class U, class = std::enable_if_t<std::is_same_v<U, const T> && !std::is_const_v<T>>>
+  COLLIDED_HD operator Span<U>() const {
+    return {data, count};
+  }
 };
 
 }  // namespace collided
