@@ -1,0 +1,20 @@
+#pragma once
+// Positions to the bytes of the wire.
+
+#include <array>
+#include <span>
+#include <string>
+
+#include "collided/v1/frame.pb.h"
+
+namespace collided::client {
+
+using Positions = std::span<const std::array<double, 3>>;
+
+/// Packs as F32 (rounded to nearest) or F64. Throws Error (INVALID_ARGUMENT) for other formats.
+std::string pack_positions(Positions positions, v1::PositionFormat format);
+
+/// The update of one mesh; `start` (t = 0, for CCD) may be empty.
+v1::MeshUpdate mesh_update(uint32_t mesh, v1::PositionFormat format, Positions positions, Positions start = {});
+
+}  // namespace collided::client
