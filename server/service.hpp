@@ -12,6 +12,7 @@
 #include "server/convert.hpp"
 #include "server/scene_store.hpp"
 #include "server/service_stream.hpp"
+#include "server/service_upload.hpp"
 
 namespace collided::server {
 

@@ -1,0 +1,173 @@
+// What a client may get wrong. After each refused frame the next good one has the right answer.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "tests/integration/daemon_process.hpp"
+#include "tests/integration/tip_scene.hpp"
+
+namespace collided::test {
+namespace {
+
+class BadInput : public testing::Test {
+ protected:
+  using Change = std::function<void(pb::Frame&)>;
+
+  // A scene with one good frame, then the frame with `change`, then a good frame.
+  void expect_refused(const Change& change, grpc::StatusCode code, const std::string& field) {
+    Stream stream(*stub_, make_scene(*stub_, tip_request()));
+    expect_tip_contact(stream.ask(first_frame(2)), 2);
+    auto bad = tip_frame(2, 2);
+    change(bad);
+    const Answer answer = stream.ask(bad);
+    ASSERT_TRUE(answer.error) << field;
+    EXPECT_EQ(answer.error->code(), code) << answer.error->message();
+    EXPECT_EQ(answer.error->field(), field) << answer.error->message();
+    EXPECT_NE(answer.error->message().find(field), std::string::npos) << answer.error->message();
+    EXPECT_TRUE(answer.chunks.empty());
+    auto good = tip_frame(2, 3);  // goes on from the last good frame, whose tip ended at z = -1
+    good.mutable_updates(0)->set_start_positions(pack_points(tip_points(1), false));
+    expect_tip_contact(stream.ask(good), 3);
+    EXPECT_TRUE(stream.finish().ok());
+  }
+
+  grpc::Status create(const std::function<void(pb::CreateSceneRequest&)>& change) {
+    auto request = tip_request();
+    change(request);
+    grpc::ClientContext context;
+    pb::CreateSceneResponse response;
+    return stub_->CreateScene(&context, request, &response);
+  }
+
+  DaemonProcess daemon_{{"--max-message-mb", "1"}};
+  std::unique_ptr<Stub> stub_ = pb::CollisionService::NewStub(daemon_.channel());
+};
+
+TEST_F(BadInput, NotANumber) {
+  for (const double value : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    expect_refused([&](auto& f) { f.mutable_updates(0)->set_positions(pack_points(tip_points(value), false)); },
+                   grpc::INVALID_ARGUMENT, "frame.updates[0].positions");
+  expect_refused([](auto& f) { f.mutable_updates(0)->set_start_positions(pack_points(tip_points(-1.0 / 0.0), false)); },
+                 grpc::INVALID_ARGUMENT, "frame.updates[0].start_positions");
+}
+
+TEST_F(BadInput, WrongLength) {
+  expect_refused([](auto& f) { f.mutable_updates(0)->mutable_positions()->pop_back(); }, grpc::INVALID_ARGUMENT,
+                 "frame.updates[0].positions");
+  expect_refused([](auto& f) { f.mutable_updates(0)->clear_positions(); }, grpc::INVALID_ARGUMENT,
+                 "frame.updates[0].positions");
+  expect_refused([](auto& f) { f.mutable_updates(0)->mutable_start_positions()->append(12, '\0'); },
+                 grpc::INVALID_ARGUMENT, "frame.updates[0].start_positions");
+}
+
+TEST_F(BadInput, Meshes) {
+  expect_refused([](auto& f) { f.mutable_updates(0)->set_mesh(2); }, grpc::INVALID_ARGUMENT, "frame.updates[0].mesh");
+  expect_refused([](auto& f) { *f.add_updates() = f.updates(0); }, grpc::INVALID_ARGUMENT, "frame.updates[1].mesh");
+  expect_refused([](auto& f) { f.mutable_updates(0)->set_mesh(0); }, grpc::FAILED_PRECONDITION,
+                 "frame.updates[0].mesh");
+}
+
+TEST_F(BadInput, FrameIds) {
+  expect_refused([](auto& f) { f.set_frame_id(1); }, grpc::FAILED_PRECONDITION, "frame.frame_id");
+  expect_refused([](auto& f) { f.set_frame_id(0); }, grpc::INVALID_ARGUMENT, "frame.frame_id");
+}
+
+TEST_F(BadInput, FieldsThatAreNotServed) {
+  expect_refused([](auto& f) { f.set_accuracy(pb::ACCURACY_FAST); }, grpc::UNIMPLEMENTED, "frame.accuracy");
+  expect_refused([](auto& f) { f.mutable_updates(0)->mutable_sparse(); }, grpc::UNIMPLEMENTED,
+                 "frame.updates[0].sparse");
+  expect_refused([](auto& f) { f.mutable_updates(0)->mutable_rigid(); }, grpc::UNIMPLEMENTED, "frame.updates[0].rigid");
+}
+
+TEST_F(BadInput, FirstFrameMustNameEveryMesh) {
+  Stream stream(*stub_, make_scene(*stub_, tip_request()));
+  const Answer answer = stream.ask(tip_frame(1, 2));
+  ASSERT_TRUE(answer.error);
+  EXPECT_EQ(answer.error->field(), "frame.updates");
+  expect_tip_contact(stream.ask(first_frame(2)), 2);
+}
+
+TEST_F(BadInput, DoublesForASceneOfFloats) {
+  Stream stream(*stub_, make_scene(*stub_, tip_request(false)));
+  const Answer answer = stream.ask(first_frame(2, true));
+  ASSERT_TRUE(answer.error);
+  EXPECT_EQ(answer.error->field(), "frame.updates[0].positions");
+  expect_tip_contact(stream.ask(first_frame(2)), 2);
+}
+
+TEST_F(BadInput, AMessageThatIsTooLargeEndsItsStreamOnly) {
+  const auto id = make_scene(*stub_, tip_request());
+  {
+    Stream stream(*stub_, id);
+    auto frame = first_frame(2);
+    frame.mutable_updates(0)->mutable_positions()->append(2 << 20, '\0');
+    EXPECT_TRUE(stream.ask(frame).ended);
+    EXPECT_FALSE(stream.finish().ok());
+  }
+  Stream stream(*stub_, id);
+  expect_tip_contact(stream.ask(first_frame(2)), 2);
+}
+
+TEST_F(BadInput, UnknownScenes) {
+  Stream stream(*stub_, "0123");
+  EXPECT_FALSE(stream.opened());
+  const auto status = stream.finish();
+  EXPECT_EQ(status.error_code(), grpc::NOT_FOUND);
+  EXPECT_NE(status.error_message().find("0123"), std::string::npos);
+  EXPECT_FALSE(status.error_details().empty());
+  pb::DetectFrameRequest detect;
+  pb::DetectFrameResponse detected;
+  grpc::ClientContext context;
+  EXPECT_EQ(stub_->DetectFrame(&context, detect, &detected).error_code(), grpc::NOT_FOUND);
+}
+
+TEST_F(BadInput, AStreamMustOpenFirst) {
+  pb::StreamFramesRequest request;
+  *request.mutable_frame() = first_frame(2);
+  Stream stream(*stub_, request);
+  EXPECT_EQ(stream.finish().error_code(), grpc::FAILED_PRECONDITION);
+}
+
+TEST_F(BadInput, OpeningsThatAreNotServed) {
+  const auto id = make_scene(*stub_, tip_request());
+  pb::StreamFramesRequest request;
+  request.mutable_open()->set_scene_id(id);
+  request.mutable_open()->set_resume_token("t");
+  EXPECT_EQ(Stream(*stub_, request).finish().error_code(), grpc::UNIMPLEMENTED);
+  request.mutable_open()->clear_resume_token();
+  request.mutable_open()->set_delivery(pb::DELIVERY_POLICY_LATEST_WINS);
+  EXPECT_EQ(Stream(*stub_, request).finish().error_code(), grpc::UNIMPLEMENTED);
+  EXPECT_EQ(Stream(*stub_, id, 1000).finish().error_code(), grpc::RESOURCE_EXHAUSTED);
+}
+
+TEST_F(BadInput, WatchSceneIsNotServed) {
+  grpc::ClientContext context;
+  auto watch = stub_->WatchScene(&context, {});
+  pb::WatchSceneResponse response;
+  EXPECT_FALSE(watch->Read(&response));
+  EXPECT_EQ(watch->Finish().error_code(), grpc::UNIMPLEMENTED);
+}
+
+TEST_F(BadInput, Scenes) {
+  const auto status = create([](auto& r) {
+    r.mutable_spec()->mutable_meshes(1)->set_triangles(pack<uint32_t>({0, 1, 3}));
+  });
+  EXPECT_EQ(status.error_code(), grpc::INVALID_ARGUMENT);
+  EXPECT_NE(status.error_message().find("spec.meshes[1].triangles[0]"), std::string::npos) << status.error_message();
+  EXPECT_NE(status.error_details().find("google.rpc.BadRequest"), std::string::npos);
+  EXPECT_EQ(create([](auto& r) { r.set_request_id("x"); }).error_code(), grpc::UNIMPLEMENTED);
+  EXPECT_EQ(create([](auto& r) { r.mutable_spec()->set_backend(pb::BACKEND_CPU); }).error_code(), grpc::OK);
+}
+
+TEST_F(BadInput, TooManyScenes) {
+  DaemonProcess daemon({"--max-scenes", "1"});
+  auto stub = pb::CollisionService::NewStub(daemon.channel());
+  make_scene(*stub, tip_request());
+  grpc::ClientContext context;
+  pb::CreateSceneResponse response;
+  EXPECT_EQ(stub->CreateScene(&context, tip_request(), &response).error_code(), grpc::RESOURCE_EXHAUSTED);
+}
+
+}  // namespace
+}  // namespace collided::test
