@@ -1,0 +1,53 @@
+// Section 3.2: the thresholds that open and close levels.
+
+#include "gpu/octree/levels.hpp"
+
+#include <gtest/gtest.h>
+
+namespace collided::test {
+namespace {
+
+TEST(Levels, FollowTheThresholdsOfThePaper) {
+  struct Case {
+    uint64_t at_top, at_base, rest;
+    int top, base;
+  };
+  const Case cases[] = {
+      {20, 500, 9480, 2, 6},  // 0.2 % at the top: one level up
+      {0, 500, 9500, 4, 6},   // none at the top: one level down
+      {5, 5000, 4995, 3, 6},  // between the thresholds: as it is
+      {5, 9800, 195, 3, 7},   // 98 % at the base: one level finer
+      {5, 200, 9795, 3, 5},   // 2 % at the base: one level coarser
+  };
+  for (const Case& c : cases) {
+    uint64_t registrations[kMaxLevel + 1] = {};
+    registrations[3] = c.at_top;
+    registrations[4] = c.rest;
+    registrations[6] = c.at_base;
+    const ActiveLevels next = next_levels({3, 6}, registrations);
+    EXPECT_EQ(next.top, c.top);
+    EXPECT_EQ(next.base, c.base);
+  }
+}
+
+TEST(Levels, StayWithinTheirBounds) {
+  uint64_t registrations[kMaxLevel + 1] = {};
+  registrations[kMaxLevel] = 10;
+  EXPECT_EQ(next_levels({kMaxLevel, kMaxLevel}, registrations).base, kMaxLevel);
+  registrations[kMaxLevel] = 0;
+  registrations[0] = 10;
+  EXPECT_EQ(next_levels({0, 0}, registrations).top, 0);
+  uint64_t none[kMaxLevel + 1] = {};
+  EXPECT_EQ(next_levels({2, 5}, none).base, 5);
+}
+
+TEST(Levels, BaseNeverTakesMoreRegistrationsThanItsBound) {
+  LevelTotals totals{};
+  for (int level = 0; level <= kMaxLevel; ++level) totals.cells[level] = 100ull << (3 * level);
+  EXPECT_EQ(clamp_levels({}, totals, 100).base, 0);           // 8 a triangle at level 1 are too many at first
+  EXPECT_EQ(clamp_levels({0, 6}, totals, 100).base, 1);       // later 24 are the bound
+  EXPECT_EQ(clamp_levels({0, 6}, totals, 1u << 30).base, 6);  // wide enough: as wanted
+}
+
+}  // namespace
+}  // namespace collided::test
