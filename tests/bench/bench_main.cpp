@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstring>
 #include <iostream>
+#include <map>
 #include <stdexcept>
 
 #include "tests/bench/inputs.hpp"
@@ -115,7 +116,10 @@ class Stages {
 SceneReport run_scene(const BenchInput& input, const Options& o) {
   const Case first = input.at(0, o.steps);
   const auto detector = Detector::create(spec_for(first, o.spec));
-  SceneReport report{.name = input.name, .triangles = detector->topology().triangles.size(), .steps = o.steps};
+  SceneReport report;
+  report.name = input.name;
+  report.triangles = detector->topology().triangles.size();
+  report.steps = o.steps;
   for (int i = 0; i < o.warm_up; ++i)  // buffers grow to the size of the hardest step
     detector->detect(
         Frame(i == 0 ? first : input.at(o.steps - 1, o.steps), o.spec.mode, o.spec.scalar, i == 0).input());

@@ -2,7 +2,6 @@
 // What one scene cost, as JSON.
 
 #include <iosfwd>
-#include <map>
 
 #include "tests/support/case.hpp"
 

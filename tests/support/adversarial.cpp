@@ -35,7 +35,8 @@ std::vector<std::array<uint32_t, 3>> separate_triangles(size_t vertices) {
 Case one_mesh(const char* name, Positions start, Positions end = {}) {
   Case c;
   c.name = name;
-  add_mesh(c, separate_triangles(start.size()), std::move(start), std::move(end));
+  auto triangles = separate_triangles(start.size());
+  add_mesh(c, std::move(triangles), std::move(start), std::move(end));
   return c;
 }
 

@@ -211,14 +211,11 @@ class Finder {
   int axis_ = 0;
 };
 
-std::string name_of(PairKey key) {
-  return "(" + std::to_string(key >> 32) + ", " + std::to_string(uint32_t(key)) + ")";
-}
-
 void report(std::ostringstream& out, const char* what, const std::vector<PairKey>& keys) {
   if (keys.empty()) return;
   out << keys.size() << " " << what << ":";
-  for (size_t i = 0; i < std::min<size_t>(keys.size(), 5); ++i) out << " " << name_of(keys[i]);
+  for (size_t i = 0; i < std::min<size_t>(keys.size(), 5); ++i)
+    out << " (" << (keys[i] >> 32) << ", " << static_cast<uint32_t>(keys[i]) << ")";
   out << "; ";
 }
 
