@@ -51,9 +51,9 @@ Tree random_tree(uint32_t seed, int top) {
   tree.grid.top = top;
   const int triangles = 1 + static_cast<int>(random() % 60);
   for (int t = 0; t < triangles; ++t) {
-    const Coords lo{random() % 8, random() % 8, random() % 8};
-    const Coords hi{std::min(7u, lo.x + random() % 3), std::min(7u, lo.y + random() % 3),
-                    std::min(7u, lo.z + random() % 3)};
+    const auto below = [&](uint32_t n) { return static_cast<uint32_t>(random() % n); };
+    const Coords lo{below(8), below(8), below(8)};
+    const Coords hi{std::min(7u, lo.x + below(3)), std::min(7u, lo.y + below(3)), std::min(7u, lo.z + below(3))};
     for (int level = top; level <= 3; ++level) {
       const int s = 3 - level;
       const CellRange range{{lo.x >> s, lo.y >> s, lo.z >> s}, {hi.x >> s, hi.y >> s, hi.z >> s}};
