@@ -1,0 +1,14 @@
+#pragma once
+// The subcommands of collidectl, one file each; every function adds its subcommand, whose callback does the work.
+
+#include <CLI/CLI.hpp>
+
+namespace collided::cli {
+
+void add_detect(CLI::App& app);
+void add_stream(CLI::App& app);
+void add_scenes(CLI::App& app);
+void add_export(CLI::App& app);
+void add_info(CLI::App& app);
+
+}  // namespace collided::cli

@@ -1,0 +1,48 @@
+#pragma once
+// A client of the daemon that the options name, or of one started for it.
+
+#include <optional>
+
+#include "client/cli/options.hpp"
+#include "client/cli/own_daemon.hpp"
+#include "client/cpp/client.hpp"
+
+namespace collided::cli {
+
+class Connection {
+ public:
+  explicit Connection(const ServerOptions& options) : client_(open(options)) {}
+  client::Client& operator*() { return client_; }
+  client::Client* operator->() { return &client_; }
+
+ private:
+  client::Client open(const ServerOptions& options) {
+    if (options.server.empty()) daemon_.emplace(options.backend, options.threads);
+    return client::Client::connect(daemon_ ? daemon_->address() : options.server);
+  }
+
+  std::optional<OwnDaemon> daemon_;  // made before the client and stopped after it
+  client::Client client_;
+};
+
+/// A scene that is deleted at the end of its scope, also when an error ends it.
+class SceneGuard {
+ public:
+  SceneGuard(client::Client& client, v1::Scene scene) : client_(client), scene_(std::move(scene)) {}
+  SceneGuard(const SceneGuard&) = delete;
+  SceneGuard& operator=(const SceneGuard&) = delete;
+  ~SceneGuard() {
+    try {
+      client_.delete_scene(scene_.scene_id());
+    } catch (const client::Error&) {  // the daemon is gone, and the scene with it
+    }
+  }
+  const v1::Scene& operator*() const { return scene_; }
+  const v1::Scene* operator->() const { return &scene_; }
+
+ private:
+  client::Client& client_;
+  v1::Scene scene_;
+};
+
+}  // namespace collided::cli

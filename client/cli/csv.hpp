@@ -1,0 +1,13 @@
+#pragma once
+// Contacts as CSV: vertex-triangle rows, then edge-edge rows, in the order of the daemon.
+
+#include <filesystem>
+
+#include "client/cpp/frame_stream.hpp"
+
+namespace collided::cli {
+
+/// Throws std::runtime_error if the file cannot be written. Doubles are the shortest that read back the same.
+void write_csv(const std::filesystem::path& file, const client::FrameOutput& output);
+
+}  // namespace collided::cli

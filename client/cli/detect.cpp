@@ -1,0 +1,119 @@
+// collidectl detect: one step, from mesh files to contacts.
+
+#include <cstdio>
+#include <memory>
+
+#include "client/cli/commands.hpp"
+#include "client/cli/connection.hpp"
+#include "client/cli/csv.hpp"
+#include "client/cli/errors.hpp"
+#include "client/cli/report.hpp"
+#include "client/scenes/mesh_file.hpp"
+
+namespace collided::cli {
+
+namespace {
+
+struct DetectOptions {
+  ServerOptions server;
+  DetectionOptions detection;
+  std::vector<std::string> frames;
+  std::string position_format = "auto";
+  std::string out;
+  bool json = false;
+};
+
+void check_usage(const DetectOptions& options) {
+  const size_t frames = options.frames.size();
+  if (options.detection.mode == "ccd" && frames != 2)
+    throw UsageError("--mode ccd needs two frames, FRAME0 and FRAME1; 1 was given");
+  if (options.detection.mode == "dcd" && frames != 1) throw UsageError("--mode dcd needs one frame; 2 were given");
+}
+
+void check_count(const DetectOptions& options, const char* what, size_t a, size_t b) {
+  if (a != b)
+    throw std::runtime_error("the frames differ: " + options.frames[0] + " has " + std::to_string(a) + " " + what +
+                             ", " + options.frames[1] + " has " + std::to_string(b));
+}
+
+std::vector<scenes::MeshFile> read_frames(const DetectOptions& options) {
+  std::vector<scenes::MeshFile> frames;
+  for (const std::string& file : options.frames) frames.push_back(scenes::read_mesh(file));
+  for (const scenes::MeshFile& frame : frames) {
+    check_count(options, "vertices", frames[0].positions.size(), frame.positions.size());
+    check_count(options, "triangles", frames[0].triangles.size(), frame.triangles.size());
+  }
+  const auto& a = frames.front().triangles;
+  const auto& b = frames.back().triangles;
+  for (size_t t = 0; t < a.size(); ++t)
+    if (a[t] != b[t])
+      throw std::runtime_error("the frames differ: of " + std::to_string(a.size()) + " and " +
+                               std::to_string(b.size()) + " triangles, triangle " + std::to_string(t) +
+                               " has other vertices in " + options.frames[1]);
+  return frames;
+}
+
+/// auto: F64 if some position is not exactly a float, so that nothing is rounded.
+v1::PositionFormat choose_format(const std::string& wanted, const std::vector<scenes::MeshFile>& frames) {
+  if (wanted == "f32") return v1::POSITION_FORMAT_F32;
+  if (wanted == "f64") return v1::POSITION_FORMAT_F64;
+  for (const scenes::MeshFile& frame : frames)
+    if (frame.is_double) return v1::POSITION_FORMAT_F64;
+  return v1::POSITION_FORMAT_F32;
+}
+
+client::FrameOutput detect(client::Client& client, const v1::Scene& scene, const v1::Frame& frame) {
+  client::FrameStream stream = client.stream(scene.scene_id());
+  stream.send(frame);
+  client::FrameOutput output = stream.receive();
+  stream.finish();
+  output.check();
+  return output;
+}
+
+void report(const DetectOptions& options, const v1::Scene& scene, const client::FrameOutput& output) {
+  Json summary = {{"scene", scene_json(scene)}};
+  summary.update(frame_json(output.done));
+  if (!options.out.empty()) summary["out"] = options.out;
+  if (options.json)
+    std::printf("%s\n", summary.dump().c_str());
+  else
+    print_text(summary);
+}
+
+void run(const DetectOptions& options) {
+  check_usage(options);
+  const std::vector<scenes::MeshFile> frames = read_frames(options);
+  const v1::PositionFormat format = choose_format(options.position_format, frames);
+  const client::MeshInput mesh{"mesh", static_cast<uint32_t>(frames[0].positions.size()), frames[0].triangles};
+  v1::Frame frame;
+  frame.set_frame_id(1);
+  *frame.add_updates() = frames.size() == 2 ? client::mesh_update(0, format, frames[1].positions, frames[0].positions)
+                                            : client::mesh_update(0, format, frames[0].positions);
+  Connection connection(options.server);
+  const v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
+  const SceneGuard scene(*connection, connection->create_scene(spec, {&mesh, 1}));
+  const client::FrameOutput output = detect(*connection, *scene, frame);
+  if (!options.out.empty()) write_csv(options.out, output);
+  report(options, *scene, output);
+}
+
+}  // namespace
+
+void add_detect(CLI::App& app) {
+  auto options = std::make_shared<DetectOptions>();
+  CLI::App& command = *app.add_subcommand("detect", "Contacts of one step between mesh files");
+  command.add_option("FRAME", options->frames, "OBJ or PLY: FRAME0 FRAME1 for ccd, one for dcd")
+      ->required()
+      ->expected(1, 2);
+  add_detection_options(command, options->detection);
+  add_server_options(command, options->server);
+  command.add_option("--position-format", options->position_format, "auto: f64 if a position is not exactly a float")
+      ->check(CLI::IsMember({"auto", "f32", "f64"}))
+      ->capture_default_str();
+  command.add_option("--out", options->out, "CSV file for the contacts");
+  command.add_flag("--json", options->json, "Print the summary as one JSON object");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace collided::cli

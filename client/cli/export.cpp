@@ -1,0 +1,64 @@
+// collidectl export: frames of a procedural scene as mesh files, all meshes in one, in the order of the scene's ids.
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "client/cli/commands.hpp"
+#include "client/cli/progress.hpp"
+#include "client/cli/scene_options.hpp"
+#include "client/scenes/mesh_file.hpp"
+
+namespace collided::cli {
+
+namespace {
+
+struct ExportOptions {
+  SceneOptions scene;
+  double t0 = 0;
+  std::string out;
+  std::string format = "ply";
+};
+
+std::vector<std::array<uint32_t, 3>> all_triangles(const scenes::Scene& scene) {
+  std::vector<std::array<uint32_t, 3>> out;
+  uint32_t base = 0;
+  for (const scenes::Mesh& mesh : scene.meshes()) {
+    for (const auto& t : mesh.triangles) out.push_back({base + t[0], base + t[1], base + t[2]});
+    base += mesh.vertex_count;
+  }
+  return out;
+}
+
+void run(const ExportOptions& options) {
+  const auto scene = scenes::make_scene(options.scene.name, options.scene.scale);
+  std::filesystem::create_directories(options.out);
+  scenes::MeshFile mesh{{}, all_triangles(*scene), true};
+  Progress progress;
+  for (int frame = 0; frame < options.scene.frames; ++frame) {
+    mesh.positions = scene->positions(options.scene.time(frame, options.t0));
+    char number[16];
+    std::snprintf(number, sizeof number, "_%04d.", frame);
+    scenes::write_mesh(std::filesystem::path(options.out) / (options.scene.name + number + options.format), mesh);
+    progress.show("files", frame + 1, options.scene.frames);
+  }
+  std::printf("%d files of %zu triangles in %s\n", options.scene.frames, mesh.triangles.size(), options.out.c_str());
+}
+
+}  // namespace
+
+void add_export(CLI::App& app) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App& command = *app.add_subcommand("export", "Write frames of a procedural scene as mesh files");
+  add_scene_options(command, options->scene);
+  command.add_option("--t0", options->t0, "Time of the first frame; the last is at 1")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command.add_option("--out", options->out, "Folder; made if it is not there")->required();
+  command.add_option("--format", options->format, "ply (binary doubles) or obj")
+      ->check(CLI::IsMember({"ply", "obj"}))
+      ->capture_default_str();
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace collided::cli

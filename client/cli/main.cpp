@@ -1,0 +1,40 @@
+// collidectl: collision detection from the command line. Exit codes: 0 done, 1 error in the work, 2 bad usage.
+
+#include <iostream>
+
+#include "client/cli/commands.hpp"
+#include "client/cli/errors.hpp"
+
+namespace {
+
+int fail(int exit_code, const std::string& what) {
+  std::cerr << "collidectl: " << what.substr(0, what.find('\n')) << std::endl;
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace collided::cli;
+  CLI::App app{"Collision detection with a collided daemon, its own or a running one"};
+  app.set_version_flag("--version", std::string("collidectl " COLLIDED_VERSION));
+  app.require_subcommand(1);
+  app.failure_message(CLI::FailureMessage::simple);
+  add_detect(app);
+  add_stream(app);
+  add_scenes(app);
+  add_export(app);
+  add_info(app);
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::Success& asked) {  // --help, --version
+    return app.exit(asked);
+  } catch (const CLI::Error& e) {
+    return fail(2, e.what());
+  } catch (const UsageError& e) {
+    return fail(2, e.what());
+  } catch (const std::exception& e) {
+    return fail(1, e.what());
+  }
+}

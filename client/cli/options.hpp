@@ -1,0 +1,35 @@
+#pragma once
+// Options that several subcommands share.
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "collided/v1/scene.pb.h"
+
+namespace collided::cli {
+
+/// Which daemon to work with.
+struct ServerOptions {
+  std::string server;  ///< empty: start one's own
+  std::string backend = "auto";
+  int threads = 0;
+};
+
+/// What to detect.
+struct DetectionOptions {
+  std::string mode = "ccd";
+  std::string accuracy = "fast";
+  double thickness = 0;
+};
+
+void add_server_options(CLI::App& command, ServerOptions& options);
+void add_detection_options(CLI::App& command, DetectionOptions& options);
+
+/// A spec without meshes.
+v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);
+
+/// Lower-case names of the protocol's values, as the options spell them.
+std::string name_of(v1::Backend backend);
+std::string name_of(v1::PositionFormat format);
+
+}  // namespace collided::cli

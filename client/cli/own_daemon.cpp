@@ -1,0 +1,133 @@
+// A daemon of collidectl's own on a Unix socket.
+
+#include "client/cli/own_daemon.hpp"
+
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+namespace collided::cli {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr std::chrono::milliseconds kReadyPatience = 60s, kStopPatience = 10s, kPoll = 5ms;
+
+bool is_program(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) && access(path.c_str(), X_OK) == 0;
+}
+
+fs::path make_directory() {
+  std::string name = (fs::temp_directory_path() / "collidectl-XXXXXX").string();
+  if (name.size() > 90) name = "/tmp/collidectl-XXXXXX";  // a socket's path holds at most 107 bytes
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary directory " + name + " can be made");
+  return name;
+}
+
+std::string describe(int status) {
+  if (WIFSIGNALED(status)) return "signal " + std::to_string(WTERMSIG(status));
+  return "exit code " + std::to_string(WEXITSTATUS(status));
+}
+
+}  // namespace
+
+fs::path find_daemon() {
+  if (const char* named = std::getenv("COLLIDED_DAEMON")) {
+    if (is_program(named)) return named;
+    throw std::runtime_error(std::string("COLLIDED_DAEMON is '") + named + "', which is no program");
+  }
+  const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
+  std::vector<fs::path> places{here, here / "../bin", here / "../../server"};
+  std::istringstream path(std::getenv("PATH") ? std::getenv("PATH") : "");
+  for (std::string place; std::getline(path, place, ':');) places.push_back(place);
+  for (const fs::path& place : places)
+    if (is_program(place / "collided")) return place / "collided";
+  throw std::runtime_error("no daemon 'collided' was found; set COLLIDED_DAEMON or use --server");
+}
+
+OwnDaemon::OwnDaemon(const std::string& backend, int threads) {
+  const fs::path program = find_daemon();
+  directory_ = make_directory();
+  try {
+    start(program, backend, threads);
+    wait_until_ready(program);
+  } catch (...) {
+    stop();
+    throw;
+  }
+}
+
+OwnDaemon::~OwnDaemon() { stop(); }
+
+void OwnDaemon::start(const fs::path& program, const std::string& backend, int threads) {
+  // A missing GPU shall be refused per scene, in one clear message, and not keep the daemon from starting.
+  const std::string default_backend = backend == "cuda" ? "auto" : backend;
+  const std::string ready = (directory_ / "ready").string();
+  std::vector<std::string> words{program.string(),
+                                 "--address",
+                                 address(),
+                                 "--backend",
+                                 default_backend,
+                                 "--threads",
+                                 std::to_string(threads),
+                                 "--ready-file",
+                                 ready,
+                                 "--log-level",
+                                 "warn",
+                                 "--max-message-mb",
+                                 "2047"};
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const pid_t parent = getpid();
+  pid_ = fork();
+  if (pid_ < 0) throw std::runtime_error("no process can be started");
+  if (pid_ > 0) return;
+  prctl(PR_SET_PDEATHSIG, SIGTERM);  // if collidectl is killed, its daemon goes too
+  if (getppid() != parent) _exit(126);
+  dup2(STDERR_FILENO, STDOUT_FILENO);  // standard output is collidectl's alone
+  execv(argv[0], argv.data());
+  _exit(127);
+}
+
+void OwnDaemon::wait_until_ready(const fs::path& program) {
+  const auto deadline = std::chrono::steady_clock::now() + kReadyPatience;
+  std::error_code error;
+  while (!(fs::exists(directory_ / "ready", error) && fs::file_size(directory_ / "ready", error) > 0)) {
+    if (has_ended())
+      throw std::runtime_error("daemon " + program.string() + " ended with " + describe(status_) +
+                               " before it was ready");
+    if (std::chrono::steady_clock::now() > deadline)
+      throw std::runtime_error("daemon " + program.string() + " was not ready after 60 seconds");
+    std::this_thread::sleep_for(kPoll);
+  }
+}
+
+bool OwnDaemon::has_ended() {
+  if (pid_ > 0 && waitpid(pid_, &status_, WNOHANG) == pid_) pid_ = -1;
+  return pid_ <= 0;
+}
+
+void OwnDaemon::stop() noexcept {
+  if (pid_ > 0) kill(pid_, SIGTERM);
+  for (auto waited = 0ms; !has_ended() && waited < kStopPatience; waited += kPoll) std::this_thread::sleep_for(kPoll);
+  if (pid_ > 0) {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, &status_, 0);
+    pid_ = -1;
+  }
+  std::error_code error;
+  if (!directory_.empty()) fs::remove_all(directory_, error);
+}
+
+}  // namespace collided::cli

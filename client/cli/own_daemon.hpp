@@ -1,0 +1,35 @@
+#pragma once
+// A daemon of collidectl's own on a Unix socket, for as long as the object lives.
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+
+namespace collided::cli {
+
+class OwnDaemon {
+ public:
+  /// Finds the daemon, starts it and waits until it serves. Throws std::runtime_error.
+  OwnDaemon(const std::string& backend, int threads);
+  OwnDaemon(const OwnDaemon&) = delete;
+  OwnDaemon& operator=(const OwnDaemon&) = delete;
+  /// SIGTERM, then SIGKILL if it does not end.
+  ~OwnDaemon();
+  std::string address() const { return "unix:" + (directory_ / "socket").string(); }
+
+ private:
+  void start(const std::filesystem::path& program, const std::string& backend, int threads);
+  void wait_until_ready(const std::filesystem::path& program);
+  bool has_ended();
+  void stop() noexcept;
+
+  std::filesystem::path directory_;
+  pid_t pid_ = -1;
+  int status_ = 0;  ///< of waitpid, once it has ended
+};
+
+/// $COLLIDED_DAEMON, else `collided` beside this program, in ../bin, in the build tree or on PATH.
+std::filesystem::path find_daemon();
+
+}  // namespace collided::cli

@@ -1,0 +1,21 @@
+#pragma once
+// A progress line on standard error: rewritten in place on a terminal, else a line every second.
+
+#include <string>
+
+namespace collided::cli {
+
+class Progress {
+ public:
+  Progress();
+  /// Shows "what: done of total", if it is time to.
+  void show(const std::string& what, int done, int total);
+  ~Progress();
+
+ private:
+  bool is_terminal_;
+  bool is_shown_ = false;
+  double last_seconds_;
+};
+
+}  // namespace collided::cli

@@ -1,0 +1,102 @@
+// What is told about a scene and its frames.
+
+#include "client/cli/report.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "client/cli/options.hpp"
+
+namespace collided::cli {
+
+namespace {
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const size_t n = values.size();
+  return (values[(n - 1) / 2] + values[n / 2]) / 2;
+}
+
+}  // namespace
+
+Json scene_json(const v1::Scene& scene) {
+  const v1::SceneSpec& spec = scene.spec();
+  return {{"vertices", scene.vertex_count()},
+          {"edges", scene.edge_count()},
+          {"triangles", scene.triangle_count()},
+          {"meshes", spec.meshes_size()},
+          {"backend", name_of(spec.backend())},
+          {"device", scene.device()},
+          {"mode", spec.mode() == v1::DETECTION_MODE_DCD ? "dcd" : "ccd"},
+          {"accuracy", spec.accuracy() == v1::ACCURACY_CANDIDATES ? "candidates" : "fast"},
+          {"position_format", name_of(spec.position_format())},
+          {"thickness", spec.thickness()}};
+}
+
+Json stages_json(const v1::FrameMetrics& metrics) {
+  Json out = Json::object();
+  for (const v1::StageTime& stage : metrics.stages())
+    out[stage.stage()] = out.value(stage.stage(), 0.0) + stage.milliseconds();
+  return out;
+}
+
+Json counts_json(const v1::FrameCounts& c) {
+  return {{"cells", c.cells()},
+          {"leaves", c.leaves()},
+          {"top_level", c.top_level()},
+          {"base_level", c.base_level()},
+          {"registrations", c.registrations()},
+          {"tests", c.tests()},
+          {"pairs", c.pairs()},
+          {"candidates_vertex_triangle", c.candidates_vertex_triangle()},
+          {"candidates_edge_edge", c.candidates_edge_edge()},
+          {"contacts_vertex_triangle", c.contacts_vertex_triangle()},
+          {"contacts_edge_edge", c.contacts_edge_edge()}};
+}
+
+Json frame_json(const v1::FrameDone& done) {
+  const v1::FrameMetrics& m = done.metrics();
+  Json warnings = Json::array();
+  for (const int warning : m.warnings()) warnings.push_back(v1::FrameWarning_Name(warning));
+  return {{"contacts", done.contact_count()},
+          {"earliest_toi", done.earliest_toi()},
+          {"total_ms", m.total_milliseconds()},
+          {"queue_ms", m.queue_milliseconds()},
+          {"stage_ms", stages_json(m)},
+          {"counts", counts_json(m.counts())},
+          {"replays", m.replays()},
+          {"bytes", {{"device", m.device_bytes()}, {"in", m.bytes_in()}, {"out", m.bytes_out()}}},
+          {"warnings", warnings}};
+}
+
+Json median_stages(const std::vector<v1::FrameMetrics>& frames) {
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<double>> times;
+  for (const v1::FrameMetrics& frame : frames) {
+    Json stages = stages_json(frame);
+    stages["total"] = frame.total_milliseconds();
+    for (const auto& [name, ms] : stages.items()) {
+      if (!times.contains(name)) order.push_back(name);
+      times[name].push_back(ms.get<double>());
+    }
+  }
+  Json out = Json::object();
+  for (const std::string& name : order) out[name] = median(times[name]);
+  return out;
+}
+
+void print_text(const Json& object, int indent) {
+  size_t width = 0;
+  for (const auto& [name, value] : object.items()) width = std::max(width, name.size());
+  for (const auto& [name, value] : object.items()) {
+    if (value.is_object()) {
+      std::printf("%*s%s\n", indent, "", name.c_str());
+      print_text(value, indent + 2);
+    } else {
+      const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+      std::printf("%*s%-*s  %s\n", indent, "", static_cast<int>(width), name.c_str(), text.c_str());
+    }
+  }
+}
+
+}  // namespace collided::cli

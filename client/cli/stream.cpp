@@ -1,0 +1,137 @@
+// collidectl stream: plays a procedural scene through a daemon and tells what its frames cost.
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include "client/cli/commands.hpp"
+#include "client/cli/connection.hpp"
+#include "client/cli/progress.hpp"
+#include "client/cli/report.hpp"
+#include "client/cli/scene_options.hpp"
+#include "client/scenes/scene.hpp"
+
+namespace collided::cli {
+
+namespace {
+
+struct StreamOptions {
+  ServerOptions server;
+  DetectionOptions detection;
+  SceneOptions scene;
+  std::string position_format = "f32";
+  bool json = false;
+};
+
+std::vector<client::MeshInput> mesh_inputs(const scenes::Scene& scene) {
+  std::vector<client::MeshInput> out;
+  for (const scenes::Mesh& mesh : scene.meshes())
+    out.push_back({mesh.name, mesh.vertex_count, mesh.triangles, mesh.is_static});
+  return out;
+}
+
+/// Static meshes are sent with the first frame only.
+v1::Frame make_frame(const scenes::Scene& scene, uint64_t id, double t, v1::PositionFormat format) {
+  v1::Frame frame;
+  frame.set_frame_id(id);
+  const std::vector<scenes::Vec3d> positions = scene.positions(t);
+  size_t at = 0;
+  for (uint32_t i = 0; i < scene.meshes().size(); ++i) {
+    const scenes::Mesh& mesh = scene.meshes()[i];
+    const client::Positions own(positions.data() + at, mesh.vertex_count);
+    if (id == 1 || !mesh.is_static) *frame.add_updates() = client::mesh_update(i, format, own);
+    at += mesh.vertex_count;
+  }
+  return frame;
+}
+
+/// What is kept of the frames: the contacts themselves are counted and let go.
+struct Totals {
+  std::vector<v1::FrameMetrics> metrics;
+  v1::FrameDone last;
+  uint64_t contacts = 0, vertex_triangle = 0, edge_edge = 0, bytes_in = 0, bytes_out = 0, replays = 0;
+  double earliest_toi = 1;
+
+  void add(client::FrameOutput output) {
+    output.check();
+    const v1::FrameMetrics& m = output.done.metrics();
+    contacts += output.done.contact_count();
+    vertex_triangle += output.vertex_triangle.count;
+    edge_edge += output.edge_edge.count;
+    bytes_in += m.bytes_in();
+    bytes_out += m.bytes_out();
+    replays += m.replays();
+    earliest_toi = std::min(earliest_toi, output.done.earliest_toi());
+    metrics.push_back(m);
+    last = std::move(output.done);
+  }
+};
+
+Totals play(client::FrameStream& stream, const scenes::Scene& scene, const SceneOptions& options,
+            v1::PositionFormat format) {
+  Totals totals;
+  Progress progress;
+  const auto receive = [&] {
+    totals.add(stream.receive());
+    progress.show("frames", static_cast<int>(totals.metrics.size()), options.frames);
+  };
+  for (int sent = 0; sent < options.frames; ++sent) {
+    if (sent >= static_cast<int>(totals.metrics.size() + stream.window())) receive();
+    stream.send(make_frame(scene, static_cast<uint64_t>(sent) + 1, options.time(sent), format));
+  }
+  while (static_cast<int>(totals.metrics.size()) < options.frames) receive();
+  stream.finish();
+  return totals;
+}
+
+Json summary(const StreamOptions& options, const v1::Scene& scene, const Totals& totals, double seconds) {
+  const Json contacts = {
+      {"all", totals.contacts}, {"vertex_triangle", totals.vertex_triangle}, {"edge_edge", totals.edge_edge}};
+  return {{"name", options.scene.name},
+          {"scale", options.scene.scale},
+          {"scene", scene_json(scene)},
+          {"frames", options.scene.frames},
+          {"seconds", seconds},
+          {"median_stage_ms", median_stages(totals.metrics)},
+          {"last_frame_counts", counts_json(totals.last.metrics().counts())},
+          {"contacts", contacts},
+          {"earliest_toi", totals.earliest_toi},
+          {"replays", totals.replays},
+          {"bytes",
+           {{"device", totals.last.metrics().device_bytes()}, {"in", totals.bytes_in}, {"out", totals.bytes_out}}}};
+}
+
+void run(const StreamOptions& options) {
+  const auto procedural = scenes::make_scene(options.scene.name, options.scene.scale);
+  const auto format = options.position_format == "f64" ? v1::POSITION_FORMAT_F64 : v1::POSITION_FORMAT_F32;
+  Connection connection(options.server);
+  v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
+  spec.set_display_name(options.scene.name);
+  const SceneGuard scene(*connection, connection->create_scene(spec, mesh_inputs(*procedural)));
+  client::FrameStream stream = connection->stream(scene->scene_id());
+  const auto start = std::chrono::steady_clock::now();
+  const Totals totals = play(stream, *procedural, options.scene, format);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  const Json out = summary(options, *scene, totals, took.count());
+  if (options.json)
+    std::printf("%s\n", out.dump().c_str());
+  else
+    print_text(out);
+}
+
+}  // namespace
+
+void add_stream(CLI::App& app) {
+  auto options = std::make_shared<StreamOptions>();
+  CLI::App& command = *app.add_subcommand("stream", "Play a procedural scene and tell what its frames cost");
+  add_scene_options(command, options->scene);
+  add_detection_options(command, options->detection);
+  add_server_options(command, options->server);
+  command.add_option("--position-format", options->position_format, "Positions on the wire")
+      ->check(CLI::IsMember({"f32", "f64"}))
+      ->capture_default_str();
+  command.add_flag("--json", options->json, "Print the summary as one JSON object");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace collided::cli
