@@ -4,8 +4,11 @@
 #include <string>
 #include <string_view>
 
+#include "gpu/detector.hpp"
+
 namespace collided::server {
 
+// A path with its last part renamed, if that is `from`.
 inline std::string with_last_part(const std::string& path, std::string_view from, std::string_view to) {
   const bool whole = path == from;
   const bool last = path.size() > from.size() && path.ends_with(from) && path[path.size() - from.size() - 1] == '.';
@@ -24,6 +27,14 @@ inline std::string spec_path(const std::string& engine_path) {
   if (engine_path.empty()) return "spec";
   const std::string path = with_last_part(engine_path, "memory_budget", "memory_budget_bytes");
   return "spec." + with_last_part(path, "scalar", "position_format");
+}
+
+/// The engine's refusal with the path that the client knows, in its message, too.
+inline InvalidInput with_path(const InvalidInput& error, std::string (*path)(const std::string&)) {
+  const std::string ours = path(error.field()), message = error.what();
+  const auto at = error.field().empty() ? std::string::npos : message.find(error.field());
+  if (at == std::string::npos) return {ours, ours + ": " + message};
+  return {ours, message.substr(0, at) + ours + message.substr(at + error.field().size())};
 }
 
 }  // namespace collided::server

@@ -3,8 +3,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <cmath>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -15,17 +13,6 @@ namespace {
 
 std::string update_path(size_t index, const char* field) { return fmt::format("frame.updates[{}].{}", index, field); }
 
-template <class T>
-void check_finite_as(std::span<const std::byte> bytes, const std::string& field, const MeshPlan& mesh) {
-  for (size_t i = 0; i < bytes.size() / sizeof(T); ++i) {
-    T value;
-    std::memcpy(&value, bytes.data() + i * sizeof(T), sizeof(T));
-    if (!std::isfinite(value))
-      throw InvalidInput(field, fmt::format("{}: {} of vertex {} of mesh \"{}\" is {}; positions must be finite", field,
-                                            "xyz"[i % 3], i / 3, mesh.name, value));
-  }
-}
-
 void check_bytes(const ScenePlan& plan, uint32_t mesh, std::span<const std::byte> bytes, const std::string& field) {
   const bool wide = plan.engine.scalar == Scalar::kF64;
   const uint64_t vertices = plan.engine.meshes[mesh].vertex_count;
@@ -34,8 +21,6 @@ void check_bytes(const ScenePlan& plan, uint32_t mesh, std::span<const std::byte
     throw InvalidInput(
         field, fmt::format("{} has {} bytes, but the {} vertices of mesh \"{}\" in {} need {}", field, bytes.size(),
                            vertices, plan.meshes[mesh].name, wide ? "F64" : "F32", expected));
-  wide ? check_finite_as<double>(bytes, field, plan.meshes[mesh])
-       : check_finite_as<float>(bytes, field, plan.meshes[mesh]);
 }
 
 void check_update(const ScenePlan& plan, const MeshPositions& update, size_t index, bool first) {

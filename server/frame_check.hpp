@@ -1,5 +1,5 @@
 #pragma once
-// The rules that a frame must meet before the engine sees it.
+// The rules that a frame must meet before the engine sees it. The engine itself looks at every coordinate.
 
 #include <cstdint>
 

@@ -42,7 +42,7 @@ void Scene::build_if_complete() {
   try {
     detector_ = Detector::create(std::move(pending_));
   } catch (const InvalidInput& e) {
-    throw InvalidInput(spec_path(e.field()), e.what());
+    throw with_path(e, spec_path);
   }
   pending_ = {};
   publish();
@@ -72,7 +72,7 @@ FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame) {
   try {
     result = detector_->detect(frame);
   } catch (const InvalidInput& e) {
-    throw InvalidInput(frame_path(e.field()), e.what());
+    throw with_path(e, frame_path);
   }
   {
     std::lock_guard lock(mutex_);
