@@ -83,7 +83,7 @@ void OwnDaemon::start(const fs::path& program, const std::string& backend, int t
                                  "--ready-file",
                                  ready,
                                  "--log-level",
-                                 "warn",
+                                 "warning",
                                  "--max-message-mb",
                                  "2047"};
   std::vector<char*> argv;
