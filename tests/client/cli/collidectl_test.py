@@ -1,0 +1,142 @@
+"""collidectl against the real daemon: what it prints, writes and refuses. Usage: collidectl_test.py COLLIDECTL DAEMON"""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+COLLIDECTL, DAEMON = sys.argv[1:3]
+ONE_CPU = ["--backend", "cpu", "--threads", "1"]
+
+# A triangle and a vertex of another triangle that passes straight through its inside at t = 0.5.
+FRAME0 = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 1 1 1\nv 1.5 1 3\nv 1 1.5 3\nf 1 2 3\nf 4 5 6\n"
+FRAME1 = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 1 1 -1\nv 1.5 1 1\nv 1 1.5 1\nf 1 2 3\nf 4 5 6\n"
+
+
+def ctl(*words, **environment):
+    env = {**os.environ, "COLLIDED_DAEMON": DAEMON, **environment}
+    return subprocess.run([COLLIDECTL, *words], capture_output=True, text=True, env=env, timeout=240)
+
+
+class Collidectl(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.frame0 = self.put("a.obj", FRAME0)
+        self.frame1 = self.put("b.obj", FRAME1)
+
+    def put(self, name, text):
+        path = os.path.join(self.folder.name, name)
+        with open(path, "w", encoding="ascii") as file:
+            file.write(text)
+        return path
+
+    def ok(self, *words, **environment):
+        done = ctl(*words, **environment)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def refused(self, exit_code, part, *words, **environment):
+        done = ctl(*words, **environment)
+        self.assertEqual(done.returncode, exit_code, done.stdout + done.stderr)
+        self.assertIn(part, done.stderr)
+        self.assertTrue(done.stderr.startswith("collidectl: "), done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+
+    def rows(self, name):
+        with open(name, encoding="ascii", newline="") as file:
+            return list(csv.DictReader(file))
+
+    def test_ccd_finds_the_known_contact(self):
+        out = os.path.join(self.folder.name, "c.csv")
+        summary = json.loads(self.ok("detect", self.frame0, self.frame1, *ONE_CPU, "--out", out, "--json"))
+        rows = self.rows(out)
+        self.assertEqual(summary["contacts"], len(rows))
+        self.assertEqual(summary["scene"]["triangles"], 2)
+        self.assertEqual(summary["scene"]["backend"], "cpu")
+        self.assertEqual(summary["scene"]["position_format"], "f32")
+        vt = [row for row in rows if row["kind"] == "vt"]
+        self.assertEqual([(row["element_a"], row["element_b"]) for row in vt], [("3", "0")])
+        self.assertEqual([vt[0][v] for v in ("v0", "v1", "v2", "v3")], ["3", "0", "1", "2"])
+        self.assertAlmostEqual(float(vt[0]["toi"]), 0.5, places=5)
+        self.assertAlmostEqual(summary["earliest_toi"], 0.5, places=5)
+
+    def test_candidates_leave_uncomputed_fields_empty(self):
+        out = os.path.join(self.folder.name, "c.csv")
+        self.ok("detect", self.frame0, self.frame1, *ONE_CPU, "--accuracy", "candidates", "--out", out)
+        rows = self.rows(out)
+        self.assertEqual([row["kind"] for row in rows], sorted((row["kind"] for row in rows), reverse=True))
+        self.assertTrue(all(row["toi"] == row["distance"] == "" for row in rows))
+
+    def test_dcd_and_double_positions(self):
+        near = self.put("near.obj", FRAME0.replace("v 1 1 1\n", "v 1 1 0.1\n"))
+        summary = json.loads(self.ok("detect", near, "--mode", "dcd", "--thickness", "0.2", *ONE_CPU, "--json"))
+        self.assertGreaterEqual(summary["contacts"], 1)
+        self.assertEqual(summary["scene"]["position_format"], "f64")
+
+    def test_export_detect_and_stream_agree_on_the_scene(self):
+        out = os.path.join(self.folder.name, "frames")
+        small = ["--scene", "funnel", "--scale", "0.2", "--frames", "2"]
+        for ending in ("ply", "obj"):
+            self.ok("export", *small, "--t0", "0.9", "--out", out, "--format", ending)
+        frames = [os.path.join(out, f"funnel_000{i}.ply") for i in (0, 1)]
+        one = json.loads(self.ok("detect", *frames, *ONE_CPU, "--json"))
+        two = json.loads(self.ok("detect", *(f.replace(".ply", ".obj") for f in frames), *ONE_CPU, "--json"))
+        self.assertEqual(one["counts"], two["counts"])
+        played = json.loads(self.ok("stream", *small, *ONE_CPU, "--json"))
+        self.assertEqual(played["scene"]["triangles"], one["scene"]["triangles"])
+        self.assertEqual(played["frames"], 2)
+        self.assertIn("total", played["median_stage_ms"])
+
+    def test_a_running_daemon_is_used(self):
+        socket, ready = (os.path.join(self.folder.name, name) for name in ("s", "ready"))
+        words = [DAEMON, "--address", "unix:" + socket, "--backend", "cpu", "--threads", "1", "--ready-file", ready]
+        with subprocess.Popen(words + ["--log-level", "off"]) as daemon:
+            try:
+                while daemon.poll() is None and not (os.path.exists(ready) and os.path.getsize(ready)):
+                    pass
+                info = json.loads(self.ok("info", "--server", "unix:" + socket, "--json"))
+                self.assertIn("cpu", info["devices"])
+                for _ in range(2):
+                    self.ok("detect", self.frame0, self.frame1, "--server", "unix:" + socket, "--backend", "cpu")
+            finally:
+                daemon.terminate()
+        self.assertEqual(daemon.returncode, 0)
+
+    def test_nothing_is_left_behind(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.ok("info", TMPDIR=folder)
+            self.refused(1, "thickness", "detect", self.frame0, "--mode", "dcd", *ONE_CPU, TMPDIR=folder)
+            self.assertEqual(os.listdir(folder), [])
+
+    def test_scenes_are_listed(self):
+        self.assertIn("cloth_ball", self.ok("scenes"))
+        scenes = {s["name"]: s["triangles"] for s in json.loads(self.ok("scenes", "--json"))}
+        self.assertEqual(scenes["cloth_ball"], 91872)
+
+    def test_bad_usage(self):
+        self.refused(2, "needs two frames", "detect", self.frame0, *ONE_CPU)
+        self.refused(2, "needs one frame", "detect", self.frame0, self.frame1, "--mode", "dcd")
+        self.refused(2, "--mode", "detect", self.frame0, "--mode", "maybe")
+        self.refused(2, "--thickness", "detect", self.frame0, "--thickness", "-1")
+        self.refused(2, "subcommand")
+        self.refused(2, "--threads", "detect", self.frame0, "--server", "x:1", "--threads", "2")
+
+    def test_errors_in_the_work(self):
+        other = self.put("other.obj", FRAME0 + "v 9 9 9\n")
+        self.refused(1, "has 6 vertices", "detect", self.frame0, other, *ONE_CPU)
+        self.refused(1, "has 7", "detect", self.frame0, other, *ONE_CPU)
+        self.refused(1, "none.ply", "detect", "none.ply", self.frame0)
+        self.refused(1, "is not known", "stream", "--scene", "nothing")
+        self.refused(1, "nonexistent", "info", "--server", "unix:/nonexistent/socket")
+        self.refused(1, "COLLIDED_DAEMON", "detect", self.frame0, self.frame1, COLLIDED_DAEMON="/nonexistent")
+        self.refused(1, "ended with exit code 1", "info", COLLIDED_DAEMON="/bin/false")
+        bad = "/nonexistent/folder/c.csv"
+        self.refused(1, bad, "detect", self.frame0, self.frame1, *ONE_CPU, "--out", bad)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
