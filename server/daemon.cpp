@@ -15,6 +15,7 @@ namespace collided::server {
 namespace {
 
 constexpr int kPingMs = 10'000, kPingTimeoutMs = 5'000, kMinPingIntervalMs = 5'000;
+constexpr auto kLastAnswers = std::chrono::milliseconds(100);  // for answers on their way out
 
 // A killed peer is seen at once, a cut-off one only by pings; clients may ping on idle streams, too.
 void set_keepalive(grpc::ServerBuilder& builder) {
@@ -62,8 +63,10 @@ void Daemon::stop(double grace_seconds) {
   server_->GetHealthCheckService()->SetServingStatus(false);
   service_->announce_stop(grace_seconds);
   const auto grace =
-      std::chrono::duration_cast<std::chrono::system_clock::duration>(std::chrono::duration<double>(grace_seconds));
-  server_->Shutdown(std::chrono::system_clock::now() + grace);
+      std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(grace_seconds));
+  const bool idle = service_->wait_idle(std::chrono::steady_clock::now() + grace);
+  // Shutdown also waits for idle connections, which some clients never close: hence not the whole grace again.
+  server_->Shutdown(std::chrono::system_clock::now() + (idle ? kLastAnswers : std::chrono::milliseconds(0)));
   server_->Wait();
   service_->clear();
   server_.reset();

@@ -37,4 +37,10 @@ class LimitExceeded : public FieldError {
   using FieldError::FieldError;
 };
 
+/// The daemon is about to stop and takes nothing new.
+class Stopping : public std::runtime_error {
+ public:
+  Stopping() : std::runtime_error("the daemon is stopping") {}
+};
+
 }  // namespace collided::server

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <thread>
 #include <utility>
 
 #include "server/errors.hpp"
@@ -59,9 +60,17 @@ CollisionService::CollisionService(const Config& config)
       scenes_(config.limits.max_scenes, config.limits.max_window) {}
 
 void CollisionService::announce_stop(double seconds) {
+  stopping_ = true;
   std::lock_guard lock(mutex_);
   for (const auto& weak : streams_)
     if (const auto stream = weak.lock()) stream->announce_stop(seconds);
+}
+
+bool CollisionService::wait_idle(std::chrono::steady_clock::time_point deadline) const {
+  constexpr auto kPoll = std::chrono::milliseconds(5);
+  for (; calls_.use_count() > 1; std::this_thread::sleep_for(kPoll))
+    if (std::chrono::steady_clock::now() >= deadline) return false;
+  return true;
 }
 
 grpc::ServerUnaryReactor* CollisionService::GetServerInfo(Context* context, const pb::GetServerInfoRequest*,
@@ -77,8 +86,9 @@ grpc::ServerUnaryReactor* CollisionService::CreateScene(Context* context, const 
                                                         pb::CreateSceneResponse* response) {
   auto* reactor = context->DefaultReactor();
   guard(reactor, [&] {
+    if (stopping_) throw Stopping();
     auto scene = scenes_.add(parse_scene(*request, defaults_));
-    scene->worker().post([=, this] { build(scene, response, reactor); });
+    scene->worker().post([=, this, held = calls_] { build(scene, response, reactor); });
   });
   return reactor;
 }
@@ -103,7 +113,7 @@ void CollisionService::build(const std::shared_ptr<Scene>& scene, pb::CreateScen
 
 grpc::ServerReadReactor<pb::UploadMeshRequest>* CollisionService::UploadMesh(Context*,
                                                                              pb::UploadMeshResponse* response) {
-  return new MeshUpload(scenes_, response);
+  return new MeshUpload(scenes_, response, calls_);
 }
 
 grpc::ServerUnaryReactor* CollisionService::GetScene(Context* context, const pb::GetSceneRequest* request,
@@ -129,7 +139,7 @@ grpc::ServerUnaryReactor* CollisionService::DeleteScene(Context* context, const 
   auto* reactor = context->DefaultReactor();
   guard(reactor, [&] {
     auto scene = scenes_.remove(request->scene_id());
-    scene->worker().post([scene, reactor] {
+    scene->worker().post([scene, reactor, held = calls_] {
       scene->release();
       spdlog::info("scene {}: deleted", scene->id());
       reactor->Finish(grpc::Status::OK);
@@ -143,7 +153,7 @@ grpc::ServerUnaryReactor* CollisionService::DetectFrame(Context* context, const 
   auto* reactor = context->DefaultReactor();
   guard(reactor, [&] {
     auto scene = scenes_.find(request->scene_id());
-    auto job = [=, arrival = std::chrono::steady_clock::now()] {
+    auto job = [=, held = calls_, arrival = std::chrono::steady_clock::now()] {
       guard(reactor, [&] {
         auto done = run_frame(*scene, {request->frame(), arrival, [=] { return context->IsCancelled(); }});
         check_answer(done, request->frame().frame_id());
@@ -160,7 +170,11 @@ grpc::ServerUnaryReactor* CollisionService::DetectFrame(Context* context, const 
 }
 
 grpc::ServerBidiReactor<pb::StreamFramesRequest, pb::StreamFramesResponse>* CollisionService::StreamFrames(Context*) {
-  auto stream = std::make_shared<FrameStream>(scenes_, defaults_.limits.max_window);
+  auto stream = std::make_shared<FrameStream>(scenes_, defaults_.limits.max_window, calls_);
+  if (stopping_) {
+    stream->refuse(to_status(describe(std::make_exception_ptr(Stopping()))));
+    return stream.get();
+  }
   {
     std::lock_guard lock(mutex_);
     std::erase_if(streams_, [](const auto& weak) { return weak.expired(); });

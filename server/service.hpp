@@ -3,6 +3,8 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <atomic>
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -20,8 +22,10 @@ class CollisionService final : public pb::CollisionService::CallbackService {
  public:
   explicit CollisionService(const Config& config);
 
-  /// Tells every open stream that the daemon stops.
+  /// Refuses new scenes and streams, and tells every open stream that the daemon stops.
   void announce_stop(double seconds);
+  /// Waits until no call is in work; false if `deadline` came first.
+  bool wait_idle(std::chrono::steady_clock::time_point deadline) const;
   /// Ends all scenes. After the gRPC server is down.
   void clear() { scenes_.clear(); }
 
@@ -43,6 +47,8 @@ class CollisionService final : public pb::CollisionService::CallbackService {
   SceneDefaults defaults_;
   std::vector<DeviceInfo> devices_;
   SceneStore scenes_;
+  const std::shared_ptr<int> calls_ = std::make_shared<int>();  // each call in work holds a copy
+  std::atomic<bool> stopping_ = false;
   std::mutex mutex_;
   std::vector<std::weak_ptr<FrameStream>> streams_;  // guarded by mutex_
 };

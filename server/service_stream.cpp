@@ -37,6 +37,12 @@ void FrameStream::start() {
   read_locked();
 }
 
+void FrameStream::refuse(const grpc::Status& status) {
+  self_ = shared_from_this();
+  std::lock_guard lock(mutex_);
+  finish_locked(status);
+}
+
 void FrameStream::announce_stop(double seconds) {
   std::lock_guard lock(mutex_);
   Response response;

@@ -18,10 +18,14 @@ namespace collided::server {
 class FrameStream final : public grpc::ServerBidiReactor<pb::StreamFramesRequest, pb::StreamFramesResponse>,
                           public std::enable_shared_from_this<FrameStream> {
  public:
-  FrameStream(SceneStore& scenes, uint32_t max_window) : scenes_(scenes), max_window_(max_window) {}
+  /// `held` lives as long as the call.
+  FrameStream(SceneStore& scenes, uint32_t max_window, std::shared_ptr<void> held)
+      : scenes_(scenes), max_window_(max_window), held_(std::move(held)) {}
 
   /// Keeps itself alive until gRPC is done with it.
   void start();
+  /// Ends the call at once, instead of start().
+  void refuse(const grpc::Status& status);
   /// Tells the client that the daemon stops.
   void announce_stop(double seconds);
 
@@ -49,6 +53,7 @@ class FrameStream final : public grpc::ServerBidiReactor<pb::StreamFramesRequest
 
   SceneStore& scenes_;
   const uint32_t max_window_;
+  const std::shared_ptr<void> held_;
   std::shared_ptr<FrameStream> self_;
   std::shared_ptr<Scene> scene_;  // set once, by the opening
   std::atomic<bool> cancelled_ = false;

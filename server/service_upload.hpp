@@ -12,7 +12,9 @@ namespace collided::server {
 
 class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
  public:
-  MeshUpload(SceneStore& scenes, pb::UploadMeshResponse* response) : scenes_(scenes), response_(response) {
+  /// `held` lives as long as the call.
+  MeshUpload(SceneStore& scenes, pb::UploadMeshResponse* response, std::shared_ptr<void> held)
+      : scenes_(scenes), response_(response), held_(std::move(held)) {
     StartRead(&request_);
   }
 
@@ -26,6 +28,7 @@ class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
 
   SceneStore& scenes_;
   pb::UploadMeshResponse* response_;
+  const std::shared_ptr<void> held_;
   pb::UploadMeshRequest request_;
   std::shared_ptr<Scene> scene_;
   uint32_t mesh_ = 0;

@@ -64,6 +64,8 @@ Failure describe(const std::exception_ptr& error) try { std::rethrow_exception(e
   return {StatusCode::RESOURCE_EXHAUSTED, "the daemon is out of memory", ""};
 } catch (const DeviceError& e) {
   return {StatusCode::UNAVAILABLE, e.what(), ""};
+} catch (const Stopping& e) {
+  return {StatusCode::UNAVAILABLE, e.what(), ""};
 } catch (const Cancelled& e) {
   return {StatusCode::CANCELLED, e.what(), ""};
 } catch (const std::exception& e) {

@@ -190,7 +190,9 @@ TEST_F(Service, AClientThatGivesUpLeavesTheSceneUnharmed) {
 
 TEST_F(Service, TerminationIsClean) {
   make_scene(*stub_, tip_request());
+  const auto start = std::chrono::steady_clock::now();
   EXPECT_EQ(daemon_.stop(), 0);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(4));  // an idle client costs no grace
 }
 
 TEST_F(Service, AnOpenStreamIsToldOfTheStopAndMayFinish) {
@@ -200,6 +202,9 @@ TEST_F(Service, AnOpenStreamIsToldOfTheStopAndMayFinish) {
   pb::StreamFramesResponse response;
   ASSERT_TRUE(stream.read(&response));
   EXPECT_EQ(response.draining().deadline_seconds(), 5);
+  grpc::ClientContext context;
+  pb::CreateSceneResponse refused;
+  EXPECT_EQ(stub_->CreateScene(&context, tip_request(), &refused).error_code(), grpc::UNAVAILABLE);
   expect_tip_contact(stream.ask(tip_frame(2, 3)), 3);
   EXPECT_TRUE(stream.finish().ok());
   EXPECT_EQ(daemon_.wait(), 0);

@@ -26,6 +26,7 @@ TEST(Status, MapsEveryException) {
   EXPECT_EQ(describe_as(ResourceExhausted("m")).code, StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(describe_as(std::bad_alloc()).code, StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(describe_as(DeviceError("m")).code, StatusCode::UNAVAILABLE);
+  EXPECT_EQ(describe_as(Stopping()).code, StatusCode::UNAVAILABLE);
   EXPECT_EQ(describe_as(Cancelled()).code, StatusCode::CANCELLED);
   EXPECT_EQ(describe_as(std::runtime_error("m")).code, StatusCode::INTERNAL);
   EXPECT_EQ(describe_as(7).code, StatusCode::INTERNAL);
