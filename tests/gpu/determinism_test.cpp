@@ -31,14 +31,14 @@ void expect_same_everywhere(const std::string& name, Mode mode, Scalar scalar, d
   EXPECT_EQ(one.counts.pairs, other.counts.pairs);
 }
 
-class Determinism : public OnBackend<::testing::TestWithParam<scenes::SceneInfo>> {};
+class Determinism : public OnBackend<::testing::TestWithParam<std::string>> {};
 
-TEST_P(Determinism, Continuous) { expect_same_everywhere(GetParam().name, Mode::kCcd, Scalar::kF32, 0); }
-TEST_P(Determinism, ContinuousDouble) { expect_same_everywhere(GetParam().name, Mode::kCcd, Scalar::kF64, 0); }
-TEST_P(Determinism, Discrete) { expect_same_everywhere(GetParam().name, Mode::kDcd, Scalar::kF32, 0.01); }
+TEST_P(Determinism, Continuous) { expect_same_everywhere(GetParam(), Mode::kCcd, Scalar::kF32, 0); }
+TEST_P(Determinism, ContinuousDouble) { expect_same_everywhere(GetParam(), Mode::kCcd, Scalar::kF64, 0); }
+TEST_P(Determinism, Discrete) { expect_same_everywhere(GetParam(), Mode::kDcd, Scalar::kF32, 0.01); }
 
-INSTANTIATE_TEST_SUITE_P(Procedural, Determinism, ::testing::ValuesIn(scenes::list_scenes()),
-                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(Procedural, Determinism, ::testing::ValuesIn(scene_names()),
+                         [](const auto& info) { return info.param; });
 
 }  // namespace
 }  // namespace collided::test

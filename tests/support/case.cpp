@@ -20,10 +20,16 @@ std::vector<std::byte> pack_as(const Positions& positions) {
   return bytes;
 }
 
+// Volatile: GCC 12 at -O3 vectorises the rounding in place and skips some of the last coordinates.
+double through_float(double x) {
+  volatile float narrow = static_cast<float>(x);
+  return static_cast<double>(narrow);
+}
+
 void round_to_float(std::vector<Positions>& all) {
   for (Positions& positions : all)
     for (Vec3d& p : positions)
-      for (double& x : p) x = static_cast<double>(static_cast<float>(x));
+      for (double& x : p) x = through_float(x);
 }
 
 std::vector<Positions> split(const std::vector<scenes::Mesh>& meshes, const Positions& all) {
@@ -85,6 +91,12 @@ Case case_of(const std::string& scene, double t, Mode mode) {
   Case c = case_of(*scenes::make_scene(scene), t0, t);
   c.name = scene;
   return c;
+}
+
+std::vector<std::string> scene_names() {
+  std::vector<std::string> names;
+  for (const scenes::SceneInfo& info : scenes::list_scenes()) names.push_back(info.name);
+  return names;
 }
 
 void add_mesh(Case& c, std::vector<std::array<uint32_t, 3>> triangles, Positions start, Positions end, bool is_static) {

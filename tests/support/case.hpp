@@ -1,6 +1,7 @@
 #pragma once
 // A test case: meshes and where their vertices are at t = 0 and t = 1.
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct Case {
   std::vector<Positions> start;  ///< of each mesh, t = 0
   std::vector<Positions> end;    ///< t = 1; static meshes: the same as start
 };
+
+// GoogleTest names the value of a parameter with it.
+inline void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 /// A frame that owns its bytes; input() borrows them.
 class Frame {
@@ -41,6 +45,9 @@ Case rounded(Case c, Scalar scalar);
 /// The procedural scene between two times.
 Case case_of(const scenes::Scene& scene, double t0, double t1);
 Case case_of(const std::string& scene, double t, Mode mode);
+
+/// Names of all procedural scenes, to run a test on each.
+std::vector<std::string> scene_names();
 
 /// Adds a mesh that moves from `start` to `end`; an empty `end` means that it stands still.
 void add_mesh(Case& c, std::vector<std::array<uint32_t, 3>> triangles, Positions start, Positions end = {},
