@@ -13,6 +13,8 @@
 #include <thread>
 #include <vector>
 
+#include "client/cli/interrupt.hpp"
+
 namespace collided::cli {
 
 namespace fs = std::filesystem;
@@ -92,7 +94,7 @@ void OwnDaemon::start(const fs::path& program, const std::string& backend, int t
   const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ < 0) throw std::runtime_error("no process can be started");
-  if (pid_ > 0) return;
+  if (pid_ > 0) return clean_up_on_interrupt(pid_, directory_.string());
   prctl(PR_SET_PDEATHSIG, SIGTERM);  // if collidectl is killed, its daemon goes too
   if (getppid() != parent) _exit(126);
   dup2(STDERR_FILENO, STDOUT_FILENO);  // standard output is collidectl's alone
@@ -126,6 +128,7 @@ void OwnDaemon::stop() noexcept {
     waitpid(pid_, &status_, 0);
     pid_ = -1;
   }
+  no_clean_up_on_interrupt();
   std::error_code error;
   if (!directory_.empty()) fs::remove_all(directory_, error);
 }

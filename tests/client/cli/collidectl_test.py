@@ -1,11 +1,13 @@
 """collidectl against the real daemon: what it prints, writes and refuses. Usage: collidectl_test.py COLLIDECTL DAEMON"""
 
 import csv
+import glob
 import json
 import os
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 COLLIDECTL, DAEMON = sys.argv[1:3]
@@ -111,6 +113,31 @@ class Collidectl(unittest.TestCase):
             self.ok("info", TMPDIR=folder)
             self.refused(1, "thickness", "detect", self.frame0, "--mode", "dcd", *ONE_CPU, TMPDIR=folder)
             self.assertEqual(os.listdir(folder), [])
+
+    def test_an_interrupt_stops_the_daemon_and_removes_its_folder(self):
+        with tempfile.TemporaryDirectory() as folder:
+            words = [COLLIDECTL, "stream", "--scene", "funnel", "--frames", "100000", *ONE_CPU]
+            env = {**os.environ, "COLLIDED_DAEMON": DAEMON, "TMPDIR": folder}
+            with subprocess.Popen(words, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+                while process.poll() is None and not glob.glob(folder + "/*/ready"):
+                    time.sleep(0.01)
+                with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii") as file:
+                    daemon = int(file.read().split()[0])
+                time.sleep(0.3)
+                process.terminate()
+            self.assertEqual(process.returncode, 128 + 15)
+            self.assertEqual(os.listdir(folder), [])
+            deadline = time.monotonic() + 60
+            while self.is_running(daemon) and time.monotonic() < deadline:
+                time.sleep(0.05)
+            self.assertFalse(self.is_running(daemon))
+
+    def is_running(self, pid):
+        try:
+            with open(f"/proc/{pid}/stat", encoding="ascii") as file:
+                return file.read().rsplit(")", 1)[1].split()[0] != "Z"
+        except FileNotFoundError:
+            return False
 
     def test_scenes_are_listed(self):
         self.assertIn("cloth_ball", self.ok("scenes"))
