@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include "gpu/backends.hpp"
 #include "gpu/exec/cpu_exec.hpp"
 #include "gpu/scene_detector.hpp"
@@ -12,10 +10,6 @@ std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables featur
   return make_scene_detector<CpuExec>(std::move(spec), std::move(features), threads, budget);
 }
 
-DeviceInfo cpu_device() {
-  DeviceInfo info = CpuExec(0, 0).device();
-  info.memory_bytes = static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGE_SIZE));
-  return info;
-}
+DeviceInfo cpu_device() { return CpuExec(0, 0).device(); }
 
 }  // namespace collided

@@ -132,7 +132,7 @@ struct Topology {
 struct DeviceInfo {
   Backend backend = Backend::kCpu;
   std::string name;
-  uint64_t memory_bytes = 0;
+  uint64_t memory_bytes = 0;  ///< 0 for the CPU, which shares the host's
 };
 
 /// One scene on one backend. Not thread-safe: one call at a time; different detectors are independent.
