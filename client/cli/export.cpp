@@ -15,7 +15,6 @@ namespace {
 
 struct ExportOptions {
   SceneOptions scene;
-  double t0 = 0;
   std::string out;
   std::string format = "ply";
 };
@@ -36,7 +35,7 @@ void run(const ExportOptions& options) {
   scenes::MeshFile mesh{{}, all_triangles(*scene), true};
   Progress progress;
   for (int frame = 0; frame < options.scene.frames; ++frame) {
-    mesh.positions = scene->positions(options.scene.time(frame, options.t0));
+    mesh.positions = scene->positions(options.scene.time(frame));
     char number[16];
     std::snprintf(number, sizeof number, "_%04d.", frame);
     scenes::write_mesh(std::filesystem::path(options.out) / (options.scene.name + number + options.format), mesh);
@@ -51,9 +50,6 @@ void add_export(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App& command = *app.add_subcommand("export", "Write frames of a procedural scene as mesh files");
   add_scene_options(command, options->scene);
-  command.add_option("--t0", options->t0, "Time of the first frame; the last is at 1")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
   command.add_option("--out", options->out, "Folder; made if it is not there")->required();
   command.add_option("--format", options->format, "ply (binary doubles) or obj")
       ->check(CLI::IsMember({"ply", "obj"}))

@@ -174,7 +174,7 @@ void check_same(const Options& o) {
         SceneSpec spec = o.spec;
         spec.mode = mode;
         spec.scalar = scalar;
-        spec.thickness = mode == Mode::kDcd ? 0.01 : 0;
+        spec.thickness = mode == Mode::kDcd ? dcd_thickness(input.name) : 0;
         spec.weights = true;
         const FrameResult r = run_case(c, spec);
         std::cout << input.name << (mode == Mode::kCcd ? " ccd" : " dcd")

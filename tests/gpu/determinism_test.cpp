@@ -35,7 +35,9 @@ class Determinism : public OnBackend<::testing::TestWithParam<std::string>> {};
 
 TEST_P(Determinism, Continuous) { expect_same_everywhere(GetParam(), Mode::kCcd, Scalar::kF32, 0); }
 TEST_P(Determinism, ContinuousDouble) { expect_same_everywhere(GetParam(), Mode::kCcd, Scalar::kF64, 0); }
-TEST_P(Determinism, Discrete) { expect_same_everywhere(GetParam(), Mode::kDcd, Scalar::kF32, 0.01); }
+TEST_P(Determinism, Discrete) {
+  expect_same_everywhere(GetParam(), Mode::kDcd, Scalar::kF32, dcd_thickness(GetParam()));
+}
 
 INSTANTIATE_TEST_SUITE_P(Procedural, Determinism, ::testing::ValuesIn(scene_names()),
                          [](const auto& info) { return info.param; });

@@ -49,6 +49,11 @@ Case case_of(const std::string& scene, double t, Mode mode);
 /// Names of all procedural scenes, to run a test on each.
 std::vector<std::string> scene_names();
 
+/// Thickness for discrete tests of a scene: scenes of mixed scale have triangles far smaller than the others'.
+inline double dcd_thickness(const std::string& scene) {
+  return scene == "multiscale_knots" || scene == "graded_sheets" ? 5e-4 : 0.01;
+}
+
 /// Adds a mesh that moves from `start` to `end`; an empty `end` means that it stands still.
 void add_mesh(Case& c, std::vector<std::array<uint32_t, 3>> triangles, Positions start, Positions end = {},
               bool is_static = false);
