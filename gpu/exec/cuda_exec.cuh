@@ -62,6 +62,9 @@ class CudaExec {
   CudaExec(int device, uint64_t memory_budget) : device_(device), ledger_(memory_budget), scratch_(*this, "scratch") {
     check_cuda(cudaSetDevice(device), "cudaSetDevice");
     check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate");
+    cudaDeviceProp properties{};
+    check_cuda(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
+    info_ = {Backend::kCuda, properties.name, properties.totalGlobalMem};
   }
   CudaExec(const CudaExec&) = delete;
   CudaExec& operator=(const CudaExec&) = delete;
@@ -70,11 +73,7 @@ class CudaExec {
     cudaStreamDestroy(stream_);
   }
 
-  DeviceInfo device() const {
-    cudaDeviceProp properties{};
-    check_cuda(cudaGetDeviceProperties(&properties, device_), "cudaGetDeviceProperties");
-    return {Backend::kCuda, properties.name, properties.totalGlobalMem};
-  }
+  const DeviceInfo& device() const { return info_; }
 
   void* allocate(const std::string& part, uint64_t bytes) {
     ledger_.take(part, bytes);
@@ -233,6 +232,7 @@ class CudaExec {
   }
 
   int device_;
+  DeviceInfo info_;
   MemoryLedger ledger_;
   cudaStream_t stream_ = nullptr;
   Buffer<char, CudaExec> scratch_;
