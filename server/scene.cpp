@@ -50,15 +50,19 @@ void Scene::build_if_complete() {
 
 void Scene::add_triangles(uint32_t mesh, const Triangles& triangles) {
   check_open();
+  const uint64_t wanted = awaited(mesh);
+  if (wanted == 0)
+    throw FailedPrecondition(
+        "mesh", fmt::format("mesh is {} (\"{}\"), which awaits no triangles", mesh, plan_.meshes[mesh].name));
+  if (triangles.size() != wanted)
+    throw InvalidInput("triangles", fmt::format("triangles is incomplete: the upload ended after {} of {} triangles",
+                                                triangles.size(), wanted));
+  auto& all = pending_.meshes[mesh].triangles;
+  all.insert(all.end(), triangles.begin(), triangles.end());  // may throw, so the mesh counts as complete only after
   {
     std::lock_guard lock(mutex_);
-    if (triangles.size() > awaited_[mesh])
-      throw FailedPrecondition("triangles", fmt::format("triangles brings {} to mesh \"{}\", which awaits {}",
-                                                        triangles.size(), plan_.meshes[mesh].name, awaited_[mesh]));
-    awaited_[mesh] -= triangles.size();
+    awaited_[mesh] = 0;
   }
-  auto& all = pending_.meshes[mesh].triangles;
-  all.insert(all.end(), triangles.begin(), triangles.end());
   build_if_complete();
 }
 

@@ -64,7 +64,7 @@ class Scene {
 
   /// Makes the detector if no triangles are awaited.
   void build_if_complete();
-  /// Adds uploaded triangles, and makes the detector with the last ones.
+  /// Adds all triangles that a mesh awaits, and makes the detector with the last ones.
   void add_triangles(uint32_t mesh, const Triangles& triangles);
   /// Checks and applies a frame; a throw leaves the scene as it was.
   FrameResult apply(uint64_t frame_id, const FrameInput& frame);

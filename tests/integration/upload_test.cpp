@@ -1,0 +1,96 @@
+// Uploads of triangles that end early, bring too little, or bring what makes no scene.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "tests/integration/daemon_process.hpp"
+#include "tests/integration/tip_scene.hpp"
+
+namespace collided::test {
+namespace {
+
+constexpr auto kPause = std::chrono::milliseconds(100);  // for a message to arrive
+
+/// An UploadMesh call to mesh 0.
+class Upload {
+ public:
+  Upload(Stub& stub, const std::string& scene_id, const std::vector<uint32_t>& triangles)
+      : call_(stub.UploadMesh(&context_, &response_)) {
+    pb::UploadMeshRequest chunk;
+    chunk.set_scene_id(scene_id);
+    chunk.set_triangles(pack(triangles));
+    call_->Write(chunk);
+  }
+
+  grpc::Status finish() {
+    call_->WritesDone();
+    return call_->Finish();
+  }
+  grpc::Status cancel() {
+    context_.TryCancel();
+    return call_->Finish();
+  }
+
+ private:
+  grpc::ClientContext context_;
+  pb::UploadMeshResponse response_;
+  std::unique_ptr<grpc::ClientWriter<pb::UploadMeshRequest>> call_;
+};
+
+class Uploads : public testing::Test {
+ protected:
+  // The floor has two triangles, which an upload brings.
+  static pb::CreateSceneRequest awaiting_request() {
+    auto request = tip_request();
+    auto* floor = request.mutable_spec()->mutable_meshes(0);
+    floor->clear_triangles();
+    floor->set_vertex_count(6);
+    floor->set_triangle_count(2);
+    return request;
+  }
+
+  grpc::Status get(const std::string& id, pb::Scene* scene) {
+    grpc::ClientContext context;
+    pb::GetSceneRequest request;
+    request.set_scene_id(id);
+    pb::GetSceneResponse response;
+    const auto status = stub_->GetScene(&context, request, &response);
+    *scene = response.scene();
+    return status;
+  }
+
+  pb::SceneState state(const std::string& id) {
+    pb::Scene scene;
+    EXPECT_TRUE(get(id, &scene).ok());
+    return scene.state();
+  }
+
+  const std::vector<uint32_t> all_ = {0, 1, 2, 3, 4, 5}, half_ = {0, 1, 2};
+  DaemonProcess daemon_;
+  std::unique_ptr<Stub> stub_ = pb::CollisionService::NewStub(daemon_.channel());
+};
+
+TEST_F(Uploads, AnUploadThatEndsEarlyChangesNothing) {
+  const auto id = make_scene(*stub_, awaiting_request());
+  for (const auto& triangles : {std::vector<uint32_t>(), half_}) {
+    const auto status = Upload(*stub_, id, triangles).finish();
+    EXPECT_EQ(status.error_code(), grpc::INVALID_ARGUMENT);
+    EXPECT_NE(status.error_message().find("of 2 triangles"), std::string::npos) << status.error_message();
+  }
+  EXPECT_EQ(state(id), pb::SCENE_STATE_AWAITING_MESHES);
+  EXPECT_TRUE(Upload(*stub_, id, all_).finish().ok());
+  EXPECT_EQ(state(id), pb::SCENE_STATE_READY);
+}
+
+// Another upload may complete the mesh while one is open; the open one must not harm the daemon.
+TEST_F(Uploads, AnUploadThatComesTooLateIsHarmless) {
+  const auto id = make_scene(*stub_, awaiting_request());
+  Upload slow(*stub_, id, {});
+  std::this_thread::sleep_for(kPause);
+  Upload(*stub_, id, all_).finish();
+  EXPECT_FALSE(slow.finish().ok());
+  EXPECT_EQ(state(id), pb::SCENE_STATE_READY);
+}
+
+}  // namespace
+}  // namespace collided::test
