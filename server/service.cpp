@@ -111,9 +111,9 @@ void CollisionService::build(const std::shared_ptr<Scene>& scene, pb::CreateScen
   });
 }
 
-grpc::ServerReadReactor<pb::UploadMeshRequest>* CollisionService::UploadMesh(Context*,
+grpc::ServerReadReactor<pb::UploadMeshRequest>* CollisionService::UploadMesh(Context* context,
                                                                              pb::UploadMeshResponse* response) {
-  return new MeshUpload(scenes_, response, calls_);
+  return new MeshUpload(*context, scenes_, response, calls_);
 }
 
 grpc::ServerUnaryReactor* CollisionService::GetScene(Context* context, const pb::GetSceneRequest* request,

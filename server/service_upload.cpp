@@ -37,10 +37,17 @@ void MeshUpload::take() {
                        fmt::format("triangles brings {} or more, but the mesh awaits {}", triangles_.size(), awaited));
 }
 
+// A call that was cancelled ends its reads just as one that is complete.
+void MeshUpload::check_cancelled() const {
+  if (context_.IsCancelled()) throw Cancelled();
+}
+
 void MeshUpload::commit() {
+  check_cancelled();
   if (!scene_) throw InvalidInput("scene_id", "scene_id is missing: the upload had no chunk");
   scene_->worker().post([this] {
     try {
+      check_cancelled();
       scene_->add_triangles(mesh_, triangles_);
       fill_scene(*scene_, response_->mutable_scene());
       spdlog::info("scene {}: {} triangles for mesh {}", scene_->id(), triangles_.size(), mesh_);

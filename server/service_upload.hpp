@@ -13,8 +13,9 @@ namespace collided::server {
 class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
  public:
   /// `held` lives as long as the call.
-  MeshUpload(SceneStore& scenes, pb::UploadMeshResponse* response, std::shared_ptr<void> held)
-      : scenes_(scenes), response_(response), held_(std::move(held)) {
+  MeshUpload(const grpc::CallbackServerContext& context, SceneStore& scenes, pb::UploadMeshResponse* response,
+             std::shared_ptr<void> held)
+      : context_(context), scenes_(scenes), response_(response), held_(std::move(held)) {
     StartRead(&request_);
   }
 
@@ -24,8 +25,10 @@ class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
  private:
   void begin();
   void take();
+  void check_cancelled() const;
   void commit();
 
+  const grpc::CallbackServerContext& context_;
   SceneStore& scenes_;
   pb::UploadMeshResponse* response_;
   const std::shared_ptr<void> held_;

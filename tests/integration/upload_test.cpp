@@ -92,5 +92,17 @@ TEST_F(Uploads, AnUploadThatComesTooLateIsHarmless) {
   EXPECT_EQ(state(id), pb::SCENE_STATE_READY);
 }
 
+TEST_F(Uploads, ACancelledUploadChangesNothing) {
+  const auto id = make_scene(*stub_, awaiting_request());
+  for (const auto& triangles : {half_, all_}) {
+    Upload upload(*stub_, id, triangles);
+    std::this_thread::sleep_for(kPause);
+    EXPECT_EQ(upload.cancel().error_code(), grpc::CANCELLED);
+    std::this_thread::sleep_for(kPause);
+    EXPECT_EQ(state(id), pb::SCENE_STATE_AWAITING_MESHES);
+  }
+  EXPECT_TRUE(Upload(*stub_, id, all_).finish().ok());
+}
+
 }  // namespace
 }  // namespace collided::test
