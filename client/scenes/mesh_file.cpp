@@ -32,6 +32,9 @@ void check(MeshFile& mesh, const std::string& file) {
       if (v >= mesh.positions.size())
         fail(file, "triangle " + std::to_string(t) + " has vertex " + std::to_string(v) + "; there are " +
                        std::to_string(mesh.positions.size()) + " vertices");
+  if (mesh.positions.size() < 3)
+    fail(file, "has " + std::to_string(mesh.positions.size()) + " vertices; a mesh needs 3");
+  if (mesh.triangles.empty()) fail(file, "has no triangles");
 }
 
 }  // namespace

@@ -141,6 +141,14 @@ TEST_F(MeshFiles, HostilePlyIsRefusedBeforeAllocation) {
   EXPECT_NE(error_of("m.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n"), "");
 }
 
+TEST_F(MeshFiles, FilesWithoutAMeshAreRefused) {
+  EXPECT_NE(error_of("m.obj", "").find("m.obj: has 0 vertices; a mesh needs 3"), std::string::npos);
+  EXPECT_NE(error_of("m.obj", "no mesh at all\n").find("m.obj: has 0 vertices"), std::string::npos);
+  EXPECT_NE(error_of("m.obj", "v 0 0 0\nv 1 0 0\nf 1 2 1\n").find("m.obj: has 2 vertices"), std::string::npos);
+  EXPECT_NE(error_of("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n").find("m.obj: has no triangles"), std::string::npos);
+  EXPECT_NE(error_of("m.ply", "ply\nformat ascii 1.0\nend_header\n").find("m.ply: has 0 vertices"), std::string::npos);
+}
+
 TEST_F(MeshFiles, ErrorsNameFileAndPlace) {
   EXPECT_NE(error_of("m.obj", "v 0 0 0\nv 1 zero 0\n").find("m.obj:2: 'zero' is not a number"), std::string::npos);
   EXPECT_NE(error_of("m.obj", "v 0 0\n").find("m.obj:1: a number is missing"), std::string::npos);

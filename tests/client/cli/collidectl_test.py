@@ -157,6 +157,7 @@ class Collidectl(unittest.TestCase):
         self.refused(1, "has 6 vertices", "detect", self.frame0, other, *ONE_CPU)
         self.refused(1, "has 7", "detect", self.frame0, other, *ONE_CPU)
         self.refused(1, "none.ply", "detect", "none.ply", self.frame0)
+        self.refused(1, "empty.obj: has 0 vertices", "detect", self.put("empty.obj", ""), "--mode", "dcd")
         self.refused(1, "is not known", "stream", "--scene", "nothing")
         self.refused(1, "nonexistent", "info", "--server", "unix:/nonexistent/socket")
         self.refused(1, "COLLIDED_DAEMON", "detect", self.frame0, self.frame1, COLLIDED_DAEMON="/nonexistent")
