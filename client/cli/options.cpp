@@ -2,6 +2,8 @@
 
 #include "client/cli/options.hpp"
 
+#include "client/cli/finite.hpp"
+
 namespace collided::cli {
 
 void add_server_options(CLI::App& command, ServerOptions& options) {
@@ -22,6 +24,7 @@ void add_detection_options(CLI::App& command, DetectionOptions& options) {
       ->check(CLI::IsMember({"candidates", "fast"}))
       ->capture_default_str();
   command.add_option("--thickness", options.thickness, "Contact distance, in the unit of the positions")
+      ->check(finite())
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string>
 
+#include "client/cli/finite.hpp"
+
 namespace collided::cli {
 
 struct SceneOptions {
@@ -24,9 +26,11 @@ inline void add_scene_options(CLI::App& command, SceneOptions& options) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command.add_option("--t0", options.t0, "Time of the first frame; a scene goes from 0 to 1")
+      ->check(finite())
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command.add_option("--dt", options.dt, "Time from one frame to the next")
+      ->check(finite())
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command.add_option("--scale", options.scale, "Refines the grids: triangles grow by about its square")

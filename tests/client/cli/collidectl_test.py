@@ -149,6 +149,10 @@ class Collidectl(unittest.TestCase):
         self.refused(2, "needs one frame", "detect", self.frame0, self.frame1, "--mode", "dcd")
         self.refused(2, "--mode", "detect", self.frame0, "--mode", "maybe")
         self.refused(2, "--thickness", "detect", self.frame0, "--thickness", "-1")
+        for number in ("nan", "inf", "-inf"):
+            self.refused(2, "--thickness", "detect", self.frame0, f"--thickness={number}")
+            self.refused(2, "--t0", "stream", "--scene", "funnel", f"--t0={number}")
+            self.refused(2, "--dt", "stream", "--scene", "funnel", f"--dt={number}")
         self.refused(2, "subcommand")
         self.refused(2, "--threads", "detect", self.frame0, "--server", "x:1", "--threads", "2")
 

@@ -1,0 +1,20 @@
+#pragma once
+// The check of options that are real numbers.
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <string>
+
+namespace collided::cli {
+
+/// Refuses NaN, which passes every range check of CLI11, and infinities.
+inline CLI::Validator finite() {
+  const auto check = [](std::string& word) {
+    double x = 0;
+    using CLI::detail::lexical_cast;
+    return lexical_cast(word, x) && std::isfinite(x) ? std::string() : "'" + word + "' is not a finite number";
+  };
+  return CLI::Validator(check, "");
+}
+
+}  // namespace collided::cli
