@@ -1,5 +1,6 @@
 // collidectl: collision detection from the command line. Exit codes: 0 done, 1 error in the work, 2 bad usage.
 
+#include <cstdio>
 #include <iostream>
 
 #include "client/cli/commands.hpp"
@@ -10,6 +11,12 @@ namespace {
 int fail(int exit_code, const std::string& what) {
   std::cerr << "collidectl: " << what.substr(0, what.find('\n')) << std::endl;
   return exit_code;
+}
+
+/// `exit_code`, unless what was printed did not arrive.
+int finish(int exit_code) {
+  const bool is_written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  return is_written ? exit_code : fail(1, "standard output cannot be written");
 }
 
 }  // namespace
@@ -27,9 +34,9 @@ int main(int argc, char** argv) {
   add_info(app);
   try {
     app.parse(argc, argv);
-    return 0;
+    return finish(0);
   } catch (const CLI::Success& asked) {  // --help, --version
-    return app.exit(asked);
+    return finish(app.exit(asked));
   } catch (const CLI::Error& e) {
     return fail(2, e.what());
   } catch (const UsageError& e) {

@@ -156,6 +156,15 @@ class Collidectl(unittest.TestCase):
         self.refused(2, "subcommand")
         self.refused(2, "--threads", "detect", self.frame0, "--server", "x:1", "--threads", "2")
 
+    def test_output_that_cannot_be_written_is_an_error(self):
+        for words in (["info", "--json"], ["scenes"], ["--help"]):
+            with open("/dev/full", "w", encoding="ascii") as full:
+                env = {**os.environ, "COLLIDED_DAEMON": DAEMON}
+                words = [COLLIDECTL, *words]
+                done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, env=env, timeout=240)
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.stderr, "collidectl: standard output cannot be written\n")
+
     def test_errors_in_the_work(self):
         other = self.put("other.obj", FRAME0 + "v 9 9 9\n")
         self.refused(1, "has 6 vertices", "detect", self.frame0, other, *ONE_CPU)
