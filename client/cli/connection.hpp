@@ -2,28 +2,14 @@
 // A client of the daemon that the options name, or of one started for it.
 
 #include <optional>
+#include <span>
 
+#include "client/cli/interrupt.hpp"
 #include "client/cli/options.hpp"
 #include "client/cli/own_daemon.hpp"
 #include "client/cpp/client.hpp"
 
 namespace collided::cli {
-
-class Connection {
- public:
-  explicit Connection(const ServerOptions& options) : client_(open(options)) {}
-  client::Client& operator*() { return client_; }
-  client::Client* operator->() { return &client_; }
-
- private:
-  client::Client open(const ServerOptions& options) {
-    if (options.server.empty()) daemon_.emplace(options.backend, options.threads);
-    return client::Client::connect(daemon_ ? daemon_->address() : options.server);
-  }
-
-  std::optional<OwnDaemon> daemon_;  // made before the client and stopped after it
-  client::Client client_;
-};
 
 /// A scene that is deleted at the end of its scope, also when an error ends it.
 class SceneGuard {
@@ -43,6 +29,28 @@ class SceneGuard {
  private:
   client::Client& client_;
   v1::Scene scene_;
+};
+
+class Connection {
+ public:
+  explicit Connection(const ServerOptions& options) : client_(open(options)) {}
+  client::Client& operator*() { return client_; }
+  client::Client* operator->() { return &client_; }
+
+  /// Interrupts are noted from here on if the daemon is one of others: the scene has to be deleted then, too.
+  SceneGuard create_scene(const v1::SceneSpec& spec, std::span<const client::MeshInput> meshes) {
+    if (!daemon_) note_interrupts();
+    return SceneGuard(client_, client_.create_scene(spec, meshes));
+  }
+
+ private:
+  client::Client open(const ServerOptions& options) {
+    if (options.server.empty()) daemon_.emplace(options.backend, options.threads);
+    return client::Client::connect(daemon_ ? daemon_->address() : options.server);
+  }
+
+  std::optional<OwnDaemon> daemon_;  // made before the client and stopped after it
+  client::Client client_;
 };
 
 }  // namespace collided::cli

@@ -7,6 +7,7 @@
 #include "client/cli/connection.hpp"
 #include "client/cli/csv.hpp"
 #include "client/cli/errors.hpp"
+#include "client/cli/interrupt.hpp"
 #include "client/cli/report.hpp"
 #include "client/scenes/mesh_file.hpp"
 
@@ -63,9 +64,11 @@ v1::PositionFormat choose_format(const std::string& wanted, const std::vector<sc
 }
 
 client::FrameOutput detect(client::Client& client, const v1::Scene& scene, const v1::Frame& frame) {
+  check_interrupt();
   client::FrameStream stream = client.stream(scene.scene_id());
   stream.send(frame);
   client::FrameOutput output = stream.receive();
+  check_interrupt();
   stream.finish();
   output.check();
   return output;
@@ -92,7 +95,7 @@ void run(const DetectOptions& options) {
                                             : client::mesh_update(0, format, frames[0].positions);
   Connection connection(options.server);
   const v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
-  const SceneGuard scene(*connection, connection->create_scene(spec, {&mesh, 1}));
+  const SceneGuard scene = connection.create_scene(spec, {&mesh, 1});
   const client::FrameOutput output = detect(*connection, *scene, frame);
   if (!options.out.empty()) write_csv(options.out, output);
   report(options, *scene, output);

@@ -6,7 +6,10 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cstdio>
+
+#include "client/cli/errors.hpp"
 
 namespace collided::cli {
 
@@ -25,6 +28,18 @@ void stop_all(int signal_number) {
   _exit(128 + signal_number);
 }
 
+std::atomic<int> noted_signal = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
+
+void note(int signal_number) { noted_signal = signal_number; }
+
+void handle_interrupts(void (*handler)(int), int flags) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  action.sa_flags = flags;
+  for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal_number, &action, nullptr);
+}
+
 }  // namespace
 
 void clean_up_on_interrupt(pid_t daemon, const std::string& folder) {
@@ -32,11 +47,15 @@ void clean_up_on_interrupt(pid_t daemon, const std::string& folder) {
   std::snprintf(socket_path.data(), socket_path.size(), "%s/socket", folder.c_str());
   std::snprintf(ready_path.data(), ready_path.size(), "%s/ready", folder.c_str());
   daemon_pid = daemon;
-  struct sigaction action {};
-  action.sa_handler = stop_all;
-  for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal_number, &action, nullptr);
+  handle_interrupts(stop_all, 0);
 }
 
 void no_clean_up_on_interrupt() noexcept { daemon_pid = 0; }
+
+void note_interrupts() { handle_interrupts(note, SA_RESTART | SA_RESETHAND); }
+
+void check_interrupt() {
+  if (const int signal_number = noted_signal) throw Interrupted(signal_number);
+}
 
 }  // namespace collided::cli

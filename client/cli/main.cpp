@@ -1,4 +1,5 @@
-// collidectl: collision detection from the command line. Exit codes: 0 done, 1 error in the work, 2 bad usage.
+// collidectl: collision detection from the command line. Exit codes: 0 done, 1 error in the work, 2 bad usage,
+// 128 + n interrupted by signal n.
 
 #include <cstdio>
 #include <iostream>
@@ -41,6 +42,8 @@ int main(int argc, char** argv) {
     return fail(2, e.what());
   } catch (const UsageError& e) {
     return fail(2, e.what());
+  } catch (const Interrupted& e) {
+    return fail(128 + e.signal_number, e.what());
   } catch (const std::exception& e) {
     return fail(1, e.what());
   }

@@ -6,6 +6,7 @@
 
 #include "client/cli/commands.hpp"
 #include "client/cli/connection.hpp"
+#include "client/cli/interrupt.hpp"
 #include "client/cli/progress.hpp"
 #include "client/cli/report.hpp"
 #include "client/cli/scene_options.hpp"
@@ -72,14 +73,17 @@ Totals play(client::FrameStream& stream, const scenes::Scene& scene, const Scene
   Totals totals;
   Progress progress;
   const auto receive = [&] {
+    check_interrupt();
     totals.add(stream.receive());
     progress.show("frames", static_cast<int>(totals.metrics.size()), options.frames);
   };
   for (int sent = 0; sent < options.frames; ++sent) {
+    check_interrupt();
     if (sent >= static_cast<int>(totals.metrics.size() + stream.window())) receive();
     stream.send(make_frame(scene, static_cast<uint64_t>(sent) + 1, options.time(sent), format));
   }
   while (static_cast<int>(totals.metrics.size()) < options.frames) receive();
+  check_interrupt();
   stream.finish();
   return totals;
 }
@@ -107,7 +111,7 @@ void run(const StreamOptions& options) {
   Connection connection(options.server);
   v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
   spec.set_display_name(options.scene.name);
-  const SceneGuard scene(*connection, connection->create_scene(spec, mesh_inputs(*procedural)));
+  const SceneGuard scene = connection.create_scene(spec, mesh_inputs(*procedural));
   client::FrameStream stream = connection->stream(scene->scene_id());
   const auto start = std::chrono::steady_clock::now();
   const Totals totals = play(stream, *procedural, options.scene, format);

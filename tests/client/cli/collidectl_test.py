@@ -1,9 +1,11 @@
 """collidectl against the real daemon: what it prints, writes and refuses. Usage: collidectl_test.py COLLIDECTL DAEMON"""
 
+import contextlib
 import csv
 import glob
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -93,20 +95,52 @@ class Collidectl(unittest.TestCase):
         self.assertEqual(played["frames"], 2)
         self.assertIn("total", played["median_stage_ms"])
 
-    def test_a_running_daemon_is_used(self):
+    @contextlib.contextmanager
+    def daemon(self, *options):
+        """Address of a running daemon."""
         socket, ready = (os.path.join(self.folder.name, name) for name in ("s", "ready"))
         words = [DAEMON, "--address", "unix:" + socket, "--backend", "cpu", "--threads", "1", "--ready-file", ready]
-        with subprocess.Popen(words + ["--log-level", "off"]) as daemon:
+        with subprocess.Popen([*words, "--log-level", "off", *options]) as daemon:
             try:
                 while daemon.poll() is None and not (os.path.exists(ready) and os.path.getsize(ready)):
-                    pass
-                info = json.loads(self.ok("info", "--server", "unix:" + socket, "--json"))
-                self.assertIn("cpu", info["devices"])
-                for _ in range(2):
-                    self.ok("detect", self.frame0, self.frame1, "--server", "unix:" + socket, "--backend", "cpu")
+                    time.sleep(0.01)
+                yield "unix:" + socket
             finally:
                 daemon.terminate()
         self.assertEqual(daemon.returncode, 0)
+
+    def test_a_running_daemon_is_used(self):
+        with self.daemon() as address:
+            info = json.loads(self.ok("info", "--server", address, "--json"))
+            self.assertIn("cpu", info["devices"])
+            for _ in range(2):
+                self.ok("detect", self.frame0, self.frame1, "--server", address, "--backend", "cpu")
+
+    def test_an_interrupt_deletes_the_scene_on_a_running_daemon(self):
+        with self.daemon("--max-scenes", "1") as address:
+            server = ["--server", address, "--backend", "cpu"]
+            for number in (signal.SIGINT, signal.SIGTERM):
+                words = [COLLIDECTL, "stream", "--scene", "funnel", "--scale", "0.2", "--frames", "1000000", *server]
+                with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+                    self.assertIn("frames:", process.stderr.readline())
+                    process.send_signal(number)
+                    self.assertIn(f"collidectl: interrupted by signal {number.value}\n", process.stderr.read())
+                self.assertEqual(process.returncode, 128 + number)
+                self.ok("detect", self.frame0, self.frame1, *server)  # there is room for its scene
+
+    def test_an_interrupted_detect_leaves_no_scene_on_a_running_daemon(self):
+        out = os.path.join(self.folder.name, "frames")
+        self.ok("export", "--scene", "funnel", "--frames", "2", "--t0", "0.9", "--out", out)
+        frames = [os.path.join(out, f"funnel_000{i}.ply") for i in (0, 1)]
+        with self.daemon("--max-scenes", "1") as address:
+            server = ["--server", address, "--backend", "cpu"]
+            for milliseconds in range(0, 200, 10):
+                words = [COLLIDECTL, "detect", *frames, *server]
+                with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+                    time.sleep(milliseconds / 1000)
+                    process.terminate()
+                self.assertIn(process.returncode, (-signal.SIGTERM, 128 + signal.SIGTERM, 0))
+                self.ok("detect", self.frame0, self.frame1, *server)
 
     def test_nothing_is_left_behind(self):
         with tempfile.TemporaryDirectory() as folder:
