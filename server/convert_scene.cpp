@@ -1,6 +1,7 @@
 // Scenes between the protocol and the engine.
 #include <spdlog/fmt/fmt.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -27,6 +28,15 @@ constexpr size_t kTriangleBytes = 12;
 
 [[noreturn]] void throw_unknown(const std::string& field, int value) {
   throw_invalid(field, fmt::format("is {}, which is no value of its enum that can be used", value));
+}
+
+// What is wrong with a triangle; empty if nothing is.
+std::string check_triangle(const std::array<uint32_t, 3>& t, uint32_t vertex_count) {
+  for (const uint32_t vertex : t)
+    if (vertex >= vertex_count) return fmt::format("has vertex {}, but the mesh has {} vertices", vertex, vertex_count);
+  if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
+    return fmt::format("has a corner twice: {} {} {}", t[0], t[1], t[2]);
+  return {};
 }
 
 Backend parse_backend(pb::Backend wanted, const SceneDefaults& defaults) {
@@ -207,10 +217,8 @@ void parse_triangles(std::string_view bytes, uint32_t vertex_count, const std::s
   triangles.resize(first + count);
   std::memcpy(triangles.data() + first, bytes.data(), bytes.size());
   for (size_t i = first; i < triangles.size(); ++i)
-    for (const uint32_t vertex : triangles[i])
-      if (vertex >= vertex_count)
-        throw_invalid(fmt::format("{}[{}]", path, i),
-                      fmt::format("has vertex {}, but the mesh has {} vertices", vertex, vertex_count));
+    if (const auto wrong = check_triangle(triangles[i], vertex_count); !wrong.empty())
+      throw_invalid(fmt::format("{}[{}]", path, i), wrong);
 }
 
 ScenePlan parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults) {

@@ -32,13 +32,22 @@ uint64_t Scene::awaited(uint32_t mesh) const {
   return awaited_.at(mesh);
 }
 
+bool Scene::awaits_triangles() const {
+  return std::any_of(awaited_.begin(), awaited_.end(), [](uint64_t n) { return n > 0; });
+}
+
+bool Scene::unusable() const {
+  std::lock_guard lock(mutex_);
+  return !shown_.ready && !awaits_triangles();
+}
+
 void Scene::check_open() const {
   if (closed_) throw NotFound("scene_id", fmt::format("scene {} was deleted", id_));
 }
 
 void Scene::build_if_complete() {
   check_open();
-  if (std::any_of(awaited_.begin(), awaited_.end(), [](uint64_t n) { return n > 0; })) return;
+  if (awaits_triangles()) return;  // this thread alone writes what it reads
   try {
     detector_ = Detector::create(std::move(pending_));
   } catch (const InvalidInput& e) {

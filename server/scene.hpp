@@ -57,6 +57,8 @@ class Scene {
   SceneSnapshot snapshot() const;
   /// Triangles of a mesh that are still to come.
   uint64_t awaited(uint32_t mesh) const;
+  /// Whether all triangles came and still made no detector.
+  bool unusable() const;
   /// Frames and uploads that come after this are answered with NotFound.
   void close() { closed_ = true; }
 
@@ -74,6 +76,7 @@ class Scene {
 
  private:
   void check_open() const;
+  bool awaits_triangles() const;
   void publish();
 
   const std::string id_;

@@ -42,6 +42,16 @@ void MeshUpload::check_cancelled() const {
   if (context_.IsCancelled()) throw Cancelled();
 }
 
+// Its triangles are spent, so no other upload could make it ready.
+void MeshUpload::delete_if_unusable() {
+  if (!scene_->unusable()) return;
+  try {
+    scenes_.remove(scene_->id());
+    spdlog::info("scene {}: deleted, its meshes make no scene", scene_->id());
+  } catch (const NotFound&) {  // a client was faster
+  }
+}
+
 void MeshUpload::commit() {
   check_cancelled();
   if (!scene_) throw InvalidInput("scene_id", "scene_id is missing: the upload had no chunk");
@@ -53,7 +63,9 @@ void MeshUpload::commit() {
       spdlog::info("scene {}: {} triangles for mesh {}", scene_->id(), triangles_.size(), mesh_);
       Finish(grpc::Status::OK);
     } catch (...) {
-      Finish(to_status(describe_current()));
+      const Failure failure = describe_current();
+      delete_if_unusable();
+      Finish(to_status(failure));
     }
   });
 }

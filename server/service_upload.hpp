@@ -26,6 +26,7 @@ class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
   void begin();
   void take();
   void check_cancelled() const;
+  void delete_if_unusable();
   void commit();
 
   const grpc::CallbackServerContext& context_;

@@ -104,5 +104,25 @@ TEST_F(Uploads, ACancelledUploadChangesNothing) {
   EXPECT_TRUE(Upload(*stub_, id, all_).finish().ok());
 }
 
+TEST_F(Uploads, ABadTriangleIsRefusedBeforeItCounts) {
+  const auto id = make_scene(*stub_, awaiting_request());
+  for (const auto& triangles : {std::vector<uint32_t>{0, 1, 2, 3, 4, 4}, {0, 1, 2, 3, 4, 6}}) {
+    const auto status = Upload(*stub_, id, triangles).finish();
+    EXPECT_EQ(status.error_code(), grpc::INVALID_ARGUMENT);
+    EXPECT_NE(status.error_message().find("triangles[1]"), std::string::npos) << status.error_message();
+  }
+  EXPECT_TRUE(Upload(*stub_, id, all_).finish().ok());
+  EXPECT_EQ(state(id), pb::SCENE_STATE_READY);
+}
+
+TEST_F(Uploads, ASceneThatCannotBeMadeIsDeleted) {
+  auto request = awaiting_request();
+  request.mutable_spec()->set_memory_budget_bytes(100);
+  const auto id = make_scene(*stub_, request);
+  EXPECT_EQ(Upload(*stub_, id, all_).finish().error_code(), grpc::RESOURCE_EXHAUSTED);
+  pb::Scene scene;
+  EXPECT_EQ(get(id, &scene).error_code(), grpc::NOT_FOUND);
+}
+
 }  // namespace
 }  // namespace collided::test

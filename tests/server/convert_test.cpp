@@ -70,6 +70,9 @@ TEST(ConvertScene, RefusesBadValues) {
   refuse("spec.meshes[0].name", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->clear_name(); });
   refuse("spec.meshes[1].name", [](Request& r) { *r.mutable_spec()->add_meshes() = r.spec().meshes(0); });
   refuse("spec.meshes[0].triangles[1]", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_vertex_count(3); });
+  refuse("spec.meshes[0].triangles[0]", [](Request& r) {
+    r.mutable_spec()->mutable_meshes(0)->set_triangles(triangle({0, 1, 1}));
+  });
   refuse("spec.meshes[0].triangles", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_triangles("12345"); });
   refuse("spec.meshes[0].triangles", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->clear_triangles(); });
   refuse("spec.kinds[0]", [](Request& r) { r.mutable_spec()->add_kinds(pb::CONTACT_KIND_UNSPECIFIED); });
