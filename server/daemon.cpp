@@ -4,7 +4,11 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <stdexcept>
 
@@ -31,11 +35,31 @@ std::string bound_address(const std::string& wanted, int port) {
   return wanted.substr(0, wanted.rfind(':') + 1) + std::to_string(port);
 }
 
+// Whether somebody accepts connections on a Unix socket. Does not wait: a full backlog (EAGAIN) is an answer, too.
+bool is_served(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (probe < 0) return false;
+  const bool served =
+      connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 || errno == EAGAIN;
+  close(probe);
+  return served;
+}
+
+// gRPC removes a socket that is in its way, without asking whether a daemon still serves there.
+void check_free(const std::string& address) {
+  if (address.starts_with("unix:") && is_served(address.substr(5)))
+    throw std::runtime_error("cannot listen on " + address + ": another daemon serves there");
+}
+
 }  // namespace
 
 Daemon::Daemon(const Config& config) {
   if (config.backend == "cuda" && !cuda_available())
     throw std::runtime_error("--backend is cuda, but there is no usable CUDA device");
+  for (const auto& address : config.addresses) check_free(address);
   service_ = std::make_unique<CollisionService>(config);
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();

@@ -1,6 +1,8 @@
 // The daemon as its clients see it: scenes, frames with known contacts, streams, and its end.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdio>
 #include <thread>
 
 #include "tests/integration/daemon_process.hpp"
@@ -216,6 +218,30 @@ TEST(Lifecycle, AStreamThatStaysIsEndedAfterTheGrace) {
   Stream stream(*stub, make_scene(*stub, tip_request()));
   daemon.signal(SIGINT);
   EXPECT_EQ(daemon.wait(), 0);
+}
+
+TEST(Lifecycle, ASecondDaemonDoesNotTakeASocketOver) {
+  DaemonProcess daemon;
+  auto stub = pb::CollisionService::NewStub(daemon.channel());
+  const auto id = make_scene(*stub, tip_request());
+  FILE* second =
+      popen(("timeout 20 " COLLIDED_DAEMON " --backend cpu --address " + daemon.address() + " 2>&1").c_str(), "r");
+  ASSERT_NE(second, nullptr);
+  std::string text;
+  for (std::array<char, 256> line; std::fgets(line.data(), line.size(), second);) text += line.data();
+  EXPECT_EQ(WEXITSTATUS(pclose(second)), 1);
+  EXPECT_NE(text.find("another daemon serves there"), std::string::npos) << text;
+  auto again = pb::CollisionService::NewStub(daemon.channel());
+  EXPECT_TRUE(Stream(*again, id).opened());
+}
+
+TEST(Lifecycle, ASocketThatADeadDaemonLeftIsTakenOver) {
+  DaemonProcess daemon;
+  daemon.signal(SIGKILL);
+  daemon.wait();
+  DaemonProcess next({"--address", daemon.address()});
+  auto stub = pb::CollisionService::NewStub(daemon.channel());
+  make_scene(*stub, tip_request());
 }
 
 }  // namespace
