@@ -92,10 +92,16 @@ void FrameStream::submit_locked(std::shared_ptr<Request> request) {
   auto job = [self = shared_from_this(), request = std::move(request), arrival = std::chrono::steady_clock::now()] {
     self->work(*request, arrival);
   };
-  if (!scene_->worker().try_post(std::move(job)))
-    refuse_locked(frame_id,
-                  {grpc::StatusCode::RESOURCE_EXHAUSTED,
-                   fmt::format("more than {} frames of several streams wait for this scene", max_window_), "frame"});
+  if (scene_->worker().try_post(std::move(job))) return;
+  // The refusal waits its turn, too, so that it does not pass the answers of earlier frames.
+  scene_->worker().post([self = shared_from_this(), frame_id] { self->refuse_for_queue(frame_id); });
+}
+
+void FrameStream::refuse_for_queue(uint64_t frame_id) {
+  std::lock_guard lock(mutex_);
+  refuse_locked(frame_id,
+                {grpc::StatusCode::RESOURCE_EXHAUSTED,
+                 fmt::format("more than {} frames of several streams wait for this scene", max_window_), "frame"});
 }
 
 void FrameStream::work(const Request& request, Time arrival) {

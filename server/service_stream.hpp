@@ -48,6 +48,7 @@ class FrameStream final : public grpc::ServerBidiReactor<pb::StreamFramesRequest
   void refuse_locked(uint64_t frame_id, const Failure& failure);
   void finish_locked(const grpc::Status& status);
   void finish_if_idle_locked();
+  void refuse_for_queue(uint64_t frame_id);
   void work(const Request& request, Time arrival);
   void answer(uint64_t frame_id, FrameAnswer answer);
 
