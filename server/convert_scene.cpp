@@ -16,6 +16,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the wire is little-endian and is copied as it is");
 
 constexpr size_t kMaxNameBytes = 128;
+constexpr int kMaxMeshes = 16384;  // with the longest names a scene still fits one message of gRPC's default size
 constexpr size_t kTriangleBytes = 12;
 
 [[noreturn]] void throw_invalid(const std::string& field, const std::string& rest) {
@@ -178,6 +179,9 @@ void check_total(const char* what, uint64_t total, uint64_t limit) {
 // Sizes are checked before any array is copied.
 void check_sizes(const pb::SceneSpec& spec, const Limits& limits) {
   if (spec.meshes().empty()) throw_invalid("spec.meshes", "is empty, but a scene needs a mesh");
+  if (spec.meshes_size() > kMaxMeshes)
+    throw LimitExceeded("spec.meshes", fmt::format("spec.meshes has {} meshes, more than the limit of {}",
+                                                   spec.meshes_size(), kMaxMeshes));
   uint64_t vertices = 0, triangles = 0;
   for (const auto& mesh : spec.meshes()) {
     vertices += mesh.vertex_count();

@@ -14,6 +14,7 @@ namespace collided::server {
 namespace {
 
 constexpr uint32_t kMaxPage = 1000, kDefaultPage = 100;
+constexpr size_t kFullPageBytes = size_t{1} << 20;  // a page may pass it by one scene
 
 // Runs a body and finishes with what it throws.
 template <class Body>
@@ -127,10 +128,12 @@ grpc::ServerUnaryReactor* CollisionService::ListScenes(Context* context, const p
     const uint32_t size = request->page_size() ? request->page_size() : kDefaultPage;
     if (size > kMaxPage) throw InvalidInput("page_size", fmt::format("page_size is {}, more than {}", size, kMaxPage));
     auto page = scenes_.page(request->page_token(), size + 1);  // one more tells whether a page follows
-    const bool more = page.size() > size;
-    if (more) page.pop_back();
-    for (const auto& scene : page) fill_scene(*scene, response->add_scenes());
-    if (more) response->set_next_page_token(page.back()->id());
+    size_t shown = 0;
+    for (size_t bytes = 0; shown < std::min<size_t>(page.size(), size) && bytes < kFullPageBytes; ++shown) {
+      fill_scene(*page[shown], response->add_scenes());
+      bytes += response->scenes().rbegin()->ByteSizeLong();
+    }
+    if (shown < page.size()) response->set_next_page_token(page[shown - 1]->id());
   });
 }
 

@@ -94,6 +94,9 @@ TEST(ConvertScene, HoldsTheLimitsAndTheBackend) {
   using Request = pb::CreateSceneRequest;
   expect_refused<LimitExceeded>("spec.meshes",
                                 [](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_vertex_count(~0u); });
+  expect_refused<LimitExceeded>("spec.meshes", [](Request& r) {
+    for (int i = 0; i < 16384; ++i) r.mutable_spec()->add_meshes()->set_name(std::to_string(i));
+  });
   expect_refused<LimitExceeded>("spec.memory_budget_bytes",
                                 [](Request& r) { r.mutable_spec()->set_memory_budget_bytes(~uint64_t{0}); });
   expect_refused<FailedPrecondition>("spec.backend",
