@@ -18,6 +18,7 @@ Scene::Scene(std::string id, ScenePlan plan, size_t queue_capacity)
     shown_.vertices += pending_.meshes[i].vertex_count;
     shown_.triangles += pending_.meshes[i].triangles.size() + plan_.meshes[i].awaited;
     awaited_.push_back(plan_.meshes[i].awaited);
+    uploading_.push_back(false);
     plan_.engine.meshes[i].triangles = {};
   }
 }
@@ -30,6 +31,22 @@ SceneSnapshot Scene::snapshot() const {
 uint64_t Scene::awaited(uint32_t mesh) const {
   std::lock_guard lock(mutex_);
   return awaited_.at(mesh);
+}
+
+void Scene::begin_upload(uint32_t mesh) {
+  std::lock_guard lock(mutex_);
+  if (awaited_[mesh] == 0)
+    throw FailedPrecondition(
+        "mesh", fmt::format("mesh is {} (\"{}\"), which awaits no triangles", mesh, plan_.meshes[mesh].name));
+  if (uploading_[mesh])
+    throw FailedPrecondition(
+        "mesh", fmt::format("mesh is {} (\"{}\"), which another upload brings", mesh, plan_.meshes[mesh].name));
+  uploading_[mesh] = true;
+}
+
+void Scene::end_upload(uint32_t mesh) {
+  std::lock_guard lock(mutex_);
+  uploading_[mesh] = false;
 }
 
 bool Scene::awaits_triangles() const {

@@ -57,6 +57,9 @@ class Scene {
   SceneSnapshot snapshot() const;
   /// Triangles of a mesh that are still to come.
   uint64_t awaited(uint32_t mesh) const;
+  /// Keeps a mesh for one upload, so that open uploads hold no more than the scene awaits. Throws FailedPrecondition.
+  void begin_upload(uint32_t mesh);
+  void end_upload(uint32_t mesh);
   /// Whether all triangles came and still made no detector.
   bool unusable() const;
   /// Frames and uploads that come after this are answered with NotFound.
@@ -84,9 +87,10 @@ class Scene {
   SceneSpec pending_;  // the spec with its triangles, until the detector takes it
   std::unique_ptr<Detector> detector_;
   std::atomic<bool> closed_ = false;
-  mutable std::mutex mutex_;  // guards the two below
+  mutable std::mutex mutex_;  // guards the three below
   SceneSnapshot shown_;
   std::vector<uint64_t> awaited_;
+  std::vector<bool> uploading_;
   SceneWorker worker_;  // last: its thread ends before the rest goes
 };
 

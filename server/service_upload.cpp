@@ -14,7 +14,7 @@ void MeshUpload::OnReadDone(bool ok) try {
   take();
   StartRead(&request_);
 } catch (...) {
-  Finish(to_status(describe_current()));
+  finish(to_status(describe_current()));
 }
 
 void MeshUpload::begin() {
@@ -23,10 +23,14 @@ void MeshUpload::begin() {
   const auto& meshes = scene->plan().meshes;
   if (mesh_ >= meshes.size())
     throw InvalidInput("mesh", fmt::format("mesh is {}, but the scene has {} meshes", mesh_, meshes.size()));
-  if (scene->awaited(mesh_) == 0)
-    throw FailedPrecondition("mesh",
-                             fmt::format("mesh is {} (\"{}\"), which awaits no triangles", mesh_, meshes[mesh_].name));
+  scene->begin_upload(mesh_);
   scene_ = std::move(scene);
+}
+
+// The mesh is free again before the client knows the outcome, and may try anew.
+void MeshUpload::finish(const grpc::Status& status) {
+  if (scene_) scene_->end_upload(mesh_);
+  Finish(status);
 }
 
 void MeshUpload::take() {
@@ -61,11 +65,11 @@ void MeshUpload::commit() {
       scene_->add_triangles(mesh_, triangles_);
       fill_scene(*scene_, response_->mutable_scene());
       spdlog::info("scene {}: {} triangles for mesh {}", scene_->id(), triangles_.size(), mesh_);
-      Finish(grpc::Status::OK);
+      finish(grpc::Status::OK);
     } catch (...) {
       const Failure failure = describe_current();
       delete_if_unusable();
-      Finish(to_status(failure));
+      finish(to_status(failure));
     }
   });
 }

@@ -24,6 +24,7 @@ class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
 
  private:
   void begin();
+  void finish(const grpc::Status& status);
   void take();
   void check_cancelled() const;
   void delete_if_unusable();

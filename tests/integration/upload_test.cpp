@@ -1,6 +1,7 @@
 // Uploads of triangles that end early, bring too little, or bring what makes no scene.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <thread>
 
 #include "tests/integration/daemon_process.hpp"
@@ -82,13 +83,13 @@ TEST_F(Uploads, AnUploadThatEndsEarlyChangesNothing) {
   EXPECT_EQ(state(id), pb::SCENE_STATE_READY);
 }
 
-// Another upload may complete the mesh while one is open; the open one must not harm the daemon.
-TEST_F(Uploads, AnUploadThatComesTooLateIsHarmless) {
+TEST_F(Uploads, AMeshTakesOneUploadAtATime) {
   const auto id = make_scene(*stub_, awaiting_request());
   Upload slow(*stub_, id, {});
   std::this_thread::sleep_for(kPause);
-  Upload(*stub_, id, all_).finish();
-  EXPECT_FALSE(slow.finish().ok());
+  EXPECT_EQ(Upload(*stub_, id, all_).finish().error_code(), grpc::FAILED_PRECONDITION);
+  EXPECT_EQ(slow.finish().error_code(), grpc::INVALID_ARGUMENT);
+  EXPECT_TRUE(Upload(*stub_, id, all_).finish().ok());
   EXPECT_EQ(state(id), pb::SCENE_STATE_READY);
 }
 
