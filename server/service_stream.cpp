@@ -11,6 +11,7 @@ namespace collided::server {
 namespace {
 
 constexpr uint32_t kDefaultWindow = 2;
+constexpr size_t kMaxQueuedBytes = size_t{64} << 20;  // of answers that the client has not taken yet
 
 uint32_t grant_window(uint32_t wanted, uint32_t limit) {
   if (wanted > limit)
@@ -142,6 +143,7 @@ void FrameStream::refuse_locked(uint64_t frame_id, const Failure& failure) {
 
 void FrameStream::read_locked() {
   if (reading_ || read_all_ || finished_ || (scene_ && in_flight_ >= window_)) return;
+  if (queued_bytes_ > kMaxQueuedBytes) return;  // goes on when the client takes its answers
   reading_ = true;
   incoming_ = std::make_shared<Request>();
   StartRead(incoming_.get());
@@ -149,6 +151,7 @@ void FrameStream::read_locked() {
 
 void FrameStream::send_locked(Response response) {
   if (finished_) return;
+  queued_bytes_ += response.ByteSizeLong();
   outgoing_.push_back(std::move(response));
   write_locked();
 }
@@ -164,6 +167,7 @@ void FrameStream::OnWriteDone(bool ok) {
   writing_ = false;
   if (!ok) return finish_locked(grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone"));
   if (ends_frame(outgoing_.front())) --in_flight_;
+  queued_bytes_ -= outgoing_.front().ByteSizeLong();
   outgoing_.pop_front();
   write_locked();
   read_locked();

@@ -62,6 +62,7 @@ class FrameStream final : public grpc::ServerBidiReactor<pb::StreamFramesRequest
   std::mutex mutex_;  // guards what follows
   std::shared_ptr<Request> incoming_;
   std::deque<Response> outgoing_;
+  size_t queued_bytes_ = 0;  // of outgoing_
   uint32_t window_ = 0;
   uint32_t in_flight_ = 0;  // frames whose end has not been written yet
   bool reading_ = false, writing_ = false, read_all_ = false, finished_ = false;
