@@ -46,6 +46,8 @@ void FrameStream::refuse(const grpc::Status& status) {
 
 void FrameStream::announce_stop(double seconds) {
   std::lock_guard lock(mutex_);
+  // The first answer of a stream is `opened`, and this one will not open any more.
+  if (!scene_) return finish_locked(to_status(describe(std::make_exception_ptr(Stopping()))));
   Response response;
   response.mutable_draining()->set_deadline_seconds(seconds);
   send_locked(std::move(response));

@@ -26,7 +26,7 @@ class FrameStream final : public grpc::ServerBidiReactor<pb::StreamFramesRequest
   void start();
   /// Ends the call at once, instead of start().
   void refuse(const grpc::Status& status);
-  /// Tells the client that the daemon stops.
+  /// Tells the client that the daemon stops; a stream that has not opened yet ends.
   void announce_stop(double seconds);
 
   void OnReadDone(bool ok) override;

@@ -212,6 +212,17 @@ TEST_F(Service, AnOpenStreamIsToldOfTheStopAndMayFinish) {
   EXPECT_EQ(daemon_.wait(), 0);
 }
 
+TEST_F(Service, AStreamThatHasNotOpenedEndsWithTheStop) {
+  grpc::ClientContext context;
+  auto call = stub_->StreamFrames(&context);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  daemon_.signal(SIGTERM);
+  pb::StreamFramesResponse response;
+  EXPECT_FALSE(call->Read(&response));
+  EXPECT_EQ(call->Finish().error_code(), grpc::UNAVAILABLE);
+  EXPECT_EQ(daemon_.wait(), 0);
+}
+
 TEST(Lifecycle, AStreamThatStaysIsEndedAfterTheGrace) {
   DaemonProcess daemon({"--grace-seconds", "0.2"});
   auto stub = pb::CollisionService::NewStub(daemon.channel());
