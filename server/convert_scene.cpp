@@ -9,6 +9,7 @@
 
 #include "server/convert.hpp"
 #include "server/errors.hpp"
+#include "server/shorten.hpp"
 
 namespace collided::server {
 namespace {
@@ -227,7 +228,7 @@ void parse_triangles(std::string_view bytes, uint32_t vertex_count, const std::s
 
 ScenePlan parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults) {
   const auto& spec = request.spec();
-  if (!request.request_id().empty()) throw_not_served("request_id", "\"" + request.request_id().substr(0, 64) + "\"");
+  if (!request.request_id().empty()) throw_not_served("request_id", "\"" + shorten(request.request_id(), 64) + "\"");
   if (spec.delta() != 0) throw_not_served("spec.delta", fmt::format("{}", spec.delta()));
   if (spec.display_name().size() > kMaxNameBytes)
     throw_invalid("spec.display_name",

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/errors.hpp"
+#include "server/shorten.hpp"
 
 namespace collided::server {
 namespace {
@@ -20,7 +21,7 @@ std::string random_id() {
 }
 
 [[noreturn]] void throw_not_found(const std::string& id) {
-  throw NotFound("scene_id", fmt::format("scene_id is \"{}\", which is no scene here", id.substr(0, 64)));
+  throw NotFound("scene_id", fmt::format("scene_id is \"{}\", which is no scene here", shorten(id, 64)));
 }
 
 }  // namespace
