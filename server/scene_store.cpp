@@ -27,10 +27,10 @@ std::string random_id() {
 }  // namespace
 
 std::shared_ptr<Scene> SceneStore::add(ScenePlan plan) {
+  auto scene = std::make_shared<Scene>(random_id(), std::move(plan), queue_capacity_);  // copies much: not locked yet
   std::lock_guard lock(mutex_);
   if (scenes_.size() >= max_scenes_)
     throw LimitExceeded("spec", fmt::format("{} scenes exist, and the limit is {}", scenes_.size(), max_scenes_));
-  auto scene = std::make_shared<Scene>(random_id(), std::move(plan), queue_capacity_);
   scenes_.emplace(scene->id(), scene);
   return scene;
 }
