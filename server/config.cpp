@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <cmath>
+#include <cstdlib>
 #include <sstream>
 
 namespace collided::server {
@@ -42,6 +44,10 @@ void add_limits(CLI::App& app, Limits& limits, Megabytes& megabytes) {
       ->capture_default_str();
 }
 
+std::string check_number(const std::string& text) {
+  return std::isnan(std::strtod(text.c_str(), nullptr)) ? text + " is not a number" : "";
+}
+
 void add_options(CLI::App& app, Config& config) {
   app.add_option("--address", config.addresses, "host:port (port 0: any free one) or unix:/path; may be repeated")
       ->envname("COLLIDED_ADDRESS")
@@ -59,6 +65,7 @@ void add_options(CLI::App& app, Config& config) {
   app.add_option("--grace-seconds", config.grace_seconds, "Seconds for open streams when the daemon stops")
       ->envname("COLLIDED_GRACE_SECONDS")
       ->check(CLI::Range(0.0, 3600.0))
+      ->check(CLI::Validator(check_number, ""))  // Range lets "nan" pass
       ->capture_default_str();
   app.add_option("--log-level", config.log_level, "Least severe messages that are logged")
       ->envname("COLLIDED_LOG_LEVEL")

@@ -49,6 +49,7 @@ TEST(Config, RefusesBadValuesByName) {
                                     {"--threads", "-1"},
                                     {"--max-scenes", "0"},
                                     {"--log-level", "loud"},
+                                    {"--grace-seconds", "nan"},
                                     {"--max-message-mb", "2048"}}) {
     const auto parsed = parse({flag, value});
     EXPECT_FALSE(parsed.run) << flag;
