@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "gpu/detector.hpp"
+#include "server/errors.hpp"
 
 namespace collided::server {
 
@@ -35,6 +36,13 @@ inline InvalidInput with_path(const InvalidInput& error, std::string (*path)(con
   const auto at = error.field().empty() ? std::string::npos : message.find(error.field());
   if (at == std::string::npos) return {ours, ours + ": " + message};
   return {ours, message.substr(0, at) + ours + message.substr(at + error.field().size())};
+}
+
+/// Throws the engine's refusal with the path of the budget, if it is about that.
+inline void throw_if_budget(const ResourceExhausted& error) {
+  constexpr std::string_view kEngine = "memory_budget";
+  const std::string field = "spec.memory_budget_bytes", message = error.what();
+  if (message.starts_with(kEngine)) throw LimitExceeded(field, field + message.substr(kEngine.size()));
 }
 
 }  // namespace collided::server

@@ -69,6 +69,9 @@ void Scene::build_if_complete() {
     detector_ = Detector::create(std::move(pending_));
   } catch (const InvalidInput& e) {
     throw with_path(e, spec_path);
+  } catch (const ResourceExhausted& e) {
+    throw_if_budget(e);
+    throw;
   }
   pending_ = {};
   publish();
@@ -103,6 +106,9 @@ FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame) {
     result = detector_->detect(frame);
   } catch (const InvalidInput& e) {
     throw with_path(e, frame_path);
+  } catch (const ResourceExhausted& e) {
+    throw_if_budget(e);
+    throw;
   }
   {
     std::lock_guard lock(mutex_);

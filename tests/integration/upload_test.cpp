@@ -120,7 +120,9 @@ TEST_F(Uploads, ASceneThatCannotBeMadeIsDeleted) {
   auto request = awaiting_request();
   request.mutable_spec()->set_memory_budget_bytes(100);
   const auto id = make_scene(*stub_, request);
-  EXPECT_EQ(Upload(*stub_, id, all_).finish().error_code(), grpc::RESOURCE_EXHAUSTED);
+  const auto status = Upload(*stub_, id, all_).finish();
+  EXPECT_EQ(status.error_code(), grpc::RESOURCE_EXHAUSTED);
+  EXPECT_NE(status.error_details().find("spec.memory_budget_bytes"), std::string::npos) << status.error_message();
   pb::Scene scene;
   EXPECT_EQ(get(id, &scene).error_code(), grpc::NOT_FOUND);
 }
