@@ -106,8 +106,9 @@ void CollisionService::build(const std::shared_ptr<Scene>& scene, pb::CreateScen
     }
     fill_scene(*scene, response->mutable_scene());
     const auto& made = response->scene();
-    spdlog::info("scene {} \"{}\": created on {}, {} vertices, {} triangles", scene->id(), made.spec().display_name(),
-                 made.device(), made.vertex_count(), made.triangle_count());
+    spdlog::info("scene {} \"{}\": created {}, {} vertices, {} triangles", scene->id(), made.spec().display_name(),
+                 made.device().empty() ? "without all its triangles" : "on " + made.device(), made.vertex_count(),
+                 made.triangle_count());
     reactor->Finish(grpc::Status::OK);
   });
 }
