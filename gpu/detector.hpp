@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -43,7 +44,11 @@ class Cancelled : public std::runtime_error {
 
 enum class Backend { kCpu, kCuda };
 enum class Mode { kDcd, kCcd };
-enum class Accuracy { kCandidates, kFast };
+/// From kGuarded on no contact of the given positions is missed and no time of impact is late.
+enum class Accuracy { kCandidates, kFast, kGuarded, kCertified, kExact };
+/// What a frame answers with: every contact; the earliest one (CCD from kGuarded on); whether there is one (from
+/// kFast on).
+enum class Report { kAll, kEarliestOnly, kAnyHit };
 enum class Scalar { kF32, kF64 };
 
 struct MeshSpec {
@@ -59,11 +64,14 @@ struct MeshSpec {
 struct SceneSpec {
   Backend backend = Backend::kCpu;
   Mode mode = Mode::kCcd;
-  Accuracy accuracy = Accuracy::kFast;
+  Accuracy accuracy = Accuracy::kCertified;
   Scalar scalar = Scalar::kF32;
   double thickness = 0;  ///< >= 0, finite, unit of the positions
+  double delta = 0;      ///< tolerance of CCD from kGuarded on, unit of the positions; 0: relative to each pair's size
+  Report report = Report::kAll;
   bool vertex_triangle = true;
   bool edge_edge = true;
+  bool triangle_triangle = false;  ///< DCD only: triangles of the frame that intersect; thickness plays no part
   bool weights = false;        ///< return the closest points' weights
   uint64_t memory_budget = 0;  ///< bytes on the backend; 0: no limit but the device's
   int threads = 0;             ///< CPU threads; 0: all cores
@@ -79,14 +87,19 @@ struct MeshPositions {
 
 struct FrameInput {
   std::vector<MeshPositions> updates;  ///< the first frame must name every mesh
+  std::optional<Accuracy> accuracy;    ///< for this frame alone; the scene's if absent
+  std::optional<double> delta;
+  std::optional<Report> report;
   std::function<bool()> cancelled;     ///< asked between stages; may be empty
 };
 
+/// kFlagCertified: certain in real arithmetic; kFlagNear: certain only to within delta and the working precision;
+/// kFlagCapped: the iteration limit was met; kFlagInitial: already in contact at t = 0.
 enum ContactFlags : uint8_t { kFlagCertified = 1, kFlagNear = 2, kFlagCapped = 4, kFlagInitial = 8 };
 
 /// Contacts of one kind, sorted by (first id, second id). Arrays that the level does not compute are empty.
 struct ContactSet {
-  std::vector<std::array<uint32_t, 2>> elements;  ///< vertex, triangle; or edge, edge (first < second)
+  std::vector<std::array<uint32_t, 2>> elements;  ///< vertex, triangle; or two edges or triangles (first < second)
   std::vector<double> toi;                        ///< [0, 1]; CCD from kFast on
   std::vector<double> distance;                   ///< >= 0; from kFast on
   std::vector<std::array<double, 2>> weights;     ///< triangle's 2nd and 3rd corner, or along each edge; if asked for
@@ -103,16 +116,21 @@ struct FrameCounts {
   uint64_t cells = 0, leaves = 0;
   uint32_t top_level = 0, base_level = 0;
   uint64_t registrations = 0, tests = 0, pairs = 0;
-  uint64_t candidates_vt = 0, candidates_ee = 0, contacts_vt = 0, contacts_ee = 0;
+  uint64_t candidates_vt = 0, candidates_ee = 0, contacts_vt = 0, contacts_ee = 0, contacts_tt = 0;
+  uint64_t survivors_vt = 0, survivors_ee = 0;  ///< left by the coplanarity filter (from kGuarded on)
+  uint64_t exact_decisions = 0;
 };
 
 struct FrameResult {
   ContactSet vertex_triangle;
   ContactSet edge_edge;
+  ContactSet triangle_triangle;  ///< elements and flags alone
   std::vector<StageTime> stages;
   FrameCounts counts;
   uint32_t replays = 0;
-  double earliest_toi = 1;
+  double earliest_toi = 1;  ///< CCD; from kGuarded on no contact is earlier
+  bool any_contact = false;
+  bool input_resolution = false;  ///< the input's own spacing is coarser than delta (0: than 1/1000 of most triangles)
 };
 
 struct MemoryPart {
