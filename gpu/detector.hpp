@@ -87,10 +87,10 @@ struct MeshPositions {
 
 struct FrameInput {
   std::vector<MeshPositions> updates;  ///< the first frame must name every mesh
-  std::optional<Accuracy> accuracy;    ///< for this frame alone; the scene's if absent
-  std::optional<double> delta;
-  std::optional<Report> report;
-  std::function<bool()> cancelled;     ///< asked between stages; may be empty
+  std::optional<Accuracy> accuracy = {};  ///< for this frame alone; the scene's if absent
+  std::optional<double> delta = {};
+  std::optional<Report> report = {};
+  std::function<bool()> cancelled = {};  ///< asked between stages; may be empty
 };
 
 /// kFlagCertified: certain in real arithmetic; kFlagNear: certain only to within delta and the working precision;
