@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include "tests/gpu/backend.hpp"
 #include "tests/support/brute_force.hpp"
-#include "tests/support/data_folder.hpp"
+#include "tests/support/labelled.hpp"
 
 namespace collided::test {
 namespace {
@@ -22,40 +20,25 @@ void PrintTo(const Golden& g, std::ostream* out) { *out << g.frames.name; }
 
 const Golden kGolden[] = {{kFunnelFrames, 7319, 33770}, {kBallFrames, 1655541, 5197332}};
 
-std::vector<std::vector<std::string>> read_csv(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::string line, cell;
-  std::getline(in, line);  // the header
-  std::vector<std::vector<std::string>> rows;
-  while (std::getline(in, line)) {
-    std::istringstream cells(line);
-    rows.emplace_back();
-    while (std::getline(cells, cell, ',')) rows.back().push_back(cell);
-  }
-  return rows;
-}
-
-uint32_t number(const std::string& text) { return static_cast<uint32_t>(std::stoul(text)); }
-
 using Truth = std::map<PairKey, double>;  ///< time of impact of every pair that collides
 
-Truth truth_vt(const std::filesystem::path& folder) {
+Truth truth_vt(const std::filesystem::path& data, const RealFrames& frames) {
   Truth truth;
-  for (const auto& row : read_csv(folder / "truth" / "vf.csv"))
-    if (row[2] == "1") truth[key_of(number(row[0]), number(row[1]))] = std::stod(row[3]);
+  for (const TruthRow& row : read_truth(data, frames, QueryKind::kVertexTriangle))
+    if (row.hit) truth[key_of(row.ids[0], row.ids[1])] = std::stod(row.toi);
   return truth;
 }
 
-Truth truth_ee(const std::filesystem::path& folder, const Topology& topology) {
+Truth truth_ee(const std::filesystem::path& data, const RealFrames& frames, const Topology& topology) {
   const auto id = [&](uint32_t a, uint32_t b) {
     const std::array<uint32_t, 2> edge{std::min(a, b), std::max(a, b)};
     return static_cast<uint32_t>(std::lower_bound(topology.edges.begin(), topology.edges.end(), edge) -
                                  topology.edges.begin());
   };
   Truth truth;
-  for (const auto& row : read_csv(folder / "truth" / "ee.csv")) {
-    const uint32_t e = id(number(row[0]), number(row[1])), f = id(number(row[2]), number(row[3]));
-    if (row[4] == "1") truth[key_of(std::min(e, f), std::max(e, f))] = std::stod(row[5]);
+  for (const TruthRow& row : read_truth(data, frames, QueryKind::kEdgeEdge)) {
+    const uint32_t e = id(row.ids[0], row.ids[1]), f = id(row.ids[2], row.ids[3]);
+    if (row.hit) truth[key_of(std::min(e, f), std::max(e, f))] = std::stod(row.toi);
   }
   return truth;
 }
@@ -124,9 +107,8 @@ TEST_P(RealFramesTest, CandidatesEqualBruteForce) {
 TEST_P(RealFramesTest, FastFindsNearlyAll) {
   const auto detector = Detector::create(spec_for(case_, spec(Accuracy::kFast, Scalar::kF64)));
   const FrameResult r = detector->detect(Frame(case_, Mode::kCcd, Scalar::kF64).input());
-  const std::filesystem::path folder = *data_ / golden().frames.folder;
-  const Score vt = score_of(r.vertex_triangle, truth_vt(folder));
-  const Score ee = score_of(r.edge_edge, truth_ee(folder, detector->topology()));
+  const Score vt = score_of(r.vertex_triangle, truth_vt(*data_, golden().frames));
+  const Score ee = score_of(r.edge_edge, truth_ee(*data_, golden().frames, detector->topology()));
   print("vertex_triangle", vt);
   print("edge_edge", ee);
   for (const Score& score : {vt, ee}) {

@@ -1,0 +1,77 @@
+// The judge against labels that others made, and against our own set.
+
+#include <gtest/gtest.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+
+#include "tests/support/labelled.hpp"
+
+namespace collided::test {
+namespace {
+
+// An interval of a first time is right if it meets the label's.
+bool agrees(const ExactImpact& impact, const LabelledQuery& label) {
+  if (impact.hit != label.hit) return false;
+  return !label.hit || (impact.lower <= label.toi_upper && impact.upper >= label.toi_lower);
+}
+
+// Judges all queries and says how many disagree with their labels.
+size_t disagreements(const std::string& name, const std::vector<LabelledQuery>& queries) {
+  std::atomic<size_t> disagree = 0, hits = 0;
+  std::atomic<int64_t> nanoseconds = 0, slowest = 0;
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, queries.size()), [&](const auto& range) {
+    for (size_t i = range.begin(); i < range.end(); ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      const ExactImpact impact = judge_ccd(queries[i].query);
+      const int64_t time = (std::chrono::steady_clock::now() - start).count();
+      nanoseconds += time;
+      for (int64_t seen = slowest; time > seen && !slowest.compare_exchange_weak(seen, time);) continue;
+      if (impact.hit) ++hits;
+      if (!agrees(impact, queries[i])) ++disagree;
+    }
+  });
+  std::printf("%s: %zu queries, %zu hits: %zu disagree; %.1f us a query, slowest %.1f us\n", name.c_str(),
+              queries.size(), hits.load(), disagree.load(), 1e-3 * double(nanoseconds) / double(queries.size()),
+              1e-3 * double(slowest));
+  return disagree;
+}
+
+class ExactJudgeData : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    data_ = data_folder();
+    if (!data_) GTEST_SKIP() << "the data folder is not here; set COLLIDED_DATA";
+  }
+  std::optional<std::filesystem::path> data_;
+};
+
+TEST_F(ExactJudgeData, AgreesWithTheHandMadeQueries) {
+  size_t queries = 0, disagree = 0;
+  for (const std::string& set : query_sets(*data_)) {
+    const std::vector<LabelledQuery> labelled = read_query_set(*data_, set);
+    queries += labelled.size();
+    disagree += disagreements(set, labelled);
+  }
+  std::printf("%zu queries: %zu disagree\n", queries, disagree);
+  EXPECT_EQ(queries, 3824u);
+  EXPECT_EQ(disagree, 0u);
+}
+
+TEST_F(ExactJudgeData, AgreesWithTheFunnelFrames) {
+  const std::vector<LabelledQuery> queries = read_frame_queries(*data_, kFunnelFrames);
+  EXPECT_EQ(queries.size(), 355u);
+  EXPECT_EQ(disagreements(kFunnelFrames.name, queries), 0u);
+}
+
+TEST_F(ExactJudgeData, AgreesWithTheBallFrames) {
+  const std::vector<LabelledQuery> queries = read_frame_queries(*data_, kBallFrames);
+  EXPECT_EQ(queries.size(), 113859u);
+  EXPECT_EQ(disagreements(kBallFrames.name, queries), 0u);
+}
+
+}  // namespace
+}  // namespace collided::test
