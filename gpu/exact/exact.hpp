@@ -10,7 +10,7 @@ namespace collided {
 /// Whether and when features that move linearly meet, decided as in real arithmetic.
 struct ExactImpact {
   bool hit = false;
-  /// Time of the first contact in [0, 1], at most 2^-60 too early and then rounded toward 0; never late. 1 if no hit.
+  /// Time of the first contact in [0, 1], rounded down to a multiple of 2^-60 and then to a double; 1 if no hit.
   double toi = 1;
 };
 

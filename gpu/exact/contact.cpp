@@ -1,0 +1,91 @@
+#include "gpu/exact/contact.hpp"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "gpu/exact/root.hpp"
+
+namespace collided::exact {
+namespace {
+
+constexpr double kNever = 2;
+
+/// `sign` gives a form's sign at the time in question.
+template <class Sign>
+bool holds(const Case& c, Sign sign) {
+  return std::all_of(c.zero.begin(), c.zero.end(), [&](const Form& f) { return sign(f) == 0; }) &&
+         std::all_of(c.not_negative.begin(), c.not_negative.end(), [&](const Form& f) { return sign(f) >= 0; }) &&
+         std::all_of(c.not_zero.begin(), c.not_zero.end(), [&](const Form& f) { return sign(f) != 0; });
+}
+
+template <class Sign>
+bool any_holds(std::span<const Case> cases, Sign sign) {
+  return std::any_of(cases.begin(), cases.end(), [&](const Case& c) { return holds(c, sign); });
+}
+
+bool never_holds(const Case& c) {
+  return std::any_of(c.zero.begin(), c.zero.end(), [](const Form& f) { return closed_sign(f) != 0; }) ||
+         std::any_of(c.not_negative.begin(), c.not_negative.end(), [](const Form& f) { return closed_sign(f) < 0; }) ||
+         std::any_of(c.not_zero.begin(), c.not_zero.end(), [](const Form& f) { return f.vanishes(); });
+}
+
+bool holds_at_end(const Contact& contact) {
+  const auto sign = [](const Form& f) { return sgn(f.c.back()); };
+  return sign(contact.necessary) == 0 && any_holds(contact.cases, sign);
+}
+
+/// The first root of `source` in (0, 1) where one of the cases holds, rounded down; kNever if there is none.
+double first_root(const Form& source, std::span<const Case> cases) {
+  for (Root& root : roots_inside(source))
+    if (any_holds(cases, [&](const Form& f) { return root.sign_of(f); })) return root.rounded_down();
+  return kNever;
+}
+
+/// The forms of a case one of which has a root at its first time; see first_impact.
+std::vector<const Form*> sources(const Case& c) {
+  std::vector<const Form*> found;
+  for (const Form& f : c.zero)
+    if (!f.vanishes()) return {&f};
+  for (const Form& f : c.not_negative)
+    if (!f.vanishes()) found.push_back(&f);
+  return found;
+}
+
+double first_root(const Case& c) {
+  double first = kNever;
+  for (const Form* source : sources(c)) first = std::min(first, first_root(*source, {&c, 1}));
+  return first;
+}
+
+}  // namespace
+
+void Contact::add(Case added) {
+  if (!never_holds(added)) cases.push_back(std::move(added));
+}
+
+bool holds_at_start(const Contact& contact) {
+  const auto sign = [](const Form& f) { return sgn(f.c.front()); };
+  return sign(contact.necessary) == 0 && any_holds(contact.cases, sign);
+}
+
+// No time between the roots has to be tried. The set of contact is closed, so it has a first time T, and some case C
+// holds at T. If a form of C's `zero` does not vanish identically, T is one of its roots. Else, if T > 0 were a root of
+// no form of C's `not_negative` but of those that vanish identically, all signs of C would stay the same a little
+// before T (those of `not_zero` too: what is not 0 stays so), and T would not be the first. Roots of `not_zero` need
+// not be tried, because C fails there. Every root that passes is a time of contact, so the first of them is T, and the
+// least of their rounded times is T's, as rounding is monotone.
+ExactImpact first_impact(const Contact& contact) {
+  if (holds_at_start(contact)) return {true, 0};
+  double first = kNever;
+  if (!contact.necessary.vanishes()) {
+    first = first_root(contact.necessary, contact.cases);
+  } else {
+    for (const Case& c : contact.cases) first = std::min(first, first_root(c));
+  }
+  if (first < kNever) return {true, first};
+  if (holds_at_end(contact)) return {true, 1};
+  return {};
+}
+
+}  // namespace collided::exact

@@ -1,0 +1,33 @@
+#pragma once
+// "In contact at time t" as a disjunction of conjunctions of signs of polynomials in t, and its first time.
+
+#include <vector>
+
+#include "gpu/exact/exact.hpp"
+#include "gpu/exact/form.hpp"
+
+namespace collided::exact {
+
+/// Holds at t if every form of `zero` is 0, of `not_negative` >= 0, of `not_zero` not 0 there.
+struct Case {
+  std::vector<Form> zero;
+  std::vector<Form> not_negative;
+  std::vector<Form> not_zero;
+};
+
+/// Holds at t if one of the cases does. The set of these times has to be closed, be they cases of `not_zero` or not.
+struct Contact {
+  Form necessary;  ///< 0 at every time of contact; the zero form if nothing simple is known
+  std::vector<Case> cases;
+
+  /// Adds a case, unless the coefficients show that it never holds in [0, 1].
+  void add(Case added);
+};
+
+/// The contact holds at t = 0; forms of degree 0 will do.
+bool holds_at_start(const Contact& contact);
+
+/// The first time in [0, 1].
+ExactImpact first_impact(const Contact& contact);
+
+}  // namespace collided::exact

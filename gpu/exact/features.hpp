@@ -1,0 +1,15 @@
+#pragma once
+// When a vertex and a triangle, or two edges, are within the thickness of each other, as signs of polynomials.
+
+#include "gpu/exact/contact.hpp"
+#include "gpu/exact/integers.hpp"
+
+namespace collided::exact {
+
+/// Points v, a, b, c.
+Contact vertex_triangle_contact(const ExactQuery& query);
+
+/// Points a0, a1, b0, b1.
+Contact edge_edge_contact(const ExactQuery& query);
+
+}  // namespace collided::exact

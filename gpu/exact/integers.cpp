@@ -1,0 +1,77 @@
+#include "gpu/exact/integers.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <climits>
+#include <cmath>
+#include <cstdint>
+
+namespace collided::exact {
+namespace {
+
+/// x = odd * 2^exponent, or 0.
+struct Binary {
+  int64_t odd = 0;
+  int exponent = 0;
+};
+
+Binary to_binary(double x) {
+  if (x == 0) return {};
+  int exponent = 0;
+  int64_t odd = static_cast<int64_t>(std::ldexp(std::frexp(x, &exponent), 53));
+  const int zeros = std::countr_zero(static_cast<uint64_t>(odd));
+  return {odd / (int64_t{1} << zeros), exponent - 53 + zeros};
+}
+
+/// The unit in which all numbers seen are integers: the smallest exponent of theirs.
+class Unit {
+ public:
+  void see(double x) {
+    if (x != 0) exponent_ = std::min(exponent_, to_binary(x).exponent);
+  }
+  void see(const Vec3<double> (&points)[4]) {
+    for (const Vec3<double>& p : points)
+      for (const double x : {p.x, p.y, p.z}) see(x);
+  }
+  mpz_class operator()(double x) const {
+    const Binary b = to_binary(x);
+    mpz_class n = static_cast<long>(b.odd);
+    if (b.odd != 0) n <<= static_cast<mp_bitcnt_t>(b.exponent - exponent_);
+    return n;
+  }
+
+ private:
+  int exponent_ = INT_MAX;
+};
+
+Form form(const Unit& unit, double x) { return {{unit(x)}}; }
+Form form(const Unit& unit, double start, double end) { return {{unit(start), unit(end)}}; }
+
+}  // namespace
+
+ExactQuery at_rest(const Vec3<double> (&points)[4], double thickness) {
+  Unit unit;
+  unit.see(thickness);
+  unit.see(points);
+  ExactQuery query{{}, form(unit, thickness)};
+  for (size_t i = 0; i < 4; ++i) {
+    const Vec3<double>& p = points[i];
+    query.points[i] = {form(unit, p.x), form(unit, p.y), form(unit, p.z)};
+  }
+  return query;
+}
+
+ExactQuery in_motion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness) {
+  Unit unit;
+  unit.see(thickness);
+  unit.see(start);
+  unit.see(end);
+  ExactQuery query{{}, form(unit, thickness, thickness)};
+  for (size_t i = 0; i < 4; ++i) {
+    const Vec3<double>&p = start[i], &q = end[i];
+    query.points[i] = {form(unit, p.x, q.x), form(unit, p.y, q.y), form(unit, p.z, q.z)};
+  }
+  return query;
+}
+
+}  // namespace collided::exact

@@ -1,0 +1,20 @@
+#pragma once
+// Doubles as integers: all of a query's numbers times one power of two. The decisions do not depend on the unit.
+
+#include <array>
+
+#include "gpu/exact/form.hpp"
+#include "gpu/math/vec3.hpp"
+
+namespace collided::exact {
+
+/// A query's numbers as forms of one degree: 0 at rest, 1 in motion.
+struct ExactQuery {
+  std::array<Vec3<Form>, 4> points;
+  Form thickness;
+};
+
+ExactQuery at_rest(const Vec3<double> (&points)[4], double thickness);
+ExactQuery in_motion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness);
+
+}  // namespace collided::exact

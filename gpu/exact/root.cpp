@@ -1,0 +1,95 @@
+#include "gpu/exact/root.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "gpu/exact/divisor.hpp"
+
+namespace collided::exact {
+namespace {
+
+constexpr mp_bitcnt_t kTimeBits = 60;
+
+struct Piece {
+  Form f;  ///< in the local parameter of `on`
+  Dyadic on;
+};
+
+/// A dyadic root in the middle of a piece is a piece of its own: f = 0 in degree 0, `on` starting at the root.
+Piece middle_root(const Dyadic& whole) { return {Form(), {2 * whole.k + 1, whole.bits + 1}}; }
+
+}  // namespace
+
+Root Root::at_point(const Dyadic& at) {
+  Root root;
+  root.at_ = at;
+  return root;
+}
+
+Root Root::inside(const Form& f, const Dyadic& in, int left_sign) {
+  Root root;
+  root.f_ = f;
+  root.at_ = in;
+  root.left_sign_ = left_sign;
+  return root;
+}
+
+void Root::refine(mp_bitcnt_t bits) {
+  while (left_sign_ != 0 && at_.bits < bits) {
+    at_.k = 2 * at_.k + 1;
+    ++at_.bits;
+    const int sign = sign_at_point(f_, at_);
+    if (sign == 0)
+      left_sign_ = 0;
+    else if (sign != left_sign_)
+      --at_.k;
+  }
+}
+
+// Coefficients of one sign on the interval settle it, and a sign that is not zero is found once the interval is short
+// enough. A zero never is: it is a common root. The greatest common divisor divides f, so in the interval it has this
+// number as a simple root or no root, and the parity of its sign changes tells which.
+int Root::sign_of(const Form& g) {
+  if (g.vanishes()) return 0;
+  constexpr mp_bitcnt_t kDivisorAt = 64;  // rarely reached but by zeros
+  bool may_be_zero = true;
+  for (mp_bitcnt_t bits = 4;; bits *= 4) {
+    if (left_sign_ == 0) return sign_at_point(g, at_);
+    if (const int sign = open_sign(restricted(g, at_))) return sign;
+    if (bits > kDivisorAt && std::exchange(may_be_zero, false))
+      if (sign_changes(restricted(common_divisor(f_, g), at_)) % 2 == 1) return 0;
+    refine(bits);
+  }
+}
+
+double Root::rounded_down() {
+  refine(kTimeBits);
+  const mpz_class k = at_.bits > kTimeBits ? at_.k >> (at_.bits - kTimeBits) : at_.k << (kTimeBits - at_.bits);
+  return std::ldexp(k.get_d(), -static_cast<int>(kTimeBits));  // get_d() truncates
+}
+
+// Halving until Descartes' rule leaves one root or none (Collins and Akritas 1976). It ends only if the roots are
+// simple; with at most one change of sign nothing need be done for that.
+std::vector<Root> roots_inside(const Form& f) {
+  const Form simple = sign_changes(f) > 1 ? square_free(f) : f;
+  std::vector<Root> roots;
+  std::vector<Piece> left_to_right{{simple, {}}};  // the leftmost piece last
+  while (!left_to_right.empty()) {
+    const Piece piece = std::move(left_to_right.back());
+    left_to_right.pop_back();
+    const int changes = sign_changes(piece.f);
+    if (piece.f.vanishes()) {
+      roots.push_back(Root::at_point(piece.on));
+    } else if (changes == 1) {
+      roots.push_back(Root::inside(simple, piece.on, first_sign(piece.f)));
+    } else if (changes > 1) {
+      const Dyadic &on = piece.on, left{2 * on.k, on.bits + 1}, right{2 * on.k + 1, on.bits + 1};
+      left_to_right.push_back({right_half(piece.f), right});
+      if (left_to_right.back().f.c.front() == 0) left_to_right.push_back(middle_root(on));
+      left_to_right.push_back({left_half(piece.f), left});
+    }
+  }
+  return roots;
+}
+
+}  // namespace collided::exact
