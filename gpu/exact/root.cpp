@@ -64,7 +64,8 @@ int Root::sign_of(const Form& g) {
 
 double Root::rounded_down() {
   refine(kTimeBits);
-  const mpz_class k = at_.bits > kTimeBits ? at_.k >> (at_.bits - kTimeBits) : at_.k << (kTimeBits - at_.bits);
+  mpz_class k = at_.k << kTimeBits;
+  k >>= at_.bits;
   return std::ldexp(k.get_d(), -static_cast<int>(kTimeBits));  // get_d() truncates
 }
 
