@@ -18,6 +18,9 @@ struct LabelledQuery {
   std::string family;                   ///< our own: as in make_labelled.cpp; else the set's name
 };
 
+/// Whether the judge's answer is the label's: the verdict, and intervals of the first time that share a point.
+bool agrees(const ExactImpact& impact, const LabelledQuery& label);
+
 /// Our own set, or any file of its form: see data/README.md. Throws std::runtime_error if it cannot be read.
 std::vector<LabelledQuery> read_labelled_set(const std::filesystem::path& file);
 
