@@ -54,6 +54,22 @@ void check_update(const SceneSpec& spec, const MeshPositions& update, const std:
   check_positions(spec, field + ".start", update.start, mesh.vertex_count);
 }
 
+void check_length(const std::string& field, double value, double limit) {
+  if (!(value >= 0 && value <= limit))
+    throw InvalidInput(field, field + " is " + text(value) + "; it must be from 0 to " + text(limit));
+}
+
+void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
+  check_length("delta", settings.delta, coordinate_limit(spec.scalar));
+  const bool finds_features = spec.vertex_triangle || spec.edge_edge;
+  if (spec.mode == Mode::kDcd && settings.accuracy == Accuracy::kFast && spec.thickness == 0 && finds_features)
+    throw InvalidInput("thickness", "thickness is 0; discrete detection at FAST needs a distance > 0");
+  if (settings.report == Report::kEarliestOnly && (spec.mode != Mode::kCcd || settings.accuracy < Accuracy::kGuarded))
+    throw InvalidInput("report", "report is EARLIEST_ONLY, which needs CCD at GUARDED or above");
+  if (settings.report == Report::kAnyHit && settings.accuracy < Accuracy::kFast)
+    throw InvalidInput("report", "report is ANY_HIT, which needs FAST or above");
+}
+
 }  // namespace
 
 double coordinate_limit(Scalar scalar) {
@@ -62,18 +78,19 @@ double coordinate_limit(Scalar scalar) {
 }
 
 void check_spec(const SceneSpec& spec) {
-  if (!(spec.thickness >= 0 && spec.thickness <= coordinate_limit(spec.scalar)))
-    throw InvalidInput("thickness", "thickness is " + text(spec.thickness) + "; it must be from 0 to " +
-                                        text(coordinate_limit(spec.scalar)));
-  if (spec.mode == Mode::kDcd && spec.accuracy != Accuracy::kCandidates && spec.thickness == 0)
-    throw InvalidInput("thickness", "thickness is 0; discrete detection needs a distance > 0");
-  if (!spec.vertex_triangle && !spec.edge_edge)
-    throw InvalidInput("vertex_triangle", "vertex_triangle and edge_edge are both off, nothing would be detected");
+  check_length("thickness", spec.thickness, coordinate_limit(spec.scalar));
+  if (!spec.vertex_triangle && !spec.edge_edge && !spec.triangle_triangle)
+    throw InvalidInput("vertex_triangle",
+                       "vertex_triangle, edge_edge and triangle_triangle are all off, nothing would be detected");
+  if (spec.triangle_triangle && spec.mode != Mode::kDcd)
+    throw InvalidInput("triangle_triangle", "triangle_triangle is on, but only DCD has triangle pairs");
   if (spec.threads < 0)
     throw InvalidInput("threads", "threads is " + text(spec.threads) + ", the least is 0 (all cores)");
+  check_settings(spec, settings_of(spec, {}));
 }
 
 void check_frame(const SceneSpec& spec, const FrameInput& frame, bool first) {
+  check_settings(spec, settings_of(spec, frame));
   std::vector<bool> named(spec.meshes.size(), false);
   for (size_t i = 0; i < frame.updates.size(); ++i) {
     const std::string field = "updates[" + text(i) + "]";

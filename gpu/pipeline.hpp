@@ -2,15 +2,12 @@
 // The paper's Fig. 7 for one frame: positions that are resident in, contacts in canonical order out.
 // detect_contacts() at the end names the steps in their order; a scene runs those that its spec requires.
 
-#include <algorithm>
-#include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "gpu/broad/pair_tests.hpp"
-#include "gpu/narrow/fast_ccd.hpp"
-#include "gpu/narrow/proximity.hpp"
+#include "gpu/broad/resolution.hpp"
+#include "gpu/narrow_phase.hpp"
 #include "gpu/octree/levels.hpp"
 #include "gpu/octree/registration.hpp"
 #include "gpu/octree/top_down.hpp"
@@ -23,34 +20,27 @@ struct TriangleRun {
   uint64_t first, count;
 };
 
-template <class Real>
-struct GatherContacts {
-  Span<const uint32_t> order;
-  Span<const ContactData<Real>> data;
-  Span<ContactData<Real>> sorted;
-  COLLIDED_HD void operator()(uint64_t i) const { sorted[i] = data[order[i]]; }
-};
-
 template <class Exec, class Real>
 class Pipeline {
  public:
   Pipeline(Exec& exec, const SceneSpec& spec, const Topology& topology, SceneBuffers<Exec, Real>& scene)
-      : exec_(exec), spec_(spec), topology_(topology), scene_(scene) {}
+      : exec_(exec), spec_(spec), topology_(topology), scene_(scene), narrow_(exec, spec, scene) {}
 
   /// Fig. 7.
-  FrameResult detect_contacts(const std::vector<TriangleRun>& moved) {
+  FrameResult detect_contacts(const std::vector<TriangleRun>& moved, const FrameSettings& settings) {
     result_ = {};
     exec_.stage("boxes", [&] { box_triangles(moved); });
-    exec_.stage("levels", [&] { choose_levels(); });
+    exec_.stage("levels", [&] { choose_levels(settings); });
     exec_.stage("count", [&] { count_overlapped_cells(); });
     exec_.stage("bottom_up", [&] { bottom_up(exec_, grid_, counts(), cost(), type()); });
     exec_.stage("top_down", [&] { find_leaves(); });
     exec_.stage("registration", [&] { register_triangles(); });
     exec_.stage("pair_tests", [&] { test_pairs(); });
-    if (spec_.vertex_triangle) exec_.stage("elementary_vt", [&] { find_vertex_triangle(); });
-    if (spec_.edge_edge) exec_.stage("elementary_ee", [&] { find_edge_edge(); });
-    if (spec_.vertex_triangle) detect_kind(result_.vertex_triangle, vertex_triangle());
-    if (spec_.edge_edge) detect_kind(result_.edge_edge, edge_edge());
+    narrow_.begin(settings, extent_, result_);
+    if (spec_.vertex_triangle) detect_vertex_triangle();
+    if (spec_.edge_edge && !narrow_.is_over()) detect_edge_edge();
+    if (spec_.triangle_triangle && !narrow_.is_over()) narrow_.detect_triangles(pairs());
+    narrow_.finish();
     finish();
     return std::move(result_);
   }
@@ -85,8 +75,11 @@ class Pipeline {
   }
 
   // Section 3.2: number of levels. Two read-backs: the bounds, the registrations each level would take.
-  void choose_levels() {
+  void choose_levels(const FrameSettings& settings) {
     const Box<float> bounds = exec_.reduce("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{});
+    const Vec3<float> extent = bounds.hi - bounds.lo;
+    extent_ = larger(extent.x, larger(extent.y, extent.z));
+    if (settings.accuracy >= Accuracy::kGuarded) result_.input_resolution = is_coarse(bounds, settings.delta);
     const LevelTotals totals =
         exec_.reduce("covered_per_level", triangle_count(), CoveredPerLevel{grid_over(bounds, 0, kMaxLevel), boxes()},
                      LevelTotals{}, AddTotals{});
@@ -162,100 +155,42 @@ class Pipeline {
   Span<const TrianglePair> pairs() const { return scene_.pairs.span(result_.counts.pairs); }
   Ownership owned() const { return {scene_.topology.owned.span(triangle_count())}; }
 
+  /// Whether the spacing of the positions' numbers, at the largest of them, is coarser than delta; without a delta,
+  /// than a thousandth of most triangles.
+  bool is_coarse(const Box<float>& bounds, double delta) {
+    const Real spacing = spacing_at<Real>(bounds);
+    if (delta > 0) return spacing > delta;
+    const uint64_t small = exec_.reduce("count_small_triangles", triangle_count(),
+                                        IsSmall{boxes(), static_cast<float>(1024 * spacing)}, uint64_t{0}, Add{});
+    return 2 * small > triangle_count();
+  }
+
+  // 7.-8. Elementary tests and narrow phase, one kind at a time.
+  void detect_vertex_triangle() {
+    exec_.stage("elementary_vt", [&] { find_vertex_triangle(); });
+    narrow_.detect(vertex_triangle(), scene_.candidates.span(result_.counts.candidates_vt));
+  }
   void find_vertex_triangle() {
-    result_.counts.candidates_vt = fill(scene_.candidates_vt, [&](const AppendList<uint64_t>& out) {
+    result_.counts.candidates_vt = fill(scene_.candidates, [&](const AppendList<uint64_t>& out) {
       exec_.for_each("find_vertex_triangle_pairs", result_.counts.pairs,
                      FindVertexTrianglePairs<Real>{motion(), triangles(), owned(), pairs(), out});
     });
   }
+  void detect_edge_edge() {
+    exec_.stage("elementary_ee", [&] { find_edge_edge(); });
+    narrow_.detect(edge_edge(), scene_.candidates.span(result_.counts.candidates_ee));
+  }
   void find_edge_edge() {
     const Span<const Triangle> edges = scene_.topology.triangle_edges.span(triangle_count());
-    result_.counts.candidates_ee = fill(scene_.candidates_ee, [&](const AppendList<uint64_t>& out) {
+    result_.counts.candidates_ee = fill(scene_.candidates, [&](const AppendList<uint64_t>& out) {
       exec_.for_each("find_edge_edge_pairs", result_.counts.pairs,
                      FindEdgeEdgePairs<Real>{motion(), triangles(), edges, owned(), pairs(), out});
     });
   }
 
-  // 8. Narrow phase, one kind at a time, and canonical order.
-  template <class Kind>
-  void detect_kind(ContactSet& out, const Kind& kind) {
-    constexpr bool kIsVt = std::is_same_v<Kind, VertexTriangle>;
-    auto& list = kIsVt ? scene_.candidates_vt : scene_.candidates_ee;
-    const uint64_t count = kIsVt ? result_.counts.candidates_vt : result_.counts.candidates_ee;
-    const Span<uint64_t> candidates = list.span(count);
-    if (spec_.accuracy == Accuracy::kCandidates) {
-      exec_.stage(kIsVt ? "order_vt" : "order_ee", [&] { exec_.sort("sort_candidates", candidates); });
-      exec_.stage(kIsVt ? "download_vt" : "download_ee", [&] { download_elements(out, candidates); });
-      return;
-    }
-    uint64_t found = 0;
-    exec_.stage(kIsVt ? "narrow_vt" : "narrow_ee", [&] { found = run_narrow(kind, candidates); });
-    (kIsVt ? result_.counts.contacts_vt : result_.counts.contacts_ee) = found;
-    exec_.stage(kIsVt ? "order_vt" : "order_ee", [&] { order_contacts(found); });
-    exec_.stage(kIsVt ? "download_vt" : "download_ee", [&] { download_contacts(out, found); });
-  }
-
-  template <class Kind>
-  uint64_t run_narrow(const Kind& kind, Span<const uint64_t> candidates) {
-    ContactBuffers<Exec, Real>& contacts = scene_.contacts;
-    return fill(contacts.keys, [&](const AppendList<uint64_t>& keys) {
-      contacts.data.allocate(keys.items.size());
-      const ContactList<Real> list{keys, contacts.data.all()};
-      const Real thickness = static_cast<Real>(spec_.thickness);
-      if (spec_.mode == Mode::kDcd)
-        exec_.for_each("test_proximity", candidates.size(),
-                       TestProximity<Real, Kind>{scene_.end.data(), thickness, kind, candidates, list});
-      else
-        exec_.for_each(
-            "solve_cubic_ccd", candidates.size(),
-            SolveCubicCcd<Real, Kind>{scene_.start.data(), scene_.end.data(), thickness, kind, candidates, list});
-    });
-  }
-
-  void order_contacts(uint64_t count) {
-    ContactBuffers<Exec, Real>& contacts = scene_.contacts;
-    contacts.order.ensure(count);
-    contacts.sorted.ensure(count);
-    exec_.sort_with_order("sort_contacts", contacts.keys.span(count), contacts.order.span(count));
-    exec_.for_each(
-        "gather_contacts", count,
-        GatherContacts<Real>{contacts.order.span(count), contacts.data.span(count), contacts.sorted.span(count)});
-  }
-
-  void download_elements(ContactSet& out, Span<const uint64_t> keys) {
-    std::vector<uint64_t> host(keys.size());
-    exec_.download(host.data(), keys.data, keys.size() * sizeof(uint64_t));
-    out.elements.reserve(host.size());
-    for (const uint64_t key : host) out.elements.push_back({first_id(key), second_id(key)});
-  }
-  void download_contacts(ContactSet& out, uint64_t count) {
-    download_elements(out, scene_.contacts.keys.span(count));
-    std::vector<ContactData<Real>> host(count);
-    exec_.download(host.data(), scene_.contacts.sorted.data(), count * sizeof(ContactData<Real>));
-    for (const ContactData<Real>& contact : host) append(out, contact);
-  }
-  void append(ContactSet& out, const ContactData<Real>& contact) {
-    if (spec_.mode == Mode::kCcd) {
-      out.toi.push_back(contact.toi);
-      result_.earliest_toi = std::min(result_.earliest_toi, static_cast<double>(contact.toi));
-    }
-    out.distance.push_back(contact.distance);
-    if (spec_.weights) out.weights.push_back({contact.w0, contact.w1});
-    out.flags.push_back(contact.flags);
-  }
-
-  /// Runs a stage that appends to a list; if the list was too small, grows it to the need and runs it again.
   template <class T, class Run>
   uint64_t fill(Buffer<T, Exec>& list, const Run& run) {
-    scene_.list_count.allocate(1);
-    for (;;) {
-      exec_.fill_zero(scene_.list_count.data(), sizeof(uint64_t));
-      run(AppendList<T>{list.all(), scene_.list_count.data()});
-      const uint64_t need = exec_.read(scene_.list_count.data());
-      if (need <= list.capacity()) return need;
-      list.ensure(need);
-      ++result_.replays;
-    }
+    return fill_list(exec_, list, scene_.list_count, result_.replays, run);
   }
 
   void finish() {
@@ -271,8 +206,10 @@ class Pipeline {
   const SceneSpec& spec_;
   const Topology& topology_;
   SceneBuffers<Exec, Real>& scene_;
+  NarrowPhase<Exec, Real> narrow_;
   ActiveLevels levels_;
   LevelGrid grid_{};
+  float extent_ = 0;  ///< largest of the scene's bounds
   uint64_t covered_total_ = 0;
   FrameResult result_;
 };

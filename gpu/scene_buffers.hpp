@@ -78,9 +78,13 @@ struct SceneBuffers {
         boxes(exec, "boxes"),
         octree(exec),
         pairs(exec, "pairs"),
-        candidates_vt(exec, "candidates"),
-        candidates_ee(exec, "candidates"),
+        candidates(exec, "candidates"),
+        survivors(exec, "candidates"),
         contacts(exec),
+        earliest(exec),
+        exact_keys(exec, "exact"),
+        exact_points(exec, "exact"),
+        shortcut(exec, "counters"),
         list_count(exec, "counters") {}
 
   ResidentTopology<Exec> topology;
@@ -89,9 +93,13 @@ struct SceneBuffers {
   Buffer<Box<float>, Exec> boxes;
   OctreeBuffers<Exec> octree;
   Buffer<TrianglePair, Exec> pairs;
-  Buffer<uint64_t, Exec> candidates_vt;
-  Buffer<uint64_t, Exec> candidates_ee;
+  Buffer<uint64_t, Exec> candidates;  ///< of one kind at a time
+  Buffer<uint64_t, Exec> survivors;   ///< of the filter
   ContactBuffers<Exec, Real> contacts;
+  ContactBuffers<Exec, Real> earliest;  ///< EARLIEST_ONLY
+  Buffer<uint64_t, Exec> exact_keys;
+  Buffer<Vec3<Real>, Exec> exact_points;
+  Buffer<Shortcut, Exec> shortcut;
   Buffer<uint64_t, Exec> list_count;
 };
 

@@ -27,12 +27,14 @@ class SceneDetector final : public Detector {
 
   FrameResult detect(const FrameInput& frame) override {
     check_frame(spec_, frame, !has_frame_);
+    const FrameSettings settings = settings_of(spec_, frame);
     exec_.begin_frame();
     exec_.cancelled = frame.cancelled;
     try {
+      if (spec_.edge_edge && settings.accuracy != Accuracy::kCandidates) require_edges();
       std::vector<TriangleRun> moved;
       exec_.stage("upload", [&] { moved = upload(frame); });
-      FrameResult result = pipeline_.detect_contacts(moved);
+      FrameResult result = pipeline_.detect_contacts(moved, settings);
       commit(frame);
       return result;
     } catch (...) {
@@ -51,7 +53,7 @@ class SceneDetector final : public Detector {
     send(resident.triangles, topology_.triangles);
     send(resident.owned, features.owned);
     if (spec_.edge_edge) send(resident.triangle_edges, features.triangle_edges);
-    if (spec_.edge_edge && spec_.accuracy != Accuracy::kCandidates) send(resident.edges, topology_.edges);
+    if (spec_.edge_edge && spec_.accuracy != Accuracy::kCandidates) require_edges();
     if (needs_filter()) {
       send(resident.mesh_of_triangle, features.mesh_of_triangle);
       send(resident.rules, rules());
@@ -59,6 +61,11 @@ class SceneDetector final : public Detector {
     scene_.boxes.allocate(topology_.triangles.size());
     scene_.end.allocate(topology_.vertex_count);
     if (spec_.mode == Mode::kCcd) scene_.start.allocate(topology_.vertex_count);
+  }
+
+  /// A frame may ask for more accuracy than the scene.
+  void require_edges() {
+    if (scene_.topology.edges.capacity() == 0) send(scene_.topology.edges, topology_.edges);
   }
 
   template <class T, class U>

@@ -37,8 +37,10 @@ bool holds_at_end(const Contact& contact) {
 
 /// The first root of `source` in (0, 1) where one of the cases holds, rounded down; kNever if there is none.
 double first_root(const Form& source, std::span<const Case> cases) {
-  for (Root& root : roots_inside(source))
-    if (any_holds(cases, [&](const Form& f) { return root.sign_of(f); })) return root.rounded_down();
+  for (Root& root : roots_inside(source)) {
+    const auto sign = [&](const Form& f) { return &f == &source ? 0 : root.sign_of(f); };
+    if (any_holds(cases, sign)) return root.rounded_down();
+  }
   return kNever;
 }
 

@@ -28,9 +28,10 @@ Case point_near_segment(const Side& side, const Form& thickness) {
   return {{}, {dot(side.p, e), -dot(side.q, e), within(dot(side.n, side.n), thickness, e)}, {dot(e, e)}};
 }
 
-// The weights of the closest points, times n^2, are not negative, and |volume| = distance * |n|.
+// The weights of the closest points, times n^2, are not negative, and |volume| = distance * |n|. Without thickness
+// the volume has to be 0, which is necessary in any case.
 Case planes_near(std::vector<Form> weights, const Form& volume, const Vector& n, const Form& thickness) {
-  if (thickness.vanishes()) return {{volume}, std::move(weights), {dot(n, n)}};
+  if (thickness.vanishes()) return {{}, std::move(weights), {dot(n, n)}};
   weights.push_back(within(volume * volume, thickness, n));
   return {{}, std::move(weights), {dot(n, n)}};
 }

@@ -1,6 +1,7 @@
 #include "gpu/exact/root.hpp"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "gpu/exact/divisor.hpp"
@@ -17,6 +18,30 @@ struct Piece {
 
 /// A dyadic root in the middle of a piece is a piece of its own: f = 0 in degree 0, `on` starting at the root.
 Piece middle_root(const Dyadic& whole) { return {Form(), {2 * whole.k + 1, whole.bits + 1}}; }
+
+// Halving until Descartes' rule leaves one root or none in each piece (Collins and Akritas 1976); false if `depth`
+// halvings do not do. They do in the end if all roots are simple, but to make them so costs more than most halvings.
+bool isolate(const Form& f, mp_bitcnt_t depth, std::vector<Root>& roots) {
+  std::vector<Piece> left_to_right{{f, {}}};  // the leftmost piece last
+  while (!left_to_right.empty()) {
+    const Piece piece = std::move(left_to_right.back());
+    left_to_right.pop_back();
+    const Dyadic& on = piece.on;
+    const int changes = sign_changes(piece.f);
+    if (piece.f.vanishes()) {
+      roots.push_back(Root::at_point(on));
+    } else if (changes == 1) {
+      roots.push_back(Root::inside(f, on, first_sign(piece.f)));
+    } else if (changes > 1) {
+      if (on.bits == depth) return false;
+      const Dyadic left{2 * on.k, on.bits + 1}, right{2 * on.k + 1, on.bits + 1};
+      left_to_right.push_back({right_half(piece.f), right});
+      if (left_to_right.back().f.c.front() == 0) left_to_right.push_back(middle_root(on));
+      left_to_right.push_back({left_half(piece.f), left});
+    }
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -69,26 +94,12 @@ double Root::rounded_down() {
   return std::ldexp(k.get_d(), -static_cast<int>(kTimeBits));  // get_d() truncates
 }
 
-// Halving until Descartes' rule leaves one root or none (Collins and Akritas 1976). It ends only if the roots are
-// simple; with at most one change of sign nothing need be done for that.
 std::vector<Root> roots_inside(const Form& f) {
-  const Form simple = sign_changes(f) > 1 ? square_free(f) : f;
+  constexpr mp_bitcnt_t kUsualDepth = 12, kAnyDepth = std::numeric_limits<mp_bitcnt_t>::max();
   std::vector<Root> roots;
-  std::vector<Piece> left_to_right{{simple, {}}};  // the leftmost piece last
-  while (!left_to_right.empty()) {
-    const Piece piece = std::move(left_to_right.back());
-    left_to_right.pop_back();
-    const int changes = sign_changes(piece.f);
-    if (piece.f.vanishes()) {
-      roots.push_back(Root::at_point(piece.on));
-    } else if (changes == 1) {
-      roots.push_back(Root::inside(simple, piece.on, first_sign(piece.f)));
-    } else if (changes > 1) {
-      const Dyadic &on = piece.on, left{2 * on.k, on.bits + 1}, right{2 * on.k + 1, on.bits + 1};
-      left_to_right.push_back({right_half(piece.f), right});
-      if (left_to_right.back().f.c.front() == 0) left_to_right.push_back(middle_root(on));
-      left_to_right.push_back({left_half(piece.f), left});
-    }
+  if (!isolate(f, kUsualDepth, roots)) {
+    roots.clear();
+    isolate(square_free(f), kAnyDepth, roots);
   }
   return roots;
 }

@@ -26,6 +26,36 @@ COLLIDED_HD inline uint64_t atomic_add(uint64_t& target, uint64_t value) {
 #endif
 }
 
+COLLIDED_HD inline void atomic_min(uint64_t& target, uint64_t value) {
+#ifdef __CUDA_ARCH__
+  atomicMin(reinterpret_cast<unsigned long long*>(&target), static_cast<unsigned long long>(value));
+#else
+  std::atomic_ref<uint64_t> least(target);
+  uint64_t seen = least.load(std::memory_order_relaxed);
+  while (value < seen && !least.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+#endif
+}
+
+/// Read while others write.
+template <class T>
+COLLIDED_HD T atomic_read(T& value) {
+#ifdef __CUDA_ARCH__
+  return *static_cast<volatile T*>(&value);
+#else
+  return std::atomic_ref<T>(value).load(std::memory_order_relaxed);
+#endif
+}
+
+template <class T>
+COLLIDED_HD void atomic_write(T& target, T value) {
+#ifdef __CUDA_ARCH__
+  *static_cast<volatile T*>(&target) = value;
+#else
+  std::atomic_ref<T>(target).store(value, std::memory_order_relaxed);
+#endif
+}
+
 /// One slot for each calling thread; a warp's threads that get here together share one atomic.
 COLLIDED_HD inline uint64_t claim_slot(uint64_t& count) {
 #ifdef __CUDA_ARCH__

@@ -24,11 +24,13 @@ struct Cubic {
 /// Determinant of three vectors that move linearly from x to y.
 template <class Real>
 COLLIDED_HD Cubic<Real> moving_triple(const Vec3<Real> (&x)[3], const Vec3<Real> (&y)[3]) {
+  const Vec3<Real> xx = cross(x[0], x[1]), yy = cross(y[0], y[1]);
+  const Vec3<Real> mixed = cross(x[0], y[1]) + cross(y[0], x[1]);
   Cubic<Real> f;
-  f.b0 = triple(x[0], x[1], x[2]);
-  f.b3 = triple(y[0], y[1], y[2]);
-  f.b1x3 = triple(y[0], x[1], x[2]) + triple(x[0], y[1], x[2]) + triple(x[0], x[1], y[2]);
-  f.b2x3 = triple(x[0], y[1], y[2]) + triple(y[0], x[1], y[2]) + triple(y[0], y[1], x[2]);
+  f.b0 = dot(xx, x[2]);
+  f.b1x3 = dot(xx, y[2]) + dot(mixed, x[2]);
+  f.b2x3 = dot(yy, x[2]) + dot(mixed, y[2]);
+  f.b3 = dot(yy, y[2]);
   f.c0 = f.b0;
   f.c1 = f.b1x3 - 3 * f.b0;
   f.c2 = f.b2x3 - 2 * f.b1x3 + 3 * f.b0;

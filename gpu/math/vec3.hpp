@@ -36,6 +36,11 @@ COLLIDED_HD Real triple(const Vec3<Real>& a, const Vec3<Real>& b, const Vec3<Rea
   return dot(cross(a, b), c);
 }
 
+template <class To, class From>
+COLLIDED_HD Vec3<To> convert(const Vec3<From>& v) {
+  return {static_cast<To>(v.x), static_cast<To>(v.y), static_cast<To>(v.z)};
+}
+
 template <class T>
 COLLIDED_HD T smaller(T a, T b) {
   return b < a ? b : a;

@@ -9,7 +9,8 @@ namespace collided {
 
 template <class Real>
 struct ContactData {
-  Real toi, distance;
+  double toi;
+  Real distance;
   Real w0, w1;
   uint8_t flags;
 };
@@ -51,6 +52,34 @@ struct EdgeEdge {
   COLLIDED_HD Stencil stencil(uint64_t key) const {
     const EdgePair a = edges[key >> 32], b = edges[static_cast<uint32_t>(key)];
     return {{a.from, a.to, b.from, b.to}};
+  }
+};
+
+/// What the queries of a frame know of each other, so that those that no longer matter end early.
+struct Shortcut {
+  uint64_t earliest_bits;  ///< of the earliest time of a contact that counts; doubles >= 0 order like their bits
+  uint32_t has_contact;    ///< whether there is a contact that counts
+};
+
+/// How the queries of a frame use it. Which queries end early depends on their order; the earliest time does not: a
+/// query ends only when its contact is certain to be later than one that was found.
+struct Hurry {
+  Shortcut* shortcut = nullptr;  ///< null: every contact is wanted
+  Report report = Report::kAll;
+  bool only_certain = false;  ///< only certain contacts count; what is near is decided later
+
+  COLLIDED_HD bool is_over() const {
+    return report == Report::kAnyHit && atomic_read(shortcut->has_contact) != 0;
+  }
+  /// Contacts after this time do not matter.
+  COLLIDED_HD double last() const {
+    if (report != Report::kEarliestOnly) return 1;
+    return detail::bit_copy<double>(atomic_read(shortcut->earliest_bits));
+  }
+  COLLIDED_HD void found(double toi, uint8_t flags) const {
+    if (report == Report::kAll || (only_certain && (flags & kFlagCertified) == 0)) return;
+    if (report == Report::kAnyHit) atomic_write(shortcut->has_contact, uint32_t{1});
+    if (report == Report::kEarliestOnly) atomic_min(shortcut->earliest_bits, detail::bit_copy<uint64_t>(toi));
   }
 };
 

@@ -6,22 +6,13 @@
 #include "gpu/math/cubic.hpp"
 #include "gpu/math/distance.hpp"
 #include "gpu/narrow/proximity.hpp"
+#include "gpu/narrow/spanning.hpp"
 
 namespace collided {
 
 /// Proximity at a root, in units of the query's extent: what rounding alone may leave between touching features.
 COLLIDED_HD inline float proximity_tolerance(float) { return 1e-6f; }
 COLLIDED_HD inline double proximity_tolerance(double) { return 1e-9; }
-
-/// The three vectors whose determinant vanishes when the four vertices are coplanar.
-template <class Real>
-COLLIDED_HD void spanning_vectors(const VertexTriangle&, const Vec3<Real> (&p)[4], Vec3<Real> (&out)[3]) {
-  out[0] = p[2] - p[1], out[1] = p[3] - p[1], out[2] = p[0] - p[1];
-}
-template <class Real>
-COLLIDED_HD void spanning_vectors(const EdgeEdge&, const Vec3<Real> (&p)[4], Vec3<Real> (&out)[3]) {
-  out[0] = p[1] - p[0], out[1] = p[3] - p[2], out[2] = p[2] - p[0];
-}
 
 template <class Real, class Kind>
 struct SolveCubicCcd {
@@ -30,9 +21,11 @@ struct SolveCubicCcd {
   Real thickness;
   Kind kind;
   Span<const uint64_t> candidates;
+  Hurry hurry;
   ContactList<Real> contacts;
 
   COLLIDED_HD void operator()(uint64_t i) const {
+    if (hurry.is_over()) return;
     const Query q(kind.stencil(candidates[i]), start, end);
     const Cubic<Real> f = cubic(q);
     if (thickness == 0 && f.one_sided()) return;
@@ -76,7 +69,9 @@ struct SolveCubicCcd {
     const Closest<Real> found = closest(kind, p);
     const Real distance = std::sqrt(found.squared);
     if (!(distance <= reach)) return false;
-    contacts.push(candidates[i], {t, distance, found.w0, found.w1, t == 0 ? uint8_t{kFlagInitial} : uint8_t{0}});
+    const uint8_t flags = t == 0 ? uint8_t{kFlagInitial} : uint8_t{0};
+    contacts.push(candidates[i], {static_cast<double>(t), distance, found.w0, found.w1, flags});
+    hurry.found(static_cast<double>(t), flags);
     return true;
   }
 };

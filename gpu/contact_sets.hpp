@@ -1,0 +1,21 @@
+#pragma once
+// What happens to contacts once they are on the host.
+
+#include "gpu/detector.hpp"
+#include "gpu/exact/batch.hpp"
+
+namespace collided {
+
+/// Contacts that only exact arithmetic can decide: those that are not certain, and those whose time of impact was
+/// rounded to 0, which tells nothing of whether they touch at the start.
+std::vector<size_t> undecided(const ContactSet& set);
+
+/// Takes the answers for the contacts at `places`: what is no contact goes, the rest is certain.
+void apply(ContactSet& set, const std::vector<size_t>& places, const std::vector<ExactAnswer>& answers);
+
+/// Leaves one contact in all: the earliest; of several the first, vertex-triangle before edge-edge.
+void keep_earliest(FrameResult& result);
+
+double earliest_toi(const ContactSet& set);
+
+}  // namespace collided

@@ -1,0 +1,59 @@
+#pragma once
+// DCD at the levels GUARDED (Work = float), CERTIFIED and EXACT (Work = double): no features of the frame within the
+// thickness are missed. A step that stands still: a direction either keeps the features apart or does not.
+
+#include "gpu/narrow/certified_ccd.hpp"
+
+namespace collided {
+
+/// Whether the features are certain to be farther apart than the thickness; false says nothing.
+template <class Work, int N>
+COLLIDED_HD bool are_apart(const Differences<Work, N>& d, Work thickness) {
+  const Facing<Work, N> now(d, Work(0));
+  return reach_along(d, now.closest, Work(0), thickness).until > 0 ||
+         reach_along(d, now.normal, Work(0), thickness).until > 0;
+}
+
+/// Keeps the candidates that float cannot tell apart.
+template <class Real, class Kind>
+struct FilterProximity {
+  const Vec3<Real>* positions;
+  double thickness;
+  Kind kind;
+  Span<const uint64_t> candidates;
+  AppendList<uint64_t> survivors;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    DifferencesOf<float, Kind> d;
+    const bool differ = load_differences<Kind, float>(kind.stencil(candidates[i]), positions, positions, d);
+    if (!differ || !are_apart(d, scaled_thickness<float>(thickness, d.scale))) survivors.push(candidates[i]);
+  }
+};
+
+template <class Work, class Real, class Kind>
+struct CertifyProximity {
+  const Vec3<Real>* positions;
+  double thickness;
+  Kind kind;
+  Span<const uint64_t> candidates;
+  Hurry hurry;
+  ContactList<Real> contacts;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    if (hurry.is_over()) return;
+    DifferencesOf<Work, Kind> d;
+    if (!load_differences<Kind, Work>(kind.stencil(candidates[i]), positions, positions, d))
+      return report(i, {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified}});
+    const Work scaled = scaled_thickness<Work>(thickness, d.scale);
+    if (are_apart(d, scaled)) return;
+    report(i, contact_at<Real>(d, Work(0), touches_at(d, Work(0), scaled) ? kFlagCertified : kFlagNear));
+  }
+
+ private:
+  COLLIDED_HD void report(uint64_t i, const ContactData<Real>& contact) const {
+    contacts.push(candidates[i], contact);
+    hurry.found(0, contact.flags);
+  }
+};
+
+}  // namespace collided

@@ -1,0 +1,79 @@
+#pragma once
+// Which candidates can never touch because their four vertices are never coplanar, certified in float.
+//
+// f(t), the determinant of three vectors that move linearly from x to y, is a cubic with Bernstein coefficients
+//   b0 = [x1 x2 x3], 3 b1 = [y1 x2 x3] + [x1 y2 x3] + [x1 x2 y3], 3 b2 = [x1 y2 y3] + [y1 x2 y3] + [y1 y2 x3],
+//   b3 = [y1 y2 y3];
+// if all are above 0, or all below, f is. Contact makes f 0 at some time, contact within `thickness` makes |f| at most
+// thickness * |n|, where n = v1 x v2 and |n| <= max(|x1|, |y1|) max(|x2|, |y2|).
+//
+// Bound, u = 2^-24, D_a the largest component of axis a: every determinant is six products of three components, each
+// within (3 inputs + 6 operations) u of the truth; b0 and b3 are off by less than 60u Dx Dy Dz, 3 b1 and 3 b2 by less
+// than 180u Dx Dy Dz. 96u and 288u are compared with. Products that underflow add less than kTiny each.
+
+#include "gpu/math/cubic.hpp"
+#include "gpu/math/precision.hpp"
+#include "gpu/narrow/contact.hpp"
+#include "gpu/narrow/spanning.hpp"
+
+namespace collided {
+
+struct NeverCoplanar {
+  float thickness;  ///< scaled, rounded up
+
+  COLLIDED_HD bool operator()(const Vec3<float> (&x)[3], const Vec3<float> (&y)[3]) const {
+    const Vec3<float> d{largest_of(&Vec3<float>::x, x, y), largest_of(&Vec3<float>::y, x, y),
+                        largest_of(&Vec3<float>::z, x, y)};
+    const float volume = d.x * d.y * d.z;
+    if (!(volume < kLargestVolume)) return false;  // sums could overflow
+    constexpr float u = Precision<float>::kUnit;
+    float e = 96 * u * volume + Precision<float>::kTiny;
+    if (thickness > 0) e = (e + thickness * (longer(x[0], y[0]) * longer(x[1], y[1]))) * (1 + 32 * u);
+    const Cubic<float> f = moving_triple(x, y);
+    return (f.b0 > e && f.b3 > e && f.b1x3 > 3 * e && f.b2x3 > 3 * e) ||
+           (f.b0 < -e && f.b3 < -e && f.b1x3 < -3 * e && f.b2x3 < -3 * e);
+  }
+
+ private:
+  static constexpr float kLargestVolume = 1e30f;
+
+  COLLIDED_HD static float largest_of(float Vec3<float>::*axis, const Vec3<float> (&x)[3], const Vec3<float> (&y)[3]) {
+    float m = 0;
+    for (int k = 0; k < 3; ++k) m = larger(m, larger(magnitude(x[k].*axis), magnitude(y[k].*axis)));
+    return m;
+  }
+  COLLIDED_HD static float longer(const Vec3<float>& a, const Vec3<float>& b) {
+    constexpr float kUnderflow = 0x1p-70f;  // what the squares can lose
+    return std::sqrt(larger(dot(a, a), dot(b, b))) + kUnderflow;
+  }
+};
+
+/// Keeps the candidates that may be coplanar at some time.
+template <class Real, class Kind>
+struct FilterCoplanarity {
+  const Vec3<Real>* start;
+  const Vec3<Real>* end;
+  Real scale;  ///< power of two that brings the scene near 1
+  NeverCoplanar never_coplanar;
+  Kind kind;
+  Span<const uint64_t> candidates;
+  AppendList<uint64_t> survivors;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const Stencil s = kind.stencil(candidates[i]);
+    Vec3<float> x[3], y[3];
+    load(s, start, x);
+    load(s, end, y);
+    if (!never_coplanar(x, y)) survivors.push(candidates[i]);
+  }
+
+ private:
+  COLLIDED_HD void load(const Stencil& s, const Vec3<Real>* positions, Vec3<float> (&out)[3]) const {
+    const Vec3<Real> p[4] = {positions[s.v[0]], positions[s.v[1]], positions[s.v[2]], positions[s.v[3]]};
+    Vec3<Real> v[3];
+    spanning_vectors(kind, p, v);
+    for (int k = 0; k < 3; ++k) out[k] = convert<float>(scale * v[k]);
+  }
+};
+
+}  // namespace collided

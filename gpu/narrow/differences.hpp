@@ -1,0 +1,103 @@
+#pragma once
+// Two features seen through the differences of their vertices, x_i - y_j for every vertex i of one and j of the
+// other: separation, closest points and coplanarity depend on nothing else. Differences of neighbours keep the digits
+// that coordinates far from the origin would waste, and a power of two brings them near 1, so that no bound has to
+// fear overflow and tiny scenes behave as others do.
+//
+// Each component is the true difference times the scale, within one rounding error of the working precision
+// (two for double positions in float, which 8u below covers too).
+
+#include "gpu/math/distance.hpp"
+#include "gpu/math/precision.hpp"
+#include "gpu/narrow/contact.hpp"
+
+namespace collided {
+
+template <class Work, int N>
+struct Differences {
+  Vec3<Work> start[N], end[N];  ///< at t = 0 and t = 1
+  Work extent;                  ///< largest component; below 2
+  double scale;                 ///< what the true differences were multiplied by
+
+  COLLIDED_HD Vec3<Work> at(int k, Work t) const { return (1 - t) * start[k] + t * end[k]; }
+};
+
+/// Which vertices of the stencil the k-th difference takes.
+template <class Kind>
+struct DifferenceOf;
+/// v - a, v - b, v - c.
+template <>
+struct DifferenceOf<VertexTriangle> {
+  static constexpr int kCount = 3;
+  COLLIDED_HD static constexpr int minuend(int) { return 0; }
+  COLLIDED_HD static constexpr int subtrahend(int k) { return k + 1; }
+};
+/// a0 - b0, a0 - b1, a1 - b0, a1 - b1.
+template <>
+struct DifferenceOf<EdgeEdge> {
+  static constexpr int kCount = 4;
+  COLLIDED_HD static constexpr int minuend(int k) { return k / 2; }
+  COLLIDED_HD static constexpr int subtrahend(int k) { return 2 + k % 2; }
+};
+
+template <class Work, class Kind>
+using DifferencesOf = Differences<Work, DifferenceOf<Kind>::kCount>;
+
+/// False if all vertices coincide at both ends, so that there is nothing to scale.
+template <class Kind, class Work, class Real>
+COLLIDED_HD bool load_differences(const Stencil& s, const Vec3<Real>* start, const Vec3<Real>* end,
+                                  DifferencesOf<Work, Kind>& out) {
+  using Wide = Wider<Work, Real>;  // differences are formed before anything is rounded to the working type
+  constexpr int n = DifferenceOf<Kind>::kCount;
+  Vec3<Wide> x[n], y[n];
+  Wide extent = 0;
+  for (int k = 0; k < n; ++k) {
+    const uint32_t i = s.v[DifferenceOf<Kind>::minuend(k)], j = s.v[DifferenceOf<Kind>::subtrahend(k)];
+    x[k] = convert<Wide>(start[i]) - convert<Wide>(start[j]);
+    y[k] = convert<Wide>(end[i]) - convert<Wide>(end[j]);
+    extent = larger(extent, larger(largest_component(x[k]), largest_component(y[k])));
+  }
+  if (extent == 0) return false;
+  const Wide scale = unit_scale(extent);
+  for (int k = 0; k < n; ++k) {
+    out.start[k] = convert<Work>(scale * x[k]);
+    out.end[k] = convert<Work>(scale * y[k]);
+  }
+  out.extent = static_cast<Work>(scale * extent);
+  out.scale = static_cast<double>(scale);
+  return true;
+}
+
+/// The convex combination of the differences that the weights of two points give: the vector from the second
+/// feature's point to the first's. Weights as in Closest.
+template <class Work>
+COLLIDED_HD Vec3<Work> between_points(const Vec3<Work> (&d)[3], Work w0, Work w1) {
+  return larger(1 - w0 - w1, Work(0)) * d[0] + w0 * d[1] + w1 * d[2];
+}
+template <class Work>
+COLLIDED_HD Vec3<Work> between_points(const Vec3<Work> (&d)[4], Work w0, Work w1) {
+  return (1 - w0) * ((1 - w1) * d[0] + w1 * d[1]) + w0 * ((1 - w1) * d[2] + w1 * d[3]);
+}
+
+/// Weights of the closest points, each in [0, 1]; working precision.
+template <class Work>
+COLLIDED_HD Closest<Work> closest_points(const Vec3<Work> (&d)[3]) {
+  return closest_vertex_triangle(d[0], Vec3<Work>{0, 0, 0}, d[0] - d[1], d[0] - d[2]);
+}
+template <class Work>
+COLLIDED_HD Closest<Work> closest_points(const Vec3<Work> (&d)[4]) {
+  // b0 at the origin: a0 = d[0], a1 = d[2], b1 = d[0] - d[1].
+  return closest_edge_edge(d[0], d[2], Vec3<Work>{0, 0, 0}, d[0] - d[1]);
+}
+
+/// Normal of the triangle, or of both edges; zero if they have none.
+template <class Work>
+COLLIDED_HD Vec3<Work> common_normal(const Vec3<Work> (&d)[3]) {
+  return cross(d[0] - d[1], d[0] - d[2]);
+}
+template <class Work>
+COLLIDED_HD Vec3<Work> common_normal(const Vec3<Work> (&d)[4]) {
+  return cross(d[2] - d[0], d[0] - d[1]);
+}
+
+}  // namespace collided

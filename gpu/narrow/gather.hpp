@@ -1,0 +1,62 @@
+#pragma once
+// Contacts and their vertices brought together.
+
+#include "gpu/narrow/contact.hpp"
+
+namespace collided {
+
+template <class Real>
+struct GatherContacts {
+  Span<const uint32_t> order;
+  Span<const ContactData<Real>> data;
+  Span<ContactData<Real>> sorted;
+  COLLIDED_HD void operator()(uint64_t i) const { sorted[i] = data[order[i]]; }
+};
+
+/// Contacts that are not later than the earliest one that counts.
+template <class Real>
+struct KeepEarliest {
+  Span<const uint64_t> keys;
+  Span<const ContactData<Real>> data;
+  const Shortcut* shortcut;
+  ContactList<Real> kept;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    if (detail::bit_copy<uint64_t>(data[i].toi) <= shortcut->earliest_bits) kept.push(keys[i], data[i]);
+  }
+};
+
+/// The four vertices of each candidate at t = 0, then at t = 1.
+template <class Real, class Kind>
+struct GatherPoints {
+  const Vec3<Real>* start;
+  const Vec3<Real>* end;
+  Kind kind;
+  Span<const uint64_t> candidates;
+  Span<Vec3<Real>> points;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const Stencil s = kind.stencil(candidates[i]);
+    for (int k = 0; k < 4; ++k) {
+      points[8 * i + k] = start[s.v[k]];
+      points[8 * i + 4 + k] = end[s.v[k]];
+    }
+  }
+};
+
+/// The corners of the first triangle of each pair, then of the second.
+template <class Real>
+struct GatherCorners {
+  const Vec3<Real>* positions;
+  Span<const Vec3<uint32_t>> triangles;
+  Span<const uint64_t> pairs;
+  Span<Vec3<Real>> points;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const Vec3<uint32_t> a = triangles[pairs[i] >> 32], b = triangles[static_cast<uint32_t>(pairs[i])];
+    const uint32_t v[6] = {a.x, a.y, a.z, b.x, b.y, b.z};
+    for (int k = 0; k < 6; ++k) points[6 * i + k] = positions[v[k]];
+  }
+};
+
+}  // namespace collided
