@@ -24,20 +24,28 @@ def may_see_messages(path):
 
 
 def engine_part(path):
-    """octree, broad, narrow, exec or math for a file of that folder, pipeline for gpu/pipeline*, else none."""
-    match = re.match(r"gpu/(octree|broad|narrow|exec|math)/|gpu/(pipeline)", path)
+    """octree, broad, narrow, exec, math or exact for a file of that folder, pipeline for gpu/pipeline*, else none."""
+    match = re.match(r"gpu/(octree|broad|narrow|exec|math|exact)/|gpu/(pipeline)", path)
     return match and (match[1] or match[2])
 
 
 # What each part of the engine must not include.
 STAGES = {"octree", "broad", "narrow"}
-FORBIDDEN = {part: STAGES - {part} | {"pipeline"} for part in STAGES}
-FORBIDDEN |= {part: STAGES | {"pipeline"} for part in ("exec", "math")}
+FORBIDDEN = {part: STAGES - {part} | {"pipeline", "exact"} for part in STAGES}
+FORBIDDEN |= {part: STAGES | {"pipeline", "exact"} for part in ("exec", "math")}
+FORBIDDEN["exact"] = STAGES | {"pipeline"}
+
+# What the rest of the engine may see of gpu/exact; GMP stays behind these headers.
+EXACT_API = {"gpu/exact/exact.hpp", "gpu/exact/batch.hpp"}
 
 
 def complaint(path, quote, target):
     """Why the file at `path` may not include `target`; None if it may."""
     layer = path.split("/")[0]
+    if target in ("gmp.h", "gmpxx.h"):
+        if not path.startswith("gpu/exact/") or path in EXACT_API:
+            return "GMP belongs to gpu/exact, but not to what others include of it"
+        return None
     if MESSAGES.search(target) and not may_see_messages(path):
         return "protocol messages belong to client, server/service*, server/convert* and server/status*"
     if CUDA.match(target) and quote == "<":
@@ -51,6 +59,10 @@ def complaint(path, quote, target):
             return "the engine uses only the standard library, TBB and CUDA"
         if engine_part(target) in FORBIDDEN.get(engine_part(path), ()):
             return f"{engine_part(path)} must not know {engine_part(target)}"
+        if engine_part(path) == "exact" and engine_part(target) == "exec" and target != "gpu/exec/host_device.hpp":
+            return "of exec, the exact decisions know host_device.hpp alone"
+        if engine_part(target) == "exact" and engine_part(path) != "exact" and target not in EXACT_API:
+            return "of gpu/exact, others know exact.hpp and batch.hpp alone"
     if layer == "server":
         if target.startswith("gpu/") and target != "gpu/detector.hpp":
             return "the server knows the engine by gpu/detector.hpp alone"

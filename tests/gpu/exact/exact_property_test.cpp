@@ -121,6 +121,37 @@ TEST(ExactProperties, FeaturesAreNearAtTheImpact) {
   });
 }
 
+/// Features that meet in the origin at t = 1/3, often with their outlines, and move by integers.
+Query meeting_query(std::mt19937& random, bool vertex_triangle) {
+  std::uniform_int_distribution<int> integer(-2, 2), weight(0, 2);
+  const auto vector = [&] {
+    const double x = integer(random), y = integer(random), z = integer(random);
+    return Point{x, y, z};
+  };
+  const Point p = vector(), q = vector();
+  const double u = -weight(random), v = -weight(random);
+  const Point meeting[2][4] = {{p, u * p, q, v * q}, {kOrigin, p, q, u * p + v * q}};
+  Query made;
+  for (int i = 0; i < 4; ++i) {
+    const Point third = vector();
+    made.start[i] = meeting[vertex_triangle][i] - third;
+    made.end[i] = meeting[vertex_triangle][i] + 2.0 * third;
+  }
+  return made;
+}
+
+TEST(ExactProperties, AContactAtAThirdIsFound) {
+  std::mt19937 random(18);
+  for (int i = 0; i < 2 * kQueries; ++i) {
+    for (const bool is_vertex_triangle : {true, false}) {
+      const Query q = meeting_query(random, is_vertex_triangle);
+      const ExactImpact found = is_vertex_triangle ? vertex_triangle(q) : edge_edge(q);
+      ASSERT_TRUE(found.hit);
+      EXPECT_LE(std::fma(3, found.toi, -1), 0);
+    }
+  }
+}
+
 TEST(ExactProperties, ThickerIsNotLater) {
   for_each_query([](const Kind& kind, Query q) {
     const ExactImpact thin = impact(kind.impact, q);
