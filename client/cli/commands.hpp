@@ -10,5 +10,6 @@ void add_stream(CLI::App& app);
 void add_scenes(CLI::App& app);
 void add_export(CLI::App& app);
 void add_info(CLI::App& app);
+void add_tradeoff(CLI::App& app);
 
 }  // namespace collided::cli

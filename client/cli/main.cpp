@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   add_scenes(app);
   add_export(app);
   add_info(app);
+  add_tradeoff(app);
   try {
     app.parse(argc, argv);
     return finish(0);

@@ -1,0 +1,143 @@
+// collidectl tradeoff: the trade between time and accuracy, measured on one step and judged by the truth.
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "client/cli/commands.hpp"
+#include "client/cli/errors.hpp"
+#include "client/cli/finite.hpp"
+#include "client/cli/tradeoff_plot.hpp"
+#include "client/cli/tradeoff_report.hpp"
+#include "client/cli/tradeoff_run.hpp"
+
+namespace collided::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct TradeoffOptions {
+  TradeoffSettings settings;
+  SceneOptions scene;
+  std::vector<std::string> frames, from;
+  std::string out, date, commit;
+  bool json = false;
+};
+
+void check_usage(const TradeoffOptions& options) {
+  const int inputs = !options.scene.name.empty() + !options.frames.empty() + !options.from.empty();
+  if (inputs != 1) throw UsageError("tradeoff needs one of FRAME0 FRAME1, --scene and --from");
+  if (options.frames.size() == 1) throw UsageError("tradeoff needs two frames, FRAME0 and FRAME1; 1 was given");
+  if (!options.settings.truth.empty() && options.frames.empty())
+    throw UsageError("--truth is for FRAME0 FRAME1 alone: the truth of their positions");
+  if (!options.settings.truth.empty() && options.settings.detection.thickness != 0)
+    throw UsageError("--truth is of thickness 0; it cannot judge --thickness");
+}
+
+/// Before any work, so that no long run is lost.
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder) || access(folder.c_str(), W_OK) != 0)
+    throw std::runtime_error("--out " + folder.string() + ": is no folder that can be written to");
+}
+
+std::vector<Tradeoff> results_of(const TradeoffOptions& options) {
+  std::vector<Tradeoff> results;
+  for (const std::string& file : options.from) results.push_back(read_tradeoff(file));
+  if (!results.empty()) return results;
+  const StepInput step =
+      options.frames.empty() ? scene_step(options.scene) : file_step(options.frames[0], options.frames[1]);
+  results.push_back(measure(options.settings, step));
+  results[0].date = options.date;
+  results[0].commit = options.commit;
+  write_text(fs::path(options.out) / "tradeoff.json", tradeoff_json(results[0]).dump(2) + "\n");
+  return results;
+}
+
+void write_report(const std::vector<Tradeoff>& results, const fs::path& folder) {
+  std::string table;
+  for (const Tradeoff& result : results) table += (table.empty() ? "" : "\n") + tradeoff_markdown(result);
+  write_text(folder / "tradeoff.md", table);
+  plot_tradeoffs(results, folder / "tradeoff.svg", folder / "tradeoff.png");
+}
+
+void print_summary(const TradeoffOptions& options, const std::vector<Tradeoff>& results) {
+  Json summary = {{"out", options.out}, {"results", Json::array()}};
+  for (const Tradeoff& result : results) {
+    if (!options.json) std::printf("%s", tradeoff_text(result).c_str());
+    summary["results"].push_back(tradeoff_summary(result));
+  }
+  std::printf("%s\n", options.json ? summary.dump().c_str() : ("Table and plot: " + options.out).c_str());
+}
+
+void run(const TradeoffOptions& options) {
+  check_usage(options);
+  make_folder(options.out);
+  const std::vector<Tradeoff> results = results_of(options);
+  write_report(results, options.out);
+  print_summary(options, results);
+}
+
+void add_input_options(CLI::App& command, TradeoffOptions& options) {
+  command.add_option("FRAME", options.frames, "OBJ or PLY: FRAME0 FRAME1, the start and the end of the step")
+      ->expected(1, 2);
+  add_scene_options(command, options.scene);
+  command.remove_option(command.get_option("--frames"));
+  CLI::Option* scene = command.get_option("--scene")->required(false);
+  for (const char* name : {"--t0", "--dt", "--scale"}) command.get_option(name)->needs(scene);
+  command.add_option(
+      "--truth", options.settings.truth,
+      "Folder with vf.csv (vertex,triangle,collides,toi) and ee.csv (a0,a1,b0,b1,collides,toi) for FRAME0 "
+      "FRAME1; judges float positions only if every position is one. Default: the level exact");
+}
+
+void add_run_options(CLI::App& command, TradeoffSettings& settings) {
+  command.add_option("--levels", settings.levels, "Accuracy levels: fast, guarded, certified, exact")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"fast", "guarded", "certified", "exact"}))
+      ->capture_default_str();
+  command.add_option("--deltas", settings.deltas, "Tolerances of the levels from guarded on; 0: the daemon's choice")
+      ->delimiter(',')
+      ->check(finite())
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_option("--formats", settings.formats, "Positions on the wire: f32, f64")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"f32", "f64"}))
+      ->capture_default_str();
+  command.add_option("--repeats", settings.repeats, "Steps whose median counts, after one that warms up")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command.add_option("--thickness", settings.detection.thickness, "Contact distance, in the unit of the positions")
+      ->check(finite())
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_tradeoff(CLI::App& app) {
+  auto options = std::make_shared<TradeoffOptions>();
+  CLI::App& command = *app.add_subcommand("tradeoff", "Measure time against accuracy: levels, deltas, formats");
+  command.footer(
+      "Writes tradeoff.json, tradeoff.md, tradeoff.svg and tradeoff.png. Without --truth the level exact is the "
+      "judge:\n"
+      "it decides in exact arithmetic on the very positions of each format.");
+  add_input_options(command, *options);
+  add_run_options(command, options->settings);
+  add_server_options(command, options->settings.server);
+  command.add_option("--from", options->from, "Draw results again, one row each; repeat it for several")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_option("--out", options->out, "Folder; made if it is not there")->required();
+  command.add_option("--date", options->date, "Recorded in the result");
+  command.add_option("--commit", options->commit, "Recorded in the result");
+  command.add_flag("--json", options->json, "Print the summary as one JSON object");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,80 @@
+// One step to measure, of a procedural scene or between two mesh files.
+
+#include "client/cli/tradeoff_input.hpp"
+
+#include <filesystem>
+#include <stdexcept>
+
+#include "client/scenes/mesh_file.hpp"
+
+namespace collided::cli {
+
+namespace {
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", x);
+  return text;
+}
+
+void check_same(const std::string& what, size_t a, size_t b) {
+  if (a != b)
+    throw std::runtime_error("the frames differ: the first has " + std::to_string(a) + " " + what + ", the second " +
+                             std::to_string(b));
+}
+
+std::string stem(const std::string& file) { return std::filesystem::path(file).stem().string(); }
+
+}  // namespace
+
+StepInput scene_step(const SceneOptions& options) {
+  const auto scene = scenes::make_scene(options.name, options.scale);
+  const double t0 = options.time(0), t1 = options.time(1);
+  return {.name = options.name,
+          .description =
+              "scene " + options.name + ", scale " + number(options.scale) + ", t " + number(t0) + " to " + number(t1),
+          .meshes = scene->meshes(),
+          .start = scene->positions(t0),
+          .end = scene->positions(t1),
+          .is_double = true};
+}
+
+StepInput file_step(const std::string& first, const std::string& second) {
+  scenes::MeshFile a = scenes::read_mesh(first), b = scenes::read_mesh(second);
+  check_same("vertices", a.positions.size(), b.positions.size());
+  check_same("triangles", a.triangles.size(), b.triangles.size());
+  for (size_t t = 0; t < a.triangles.size(); ++t)
+    if (a.triangles[t] != b.triangles[t])
+      throw std::runtime_error("the frames differ: triangle " + std::to_string(t) + " has other vertices in " + second);
+  const auto vertex_count = static_cast<uint32_t>(a.positions.size());
+  return {.name = stem(first) + " to " + stem(second),
+          .description = "frames " + first + " and " + second,
+          .meshes = {{"mesh", vertex_count, std::move(a.triangles)}},
+          .start = std::move(a.positions),
+          .end = std::move(b.positions),
+          .is_double = a.is_double || b.is_double};
+}
+
+std::vector<client::MeshInput> mesh_inputs(const StepInput& step) {
+  std::vector<client::MeshInput> out;
+  for (const scenes::Mesh& mesh : step.meshes)
+    out.push_back({mesh.name, mesh.vertex_count, mesh.triangles, mesh.is_static});
+  return out;
+}
+
+v1::Frame step_frame(const StepInput& step, uint64_t id, v1::PositionFormat format) {
+  v1::Frame frame;
+  frame.set_frame_id(id);
+  size_t at = 0;
+  for (uint32_t i = 0; i < step.meshes.size(); ++i) {
+    const scenes::Mesh& mesh = step.meshes[i];
+    const client::Positions start(step.start.data() + at, mesh.vertex_count);
+    const client::Positions end(step.end.data() + at, mesh.vertex_count);
+    if (mesh.is_static && id == 1) *frame.add_updates() = client::mesh_update(i, format, end);
+    if (!mesh.is_static) *frame.add_updates() = client::mesh_update(i, format, end, start);
+    at += mesh.vertex_count;
+  }
+  return frame;
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,30 @@
+#pragma once
+// What 'collidectl tradeoff' found, as JSON, as a Markdown table, and in short.
+
+#include <filesystem>
+
+#include "client/cli/report.hpp"
+#include "client/cli/tradeoff_result.hpp"
+
+namespace collided::cli {
+
+Json tradeoff_json(const Tradeoff& result);
+/// Reads back what tradeoff_json wrote to a file. Throws std::runtime_error naming the file and what is wrong.
+Tradeoff read_tradeoff(const std::filesystem::path& file);
+
+/// One section: how it was measured, the answers against the truth, what they cost.
+std::string tradeoff_markdown(const Tradeoff& result);
+
+/// Misses, false contacts and the time of each run: as JSON, and as a line each.
+Json tradeoff_summary(const Tradeoff& result);
+std::string tradeoff_text(const Tradeoff& result);
+
+/// With commas between thousands.
+std::string count_text(uint64_t n);
+/// A delta as people write it, such as "1e-6"; the daemon's own choice is "auto".
+std::string delta_text(double delta);
+
+/// Throws std::runtime_error if the file cannot be written.
+void write_text(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace collided::cli

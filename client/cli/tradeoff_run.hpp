@@ -1,0 +1,23 @@
+#pragma once
+// Runs levels, deltas and position formats over one step and judges them.
+
+#include "client/cli/options.hpp"
+#include "client/cli/tradeoff_input.hpp"
+#include "client/cli/tradeoff_result.hpp"
+
+namespace collided::cli {
+
+struct TradeoffSettings {
+  ServerOptions server;
+  DetectionOptions detection;  ///< its accuracy is not used
+  std::vector<std::string> levels{"fast", "guarded", "certified", "exact"};
+  std::vector<double> deltas{0};  ///< of every level but fast
+  std::vector<std::string> formats{"f32", "f64"};
+  int repeats = 5;
+  std::string truth;  ///< folder; empty: the level exact
+};
+
+/// Fills in all but date and commit.
+Tradeoff measure(const TradeoffSettings& settings, const StepInput& step);
+
+}  // namespace collided::cli
