@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <ctime>
 
+#include "tests/support/brute_force.hpp"
 #include "tests/support/labelled.hpp"
 
 namespace collided::test {
@@ -72,6 +73,49 @@ TEST_F(ExactJudgeData, AgreesWithTheBallFrames) {
   const std::vector<LabelledQuery> queries = read_frame_queries(*data_, kBallFrames);
   EXPECT_EQ(queries.size(), 113859u);
   EXPECT_EQ(disagreements(kBallFrames.name, queries), 0u);
+}
+
+// The truth lists what collides. What it does not list must not: then there are as many hits among all pairs whose
+// boxes meet as there are in the list.
+size_t hits_among(const Case& c, QueryKind kind, const std::vector<PairKey>& pairs) {
+  const Features features = features_of(c);
+  std::atomic<size_t> hits = 0;
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, pairs.size()), [&](const auto& range) {
+    for (size_t i = range.begin(); i < range.end(); ++i) {
+      const auto first = static_cast<uint32_t>(pairs[i] >> 32), second = static_cast<uint32_t>(pairs[i]);
+      std::array<uint32_t, 4> points;
+      if (kind == QueryKind::kVertexTriangle) {
+        const auto& corners = features.triangles[second];
+        points = {first, corners[0], corners[1], corners[2]};
+      } else {
+        const auto &e = features.edges[first], &f = features.edges[second];
+        points = {e[0], e[1], f[0], f[1]};
+      }
+      Query query{kind, {}};
+      for (size_t k = 0; k < 8; ++k) query.p[k] = (k < 4 ? c.start : c.end)[0][points[k % 4]];
+      if (judge_ccd(query).hit) ++hits;
+    }
+  });
+  return hits;
+}
+
+size_t hits_listed(const std::filesystem::path& data, const RealFrames& frames, QueryKind kind) {
+  size_t hits = 0;
+  for (const TruthRow& row : read_truth(data, frames, kind)) hits += row.hit;
+  return hits;
+}
+
+TEST_F(ExactJudgeData, NothingUnlistedCollides) {
+  for (const RealFrames& frames : {kFunnelFrames, kBallFrames}) {
+    const Case c = load(*data_, frames);
+    const ExpectedPairs pairs = brute_force(c, Mode::kCcd, Scalar::kF64, 0);
+    const size_t vertex_triangle = hits_among(c, QueryKind::kVertexTriangle, pairs.vertex_triangle.must);
+    const size_t edge_edge = hits_among(c, QueryKind::kEdgeEdge, pairs.edge_edge.must);
+    std::printf("%s: %zu of %zu vertex-triangle and %zu of %zu edge-edge candidates collide\n", frames.name,
+                vertex_triangle, pairs.vertex_triangle.must.size(), edge_edge, pairs.edge_edge.must.size());
+    EXPECT_EQ(vertex_triangle, hits_listed(*data_, frames, QueryKind::kVertexTriangle));
+    EXPECT_EQ(edge_edge, hits_listed(*data_, frames, QueryKind::kEdgeEdge));
+  }
 }
 
 }  // namespace

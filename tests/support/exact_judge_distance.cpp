@@ -1,9 +1,10 @@
-// Contact at a distance h: closest points of two features are two vertices, a vertex and the inside of an edge, or the
-// insides of a triangle or of both edges and what is opposite. Each such part has one polynomial, `gap`, that is <= 0
-// where its lines are within h, and polynomials that are >= 0 where its feet are inside. The distance is continuous, so
-// unless it is <= h at t = 0 it is h when it first is <= h: then the gap of the part that holds the closest points is
-// 0, and the first time is a root of it. A gap that is 0 all the time has become a contact because a foot came inside:
-// then it is a root of what says so.
+// Contact at a distance h. The closest points of two features are two vertices, or a vertex and a point strictly inside
+// an edge, or what is strictly inside of a triangle or of both edges. Each such part has one polynomial, `gap`, that is
+// <= 0 where its lines are within h, and polynomials that are > 0 where its feet are inside.
+//
+// The distance is continuous: unless it is <= h at t = 0, it is h when it first is <= h. Then the part that holds the
+// closest points has the gap 0, and this time is a root of it. For were its gap 0 all the time, the distance would have
+// been h just before too, the feet still being inside. So only roots of gaps have to be looked at.
 
 #include <algorithm>
 #include <utility>
@@ -66,8 +67,8 @@ void keep_first(ExactImpact& best, const ExactImpact& other) {
   best.hit = true;
 }
 
-void search(ExactImpact& best, const Part& part, const Polynomial& changes) {
-  for (Root& time : roots_in_unit_interval(changes)) {
+void search(ExactImpact& best, const Part& part) {
+  for (Root& time : roots_in_unit_interval(part.gap)) {
     if (best.hit && time.lower() >= best.upper) return;
     if (!is_inside(part, time)) continue;
     keep_first(best, impact_at(time));
@@ -81,12 +82,7 @@ ExactImpact first_time_within(const ExactQuery& q) {
   const std::vector<Part> parts = parts_of(q);
   if (std::ranges::any_of(parts, within_at_start)) return {true, 0, 0};
   ExactImpact best;
-  for (const Part& part : parts) {
-    if (!part.gap.is_zero())
-      search(best, part, part.gap);
-    else
-      for (const Polynomial& condition : part.inside) search(best, part, condition);
-  }
+  for (const Part& part : parts) search(best, part);
   return best;
 }
 

@@ -1,14 +1,14 @@
 // Contacts whose time is known by hand, and what must not change an answer.
 
-#include "tests/support/exact_judge.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <random>
 #include <stdexcept>
 
+#include "tests/support/exact_distance.hpp"
 #include "tests/support/labelled.hpp"
 
 namespace collided::test {
@@ -250,6 +250,25 @@ TEST_F(ExactJudgeLabelled, Translation) {
     EXPECT_TRUE(same(judge_ccd(label.query), judge_ccd(there))) << label.family;
   }
   EXPECT_GT(moved, queries_.size() / 2);
+}
+
+// The cubic's way and the distance's way to a first contact share no polynomial but the normal's.
+TEST_F(ExactJudgeLabelled, ContactAsADistanceOfZero) {
+  std::vector<Query> queries;
+  for (const LabelledQuery& label : queries_) queries.push_back(label.query);
+  std::mt19937 random(3);
+  for (int n = 0; n < 4000; ++n) {
+    std::uniform_int_distribution<int> coordinate(-1 - n % 3, 1 + n % 3);
+    queries.push_back({n % 2 ? QueryKind::kVertexTriangle : QueryKind::kEdgeEdge, {}});
+    for (int i = 0; i < 24; ++i) queries.back().p[i / 3][i % 3] = coordinate(random);
+  }
+  size_t hits = 0;
+  for (const Query& query : queries) {
+    const ExactImpact contact = judge_ccd(query);
+    hits += contact.hit;
+    EXPECT_TRUE(same(contact, first_time_within(exact_query(query, 0))));
+  }
+  std::printf("%zu queries, %zu hits, both ways\n", queries.size(), hits);
 }
 
 // Within a hair's breadth is decided by other polynomials than contact is.

@@ -15,7 +15,7 @@ struct LabelledQuery {
   Query query;
   bool hit = false;
   double toi_lower = 0, toi_upper = 1;  ///< of a hit: the first time of contact is within, bounds included
-  std::string family;                   ///< our own: as in make_labelled.cpp; else the set's name
+  std::string family;                   ///< our own: as in made_families.cpp; else the set's name
 };
 
 /// Whether the judge's answer is the label's: the verdict, and intervals of the first time that share a point.
