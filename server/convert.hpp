@@ -30,8 +30,9 @@ ScenePlan parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults
 void parse_triangles(std::string_view bytes, uint32_t vertex_count, const std::string& path,
                      Scene::Triangles& triangles);
 
-/// The spans point into `frame`, which must outlive the result. Throws Unimplemented.
-FrameInput parse_frame(const pb::Frame& frame);
+/// Checks what the frame overrides of its scene. The spans point into `frame`, which must outlive the result.
+/// Throws InvalidInput, Unimplemented.
+FrameInput parse_frame(const pb::Frame& frame, const SceneSpec& scene);
 
 /// Bytes of positions in a frame.
 uint64_t position_bytes(const pb::Frame& frame);
@@ -48,7 +49,7 @@ struct FrameCost {
 
 void fill_done(const FrameResult& result, const FrameCost& cost, pb::FrameDone* out);
 
-/// Contacts as chunks whose arrays hold at most `max_bytes` together.
+/// Contacts as chunks whose arrays hold at most `max_bytes` together. What was not computed is left out.
 std::vector<pb::ContactChunk> make_chunks(const FrameResult& result, const Topology& topology,
                                           const OutputFields& fields, size_t max_bytes);
 

@@ -1,27 +1,25 @@
 // Frames from the protocol to the engine.
-#include <spdlog/fmt/fmt.h>
-
 #include "server/convert.hpp"
-#include "server/errors.hpp"
+#include "server/convert_level.hpp"
+#include "server/refuse.hpp"
 
 namespace collided::server {
 namespace {
 
 std::span<const std::byte> as_bytes(const std::string& bytes) { return std::as_bytes(std::span(bytes)); }
 
-[[noreturn]] void throw_not_served(const std::string& field) {
-  throw Unimplemented(field, field + " is set, which is not served");
-}
-
 }  // namespace
 
-FrameInput parse_frame(const pb::Frame& frame) {
-  if (frame.accuracy() != pb::ACCURACY_UNSPECIFIED) throw_not_served("frame.accuracy");
+FrameInput parse_frame(const pb::Frame& frame, const SceneSpec& scene) {
   FrameInput input;
+  input.accuracy = parse_accuracy(frame.accuracy(), "frame.accuracy");
+  if (frame.has_delta()) input.delta = parse_length(frame.delta(), "frame.delta");
+  input.report = parse_report(frame.report(), "frame.report");
+  check_levels(scene, input);
   for (int i = 0; i < frame.updates_size(); ++i) {
     const auto& update = frame.updates(i);
-    if (update.has_sparse()) throw_not_served(fmt::format("frame.updates[{}].sparse", i));
-    if (update.has_rigid()) throw_not_served(fmt::format("frame.updates[{}].rigid", i));
+    if (update.has_sparse()) throw_not_served(fmt::format("frame.updates[{}].sparse", i), "set");
+    if (update.has_rigid()) throw_not_served(fmt::format("frame.updates[{}].rigid", i), "set");
     input.updates.push_back({update.mesh(), as_bytes(update.start_positions()), as_bytes(update.positions())});
   }
   return input;

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "server/convert.hpp"
+#include "server/convert_level.hpp"
 
 namespace collided::server {
 namespace {
@@ -14,7 +15,6 @@ void put(std::string* out, const T& value) {
 // A run of an engine array, whose elements have the wire's layout.
 template <class T>
 void put_run(std::string* out, const std::vector<T>& values, size_t begin, size_t end) {
-  if (values.empty()) return;
   out->assign(reinterpret_cast<const char*>(values.data() + begin), (end - begin) * sizeof(T));
 }
 
@@ -27,11 +27,21 @@ std::array<uint32_t, 4> stencil(pb::ContactKind kind, std::array<uint32_t, 2> pa
   return {a[0], a[1], b[0], b[1]};
 }
 
+// Those of the fields asked for that there are of this kind, at the level of this frame.
+OutputFields available(OutputFields fields, pb::ContactKind kind, const ContactSet& set) {
+  fields.stencils &= kind != pb::CONTACT_KIND_TRIANGLE_TRIANGLE;
+  fields.toi &= !set.toi.empty();
+  fields.distance &= !set.distance.empty();
+  fields.weights &= !set.weights.empty();
+  fields.flags &= !set.flags.empty();
+  return fields;
+}
+
 struct ChunkSource {
   pb::ContactKind kind;
   const ContactSet& set;
   const Topology& topology;
-  const OutputFields& fields;
+  OutputFields fields;
 
   pb::ContactChunk chunk(size_t begin, size_t end) const {
     pb::ContactChunk out;
@@ -49,12 +59,6 @@ struct ChunkSource {
   }
 };
 
-void append_chunks(const ChunkSource& source, size_t max_bytes, std::vector<pb::ContactChunk>& chunks) {
-  const size_t step = std::max<size_t>(1, max_bytes / std::max<size_t>(1, source.fields.contact_bytes()));
-  for (size_t begin = 0; begin < source.set.size(); begin += step)
-    chunks.push_back(source.chunk(begin, std::min(begin + step, source.set.size())));
-}
-
 void fill_counts(const FrameCounts& counts, pb::FrameCounts* out) {
   out->set_cells(counts.cells);
   out->set_leaves(counts.leaves);
@@ -67,6 +71,10 @@ void fill_counts(const FrameCounts& counts, pb::FrameCounts* out) {
   out->set_candidates_edge_edge(counts.candidates_ee);
   out->set_contacts_vertex_triangle(counts.contacts_vt);
   out->set_contacts_edge_edge(counts.contacts_ee);
+  out->set_contacts_triangle_triangle(counts.contacts_tt);
+  out->set_survivors_vertex_triangle(counts.survivors_vt);
+  out->set_survivors_edge_edge(counts.survivors_ee);
+  out->set_exact_decisions(counts.exact_decisions);
 }
 
 void fill_mesh(const MeshPlan& plan, const MeshSpec& engine, pb::MeshSpec* out) {
@@ -93,11 +101,14 @@ void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   out->set_display_name(plan.display_name);
   out->set_backend(engine.backend == Backend::kCuda ? pb::BACKEND_CUDA : pb::BACKEND_CPU);
   out->set_mode(engine.mode == Mode::kCcd ? pb::DETECTION_MODE_CCD : pb::DETECTION_MODE_DCD);
-  out->set_accuracy(engine.accuracy == Accuracy::kFast ? pb::ACCURACY_FAST : pb::ACCURACY_CANDIDATES);
+  out->set_accuracy(to_message(engine.accuracy));
   out->set_position_format(engine.scalar == Scalar::kF64 ? pb::POSITION_FORMAT_F64 : pb::POSITION_FORMAT_F32);
   out->set_thickness(engine.thickness);
+  out->set_delta(engine.delta);
+  out->set_report(to_message(engine.report));
   if (engine.vertex_triangle) out->add_kinds(pb::CONTACT_KIND_VERTEX_TRIANGLE);
   if (engine.edge_edge) out->add_kinds(pb::CONTACT_KIND_EDGE_EDGE);
+  if (engine.triangle_triangle) out->add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
   fill_fields(plan.fields, out);
   out->set_memory_budget_bytes(engine.memory_budget);
   for (size_t i = 0; i < plan.meshes.size(); ++i) fill_mesh(plan.meshes[i], engine.meshes[i], out->add_meshes());
@@ -151,15 +162,24 @@ void fill_done(const FrameResult& result, const FrameCost& cost, pb::FrameDone* 
   metrics->set_replays(result.replays);
   metrics->set_bytes_in(cost.bytes_in);
   metrics->set_bytes_out(cost.bytes_out);
-  out->set_contact_count(result.vertex_triangle.size() + result.edge_edge.size());
+  if (result.input_resolution) metrics->add_warnings(pb::FRAME_WARNING_INPUT_RESOLUTION);
+  out->set_contact_count(result.vertex_triangle.size() + result.edge_edge.size() + result.triangle_triangle.size());
   out->set_earliest_toi(result.earliest_toi);
+  out->set_any_contact(result.any_contact);
 }
 
 std::vector<pb::ContactChunk> make_chunks(const FrameResult& result, const Topology& topology,
                                           const OutputFields& fields, size_t max_bytes) {
   std::vector<pb::ContactChunk> chunks;
-  append_chunks({pb::CONTACT_KIND_VERTEX_TRIANGLE, result.vertex_triangle, topology, fields}, max_bytes, chunks);
-  append_chunks({pb::CONTACT_KIND_EDGE_EDGE, result.edge_edge, topology, fields}, max_bytes, chunks);
+  const auto append = [&](pb::ContactKind kind, const ContactSet& set) {
+    const ChunkSource source{kind, set, topology, available(fields, kind, set)};
+    const size_t step = std::max<size_t>(1, max_bytes / std::max<size_t>(1, source.fields.contact_bytes()));
+    for (size_t begin = 0; begin < set.size(); begin += step)
+      chunks.push_back(source.chunk(begin, std::min(begin + step, set.size())));
+  };
+  append(pb::CONTACT_KIND_VERTEX_TRIANGLE, result.vertex_triangle);
+  append(pb::CONTACT_KIND_EDGE_EDGE, result.edge_edge);
+  append(pb::CONTACT_KIND_TRIANGLE_TRIANGLE, result.triangle_triangle);
   return chunks;
 }
 

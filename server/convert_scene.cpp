@@ -1,14 +1,12 @@
 // Scenes between the protocol and the engine.
-#include <spdlog/fmt/fmt.h>
-
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <set>
 
 #include "server/convert.hpp"
-#include "server/errors.hpp"
+#include "server/convert_level.hpp"
+#include "server/refuse.hpp"
 #include "server/shorten.hpp"
 
 namespace collided::server {
@@ -19,18 +17,6 @@ static_assert(std::endian::native == std::endian::little, "the wire is little-en
 constexpr size_t kMaxNameBytes = 128;
 constexpr int kMaxMeshes = 16384;  // with the longest names a scene still fits one message of gRPC's default size
 constexpr size_t kTriangleBytes = 12;
-
-[[noreturn]] void throw_invalid(const std::string& field, const std::string& rest) {
-  throw InvalidInput(field, field + " " + rest);
-}
-
-[[noreturn]] void throw_not_served(const std::string& field, const std::string& value) {
-  throw Unimplemented(field, fmt::format("{} is {}, which is not served", field, value));
-}
-
-[[noreturn]] void throw_unknown(const std::string& field, int value) {
-  throw_invalid(field, fmt::format("is {}, which is no value of its enum that can be used", value));
-}
 
 // What is wrong with a triangle; empty if nothing is.
 std::string check_triangle(const std::array<uint32_t, 3>& t, uint32_t vertex_count) {
@@ -60,22 +46,6 @@ Mode parse_mode(pb::DetectionMode mode) {
   throw_unknown("spec.mode", mode);
 }
 
-Accuracy parse_accuracy(pb::Accuracy accuracy) {
-  switch (accuracy) {
-    case pb::ACCURACY_CANDIDATES:
-      return Accuracy::kCandidates;
-    case pb::ACCURACY_UNSPECIFIED:
-    case pb::ACCURACY_FAST:
-      return Accuracy::kFast;
-    case pb::ACCURACY_GUARDED:
-    case pb::ACCURACY_CERTIFIED:
-    case pb::ACCURACY_EXACT:
-      throw_not_served("spec.accuracy", pb::Accuracy_Name(accuracy));
-    default:
-      throw_unknown("spec.accuracy", accuracy);
-  }
-}
-
 Scalar parse_format(pb::PositionFormat format) {
   if (format == pb::POSITION_FORMAT_UNSPECIFIED || format == pb::POSITION_FORMAT_F32) return Scalar::kF32;
   if (format == pb::POSITION_FORMAT_F64) return Scalar::kF64;
@@ -83,26 +53,30 @@ Scalar parse_format(pb::PositionFormat format) {
   throw_unknown("spec.position_format", format);
 }
 
-void parse_thickness(const pb::SceneSpec& spec, SceneSpec& engine) {
-  engine.thickness = spec.thickness();
-  if (!std::isfinite(engine.thickness) || engine.thickness < 0)
-    throw_invalid("spec.thickness", fmt::format("is {}, but must be finite and at least 0", engine.thickness));
-  if (engine.thickness == 0 && engine.mode == Mode::kDcd && engine.accuracy == Accuracy::kFast)
-    throw_invalid("spec.thickness", "is 0, but must be greater than 0 for DCD at ACCURACY_FAST");
+void add_kind(const std::string& path, pb::ContactKind kind, SceneSpec& engine) {
+  switch (kind) {
+    case pb::CONTACT_KIND_VERTEX_TRIANGLE:
+      engine.vertex_triangle = true;
+      return;
+    case pb::CONTACT_KIND_EDGE_EDGE:
+      engine.edge_edge = true;
+      return;
+    case pb::CONTACT_KIND_TRIANGLE_TRIANGLE:
+      if (engine.mode != Mode::kDcd)
+        throw_invalid(path,
+                      "is CONTACT_KIND_TRIANGLE_TRIANGLE, which needs DETECTION_MODE_DCD, but spec.mode is "
+                      "DETECTION_MODE_CCD");
+      engine.triangle_triangle = true;
+      return;
+    default:
+      throw_unknown(path, kind);
+  }
 }
 
 void parse_kinds(const pb::SceneSpec& spec, SceneSpec& engine) {
   if (spec.kinds().empty()) return;
   engine.vertex_triangle = engine.edge_edge = false;
-  for (int i = 0; i < spec.kinds_size(); ++i) {
-    if (spec.kinds(i) == pb::CONTACT_KIND_VERTEX_TRIANGLE) {
-      engine.vertex_triangle = true;
-    } else if (spec.kinds(i) == pb::CONTACT_KIND_EDGE_EDGE) {
-      engine.edge_edge = true;
-    } else {
-      throw_unknown(fmt::format("spec.kinds[{}]", i), spec.kinds(i));
-    }
-  }
+  for (int i = 0; i < spec.kinds_size(); ++i) add_kind(fmt::format("spec.kinds[{}]", i), spec.kinds(i), engine);
 }
 
 void add_field(const std::string& path, pb::ContactField field, OutputFields& fields) {
@@ -132,17 +106,13 @@ void add_field(const std::string& path, pb::ContactField field, OutputFields& fi
   }
 }
 
-// What the level does not compute is not sent, whether it was asked for or not.
-OutputFields parse_fields(const pb::SceneSpec& spec, const SceneSpec& engine) {
+// What the level does not compute is left out of each answer: a frame may override the level, but not the mode.
+OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode) {
   OutputFields fields;
   for (int i = 0; i < spec.fields_size(); ++i) add_field(fmt::format("spec.fields[{}]", i), spec.fields(i), fields);
   if (spec.fields().empty())
     fields = {.elements = true, .stencils = true, .toi = true, .distance = true, .flags = true};
-  const bool narrow = engine.accuracy != Accuracy::kCandidates;
-  fields.toi &= narrow && engine.mode == Mode::kCcd;
-  fields.distance &= narrow;
-  fields.weights &= narrow;
-  fields.flags &= narrow;
+  fields.toi &= mode == Mode::kCcd;
   return fields;
 }
 
@@ -229,7 +199,6 @@ void parse_triangles(std::string_view bytes, uint32_t vertex_count, const std::s
 ScenePlan parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults) {
   const auto& spec = request.spec();
   if (!request.request_id().empty()) throw_not_served("request_id", "\"" + shorten(request.request_id(), 64) + "\"");
-  if (spec.delta() != 0) throw_not_served("spec.delta", fmt::format("{}", spec.delta()));
   if (spec.display_name().size() > kMaxNameBytes)
     throw_invalid("spec.display_name",
                   fmt::format("has {} bytes, more than {}", spec.display_name().size(), kMaxNameBytes));
@@ -237,11 +206,14 @@ ScenePlan parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults
   plan.display_name = spec.display_name();
   SceneSpec& engine = plan.engine;
   engine.mode = parse_mode(spec.mode());
-  engine.accuracy = parse_accuracy(spec.accuracy());
+  engine.accuracy = parse_accuracy(spec.accuracy(), "spec.accuracy").value_or(Accuracy::kCertified);
   engine.scalar = parse_format(spec.position_format());
-  parse_thickness(spec, engine);
+  engine.thickness = parse_length(spec.thickness(), "spec.thickness");
+  engine.delta = parse_length(spec.delta(), "spec.delta");
+  engine.report = parse_report(spec.report(), "spec.report").value_or(Report::kAll);
   parse_kinds(spec, engine);
-  plan.fields = parse_fields(spec, engine);
+  check_levels(engine, {});
+  plan.fields = parse_fields(spec, engine.mode);
   engine.weights = plan.fields.weights;
   engine.memory_budget = parse_budget(spec.memory_budget_bytes(), defaults.limits.max_scene_bytes);
   engine.threads = defaults.threads;

@@ -13,7 +13,7 @@
 
 namespace collided::server {
 
-/// Contact fields that the scene's clients want and its accuracy level computes.
+/// Contact fields that the scene's clients want.
 struct OutputFields {
   bool elements = false, stencils = false, toi = false, distance = false, weights = false, flags = false;
   /// Bytes of one contact's arrays.

@@ -24,7 +24,7 @@ FrameAnswer run_frame(Scene& scene, const FrameJob& job) {
   FrameCost cost;
   cost.queue_milliseconds = milliseconds(Clock::now() - job.arrival);
   cost.bytes_in = position_bytes(job.frame);
-  FrameInput input = parse_frame(job.frame);
+  FrameInput input = parse_frame(job.frame, scene.plan().engine);
   input.cancelled = job.cancelled;
   if (input.cancelled && input.cancelled()) throw Cancelled();
   const FrameResult result = scene.apply(job.frame.frame_id(), input);

@@ -74,10 +74,34 @@ TEST_F(BadInput, FrameIds) {
 }
 
 TEST_F(BadInput, FieldsThatAreNotServed) {
-  expect_refused([](auto& f) { f.set_accuracy(pb::ACCURACY_FAST); }, grpc::UNIMPLEMENTED, "frame.accuracy");
   expect_refused([](auto& f) { f.mutable_updates(0)->mutable_sparse(); }, grpc::UNIMPLEMENTED,
                  "frame.updates[0].sparse");
   expect_refused([](auto& f) { f.mutable_updates(0)->mutable_rigid(); }, grpc::UNIMPLEMENTED, "frame.updates[0].rigid");
+}
+
+TEST_F(BadInput, Overrides) {
+  for (const double delta : {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    expect_refused([&](auto& f) { f.set_delta(delta); }, grpc::INVALID_ARGUMENT, "frame.delta");
+  expect_refused([](auto& f) { f.set_accuracy(static_cast<pb::Accuracy>(9)); }, grpc::INVALID_ARGUMENT,
+                 "frame.accuracy");
+  expect_refused([](auto& f) { f.set_report(static_cast<pb::Report>(9)); }, grpc::INVALID_ARGUMENT, "frame.report");
+  const auto fast_earliest = [](auto& f) {
+    f.set_accuracy(pb::ACCURACY_FAST);
+    f.set_report(pb::REPORT_EARLIEST_ONLY);
+  };
+  expect_refused(fast_earliest, grpc::INVALID_ARGUMENT, "frame.report");
+}
+
+TEST_F(BadInput, AnOverrideThatTheScenesReportForbids) {
+  auto request = tip_request();
+  request.mutable_spec()->set_report(pb::REPORT_EARLIEST_ONLY);
+  Stream stream(*stub_, make_scene(*stub_, request));
+  auto fast = first_frame(2);
+  fast.set_accuracy(pb::ACCURACY_FAST);
+  const Answer answer = stream.ask(fast);
+  ASSERT_TRUE(answer.error);
+  EXPECT_EQ(answer.error->field(), "frame.accuracy");
+  expect_tip_contact(stream.ask(first_frame(2)), 2);
 }
 
 TEST_F(BadInput, FirstFrameMustNameEveryMesh) {
@@ -156,6 +180,9 @@ TEST_F(BadInput, Scenes) {
   EXPECT_EQ(status.error_code(), grpc::INVALID_ARGUMENT);
   EXPECT_NE(status.error_message().find("spec.meshes[1].triangles[0]"), std::string::npos) << status.error_message();
   EXPECT_NE(status.error_details().find("google.rpc.BadRequest"), std::string::npos);
+  const auto crossing = create([](auto& r) { r.mutable_spec()->add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE); });
+  EXPECT_EQ(crossing.error_code(), grpc::INVALID_ARGUMENT);  // in a CCD scene
+  EXPECT_NE(crossing.error_message().find("spec.kinds[0]"), std::string::npos) << crossing.error_message();
   EXPECT_EQ(create([](auto& r) { r.set_request_id("x"); }).error_code(), grpc::UNIMPLEMENTED);
   EXPECT_EQ(create([](auto& r) { r.mutable_spec()->set_backend(pb::BACKEND_CPU); }).error_code(), grpc::OK);
 }

@@ -97,7 +97,9 @@ inline void expect_tip_contact(const std::vector<pb::ContactChunk>& chunks, cons
   ASSERT_EQ(chunk.toi().size(), sizeof(double));
   double toi = 0;
   std::memcpy(&toi, chunk.toi().data(), sizeof(toi));
-  EXPECT_NEAR(toi, 1 / depth, 1e-5);
+  EXPECT_LE(toi, 1 / depth);
+  EXPECT_GT(toi, 1 / depth - 1e-3);
+  EXPECT_TRUE(done.any_contact());
   EXPECT_EQ(done.earliest_toi(), toi);
   EXPECT_EQ(chunk.flags().size(), 1u);
 }

@@ -15,6 +15,8 @@ std::string triangle(std::array<uint32_t, 3> corners) {
   return {reinterpret_cast<const char*>(corners.data()), sizeof(corners)};
 }
 
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+
 pb::CreateSceneRequest request() {
   pb::CreateSceneRequest request;
   auto* spec = request.mutable_spec();
@@ -39,12 +41,25 @@ void expect_refused(const std::string& field, const std::function<void(pb::Creat
   }
 }
 
+pb::CreateSceneRequest request_with(const std::function<void(pb::SceneSpec&)>& change) {
+  auto wanted = request();
+  change(*wanted.mutable_spec());
+  return wanted;
+}
+
+SceneSpec scene_with(const std::function<void(pb::SceneSpec&)>& change) {
+  return parse_scene(request_with(change), {}).engine;
+}
+
 TEST(ConvertScene, FillsDefaults) {
   const auto plan = parse_scene(request(), {});
-  EXPECT_EQ(plan.engine.accuracy, Accuracy::kFast);
+  EXPECT_EQ(plan.engine.accuracy, Accuracy::kCertified);
+  EXPECT_EQ(plan.engine.report, Report::kAll);
+  EXPECT_EQ(plan.engine.delta, 0);
   EXPECT_EQ(plan.engine.scalar, Scalar::kF32);
   EXPECT_EQ(plan.engine.backend, Backend::kCpu);
-  EXPECT_TRUE(plan.engine.vertex_triangle && plan.engine.edge_edge && !plan.engine.weights);
+  EXPECT_TRUE(plan.engine.vertex_triangle && plan.engine.edge_edge);
+  EXPECT_TRUE(!plan.engine.triangle_triangle && !plan.engine.weights);
   EXPECT_EQ(plan.engine.memory_budget, Limits().max_scene_bytes);
   ASSERT_EQ(plan.engine.meshes.size(), 1u);
   EXPECT_EQ(plan.engine.meshes[0].triangles, (Scene::Triangles{{0, 1, 2}, {0, 2, 3}}));
@@ -52,10 +67,50 @@ TEST(ConvertScene, FillsDefaults) {
   EXPECT_EQ(plan.fields.contact_bytes(), 8u + 16 + 8 + 8 + 1);
 }
 
-TEST(ConvertScene, LeavesOutWhatTheLevelDoesNotCompute) {
-  auto wanted = request();
-  wanted.mutable_spec()->set_accuracy(pb::ACCURACY_CANDIDATES);
-  EXPECT_EQ(parse_scene(wanted, {}).fields.contact_bytes(), 8u + 16);
+TEST(ConvertScene, TakesEveryLevelReportAndKind) {
+  using Spec = pb::SceneSpec;
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_accuracy(pb::ACCURACY_CANDIDATES); }).accuracy, Accuracy::kCandidates);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_accuracy(pb::ACCURACY_FAST); }).accuracy, Accuracy::kFast);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_accuracy(pb::ACCURACY_GUARDED); }).accuracy, Accuracy::kGuarded);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_accuracy(pb::ACCURACY_CERTIFIED); }).accuracy, Accuracy::kCertified);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_accuracy(pb::ACCURACY_EXACT); }).accuracy, Accuracy::kExact);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_report(pb::REPORT_EARLIEST_ONLY); }).report, Report::kEarliestOnly);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_report(pb::REPORT_ANY_HIT); }).report, Report::kAnyHit);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_delta(1e-6); }).delta, 1e-6);
+  const auto triangles = scene_with([](Spec& s) {
+    s.set_mode(pb::DETECTION_MODE_DCD);
+    s.add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
+  });
+  EXPECT_TRUE(triangles.triangle_triangle && !triangles.vertex_triangle && !triangles.edge_edge);
+}
+
+// A frame may override the level, so that what the scene's own does not compute is wanted all the same.
+TEST(ConvertScene, FieldsDependOnTheModeAlone) {
+  const auto bytes = [](pb::DetectionMode mode) {
+    const auto wanted = request_with([&](pb::SceneSpec& spec) {
+      spec.set_accuracy(pb::ACCURACY_CANDIDATES);
+      spec.set_mode(mode);
+    });
+    return parse_scene(wanted, {}).fields.contact_bytes();
+  };
+  EXPECT_EQ(bytes(pb::DETECTION_MODE_CCD), 8u + 16 + 8 + 8 + 1);
+  EXPECT_EQ(bytes(pb::DETECTION_MODE_DCD), 8u + 16 + 8 + 1);
+}
+
+// From GUARDED on a thickness of 0 means touching, and triangle-triangle contacts have no distance.
+TEST(ConvertScene, DiscreteScenesMayHaveNoThickness) {
+  const auto thickness = [](pb::Accuracy accuracy, pb::ContactKind kind) {
+    return scene_with([&](pb::SceneSpec& spec) {
+             spec.set_mode(pb::DETECTION_MODE_DCD);
+             spec.set_accuracy(accuracy);
+             spec.add_kinds(kind);
+           })
+        .thickness;
+  };
+  EXPECT_EQ(thickness(pb::ACCURACY_GUARDED, pb::CONTACT_KIND_VERTEX_TRIANGLE), 0);
+  EXPECT_EQ(thickness(pb::ACCURACY_EXACT, pb::CONTACT_KIND_EDGE_EDGE), 0);
+  EXPECT_EQ(thickness(pb::ACCURACY_FAST, pb::CONTACT_KIND_TRIANGLE_TRIANGLE), 0);
+  EXPECT_THROW(thickness(pb::ACCURACY_FAST, pb::CONTACT_KIND_EDGE_EDGE), InvalidInput);
 }
 
 TEST(ConvertScene, RefusesBadValues) {
@@ -63,9 +118,11 @@ TEST(ConvertScene, RefusesBadValues) {
   const auto refuse = expect_refused<InvalidInput>;
   refuse("spec.mode", [](Request& r) { r.mutable_spec()->clear_mode(); });
   refuse("spec.thickness", [](Request& r) { r.mutable_spec()->set_thickness(-1); });
-  refuse("spec.thickness",
-         [](Request& r) { r.mutable_spec()->set_thickness(std::numeric_limits<double>::quiet_NaN()); });
-  refuse("spec.thickness", [](Request& r) { r.mutable_spec()->set_mode(pb::DETECTION_MODE_DCD); });
+  refuse("spec.thickness", [](Request& r) { r.mutable_spec()->set_thickness(kNan); });
+  for (const double delta : {-1.0, kNan, kInfinity})
+    refuse("spec.delta", [&](Request& r) { r.mutable_spec()->set_delta(delta); });
+  refuse("spec.accuracy", [](Request& r) { r.mutable_spec()->set_accuracy(static_cast<pb::Accuracy>(9)); });
+  refuse("spec.report", [](Request& r) { r.mutable_spec()->set_report(static_cast<pb::Report>(-1)); });
   refuse("spec.meshes", [](Request& r) { r.mutable_spec()->clear_meshes(); });
   refuse("spec.meshes[0].name", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->clear_name(); });
   refuse("spec.meshes[1].name", [](Request& r) { *r.mutable_spec()->add_meshes() = r.spec().meshes(0); });
@@ -78,12 +135,35 @@ TEST(ConvertScene, RefusesBadValues) {
   refuse("spec.kinds[0]", [](Request& r) { r.mutable_spec()->add_kinds(pb::CONTACT_KIND_UNSPECIFIED); });
 }
 
+TEST(ConvertScene, RefusesWhatDoesNotGoTogether) {
+  using Request = pb::CreateSceneRequest;
+  const auto refuse = expect_refused<InvalidInput>;
+  refuse("spec.thickness", [](Request& r) {
+    r.mutable_spec()->set_mode(pb::DETECTION_MODE_DCD);
+    r.mutable_spec()->set_accuracy(pb::ACCURACY_FAST);
+  });
+  refuse("spec.kinds[1]", [](Request& r) {
+    r.mutable_spec()->add_kinds(pb::CONTACT_KIND_EDGE_EDGE);
+    r.mutable_spec()->add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
+  });
+  refuse("spec.report", [](Request& r) {
+    r.mutable_spec()->set_mode(pb::DETECTION_MODE_DCD);
+    r.mutable_spec()->set_report(pb::REPORT_EARLIEST_ONLY);
+  });
+  refuse("spec.report", [](Request& r) {
+    r.mutable_spec()->set_accuracy(pb::ACCURACY_FAST);
+    r.mutable_spec()->set_report(pb::REPORT_EARLIEST_ONLY);
+  });
+  refuse("spec.report", [](Request& r) {
+    r.mutable_spec()->set_accuracy(pb::ACCURACY_CANDIDATES);
+    r.mutable_spec()->set_report(pb::REPORT_ANY_HIT);
+  });
+}
+
 TEST(ConvertScene, NamesWhatIsNotServed) {
   using Request = pb::CreateSceneRequest;
   const auto refuse = expect_refused<Unimplemented>;
   refuse("request_id", [](Request& r) { r.set_request_id("x"); });
-  refuse("spec.delta", [](Request& r) { r.mutable_spec()->set_delta(1e-6); });
-  refuse("spec.accuracy", [](Request& r) { r.mutable_spec()->set_accuracy(pb::ACCURACY_EXACT); });
   refuse("spec.position_format", [](Request& r) { r.mutable_spec()->set_position_format(pb::POSITION_FORMAT_Q16); });
   refuse("spec.fields[0]", [](Request& r) { r.mutable_spec()->add_fields(pb::CONTACT_FIELD_NORMAL); });
   refuse("spec.meshes[0].motion",
@@ -101,6 +181,66 @@ TEST(ConvertScene, HoldsTheLimitsAndTheBackend) {
                                 [](Request& r) { r.mutable_spec()->set_memory_budget_bytes(~uint64_t{0}); });
   expect_refused<FailedPrecondition>("spec.backend",
                                      [](Request& r) { r.mutable_spec()->set_backend(pb::BACKEND_CUDA); });
+}
+
+// Checks a frame of a scene that `scene` changes from the default; empty if it is accepted.
+std::string refused_field(const std::function<void(pb::SceneSpec&)>& scene,
+                          const std::function<void(pb::Frame&)>& set) {
+  pb::Frame frame;
+  set(frame);
+  try {
+    parse_frame(frame, scene_with(scene));
+  } catch (const InvalidInput& e) {
+    EXPECT_TRUE(std::string(e.what()).starts_with(e.field() + " is ")) << e.what();
+    return e.field();
+  }
+  return "";
+}
+
+TEST(ConvertFrame, AbsentOverridesAreLeftToTheScene) {
+  const auto input = parse_frame({}, scene_with([](pb::SceneSpec& s) { s.set_accuracy(pb::ACCURACY_EXACT); }));
+  EXPECT_FALSE(input.accuracy || input.delta || input.report);
+}
+
+TEST(ConvertFrame, OverridesReachTheEngine) {
+  pb::Frame frame;
+  frame.set_accuracy(pb::ACCURACY_GUARDED);
+  frame.set_delta(0);
+  frame.set_report(pb::REPORT_ANY_HIT);
+  const auto input = parse_frame(frame, scene_with([](pb::SceneSpec& s) { s.set_delta(1); }));
+  EXPECT_EQ(input.accuracy, Accuracy::kGuarded);
+  EXPECT_EQ(input.delta, 0);
+  EXPECT_EQ(input.report, Report::kAnyHit);
+}
+
+TEST(ConvertFrame, RefusesBadValues) {
+  const auto any_scene = [](pb::SceneSpec&) {};
+  for (const double delta : {-1.0, kNan, kInfinity})
+    EXPECT_EQ(refused_field(any_scene, [&](pb::Frame& f) { f.set_delta(delta); }), "frame.delta");
+  EXPECT_EQ(refused_field(any_scene, [](pb::Frame& f) { f.set_accuracy(static_cast<pb::Accuracy>(6)); }),
+            "frame.accuracy");
+  EXPECT_EQ(refused_field(any_scene, [](pb::Frame& f) { f.set_report(static_cast<pb::Report>(4)); }), "frame.report");
+}
+
+TEST(ConvertFrame, OverridesMustGoTogetherWithTheScene) {
+  const auto ccd = [](pb::SceneSpec&) {};
+  const auto dcd = [](pb::SceneSpec& s) { s.set_mode(pb::DETECTION_MODE_DCD); };
+  const auto candidates = [](pb::SceneSpec& s) { s.set_accuracy(pb::ACCURACY_CANDIDATES); };
+  const auto earliest_only = [](pb::SceneSpec& s) { s.set_report(pb::REPORT_EARLIEST_ONLY); };
+  const auto fast = [](pb::Frame& f) { f.set_accuracy(pb::ACCURACY_FAST); };
+  const auto earliest = [](pb::Frame& f) { f.set_report(pb::REPORT_EARLIEST_ONLY); };
+  const auto any_hit = [](pb::Frame& f) { f.set_report(pb::REPORT_ANY_HIT); };
+  const auto fast_earliest = [&](pb::Frame& f) { fast(f), earliest(f); };
+  const auto fast_any_hit = [&](pb::Frame& f) { fast(f), any_hit(f); };
+  EXPECT_EQ(refused_field(ccd, earliest), "");
+  EXPECT_EQ(refused_field(ccd, fast), "");
+  EXPECT_EQ(refused_field(ccd, fast_earliest), "frame.report");
+  EXPECT_EQ(refused_field(dcd, earliest), "frame.report");
+  EXPECT_EQ(refused_field(dcd, fast), "frame.accuracy");  // the thickness of the scene is 0
+  EXPECT_EQ(refused_field(candidates, any_hit), "frame.report");
+  EXPECT_EQ(refused_field(candidates, fast_any_hit), "");
+  EXPECT_EQ(refused_field(earliest_only, fast), "frame.accuracy");
+  EXPECT_EQ(refused_field(earliest_only, fast_any_hit), "");
 }
 
 TEST(ConvertResult, ChunksAreBoundedAndCarryTheFieldsAskedFor) {
@@ -128,6 +268,49 @@ TEST(ConvertResult, ChunksAreBoundedAndCarryTheFieldsAskedFor) {
   EXPECT_EQ(stencil, (std::array<uint32_t, 4>{7, 0, 1, 2}));
   std::memcpy(stencil.data(), chunks[3].stencils().data(), 16);
   EXPECT_EQ(stencil, (std::array<uint32_t, 4>{0, 1, 3, 4}));
+}
+
+TEST(ConvertResult, WhatWasNotComputedIsLeftOut) {
+  FrameResult result;
+  Topology topology;
+  topology.triangles = {{0, 1, 2}, {3, 4, 5}};
+  result.vertex_triangle.elements = {{3, 0}};
+  result.triangle_triangle.elements = {{0, 1}};
+  result.triangle_triangle.flags = {kFlagCertified};
+  const OutputFields fields{
+      .elements = true, .stencils = true, .toi = true, .distance = true, .weights = true, .flags = true};
+  const auto chunks = make_chunks(result, topology, fields, 1000);
+  ASSERT_EQ(chunks.size(), 2u);
+  EXPECT_EQ(array_bytes({chunks[0]}), 8u + 16);
+  EXPECT_EQ(chunks[1].kind(), pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
+  EXPECT_EQ(array_bytes({chunks[1]}), 8u + 1);
+  EXPECT_EQ(chunks[1].flags(), "\1");
+}
+
+TEST(ConvertResult, DoneTellsTotalsCountsAndWarnings) {
+  FrameResult result;
+  result.vertex_triangle.elements = {{3, 0}};
+  result.triangle_triangle.elements = {{0, 1}, {0, 2}};
+  result.counts.contacts_tt = 2;
+  result.counts.survivors_vt = 3;
+  result.counts.survivors_ee = 4;
+  result.counts.exact_decisions = 5;
+  result.earliest_toi = 0.5;
+  result.any_contact = true;
+  pb::FrameDone done;
+  fill_done(result, {}, &done);
+  EXPECT_EQ(done.contact_count(), 3u);
+  EXPECT_TRUE(done.any_contact());
+  EXPECT_EQ(done.earliest_toi(), 0.5);
+  EXPECT_EQ(done.metrics().counts().contacts_triangle_triangle(), 2u);
+  EXPECT_EQ(done.metrics().counts().survivors_vertex_triangle(), 3u);
+  EXPECT_EQ(done.metrics().counts().survivors_edge_edge(), 4u);
+  EXPECT_EQ(done.metrics().counts().exact_decisions(), 5u);
+  EXPECT_TRUE(done.metrics().warnings().empty());
+  result.input_resolution = true;
+  fill_done(result, {}, &done);
+  ASSERT_EQ(done.metrics().warnings_size(), 1);
+  EXPECT_EQ(done.metrics().warnings(0), pb::FRAME_WARNING_INPUT_RESOLUTION);
 }
 
 }  // namespace
