@@ -8,6 +8,23 @@
 
 namespace collided::client {
 
+namespace {
+
+Contacts& contacts_of(FrameOutput& output, v1::ContactKind kind) {
+  switch (kind) {
+    case v1::CONTACT_KIND_VERTEX_TRIANGLE:
+      return output.vertex_triangle;
+    case v1::CONTACT_KIND_EDGE_EDGE:
+      return output.edge_edge;
+    case v1::CONTACT_KIND_TRIANGLE_TRIANGLE:
+      return output.triangle_triangle;
+    default:
+      throw Error(grpc::DATA_LOSS, "contacts.kind is " + std::to_string(kind) + ", which this client does not know");
+  }
+}
+
+}  // namespace
+
 void FrameOutput::check() const {
   if (error) throw Error(error->code(), error->message(), error->field());
 }
@@ -52,12 +69,8 @@ void FrameStream::State::read_all() {
 void FrameStream::State::take(v1::StreamFramesResponse& response) {
   const uint64_t id = response.frame_id();
   switch (response.response_case()) {
-    case v1::StreamFramesResponse::kContacts: {
-      const v1::ContactChunk& chunk = response.contacts();
-      FrameOutput& output = partial[id];
-      const bool is_vt = chunk.kind() == v1::CONTACT_KIND_VERTEX_TRIANGLE;
-      return append(is_vt ? output.vertex_triangle : output.edge_edge, chunk);
-    }
+    case v1::StreamFramesResponse::kContacts:
+      return append(contacts_of(partial[id], response.contacts().kind()), response.contacts());
     case v1::StreamFramesResponse::kDone:
       partial[id].done = std::move(*response.mutable_done());
       break;

@@ -16,6 +16,7 @@ struct FrameOutput {
   uint64_t frame_id = 0;
   Contacts vertex_triangle;
   Contacts edge_edge;
+  Contacts triangle_triangle;           ///< elements and flags alone
   v1::FrameDone done;                   ///< metrics and totals
   std::optional<v1::FrameError> error;  ///< the frame was refused; the stream goes on
   bool skipped = false;
