@@ -61,6 +61,20 @@ void cell(Rows& rows, const std::vector<T>& values, uint64_t i) {
   if (!values.empty()) rows.number(values[i]);
 }
 
+/// The words of the bits that are set.
+void flags_cell(Rows& rows, const std::vector<uint8_t>& flags, uint64_t i) {
+  rows.text(",");
+  if (flags.empty()) return;
+  constexpr std::array<std::string_view, 4> kWords{"certified", "near", "capped", "initial"};
+  bool is_first = true;
+  for (size_t bit = 0; bit < kWords.size(); ++bit) {
+    if (!(flags[i] >> bit & 1)) continue;
+    if (!is_first) rows.text("|");
+    rows.text(kWords[bit]);
+    is_first = false;
+  }
+}
+
 void write_kind(Rows& rows, std::string_view kind, const client::Contacts& contacts) {
   for (uint64_t i = 0; i < contacts.count; ++i) {
     rows.text(kind);
@@ -68,7 +82,7 @@ void write_kind(Rows& rows, std::string_view kind, const client::Contacts& conta
     cells(rows, contacts.stencils, i);
     cell(rows, contacts.toi, i);
     cell(rows, contacts.distance, i);
-    cell(rows, contacts.flags, i);
+    flags_cell(rows, contacts.flags, i);
     rows.end_row();
   }
 }
@@ -81,6 +95,7 @@ void write_csv(const std::filesystem::path& file, const client::FrameOutput& out
   rows.end_row();
   write_kind(rows, "vt", output.vertex_triangle);
   write_kind(rows, "ee", output.edge_edge);
+  write_kind(rows, "tt", output.triangle_triangle);
   rows.finish();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// Contacts as CSV: vertex-triangle rows, then edge-edge rows, in the order of the daemon.
+// Contacts as CSV: vertex-triangle, edge-edge, then triangle-triangle rows, in the order of the daemon. Flags are
+// words, such as "certified|initial".
 
 #include <filesystem>
 

@@ -29,6 +29,7 @@ void check_usage(const DetectOptions& options) {
   if (options.detection.mode == "ccd" && frames != 2)
     throw UsageError("--mode ccd needs two frames, FRAME0 and FRAME1; 1 was given");
   if (options.detection.mode == "dcd" && frames != 1) throw UsageError("--mode dcd needs one frame; 2 were given");
+  check_usage(options.detection);
 }
 
 void check_count(const DetectOptions& options, const char* what, size_t a, size_t b) {

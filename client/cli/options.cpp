@@ -2,9 +2,53 @@
 
 #include "client/cli/options.hpp"
 
+#include <algorithm>
+
+#include "client/cli/errors.hpp"
 #include "client/cli/finite.hpp"
 
 namespace collided::cli {
+
+namespace {
+
+// Words of the options and what they mean in the protocol.
+template <class T>
+using Words = std::vector<std::pair<std::string, T>>;
+
+const Words<v1::Accuracy> kAccuracies{{"candidates", v1::ACCURACY_CANDIDATES},
+                                      {"fast", v1::ACCURACY_FAST},
+                                      {"guarded", v1::ACCURACY_GUARDED},
+                                      {"certified", v1::ACCURACY_CERTIFIED},
+                                      {"exact", v1::ACCURACY_EXACT}};
+const Words<v1::Report> kReports{
+    {"all", v1::REPORT_ALL}, {"earliest", v1::REPORT_EARLIEST_ONLY}, {"any", v1::REPORT_ANY_HIT}};
+const Words<v1::ContactKind> kKinds{{"vt", v1::CONTACT_KIND_VERTEX_TRIANGLE},
+                                    {"ee", v1::CONTACT_KIND_EDGE_EDGE},
+                                    {"tt", v1::CONTACT_KIND_TRIANGLE_TRIANGLE}};
+
+template <class T>
+CLI::IsMember one_of(const Words<T>& words) {
+  std::vector<std::string> out;
+  for (const auto& [word, value] : words) out.push_back(word);
+  return CLI::IsMember(out);
+}
+
+template <class T>
+T value_of(const Words<T>& words, const std::string& wanted) {
+  return std::find_if(words.begin(), words.end(), [&](const auto& pair) { return pair.first == wanted; })->second;
+}
+
+template <class T>
+std::string word_of(const Words<T>& words, T wanted) {
+  const auto at = std::find_if(words.begin(), words.end(), [&](const auto& pair) { return pair.second == wanted; });
+  return at == words.end() ? std::to_string(wanted) : at->first;
+}
+
+bool wants(const DetectionOptions& options, const char* kind) {
+  return std::count(options.kinds.begin(), options.kinds.end(), kind) > 0;
+}
+
+}  // namespace
 
 void add_server_options(CLI::App& command, ServerOptions& options) {
   auto* server = command.add_option("--server", options.server, "Address of a running daemon; default: start one");
@@ -20,13 +64,39 @@ void add_detection_options(CLI::App& command, DetectionOptions& options) {
   command.add_option("--mode", options.mode, "ccd: between two frames; dcd: in one frame")
       ->check(CLI::IsMember({"ccd", "dcd"}))
       ->capture_default_str();
-  command.add_option("--accuracy", options.accuracy, "candidates: overlapping boxes; fast: contacts")
-      ->check(CLI::IsMember({"candidates", "fast"}))
+  command.add_option("--accuracy", options.accuracy, "How surely contacts are found, from fastest to exact")
+      ->check(one_of(kAccuracies))
       ->capture_default_str();
   command.add_option("--thickness", options.thickness, "Contact distance, in the unit of the positions")
       ->check(finite())
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  command
+      .add_option("--delta", options.delta, "Tolerance of ccd, in the unit of the positions; 0: by each pair's size")
+      ->check(finite())
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_option("--report", options.report, "all contacts, the earliest one, or only whether there is any")
+      ->check(one_of(kReports))
+      ->capture_default_str();
+  command.add_option("--kinds", options.kinds, "Vertex-triangle, edge-edge, triangle-triangle (dcd), such as vt,tt")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(one_of(kKinds))
+      ->default_str("vt,ee");
+}
+
+void check_usage(const DetectionOptions& options) {
+  const v1::Accuracy accuracy = value_of(kAccuracies, options.accuracy);
+  const bool dcd = options.mode == "dcd";
+  if (options.report == "earliest" && (dcd || accuracy < v1::ACCURACY_GUARDED))
+    throw UsageError("--report earliest needs --mode ccd and --accuracy guarded, certified or exact");
+  if (options.report == "any" && accuracy < v1::ACCURACY_FAST)
+    throw UsageError("--report any needs --accuracy fast, guarded, certified or exact");
+  if (wants(options, "tt") && !dcd) throw UsageError("--kinds tt needs --mode dcd");
+  const bool by_distance = wants(options, "vt") || wants(options, "ee");
+  if (dcd && by_distance && accuracy == v1::ACCURACY_FAST && options.thickness == 0)
+    throw UsageError("--mode dcd with --accuracy fast needs a --thickness greater than 0 for the kinds vt and ee");
 }
 
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format) {
@@ -35,8 +105,11 @@ v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& de
                    : server.backend == "cuda" ? v1::BACKEND_CUDA
                                               : v1::BACKEND_AUTO);
   spec.set_mode(detection.mode == "dcd" ? v1::DETECTION_MODE_DCD : v1::DETECTION_MODE_CCD);
-  spec.set_accuracy(detection.accuracy == "fast" ? v1::ACCURACY_FAST : v1::ACCURACY_CANDIDATES);
+  spec.set_accuracy(value_of(kAccuracies, detection.accuracy));
   spec.set_thickness(detection.thickness);
+  spec.set_delta(detection.delta);
+  spec.set_report(value_of(kReports, detection.report));
+  for (const std::string& kind : detection.kinds) spec.add_kinds(value_of(kKinds, kind));
   spec.set_position_format(format);
   return spec;
 }
@@ -53,5 +126,8 @@ std::string name_of(v1::Backend backend) {
 }
 
 std::string name_of(v1::PositionFormat format) { return format == v1::POSITION_FORMAT_F64 ? "f64" : "f32"; }
+std::string name_of(v1::Accuracy accuracy) { return word_of(kAccuracies, accuracy); }
+std::string name_of(v1::Report report) { return word_of(kReports, report); }
+std::string name_of(v1::ContactKind kind) { return word_of(kKinds, kind); }
 
 }  // namespace collided::cli

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 #include "collided/v1/scene.pb.h"
 
@@ -18,12 +19,18 @@ struct ServerOptions {
 /// What to detect.
 struct DetectionOptions {
   std::string mode = "ccd";
-  std::string accuracy = "fast";
+  std::string accuracy = "certified";
   double thickness = 0;
+  double delta = 0;
+  std::string report = "all";
+  std::vector<std::string> kinds{"vt", "ee"};
 };
 
 void add_server_options(CLI::App& command, ServerOptions& options);
 void add_detection_options(CLI::App& command, DetectionOptions& options);
+
+/// Throws UsageError for options that cannot go together.
+void check_usage(const DetectionOptions& options);
 
 /// A spec without meshes.
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);
@@ -31,5 +38,8 @@ v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& de
 /// Lower-case names of the protocol's values, as the options spell them.
 std::string name_of(v1::Backend backend);
 std::string name_of(v1::PositionFormat format);
+std::string name_of(v1::Accuracy accuracy);
+std::string name_of(v1::Report report);
+std::string name_of(v1::ContactKind kind);
 
 }  // namespace collided::cli

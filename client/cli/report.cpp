@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <set>
 
 #include "client/cli/options.hpp"
 
@@ -21,6 +22,8 @@ double median(std::vector<double> values) {
 
 Json scene_json(const v1::Scene& scene) {
   const v1::SceneSpec& spec = scene.spec();
+  Json kinds = Json::array();
+  for (const int kind : spec.kinds()) kinds.push_back(name_of(static_cast<v1::ContactKind>(kind)));
   return {{"vertices", scene.vertex_count()},
           {"edges", scene.edge_count()},
           {"triangles", scene.triangle_count()},
@@ -28,9 +31,12 @@ Json scene_json(const v1::Scene& scene) {
           {"backend", name_of(spec.backend())},
           {"device", scene.device()},
           {"mode", spec.mode() == v1::DETECTION_MODE_DCD ? "dcd" : "ccd"},
-          {"accuracy", spec.accuracy() == v1::ACCURACY_CANDIDATES ? "candidates" : "fast"},
+          {"accuracy", name_of(spec.accuracy())},
           {"position_format", name_of(spec.position_format())},
-          {"thickness", spec.thickness()}};
+          {"thickness", spec.thickness()},
+          {"delta", spec.delta()},
+          {"report", name_of(spec.report())},
+          {"kinds", kinds}};
 }
 
 Json stages_json(const v1::FrameMetrics& metrics) {
@@ -51,14 +57,17 @@ Json counts_json(const v1::FrameCounts& c) {
           {"candidates_vertex_triangle", c.candidates_vertex_triangle()},
           {"candidates_edge_edge", c.candidates_edge_edge()},
           {"contacts_vertex_triangle", c.contacts_vertex_triangle()},
-          {"contacts_edge_edge", c.contacts_edge_edge()}};
+          {"contacts_edge_edge", c.contacts_edge_edge()},
+          {"contacts_triangle_triangle", c.contacts_triangle_triangle()},
+          {"survivors_vertex_triangle", c.survivors_vertex_triangle()},
+          {"survivors_edge_edge", c.survivors_edge_edge()},
+          {"exact_decisions", c.exact_decisions()}};
 }
 
 Json frame_json(const v1::FrameDone& done) {
   const v1::FrameMetrics& m = done.metrics();
-  Json warnings = Json::array();
-  for (const int warning : m.warnings()) warnings.push_back(v1::FrameWarning_Name(warning));
   return {{"contacts", done.contact_count()},
+          {"any_contact", done.any_contact()},
           {"earliest_toi", done.earliest_toi()},
           {"total_ms", m.total_milliseconds()},
           {"queue_ms", m.queue_milliseconds()},
@@ -66,7 +75,14 @@ Json frame_json(const v1::FrameDone& done) {
           {"counts", counts_json(m.counts())},
           {"replays", m.replays()},
           {"bytes", {{"device", m.device_bytes()}, {"in", m.bytes_in()}, {"out", m.bytes_out()}}},
-          {"warnings", warnings}};
+          {"warnings", warnings_json({m})}};
+}
+
+Json warnings_json(const std::vector<v1::FrameMetrics>& frames) {
+  std::set<std::string> names;
+  for (const v1::FrameMetrics& frame : frames)
+    for (const int warning : frame.warnings()) names.insert(v1::FrameWarning_Name(warning));
+  return names;
 }
 
 Json median_stages(const std::vector<v1::FrameMetrics>& frames) {

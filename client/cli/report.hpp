@@ -16,6 +16,8 @@ Json scene_json(const v1::Scene& scene);
 Json stages_json(const v1::FrameMetrics& metrics);
 Json counts_json(const v1::FrameCounts& counts);
 Json frame_json(const v1::FrameDone& done);
+/// The warnings of frames, each once.
+Json warnings_json(const std::vector<v1::FrameMetrics>& frames);
 
 /// Medians, over the frames, of every stage and of the total ("total").
 Json median_stages(const std::vector<v1::FrameMetrics>& frames);

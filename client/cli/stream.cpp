@@ -50,7 +50,9 @@ v1::Frame make_frame(const scenes::Scene& scene, uint64_t id, double t, v1::Posi
 struct Totals {
   std::vector<v1::FrameMetrics> metrics;
   v1::FrameDone last;
-  uint64_t contacts = 0, vertex_triangle = 0, edge_edge = 0, bytes_in = 0, bytes_out = 0, replays = 0;
+  uint64_t contacts = 0, vertex_triangle = 0, edge_edge = 0, triangle_triangle = 0;
+  uint64_t bytes_in = 0, bytes_out = 0, replays = 0;
+  bool any_contact = false;
   double earliest_toi = 1;
 
   void add(client::FrameOutput output) {
@@ -59,6 +61,8 @@ struct Totals {
     contacts += output.done.contact_count();
     vertex_triangle += output.vertex_triangle.count;
     edge_edge += output.edge_edge.count;
+    triangle_triangle += output.triangle_triangle.count;
+    any_contact |= output.done.any_contact();
     bytes_in += m.bytes_in();
     bytes_out += m.bytes_out();
     replays += m.replays();
@@ -89,8 +93,10 @@ Totals play(client::FrameStream& stream, const scenes::Scene& scene, const Scene
 }
 
 Json summary(const StreamOptions& options, const v1::Scene& scene, const Totals& totals, double seconds) {
-  const Json contacts = {
-      {"all", totals.contacts}, {"vertex_triangle", totals.vertex_triangle}, {"edge_edge", totals.edge_edge}};
+  const Json contacts = {{"all", totals.contacts},
+                         {"vertex_triangle", totals.vertex_triangle},
+                         {"edge_edge", totals.edge_edge},
+                         {"triangle_triangle", totals.triangle_triangle}};
   return {{"name", options.scene.name},
           {"scale", options.scene.scale},
           {"scene", scene_json(scene)},
@@ -99,13 +105,16 @@ Json summary(const StreamOptions& options, const v1::Scene& scene, const Totals&
           {"median_stage_ms", median_stages(totals.metrics)},
           {"last_frame_counts", counts_json(totals.last.metrics().counts())},
           {"contacts", contacts},
+          {"any_contact", totals.any_contact},
           {"earliest_toi", totals.earliest_toi},
           {"replays", totals.replays},
+          {"warnings", warnings_json(totals.metrics)},
           {"bytes",
            {{"device", totals.last.metrics().device_bytes()}, {"in", totals.bytes_in}, {"out", totals.bytes_out}}}};
 }
 
 void run(const StreamOptions& options) {
+  check_usage(options.detection);
   const auto procedural = scenes::make_scene(options.scene.name, options.scene.scale);
   const auto format = options.position_format == "f64" ? v1::POSITION_FORMAT_F64 : v1::POSITION_FORMAT_F32;
   Connection connection(options.server);

@@ -65,8 +65,44 @@ class Collidectl(unittest.TestCase):
         vt = [row for row in rows if row["kind"] == "vt"]
         self.assertEqual([(row["element_a"], row["element_b"]) for row in vt], [("3", "0")])
         self.assertEqual([vt[0][v] for v in ("v0", "v1", "v2", "v3")], ["3", "0", "1", "2"])
-        self.assertAlmostEqual(float(vt[0]["toi"]), 0.5, places=5)
-        self.assertAlmostEqual(summary["earliest_toi"], 0.5, places=5)
+        self.assertAlmostEqual(float(vt[0]["toi"]), 0.5, places=3)
+        self.assertEqual(summary["earliest_toi"], float(vt[0]["toi"]))
+        self.assertLessEqual(summary["earliest_toi"], 0.5)
+        self.assertIs(summary["any_contact"], True)
+        self.assertEqual(summary["warnings"], [])
+        self.assertEqual([summary["scene"][name] for name in ("accuracy", "report", "kinds", "delta")],
+                         ["certified", "all", ["vt", "ee"], 0])
+
+    def test_every_level_finds_the_known_contact(self):
+        for level in ("fast", "guarded", "certified", "exact"):
+            out = os.path.join(self.folder.name, level)
+            words = ["--accuracy", level, "--delta", "1e-5", "--out", out, "--json"]
+            summary = json.loads(self.ok("detect", self.frame0, self.frame1, *ONE_CPU, *words))
+            self.assertEqual((summary["scene"]["accuracy"], summary["scene"]["delta"]), (level, 1e-5))
+            vt = [row for row in self.rows(out) if row["kind"] == "vt"]
+            self.assertEqual([(row["element_a"], row["element_b"]) for row in vt], [("3", "0")])
+            self.assertTrue(set(vt[0]["flags"].split("|")) <= {"", "certified", "near", "capped", "initial"})
+        self.assertEqual(vt[0]["flags"], "certified")
+
+    def test_reports(self):
+        frames = [self.frame0, self.frame1]
+        out = os.path.join(self.folder.name, "c.csv")
+        earliest = json.loads(self.ok("detect", *frames, *ONE_CPU, "--report", "earliest", "--out", out, "--json"))
+        self.assertEqual((earliest["scene"]["report"], earliest["contacts"], len(self.rows(out))), ("earliest", 1, 1))
+        hit = json.loads(self.ok("detect", *frames, *ONE_CPU, "--report", "any", "--out", out, "--json"))
+        self.assertEqual((hit["any_contact"], hit["contacts"], self.rows(out)), (True, 0, []))
+        miss = json.loads(self.ok("detect", self.frame0, self.frame0, *ONE_CPU, "--report", "any", "--json"))
+        self.assertIs(miss["any_contact"], False)
+
+    def test_triangles_that_cross(self):
+        out = os.path.join(self.folder.name, "c.csv")
+        words = ["--mode", "dcd", "--kinds", "tt", "--out", out, "--json"]
+        summary = json.loads(self.ok("detect", self.frame1, *ONE_CPU, *words))
+        self.assertEqual(summary["scene"]["kinds"], ["tt"])
+        self.assertEqual(summary["counts"]["contacts_triangle_triangle"], 1)
+        row = self.rows(out)[0]
+        self.assertEqual([row[name] for name in ("kind", "element_a", "element_b", "v0", "toi")],
+                         ["tt", "0", "1", "", ""])
 
     def test_candidates_leave_uncomputed_fields_empty(self):
         out = os.path.join(self.folder.name, "c.csv")
@@ -94,6 +130,8 @@ class Collidectl(unittest.TestCase):
         self.assertEqual(played["scene"]["triangles"], one["scene"]["triangles"])
         self.assertEqual(played["frames"], 2)
         self.assertIn("total", played["median_stage_ms"])
+        self.assertEqual(played["any_contact"], played["contacts"]["all"] > 0)
+        self.assertEqual(played["warnings"], [])
 
     @contextlib.contextmanager
     def daemon(self, *options):
@@ -145,7 +183,8 @@ class Collidectl(unittest.TestCase):
     def test_nothing_is_left_behind(self):
         with tempfile.TemporaryDirectory() as folder:
             self.ok("info", TMPDIR=folder)
-            self.refused(1, "thickness", "detect", self.frame0, "--mode", "dcd", *ONE_CPU, TMPDIR=folder)
+            far = ["--mode", "dcd", "--position-format", "f32", "--thickness", "1e39"]
+            self.refused(1, "thickness", "detect", self.frame0, *far, *ONE_CPU, TMPDIR=folder)
             self.assertEqual(os.listdir(folder), [])
 
     def test_an_interrupt_stops_the_daemon_and_removes_its_folder(self):
@@ -183,12 +222,28 @@ class Collidectl(unittest.TestCase):
         self.refused(2, "needs one frame", "detect", self.frame0, self.frame1, "--mode", "dcd")
         self.refused(2, "--mode", "detect", self.frame0, "--mode", "maybe")
         self.refused(2, "--thickness", "detect", self.frame0, "--thickness", "-1")
+        self.refused(2, "--delta", "detect", self.frame0, "--delta", "-1")
+        self.refused(2, "--accuracy", "detect", self.frame0, "--accuracy", "perfect")
+        self.refused(2, "--report", "stream", "--scene", "funnel", "--report", "most")
+        for kinds in ("xx", "vt,xx"):
+            self.refused(2, "--kinds", "detect", self.frame0, self.frame1, "--kinds", kinds)
         for number in ("nan", "inf", "-inf"):
             self.refused(2, "--thickness", "detect", self.frame0, f"--thickness={number}")
+            self.refused(2, "--delta", "detect", self.frame0, f"--delta={number}")
             self.refused(2, "--t0", "stream", "--scene", "funnel", f"--t0={number}")
             self.refused(2, "--dt", "stream", "--scene", "funnel", f"--dt={number}")
         self.refused(2, "subcommand")
         self.refused(2, "--threads", "detect", self.frame0, "--server", "x:1", "--threads", "2")
+
+    def test_options_that_do_not_go_together(self):
+        ccd = ["detect", self.frame0, self.frame1]
+        dcd = ["detect", self.frame0, "--mode", "dcd"]
+        stream = ["stream", "--scene", "funnel"]
+        self.refused(2, "--report earliest needs", *dcd, "--report", "earliest")
+        self.refused(2, "--report earliest needs", *ccd, "--report", "earliest", "--accuracy", "fast")
+        self.refused(2, "--report any needs", *stream, "--report", "any", "--accuracy", "candidates")
+        self.refused(2, "--kinds tt needs", *stream, "--kinds", "vt,tt")
+        self.refused(2, "--thickness greater than 0", *dcd, "--accuracy", "fast")
 
     def test_output_that_cannot_be_written_is_an_error(self):
         for words in (["info", "--json"], ["scenes"], ["--help"]):
