@@ -72,11 +72,11 @@ bool holds_at_start(const Contact& contact) {
 }
 
 // No time between the roots has to be tried. The set of contact is closed, so it has a first time T, and some case C
-// holds at T. If a form of C's `zero` does not vanish identically, T is one of its roots. Else, if T > 0 were a root of
-// no form of C's `not_negative` but of those that vanish identically, all signs of C would stay the same a little
-// before T (those of `not_zero` too: what is not 0 stays so), and T would not be the first. Roots of `not_zero` need
-// not be tried, because C fails there. Every root that passes is a time of contact, so the first of them is T, and the
-// least of their rounded times is T's, as rounding is monotone.
+// holds at T. If a form of C's `zero` does not vanish identically, T is one of its roots. If all of them do, T is 0 or
+// a root of a form of C's `not_negative` that does not vanish identically: else all signs of C would be the same a
+// little before T (what is not 0 stays so), and T would not be the first. Roots of `not_zero` need not be tried,
+// because C fails there. Every root that passes is a time of contact, so the first of them is T; the least of their
+// rounded times is T's, as rounding is monotone.
 ExactImpact first_impact(const Contact& contact) {
   if (holds_at_start(contact)) return {true, 0};
   double first = kNever;

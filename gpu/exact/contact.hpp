@@ -15,7 +15,8 @@ struct Case {
   std::vector<Form> not_zero;
 };
 
-/// Holds at t if one of the cases does. The set of these times has to be closed, be they cases of `not_zero` or not.
+/// Holds at t if one of the cases does. All cases together hold on a closed set of times; one alone need not, because
+/// of `not_zero`.
 struct Contact {
   Form necessary;  ///< 0 at every time of contact; the zero form if nothing simple is known
   std::vector<Case> cases;

@@ -1,5 +1,6 @@
 #include "gpu/exact/features.hpp"
 
+#include <initializer_list>
 #include <utility>
 
 namespace collided::exact {
@@ -36,6 +37,17 @@ Case planes_near(std::vector<Form> weights, const Form& volume, const Vector& n,
   return {{}, std::move(weights), {dot(n, n)}};
 }
 
+// The points at the sides and, with a thickness, at their ends. Without one, a point at an end is on the side, too.
+void add_outline(Contact& contact, std::initializer_list<Side> sides, std::initializer_list<const Vector*> to_ends,
+                 const Form& thickness) {
+  if (thickness.vanishes()) {
+    for (const Side& side : sides) contact.add(point_on_segment(side));
+    return;
+  }
+  for (const Side& side : sides) contact.add(point_near_segment(side, thickness));
+  for (const Vector* d : to_ends) contact.add(point_near_point(*d, thickness));
+}
+
 }  // namespace
 
 // With A, B, C from the corners to the vertex, n = (b - a) x (c - a) = B x C + C x A + A x B. The weights of the vertex
@@ -47,17 +59,11 @@ Contact vertex_triangle_contact(const ExactQuery& query) {
   const Vector A = v - a, B = v - b, C = v - c;
   const Vector bc = cross(B, C);
   const Form volume = dot(A, bc);
-  Contact contact;
-  if (thickness.vanishes()) {
-    if (closed_sign(volume) != 0) return contact;
-    contact.necessary = volume;
-  }
+  Contact contact{thickness.vanishes() ? volume : Form(), {}};
+  if (closed_sign(contact.necessary) != 0) return contact;
   const Vector ca = cross(C, A), ab = cross(A, B), n = bc + ca + ab;
   contact.add(planes_near({dot(bc, n), dot(ca, n), dot(ab, n)}, volume, n, thickness));
-  for (const Side& side : {Side{B, C, bc}, Side{C, A, ca}, Side{A, B, ab}})
-    contact.add(thickness.vanishes() ? point_on_segment(side) : point_near_segment(side, thickness));
-  if (!thickness.vanishes())
-    for (const Vector* d : {&A, &B, &C}) contact.add(point_near_point(*d, thickness));
+  add_outline(contact, {{B, C, bc}, {C, A, ca}, {A, B, ab}}, {&A, &B, &C}, thickness);
   return contact;
 }
 
@@ -71,17 +77,11 @@ Contact edge_edge_contact(const ExactQuery& query) {
   const Vector A = a0 - b0, B = a0 - b1, C = a1 - b0, D = a1 - b1;
   const Vector ab = cross(A, B);
   const Form volume = dot(C, ab);
-  Contact contact;
-  if (thickness.vanishes()) {
-    if (closed_sign(volume) != 0) return contact;
-    contact.necessary = volume;
-  }
+  Contact contact{thickness.vanishes() ? volume : Form(), {}};
+  if (closed_sign(contact.necessary) != 0) return contact;
   const Vector dc = cross(D, C), ca = cross(C, A), bd = cross(B, D), n = cross(C - A, A - B);
   contact.add(planes_near({dot(ab, n), dot(dc, n), dot(ca, n), dot(bd, n)}, volume, n, thickness));
-  for (const Side& side : {Side{A, B, ab}, Side{D, C, dc}, Side{C, A, ca}, Side{B, D, bd}})
-    contact.add(thickness.vanishes() ? point_on_segment(side) : point_near_segment(side, thickness));
-  if (!thickness.vanishes())
-    for (const Vector* d : {&A, &B, &C, &D}) contact.add(point_near_point(*d, thickness));
+  add_outline(contact, {{A, B, ab}, {D, C, dc}, {C, A, ca}, {B, D, bd}}, {&A, &B, &C, &D}, thickness);
   return contact;
 }
 
