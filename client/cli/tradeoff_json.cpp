@@ -99,11 +99,13 @@ Json truth_json(const TruthUsed& truth) {
   return {{"position_format", truth.format},
           {"source", truth.source},
           {"vertex_triangle", truth.vertex_triangle},
-          {"edge_edge", truth.edge_edge}};
+          {"edge_edge", truth.edge_edge},
+          {"bounded_times", truth.bounded}};
 }
 
 TruthUsed truth_of(const Json& json) {
-  return {json.at("position_format"), json.at("source"), json.at("vertex_triangle"), json.at("edge_edge")};
+  return {json.at("position_format"), json.at("source"), json.at("vertex_triangle"), json.at("edge_edge"),
+          json.at("bounded_times")};
 }
 
 template <class T>

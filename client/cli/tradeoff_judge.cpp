@@ -10,7 +10,7 @@ namespace collided::cli {
 
 namespace {
 
-constexpr double kExactBracket = 0x1p-60;  // EXACT is at most this much early, and then rounded toward 0
+constexpr double kExactBracket = 0x1p-60;  // exact arithmetic is at most this much early, and then rounds toward 0
 
 struct Reported {
   PairKey pair;
@@ -69,10 +69,19 @@ double quantile(std::vector<double>& values, double rank) {
   return *at;
 }
 
-std::vector<TrueContact> as_truth(const std::vector<Reported>& contacts) {
+std::vector<TrueContact> as_truth(const std::vector<Reported>& close, const std::vector<Reported>& wide,
+                                  uint64_t& bounded) {
+  const auto is_same_pair = [](const Reported& a, const Reported& b) { return a.pair == b.pair; };
+  if (!std::equal(close.begin(), close.end(), wide.begin(), wide.end(), is_same_pair))
+    throw std::runtime_error("the level exact finds other contacts with another delta: it cannot be the judge");
   std::vector<TrueContact> out;
-  out.reserve(contacts.size());
-  for (const Reported& r : contacts) out.push_back({r.pair, r.toi, std::nextafter(r.toi + kExactBracket, 2)});
+  out.reserve(close.size());
+  for (size_t i = 0; i < close.size(); ++i) {
+    const bool is_exact = wide[i].toi > 0;
+    const double toi = is_exact ? wide[i].toi : close[i].toi;
+    bounded += !is_exact;
+    out.push_back({close[i].pair, toi, std::nextafter(toi + (is_exact ? kExactBracket : kBoundedTime), 2)});
+  }
   return out;
 }
 
@@ -85,9 +94,13 @@ PairKey edge_pair(std::array<uint32_t, 2> a, std::array<uint32_t, 2> b) {
   return {a[0], a[1], b[0], b[1]};
 }
 
-Truth exact_truth(const client::FrameOutput& output) {
-  return {as_truth(sorted(output.vertex_triangle, vertex_triangle_key)),
-          as_truth(sorted(output.edge_edge, edge_edge_key))};
+Truth exact_truth(const client::FrameOutput& close, const client::FrameOutput& wide) {
+  Truth truth;
+  truth.vertex_triangle = as_truth(sorted(close.vertex_triangle, vertex_triangle_key),
+                                   sorted(wide.vertex_triangle, vertex_triangle_key), truth.bounded);
+  truth.edge_edge =
+      as_truth(sorted(close.edge_edge, edge_edge_key), sorted(wide.edge_edge, edge_edge_key), truth.bounded);
+  return truth;
 }
 
 Score judge(const Truth& truth, const client::FrameOutput& output) {

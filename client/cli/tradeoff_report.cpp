@@ -55,6 +55,7 @@ std::string answers_row(const Run& run) {
   for (const auto part :
        {&KindScore::reported, &KindScore::right, &KindScore::missed, &KindScore::wrong, &KindScore::late})
     cells.push_back(counts(score, part));
+  cells.push_back(sum(score).late == 0 ? "-" : format_double("%.1e", score.latest));
   for (const auto part : {&Gap::median, &Gap::p99, &Gap::worst}) cells.push_back(gap_text(score.gap, part));
   return row(cells);
 }
@@ -85,7 +86,10 @@ std::string truth_text(const TruthUsed& truth) {
       count_text(truth.vertex_triangle) + " vertex-triangle and " + count_text(truth.edge_edge) + " edge-edge contacts";
   const std::string source =
       truth.source == "exact" ? "the level `EXACT` on the same positions" : "given by `" + truth.source + "`";
-  return "- " + truth.format + ": " + source + "; " + found + "\n";
+  const std::string times = truth.bounded == 0 ? ""
+                                               : "; the times of impact of " + count_text(truth.bounded) +
+                                                     " of them are not exact, but at most 1e-9 of the step early";
+  return "- " + truth.format + ": " + source + "; " + found + times + "\n";
 }
 
 std::string setting_text(const Tradeoff& result) {
@@ -119,8 +123,8 @@ std::string tradeoff_markdown(const Tradeoff& result) {
       "\nAnswers: sums (vertex-triangle + edge-edge). Missed: true, but not reported; false: reported, but not true; "
       "late: a time of impact after the true one. Gap: true time of impact minus the reported one, as a fraction of "
       "the step, over the right contacts. Delta `auto` is the daemon's own choice.\n\n";
-  out += head({"positions", "level", "delta", "contacts", "right", "missed", "false", "late", "gap median", "gap p99",
-               "gap worst"},
+  out += head({"positions", "level", "delta", "contacts", "right", "missed", "false", "late", "latest by", "gap median",
+               "gap p99", "gap worst"},
               3);
   for (const Run& run : result.runs) out += answers_row(run);
   out +=

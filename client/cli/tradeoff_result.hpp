@@ -67,6 +67,7 @@ struct TruthUsed {
   std::string format;
   std::string source;  ///< "exact" (the level EXACT on the same positions) or the folder that was given
   uint64_t vertex_triangle = 0, edge_edge = 0;
+  uint64_t bounded = 0;  ///< contacts whose time of impact is not exact, but at most 1e-9 early
   bool operator==(const TruthUsed&) const = default;
 };
 

@@ -127,6 +127,11 @@ void run_rounds(const TradeoffSettings& settings, Stepper& stepper, const Truth&
   for (size_t i = 0; i < runs.size(); ++i) runs[i].times = median_times(metrics[i]);
 }
 
+Truth find_truth(Stepper& stepper) {
+  const client::FrameOutput close = stepper.run("exact", 0);
+  return exact_truth(close, stepper.run("exact", kWideDelta));
+}
+
 class Measurement {
  public:
   Measurement(const TradeoffSettings& settings, const StepInput& step)
@@ -145,10 +150,10 @@ class Measurement {
     const SceneGuard scene = connection_.create_scene(spec, mesh_inputs(step_));
     describe(*scene);
     Stepper stepper(connection_->stream(scene->scene_id(), 1), step_, format_of(format));
-    const Truth exact = is_given_valid(format) ? Truth{} : exact_truth(stepper.run("exact", std::nullopt));
+    const Truth exact = is_given_valid(format) ? Truth{} : find_truth(stepper);
     const Truth& truth = is_given_valid(format) ? *given_ : exact;
     result_.truths.push_back({format, is_given_valid(format) ? settings_.truth : "exact", truth.vertex_triangle.size(),
-                              truth.edge_edge.size()});
+                              truth.edge_edge.size(), truth.bounded});
     std::vector<Run> runs = planned_runs(settings_, format);
     run_rounds(settings_, stepper, truth, runs);
     stepper.finish();

@@ -90,7 +90,7 @@ PairKey edge_edge_of(const std::vector<uint32_t>& ids) { return edge_pair({ids[0
 
 Truth read_truth(const std::filesystem::path& folder) {
   return {read_kind(folder / "vf.csv", "vertex,triangle,collides,toi", 2, vertex_triangle_of),
-          read_kind(folder / "ee.csv", "a0,a1,b0,b1,collides,toi", 4, edge_edge_of)};
+          read_kind(folder / "ee.csv", "a0,a1,b0,b1,collides,toi", 4, edge_edge_of), 0};
 }
 
 }  // namespace collided::cli

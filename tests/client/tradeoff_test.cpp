@@ -53,8 +53,11 @@ client::FrameOutput vertex_triangle(std::initializer_list<double> times) {
   return output;
 }
 
+/// The truth where all times are exact.
+Truth exactly(const client::FrameOutput& output) { return exact_truth(output, output); }
+
 TEST(Judge, RightContactsHaveTheirGaps) {
-  const Truth truth = exact_truth(vertex_triangle({0.5, 0.25, 1, 0}));
+  const Truth truth = exactly(vertex_triangle({0.5, 0.25, 1, 0}));
   const Score score = judge(truth, vertex_triangle({0.5, 0.125, 0.5, 0}));
   EXPECT_EQ(score.vertex_triangle, (KindScore{.reported = 4, .right = 4, .missed = 0, .wrong = 0, .late = 0}));
   EXPECT_EQ(score.edge_edge, KindScore{});
@@ -69,7 +72,7 @@ TEST(Judge, MissedAndFalseContactsAreCountedByKind) {
   add(output.vertex_triangle, {11, 6}, {}, 0.2);  // another triangle: not true
   add(output.edge_edge, {1, 2}, {1, 2, 3, 4}, 0.5);
   add(output.edge_edge, {1, 3}, {1, 2, 3, 5}, 0.5);
-  const Score score = judge(exact_truth(truth_output), output);
+  const Score score = judge(exactly(truth_output), output);
   EXPECT_EQ(score.vertex_triangle, (KindScore{.reported = 2, .right = 1, .missed = 2, .wrong = 1, .late = 0}));
   EXPECT_EQ(score.edge_edge, (KindScore{.reported = 2, .right = 1, .missed = 0, .wrong = 1, .late = 0}));
   EXPECT_EQ(sum(score), (KindScore{.reported = 4, .right = 2, .missed = 2, .wrong = 2, .late = 0}));
@@ -78,25 +81,38 @@ TEST(Judge, MissedAndFalseContactsAreCountedByKind) {
 TEST(Judge, APairReportedTwiceIsRightOnce) {
   client::FrameOutput output = vertex_triangle({0.5});
   add(output.vertex_triangle, {10, 5}, {}, 0.5);
-  const Score score = judge(exact_truth(vertex_triangle({0.5})), output);
+  const Score score = judge(exactly(vertex_triangle({0.5})), output);
   EXPECT_EQ(score.vertex_triangle, (KindScore{.reported = 2, .right = 1, .missed = 0, .wrong = 1, .late = 0}));
 }
 
 TEST(Judge, NothingReportedHasNoGap) {
-  const Score score = judge(exact_truth(vertex_triangle({0.5})), {});
+  const Score score = judge(exactly(vertex_triangle({0.5})), {});
   EXPECT_EQ(sum(score).missed, 1u);
   EXPECT_FALSE(score.gap);
   EXPECT_EQ(judge({}, {}), Score{});
 }
 
 TEST(Judge, ExactTimesMayBeEarlyByTheirBracketAndNoMore) {
-  const double tiny = 0x1p-59, above_half = std::nextafter(0.5, 1), above_fifth = std::nextafter(0.2, 1);
-  const Truth truth = exact_truth(vertex_triangle({0, 0.5, 0.2}));
-  EXPECT_EQ(sum(judge(truth, vertex_triangle({0x1p-60, above_half, above_fifth}))).late, 0u);
+  const double tiny = 0x1p-50 + 0x1p-59, above_half = std::nextafter(0.5, 1), above_fifth = std::nextafter(0.2, 1);
+  const Truth truth = exactly(vertex_triangle({0x1p-50, 0.5, 0.2}));
+  EXPECT_EQ(sum(judge(truth, vertex_triangle({0x1p-50 + 0x1p-60, above_half, above_fifth}))).late, 0u);
   const Score late = judge(truth, vertex_triangle({tiny, std::nextafter(above_half, 1), 0.2}));
   EXPECT_EQ(late.vertex_triangle.late, 2u);
   EXPECT_EQ(late.latest, 0x1p-52);
   EXPECT_LT(late.gap->median, 0.1);
+}
+
+TEST(Judge, TimesOfAWideDeltaAreExactUnlessTheyAreZero) {
+  const Truth truth = exact_truth(vertex_triangle({0.5, 0.5}), vertex_triangle({0, 0.625}));
+  EXPECT_EQ(truth.bounded, 1u);
+  EXPECT_EQ(truth.vertex_triangle[0].toi, 0.5);
+  EXPECT_EQ(truth.vertex_triangle[1].toi, 0.625);
+  EXPECT_EQ(sum(judge(truth, vertex_triangle({0.5 + 0.9e-9, 0.625}))).late, 0u);
+  EXPECT_EQ(sum(judge(truth, vertex_triangle({0.5 + 1.1e-9, 0.625 + 1e-12}))).late, 2u);
+}
+
+TEST(Judge, ContradictionsAreNoTruth) {
+  EXPECT_THROW(exact_truth(vertex_triangle({0.5}), vertex_triangle({0.5, 0.5})), std::runtime_error);
 }
 
 TEST(Judge, OneInAHundredIsBeyondTheP99) {
@@ -105,7 +121,7 @@ TEST(Judge, OneInAHundredIsBeyondTheP99) {
     add(truth.edge_edge, {i, 5000}, {i, 2000, 3000, 4000}, 0.5);
     add(output.edge_edge, {i, 5000}, {i, 2000, 3000, 4000}, 0.5 - i / 2000.0);
   }
-  const Gap gap = *judge(exact_truth(truth), output).gap;
+  const Gap gap = *judge(exactly(truth), output).gap;
   EXPECT_EQ(gap.median, 0.5 - (0.5 - 499 / 2000.0));
   EXPECT_EQ(gap.p99, 0.5 - (0.5 - 989 / 2000.0));
   EXPECT_EQ(gap.worst, 0.5 - (0.5 - 999 / 2000.0));
@@ -173,7 +189,7 @@ Tradeoff sample() {
           .triangles = 12345,
           .thickness = 0.1,
           .repeats = 3,
-          .truths = {{"f32", "exact", 1193, 40}},
+          .truths = {{"f32", "exact", 1193, 40, 7}},
           .runs = {fast, guarded}};
 }
 
@@ -210,7 +226,7 @@ TEST_F(Tradeoffs, OtherFilesAreNoResults) {
 TEST(Report, TheTableHasARowForEachRun) {
   const std::string table = tradeoff_markdown(sample());
   EXPECT_NE(table.find("| f32 | fast | - | 1,240 (1,200 + 40) | 1,230 (1,190 + 40) | 3 (3 + 0) | 10 (10 + 0) | 2 (2 + "
-                       "0) | 1.0e-09 | 1.0e-01 | 3.3e-01 |"),
+                       "0) | 2.0e-07 | 1.0e-09 | 1.0e-01 | 3.3e-01 |"),
             std::string::npos)
       << table;
   EXPECT_NE(table.find("| f32 | guarded | 1e-3 | 0.25 | 0.50 | 2 | 1.00 | 4 | 1.00 | 1 | 2 | 4 | 5 | 6 | 3 |"),
