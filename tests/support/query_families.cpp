@@ -30,6 +30,12 @@ uint64_t seed_of(const QuerySource& source, uint64_t index) {
 
 }  // namespace
 
+const QueryFamily& fuzz_family(const std::string& name) {
+  for (const QueryFamily& family : fuzz_families())
+    if (family.name == name) return family;
+  throw std::invalid_argument("no fuzz family is named \"" + name + '"');
+}
+
 Query query_of(const QuerySource& source, uint64_t index) {
   Random random(seed_of(source, index));
   return rounded(source.family->make(source.kind, source.scalar, random), source.scalar);

@@ -24,6 +24,9 @@ const std::vector<QueryFamily>& fuzz_families();
 /// One family for each way in which the usual methods are known to fail; tests/extremes/README.md.
 const std::vector<QueryFamily>& extreme_families();
 
+/// Of the fuzz families; throws std::invalid_argument.
+const QueryFamily& fuzz_family(const std::string& name);
+
 /// Names the queries of one kind of a family, so that each can be made again.
 struct QuerySource {
   const QueryFamily* family;

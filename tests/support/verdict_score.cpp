@@ -86,6 +86,10 @@ double Score::median_gap() const {
   return *middle;
 }
 
+double Score::worst_delay() const {
+  return gaps.empty() ? 0 : std::max(0.0, -*std::min_element(gaps.begin(), gaps.end()));
+}
+
 Score& Score::operator+=(const Score& other) {
   queries += other.queries;
   hits += other.hits;

@@ -37,10 +37,11 @@ struct Score {
   uint64_t wrongly_certified = 0;  ///< false hits with kFlagCertified
   uint64_t wrong_initial = 0;      ///< certified hits whose kFlagInitial is not "in contact at t = 0"
   uint64_t malformed = 0;          ///< times outside [0, 1], distances that are negative or no number
-  std::vector<double> gaps;        ///< of the hits: by how much their time is early
+  std::vector<double> gaps;        ///< of the hits: by how much their time is early; late ones are below 0
 
   double worst_gap() const;
   double median_gap() const;
+  double worst_delay() const;  ///< by how much a time is late at most
   Score& operator+=(const Score& other);
 };
 

@@ -21,8 +21,8 @@ std::vector<LevelRun> runs_on(const Judged& judged) {
   for (Accuracy accuracy : {Accuracy::kGuarded, Accuracy::kCertified, Accuracy::kExact}) {
     runs.push_back({accuracy, 0});
     if (judged.mode == Mode::kDcd) continue;  // delta is a tolerance of CCD
-    runs.push_back({accuracy, 1e-3 * extent});
-    runs.push_back({accuracy, 1e-12 * extent});
+    for (double share : {1e-3, 1e-12})
+      if (share * extent > 0) runs.push_back({accuracy, share * extent});  // else an underflow: the default again
   }
   return runs;
 }
@@ -96,6 +96,11 @@ void expect_promises(const Question& question, ScoreTable* table) {
     if (kBackend == Backend::kCuda) expect_same(truth, verdicts_of(question, truth, run, Backend::kCpu), verdicts);
     if (table && run.delta == 0) table->add(question.source.family->name, question.source.scalar, run.accuracy, scored);
   }
+}
+
+Score score_of(const Question& question, Accuracy accuracy) {
+  const Judged truth = judged(question);
+  return score(truth, verdicts_of(question, truth, {accuracy, 0}, kBackend), accuracy);
 }
 
 void ScoreFile::TearDown() {

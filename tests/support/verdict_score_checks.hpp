@@ -11,6 +11,9 @@ namespace collided::test {
 /// the scores of the default delta.
 void expect_promises(const Question& question, ScoreTable* table = nullptr);
 
+/// The score of one level with the default delta.
+Score score_of(const Question& question, Accuracy accuracy);
+
 /// Writes the table, at the end of all tests, to the file that the environment variable `variable` names, if any; its
 /// head names the commit that COLLIDED_COMMIT names.
 class ScoreFile : public ::testing::Environment {

@@ -38,7 +38,8 @@ void ScoreTable::write_json(std::ostream& out, const std::string& device, const 
         << name_of(row.accuracy) << "\", \"queries\": " << s.queries << ", \"hits\": " << s.hits
         << ", \"missed\": " << s.missed << ", \"late\": " << s.late << ", \"false\": " << s.false_hits
         << ", \"capped\": " << s.capped << ", \"certified\": " << s.certified << ", \"median_gap\": " << s.median_gap()
-        << ", \"worst_gap\": " << s.worst_gap() << "}" << (&row == &rows_.back() ? "\n" : ",\n");
+        << ", \"worst_gap\": " << s.worst_gap() << ", \"worst_delay\": " << s.worst_delay() << "}"
+        << (&row == &rows_.back() ? "\n" : ",\n");
   }
   out << "  ]\n}\n";
 }

@@ -1,0 +1,80 @@
+// Far away, or in another unit of length, a query gets the verdict that it gets at the origin: moving by integers and
+// scaling by powers of two rounds nothing here, so the levels have no excuse.
+
+#include <cmath>
+
+#include "tests/support/verdict_score_checks.hpp"
+
+namespace collided::test {
+namespace {
+
+constexpr uint64_t kQueries = 300;
+
+struct Shift {
+  Vec3d by{};
+  int exponent = 0;
+};
+
+Query shifted(Query query, const Shift& shift) {
+  for (Vec3d& p : query.p)
+    for (size_t axis = 0; axis < 3; ++axis) p[axis] = std::ldexp(p[axis] + shift.by[axis], shift.exponent);
+  return query;
+}
+
+struct Tolerances {
+  double delta, thickness;
+};
+
+class Shifts : public OnBackend<::testing::TestWithParam<std::tuple<Scalar, Accuracy>>> {
+ protected:
+  static Scalar scalar() { return std::get<0>(GetParam()); }
+
+  static std::vector<Verdict> run(const std::vector<Query>& queries, const Tolerances& tolerances, int exponent) {
+    BatchSettings settings;
+    settings.backend = kBackend;
+    settings.scalar = scalar();
+    settings.accuracy = std::get<1>(GetParam());
+    settings.delta = std::ldexp(tolerances.delta, exponent);
+    settings.thickness = std::ldexp(tolerances.thickness, exponent);
+    return run_queries(queries, settings);
+  }
+
+  static void expect_same(const std::vector<Query>& queries, const Tolerances& tolerances, const Shift& shift) {
+    std::vector<Query> moved;
+    for (const Query& query : queries) moved.push_back(shifted(query, shift));
+    const std::vector<Verdict> here = run(queries, tolerances, 0), there = run(moved, tolerances, shift.exponent);
+    for (size_t i = 0; i < queries.size(); ++i) {
+      const bool same = here[i].hit == there[i].hit && here[i].toi == there[i].toi && here[i].flags == there[i].flags;
+      EXPECT_TRUE(same) << "query " << i << ": " << text_of(here[i]) << "; moved: " << text_of(there[i]) << "\n  "
+                        << text_of(queries[i]);
+    }
+  }
+
+  static void expect_same_everywhere(const QueryFamily& family, const std::vector<Shift>& shifts) {
+    for (QueryKind kind : kQueryKinds) {
+      const std::vector<Query> queries = queries_of({&family, kind, scalar(), 3}, kQueries);
+      for (const Tolerances& tolerances : {Tolerances{0, 0}, Tolerances{0x1p-7, 0}, Tolerances{0, 0x1p-2}})
+        for (const Shift& shift : shifts) expect_same(queries, tolerances, shift);
+    }
+  }
+};
+
+TEST_P(Shifts, TranslationsOfIntegersChangeNothing) {
+  const double far = scalar() == Scalar::kF32 ? 0x1p20 : 0x1p45;
+  expect_same_everywhere(fuzz_family("lattice"), {{{1, -2, 3}, 0}, {{far, 0, -far}, 0}, {{-far, far, far}, 0}});
+}
+
+TEST_P(Shifts, ScalesOfPowersOfTwoChangeNothing) {
+  const int far = scalar() == Scalar::kF32 ? 80 : 900;
+  for (const char* name : {"lattice", "aimed"})
+    expect_same_everywhere(fuzz_family(name), {{{}, 1}, {{}, -7}, {{}, far}, {{}, -far}});
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Levels, Shifts,
+    ::testing::Combine(::testing::Values(Scalar::kF32, Scalar::kF64),
+                       ::testing::Values(Accuracy::kGuarded, Accuracy::kCertified, Accuracy::kExact)),
+    [](const auto& info) { return name_of(std::get<0>(info.param)) + "_" + name_of(std::get<1>(info.param)); });
+
+}  // namespace
+}  // namespace collided::test

@@ -1,0 +1,101 @@
+// The engine's exact decisions against the judge, which shares no code with them, on all families.
+
+#include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+#include "gpu/exact/exact.hpp"
+#include "tests/support/verdict_score_question.hpp"
+
+namespace collided::test {
+namespace {
+
+using Corners = Vec3<double>[4];
+
+void corners_of(const Query& query, size_t from, Corners& out) {
+  for (size_t i = 0; i < 4; ++i) {
+    const Vec3d& p = query.p[from + i];
+    out[i] = {p[0], p[1], p[2]};
+  }
+}
+
+collided::ExactImpact decide_ccd(const Query& query, double thickness) {
+  Corners start, end;
+  corners_of(query, 0, start);
+  corners_of(query, 4, end);
+  return query.kind == QueryKind::kVertexTriangle ? exact_ccd_vertex_triangle(start, end, thickness)
+                                                  : exact_ccd_edge_edge(start, end, thickness);
+}
+
+bool decide_proximity(const Query& query, double thickness) {
+  Corners end;
+  corners_of(query, 4, end);
+  return query.kind == QueryKind::kVertexTriangle ? exact_proximity_vertex_triangle(end, thickness)
+                                                  : exact_proximity_edge_edge(end, thickness);
+}
+
+// A time that is never late, and early by what exact.hpp allows: 2^-60 and the rounding to a double.
+bool time_agrees(double toi, const ExactImpact& truth) {
+  const mpq_class time(toi), slack(mpq_class(1) >> 59);
+  return time <= truth.upper && mpq_class(std::nextafter(toi, 2)) + slack >= truth.lower;
+}
+
+// What the engine says otherwise than the judge; empty if nothing.
+std::string disagreement(const Judged& judged, size_t i) {
+  const Query& query = judged.queries[i];
+  const ExactImpact& truth = judged.truth[i];
+  if (judged.mode == Mode::kDcd) return decide_proximity(query, judged.thickness) == truth.hit ? "" : "hit or not";
+  const collided::ExactImpact impact = decide_ccd(query, judged.thickness);
+  if (impact.hit != truth.hit) return "hit or not";
+  return !truth.hit || time_agrees(impact.toi, truth) ? "" : "time " + ::testing::PrintToString(impact.toi);
+}
+
+void expect_agreement(const Question& question) {
+  const Judged truth = judged(question);
+  std::vector<std::string> wrong(truth.queries.size());
+  tbb::parallel_for(size_t{0}, wrong.size(), [&](size_t i) { wrong[i] = disagreement(truth, i); });
+  for (size_t i = 0; i < wrong.size(); ++i) {
+    EXPECT_EQ(wrong[i], "") << question.source.family->name << ", query " << i
+                            << "\n  truth: " << text_of(truth.truth[i]) << "\n  thickness " << truth.thickness << "\n  "
+                            << text_of(truth.queries[i]);
+  }
+}
+
+class ExactAgreement : public ::testing::TestWithParam<FamilyCase> {
+ protected:
+  static Question question(QueryKind kind, uint64_t parts) {
+    const auto [family, scalar] = GetParam();
+    const uint64_t seed = number_from_environment("COLLIDED_FUZZ_SEED", 1) + 100;
+    return {{family, kind, scalar, seed}, number_from_environment("COLLIDED_FUZZ_QUERIES", 500) / parts};
+  }
+};
+
+TEST_P(ExactAgreement, FirstContact) {
+  for (QueryKind kind : kQueryKinds) expect_agreement(question(kind, 5));
+}
+
+TEST_P(ExactAgreement, FirstTimeWithinAThickness) {
+  for (QueryKind kind : kQueryKinds) {
+    Question q = question(kind, 20);
+    q.thickness_share = 0.1;
+    expect_agreement(q);
+  }
+}
+
+TEST_P(ExactAgreement, Proximity) {
+  for (QueryKind kind : kQueryKinds) {
+    Question q = question(kind, 5);
+    q.mode = Mode::kDcd;
+    q.thickness_share = 0.2;
+    expect_agreement(q);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Fuzz, ExactAgreement, ::testing::ValuesIn(cases_of(fuzz_families())),
+                         [](const auto& info) { return case_name(info.param); });
+INSTANTIATE_TEST_SUITE_P(Extremes, ExactAgreement, ::testing::ValuesIn(cases_of(extreme_families())),
+                         [](const auto& info) { return case_name(info.param); });
+
+}  // namespace
+}  // namespace collided::test
