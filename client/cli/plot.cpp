@@ -119,7 +119,18 @@ double Canvas::text_width(const std::string& text, const TextStyle& style) {
 void Canvas::text(const std::string& text, Point at, const TextStyle& style) {
   const double width = text_width(text, style);
   const double part = style.align == Align::kLeft ? 0 : style.align == Align::kCentre ? 0.5 : 1;
-  cairo_move_to(cairo_, at.x - part * width, at.y + 0.36 * style.size);
+  const Point from{at.x - part * width, at.y + 0.36 * style.size};
+  if (style.halo) {
+    cairo_new_path(cairo_);
+    cairo_move_to(cairo_, from.x, from.y);
+    cairo_text_path(cairo_, text.c_str());
+    cairo_set_dash(cairo_, nullptr, 0, 0);
+    cairo_set_line_width(cairo_, 3);
+    set_colour(kPaper);
+    cairo_stroke(cairo_);
+    set_colour(style.colour);
+  }
+  cairo_move_to(cairo_, from.x, from.y);
   cairo_show_text(cairo_, text.c_str());
 }
 

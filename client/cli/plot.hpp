@@ -34,6 +34,7 @@ struct TextStyle {
   Colour colour = kInk;
   bool bold = false;
   Align align = Align::kLeft;
+  bool halo = false;  ///< white around the letters
 };
 
 struct Stroke {
@@ -102,16 +103,17 @@ class Labels {
  public:
   Labels(Canvas& canvas, const Rect& area) : canvas_(canvas), area_(area) {}
   void keep_free(const Rect& rect) { taken_.push_back(rect); }
-  void keep_free(Point from, Point to);  ///< a line
+  void keep_free(Point from, Point to);  ///< a line, which a label may cross if there is no other place
   /// On the right of the point where there is room; with Align::kRight, so that the text ends at the point, on its
   /// left.
   void put(const std::string& text, Point at, double distance, TextStyle style);
 
  private:
-  bool is_free(const Rect& rect) const;
+  enum class Lines { kKeepFree, kCross };
+  bool is_free(const Rect& rect, Lines lines) const;
   Canvas& canvas_;
   Rect area_;
-  std::vector<Rect> taken_;
+  std::vector<Rect> taken_, lines_;
 };
 
 }  // namespace collided::cli

@@ -109,9 +109,11 @@ void draw_axes(Canvas& canvas, const Axes& axes) {
   canvas.vertical_text(axes.y_title, {area.x - 50, area.y + area.height / 2}, {.colour = kMuted});
 }
 
-bool Labels::is_free(const Rect& rect) const {
+bool Labels::is_free(const Rect& rect, Lines lines) const {
+  const auto hits = [&](const Rect& other) { return overlap(rect, other); };
   return rect.x >= area_.x && rect.y >= area_.y && rect.right() <= area_.right() && rect.bottom() <= area_.bottom() &&
-         std::none_of(taken_.begin(), taken_.end(), [&](const Rect& other) { return overlap(rect, other); });
+         std::none_of(taken_.begin(), taken_.end(), hits) &&
+         (lines == Lines::kCross || std::none_of(lines_.begin(), lines_.end(), hits));
 }
 
 void Labels::keep_free(Point from, Point to) {
@@ -119,7 +121,7 @@ void Labels::keep_free(Point from, Point to) {
   const double length = std::hypot(to.x - from.x, to.y - from.y);
   for (double at = 0; at <= length; at += kGrain) {
     const double part = length > 0 ? at / length : 0;
-    taken_.push_back({from.x + part * (to.x - from.x) - 1, from.y + part * (to.y - from.y) - 1, 2, 2});
+    lines_.push_back({from.x + part * (to.x - from.x) - 1, from.y + part * (to.y - from.y) - 1, 2, 2});
   }
 }
 
@@ -137,14 +139,16 @@ void Labels::put(const std::string& text, Point at, double distance, TextStyle s
                                        {beside, -1.7 * above},
                                        {-beside, -1.7 * above},
                                        {0, -2.6 * above}}};
-  for (const Point& offset : offsets) {
-    const Point centre{at.x + offset.x, at.y + offset.y};
-    const Rect rect{centre.x - width / 2, centre.y - height / 2, width, height};
-    if (!is_free(rect)) continue;
-    keep_free(rect);
-    style.align = Align::kCentre;
-    return canvas_.text(text, centre, style);
-  }
+  style.align = Align::kCentre;
+  style.halo = true;
+  for (const Lines lines : {Lines::kKeepFree, Lines::kCross})
+    for (const Point& offset : offsets) {
+      const Point centre{at.x + offset.x, at.y + offset.y};
+      const Rect rect{centre.x - width / 2, centre.y - height / 2, width, height};
+      if (!is_free(rect, lines)) continue;
+      keep_free(rect);
+      return canvas_.text(text, centre, style);
+    }
 }
 
 }  // namespace collided::cli
