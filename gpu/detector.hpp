@@ -72,9 +72,9 @@ struct SceneSpec {
   bool vertex_triangle = true;
   bool edge_edge = true;
   bool triangle_triangle = false;  ///< DCD only: triangles of the frame that intersect; thickness plays no part
-  bool weights = false;        ///< return the closest points' weights
-  uint64_t memory_budget = 0;  ///< bytes on the backend; 0: no limit but the device's
-  int threads = 0;             ///< CPU threads; 0: all cores
+  bool weights = false;            ///< return the closest points' weights
+  uint64_t memory_budget = 0;      ///< bytes on the backend; 0: no limit but the device's
+  int threads = 0;                 ///< CPU threads; 0: all cores
   std::vector<MeshSpec> meshes;
 };
 
@@ -86,7 +86,7 @@ struct MeshPositions {
 };
 
 struct FrameInput {
-  std::vector<MeshPositions> updates;  ///< the first frame must name every mesh
+  std::vector<MeshPositions> updates;     ///< the first frame must name every mesh
   std::optional<Accuracy> accuracy = {};  ///< for this frame alone; the scene's if absent
   std::optional<double> delta = {};
   std::optional<Report> report = {};

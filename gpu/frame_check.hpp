@@ -12,12 +12,11 @@ struct FrameSettings {
   Report report;
 };
 inline FrameSettings settings_of(const SceneSpec& spec, const FrameInput& frame) {
-  return {frame.accuracy.value_or(spec.accuracy), frame.delta.value_or(spec.delta),
-          frame.report.value_or(spec.report)};
+  return {frame.accuracy.value_or(spec.accuracy), frame.delta.value_or(spec.delta), frame.report.value_or(spec.report)};
 }
 
-/// Throws InvalidInput for a thickness or delta that is negative or not finite, for a thickness of 0 in DCD at kFast, for kinds
-/// all off, triangle pairs in CCD, and reports that the mode or the accuracy does not have.
+/// Throws InvalidInput for a thickness or delta that is negative or not finite, for a thickness of 0 in DCD at kFast,
+/// for kinds all off, triangle pairs in CCD, and reports that the mode or the accuracy does not have.
 void check_spec(const SceneSpec& spec);
 
 /// Throws InvalidInput naming the update, the first bad vertex, its value and the limit, or the frame's option that

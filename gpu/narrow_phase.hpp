@@ -25,16 +25,27 @@ struct KindTraits {
   uint64_t FrameCounts::*survivors;
   uint64_t FrameCounts::*found;
 };
-inline constexpr KindTraits kVertexTriangleTraits{
-    "filter_vt",  "narrow_vt", "order_vt", "download_vt", "exact_vt", &FrameResult::vertex_triangle,
-    &FrameCounts::survivors_vt, &FrameCounts::contacts_vt};
-inline constexpr KindTraits kEdgeEdgeTraits{
-    "filter_ee",  "narrow_ee", "order_ee", "download_ee", "exact_ee", &FrameResult::edge_edge,
-    &FrameCounts::survivors_ee, &FrameCounts::contacts_ee};
+inline constexpr KindTraits kVertexTriangleTraits{"filter_vt",
+                                                  "narrow_vt",
+                                                  "order_vt",
+                                                  "download_vt",
+                                                  "exact_vt",
+                                                  &FrameResult::vertex_triangle,
+                                                  &FrameCounts::survivors_vt,
+                                                  &FrameCounts::contacts_vt};
+inline constexpr KindTraits kEdgeEdgeTraits{"filter_ee",
+                                            "narrow_ee",
+                                            "order_ee",
+                                            "download_ee",
+                                            "exact_ee",
+                                            &FrameResult::edge_edge,
+                                            &FrameCounts::survivors_ee,
+                                            &FrameCounts::contacts_ee};
 /// Triangle pairs have no filter.
-inline constexpr KindTraits kTrianglePairTraits{
-    nullptr, "narrow_tt", "order_tt", "download_tt", "exact_tt", &FrameResult::triangle_triangle, nullptr,
-    &FrameCounts::contacts_tt};
+inline constexpr KindTraits kTrianglePairTraits{nullptr,    "narrow_tt",
+                                                "order_tt", "download_tt",
+                                                "exact_tt", &FrameResult::triangle_triangle,
+                                                nullptr,    &FrameCounts::contacts_tt};
 
 inline const KindTraits& traits_of(const VertexTriangle&) { return kVertexTriangleTraits; }
 inline const KindTraits& traits_of(const EdgeEdge&) { return kEdgeEdgeTraits; }
@@ -111,9 +122,13 @@ class NarrowPhase {
                            FilterProximity<Real, Kind>{end(), spec_.thickness, kind, candidates, list});
           else
             exec_.for_each("filter_coplanarity", candidates.size(),
-                           FilterCoplanarity<Real, Kind>{
-                               start(), end(), static_cast<Real>(scale_),
-                               {scaled_thickness<float>(spec_.thickness, scale_)}, kind, candidates, list});
+                           FilterCoplanarity<Real, Kind>{start(),
+                                                         end(),
+                                                         static_cast<Real>(scale_),
+                                                         {scaled_thickness<float>(spec_.thickness, scale_)},
+                                                         kind,
+                                                         candidates,
+                                                         list});
         });
     result_->counts.*names.survivors = count;
     return scene_.survivors.span(count);
@@ -155,9 +170,9 @@ class NarrowPhase {
   }
   template <class Work>
   void run_triangles(Span<const TrianglePair> pairs, const ContactList<Real>& list) {
-    exec_.for_each("test_triangles", pairs.size(),
-                   TestTriangles<Work, Real, TrianglePair>{
-                       end(), scene_.topology.triangles.all(), pairs, hurry(), list});
+    exec_.for_each(
+        "test_triangles", pairs.size(),
+        TestTriangles<Work, Real, TrianglePair>{end(), scene_.topology.triangles.all(), pairs, hurry(), list});
   }
 
   /// Runs the narrow phase of a kind and takes what the report wants of it.

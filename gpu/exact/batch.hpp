@@ -10,10 +10,10 @@
 namespace collided {
 
 struct ExactQuestion {
-  bool vertex_triangle = true;          ///< else edge-edge
-  bool continuous = true;               ///< else the positions at t = 1 alone count
-  double thickness = 0;                 ///< >= 0
-  int threads = 0;                      ///< 0: all cores
+  bool vertex_triangle = true;           ///< else edge-edge
+  bool continuous = true;                ///< else the positions at t = 1 alone count
+  double thickness = 0;                  ///< >= 0
+  int threads = 0;                       ///< 0: all cores
   std::function<bool()> cancelled = {};  ///< asked now and then; throws Cancelled if it says so
 };
 

@@ -48,41 +48,61 @@ struct Facing {
   }
 };
 
-/// Most of the way to where the closest points meet at their present speed; `last` if they do not before it.
-template <class Work, int N>
-COLLIDED_HD Work time_ahead(const Facing<Work, N>& now, Work t, Work thickness, Work share, Work last) {
-  if (!(now.speed < 0)) return last;
-  const Work ahead = t + share * ((now.gap - thickness) / -now.speed);
-  return ahead < last ? ahead : last;
-}
+/// How far the next turning direction reaches. Newton's method on the gap, kept a little short of contact: the share of
+/// the gap that is left is squared after each success, as the error of Newton's method is, and takes its root after
+/// each failure.
+template <class Work>
+struct Pace {
+  Work left = Work(1) / 16;
+  Work limit = 1;  ///< longest step that is worth a try
+
+  /// A time after t at which the features should still be apart; `last` if they do not come closer.
+  COLLIDED_HD Work ahead_of(Work t, Work gap, Work speed, Work least_gap, Work last) const {
+    const Work most = smaller(last, t + limit);
+    if (!(speed < 0)) return most;
+    return smaller(most, t + (gap - larger(left * gap, least_gap)) / -speed);
+  }
+  COLLIDED_HD void succeed() {
+    constexpr Work kLeast = sizeof(Work) == 8 ? Work(1e-12) : Work(1e-5);
+    left = larger(left * left, kLeast);
+    limit = 4 * limit;
+  }
+  COLLIDED_HD void fail(Work step) {
+    left = smaller(Work(1) / 4, std::sqrt(left));
+    limit = step / 4;
+  }
+};
 
 /// Looks for contact in [0, last]; contact after `last` counts as a miss.
 template <class Work, int N>
 COLLIDED_HD Advance<Work> advance(const Differences<Work, N>& d, const Tolerance<Work>& tolerance, Work last) {
-  constexpr Work kShare = Work(0.9375);
-  Work t = 0, share = kShare;
+  const Work rounding = 32 * Precision<Work>::kUnit * d.extent;
+  Work t = 0;
+  Pace<Work> pace;
   for (int i = 0; i < kMaxAdvances; ++i) {
     const Facing<Work, N> now(d, t);
     const Reach<Work> by_closest = reach_along(d, now.closest, t, tolerance.thickness);
     if (by_closest.until > last) return {false, t, false};
     const Reach<Work> by_normal = reach_along(d, now.normal, t, tolerance.thickness);
-    const bool normal_is_better = by_normal.until > by_closest.until;
-    const Reach<Work> reach = normal_is_better ? by_normal : by_closest;
+    const Reach<Work> reach = by_normal.until > by_closest.until ? by_normal : by_closest;
     if (reach.until > last) return {false, t, false};
     if (!(reach.until > t) || !(reach.separation > tolerance.delta)) return {true, t, false};
-    Work next = reach.until;
     // Features that turn need many fixed directions, but few turning ones.
-    const Work ahead = i > 0 ? time_ahead(now, t, tolerance.thickness, share, last) : next;
-    if (ahead > next || (i > 0 && ahead == last)) {
-      const Facing<Work, N> then(d, ahead);
-      const bool apart = normal_is_better
-                             ? apart_while_turning(d, now.normal, then.normal, t, ahead, tolerance.thickness)
-                             : apart_while_turning(d, now.closest, then.closest, t, ahead, tolerance.thickness);
-      if (apart && ahead == last) return {false, t, false};
-      if (apart) next = ahead;
-      share = apart ? kShare : share / 4;
+    const Work step = reach.until - t;
+    pace.limit = larger(pace.limit, 2 * step);
+    const Work ahead = pace.ahead_of(t, now.gap - tolerance.thickness, now.speed, rounding, last);
+    if (!(ahead > reach.until)) {
+      pace.succeed();
+      t = reach.until;
+      continue;
     }
-    t = next;
+    const Facing<Work, N> then(d, ahead);
+    const bool use_normal = by_normal.until - t > step / 2;  // it keeps its digits when the gap has lost them
+    const bool apart = use_normal ? apart_while_turning(d, now.normal, then.normal, t, ahead, tolerance.thickness)
+                                  : apart_while_turning(d, now.closest, then.closest, t, ahead, tolerance.thickness);
+    if (apart && ahead == last) return {false, t, false};
+    apart ? pace.succeed() : pace.fail(ahead - t);
+    t = apart ? ahead : reach.until;
   }
   return {true, t, true};
 }

@@ -36,9 +36,8 @@ struct AdvanceCcd {
     if (hurry.is_over()) return;
     DifferencesOf<Work, Kind> d;
     if (!load_differences<Kind, Work>(kind.stencil(candidates[i]), start, end, d)) return report_coincident(i);
-    const Tolerance<Work> tolerance{
-        scaled_thickness<Work>(thickness, d.scale),
-        delta > 0 ? static_cast<Work>(delta * d.scale) : default_delta(Work(0)) * d.extent};
+    const Tolerance<Work> tolerance{scaled_thickness<Work>(thickness, d.scale),
+                                    delta > 0 ? static_cast<Work>(delta * d.scale) : default_delta(Work(0)) * d.extent};
     const Advance<Work> found = advance(d, tolerance, static_cast<Work>(hurry.last()));
     if (!found.hit) return;
     uint8_t flags = is_certain(d, found.t, tolerance.thickness) ? kFlagCertified : kFlagNear;

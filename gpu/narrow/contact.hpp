@@ -68,9 +68,7 @@ struct Hurry {
   Report report = Report::kAll;
   bool only_certain = false;  ///< only certain contacts count; what is near is decided later
 
-  COLLIDED_HD bool is_over() const {
-    return report == Report::kAnyHit && atomic_read(shortcut->has_contact) != 0;
-  }
+  COLLIDED_HD bool is_over() const { return report == Report::kAnyHit && atomic_read(shortcut->has_contact) != 0; }
   /// Contacts after this time do not matter.
   COLLIDED_HD double last() const {
     if (report != Report::kEarliestOnly) return 1;

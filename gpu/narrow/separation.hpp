@@ -11,7 +11,8 @@
 //   (relative), so 8u s covers it. Underflow adds less than kTiny, for |n| and D are at most 2.
 // - fl(fl(g - offset) - error) and the last subtraction take three roundings: 4u of the result covers them, and what
 //   they take of `error` lies in the slack of 8u s.
-// - A chord of two lower bounds is a lower bound between them. (1 - t) a + t b is off by at most 3u ((1 - t)|a| + t|b|).
+// - A chord of two lower bounds is a lower bound between them. (1 - t) a + t b is off by at most 3u ((1 - t)|a| +
+// t|b|).
 
 #include "gpu/narrow/differences.hpp"
 

@@ -17,8 +17,7 @@ std::vector<Verdict> run_queries_cuda(std::span<const Query>, const BatchSetting
 #endif
 
 std::vector<Verdict> run_queries(std::span<const Query> queries, const BatchSettings& settings) {
-  return settings.backend == Backend::kCuda ? run_queries_cuda(queries, settings)
-                                            : run_queries_cpu(queries, settings);
+  return settings.backend == Backend::kCuda ? run_queries_cuda(queries, settings) : run_queries_cpu(queries, settings);
 }
 
 }  // namespace collided::test
