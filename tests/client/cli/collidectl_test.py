@@ -244,7 +244,7 @@ class Collidectl(unittest.TestCase):
         words += ["--out", self.folder.name, "--json"]
         right = json.loads(self.ok(*words, *self.put_truth("3,0,1,0.5\n")))["results"][0]["runs"]
         self.assertEqual([run["missed"] for run in right], [0] * 4)
-        wrong = json.loads(self.ok(*words, *self.put_truth("3,0,1,0.49\n4,0,1,0.5\n3,1,0,\n")))
+        wrong = json.loads(self.ok(*words, *self.put_truth("3,0,1,0.4876\n4,0,1,0.5\n3,1,0,\n")))
         runs = wrong["results"][0]["runs"]
         self.assertEqual([(run["missed"], run["late"]) for run in runs], [(1, 1)] * 4)
         with open(os.path.join(self.folder.name, "tradeoff.json"), encoding="ascii") as file:
