@@ -64,8 +64,10 @@ ExactQuery exact_query(const Query& query, double thickness) {
   ExactQuery q{query.kind, {}, integer(width, lowest)};
   for (int i = 0; i < 4; ++i)
     for (int k = 0; k < 3; ++k) {
-      const mpz_class start = integer(coordinates[i][k], lowest), end = integer(coordinates[i + 4][k], lowest);
-      q.x[i][k] = Polynomial{start, end - start};
+      std::vector<mpz_class> c(2);
+      c[0] = integer(coordinates[i][k], lowest);
+      c[1] = integer(coordinates[i + 4][k], lowest) - c[0];
+      q.x[i][k] = Polynomial(std::move(c));
     }
   return q;
 }
