@@ -98,19 +98,25 @@ void add_input_options(CLI::App& command, TradeoffOptions& options) {
 void add_run_options(CLI::App& command, TradeoffSettings& settings) {
   command.add_option("--levels", settings.levels, "Accuracy levels: fast, guarded, certified, exact")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember({"fast", "guarded", "certified", "exact"}))
       ->capture_default_str();
   command.add_option("--deltas", settings.deltas, "Tolerances of the levels from guarded on; 0: the daemon's choice")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(finite())
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command.add_option("--formats", settings.formats, "Positions on the wire: f32, f64")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember({"f32", "f64"}))
       ->capture_default_str();
   command.add_option("--repeats", settings.repeats, "Steps whose median counts, after one that warms up")
       ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command.add_option("--mode", settings.detection.mode, "ccd: between two frames")
+      ->check(CLI::IsMember({"ccd"}))
       ->capture_default_str();
   command.add_option("--thickness", settings.detection.thickness, "Contact distance, in the unit of the positions")
       ->check(finite())
@@ -124,9 +130,8 @@ void add_tradeoff(CLI::App& app) {
   auto options = std::make_shared<TradeoffOptions>();
   CLI::App& command = *app.add_subcommand("tradeoff", "Measure time against accuracy: levels, deltas, formats");
   command.footer(
-      "Writes tradeoff.json, tradeoff.md, tradeoff.svg and tradeoff.png. Without --truth the level exact is the "
-      "judge:\n"
-      "it decides in exact arithmetic on the very positions of each format.");
+      "Writes tradeoff.json, tradeoff.md, tradeoff.svg and tradeoff.png. Without --truth the level\n"
+      "exact is the judge: it decides in exact arithmetic on the very positions of each format.");
   add_input_options(command, *options);
   add_run_options(command, options->settings);
   add_server_options(command, options->settings.server);

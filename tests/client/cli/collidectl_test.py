@@ -240,8 +240,8 @@ class Collidectl(unittest.TestCase):
         return ["--truth", self.folder.name]
 
     def test_tradeoff_judges_by_a_given_truth(self):
-        words = ["tradeoff", self.frame0, self.frame1, *ONE_CPU, "--repeats", "1", "--levels", "fast,certified"]
-        words += ["--out", self.folder.name, "--json"]
+        options = [*ONE_CPU, "--out", self.folder.name, "--json", "--repeats", "1", "--levels", "fast,certified"]
+        words = ["tradeoff", *options, self.frame0, self.frame1]
         right = json.loads(self.ok(*words, *self.put_truth("3,0,1,0.5\n")))["results"][0]["runs"]
         self.assertEqual([run["missed"] for run in right], [0] * 4)
         wrong = json.loads(self.ok(*words, *self.put_truth("3,0,1,0.4876\n4,0,1,0.5\n3,1,0,\n")))
@@ -252,7 +252,7 @@ class Collidectl(unittest.TestCase):
         self.assertEqual([truth["source"] for truth in truths], [self.folder.name] * 2)
         # Positions that are no floats: the truth is one of the doubles alone.
         double = self.put("double.obj", FRAME1.replace("v 1 1 -1", "v 1 1 -1.1"))
-        self.ok("tradeoff", self.frame0, double, *words[3:], *self.put_truth("3,0,1,0.5\n"))
+        self.ok("tradeoff", self.frame0, double, *options, *self.put_truth("3,0,1,0.5\n"))
         with open(os.path.join(self.folder.name, "tradeoff.json"), encoding="ascii") as file:
             truths = json.load(file)["truths"]
         self.assertEqual([truth["source"] for truth in truths], ["exact", self.folder.name])
