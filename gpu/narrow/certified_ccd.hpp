@@ -40,13 +40,18 @@ struct AdvanceCcd {
                                     delta > 0 ? static_cast<Work>(delta * d.scale) : default_delta(Work(0)) * d.extent};
     const Advance<Work> found = advance(d, tolerance, static_cast<Work>(hurry.last()));
     if (!found.hit) return;
-    uint8_t flags = is_certain(d, found.t, tolerance.thickness) ? kFlagCertified : kFlagNear;
-    if (found.capped) flags |= kFlagCapped;
-    if (found.t == 0) flags |= kFlagInitial;
-    report(i, contact_at<Real>(d, found.t, flags));
+    report(i, contact_at<Real>(d, found.t, flags_of(d, found, tolerance.thickness)));
   }
 
  private:
+  COLLIDED_HD static uint8_t flags_of(const DifferencesOf<Work, Kind>& d, const Advance<Work>& found, Work scaled) {
+    const bool is_sure = is_certain(d, found.t, scaled);
+    uint8_t flags = is_sure ? kFlagCertified : kFlagNear;
+    if (found.capped) flags |= kFlagCapped;
+    // A sure contact may come after its lower bound 0.
+    if (found.t == 0 && (!is_sure || touches_at(d, Work(0), scaled))) flags |= kFlagInitial;
+    return flags;
+  }
   COLLIDED_HD void report_coincident(uint64_t i) const {
     report(i, {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified | kFlagInitial}});
   }

@@ -4,9 +4,11 @@
 #include <cstring>
 #include <iostream>
 #include <map>
+#include <span>
 #include <stdexcept>
 
 #include "tests/bench/inputs.hpp"
+#include "tests/bench/levels.hpp"
 #include "tests/bench/report.hpp"
 #include "tests/support/digest.hpp"
 
@@ -14,22 +16,33 @@ namespace collided::test {
 namespace {
 
 constexpr const char* kUsage =
-    "usage: collided_bench [--backend cpu|cuda] [--mode ccd|dcd] [--accuracy candidates|fast] [--scalar f32|f64]\n"
+    "usage: collided_bench [--backend cpu|cuda] [--mode ccd|dcd] [--accuracy LEVEL] [--scalar f32|f64]\n"
     "                      [--thickness H] [--steps N] [--warm-up N] [--threads N] [--scene NAME] [--scale S]\n"
-    "                      [--date TEXT] [--commit TEXT] [--check-same]\n"
-    "Real frames come from the data folder (COLLIDED_DATA). --check-same prints `scene digest contacts` lines\n"
-    "instead: equal lines mean equal result arrays, byte for byte, in CCD and DCD, F32 and F64.\n";
+    "                      [--date TEXT] [--commit TEXT] [--check-same] [--compare-levels]\n"
+    "LEVEL is candidates, fast, guarded, certified (default) or exact. Real frames come from the data folder\n"
+    "(COLLIDED_DATA). --check-same prints `scene digest contacts` lines instead: equal lines mean equal result\n"
+    "arrays, byte for byte, in CCD and DCD, F32 and F64. --compare-levels runs all levels and reports side by side\n"
+    "(CCD): per scene and level, filter and narrow phase and all stages, as times and as ratios to FAST.\n";
+
+constexpr std::pair<const char*, Backend> kBackends[] = {{"cpu", Backend::kCpu}, {"cuda", Backend::kCuda}};
+constexpr std::pair<const char*, Mode> kModes[] = {{"ccd", Mode::kCcd}, {"dcd", Mode::kDcd}};
+constexpr std::pair<const char*, Scalar> kScalars[] = {{"f32", Scalar::kF32}, {"f64", Scalar::kF64}};
+constexpr std::pair<const char*, Accuracy> kLevels[] = {{"candidates", Accuracy::kCandidates},
+                                                        {"fast", Accuracy::kFast},
+                                                        {"guarded", Accuracy::kGuarded},
+                                                        {"certified", Accuracy::kCertified},
+                                                        {"exact", Accuracy::kExact}};
 
 struct Options {
   SceneSpec spec;
   std::string date, commit, scene;
   double scale = 1;
   int steps = 20, warm_up = 2;
-  bool check_same = false;
+  bool check_same = false, compare_levels = false;
 };
 
 template <class T>
-T choice(const std::string& option, const std::string& value, std::initializer_list<std::pair<const char*, T>> known) {
+T choice(const std::string& option, const std::string& value, std::span<const std::pair<const char*, T>> known) {
   for (const auto& [name, result] : known)
     if (value == name) return result;
   throw std::invalid_argument(option + " cannot be '" + value + "'");
@@ -37,14 +50,13 @@ T choice(const std::string& option, const std::string& value, std::initializer_l
 
 void set_option(Options& o, const std::string& option, const std::string& value) {
   if (option == "--backend")
-    o.spec.backend = choice<Backend>(option, value, {{"cpu", Backend::kCpu}, {"cuda", Backend::kCuda}});
+    o.spec.backend = choice<Backend>(option, value, kBackends);
   else if (option == "--mode")
-    o.spec.mode = choice<Mode>(option, value, {{"ccd", Mode::kCcd}, {"dcd", Mode::kDcd}});
+    o.spec.mode = choice<Mode>(option, value, kModes);
   else if (option == "--accuracy")
-    o.spec.accuracy =
-        choice<Accuracy>(option, value, {{"candidates", Accuracy::kCandidates}, {"fast", Accuracy::kFast}});
+    o.spec.accuracy = choice<Accuracy>(option, value, kLevels);
   else if (option == "--scalar")
-    o.spec.scalar = choice<Scalar>(option, value, {{"f32", Scalar::kF32}, {"f64", Scalar::kF64}});
+    o.spec.scalar = choice<Scalar>(option, value, kScalars);
   else if (option == "--thickness")
     o.spec.thickness = std::stod(value);
   else if (option == "--threads")
@@ -68,10 +80,10 @@ void set_option(Options& o, const std::string& option, const std::string& value)
 Options parse(int argc, char** argv) {
   Options o;
   for (int i = 1; i < argc; ++i) {
-    if (!std::strcmp(argv[i], "--check-same")) {
-      o.check_same = true;
-      continue;
-    }
+    const bool check = !std::strcmp(argv[i], "--check-same"), compare = !std::strcmp(argv[i], "--compare-levels");
+    o.check_same |= check;
+    o.compare_levels |= compare;
+    if (check || compare) continue;
     if (i + 1 == argc) throw std::invalid_argument(std::string(argv[i]) + " needs a value");
     set_option(o, argv[i], argv[i + 1]);
     ++i;
@@ -153,7 +165,7 @@ RunReport run_all(const Options& o) {
                    .commit = o.commit,
                    .device = device_name(o.spec.backend),
                    .mode = o.spec.mode == Mode::kCcd ? "ccd" : "dcd",
-                   .accuracy = o.spec.accuracy == Accuracy::kFast ? "fast" : "candidates",
+                   .accuracy = kLevels[static_cast<size_t>(o.spec.accuracy)].first,
                    .scalar = o.spec.scalar == Scalar::kF32 ? "f32" : "f64",
                    .thickness = o.spec.thickness,
                    .scenes = {}};
@@ -163,6 +175,20 @@ RunReport run_all(const Options& o) {
   }
   if (report.scenes.empty()) throw std::invalid_argument("no scene is called " + o.scene);
   return report;
+}
+
+void compare_levels(const Options& o) {
+  std::vector<LevelReport> reports;
+  for (const BenchInput& input : bench_inputs(o.scene, o.scale)) {
+    std::cerr << input.name << "\n";
+    reports.push_back(compare_levels(input, o.spec, o.steps, 3));
+  }
+  std::cout << "{\n  \"date\": \"" << o.date << "\", \"commit\": \"" << o.commit << "\", \"device\": \""
+            << device_name(o.spec.backend) << "\",\n  \"scalar\": \""
+            << (o.spec.scalar == Scalar::kF32 ? "f32" : "f64") << "\", \"steps\": " << o.steps
+            << ",\n  \"scenes\": ";
+  write_levels(std::cout, reports);
+  std::cout << "\n}\n";
 }
 
 // One scene at one time is enough here: steps add cost, not coverage.
@@ -194,6 +220,8 @@ int main(int argc, char** argv) {
     const Options options = parse(argc, argv);
     if (options.check_same)
       check_same(options);
+    else if (options.compare_levels)
+      compare_levels(options);
     else
       write_json(std::cout, run_all(options));
     return 0;
