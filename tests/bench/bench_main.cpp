@@ -184,9 +184,8 @@ void compare_levels(const Options& o) {
     reports.push_back(compare_levels(input, o.spec, o.steps, 3));
   }
   std::cout << "{\n  \"date\": \"" << o.date << "\", \"commit\": \"" << o.commit << "\", \"device\": \""
-            << device_name(o.spec.backend) << "\",\n  \"scalar\": \""
-            << (o.spec.scalar == Scalar::kF32 ? "f32" : "f64") << "\", \"steps\": " << o.steps
-            << ",\n  \"scenes\": ";
+            << device_name(o.spec.backend) << "\",\n  \"scalar\": \"" << (o.spec.scalar == Scalar::kF32 ? "f32" : "f64")
+            << "\", \"steps\": " << o.steps << ",\n  \"scenes\": ";
   write_levels(std::cout, reports);
   std::cout << "\n}\n";
 }

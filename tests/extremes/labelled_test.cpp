@@ -1,0 +1,80 @@
+// Queries and pairs of real frames that others labelled, and our own: what the levels make of them, and that CERTIFIED
+// reports fewer false contacts than is usual.
+
+#include "tests/support/labelled.hpp"
+
+#include <cstdio>
+
+#include "tests/gpu/backend.hpp"
+#include "tests/support/query_families.hpp"
+#include "tests/support/verdict_score.hpp"
+
+namespace collided::test {
+namespace {
+
+class Labelled : public OnBackend<::testing::TestWithParam<Scalar>> {
+ protected:
+  /// The score of a level on all queries. Rounded to float, they are judged anew: labels hold for double.
+  static Score score_of(const std::vector<LabelledQuery>& labelled, Accuracy accuracy) {
+    Score sum;
+    for (QueryKind kind : {QueryKind::kVertexTriangle, QueryKind::kEdgeEdge}) {
+      std::vector<Query> queries;
+      for (const LabelledQuery& l : labelled)
+        if (l.query.kind == kind) queries.push_back(rounded(l.query, GetParam()));
+      const Judged judged = judge(std::move(queries), Mode::kCcd, 0);
+      BatchSettings settings;
+      settings.backend = kBackend;
+      settings.scalar = GetParam();
+      settings.accuracy = accuracy;
+      sum += score(judged, run_queries(judged.queries, settings), accuracy);
+    }
+    return sum;
+  }
+
+  /// Checks every level; returns the false contacts of CERTIFIED.
+  static uint64_t expect_promises(const char* what, const std::vector<LabelledQuery>& labelled) {
+    uint64_t false_at_certified = 0;
+    for (Accuracy accuracy : {Accuracy::kFast, Accuracy::kGuarded, Accuracy::kCertified, Accuracy::kExact}) {
+      const Score s = score_of(labelled, accuracy);
+      std::printf("%s, %s, %s: %llu queries, %llu hits, %llu missed, %llu late, %llu false, %llu certified\n", what,
+                  name_of(GetParam()).c_str(), name_of(accuracy).c_str(), number(s.queries), number(s.hits),
+                  number(s.missed), number(s.late), number(s.false_hits), number(s.certified));
+      if (accuracy == Accuracy::kCertified) false_at_certified = s.false_hits;
+      if (accuracy == Accuracy::kFast) continue;
+      EXPECT_EQ(s.missed + s.late + s.wrongly_certified + s.wrong_initial + s.malformed, 0u) << name_of(accuracy);
+      if (accuracy == Accuracy::kExact) EXPECT_EQ(s.false_hits, 0u);
+    }
+    return false_at_certified;
+  }
+
+ private:
+  static unsigned long long number(uint64_t n) { return n; }
+};
+
+TEST_P(Labelled, OurOwnSet) { expect_promises("own set", read_labelled_set(labelled_set())); }
+
+TEST_P(Labelled, HandMadeQueries) {
+  const auto data = data_folder();
+  if (!data) GTEST_SKIP() << "the data folder is not here; set COLLIDED_DATA";
+  std::vector<LabelledQuery> all;
+  for (const std::string& set : query_sets(*data)) {
+    const auto queries = read_query_set(*data, set);
+    all.insert(all.end(), queries.begin(), queries.end());
+  }
+  // Tight-Inclusion at tolerance 1e-6 reports 222 false contacts on ten sets; these are seven of them and one more.
+  const uint64_t false_hits = expect_promises("hand-made queries", all);
+  if (GetParam() == Scalar::kF64) EXPECT_LE(false_hits, 222u);
+}
+
+TEST_P(Labelled, PairsOfRealFrames) {
+  const auto data = data_folder();
+  if (!data) GTEST_SKIP() << "the data folder is not here; set COLLIDED_DATA";
+  for (const RealFrames& frames : {kFunnelFrames, kBallFrames})
+    expect_promises(frames.name, read_frame_queries(*data, frames));
+}
+
+INSTANTIATE_TEST_SUITE_P(Scalars, Labelled, ::testing::Values(Scalar::kF32, Scalar::kF64),
+                         [](const auto& info) { return name_of(info.param); });
+
+}  // namespace
+}  // namespace collided::test
