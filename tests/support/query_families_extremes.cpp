@@ -50,11 +50,15 @@ Query coplanar(QueryKind kind, Scalar, Random& random) {
 
 Query tilted(QueryKind kind, Scalar, Random& random) { return tilted_coplanar(kind, random); }
 
-// Both features go the same way, at speeds that may differ: their planes or lines meet once, always or never.
+// Both features go the same way, at speeds that may differ: their planes or lines meet once, always or never. At the
+// same speed one hovers over the other, and only rounding brings them together or apart.
 Query common_translation(QueryKind kind, Scalar, Random& random) {
-  Touch touch = random.chance(0.5) ? exact_touch(kind, random, eighths(random)) : random_touch(kind, random);
+  const bool is_exact = random.chance(0.3);
+  Touch touch = is_exact ? exact_touch(kind, random, eighths(random)) : random_touch(kind, random);
+  const Weights weights = random_weights(kind, random);
+  if (!is_exact) bring_together(touch, weights, random_gap(random, 1, 60));
   const Vec3d way = touch.velocity[0];
-  const double other = random.integer(-1, 2) / 2.0;
+  const double other = random.chance(0.5) ? 1 : random.integer(-1, 1) / 2.0;
   for (size_t i = 0; i < 4; ++i) touch.velocity[i] = i < first_feature(kind) ? way : times(other, way);
   return play(touch);
 }

@@ -56,8 +56,23 @@ double mixed_power(Random& random) {
   return power * (1 + random.unit());
 }
 
+// Exact contacts of integers, each axis in a unit of its own, up to the square roots of the type's range apart:
+// products underflow beside others that do not.
+Query mixed_axes(QueryKind kind, Scalar scalar, Random& random) {
+  const int range = scalar == Scalar::kF32 ? 60 : 500;
+  Touch touch = exact_touch(kind, random, eighths(random));
+  part_sometimes(touch, random);
+  Query query = play(touch);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const double unit = random.signed_power(-range, range);
+    for (Vec3d& p : query.p) p[axis] *= unit;
+  }
+  return query;
+}
+
 // Coordinates and velocities from 2^-20 to 2^20 within one query.
-Query mixed_powers(QueryKind kind, Scalar, Random& random) {
+Query mixed_powers(QueryKind kind, Scalar scalar, Random& random) {
+  if (random.chance(0.25)) return mixed_axes(kind, scalar, random);
   Touch touch{kind, {}, {}, random.unit()};
   for (size_t i = 0; i < 4; ++i) {
     for (double& x : touch.at[i]) x = mixed_power(random);
