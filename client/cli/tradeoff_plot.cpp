@@ -131,9 +131,16 @@ class RunsPanel {
   Labels labels_;
 };
 
+/// From 1 up, however large all counts are.
+LogAxis count_axis(const Tradeoff& result, double (*value)(const Run&), const Rect& area) {
+  std::vector<double> values = values_of(result, {value});
+  values.push_back(1);
+  return {values, area.bottom(), area.y, LogAxis::Zero::kRow};
+}
+
 void draw_missed(Canvas& canvas, const Tradeoff& result, const Rect& area) {
   const LogAxis x(values_of(result, {[](const Run& run) { return run.times.narrow; }}), area.x, area.right());
-  const LogAxis y(values_of(result, {missed}), area.bottom(), area.y, LogAxis::Zero::kRow);
+  const LogAxis y = count_axis(result, missed, area);
   canvas.fill({area.x, area.y, area.width, y.zero_end() - area.y}, kAlarm);
   const Axes axes{area, &x, &y, "Missed contacts", "", ""};
   draw_axes(canvas, axes);
@@ -144,7 +151,7 @@ void draw_missed(Canvas& canvas, const Tradeoff& result, const Rect& area) {
 
 void draw_false(Canvas& canvas, const Tradeoff& result, const Rect& area) {
   const LogAxis x(values_of(result, {[](const Run& run) { return run.times.narrow; }}), area.x, area.right());
-  const LogAxis y(values_of(result, {wrong}), area.bottom(), area.y, LogAxis::Zero::kRow);
+  const LogAxis y = count_axis(result, wrong, area);
   const Axes axes{area, &x, &y, "False contacts", "narrow phase, ms", ""};
   draw_axes(canvas, axes);
   RunsPanel panel(canvas, result, axes, wrong);
