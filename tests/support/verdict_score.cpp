@@ -50,9 +50,9 @@ class Scorer {
     const mpq_class toi(verdict.toi);
     score_.gaps.push_back(mpq_class(truth.lower - toi).get_d());
     if (toi > truth.upper) return count(score_.late, "late");
-    const bool initial = verdict.flags & kFlagInitial;
-    if (certified && initial != (truth.upper == 0)) return count(score_.wrong_initial, "wrong flag INITIAL");
-    return "";
+    const bool says = verdict.flags & kFlagInitial, is = truth.upper == 0;
+    const bool is_wrong = accuracy_ == Accuracy::kExact ? says != is : says && !is;
+    return certified && is_wrong ? count(score_.wrong_initial, "wrong flag INITIAL") : "";
   }
 
   std::string add_false_hit(const Verdict& verdict) {

@@ -35,7 +35,8 @@ struct Score {
   uint64_t capped = 0;             ///< reported with kFlagCapped
   uint64_t certified = 0;          ///< reported with kFlagCertified
   uint64_t wrongly_certified = 0;  ///< false hits with kFlagCertified
-  uint64_t wrong_initial = 0;      ///< certified hits whose kFlagInitial is not "in contact at t = 0"
+  uint64_t wrong_initial = 0;      ///< certified hits with kFlagInitial that are not in contact at t = 0; EXACT: and
+                                   ///< those without it that are
   uint64_t malformed = 0;          ///< times outside [0, 1], distances that are negative or no number
   std::vector<double> gaps;        ///< of the hits: by how much their time is early; late ones are below 0
 
