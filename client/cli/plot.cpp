@@ -4,6 +4,7 @@
 
 #include <cairo-svg.h>
 #include <cairo.h>
+#include <fontconfig/fontconfig.h>
 
 #include <memory>
 #include <numbers>
@@ -18,6 +19,17 @@ constexpr const char* kFont = "DejaVu Sans";
 
 using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
+
+/// Frees at its end, after every surface, the fonts that cairo and fontconfig keep: leak checkers see them otherwise.
+struct FontCaches {
+  FontCaches() = default;
+  FontCaches(const FontCaches&) = delete;
+  FontCaches& operator=(const FontCaches&) = delete;
+  ~FontCaches() {
+    cairo_debug_reset_static_data();
+    FcFini();
+  }
+};
 
 void check(cairo_status_t status, const std::filesystem::path& file) {
   if (status != CAIRO_STATUS_SUCCESS)
@@ -61,6 +73,7 @@ void add_rounded(cairo_t* cairo, const Rect& r, double corner) {
 
 void draw_files(const std::filesystem::path& svg, const std::filesystem::path& png, Point size,
                 const std::function<void(Canvas&)>& draw) {
+  const FontCaches caches;
   {
     const Surface surface(cairo_svg_surface_create(svg.c_str(), size.x, size.y), cairo_surface_destroy);
     draw_on(surface.get(), 1, draw, svg);
