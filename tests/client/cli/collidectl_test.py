@@ -183,13 +183,13 @@ class Collidectl(unittest.TestCase):
 
     def test_tradeoff_measures_judges_and_draws(self):
         out = os.path.join(self.folder.name, "tradeoff")
-        small = ["--scene", "funnel", "--scale", "0.3", "--t0", "0.9", "--repeats", "2", "--deltas", "1e-3,0"]
+        small = ["--scene", "flamenco", "--scale", "0.2", "--t0", "0.5", "--repeats", "2", "--deltas", "1e-3,0"]
         labels = ["--date", "2026-11-21", "--commit", "abc1234"]
         summary = json.loads(self.ok("tradeoff", *small, *labels, *ONE_CPU, "--out", out, "--json"))
         self.check_tradeoff_files(out)
         with open(os.path.join(out, "tradeoff.json"), encoding="ascii") as file:
             result = json.load(file)
-        self.assertEqual((result["name"], result["date"], result["commit"]), ("funnel", "2026-11-21", "abc1234"))
+        self.assertEqual((result["name"], result["date"], result["commit"]), ("flamenco", "2026-11-21", "abc1234"))
         self.assertEqual((result["backend"], result["repeats"]), ("cpu", 2))
         self.assertEqual([truth["source"] for truth in result["truths"]], ["exact", "exact"])
         runs = result["runs"]
@@ -197,6 +197,7 @@ class Collidectl(unittest.TestCase):
         for run in runs:
             contacts = run["contacts"]
             self.assertEqual(run["delta"] is None, run["level"] == "fast")
+            self.assertGreater(contacts["sum"]["right"], 0)
             self.assertEqual(contacts["sum"]["reported"], contacts["sum"]["right"] + contacts["sum"]["false"])
             self.assertLessEqual(0, run["median_ms"]["narrow"])
             self.assertLess(run["median_ms"]["narrow"], run["median_ms"]["stages"])
