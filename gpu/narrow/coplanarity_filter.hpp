@@ -9,7 +9,9 @@
 //
 // Bound, u = 2^-24, D_a the largest component of axis a: every determinant is six products of three components, each
 // within (3 inputs + 6 operations) u of the truth; b0 and b3 are off by less than 60u Dx Dy Dz, 3 b1 and 3 b2 by less
-// than 180u Dx Dy Dz. 96u and 288u are compared with. Products that underflow add less than kTiny each.
+// than 180u Dx Dy Dz. 96u and 288u are compared with. What underflows, an input or a product, is off by 2^-150 and is
+// multiplied by at most two components: with components below 2^8 all of it together stays below kTiny. Larger ones,
+// which a scene near 1 does not have, are not decided.
 
 #include "gpu/math/cubic.hpp"
 #include "gpu/math/precision.hpp"
@@ -24,8 +26,8 @@ struct NeverCoplanar {
   COLLIDED_HD bool operator()(const Vec3<float> (&x)[3], const Vec3<float> (&y)[3]) const {
     const Vec3<float> d{largest_of(&Vec3<float>::x, x, y), largest_of(&Vec3<float>::y, x, y),
                         largest_of(&Vec3<float>::z, x, y)};
+    if (!(larger(d.x, larger(d.y, d.z)) < kLargest)) return false;
     const float volume = d.x * d.y * d.z;
-    if (!(volume < kLargestVolume)) return false;  // sums could overflow
     constexpr float u = Precision<float>::kUnit;
     float e = 96 * u * volume + Precision<float>::kTiny;
     if (thickness > 0) e = (e + thickness * (longer(x[0], y[0]) * longer(x[1], y[1]))) * (1 + 32 * u);
@@ -35,7 +37,7 @@ struct NeverCoplanar {
   }
 
  private:
-  static constexpr float kLargestVolume = 1e30f;
+  static constexpr float kLargest = 256;
 
   COLLIDED_HD static float largest_of(float Vec3<float>::*axis, const Vec3<float> (&x)[3], const Vec3<float> (&y)[3]) {
     float m = 0;

@@ -3,7 +3,9 @@
 
 #include "tests/support/labelled.hpp"
 
+#include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "tests/gpu/backend.hpp"
 #include "tests/support/query_families.hpp"
@@ -20,7 +22,7 @@ class Labelled : public OnBackend<::testing::TestWithParam<Scalar>> {
     for (QueryKind kind : {QueryKind::kVertexTriangle, QueryKind::kEdgeEdge}) {
       std::vector<Query> queries;
       for (const LabelledQuery& l : labelled)
-        if (l.query.kind == kind) queries.push_back(rounded(l.query, GetParam()));
+        if (l.query.kind == kind && fits(l.query)) queries.push_back(rounded(l.query, GetParam()));
       const Judged judged = judge(std::move(queries), Mode::kCcd, 0);
       BatchSettings settings;
       settings.backend = kBackend;
@@ -42,12 +44,20 @@ class Labelled : public OnBackend<::testing::TestWithParam<Scalar>> {
       if (accuracy == Accuracy::kCertified) false_at_certified = s.false_hits;
       if (accuracy == Accuracy::kFast) continue;
       EXPECT_EQ(s.missed + s.late + s.wrongly_certified + s.wrong_initial + s.malformed, 0u) << name_of(accuracy);
-      if (accuracy == Accuracy::kExact) EXPECT_EQ(s.false_hits, 0u);
+      EXPECT_TRUE(accuracy != Accuracy::kExact || s.false_hits == 0);
     }
     return false_at_certified;
   }
 
  private:
+  /// Whether the scalar type has numbers of that size.
+  static bool fits(const Query& query) {
+    const double most = GetParam() == Scalar::kF32 ? std::numeric_limits<float>::max() / 8 : HUGE_VAL;
+    for (const Vec3d& p : query.p)
+      for (const double x : p)
+        if (std::abs(x) > most) return false;
+    return true;
+  }
   static unsigned long long number(uint64_t n) { return n; }
 };
 
@@ -63,7 +73,7 @@ TEST_P(Labelled, HandMadeQueries) {
   }
   // Tight-Inclusion at tolerance 1e-6 reports 222 false contacts on ten sets; these are seven of them and one more.
   const uint64_t false_hits = expect_promises("hand-made queries", all);
-  if (GetParam() == Scalar::kF64) EXPECT_LE(false_hits, 222u);
+  EXPECT_TRUE(GetParam() == Scalar::kF32 || false_hits <= 222);
 }
 
 TEST_P(Labelled, PairsOfRealFrames) {
