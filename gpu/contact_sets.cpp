@@ -32,7 +32,8 @@ void keep_one(ContactSet& set, size_t place) {
 std::vector<size_t> undecided(const ContactSet& set) {
   std::vector<size_t> places;
   for (size_t i = 0; i < set.size(); ++i)
-    if ((set.flags[i] & kFlagCertified) == 0 || (!set.toi.empty() && set.toi[i] == 0)) places.push_back(i);
+    if ((set.flags[i] & (kFlagCertified | kFlagCapped)) != kFlagCertified || (!set.toi.empty() && set.toi[i] == 0))
+      places.push_back(i);
   return places;
 }
 

@@ -14,7 +14,7 @@ namespace {
 /// f(i) for i in [0, n), cancellable: a decision takes microseconds to milliseconds.
 template <class F>
 void for_each_pair(const ExactQuestion& question, size_t n, const F& f) {
-  constexpr size_t kBetweenChecks = 1024;
+  constexpr size_t kBetweenChecks = 128;
   tbb::task_arena arena(question.threads > 0 ? question.threads : tbb::task_arena::automatic);
   for (size_t first = 0; first < n; first += kBetweenChecks) {
     if (question.cancelled && question.cancelled()) throw Cancelled();
