@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "tests/support/query_families_shapes.hpp"
 #include "tests/support/verdict_score_checks.hpp"
@@ -81,20 +82,36 @@ Query flat_lattice(QueryKind kind, Scalar, Random& random) {
   return turned(query, random);
 }
 
-// The neighbour takes away what the size of the scene tells of the others.
-TEST_P(Shifts, AHugeNeighbourHidesNothing) {
-  const QueryFamily family{"flat lattice", flat_lattice};
+// A lattice so small that its volume is about the smallest float.
+Query tiny_lattice(QueryKind kind, Scalar, Random& random) {
+  Query query = play(exact_touch(kind, random, eighths(random)));
+  const int x = random.integer(-60, -45), y = random.integer(-60, -45), z = random.integer(-170, -150) - x - y;
+  for (Vec3d& p : query.p) p = {std::ldexp(p[0], x), std::ldexp(p[1], y), std::ldexp(p[2], z)};
+  return query;
+}
+
+// The scene is scaled by its size, for which a neighbour of `size` makes sure.
+void expect_found_beside(const QuerySource& source, double size,
+                         const std::function<std::vector<Verdict>(const std::vector<Query>&)>& run, Accuracy accuracy) {
+  std::vector<Query> queries = queries_of(source, 2000);
+  Query neighbour = queries[0];
+  neighbour.p[0][0] = size;
+  queries.push_back(neighbour);
+  const Judged truth = judge(std::move(queries), Mode::kCcd, 0);
+  std::vector<Offence> offences;
+  score(truth, run(truth.queries), accuracy, &offences);
+  EXPECT_EQ(offences.size(), 0u);
+  for (size_t i = 0; i < std::min<size_t>(offences.size(), 3); ++i)
+    ADD_FAILURE() << offences[i].what << ": " << text_of(truth.queries[offences[i].query]);
+}
+
+TEST_P(Shifts, ANeighbourHidesNothing) {
+  const QueryFamily flat{"flat lattice", flat_lattice}, tiny{"tiny lattice", tiny_lattice};
+  const auto ask = [](const std::vector<Query>& queries) { return run(queries, {0, 0}, 0); };
+  const auto [scalar, accuracy] = GetParam();
   for (QueryKind kind : kQueryKinds) {
-    std::vector<Query> queries = queries_of({&family, kind, scalar(), 4}, 2000);
-    Query neighbour = queries[0];
-    neighbour.p[0][0] = scalar() == Scalar::kF32 ? 0x1p124 : 0x1p1020;
-    queries.push_back(neighbour);
-    const Judged truth = judge(std::move(queries), Mode::kCcd, 0);
-    std::vector<Offence> offences;
-    score(truth, run(truth.queries, {0, 0}, 0), std::get<1>(GetParam()), &offences);
-    EXPECT_EQ(offences.size(), 0u);
-    for (size_t i = 0; i < std::min<size_t>(offences.size(), 3); ++i)
-      ADD_FAILURE() << offences[i].what << ": " << text_of(truth.queries[offences[i].query]);
+    expect_found_beside({&flat, kind, scalar, 4}, scalar == Scalar::kF32 ? 0x1p124 : 0x1p1020, ask, accuracy);
+    expect_found_beside({&tiny, kind, scalar, 4}, 1, ask, accuracy);
   }
 }
 
