@@ -56,9 +56,9 @@ struct Pace {
   Work left = Work(1) / 16;
   Work limit = 1;  ///< longest step that is worth a try
 
-  /// A time after t at which the features should still be apart; `last` if they do not come closer.
-  COLLIDED_HD Work ahead_of(Work t, Work gap, Work speed, Work least_gap, Work last) const {
-    const Work most = smaller(last, t + limit);
+  /// A time after t at which the features should still be apart; 1 if they do not come closer.
+  COLLIDED_HD Work ahead_of(Work t, Work gap, Work speed, Work least_gap) const {
+    const Work most = smaller(Work(1), t + limit);
     if (!(speed < 0)) return most;
     return smaller(most, t + (gap - larger(left * gap, least_gap)) / -speed);
   }
@@ -73,24 +73,28 @@ struct Pace {
   }
 };
 
-/// Looks for contact in [0, last]; contact after `last` counts as a miss.
+/// Looks for contact in [0, 1]. A contact that is certain to be reported after `last` may count as a miss; `last` never
+/// changes the time of a hit, for what it is depends on the order of the queries.
 template <class Work, int N>
 COLLIDED_HD Advance<Work> advance(const Differences<Work, N>& d, const Tolerance<Work>& tolerance, Work last) {
   const Work rounding = 32 * Precision<Work>::kUnit * d.extent;
   Work t = 0;
   Pace<Work> pace;
   for (int i = 0; i < kMaxAdvances; ++i) {
+    if (t > last) return {false, t, false};
     const Facing<Work, N> now(d, t);
     const Reach<Work> by_closest = reach_along(d, now.closest, t, tolerance.thickness);
-    if (by_closest.until > last) return {false, t, false};
+    if (by_closest.until > 1) return {false, t, false};
     const Reach<Work> by_normal = reach_along(d, now.normal, t, tolerance.thickness);
-    const Reach<Work> reach = by_normal.until > by_closest.until ? by_normal : by_closest;
-    if (reach.until > last) return {false, t, false};
+    const Reach<Work> reach{larger(by_closest.until, by_normal.until),
+                            larger(by_closest.separation, by_normal.separation)};
+    if (reach.until > 1) return {false, t, false};
     if (!(reach.until > t) || !(reach.separation > tolerance.delta)) return {true, t, false};
+    if (reach.until > last) return {false, t, false};
     // Features that turn need many fixed directions, but few turning ones.
     const Work step = reach.until - t;
     pace.limit = larger(pace.limit, 2 * step);
-    const Work ahead = pace.ahead_of(t, now.gap - tolerance.thickness, now.speed, rounding, last);
+    const Work ahead = pace.ahead_of(t, now.gap - tolerance.thickness, now.speed, rounding);
     if (!(ahead > reach.until)) {
       pace.succeed();
       t = reach.until;
@@ -100,7 +104,7 @@ COLLIDED_HD Advance<Work> advance(const Differences<Work, N>& d, const Tolerance
     const bool use_normal = by_normal.until - t > step / 2;  // it keeps its digits when the gap has lost them
     const bool apart = use_normal ? apart_while_turning(d, now.normal, then.normal, t, ahead, tolerance.thickness)
                                   : apart_while_turning(d, now.closest, then.closest, t, ahead, tolerance.thickness);
-    if (apart && ahead == last) return {false, t, false};
+    if (apart && ahead == 1) return {false, t, false};
     apart ? pace.succeed() : pace.fail(ahead - t);
     t = apart ? ahead : reach.until;
   }

@@ -66,7 +66,7 @@ struct Shortcut {
 struct Hurry {
   Shortcut* shortcut = nullptr;  ///< null: every contact is wanted
   Report report = Report::kAll;
-  bool only_certain = false;  ///< only certain contacts count; what is near is decided later
+  bool only_certain = false;  ///< only certain contacts with final times count; the others are decided later
 
   COLLIDED_HD bool is_over() const { return report == Report::kAnyHit && atomic_read(shortcut->has_contact) != 0; }
   /// Contacts after this time do not matter.
@@ -77,7 +77,10 @@ struct Hurry {
   COLLIDED_HD void found(double toi, uint8_t flags) const {
     if (report == Report::kAll || (only_certain && (flags & kFlagCertified) == 0)) return;
     if (report == Report::kAnyHit) atomic_write(shortcut->has_contact, uint32_t{1});
-    if (report == Report::kEarliestOnly) atomic_min(shortcut->earliest_bits, detail::bit_copy<uint64_t>(toi));
+    const bool is_open = (flags & kFlagCapped) != 0 || (toi == 0 && (flags & kFlagInitial) == 0);
+    const bool is_final = !only_certain || !is_open;
+    if (report == Report::kEarliestOnly && is_final)
+      atomic_min(shortcut->earliest_bits, detail::bit_copy<uint64_t>(toi));
   }
 };
 
