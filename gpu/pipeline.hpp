@@ -160,8 +160,9 @@ class Pipeline {
   bool is_coarse(const Box<float>& bounds, double delta) {
     const Real spacing = spacing_at<Real>(bounds);
     if (delta > 0) return spacing > delta;
-    const uint64_t small = exec_.reduce("count_small_triangles", triangle_count(),
-                                        IsSmall{boxes(), static_cast<float>(1024 * spacing)}, uint64_t{0}, Add{});
+    const uint64_t small =
+        exec_.reduce("count_small_triangles", triangle_count(),
+                     IsSmall<Real>{scene_.end.data(), triangles(), 1024 * spacing}, uint64_t{0}, Add{});
     return 2 * small > triangle_count();
   }
 

@@ -14,14 +14,21 @@ Real spacing_at(const Box<float>& bounds) {
   return at - next_down(at);
 }
 
-/// Triangles whose boxes are nowhere longer than the limit.
+/// Triangles that are nowhere longer than the limit. Their boxes would not tell: these are rounded outward to float.
+template <class Real>
 struct IsSmall {
-  Span<const Box<float>> boxes;
-  float limit;
+  const Vec3<Real>* positions;
+  Span<const Triangle> triangles;
+  Real limit;
 
   COLLIDED_HD uint64_t operator()(uint64_t i) const {
-    return largest_component(boxes[i].hi - boxes[i].lo) < limit ? 1 : 0;
+    const Triangle t = triangles[i];
+    const Vec3<Real> a = positions[t.x], b = positions[t.y], c = positions[t.z];
+    return is_short(a - b) && is_short(b - c) && is_short(c - a) ? 1 : 0;
   }
+
+ private:
+  COLLIDED_HD bool is_short(const Vec3<Real>& edge) const { return largest_component(edge) < limit; }
 };
 
 }  // namespace collided
