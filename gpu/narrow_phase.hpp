@@ -99,8 +99,9 @@ class NarrowPhase {
     if (settings_.report == Report::kEarliestOnly) keep_earliest(r);
     if (settings_.report == Report::kAnyHit) return;
     r.earliest_toi = std::min(earliest_toi(r.vertex_triangle), earliest_toi(r.edge_edge));
-    r.any_contact = settings_.accuracy != Accuracy::kCandidates &&
-                    r.vertex_triangle.size() + r.edge_edge.size() + r.triangle_triangle.size() > 0;
+    const bool finds_features = settings_.accuracy != Accuracy::kCandidates;  // else they are but candidates
+    r.any_contact =
+        (finds_features && r.vertex_triangle.size() + r.edge_edge.size() > 0) || r.triangle_triangle.size() > 0;
   }
 
  private:
