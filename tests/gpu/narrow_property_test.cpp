@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "tests/gpu/backend.hpp"
+#include "tests/gpu/judged_case.hpp"
 #include "tests/support/adversarial.hpp"
-#include "tests/support/brute_force.hpp"
 #include "tests/support/distance.hpp"
 
 namespace collided::test {
@@ -46,12 +46,6 @@ SceneSpec fast(Mode mode, Scalar scalar, double thickness = 0) {
   SceneSpec spec = settings(mode, Accuracy::kFast, scalar, thickness);
   spec.weights = true;
   return spec;
-}
-
-std::vector<PairKey> keys_of(const ContactSet& contacts) {
-  std::vector<PairKey> keys;
-  for (const auto& e : contacts.elements) keys.push_back(key_of(e[0], e[1]));
-  return keys;
 }
 
 // Contacts are candidates, once each, in order; arrays agree in length.

@@ -1,0 +1,112 @@
+// What is done with contacts on the host.
+
+#include "gpu/contact_sets.hpp"
+
+#include <gtest/gtest.h>
+
+namespace collided::test {
+namespace {
+
+constexpr uint8_t kSure = kFlagCertified, kSureInitial = kFlagCertified | kFlagInitial;
+
+// Contacts (i, i + 100) with all arrays, entry i marked by i in each.
+ContactSet contacts(const std::vector<double>& toi, const std::vector<uint8_t>& flags) {
+  ContactSet set;
+  for (uint32_t i = 0; i < toi.size(); ++i) {
+    set.elements.push_back({i, i + 100});
+    set.distance.push_back(i);
+    set.weights.push_back({0.5 * i, 0.25 * i});
+  }
+  set.toi = toi;
+  set.flags = flags;
+  return set;
+}
+
+// What contacts() marked with these numbers.
+void expect_are(const ContactSet& set, const std::vector<uint32_t>& marks) {
+  ASSERT_EQ(set.size(), marks.size());
+  ASSERT_EQ(set.toi.size(), marks.size());
+  ASSERT_EQ(set.distance.size(), marks.size());
+  ASSERT_EQ(set.weights.size(), marks.size());
+  ASSERT_EQ(set.flags.size(), marks.size());
+  for (size_t i = 0; i < marks.size(); ++i) {
+    EXPECT_EQ(set.elements[i], (std::array<uint32_t, 2>{marks[i], marks[i] + 100}));
+    EXPECT_EQ(set.distance[i], marks[i]);
+    EXPECT_EQ(set.weights[i], (std::array<double, 2>{0.5 * marks[i], 0.25 * marks[i]}));
+  }
+}
+
+TEST(ContactSets, UndecidedIsWhatIsNotCertainOrAtTimeZero) {
+  const ContactSet set =
+      contacts({0.5, 0.5, 0, 0, 1}, {kSure, kFlagNear, kSure, kSureInitial, kFlagNear | kFlagCapped});
+  EXPECT_EQ(undecided(set), (std::vector<size_t>{1, 2, 3, 4}));
+}
+
+TEST(ContactSets, WithoutTimesOnlyCertaintyDecides) {
+  ContactSet set = contacts({0, 0, 0}, {kSure, kFlagNear, kSure});
+  set.toi.clear();
+  EXPECT_EQ(undecided(set), (std::vector<size_t>{1}));
+}
+
+TEST(ContactSets, NothingIsUndecidedInAnEmptySet) { EXPECT_TRUE(undecided({}).empty()); }
+
+TEST(ContactSets, AnswersSetTimesAndFlagsAndRemoveWhatIsNoContact) {
+  ContactSet set = contacts({0.1, 0.2, 0, 0.4}, {kFlagNear, kFlagNear | kFlagCapped, kFlagNear | kFlagInitial, kSure});
+  apply(set, {0, 1, 2}, {{false, 0, false}, {true, 0.25, false}, {true, 0, true}});
+  expect_are(set, {1, 2, 3});
+  EXPECT_EQ(set.toi, (std::vector<double>{0.25, 0, 0.4}));
+  EXPECT_EQ(set.flags, (std::vector<uint8_t>{kSure, kSureInitial, kSure}));
+}
+
+TEST(ContactSets, EveryContactMayGo) {
+  ContactSet set = contacts({0.1, 0.2}, {kFlagNear, kFlagNear});
+  apply(set, {0, 1}, {{}, {}});
+  expect_are(set, {});
+}
+
+TEST(ContactSets, ArraysThatAreNotThereStayEmpty) {
+  ContactSet set;
+  set.elements = {{1, 2}, {3, 4}};
+  set.flags = {kFlagNear, kFlagNear};
+  apply(set, {0, 1}, {{false, 0, false}, {true, 0, false}});
+  EXPECT_EQ(set.elements, (std::vector<std::array<uint32_t, 2>>{{3, 4}}));
+  EXPECT_EQ(set.flags, (std::vector<uint8_t>{kSure}));
+  EXPECT_TRUE(set.toi.empty() && set.distance.empty() && set.weights.empty());
+}
+
+// The one that keep_earliest() leaves of contacts with these times: its mark in each kind, or none.
+std::array<std::vector<uint32_t>, 2> kept(const std::vector<double>& vt, const std::vector<double>& ee) {
+  FrameResult result;
+  result.vertex_triangle = contacts(vt, std::vector<uint8_t>(vt.size(), kSure));
+  result.edge_edge = contacts(ee, std::vector<uint8_t>(ee.size(), kSure));
+  keep_earliest(result);
+  std::array<std::vector<uint32_t>, 2> marks;
+  for (const auto& e : result.vertex_triangle.elements) marks[0].push_back(e[0]);
+  for (const auto& e : result.edge_edge.elements) marks[1].push_back(e[0]);
+  expect_are(result.vertex_triangle, marks[0]);
+  expect_are(result.edge_edge, marks[1]);
+  return marks;
+}
+
+TEST(ContactSets, KeepsTheEarliestOfBothKinds) {
+  using Kept = std::array<std::vector<uint32_t>, 2>;
+  EXPECT_EQ(kept({0.5, 0.25, 0.75}, {0.5}), (Kept{{{1}, {}}}));
+  EXPECT_EQ(kept({0.5}, {0.5, 0.75, 0.125}), (Kept{{{}, {2}}}));
+  EXPECT_EQ(kept({0.5}, {}), (Kept{{{0}, {}}}));
+  EXPECT_EQ(kept({}, {0.5}), (Kept{{{}, {0}}}));
+  EXPECT_EQ(kept({}, {}), (Kept{}));
+}
+
+TEST(ContactSets, OfSeveralEarliestVertexTriangleComesFirstThenTheLowestIds) {
+  using Kept = std::array<std::vector<uint32_t>, 2>;
+  EXPECT_EQ(kept({0.5, 0.25, 0.25}, {0.25}), (Kept{{{1}, {}}}));
+  EXPECT_EQ(kept({0.5}, {0.25, 0.25}), (Kept{{{}, {0}}}));
+}
+
+TEST(ContactSets, EarliestTimeIsOneWithoutContacts) {
+  EXPECT_EQ(earliest_toi({}), 1);
+  EXPECT_EQ(earliest_toi(contacts({0.5, 0.25, 0.75}, {kSure, kSure, kSure})), 0.25);
+}
+
+}  // namespace
+}  // namespace collided::test

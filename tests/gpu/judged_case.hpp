@@ -1,0 +1,43 @@
+#pragma once
+// What the exact judge says of the pairs of a case, by scene-wide feature ids.
+
+#include <map>
+
+#include "tests/support/brute_force.hpp"
+#include "tests/support/exact_judge.hpp"
+
+namespace collided::test {
+
+/// The pairs in contact and when; in DCD the times say nothing.
+using Truth = std::map<PairKey, ExactImpact>;
+
+class CaseJudge {
+ public:
+  /// The case has to be rounded to the scene's scalar type already.
+  CaseJudge(const Case& c, Mode mode, double thickness);
+
+  Truth vertex_triangle(const std::vector<std::array<uint32_t, 2>>& pairs) const;
+  Truth edge_edge(const std::vector<std::array<uint32_t, 2>>& pairs) const;
+  /// Of all pairs of triangles that have no vertex in common: those that share a point at t = 1; ascending.
+  std::vector<PairKey> triangles() const;
+
+ private:
+  ExactImpact judge(QueryKind kind, const std::array<uint32_t, 4>& vertices) const;
+
+  Features features_;
+  Mode mode_;
+  double thickness_;
+  Positions start_, end_;
+};
+
+std::vector<PairKey> keys_of(const ContactSet& contacts);
+std::vector<PairKey> keys_of(const Truth& truth);
+
+/// A soup whose coordinates are integers: triangles touch, are coplanar, coincide and have no area, and no number is
+/// rounded.
+Case lattice(uint32_t seed, uint32_t count, double side);
+
+/// "CANDIDATES" to "EXACT".
+std::string level_name(Accuracy accuracy);
+
+}  // namespace collided::test

@@ -1,0 +1,183 @@
+// Triangles that intersect, at every level, against the exact judge.
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/gpu/backend.hpp"
+#include "tests/gpu/judged_case.hpp"
+#include "tests/support/adversarial.hpp"
+#include "tests/support/digest.hpp"
+
+namespace collided::test {
+namespace {
+
+constexpr Accuracy kAllLevels[] = {Accuracy::kCandidates, Accuracy::kFast, Accuracy::kGuarded, Accuracy::kCertified,
+                                   Accuracy::kExact};
+
+SceneSpec triangles_alone(Accuracy accuracy, Scalar scalar = Scalar::kF64, double thickness = 0) {
+  SceneSpec spec = settings(Mode::kDcd, accuracy, scalar, thickness);
+  spec.vertex_triangle = spec.edge_edge = false;
+  spec.triangle_triangle = true;
+  return spec;
+}
+
+// Pairs in order, nothing missed, nothing wrongly certain; no arrays but flags.
+void expect_promises(const ContactSet& found, const std::vector<PairKey>& truth) {
+  const std::vector<PairKey> keys = keys_of(found);
+  EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end(), std::less_equal<>())) << "order, or a pair twice";
+  EXPECT_TRUE(std::includes(keys.begin(), keys.end(), truth.begin(), truth.end())) << "missed";
+  ASSERT_EQ(found.flags.size(), found.size());
+  for (size_t i = 0; i < keys.size(); ++i) {
+    EXPECT_LT(found.elements[i][0], found.elements[i][1]);
+    const bool is_true = std::binary_search(truth.begin(), truth.end(), keys[i]);
+    EXPECT_TRUE(found.flags[i] == kFlagNear || (found.flags[i] == kFlagCertified && is_true)) << int{found.flags[i]};
+  }
+  EXPECT_TRUE(found.toi.empty() && found.distance.empty() && found.weights.empty());
+}
+
+void expect_judged(const Case& c, Scalar scalar, size_t least) {
+  const std::vector<PairKey> truth = CaseJudge(c, Mode::kDcd, 0).triangles();
+  EXPECT_GE(truth.size(), least) << "the case tells nothing";
+  for (Accuracy accuracy : kAllLevels) {
+    SCOPED_TRACE(level_name(accuracy));
+    const FrameResult r = run_case(c, triangles_alone(accuracy, scalar));
+    expect_promises(r.triangle_triangle, truth);
+    EXPECT_EQ(r.vertex_triangle.size() + r.edge_edge.size(), 0u);
+    EXPECT_EQ(r.counts.contacts_tt, r.triangle_triangle.size());
+    EXPECT_EQ(r.any_contact, r.triangle_triangle.size() > 0);
+    EXPECT_EQ(r.earliest_toi, 1);
+    if (accuracy != Accuracy::kExact) continue;
+    EXPECT_EQ(keys_of(r.triangle_triangle), truth);
+    for (uint8_t flags : r.triangle_triangle.flags) EXPECT_EQ(flags, kFlagCertified);
+  }
+}
+
+class TrianglePairs : public OnBackend<::testing::TestWithParam<Scalar>> {};
+
+TEST_P(TrianglePairs, OfRandomSoups) {
+  expect_judged(rounded(soup(110, 250, 1, 0.3, 0.1), GetParam()), GetParam(), 100);
+  expect_judged(rounded(soup(111, 250, 1, 0.3, 0.1, {1e3, 2e3, -3e3}), GetParam()), GetParam(), 100);
+}
+
+// Coplanar, touching in a corner or along an edge, the same triangle twice, segments and points.
+TEST_P(TrianglePairs, OfLattices) {
+  expect_judged(lattice(112, 120, 6), GetParam(), 100);
+  Case flat = lattice(113, 120, 12);
+  for (Vec3d& p : flat.end[0]) p[2] = p[0] - p[1];
+  expect_judged(flat, GetParam(), 100);
+}
+
+// Most of what a level cannot be sure of is no contact: a hair apart in a tilted plane.
+TEST_P(TrianglePairs, OfNearMisses) {
+  Case c = lattice(114, 120, 12);
+  for (size_t v = 0; v < c.end[0].size(); ++v) {
+    Vec3d& p = c.end[0][v];
+    p[2] = p[0] - p[1] + std::ldexp(static_cast<double>(v / 3), GetParam() == Scalar::kF32 ? -20 : -45);
+  }
+  c = rounded(c, GetParam());
+  const size_t guarded = run_case(c, triangles_alone(Accuracy::kGuarded, GetParam())).triangle_triangle.size();
+  const size_t exact = run_case(c, triangles_alone(Accuracy::kExact, GetParam())).triangle_triangle.size();
+  EXPECT_GT(guarded, exact) << "no near misses";
+  expect_judged(c, GetParam(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scalars, TrianglePairs, ::testing::Values(Scalar::kF32, Scalar::kF64),
+                         [](const auto& info) { return info.param == Scalar::kF32 ? "F32" : "F64"; });
+
+using TrianglePairRules = OnBackend<>;
+
+// Four corners of a tent that stands on itself: its sides meet in their common edge and corners, which is no contact.
+TEST_F(TrianglePairRules, CommonVerticesAreNoContact) {
+  Case c;
+  add_mesh(c, {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}}, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  for (Accuracy accuracy : kAllLevels)
+    EXPECT_EQ(run_case(c, triangles_alone(accuracy)).triangle_triangle.size(), 0u) << level_name(accuracy);
+}
+
+TEST_F(TrianglePairRules, ThicknessPlaysNoPart) {
+  const Case c = soup(115, 200, 1, 0.2, 0.1);
+  for (Accuracy accuracy : kAllLevels) {
+    const FrameResult thin = run_case(c, triangles_alone(accuracy));
+    const FrameResult thick = run_case(c, triangles_alone(accuracy, Scalar::kF64, 0.1));
+    EXPECT_GT(thin.triangle_triangle.size(), 20u);
+    EXPECT_TRUE(same_bytes(thin.triangle_triangle, thick.triangle_triangle)) << level_name(accuracy);
+  }
+}
+
+// With the other kinds the triangle pairs are the same, and the other kinds are what they are without.
+TEST_F(TrianglePairRules, KindsDoNotDisturbEachOther) {
+  const Case c = soup(116, 200, 1, 0.2, 0.1);
+  for (Accuracy accuracy : kAllLevels) {
+    SceneSpec spec = settings(Mode::kDcd, accuracy, Scalar::kF64, 0.01);
+    const FrameResult features = run_case(c, spec);
+    spec.triangle_triangle = true;
+    const FrameResult all = run_case(c, spec);
+    EXPECT_TRUE(same_contacts(features, all));
+    const FrameResult alone = run_case(c, triangles_alone(accuracy, Scalar::kF64, 0.01));
+    EXPECT_TRUE(same_bytes(alone.triangle_triangle, all.triangle_triangle));
+  }
+}
+
+std::vector<uint32_t> mesh_of_triangle(const Case& c) {
+  std::vector<uint32_t> mesh;
+  for (uint32_t m = 0; m < c.meshes.size(); ++m) mesh.insert(mesh.end(), c.meshes[m].triangles.size(), m);
+  return mesh;
+}
+
+bool may_touch(const Case& c, uint32_t i, uint32_t j) {
+  const MeshSpec &a = c.meshes[i], &b = c.meshes[j];
+  if (a.is_static && b.is_static) return false;
+  return i == j ? a.self_contacts : (a.groups & b.collide_mask) && (b.groups & a.collide_mask);
+}
+
+// Of all intersecting pairs those that the meshes' rules let through.
+TEST_F(TrianglePairRules, MeshesThatMayNotTouchHaveNone) {
+  for (const char* name : {"StaticObstacles", "GroupMasks", "NoSelfContacts"}) {
+    SCOPED_TRACE(name);
+    const std::vector<Case> cases = adversarial_cases();
+    const Case& c = *std::find_if(cases.begin(), cases.end(), [&](const Case& x) { return x.name == name; });
+    const std::vector<uint32_t> mesh = mesh_of_triangle(c);
+    const std::vector<PairKey> all = CaseJudge(c, Mode::kDcd, 0).triangles();
+    std::vector<PairKey> expected;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(expected),
+                 [&](PairKey key) { return may_touch(c, mesh[key >> 32], mesh[static_cast<uint32_t>(key)]); });
+    EXPECT_GT(expected.size(), 10u);
+    EXPECT_LT(expected.size(), all.size()) << "the rules let all through";
+    for (Accuracy accuracy : {Accuracy::kCertified, Accuracy::kExact})
+      EXPECT_EQ(keys_of(run_case(c, triangles_alone(accuracy)).triangle_triangle), expected);
+  }
+}
+
+// A triangle that another one pierces, with no feature near another: a contact of triangles alone.
+Case pierced() {
+  Case c;
+  add_mesh(c, {{0, 1, 2}}, {{-4, -4, 0}, {4, -4, 0}, {0, 4, 0}});
+  add_mesh(c, {{0, 1, 2}}, {{0, 0, 2}, {1, 0, -2}, {-1, 0, -2}});
+  return c;
+}
+// Boxes that overlap, nothing else.
+Case beside() {
+  Case c;
+  add_mesh(c, {{0, 1, 2}}, {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}});
+  add_mesh(c, {{0, 1, 2}}, {{3, 3, -1}, {4, 3, 1}, {3, 4, 1}});
+  return c;
+}
+
+// Candidates of features are no contacts, but triangle pairs are contacts at every level.
+TEST_F(TrianglePairRules, CountAsContactsAtEveryLevel) {
+  for (Accuracy accuracy : kAllLevels) {
+    SCOPED_TRACE(level_name(accuracy));
+    SceneSpec spec = settings(Mode::kDcd, accuracy, Scalar::kF64, 0x1p-10);
+    EXPECT_FALSE(run_case(pierced(), spec).any_contact);
+    spec.triangle_triangle = true;
+    EXPECT_TRUE(run_case(pierced(), spec).any_contact);
+    EXPECT_FALSE(run_case(beside(), spec).any_contact);
+  }
+  for (const Case& c : {pierced(), beside()}) {
+    const FrameResult candidates = run_case(c, settings(Mode::kDcd, Accuracy::kCandidates));
+    EXPECT_GT(candidates.vertex_triangle.size() + candidates.edge_edge.size(), 0u) << "the case has no candidates";
+  }
+}
+
+}  // namespace
+}  // namespace collided::test
