@@ -93,23 +93,25 @@ TEST_P(Levels, KeepTheirPromises) {
   const Truth vt = judge.vertex_triangle(candidates.vertex_triangle.elements);
   const Truth ee = judge.edge_edge(candidates.edge_edge.elements);
   EXPECT_GE(vt.size() + ee.size(), question.least_contacts);
-  for (Accuracy accuracy : kLevels) {
-    SCOPED_TRACE(level_name(accuracy));
-    spec.accuracy = accuracy;
-    const FrameResult r = run_case(c, spec);
-    expect_promises(r.vertex_triangle, vt, question.mode);
-    expect_promises(r.edge_edge, ee, question.mode);
-    EXPECT_EQ(r.counts.contacts_vt, r.vertex_triangle.size());
-    EXPECT_EQ(r.counts.contacts_ee, r.edge_edge.size());
-    EXPECT_EQ(r.any_contact, r.vertex_triangle.size() + r.edge_edge.size() > 0);
-    if (accuracy != Accuracy::kExact) {
-      EXPECT_EQ(r.counts.exact_decisions, 0u);
-      continue;
+  for (double delta : {0.0, 0x1p-6})  // the second makes near contacts, which have to be told from certain ones
+    for (Accuracy accuracy : kLevels) {
+      SCOPED_TRACE(level_name(accuracy) + ", delta " + std::to_string(delta));
+      spec.accuracy = accuracy;
+      spec.delta = delta;
+      const FrameResult r = run_case(c, spec);
+      expect_promises(r.vertex_triangle, vt, question.mode);
+      expect_promises(r.edge_edge, ee, question.mode);
+      EXPECT_EQ(r.counts.contacts_vt, r.vertex_triangle.size());
+      EXPECT_EQ(r.counts.contacts_ee, r.edge_edge.size());
+      EXPECT_EQ(r.any_contact, r.vertex_triangle.size() + r.edge_edge.size() > 0);
+      if (accuracy != Accuracy::kExact) {
+        EXPECT_EQ(r.counts.exact_decisions, 0u);
+        continue;
+      }
+      EXPECT_GE(r.counts.exact_decisions, question.is_lattice ? 1u : 0u);
+      expect_exact(r.vertex_triangle, vt, question.mode);
+      expect_exact(r.edge_edge, ee, question.mode);
     }
-    EXPECT_GE(r.counts.exact_decisions, question.is_lattice ? 1u : 0u);
-    expect_exact(r.vertex_triangle, vt, question.mode);
-    expect_exact(r.edge_edge, ee, question.mode);
-  }
 }
 
 INSTANTIATE_TEST_SUITE_P(
