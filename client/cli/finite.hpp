@@ -17,4 +17,14 @@ inline CLI::Validator finite() {
   return CLI::Validator(check, "");
 }
 
+/// Refuses what is below 0; CLI11's own check names the largest double in full.
+inline CLI::Validator at_least_zero() {
+  const auto check = [](std::string& word) {
+    double x = 0;
+    using CLI::detail::lexical_cast;
+    return lexical_cast(word, x) && x >= 0 ? std::string() : "'" + word + "' is not a number of at least 0";
+  };
+  return CLI::Validator(check, "");
+}
+
 }  // namespace collided::cli

@@ -69,12 +69,12 @@ void add_detection_options(CLI::App& command, DetectionOptions& options) {
       ->capture_default_str();
   command.add_option("--thickness", options.thickness, "Contact distance, in the unit of the positions")
       ->check(finite())
-      ->check(CLI::NonNegativeNumber)
+      ->check(at_least_zero())
       ->capture_default_str();
   command
       .add_option("--delta", options.delta, "Tolerance of ccd, in the unit of the positions; 0: by each pair's size")
       ->check(finite())
-      ->check(CLI::NonNegativeNumber)
+      ->check(at_least_zero())
       ->capture_default_str();
   command.add_option("--report", options.report, "all contacts, the earliest one, or only whether there is any")
       ->check(one_of(kReports))

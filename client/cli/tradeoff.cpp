@@ -105,7 +105,7 @@ void add_run_options(CLI::App& command, TradeoffSettings& settings) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(finite())
-      ->check(CLI::NonNegativeNumber)
+      ->check(at_least_zero())
       ->capture_default_str();
   command.add_option("--formats", settings.formats, "Positions on the wire: f32, f64")
       ->delimiter(',')
@@ -120,7 +120,7 @@ void add_run_options(CLI::App& command, TradeoffSettings& settings) {
       ->capture_default_str();
   command.add_option("--thickness", settings.detection.thickness, "Contact distance, in the unit of the positions")
       ->check(finite())
-      ->check(CLI::NonNegativeNumber)
+      ->check(at_least_zero())
       ->capture_default_str();
 }
 
