@@ -80,7 +80,9 @@ class NarrowPhase {
   }
   const Vec3<Real>* start() const { return spec_.mode == Mode::kCcd ? scene_.start.data() : scene_.end.data(); }
   const Vec3<Real>* end() const { return scene_.end.data(); }
-  Hurry hurry() const { return {scene_.shortcut.data(), settings_.report, is_exact()}; }
+  ContactSink<Real> sink(const ContactList<Real>& list) const {
+    return {list, {scene_.shortcut.data(), settings_.report, is_exact()}};
+  }
 
   // What the level leaves to its narrow phase.
   template <class Kind>
@@ -108,9 +110,9 @@ class NarrowPhase {
   template <class Kind>
   void run_ccd(const Kind& kind, Span<const uint64_t> candidates, const ContactList<Real>& list) {
     if (settings_.accuracy == Accuracy::kFast)
-      exec_.for_each("solve_cubic_ccd", candidates.size(),
-                     SolveCubicCcd<Real, Kind>{start(), end(), static_cast<Real>(spec_.thickness), kind, candidates,
-                                               hurry(), list});
+      exec_.for_each(
+          "solve_cubic_ccd", candidates.size(),
+          SolveCubicCcd<Real, Kind>{start(), end(), static_cast<Real>(spec_.thickness), kind, candidates, sink(list)});
     else if (settings_.accuracy == Accuracy::kGuarded)
       advance_ccd<float>(kind, candidates, list);
     else
@@ -118,16 +120,16 @@ class NarrowPhase {
   }
   template <class Work, class Kind>
   void advance_ccd(const Kind& kind, Span<const uint64_t> candidates, const ContactList<Real>& list) {
-    exec_.for_each("advance_ccd", candidates.size(),
-                   AdvanceCcd<Work, Real, Kind>{start(), end(), spec_.thickness, settings_.delta, kind, candidates,
-                                                hurry(), list});
+    exec_.for_each(
+        "advance_ccd", candidates.size(),
+        AdvanceCcd<Work, Real, Kind>{start(), end(), spec_.thickness, settings_.delta, kind, candidates, sink(list)});
   }
   template <class Kind>
   void run_proximity(const Kind& kind, Span<const uint64_t> candidates, const ContactList<Real>& list) {
     if (settings_.accuracy == Accuracy::kFast)
       exec_.for_each(
           "test_proximity", candidates.size(),
-          TestProximity<Real, Kind>{end(), static_cast<Real>(spec_.thickness), kind, candidates, hurry(), list});
+          TestProximity<Real, Kind>{end(), static_cast<Real>(spec_.thickness), kind, candidates, sink(list)});
     else if (settings_.accuracy == Accuracy::kGuarded)
       certify_proximity<float>(kind, candidates, list);
     else
@@ -136,13 +138,12 @@ class NarrowPhase {
   template <class Work, class Kind>
   void certify_proximity(const Kind& kind, Span<const uint64_t> candidates, const ContactList<Real>& list) {
     exec_.for_each("certify_proximity", candidates.size(),
-                   CertifyProximity<Work, Real, Kind>{end(), spec_.thickness, kind, candidates, hurry(), list});
+                   CertifyProximity<Work, Real, Kind>{end(), spec_.thickness, kind, candidates, sink(list)});
   }
   template <class Work>
   void run_triangles(Span<const TrianglePair> pairs, const ContactList<Real>& list) {
-    exec_.for_each(
-        "test_triangles", pairs.size(),
-        TestTriangles<Work, Real, TrianglePair>{end(), scene_.topology.triangles.all(), pairs, hurry(), list});
+    exec_.for_each("test_triangles", pairs.size(),
+                   TestTriangles<Work, Real, TrianglePair>{end(), scene_.topology.triangles.all(), pairs, sink(list)});
   }
 
   /// Runs the narrow phase of a kind and takes what the report wants of it.

@@ -33,11 +33,10 @@ struct Facing {
 
   COLLIDED_HD Facing(const Differences<Work, N>& d, Work t) {
     Vec3<Work> x[N];
-    for (int k = 0; k < N; ++k) x[k] = d.at(k, t);
-    const Closest<Work> points = closest_points(x);
-    const Vec3<Work> vector = between_points(x, points.w0, points.w1);
+    differences_at(d, t, x);
+    const auto [points, vector, length] = gap_between(x);
     closest = direction_of(vector);
-    gap = std::sqrt(dot(vector, vector));
+    gap = length;
     const Vec3<Work> velocity =
         between_points(d.end, points.w0, points.w1) - between_points(d.start, points.w0, points.w1);
     speed = closest.length > 0 ? dot(closest.n, velocity) / closest.length : Work(0);

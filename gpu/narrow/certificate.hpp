@@ -40,11 +40,6 @@ COLLIDED_HD Work largest_motion(const Differences<Work, N>& d) {
   return v + 16 * Precision<Work>::kUnit * (v + d.extent);
 }
 
-template <class Work, int N>
-COLLIDED_HD void differences_at(const Differences<Work, N>& d, Work t, Vec3<Work> (&x)[N]) {
-  for (int k = 0; k < N; ++k) x[k] = d.at(k, t);
-}
-
 /// -1 or 1 if the sign of the determinant of three differences is certain, else 0.
 template <class Work>
 COLLIDED_HD int certain_sign(const Vec3<Work>& a, const Vec3<Work>& b, const Vec3<Work>& c, Work extent) {
@@ -74,12 +69,8 @@ COLLIDED_HD bool crosses_between(const Differences<Work, N>& d, Work from, Work 
 /// Whether the features are within the thickness at t for certain; false says nothing.
 template <class Work, int N>
 COLLIDED_HD bool touches_at(const Differences<Work, N>& d, Work t, Work thickness) {
-  Vec3<Work> x[N];
-  differences_at(d, t, x);
-  const Closest<Work> points = closest_points(x);
-  const Vec3<Work> vector = between_points(x, points.w0, points.w1);
   constexpr Work u = Precision<Work>::kUnit;
-  return std::sqrt(dot(vector, vector)) * (1 + 8 * u) + 64 * u * d.extent <= thickness * (1 - 4 * u);
+  return gap_at(d, t).length * (1 + 8 * u) + 64 * u * d.extent <= thickness * (1 - 4 * u);
 }
 
 /// Whether a hit that advance() found at t is certain.

@@ -36,23 +36,17 @@ struct CertifyProximity {
   double thickness;
   Kind kind;
   Span<const uint64_t> candidates;
-  Hurry hurry;
-  ContactList<Real> contacts;
+  ContactSink<Real> contacts;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    if (hurry.is_over()) return;
+    if (contacts.hurry.is_over()) return;
     DifferencesOf<Work, Kind> d;
     if (!load_differences<Kind, Work>(kind.stencil(candidates[i]), positions, positions, d))
-      return report(i, {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified}});
+      return contacts.report(candidates[i], {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified}});
     const Work scaled = scaled_thickness<Work>(thickness, d.scale);
     if (are_apart(d, scaled)) return;
-    report(i, contact_at<Real>(d, Work(0), touches_at(d, Work(0), scaled) ? kFlagCertified : kFlagNear));
-  }
-
- private:
-  COLLIDED_HD void report(uint64_t i, const ContactData<Real>& contact) const {
-    contacts.push(candidates[i], contact);
-    hurry.found(0, contact.flags);
+    const uint8_t flags = touches_at(d, Work(0), scaled) ? kFlagCertified : kFlagNear;
+    contacts.report(candidates[i], contact_at<Real>(d, Work(0), flags));
   }
 };
 

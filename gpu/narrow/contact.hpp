@@ -84,4 +84,16 @@ struct Hurry {
   }
 };
 
+/// Where a query tells of its contact: the list, and the other queries of the frame.
+template <class Real>
+struct ContactSink {
+  ContactList<Real> list;
+  Hurry hurry;
+
+  COLLIDED_HD void report(uint64_t key, const ContactData<Real>& contact) const {
+    list.push(key, contact);
+    hurry.found(contact.toi, contact.flags);
+  }
+};
+
 }  // namespace collided

@@ -90,6 +90,32 @@ COLLIDED_HD Closest<Work> closest_points(const Vec3<Work> (&d)[4]) {
   return closest_edge_edge(d[0], d[2], Vec3<Work>{0, 0, 0}, d[0] - d[1]);
 }
 
+template <class Work, int N>
+COLLIDED_HD void differences_at(const Differences<Work, N>& d, Work t, Vec3<Work> (&x)[N]) {
+  for (int k = 0; k < N; ++k) x[k] = d.at(k, t);
+}
+
+/// Closest points of the features, and the vector between them, scaled.
+template <class Work>
+struct Gap {
+  Closest<Work> points;
+  Vec3<Work> vector;
+  Work length;
+};
+
+template <class Work, int N>
+COLLIDED_HD Gap<Work> gap_between(const Vec3<Work> (&x)[N]) {
+  const Closest<Work> points = closest_points(x);
+  const Vec3<Work> vector = between_points(x, points.w0, points.w1);
+  return {points, vector, std::sqrt(dot(vector, vector))};
+}
+template <class Work, int N>
+COLLIDED_HD Gap<Work> gap_at(const Differences<Work, N>& d, Work t) {
+  Vec3<Work> x[N];
+  differences_at(d, t, x);
+  return gap_between(x);
+}
+
 /// Normal of the triangle, or of both edges; zero if they have none.
 template <class Work>
 COLLIDED_HD Vec3<Work> common_normal(const Vec3<Work> (&d)[3]) {

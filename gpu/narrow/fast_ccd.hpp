@@ -21,11 +21,10 @@ struct SolveCubicCcd {
   Real thickness;
   Kind kind;
   Span<const uint64_t> candidates;
-  Hurry hurry;
-  ContactList<Real> contacts;
+  ContactSink<Real> contacts;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    if (hurry.is_over()) return;
+    if (contacts.hurry.is_over()) return;
     const Query q(kind.stencil(candidates[i]), start, end);
     const Cubic<Real> f = cubic(q);
     if (thickness == 0 && f.one_sided()) return;
@@ -70,8 +69,7 @@ struct SolveCubicCcd {
     const Real distance = std::sqrt(found.squared);
     if (!(distance <= reach)) return false;
     const uint8_t flags = t == 0 ? uint8_t{kFlagInitial} : uint8_t{0};
-    contacts.push(candidates[i], {static_cast<double>(t), distance, found.w0, found.w1, flags});
-    hurry.found(static_cast<double>(t), flags);
+    contacts.report(candidates[i], {static_cast<double>(t), distance, found.w0, found.w1, flags});
     return true;
   }
 };

@@ -21,20 +21,17 @@ struct TestProximity {
   Real thickness;
   Kind kind;
   Span<const uint64_t> candidates;
-  Hurry hurry;
-  ContactList<Real> contacts;
+  ContactSink<Real> contacts;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    if (hurry.is_over()) return;
+    if (contacts.hurry.is_over()) return;
     const Stencil s = kind.stencil(candidates[i]);
     // Differences to one vertex keep digits that coordinates far from the origin would waste.
     const Vec3<Real> o = positions[s.v[0]];
     const Vec3<Real> p[4] = {o - o, positions[s.v[1]] - o, positions[s.v[2]] - o, positions[s.v[3]] - o};
     const Closest<Real> found = closest(kind, p);
     const Real distance = std::sqrt(found.squared);
-    if (!(distance <= thickness)) return;
-    contacts.push(candidates[i], {0, distance, found.w0, found.w1, 0});
-    hurry.found(0, 0);
+    if (distance <= thickness) contacts.report(candidates[i], {0, distance, found.w0, found.w1, 0});
   }
 };
 

@@ -94,11 +94,10 @@ struct TestTriangles {
   const Vec3<Real>* positions;
   Span<const Vec3<uint32_t>> triangles;
   Span<const Pair> pairs;
-  Hurry hurry;
-  ContactList<Real> contacts;
+  ContactSink<Real> contacts;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    if (hurry.is_over()) return;
+    if (contacts.hurry.is_over()) return;
     const Vec3<uint32_t> a = triangles[pairs[i].a], b = triangles[pairs[i].b];
     if (has_vertex(a, b.x) || has_vertex(a, b.y) || has_vertex(a, b.z)) return;
     TriangleDifferences<Work> pair;
@@ -107,8 +106,7 @@ struct TestTriangles {
       if (are_apart(pair)) return;
       if (!certainly_meet(pair)) flags = kFlagNear;
     }
-    contacts.push(uint64_t{pairs[i].a} << 32 | pairs[i].b, {0, Real(0), Real(0), Real(0), flags});
-    hurry.found(0, flags);
+    contacts.report(uint64_t{pairs[i].a} << 32 | pairs[i].b, {0, Real(0), Real(0), Real(0), flags});
   }
 
  private:
