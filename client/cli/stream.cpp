@@ -7,6 +7,7 @@
 #include "client/cli/commands.hpp"
 #include "client/cli/connection.hpp"
 #include "client/cli/interrupt.hpp"
+#include "client/cli/mesh_input.hpp"
 #include "client/cli/progress.hpp"
 #include "client/cli/report.hpp"
 #include "client/cli/scene_options.hpp"
@@ -23,13 +24,6 @@ struct StreamOptions {
   std::string position_format = "f32";
   bool json = false;
 };
-
-std::vector<client::MeshInput> mesh_inputs(const scenes::Scene& scene) {
-  std::vector<client::MeshInput> out;
-  for (const scenes::Mesh& mesh : scene.meshes())
-    out.push_back({mesh.name, mesh.vertex_count, mesh.triangles, mesh.is_static});
-  return out;
-}
 
 /// Static meshes are sent with the first frame only.
 v1::Frame make_frame(const scenes::Scene& scene, uint64_t id, double t, v1::PositionFormat format) {
@@ -120,7 +114,7 @@ void run(const StreamOptions& options) {
   Connection connection(options.server);
   v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
   spec.set_display_name(options.scene.name);
-  const SceneGuard scene = connection.create_scene(spec, mesh_inputs(*procedural));
+  const SceneGuard scene = connection.create_scene(spec, mesh_inputs(procedural->meshes()));
   client::FrameStream stream = connection->stream(scene->scene_id());
   const auto start = std::chrono::steady_clock::now();
   const Totals totals = play(stream, *procedural, options.scene, format);

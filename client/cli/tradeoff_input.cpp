@@ -55,13 +55,6 @@ StepInput file_step(const std::string& first, const std::string& second) {
           .is_double = a.is_double || b.is_double};
 }
 
-std::vector<client::MeshInput> mesh_inputs(const StepInput& step) {
-  std::vector<client::MeshInput> out;
-  for (const scenes::Mesh& mesh : step.meshes)
-    out.push_back({mesh.name, mesh.vertex_count, mesh.triangles, mesh.is_static});
-  return out;
-}
-
 v1::Frame step_frame(const StepInput& step, uint64_t id, v1::PositionFormat format) {
   v1::Frame frame;
   frame.set_frame_id(id);

@@ -22,7 +22,6 @@ StepInput scene_step(const SceneOptions& options);
 /// The step between two mesh files. Throws std::runtime_error if they differ in more than positions.
 StepInput file_step(const std::string& first, const std::string& second);
 
-std::vector<client::MeshInput> mesh_inputs(const StepInput& step);
 /// The whole step in one frame; the frame of id 1 brings the static meshes, too.
 v1::Frame step_frame(const StepInput& step, uint64_t id, v1::PositionFormat format);
 

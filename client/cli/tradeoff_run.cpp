@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "client/cli/connection.hpp"
+#include "client/cli/mesh_input.hpp"
 #include "client/cli/progress.hpp"
 #include "client/cli/report.hpp"
 #include "client/cli/tradeoff_judge.hpp"
@@ -147,7 +148,7 @@ class Measurement {
   void measure(const std::string& format) {
     v1::SceneSpec spec = scene_spec(settings_.server, settings_.detection, format_of(format));
     spec.set_display_name("tradeoff");
-    const SceneGuard scene = connection_.create_scene(spec, mesh_inputs(step_));
+    const SceneGuard scene = connection_.create_scene(spec, mesh_inputs(step_.meshes));
     describe(*scene);
     Stepper stepper(connection_->stream(scene->scene_id(), 1), step_, format_of(format));
     const Truth exact = is_given_valid(format) ? Truth{} : find_truth(stepper);
