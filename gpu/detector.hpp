@@ -50,6 +50,10 @@ enum class Accuracy { kCandidates, kFast, kGuarded, kCertified, kExact };
 /// kFast on).
 enum class Report { kAll, kEarliestOnly, kAnyHit };
 enum class Scalar { kF32, kF64 };
+/// Broad phase: which triangle pairs are tested at all. The pairs found are the same. kAuto lets the scene choose from
+/// what the last frames cost; kOctree is the two-stage adaptive octree grid of the paper, kTopDown and kBottomUp its
+/// one-stage forms.
+enum class Engine { kAuto, kOctree, kTopDown, kBottomUp, kUniformGrid, kTwoLevelGrid, kLbvh };
 
 struct MeshSpec {
   uint32_t vertex_count = 0;
@@ -66,15 +70,18 @@ struct SceneSpec {
   Mode mode = Mode::kCcd;
   Accuracy accuracy = Accuracy::kCertified;
   Scalar scalar = Scalar::kF32;
+  Engine engine = Engine::kAuto;
   double thickness = 0;  ///< >= 0, finite, unit of the positions
   double delta = 0;      ///< tolerance of CCD from kGuarded on, unit of the positions; 0: relative to each pair's size
   Report report = Report::kAll;
   bool vertex_triangle = true;
   bool edge_edge = true;
-  bool triangle_triangle = false;  ///< DCD only: triangles of the frame that intersect; thickness plays no part
-  bool weights = false;            ///< return the closest points' weights
-  uint64_t memory_budget = 0;      ///< bytes on the backend; 0: no limit but the device's
-  int threads = 0;                 ///< CPU threads; 0: all cores
+  /// DCD: triangles of the frame that intersect; thickness plays no part. CCD, at kCandidates alone: triangles whose
+  /// boxes overlap.
+  bool triangle_triangle = false;
+  bool weights = false;        ///< return the closest points' weights
+  uint64_t memory_budget = 0;  ///< bytes on the backend; 0: no limit but the device's
+  int threads = 0;             ///< CPU threads; 0: all cores
   std::vector<MeshSpec> meshes;
 };
 
@@ -127,8 +134,12 @@ struct FrameResult {
   ContactSet triangle_triangle;  ///< elements and flags alone
   std::vector<StageTime> stages;
   FrameCounts counts;
-  uint32_t replays = 0;
-  double earliest_toi = 1;  ///< CCD; from kGuarded on no contact is earlier
+  uint32_t replays = 0;             ///< runs of the step that were too short of memory
+  uint32_t allocations = 0;         ///< of memory on the backend
+  uint32_t graph_launches = 0;      ///< CUDA graphs launched; 0 on the CPU
+  double step_milliseconds = 0;     ///< from resident positions to contacts in canonical order, on the backend
+  Engine engine = Engine::kOctree;  ///< that found the pairs; never kAuto
+  double earliest_toi = 1;          ///< CCD; from kGuarded on no contact is earlier
   bool any_contact = false;
   bool input_resolution = false;  ///< the input's own spacing is coarser than delta (0: than 1/1000 of most triangles)
 };
