@@ -60,6 +60,10 @@ void check_length(const std::string& field, double value, double limit) {
 }
 
 void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
+  if (spec.triangle_triangle && spec.mode == Mode::kCcd && settings.accuracy != Accuracy::kCandidates)
+    throw InvalidInput(
+        "triangle_triangle",
+        "triangle_triangle is on, but only DCD tests triangle pairs; CCD lists them at CANDIDATES alone");
   check_length("delta", settings.delta, coordinate_limit(spec.scalar));
   const bool finds_features = spec.vertex_triangle || spec.edge_edge;
   if (spec.mode == Mode::kDcd && settings.accuracy == Accuracy::kFast && spec.thickness == 0 && finds_features)
@@ -82,8 +86,6 @@ void check_spec(const SceneSpec& spec) {
   if (!spec.vertex_triangle && !spec.edge_edge && !spec.triangle_triangle)
     throw InvalidInput("vertex_triangle",
                        "vertex_triangle, edge_edge and triangle_triangle are all off, nothing would be detected");
-  if (spec.triangle_triangle && spec.mode != Mode::kDcd)
-    throw InvalidInput("triangle_triangle", "triangle_triangle is on, but only DCD has triangle pairs");
   if (spec.threads < 0)
     throw InvalidInput("threads", "threads is " + text(spec.threads) + ", the least is 0 (all cores)");
   check_settings(spec, settings_of(spec, {}));

@@ -1,217 +1,212 @@
 #pragma once
 // The paper's Fig. 7 for one frame: positions that are resident in, contacts in canonical order out.
-// detect_contacts() at the end names the steps in their order; a scene runs those that its spec requires.
+// enqueue() names the steps in their order; a scene runs those that its spec requires. The backend runs them without
+// asking the host; lists that turn out too short are enlarged to the need and the step runs again.
 
 #include <utility>
 #include <vector>
 
-#include "gpu/broad/pair_tests.hpp"
-#include "gpu/broad/resolution.hpp"
+#include "gpu/broad_phase.hpp"
 #include "gpu/narrow_phase.hpp"
-#include "gpu/octree/levels.hpp"
-#include "gpu/octree/registration.hpp"
-#include "gpu/octree/top_down.hpp"
-#include "gpu/scene_buffers.hpp"
+#include "gpu/refinement.hpp"
+#include "gpu/results.hpp"
+#include "gpu/sinks.hpp"
 
 namespace collided {
-
-/// Triangles [first, first + count) whose boxes are out of date.
-struct TriangleRun {
-  uint64_t first, count;
-};
 
 template <class Exec, class Real>
 class Pipeline {
  public:
   Pipeline(Exec& exec, const SceneSpec& spec, const Topology& topology, SceneBuffers<Exec, Real>& scene)
-      : exec_(exec), spec_(spec), topology_(topology), scene_(scene), narrow_(exec, spec, scene) {}
+      : exec_(exec),
+        spec_(spec),
+        topology_(topology),
+        ranks_(ranks_of(spec, topology)),
+        scene_(scene),
+        broad_(exec, spec, topology, scene),
+        narrow_(exec, spec, ranks_, scene),
+        results_(exec, spec, ranks_, scene) {}
 
-  /// Fig. 7.
-  FrameResult detect_contacts(const std::vector<TriangleRun>& moved, const FrameSettings& settings) {
+  /// `all`: the boxes of static meshes too are out of date.
+  FrameResult detect_contacts(const std::vector<TriangleRun>& moved, bool all, const FrameSettings& settings) {
     result_ = {};
-    exec_.stage("boxes", [&] { box_triangles(moved); });
-    exec_.stage("levels", [&] { choose_levels(settings); });
-    exec_.stage("count", [&] { count_overlapped_cells(); });
-    exec_.stage("bottom_up", [&] { bottom_up(exec_, grid_, counts(), cost(), type()); });
-    exec_.stage("top_down", [&] { find_leaves(); });
-    exec_.stage("registration", [&] { register_triangles(); });
-    exec_.stage("pair_tests", [&] { test_pairs(); });
-    narrow_.begin(settings, extent_, result_);
-    if (spec_.vertex_triangle) detect_vertex_triangle();
-    if (spec_.edge_edge && !narrow_.is_over()) detect_edge_edge();
-    if (spec_.triangle_triangle && !narrow_.is_over()) narrow_.detect_triangles(pairs());
-    narrow_.finish();
-    finish();
+    settings_ = settings;
+    narrow_.begin(settings);
+    run_step(moved, all);
+    describe();
+    results_.collect(state_, settings, result_);
+    result_.stages = exec_.stage_times();
+    result_.allocations = exec_.allocations();
     return std::move(result_);
   }
 
  private:
-  uint64_t triangle_count() const { return topology_.triangles.size(); }
-  Span<const Box<float>> boxes() const { return scene_.boxes.span(triangle_count()); }
-  uint32_t first_cell() const { return level_offset(grid_.top); }
-  uint64_t active_cells() const { return level_offset(grid_.base + 1) - first_cell(); }
-  Span<uint32_t> counts() const { return scene_.octree.counts.all(); }
-  Span<uint64_t> cost() const { return scene_.octree.cost.all(); }
-  Span<uint8_t> type() const { return scene_.octree.type.all(); }
-  Span<uint32_t> slot() const { return scene_.octree.slot.span(active_cells() + 1); }
-  Span<const uint64_t> units() const { return scene_.octree.units.span(triangle_count() + 1); }
-  Span<Leaf> leaves() const { return scene_.octree.leaves.span(result_.counts.leaves); }
-  Span<uint64_t> offsets() const { return scene_.octree.offsets.span(result_.counts.leaves + 1); }
+  static constexpr float kRegistrationCost = 4;  ///< in pair tests
 
-  Motion<Real> motion() const {
-    const Vec3<Real>* end = scene_.end.data();
-    const Real half = static_cast<Real>(spec_.thickness) / 2;
-    return {spec_.mode == Mode::kCcd ? scene_.start.data() : end, end, half == 0 ? half : next_up(half)};
-  }
-  Span<const Triangle> triangles() const { return scene_.topology.triangles.span(triangle_count()); }
-  VertexTriangle vertex_triangle() const { return {triangles()}; }
-  EdgeEdge edge_edge() const { return {scene_.topology.edges.span(topology_.edges.size())}; }
-
-  // 1. Bounding boxes.
-  void box_triangles(const std::vector<TriangleRun>& moved) {
-    for (const TriangleRun& run : moved)
-      exec_.for_each("box_triangles", run.count,
-                     BoxTriangles<Real>{motion(), triangles(), run.first, scene_.boxes.span(triangle_count())});
+  static FeatureRanks ranks_of(const SceneSpec& spec, const Topology& topology) {
+    const uint64_t vertices = topology.vertex_count, edges = topology.edges.size();
+    const uint64_t count = vertices + edges + (spec.triangle_triangle ? topology.triangles.size() : 0);
+    if (count >= ~0u)
+      throw InvalidInput("meshes", "meshes have " + std::to_string(count) +
+                                       " vertices, edges and triangles, the limit is " + std::to_string(~0u - 1));
+    return {static_cast<uint32_t>(vertices), static_cast<uint32_t>(vertices + edges), static_cast<uint32_t>(count)};
   }
 
-  // Section 3.2: number of levels. Two read-backs: the bounds, the registrations each level would take.
-  void choose_levels(const FrameSettings& settings) {
-    const Box<float> bounds = exec_.reduce("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{});
-    const Vec3<float> extent = bounds.hi - bounds.lo;
-    extent_ = larger(extent.x, larger(extent.y, extent.z));
-    if (settings.accuracy >= Accuracy::kGuarded) result_.input_resolution = is_coarse(bounds, settings.delta);
-    const LevelTotals totals =
-        exec_.reduce("covered_per_level", triangle_count(), CoveredPerLevel{grid_over(bounds, 0, kMaxLevel), boxes()},
-                     LevelTotals{}, AddTotals{});
-    levels_ = clamp_levels(levels_, totals, triangle_count());
-    grid_ = grid_over(bounds, levels_.top, levels_.base);
+  /// Runs the step until everything it found had room.
+  void run_step(const std::vector<TriangleRun>& moved, bool all) {
+    scene_.state.allocate(1);
+    for (;;) {
+      const OctreePlan plan = plan_octree();
+      broad_.reserve(plan);
+      narrow_.reserve();
+      exec_.upload(scene_.octree.wanted.data(), &levels_, sizeof(levels_));
+      state_ = exec_.step(key_of(all, plan), scene_.state.data(), [&] { enqueue(moved, plan); });
+      const bool grown = broad_.grow(state_), grown_too = narrow_.grow(state_);
+      const bool refined = refinement_.observe(state_, topology_.triangles.size());
+      if (!grown && !grown_too && !refined) break;
+      ++result_.replays;
+    }
   }
 
-  // 2. Counter octree.
-  void count_overlapped_cells() {
-    OctreeBuffers<Exec>& tree = scene_.octree;
-    const uint64_t end_cell = level_offset(grid_.base + 1);
-    tree.counts.allocate(end_cell);
-    tree.cost.allocate(end_cell);
-    tree.type.allocate(end_cell);
-    tree.slot.allocate(end_cell + 1);
-    tree.units.allocate(triangle_count() + 1);
-    exec_.fill_zero(tree.counts.data() + first_cell(), active_cells() * sizeof(uint32_t));
-    const Span<uint64_t> covered = tree.units.span(triangle_count() + 1);
-    exec_.for_each("count_covered_cells", covered.size(), CountCoveredCells{grid_, boxes(), covered});
-    exec_.exclusive_scan("scan_covered_cells", covered);
-    covered_total_ = exec_.read(covered.data + triangle_count());
-    exec_.for_each_expanded("count_overlapped_cells", units(), covered_total_,
-                            CountOverlappedCells{grid_, boxes(), counts()});
-    result_.counts.cells =
-        exec_.reduce("non_empty_cells", active_cells(), IsNonEmpty{first_cell(), counts()}, uint64_t{0}, Add{});
-  }
-
-  // 4. Top-down stage: the leaves of the cut and their places.
-  void find_leaves() {
-    OctreeBuffers<Exec>& tree = scene_.octree;
-    exec_.for_each("mark_real_leaves", slot().size(), MarkRealLeaves{grid_.top, first_cell(), type(), slot()});
-    exec_.exclusive_scan("scan_leaves", slot());
-    result_.counts.leaves = exec_.read(slot().data + active_cells());
-    tree.leaves.ensure(result_.counts.leaves);
-    tree.offsets.ensure(result_.counts.leaves + 1);
-    tree.leaf_units.ensure(result_.counts.leaves + 1);
-    tree.cursor.ensure(result_.counts.leaves);
-    tree.level_registrations.allocate(kMaxLevel + 1);
-    exec_.fill_zero(tree.level_registrations.data(), (kMaxLevel + 1) * sizeof(uint64_t));
-    exec_.for_each(
-        "write_leaves", active_cells(),
-        WriteLeaves{first_cell(), slot(), counts(), leaves(), offsets(), tree.level_registrations.span(kMaxLevel + 1)});
-    exec_.fill_zero(offsets().data + result_.counts.leaves, sizeof(uint64_t));
-    exec_.exclusive_scan("scan_registrations", offsets());
-    result_.counts.registrations = exec_.read(offsets().data + result_.counts.leaves);
-    result_.counts.tests = exec_.reduce("tests", result_.counts.leaves, TestsOfLeaf{leaves()}, uint64_t{0}, Add{});
-  }
-
-  // 5. Cell-triangle pairs.
-  void register_triangles() {
-    OctreeBuffers<Exec>& tree = scene_.octree;
-    tree.registered.ensure(result_.counts.registrations);
-    exec_.fill_zero(tree.cursor.data(), result_.counts.leaves * sizeof(uint32_t));
-    exec_.for_each_expanded(
-        "register_triangles", units(), covered_total_,
-        RegisterTriangles{grid_, first_cell(), boxes(), slot(), offsets(), tree.cursor.span(result_.counts.leaves),
-                          tree.registered.span(result_.counts.registrations)});
-  }
-
-  // 6.-7. Broad-phase tests, spread evenly.
-  void test_pairs() {
-    const Span<uint64_t> units = scene_.octree.leaf_units.span(result_.counts.leaves + 1);
-    exec_.for_each("count_pair_units", units.size(), CountPairUnits{leaves(), units});
-    exec_.exclusive_scan("scan_pair_units", units);
-    const uint64_t total = exec_.read(units.data + result_.counts.leaves);
-    result_.counts.pairs = fill(scene_.pairs, [&](const AppendList<TrianglePair>& pairs) {
-      exec_.for_each_expanded("test_pairs", units, total,
-                              TestPairsOfLeaf{grid_, filter(), boxes(), leaves(), offsets(),
-                                              scene_.octree.registered.span(result_.counts.registrations), pairs});
+  /// Fig. 7.
+  void enqueue(const std::vector<TriangleRun>& moved, const OctreePlan& plan) {
+    exec_.stage("boxes", [&] {
+      exec_.fill_zero(scene_.state.data(), sizeof(StepState));
+      broad_.box_triangles(moved);
     });
+    exec_.stage("levels", [&] { choose_levels(); });
+    exec_.stage("count", [&] { broad_.count_overlapped_cells(); });
+    if (plan.rounds > 0) exec_.stage("refine", [&] { broad_.refine(plan); });
+    exec_.stage("bottom_up", [&] { broad_.cut(plan); });
+    exec_.stage("top_down", [&] { broad_.place_leaves(plan); });
+    exec_.stage("registration", [&] { broad_.register_triangles(plan); });
+    if (spec_.vertex_triangle || spec_.edge_edge) detect_features(plan);
+    if (spec_.triangle_triangle) detect_triangles(plan);
+    narrow_.order();
   }
-  PairFilter filter() const { return {scene_.topology.mesh_of_triangle.data(), scene_.topology.rules.data()}; }
-  Span<const TrianglePair> pairs() const { return scene_.pairs.span(result_.counts.pairs); }
-  Ownership owned() const { return {scene_.topology.owned.span(triangle_count())}; }
 
+  void choose_levels() {
+    broad_.choose_levels();
+    exec_.for_each("prepare_narrow", 1, PrepareNarrow{scene_.state.data(), spec_.thickness});
+    if (judges_resolution() && settings_.delta == 0) broad_.count_small_triangles();
+  }
+  bool judges_resolution() const { return settings_.accuracy >= Accuracy::kGuarded; }
   /// Whether the spacing of the positions' numbers, at the largest of them, is coarser than delta; without a delta,
   /// than a thousandth of most triangles.
-  bool is_coarse(const Box<float>& bounds, double delta) {
-    const Real spacing = spacing_at<Real>(bounds);
-    if (delta > 0) return spacing > delta;
-    const uint64_t small =
-        exec_.reduce("count_small_triangles", triangle_count(),
-                     IsSmall<Real>{scene_.end.data(), triangles(), 1024 * spacing}, uint64_t{0}, Add{});
-    return 2 * small > triangle_count();
+  bool is_coarse() const {
+    if (settings_.delta > 0) return spacing_at<Real>(state_.bounds) > settings_.delta;
+    return 2 * state_.small_triangles > topology_.triangles.size();
   }
 
-  // 7.-8. Elementary tests and narrow phase, one kind at a time.
-  void detect_vertex_triangle() {
-    exec_.stage("elementary_vt", [&] { find_vertex_triangle(); });
-    narrow_.detect(vertex_triangle(), scene_.candidates.span(result_.counts.candidates_vt));
+  void detect_features(const OctreePlan& plan) {
+    // One kind may answer for both.
+    const bool one_by_one = settings_.report == Report::kAnyHit && spec_.vertex_triangle && spec_.edge_edge;
+    if (!one_by_one) search(plan, spec_.vertex_triangle, spec_.edge_edge);
+    if (spec_.vertex_triangle) {
+      if (one_by_one) search(plan, true, false);
+      if (narrow_.has_narrow_phase()) narrow_.detect(VertexTriangle{scene_.topology.triangles.all()});
+    }
+    if (spec_.edge_edge) {
+      if (one_by_one) search(plan, false, true);
+      if (narrow_.has_narrow_phase()) narrow_.detect(EdgeEdge{scene_.topology.edges.all()});
+    }
   }
-  void find_vertex_triangle() {
-    result_.counts.candidates_vt = fill(scene_.candidates, [&](const AppendList<uint64_t>& out) {
-      exec_.for_each("find_vertex_triangle_pairs", result_.counts.pairs,
-                     FindVertexTrianglePairs<Real>{motion(), triangles(), owned(), pairs(), out});
+
+  /// 6.-8. Pairs, their features' boxes, and the filter of the level.
+  void search(const OctreePlan& plan, bool vertex_triangle, bool edge_edge) {
+    exec_.stage("pairs", [&] {
+      if (!has_filter())
+        search_for(plan, KeepAll{}, vertex_triangle, edge_edge);
+      else if (spec_.mode == Mode::kCcd)
+        search_for(plan, MaybeCoplanar<Real>{&scene_.state.data()->filter}, vertex_triangle, edge_edge);
+      else
+        search_for(plan, NearInFloat<Real>{spec_.thickness}, vertex_triangle, edge_edge);
     });
   }
-  void detect_edge_edge() {
-    exec_.stage("elementary_ee", [&] { find_edge_edge(); });
-    narrow_.detect(edge_edge(), scene_.candidates.span(result_.counts.candidates_ee));
+  bool has_filter() const {
+    return settings_.accuracy >= (spec_.mode == Mode::kCcd ? Accuracy::kGuarded : Accuracy::kCertified);
   }
-  void find_edge_edge() {
-    const Span<const Triangle> edges = scene_.topology.triangle_edges.span(triangle_count());
-    result_.counts.candidates_ee = fill(scene_.candidates, [&](const AppendList<uint64_t>& out) {
-      exec_.for_each("find_edge_edge_pairs", result_.counts.pairs,
-                     FindEdgeEdgePairs<Real>{motion(), triangles(), edges, owned(), pairs(), out});
+  template <class Keep>
+  void search_for(const OctreePlan& plan, const Keep& keep, bool vertex_triangle, bool edge_edge) {
+    StepState* state = scene_.state.data();
+    const auto list = [&](int kind) -> AppendList<uint64_t> {
+      if (!narrow_.has_narrow_phase()) return {scene_.contacts.keys.all(), &state->contacts};
+      return {scene_.kept[kind].all(), &state->kept[kind]};
+    };
+    const uint32_t edge_rank = narrow_.has_narrow_phase() ? 0 : ranks_.first_edge;
+    broad_.search("find_candidates", plan,
+                  FeatureSink<Real, Keep>{broad_.elementary(vertex_triangle, edge_edge),
+                                          keep,
+                                          list(kVertexTriangleKind),
+                                          list(kEdgeEdgeKind),
+                                          edge_rank,
+                                          narrow_.hurry(),
+                                          {vertex_triangle || !spec_.vertex_triangle ? &state->pairs : nullptr,
+                                           &state->candidates[0], &state->candidates[1]}});
+  }
+
+  void detect_triangles(const OctreePlan& plan) {
+    StepState* state = scene_.state.data();
+    const bool narrow = narrow_.tests_triangles(), counts = !spec_.vertex_triangle && !spec_.edge_edge;
+    exec_.stage("pairs_tt", [&] {
+      const AppendList<uint64_t> list = narrow
+                                            ? AppendList<uint64_t>{scene_.triangle_pairs.all(), &state->triangle_pairs}
+                                            : AppendList<uint64_t>{scene_.contacts.keys.all(), &state->contacts};
+      broad_.search("find_triangle_pairs", plan,
+                    TrianglePairSink{scene_.topology.triangles.all(),
+                                     list,
+                                     narrow ? 0 : ranks_.first_triangle,
+                                     narrow_.hurry(),
+                                     {counts ? &state->pairs : nullptr, nullptr, nullptr}});
     });
+    if (narrow) narrow_.detect_triangles();
   }
 
-  template <class T, class Run>
-  uint64_t fill(Buffer<T, Exec>& list, const Run& run) {
-    return fill_list(exec_, list, scene_.list_count, result_.replays, run);
+  OctreePlan plan_octree() const {
+    const int levels = levels_.base < 0 ? kMaxLevel : levels_.base - levels_.top;
+    return {{CutRule::kTwoStage, kRegistrationCost},
+            refinement_.rounds(),
+            larger(1, (levels + kBrickLevels - 1) / kBrickLevels),
+            refinement_.limit(topology_.triangles.size())};
+  }
+  StepKey key_of(bool all, const OctreePlan& plan) const {
+    return {static_cast<double>(settings_.accuracy),
+            settings_.delta,
+            static_cast<double>(settings_.report),
+            all ? 1.0 : 0.0,
+            static_cast<double>(plan.rounds),
+            static_cast<double>(plan.cut_steps),
+            static_cast<double>(plan.most_crowded_tests)};
   }
 
-  void finish() {
-    uint64_t registrations[kMaxLevel + 1];
-    exec_.download(registrations, scene_.octree.level_registrations.data(), sizeof(registrations));
-    result_.counts.top_level = static_cast<uint32_t>(levels_.top);
-    result_.counts.base_level = static_cast<uint32_t>(levels_.base);
-    levels_ = next_levels(levels_, registrations);
-    result_.stages = exec_.stage_times();
+  /// Counts of the step, and what follows from them for the next.
+  void describe() {
+    FrameCounts& c = result_.counts;
+    const LeafTotals& leaves = state_.leaves;
+    c.cells = leaves.cells, c.leaves = leaves.leaves, c.registrations = leaves.registrations, c.tests = leaves.tests;
+    c.top_level = static_cast<uint32_t>(state_.grid.grid.top),
+    c.base_level = static_cast<uint32_t>(state_.grid.grid.base);
+    c.pairs = state_.pairs;
+    c.candidates_vt = state_.candidates[0], c.candidates_ee = state_.candidates[1];
+    if (has_filter()) c.survivors_vt = state_.kept[0], c.survivors_ee = state_.kept[1];
+    levels_ = next_levels({state_.grid.grid.top, state_.grid.grid.base}, leaves.level_registrations);
+    result_.input_resolution = judges_resolution() && is_coarse();
+    result_.step_milliseconds = exec_.step_milliseconds();
+    result_.graph_launches = exec_.graph_launches();
   }
 
   Exec& exec_;
   const SceneSpec& spec_;
   const Topology& topology_;
+  const FeatureRanks ranks_;
   SceneBuffers<Exec, Real>& scene_;
+  BroadPhase<Exec, Real> broad_;
   NarrowPhase<Exec, Real> narrow_;
+  Results<Exec, Real> results_;
+  Refinement refinement_;
   ActiveLevels levels_;
-  LevelGrid grid_{};
-  float extent_ = 0;  ///< largest of the scene's bounds
-  uint64_t covered_total_ = 0;
+  FrameSettings settings_{};
+  StepState state_{};
   FrameResult result_;
 };
 

@@ -1,11 +1,12 @@
 #pragma once
 // Everything that a scene keeps on its backend. Arrays of stages that the scene does not have stay empty.
 
-#include "gpu/broad/boxes.hpp"
 #include "gpu/broad/elementary.hpp"
+#include "gpu/broad/pair_tests.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/narrow/contact.hpp"
-#include "gpu/octree/count.hpp"
+#include "gpu/ordering.hpp"
+#include "gpu/step_state.hpp"
 
 namespace collided {
 
@@ -32,41 +33,42 @@ struct ResidentTopology {
 template <class Exec>
 struct OctreeBuffers {
   explicit OctreeBuffers(Exec& exec)
-      : units(exec, "octree"),
+      : wanted(exec, "octree"),
         counts(exec, "octree"),
-        cost(exec, "octree"),
         type(exec, "octree"),
         slot(exec, "octree"),
+        root_cost(exec, "octree"),
+        large(exec, "octree"),
+        bricks(exec, "bricks"),
+        reach(exec, "bricks"),
+        brick_cost(exec, "bricks"),
         leaves(exec, "octree"),
-        leaf_units(exec, "octree"),
-        offsets(exec, "octree"),
         cursor(exec, "octree"),
-        level_registrations(exec, "octree"),
-        registered(exec, "registrations") {}
+        registered(exec, "registrations"),
+        items(exec, "octree") {}
 
-  Buffer<uint64_t, Exec> units;
+  Buffer<ActiveLevels, Exec> wanted;
   Buffer<uint32_t, Exec> counts;
-  Buffer<uint64_t, Exec> cost;
   Buffer<uint8_t, Exec> type;
   Buffer<uint32_t, Exec> slot;
+  Buffer<float, Exec> root_cost;
+  Buffer<uint32_t, Exec> large;  ///< triangles with many cells
+  Buffer<Brick, Exec> bricks;
+  Buffer<uint32_t, Exec> reach;
+  Buffer<float, Exec> brick_cost;
   Buffer<Leaf, Exec> leaves;
-  Buffer<uint64_t, Exec> leaf_units;
-  Buffer<uint64_t, Exec> offsets;
   Buffer<uint32_t, Exec> cursor;
-  Buffer<uint64_t, Exec> level_registrations;
   Buffer<uint32_t, Exec> registered;
+  Buffer<PairItem, Exec> items;
 };
 
-/// Contacts of one kind while they are found and sorted.
+/// Contacts of all kinds as they are found. Candidates at kCandidates have keys alone.
 template <class Exec, class Real>
 struct ContactBuffers {
-  explicit ContactBuffers(Exec& exec)
-      : keys(exec, "contacts"), data(exec, "contacts"), order(exec, "contacts"), sorted(exec, "contacts") {}
+  explicit ContactBuffers(Exec& exec) : keys(exec, "keys"), data(exec, "contacts") {}
 
   Buffer<uint64_t, Exec> keys;
   Buffer<ContactData<Real>, Exec> data;
-  Buffer<uint32_t, Exec> order;
-  Buffer<ContactData<Real>, Exec> sorted;
 };
 
 template <class Exec, class Real>
@@ -76,31 +78,35 @@ struct SceneBuffers {
         start(exec, "start_positions"),
         end(exec, "positions"),
         boxes(exec, "boxes"),
+        records(exec, "records"),
+        state(exec, "counters"),
         octree(exec),
-        pairs(exec, "pairs"),
-        candidates(exec, "candidates"),
-        survivors(exec, "candidates"),
+        triangle_pairs(exec, "pairs"),
+        kept{{exec, "candidates"}, {exec, "candidates"}},
+        screened{{exec, "candidates"}, {exec, "candidates"}},
         contacts(exec),
         earliest(exec),
+        sorted(exec, "contacts"),
+        order(exec),
         exact_keys(exec, "exact"),
-        exact_points(exec, "exact"),
-        shortcut(exec, "counters"),
-        list_count(exec, "counters") {}
+        exact_points(exec, "exact") {}
 
   ResidentTopology<Exec> topology;
   Buffer<Vec3<Real>, Exec> start;  ///< CCD only
   Buffer<Vec3<Real>, Exec> end;
   Buffer<Box<float>, Exec> boxes;
+  Buffer<TriangleRecord<Real>, Exec> records;
+  Buffer<StepState, Exec> state;
   OctreeBuffers<Exec> octree;
-  Buffer<TrianglePair, Exec> pairs;
-  Buffer<uint64_t, Exec> candidates;  ///< of one kind at a time
-  Buffer<uint64_t, Exec> survivors;   ///< of the filter
+  Buffer<uint64_t, Exec> triangle_pairs;
+  Buffer<uint64_t, Exec> kept[2];      ///< candidates of each kind that the filter keeps
+  Buffer<uint64_t, Exec> screened[2];  ///< those of them that float cannot decide
   ContactBuffers<Exec, Real> contacts;
   ContactBuffers<Exec, Real> earliest;  ///< EARLIEST_ONLY
+  Buffer<ContactData<Real>, Exec> sorted;
+  OrderBuffers<Exec> order;
   Buffer<uint64_t, Exec> exact_keys;
   Buffer<Vec3<Real>, Exec> exact_points;
-  Buffer<Shortcut, Exec> shortcut;
-  Buffer<uint64_t, Exec> list_count;
 };
 
 }  // namespace collided

@@ -32,9 +32,9 @@ class SceneDetector final : public Detector {
     exec_.cancelled = frame.cancelled;
     try {
       if (spec_.edge_edge && settings.accuracy != Accuracy::kCandidates) require_edges();
-      std::vector<TriangleRun> moved;
-      exec_.stage("upload", [&] { moved = upload(frame); });
-      FrameResult result = pipeline_.detect_contacts(moved, settings);
+      const bool all = stale_ || !has_frame_;
+      exec_.stage("upload", [&] { upload(frame); });
+      FrameResult result = pipeline_.detect_contacts(moved(all), all, settings);
       commit(frame);
       return result;
     } catch (...) {
@@ -59,6 +59,7 @@ class SceneDetector final : public Detector {
       send(resident.rules, rules());
     }
     scene_.boxes.allocate(topology_.triangles.size());
+    scene_.records.allocate(topology_.triangles.size());
     scene_.end.allocate(topology_.vertex_count);
     if (spec_.mode == Mode::kCcd) scene_.start.allocate(topology_.vertex_count);
   }
@@ -92,17 +93,20 @@ class SceneDetector final : public Detector {
   uint64_t mesh_bytes(uint32_t mesh) const { return spec_.meshes[mesh].vertex_count * sizeof(Vec3<Real>); }
   std::byte* last_good(uint32_t mesh) { return last_good_.data() + topology_.vertex_offset[mesh] * sizeof(Vec3<Real>); }
 
-  /// Brings the frame's positions to the backend; returns the triangles that have to be boxed.
-  std::vector<TriangleRun> upload(const FrameInput& frame) {
+  /// Brings the frame's positions to the backend.
+  void upload(const FrameInput& frame) {
     if (stale_ && has_frame_) exec_.upload(scene_.end.data(), last_good_.data(), last_good_.size());
-    const bool box_all = stale_ || !has_frame_;
     if (spec_.mode == Mode::kCcd && has_frame_)
       exec_.copy(scene_.start.data(), scene_.end.data(), topology_.vertex_count * sizeof(Vec3<Real>));
     for (const MeshPositions& update : frame.updates) upload_mesh(update);
-    std::vector<TriangleRun> moved;
+  }
+
+  /// The triangles that have to be boxed: all, or those of meshes that move.
+  std::vector<TriangleRun> moved(bool all) const {
+    std::vector<TriangleRun> runs;
     for (uint32_t mesh = 0; mesh < spec_.meshes.size(); ++mesh)
-      if (box_all || !spec_.meshes[mesh].is_static) append_run(moved, mesh);
-    return moved;
+      if (all || !spec_.meshes[mesh].is_static) append_run(runs, mesh);
+    return runs;
   }
 
   void upload_mesh(const MeshPositions& update) {

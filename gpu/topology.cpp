@@ -25,7 +25,7 @@ void append_mesh(FeatureTables& out, const MeshSpec& mesh, size_t index) {
   Topology& topology = out.topology;
   const uint64_t vertices = uint64_t{topology.vertex_count} + mesh.vertex_count;
   const uint64_t triangles = topology.triangles.size() + mesh.triangles.size();
-  constexpr uint64_t kMost = 1u << 30;
+  constexpr uint64_t kMost = 1u << 29;  // edges, at most three a triangle, have 31 bits
   if (vertices > kMost || triangles > kMost)
     throw InvalidInput("meshes", "meshes have " + std::to_string(vertices) + " vertices and " +
                                      std::to_string(triangles) + " triangles, the limit of each is " +

@@ -5,7 +5,7 @@
 // vertex are not skipped: their other features may touch. Features that share a vertex are no pair.
 
 #include "gpu/broad/boxes.hpp"
-#include "gpu/broad/pair_tests.hpp"
+#include "gpu/math/points.hpp"
 
 namespace collided {
 
@@ -13,77 +13,90 @@ COLLIDED_HD inline uint64_t pack_ids(uint32_t first, uint32_t second) { return u
 COLLIDED_HD inline uint32_t first_id(uint64_t key) { return static_cast<uint32_t>(key >> 32); }
 COLLIDED_HD inline uint32_t second_id(uint64_t key) { return static_cast<uint32_t>(key); }
 
-/// Bits 0-2: owns its corner 0, 1, 2; bits 3-5: owns its edge 0-1, 1-2, 2-0.
-struct Ownership {
-  Span<const uint8_t> mask;
+/// Which features of two triangles a and b a candidate takes, by number: 0-2: corner of a, triangle b; 3-5: corner of
+/// b, triangle a; 6 + 3k + m: edge k of a, edge m of b.
+constexpr int kFirstEdgeEdge = 6, kElementaryTests = 15;
+
+/// A candidate's key and its points, in the order of Stencil.
+template <class Real>
+struct CandidatePoints {
+  uint64_t key;  ///< vertex, triangle; or lower edge, higher edge
+  FeaturePoints<Real> points;
 };
 
 template <class Real>
-struct FindVertexTrianglePairs {
-  Motion<Real> motion;
-  Span<const Triangle> triangles;
-  Ownership owned;
-  Span<const TrianglePair> pairs;
-  AppendList<uint64_t> candidates;  ///< vertex, triangle
+struct ElementaryTests {
+  Span<const TriangleRecord<Real>> records;
+  Real inflation;  ///< half the thickness
+  bool vertex_triangle, edge_edge;
 
-  COLLIDED_HD void operator()(uint64_t i) const {
-    const TrianglePair pair = pairs[i];
-    test(pair.a, pair.b);
-    test(pair.b, pair.a);
+  /// One bit for each test whose boxes overlap.
+  COLLIDED_HD uint32_t operator()(uint32_t a, uint32_t b) const {
+    const Features p(records[a], inflation), q(records[b], inflation);
+    uint32_t found = 0;
+    if (vertex_triangle) found |= corners_in(p, q) | corners_in(q, p) << 3;
+    if (edge_edge) found |= edges_across(p, q) << kFirstEdgeEdge;
+    return found;
+  }
+
+  COLLIDED_HD CandidatePoints<Real> vertex_triangle_points(uint32_t a, uint32_t b, int test) const {
+    const uint32_t triangle = test < 3 ? b : a;
+    const int corner = test < 3 ? test : test - 3;
+    const TriangleRecord<Real>&p = records[test < 3 ? a : b], &q = records[triangle];
+    return {pack_ids(p.vertex_id(corner), triangle),
+            {{p.start[corner], q.start[0], q.start[1], q.start[2]}, {p.end[corner], q.end[0], q.end[1], q.end[2]}}};
+  }
+  COLLIDED_HD CandidatePoints<Real> edge_edge_points(uint32_t a, uint32_t b, int test) const {
+    const TriangleRecord<Real>&p = records[a], &q = records[b];
+    const int k = (test - kFirstEdgeEdge) / 3, m = (test - kFirstEdgeEdge) % 3;
+    const int k1 = k == 2 ? 0 : k + 1, m1 = m == 2 ? 0 : m + 1;
+    const uint32_t e = p.edge_id(k), f = q.edge_id(m);
+    return {pack_ids(smaller(e, f), larger(e, f)),
+            {{p.start[k], p.start[k1], q.start[m], q.start[m1]}, {p.end[k], p.end[k1], q.end[m], q.end[m1]}}};
   }
 
  private:
-  COLLIDED_HD void test(uint32_t owner, uint32_t triangle) const {
-    const uint32_t mask = owned.mask[owner] & 7u;
-    if (mask == 0) return;
-    const Triangle corners = triangles[owner], t = triangles[triangle];
-    const Box<Real> box = motion.triangle_box(t.x, t.y, t.z);
-    const uint32_t vertex[3] = {corners.x, corners.y, corners.z};
-    for (int k = 0; k < 3; ++k) {
-      const uint32_t v = vertex[k];
-      if ((mask >> k & 1u) == 0 || v == t.x || v == t.y || v == t.z) continue;
-      if (overlap(motion.vertex_box(v), box)) candidates.push(pack_ids(v, triangle));
-    }
-  }
-};
+  /// Boxes of a triangle's corners over the step, and what it owns.
+  struct Features {
+    Box<Real> corner[3];
+    uint32_t vertex[3];
+    uint32_t owned;
 
-template <class Real>
-struct FindEdgeEdgePairs {
-  Motion<Real> motion;
-  Span<const Triangle> triangles;
-  Span<const Triangle> triangle_edges;
-  Ownership owned;
-  Span<const TrianglePair> pairs;
-  AppendList<uint64_t> candidates;  ///< lower edge, higher edge
-
-  COLLIDED_HD void operator()(uint64_t i) const {
-    const TrianglePair pair = pairs[i];
-    const uint32_t mask_a = owned.mask[pair.a] >> 3, mask_b = owned.mask[pair.b] >> 3;
-    if (mask_a == 0 || mask_b == 0) return;
-    const Edges a(*this, pair.a), b(*this, pair.b);
-    for (int k = 0; k < 3; ++k) {
-      if ((mask_a >> k & 1u) == 0) continue;
-      const Box<Real> box = motion.edge_box(a.from[k], a.to[k]);
-      for (int m = 0; m < 3; ++m) {
-        if ((mask_b >> m & 1u) == 0 || shares_vertex(a, k, b, m)) continue;
-        if (overlap(box, motion.edge_box(b.from[m], b.to[m])))
-          candidates.push(pack_ids(smaller(a.id[k], b.id[m]), larger(a.id[k], b.id[m])));
+    COLLIDED_HD Features(const TriangleRecord<Real>& r, Real inflation) : owned(0) {
+      for (int k = 0; k < 3; ++k) {
+        const Box<Real> a{r.start[k], r.start[k]}, b{r.end[k], r.end[k]};
+        corner[k] = inflate(join(a, b), inflation);
+        vertex[k] = r.vertex_id(k);
+        owned |= (r.vertex[k] >> 31) << k | (r.edge[k] >> 31) << (3 + k);
       }
     }
-  }
-
- private:
-  struct Edges {
-    uint32_t id[3], from[3], to[3];
-    COLLIDED_HD Edges(const FindEdgeEdgePairs& scene, uint32_t triangle) {
-      const Triangle t = scene.triangles[triangle], e = scene.triangle_edges[triangle];
-      id[0] = e.x, id[1] = e.y, id[2] = e.z;
-      from[0] = t.x, from[1] = t.y, from[2] = t.z;
-      to[0] = t.y, to[1] = t.z, to[2] = t.x;
-    }
+    COLLIDED_HD Box<Real> edge(int k) const { return join(corner[k], corner[k == 2 ? 0 : k + 1]); }
+    COLLIDED_HD Box<Real> triangle() const { return join(corner[0], join(corner[1], corner[2])); }
+    COLLIDED_HD bool owns_vertex(int k) const { return (owned >> k & 1u) != 0; }
+    COLLIDED_HD bool owns_edge(int k) const { return (owned >> (3 + k) & 1u) != 0; }
+    COLLIDED_HD bool has(uint32_t v) const { return v == vertex[0] || v == vertex[1] || v == vertex[2]; }
   };
-  COLLIDED_HD static bool shares_vertex(const Edges& a, int k, const Edges& b, int m) {
-    return a.from[k] == b.from[m] || a.from[k] == b.to[m] || a.to[k] == b.from[m] || a.to[k] == b.to[m];
+
+  COLLIDED_HD static uint32_t corners_in(const Features& p, const Features& q) {
+    const Box<Real> box = q.triangle();
+    uint32_t found = 0;
+    for (int k = 0; k < 3; ++k)
+      if (p.owns_vertex(k) && overlap(p.corner[k], box) && !q.has(p.vertex[k])) found |= 1u << k;
+    return found;
+  }
+  COLLIDED_HD static uint32_t edges_across(const Features& p, const Features& q) {
+    uint32_t found = 0;
+    for (int k = 0; k < 3; ++k) {
+      if (!p.owns_edge(k)) continue;
+      const Box<Real> box = p.edge(k);
+      const uint32_t from = p.vertex[k], to = p.vertex[k == 2 ? 0 : k + 1];
+      for (int m = 0; m < 3; ++m) {
+        if (!q.owns_edge(m) || !overlap(box, q.edge(m))) continue;
+        const uint32_t v = q.vertex[m], w = q.vertex[m == 2 ? 0 : m + 1];
+        if (from != v && from != w && to != v && to != w) found |= 1u << (3 * k + m);
+      }
+    }
+    return found;
   }
 };
 

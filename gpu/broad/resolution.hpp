@@ -2,33 +2,37 @@
 // How fine the positions are, compared with the scene's triangles.
 
 #include "gpu/broad/boxes.hpp"
+#include "gpu/exec/atomic.hpp"
 
 namespace collided {
 
 /// Distance of neighbouring numbers at the largest coordinate in the bounds.
 template <class Real>
-Real spacing_at(const Box<float>& bounds) {
-  constexpr float kMost = std::numeric_limits<float>::max();
+COLLIDED_HD Real spacing_at(const Box<float>& bounds) {
+  constexpr float kMost = 0x1.fffffep127f;
   const float m = smaller(larger(largest_component(bounds.lo), largest_component(bounds.hi)), kMost);
   const Real at = static_cast<Real>(m);
   return at - next_down(at);
 }
 
-/// Triangles that are nowhere longer than the limit. Their boxes would not tell: these are rounded outward to float.
+/// Counts the triangles that are nowhere longer than 1024 spacings. Their boxes would not tell: these are rounded
+/// outward to float.
 template <class Real>
-struct IsSmall {
-  const Vec3<Real>* positions;
-  Span<const Triangle> triangles;
-  Real limit;
+struct CountSmall {
+  const Box<float>* bounds;
+  Span<const TriangleRecord<Real>> records;
+  uint64_t* count;
 
-  COLLIDED_HD uint64_t operator()(uint64_t i) const {
-    const Triangle t = triangles[i];
-    const Vec3<Real> a = positions[t.x], b = positions[t.y], c = positions[t.z];
-    return is_short(a - b) && is_short(b - c) && is_short(c - a) ? 1 : 0;
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const Real limit = 1024 * spacing_at<Real>(*bounds);
+    const TriangleRecord<Real>& t = records[i];
+    if (is_short(t, 0, 1, limit) && is_short(t, 1, 2, limit) && is_short(t, 2, 0, limit)) claim_slot(*count);
   }
 
  private:
-  COLLIDED_HD bool is_short(const Vec3<Real>& edge) const { return largest_component(edge) < limit; }
+  COLLIDED_HD static bool is_short(const TriangleRecord<Real>& t, int from, int to, Real limit) {
+    return largest_component(t.end[from] - t.end[to]) < limit;
+  }
 };
 
 }  // namespace collided

@@ -4,7 +4,6 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
-#include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -12,12 +11,16 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
+#include <memory>
 #include <new>
 #include <string>
 #include <vector>
 
 #include "gpu/exec/atomic.hpp"
+#include "gpu/exec/counted.hpp"
 #include "gpu/exec/memory_ledger.hpp"
+#include "gpu/exec/pair_search.hpp"
+#include "gpu/exec/step_key.hpp"
 
 namespace collided {
 
@@ -32,6 +35,7 @@ class CpuExec {
 
   void* allocate(const std::string& part, uint64_t bytes) {
     ledger_.take(part, bytes);
+    ++allocations_;
     void* memory = std::malloc(bytes);
     if (memory == nullptr) {
       ledger_.give_back(part, bytes);
@@ -55,27 +59,41 @@ class CpuExec {
     });
   }
 
-  /// f(item, rank) for every rank of every item: the paper's workload distribution. offsets[i] is the first
-  /// unit of item i, offsets[items] the total.
   template <class F>
-  void for_each_expanded(const char*, Span<const uint64_t> offsets, uint64_t total, const F& f) {
-    const uint64_t* begin = offsets.data;
-    const uint64_t* end = offsets.data + offsets.size();
+  void for_each(const char* name, const Counted& n, const F& f) {
+    for_each(name, n.size(), f);
+  }
+
+  /// f(i, group, shared) for i in [0, n): groups of threads that share memory (Group).
+  template <class F>
+  void for_each_group(const char*, const Counted& n, const F& f) {
     arena_.execute([&] {
-      tbb::parallel_for(tbb::blocked_range<uint64_t>(0, total, kGrain), [&](const tbb::blocked_range<uint64_t>& range) {
-        uint64_t item = static_cast<uint64_t>(std::upper_bound(begin, end, range.begin()) - begin) - 1;
-        for (uint64_t unit = range.begin(); unit != range.end(); ++unit) {
-          while (unit >= begin[item + 1]) ++item;
-          f(item, unit - begin[item]);
-        }
+      tbb::parallel_for(tbb::blocked_range<uint64_t>(0, n.size(), 1), [&](const tbb::blocked_range<uint64_t>& range) {
+        const auto shared = std::make_unique<typename F::Shared>();
+        for (uint64_t i = range.begin(); i != range.end(); ++i) f(i, Group{0, 1}, *shared);
       });
     });
   }
 
-  /// op over transform(i), i in [0, n); op must not depend on the order.
+  /// The pairs of a source's items, handed to a sink (pair_search.hpp).
+  template <class Source, class Sink>
+  void search(const char*, const Counted& items, uint64_t*, const Source& source, const Sink& sink) {
+    if (source.is_put_off()) return;
+    arena_.execute([&] {
+      tbb::parallel_for(tbb::blocked_range<uint64_t>(0, items.size(), 8),
+                        [&](const tbb::blocked_range<uint64_t>& range) {
+                          PairTally tally;
+                          for (uint64_t i = range.begin(); i != range.end() && !sink.is_over(); ++i)
+                            visit_item(source, i, [&](uint32_t a, uint32_t b) { take_pair(sink, a, b, tally); });
+                          sink.add(tally.pairs, tally.candidates[0], tally.candidates[1]);
+                        });
+    });
+  }
+
+  /// *result = op over transform(i), i in [0, n); op must not depend on the order.
   template <class T, class F, class Op>
-  T reduce(const char*, uint64_t n, const F& transform, const T& identity, const Op& op) {
-    return arena_.execute([&] {
+  void reduce_into(const char*, uint64_t n, const F& transform, const T& identity, const Op& op, T* result) {
+    *result = arena_.execute([&] {
       return tbb::parallel_reduce(
           tbb::blocked_range<uint64_t>(0, n, kGrain), identity,
           [&](const tbb::blocked_range<uint64_t>& range, T value) {
@@ -97,21 +115,16 @@ class CpuExec {
     }
   }
 
-  /// Ascending, in place.
-  void sort(const char*, Span<uint64_t> keys) {
-    arena_.execute([&] { tbb::parallel_sort(keys.data, keys.data + keys.size()); });
+  /// Runs a step, stages named within, and returns what it left at `result`.
+  template <class F, class T>
+  T step(const StepKey&, const T* result, const F& enqueue) {
+    const auto start = std::chrono::steady_clock::now();
+    enqueue();
+    step_milliseconds_ = milliseconds_since(start);
+    return *result;
   }
-
-  /// order[k] = place of the k-th smallest key; sorts the keys too.
-  void sort_with_order(const char*, Span<uint64_t> keys, Span<uint32_t> order) {
-    std::vector<std::pair<uint64_t, uint32_t>> both(keys.size());
-    for (uint64_t i = 0; i < keys.size(); ++i) both[i] = {keys[i], static_cast<uint32_t>(i)};
-    arena_.execute([&] { tbb::parallel_sort(both.begin(), both.end()); });
-    for (uint64_t i = 0; i < keys.size(); ++i) {
-      keys[i] = both[i].first;
-      order[i] = both[i].second;
-    }
-  }
+  double step_milliseconds() const { return step_milliseconds_; }
+  uint32_t graph_launches() const { return 0; }
 
   template <class T>
   T read(const T* value) {
@@ -119,6 +132,13 @@ class CpuExec {
   }
   void upload(void* to, const void* from, uint64_t bytes) { copy(to, from, bytes); }
   void download(void* to, const void* from, uint64_t bytes) { copy(to, from, bytes); }
+  void download_async(void* to, const void* from, uint64_t bytes) { copy(to, from, bytes); }
+  void wait() {}
+  /// Memory of the host for downloads, until the next call.
+  std::byte* host_memory(uint64_t bytes) {
+    host_.resize(std::max<size_t>(host_.size(), bytes));
+    return host_.data();
+  }
   void copy(void* to, const void* from, uint64_t bytes) {
     if (bytes != 0) std::memcpy(to, from, bytes);
   }
@@ -132,19 +152,29 @@ class CpuExec {
     if (cancelled && cancelled()) throw Cancelled();
     const auto start = std::chrono::steady_clock::now();
     f();
-    const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
-    stages_.push_back({name, spent.count()});
+    stages_.push_back({name, milliseconds_since(start)});
   }
-  void begin_frame() { stages_.clear(); }
+  void begin_frame() {
+    stages_.clear();
+    allocations_ = 0;
+  }
+  uint32_t allocations() const { return allocations_; }
   std::vector<StageTime> stage_times() { return stages_; }
 
   std::function<bool()> cancelled;
 
  private:
   static constexpr uint64_t kGrain = 512;
+  static double milliseconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  }
+
   MemoryLedger ledger_;
   tbb::task_arena arena_;
   std::vector<StageTime> stages_;
+  std::vector<std::byte> host_;
+  double step_milliseconds_ = 0;
+  uint32_t allocations_ = 0;
 };
 
 }  // namespace collided

@@ -5,6 +5,7 @@
 #include <thrust/iterator/counting_iterator.h>
 
 #include <algorithm>
+#include <cstring>
 #include <cub/cub.cuh>
 #include <functional>
 #include <string>
@@ -13,16 +14,12 @@
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/memory_ledger.hpp"
+#include "gpu/exec/pair_search.cuh"
+#include "gpu/exec/step_graph.cuh"
 
 namespace collided {
 
-inline void check_cuda(cudaError_t error, const char* what) {
-  if (error == cudaSuccess) return;
-  cudaGetLastError();
-  const std::string text = std::string(what) + ": " + cudaGetErrorString(error);
-  if (error == cudaErrorMemoryAllocation) throw ResourceExhausted(text);
-  throw DeviceError(text);
-}
+constexpr unsigned kCountedBlock = 128;
 
 template <class F>
 __global__ void for_each_kernel(uint64_t n, F f) {
@@ -30,32 +27,21 @@ __global__ void for_each_kernel(uint64_t n, F f) {
   for (uint64_t i = static_cast<uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) f(i);
 }
 
-/// The item whose units contain `unit`.
-__device__ inline uint64_t item_of_unit(Span<const uint64_t> offsets, uint64_t unit) {
-  uint64_t low = 0, high = offsets.size() - 1;
-  while (high - low > 1) {
-    const uint64_t middle = (low + high) / 2;
-    if (offsets[middle] <= unit)
-      low = middle;
-    else
-      high = middle;
-  }
-  return low;
+template <class F>
+__global__ void __launch_bounds__(kCountedBlock) for_each_counted_kernel(Counted n, F f) {
+  const uint64_t size = n.size(), stride = static_cast<uint64_t>(gridDim.x) * blockDim.x;
+  for (uint64_t i = static_cast<uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < size; i += stride) f(i);
 }
 
 template <class F>
-__global__ void for_each_expanded_kernel(Span<const uint64_t> offsets, uint64_t total, F f) {
-  const uint64_t stride = static_cast<uint64_t>(gridDim.x) * blockDim.x;
-  for (uint64_t unit = static_cast<uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x; unit < total; unit += stride) {
-    const uint64_t item = item_of_unit(offsets, unit);
-    f(item, unit - offsets[item]);
+__global__ void __launch_bounds__(F::kGroupSize) for_each_group_kernel(Counted n, F f) {
+  __shared__ typename F::Shared shared;
+  const uint64_t size = n.size();
+  for (uint64_t i = blockIdx.x; i < size; i += gridDim.x) {
+    f(i, Group{threadIdx.x, blockDim.x}, shared);
+    __syncthreads();
   }
 }
-
-struct WriteOwnIndex {
-  Span<uint32_t> out;
-  __device__ void operator()(uint64_t i) const { out[i] = static_cast<uint32_t>(i); }
-};
 
 class CudaExec {
  public:
@@ -65,11 +51,13 @@ class CudaExec {
     cudaDeviceProp properties{};
     check_cuda(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
     info_ = {Backend::kCuda, properties.name, properties.totalGlobalMem};
+    processors_ = static_cast<unsigned>(properties.multiProcessorCount);
   }
   CudaExec(const CudaExec&) = delete;
   CudaExec& operator=(const CudaExec&) = delete;
   ~CudaExec() {
     for (cudaEvent_t event : events_) cudaEventDestroy(event);
+    cudaFreeHost(host_);
     cudaStreamDestroy(stream_);
   }
 
@@ -77,6 +65,8 @@ class CudaExec {
 
   void* allocate(const std::string& part, uint64_t bytes) {
     ledger_.take(part, bytes);
+    ++generation_;
+    ++allocations_;
     void* memory = nullptr;
     const cudaError_t error = cudaMalloc(&memory, bytes);
     if (error != cudaSuccess) {
@@ -86,6 +76,7 @@ class CudaExec {
     return memory;
   }
   void deallocate(const std::string& part, void* memory, uint64_t bytes) {
+    ++generation_;
     cudaFree(memory);
     ledger_.give_back(part, bytes);
   }
@@ -94,81 +85,84 @@ class CudaExec {
   /// f(i) for i in [0, n).
   template <class F>
   void for_each(const char* name, uint64_t n, const F& f) {
-    if (n == 0) return;
-    for_each_kernel<<<blocks_for(n), kBlock, 0, stream_>>>(n, f);
+    if (n == 0 || reserving_) return;
+    for_each_kernel<<<blocks_for(n, kBlock), kBlock, 0, stream_>>>(n, f);
     check_cuda(cudaGetLastError(), name);
   }
-
-  /// f(item, rank) for every rank of every item: the paper's workload distribution.
   template <class F>
-  void for_each_expanded(const char* name, Span<const uint64_t> offsets, uint64_t total, const F& f) {
-    if (total == 0) return;
-    for_each_expanded_kernel<<<blocks_for(total), kBlock, 0, stream_>>>(offsets, total, f);
+  void for_each(const char* name, const Counted& n, const F& f) {
+    if (n.most == 0 || reserving_) return;
+    constexpr unsigned kBlocksPerProcessor = 16;
+    const unsigned blocks = std::min(blocks_for(n.most, kCountedBlock), kBlocksPerProcessor * processors_);
+    for_each_counted_kernel<<<blocks, kCountedBlock, 0, stream_>>>(n, f);
     check_cuda(cudaGetLastError(), name);
   }
 
-  /// op over transform(i), i in [0, n); op must not depend on the order.
+  /// f(i, group, shared) for i in [0, n): groups of threads that share memory (Group).
+  template <class F>
+  void for_each_group(const char* name, const Counted& n, const F& f) {
+    if (n.most == 0 || reserving_) return;
+    const unsigned resident = 2048 / F::kGroupSize;
+    const unsigned blocks = static_cast<unsigned>(std::min<uint64_t>(n.most, 2 * resident * processors_));
+    for_each_group_kernel<<<blocks, F::kGroupSize, 0, stream_>>>(n, f);
+    check_cuda(cudaGetLastError(), name);
+  }
+
+  /// The pairs of a source's items, handed to a sink (pair_search.cuh). `next` is a zeroed counter.
+  template <class Source, class Sink>
+  void search(const char* name, const Counted& items, uint64_t* next, const Source& source, const Sink& sink) {
+    if (items.most == 0 || reserving_) return;
+    int resident = 0;
+    check_cuda(
+        cudaOccupancyMaxActiveBlocksPerMultiprocessor(&resident, pair_search_kernel<Source, Sink>, kSearchBlock, 0),
+        name);
+    const unsigned blocks = static_cast<unsigned>(std::max(resident, 1)) * processors_;
+    pair_search_kernel<<<blocks, kSearchBlock, 0, stream_>>>(items, next, source, sink);
+    check_cuda(cudaGetLastError(), name);
+  }
+
+  /// *result = op over transform(i), i in [0, n); op must not depend on the order.
   template <class T, class F, class Op>
-  T reduce(const char* name, uint64_t n, const F& transform, const T& identity, const Op& op) {
-    if (n == 0) return identity;
+  void reduce_into(const char* name, uint64_t n, const F& transform, const T& identity, const Op& op, T* result) {
     const thrust::counting_iterator<uint64_t> indices(0);
-    const auto call = [&](void* temporary, size_t& bytes, T* result) {
-      return cub::DeviceReduce::TransformReduce(temporary, bytes, indices, result, n, op, transform, identity, stream_);
-    };
-    size_t bytes = 0;
-    check_cuda(call(nullptr, bytes, nullptr), name);
-    // The result sits in front of CUB's own storage, which wants 256-byte alignment.
-    const uint64_t front = (sizeof(T) + 255) / 256 * 256;
-    char* memory = scratch(front + bytes);
-    check_cuda(call(memory + front, bytes, reinterpret_cast<T*>(memory)), name);
-    return read(reinterpret_cast<const T*>(memory));
+    with_scratch(name, [&](void* memory, size_t& bytes) {
+      return cub::DeviceReduce::TransformReduce(memory, bytes, indices, result, n, op, transform, identity, stream_);
+    });
   }
 
   /// In place.
   template <class T>
   void exclusive_scan(const char* name, Span<T> values) {
-    size_t bytes = 0;
-    check_cuda(cub::DeviceScan::ExclusiveSum(nullptr, bytes, values.data, values.data, values.size(), stream_), name);
-    char* memory = scratch(bytes);
-    check_cuda(cub::DeviceScan::ExclusiveSum(memory, bytes, values.data, values.data, values.size(), stream_), name);
+    with_scratch(name, [&](void* memory, size_t& bytes) {
+      return cub::DeviceScan::ExclusiveSum(memory, bytes, values.data, values.data, values.size(), stream_);
+    });
   }
 
-  /// Ascending, in place.
-  void sort(const char* name, Span<uint64_t> keys) {
-    if (keys.empty()) return;
-    const uint64_t n = keys.size();
-    size_t bytes = 0;
-    check_cuda(cub::DeviceRadixSort::SortKeys(nullptr, bytes, keys.data, keys.data, n, 0, 64, stream_), name);
-    const uint64_t front = (n * sizeof(uint64_t) + 255) / 256 * 256;
-    char* memory = scratch(front + bytes);
-    auto* sorted = reinterpret_cast<uint64_t*>(memory);
-    check_cuda(cub::DeviceRadixSort::SortKeys(memory + front, bytes, keys.data, sorted, n, 0, 64, stream_), name);
-    copy(keys.data, sorted, n * sizeof(uint64_t));
+  /// Runs a step, stages named within, and returns what it left at `result`. It is recorded as a graph, and replayed
+  /// as long as the key and all buffers are the same: one launch, whatever the number of stages.
+  template <class F, class T>
+  T step(const StepKey& key, const T* result, const F& enqueue) {
+    if (cancelled && cancelled()) throw Cancelled();
+    StepGraph* graph = graphs_.find(key, generation_);
+    if (graph == nullptr) {
+      reserving_ = true;
+      enqueue();
+      reserving_ = false;
+      graph = &graphs_.record(key, generation_, stream_, enqueue);
+    }
+    T host;
+    graph->launch(stream_, result, sizeof(T), host_memory(sizeof(T)));
+    std::memcpy(&host, host_, sizeof(T));
+    ++graph_launches_;
+    step_milliseconds_ = graph->milliseconds();
+    graph->add_stage_times(step_stages_);
+    return host;
   }
+  double step_milliseconds() const { return step_milliseconds_; }
+  uint32_t graph_launches() const { return graph_launches_; }
+  uint32_t allocations() const { return allocations_; }
 
-  /// order[k] = place of the k-th smallest key; sorts the keys too.
-  void sort_with_order(const char* name, Span<uint64_t> keys, Span<uint32_t> order) {
-    if (keys.empty()) return;
-    const uint64_t n = keys.size();
-    size_t bytes = 0;
-    check_cuda(cub::DeviceRadixSort::SortPairs(nullptr, bytes, keys.data, keys.data, order.data, order.data, n, 0, 64,
-                                               stream_),
-               name);
-    const uint64_t key_bytes = (n * sizeof(uint64_t) + 255) / 256 * 256;
-    const uint64_t order_bytes = (n * sizeof(uint32_t) + 255) / 256 * 256;
-    char* memory = scratch(key_bytes + 2 * order_bytes + bytes);
-    auto* sorted = reinterpret_cast<uint64_t*>(memory);
-    auto* places = reinterpret_cast<uint32_t*>(memory + key_bytes);
-    auto* sorted_places = reinterpret_cast<uint32_t*>(memory + key_bytes + order_bytes);
-    for_each(name, n, WriteOwnIndex{{places, n}});
-    check_cuda(cub::DeviceRadixSort::SortPairs(memory + key_bytes + 2 * order_bytes, bytes, keys.data, sorted, places,
-                                               sorted_places, n, 0, 64, stream_),
-               name);
-    copy(keys.data, sorted, n * sizeof(uint64_t));
-    copy(order.data, sorted_places, n * sizeof(uint32_t));
-  }
-
-  /// The only verb, with download, that waits for the device.
+  /// Waits for the device.
   template <class T>
   T read(const T* value) {
     T result;
@@ -177,25 +171,44 @@ class CudaExec {
   }
   void upload(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyHostToDevice); }
   void download(void* to, const void* from, uint64_t bytes) {
-    transfer(to, from, bytes, cudaMemcpyDeviceToHost);
-    check_cuda(cudaStreamSynchronize(stream_), "download");
+    download_async(to, from, bytes);
+    wait();
+  }
+  /// Done after wait().
+  void download_async(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyDeviceToHost); }
+  void wait() { check_cuda(cudaStreamSynchronize(stream_), "wait"); }
+  /// Pinned memory of the host for downloads, until the next call.
+  std::byte* host_memory(uint64_t bytes) {
+    if (bytes <= host_bytes_) return host_;
+    cudaFreeHost(host_);
+    host_ = nullptr;
+    host_bytes_ = 0;
+    const uint64_t room = bytes + bytes / 4 + 4096;
+    void* memory = nullptr;
+    check_cuda(cudaMallocHost(&memory, room), "host memory for downloads");
+    host_ = static_cast<std::byte*>(memory);
+    host_bytes_ = room;
+    return host_;
   }
   void copy(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyDeviceToDevice); }
   void fill_zero(void* memory, uint64_t bytes) {
-    if (bytes != 0) check_cuda(cudaMemsetAsync(memory, 0, bytes, stream_), "fill_zero");
+    if (bytes != 0 && !reserving_) check_cuda(cudaMemsetAsync(memory, 0, bytes, stream_), "fill_zero");
   }
 
-  /// Runs one stage of the pipeline: cancellation before it, GPU events around it.
+  /// Runs one stage: within a step its name and its events become part of the recording; elsewhere cancellation
+  /// before it, events around it.
   template <class F>
   void stage(const char* name, const F& f) {
+    if (graphs_.is_recording()) {
+      graphs_.begin_stage(name, stream_);
+      f();
+      return;
+    }
+    if (reserving_) return f();
     if (cancelled && cancelled()) throw Cancelled();
     const size_t first = 2 * names_.size();
-    while (events_.size() < first + 2) {
-      cudaEvent_t event;
-      check_cuda(cudaEventCreate(&event), "cudaEventCreate");
-      events_.push_back(event);
-    }
-    names_.push_back(name);
+    while (events_.size() < first + 2) events_.push_back(make_event());
+    names_.push_back({name, step_stages_.size()});
     check_cuda(cudaEventRecord(events_[first], stream_), name);
     f();
     check_cuda(cudaEventRecord(events_[first + 1], stream_), name);
@@ -203,15 +216,21 @@ class CudaExec {
   void begin_frame() {
     check_cuda(cudaSetDevice(device_), "cudaSetDevice");  // the calling thread may be a new one
     names_.clear();
+    step_stages_.clear();
+    allocations_ = 0;
+    graph_launches_ = 0;
+    reserving_ = false;  // a frame may have ended with a throw
   }
+  /// Of the frame, in the order that the stages ran.
   std::vector<StageTime> stage_times() {
-    check_cuda(cudaStreamSynchronize(stream_), "end of frame");
+    wait();
     std::vector<StageTime> times;
+    size_t of_steps = 0;
     for (size_t i = 0; i < names_.size(); ++i) {
-      float milliseconds = 0;
-      check_cuda(cudaEventElapsedTime(&milliseconds, events_[2 * i], events_[2 * i + 1]), "cudaEventElapsedTime");
-      times.push_back({names_[i], milliseconds});
+      for (; of_steps < names_[i].after; ++of_steps) times.push_back(step_stages_[of_steps]);
+      times.push_back({names_[i].name, milliseconds_between(events_[2 * i], events_[2 * i + 1])});
     }
+    times.insert(times.end(), step_stages_.begin() + static_cast<std::ptrdiff_t>(of_steps), step_stages_.end());
     return times;
   }
 
@@ -219,25 +238,42 @@ class CudaExec {
 
  private:
   static constexpr unsigned kBlock = 256;
+  struct NamedStage {
+    const char* name;
+    size_t after;  ///< stages of steps before it
+  };
 
-  static unsigned blocks_for(uint64_t n) {
-    return static_cast<unsigned>(std::min<uint64_t>((n + kBlock - 1) / kBlock, 1u << 30));
+  static unsigned blocks_for(uint64_t n, unsigned block) {
+    return static_cast<unsigned>(std::min<uint64_t>((n + block - 1) / block, 1u << 30));
   }
-  char* scratch(uint64_t bytes) {
+  /// Calls a CUB function with the memory that it asks for.
+  template <class Call>
+  void with_scratch(const char* name, const Call& call) {
+    size_t bytes = 0;
+    check_cuda(call(nullptr, bytes), name);
     scratch_.ensure(bytes);
-    return scratch_.data();
+    if (!reserving_) check_cuda(call(scratch_.data(), bytes), name);
   }
   void transfer(void* to, const void* from, uint64_t bytes, cudaMemcpyKind kind) {
-    if (bytes != 0) check_cuda(cudaMemcpyAsync(to, from, bytes, kind, stream_), "copy");
+    if (bytes != 0 && !reserving_) check_cuda(cudaMemcpyAsync(to, from, bytes, kind, stream_), "copy");
   }
 
   int device_;
+  unsigned processors_ = 1;
   DeviceInfo info_;
   MemoryLedger ledger_;
   cudaStream_t stream_ = nullptr;
+  uint64_t generation_ = 0;  ///< of the buffers: changes whenever one does
+  StepGraphs graphs_;
+  bool reserving_ = false;  ///< a step is gone through for its memory alone
   Buffer<char, CudaExec> scratch_;
+  std::byte* host_ = nullptr;
+  uint64_t host_bytes_ = 0;
   std::vector<cudaEvent_t> events_;
-  std::vector<const char*> names_;
+  std::vector<NamedStage> names_;
+  std::vector<StageTime> step_stages_;
+  double step_milliseconds_ = 0;
+  uint32_t allocations_ = 0, graph_launches_ = 0;
 };
 
 }  // namespace collided

@@ -5,13 +5,18 @@
 //   so child k of cell i is 8i + 1 + k and the parent of i is (i - 1)/8, as in Fig. 6.
 // - A box covers the cells between the cells of its corners. Positions are clamped to the cube; the map stays
 //   monotone, so boxes that overlap share a cell wherever they are.
+// - Levels 0 to kMaxLevel exist densely. Below, a crowded cell may have a brick: its kBrickLevels next levels, numbered
+//   as the levels below a root are; a crowded cell at the bottom of a brick may have one of its own.
 // Deviation: the root is a cube, not the scene's box; anisotropic cells cost 3-5 times more tests on thin scenes.
 
 #include "gpu/math/box.hpp"
 
 namespace collided {
 
-constexpr int kMaxLevel = 7;
+constexpr int kMaxLevel = 7;  ///< last dense level
+constexpr int kBrickLevels = 3;
+constexpr int kMaxRounds = 4;                                    ///< bricks below each other
+constexpr int kDeepest = kMaxLevel + kBrickLevels * kMaxRounds;  ///< levels end here; 2^19 cells a side
 
 COLLIDED_HD constexpr uint32_t level_offset(int level) {
   return static_cast<uint32_t>(((uint64_t{1} << (3 * level)) - 1) / 7);
@@ -48,59 +53,74 @@ COLLIDED_HD inline int level_of(uint32_t id) {
   return level;
 }
 
+constexpr uint32_t kDenseCells = level_offset(kMaxLevel + 1);
+constexpr uint32_t kBrickCells = level_offset(kBrickLevels + 1) - 1;
+
+/// Index of a cell of a brick: its number below the brick's root, which is not part of the brick.
+COLLIDED_HD inline uint32_t brick_cell(uint32_t brick, uint32_t number) {
+  return kDenseCells + brick * kBrickCells + number - 1;
+}
+
 /// Cells from lo to hi, both included, of one level.
 struct CellRange {
   Coords lo, hi;
 
   COLLIDED_HD uint64_t size() const { return uint64_t{hi.x - lo.x + 1} * (hi.y - lo.y + 1) * (hi.z - lo.z + 1); }
-  COLLIDED_HD Coords cell(uint64_t rank) const {
-    const uint64_t width = hi.x - lo.x + 1, height = hi.y - lo.y + 1;
-    const uint64_t row = rank / width;
-    return {lo.x + static_cast<uint32_t>(rank % width), lo.y + static_cast<uint32_t>(row % height),
-            lo.z + static_cast<uint32_t>(row / height)};
-  }
 };
+
+COLLIDED_HD inline Coords shifted(const Coords& c, int s) { return {c.x >> s, c.y >> s, c.z >> s}; }
+COLLIDED_HD inline CellRange shifted(const CellRange& r, int s) { return {shifted(r.lo, s), shifted(r.hi, s)}; }
 
 struct LevelGrid {
   Vec3<float> origin;
-  float cells_per_length;  ///< at the base level
-  int top, base;           ///< active levels, 0 <= top <= base <= kMaxLevel
+  float cells_per_length;  ///< at the deepest level
+  int top, base;           ///< active dense levels, 0 <= top <= base <= kMaxLevel
 
-  COLLIDED_HD uint32_t quantise(float x, float o) const {
-    const float last = static_cast<float>((1u << base) - 1u);
-    const float q = (x - o) * cells_per_length;
+  COLLIDED_HD static uint32_t quantise(float x, float origin, float cells_per_length) {
+    constexpr float kLast = static_cast<float>((1u << kDeepest) - 1u);
+    const float q = (x - origin) * cells_per_length;
     if (!(q > 0)) return 0;
-    return static_cast<uint32_t>(q < last ? q : last);
+    return static_cast<uint32_t>(q < kLast ? q : kLast);
   }
-  COLLIDED_HD Coords base_cell(const Vec3<float>& p) const {
-    return {quantise(p.x, origin.x), quantise(p.y, origin.y), quantise(p.z, origin.z)};
+  /// Cell of the deepest level; the cell of level l is this one shifted by kDeepest - l.
+  COLLIDED_HD Coords deepest_cell(const Vec3<float>& p) const {
+    return {quantise(p.x, origin.x, cells_per_length), quantise(p.y, origin.y, cells_per_length),
+            quantise(p.z, origin.z, cells_per_length)};
+  }
+  COLLIDED_HD CellRange deepest_range(const Box<float>& box) const {
+    return {deepest_cell(box.lo), deepest_cell(box.hi)};
   }
   COLLIDED_HD CellRange range(int level, const Box<float>& box) const {
-    const int s = base - level;
-    const Coords lo = base_cell(box.lo), hi = base_cell(box.hi);
-    return {{lo.x >> s, lo.y >> s, lo.z >> s}, {hi.x >> s, hi.y >> s, hi.z >> s}};
-  }
-  /// Cells of all active levels that the box covers.
-  COLLIDED_HD uint64_t covered(const Box<float>& box) const {
-    uint64_t n = 0;
-    for (int level = top; level <= base; ++level) n += range(level, box).size();
-    return n;
-  }
-  /// The rank-th of those cells.
-  COLLIDED_HD uint32_t covered_cell(const Box<float>& box, uint64_t rank) const {
-    for (int level = top;; ++level) {
-      const CellRange cells = range(level, box);
-      if (rank < cells.size() || level == base) return cell_id(level, cells.cell(rank));
-      rank -= cells.size();
-    }
+    return shifted(deepest_range(box), kDeepest - level);
   }
 };
 
-/// A leaf of the octree grid: its place and how many triangles are registered in it.
+/// The cube of the hierarchy over the scene's bounds.
+COLLIDED_HD inline LevelGrid grid_over(const Box<float>& bounds, int top, int base) {
+  const Vec3<float> extent = bounds.hi - bounds.lo;
+  const float side = larger(extent.x, larger(extent.y, extent.z));
+  const float cells = static_cast<float>(1u << kDeepest) / side;
+  constexpr float kMost = 0x1.fffffep127f;
+  return {bounds.lo, cells < kMost ? cells : side > 0 ? kMost : 0.0f, top, base};
+}
+
+/// visit(cell) for every cell of a range; a group's threads share the rows.
+template <class Visit>
+COLLIDED_HD void for_each_cell(const CellRange& range, uint32_t rank, uint32_t threads, const Visit& visit) {
+  const uint32_t height = range.hi.y - range.lo.y + 1, rows = height * (range.hi.z - range.lo.z + 1);
+  for (uint32_t row = rank; row < rows; row += threads) {
+    Coords cell{0, range.lo.y + row % height, range.lo.z + row / height};
+    for (cell.x = range.lo.x; cell.x <= range.hi.x; ++cell.x) visit(cell);
+  }
+}
+
+/// A leaf of the octree grid: its place and the triangles registered in it.
 struct Leaf {
   Coords cell;
   int level;
   uint32_t count;
+  uint32_t unused;
+  uint64_t offset;  ///< of its first registration
 };
 
 }  // namespace collided

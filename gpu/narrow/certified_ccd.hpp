@@ -19,6 +19,30 @@ COLLIDED_HD ContactData<Real> contact_at(const Differences<Work, N>& d, Work t, 
           static_cast<Real>(gap.points.w1), flags};
 }
 
+/// Keeps the candidates that float cannot tell apart in a few iterations: a cheap filter in front of double precision.
+template <class Real, class Kind>
+struct ScreenCcd {
+  const Vec3<Real>* start;
+  const Vec3<Real>* end;
+  double thickness, delta;
+  Kind kind;
+  Span<const uint64_t> candidates;
+  AppendList<uint64_t> survivors;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    DifferencesOf<float, Kind> d;
+    const bool differ = load_differences<Kind, float>(points_of(kind.stencil(candidates[i]), start, end), d);
+    if (!differ || !is_free(d)) survivors.push(candidates[i]);
+  }
+
+ private:
+  COLLIDED_HD bool is_free(const DifferencesOf<float, Kind>& d) const {
+    constexpr int kIterations = 2;
+    const Tolerance<float> tolerance{scaled_thickness<float>(thickness, d.scale), float_above(delta * d.scale)};
+    return !advance(d, tolerance, 1.0f, kIterations).hit;
+  }
+};
+
 template <class Work, class Real, class Kind>
 struct AdvanceCcd {
   const Vec3<Real>* start;
@@ -31,7 +55,7 @@ struct AdvanceCcd {
   COLLIDED_HD void operator()(uint64_t i) const {
     if (contacts.hurry.is_over()) return;
     DifferencesOf<Work, Kind> d;
-    if (!load_differences<Kind, Work>(kind.stencil(candidates[i]), start, end, d))
+    if (!load_differences<Kind, Work>(points_of(kind.stencil(candidates[i]), start, end), d))
       return contacts.report(candidates[i], {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified | kFlagInitial}});
     const Tolerance<Work> tolerance{scaled_thickness<Work>(thickness, d.scale),
                                     delta > 0 ? static_cast<Work>(delta * d.scale) : default_delta(Work(0)) * d.extent};

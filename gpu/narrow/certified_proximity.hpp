@@ -15,18 +15,14 @@ COLLIDED_HD bool are_apart(const Differences<Work, N>& d, Work thickness) {
 }
 
 /// Keeps the candidates that float cannot tell apart.
-template <class Real, class Kind>
-struct FilterProximity {
-  const Vec3<Real>* positions;
+template <class Real>
+struct NearInFloat {
   double thickness;
-  Kind kind;
-  Span<const uint64_t> candidates;
-  AppendList<uint64_t> survivors;
 
-  COLLIDED_HD void operator()(uint64_t i) const {
+  template <class Kind>
+  COLLIDED_HD bool operator()(const Kind&, const FeaturePoints<Real>& points) const {
     DifferencesOf<float, Kind> d;
-    const bool differ = load_differences<Kind, float>(kind.stencil(candidates[i]), positions, positions, d);
-    if (!differ || !are_apart(d, scaled_thickness<float>(thickness, d.scale))) survivors.push(candidates[i]);
+    return !load_differences<Kind, float>(points, d) || !are_apart(d, scaled_thickness<float>(thickness, d.scale));
   }
 };
 
@@ -41,7 +37,7 @@ struct CertifyProximity {
   COLLIDED_HD void operator()(uint64_t i) const {
     if (contacts.hurry.is_over()) return;
     DifferencesOf<Work, Kind> d;
-    if (!load_differences<Kind, Work>(kind.stencil(candidates[i]), positions, positions, d))
+    if (!load_differences<Kind, Work>(points_of(kind.stencil(candidates[i]), positions, positions), d))
       return contacts.report(candidates[i], {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified}});
     const Work scaled = scaled_thickness<Work>(thickness, d.scale);
     if (are_apart(d, scaled)) return;

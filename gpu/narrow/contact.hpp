@@ -4,6 +4,7 @@
 #include "gpu/detector.hpp"
 #include "gpu/exec/atomic.hpp"
 #include "gpu/math/box.hpp"
+#include "gpu/math/points.hpp"
 
 namespace collided {
 
@@ -33,6 +34,13 @@ struct ContactList {
 struct Stencil {
   uint32_t v[4];
 };
+
+template <class Real>
+COLLIDED_HD FeaturePoints<Real> points_of(const Stencil& s, const Vec3<Real>* start, const Vec3<Real>* end) {
+  FeaturePoints<Real> points;
+  for (int k = 0; k < 4; ++k) points.start[k] = start[s.v[k]], points.end[k] = end[s.v[k]];
+  return points;
+}
 
 struct VertexTriangle {
   Span<const Vec3<uint32_t>> triangles;
@@ -84,14 +92,16 @@ struct Hurry {
   }
 };
 
-/// Where a query tells of its contact: the list, and the other queries of the frame.
+/// Where a query tells of its contact: the list, and the other queries of the frame. All kinds share the list, in the
+/// order of their first features' ranks: those of vertices, of edges, of triangles.
 template <class Real>
 struct ContactSink {
   ContactList<Real> list;
   Hurry hurry;
+  uint32_t first_rank;  ///< of the kind's first features
 
   COLLIDED_HD void report(uint64_t key, const ContactData<Real>& contact) const {
-    list.push(key, contact);
+    list.push(key + (uint64_t{first_rank} << 32), contact);
     hurry.found(contact.toi, contact.flags);
   }
 };

@@ -50,28 +50,34 @@ struct NeverCoplanar {
   }
 };
 
-/// Keeps the candidates that may be coplanar at some time.
-template <class Real, class Kind>
-struct FilterCoplanarity {
-  const Vec3<Real>* start;
-  const Vec3<Real>* end;
-  Real scale;  ///< power of two that brings the scene near 1
-  NeverCoplanar never_coplanar;
-  Kind kind;
-  Span<const uint64_t> candidates;
-  AppendList<uint64_t> survivors;
+/// A power of two that brings the scene near 1, and the thickness times it, rounded up.
+struct FilterScale {
+  float scale, thickness;
+};
+/// `extent`: largest of the scene's bounds.
+COLLIDED_HD inline FilterScale filter_scale(float extent, double thickness) {
+  constexpr float kMost = 0x1p124f;
+  const float scale = extent > 0 && extent < kMost ? unit_scale(extent) : 1.0f;
+  return {scale, scaled_thickness<float>(thickness, static_cast<double>(scale))};
+}
 
-  COLLIDED_HD void operator()(uint64_t i) const {
-    const Stencil s = kind.stencil(candidates[i]);
+/// Keeps the candidates that may be coplanar at some time.
+template <class Real>
+struct MaybeCoplanar {
+  const FilterScale* filter;
+
+  template <class Kind>
+  COLLIDED_HD bool operator()(const Kind& kind, const FeaturePoints<Real>& points) const {
+    const FilterScale f = *filter;
     Vec3<float> x[3], y[3];
-    load(s, start, x);
-    load(s, end, y);
-    if (!never_coplanar(x, y)) survivors.push(candidates[i]);
+    load(kind, points.start, static_cast<Real>(f.scale), x);
+    load(kind, points.end, static_cast<Real>(f.scale), y);
+    return !NeverCoplanar{f.thickness}(x, y);
   }
 
  private:
-  COLLIDED_HD void load(const Stencil& s, const Vec3<Real>* positions, Vec3<float> (&out)[3]) const {
-    const Vec3<Real> p[4] = {positions[s.v[0]], positions[s.v[1]], positions[s.v[2]], positions[s.v[3]]};
+  template <class Kind>
+  COLLIDED_HD static void load(const Kind& kind, const Vec3<Real> (&p)[4], Real scale, Vec3<float> (&out)[3]) {
     Vec3<Real> v[3];
     spanning_vectors(kind, p, v);
     for (int k = 0; k < 3; ++k) out[k] = convert<float>(scale * v[k]);

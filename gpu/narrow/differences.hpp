@@ -45,16 +45,15 @@ using DifferencesOf = Differences<Work, DifferenceOf<Kind>::kCount>;
 
 /// False if all vertices coincide at both ends, so that there is nothing to scale.
 template <class Kind, class Work, class Real>
-COLLIDED_HD bool load_differences(const Stencil& s, const Vec3<Real>* start, const Vec3<Real>* end,
-                                  DifferencesOf<Work, Kind>& out) {
+COLLIDED_HD bool load_differences(const FeaturePoints<Real>& p, DifferencesOf<Work, Kind>& out) {
   using Wide = Wider<Work, Real>;  // differences are formed before anything is rounded to the working type
   constexpr int n = DifferenceOf<Kind>::kCount;
   Vec3<Wide> x[n], y[n];
   Wide extent = 0;
   for (int k = 0; k < n; ++k) {
-    const uint32_t i = s.v[DifferenceOf<Kind>::minuend(k)], j = s.v[DifferenceOf<Kind>::subtrahend(k)];
-    x[k] = convert<Wide>(start[i]) - convert<Wide>(start[j]);
-    y[k] = convert<Wide>(end[i]) - convert<Wide>(end[j]);
+    const int i = DifferenceOf<Kind>::minuend(k), j = DifferenceOf<Kind>::subtrahend(k);
+    x[k] = convert<Wide>(p.start[i]) - convert<Wide>(p.start[j]);
+    y[k] = convert<Wide>(p.end[i]) - convert<Wide>(p.end[j]);
     extent = larger(extent, larger(largest_component(x[k]), largest_component(y[k])));
   }
   if (extent == 0) return false;

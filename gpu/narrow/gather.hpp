@@ -5,14 +5,6 @@
 
 namespace collided {
 
-template <class Real>
-struct GatherContacts {
-  Span<const uint32_t> order;
-  Span<const ContactData<Real>> data;
-  Span<ContactData<Real>> sorted;
-  COLLIDED_HD void operator()(uint64_t i) const { sorted[i] = data[order[i]]; }
-};
-
 /// Contacts that are not later than the earliest one that counts.
 template <class Real>
 struct KeepEarliest {

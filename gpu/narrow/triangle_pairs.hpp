@@ -89,28 +89,25 @@ COLLIDED_HD bool certainly_meet(const TriangleDifferences<Work>& pair) {
   return false;
 }
 
-template <class Work, class Real, class Pair>
+template <class Work, class Real>
 struct TestTriangles {
   const Vec3<Real>* positions;
   Span<const Vec3<uint32_t>> triangles;
-  Span<const Pair> pairs;
+  Span<const uint64_t> pairs;  ///< first triangle in the upper half
   ContactSink<Real> contacts;
 
   COLLIDED_HD void operator()(uint64_t i) const {
     if (contacts.hurry.is_over()) return;
-    const Vec3<uint32_t> a = triangles[pairs[i].a], b = triangles[pairs[i].b];
-    if (has_vertex(a, b.x) || has_vertex(a, b.y) || has_vertex(a, b.z)) return;
+    const uint64_t key = pairs[i];
+    const Vec3<uint32_t> a = triangles[key >> 32], b = triangles[static_cast<uint32_t>(key)];
     TriangleDifferences<Work> pair;
     uint8_t flags = kFlagCertified;
     if (load_differences(a, b, positions, pair)) {
       if (are_apart(pair)) return;
       if (!certainly_meet(pair)) flags = kFlagNear;
     }
-    contacts.report(uint64_t{pairs[i].a} << 32 | pairs[i].b, {0, Real(0), Real(0), Real(0), flags});
+    contacts.report(key, {0, Real(0), Real(0), Real(0), flags});
   }
-
- private:
-  COLLIDED_HD static bool has_vertex(const Vec3<uint32_t>& t, uint32_t v) { return t.x == v || t.y == v || t.z == v; }
 };
 
 }  // namespace collided

@@ -1,47 +1,85 @@
 #pragma once
 // Section 3.1, "counter octree": how many triangles overlap each cell of every active level.
+// A triangle adds one to a cell however many of the cell's children it overlaps, so the paper's token test is not
+// needed here: each level's range is walked directly.
 
-#include "gpu/exec/atomic.hpp"
-#include "gpu/math/lattice.hpp"
+#include "gpu/octree/tree.hpp"
 
 namespace collided {
 
-/// units[triangle] = cells of all active levels that its box covers; scanned into offsets for the workload
-/// distribution.
-struct CountCoveredCells {
-  LevelGrid grid;
-  Span<const Box<float>> boxes;
-  Span<uint64_t> units;
+/// Triangles that cover more base cells than this are left to groups of threads.
+constexpr uint64_t kManyCells = 512;
 
-  COLLIDED_HD void operator()(uint64_t triangle) const {
-    units[triangle] = triangle < boxes.size() ? grid.covered(boxes[triangle]) : 0;
-  }
+/// Cells that a group works on at once, where all active dense cells have their turn.
+constexpr uint32_t kCellsOfGroup = 1024;
+
+/// How many groups that takes.
+COLLIDED_HD inline uint64_t groups_of_cells(const LevelGrid& grid) {
+  const uint32_t cells = level_offset(grid.base + 1) - level_offset(grid.top);
+  return (cells + kCellsOfGroup - 1) / kCellsOfGroup;
+}
+/// The i-th group's cells.
+struct CellSlice {
+  uint32_t first, count;
+
+  COLLIDED_HD CellSlice(const LevelGrid& grid, uint64_t i)
+      : first(level_offset(grid.top) + static_cast<uint32_t>(i) * kCellsOfGroup),
+        count(smaller(kCellsOfGroup, level_offset(grid.base + 1) - first)) {}
 };
 
-/// One unit for each (triangle, covered cell): adds one to the cell.
-/// A triangle adds one to a cell however many of the cell's children it overlaps, so the paper's token test is
-/// not needed here: each level's range is walked directly.
-struct CountOverlappedCells {
-  LevelGrid grid;
-  Span<const Box<float>> boxes;
+struct ClearCounts {
+  using Shared = Nothing;
+  static constexpr uint32_t kGroupSize = 256;
+  const LevelGrid* grid;
   Span<uint32_t> counts;
 
-  COLLIDED_HD void operator()(uint64_t triangle, uint64_t rank) const {
-    atomic_add(counts[grid.covered_cell(boxes[triangle], rank)], 1u);
+  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
+    const CellSlice slice(*grid, i);
+    for (uint32_t k = group.rank; k < slice.count; k += group.size) counts[slice.first + k] = 0;
   }
 };
 
-/// Registrations that each level would need if all triangles were registered in it.
+struct CountOverlappedCells {
+  const LevelGrid* grid;
+  Span<const Box<float>> boxes;
+  Span<uint32_t> counts;
+  AppendList<uint32_t> large;  ///< triangles with many cells
+
+  COLLIDED_HD void operator()(uint64_t triangle) const {
+    const LevelGrid g = *grid;
+    const CellRange deepest = g.deepest_range(boxes[triangle]);
+    if (shifted(deepest, kDeepest - g.base).size() > kManyCells) return large.push(static_cast<uint32_t>(triangle));
+    visit_dense_cells(g, deepest, 0, 1, [&](uint32_t cell) { atomic_add(counts[cell], 1u); });
+  }
+};
+
+struct CountCellsOfLarge {
+  using Shared = Nothing;
+  static constexpr uint32_t kGroupSize = 256;
+  const LevelGrid* grid;
+  Span<const Box<float>> boxes;
+  Span<uint32_t> counts;
+  Span<const uint32_t> large;
+
+  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
+    const LevelGrid g = *grid;
+    visit_dense_cells(g, g.deepest_range(boxes[large[i]]), group.rank, group.size,
+                      [&](uint32_t cell) { atomic_add(counts[cell], 1u); });
+  }
+};
+
+/// Registrations that each dense level would need if all triangles were registered in it.
 struct LevelTotals {
   uint64_t cells[kMaxLevel + 1];
 };
 struct CoveredPerLevel {
-  LevelGrid finest;  ///< with top = 0 and base = kMaxLevel
+  const LevelGrid* grid;
   Span<const Box<float>> boxes;
 
   COLLIDED_HD LevelTotals operator()(uint64_t triangle) const {
+    const CellRange deepest = grid->deepest_range(boxes[triangle]);
     LevelTotals totals;
-    for (int level = 0; level <= kMaxLevel; ++level) totals.cells[level] = finest.range(level, boxes[triangle]).size();
+    for (int level = 0; level <= kMaxLevel; ++level) totals.cells[level] = shifted(deepest, kDeepest - level).size();
     return totals;
   }
 };

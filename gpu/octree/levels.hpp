@@ -3,7 +3,7 @@
 // Deviation: the first frame's base level comes from the data, not from a fixed nine levels, and no frame's base
 // level may need more than a bounded number of registrations for a triangle (one huge triangle would cover all).
 
-#include "gpu/octree/count.hpp"
+#include "gpu/octree/top_down.hpp"
 
 namespace collided {
 
@@ -13,20 +13,24 @@ struct ActiveLevels {
 };
 
 /// Levels for this frame; `triangles` > 0.
-inline ActiveLevels clamp_levels(ActiveLevels wanted, const LevelTotals& totals, uint64_t triangles) {
+COLLIDED_HD inline ActiveLevels clamp_levels(ActiveLevels wanted, const LevelTotals& totals, uint64_t triangles) {
   constexpr uint64_t kFirstPerTriangle = 6, kMostPerTriangle = 24;
   const bool first_frame = wanted.base < 0;
   const uint64_t most = triangles * (first_frame ? kFirstPerTriangle : kMostPerTriangle);
   int base = first_frame ? kMaxLevel : wanted.base;
   while (base > 0 && totals.cells[base] > most) --base;
-  return {wanted.top < base ? wanted.top : base, base};
+  // Coarse levels are wanted only where many registrations were in them; counting them is slow, for few cells take
+  // the counts of many triangles.
+  constexpr int kFirstLevels = 4;
+  const int top = !first_frame ? wanted.top : base > kFirstLevels ? base - kFirstLevels : 0;
+  return {top < base ? top : base, base};
 }
 
-/// `share[l]`: registrations in leaves of level l; thresholds of the paper.
-inline ActiveLevels next_levels(ActiveLevels now, const uint64_t (&registrations)[kMaxLevel + 1]) {
+/// `registrations[l]`: in leaves of dense level l; thresholds of the paper.
+inline ActiveLevels next_levels(ActiveLevels now, const uint64_t* registrations) {
   constexpr double kEpsilonMinus = 0.001, kEpsilonPlus = 0.00001, kLambdaPlus = 0.97, kLambdaMinus = 0.03;
   double all = 0;
-  for (const uint64_t n : registrations) all += static_cast<double>(n);
+  for (int level = 0; level <= kMaxLevel; ++level) all += static_cast<double>(registrations[level]);
   if (all == 0) return now;
   const double at_top = static_cast<double>(registrations[now.top]) / all;
   const double at_base = static_cast<double>(registrations[now.base]) / all;
@@ -37,5 +41,35 @@ inline ActiveLevels next_levels(ActiveLevels now, const uint64_t (&registrations
   if (at_base < kLambdaMinus && next.base > next.top) --next.base;
   return next;
 }
+
+/// Sets up the frame's grid, and how many items the launches that depend on it have.
+struct GridState {
+  LevelGrid grid;
+  uint64_t base_cells;
+  uint64_t roots[3];  ///< of the steps of CutDense
+  uint64_t cell_groups;
+};
+struct ChooseGrid {
+  const Box<float>* bounds;
+  const LevelTotals* totals;
+  const ActiveLevels* wanted;
+  uint64_t triangles;
+  GridState* state;
+
+  COLLIDED_HD void operator()(uint64_t) const {
+    const ActiveLevels levels = clamp_levels(*wanted, *totals, triangles);
+    const LevelGrid grid = grid_over(*bounds, levels.top, levels.base);
+    state->grid = grid;
+    state->base_cells = uint64_t{1} << (3 * levels.base);
+    for (int step = 0; step < 3; ++step) state->roots[step] = roots_of_step(grid, step);
+    state->cell_groups = groups_of_cells(grid);
+  }
+};
+/// The same over all levels, before they are chosen.
+struct SpanGrid {
+  const Box<float>* bounds;
+  LevelGrid* grid;
+  COLLIDED_HD void operator()(uint64_t) const { *grid = grid_over(*bounds, 0, kMaxLevel); }
+};
 
 }  // namespace collided

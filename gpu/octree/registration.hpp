@@ -2,26 +2,48 @@
 // Section 3.3, first step: the cell-triangle pairs, grouped by leaf.
 // Deviation: each leaf's place is known from the counts, so the pairs are placed at once; no radix sort.
 
-#include "gpu/exec/atomic.hpp"
-#include "gpu/math/lattice.hpp"
+#include "gpu/octree/top_down.hpp"
 
 namespace collided {
 
-/// One unit for each (triangle, covered cell): if the cell is a leaf, the triangle goes into it.
+/// Puts a triangle into the leaves that its box overlaps.
 struct RegisterTriangles {
-  LevelGrid grid;
-  uint32_t first;
+  Tree tree;
   Span<const Box<float>> boxes;
-  Span<const uint32_t> slot;
-  Span<const uint64_t> offsets;  ///< of each leaf in registered
-  Span<uint32_t> cursor;         ///< of each leaf, zeroed by the caller
+  Span<const Leaf> leaves;
+  Span<uint32_t> cursor;
   Span<uint32_t> registered;
 
-  COLLIDED_HD void operator()(uint64_t triangle, uint64_t rank) const {
-    const uint64_t i = grid.covered_cell(boxes[triangle], rank) - first;
-    const uint32_t leaf = slot[i];
-    if (leaf == slot[i + 1]) return;
-    registered[offsets[leaf] + atomic_add(cursor[leaf], 1u)] = static_cast<uint32_t>(triangle);
+  COLLIDED_HD void operator()(uint64_t triangle) const {
+    const CellRange deepest = tree.grid->deepest_range(boxes[triangle]);
+    if (shifted(deepest, kDeepest - tree.grid->base).size() <= kManyCells)
+      put(static_cast<uint32_t>(triangle), deepest, 0, 1);
+  }
+  COLLIDED_HD void put(uint32_t triangle, const CellRange& deepest, uint32_t rank, uint32_t threads) const {
+    visit_dense_cells(*tree.grid, deepest, rank, threads, [&](uint32_t cell) { put_into(cell, triangle); });
+    if (tree.rounds > 0)
+      visit_bricks(tree, deepest, tree.rounds - 1, rank, threads,
+                   [&](uint32_t cell, int, int, uint32_t) { put_into(cell, triangle); });
+  }
+
+ private:
+  COLLIDED_HD void put_into(uint32_t cell, uint32_t triangle) const {
+    if (tree.type[cell] != kLeaf || tree.slot[cell] == kNoLeaf) return;
+    const uint32_t leaf = tree.slot[cell];
+    registered[leaves[leaf].offset + atomic_add(cursor[leaf], 1u)] = triangle;
+  }
+};
+
+struct RegisterLarge {
+  using Shared = Nothing;
+  static constexpr uint32_t kGroupSize = 256;
+  RegisterTriangles registration;
+  Span<const uint32_t> large;
+
+  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
+    const uint32_t triangle = large[i];
+    registration.put(triangle, registration.tree.grid->deepest_range(registration.boxes[triangle]), group.rank,
+                     group.size);
   }
 };
 

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "gpu/narrow_phase.hpp"
+#include "gpu/results.hpp"
+#include "gpu/sinks.hpp"
 #include "tests/support/query_batch.hpp"
 
 namespace collided::test {
@@ -29,11 +31,95 @@ float batch_extent(const std::vector<Vec3<Real>>& start, const std::vector<Vec3<
   return static_cast<float>(extent);
 }
 
+/// What the search for pairs does with a candidate: the filter of the level.
+template <class Real, class Kind, class Keep>
+struct FilterQueries {
+  const Vec3<Real>* start;
+  const Vec3<Real>* end;
+  Kind kind;
+  Keep keep;
+  Span<const uint64_t> keys;
+  AppendList<uint64_t> kept;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    if (keep(kind, points_of(kind.stencil(keys[i]), start, end))) kept.push(keys[i]);
+  }
+};
+
+/// The narrow phase of queries that lie in a scene's buffers.
+template <class Exec, class Real>
+class QueryRun {
+ public:
+  QueryRun(Exec& exec, const BatchSettings& settings, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
+      : exec_(exec),
+        ranks_(ranks),
+        scene_(scene),
+        narrow_(exec, spec_, ranks_, scene),
+        results_(exec, spec_, ranks_, scene) {
+    spec_.mode = settings.mode;
+    spec_.thickness = settings.thickness;
+    settings_ = {settings.accuracy, settings.delta, Report::kAll};
+  }
+
+  template <class Kind>
+  FrameResult run(const Kind& kind, Span<const uint64_t> keys, float extent) {
+    FrameResult result;
+    exec_.begin_frame();
+    narrow_.begin(settings_);
+    for (;;) {
+      narrow_.reserve();
+      const StepState state = exec_.step(StepKey{}, scene_.state.data(), [&] { enqueue(kind, keys, extent); });
+      if (narrow_.grow(state)) continue;
+      results_.collect(state, settings_, result);
+      return result;
+    }
+  }
+
+ private:
+  template <class Kind>
+  void enqueue(const Kind& kind, Span<const uint64_t> keys, float extent) {
+    StepState* state = scene_.state.data();
+    exec_.fill_zero(state, sizeof(StepState));
+    exec_.for_each("prepare", 1, SetBounds{state, extent});
+    exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, spec_.thickness});
+    if (settings_.accuracy < (spec_.mode == Mode::kCcd ? Accuracy::kGuarded : Accuracy::kCertified))
+      filter(kind, keys, KeepAll{});
+    else if (spec_.mode == Mode::kCcd)
+      filter(kind, keys, MaybeCoplanar<Real>{&state->filter});
+    else
+      filter(kind, keys, NearInFloat<Real>{spec_.thickness});
+    narrow_.detect(kind);
+    narrow_.order();
+  }
+  template <class Kind, class Keep>
+  void filter(const Kind& kind, Span<const uint64_t> keys, const Keep& keep) {
+    constexpr int k = KindTraits<Kind>::kIndex;
+    const Vec3<Real>* end = scene_.end.data();
+    exec_.for_each("filter_queries", keys.size(),
+                   FilterQueries<Real, Kind, Keep>{spec_.mode == Mode::kCcd ? scene_.start.data() : end,
+                                                   end,
+                                                   kind,
+                                                   keep,
+                                                   keys,
+                                                   {scene_.kept[k].all(), &scene_.state.data()->kept[k]}});
+  }
+  struct SetBounds {
+    StepState* state;
+    float extent;
+    COLLIDED_HD void operator()(uint64_t) const { state->bounds = {{0, 0, 0}, {extent, extent, extent}}; }
+  };
+
+  Exec& exec_;
+  const FeatureRanks& ranks_;
+  SceneBuffers<Exec, Real>& scene_;
+  SceneSpec spec_;
+  FrameSettings settings_{};
+  NarrowPhase<Exec, Real> narrow_;
+  Results<Exec, Real> results_;
+};
+
 template <class Exec, class Real>
 ContactSet run_batch(Exec& exec, std::span<const Query> queries, const BatchSettings& settings) {
-  SceneSpec spec;
-  spec.mode = settings.mode;
-  spec.thickness = settings.thickness;
   SceneBuffers<Exec, Real> scene(exec);
   const auto send = [&](auto& buffer, const auto& values) {
     buffer.allocate(values.size());
@@ -43,6 +129,7 @@ ContactSet run_batch(Exec& exec, std::span<const Query> queries, const BatchSett
   const auto start = batch_positions<Real>(queries, 0), end = batch_positions<Real>(queries, 4);
   send(scene.start, start);
   send(scene.end, end);
+  scene.state.allocate(1);
   const bool is_vt = queries.front().kind == QueryKind::kVertexTriangle;
   std::vector<uint64_t> keys;
   std::vector<Vec3<uint32_t>> triangles;
@@ -52,21 +139,18 @@ ContactSet run_batch(Exec& exec, std::span<const Query> queries, const BatchSett
     triangles.push_back({4 * i + 1, 4 * i + 2, 4 * i + 3});
     edges.insert(edges.end(), {{4 * i, 4 * i + 1}, {4 * i + 2, 4 * i + 3}});
   }
-  send(scene.candidates, keys);
+  Buffer<uint64_t, Exec> resident(exec, "queries");
+  send(resident, keys);
   send(scene.topology.triangles, triangles);
   send(scene.topology.edges, edges);
 
-  FrameResult result;
-  NarrowPhase<Exec, Real> narrow(exec, spec, scene);
-  exec.begin_frame();
-  narrow.begin({settings.accuracy, settings.delta, Report::kAll}, batch_extent(start, end), result);
-  const Span<uint64_t> candidates = scene.candidates.span(keys.size());
-  if (is_vt)
-    narrow.detect(VertexTriangle{scene.topology.triangles.all()}, candidates);
-  else
-    narrow.detect(EdgeEdge{scene.topology.edges.all()}, candidates);
-  narrow.finish();
-  return std::move(is_vt ? result.vertex_triangle : result.edge_edge);
+  const uint32_t vertices = static_cast<uint32_t>(4 * queries.size());
+  const FeatureRanks ranks{vertices, vertices + static_cast<uint32_t>(edges.size()),
+                           vertices + static_cast<uint32_t>(edges.size())};
+  QueryRun<Exec, Real> run(exec, settings, ranks, scene);
+  const float extent = batch_extent(start, end);
+  if (is_vt) return run.run(VertexTriangle{scene.topology.triangles.all()}, resident.all(), extent).vertex_triangle;
+  return run.run(EdgeEdge{scene.topology.edges.all()}, resident.all(), extent).edge_edge;
 }
 
 template <class Exec>

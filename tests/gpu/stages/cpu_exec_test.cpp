@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <random>
+#include <vector>
 
 #include "gpu/exec/buffer.hpp"
 
@@ -19,30 +18,60 @@ class CpuExecTest : public testing::TestWithParam<int> {
 
 struct CountVisits {
   Span<uint32_t> visits;
-  Span<const uint64_t> offsets;
-  void operator()(uint64_t item, uint64_t rank) const { atomic_add(visits[offsets[item] + rank], 1u); }
+  void operator()(uint64_t i) const { atomic_add(visits[i], 1u); }
 };
 
-TEST_P(CpuExecTest, ExpandedVisitsEveryUnitOfEveryItemOnce) {
-  std::mt19937 random(5);
-  std::vector<uint64_t> offsets(1001);
-  for (size_t i = 0; i < 1000; ++i) offsets[i] = random() % 3 == 0 ? 0 : random() % 50;
-  exec.exclusive_scan("scan", Span<uint64_t>{offsets.data(), offsets.size()});
-  std::vector<uint32_t> visits(offsets.back(), 0);
-  const Span<const uint64_t> view{offsets.data(), offsets.size()};
-  exec.for_each_expanded("visit", view, offsets.back(), CountVisits{{visits.data(), visits.size()}, view});
-  EXPECT_TRUE(std::all_of(visits.begin(), visits.end(), [](uint32_t n) { return n == 1; }));
+TEST_P(CpuExecTest, CountedLengthIsReadWhenTheStageRunsAndCutOffAtTheCapacity) {
+  std::vector<uint32_t> visits(1000, 0);
+  uint64_t counter = 700;
+  const Counted counted{&counter, visits.size()};
+  exec.for_each("visit", counted, CountVisits{{visits.data(), visits.size()}});
+  counter = 5000;
+  exec.for_each("visit", counted, CountVisits{{visits.data(), visits.size()}});
+  for (size_t i = 0; i < visits.size(); ++i) ASSERT_EQ(visits[i], i < 700 ? 2u : 1u);
 }
 
-TEST_P(CpuExecTest, SortKeepsKeysAndOrderTogether) {
-  std::mt19937_64 random(6);
-  std::vector<uint64_t> keys(5000), before;
-  for (uint64_t& key : keys) key = random();
-  before = keys;
-  std::vector<uint32_t> order(keys.size());
-  exec.sort_with_order("sort", {keys.data(), keys.size()}, {order.data(), order.size()});
-  EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end()));
-  for (size_t i = 0; i < keys.size(); ++i) ASSERT_EQ(before[order[i]], keys[i]);
+struct SumInGroup {
+  struct Shared {
+    uint64_t sum;
+  };
+  static constexpr uint32_t kGroupSize = 64;
+  Span<uint64_t> out;
+  void operator()(uint64_t i, const Group& group, Shared& shared) const {
+    if (group.rank == 0) shared.sum = 0;
+    group.sync();
+    for (uint64_t k = group.rank; k < 100; k += group.size) atomic_add(shared.sum, i * k);
+    group.sync();
+    if (group.rank == 0) out[i] = shared.sum;
+  }
+};
+
+TEST_P(CpuExecTest, GroupsHaveTheirOwnSharedMemory) {
+  std::vector<uint64_t> out(500);
+  const uint64_t count = out.size();
+  exec.for_each_group("sum", {&count, count}, SumInGroup{{out.data(), count}});
+  for (uint64_t i = 0; i < count; ++i) ASSERT_EQ(out[i], i * 4950);
+}
+
+struct IdentityOf {
+  uint64_t operator()(uint64_t i) const { return i; }
+};
+struct Larger {
+  uint64_t operator()(uint64_t a, uint64_t b) const { return a < b ? b : a; }
+};
+
+TEST_P(CpuExecTest, ReduceOfNothingIsTheIdentity) {
+  uint64_t result = 7;
+  exec.reduce_into("largest", 0, IdentityOf{}, uint64_t{3}, Larger{}, &result);
+  EXPECT_EQ(result, 3u);
+  exec.reduce_into("largest", 12345, IdentityOf{}, uint64_t{3}, Larger{}, &result);
+  EXPECT_EQ(result, 12344u);
+}
+
+TEST_P(CpuExecTest, StepReturnsWhatItLeft) {
+  uint64_t value = 0;
+  EXPECT_EQ(exec.step(StepKey{}, &value, [&] { value = 5; }), 5u);
+  EXPECT_GE(exec.step_milliseconds(), 0);
 }
 
 TEST_P(CpuExecTest, CancellationStopsBeforeTheStage) {

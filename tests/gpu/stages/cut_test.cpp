@@ -4,61 +4,48 @@
 
 #include <algorithm>
 #include <random>
-#include <vector>
 
-#include "gpu/exec/cpu_exec.hpp"
-#include "gpu/octree/bottom_up.hpp"
-#include "gpu/octree/top_down.hpp"
+#include "tests/gpu/stages/octree_fixture.hpp"
 
 namespace collided::test {
 namespace {
 
-template <class T>
-Span<T> span_of(std::vector<T>& v) {
-  return {v.data(), v.size()};
-}
+constexpr CutCost kTestsAlone{CutRule::kTwoStage, 0};
 
-struct Tree {
-  LevelGrid grid{{0, 0, 0}, 1, 0, 3};
-  std::vector<uint32_t> counts = std::vector<uint32_t>(level_offset(4), 0);
-  std::vector<uint64_t> cost = std::vector<uint64_t>(level_offset(4), 0);
-  std::vector<uint8_t> type = std::vector<uint8_t>(level_offset(4), 0);
-
-  std::vector<uint32_t> leaves() {
-    CpuExec exec(1, 0);
-    bottom_up(exec, grid, span_of(counts), span_of(cost), span_of(type));
-    const uint32_t first = level_offset(grid.top);
-    std::vector<uint32_t> slot(counts.size() - first + 1, 7);
-    exec.for_each("mark", slot.size(), MarkRealLeaves{grid.top, first, span_of(type), span_of(slot)});
+struct CutOctree : TestOctree {
+  std::vector<uint32_t> leaves(const CutCost& cost = kTestsAlone) {
+    cut(cost);
     std::vector<uint32_t> out;
-    for (uint32_t i = 0; i + 1 < slot.size(); ++i)
-      if (slot[i] != 0) out.push_back(first + i);
+    for (uint32_t cell = level_offset(grid.top); cell < level_offset(grid.base + 1); ++cell)
+      if (type[cell] == kLeaf && is_real_leaf(tree(), cell)) out.push_back(cell);
     return out;
   }
 
-  uint64_t cheapest(uint32_t cell) const {
-    if (level_of(cell) == grid.base) return tests_of(counts[cell]);
+  uint64_t cheapest(uint32_t cell, uint64_t per_registration) const {
+    const uint64_t n = counts[cell], own = n < 2 ? 0 : tests_of(n) + per_registration * n;
+    if (level_of(cell) == grid.base) return own;
     uint64_t below = 0;
-    for (uint32_t k = 1; k <= 8; ++k) below += cheapest(8 * cell + k);
-    return std::min(tests_of(counts[cell]), below);
+    for (uint32_t k = 1; k <= 8; ++k) below += cheapest(8 * cell + k, per_registration);
+    return std::min(own, below);
   }
 };
 
 /// Triangles that reach over neighbouring base cells, so that a parent has fewer than its children together.
-Tree random_tree(uint32_t seed, int top) {
+CutOctree random_tree(uint32_t seed, int top, int base) {
   std::mt19937 random(seed);
-  Tree tree;
+  CutOctree tree;
   tree.grid.top = top;
+  tree.grid.base = base;
+  const uint32_t side = 1u << base;
   const int triangles = 1 + static_cast<int>(random() % 60);
   for (int t = 0; t < triangles; ++t) {
     const auto below = [&](uint32_t n) { return static_cast<uint32_t>(random() % n); };
-    const Coords lo{below(8), below(8), below(8)};
-    const Coords hi{std::min(7u, lo.x + below(3)), std::min(7u, lo.y + below(3)), std::min(7u, lo.z + below(3))};
-    for (int level = top; level <= 3; ++level) {
-      const int s = 3 - level;
-      const CellRange range{{lo.x >> s, lo.y >> s, lo.z >> s}, {hi.x >> s, hi.y >> s, hi.z >> s}};
-      for (uint64_t rank = 0; rank < range.size(); ++rank) ++tree.counts[cell_id(level, range.cell(rank))];
-    }
+    const Coords lo{below(side), below(side) / 2, below(side) / 4};
+    const Coords hi{std::min(side - 1, lo.x + below(3)), std::min(side - 1, lo.y + below(3)),
+                    std::min(side - 1, lo.z + below(3))};
+    for (int level = top; level <= base; ++level)
+      for_each_cell(shifted(CellRange{lo, hi}, base - level), 0, 1,
+                    [&](const Coords& c) { ++tree.counts[cell_id(level, c)]; });
   }
   return tree;
 }
@@ -68,39 +55,70 @@ bool is_ancestor_or_self(uint32_t ancestor, uint32_t cell) {
   return cell == ancestor;
 }
 
-TEST(Cut, IsTheCheapestOfAllAndPartitionsTheNonEmptyCells) {
-  for (uint32_t seed = 0; seed < 300; ++seed) {
-    Tree tree = random_tree(seed, static_cast<int>(seed % 3));
-    const std::vector<uint32_t> leaves = tree.leaves();
-    uint64_t tests = 0, best = 0;
-    for (const uint32_t leaf : leaves) tests += tests_of(tree.counts[leaf]);
-    for (uint32_t root = level_offset(tree.grid.top); root < level_offset(tree.grid.top + 1); ++root)
-      best += tree.cheapest(root);
-    EXPECT_EQ(tests, best) << "seed " << seed;
-    for (uint32_t cell = level_offset(3); cell < level_offset(4); ++cell) {
-      const auto above =
-          std::count_if(leaves.begin(), leaves.end(), [&](uint32_t l) { return is_ancestor_or_self(l, cell); });
-      if (tree.counts[cell] != 0) {
-        ASSERT_EQ(above, 1) << "seed " << seed << " cell " << cell;
-      } else {
-        ASSERT_LE(above, 1);
-      }
-    }
+void expect_cheapest(uint32_t seed, int top, int base, uint32_t per_registration) {
+  SCOPED_TRACE(testing::Message() << "seed " << seed << ", levels " << top << " to " << base);
+  CutOctree tree = random_tree(seed, top, base);
+  const std::vector<uint32_t> leaves = tree.leaves({CutRule::kTwoStage, static_cast<float>(per_registration)});
+  uint64_t cost = 0, best = 0;
+  for (const uint32_t leaf : leaves) {
+    const uint64_t n = tree.counts[leaf];
+    if (n >= 2) cost += tests_of(n) + per_registration * n;
+  }
+  for (uint32_t root = level_offset(top); root < level_offset(top + 1); ++root)
+    best += tree.cheapest(root, per_registration);
+  EXPECT_EQ(cost, best);
+  for (uint32_t cell = level_offset(base); cell < level_offset(base + 1); ++cell) {
+    if (tree.counts[cell] == 0) continue;
+    const auto above =
+        std::count_if(leaves.begin(), leaves.end(), [&](uint32_t l) { return is_ancestor_or_self(l, cell); });
+    ASSERT_EQ(above, 1) << "cell " << cell;
   }
 }
 
-// Fig. 4: one subdivision alone would not pay, two levels do.
+TEST(Cut, IsTheCheapestOfAllAndPartitionsTheNonEmptyCells) {
+  for (uint32_t seed = 0; seed < 200; ++seed)
+    expect_cheapest(seed, static_cast<int>(seed % 4), 3, seed % 2 == 0 ? 0 : 4);
+}
+
+// Deeper hierarchies take several steps, which meet at the cells between them.
+TEST(Cut, StepsOfADeepHierarchyMeet) {
+  for (uint32_t seed = 0; seed < 24; ++seed) expect_cheapest(seed, static_cast<int>(seed % 5), 4, seed % 3);
+  for (uint32_t seed = 0; seed < 6; ++seed) expect_cheapest(seed, static_cast<int>(seed % 3), 6, seed % 3);
+}
+
+// Fig. 4: one subdivision alone would not pay, two levels do; the one-stage top-down form stops before.
 TEST(Cut, LooksPastALevelThatDoesNotPay) {
-  Tree tree;
+  CutOctree tree;
   for (int level = 0; level <= 2; ++level) tree.counts[level_offset(level)] = 6;  // all six stay in one child
   for (uint32_t k = 0; k < 6; ++k) tree.counts[level_offset(3) + k] = 1;          // and part at the base
-  const std::vector<uint32_t> leaves = tree.leaves();
-  EXPECT_EQ(leaves.size(), 6u);
-  EXPECT_EQ(tree.cost[0], 0u);
+  EXPECT_EQ(tree.leaves().size(), 6u);
+  EXPECT_EQ(tree.leaves({CutRule::kTopDown, 0}), std::vector<uint32_t>{0});
+}
+
+// One child is better left split, so the one-stage bottom-up form merges nothing above it, though that would pay.
+TEST(Cut, BottomUpFormStopsAtASiblingThatWasNotMerged) {
+  CutOctree tree;
+  tree.grid.base = 2;
+  const uint32_t base = level_offset(2);
+  for (uint32_t k = 0; k < 8; ++k) tree.counts[base + k] = 4;  // the first child: spread over its children
+  tree.counts[level_offset(1)] = 20;
+  for (uint32_t child = 1; child < 8; ++child) {
+    tree.counts[level_offset(1) + child] = 20;
+    tree.counts[base + 8 * child] = 20;
+  }
+  tree.counts[0] = 20;
+  EXPECT_EQ(tree.leaves(), std::vector<uint32_t>{0});
+  const std::vector<uint32_t> split = tree.leaves({CutRule::kBottomUp, 0});
+  EXPECT_EQ(split.size(), 8u + 7u);
+}
+
+TEST(Cut, GridKeepsTheBaseLevel) {
+  CutOctree tree = random_tree(3, 0, 3);
+  for (const uint32_t leaf : tree.leaves({CutRule::kGrid, 0})) EXPECT_EQ(level_of(leaf), 3);
 }
 
 TEST(Cut, MergesOnATie) {
-  Tree tree;
+  CutOctree tree;
   for (int level = 0; level <= 3; ++level) tree.counts[level_offset(level)] = 5;
   EXPECT_EQ(tree.leaves(), std::vector<uint32_t>{0});
 }

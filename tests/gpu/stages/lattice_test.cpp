@@ -41,28 +41,34 @@ TEST(Lattice, MortonCodesGoBackToTheirCoordinates) {
 }
 
 TEST(Lattice, MapIsMonotoneAndClampedForEveryNumber) {
-  const LevelGrid grid{{-1.0f, 0.0f, 0.0f}, 64.0f / 3.0f, 0, 6};
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  EXPECT_EQ(grid.quantise(-kInfinity, -1.0f), 0u);
-  EXPECT_EQ(grid.quantise(kInfinity, -1.0f), 63u);
+  constexpr float kInfinity = std::numeric_limits<float>::infinity(), kScale = 174762.67f;
+  const auto quantise = [](float x) { return LevelGrid::quantise(x, -1.0f, kScale); };
+  EXPECT_EQ(quantise(-kInfinity), 0u);
+  EXPECT_EQ(quantise(kInfinity), (1u << kDeepest) - 1);
   std::mt19937 random(1);
   std::uniform_real_distribution<float> any(-3.0f, 5.0f);
   for (int i = 0; i < 10000; ++i) {
     const float a = any(random), b = any(random);
-    EXPECT_EQ(a <= b, grid.quantise(a, -1.0f) <= grid.quantise(b, -1.0f) && a <= b);
+    EXPECT_EQ(a <= b, quantise(a) <= quantise(b) && a <= b);
   }
 }
 
-TEST(Lattice, RanksNameEveryCoveredCellOnce) {
-  const LevelGrid grid{{0, 0, 0}, 16.0f, 1, 4};
-  const Box<float> box{{0.1f, 0.3f, 0.5f}, {0.4f, 0.35f, 0.9f}};
-  std::vector<uint32_t> seen;
-  for (uint64_t rank = 0; rank < grid.covered(box); ++rank) seen.push_back(grid.covered_cell(box, rank));
-  std::sort(seen.begin(), seen.end());
-  EXPECT_EQ(std::unique(seen.begin(), seen.end()), seen.end());
-  uint64_t expected = 0;
-  for (int level = 1; level <= 4; ++level) expected += grid.range(level, box).size();
-  EXPECT_EQ(seen.size(), expected);
+TEST(Lattice, GridOverNothingHasOneCell) {
+  const LevelGrid point = grid_over({{3, 3, 3}, {3, 3, 3}}, 0, 5);
+  EXPECT_EQ(point.deepest_range({{3, 3, 3}, {3, 3, 3}}).size(), 1u);
+  EXPECT_EQ(point.deepest_range({{-1e30f, 3, 3}, {1e30f, 3, 3}}).size(), 1u);
+}
+
+TEST(Lattice, EachCellOfARangeIsVisitedOnceByOneThreadOrMany) {
+  const CellRange range{{3, 7, 1}, {5, 9, 6}};
+  for (const uint32_t threads : {1u, 2u, 5u, 64u}) {
+    std::vector<uint64_t> seen;
+    for (uint32_t rank = 0; rank < threads; ++rank)
+      for_each_cell(range, rank, threads, [&](const Coords& c) { seen.push_back(c.x * 10000 + c.y * 100 + c.z); });
+    std::sort(seen.begin(), seen.end());
+    EXPECT_EQ(std::unique(seen.begin(), seen.end()), seen.end());
+    EXPECT_EQ(seen.size(), range.size());
+  }
 }
 
 TEST(Rounding, NextNumbersAreTheStandardLibrarys) {

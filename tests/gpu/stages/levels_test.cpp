@@ -49,5 +49,14 @@ TEST(Levels, BaseNeverTakesMoreRegistrationsThanItsBound) {
   EXPECT_EQ(clamp_levels({0, 6}, totals, 1u << 30).base, 6);  // wide enough: as wanted
 }
 
+TEST(Levels, FirstFrameLeavesOutTheCoarsestLevels) {
+  LevelTotals totals{};
+  EXPECT_EQ(clamp_levels({}, totals, 1).base, kMaxLevel);
+  EXPECT_EQ(clamp_levels({}, totals, 1).top, 3);
+  for (int level = 3; level <= kMaxLevel; ++level) totals.cells[level] = 1000;
+  EXPECT_EQ(clamp_levels({}, totals, 1).base, 2);
+  EXPECT_EQ(clamp_levels({}, totals, 1).top, 0);
+}
+
 }  // namespace
 }  // namespace collided::test

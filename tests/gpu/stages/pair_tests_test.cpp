@@ -1,10 +1,9 @@
-// The tournament of a leaf meets each pair once, whatever the leaf's size.
+// The tiles of a leaf meet each pair once, whatever the leaf's size.
 
 #include "gpu/broad/pair_tests.hpp"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <numeric>
 #include <set>
 #include <vector>
@@ -19,41 +18,65 @@ Span<T> span_of(std::vector<T>& v) {
   return {v.data(), v.size()};
 }
 
-std::vector<std::pair<uint32_t, uint32_t>> pairs_of_one_leaf(uint32_t n, uint64_t capacity, uint64_t& need) {
-  CpuExec exec(2, 0);
-  std::vector<Box<float>> boxes(n, Box<float>{{0, 0, 0}, {1, 1, 1}});
-  std::vector<Leaf> leaves{{{0, 0, 0}, 0, n}};
-  std::vector<uint64_t> offsets{0, n}, units(2);
-  std::vector<uint32_t> registered(n);
-  std::iota(registered.rbegin(), registered.rend(), 0u);
-  std::vector<TrianglePair> out(capacity);
-  const LevelGrid grid{{0, 0, 0}, 1, 0, 0};
-  exec.for_each("units", 2, CountPairUnits{span_of(leaves), span_of(units)});
-  exec.exclusive_scan("scan", span_of(units));
-  need = 0;
-  exec.for_each_expanded(
-      "pairs", span_of(units), units[1],
-      TestPairsOfLeaf{
-          grid, {}, span_of(boxes), span_of(leaves), span_of(offsets), span_of(registered), {span_of(out), &need}});
-  std::vector<std::pair<uint32_t, uint32_t>> pairs;
-  for (uint64_t i = 0; i < std::min<uint64_t>(need, capacity); ++i) pairs.emplace_back(out[i].a, out[i].b);
-  return pairs;
-}
+struct OneLeaf {
+  explicit OneLeaf(uint32_t n)
+      : boxes(n, Box<float>{{0, 0, 0}, {1, 1, 1}}), registered(n), leaves{{{0, 0, 0}, 0, n, 0, 0}} {
+    std::iota(registered.rbegin(), registered.rend(), 0u);
+    for_each_item(0, n, [&](uint64_t place, const PairItem& item) {
+      EXPECT_EQ(place, items.size());
+      items.push_back(item);
+    });
+  }
+  std::vector<std::pair<uint32_t, uint32_t>> pairs() {
+    const LeafPairs source{&grid,    {}, span_of(boxes), span_of(leaves), span_of(registered), span_of(items),
+                           &crowded, 0};
+    std::vector<std::pair<uint32_t, uint32_t>> found;
+    for (uint64_t i = 0; i < items.size(); ++i)
+      visit_item(source, i, [&](uint32_t a, uint32_t b) { found.emplace_back(a, b); });
+    return found;
+  }
+
+  LevelGrid grid{{0, 0, 0}, 1, 0, 0};
+  std::vector<Box<float>> boxes;
+  std::vector<uint32_t> registered;
+  std::vector<Leaf> leaves;
+  std::vector<PairItem> items;
+  uint64_t crowded = 0;
+};
 
 TEST(PairTests, EveryPairOfALeafOnce) {
-  for (const uint32_t n : {1u, 2u, 3u, 4u, 5u, 31u, 32u, 33u, 63u, 64u, 65u, 66u, 127u, 128u, 129u, 500u}) {
-    uint64_t need = 0;
-    const auto pairs = pairs_of_one_leaf(n, 200000, need);
+  for (const uint32_t n :
+       {1u, 2u, 3u, 4u, 5u, 31u, 32u, 33u, 63u, 64u, 65u, 127u, 128u, 129u, 256u, 257u, 289u, 700u}) {
+    OneLeaf leaf(n);
+    EXPECT_EQ(leaf.items.size(), items_of(n)) << n;
+    const auto pairs = leaf.pairs();
     EXPECT_EQ(pairs.size(), uint64_t{n} * (n - 1) / 2) << n;
     EXPECT_EQ(std::set(pairs.begin(), pairs.end()).size(), pairs.size()) << n;
     for (const auto& [a, b] : pairs) EXPECT_LT(a, b);
   }
 }
 
-TEST(PairTests, AListThatIsTooSmallStillCountsTheNeed) {
-  uint64_t need = 0;
-  pairs_of_one_leaf(100, 10, need);
-  EXPECT_EQ(need, 4950u);
+TEST(PairTests, ItemsOfALargeLeafAreCountedInClosedForm) {
+  for (uint32_t n = 1; n < 3000; n += 37) {
+    uint64_t items = 0;
+    for_each_item(0, n, [&](uint64_t, const PairItem&) { ++items; });
+    ASSERT_EQ(items, items_of(n)) << n;
+  }
+}
+
+TEST(PairTests, OnlyBoxesThatMeetAreReported) {
+  OneLeaf leaf(100);
+  leaf.boxes[40] = {{2, 0, 0}, {3, 1, 1}};
+  leaf.boxes[41] = {{1, 1, 1}, {2, 2, 2}};  // touches all others and box 40 at the corner
+  leaf.boxes[40].lo.y = 2;
+  leaf.boxes[40].hi.y = 3;
+  leaf.boxes[40].hi.z = 2;
+  std::set<std::pair<uint32_t, uint32_t>> found;
+  for (const auto& pair : leaf.pairs()) found.insert(pair);
+  EXPECT_TRUE(found.contains({40, 41}));
+  EXPECT_TRUE(found.contains({0, 41}));
+  EXPECT_FALSE(found.contains({0, 40}));
+  EXPECT_EQ(found.size(), 99u * 98u / 2 + 1);
 }
 
 TEST(PairFilter, FollowsGroupsMasksStaticAndSelf) {

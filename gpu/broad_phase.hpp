@@ -1,0 +1,226 @@
+#pragma once
+// Steps 1 to 7 of Fig. 7: from resident positions to pairs of triangles whose boxes overlap. Everything is put in line
+// for the backend; no length is read back.
+
+#include <vector>
+
+#include "gpu/broad/resolution.hpp"
+#include "gpu/octree/refine.hpp"
+#include "gpu/octree/registration.hpp"
+#include "gpu/scene_buffers.hpp"
+
+namespace collided {
+
+/// Triangles [first, first + count) whose boxes are out of date.
+struct TriangleRun {
+  uint64_t first, count;
+};
+
+/// What of the octree is fixed before a step starts.
+struct OctreePlan {
+  CutCost cost;
+  int rounds = 0;                              ///< of refinement below the dense levels
+  int cut_steps = 3;                           ///< that the cut of the dense levels takes
+  uint64_t most_crowded_tests = ~uint64_t{0};  ///< beyond this the step is put off
+};
+
+template <class Exec, class Real>
+class BroadPhase {
+ public:
+  BroadPhase(Exec& exec, const SceneSpec& spec, const Topology& topology, SceneBuffers<Exec, Real>& scene)
+      : exec_(exec), spec_(spec), topology_(topology), scene_(scene) {}
+
+  /// Lists start at what most scenes need.
+  void reserve(const OctreePlan& plan) {
+    const uint64_t n = triangle_count();
+    OctreeBuffers<Exec>& tree = scene_.octree;
+    tree.wanted.allocate(1);
+    const bool has_bricks = plan.rounds > 0;
+    if (has_bricks && tree.bricks.capacity() == 0) reserve_bricks(256);
+    const uint64_t cells = kDenseCells + tree.bricks.capacity() * kBrickCells;
+    tree.counts.allocate(cells);
+    tree.type.allocate(cells);
+    tree.slot.allocate(cells);
+    tree.root_cost.allocate(level_offset(kMaxLevel - kBrickLevels + 1));
+    if (tree.large.capacity() == 0) tree.large.allocate(256);
+    if (tree.leaves.capacity() == 0) reserve_leaves(n / 2 + 1024);
+    if (tree.registered.capacity() == 0) tree.registered.allocate(6 * n + 1024);
+    if (tree.items.capacity() == 0) tree.items.allocate(n + 1024);
+  }
+
+  /// Makes room for what a step asked for; whether it has to run again.
+  bool grow(const StepState& need) {
+    OctreeBuffers<Exec>& tree = scene_.octree;
+    uint64_t bricks = 0;
+    for (const uint64_t n : need.bricks) bricks += n;
+    bool short_of_room = false;
+    const auto check = [&](const auto& buffer, uint64_t count, const auto& enlarge) {
+      if (count <= buffer.capacity()) return;
+      short_of_room = true;
+      enlarge(count);
+    };
+    check(tree.large, need.large, [&](uint64_t n) { tree.large.ensure(n); });
+    check(tree.bricks, bricks, [&](uint64_t n) { reserve_bricks(n + n / 4); });
+    check(tree.leaves, need.leaves.leaves, [&](uint64_t n) { reserve_leaves(n + n / 4); });
+    check(tree.registered, need.leaves.registrations, [&](uint64_t n) { tree.registered.ensure(n); });
+    check(tree.items, need.leaves.items, [&](uint64_t n) { tree.items.ensure(n); });
+    return short_of_room;
+  }
+
+  // 1. Bounding boxes.
+  void box_triangles(const std::vector<TriangleRun>& moved) {
+    for (const TriangleRun& run : moved)
+      exec_.for_each("box_triangles", run.count,
+                     BoxTriangles<Real>{motion(), triangles(), edges(), scene_.topology.owned.all(), run.first,
+                                        scene_.boxes.all(), scene_.records.all()});
+  }
+
+  // Section 3.2: number of levels.
+  void choose_levels() {
+    StepState* state = scene_.state.data();
+    exec_.reduce_into("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
+    exec_.for_each("span_grid", 1, SpanGrid{&state->bounds, &state->span});
+    exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevel{&state->span, boxes()}, LevelTotals{},
+                      AddTotals{}, &state->totals);
+    exec_.for_each(
+        "choose_grid", 1,
+        ChooseGrid{&state->bounds, &state->totals, scene_.octree.wanted.data(), triangle_count(), &state->grid});
+  }
+
+  // 2. Counter octree.
+  void count_overlapped_cells() {
+    const Span<uint32_t> counts = scene_.octree.counts.all();
+    exec_.for_each_group("clear_counts", cell_groups(), ClearCounts{grid(), counts});
+    exec_.for_each(
+        "count_overlapped_cells", triangle_count(),
+        CountOverlappedCells{grid(), boxes(), counts, {scene_.octree.large.all(), &scene_.state.data()->large}});
+    exec_.for_each_group("count_cells_of_large", large(), CountCellsOfLarge{grid(), boxes(), counts, large_list()});
+  }
+
+  void refine(const OctreePlan& plan) {
+    const Tree all = tree(plan);
+    for (int round = 0; round < plan.rounds; ++round) {
+      if (round == 0)
+        exec_.for_each("open_first_bricks", base_cells(), OpenFirstBricks{all});
+      else
+        exec_.for_each_group("open_bricks", bricks(round - 1), OpenBricks{all, round});
+      const CountInBricks count{all, boxes(), round};
+      exec_.for_each("count_in_bricks", triangle_count(), count);
+      exec_.for_each_group("count_in_bricks_of_large", large(), CountInBricksOfLarge{count, large_list()});
+    }
+  }
+
+  // 3. Bottom-up stage.
+  void cut(const OctreePlan& plan) {
+    const Tree all = tree(plan);
+    for (int round = plan.rounds - 1; round >= 0; --round)
+      exec_.for_each_group("cut_bricks", bricks(round), CutBricks{all, plan.cost, round});
+    for (int step = 0; step < plan.cut_steps; ++step)
+      exec_.for_each_group("cut_dense", roots(step), CutDense{all, plan.cost, scene_.octree.root_cost.all(), step});
+  }
+
+  // 4. Top-down stage: the leaves of the cut and their places.
+  void place_leaves(const OctreePlan& plan) {
+    OctreeBuffers<Exec>& octree = scene_.octree;
+    const PlaceLeaves place{tree(plan),          octree.leaves.all(),
+                            octree.cursor.all(), octree.registered.capacity(),
+                            octree.items.all(),  &scene_.state.data()->leaves};
+    exec_.for_each_group("place_dense_leaves", cell_groups(), PlaceDenseLeaves{place});
+    for (int round = 0; round < plan.rounds; ++round)
+      exec_.for_each_group("place_brick_leaves", bricks(round), PlaceBrickLeaves{place, round});
+  }
+
+  // 5. Cell-triangle pairs.
+  void register_triangles(const OctreePlan& plan) {
+    OctreeBuffers<Exec>& octree = scene_.octree;
+    const RegisterTriangles registration{tree(plan), boxes(), octree.leaves.all(), octree.cursor.all(),
+                                         octree.registered.all()};
+    exec_.for_each("register_triangles", triangle_count(), registration);
+    exec_.for_each_group("register_large", large(), RegisterLarge{registration, large_list()});
+  }
+
+  // 6.-7. Broad-phase tests, spread evenly; what they find goes to the sink.
+  template <class Sink>
+  void search(const char* name, const OctreePlan& plan, const Sink& sink) {
+    StepState* state = scene_.state.data();
+    const OctreeBuffers<Exec>& octree = scene_.octree;
+    const LeafPairs source{grid(),
+                           {scene_.topology.mesh_of_triangle.data(), scene_.topology.rules.data()},
+                           boxes(),
+                           octree.leaves.all(),
+                           octree.registered.all(),
+                           octree.items.all(),
+                           &state->leaves.crowded_tests,
+                           plan.most_crowded_tests};
+    exec_.fill_zero(&state->next_item, sizeof(uint64_t));
+    exec_.search(name, Counted{&state->leaves.items, octree.items.capacity()}, &state->next_item, source, sink);
+  }
+
+  /// Counts the triangles that the spacing of the positions' numbers is too coarse for.
+  void count_small_triangles() {
+    exec_.for_each(
+        "count_small_triangles", triangle_count(),
+        CountSmall<Real>{&scene_.state.data()->bounds, scene_.records.all(), &scene_.state.data()->small_triangles});
+  }
+
+  ElementaryTests<Real> elementary(bool vertex_triangle, bool edge_edge) const {
+    return {scene_.records.all(), motion().inflation, vertex_triangle, edge_edge};
+  }
+
+ private:
+  uint64_t triangle_count() const { return topology_.triangles.size(); }
+  Span<const Box<float>> boxes() const { return scene_.boxes.span(triangle_count()); }
+  Span<const Triangle> triangles() const { return scene_.topology.triangles.all(); }
+  Span<const Triangle> edges() const { return scene_.topology.triangle_edges.all(); }
+  const LevelGrid* grid() const { return &scene_.state.data()->grid.grid; }
+  Span<const uint32_t> large_list() const { return scene_.octree.large.all(); }
+
+  Counted large() const { return {&scene_.state.data()->large, scene_.octree.large.capacity()}; }
+  Counted base_cells() const { return {&scene_.state.data()->grid.base_cells, kDenseCells}; }
+  Counted cell_groups() const {
+    return {&scene_.state.data()->grid.cell_groups, kDenseCells / PlaceLeaves::kMostCells + 1};
+  }
+  Counted roots(int step) const { return {&scene_.state.data()->grid.roots[step], kDenseCells}; }
+  Counted bricks(int round) const { return {&scene_.state.data()->bricks[round], scene_.octree.bricks.capacity()}; }
+
+  Tree tree(const OctreePlan& plan) const {
+    OctreeBuffers<Exec>& octree = scene_.octree;
+    return {grid(),
+            octree.counts.all(),
+            octree.type.all(),
+            octree.slot.all(),
+            octree.bricks.all(),
+            octree.reach.all(),
+            octree.brick_cost.all(),
+            scene_.state.data()->bricks,
+            plan.rounds};
+  }
+
+  Motion<Real> motion() const {
+    const Vec3<Real>* end = scene_.end.data();
+    const Real half = static_cast<Real>(spec_.thickness) / 2;
+    return {spec_.mode == Mode::kCcd ? scene_.start.data() : end, end, half == 0 ? half : next_up(half)};
+  }
+
+  void reserve_leaves(uint64_t count) {
+    scene_.octree.leaves.allocate(count);
+    scene_.octree.cursor.allocate(count);
+  }
+  void reserve_bricks(uint64_t count) {
+    OctreeBuffers<Exec>& tree = scene_.octree;
+    tree.bricks.allocate(count);
+    tree.reach.allocate(count);
+    tree.brick_cost.allocate(count);
+    const uint64_t cells = kDenseCells + count * kBrickCells;
+    tree.counts.allocate(cells);
+    tree.type.allocate(cells);
+    tree.slot.allocate(cells);
+  }
+
+  Exec& exec_;
+  const SceneSpec& spec_;
+  const Topology& topology_;
+  SceneBuffers<Exec, Real>& scene_;
+};
+
+}  // namespace collided

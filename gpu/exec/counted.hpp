@@ -1,0 +1,31 @@
+#pragma once
+// Lengths that only the backend knows while a step runs, and threads that work on one item together.
+
+#include "gpu/exec/host_device.hpp"
+
+namespace collided {
+
+/// A length in the backend's memory, cut off at `most`: a list may have been asked to hold more than its capacity.
+struct Counted {
+  const uint64_t* counter = nullptr;
+  uint64_t most = 0;
+
+  COLLIDED_HD uint64_t size() const { return *counter < most ? *counter : most; }
+};
+
+/// The threads that work on one item: a block of a GPU, or one thread of a CPU.
+/// A functor for them has a type Shared, memory of the group, and kGroupSize, threads on a GPU.
+struct Group {
+  uint32_t rank, size;
+
+  COLLIDED_HD void sync() const {
+#ifdef __CUDA_ARCH__
+    __syncthreads();
+#endif
+  }
+};
+
+/// For groups that share nothing.
+struct Nothing {};
+
+}  // namespace collided

@@ -1,0 +1,40 @@
+#pragma once
+// What one step finds out about itself while it runs: the grid, the lengths of all lists, and what is reported of it.
+// It lives on the backend and is read once, when the step is over.
+
+#include "gpu/kinds.hpp"
+#include "gpu/narrow/coplanarity_filter.hpp"
+#include "gpu/octree/levels.hpp"
+
+namespace collided {
+
+struct StepState {
+  // Lengths that were asked for, whatever the lists' capacities.
+  LeafTotals leaves;
+  uint64_t large, bricks[kMaxRounds];
+  uint64_t pairs, candidates[2];
+  uint64_t triangle_pairs, kept[2], screened[2], contacts, earliest, crowded_ranks;
+
+  uint64_t next_item;  ///< of the search for pairs
+  uint64_t small_triangles;
+  Box<float> bounds;
+  LevelTotals totals;
+  LevelGrid span;
+  GridState grid;
+  FilterScale filter;
+  Shortcut shortcut;
+};
+
+/// Set up before the narrow phase: what depends on the scene's bounds.
+struct PrepareNarrow {
+  StepState* state;
+  double thickness;
+
+  COLLIDED_HD void operator()(uint64_t) const {
+    const Vec3<float> extent = state->bounds.hi - state->bounds.lo;
+    state->filter = filter_scale(larger(extent.x, larger(extent.y, extent.z)), thickness);
+    state->shortcut = {detail::bit_copy<uint64_t>(1.0), 0};
+  }
+};
+
+}  // namespace collided
