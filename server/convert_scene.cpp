@@ -211,6 +211,7 @@ ScenePlan parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults
   engine.thickness = parse_length(spec.thickness(), "spec.thickness");
   engine.delta = parse_length(spec.delta(), "spec.delta");
   engine.report = parse_report(spec.report(), "spec.report").value_or(Report::kAll);
+  engine.engine = parse_engine(spec.broad_phase_engine(), "spec.broad_phase_engine");
   parse_kinds(spec, engine);
   check_levels(engine, {});
   plan.fields = parse_fields(spec, engine.mode);

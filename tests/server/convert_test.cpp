@@ -84,6 +84,40 @@ TEST(ConvertScene, TakesEveryLevelReportAndKind) {
   EXPECT_TRUE(triangles.triangle_triangle && !triangles.vertex_triangle && !triangles.edge_edge);
 }
 
+constexpr std::pair<pb::BroadPhaseEngine, Engine> kEngines[] = {
+    {pb::BROAD_PHASE_ENGINE_UNSPECIFIED, Engine::kAuto},
+    {pb::BROAD_PHASE_ENGINE_OCTREE, Engine::kOctree},
+    {pb::BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE, Engine::kTopDown},
+    {pb::BROAD_PHASE_ENGINE_BOTTOM_UP_OCTREE, Engine::kBottomUp},
+    {pb::BROAD_PHASE_ENGINE_UNIFORM_GRID, Engine::kUniformGrid},
+    {pb::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, Engine::kTwoLevelGrid},
+    {pb::BROAD_PHASE_ENGINE_LBVH, Engine::kLbvh}};
+
+TEST(ConvertScene, TakesEveryEngine) {
+  EXPECT_EQ(std::size(kEngines), static_cast<size_t>(pb::BroadPhaseEngine_ARRAYSIZE));
+  for (const auto& [message, engine] : kEngines) {
+    const auto wanted = request_with([m = message](pb::SceneSpec& s) { s.set_broad_phase_engine(m); });
+    EXPECT_EQ(parse_scene(wanted, {}).engine.engine, engine) << message;
+    pb::Scene scene;
+    fill_scene(Scene("s", parse_scene(wanted, {}), 1), &scene);
+    EXPECT_EQ(scene.spec().broad_phase_engine(), message);
+  }
+}
+
+TEST(ConvertScene, AnUnknownEngineIsRefusedWithItsValueAndTheLimit) {
+  for (const int value : {-1, 7, 1000}) {
+    const auto bad =
+        request_with([&](pb::SceneSpec& s) { s.set_broad_phase_engine(static_cast<pb::BroadPhaseEngine>(value)); });
+    try {
+      parse_scene(bad, {});
+      ADD_FAILURE() << "accepted: " << value;
+    } catch (const InvalidInput& e) {
+      EXPECT_EQ(e.field(), "spec.broad_phase_engine");
+      EXPECT_EQ(e.what(), "spec.broad_phase_engine is " + std::to_string(value) + ", but must be from 0 to 6");
+    }
+  }
+}
+
 // A frame may override the level, so that what the scene's own does not compute is wanted all the same.
 TEST(ConvertScene, FieldsDependOnTheModeAlone) {
   const auto bytes = [](pb::DetectionMode mode) {
@@ -285,6 +319,24 @@ TEST(ConvertResult, WhatWasNotComputedIsLeftOut) {
   EXPECT_EQ(chunks[1].kind(), pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
   EXPECT_EQ(array_bytes({chunks[1]}), 8u + 1);
   EXPECT_EQ(chunks[1].flags(), "\1");
+}
+
+TEST(ConvertResult, DoneTellsWhatTheStepCost) {
+  FrameResult result;
+  result.replays = 1;
+  result.allocations = 2;
+  result.graph_launches = 3;
+  result.step_milliseconds = 0.25;
+  for (const auto& [message, engine] : kEngines) {
+    result.engine = engine;
+    pb::FrameDone done;
+    fill_done(result, {}, &done);
+    EXPECT_EQ(done.metrics().replays(), 1u);
+    EXPECT_EQ(done.metrics().allocations(), 2u);
+    EXPECT_EQ(done.metrics().graph_launches(), 3u);
+    EXPECT_EQ(done.metrics().step_milliseconds(), 0.25);
+    EXPECT_EQ(done.metrics().broad_phase_engine(), message);
+  }
 }
 
 TEST(ConvertResult, DoneTellsTotalsCountsAndWarnings) {
