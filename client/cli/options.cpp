@@ -86,6 +86,12 @@ void add_detection_options(CLI::App& command, DetectionOptions& options) {
       ->default_str("vt,ee");
 }
 
+void add_position_format_option(CLI::App& command, std::string& format) {
+  command.add_option("--position-format", format, "Positions on the wire")
+      ->check(CLI::IsMember({"f32", "f64"}))
+      ->capture_default_str();
+}
+
 void check_usage(const DetectionOptions& options) {
   const v1::Accuracy accuracy = value_of(kAccuracies, options.accuracy);
   const bool dcd = options.mode == "dcd";
@@ -112,6 +118,10 @@ v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& de
   for (const std::string& kind : detection.kinds) spec.add_kinds(value_of(kKinds, kind));
   spec.set_position_format(format);
   return spec;
+}
+
+v1::PositionFormat format_of(const std::string& name) {
+  return name == "f64" ? v1::POSITION_FORMAT_F64 : v1::POSITION_FORMAT_F32;
 }
 
 std::string name_of(v1::Backend backend) {

@@ -29,11 +29,17 @@ struct DetectionOptions {
 void add_server_options(CLI::App& command, ServerOptions& options);
 void add_detection_options(CLI::App& command, DetectionOptions& options);
 
+/// --position-format, f32 or f64.
+void add_position_format_option(CLI::App& command, std::string& format);
+
 /// Throws UsageError for options that cannot go together.
 void check_usage(const DetectionOptions& options);
 
 /// A spec without meshes.
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);
+
+/// Of "f32" or "f64".
+v1::PositionFormat format_of(const std::string& name);
 
 /// Lower-case names of the protocol's values, as the options spell them.
 std::string name_of(v1::Backend backend);

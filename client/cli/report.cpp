@@ -7,18 +7,9 @@
 #include <set>
 
 #include "client/cli/options.hpp"
+#include "client/cli/statistics.hpp"
 
 namespace collided::cli {
-
-namespace {
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const size_t n = values.size();
-  return (values[(n - 1) / 2] + values[n / 2]) / 2;
-}
-
-}  // namespace
 
 Json scene_json(const v1::Scene& scene) {
   const v1::SceneSpec& spec = scene.spec();
