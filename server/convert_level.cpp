@@ -96,6 +96,10 @@ void check_levels(const SceneSpec& scene, const FrameInput& frame) {
     throw_invalid(frame.report ? "frame.report" : "spec.report",
                   "is REPORT_EARLIEST_ONLY, which needs DETECTION_MODE_CCD, but spec.mode is DETECTION_MODE_DCD");
   if (accuracy < least_accuracy(report)) throw_too_low(accuracy, report, frame);
+  if (scene.mode == Mode::kCcd && scene.triangle_triangle && accuracy != Accuracy::kCandidates)
+    throw_invalid("frame.accuracy", fmt::format("is {}, but CONTACT_KIND_TRIANGLE_TRIANGLE of spec.kinds needs "
+                                                "ACCURACY_CANDIDATES with DETECTION_MODE_CCD",
+                                                name_of(accuracy)));
   if (by_distance && accuracy == Accuracy::kFast && scene.thickness == 0) {
     if (frame.accuracy)
       throw_invalid("frame.accuracy",

@@ -99,7 +99,8 @@ void check_usage(const DetectionOptions& options) {
     throw UsageError("--report earliest needs --mode ccd and --accuracy guarded, certified or exact");
   if (options.report == "any" && accuracy < v1::ACCURACY_FAST)
     throw UsageError("--report any needs --accuracy fast, guarded, certified or exact");
-  if (wants(options, "tt") && !dcd) throw UsageError("--kinds tt needs --mode dcd");
+  if (wants(options, "tt") && !dcd && accuracy != v1::ACCURACY_CANDIDATES)
+    throw UsageError("--kinds tt needs --mode dcd or --accuracy candidates");
   const bool by_distance = wants(options, "vt") || wants(options, "ee");
   if (dcd && by_distance && accuracy == v1::ACCURACY_FAST && options.thickness == 0)
     throw UsageError("--mode dcd with --accuracy fast needs a --thickness greater than 0 for the kinds vt and ee");

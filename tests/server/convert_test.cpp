@@ -118,6 +118,20 @@ TEST(ConvertScene, AnUnknownEngineIsRefusedWithItsValueAndTheLimit) {
   }
 }
 
+// Between two frames triangles have no verdict, only boxes that overlap.
+TEST(ConvertScene, ContinuousTrianglePairsAreCandidates) {
+  const auto with_triangles = [](pb::Accuracy accuracy) {
+    return request_with([&](pb::SceneSpec& s) {
+      s.set_accuracy(accuracy);
+      s.add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
+    });
+  };
+  const auto plan = parse_scene(with_triangles(pb::ACCURACY_CANDIDATES), {});
+  EXPECT_TRUE(plan.engine.triangle_triangle && plan.engine.mode == Mode::kCcd);
+  for (const auto accuracy : {pb::ACCURACY_UNSPECIFIED, pb::ACCURACY_FAST, pb::ACCURACY_EXACT})
+    EXPECT_THROW(parse_scene(with_triangles(accuracy), {}), InvalidInput) << accuracy;
+}
+
 // A frame may override the level, so that what the scene's own does not compute is wanted all the same.
 TEST(ConvertScene, FieldsDependOnTheModeAlone) {
   const auto bytes = [](pb::DetectionMode mode) {
@@ -260,6 +274,7 @@ TEST(ConvertFrame, OverridesMustGoTogetherWithTheScene) {
   const auto ccd = [](pb::SceneSpec&) {};
   const auto dcd = [](pb::SceneSpec& s) { s.set_mode(pb::DETECTION_MODE_DCD); };
   const auto candidates = [](pb::SceneSpec& s) { s.set_accuracy(pb::ACCURACY_CANDIDATES); };
+  const auto triangles = [&](pb::SceneSpec& s) { candidates(s), s.add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE); };
   const auto earliest_only = [](pb::SceneSpec& s) { s.set_report(pb::REPORT_EARLIEST_ONLY); };
   const auto fast = [](pb::Frame& f) { f.set_accuracy(pb::ACCURACY_FAST); };
   const auto earliest = [](pb::Frame& f) { f.set_report(pb::REPORT_EARLIEST_ONLY); };
@@ -273,6 +288,9 @@ TEST(ConvertFrame, OverridesMustGoTogetherWithTheScene) {
   EXPECT_EQ(refused_field(dcd, fast), "frame.accuracy");  // the thickness of the scene is 0
   EXPECT_EQ(refused_field(candidates, any_hit), "frame.report");
   EXPECT_EQ(refused_field(candidates, fast_any_hit), "");
+  EXPECT_EQ(refused_field(candidates, fast), "");
+  EXPECT_EQ(refused_field(triangles, fast), "frame.accuracy");
+  EXPECT_EQ(refused_field(triangles, [](pb::Frame&) {}), "");
   EXPECT_EQ(refused_field(earliest_only, fast), "frame.accuracy");
   EXPECT_EQ(refused_field(earliest_only, fast_any_hit), "");
 }
