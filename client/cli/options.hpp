@@ -24,11 +24,14 @@ struct DetectionOptions {
   double delta = 0;
   std::string report = "all";
   std::vector<std::string> kinds{"vt", "ee"};
+  std::string engine = "auto";
 };
 
 void add_server_options(CLI::App& command, ServerOptions& options);
 void add_detection_options(CLI::App& command, DetectionOptions& options);
 
+/// --engine for several runs, instead of the one of add_detection_options.
+void add_engines_option(CLI::App& command, std::vector<std::string>& engines);
 /// --position-format, f32 or f64.
 void add_position_format_option(CLI::App& command, std::string& format);
 
@@ -47,5 +50,6 @@ std::string name_of(v1::PositionFormat format);
 std::string name_of(v1::Accuracy accuracy);
 std::string name_of(v1::Report report);
 std::string name_of(v1::ContactKind kind);
+std::string name_of(v1::BroadPhaseEngine engine);
 
 }  // namespace collided::cli

@@ -51,6 +51,17 @@ StepInput file_step(const std::string& first, const std::string& second) {
           .is_double = a.is_double || b.is_double};
 }
 
+StepInput file_frame(const std::string& file) {
+  scenes::MeshFile mesh = scenes::read_mesh(file);
+  const auto vertex_count = static_cast<uint32_t>(mesh.positions.size());
+  return {.name = stem(file),
+          .description = "frame " + file,
+          .meshes = {{"mesh", vertex_count, std::move(mesh.triangles)}},
+          .start = {},
+          .end = std::move(mesh.positions),
+          .is_double = mesh.is_double};
+}
+
 v1::Frame step_frame(const StepInput& step, uint64_t id, v1::PositionFormat format) {
   return make_frame(step.meshes, id, format, step.end, step.start);
 }
