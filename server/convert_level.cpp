@@ -1,4 +1,4 @@
-// How exactly and how much is detected: accuracy levels, tolerances and reports.
+// How exactly, how much and by which engine is detected: accuracy levels, tolerances, reports and engines.
 #include "server/convert_level.hpp"
 
 #include <cmath>
@@ -19,19 +19,27 @@ constexpr std::pair<pb::Report, Report> kReports[] = {{pb::REPORT_ALL, Report::k
                                                       {pb::REPORT_EARLIEST_ONLY, Report::kEarliestOnly},
                                                       {pb::REPORT_ANY_HIT, Report::kAnyHit}};
 
-template <class Message, class Engine, size_t N>
-std::optional<Engine> to_engine(const std::pair<Message, Engine> (&values)[N], Message wanted,
-                                const std::string& field) {
+constexpr std::pair<pb::BroadPhaseEngine, Engine> kEngines[] = {
+    {pb::BROAD_PHASE_ENGINE_OCTREE, Engine::kOctree},
+    {pb::BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE, Engine::kTopDown},
+    {pb::BROAD_PHASE_ENGINE_BOTTOM_UP_OCTREE, Engine::kBottomUp},
+    {pb::BROAD_PHASE_ENGINE_UNIFORM_GRID, Engine::kUniformGrid},
+    {pb::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, Engine::kTwoLevelGrid},
+    {pb::BROAD_PHASE_ENGINE_LBVH, Engine::kLbvh}};
+
+// The values of each table follow each other from 1 on.
+template <class Message, class Value, size_t N>
+std::optional<Value> to_engine(const std::pair<Message, Value> (&values)[N], Message wanted, const std::string& field) {
   if (wanted == Message{}) return {};
-  for (const auto& [message, engine] : values)
-    if (message == wanted) return engine;
-  throw_unknown(field, wanted);
+  for (const auto& [message, value] : values)
+    if (message == wanted) return value;
+  throw_invalid(field, fmt::format("is {}, but must be from 0 to {}", static_cast<int>(wanted), N));
 }
 
-template <class Message, class Engine, size_t N>
-Message from_engine(const std::pair<Message, Engine> (&values)[N], Engine wanted) {
-  for (const auto& [message, engine] : values)
-    if (engine == wanted) return message;
+template <class Message, class Value, size_t N>
+Message from_engine(const std::pair<Message, Value> (&values)[N], Value wanted) {
+  for (const auto& [message, value] : values)
+    if (value == wanted) return message;
   return {};
 }
 
@@ -66,6 +74,10 @@ std::optional<Report> parse_report(pb::Report report, const std::string& field) 
   return to_engine(kReports, report, field);
 }
 
+Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field) {
+  return to_engine(kEngines, engine, field).value_or(Engine::kAuto);
+}
+
 double parse_length(double length, const std::string& field) {
   if (!std::isfinite(length) || length < 0)
     throw_invalid(field, fmt::format("is {}, but must be finite and at least 0", length));
@@ -74,6 +86,7 @@ double parse_length(double length, const std::string& field) {
 
 pb::Accuracy to_message(Accuracy accuracy) { return from_engine(kAccuracies, accuracy); }
 pb::Report to_message(Report report) { return from_engine(kReports, report); }
+pb::BroadPhaseEngine to_message(Engine engine) { return from_engine(kEngines, engine); }
 
 void check_levels(const SceneSpec& scene, const FrameInput& frame) {
   const Accuracy accuracy = frame.accuracy.value_or(scene.accuracy);
@@ -83,6 +96,10 @@ void check_levels(const SceneSpec& scene, const FrameInput& frame) {
     throw_invalid(frame.report ? "frame.report" : "spec.report",
                   "is REPORT_EARLIEST_ONLY, which needs DETECTION_MODE_CCD, but spec.mode is DETECTION_MODE_DCD");
   if (accuracy < least_accuracy(report)) throw_too_low(accuracy, report, frame);
+  if (scene.mode == Mode::kCcd && scene.triangle_triangle && accuracy != Accuracy::kCandidates)
+    throw_invalid("frame.accuracy", fmt::format("is {}, but CONTACT_KIND_TRIANGLE_TRIANGLE of spec.kinds needs "
+                                                "ACCURACY_CANDIDATES with DETECTION_MODE_CCD",
+                                                name_of(accuracy)));
   if (by_distance && accuracy == Accuracy::kFast && scene.thickness == 0) {
     if (frame.accuracy)
       throw_invalid("frame.accuracy",

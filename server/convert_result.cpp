@@ -106,6 +106,7 @@ void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   out->set_thickness(engine.thickness);
   out->set_delta(engine.delta);
   out->set_report(to_message(engine.report));
+  out->set_broad_phase_engine(to_message(engine.engine));
   if (engine.vertex_triangle) out->add_kinds(pb::CONTACT_KIND_VERTEX_TRIANGLE);
   if (engine.edge_edge) out->add_kinds(pb::CONTACT_KIND_EDGE_EDGE);
   if (engine.triangle_triangle) out->add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
@@ -160,6 +161,10 @@ void fill_done(const FrameResult& result, const FrameCost& cost, pb::FrameDone* 
   metrics->set_queue_milliseconds(cost.queue_milliseconds);
   metrics->set_device_bytes(cost.device_bytes);
   metrics->set_replays(result.replays);
+  metrics->set_allocations(result.allocations);
+  metrics->set_graph_launches(result.graph_launches);
+  metrics->set_step_milliseconds(result.step_milliseconds);
+  metrics->set_broad_phase_engine(to_message(result.engine));
   metrics->set_bytes_in(cost.bytes_in);
   metrics->set_bytes_out(cost.bytes_out);
   if (result.input_resolution) metrics->add_warnings(pb::FRAME_WARNING_INPUT_RESOLUTION);

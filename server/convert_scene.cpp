@@ -62,10 +62,11 @@ void add_kind(const std::string& path, pb::ContactKind kind, SceneSpec& engine) 
       engine.edge_edge = true;
       return;
     case pb::CONTACT_KIND_TRIANGLE_TRIANGLE:
-      if (engine.mode != Mode::kDcd)
+      if (engine.mode != Mode::kDcd && engine.accuracy != Accuracy::kCandidates)
         throw_invalid(path,
-                      "is CONTACT_KIND_TRIANGLE_TRIANGLE, which needs DETECTION_MODE_DCD, but spec.mode is "
-                      "DETECTION_MODE_CCD");
+                      "is CONTACT_KIND_TRIANGLE_TRIANGLE, which needs DETECTION_MODE_DCD or ACCURACY_CANDIDATES, but "
+                      "spec.mode is DETECTION_MODE_CCD and spec.accuracy is " +
+                          pb::Accuracy_Name(to_message(engine.accuracy)));
       engine.triangle_triangle = true;
       return;
     default:
@@ -211,6 +212,7 @@ ScenePlan parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults
   engine.thickness = parse_length(spec.thickness(), "spec.thickness");
   engine.delta = parse_length(spec.delta(), "spec.delta");
   engine.report = parse_report(spec.report(), "spec.report").value_or(Report::kAll);
+  engine.engine = parse_engine(spec.broad_phase_engine(), "spec.broad_phase_engine");
   parse_kinds(spec, engine);
   check_levels(engine, {});
   plan.fields = parse_fields(spec, engine.mode);

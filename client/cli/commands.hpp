@@ -11,5 +11,6 @@ void add_scenes(CLI::App& app);
 void add_export(CLI::App& app);
 void add_info(CLI::App& app);
 void add_tradeoff(CLI::App& app);
+void add_bench(CLI::App& app);
 
 }  // namespace collided::cli

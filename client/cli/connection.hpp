@@ -53,4 +53,14 @@ class Connection {
   client::Client client_;
 };
 
+/// One frame, with none other in flight. Throws its refusal, and Interrupted.
+inline client::FrameOutput run_frame(client::FrameStream& stream, const v1::Frame& frame) {
+  check_interrupt();
+  stream.send(frame);
+  client::FrameOutput output = stream.receive();
+  check_interrupt();
+  output.check();
+  return output;
+}
+
 }  // namespace collided::cli

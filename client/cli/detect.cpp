@@ -67,11 +67,8 @@ v1::PositionFormat choose_format(const std::string& wanted, const std::vector<sc
 client::FrameOutput detect(client::Client& client, const v1::Scene& scene, const v1::Frame& frame) {
   check_interrupt();
   client::FrameStream stream = client.stream(scene.scene_id());
-  stream.send(frame);
-  client::FrameOutput output = stream.receive();
-  check_interrupt();
+  client::FrameOutput output = run_frame(stream, frame);
   stream.finish();
-  output.check();
   return output;
 }
 

@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   add_export(app);
   add_info(app);
   add_tradeoff(app);
+  add_bench(app);
   try {
     app.parse(argc, argv);
     return finish(0);

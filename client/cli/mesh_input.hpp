@@ -1,5 +1,5 @@
 #pragma once
-// Meshes of a scene as a daemon takes them.
+// Meshes of a scene and their positions as a daemon takes them.
 
 #include <vector>
 
@@ -9,10 +9,11 @@
 namespace collided::cli {
 
 /// The inputs borrow the meshes' triangles.
-inline std::vector<client::MeshInput> mesh_inputs(const std::vector<scenes::Mesh>& meshes) {
-  std::vector<client::MeshInput> out;
-  for (const scenes::Mesh& mesh : meshes) out.push_back({mesh.name, mesh.vertex_count, mesh.triangles, mesh.is_static});
-  return out;
-}
+std::vector<client::MeshInput> mesh_inputs(const std::vector<scenes::Mesh>& meshes);
+
+/// All that moves, in one frame; the frame of id 1 brings the static meshes, too. Positions are those of all meshes, in
+/// their order. Without `start` the meshes come from where the last frame left them.
+v1::Frame make_frame(const std::vector<scenes::Mesh>& meshes, uint64_t id, v1::PositionFormat format,
+                     client::Positions end, client::Positions start = {});
 
 }  // namespace collided::cli

@@ -26,6 +26,14 @@ const Words<v1::ContactKind> kKinds{{"vt", v1::CONTACT_KIND_VERTEX_TRIANGLE},
                                     {"ee", v1::CONTACT_KIND_EDGE_EDGE},
                                     {"tt", v1::CONTACT_KIND_TRIANGLE_TRIANGLE}};
 
+const Words<v1::BroadPhaseEngine> kEngines{{"auto", v1::BROAD_PHASE_ENGINE_UNSPECIFIED},
+                                           {"octree", v1::BROAD_PHASE_ENGINE_OCTREE},
+                                           {"top-down", v1::BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE},
+                                           {"bottom-up", v1::BROAD_PHASE_ENGINE_BOTTOM_UP_OCTREE},
+                                           {"uniform-grid", v1::BROAD_PHASE_ENGINE_UNIFORM_GRID},
+                                           {"two-level-grid", v1::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID},
+                                           {"lbvh", v1::BROAD_PHASE_ENGINE_LBVH}};
+
 template <class T>
 CLI::IsMember one_of(const Words<T>& words) {
   std::vector<std::string> out;
@@ -79,11 +87,30 @@ void add_detection_options(CLI::App& command, DetectionOptions& options) {
   command.add_option("--report", options.report, "all contacts, the earliest one, or only whether there is any")
       ->check(one_of(kReports))
       ->capture_default_str();
-  command.add_option("--kinds", options.kinds, "Vertex-triangle, edge-edge, triangle-triangle (dcd), such as vt,tt")
+  command
+      .add_option("--kinds", options.kinds,
+                  "Vertex-triangle, edge-edge, triangle-triangle (dcd, or candidates), such as vt,tt")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(one_of(kKinds))
       ->default_str("vt,ee");
+  command.add_option("--engine", options.engine, "How pairs of triangles are found; auto: the daemon chooses")
+      ->check(one_of(kEngines))
+      ->capture_default_str();
+}
+
+void add_engines_option(CLI::App& command, std::vector<std::string>& engines) {
+  command.add_option("--engine", engines, "How pairs of triangles are found, one run each, such as octree,lbvh")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(one_of(kEngines))
+      ->default_str("auto");
+}
+
+void add_position_format_option(CLI::App& command, std::string& format) {
+  command.add_option("--position-format", format, "Positions on the wire")
+      ->check(CLI::IsMember({"f32", "f64"}))
+      ->capture_default_str();
 }
 
 void check_usage(const DetectionOptions& options) {
@@ -93,7 +120,8 @@ void check_usage(const DetectionOptions& options) {
     throw UsageError("--report earliest needs --mode ccd and --accuracy guarded, certified or exact");
   if (options.report == "any" && accuracy < v1::ACCURACY_FAST)
     throw UsageError("--report any needs --accuracy fast, guarded, certified or exact");
-  if (wants(options, "tt") && !dcd) throw UsageError("--kinds tt needs --mode dcd");
+  if (wants(options, "tt") && !dcd && accuracy != v1::ACCURACY_CANDIDATES)
+    throw UsageError("--kinds tt needs --mode dcd or --accuracy candidates");
   const bool by_distance = wants(options, "vt") || wants(options, "ee");
   if (dcd && by_distance && accuracy == v1::ACCURACY_FAST && options.thickness == 0)
     throw UsageError("--mode dcd with --accuracy fast needs a --thickness greater than 0 for the kinds vt and ee");
@@ -109,9 +137,14 @@ v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& de
   spec.set_thickness(detection.thickness);
   spec.set_delta(detection.delta);
   spec.set_report(value_of(kReports, detection.report));
+  spec.set_broad_phase_engine(value_of(kEngines, detection.engine));
   for (const std::string& kind : detection.kinds) spec.add_kinds(value_of(kKinds, kind));
   spec.set_position_format(format);
   return spec;
+}
+
+v1::PositionFormat format_of(const std::string& name) {
+  return name == "f64" ? v1::POSITION_FORMAT_F64 : v1::POSITION_FORMAT_F32;
 }
 
 std::string name_of(v1::Backend backend) {
@@ -129,5 +162,6 @@ std::string name_of(v1::PositionFormat format) { return format == v1::POSITION_F
 std::string name_of(v1::Accuracy accuracy) { return word_of(kAccuracies, accuracy); }
 std::string name_of(v1::Report report) { return word_of(kReports, report); }
 std::string name_of(v1::ContactKind kind) { return word_of(kKinds, kind); }
+std::string name_of(v1::BroadPhaseEngine engine) { return word_of(kEngines, engine); }
 
 }  // namespace collided::cli

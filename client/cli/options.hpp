@@ -24,10 +24,16 @@ struct DetectionOptions {
   double delta = 0;
   std::string report = "all";
   std::vector<std::string> kinds{"vt", "ee"};
+  std::string engine = "auto";
 };
 
 void add_server_options(CLI::App& command, ServerOptions& options);
 void add_detection_options(CLI::App& command, DetectionOptions& options);
+
+/// --engine for several runs, instead of the one of add_detection_options.
+void add_engines_option(CLI::App& command, std::vector<std::string>& engines);
+/// --position-format, f32 or f64.
+void add_position_format_option(CLI::App& command, std::string& format);
 
 /// Throws UsageError for options that cannot go together.
 void check_usage(const DetectionOptions& options);
@@ -35,11 +41,15 @@ void check_usage(const DetectionOptions& options);
 /// A spec without meshes.
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);
 
+/// Of "f32" or "f64".
+v1::PositionFormat format_of(const std::string& name);
+
 /// Lower-case names of the protocol's values, as the options spell them.
 std::string name_of(v1::Backend backend);
 std::string name_of(v1::PositionFormat format);
 std::string name_of(v1::Accuracy accuracy);
 std::string name_of(v1::Report report);
 std::string name_of(v1::ContactKind kind);
+std::string name_of(v1::BroadPhaseEngine engine);
 
 }  // namespace collided::cli

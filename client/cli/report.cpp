@@ -7,18 +7,9 @@
 #include <set>
 
 #include "client/cli/options.hpp"
+#include "client/cli/statistics.hpp"
 
 namespace collided::cli {
-
-namespace {
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const size_t n = values.size();
-  return (values[(n - 1) / 2] + values[n / 2]) / 2;
-}
-
-}  // namespace
 
 Json scene_json(const v1::Scene& scene) {
   const v1::SceneSpec& spec = scene.spec();
@@ -36,7 +27,8 @@ Json scene_json(const v1::Scene& scene) {
           {"thickness", spec.thickness()},
           {"delta", spec.delta()},
           {"report", name_of(spec.report())},
-          {"kinds", kinds}};
+          {"kinds", kinds},
+          {"engine", name_of(spec.broad_phase_engine())}};
 }
 
 Json stages_json(const v1::FrameMetrics& metrics) {
@@ -71,9 +63,13 @@ Json frame_json(const v1::FrameDone& done) {
           {"earliest_toi", done.earliest_toi()},
           {"total_ms", m.total_milliseconds()},
           {"queue_ms", m.queue_milliseconds()},
+          {"step_ms", m.step_milliseconds()},
           {"stage_ms", stages_json(m)},
+          {"engine", name_of(m.broad_phase_engine())},
           {"counts", counts_json(m.counts())},
           {"replays", m.replays()},
+          {"allocations", m.allocations()},
+          {"graph_launches", m.graph_launches()},
           {"bytes", {{"device", m.device_bytes()}, {"in", m.bytes_in()}, {"out", m.bytes_out()}}},
           {"warnings", warnings_json({m})}};
 }

@@ -20,6 +20,10 @@ struct SceneOptions {
   double time(int frame) const { return std::min(1.0, t0 + dt * frame); }
 };
 
+inline void add_scale_option(CLI::App& command, double& scale) {
+  command.add_option("--scale", scale, "Refines the grids: triangles grow by about its square")->capture_default_str();
+}
+
 inline void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--scene", options.name, "Name of the scene, see 'collidectl scenes'")->required();
   command.add_option("--frames", options.frames, "Number of frames")
@@ -33,8 +37,7 @@ inline void add_scene_options(CLI::App& command, SceneOptions& options) {
       ->check(finite())
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command.add_option("--scale", options.scale, "Refines the grids: triangles grow by about its square")
-      ->capture_default_str();
+  add_scale_option(command, options.scale);
 }
 
 }  // namespace collided::cli

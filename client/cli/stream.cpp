@@ -25,21 +25,6 @@ struct StreamOptions {
   bool json = false;
 };
 
-/// Static meshes are sent with the first frame only.
-v1::Frame make_frame(const scenes::Scene& scene, uint64_t id, double t, v1::PositionFormat format) {
-  v1::Frame frame;
-  frame.set_frame_id(id);
-  const std::vector<scenes::Vec3d> positions = scene.positions(t);
-  size_t at = 0;
-  for (uint32_t i = 0; i < scene.meshes().size(); ++i) {
-    const scenes::Mesh& mesh = scene.meshes()[i];
-    const client::Positions own(positions.data() + at, mesh.vertex_count);
-    if (id == 1 || !mesh.is_static) *frame.add_updates() = client::mesh_update(i, format, own);
-    at += mesh.vertex_count;
-  }
-  return frame;
-}
-
 /// What is kept of the frames: the contacts themselves are counted and let go.
 struct Totals {
   std::vector<v1::FrameMetrics> metrics;
@@ -78,7 +63,8 @@ Totals play(client::FrameStream& stream, const scenes::Scene& scene, const Scene
   for (int sent = 0; sent < options.frames; ++sent) {
     check_interrupt();
     if (sent >= static_cast<int>(totals.metrics.size() + stream.window())) receive();
-    stream.send(make_frame(scene, static_cast<uint64_t>(sent) + 1, options.time(sent), format));
+    const auto id = static_cast<uint64_t>(sent) + 1;
+    stream.send(make_frame(scene.meshes(), id, format, scene.positions(options.time(sent))));
   }
   while (static_cast<int>(totals.metrics.size()) < options.frames) receive();
   check_interrupt();
@@ -110,7 +96,7 @@ Json summary(const StreamOptions& options, const v1::Scene& scene, const Totals&
 void run(const StreamOptions& options) {
   check_usage(options.detection);
   const auto procedural = scenes::make_scene(options.scene.name, options.scene.scale);
-  const auto format = options.position_format == "f64" ? v1::POSITION_FORMAT_F64 : v1::POSITION_FORMAT_F32;
+  const v1::PositionFormat format = format_of(options.position_format);
   Connection connection(options.server);
   v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
   spec.set_display_name(options.scene.name);
@@ -134,9 +120,7 @@ void add_stream(CLI::App& app) {
   add_scene_options(command, options->scene);
   add_detection_options(command, options->detection);
   add_server_options(command, options->server);
-  command.add_option("--position-format", options->position_format, "Positions on the wire")
-      ->check(CLI::IsMember({"f32", "f64"}))
-      ->capture_default_str();
+  add_position_format_option(command, options->position_format);
   command.add_flag("--json", options->json, "Print the summary as one JSON object");
   command.callback([options] { run(*options); });
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "client/cli/statistics.hpp"
+
 namespace collided::cli {
 
 namespace {
@@ -59,14 +61,6 @@ KindScore judge_kind(const std::vector<TrueContact>& truth, const std::vector<Re
   score.missed = truth.size() - score.right;
   score.wrong = score.reported - score.right;
   return score;
-}
-
-/// The smallest value that at least the part `rank` of all values does not exceed.
-double quantile(std::vector<double>& values, double rank) {
-  const auto n = static_cast<double>(values.size());
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::max(1.0, std::ceil(rank * n))) - 1;
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 std::vector<TrueContact> as_truth(const std::vector<Reported>& close, const std::vector<Reported>& wide,

@@ -4,8 +4,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <stdexcept>
 
 namespace collided::cli {
 
@@ -13,22 +11,12 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
-std::string format_double(const char* format, double x) {
-  char text[48];
-  std::snprintf(text, sizeof text, format, x);
-  return text;
-}
-
 /// Both kinds and their sum: "30 (10 + 20)".
 std::string counts(const Score& score, uint64_t KindScore::*part) {
   const uint64_t both = sum(score).*part;
   if (both == 0) return "0";
   return count_text(both) + " (" + count_text(score.vertex_triangle.*part) + " + " + count_text(score.edge_edge.*part) +
          ")";
-}
-
-std::string milliseconds(double ms) {
-  return ms >= 1000 ? count_text(static_cast<uint64_t>(ms + 0.5)) : format_double(ms >= 100 ? "%.0f" : "%.3g", ms);
 }
 
 std::string gap_text(const std::optional<Gap>& gap, double Gap::*part) {
@@ -71,7 +59,7 @@ std::string cost_row(const Run& run, const Run* fast) {
   Cells cells = key_cells(run);
   for (const auto part : {&Times::narrow, &Times::stages, &Times::total}) {
     const double ms = run.times.*part;
-    cells.push_back(milliseconds(ms));
+    cells.push_back(milliseconds_text(ms));
     cells.push_back(fast && fast->times.*part > 0 ? format_double("%.2f", ms / fast->times.*part) : "-");
   }
   const Work& work = run.work;
@@ -102,12 +90,6 @@ std::string setting_text(const Tradeoff& result) {
 }
 
 }  // namespace
-
-std::string count_text(uint64_t n) {
-  std::string text = std::to_string(n);
-  for (size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, ",");
-  return text;
-}
 
 std::string delta_text(double delta) {
   if (delta == 0) return "auto";
@@ -163,16 +145,10 @@ std::string tradeoff_text(const Tradeoff& result) {
     std::snprintf(line, sizeof line, "  %-20s %s contacts, %s missed, %s false, %s late; narrow phase %s ms\n",
                   name.c_str(), count_text(score.reported).c_str(), count_text(score.missed).c_str(),
                   count_text(score.wrong).c_str(), count_text(score.late).c_str(),
-                  milliseconds(run.times.narrow).c_str());
+                  milliseconds_text(run.times.narrow).c_str());
     out += line;
   }
   return out;
-}
-
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
 }
 
 }  // namespace collided::cli

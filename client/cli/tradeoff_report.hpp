@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "client/cli/report.hpp"
+#include "client/cli/text.hpp"
 #include "client/cli/tradeoff_result.hpp"
 
 namespace collided::cli {
@@ -19,12 +20,7 @@ std::string tradeoff_markdown(const Tradeoff& result);
 Json tradeoff_summary(const Tradeoff& result);
 std::string tradeoff_text(const Tradeoff& result);
 
-/// With commas between thousands.
-std::string count_text(uint64_t n);
 /// A delta as people write it, such as "1e-6"; the daemon's own choice is "auto".
 std::string delta_text(double delta);
-
-/// Throws std::runtime_error if the file cannot be written.
-void write_text(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace collided::cli

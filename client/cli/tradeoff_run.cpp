@@ -22,10 +22,6 @@ v1::Accuracy accuracy_of(std::string level) {
   return accuracy;
 }
 
-v1::PositionFormat format_of(const std::string& name) {
-  return name == "f64" ? v1::POSITION_FORMAT_F64 : v1::POSITION_FORMAT_F32;
-}
-
 std::vector<Run> planned_runs(const TradeoffSettings& settings, const std::string& format) {
   std::vector<Run> runs;
   for (const std::string& level : settings.levels) {
@@ -44,15 +40,10 @@ class Stepper {
       : stream_(std::move(stream)), step_(step), format_(format) {}
 
   client::FrameOutput run(const std::string& level, std::optional<double> delta) {
-    check_interrupt();
     v1::Frame frame = step_frame(step_, ++last_id_, format_);
     frame.set_accuracy(accuracy_of(level));
     if (delta) frame.set_delta(*delta);
-    stream_.send(frame);
-    client::FrameOutput output = stream_.receive();
-    check_interrupt();
-    output.check();
-    return output;
+    return run_frame(stream_, frame);
   }
   void finish() { stream_.finish(); }
 

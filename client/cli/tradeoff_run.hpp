@@ -2,7 +2,7 @@
 // Runs levels, deltas and position formats over one step and judges them.
 
 #include "client/cli/options.hpp"
-#include "client/cli/tradeoff_input.hpp"
+#include "client/cli/step_input.hpp"
 #include "client/cli/tradeoff_result.hpp"
 
 namespace collided::cli {

@@ -35,6 +35,17 @@ const std::vector<Entry>& entries() {
   return list;
 }
 
+const Entry& entry_of(const std::string& name, double scale) {
+  if (!(scale >= kMinScale && scale <= kMaxScale))
+    throw std::invalid_argument("scale is " + std::to_string(scale) + "; it must be in [0.02, 30]");
+  std::string known;
+  for (const Entry& entry : entries()) {
+    if (entry.info.name == name) return entry;
+    known += (known.empty() ? "" : ", ") + entry.info.name;
+  }
+  throw std::invalid_argument("scene '" + name + "' is not known; the scenes are " + known);
+}
+
 }  // namespace
 
 std::vector<SceneInfo> list_scenes() {
@@ -43,15 +54,8 @@ std::vector<SceneInfo> list_scenes() {
   return out;
 }
 
-std::unique_ptr<Scene> make_scene(const std::string& name, double scale) {
-  if (!(scale >= kMinScale && scale <= kMaxScale))
-    throw std::invalid_argument("scale is " + std::to_string(scale) + "; it must be in [0.02, 30]");
-  std::string known;
-  for (const Entry& entry : entries()) {
-    if (entry.info.name == name) return entry.make(scale);
-    known += (known.empty() ? "" : ", ") + entry.info.name;
-  }
-  throw std::invalid_argument("scene '" + name + "' is not known; the scenes are " + known);
-}
+void check_scene(const std::string& name, double scale) { entry_of(name, scale); }
+
+std::unique_ptr<Scene> make_scene(const std::string& name, double scale) { return entry_of(name, scale).make(scale); }
 
 }  // namespace collided::scenes

@@ -41,7 +41,9 @@ struct SceneInfo {
 /// The scenes that make_scene knows, in the order of the documentation.
 std::vector<SceneInfo> list_scenes();
 
-/// Throws std::invalid_argument naming the known scenes. `scale` refines the grids: triangles grow by about scale^2.
+/// Throws std::invalid_argument naming the known scenes, or the limits of `scale`.
+void check_scene(const std::string& name, double scale);
+/// Throws what check_scene throws. `scale` refines the grids: triangles grow by about scale^2.
 std::unique_ptr<Scene> make_scene(const std::string& name, double scale = 1.0);
 
 }  // namespace collided::scenes

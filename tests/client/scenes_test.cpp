@@ -77,6 +77,9 @@ TEST(Scenes, BadNamesAndScalesAreRefused) {
   EXPECT_THROW(make_scene("funnel", 0), std::invalid_argument);
   EXPECT_THROW(make_scene("funnel", std::nan("")), std::invalid_argument);
   EXPECT_THROW(make_scene("funnel", 1e9), std::invalid_argument);
+  EXPECT_THROW(check_scene("nothing", 1), std::invalid_argument);
+  EXPECT_THROW(check_scene("funnel", 1e9), std::invalid_argument);
+  EXPECT_NO_THROW(check_scene("funnel", 1));
 }
 
 }  // namespace

@@ -104,6 +104,13 @@ TEST_F(BadInput, AnOverrideThatTheScenesReportForbids) {
   expect_tip_contact(stream.ask(first_frame(2)), 2);
 }
 
+TEST_F(BadInput, AnUnknownEngine) {
+  const auto status =
+      create([](auto& r) { r.mutable_spec()->set_broad_phase_engine(static_cast<pb::BroadPhaseEngine>(7)); });
+  EXPECT_EQ(status.error_code(), grpc::INVALID_ARGUMENT);
+  EXPECT_EQ(status.error_message(), "spec.broad_phase_engine is 7, but must be from 0 to 6");
+}
+
 TEST_F(BadInput, FirstFrameMustNameEveryMesh) {
   Stream stream(*stub_, make_scene(*stub_, tip_request()));
   const Answer answer = stream.ask(tip_frame(1, 2));

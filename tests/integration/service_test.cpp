@@ -106,6 +106,21 @@ TEST_F(Service, DiscreteDetectionFindsACornerThatTouches) {
   EXPECT_EQ(answer.chunks[0].elements(), pack<uint32_t>({3, 0}));
 }
 
+TEST_F(Service, EveryEngineFindsTheContactAndNamesItself) {
+  for (int engine = pb::BroadPhaseEngine_MIN; engine <= pb::BroadPhaseEngine_MAX; ++engine) {
+    auto request = tip_request();
+    request.mutable_spec()->set_broad_phase_engine(static_cast<pb::BroadPhaseEngine>(engine));
+    Stream stream(*stub_, make_scene(*stub_, request));
+    ASSERT_TRUE(stream.opened());
+    EXPECT_EQ(stream.opened()->scene().spec().broad_phase_engine(), engine);
+    const Answer answer = stream.ask(first_frame(2));
+    expect_tip_contact(answer, 2);
+    EXPECT_NE(answer.done->metrics().broad_phase_engine(), pb::BROAD_PHASE_ENGINE_UNSPECIFIED);
+    EXPECT_GE(answer.done->metrics().step_milliseconds(), 0);
+    EXPECT_EQ(answer.done->metrics().graph_launches(), 0u);  // CPU cores
+  }
+}
+
 TEST_F(Service, TrianglesThatCrossAreFound) {
   auto request = tip_request();
   request.mutable_spec()->set_mode(pb::DETECTION_MODE_DCD);

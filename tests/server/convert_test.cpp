@@ -84,6 +84,54 @@ TEST(ConvertScene, TakesEveryLevelReportAndKind) {
   EXPECT_TRUE(triangles.triangle_triangle && !triangles.vertex_triangle && !triangles.edge_edge);
 }
 
+constexpr std::pair<pb::BroadPhaseEngine, Engine> kEngines[] = {
+    {pb::BROAD_PHASE_ENGINE_UNSPECIFIED, Engine::kAuto},
+    {pb::BROAD_PHASE_ENGINE_OCTREE, Engine::kOctree},
+    {pb::BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE, Engine::kTopDown},
+    {pb::BROAD_PHASE_ENGINE_BOTTOM_UP_OCTREE, Engine::kBottomUp},
+    {pb::BROAD_PHASE_ENGINE_UNIFORM_GRID, Engine::kUniformGrid},
+    {pb::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, Engine::kTwoLevelGrid},
+    {pb::BROAD_PHASE_ENGINE_LBVH, Engine::kLbvh}};
+
+TEST(ConvertScene, TakesEveryEngine) {
+  EXPECT_EQ(std::size(kEngines), static_cast<size_t>(pb::BroadPhaseEngine_ARRAYSIZE));
+  for (const auto& [message, engine] : kEngines) {
+    const auto wanted = request_with([m = message](pb::SceneSpec& s) { s.set_broad_phase_engine(m); });
+    EXPECT_EQ(parse_scene(wanted, {}).engine.engine, engine) << message;
+    pb::Scene scene;
+    fill_scene(Scene("s", parse_scene(wanted, {}), 1), &scene);
+    EXPECT_EQ(scene.spec().broad_phase_engine(), message);
+  }
+}
+
+TEST(ConvertScene, AnUnknownEngineIsRefusedWithItsValueAndTheLimit) {
+  for (const int value : {-1, 7, 1000}) {
+    const auto bad =
+        request_with([&](pb::SceneSpec& s) { s.set_broad_phase_engine(static_cast<pb::BroadPhaseEngine>(value)); });
+    try {
+      parse_scene(bad, {});
+      ADD_FAILURE() << "accepted: " << value;
+    } catch (const InvalidInput& e) {
+      EXPECT_EQ(e.field(), "spec.broad_phase_engine");
+      EXPECT_EQ(e.what(), "spec.broad_phase_engine is " + std::to_string(value) + ", but must be from 0 to 6");
+    }
+  }
+}
+
+// Between two frames triangles have no verdict, only boxes that overlap.
+TEST(ConvertScene, ContinuousTrianglePairsAreCandidates) {
+  const auto with_triangles = [](pb::Accuracy accuracy) {
+    return request_with([&](pb::SceneSpec& s) {
+      s.set_accuracy(accuracy);
+      s.add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
+    });
+  };
+  const auto plan = parse_scene(with_triangles(pb::ACCURACY_CANDIDATES), {});
+  EXPECT_TRUE(plan.engine.triangle_triangle && plan.engine.mode == Mode::kCcd);
+  for (const auto accuracy : {pb::ACCURACY_UNSPECIFIED, pb::ACCURACY_FAST, pb::ACCURACY_EXACT})
+    EXPECT_THROW(parse_scene(with_triangles(accuracy), {}), InvalidInput) << accuracy;
+}
+
 // A frame may override the level, so that what the scene's own does not compute is wanted all the same.
 TEST(ConvertScene, FieldsDependOnTheModeAlone) {
   const auto bytes = [](pb::DetectionMode mode) {
@@ -226,6 +274,7 @@ TEST(ConvertFrame, OverridesMustGoTogetherWithTheScene) {
   const auto ccd = [](pb::SceneSpec&) {};
   const auto dcd = [](pb::SceneSpec& s) { s.set_mode(pb::DETECTION_MODE_DCD); };
   const auto candidates = [](pb::SceneSpec& s) { s.set_accuracy(pb::ACCURACY_CANDIDATES); };
+  const auto triangles = [&](pb::SceneSpec& s) { candidates(s), s.add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE); };
   const auto earliest_only = [](pb::SceneSpec& s) { s.set_report(pb::REPORT_EARLIEST_ONLY); };
   const auto fast = [](pb::Frame& f) { f.set_accuracy(pb::ACCURACY_FAST); };
   const auto earliest = [](pb::Frame& f) { f.set_report(pb::REPORT_EARLIEST_ONLY); };
@@ -239,6 +288,9 @@ TEST(ConvertFrame, OverridesMustGoTogetherWithTheScene) {
   EXPECT_EQ(refused_field(dcd, fast), "frame.accuracy");  // the thickness of the scene is 0
   EXPECT_EQ(refused_field(candidates, any_hit), "frame.report");
   EXPECT_EQ(refused_field(candidates, fast_any_hit), "");
+  EXPECT_EQ(refused_field(candidates, fast), "");
+  EXPECT_EQ(refused_field(triangles, fast), "frame.accuracy");
+  EXPECT_EQ(refused_field(triangles, [](pb::Frame&) {}), "");
   EXPECT_EQ(refused_field(earliest_only, fast), "frame.accuracy");
   EXPECT_EQ(refused_field(earliest_only, fast_any_hit), "");
 }
@@ -285,6 +337,24 @@ TEST(ConvertResult, WhatWasNotComputedIsLeftOut) {
   EXPECT_EQ(chunks[1].kind(), pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
   EXPECT_EQ(array_bytes({chunks[1]}), 8u + 1);
   EXPECT_EQ(chunks[1].flags(), "\1");
+}
+
+TEST(ConvertResult, DoneTellsWhatTheStepCost) {
+  FrameResult result;
+  result.replays = 1;
+  result.allocations = 2;
+  result.graph_launches = 3;
+  result.step_milliseconds = 0.25;
+  for (const auto& [message, engine] : kEngines) {
+    result.engine = engine;
+    pb::FrameDone done;
+    fill_done(result, {}, &done);
+    EXPECT_EQ(done.metrics().replays(), 1u);
+    EXPECT_EQ(done.metrics().allocations(), 2u);
+    EXPECT_EQ(done.metrics().graph_launches(), 3u);
+    EXPECT_EQ(done.metrics().step_milliseconds(), 0.25);
+    EXPECT_EQ(done.metrics().broad_phase_engine(), message);
+  }
 }
 
 TEST(ConvertResult, DoneTellsTotalsCountsAndWarnings) {

@@ -1,21 +1,17 @@
 // One step to measure, of a procedural scene or between two mesh files.
 
-#include "client/cli/tradeoff_input.hpp"
+#include "client/cli/step_input.hpp"
 
 #include <filesystem>
 #include <stdexcept>
 
+#include "client/cli/mesh_input.hpp"
+#include "client/cli/text.hpp"
 #include "client/scenes/mesh_file.hpp"
 
 namespace collided::cli {
 
 namespace {
-
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", x);
-  return text;
-}
 
 void check_same(const std::string& what, size_t a, size_t b) {
   if (a != b)
@@ -31,8 +27,8 @@ StepInput scene_step(const SceneOptions& options) {
   const auto scene = scenes::make_scene(options.name, options.scale);
   const double t0 = options.time(0), t1 = options.time(1);
   return {.name = options.name,
-          .description =
-              "scene " + options.name + ", scale " + number(options.scale) + ", t " + number(t0) + " to " + number(t1),
+          .description = "scene " + options.name + ", scale " + format_double("%g", options.scale) + ", t " +
+                         format_double("%g", t0) + " to " + format_double("%g", t1),
           .meshes = scene->meshes(),
           .start = scene->positions(t0),
           .end = scene->positions(t1),
@@ -55,19 +51,19 @@ StepInput file_step(const std::string& first, const std::string& second) {
           .is_double = a.is_double || b.is_double};
 }
 
+StepInput file_frame(const std::string& file) {
+  scenes::MeshFile mesh = scenes::read_mesh(file);
+  const auto vertex_count = static_cast<uint32_t>(mesh.positions.size());
+  return {.name = stem(file),
+          .description = "frame " + file,
+          .meshes = {{"mesh", vertex_count, std::move(mesh.triangles)}},
+          .start = {},
+          .end = std::move(mesh.positions),
+          .is_double = mesh.is_double};
+}
+
 v1::Frame step_frame(const StepInput& step, uint64_t id, v1::PositionFormat format) {
-  v1::Frame frame;
-  frame.set_frame_id(id);
-  size_t at = 0;
-  for (uint32_t i = 0; i < step.meshes.size(); ++i) {
-    const scenes::Mesh& mesh = step.meshes[i];
-    const client::Positions start(step.start.data() + at, mesh.vertex_count);
-    const client::Positions end(step.end.data() + at, mesh.vertex_count);
-    if (mesh.is_static && id == 1) *frame.add_updates() = client::mesh_update(i, format, end);
-    if (!mesh.is_static) *frame.add_updates() = client::mesh_update(i, format, end, start);
-    at += mesh.vertex_count;
-  }
-  return frame;
+  return make_frame(step.meshes, id, format, step.end, step.start);
 }
 
 }  // namespace collided::cli

@@ -1,0 +1,127 @@
+// collidectl bench: the engine's time for the steps of scenes, without network, upload and download.
+
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+#include "client/cli/bench_run.hpp"
+#include "client/cli/commands.hpp"
+#include "client/cli/errors.hpp"
+#include "client/cli/scene_options.hpp"
+#include "client/cli/text.hpp"
+
+namespace collided::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BenchOptions {
+  BenchSettings settings;
+  std::vector<std::string> scenes, frames, engines{"auto"};
+  double scale = 1;
+  std::string json;
+};
+
+void check_usage(const BenchOptions& options) {
+  if (options.scenes.empty() == options.frames.empty()) throw UsageError("bench needs one of --scene and --frames");
+  const std::string& mode = options.settings.detection.mode;
+  if (mode == "ccd" && options.frames.size() == 1)
+    throw UsageError("--mode ccd needs two frames, --frames FRAME0 FRAME1; 1 was given");
+  if (mode == "dcd" && options.frames.size() == 2)
+    throw UsageError("--mode dcd needs one frame, --frames FRAME; 2 were given");
+  check_usage(options.settings.detection);
+}
+
+/// Before any work, so that no long run is lost.
+void check_writable(const fs::path& file) {
+  std::error_code error;
+  const bool was_there = fs::exists(file, error);
+  if (!std::ofstream(file, std::ios::app)) throw std::runtime_error("--json " + file.string() + ": cannot be written");
+  if (!was_there) fs::remove(file, error);
+}
+
+void check_work(const BenchOptions& options) {
+  for (const std::string& name : options.scenes) scenes::check_scene(name, options.scale);
+  if (!options.json.empty()) check_writable(options.json);
+}
+
+/// Measures and prints; the file always holds the runs so far.
+class Bench {
+ public:
+  explicit Bench(const BenchOptions& options) : options_(options), connection_(options.settings.server) {
+    std::printf("%s", bench_head().c_str());
+  }
+
+  void run(const BenchInput& input) {
+    BenchSettings settings = options_.settings;
+    for (const std::string& engine : options_.engines) {
+      settings.detection.engine = engine;
+      runs_.push_back(measure(connection_, settings, input));
+      std::printf("%s", bench_lines(run_json(runs_.back())).c_str());
+      std::fflush(stdout);
+      if (!options_.json.empty()) write();
+    }
+  }
+
+ private:
+  void write() const {
+    const Json scale = options_.frames.empty() ? Json(options_.scale) : Json(nullptr);
+    write_text(options_.json, bench_json(runs_, options_.settings.warm_up, scale).dump(2) + "\n");
+  }
+
+  const BenchOptions& options_;
+  Connection connection_;
+  std::vector<BenchRun> runs_;
+};
+
+void run(const BenchOptions& options) {
+  check_usage(options);
+  check_work(options);
+  std::optional<BenchInput> files;
+  if (!options.frames.empty()) files = file_input(options.frames);
+  Bench bench(options);
+  if (files) bench.run(*files);
+  for (const std::string& name : options.scenes) bench.run(scene_input(name, options.scale));
+}
+
+void add_input_options(CLI::App& command, BenchOptions& options) {
+  CLI::Option* scene =
+      command.add_option("--scene", options.scenes, "Procedural scenes, see 'collidectl scenes', such as funnel,nbody")
+          ->delimiter(',')
+          ->allow_extra_args(false);
+  add_scale_option(command, options.scale);
+  command.get_option("--scale")->needs(scene);
+  command.add_option("--frames", options.frames, "OBJ or PLY: FRAME0 FRAME1 for ccd, one for dcd, the same each step")
+      ->expected(1, 2);
+}
+
+void add_step_options(CLI::App& command, BenchSettings& settings) {
+  command.add_option("--steps", settings.steps, "Steps that count; a scene goes from t = 0 to 1 in as many")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command.add_option("--warm-up", settings.warm_up, "Steps before, spread over the motion, while buffers grow")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app) {
+  auto options = std::make_shared<BenchOptions>();
+  CLI::App& command = *app.add_subcommand("bench", "Measure the engine's time for the steps of scenes");
+  command.footer(
+      "Times are the engine's own, from positions on the backend to contacts in canonical order there: no network,\n"
+      "upload or download. Counts are those of the last step.");
+  add_input_options(command, *options);
+  add_step_options(command, options->settings);
+  add_detection_options(command, options->settings.detection);
+  command.remove_option(command.get_option("--engine"));
+  add_engines_option(command, options->engines);
+  add_position_format_option(command, options->settings.position_format);
+  add_server_options(command, options->settings.server);
+  command.add_option("--json", options->json, "File for the results of all runs, written after each");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,42 @@
+// Plays inputs on a daemon, engine by engine, and keeps what the frames cost.
+
+#include "client/cli/bench_run.hpp"
+
+#include "client/cli/mesh_input.hpp"
+#include "client/cli/progress.hpp"
+
+namespace collided::cli {
+
+namespace {
+
+/// What the steps after the warm-up cost.
+std::vector<v1::FrameMetrics> play(client::FrameStream& stream, const BenchSettings& settings, const BenchInput& input,
+                                   const v1::SceneSpec& spec) {
+  const std::vector<int> plan = planned_steps(settings.steps, settings.warm_up);
+  const std::string what = input.name + ", " + settings.detection.engine + ": steps";
+  std::vector<v1::FrameMetrics> metrics;
+  Progress progress;
+  for (size_t at = 0; at < plan.size(); ++at) {
+    client::FrameOutput output = run_frame(stream, planned_frame(input, plan, at, settings.steps, spec));
+    if (at >= static_cast<size_t>(settings.warm_up)) metrics.push_back(std::move(*output.done.mutable_metrics()));
+    progress.show(what, static_cast<int>(at) + 1, static_cast<int>(plan.size()));
+  }
+  return metrics;
+}
+
+}  // namespace
+
+BenchRun measure(Connection& connection, const BenchSettings& settings, const BenchInput& input) {
+  v1::SceneSpec spec = scene_spec(settings.server, settings.detection, format_of(settings.position_format));
+  spec.set_display_name("bench");
+  const SceneGuard scene = connection.create_scene(spec, mesh_inputs(input.meshes));
+  client::FrameStream stream = connection->stream(scene->scene_id(), 1);
+  BenchRun run;
+  run.name = input.name;
+  run.steps = play(stream, settings, input, spec);
+  stream.finish();
+  run.scene = connection->get_scene(scene->scene_id());
+  return run;
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,183 @@
+// What 'collidectl bench' plays, and what it makes of the metrics, without a daemon.
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "client/cli/bench_input.hpp"
+#include "client/cli/bench_report.hpp"
+
+namespace collided::cli {
+namespace {
+
+using Steps = std::vector<int>;
+
+TEST(Bench, TheWarmUpIsSpreadOverTheMotionAndEndsWithItsLastStep) {
+  EXPECT_EQ(planned_steps(4, 0), (Steps{1, 2, 3, 4}));
+  EXPECT_EQ(planned_steps(4, 2), (Steps{2, 4, 1, 2, 3, 4}));
+  EXPECT_EQ(planned_steps(2, 3), (Steps{1, 2, 2, 1, 2}));
+  EXPECT_EQ(planned_steps(1, 1), (Steps{1, 1}));
+  EXPECT_EQ(planned_steps(1000000, 1000000).at(999999), 1000000);
+}
+
+/// A triangle on the move and one that stands; every coordinate tells the step, before and after.
+BenchInput input() {
+  const auto positions = [](double x) { return std::vector<scenes::Vec3d>(6, {x, x, x}); };
+  return {.name = "made",
+          .meshes = {{"moves", 3, {{0, 1, 2}}, false}, {"stands", 3, {{0, 1, 2}}, true}},
+          .start = [=](int step, int) { return positions(step - 1); },
+          .end = [=](int step, int) { return positions(step); }};
+}
+
+v1::SceneSpec spec_of(v1::DetectionMode mode) {
+  v1::SceneSpec spec;
+  spec.set_mode(mode);
+  spec.set_position_format(v1::POSITION_FORMAT_F32);
+  return spec;
+}
+
+std::string packed(float x) {
+  const std::vector<float> floats(9, x);
+  return {reinterpret_cast<const char*>(floats.data()), floats.size() * sizeof(float)};
+}
+
+TEST(Bench, FramesTellTheirStartWhereTheMotionJumps) {
+  const Steps plan = planned_steps(2, 1);  // 2, 1, 2
+  std::vector<v1::Frame> frames;
+  for (size_t at = 0; at < plan.size(); ++at)
+    frames.push_back(planned_frame(input(), plan, at, 2, spec_of(v1::DETECTION_MODE_CCD)));
+  ASSERT_EQ(frames[0].updates_size(), 2);  // static meshes come once
+  EXPECT_TRUE(frames[0].updates(1).start_positions().empty());
+  const std::string starts[] = {packed(1), packed(0), ""};
+  for (size_t at = 0; at < plan.size(); ++at) {
+    EXPECT_EQ(frames[at].frame_id(), at + 1);
+    EXPECT_EQ(frames[at].updates_size(), at == 0 ? 2 : 1);
+    EXPECT_EQ(frames[at].updates(0).start_positions(), starts[at]) << at;
+    EXPECT_EQ(frames[at].updates(0).positions(), packed(static_cast<float>(plan[at]))) << at;
+  }
+}
+
+TEST(Bench, AStepThatIsRepeatedAlwaysTellsItsStart) {
+  BenchInput same = input();
+  same.is_motion = false;
+  const Steps plan = planned_steps(2, 0);
+  for (size_t at = 0; at < plan.size(); ++at)
+    EXPECT_FALSE(
+        planned_frame(same, plan, at, 2, spec_of(v1::DETECTION_MODE_CCD)).updates(0).start_positions().empty());
+}
+
+TEST(Bench, DiscreteFramesHaveNoStart) {
+  const Steps plan = planned_steps(2, 1);
+  for (size_t at = 0; at < plan.size(); ++at)
+    EXPECT_TRUE(
+        planned_frame(input(), plan, at, 2, spec_of(v1::DETECTION_MODE_DCD)).updates(0).start_positions().empty());
+}
+
+TEST(Bench, ASceneGoesFromItsStartToItsEnd) {
+  const auto scene = scenes::make_scene("funnel", 0.1);
+  const BenchInput funnel = scene_input("funnel", 0.1);
+  EXPECT_EQ(funnel.start(1, 4), scene->positions(0));
+  EXPECT_EQ(funnel.end(1, 4), scene->positions(0.25));
+  EXPECT_EQ(funnel.start(4, 4), scene->positions(0.75));
+  EXPECT_EQ(funnel.end(4, 4), scene->positions(1));
+}
+
+v1::FrameMetrics step(double ms, v1::BroadPhaseEngine engine, uint32_t allocations) {
+  v1::FrameMetrics out;
+  out.set_step_milliseconds(ms);
+  out.set_broad_phase_engine(engine);
+  out.set_allocations(allocations);
+  out.set_graph_launches(2);
+  out.set_replays(1);
+  out.set_total_milliseconds(1000);
+  v1::StageTime& stage = *out.add_stages();
+  stage.set_stage("boxes");
+  stage.set_milliseconds(ms / 2);
+  out.mutable_counts()->set_tests(static_cast<uint64_t>(ms));
+  out.mutable_counts()->set_candidates_edge_edge(1234567);
+  out.mutable_counts()->set_contacts_vertex_triangle(7);
+  return out;
+}
+
+BenchRun sample() {
+  BenchRun run;
+  run.name = "funnel";
+  run.scene.set_device("CPU, 2 threads");
+  run.scene.set_triangle_count(18504);
+  run.scene.mutable_spec()->set_backend(v1::BACKEND_CPU);
+  run.scene.mutable_spec()->set_accuracy(v1::ACCURACY_CERTIFIED);
+  for (const uint64_t bytes : {1000, 234}) run.scene.add_memory()->set_bytes(bytes);
+  for (int i = 1; i <= 40; ++i)
+    run.steps.push_back(step(i, i < 40 ? v1::BROAD_PHASE_ENGINE_OCTREE : v1::BROAD_PHASE_ENGINE_LBVH, i == 1 ? 4 : 0));
+  return run;
+}
+
+std::vector<std::string> keys(const Json& object) {
+  std::vector<std::string> out;
+  for (const auto& [name, value] : object.items()) out.push_back(name);
+  return out;
+}
+
+TEST(Bench, ARunTellsTimesCountsAndMemory) {
+  const Json run = run_json(sample());
+  EXPECT_EQ(keys(run), (std::vector<std::string>{"scene", "triangles", "backend", "device", "engine", "accuracy",
+                                                 "steps", "step_ms", "stage_ms", "counts", "device_bytes",
+                                                 "allocations_per_step", "graph_launches_per_step"}));
+  EXPECT_EQ(run["scene"], "funnel");
+  EXPECT_EQ(run["triangles"], 18504);
+  EXPECT_EQ(run["backend"], "cpu");
+  EXPECT_EQ(run["engine"], "auto");
+  EXPECT_EQ(run["accuracy"], "certified");
+  EXPECT_EQ(run["steps"], 40);
+  EXPECT_EQ(run["step_ms"], (Json{{"median", 20.5}, {"p95", 38}, {"min", 1}}));
+  EXPECT_EQ(run["stage_ms"], (Json{{"boxes", 10.25}}));
+  EXPECT_EQ(run["device_bytes"], 1234);
+  EXPECT_EQ(run["allocations_per_step"], 0.1);
+  EXPECT_EQ(run["graph_launches_per_step"], 2);
+}
+
+TEST(Bench, CountsAreThoseOfTheLastStepUnderShortNames) {
+  const Json counts = run_json(sample())["counts"];
+  const std::set<std::string> names{
+      "tests",       "pairs",      "candidates_vt",   "candidates_ee", "contacts_vt",    "contacts_ee",
+      "contacts_tt", "leaves",     "registrations",   "survivors_vt",  "survivors_ee",   "cells",
+      "top_level",   "base_level", "exact_decisions", "replays",       "steps_by_engine"};
+  const std::vector<std::string> found = keys(counts);
+  EXPECT_EQ(std::set<std::string>(found.begin(), found.end()), names);
+  EXPECT_EQ(counts["tests"], 40);
+  EXPECT_EQ(counts["candidates_ee"], 1234567);
+  EXPECT_EQ(counts["contacts_vt"], 7);
+  EXPECT_EQ(counts["replays"], 40);
+  EXPECT_EQ(counts["steps_by_engine"], (Json{{"octree", 39}, {"lbvh", 1}}));
+}
+
+TEST(Bench, AFileHasOneShapeForOneRunAndForMore) {
+  for (const size_t count : {1, 3}) {
+    const Json file = bench_json(std::vector<BenchRun>(count, sample()), 10, 0.5);
+    EXPECT_EQ(keys(file), (std::vector<std::string>{"device", "settings", "runs"}));
+    EXPECT_EQ(file["device"], "CPU, 2 threads");
+    EXPECT_EQ(file["settings"]["warm_up"], 10);
+    EXPECT_EQ(file["settings"]["scale"], 0.5);
+    EXPECT_EQ(file["settings"]["position_format"], "f32");
+    EXPECT_EQ(file["runs"].size(), count);
+    EXPECT_EQ(file["runs"].back(), run_json(sample()));
+  }
+}
+
+TEST(Bench, TheTableShowsTimesStagesAndCounts) {
+  const std::string lines = bench_lines(run_json(sample()));
+  for (const char* part : {"funnel", "auto (octree, lbvh)", "18,504", "20.5", "stages, ms: boxes 10.2", "contacts_vt 7",
+                           "candidates_ee 1,234,567", "device_bytes 1,234", "allocations_per_step 0.1"})
+    EXPECT_NE(lines.find(part), std::string::npos) << part << " in\n" << lines;
+  EXPECT_EQ(bench_head().size(), lines.find('\n') + 1);
+}
+
+TEST(Bench, AnEngineThatWasAskedForIsNamedOnce) {
+  BenchRun run = sample();
+  run.steps.pop_back();
+  run.scene.mutable_spec()->set_broad_phase_engine(v1::BROAD_PHASE_ENGINE_OCTREE);
+  EXPECT_EQ(bench_lines(run_json(run)).find('('), std::string::npos);
+}
+
+}  // namespace
+}  // namespace collided::cli
