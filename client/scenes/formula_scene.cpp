@@ -2,6 +2,8 @@
 
 #include "client/scenes/formula_scene.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -18,9 +20,14 @@ FormulaScene::FormulaScene(std::vector<Part> parts) {
 }
 
 std::vector<Vec3d> FormulaScene::positions(double t) const {
-  std::vector<Vec3d> out;
-  for (const Rule& rule : rules_)
-    for (const Param& param : rule.params) out.push_back(rule.formula(param, t));
+  size_t count = 0;
+  for (const Rule& rule : rules_) count += rule.params.size();
+  std::vector<Vec3d> out(count);
+  Vec3d* first = out.data();
+  for (const Rule& rule : rules_) {  // each vertex by itself, so that the number of threads changes no bit
+    tbb::parallel_for(size_t{0}, rule.params.size(), [&](size_t i) { first[i] = rule.formula(rule.params[i], t); });
+    first += rule.params.size();
+  }
   return out;
 }
 
@@ -37,6 +44,8 @@ Part grid(std::string name, Range u, Range v, bool wrap_u) {
   Part part;
   part.mesh.name = std::move(name);
   const uint32_t columns = wrap_u ? u.quads : u.quads + 1;
+  part.params.reserve(size_t{columns} * (v.quads + 1));
+  part.mesh.triangles.reserve(size_t{2} * u.quads * v.quads);
   for (uint32_t j = 0; j <= v.quads; ++j)
     for (uint32_t i = 0; i < columns; ++i) part.params.push_back({value_at(u, i), value_at(v, j)});
   for (uint32_t j = 0; j < v.quads; ++j)

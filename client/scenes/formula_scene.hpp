@@ -9,7 +9,7 @@ namespace collided::scenes {
 
 using Param = std::array<double, 2>;
 
-/// One mesh with the parameters of its vertices and the formula that places them.
+/// One mesh with the parameters of its vertices and the formula that places them, which several threads call at once.
 struct Part {
   Mesh mesh;
   std::vector<Param> params;

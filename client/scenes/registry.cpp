@@ -24,7 +24,7 @@ const std::vector<Entry>& entries() {
       {{"nbody", "240 spheres close in on five cones; 146,000 triangles"}, make_nbody},
       {{"reef_knot", "two ribbons are tied tighter and tighter; 19,992 triangles"}, make_reef_knot},
       {{"multiscale_knots", "four reef knots, each an eighth of the one before; 79,968 triangles"},
-       make_multiscale_knots},
+       [](double scale) { return make_multiscale_knots(scale, 8); }},
       {{"graded_sheets", "four sheets with triangles graded towards one edge; 180,000 triangles"}, make_graded_sheets},
       {{"touching_boxes", "a lattice of cubes that share whole faces; 20,736 triangles"}, make_touching_boxes},
       {{"one_cell", "a dense swarm in a tiny part of a huge domain; 4,004 triangles"}, make_one_cell},
@@ -35,24 +35,40 @@ const std::vector<Entry>& entries() {
   return list;
 }
 
+const std::vector<Entry>& variants() {
+  static const std::vector<Entry> list = {
+      {{"multiscale_knots_1", "multiscale_knots, but all four of one size; 79,968 triangles"},
+       [](double scale) { return make_multiscale_knots(scale, 1); }},
+      {{"multiscale_knots_2", "multiscale_knots, but each half of the one before; 79,968 triangles"},
+       [](double scale) { return make_multiscale_knots(scale, 2); }},
+      {{"multiscale_knots_4", "multiscale_knots, but each a quarter of the one before; 79,968 triangles"},
+       [](double scale) { return make_multiscale_knots(scale, 4); }},
+  };
+  return list;
+}
+
 const Entry& entry_of(const std::string& name, double scale) {
   if (!(scale >= kMinScale && scale <= kMaxScale))
     throw std::invalid_argument("scale is " + std::to_string(scale) + "; it must be in [0.02, 30]");
   std::string known;
-  for (const Entry& entry : entries()) {
-    if (entry.info.name == name) return entry;
-    known += (known.empty() ? "" : ", ") + entry.info.name;
-  }
+  for (const auto* list : {&entries(), &variants()})
+    for (const Entry& entry : *list) {
+      if (entry.info.name == name) return entry;
+      known += (known.empty() ? "" : ", ") + entry.info.name;
+    }
   throw std::invalid_argument("scene '" + name + "' is not known; the scenes are " + known);
+}
+
+std::vector<SceneInfo> infos(const std::vector<Entry>& list) {
+  std::vector<SceneInfo> out;
+  for (const Entry& entry : list) out.push_back(entry.info);
+  return out;
 }
 
 }  // namespace
 
-std::vector<SceneInfo> list_scenes() {
-  std::vector<SceneInfo> out;
-  for (const Entry& entry : entries()) out.push_back(entry.info);
-  return out;
-}
+std::vector<SceneInfo> list_scenes() { return infos(entries()); }
+std::vector<SceneInfo> list_variants() { return infos(variants()); }
 
 void check_scene(const std::string& name, double scale) { entry_of(name, scale); }
 

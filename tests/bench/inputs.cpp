@@ -26,6 +26,8 @@ std::vector<BenchInput> bench_inputs(const std::string& only, double scale) {
   std::vector<BenchInput> inputs;
   for (const scenes::SceneInfo& info : scenes::list_scenes())
     if (only.empty() || only == info.name) inputs.push_back(procedural(info.name, scale));
+  for (const scenes::SceneInfo& info : scenes::list_variants())
+    if (only == info.name) inputs.push_back(procedural(info.name, scale));
   if (const auto data = data_folder())
     for (const RealFrames& frames : {kFunnelFrames, kBallFrames})
       if (only.empty() || only == frames.name) inputs.push_back(real(*data, frames));

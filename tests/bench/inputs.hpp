@@ -13,7 +13,8 @@ struct BenchInput {
   std::function<Case(int step, int steps)> at;  ///< meshes and positions of one step
 };
 
-/// All inputs, or the one of that name. Real frames only where the data folder is present.
+/// All inputs, or the one of that name, which may be a variant of a scene. Real frames only where the data folder is
+/// present.
 std::vector<BenchInput> bench_inputs(const std::string& only, double scale);
 
 }  // namespace collided::test

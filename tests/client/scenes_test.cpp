@@ -2,11 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
-#include "client/scenes/scene.hpp"
+#include "client/scenes/formula_scene.hpp"
 
 namespace collided::scenes {
 namespace {
@@ -18,6 +19,68 @@ TEST(Scenes, TriangleCountsAreThoseOfTheDocumentation) {
       {"one_cell", 4004},   {"huge_triangle", 20001},    {"anisotropic", 4000}};
   EXPECT_EQ(list_scenes().size(), expected.size());
   for (const auto& [name, count] : expected) EXPECT_EQ(make_scene(name)->triangle_count(), count) << name;
+}
+
+TEST(Scenes, VariantsHaveAsManyTrianglesAsTheSceneTheyVary) {
+  const uint64_t expected = make_scene("multiscale_knots")->triangle_count();
+  EXPECT_EQ(list_variants().size(), 3u);
+  for (const SceneInfo& info : list_variants()) EXPECT_EQ(make_scene(info.name)->triangle_count(), expected);
+}
+
+double extent_of_last_mesh(const Scene& scene) {
+  const auto positions = scene.positions(0);
+  double low = positions.back()[0], high = low;
+  for (auto p = positions.end() - scene.meshes().back().vertex_count; p != positions.end(); ++p) {
+    low = std::min(low, (*p)[0]);
+    high = std::max(high, (*p)[0]);
+  }
+  return high - low;
+}
+
+TEST(Scenes, TheRatioOfKnotsIsThatOfTheName) {
+  const double size = extent_of_last_mesh(*make_scene("multiscale_knots_1", 0.2));
+  for (const auto& [name, ratio] :
+       {std::pair{"multiscale_knots_2", 2.0}, {"multiscale_knots_4", 4.0}, {"multiscale_knots", 8.0}})
+    EXPECT_NEAR(size / extent_of_last_mesh(*make_scene(name, 0.2)), std::pow(ratio, 3), 1e-6) << name;
+}
+
+// The scales that scene.hpp gives for a million triangles and for ten.
+TEST(Scenes, GrowToMillionsOfTriangles) {
+  EXPECT_EQ(make_scene("cloth_ball", 3.302)->triangle_count(), 1002260u);
+  EXPECT_EQ(make_scene("nbody", 2.57)->triangle_count(), 992590u);
+  const auto largest = make_scene("cloth_ball", 10.377);
+  EXPECT_EQ(largest->triangle_count(), 9899784u);
+  EXPECT_EQ(largest->meshes()[0].vertex_count, 2201u * 2201u);
+  EXPECT_EQ(largest->positions(0.5).size(), 4954295u);
+}
+
+// Only to within rounding: the last bit of a sine is the C library's.
+TEST(Scenes, PositionsStayWhatTheyWere) {
+  const std::map<std::string, double> expected = {
+      {"funnel", -792184.12357946904},       {"cloth_ball", -758653.86146052845},
+      {"flamenco", 662683.64102157496},      {"nbody", -277666.20392677153},
+      {"reef_knot", 1955.9796353001975},     {"multiscale_knots", 2678375.2950885003},
+      {"graded_sheets", 2238993.4915937716}, {"touching_boxes", 12210054.20000001},
+      {"one_cell", 167.55231318056852},      {"huge_triangle", 114.09259973508691},
+      {"anisotropic", 570951.02906205214}};
+  for (const auto& [name, sum] : expected) {
+    double found = 0;
+    size_t i = 0;
+    for (const Vec3d& p : make_scene(name)->positions(0.8))
+      for (const double x : p) found += x * double(i++ % 97);
+    EXPECT_NEAR(found, sum, 1e-12 * double(i)) << name;
+  }
+}
+
+TEST(Scenes, ThreadsDoNotChangePositions) {
+  const auto formula = [](Param p, double t) -> Vec3d { return {std::sin(p[0] + t), std::cos(p[1] * t), p[0] * p[1]}; };
+  std::vector<Part> parts{grid("first", {0, 3, 150}, {0, 5, 100}), grid("second", {1, 2, 3}, {3, 4, 5})};
+  std::vector<Vec3d> expected;
+  for (Part& part : parts) {
+    part.formula = formula;
+    for (const Param& p : part.params) expected.push_back(formula(p, 0.3));
+  }
+  EXPECT_EQ(FormulaScene(std::move(parts)).positions(0.3), expected);
 }
 
 class EveryScene : public testing::TestWithParam<std::string> {};
@@ -66,7 +129,8 @@ TEST_P(EveryScene, RefinesWithScale) {
 
 std::vector<std::string> names() {
   std::vector<std::string> out;
-  for (const SceneInfo& info : list_scenes()) out.push_back(info.name);
+  for (const auto& list : {list_scenes(), list_variants()})
+    for (const SceneInfo& info : list) out.push_back(info.name);
   return out;
 }
 

@@ -51,7 +51,7 @@ std::vector<std::string> scene_names();
 
 /// Thickness for discrete tests of a scene: scenes of mixed scale have triangles far smaller than the others'.
 inline double dcd_thickness(const std::string& scene) {
-  return scene == "multiscale_knots" || scene == "graded_sheets" ? 5e-4 : 0.01;
+  return scene.starts_with("multiscale_knots") || scene == "graded_sheets" ? 5e-4 : 0.01;
 }
 
 /// Adds a mesh that moves from `start` to `end`; an empty `end` means that it stands still.
