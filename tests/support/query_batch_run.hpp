@@ -46,6 +46,12 @@ struct FilterQueries {
   }
 };
 
+struct SetBounds {
+  StepState* state;
+  float extent;
+  COLLIDED_HD void operator()(uint64_t) const { state->bounds = {{0, 0, 0}, {extent, extent, extent}}; }
+};
+
 /// The narrow phase of queries that lie in a scene's buffers.
 template <class Exec, class Real>
 class QueryRun {
@@ -103,11 +109,6 @@ class QueryRun {
                                                    keys,
                                                    {scene_.kept[k].all(), &scene_.state.data()->kept[k]}});
   }
-  struct SetBounds {
-    StepState* state;
-    float extent;
-    COLLIDED_HD void operator()(uint64_t) const { state->bounds = {{0, 0, 0}, {extent, extent, extent}}; }
-  };
 
   Exec& exec_;
   const FeatureRanks& ranks_;
