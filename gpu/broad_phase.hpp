@@ -51,6 +51,8 @@ class BroadPhase {
   /// Makes room for what a step asked for; whether it has to run again.
   bool grow(const StepState& need) {
     OctreeBuffers<Exec>& tree = scene_.octree;
+    check_length("registrations", need.leaves.registrations);
+    check_length("items of pair tests", need.leaves.items);
     uint64_t bricks = 0;
     for (const uint64_t n : need.bricks) bricks += n;
     bool short_of_room = false;
@@ -79,12 +81,12 @@ class BroadPhase {
   void choose_levels() {
     StepState* state = scene_.state.data();
     exec_.reduce_into("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
-    exec_.for_each("span_grid", 1, SpanGrid{&state->bounds, &state->span});
-    exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevel{&state->span, boxes()}, LevelTotals{},
+    exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevel{&state->bounds, boxes()}, LevelTotals{},
                       AddTotals{}, &state->totals);
     exec_.for_each(
-        "choose_grid", 1,
-        ChooseGrid{&state->bounds, &state->totals, scene_.octree.wanted.data(), triangle_count(), &state->grid});
+        "prepare_step", 1,
+        PrepareStep{{&state->bounds, &state->totals, scene_.octree.wanted.data(), triangle_count(), &state->grid},
+                    {state, spec_.thickness}});
   }
 
   // 2. Counter octree.
@@ -132,11 +134,7 @@ class BroadPhase {
 
   // 5. Cell-triangle pairs.
   void register_triangles(const OctreePlan& plan) {
-    OctreeBuffers<Exec>& octree = scene_.octree;
-    const RegisterTriangles registration{tree(plan), boxes(), octree.leaves.all(), octree.cursor.all(),
-                                         octree.registered.all()};
-    exec_.for_each("register_triangles", triangle_count(), registration);
-    exec_.for_each_group("register_large", large(), RegisterLarge{registration, large_list()});
+    plan.rounds > 0 ? register_in<true>(plan) : register_in<false>(plan);
   }
 
   // 6.-7. Broad-phase tests, spread evenly; what they find goes to the sink.
@@ -196,12 +194,26 @@ class BroadPhase {
             plan.rounds};
   }
 
+  template <bool kHasBricks>
+  void register_in(const OctreePlan& plan) {
+    OctreeBuffers<Exec>& octree = scene_.octree;
+    const RegisterTriangles<kHasBricks> registration{tree(plan), boxes(), octree.leaves.all(), octree.cursor.all(),
+                                                     octree.registered.all()};
+    exec_.for_each("register_triangles", triangle_count(), registration);
+    exec_.for_each_group("register_large", large(), RegisterLarge<kHasBricks>{registration, large_list()});
+  }
+
   Motion<Real> motion() const {
     const Vec3<Real>* end = scene_.end.data();
     const Real half = static_cast<Real>(spec_.thickness) / 2;
     return {spec_.mode == Mode::kCcd ? scene_.start.data() : end, end, half == 0 ? half : next_up(half)};
   }
 
+  static void check_length(const std::string& list, uint64_t need) {
+    if (need >= ~0u)
+      throw ResourceExhausted("the octree needs " + std::to_string(need) + " " + list + ", the limit is " +
+                              std::to_string(~0u - 1));
+  }
   void reserve_leaves(uint64_t count) {
     scene_.octree.leaves.allocate(count);
     scene_.octree.cursor.allocate(count);

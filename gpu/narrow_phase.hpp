@@ -34,6 +34,7 @@ class NarrowPhase {
       if (!has_kind(kind)) continue;
       if (scene_.kept[kind].capacity() == 0) scene_.kept[kind].allocate(kFirst);
       if (is_screened() && scene_.screened[kind].capacity() == 0) scene_.screened[kind].allocate(kFirst);
+      if (is_approached() && scene_.suspects[kind].capacity() == 0) scene_.suspects[kind].allocate(kFirst);
     }
   }
 
@@ -48,6 +49,7 @@ class NarrowPhase {
     for (int kind = 0; kind < 2; ++kind) {
       check(scene_.kept[kind], need.kept[kind]);
       check(scene_.screened[kind], need.screened[kind]);
+      check(scene_.suspects[kind], need.suspects[kind]);
     }
     check(scene_.triangle_pairs, need.triangle_pairs);
     for (auto [buffers, count] : {std::pair(&scene_.contacts, need.contacts), {&scene_.earliest, need.earliest}}) {
@@ -64,21 +66,11 @@ class NarrowPhase {
     constexpr int k = KindTraits<Kind>::kIndex;
     StepState* state = scene_.state.data();
     exec_.stage(KindTraits<Kind>::kNarrow, [&] {
-      Counted count{&state->kept[k], scene_.kept[k].capacity()};
-      Span<const uint64_t> candidates = scene_.kept[k].all();
-      if (is_screened()) {
-        exec_.for_each("screen_ccd", count,
-                       ScreenCcd<Real, Kind>{start(),
-                                             end(),
-                                             spec_.thickness,
-                                             settings_.delta,
-                                             kind,
-                                             candidates,
-                                             {scene_.screened[k].all(), &state->screened[k]}});
-        count = {&state->screened[k], scene_.screened[k].capacity()};
-        candidates = scene_.screened[k].all();
-      }
-      spec_.mode == Mode::kDcd ? run_proximity(kind, count, candidates) : run_ccd(kind, count, candidates);
+      const Counted kept{&state->kept[k], scene_.kept[k].capacity()};
+      if (is_screened())
+        detect_screened(kind, kept);
+      else
+        run(kind, kept, scene_.kept[k].all());
     });
   }
   void detect_triangles() {
@@ -110,8 +102,9 @@ class NarrowPhase {
   Hurry hurry() const { return {&scene_.state.data()->shortcut, settings_.report, is_exact()}; }
 
  private:
-  /// Whether float has a look before double precision.
-  bool is_screened() const { return spec_.mode == Mode::kCcd && settings_.accuracy >= Accuracy::kCertified; }
+  /// Whether a fixed direction is tried before the features are followed, and whether float goes ahead of double.
+  bool is_screened() const { return spec_.mode == Mode::kCcd && settings_.accuracy >= Accuracy::kGuarded; }
+  bool is_approached() const { return is_screened() && settings_.accuracy >= Accuracy::kCertified; }
   const Vec3<Real>* start() const { return spec_.mode == Mode::kCcd ? scene_.start.data() : scene_.end.data(); }
   const Vec3<Real>* end() const { return scene_.end.data(); }
   ContactBuffers<Exec, Real>& wanted() { return is_earliest_only() ? scene_.earliest : scene_.contacts; }
@@ -132,23 +125,41 @@ class NarrowPhase {
 
   // The narrow phase of each level.
   template <class Kind>
-  void run_ccd(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
-    const ContactSink<Real> contacts = sink(first_rank(kind));
-    if (settings_.accuracy == Accuracy::kFast)
-      exec_.for_each(
-          "solve_cubic_ccd", count,
-          SolveCubicCcd<Real, Kind>{start(), end(), static_cast<Real>(spec_.thickness), kind, candidates, contacts});
-    else if (settings_.accuracy == Accuracy::kGuarded)
-      advance_ccd<float>(kind, count, candidates, contacts);
-    else
-      advance_ccd<double>(kind, count, candidates, contacts);
+  void detect_screened(const Kind& kind, const Counted& kept) {
+    constexpr int k = KindTraits<Kind>::kIndex;
+    StepState* state = scene_.state.data();
+    exec_.for_each("screen_ccd", kept,
+                   ScreenCcd<Real, Kind>{start(),
+                                         end(),
+                                         spec_.thickness,
+                                         kind,
+                                         scene_.kept[k].all(),
+                                         {scene_.screened[k].all(), &state->screened[k]}});
+    const Counted screened{&state->screened[k], scene_.screened[k].capacity()};
+    if (!is_approached()) return advance_ccd<float>(kind, screened, Span<const uint64_t>(scene_.screened[k].all()));
+    exec_.for_each("approach_ccd", screened,
+                   ApproachCcd<Real, Kind>{start(),
+                                           end(),
+                                           spec_.thickness,
+                                           settings_.delta,
+                                           kind,
+                                           scene_.screened[k].all(),
+                                           {scene_.suspects[k].all(), &state->suspects[k]}});
+    advance_ccd<double>(kind, Counted{&state->suspects[k], scene_.suspects[k].capacity()},
+                        Span<const Suspect>(scene_.suspects[k].all()));
   }
-  template <class Work, class Kind>
-  void advance_ccd(const Kind& kind, const Counted& count, Span<const uint64_t> candidates,
-                   const ContactSink<Real>& contacts) {
-    exec_.for_each(
-        "advance_ccd", count,
-        AdvanceCcd<Work, Real, Kind>{start(), end(), spec_.thickness, settings_.delta, kind, candidates, contacts});
+  template <class Work, class Kind, class Candidate>
+  void advance_ccd(const Kind& kind, const Counted& count, Span<const Candidate> candidates) {
+    exec_.for_each("advance_ccd", count,
+                   AdvanceCcd<Work, Real, Kind, Candidate>{start(), end(), spec_.thickness, settings_.delta, kind,
+                                                           candidates, sink(first_rank(kind))});
+  }
+  template <class Kind>
+  void run(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
+    if (spec_.mode == Mode::kDcd) return run_proximity(kind, count, candidates);
+    exec_.for_each("solve_cubic_ccd", count,
+                   SolveCubicCcd<Real, Kind>{start(), end(), static_cast<Real>(spec_.thickness), kind, candidates,
+                                             sink(first_rank(kind))});
   }
   template <class Kind>
   void run_proximity(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {

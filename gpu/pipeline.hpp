@@ -87,7 +87,6 @@ class Pipeline {
 
   void choose_levels() {
     broad_.choose_levels();
-    exec_.for_each("prepare_narrow", 1, PrepareNarrow{scene_.state.data(), spec_.thickness});
     if (judges_resolution() && settings_.delta == 0) broad_.count_small_triangles();
   }
   bool judges_resolution() const { return settings_.accuracy >= Accuracy::kGuarded; }

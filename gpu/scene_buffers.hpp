@@ -4,6 +4,7 @@
 #include "gpu/broad/elementary.hpp"
 #include "gpu/broad/pair_tests.hpp"
 #include "gpu/exec/buffer.hpp"
+#include "gpu/narrow/certified_ccd.hpp"
 #include "gpu/narrow/contact.hpp"
 #include "gpu/ordering.hpp"
 #include "gpu/step_state.hpp"
@@ -84,6 +85,7 @@ struct SceneBuffers {
         triangle_pairs(exec, "pairs"),
         kept{{exec, "candidates"}, {exec, "candidates"}},
         screened{{exec, "candidates"}, {exec, "candidates"}},
+        suspects{{exec, "candidates"}, {exec, "candidates"}},
         contacts(exec),
         earliest(exec),
         sorted(exec, "contacts"),
@@ -100,7 +102,8 @@ struct SceneBuffers {
   OctreeBuffers<Exec> octree;
   Buffer<uint64_t, Exec> triangle_pairs;
   Buffer<uint64_t, Exec> kept[2];      ///< candidates of each kind that the filter keeps
-  Buffer<uint64_t, Exec> screened[2];  ///< those of them that float cannot decide
+  Buffer<uint64_t, Exec> screened[2];  ///< those of them that no fixed direction keeps apart
+  Buffer<Suspect, Exec> suspects[2];   ///< those of them that float cannot decide
   ContactBuffers<Exec, Real> contacts;
   ContactBuffers<Exec, Real> earliest;  ///< EARLIEST_ONLY
   Buffer<ContactData<Real>, Exec> sorted;

@@ -13,13 +13,12 @@ struct StepState {
   LeafTotals leaves;
   uint64_t large, bricks[kMaxRounds];
   uint64_t pairs, candidates[2];
-  uint64_t triangle_pairs, kept[2], screened[2], contacts, earliest, crowded_ranks;
+  uint64_t triangle_pairs, kept[2], screened[2], suspects[2], contacts, earliest, crowded_ranks;
 
   uint64_t next_item;  ///< of the search for pairs
   uint64_t small_triangles;
   Box<float> bounds;
   LevelTotals totals;
-  LevelGrid span;
   GridState grid;
   FilterScale filter;
   Shortcut shortcut;
@@ -34,6 +33,17 @@ struct PrepareNarrow {
     const Vec3<float> extent = state->bounds.hi - state->bounds.lo;
     state->filter = filter_scale(larger(extent.x, larger(extent.y, extent.z)), thickness);
     state->shortcut = {detail::bit_copy<uint64_t>(1.0), 0};
+  }
+};
+
+/// All that is decided for a step from the bounds and the counts of its triangles.
+struct PrepareStep {
+  ChooseGrid grid;
+  PrepareNarrow narrow;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    grid(i);
+    narrow(i);
   }
 };
 

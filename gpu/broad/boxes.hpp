@@ -13,7 +13,7 @@ using Triangle = Vec3<uint32_t>;
 /// A triangle with all that the tests of its features need, in one place: a pair's two records are read at once,
 /// where looking up vertices would take a dozen scattered reads.
 template <class Real>
-struct TriangleRecord {
+struct alignas(16) TriangleRecord {
   Vec3<Real> start[3], end[3];
   uint32_t vertex[3];  ///< kOwned: the triangle owns the vertex
   uint32_t edge[3];    ///< of corners 0-1, 1-2, 2-0; kOwned likewise

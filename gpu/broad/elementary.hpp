@@ -62,7 +62,7 @@ struct ElementaryTests {
     uint32_t vertex[3];
     uint32_t owned;
 
-    COLLIDED_HD Features(const TriangleRecord<Real>& r, Real inflation) : owned(0) {
+    COLLIDED_HD Features(TriangleRecord<Real> r, Real inflation) : owned(0) {
       for (int k = 0; k < 3; ++k) {
         const Box<Real> a{r.start[k], r.start[k]}, b{r.end[k], r.end[k]};
         corner[k] = inflate(join(a, b), inflation);

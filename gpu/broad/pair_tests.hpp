@@ -32,7 +32,7 @@ struct LeafPairs {
     const PairItem item = items[i];
     const Leaf leaf = leaves[item.leaf];
     return {leaf, registered.data + leaf.offset, item.row * kTile, item.column * kTile,
-            smaller((item.column + kColumnTiles) * kTile, leaf.count)};
+            smaller((item.column + tiles_of_item(leaf.count)) * kTile, leaf.count)};
   }
   /// Whether a pair whose boxes overlap is this leaf's to report.
   COLLIDED_HD bool reports(const Work& work, const Box<float>& box_a, uint32_t a, const Box<float>& box_b,

@@ -1,7 +1,7 @@
 #pragma once
 // Lengths that only the backend knows while a step runs, and threads that work on one item together.
 
-#include "gpu/exec/host_device.hpp"
+#include "gpu/exec/atomic.hpp"
 
 namespace collided {
 
@@ -24,6 +24,15 @@ struct Group {
 #endif
   }
 };
+
+/// Adds the values of all threads of a group, each of which must call, to a sum in its shared memory.
+COLLIDED_HD inline void add_all(uint64_t& sum, uint64_t value) {
+#ifdef __CUDA_ARCH__
+  for (int offset = 16; offset > 0; offset /= 2) value += __shfl_xor_sync(~0u, value, offset);
+  if ((threadIdx.x & 31u) != 0 || value == 0) return;
+#endif
+  atomic_add(sum, value);
+}
 
 /// For groups that share nothing.
 struct Nothing {};

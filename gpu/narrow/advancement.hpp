@@ -72,15 +72,16 @@ struct Pace {
   }
 };
 
-/// Looks for contact in [0, 1]. A contact that is certain to be reported after `last` may count as a miss; `last` never
-/// changes the time of a hit, for what it is depends on the order of the queries.
+/// Looks for contact in [0, 1], of which [0, free_until) is known to be free. A contact that is certain to be reported
+/// after `last` may count as a miss; `last` never changes the time of a hit, for what it is depends on the order of the
+/// queries.
 template <class Work, int N>
 COLLIDED_HD Advance<Work> advance(const Differences<Work, N>& d, const Tolerance<Work>& tolerance, Work last,
-                                  int iterations = kMaxAdvances) {
+                                  Work free_until) {
   const Work rounding = 32 * Precision<Work>::kUnit * d.extent;
-  Work t = 0;
+  Work t = free_until;
   Pace<Work> pace;
-  for (int i = 0; i < iterations; ++i) {
+  for (int i = 0; i < kMaxAdvances; ++i) {
     if (t > last) return {false, t, false};
     const Facing<Work, N> now(d, t);
     const Reach<Work> by_closest = reach_along(d, now.closest, t, tolerance.thickness);

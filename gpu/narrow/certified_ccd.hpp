@@ -19,49 +19,86 @@ COLLIDED_HD ContactData<Real> contact_at(const Differences<Work, N>& d, Work t, 
           static_cast<Real>(gap.points.w1), flags};
 }
 
-/// Keeps the candidates that float cannot tell apart in a few iterations: a cheap filter in front of double precision.
+/// Keeps the candidates that no fixed direction at hand keeps apart over the whole step: a cheap filter in float, for
+/// most that pass each other do so sideways. The direction is that of the closest points halfway.
 template <class Real, class Kind>
 struct ScreenCcd {
   const Vec3<Real>* start;
   const Vec3<Real>* end;
-  double thickness, delta;
+  double thickness;
   Kind kind;
   Span<const uint64_t> candidates;
   AppendList<uint64_t> survivors;
 
   COLLIDED_HD void operator()(uint64_t i) const {
+    const uint64_t key = candidates[i];
     DifferencesOf<float, Kind> d;
-    const bool differ = load_differences<Kind, float>(points_of(kind.stencil(candidates[i]), start, end), d);
-    if (!differ || !is_free(d)) survivors.push(candidates[i]);
+    if (load_differences<Kind, float>(points_of(kind.stencil(key), start, end), d) && is_apart(d)) return;
+    survivors.push(key);
   }
 
  private:
-  COLLIDED_HD bool is_free(const DifferencesOf<float, Kind>& d) const {
-    constexpr int kIterations = 2;
-    const Tolerance<float> tolerance{scaled_thickness<float>(thickness, d.scale), float_above(delta * d.scale)};
-    return !advance(d, tolerance, 1.0f, kIterations).hit;
+  COLLIDED_HD bool is_apart(const DifferencesOf<float, Kind>& d) const {
+    const Direction<float> closest = direction_of(gap_at(d, 0.5f).vector);
+    return apart_all_along(d, closest, scaled_thickness<float>(thickness, d.scale));
   }
 };
 
-template <class Work, class Real, class Kind>
-struct AdvanceCcd {
+/// A candidate that float cannot tell apart, and the time until which it can.
+struct Suspect {
+  uint64_t key;
+  float free_until;
+};
+
+/// Advances in float as far as that goes: [0, free_until) is as certain as it would be in double precision, which has
+/// only the rest to do.
+template <class Real, class Kind>
+struct ApproachCcd {
   const Vec3<Real>* start;
   const Vec3<Real>* end;
   double thickness, delta;
   Kind kind;
   Span<const uint64_t> candidates;
+  AppendList<Suspect> suspects;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const uint64_t key = candidates[i];
+    DifferencesOf<float, Kind> d;
+    if (!load_differences<Kind, float>(points_of(kind.stencil(key), start, end), d)) return suspects.push({key, 0});
+    const Tolerance<float> tolerance{scaled_thickness<float>(thickness, d.scale), float_above(delta * d.scale)};
+    const Advance<float> found = advance(d, tolerance, 1.0f, 0.0f);
+    if (found.hit) suspects.push({key, found.t});
+  }
+};
+
+COLLIDED_HD inline uint64_t key_of(uint64_t candidate) { return candidate; }
+COLLIDED_HD inline uint64_t key_of(const Suspect& candidate) { return candidate.key; }
+COLLIDED_HD inline float free_until(uint64_t) { return 0; }
+COLLIDED_HD inline float free_until(const Suspect& candidate) { return candidate.free_until; }
+
+/// Candidate: uint64_t or Suspect.
+template <class Work, class Real, class Kind, class Candidate>
+struct AdvanceCcd {
+  const Vec3<Real>* start;
+  const Vec3<Real>* end;
+  double thickness, delta;
+  Kind kind;
+  Span<const Candidate> candidates;
   ContactSink<Real> contacts;
 
   COLLIDED_HD void operator()(uint64_t i) const {
     if (contacts.hurry.is_over()) return;
     DifferencesOf<Work, Kind> d;
-    if (!load_differences<Kind, Work>(points_of(kind.stencil(candidates[i]), start, end), d))
-      return contacts.report(candidates[i], {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified | kFlagInitial}});
+    const Candidate candidate = candidates[i];
+    const uint64_t key = key_of(candidate);
+    if (!load_differences<Kind, Work>(points_of(kind.stencil(key), start, end), d))
+      return contacts.report(key, {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified | kFlagInitial}});
     const Tolerance<Work> tolerance{scaled_thickness<Work>(thickness, d.scale),
                                     delta > 0 ? static_cast<Work>(delta * d.scale) : default_delta(Work(0)) * d.extent};
-    const Advance<Work> found = advance(d, tolerance, static_cast<Work>(contacts.hurry.last()));
+    const Advance<Work> found =
+        advance(d, tolerance, static_cast<Work>(contacts.hurry.last()), static_cast<Work>(free_until(candidate)));
     if (!found.hit) return;
-    contacts.report(candidates[i], contact_at<Real>(d, found.t, flags_of(d, found, tolerance.thickness)));
+    contacts.report(key, contact_at<Real>(d, found.t, flags_of(d, found, tolerance.thickness)));
   }
 
  private:

@@ -65,6 +65,17 @@ COLLIDED_HD Work offset_along(const Direction<Work>& direction, Work thickness) 
   return thickness * (direction.length * (1 + 16 * Precision<Work>::kUnit));
 }
 
+/// Whether a direction keeps the features apart over the whole step.
+template <class Work, int N>
+COLLIDED_HD bool apart_all_along(const Differences<Work, N>& d, const Direction<Work>& direction, Work thickness) {
+  const Work offset = offset_along(direction, thickness);
+  bool apart = direction.length > 0;
+  for (int k = 0; k < N; ++k)
+    apart = apart & (lower_bound_along(direction.n, d.start[k], offset) > 0) &
+            (lower_bound_along(direction.n, d.end[k], offset) > 0);
+  return apart;
+}
+
 template <class Work, int N>
 COLLIDED_HD Reach<Work> reach_along(const Differences<Work, N>& d, const Direction<Work>& direction, Work t,
                                     Work thickness) {

@@ -8,7 +8,7 @@
 namespace collided {
 
 /// Triangles that cover more base cells than this are left to groups of threads.
-constexpr uint64_t kManyCells = 512;
+constexpr uint64_t kManyCells = 48;
 
 /// Cells that a group works on at once, where all active dense cells have their turn.
 constexpr uint32_t kCellsOfGroup = 1024;
@@ -55,7 +55,7 @@ struct CountOverlappedCells {
 
 struct CountCellsOfLarge {
   using Shared = Nothing;
-  static constexpr uint32_t kGroupSize = 256;
+  static constexpr uint32_t kGroupSize = 32;
   const LevelGrid* grid;
   Span<const Box<float>> boxes;
   Span<uint32_t> counts;
@@ -73,11 +73,11 @@ struct LevelTotals {
   uint64_t cells[kMaxLevel + 1];
 };
 struct CoveredPerLevel {
-  const LevelGrid* grid;
+  const Box<float>* bounds;
   Span<const Box<float>> boxes;
 
   COLLIDED_HD LevelTotals operator()(uint64_t triangle) const {
-    const CellRange deepest = grid->deepest_range(boxes[triangle]);
+    const CellRange deepest = grid_over(*bounds, 0, kMaxLevel).deepest_range(boxes[triangle]);
     LevelTotals totals;
     for (int level = 0; level <= kMaxLevel; ++level) totals.cells[level] = shifted(deepest, kDeepest - level).size();
     return totals;

@@ -65,11 +65,4 @@ struct ChooseGrid {
     state->cell_groups = groups_of_cells(grid);
   }
 };
-/// The same over all levels, before they are chosen.
-struct SpanGrid {
-  const Box<float>* bounds;
-  LevelGrid* grid;
-  COLLIDED_HD void operator()(uint64_t) const { *grid = grid_over(*bounds, 0, kMaxLevel); }
-};
-
 }  // namespace collided

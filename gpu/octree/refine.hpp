@@ -80,7 +80,7 @@ struct CountInBricks {
 
 struct CountInBricksOfLarge {
   using Shared = Nothing;
-  static constexpr uint32_t kGroupSize = 256;
+  static constexpr uint32_t kGroupSize = 32;
   CountInBricks count;
   Span<const uint32_t> large;
 

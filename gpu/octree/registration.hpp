@@ -7,6 +7,7 @@
 namespace collided {
 
 /// Puts a triangle into the leaves that its box overlaps.
+template <bool kHasBricks>
 struct RegisterTriangles {
   Tree tree;
   Span<const Box<float>> boxes;
@@ -21,7 +22,7 @@ struct RegisterTriangles {
   }
   COLLIDED_HD void put(uint32_t triangle, const CellRange& deepest, uint32_t rank, uint32_t threads) const {
     visit_dense_cells(*tree.grid, deepest, rank, threads, [&](uint32_t cell) { put_into(cell, triangle); });
-    if (tree.rounds > 0)
+    if constexpr (kHasBricks)
       visit_bricks(tree, deepest, tree.rounds - 1, rank, threads,
                    [&](uint32_t cell, int, int, uint32_t) { put_into(cell, triangle); });
   }
@@ -34,10 +35,11 @@ struct RegisterTriangles {
   }
 };
 
+template <bool kHasBricks>
 struct RegisterLarge {
   using Shared = Nothing;
-  static constexpr uint32_t kGroupSize = 256;
-  RegisterTriangles registration;
+  static constexpr uint32_t kGroupSize = 32;
+  RegisterTriangles<kHasBricks> registration;
   Span<const uint32_t> large;
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {

@@ -36,10 +36,15 @@ COLLIDED_HD inline bool is_real_leaf(const Tree& tree, uint32_t cell) {
 /// Places the leaves among the cells of a group.
 struct PlaceLeaves {
   static constexpr uint32_t kMostCells = kCellsOfGroup;
+  static constexpr uint32_t kManyRows = 8;  ///< of tiles: a leaf whose items the whole group writes
   struct Shared {
     LeafTotals totals;
     uint64_t first_leaf, first_registration, first_item;
-    uint64_t registration[kMostCells], item[kMostCells];  ///< of each leaf of the group
+    // Of the group alone. Numbers that do not fit 32 bits are more than any list takes, so that nothing is written.
+    uint32_t leaves, registrations, items, long_leaves;
+    uint32_t registration[kMostCells], item[kMostCells];  ///< of each leaf
+    uint32_t long_leaf[kMostCells];                       ///< numbers of leaves with many rows
+    uint32_t members[kMostCells];                         ///< of each leaf
   };
   struct Place {
     int level;
@@ -59,41 +64,63 @@ struct PlaceLeaves {
                        const PlaceOf& place_of) const {
     clear(group, shared);
     group.sync();
-    for (uint32_t k = group.rank; k < count; k += group.size) number_leaf(index_of(k), place_of(k).level, shared);
+    Sums mine;
+    for (uint32_t k = group.rank; k < count; k += group.size) number_leaf(index_of(k), place_of(k).level, shared, mine);
+    add(mine, shared.totals);
     group.sync();
     claim(group, shared);
     group.sync();
-    for (uint32_t k = group.rank; k < count; k += group.size) write_leaf(index_of(k), place_of(k), shared);
+    if (fits_in_32_bits(shared))
+      for (uint32_t k = group.rank; k < count; k += group.size) write_leaf(index_of(k), place_of(k), shared);
+    else
+      for (uint32_t k = group.rank; k < count; k += group.size) drop_leaf(index_of(k));
+    group.sync();
+    write_items_of_long_leaves(group, shared);
     group.sync();
   }
 
  private:
   static constexpr uint32_t kTotals = sizeof(LeafTotals) / sizeof(uint64_t);
+  static constexpr uint32_t kCrowdedLeaf = 64;
+  /// What one thread adds up.
+  struct Sums {
+    uint64_t cells = 0, leaves = 0, registrations = 0, items = 0, tests = 0, crowded_tests = 0;
+  };
 
   COLLIDED_HD static void clear(const Group& group, Shared& shared) {
     uint64_t* values = &shared.totals.cells;
     for (uint32_t k = group.rank; k < kTotals; k += group.size) values[k] = 0;
+    if (group.rank == 0) shared.leaves = shared.registrations = shared.items = shared.long_leaves = 0;
   }
 
   /// Numbers the leaf within the group.
-  COLLIDED_HD void number_leaf(uint32_t cell, int level, Shared& shared) const {
+  COLLIDED_HD void number_leaf(uint32_t cell, int level, Shared& shared, Sums& mine) const {
     const uint32_t n = tree.counts[cell];
     if (n == 0) return;
-    LeafTotals& sum = shared.totals;
-    atomic_add(sum.cells, uint64_t{1});
+    ++mine.cells;
     if (tree.type[cell] != kLeaf) return;
     tree.slot[cell] = kNoLeaf;
     if (n < 2 || !is_real_leaf(tree, cell)) return;
-    const uint64_t number = atomic_add(sum.leaves, uint64_t{1});
-    shared.registration[number] = atomic_add(sum.registrations, uint64_t{n});
-    shared.item[number] = atomic_add(sum.items, items_of(n));
-    atomic_add(sum.tests, tests_of(n));
-    if (level == tree.grid->base + kBrickLevels * tree.rounds && n >= kCrowdedLeaf)
-      atomic_add(sum.crowded_tests, tests_of(n));
-    atomic_add(sum.level_registrations[smaller(level, kMaxLevel + 1)], uint64_t{n});
-    tree.slot[cell] = static_cast<uint32_t>(number);
+    const uint64_t tests = tests_of(n), item_count = items_of(n);
+    mine.leaves += 1, mine.registrations += n, mine.items += item_count, mine.tests += tests;
+    const bool at_the_bottom = level == tree.grid->base + kBrickLevels * tree.rounds;
+    if (at_the_bottom && n >= kCrowdedLeaf) mine.crowded_tests += tests;
+    const uint32_t number = atomic_add(shared.leaves, 1u);
+    shared.members[number] = n;
+    shared.registration[number] = atomic_add(shared.registrations, n);
+    shared.item[number] = atomic_add(shared.items, static_cast<uint32_t>(item_count));
+    atomic_add(shared.totals.level_registrations[smaller(level, kMaxLevel + 1)], uint64_t{n});
+    tree.slot[cell] = number;
   }
-  static constexpr uint32_t kCrowdedLeaf = 64;
+
+  COLLIDED_HD static void add(const Sums& mine, LeafTotals& sums) {
+    add_all(sums.cells, mine.cells);
+    add_all(sums.leaves, mine.leaves);
+    add_all(sums.registrations, mine.registrations);
+    add_all(sums.items, mine.items);
+    add_all(sums.tests, mine.tests);
+    add_all(sums.crowded_tests, mine.crowded_tests);
+  }
 
   /// Claims the places of the group's leaves.
   COLLIDED_HD void claim(const Group& group, Shared& shared) const {
@@ -107,19 +134,41 @@ struct PlaceLeaves {
       if (k == 3) shared.first_item = before;
     }
   }
+  COLLIDED_HD static bool fits_in_32_bits(const Shared& shared) {
+    return shared.totals.registrations < ~0u && shared.totals.items < ~0u;
+  }
 
-  COLLIDED_HD void write_leaf(uint32_t cell, const Place& place, const Shared& shared) const {
-    const uint32_t n = tree.counts[cell];
-    if (n < 2 || tree.type[cell] != kLeaf || tree.slot[cell] == kNoLeaf) return;
-    const uint64_t number = tree.slot[cell];
+  COLLIDED_HD bool has_place(uint32_t cell) const {
+    return tree.counts[cell] >= 2 && tree.type[cell] == kLeaf && tree.slot[cell] != kNoLeaf;
+  }
+  COLLIDED_HD void drop_leaf(uint32_t cell) const {
+    if (has_place(cell)) tree.slot[cell] = kNoLeaf;
+  }
+  COLLIDED_HD void write_leaf(uint32_t cell, const Place& place, Shared& shared) const {
+    if (!has_place(cell)) return;
+    const uint32_t n = tree.counts[cell], number = tree.slot[cell];
     const uint64_t leaf = shared.first_leaf + number, offset = shared.first_registration + shared.registration[number];
     const bool fits = leaf < leaves.size() && offset + n <= registration_capacity;
     tree.slot[cell] = fits ? static_cast<uint32_t>(leaf) : kNoLeaf;
     if (!fits) return;
     leaves[leaf] = {place.coords, place.level, n, 0, offset};
     cursor[leaf] = 0;
+    if (tiles_of(n) >= kManyRows)
+      shared.long_leaf[atomic_add(shared.long_leaves, 1u)] = number;
+    else
+      for (uint32_t row = 0; row < tiles_of(n); ++row) write_items(number, row, shared);
+  }
+  COLLIDED_HD void write_items_of_long_leaves(const Group& group, const Shared& shared) const {
+    for (uint32_t i = 0; i < shared.long_leaves; ++i) {
+      const uint32_t number = shared.long_leaf[i];
+      for (uint32_t row = group.rank; row < tiles_of(shared.members[number]); row += group.size)
+        write_items(number, row, shared);
+    }
+  }
+  COLLIDED_HD void write_items(uint32_t number, uint32_t row, const Shared& shared) const {
     const uint64_t first = shared.first_item + shared.item[number];
-    for_each_item(static_cast<uint32_t>(leaf), n, [&](uint64_t k, const PairItem& item) {
+    const uint32_t leaf = static_cast<uint32_t>(shared.first_leaf) + number;
+    for_each_item_of_row(leaf, shared.members[number], row, [&](uint64_t k, const PairItem& item) {
       if (first + k < items.size()) items[first + k] = item;
     });
   }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <set>
 #include <vector>
@@ -22,10 +23,11 @@ struct OneLeaf {
   explicit OneLeaf(uint32_t n)
       : boxes(n, Box<float>{{0, 0, 0}, {1, 1, 1}}), registered(n), leaves{{{0, 0, 0}, 0, n, 0, 0}} {
     std::iota(registered.rbegin(), registered.rend(), 0u);
-    for_each_item(0, n, [&](uint64_t place, const PairItem& item) {
-      EXPECT_EQ(place, items.size());
-      items.push_back(item);
-    });
+    for (uint32_t row = 0; row < tiles_of(n); ++row)
+      for_each_item_of_row(0, n, row, [&](uint64_t place, const PairItem& item) {
+        EXPECT_EQ(place, items.size());
+        items.push_back(item);
+      });
   }
   std::vector<std::pair<uint32_t, uint32_t>> pairs() {
     const LeafPairs source{&grid,    {}, span_of(boxes), span_of(leaves), span_of(registered), span_of(items),
@@ -46,21 +48,28 @@ struct OneLeaf {
 
 TEST(PairTests, EveryPairOfALeafOnce) {
   for (const uint32_t n :
-       {1u, 2u, 3u, 4u, 5u, 31u, 32u, 33u, 63u, 64u, 65u, 127u, 128u, 129u, 256u, 257u, 289u, 700u}) {
+       {1u, 2u, 3u, 4u, 5u, 31u, 32u, 33u, 63u, 64u, 65u, 127u, 128u, 129u, 256u, 257u, 289u, 700u, 4111u}) {
     OneLeaf leaf(n);
     EXPECT_EQ(leaf.items.size(), items_of(n)) << n;
-    const auto pairs = leaf.pairs();
+    auto pairs = leaf.pairs();
     EXPECT_EQ(pairs.size(), uint64_t{n} * (n - 1) / 2) << n;
-    EXPECT_EQ(std::set(pairs.begin(), pairs.end()).size(), pairs.size()) << n;
+    std::sort(pairs.begin(), pairs.end());
+    EXPECT_EQ(std::unique(pairs.begin(), pairs.end()), pairs.end()) << n;
     for (const auto& [a, b] : pairs) EXPECT_LT(a, b);
   }
 }
 
 TEST(PairTests, ItemsOfALargeLeafAreCountedInClosedForm) {
-  for (uint32_t n = 1; n < 3000; n += 37) {
-    uint64_t items = 0;
-    for_each_item(0, n, [&](uint64_t, const PairItem&) { ++items; });
+  for (uint32_t n = 1; n < 30000; n += 1 + n / 7) {
+    uint64_t items = 0, tiles = 0;
+    for (uint32_t row = 0; row < tiles_of(n); ++row)
+      for_each_item_of_row(0, n, row, [&](uint64_t place, const PairItem& item) {
+        ASSERT_EQ(place, items++) << n;
+        tiles += std::min(tiles_of_item(n), tiles_of(n) - item.column);
+      });
     ASSERT_EQ(items, items_of(n)) << n;
+    ASSERT_EQ(tiles, uint64_t{tiles_of(n)} * (tiles_of(n) + 1) / 2) << n;
+    ASSERT_LE(items, uint64_t{128} * tiles_of(n)) << n;
   }
 }
 
