@@ -20,7 +20,7 @@ struct TriangleRun {
 struct OctreePlan {
   CutCost cost;
   int rounds = 0;                              ///< of refinement below the dense levels
-  int cut_steps = 3;                           ///< that the cut of the dense levels takes
+  int levels = kMaxLevel + 1;                  ///< dense levels, at most
   uint64_t most_crowded_tests = ~uint64_t{0};  ///< beyond this the step is put off
 };
 
@@ -90,11 +90,11 @@ class BroadPhase {
   }
 
   // 2. Counter octree.
-  void count_overlapped_cells() {
+  void count_overlapped_cells(const OctreePlan& plan) {
     const Span<uint32_t> counts = scene_.octree.counts.all();
     exec_.for_each_group("clear_counts", cell_groups(), ClearCounts{grid(), counts});
     exec_.for_each(
-        "count_overlapped_cells", triangle_count(),
+        "count_overlapped_cells", plan.levels * triangle_count(),
         CountOverlappedCells{grid(), boxes(), counts, {scene_.octree.large.all(), &scene_.state.data()->large}});
     exec_.for_each_group("count_cells_of_large", large(), CountCellsOfLarge{grid(), boxes(), counts, large_list()});
   }
@@ -117,7 +117,7 @@ class BroadPhase {
     const Tree all = tree(plan);
     for (int round = plan.rounds - 1; round >= 0; --round)
       exec_.for_each_group("cut_bricks", bricks(round), CutBricks{all, plan.cost, round});
-    for (int step = 0; step < plan.cut_steps; ++step)
+    for (int step = 0; step * kBrickLevels < larger(1, plan.levels - 1); ++step)
       exec_.for_each_group("cut_dense", roots(step), CutDense{all, plan.cost, scene_.octree.root_cost.all(), step});
   }
 
@@ -197,9 +197,8 @@ class BroadPhase {
   template <bool kHasBricks>
   void register_in(const OctreePlan& plan) {
     OctreeBuffers<Exec>& octree = scene_.octree;
-    const RegisterTriangles<kHasBricks> registration{tree(plan), boxes(), octree.leaves.all(), octree.cursor.all(),
-                                                     octree.registered.all()};
-    exec_.for_each("register_triangles", triangle_count(), registration);
+    const RegisterTriangles<kHasBricks> registration{tree(plan), boxes(), octree.cursor.all(), octree.registered.all()};
+    exec_.for_each("register_triangles", plan.levels * triangle_count(), registration);
     exec_.for_each_group("register_large", large(), RegisterLarge<kHasBricks>{registration, large_list()});
   }
 
