@@ -148,7 +148,8 @@ class BroadPhase {
                            octree.leaves.all(),
                            octree.registered.all(),
                            octree.items.all(),
-                           &state->leaves.crowded_tests,
+                           &state->leaves,
+                           octree.registered.capacity(),
                            plan.most_crowded_tests};
     exec_.fill_zero(&state->next_item, sizeof(uint64_t));
     exec_.search(name, Counted{&state->leaves.items, octree.items.capacity()}, &state->next_item, source, sink);
@@ -175,9 +176,7 @@ class BroadPhase {
 
   Counted large() const { return {&scene_.state.data()->large, scene_.octree.large.capacity()}; }
   Counted base_cells() const { return {&scene_.state.data()->grid.base_cells, kDenseCells}; }
-  Counted cell_groups() const {
-    return {&scene_.state.data()->grid.cell_groups, kDenseCells / PlaceLeaves::kMostCells + 1};
-  }
+  Counted cell_groups() const { return {&scene_.state.data()->grid.cell_groups, kDenseCells / kCellsOfGroup + 1}; }
   Counted roots(int step) const { return {&scene_.state.data()->grid.roots[step], kDenseCells}; }
   Counted bricks(int round) const { return {&scene_.state.data()->bricks[round], scene_.octree.bricks.capacity()}; }
 

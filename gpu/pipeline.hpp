@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gpu/broad_phase.hpp"
+#include "gpu/exec/step_key.hpp"
 #include "gpu/narrow_phase.hpp"
 #include "gpu/refinement.hpp"
 #include "gpu/results.hpp"
@@ -62,8 +63,8 @@ class Pipeline {
       exec_.upload(scene_.octree.wanted.data(), &levels_, sizeof(levels_));
       state_ = exec_.step(key_of(all, plan), scene_.state.data(), [&] { enqueue(moved, plan); });
       const bool grown = broad_.grow(state_), grown_too = narrow_.grow(state_);
-      const bool refined = refinement_.observe(state_, topology_.triangles.size());
-      if (!grown && !grown_too && !refined) break;
+      // A step that was short of room tells nothing of what refinement is good for.
+      if (!grown && !grown_too && !refinement_.observe(state_, topology_.triangles.size())) break;
       ++result_.replays;
     }
   }

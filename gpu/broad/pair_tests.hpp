@@ -17,10 +17,15 @@ struct LeafPairs {
   Span<const Leaf> leaves;
   Span<const uint32_t> registered;
   Span<const PairItem> items;
-  const uint64_t* crowded_tests;  ///< of crowded leaves
-  uint64_t most_crowded_tests;    ///< beyond this the search is put off, for the octree has to be refined
+  const LeafTotals* totals;
+  uint64_t registration_capacity;
+  uint64_t most_crowded_tests;  ///< beyond this the octree has to be refined first
 
-  COLLIDED_HD bool is_put_off() const { return *crowded_tests > most_crowded_tests; }
+  /// Whether the step will run again anyway, so that the search would be in vain: what does not fit was not written.
+  COLLIDED_HD bool is_put_off() const {
+    return totals->leaves > leaves.size() || totals->registrations > registration_capacity ||
+           totals->items > items.size() || totals->crowded_tests > most_crowded_tests;
+  }
 
   /// One item, ready to be worked on.
   struct Work {
