@@ -75,19 +75,17 @@ class OctreeBuild {
            brick_cost.is_intact() && root_cost.is_intact() && large.is_intact() && leaves.is_intact() &&
            cursor.is_intact() && registered.is_intact() && items.is_intact();
   }
-  /// Whether all that a search would read is there; an item may say that it has no leaf.
+  /// Whether all that a search would read is there, if it took place.
   bool items_are_sound() {
-    for (uint64_t i = 0; i < std::min(totals.items, items.size()); ++i) {
-      const PairItem item = items[i];
-      if (item.leaf == kNoLeaf) continue;
-      if (item.leaf >= std::min(totals.leaves, leaves.size()) || !holds_boxes(leaves[item.leaf])) return false;
-    }
+    if (pairs_source().is_put_off()) return true;
+    for (uint64_t i = 0; i < totals.items; ++i)
+      if (items[i].leaf >= totals.leaves || !holds_boxes(leaves[items[i].leaf])) return false;
     return true;
   }
+  bool is_put_off() { return pairs_source().is_put_off(); }
   /// Of all items, with repeats if there are any; sorted.
   BoxPairs pairs() {
-    const LeafPairs source{
-        &grid, {}, boxes_, leaves.span(), registered.span(), items.span(), &totals.crowded_tests, ~uint64_t{0}};
+    const LeafPairs source = pairs_source();
     BoxPairs found;
     for (uint64_t i = 0; i < std::min(totals.items, items.size()); ++i)
       visit_item(source, i, [&](uint32_t a, uint32_t b) { found.emplace_back(a, b); });
@@ -116,6 +114,10 @@ class OctreeBuild {
     return bounds;
   }
 
+  LeafPairs pairs_source() {
+    return {&grid,       {}, boxes_, leaves.span(), registered.span(), items.span(), &totals, registered.size(),
+            ~uint64_t{0}};
+  }
   bool holds_boxes(const Leaf& leaf) {
     if (leaf.offset + leaf.count > registered.size()) return false;
     for (uint64_t i = leaf.offset; i < leaf.offset + leaf.count; ++i)
@@ -130,10 +132,11 @@ class OctreeBuild {
   Counted large_items() const { return {&large_count, large.size()}; }
   Counted brick_items(int round) const { return {&brick_counters[round], bricks.size()}; }
 
+  uint64_t levels() const { return static_cast<uint64_t>(grid.base - grid.top + 1); }
   void count() {
     const Counted groups{&cell_groups_, cell_groups_};
     exec_.for_each_group("clear", groups, ClearCounts{&grid, counts.span()});
-    exec_.for_each("count", boxes_.size(),
+    exec_.for_each("count", levels() * boxes_.size(),
                    CountOverlappedCells{&grid, boxes_, counts.span(), {large.span(), &large_count}});
     exec_.for_each_group("count_large", large_items(), CountCellsOfLarge{&grid, boxes_, counts.span(), large.span()});
   }
@@ -157,8 +160,8 @@ class OctreeBuild {
   }
   template <bool kHasBricks>
   void register_boxes() {
-    const RegisterTriangles<kHasBricks> registration{tree(), boxes_, leaves.span(), cursor.span(), registered.span()};
-    exec_.for_each("register", boxes_.size(), registration);
+    const RegisterTriangles<kHasBricks> registration{tree(), boxes_, cursor.span(), registered.span()};
+    exec_.for_each("register", levels() * boxes_.size(), registration);
     exec_.for_each_group("register_large", large_items(), RegisterLarge<kHasBricks>{registration, large.span()});
   }
 
