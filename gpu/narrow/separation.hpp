@@ -94,13 +94,16 @@ struct Along {
     constexpr Work u = Precision<Work>::kUnit;
     if (direction.length == 0) return {Work(-1), Work(0)};
     Reach<Work> reach{Reach<Work>::kBeyond, Reach<Work>::kBeyond};
+    bool apart = true;  // whatever is not a number, where a thickness is beyond the working type, is not apart
     for (int k = 0; k < N; ++k) {
-      reach.separation = smaller(reach.separation, lower_bound_at(start[k], end[k], t));
+      const Work now = lower_bound_at(start[k], end[k], t);
+      apart = apart & (now > 0);
+      reach.separation = smaller(reach.separation, now);
       if (end[k] > 0) continue;
       const Work root = start[k] / (start[k] - end[k]);
       reach.until = smaller(reach.until, root - 8 * u * root);
     }
-    if (!(reach.separation > 0)) return {Work(-1), Work(0)};
+    if (!apart) return {Work(-1), Work(0)};
     return {reach.until, reach.separation / direction.length};
   }
 };
