@@ -35,12 +35,8 @@ class BroadPhase {
     const uint64_t n = triangle_count();
     OctreeBuffers<Exec>& tree = scene_.octree;
     tree.wanted.allocate(1);
-    const bool has_bricks = plan.rounds > 0;
-    if (has_bricks && tree.bricks.capacity() == 0) reserve_bricks(256);
-    const uint64_t cells = kDenseCells + tree.bricks.capacity() * kBrickCells;
-    tree.counts.allocate(cells);
-    tree.type.allocate(cells);
-    tree.slot.allocate(cells);
+    if (plan.rounds > 0 && tree.bricks.capacity() == 0) reserve_bricks(256);
+    reserve_cells();
     tree.root_cost.allocate(level_offset(kMaxLevel - kBrickLevels + 1));
     if (tree.large.capacity() == 0) tree.large.allocate(256);
     if (tree.leaves.capacity() == 0) reserve_leaves(n / 2 + 1024);
@@ -202,9 +198,8 @@ class BroadPhase {
   }
 
   Motion<Real> motion() const {
-    const Vec3<Real>* end = scene_.end.data();
     const Real half = static_cast<Real>(spec_.thickness) / 2;
-    return {spec_.mode == Mode::kCcd ? scene_.start.data() : end, end, half == 0 ? half : next_up(half)};
+    return {scene_.positions_at_start(), scene_.end.data(), half == 0 ? half : next_up(half)};
   }
 
   static void check_length(const std::string& list, uint64_t need) {
@@ -221,7 +216,11 @@ class BroadPhase {
     tree.bricks.allocate(count);
     tree.reach.allocate(count);
     tree.brick_cost.allocate(count);
-    const uint64_t cells = kDenseCells + count * kBrickCells;
+    reserve_cells();
+  }
+  void reserve_cells() {
+    OctreeBuffers<Exec>& tree = scene_.octree;
+    const uint64_t cells = kDenseCells + tree.bricks.capacity() * kBrickCells;
     tree.counts.allocate(cells);
     tree.type.allocate(cells);
     tree.slot.allocate(cells);

@@ -2,7 +2,7 @@
 // From the candidates that the filter kept to contacts, at the frame's accuracy level (step 8 of Fig. 7). Everything is
 // put in line for the backend; no length is read back.
 
-#include "gpu/frame_check.hpp"
+#include "gpu/level_needs.hpp"
 #include "gpu/narrow/certified_proximity.hpp"
 #include "gpu/narrow/fast_ccd.hpp"
 #include "gpu/narrow/gather.hpp"
@@ -18,23 +18,23 @@ class NarrowPhase {
   NarrowPhase(Exec& exec, const SceneSpec& spec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
       : exec_(exec), spec_(spec), ranks_(ranks), scene_(scene) {}
 
-  void begin(const FrameSettings& settings) { settings_ = settings; }
+  void begin(const LevelNeeds& needs) { needs_ = needs; }
 
   /// Lists start at what most scenes need.
   void reserve() {
     constexpr uint64_t kFirst = 1024;
     reserve(scene_.contacts, kFirst);
-    if (is_earliest_only()) reserve(scene_.earliest, kFirst);
+    if (needs_.is_earliest_only()) reserve(scene_.earliest, kFirst);
     const uint64_t most = larger(scene_.contacts.keys.capacity(), scene_.earliest.keys.capacity());
     scene_.order.reserve(ranks_.count, most);
-    if (has_data()) scene_.sorted.allocate(most);
-    if (tests_triangles() && scene_.triangle_pairs.capacity() == 0) scene_.triangle_pairs.allocate(kFirst);
-    if (!has_narrow_phase()) return;
+    if (needs_.has_data()) scene_.sorted.allocate(most);
+    if (needs_.tests_triangles() && scene_.triangle_pairs.capacity() == 0) scene_.triangle_pairs.allocate(kFirst);
+    if (!needs_.has_narrow_phase()) return;
     for (int kind = 0; kind < 2; ++kind) {
       if (!has_kind(kind)) continue;
       if (scene_.kept[kind].capacity() == 0) scene_.kept[kind].allocate(kFirst);
-      if (is_screened() && scene_.screened[kind].capacity() == 0) scene_.screened[kind].allocate(kFirst);
-      if (is_approached() && scene_.suspects[kind].capacity() == 0) {
+      if (needs_.is_screened() && scene_.screened[kind].capacity() == 0) scene_.screened[kind].allocate(kFirst);
+      if (needs_.is_approached() && scene_.suspects[kind].capacity() == 0) {
         scene_.suspects[kind].allocate(kFirst);
         scene_.near_suspects[kind].allocate(kFirst);
       }
@@ -71,47 +71,37 @@ class NarrowPhase {
     StepState* state = scene_.state.data();
     exec_.stage(KindTraits<Kind>::kNarrow, [&] {
       const Counted kept{&state->kept[k], scene_.kept[k].capacity()};
-      if (is_screened())
+      if (needs_.is_screened())
         detect_screened(kind, kept);
       else
         run(kind, kept, scene_.kept[k].all());
     });
   }
   void detect_triangles() {
-    exec_.stage("narrow_tt",
-                [&] { settings_.accuracy >= Accuracy::kCertified ? run_triangles<double>() : run_triangles<float>(); });
+    exec_.stage("narrow_tt", [&] {
+      needs_.settings.accuracy >= Accuracy::kCertified ? run_triangles<double>() : run_triangles<float>();
+    });
   }
 
   /// After the last kind: contacts that the report does not want go, the others are put in order.
   void order() {
-    if (settings_.report == Report::kAnyHit && !is_exact()) return;
+    if (needs_.is_any_hit() && !needs_.is_exact()) return;
     exec_.stage("order", [&] {
-      if (is_earliest_only()) keep_earliest();
+      if (needs_.is_earliest_only()) keep_earliest();
       ContactBuffers<Exec, Real>& contacts = wanted();
       StepState* state = scene_.state.data();
-      const Counted count{is_earliest_only() ? &state->earliest : &state->contacts, contacts.keys.capacity()};
+      const Counted count{needs_.is_earliest_only() ? &state->earliest : &state->contacts, contacts.keys.capacity()};
       Span<const ContactData<Real>> data;
-      if (has_data()) data = contacts.data.all();
+      if (needs_.has_data()) data = contacts.data.all();
       put_in_order(exec_, scene_.order, count, contacts.keys.all(), data, scene_.sorted.all(), &state->crowded_ranks);
     });
   }
 
-  bool is_exact() const { return settings_.accuracy == Accuracy::kExact; }
-  bool is_earliest_only() const { return settings_.report == Report::kEarliestOnly; }
-  bool has_narrow_phase() const { return settings_.accuracy != Accuracy::kCandidates; }
-  /// Triangles of a frame are tested at every level; in CCD their boxes are all there is.
-  bool tests_triangles() const { return spec_.triangle_triangle && spec_.mode == Mode::kDcd; }
-  bool has_data() const { return has_narrow_phase() || tests_triangles(); }
   bool has_kind(int kind) const { return kind == kVertexTriangleKind ? spec_.vertex_triangle : spec_.edge_edge; }
-  Hurry hurry() const { return {&scene_.state.data()->shortcut, settings_.report, is_exact()}; }
+  Hurry hurry() const { return {&scene_.state.data()->shortcut, needs_.settings.report, needs_.is_exact()}; }
 
  private:
-  /// Whether a fixed direction is tried before the features are followed, and whether float goes ahead of double.
-  bool is_screened() const { return spec_.mode == Mode::kCcd && settings_.accuracy >= Accuracy::kGuarded; }
-  bool is_approached() const { return is_screened() && settings_.accuracy >= Accuracy::kCertified; }
-  const Vec3<Real>* start() const { return spec_.mode == Mode::kCcd ? scene_.start.data() : scene_.end.data(); }
-  const Vec3<Real>* end() const { return scene_.end.data(); }
-  ContactBuffers<Exec, Real>& wanted() { return is_earliest_only() ? scene_.earliest : scene_.contacts; }
+  ContactBuffers<Exec, Real>& wanted() { return needs_.is_earliest_only() ? scene_.earliest : scene_.contacts; }
 
   uint32_t first_rank(const VertexTriangle&) const { return 0; }
   uint32_t first_rank(const EdgeEdge&) const { return ranks_.first_edge; }
@@ -124,71 +114,64 @@ class NarrowPhase {
 
   void reserve(ContactBuffers<Exec, Real>& contacts, uint64_t count) {
     contacts.keys.allocate(count);
-    if (has_data()) contacts.data.allocate(contacts.keys.capacity());
+    if (needs_.has_data()) contacts.data.allocate(contacts.keys.capacity());
   }
 
   // The narrow phase of each level.
+  template <class Kind, class Candidate>
+  CcdQueries<Real, Kind, Candidate> queries(const Kind& kind, const Buffer<Candidate, Exec>& candidates) const {
+    return {
+        scene_.positions_at_start(), scene_.end.data(), spec_.thickness, needs_.settings.delta, kind, candidates.all()};
+  }
   template <class Kind>
   void detect_screened(const Kind& kind, const Counted& kept) {
     constexpr int k = KindTraits<Kind>::kIndex;
     StepState* state = scene_.state.data();
-    exec_.for_each("screen_ccd", kept,
-                   ScreenCcd<Real, Kind>{start(),
-                                         end(),
-                                         spec_.thickness,
-                                         kind,
-                                         scene_.kept[k].all(),
-                                         {scene_.screened[k].all(), &state->screened[k]}});
-    const Counted screened{&state->screened[k], scene_.screened[k].capacity()};
-    if (!is_approached())
-      return advance_ccd<float>(kind, screened, Span<const uint64_t>(scene_.screened[k].all()), kMaxAdvances, {});
+    Buffer<Suspect, Exec>&suspects = scene_.suspects[k], &near = scene_.near_suspects[k];
+    const auto screened = queries(kind, scene_.screened[k]);
+    const Counted screened_count{&state->screened[k], scene_.screened[k].capacity()};
+    exec_.for_each(
+        "screen_ccd", kept,
+        ScreenCcd<Real, Kind>{queries(kind, scene_.kept[k]), {scene_.screened[k].all(), &state->screened[k]}});
+    if (!needs_.is_approached()) return advance_ccd<float>(kind, screened_count, screened, kMaxAdvances, {});
     // Those that need many iterations are gathered twice, for a warp takes as long as the slowest of its queries.
     constexpr int kAtFirst = 2, kThen = 3;
-    approach(kind, screened, Span<const uint64_t>(scene_.screened[k].all()), scene_.suspects[k], state->suspects[k],
-             kAtFirst);
-    approach(kind, {&state->suspects[k], scene_.suspects[k].capacity()}, Span<const Suspect>(scene_.suspects[k].all()),
-             scene_.near_suspects[k], state->near_suspects[k], kThen);
+    const Counted suspect_count{&state->suspects[k], suspects.capacity()};
+    const Counted near_count{&state->near_suspects[k], near.capacity()};
+    approach(screened_count, screened, {suspects.all(), &state->suspects[k]}, kAtFirst);
+    approach(suspect_count, queries(kind, suspects), {near.all(), &state->near_suspects[k]}, kThen);
     // The list of suspects is free again.
-    const AppendList<Suspect> late{scene_.suspects[k].all(), &state->late[k]};
-    advance_ccd<double>(kind, {&state->near_suspects[k], scene_.near_suspects[k].capacity()},
-                        Span<const Suspect>(scene_.near_suspects[k].all()), kThen, late);
-    advance_ccd<double>(kind, {&state->late[k], scene_.suspects[k].capacity()},
-                        Span<const Suspect>(scene_.suspects[k].all()), kMaxAdvances, {});
+    const AppendList<Suspect> late{suspects.all(), &state->late[k]};
+    advance_ccd<double>(kind, near_count, queries(kind, near), kThen, late);
+    advance_ccd<double>(kind, {&state->late[k], suspects.capacity()}, queries(kind, suspects), kMaxAdvances, {});
   }
   template <class Kind, class Candidate>
-  void approach(const Kind& kind, const Counted& count, Span<const Candidate> candidates,
-                const Buffer<Suspect, Exec>& suspects, uint64_t& suspect_count, int iterations) {
-    exec_.for_each("approach_ccd", count,
-                   ApproachCcd<Real, Kind, Candidate>{start(),
-                                                      end(),
-                                                      spec_.thickness,
-                                                      settings_.delta,
-                                                      kind,
-                                                      candidates,
-                                                      {suspects.all(), &suspect_count},
-                                                      iterations});
+  void approach(const Counted& count, const CcdQueries<Real, Kind, Candidate>& candidates,
+                const AppendList<Suspect>& suspects, int iterations) {
+    exec_.for_each("approach_ccd", count, ApproachCcd<Real, Kind, Candidate>{candidates, suspects, iterations});
   }
   template <class Work, class Kind, class Candidate>
-  void advance_ccd(const Kind& kind, const Counted& count, Span<const Candidate> candidates, int iterations,
-                   const AppendList<Suspect>& late) {
+  void advance_ccd(const Kind& kind, const Counted& count, const CcdQueries<Real, Kind, Candidate>& candidates,
+                   int iterations, const AppendList<Suspect>& late) {
     exec_.for_each("advance_ccd", count,
-                   AdvanceCcd<Work, Real, Kind, Candidate>{start(), end(), spec_.thickness, settings_.delta, kind,
-                                                           candidates, sink(first_rank(kind)), iterations, late});
+                   AdvanceCcd<Work, Real, Kind, Candidate>{candidates, sink(first_rank(kind)), iterations, late});
   }
   template <class Kind>
   void run(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
     if (spec_.mode == Mode::kDcd) return run_proximity(kind, count, candidates);
-    exec_.for_each("solve_cubic_ccd", count,
-                   SolveCubicCcd<Real, Kind>{start(), end(), static_cast<Real>(spec_.thickness), kind, candidates,
-                                             sink(first_rank(kind))});
+    exec_.for_each(
+        "solve_cubic_ccd", count,
+        SolveCubicCcd<Real, Kind>{scene_.positions_at_start(), scene_.end.data(), static_cast<Real>(spec_.thickness),
+                                  kind, candidates, sink(first_rank(kind))});
   }
   template <class Kind>
   void run_proximity(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
     const ContactSink<Real> contacts = sink(first_rank(kind));
-    if (settings_.accuracy == Accuracy::kFast)
-      exec_.for_each("test_proximity", count,
-                     TestProximity<Real, Kind>{end(), static_cast<Real>(spec_.thickness), kind, candidates, contacts});
-    else if (settings_.accuracy == Accuracy::kGuarded)
+    if (needs_.settings.accuracy == Accuracy::kFast)
+      exec_.for_each(
+          "test_proximity", count,
+          TestProximity<Real, Kind>{scene_.end.data(), static_cast<Real>(spec_.thickness), kind, candidates, contacts});
+    else if (needs_.settings.accuracy == Accuracy::kGuarded)
       certify_proximity<float>(kind, count, candidates, contacts);
     else
       certify_proximity<double>(kind, count, candidates, contacts);
@@ -197,13 +180,13 @@ class NarrowPhase {
   void certify_proximity(const Kind& kind, const Counted& count, Span<const uint64_t> candidates,
                          const ContactSink<Real>& contacts) {
     exec_.for_each("certify_proximity", count,
-                   CertifyProximity<Work, Real, Kind>{end(), spec_.thickness, kind, candidates, contacts});
+                   CertifyProximity<Work, Real, Kind>{scene_.end.data(), spec_.thickness, kind, candidates, contacts});
   }
   template <class Work>
   void run_triangles() {
     exec_.for_each("test_triangles", Counted{&scene_.state.data()->triangle_pairs, scene_.triangle_pairs.capacity()},
-                   TestTriangles<Work, Real>{end(), scene_.topology.triangles.all(), scene_.triangle_pairs.all(),
-                                             sink(ranks_.first_triangle)});
+                   TestTriangles<Work, Real>{scene_.end.data(), scene_.topology.triangles.all(),
+                                             scene_.triangle_pairs.all(), sink(ranks_.first_triangle)});
   }
 
   void keep_earliest() {
@@ -217,7 +200,7 @@ class NarrowPhase {
   const SceneSpec& spec_;
   const FeatureRanks& ranks_;
   SceneBuffers<Exec, Real>& scene_;
-  FrameSettings settings_{};
+  LevelNeeds needs_;
 };
 
 }  // namespace collided

@@ -31,11 +31,11 @@ class Pipeline {
   /// `all`: the boxes of static meshes too are out of date.
   FrameResult detect_contacts(const std::vector<TriangleRun>& moved, bool all, const FrameSettings& settings) {
     result_ = {};
-    settings_ = settings;
-    narrow_.begin(settings);
+    needs_ = needs_of(spec_, settings);
+    narrow_.begin(needs_);
     run_step(moved, all);
     describe();
-    results_.collect(state_, settings, result_);
+    results_.collect(state_, needs_, result_);
     result_.stages = exec_.stage_times();
     result_.allocations = exec_.allocations();
     return std::move(result_);
@@ -88,13 +88,12 @@ class Pipeline {
 
   void choose_levels() {
     broad_.choose_levels();
-    if (judges_resolution() && settings_.delta == 0) broad_.count_small_triangles();
+    if (needs_.judges_resolution() && needs_.settings.delta == 0) broad_.count_small_triangles();
   }
-  bool judges_resolution() const { return settings_.accuracy >= Accuracy::kGuarded; }
   /// Whether the spacing of the positions' numbers, at the largest of them, is coarser than delta; without a delta,
   /// than a thousandth of most triangles.
   bool is_coarse() const {
-    if (settings_.delta > 0) return spacing_at<Real>(state_.bounds) > settings_.delta;
+    if (needs_.settings.delta > 0) return spacing_at<Real>(state_.bounds) > needs_.settings.delta;
     return 2 * state_.small_triangles > topology_.triangles.size();
   }
 
@@ -102,8 +101,8 @@ class Pipeline {
     const auto narrow_vt = [&] { narrow_.detect(VertexTriangle{scene_.topology.triangles.all()}); };
     const auto narrow_ee = [&] { narrow_.detect(EdgeEdge{scene_.topology.edges.all()}); };
     const bool vt = spec_.vertex_triangle, ee = spec_.edge_edge;
-    if (!narrow_.has_narrow_phase()) return search(plan, vt, ee);
-    if (vt && ee && settings_.report == Report::kAnyHit) {  // one kind may answer for both
+    if (!needs_.has_narrow_phase()) return search(plan, vt, ee);
+    if (vt && ee && needs_.is_any_hit()) {  // one kind may answer for both
       search(plan, true, false);
       narrow_vt();
       search(plan, false, true);
@@ -120,25 +119,18 @@ class Pipeline {
   /// 6.-8. Pairs, their features' boxes, and the filter of the level.
   void search(const OctreePlan& plan, bool vertex_triangle, bool edge_edge) {
     exec_.stage("pairs", [&] {
-      if (!has_filter())
-        search_for(plan, KeepAll{}, vertex_triangle, edge_edge);
-      else if (spec_.mode == Mode::kCcd)
-        search_for(plan, MaybeCoplanar<Real>{&scene_.state.data()->filter}, vertex_triangle, edge_edge);
-      else
-        search_for(plan, NearInFloat<Real>{spec_.thickness}, vertex_triangle, edge_edge);
+      with_filter<Real>(needs_, spec_.thickness, scene_.state.data(),
+                        [&](const auto& keep) { search_for(plan, keep, vertex_triangle, edge_edge); });
     });
-  }
-  bool has_filter() const {
-    return settings_.accuracy >= (spec_.mode == Mode::kCcd ? Accuracy::kGuarded : Accuracy::kCertified);
   }
   template <class Keep>
   void search_for(const OctreePlan& plan, const Keep& keep, bool vertex_triangle, bool edge_edge) {
     StepState* state = scene_.state.data();
     const auto list = [&](int kind) -> AppendList<uint64_t> {
-      if (!narrow_.has_narrow_phase()) return {scene_.contacts.keys.all(), &state->contacts};
+      if (!needs_.has_narrow_phase()) return {scene_.contacts.keys.all(), &state->contacts};
       return {scene_.kept[kind].all(), &state->kept[kind]};
     };
-    const uint32_t edge_rank = narrow_.has_narrow_phase() ? 0 : ranks_.first_edge;
+    const uint32_t edge_rank = needs_.has_narrow_phase() ? 0 : ranks_.first_edge;
     broad_.search("find_candidates", plan,
                   FeatureSink<Real, Keep>{broad_.elementary(vertex_triangle, edge_edge),
                                           keep,
@@ -152,7 +144,7 @@ class Pipeline {
 
   void detect_triangles(const OctreePlan& plan) {
     StepState* state = scene_.state.data();
-    const bool narrow = narrow_.tests_triangles(), counts = !spec_.vertex_triangle && !spec_.edge_edge;
+    const bool narrow = needs_.tests_triangles(), counts = !spec_.vertex_triangle && !spec_.edge_edge;
     exec_.stage("pairs_tt", [&] {
       const AppendList<uint64_t> list = narrow
                                             ? AppendList<uint64_t>{scene_.triangle_pairs.all(), &state->triangle_pairs}
@@ -174,9 +166,9 @@ class Pipeline {
             refinement_.limit(topology_.triangles.size())};
   }
   StepKey key_of(bool all, const OctreePlan& plan) const {
-    return {static_cast<double>(settings_.accuracy),
-            settings_.delta,
-            static_cast<double>(settings_.report),
+    return {static_cast<double>(needs_.settings.accuracy),
+            needs_.settings.delta,
+            static_cast<double>(needs_.settings.report),
             all ? 1.0 : 0.0,
             static_cast<double>(plan.rounds),
             static_cast<double>(plan.levels),
@@ -188,13 +180,13 @@ class Pipeline {
     FrameCounts& c = result_.counts;
     const LeafTotals& leaves = state_.leaves;
     c.cells = leaves.cells, c.leaves = leaves.leaves, c.registrations = leaves.registrations, c.tests = leaves.tests;
-    c.top_level = static_cast<uint32_t>(state_.grid.grid.top),
+    c.top_level = static_cast<uint32_t>(state_.grid.grid.top);
     c.base_level = static_cast<uint32_t>(state_.grid.grid.base);
     c.pairs = state_.pairs;
     c.candidates_vt = state_.candidates[0], c.candidates_ee = state_.candidates[1];
-    if (has_filter()) c.survivors_vt = state_.kept[0], c.survivors_ee = state_.kept[1];
+    if (needs_.has_filter()) c.survivors_vt = state_.kept[0], c.survivors_ee = state_.kept[1];
     levels_ = next_levels({state_.grid.grid.top, state_.grid.grid.base}, leaves.level_registrations);
-    result_.input_resolution = judges_resolution() && is_coarse();
+    result_.input_resolution = needs_.judges_resolution() && is_coarse();
     result_.step_milliseconds = exec_.step_milliseconds();
     result_.graph_launches = exec_.graph_launches();
   }
@@ -209,7 +201,7 @@ class Pipeline {
   Results<Exec, Real> results_;
   Refinement refinement_;
   ActiveLevels levels_;
-  FrameSettings settings_{};
+  LevelNeeds needs_;
   StepState state_{};
   FrameResult result_;
 };

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gpu/contact_sets.hpp"
-#include "gpu/frame_check.hpp"
+#include "gpu/level_needs.hpp"
 #include "gpu/narrow/gather.hpp"
 #include "gpu/scene_buffers.hpp"
 
@@ -17,30 +17,22 @@ class Results {
   Results(Exec& exec, const SceneSpec& spec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
       : exec_(exec), spec_(spec), ranks_(ranks), scene_(scene) {}
 
-  void collect(const StepState& step, const FrameSettings& settings, FrameResult& result) {
-    settings_ = settings;
+  void collect(const StepState& step, const LevelNeeds& needs, FrameResult& result) {
+    needs_ = needs;
     result_ = &result;
-    if (settings.report == Report::kAnyHit && (!is_exact() || step.shortcut.has_contact != 0)) {
+    if (needs_.is_any_hit() && (!needs_.is_exact() || step.shortcut.has_contact != 0)) {
       result.any_contact = step.shortcut.has_contact != 0;
       return;
     }
-    const bool earliest_only = settings.report == Report::kEarliestOnly;
-    exec_.stage("download", [&] { download(earliest_only ? step.earliest : step.contacts); });
-    if (is_exact()) exec_.stage("exact", [&] { settle_all(); });
+    exec_.stage("download", [&] { download(needs_.is_earliest_only() ? step.earliest : step.contacts); });
+    if (needs_.is_exact()) exec_.stage("exact", [&] { settle_all(); });
     report();
   }
 
  private:
-  bool is_exact() const { return settings_.accuracy == Accuracy::kExact; }
-  bool has_narrow_phase() const { return settings_.accuracy != Accuracy::kCandidates; }
-  bool tests_triangles() const { return spec_.triangle_triangle && spec_.mode == Mode::kDcd; }
-  bool has_data() const { return has_narrow_phase() || tests_triangles(); }
-  const Vec3<Real>* start() const { return spec_.mode == Mode::kCcd ? scene_.start.data() : scene_.end.data(); }
-  const Vec3<Real>* end() const { return scene_.end.data(); }
-
   void download(uint64_t count) {
     const uint64_t key_bytes = count * sizeof(uint64_t),
-                   data_bytes = has_data() ? count * sizeof(ContactData<Real>) : 0;
+                   data_bytes = needs_.has_data() ? count * sizeof(ContactData<Real>) : 0;
     std::byte* host = exec_.host_memory(key_bytes + data_bytes);
     exec_.download_async(host, scene_.order.sorted_keys.data(), key_bytes);
     exec_.download_async(host + key_bytes, scene_.sorted.data(), data_bytes);
@@ -64,13 +56,13 @@ class Results {
     for (uint64_t i = 0; i < n; ++i)
       out.elements[i] = {first_id(keys[from + i]) - first_rank, second_id(keys[from + i])};
     const bool is_triangles = &out == &result_->triangle_triangle;
-    if (is_triangles ? !tests_triangles() : !has_narrow_phase()) return;
+    if (is_triangles ? !needs_.tests_triangles() : !needs_.has_narrow_phase()) return;
     out.flags.resize(n);
     for (uint64_t i = 0; i < n; ++i) out.flags[i] = data[from + i].flags;
     if (is_triangles) return;
     out.distance.resize(n);
     for (uint64_t i = 0; i < n; ++i) out.distance[i] = data[from + i].distance;
-    if (spec_.mode == Mode::kCcd) {
+    if (needs_.is_ccd) {
       out.toi.resize(n);
       for (uint64_t i = 0; i < n; ++i) out.toi[i] = data[from + i].toi;
     }
@@ -90,7 +82,7 @@ class Results {
   }
   template <class Decide>
   void settle(ContactSet& set, const Decide& decide) {
-    if (settings_.report == Report::kAnyHit && result_->any_contact) return;
+    if (needs_.is_any_hit() && result_->any_contact) return;
     const std::vector<size_t> places = undecided(set);
     result_->counts.exact_decisions += places.size();
     if (!places.empty()) {
@@ -104,19 +96,20 @@ class Results {
   template <class Kind>
   std::vector<ExactAnswer> decide_features(const Kind& kind, bool vertex_triangle, const std::vector<uint64_t>& keys) {
     const auto points = gather<8>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
-      exec_.for_each("gather_points", keys.size(), GatherPoints<Real, Kind>{start(), end(), kind, resident, out});
+      exec_.for_each("gather_points", keys.size(),
+                     GatherPoints<Real, Kind>{scene_.positions_at_start(), scene_.end.data(), kind, resident, out});
     });
     return decide_exactly(question(vertex_triangle), points);
   }
   std::vector<ExactAnswer> decide_triangles(const std::vector<uint64_t>& keys) {
     const auto corners = gather<6>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
       exec_.for_each("gather_corners", keys.size(),
-                     GatherCorners<Real>{end(), scene_.topology.triangles.all(), resident, out});
+                     GatherCorners<Real>{scene_.end.data(), scene_.topology.triangles.all(), resident, out});
     });
     return decide_triangles_exactly(question(false), corners);
   }
   ExactQuestion question(bool vertex_triangle) const {
-    return {vertex_triangle, spec_.mode == Mode::kCcd, spec_.thickness, spec_.threads, exec_.cancelled};
+    return {vertex_triangle, needs_.is_ccd, spec_.thickness, spec_.threads, exec_.cancelled};
   }
 
   /// Brings the points of some pairs, n each, to the host.
@@ -136,11 +129,12 @@ class Results {
   void report() {
     FrameResult& r = *result_;
     const uint64_t features = r.vertex_triangle.size() + r.edge_edge.size();
-    if (has_narrow_phase()) r.counts.contacts_vt = r.vertex_triangle.size(), r.counts.contacts_ee = r.edge_edge.size();
-    if (tests_triangles()) r.counts.contacts_tt = r.triangle_triangle.size();
-    r.any_contact = r.counts.contacts_tt > 0 || (has_narrow_phase() && features > 0);
-    if (settings_.report == Report::kEarliestOnly) keep_earliest(r);
-    if (settings_.report == Report::kAnyHit) {
+    if (needs_.has_narrow_phase())
+      r.counts.contacts_vt = r.vertex_triangle.size(), r.counts.contacts_ee = r.edge_edge.size();
+    if (needs_.tests_triangles()) r.counts.contacts_tt = r.triangle_triangle.size();
+    r.any_contact = r.counts.contacts_tt > 0 || (needs_.has_narrow_phase() && features > 0);
+    if (needs_.is_earliest_only()) keep_earliest(r);
+    if (needs_.is_any_hit()) {
       r.vertex_triangle = r.edge_edge = r.triangle_triangle = {};
       return;
     }
@@ -151,7 +145,7 @@ class Results {
   const SceneSpec& spec_;
   const FeatureRanks& ranks_;
   SceneBuffers<Exec, Real>& scene_;
-  FrameSettings settings_{};
+  LevelNeeds needs_;
   FrameResult* result_ = nullptr;
 };
 

@@ -94,6 +94,9 @@ struct SceneBuffers {
         exact_keys(exec, "exact"),
         exact_points(exec, "exact") {}
 
+  /// At t = 0; in DCD the frame's own.
+  const Vec3<Real>* positions_at_start() const { return start.capacity() > 0 ? start.data() : end.data(); }
+
   ResidentTopology<Exec> topology;
   Buffer<Vec3<Real>, Exec> start;  ///< CCD only
   Buffer<Vec3<Real>, Exec> end;

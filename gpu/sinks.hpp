@@ -2,8 +2,10 @@
 // What becomes of the pairs of triangles that the broad phase finds.
 
 #include "gpu/broad/elementary.hpp"
+#include "gpu/level_needs.hpp"
 #include "gpu/narrow/certified_proximity.hpp"
 #include "gpu/narrow/coplanarity_filter.hpp"
+#include "gpu/step_state.hpp"
 
 namespace collided {
 
@@ -13,6 +15,17 @@ struct KeepAll {
     return true;
   }
 };
+
+/// use(keep) with the filter of the level.
+template <class Real, class Use>
+void with_filter(const LevelNeeds &needs, double thickness, const StepState *state, const Use &use) {
+  if (!needs.has_filter())
+    use(KeepAll{});
+  else if (needs.is_ccd)
+    use(MaybeCoplanar<Real>{&state->filter});
+  else
+    use(NearInFloat<Real>{thickness});
+}
 
 /// Where a search adds what it counted.
 struct PairTotals {

@@ -126,10 +126,6 @@ class CpuExec {
   double step_milliseconds() const { return step_milliseconds_; }
   uint32_t graph_launches() const { return 0; }
 
-  template <class T>
-  T read(const T* value) {
-    return *value;
-  }
   void upload(void* to, const void* from, uint64_t bytes) { copy(to, from, bytes); }
   void download(void* to, const void* from, uint64_t bytes) { copy(to, from, bytes); }
   void download_async(void* to, const void* from, uint64_t bytes) { copy(to, from, bytes); }

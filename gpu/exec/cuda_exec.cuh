@@ -166,14 +166,8 @@ class CudaExec {
   uint32_t graph_launches() const { return graph_launches_; }
   uint32_t allocations() const { return allocations_; }
 
-  /// Waits for the device.
-  template <class T>
-  T read(const T* value) {
-    T result;
-    download(&result, value, sizeof(T));
-    return result;
-  }
   void upload(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyHostToDevice); }
+  /// Waits for the device.
   void download(void* to, const void* from, uint64_t bytes) {
     download_async(to, from, bytes);
     wait();
@@ -212,11 +206,12 @@ class CudaExec {
     check_cuda(cudaStreamWaitEvent(side_, fork_), "fork");
     f();
     graphs_.end_stage(stream_);
-    std::swap(stream_, side_);
-    g();
-    graphs_.end_stage(stream_);
-    check_cuda(cudaEventRecord(join_, stream_), "join");
-    std::swap(stream_, side_);
+    {
+      const OnSideStream on_side(*this);
+      g();
+      graphs_.end_stage(stream_);
+      check_cuda(cudaEventRecord(join_, stream_), "join");
+    }
     check_cuda(cudaStreamWaitEvent(stream_, join_), "join");
   }
 
@@ -266,6 +261,18 @@ class CudaExec {
   struct NamedStage {
     const char* name;
     size_t after;  ///< stages of steps before it
+  };
+
+  /// While it lives, what is put in line goes to the side stream; also if it ends with a throw.
+  class OnSideStream {
+   public:
+    explicit OnSideStream(CudaExec& exec) : exec_(exec) { std::swap(exec_.stream_, exec_.side_); }
+    OnSideStream(const OnSideStream&) = delete;
+    OnSideStream& operator=(const OnSideStream&) = delete;
+    ~OnSideStream() { std::swap(exec_.stream_, exec_.side_); }
+
+   private:
+    CudaExec& exec_;
   };
 
   static unsigned blocks_for(uint64_t n, unsigned block) {

@@ -119,7 +119,6 @@ struct Leaf {
   Coords cell;
   int level;
   uint32_t count;
-  uint32_t unused;
   uint64_t offset;  ///< of its first registration
 };
 

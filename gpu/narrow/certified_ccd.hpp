@@ -19,31 +19,6 @@ COLLIDED_HD ContactData<Real> contact_at(const Differences<Work, N>& d, Work t, 
           static_cast<Real>(gap.points.w1), flags};
 }
 
-/// Keeps the candidates that no fixed direction at hand keeps apart over the whole step: a cheap filter in float, for
-/// most that pass each other do so sideways. The direction is that of the closest points halfway.
-template <class Real, class Kind>
-struct ScreenCcd {
-  const Vec3<Real>* start;
-  const Vec3<Real>* end;
-  double thickness;
-  Kind kind;
-  Span<const uint64_t> candidates;
-  AppendList<uint64_t> survivors;
-
-  COLLIDED_HD void operator()(uint64_t i) const {
-    const uint64_t key = candidates[i];
-    DifferencesOf<float, Kind> d;
-    if (load_differences<Kind, float>(points_of(kind.stencil(key), start, end), d) && is_apart(d)) return;
-    survivors.push(key);
-  }
-
- private:
-  COLLIDED_HD bool is_apart(const DifferencesOf<float, Kind>& d) const {
-    const Direction<float> closest = direction_of(gap_at(d, 0.5f).vector);
-    return apart_all_along(d, closest, scaled_thickness<float>(thickness, d.scale));
-  }
-};
-
 /// A candidate that float could not tell apart yet, and how far it came.
 struct Suspect {
   uint64_t key;
@@ -55,39 +30,66 @@ COLLIDED_HD inline uint64_t key_of(const Suspect& candidate) { return candidate.
 COLLIDED_HD inline Progress progress_of(uint64_t) { return {}; }
 COLLIDED_HD inline Progress progress_of(const Suspect& candidate) { return candidate.progress; }
 
-/// Advances in float for a few iterations: what is apart until then is as certain as it would be in double precision,
-/// which has only the rest to do. Candidate: uint64_t or Suspect.
+/// What the stages of the narrow phase look at. Candidate: uint64_t or Suspect.
 template <class Real, class Kind, class Candidate>
-struct ApproachCcd {
+struct CcdQueries {
   const Vec3<Real>* start;
   const Vec3<Real>* end;
   double thickness, delta;
   Kind kind;
   Span<const Candidate> candidates;
+
+  COLLIDED_HD uint64_t key(uint64_t i) const { return key_of(candidates[i]); }
+  COLLIDED_HD Progress progress(uint64_t i) const { return progress_of(candidates[i]); }
+  /// As load_differences.
+  template <class Work>
+  COLLIDED_HD bool load(uint64_t i, DifferencesOf<Work, Kind>& out) const {
+    return load_differences<Kind, Work>(points_of(kind.stencil(key(i)), start, end), out);
+  }
+};
+
+/// Keeps the candidates that no fixed direction at hand keeps apart over the whole step: a cheap filter in float, for
+/// most that pass each other do so sideways. The direction is that of the closest points halfway.
+template <class Real, class Kind>
+struct ScreenCcd {
+  CcdQueries<Real, Kind, uint64_t> queries;
+  AppendList<uint64_t> survivors;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    DifferencesOf<float, Kind> d;
+    if (queries.load(i, d) && is_apart(d)) return;
+    survivors.push(queries.key(i));
+  }
+
+ private:
+  COLLIDED_HD bool is_apart(const DifferencesOf<float, Kind>& d) const {
+    const Direction<float> closest = direction_of(gap_at(d, 0.5f).vector);
+    return apart_all_along(d, closest, scaled_thickness<float>(queries.thickness, d.scale));
+  }
+};
+
+/// Advances in float for a few iterations: what is apart until then is as certain as it would be in double precision,
+/// which has only the rest to do.
+template <class Real, class Kind, class Candidate>
+struct ApproachCcd {
+  CcdQueries<Real, Kind, Candidate> queries;
   AppendList<Suspect> suspects;
   int iterations;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    const Candidate candidate = candidates[i];
-    const uint64_t key = key_of(candidate);
     DifferencesOf<float, Kind> d;
-    if (!load_differences<Kind, float>(points_of(kind.stencil(key), start, end), d)) return suspects.push({key, {}});
+    if (!queries.load(i, d)) return suspects.push({queries.key(i), {}});
     constexpr float kNear = 0x1p-16f;  // of the extent: where float comes near its limits
-    const Tolerance<float> tolerance{scaled_thickness<float>(thickness, d.scale),
-                                     larger(kNear * d.extent, float_above(delta * d.scale))};
-    const Advance<float> found = advance(d, tolerance, 1.0f, progress_of(candidate), iterations);
-    if (found.hit) suspects.push({key, {found.t, found.left}});
+    const Tolerance<float> tolerance{scaled_thickness<float>(queries.thickness, d.scale),
+                                     larger(kNear * d.extent, float_above(queries.delta * d.scale))};
+    const Advance<float> found = advance(d, tolerance, 1.0f, queries.progress(i), iterations);
+    if (found.hit) suspects.push({queries.key(i), {found.t, found.left}});
   }
 };
 
-/// Candidate: uint64_t or Suspect.
 template <class Work, class Real, class Kind, class Candidate>
 struct AdvanceCcd {
-  const Vec3<Real>* start;
-  const Vec3<Real>* end;
-  double thickness, delta;
-  Kind kind;
-  Span<const Candidate> candidates;
+  CcdQueries<Real, Kind, Candidate> queries;
   ContactSink<Real> contacts;
   int iterations;
   AppendList<Suspect> late;  ///< those that need more iterations; empty: they are contacts, as far as that is known
@@ -95,18 +97,17 @@ struct AdvanceCcd {
   COLLIDED_HD void operator()(uint64_t i) const {
     if (contacts.hurry.is_over()) return;
     DifferencesOf<Work, Kind> d;
-    const Candidate candidate = candidates[i];
-    const uint64_t key = key_of(candidate);
-    if (!load_differences<Kind, Work>(points_of(kind.stencil(key), start, end), d))
-      return contacts.report(key, {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified | kFlagInitial}});
-    const Tolerance<Work> tolerance{scaled_thickness<Work>(thickness, d.scale),
-                                    delta > 0 ? static_cast<Work>(delta * d.scale) : default_delta(Work(0)) * d.extent};
+    if (!queries.load(i, d))
+      return contacts.report(queries.key(i), {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified | kFlagInitial}});
+    const Tolerance<Work> tolerance{
+        scaled_thickness<Work>(queries.thickness, d.scale),
+        queries.delta > 0 ? static_cast<Work>(queries.delta * d.scale) : default_delta(Work(0)) * d.extent};
     const Advance<Work> found =
-        advance(d, tolerance, static_cast<Work>(contacts.hurry.last()), progress_of(candidate), iterations);
+        advance(d, tolerance, static_cast<Work>(contacts.hurry.last()), queries.progress(i), iterations);
     if (!found.hit) return;
     if (found.capped && !late.items.empty())
-      return late.push({key, {float_below(static_cast<double>(found.t)), static_cast<float>(found.left)}});
-    contacts.report(key, contact_at<Real>(d, found.t, flags_of(d, found, tolerance.thickness)));
+      return late.push({queries.key(i), {float_below(static_cast<double>(found.t)), static_cast<float>(found.left)}});
+    contacts.report(queries.key(i), contact_at<Real>(d, found.t, flags_of(d, found, tolerance.thickness)));
   }
 
  private:

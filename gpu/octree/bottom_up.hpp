@@ -54,21 +54,30 @@ struct CutBelowRoot {
     }
   }
 
+  /// What the children of a cell cost together, and whether all of them may be merged.
+  struct Children {
+    float cost;
+    bool can_merge;
+  };
+  COLLIDED_HD static Children children_of(uint32_t number, const Shared& shared) {
+    Children sum{0, true};
+    for (uint32_t k = 1; k <= 8; ++k) {
+      const float child = shared.cost[8 * number + k];
+      sum.can_merge = sum.can_merge && child >= 0;
+      sum.cost += child;
+    }
+    return sum;
+  }
+
  private:
   COLLIDED_HD static float merge(const Tree& tree, const CutCost& cost, uint32_t number, uint32_t cell,
                                  const Shared& shared) {
-    float children = 0;
-    bool can_merge = cost.rule != CutRule::kGrid;
-    for (uint32_t k = 1; k <= 8; ++k) {
-      const float child = shared.cost[8 * number + k];
-      can_merge = can_merge && child >= 0;
-      children += child;
-    }
+    const Children children = children_of(number, shared);
     const uint32_t n = tree.counts[cell];
     const float own = cost.of_leaf(n);
-    const bool leaf = can_merge && own <= children;
+    const bool leaf = children.can_merge && cost.rule != CutRule::kGrid && own <= children.cost;
     tree.type[cell] = n == 0 ? kInactive : leaf ? kLeaf : kInternal;
-    return n == 0 ? 0 : cost.to_parent(own, children, leaf);
+    return n == 0 ? 0 : cost.to_parent(own, children.cost, leaf);
   }
 };
 
@@ -86,13 +95,8 @@ struct CutBricks {
     const auto cell_of = [&](uint32_t number) { return brick_cell(brick, number); };
     CutBelowRoot::run(tree, cost, kBrickLevels, 1, group, shared, cell_of, Bottom{tree, cost, round + 1 < tree.rounds});
     if (group.rank != 0) return;
-    float children = 0;
-    bool can_merge = true;
-    for (uint32_t k = 1; k <= 8; ++k) {
-      can_merge = can_merge && shared.cost[k] >= 0;
-      children += shared.cost[k];
-    }
-    tree.brick_cost[brick] = can_merge ? children : -1.0f;
+    const CutBelowRoot::Children children = CutBelowRoot::children_of(0, shared);
+    tree.brick_cost[brick] = children.can_merge ? children.cost : -1.0f;
   }
 
   /// A bottom cell: itself, or what its brick costs.

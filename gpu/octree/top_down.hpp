@@ -149,7 +149,7 @@ struct PlaceLeaves {
     const bool fits = leaf < leaves.size() && offset + n <= registration_capacity;
     tree.slot[cell] = fits ? static_cast<uint32_t>(leaf) : kNoLeaf;
     if (!fits) return;
-    leaves[leaf] = {place.coords, place.level, n, 0, offset};
+    leaves[leaf] = {place.coords, place.level, n, offset};
     cursor[leaf] = static_cast<uint32_t>(offset);
     if (tiles_of(n) >= kManyRows)
       shared.long_leaf[atomic_add(shared.long_leaves, 1u)] = number;

@@ -30,7 +30,6 @@ struct Tree {
   uint64_t* brick_counters;  ///< bricks of each round
   int rounds;                ///< of refinement
 
-  COLLIDED_HD bool has_brick(uint32_t cell) const { return rounds > 0 && type[cell] == kRefined; }
   /// First brick of a round; of round `rounds`: the number of all.
   COLLIDED_HD uint64_t first_brick(int round) const {
     uint64_t first = 0;

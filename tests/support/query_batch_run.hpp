@@ -64,19 +64,19 @@ class QueryRun {
         results_(exec, spec_, ranks_, scene) {
     spec_.mode = settings.mode;
     spec_.thickness = settings.thickness;
-    settings_ = {settings.accuracy, settings.delta, Report::kAll};
+    needs_ = needs_of(spec_, {settings.accuracy, settings.delta, Report::kAll});
   }
 
   template <class Kind>
   FrameResult run(const Kind& kind, Span<const uint64_t> keys, float extent) {
     FrameResult result;
     exec_.begin_frame();
-    narrow_.begin(settings_);
+    narrow_.begin(needs_);
     for (;;) {
       narrow_.reserve();
       const StepState state = exec_.step(StepKey{}, scene_.state.data(), [&] { enqueue(kind, keys, extent); });
       if (narrow_.grow(state)) continue;
-      results_.collect(state, settings_, result);
+      results_.collect(state, needs_, result);
       return result;
     }
   }
@@ -88,22 +88,16 @@ class QueryRun {
     exec_.fill_zero(state, sizeof(StepState));
     exec_.for_each("prepare", 1, SetBounds{state, extent});
     exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, spec_.thickness});
-    if (settings_.accuracy < (spec_.mode == Mode::kCcd ? Accuracy::kGuarded : Accuracy::kCertified))
-      filter(kind, keys, KeepAll{});
-    else if (spec_.mode == Mode::kCcd)
-      filter(kind, keys, MaybeCoplanar<Real>{&state->filter});
-    else
-      filter(kind, keys, NearInFloat<Real>{spec_.thickness});
+    with_filter<Real>(needs_, spec_.thickness, state, [&](const auto& keep) { filter(kind, keys, keep); });
     narrow_.detect(kind);
     narrow_.order();
   }
   template <class Kind, class Keep>
   void filter(const Kind& kind, Span<const uint64_t> keys, const Keep& keep) {
     constexpr int k = KindTraits<Kind>::kIndex;
-    const Vec3<Real>* end = scene_.end.data();
     exec_.for_each("filter_queries", keys.size(),
-                   FilterQueries<Real, Kind, Keep>{spec_.mode == Mode::kCcd ? scene_.start.data() : end,
-                                                   end,
+                   FilterQueries<Real, Kind, Keep>{scene_.positions_at_start(),
+                                                   scene_.end.data(),
                                                    kind,
                                                    keep,
                                                    keys,
@@ -114,7 +108,7 @@ class QueryRun {
   const FeatureRanks& ranks_;
   SceneBuffers<Exec, Real>& scene_;
   SceneSpec spec_;
-  FrameSettings settings_{};
+  LevelNeeds needs_;
   NarrowPhase<Exec, Real> narrow_;
   Results<Exec, Real> results_;
 };
@@ -125,10 +119,10 @@ ContactSet run_batch(Exec& exec, std::span<const Query> queries, const BatchSett
   const auto send = [&](auto& buffer, const auto& values) {
     buffer.allocate(values.size());
     exec.upload(buffer.data(), values.data(), values.size() * sizeof(values[0]));
-    exec.read(buffer.data());  // waits for the copy: `values` may go
+    exec.wait();  // for the copy: `values` may go
   };
   const auto start = batch_positions<Real>(queries, 0), end = batch_positions<Real>(queries, 4);
-  send(scene.start, start);
+  if (settings.mode == Mode::kCcd) send(scene.start, start);
   send(scene.end, end);
   scene.state.allocate(1);
   const bool is_vt = queries.front().kind == QueryKind::kVertexTriangle;

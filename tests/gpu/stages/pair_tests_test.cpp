@@ -9,19 +9,14 @@
 #include <set>
 #include <vector>
 
-#include "gpu/exec/cpu_exec.hpp"
+#include "tests/gpu/stages/octree_fixture.hpp"
 
 namespace collided::test {
 namespace {
 
-template <class T>
-Span<T> span_of(std::vector<T>& v) {
-  return {v.data(), v.size()};
-}
-
 struct OneLeaf {
   explicit OneLeaf(uint32_t n)
-      : boxes(n, Box<float>{{0, 0, 0}, {1, 1, 1}}), registered(n), leaves{{{0, 0, 0}, 0, n, 0, 0}} {
+      : boxes(n, Box<float>{{0, 0, 0}, {1, 1, 1}}), registered(n), leaves{{{0, 0, 0}, 0, n, 0}} {
     std::iota(registered.rbegin(), registered.rend(), 0u);
     for (uint32_t row = 0; row < tiles_of(n); ++row)
       for_each_item_of_row(0, n, row, 0, 1, [&](uint64_t place, const PairItem& item) {
