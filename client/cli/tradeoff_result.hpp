@@ -39,7 +39,7 @@ inline KindScore sum(const Score& score) {
 
 /// Medians over the repeats, in milliseconds.
 struct Times {
-  double narrow = 0;  ///< filter, narrow phase and exact decisions
+  double narrow = 0;  ///< narrow phase and exact decisions; the filter is part of the search for pairs
   double stages = 0;  ///< all stages
   double total = 0;   ///< from the arrival of the frame to the end of its work
   std::map<std::string, double> stage;

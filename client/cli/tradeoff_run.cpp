@@ -71,9 +71,7 @@ Work work_of(const client::FrameOutput& output) {
           .capped = count_flag(output, v1::CONTACT_FLAG_CAPPED)};
 }
 
-bool is_narrow(const std::string& stage) {
-  return stage.starts_with("filter_") || stage.starts_with("narrow_") || stage.starts_with("exact_");
-}
+bool is_narrow(const std::string& stage) { return stage.starts_with("narrow_") || stage == "exact"; }
 
 /// The frame with two stages more: sums, which have medians of their own.
 v1::FrameMetrics with_sums(v1::FrameMetrics metrics) {

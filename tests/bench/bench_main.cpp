@@ -22,7 +22,7 @@ constexpr const char* kUsage =
     "LEVEL is candidates, fast, guarded, certified (default) or exact. Real frames come from the data folder\n"
     "(COLLIDED_DATA). --check-same prints `scene digest contacts` lines instead: equal lines mean equal result\n"
     "arrays, byte for byte, in CCD and DCD, F32 and F64. --compare-levels runs all levels and reports side by side\n"
-    "(CCD): per scene and level, filter and narrow phase and all stages, as times and as ratios to FAST.\n";
+    "(CCD): per scene and level, narrow phase and all stages, as times and as ratios to FAST.\n";
 
 constexpr std::pair<const char*, Backend> kBackends[] = {{"cpu", Backend::kCpu}, {"cuda", Backend::kCuda}};
 constexpr std::pair<const char*, Mode> kModes[] = {{"ccd", Mode::kCcd}, {"dcd", Mode::kDcd}};

@@ -27,7 +27,7 @@ Cost cost_of(const FrameResult& result) {
   Cost cost{0, 0};
   for (const StageTime& stage : result.stages) {
     cost.total += stage.milliseconds;
-    if (stage.stage.starts_with("filter_") || stage.stage.starts_with("narrow_")) cost.narrow += stage.milliseconds;
+    if (stage.stage.starts_with("narrow_")) cost.narrow += stage.milliseconds;
   }
   return cost;
 }

@@ -10,7 +10,7 @@ namespace collided::test {
 
 struct LevelRun {
   std::string name;      ///< such as "certified" or "certified any"
-  double narrow_ms = 0;  ///< filter and narrow phase: sum over the steps of the best of the repeats
+  double narrow_ms = 0;  ///< narrow phase: sum over the steps of the best of the repeats
   double total_ms = 0;   ///< all stages, likewise
   uint64_t contacts = 0;
 };
