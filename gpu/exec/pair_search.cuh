@@ -59,6 +59,12 @@ class WarpSearch {
     }
   }
 
+  /// The pairs of the lanes with `found`; all lanes call.
+  __device__ void add(bool found, uint32_t a, uint32_t b) {
+    push(shared_.pairs, pairs_, found, uint64_t{min(a, b)} << 30 | max(a, b));
+    if (pairs_ >= 32) drain_pairs(32);
+  }
+
   /// After the last item.
   __device__ void finish() {
     if constexpr (Sink::kTakesPairs) {
@@ -100,8 +106,7 @@ class WarpSearch {
         b = m.id;
         reported = source_.reports(work, box, a, {{m.lo_x, m.lo_y, m.lo_z}, {m.hi_x, m.hi_y, m.hi_z}}, b);
       }
-      push(shared_.pairs, pairs_, reported, uint64_t{min(a, b)} << 30 | max(a, b));
-      if (pairs_ >= 32) drain_pairs(32);
+      add(reported, a, b);
     }
   }
 
