@@ -42,7 +42,7 @@ class EngineChoice {
  private:
   static constexpr int kFramesToWait = 256;  ///< before the octree is tried again
   static bool goes_wrong(const FrameCounts& counts, uint64_t triangles) {
-    return counts.registrations > 24 * triangles || counts.tests > 1024 * triangles + 128 * counts.pairs;
+    return counts.registrations > 24 * triangles || counts.tests > 512 * triangles + 32 * counts.pairs;
   }
 
   const Engine wanted_;

@@ -34,7 +34,7 @@ constexpr uint32_t kNoNode = ~0u;
 struct MortonKeys {
   static constexpr int kAxisBits = 15;
   static constexpr int kBits = 3 * kAxisBits + 1;
-  static constexpr uint64_t kMuchLarger = 8;  ///< times the mean
+  static constexpr uint64_t kMuchLarger = 16;  ///< times the mean
 
   const Box<float>* bounds;
   MeanExtent mean;
