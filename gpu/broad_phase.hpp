@@ -185,7 +185,7 @@ class BroadPhase {
   }
 
   ElementaryTests<Real> elementary(bool vertex_triangle, bool edge_edge) const {
-    return {scene_.records.all(), motion().inflation, vertex_triangle, edge_edge};
+    return {scene_.records.all(), scene_.topology.owned.all(), motion().inflation, vertex_triangle, edge_edge};
   }
 
  private:

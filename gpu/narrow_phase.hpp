@@ -34,7 +34,10 @@ class NarrowPhase {
       if (!has_kind(kind)) continue;
       if (scene_.kept[kind].capacity() == 0) scene_.kept[kind].allocate(kFirst);
       if (is_screened() && scene_.screened[kind].capacity() == 0) scene_.screened[kind].allocate(kFirst);
-      if (is_approached() && scene_.suspects[kind].capacity() == 0) scene_.suspects[kind].allocate(kFirst);
+      if (is_approached() && scene_.suspects[kind].capacity() == 0) {
+        scene_.suspects[kind].allocate(kFirst);
+        scene_.near_suspects[kind].allocate(kFirst);
+      }
     }
   }
 
@@ -50,6 +53,7 @@ class NarrowPhase {
       check(scene_.kept[kind], need.kept[kind]);
       check(scene_.screened[kind], need.screened[kind]);
       check(scene_.suspects[kind], need.suspects[kind]);
+      check(scene_.near_suspects[kind], need.near_suspects[kind]);
     }
     check(scene_.triangle_pairs, need.triangle_pairs);
     for (auto [buffers, count] : {std::pair(&scene_.contacts, need.contacts), {&scene_.earliest, need.earliest}}) {
@@ -137,16 +141,27 @@ class NarrowPhase {
                                          {scene_.screened[k].all(), &state->screened[k]}});
     const Counted screened{&state->screened[k], scene_.screened[k].capacity()};
     if (!is_approached()) return advance_ccd<float>(kind, screened, Span<const uint64_t>(scene_.screened[k].all()));
-    exec_.for_each("approach_ccd", screened,
-                   ApproachCcd<Real, Kind>{start(),
-                                           end(),
-                                           spec_.thickness,
-                                           settings_.delta,
-                                           kind,
-                                           scene_.screened[k].all(),
-                                           {scene_.suspects[k].all(), &state->suspects[k]}});
-    advance_ccd<double>(kind, Counted{&state->suspects[k], scene_.suspects[k].capacity()},
-                        Span<const Suspect>(scene_.suspects[k].all()));
+    // Those that need many iterations are gathered twice, for a warp takes as long as the slowest of its queries.
+    constexpr int kAtFirst = 2, kThen = 3;
+    approach(kind, screened, Span<const uint64_t>(scene_.screened[k].all()), scene_.suspects[k], state->suspects[k],
+             kAtFirst);
+    approach(kind, {&state->suspects[k], scene_.suspects[k].capacity()}, Span<const Suspect>(scene_.suspects[k].all()),
+             scene_.near_suspects[k], state->near_suspects[k], kThen);
+    advance_ccd<double>(kind, {&state->near_suspects[k], scene_.near_suspects[k].capacity()},
+                        Span<const Suspect>(scene_.near_suspects[k].all()));
+  }
+  template <class Kind, class Candidate>
+  void approach(const Kind& kind, const Counted& count, Span<const Candidate> candidates,
+                const Buffer<Suspect, Exec>& suspects, uint64_t& suspect_count, int iterations) {
+    exec_.for_each("approach_ccd", count,
+                   ApproachCcd<Real, Kind, Candidate>{start(),
+                                                      end(),
+                                                      spec_.thickness,
+                                                      settings_.delta,
+                                                      kind,
+                                                      candidates,
+                                                      {suspects.all(), &suspect_count},
+                                                      iterations});
   }
   template <class Work, class Kind, class Candidate>
   void advance_ccd(const Kind& kind, const Counted& count, Span<const Candidate> candidates) {

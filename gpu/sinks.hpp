@@ -39,7 +39,11 @@ struct FeatureSink {
   Hurry hurry;
   PairTotals totals;
 
-  COLLIDED_HD uint32_t expand(uint32_t a, uint32_t b) const { return tests(a, b); }
+  COLLIDED_HD uint32_t tests_of(uint32_t a, uint32_t b) const { return tests.tests_of(a, b); }
+  COLLIDED_HD bool is_first(uint32_t a, uint32_t b, int test) const {
+    return tests.vertex_triangle_overlap(a, b, test);
+  }
+  COLLIDED_HD bool is_second(uint32_t a, uint32_t b, int test) const { return tests.edge_edge_overlap(a, b, test); }
   COLLIDED_HD void take_first(uint32_t a, uint32_t b, int test) const {
     const CandidatePoints<Real> candidate = tests.vertex_triangle_points(a, b, test);
     if (keep(VertexTriangle{}, candidate.points)) vertex_triangle.push(candidate.key);

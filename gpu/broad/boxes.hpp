@@ -10,17 +10,25 @@ namespace collided {
 
 using Triangle = Vec3<uint32_t>;
 
-/// A triangle with all that the tests of its features need, in one place: a pair's two records are read at once,
-/// where looking up vertices would take a dozen scattered reads.
+/// A corner of a triangle with all that the tests of features need, in one place: reading it takes two wide loads,
+/// where looking it up would take several scattered ones.
 template <class Real>
-struct alignas(16) TriangleRecord {
-  Vec3<Real> start[3], end[3];
-  uint32_t vertex[3];  ///< kOwned: the triangle owns the vertex
-  uint32_t edge[3];    ///< of corners 0-1, 1-2, 2-0; kOwned likewise
+struct alignas(16) CornerRecord {
+  Vec3<Real> start;
+  uint32_t vertex;  ///< kOwned: the triangle owns the vertex
+  alignas(16) Vec3<Real> end;
+  uint32_t edge;  ///< to the next corner; kOwned likewise
 
   static constexpr uint32_t kOwned = 1u << 31;
-  COLLIDED_HD uint32_t vertex_id(int k) const { return vertex[k] & ~kOwned; }
-  COLLIDED_HD uint32_t edge_id(int k) const { return edge[k] & ~kOwned; }
+  COLLIDED_HD uint32_t vertex_id() const { return vertex & ~kOwned; }
+  COLLIDED_HD uint32_t edge_id() const { return edge & ~kOwned; }
+  /// Box of the corner's path.
+  COLLIDED_HD Box<Real> swept() const { return join(Box<Real>{start, start}, Box<Real>{end, end}); }
+};
+
+template <class Real>
+struct TriangleRecord {
+  CornerRecord<Real> corner[3];
 };
 
 template <class Real>
@@ -36,17 +44,18 @@ struct BoxTriangles {
   COLLIDED_HD void operator()(uint64_t i) const {
     const Triangle t = triangles[first + i];
     boxes[first + i] = outward_float(motion.triangle_box(t.x, t.y, t.z));
-    const uint32_t v[3] = {t.x, t.y, t.z};
-    TriangleRecord<Real> record;
-    for (int k = 0; k < 3; ++k) {
-      record.start[k] = motion.start[v[k]];
-      record.end[k] = motion.end[v[k]];
-      record.vertex[k] = v[k] | (owned[first + i] >> k & 1u) << 31;
-    }
     const Triangle e = edges.empty() ? Triangle{0, 0, 0} : edges[first + i];
-    const uint32_t ids[3] = {e.x, e.y, e.z};
-    for (int k = 0; k < 3; ++k) record.edge[k] = ids[k] | (owned[first + i] >> (3 + k) & 1u) << 31;
-    records[first + i] = record;
+    const uint32_t own = owned[first + i];
+    TriangleRecord<Real>& record = records[first + i];
+    record.corner[0] = corner(t.x, e.x, own);
+    record.corner[1] = corner(t.y, e.y, own >> 1);
+    record.corner[2] = corner(t.z, e.z, own >> 2);
+  }
+
+ private:
+  /// Bit 0 of `own`: owns the vertex; bit 3: owns the edge.
+  COLLIDED_HD CornerRecord<Real> corner(uint32_t v, uint32_t e, uint32_t own) const {
+    return {motion.start[v], v | (own & 1u) << 31, motion.end[v], e | (own >> 3 & 1u) << 31};
   }
 };
 

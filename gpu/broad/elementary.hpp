@@ -27,76 +27,68 @@ struct CandidatePoints {
 template <class Real>
 struct ElementaryTests {
   Span<const TriangleRecord<Real>> records;
-  Real inflation;  ///< half the thickness
+  Span<const uint8_t> owned;  ///< bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0
+  Real inflation;             ///< half the thickness
   bool vertex_triangle, edge_edge;
 
-  /// One bit for each test whose boxes overlap.
-  COLLIDED_HD uint32_t operator()(uint32_t a, uint32_t b) const {
-    const Features p(records[a], inflation), q(records[b], inflation);
-    uint32_t found = 0;
-    if (vertex_triangle) found |= corners_in(p, q) | corners_in(q, p) << 3;
-    if (edge_edge) found |= edges_across(p, q) << kFirstEdgeEdge;
-    return found;
+  /// One bit for each test that is this pair's to make.
+  COLLIDED_HD uint32_t tests_of(uint32_t a, uint32_t b) const {
+    const uint32_t p = owned[a], q = owned[b];
+    uint32_t tests = 0;
+    if (vertex_triangle) tests = (p & 7u) | (q & 7u) << 3;
+    if (edge_edge) {
+      const uint32_t edges = q >> 3;
+      tests |= ((p >> 3 & 1u) * edges | (p >> 4 & 1u) * edges << 3 | (p >> 5 & 1u) * edges << 6) << kFirstEdgeEdge;
+    }
+    return tests;
+  }
+
+  /// Whether the features share no vertex and their boxes overlap.
+  COLLIDED_HD bool vertex_triangle_overlap(uint32_t a, uint32_t b, int test) const {
+    const CornerRecord<Real> v = vertex_corner(a, b, test);
+    const TriangleRecord<Real>& t = records[test < 3 ? b : a];
+    const CornerRecord<Real> c0 = t.corner[0], c1 = t.corner[1], c2 = t.corner[2];
+    const uint32_t id = v.vertex_id();
+    if (id == c0.vertex_id() || id == c1.vertex_id() || id == c2.vertex_id()) return false;
+    return overlap_inflated(v.swept(), join(c0.swept(), join(c1.swept(), c2.swept())));
+  }
+  COLLIDED_HD bool edge_edge_overlap(uint32_t a, uint32_t b, int test) const {
+    const EdgeCorners e(*this, a, b, test);
+    const uint32_t from = e.a0.vertex_id(), to = e.a1.vertex_id(), v = e.b0.vertex_id(), w = e.b1.vertex_id();
+    if (from == v || from == w || to == v || to == w) return false;
+    return overlap_inflated(join(e.a0.swept(), e.a1.swept()), join(e.b0.swept(), e.b1.swept()));
   }
 
   COLLIDED_HD CandidatePoints<Real> vertex_triangle_points(uint32_t a, uint32_t b, int test) const {
     const uint32_t triangle = test < 3 ? b : a;
-    const int corner = test < 3 ? test : test - 3;
-    const TriangleRecord<Real>&p = records[test < 3 ? a : b], &q = records[triangle];
-    return {pack_ids(p.vertex_id(corner), triangle),
-            {{p.start[corner], q.start[0], q.start[1], q.start[2]}, {p.end[corner], q.end[0], q.end[1], q.end[2]}}};
+    const CornerRecord<Real> v = vertex_corner(a, b, test);
+    const TriangleRecord<Real>& t = records[triangle];
+    const CornerRecord<Real> c0 = t.corner[0], c1 = t.corner[1], c2 = t.corner[2];
+    return {pack_ids(v.vertex_id(), triangle),
+            {{v.start, c0.start, c1.start, c2.start}, {v.end, c0.end, c1.end, c2.end}}};
   }
   COLLIDED_HD CandidatePoints<Real> edge_edge_points(uint32_t a, uint32_t b, int test) const {
-    const TriangleRecord<Real>&p = records[a], &q = records[b];
-    const int k = (test - kFirstEdgeEdge) / 3, m = (test - kFirstEdgeEdge) % 3;
-    const int k1 = k == 2 ? 0 : k + 1, m1 = m == 2 ? 0 : m + 1;
-    const uint32_t e = p.edge_id(k), f = q.edge_id(m);
-    return {pack_ids(smaller(e, f), larger(e, f)),
-            {{p.start[k], p.start[k1], q.start[m], q.start[m1]}, {p.end[k], p.end[k1], q.end[m], q.end[m1]}}};
+    const EdgeCorners e(*this, a, b, test);
+    const uint32_t f = e.a0.edge_id(), g = e.b0.edge_id();
+    return {pack_ids(smaller(f, g), larger(f, g)),
+            {{e.a0.start, e.a1.start, e.b0.start, e.b1.start}, {e.a0.end, e.a1.end, e.b0.end, e.b1.end}}};
   }
 
  private:
-  /// Boxes of a triangle's corners over the step, and what it owns.
-  struct Features {
-    Box<Real> corner[3];
-    uint32_t vertex[3];
-    uint32_t owned;
-
-    COLLIDED_HD Features(TriangleRecord<Real> r, Real inflation) : owned(0) {
-      for (int k = 0; k < 3; ++k) {
-        const Box<Real> a{r.start[k], r.start[k]}, b{r.end[k], r.end[k]};
-        corner[k] = inflate(join(a, b), inflation);
-        vertex[k] = r.vertex_id(k);
-        owned |= (r.vertex[k] >> 31) << k | (r.edge[k] >> 31) << (3 + k);
-      }
-    }
-    COLLIDED_HD Box<Real> edge(int k) const { return join(corner[k], corner[k == 2 ? 0 : k + 1]); }
-    COLLIDED_HD Box<Real> triangle() const { return join(corner[0], join(corner[1], corner[2])); }
-    COLLIDED_HD bool owns_vertex(int k) const { return (owned >> k & 1u) != 0; }
-    COLLIDED_HD bool owns_edge(int k) const { return (owned >> (3 + k) & 1u) != 0; }
-    COLLIDED_HD bool has(uint32_t v) const { return v == vertex[0] || v == vertex[1] || v == vertex[2]; }
-  };
-
-  COLLIDED_HD static uint32_t corners_in(const Features& p, const Features& q) {
-    const Box<Real> box = q.triangle();
-    uint32_t found = 0;
-    for (int k = 0; k < 3; ++k)
-      if (p.owns_vertex(k) && overlap(p.corner[k], box) && !q.has(p.vertex[k])) found |= 1u << k;
-    return found;
+  COLLIDED_HD CornerRecord<Real> vertex_corner(uint32_t a, uint32_t b, int test) const {
+    return records[test < 3 ? a : b].corner[test < 3 ? test : test - 3];
   }
-  COLLIDED_HD static uint32_t edges_across(const Features& p, const Features& q) {
-    uint32_t found = 0;
-    for (int k = 0; k < 3; ++k) {
-      if (!p.owns_edge(k)) continue;
-      const Box<Real> box = p.edge(k);
-      const uint32_t from = p.vertex[k], to = p.vertex[k == 2 ? 0 : k + 1];
-      for (int m = 0; m < 3; ++m) {
-        if (!q.owns_edge(m) || !overlap(box, q.edge(m))) continue;
-        const uint32_t v = q.vertex[m], w = q.vertex[m == 2 ? 0 : m + 1];
-        if (from != v && from != w && to != v && to != w) found |= 1u << (3 * k + m);
-      }
+  COLLIDED_HD static int next(int k) { return k == 2 ? 0 : k + 1; }
+  struct EdgeCorners {
+    CornerRecord<Real> a0, a1, b0, b1;
+    COLLIDED_HD EdgeCorners(const ElementaryTests& scene, uint32_t a, uint32_t b, int test) {
+      const int k = (test - kFirstEdgeEdge) / 3, m = (test - kFirstEdgeEdge) % 3;
+      const TriangleRecord<Real>&p = scene.records[a], &q = scene.records[b];
+      a0 = p.corner[k], a1 = p.corner[next(k)], b0 = q.corner[m], b1 = q.corner[next(m)];
     }
-    return found;
+  };
+  COLLIDED_HD bool overlap_inflated(const Box<Real>& p, const Box<Real>& q) const {
+    return overlap(inflate(p, inflation), inflate(q, inflation));
   }
 };
 

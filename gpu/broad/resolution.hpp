@@ -31,7 +31,7 @@ struct CountSmall {
 
  private:
   COLLIDED_HD static bool is_short(const TriangleRecord<Real>& t, int from, int to, Real limit) {
-    return largest_component(t.end[from] - t.end[to]) < limit;
+    return largest_component(t.corner[from].end - t.corner[to].end) < limit;
   }
 };
 

@@ -28,6 +28,7 @@ struct Group {
 /// Adds the values of all threads of a group, each of which must call, to a sum in its shared memory.
 COLLIDED_HD inline void add_all(uint64_t& sum, uint64_t value) {
 #ifdef __CUDA_ARCH__
+  if (!__any_sync(~0u, value != 0)) return;
   for (int offset = 16; offset > 0; offset /= 2) value += __shfl_xor_sync(~0u, value, offset);
   if ((threadIdx.x & 31u) != 0 || value == 0) return;
 #endif

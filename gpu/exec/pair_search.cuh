@@ -13,18 +13,33 @@ namespace collided {
 
 constexpr unsigned kAllLanes = ~0u;
 
-/// Entries that wait for a full warp; a push adds at most 32, and 32 or more are taken out before the next.
+/// Entries that wait for a full warp: fewer than 32, and what one push may add, `each` a lane.
+template <unsigned each>
 struct WarpQueue {
-  uint64_t entry[64];
+  uint64_t entry[32 + 32 * each];
 };
 
 __device__ inline unsigned lane_id() { return threadIdx.x & 31u; }
 
 /// Appends the values of the lanes with `has`.
-__device__ inline void push(WarpQueue& queue, unsigned& size, bool has, uint64_t value) {
+__device__ inline void push(WarpQueue<1>& queue, unsigned& size, bool has, uint64_t value) {
   const unsigned lanes = __ballot_sync(kAllLanes, has);
   if (has) queue.entry[size + __popc(lanes & ((1u << lane_id()) - 1u))] = value;
   size += __popc(lanes);
+  __syncwarp();
+}
+
+/// Appends an entry for each bit of the lanes' `tests`.
+template <unsigned each>
+__device__ void push_tests(WarpQueue<each>& queue, unsigned& size, uint32_t tests, uint64_t pair) {
+  unsigned end = __popc(tests);
+  for (int offset = 1; offset < 32; offset *= 2) {
+    const unsigned before = __shfl_up_sync(kAllLanes, end, offset);
+    if (lane_id() >= static_cast<unsigned>(offset)) end += before;
+  }
+  for (unsigned place = size + end - __popc(tests); tests != 0; tests &= tests - 1)
+    queue.entry[place++] = pair | static_cast<uint64_t>(__ffs(tests) - 1) << 60;
+  size += __shfl_sync(kAllLanes, end, 31);
   __syncwarp();
 }
 
@@ -34,7 +49,10 @@ struct SearchShared {
     uint32_t id, unused;
   };
   Member column[kTile];
-  WarpQueue pairs, first, second;
+  WarpQueue<1> pairs;
+  WarpQueue<6> first_tests;  ///< features whose boxes have to be tested
+  WarpQueue<9> second_tests;
+  WarpQueue<1> first, second;  ///< candidates
 };
 
 template <class Source, class Sink>
@@ -67,10 +85,10 @@ class WarpSearch {
 
   /// After the last item.
   __device__ void finish() {
-    if constexpr (Sink::kTakesPairs) {
-      if (pairs_ > 0) drain_pairs(pairs_);
-    } else {
-      if (pairs_ > 0) drain_pairs(pairs_);
+    if (pairs_ > 0) drain_pairs(pairs_);
+    if constexpr (!Sink::kTakesPairs) {
+      if (first_tests_ > 0) drain_first_tests(first_tests_);
+      if (second_tests_ > 0) drain_second_tests(second_tests_);
       if (first_ > 0) drain_first(first_);
       if (second_ > 0) drain_second(second_);
     }
@@ -110,55 +128,66 @@ class WarpSearch {
     }
   }
 
-  /// Takes the last `count` <= 32 entries of the queue, one a lane.
-  __device__ static uint64_t take(const WarpQueue& queue, unsigned& size, unsigned count) {
+  /// Takes the last `count` <= 32 entries of a queue, one a lane.
+  struct Entry {
+    bool active;
+    uint32_t a, b;
+    int test;
+    uint64_t packed;
+  };
+  template <class Queue>
+  __device__ static Entry take(const Queue& queue, unsigned& size, unsigned count) {
+    constexpr uint64_t kIdMask = (1u << 30) - 1u;
     size -= count;
-    const uint64_t entry = lane_id() < count ? queue.entry[size + lane_id()] : 0;
+    const bool active = lane_id() < count;
+    const uint64_t packed = active ? queue.entry[size + lane_id()] : 0;
     __syncwarp();
-    return entry;
+    return {active, static_cast<uint32_t>(packed >> 30 & kIdMask), static_cast<uint32_t>(packed & kIdMask),
+            static_cast<int>(packed >> 60), packed};
   }
-  static constexpr uint64_t kIdMask = (1u << 30) - 1u;
-  __device__ static uint32_t first_of(uint64_t pair) { return static_cast<uint32_t>(pair >> 30 & kIdMask); }
-  __device__ static uint32_t second_of(uint64_t pair) { return static_cast<uint32_t>(pair & kIdMask); }
 
   __device__ void drain_pairs(unsigned count) {
-    const uint64_t pair = take(shared_.pairs, pairs_, count);
+    const Entry pair = take(shared_.pairs, pairs_, count);
     pair_count_ += count;
-    const bool active = lane_id() < count;
     if constexpr (Sink::kTakesPairs) {
-      if (active) sink_.take(first_of(pair), second_of(pair));
+      if (pair.active) sink_.take(pair.a, pair.b);
       __syncwarp();
     } else {
-      uint32_t found = active ? sink_.expand(first_of(pair), second_of(pair)) : 0;
-      while (__any_sync(kAllLanes, found != 0)) {
-        const bool has = found != 0;
-        const int test = __ffs(found) - 1;
-        if (has) found &= found - 1;
-        const uint64_t entry = pair | static_cast<uint64_t>(has ? test : 0) << 60;
-        push(shared_.first, first_, has && test < Sink::kFirstOfSecondKind, entry);
-        if (first_ >= 32) drain_first(32);
-        push(shared_.second, second_, has && test >= Sink::kFirstOfSecondKind, entry);
-        if (second_ >= 32) drain_second(32);
-      }
+      const uint32_t tests = pair.active ? sink_.tests_of(pair.a, pair.b) : 0;
+      constexpr uint32_t kFirstKind = (1u << Sink::kFirstOfSecondKind) - 1u;
+      push_tests(shared_.first_tests, first_tests_, tests & kFirstKind, pair.packed);
+      push_tests(shared_.second_tests, second_tests_, tests & ~kFirstKind, pair.packed);
+      while (first_tests_ >= 32) drain_first_tests(32);
+      while (second_tests_ >= 32) drain_second_tests(32);
     }
   }
+  __device__ void drain_first_tests(unsigned count) {
+    const Entry e = take(shared_.first_tests, first_tests_, count);
+    push(shared_.first, first_, e.active && sink_.is_first(e.a, e.b, e.test), e.packed);
+    if (first_ >= 32) drain_first(32);
+  }
+  __device__ void drain_second_tests(unsigned count) {
+    const Entry e = take(shared_.second_tests, second_tests_, count);
+    push(shared_.second, second_, e.active && sink_.is_second(e.a, e.b, e.test), e.packed);
+    if (second_ >= 32) drain_second(32);
+  }
   __device__ void drain_first(unsigned count) {
-    const uint64_t entry = take(shared_.first, first_, count);
+    const Entry e = take(shared_.first, first_, count);
     first_count_ += count;
-    if (lane_id() < count) sink_.take_first(first_of(entry), second_of(entry), static_cast<int>(entry >> 60));
+    if (e.active) sink_.take_first(e.a, e.b, e.test);
     __syncwarp();
   }
   __device__ void drain_second(unsigned count) {
-    const uint64_t entry = take(shared_.second, second_, count);
+    const Entry e = take(shared_.second, second_, count);
     second_count_ += count;
-    if (lane_id() < count) sink_.take_second(first_of(entry), second_of(entry), static_cast<int>(entry >> 60));
+    if (e.active) sink_.take_second(e.a, e.b, e.test);
     __syncwarp();
   }
 
   const Source& source_;
   const Sink& sink_;
   SearchShared& shared_;
-  unsigned pairs_ = 0, first_ = 0, second_ = 0;
+  unsigned pairs_ = 0, first_tests_ = 0, second_tests_ = 0, first_ = 0, second_ = 0;
   uint64_t pair_count_ = 0, first_count_ = 0, second_count_ = 0;
 };
 

@@ -2,7 +2,7 @@
 // The search for pairs on CPU cores: a source's items, member against member, each pair that the source reports handed
 // to a sink.
 
-#include <vector>
+#include <bit>
 
 #include "gpu/math/box.hpp"
 #include "gpu/math/tiles.hpp"
@@ -61,19 +61,19 @@ void visit_item(const Source& source, uint64_t item, const Visit& visit) {
   }
 }
 
-/// Hands a pair to the sink: itself, or the candidates that it has.
+/// Hands a pair to the sink: itself, or the candidates of two kinds that it has.
 template <class Sink>
 void take_pair(const Sink& sink, uint32_t a, uint32_t b, PairTally& tally) {
   ++tally.pairs;
   if constexpr (Sink::kTakesPairs) {
     sink.take(a, b);
   } else {
-    uint32_t found = sink.expand(a, b);
-    for (int test = 0; found != 0; ++test, found >>= 1) {
-      if ((found & 1u) == 0) continue;
-      const bool edges = test >= Sink::kFirstOfSecondKind;
-      ++tally.candidates[edges ? 1 : 0];
-      edges ? sink.take_second(a, b, test) : sink.take_first(a, b, test);
+    for (uint32_t tests = sink.tests_of(a, b); tests != 0; tests &= tests - 1) {
+      const int test = std::countr_zero(tests);
+      const bool second = test >= Sink::kFirstOfSecondKind;
+      if (!(second ? sink.is_second(a, b, test) : sink.is_first(a, b, test))) continue;
+      ++tally.candidates[second ? 1 : 0];
+      second ? sink.take_second(a, b, test) : sink.take_first(a, b, test);
     }
   }
 }

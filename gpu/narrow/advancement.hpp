@@ -17,11 +17,18 @@ struct Tolerance {
   Work delta;      ///< scaled
 };
 
+/// How far a query has come: apart on [0, t) for certain, with the pace that was right so far.
+struct Progress {
+  float t = 0;
+  float left = 1.0f / 16;  ///< Pace::left
+};
+
 template <class Work>
 struct Advance {
   bool hit;
   Work t;  ///< hit: lower bound of the first time of contact
   bool capped;
+  Work left = 0;  ///< Pace::left
 };
 
 /// How the features face each other at one time.
@@ -52,7 +59,7 @@ struct Facing {
 /// each failure.
 template <class Work>
 struct Pace {
-  Work left = Work(1) / 16;
+  Work left;
   Work limit = 1;  ///< longest step that is worth a try
 
   /// A time after t at which the features should still be apart; 1 if they do not come closer.
@@ -72,16 +79,16 @@ struct Pace {
   }
 };
 
-/// Looks for contact in [0, 1], of which [0, free_until) is known to be free. A contact that is certain to be reported
+/// Looks for contact in [0, 1], from where an earlier look left off. A contact that is certain to be reported
 /// after `last` may count as a miss; `last` never changes the time of a hit, for what it is depends on the order of the
 /// queries.
 template <class Work, int N>
 COLLIDED_HD Advance<Work> advance(const Differences<Work, N>& d, const Tolerance<Work>& tolerance, Work last,
-                                  Work free_until) {
+                                  const Progress& from, int iterations) {
   const Work rounding = 32 * Precision<Work>::kUnit * d.extent;
-  Work t = free_until;
-  Pace<Work> pace;
-  for (int i = 0; i < kMaxAdvances; ++i) {
+  Work t = from.t;
+  Pace<Work> pace{from.left};
+  for (int i = 0; i < iterations; ++i) {
     if (t > last) return {false, t, false};
     const Facing<Work, N> now(d, t);
     const Reach<Work> by_closest = reach_along(d, now.closest, t, tolerance.thickness);
@@ -90,7 +97,7 @@ COLLIDED_HD Advance<Work> advance(const Differences<Work, N>& d, const Tolerance
     const Reach<Work> reach{larger(by_closest.until, by_normal.until),
                             larger(by_closest.separation, by_normal.separation)};
     if (reach.until > 1) return {false, t, false};
-    if (!(reach.until > t) || !(reach.separation > tolerance.delta)) return {true, t, false};
+    if (!(reach.until > t) || !(reach.separation > tolerance.delta)) return {true, t, false, pace.left};
     if (reach.until > last) return {false, t, false};
     // Features that turn need many fixed directions, but few turning ones.
     const Work step = reach.until - t;
@@ -109,7 +116,7 @@ COLLIDED_HD Advance<Work> advance(const Differences<Work, N>& d, const Tolerance
     apart ? pace.succeed() : pace.fail(ahead - t);
     t = apart ? ahead : reach.until;
   }
-  return {true, t, true};
+  return {true, t, true, pace.left};
 }
 
 }  // namespace collided

@@ -44,37 +44,41 @@ struct ScreenCcd {
   }
 };
 
-/// A candidate that float cannot tell apart, and the time until which it can.
+/// A candidate that float could not tell apart yet, and how far it came.
 struct Suspect {
   uint64_t key;
-  float free_until;
+  Progress progress;
 };
 
-/// Advances in float as far as that goes: [0, free_until) is as certain as it would be in double precision, which has
-/// only the rest to do.
-template <class Real, class Kind>
+COLLIDED_HD inline uint64_t key_of(uint64_t candidate) { return candidate; }
+COLLIDED_HD inline uint64_t key_of(const Suspect& candidate) { return candidate.key; }
+COLLIDED_HD inline Progress progress_of(uint64_t) { return {}; }
+COLLIDED_HD inline Progress progress_of(const Suspect& candidate) { return candidate.progress; }
+
+/// Advances in float for a few iterations: what is apart until then is as certain as it would be in double precision,
+/// which has only the rest to do. Candidate: uint64_t or Suspect.
+template <class Real, class Kind, class Candidate>
 struct ApproachCcd {
   const Vec3<Real>* start;
   const Vec3<Real>* end;
   double thickness, delta;
   Kind kind;
-  Span<const uint64_t> candidates;
+  Span<const Candidate> candidates;
   AppendList<Suspect> suspects;
+  int iterations;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    const uint64_t key = candidates[i];
+    const Candidate candidate = candidates[i];
+    const uint64_t key = key_of(candidate);
     DifferencesOf<float, Kind> d;
-    if (!load_differences<Kind, float>(points_of(kind.stencil(key), start, end), d)) return suspects.push({key, 0});
-    const Tolerance<float> tolerance{scaled_thickness<float>(thickness, d.scale), float_above(delta * d.scale)};
-    const Advance<float> found = advance(d, tolerance, 1.0f, 0.0f);
-    if (found.hit) suspects.push({key, found.t});
+    if (!load_differences<Kind, float>(points_of(kind.stencil(key), start, end), d)) return suspects.push({key, {}});
+    constexpr float kNear = 0x1p-16f;  // of the extent: where float comes near its limits
+    const Tolerance<float> tolerance{scaled_thickness<float>(thickness, d.scale),
+                                     larger(kNear * d.extent, float_above(delta * d.scale))};
+    const Advance<float> found = advance(d, tolerance, 1.0f, progress_of(candidate), iterations);
+    if (found.hit) suspects.push({key, {found.t, found.left}});
   }
 };
-
-COLLIDED_HD inline uint64_t key_of(uint64_t candidate) { return candidate; }
-COLLIDED_HD inline uint64_t key_of(const Suspect& candidate) { return candidate.key; }
-COLLIDED_HD inline float free_until(uint64_t) { return 0; }
-COLLIDED_HD inline float free_until(const Suspect& candidate) { return candidate.free_until; }
 
 /// Candidate: uint64_t or Suspect.
 template <class Work, class Real, class Kind, class Candidate>
@@ -96,7 +100,7 @@ struct AdvanceCcd {
     const Tolerance<Work> tolerance{scaled_thickness<Work>(thickness, d.scale),
                                     delta > 0 ? static_cast<Work>(delta * d.scale) : default_delta(Work(0)) * d.extent};
     const Advance<Work> found =
-        advance(d, tolerance, static_cast<Work>(contacts.hurry.last()), static_cast<Work>(free_until(candidate)));
+        advance(d, tolerance, static_cast<Work>(contacts.hurry.last()), progress_of(candidate), kMaxAdvances);
     if (!found.hit) return;
     contacts.report(key, contact_at<Real>(d, found.t, flags_of(d, found, tolerance.thickness)));
   }

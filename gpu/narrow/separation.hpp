@@ -18,7 +18,7 @@
 
 namespace collided {
 
-/// A direction to try; components at most 1.
+/// A direction to try; components below 2.
 template <class Work>
 struct Direction {
   Vec3<Work> n;
@@ -29,7 +29,7 @@ template <class Work>
 COLLIDED_HD Direction<Work> direction_of(const Vec3<Work>& v) {
   const Work m = largest_component(v);
   if (!(m > 0)) return {v, 0};
-  const Vec3<Work> n{v.x / m, v.y / m, v.z / m};
+  const Vec3<Work> n = unit_scale(m) * v;
   return {n, std::sqrt(dot(n, n))};
 }
 

@@ -49,7 +49,7 @@ struct CountOverlappedCells {
     const LevelGrid g = *grid;
     const CellRange deepest = g.deepest_range(boxes[triangle]);
     if (shifted(deepest, kDeepest - g.base).size() > kManyCells) return large.push(static_cast<uint32_t>(triangle));
-    visit_dense_cells(g, deepest, 0, 1, [&](uint32_t cell) { atomic_add(counts[cell], 1u); });
+    visit_dense_cells(g, deepest, 0, 1, [&](uint32_t cell) { count_up(counts[cell]); });
   }
 };
 
@@ -64,7 +64,7 @@ struct CountCellsOfLarge {
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
     const LevelGrid g = *grid;
     visit_dense_cells(g, g.deepest_range(boxes[large[i]]), group.rank, group.size,
-                      [&](uint32_t cell) { atomic_add(counts[cell], 1u); });
+                      [&](uint32_t cell) { count_up(counts[cell]); });
   }
 };
 

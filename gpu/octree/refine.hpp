@@ -72,8 +72,8 @@ struct CountInBricks {
   COLLIDED_HD void count(const CellRange& deepest, uint32_t rank, uint32_t threads) const {
     visit_bricks(tree, deepest, round, rank, threads, [&](uint32_t cell, int at, int depth, uint32_t brick) {
       if (at != round) return;
-      atomic_add(tree.counts[cell], 1u);
-      if (depth == kBrickLevels) atomic_add(tree.reach[brick], 1u);
+      count_up(tree.counts[cell]);
+      if (depth == kBrickLevels) count_up(tree.reach[brick]);
     });
   }
 };

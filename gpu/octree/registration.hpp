@@ -31,7 +31,7 @@ struct RegisterTriangles {
   COLLIDED_HD void put_into(uint32_t cell, uint32_t triangle) const {
     if (tree.type[cell] != kLeaf || tree.slot[cell] == kNoLeaf) return;
     const uint32_t leaf = tree.slot[cell];
-    registered[leaves[leaf].offset + atomic_add(cursor[leaf], 1u)] = triangle;
+    registered[leaves[leaf].offset + count_up(cursor[leaf])] = triangle;
   }
 };
 

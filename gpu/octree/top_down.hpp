@@ -65,13 +65,13 @@ struct PlaceLeaves {
     clear(group, shared);
     group.sync();
     Sums mine;
-    for (uint32_t k = group.rank; k < count; k += group.size) number_leaf(index_of(k), place_of(k).level, shared, mine);
+    for (uint32_t k = group.rank; k < count; k += group.size) number_leaf(index_of(k), k, place_of, shared, mine);
     add(mine, shared.totals);
     group.sync();
     claim(group, shared);
     group.sync();
     if (fits_in_32_bits(shared))
-      for (uint32_t k = group.rank; k < count; k += group.size) write_leaf(index_of(k), place_of(k), shared);
+      for (uint32_t k = group.rank; k < count; k += group.size) write_leaf(index_of(k), k, place_of, shared);
     else
       for (uint32_t k = group.rank; k < count; k += group.size) drop_leaf(index_of(k));
     group.sync();
@@ -94,7 +94,8 @@ struct PlaceLeaves {
   }
 
   /// Numbers the leaf within the group.
-  COLLIDED_HD void number_leaf(uint32_t cell, int level, Shared& shared, Sums& mine) const {
+  template <class PlaceOf>
+  COLLIDED_HD void number_leaf(uint32_t cell, uint32_t k, const PlaceOf& place_of, Shared& shared, Sums& mine) const {
     const uint32_t n = tree.counts[cell];
     if (n == 0) return;
     ++mine.cells;
@@ -103,6 +104,7 @@ struct PlaceLeaves {
     if (n < 2 || !is_real_leaf(tree, cell)) return;
     const uint64_t tests = tests_of(n), item_count = items_of(n);
     mine.leaves += 1, mine.registrations += n, mine.items += item_count, mine.tests += tests;
+    const int level = place_of(k).level;
     const bool at_the_bottom = level == tree.grid->base + kBrickLevels * tree.rounds;
     if (at_the_bottom && n >= kCrowdedLeaf) mine.crowded_tests += tests;
     const uint32_t number = atomic_add(shared.leaves, 1u);
@@ -144,8 +146,10 @@ struct PlaceLeaves {
   COLLIDED_HD void drop_leaf(uint32_t cell) const {
     if (has_place(cell)) tree.slot[cell] = kNoLeaf;
   }
-  COLLIDED_HD void write_leaf(uint32_t cell, const Place& place, Shared& shared) const {
+  template <class PlaceOf>
+  COLLIDED_HD void write_leaf(uint32_t cell, uint32_t k, const PlaceOf& place_of, Shared& shared) const {
     if (!has_place(cell)) return;
+    const Place place = place_of(k);
     const uint32_t n = tree.counts[cell], number = tree.slot[cell];
     const uint64_t leaf = shared.first_leaf + number, offset = shared.first_registration + shared.registration[number];
     const bool fits = leaf < leaves.size() && offset + n <= registration_capacity;
@@ -156,19 +160,22 @@ struct PlaceLeaves {
     if (tiles_of(n) >= kManyRows)
       shared.long_leaf[atomic_add(shared.long_leaves, 1u)] = number;
     else
-      for (uint32_t row = 0; row < tiles_of(n); ++row) write_items(number, row, shared);
+      for (uint32_t row = 0; row < tiles_of(n); ++row) write_items(number, row, 0, 1, shared);
   }
   COLLIDED_HD void write_items_of_long_leaves(const Group& group, const Shared& shared) const {
+    // Lanes go along a row, warps take the rows in turn.
+    const uint32_t lanes = smaller(group.size, 32u), warps = group.size / lanes;
     for (uint32_t i = 0; i < shared.long_leaves; ++i) {
       const uint32_t number = shared.long_leaf[i];
-      for (uint32_t row = group.rank; row < tiles_of(shared.members[number]); row += group.size)
-        write_items(number, row, shared);
+      for (uint32_t row = group.rank / lanes; row < tiles_of(shared.members[number]); row += warps)
+        write_items(number, row, group.rank % lanes, lanes, shared);
     }
   }
-  COLLIDED_HD void write_items(uint32_t number, uint32_t row, const Shared& shared) const {
+  COLLIDED_HD void write_items(uint32_t number, uint32_t row, uint32_t rank, uint32_t threads,
+                               const Shared& shared) const {
     const uint64_t first = shared.first_item + shared.item[number];
     const uint32_t leaf = static_cast<uint32_t>(shared.first_leaf) + number;
-    for_each_item_of_row(leaf, shared.members[number], row, [&](uint64_t k, const PairItem& item) {
+    for_each_item_of_row(leaf, shared.members[number], row, rank, threads, [&](uint64_t k, const PairItem& item) {
       if (first + k < items.size()) items[first + k] = item;
     });
   }
