@@ -19,7 +19,7 @@ class RadixSort {
   int run(int bits) {
     int sorted = 0;
     for (int shift = 0; shift < bits; shift += kDigitBits) {
-      pass(shift);
+      pass(shift, bits - shift < kDigitBits ? bits - shift : kDigitBits);
       std::swap(arrays_.keys, arrays_.other_keys);
       std::swap(arrays_.values, arrays_.other_values);
       sorted ^= 1;
@@ -37,13 +37,13 @@ class RadixSort {
     const uint64_t end = (block + 1) * kBlock;
     return end < arrays_.keys.size() ? end : arrays_.keys.size();
   }
-  static uint64_t digit(uint64_t key, int shift) { return key >> shift & ((1u << kDigitBits) - 1u); }
+  static uint64_t digit(uint64_t key, int shift, int bits) { return key >> shift & ((1u << bits) - 1u); }
 
-  void pass(int shift) {
+  void pass(int shift, int bits) {
     tbb::parallel_for(uint64_t{0}, blocks(), [&](uint64_t block) {
       Counts& counts = counts_[block];
       counts.fill(0);
-      for (uint64_t i = block * kBlock; i < end_of(block); ++i) ++counts[digit(arrays_.keys[i], shift)];
+      for (uint64_t i = block * kBlock; i < end_of(block); ++i) ++counts[digit(arrays_.keys[i], shift, bits)];
     });
     uint64_t place = 0;
     for (size_t d = 0; d < Counts{}.size(); ++d)
@@ -51,7 +51,7 @@ class RadixSort {
     tbb::parallel_for(uint64_t{0}, blocks(), [&](uint64_t block) {
       Counts& places = counts_[block];
       for (uint64_t i = block * kBlock; i < end_of(block); ++i) {
-        const uint64_t to = places[digit(arrays_.keys[i], shift)]++;
+        const uint64_t to = places[digit(arrays_.keys[i], shift, bits)]++;
         arrays_.other_keys[to] = arrays_.keys[i];
         arrays_.other_values[to] = arrays_.values[i];
       }

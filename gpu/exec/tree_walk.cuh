@@ -1,9 +1,9 @@
 #pragma once
 // The search for pairs by walks through a tree, on a GPU: a walk a lane. Neighbours in the order of the items walk
 // nearly alike; a lane whose walk is over takes the warp's next item, and pairs go through the queues of
-// pair_search.cuh.
+// pair_queues.cuh.
 
-#include "gpu/exec/pair_search.cuh"
+#include "gpu/exec/pair_queues.cuh"
 
 namespace collided {
 
@@ -51,8 +51,8 @@ __global__ void __launch_bounds__(kSearchBlock)
     tree_walk_kernel(uint64_t count, uint64_t* next, Source source, Sink sink) {
   // Lanes wait for the slowest of them after this many steps, to hand over what they found.
   constexpr int kSteps = 4;
-  __shared__ SearchShared shared[kSearchBlock / 32];
-  WarpSearch<Source, Sink> pairs(source, sink, shared[threadIdx.x / 32]);
+  __shared__ PairQueuesShared shared[kSearchBlock / 32];
+  PairQueues<Sink> pairs(sink, shared[threadIdx.x / 32]);
   const uint64_t warps = static_cast<uint64_t>(gridDim.x) * (kSearchBlock / 32);
   WarpItems items(count, next, min(uint64_t{256}, max(uint64_t{32}, count / (8 * warps))));
   typename Source::Walk walk;
