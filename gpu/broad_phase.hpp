@@ -25,7 +25,7 @@ struct OctreePlan {
   Engine engine = Engine::kOctree;
   CutCost cost;
   int rounds = 0;                              ///< of refinement below the dense levels
-  int cut_steps = 3;                           ///< that the cut of the dense levels takes
+  int levels = kMaxLevel + 1;                  ///< dense levels, at most
   uint64_t most_crowded_tests = ~uint64_t{0};  ///< beyond this the step is put off
 };
 
@@ -112,11 +112,11 @@ class BroadPhase {
   }
 
   // 2. Counter octree.
-  void count_overlapped_cells() {
+  void count_overlapped_cells(const OctreePlan& plan) {
     const Span<uint32_t> counts = scene_.octree.counts.all();
     exec_.for_each_group("clear_counts", cell_groups(), ClearCounts{grid(), counts});
     exec_.for_each(
-        "count_overlapped_cells", triangle_count(),
+        "count_overlapped_cells", plan.levels * triangle_count(),
         CountOverlappedCells{grid(), boxes(), counts, {scene_.octree.large.all(), &scene_.state.data()->large}});
     exec_.for_each_group("count_cells_of_large", large(), CountCellsOfLarge{grid(), boxes(), counts, large_list()});
   }
@@ -140,7 +140,7 @@ class BroadPhase {
     if (plan.engine == Engine::kTwoLevelGrid) return exec_.for_each("cut_crowded", top_cells(), CutCrowded{all});
     for (int round = plan.rounds - 1; round >= 0; --round)
       exec_.for_each_group("cut_bricks", bricks(round), CutBricks{all, plan.cost, round});
-    for (int step = 0; step < plan.cut_steps; ++step)
+    for (int step = 0; step * kBrickLevels < larger(1, plan.levels - 1); ++step)
       exec_.for_each_group("cut_dense", roots(step), CutDense{all, plan.cost, scene_.octree.root_cost.all(), step});
   }
 
@@ -172,7 +172,9 @@ class BroadPhase {
                            octree.registered.all(),
                            octree.items.all(),
                            &state->leaves.crowded_tests,
-                           plan.most_crowded_tests};
+                           plan.most_crowded_tests,
+                           &state->leaves.leaves,
+                           &state->leaves.registrations};
     exec_.fill_zero(&state->next_item, sizeof(uint64_t));
     exec_.search(name, Counted{&state->leaves.items, octree.items.capacity()}, &state->next_item, source, sink);
   }
@@ -199,9 +201,7 @@ class BroadPhase {
   Counted large() const { return {&scene_.state.data()->large, scene_.octree.large.capacity()}; }
   Counted base_cells() const { return {&scene_.state.data()->grid.base_cells, kDenseCells}; }
   Counted top_cells() const { return {&scene_.state.data()->grid.top_cells, kDenseCells}; }
-  Counted cell_groups() const {
-    return {&scene_.state.data()->grid.cell_groups, kDenseCells / PlaceLeaves::kMostCells + 1};
-  }
+  Counted cell_groups() const { return {&scene_.state.data()->grid.cell_groups, kDenseCells / kCellsOfGroup + 1}; }
   Counted roots(int step) const { return {&scene_.state.data()->grid.roots[step], kDenseCells}; }
   Counted bricks(int round) const { return {&scene_.state.data()->bricks[round], scene_.octree.bricks.capacity()}; }
 
@@ -221,9 +221,8 @@ class BroadPhase {
   template <bool kHasBricks>
   void register_in(const OctreePlan& plan) {
     OctreeBuffers<Exec>& octree = scene_.octree;
-    const RegisterTriangles<kHasBricks> registration{tree(plan), boxes(), octree.leaves.all(), octree.cursor.all(),
-                                                     octree.registered.all()};
-    exec_.for_each("register_triangles", triangle_count(), registration);
+    const RegisterTriangles<kHasBricks> registration{tree(plan), boxes(), octree.cursor.all(), octree.registered.all()};
+    exec_.for_each("register_triangles", plan.levels * triangle_count(), registration);
     exec_.for_each_group("register_large", large(), RegisterLarge<kHasBricks>{registration, large_list()});
   }
 

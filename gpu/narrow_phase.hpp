@@ -140,15 +140,20 @@ class NarrowPhase {
                                          scene_.kept[k].all(),
                                          {scene_.screened[k].all(), &state->screened[k]}});
     const Counted screened{&state->screened[k], scene_.screened[k].capacity()};
-    if (!is_approached()) return advance_ccd<float>(kind, screened, Span<const uint64_t>(scene_.screened[k].all()));
+    if (!is_approached())
+      return advance_ccd<float>(kind, screened, Span<const uint64_t>(scene_.screened[k].all()), kMaxAdvances, {});
     // Those that need many iterations are gathered twice, for a warp takes as long as the slowest of its queries.
     constexpr int kAtFirst = 2, kThen = 3;
     approach(kind, screened, Span<const uint64_t>(scene_.screened[k].all()), scene_.suspects[k], state->suspects[k],
              kAtFirst);
     approach(kind, {&state->suspects[k], scene_.suspects[k].capacity()}, Span<const Suspect>(scene_.suspects[k].all()),
              scene_.near_suspects[k], state->near_suspects[k], kThen);
+    // The list of suspects is free again.
+    const AppendList<Suspect> late{scene_.suspects[k].all(), &state->late[k]};
     advance_ccd<double>(kind, {&state->near_suspects[k], scene_.near_suspects[k].capacity()},
-                        Span<const Suspect>(scene_.near_suspects[k].all()));
+                        Span<const Suspect>(scene_.near_suspects[k].all()), kThen, late);
+    advance_ccd<double>(kind, {&state->late[k], scene_.suspects[k].capacity()},
+                        Span<const Suspect>(scene_.suspects[k].all()), kMaxAdvances, {});
   }
   template <class Kind, class Candidate>
   void approach(const Kind& kind, const Counted& count, Span<const Candidate> candidates,
@@ -164,10 +169,11 @@ class NarrowPhase {
                                                       iterations});
   }
   template <class Work, class Kind, class Candidate>
-  void advance_ccd(const Kind& kind, const Counted& count, Span<const Candidate> candidates) {
+  void advance_ccd(const Kind& kind, const Counted& count, Span<const Candidate> candidates, int iterations,
+                   const AppendList<Suspect>& late) {
     exec_.for_each("advance_ccd", count,
                    AdvanceCcd<Work, Real, Kind, Candidate>{start(), end(), spec_.thickness, settings_.delta, kind,
-                                                           candidates, sink(first_rank(kind))});
+                                                           candidates, sink(first_rank(kind)), iterations, late});
   }
   template <class Kind>
   void run(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {

@@ -91,7 +91,7 @@ class Pipeline {
   }
 
   void build_octree(const OctreePlan& plan) {
-    exec_.stage("count", [&] { broad_.count_overlapped_cells(); });
+    exec_.stage("count", [&] { broad_.count_overlapped_cells(plan); });
     if (plan.rounds > 0) exec_.stage("refine", [&] { broad_.refine(plan); });
     exec_.stage("bottom_up", [&] { broad_.cut(plan); });
     exec_.stage("top_down", [&] { broad_.place_leaves(plan); });
@@ -120,17 +120,22 @@ class Pipeline {
   }
 
   void detect_features(const OctreePlan& plan) {
-    // One kind may answer for both.
-    const bool one_by_one = settings_.report == Report::kAnyHit && spec_.vertex_triangle && spec_.edge_edge;
-    if (!one_by_one) search(plan, spec_.vertex_triangle, spec_.edge_edge);
-    if (spec_.vertex_triangle) {
-      if (one_by_one) search(plan, true, false);
-      if (narrow_.has_narrow_phase()) narrow_.detect(VertexTriangle{scene_.topology.triangles.all()});
+    const auto narrow_vt = [&] { narrow_.detect(VertexTriangle{scene_.topology.triangles.all()}); };
+    const auto narrow_ee = [&] { narrow_.detect(EdgeEdge{scene_.topology.edges.all()}); };
+    const bool vt = spec_.vertex_triangle, ee = spec_.edge_edge;
+    if (!narrow_.has_narrow_phase()) return search(plan, vt, ee);
+    if (vt && ee && settings_.report == Report::kAnyHit) {  // one kind may answer for both
+      search(plan, true, false);
+      narrow_vt();
+      search(plan, false, true);
+      narrow_ee();
+      return;
     }
-    if (spec_.edge_edge) {
-      if (one_by_one) search(plan, false, true);
-      if (narrow_.has_narrow_phase()) narrow_.detect(EdgeEdge{scene_.topology.edges.all()});
-    }
+    search(plan, vt, ee);
+    if (vt && ee)
+      exec_.beside(narrow_vt, narrow_ee);
+    else
+      vt ? narrow_vt() : narrow_ee();
   }
 
   /// 6.-8. Pairs, their features' boxes, and the filter of the level.
@@ -190,9 +195,11 @@ class Pipeline {
 
   OctreePlan plan_octree() const {
     const Engine engine = choice_.engine();
-    const int levels = levels_.base < 0 ? kMaxLevel : levels_.base - levels_.top;
     OctreePlan plan{engine, {cut_rule_of(engine), kRegistrationCost}};
-    plan.cut_steps = engine == Engine::kUniformGrid ? 1 : larger(1, (levels + kBrickLevels - 1) / kBrickLevels);
+    if (has_cells_of_triangles(engine))
+      plan.levels = engine == Engine::kUniformGrid ? 1 : kLevelsOfCrowdedCell + 1;
+    else if (levels_.base >= 0)
+      plan.levels = levels_.base - levels_.top + 1;
     if (engine != Engine::kOctree) return plan;
     plan.rounds = refinement_.rounds();
     plan.most_crowded_tests = refinement_.limit(topology_.triangles.size());
@@ -202,7 +209,7 @@ class Pipeline {
     return {static_cast<double>(settings_.accuracy), settings_.delta,
             static_cast<double>(settings_.report),   all ? 1.0 : 0.0,
             static_cast<double>(plan.engine),        static_cast<double>(plan.rounds),
-            static_cast<double>(plan.cut_steps),     static_cast<double>(plan.most_crowded_tests)};
+            static_cast<double>(plan.levels),        static_cast<double>(plan.most_crowded_tests)};
   }
 
   /// Counts of the step, and what follows from them for the next.

@@ -168,6 +168,13 @@ class CpuExec {
     if (bytes != 0) std::memset(memory, 0, bytes);
   }
 
+  /// Two things that do not depend on each other.
+  template <class F, class G>
+  void beside(const F& f, const G& g) {
+    f();
+    g();
+  }
+
   /// Runs one stage of the pipeline: cancellation before it, its time after it.
   template <class F>
   void stage(const char* name, const F& f) {

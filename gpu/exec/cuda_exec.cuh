@@ -50,6 +50,7 @@ class CudaExec {
   CudaExec(int device, uint64_t memory_budget) : device_(device), ledger_(memory_budget), scratch_(*this, "scratch") {
     check_cuda(cudaSetDevice(device), "cudaSetDevice");
     check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate");
+    check_cuda(cudaStreamCreateWithFlags(&side_, cudaStreamNonBlocking), "cudaStreamCreate");
     cudaDeviceProp properties{};
     check_cuda(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
     info_ = {Backend::kCuda, properties.name, properties.totalGlobalMem};
@@ -61,6 +62,9 @@ class CudaExec {
     for (cudaEvent_t event : events_) cudaEventDestroy(event);
     cudaFreeHost(host_);
     cudaStreamDestroy(stream_);
+    cudaStreamDestroy(side_);
+    cudaEventDestroy(fork_);
+    cudaEventDestroy(join_);
   }
 
   const DeviceInfo& device() const { return info_; }
@@ -214,6 +218,27 @@ class CudaExec {
     if (bytes != 0 && !reserving_) check_cuda(cudaMemsetAsync(memory, 0, bytes, stream_), "fill_zero");
   }
 
+  /// Two things that do not depend on each other, within a step: the second goes on beside the first. Neither may use
+  /// reduce_into or exclusive_scan, whose scratch memory is shared.
+  template <class F, class G>
+  void beside(const F& f, const G& g) {
+    if (!graphs_.is_recording()) {
+      f();
+      g();
+      return;
+    }
+    check_cuda(cudaEventRecord(fork_, stream_), "fork");
+    check_cuda(cudaStreamWaitEvent(side_, fork_), "fork");
+    f();
+    graphs_.end_stage(stream_);
+    std::swap(stream_, side_);
+    g();
+    graphs_.end_stage(stream_);
+    check_cuda(cudaEventRecord(join_, stream_), "join");
+    std::swap(stream_, side_);
+    check_cuda(cudaStreamWaitEvent(stream_, join_), "join");
+  }
+
   /// Runs one stage: within a step its name and its events become part of the recording; elsewhere cancellation
   /// before it, events around it.
   template <class F>
@@ -288,7 +313,8 @@ class CudaExec {
   unsigned processors_ = 1;
   DeviceInfo info_;
   MemoryLedger ledger_;
-  cudaStream_t stream_ = nullptr;
+  cudaStream_t stream_ = nullptr, side_ = nullptr;
+  cudaEvent_t fork_ = make_event(), join_ = make_event();
   uint64_t generation_ = 0;  ///< of the buffers: changes whenever one does
   StepGraphs graphs_;
   bool reserving_ = false;  ///< a step is gone through for its memory alone

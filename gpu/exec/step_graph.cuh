@@ -39,7 +39,10 @@ class StepGraph {
   StepGraph& operator=(const StepGraph&) = delete;
   ~StepGraph() {
     if (executable_ != nullptr) cudaGraphExecDestroy(executable_);
-    for (const Stage& stage : stages_) cudaEventDestroy(stage.begin);
+    for (const Stage& stage : stages_) {
+      cudaEventDestroy(stage.begin);
+      if (stage.end != nullptr) cudaEventDestroy(stage.end);
+    }
     cudaEventDestroy(begin_);
     cudaEventDestroy(end_);
   }
@@ -65,8 +68,14 @@ class StepGraph {
     check_cuda(error, "cudaGraphInstantiate");
   }
   void begin_stage(const char* name, cudaStream_t stream) {
-    stages_.push_back({name, make_event()});
+    stages_.push_back({name, make_event(), nullptr});
     check_cuda(cudaEventRecordWithFlags(stages_.back().begin, stream, cudaEventRecordExternal), name);
+  }
+
+  /// For a stage that others go on beside; else it ends where the next begins.
+  void end_stage(cudaStream_t stream) {
+    stages_.back().end = make_event();
+    check_cuda(cudaEventRecordWithFlags(stages_.back().end, stream, cudaEventRecordExternal), stages_.back().name);
   }
 
   /// Runs the graph and brings `bytes` from the device to pinned memory of the host; waits for both.
@@ -82,15 +91,18 @@ class StepGraph {
   double milliseconds() const { return milliseconds_between(begin_, end_); }
   void add_stage_times(std::vector<StageTime>& times) const {
     for (size_t i = 0; i < stages_.size(); ++i)
-      times.push_back({stages_[i].name,
-                       milliseconds_between(stages_[i].begin, i + 1 < stages_.size() ? stages_[i + 1].begin : end_)});
+      times.push_back({stages_[i].name, milliseconds_between(stages_[i].begin, end_of(i))});
   }
 
  private:
   struct Stage {
     const char* name;
-    cudaEvent_t begin;
+    cudaEvent_t begin, end;
   };
+  cudaEvent_t end_of(size_t i) const {
+    if (stages_[i].end != nullptr) return stages_[i].end;
+    return i + 1 < stages_.size() ? stages_[i + 1].begin : end_;
+  }
   StepKey key_;
   uint64_t generation_;  ///< of the buffers that the recording holds addresses of
   cudaGraphExec_t executable_ = nullptr;
@@ -127,6 +139,7 @@ class StepGraphs {
 
   bool is_recording() const { return recording_ != nullptr; }
   void begin_stage(const char* name, cudaStream_t stream) { recording_->begin_stage(name, stream); }
+  void end_stage(cudaStream_t stream) { recording_->end_stage(stream); }
 
  private:
   std::vector<std::unique_ptr<StepGraph>> graphs_;

@@ -25,7 +25,8 @@ COLLIDED_HD inline uint32_t tiles_of_item(uint32_t members) {
 }
 
 /// Number of items of the last `rows` rows of a leaf, which have rows, rows - 1, .., 1 tiles.
-COLLIDED_HD inline uint64_t items_of_last(uint64_t rows, uint64_t tiles_of_item) {
+COLLIDED_HD inline uint64_t items_of_last(uint32_t rows, uint32_t tiles_of_item) {
+  if (tiles_of_item == 1) return uint64_t{rows} * (rows + 1) / 2;
   const uint64_t whole = rows / tiles_of_item, rest = rows % tiles_of_item;
   return tiles_of_item * (whole * (whole + 1) / 2) + rest * (whole + 1);
 }

@@ -54,6 +54,16 @@ struct Facing {
   }
 };
 
+/// The features at one time, and how far the directions at hand keep them apart.
+template <class Work, int N>
+struct View {
+  Facing<Work, N> facing;
+  Along<Work, N> closest, normal;
+
+  COLLIDED_HD View(const Differences<Work, N>& d, Work t, Work thickness)
+      : facing(d, t), closest(d, facing.closest, thickness), normal(d, facing.normal, thickness) {}
+};
+
 /// How far the next turning direction reaches. Newton's method on the gap, kept a little short of contact: the share of
 /// the gap that is left is squared after each success, as the error of Newton's method is, and takes its root after
 /// each failure.
@@ -88,12 +98,12 @@ COLLIDED_HD Advance<Work> advance(const Differences<Work, N>& d, const Tolerance
   const Work rounding = 32 * Precision<Work>::kUnit * d.extent;
   Work t = from.t;
   Pace<Work> pace{from.left};
+  View<Work, N> now(d, t, tolerance.thickness);
   for (int i = 0; i < iterations; ++i) {
     if (t > last) return {false, t, false};
-    const Facing<Work, N> now(d, t);
-    const Reach<Work> by_closest = reach_along(d, now.closest, t, tolerance.thickness);
+    const Reach<Work> by_closest = now.closest.reach(t);
     if (by_closest.until > 1) return {false, t, false};
-    const Reach<Work> by_normal = reach_along(d, now.normal, t, tolerance.thickness);
+    const Reach<Work> by_normal = now.normal.reach(t);
     const Reach<Work> reach{larger(by_closest.until, by_normal.until),
                             larger(by_closest.separation, by_normal.separation)};
     if (reach.until > 1) return {false, t, false};
@@ -102,19 +112,23 @@ COLLIDED_HD Advance<Work> advance(const Differences<Work, N>& d, const Tolerance
     // Features that turn need many fixed directions, but few turning ones.
     const Work step = reach.until - t;
     pace.limit = larger(pace.limit, 2 * step);
-    const Work ahead = pace.ahead_of(t, now.gap - tolerance.thickness, now.speed, rounding);
-    if (!(ahead > reach.until)) {
+    const Work ahead = pace.ahead_of(t, now.facing.gap - tolerance.thickness, now.facing.speed, rounding);
+    const bool tries = ahead > reach.until;
+    const Work next = tries ? ahead : reach.until;
+    const View<Work, N> then(d, next, tolerance.thickness);
+    if (!tries) {
       pace.succeed();
-      t = reach.until;
+      now = then;
+      t = next;
       continue;
     }
-    const Facing<Work, N> then(d, ahead);
     const bool use_normal = by_normal.until - t > step / 2;  // it keeps its digits when the gap has lost them
-    const bool apart = use_normal ? apart_while_turning(d, now.normal, then.normal, t, ahead, tolerance.thickness)
-                                  : apart_while_turning(d, now.closest, then.closest, t, ahead, tolerance.thickness);
-    if (apart && ahead == 1) return {false, t, false};
-    apart ? pace.succeed() : pace.fail(ahead - t);
-    t = apart ? ahead : reach.until;
+    const bool apart = use_normal ? apart_while_turning(now.normal, then.normal, t, next)
+                                  : apart_while_turning(now.closest, then.closest, t, next);
+    if (apart && next == 1) return {false, t, false};
+    apart ? pace.succeed() : pace.fail(next - t);
+    t = apart ? next : reach.until;
+    now = apart ? then : View<Work, N>(d, t, tolerance.thickness);
   }
   return {true, t, true, pace.left};
 }

@@ -89,6 +89,8 @@ struct AdvanceCcd {
   Kind kind;
   Span<const Candidate> candidates;
   ContactSink<Real> contacts;
+  int iterations;
+  AppendList<Suspect> late;  ///< those that need more iterations; empty: they are contacts, as far as that is known
 
   COLLIDED_HD void operator()(uint64_t i) const {
     if (contacts.hurry.is_over()) return;
@@ -100,8 +102,10 @@ struct AdvanceCcd {
     const Tolerance<Work> tolerance{scaled_thickness<Work>(thickness, d.scale),
                                     delta > 0 ? static_cast<Work>(delta * d.scale) : default_delta(Work(0)) * d.extent};
     const Advance<Work> found =
-        advance(d, tolerance, static_cast<Work>(contacts.hurry.last()), progress_of(candidate), kMaxAdvances);
+        advance(d, tolerance, static_cast<Work>(contacts.hurry.last()), progress_of(candidate), iterations);
     if (!found.hit) return;
+    if (found.capped && !late.items.empty())
+      return late.push({key, {float_below(static_cast<double>(found.t)), static_cast<float>(found.left)}});
     contacts.report(key, contact_at<Real>(d, found.t, flags_of(d, found, tolerance.thickness)));
   }
 

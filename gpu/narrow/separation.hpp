@@ -76,25 +76,39 @@ COLLIDED_HD bool apart_all_along(const Differences<Work, N>& d, const Direction<
   return apart;
 }
 
+/// Lower bounds, for each difference, of how far a direction keeps it from the thickness, at t = 0 and at t = 1.
+template <class Work, int N>
+struct Along {
+  Direction<Work> direction;
+  Work start[N], end[N];
+
+  COLLIDED_HD Along(const Differences<Work, N>& d, const Direction<Work>& n, Work thickness) : direction(n) {
+    const Work offset = offset_along(n, thickness);
+    for (int k = 0; k < N; ++k) {
+      start[k] = lower_bound_along(n.n, d.start[k], offset);
+      end[k] = lower_bound_along(n.n, d.end[k], offset);
+    }
+  }
+
+  COLLIDED_HD Reach<Work> reach(Work t) const {
+    constexpr Work u = Precision<Work>::kUnit;
+    if (direction.length == 0) return {Work(-1), Work(0)};
+    Reach<Work> reach{Reach<Work>::kBeyond, Reach<Work>::kBeyond};
+    for (int k = 0; k < N; ++k) {
+      reach.separation = smaller(reach.separation, lower_bound_at(start[k], end[k], t));
+      if (end[k] > 0) continue;
+      const Work root = start[k] / (start[k] - end[k]);
+      reach.until = smaller(reach.until, root - 8 * u * root);
+    }
+    if (!(reach.separation > 0)) return {Work(-1), Work(0)};
+    return {reach.until, reach.separation / direction.length};
+  }
+};
+
 template <class Work, int N>
 COLLIDED_HD Reach<Work> reach_along(const Differences<Work, N>& d, const Direction<Work>& direction, Work t,
                                     Work thickness) {
-  constexpr Work u = Precision<Work>::kUnit;
-  Reach<Work> reach{Reach<Work>::kBeyond, Reach<Work>::kBeyond};
-  if (direction.length == 0) return {Work(-1), Work(0)};
-  const Work offset = offset_along(direction, thickness);
-  for (int k = 0; k < N; ++k) {
-    const Work a0 = lower_bound_along(direction.n, d.start[k], offset);
-    const Work a1 = lower_bound_along(direction.n, d.end[k], offset);
-    const Work now = lower_bound_at(a0, a1, t);
-    if (!(now > 0)) return {Work(-1), Work(0)};
-    reach.separation = smaller(reach.separation, now);
-    if (a1 > 0) continue;
-    const Work root = a0 / (a0 - a1);
-    reach.until = smaller(reach.until, root - 8 * u * root);
-  }
-  reach.separation = reach.separation / direction.length;
-  return reach;
+  return Along<Work, N>(d, direction, thickness).reach(t);
 }
 
 /// Whether a direction that turns keeps the features apart on [t, h]: from `from` at t to `to` at h, linearly.
@@ -102,19 +116,14 @@ COLLIDED_HD Reach<Work> reach_along(const Differences<Work, N>& d, const Directi
 /// (1 - s) (from . D - thickness |from|) + s (to . D - thickness |to|), a quadratic in s: its Bernstein coefficients
 /// are above 0 if its lower bounds below are.
 template <class Work, int N>
-COLLIDED_HD bool apart_while_turning(const Differences<Work, N>& d, const Direction<Work>& from,
-                                     const Direction<Work>& to, Work t, Work h, Work thickness) {
-  if (from.length == 0 || to.length == 0) return false;
-  const Work from_offset = offset_along(from, thickness), to_offset = offset_along(to, thickness);
+COLLIDED_HD bool apart_while_turning(const Along<Work, N>& from, const Along<Work, N>& to, Work t, Work h) {
+  bool apart = from.direction.length > 0 && to.direction.length > 0;
   for (int k = 0; k < N; ++k) {
-    const Work a0 = lower_bound_along(from.n, d.start[k], from_offset);
-    const Work a1 = lower_bound_along(from.n, d.end[k], from_offset);
-    const Work b0 = lower_bound_along(to.n, d.start[k], to_offset);
-    const Work b1 = lower_bound_along(to.n, d.end[k], to_offset);
-    const Work middle = lower_bound_at(a0, a1, h) + lower_bound_at(b0, b1, t);
-    if (!(lower_bound_at(a0, a1, t) > 0 && middle > 0 && lower_bound_at(b0, b1, h) > 0)) return false;
+    const Work middle = lower_bound_at(from.start[k], from.end[k], h) + lower_bound_at(to.start[k], to.end[k], t);
+    apart = apart & (lower_bound_at(from.start[k], from.end[k], t) > 0) & (middle > 0) &
+            (lower_bound_at(to.start[k], to.end[k], h) > 0);
   }
-  return true;
+  return apart;
 }
 
 }  // namespace collided

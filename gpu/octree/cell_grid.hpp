@@ -9,7 +9,7 @@
 
 namespace collided {
 
-/// How many levels lie above the base of a two-level grid: a cell has 64 small ones.
+/// How many levels lie below the top of a two-level grid: a cell has 64 small ones.
 constexpr int kLevelsOfCrowdedCell = 2;
 
 /// A base level whose cells are `cells_per_mean` times smaller than the mean triangle is large, or as small as

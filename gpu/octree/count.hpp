@@ -11,7 +11,7 @@ namespace collided {
 constexpr uint64_t kManyCells = 48;
 
 /// Cells that a group works on at once, where all active dense cells have their turn.
-constexpr uint32_t kCellsOfGroup = 1024;
+constexpr uint32_t kCellsOfGroup = 256;
 
 /// How many groups that takes.
 COLLIDED_HD inline uint64_t groups_of_cells(const LevelGrid& grid) {
@@ -39,23 +39,29 @@ struct ClearCounts {
   }
 };
 
+/// One item for each triangle and level.
 struct CountOverlappedCells {
   const LevelGrid* grid;
   Span<const Box<float>> boxes;
   Span<uint32_t> counts;
   AppendList<uint32_t> large;  ///< triangles with many cells
 
-  COLLIDED_HD void operator()(uint64_t triangle) const {
+  COLLIDED_HD void operator()(uint64_t i) const {
     const LevelGrid g = *grid;
-    const CellRange deepest = g.deepest_range(boxes[triangle]);
-    if (shifted(deepest, kDeepest - g.base).size() > kManyCells) return large.push(static_cast<uint32_t>(triangle));
-    visit_dense_cells(g, deepest, 0, 1, [&](uint32_t cell) { count_up(counts[cell]); });
+    const TriangleAtLevel at(g, i, boxes.size());
+    if (at.level > g.base) return;
+    const CellRange deepest = g.deepest_range(boxes[at.triangle]);
+    if (shifted(deepest, kDeepest - g.base).size() > kManyCells) {
+      if (at.level == g.base) large.push(at.triangle);
+      return;
+    }
+    visit_cells_of_level(at.level, deepest, 0, 1, [&](uint32_t cell) { count_up(counts[cell]); });
   }
 };
 
 struct CountCellsOfLarge {
   using Shared = Nothing;
-  static constexpr uint32_t kGroupSize = 32;
+  static constexpr uint32_t kGroupSize = 128;
   const LevelGrid* grid;
   Span<const Box<float>> boxes;
   Span<uint32_t> counts;

@@ -35,7 +35,7 @@ COLLIDED_HD inline bool is_real_leaf(const Tree& tree, uint32_t cell) {
 
 /// Places the leaves among the cells of a group.
 struct PlaceLeaves {
-  static constexpr uint32_t kMostCells = kCellsOfGroup;
+  static constexpr uint32_t kMostCells = kCellsOfGroup < kBrickCells ? kBrickCells : kCellsOfGroup;
   static constexpr uint32_t kManyRows = 8;  ///< of tiles: a leaf whose items the whole group writes
   struct Shared {
     LeafTotals totals;
@@ -53,8 +53,8 @@ struct PlaceLeaves {
 
   Tree tree;
   Span<Leaf> leaves;
-  Span<uint32_t> cursor;  ///< of each leaf
-  uint64_t registration_capacity;
+  Span<uint32_t> cursor;           ///< of each leaf: its next place
+  uint64_t registration_capacity;  ///< below 2^32
   Span<PairItem> items;
   LeafTotals* totals;
 
@@ -156,7 +156,7 @@ struct PlaceLeaves {
     tree.slot[cell] = fits ? static_cast<uint32_t>(leaf) : kNoLeaf;
     if (!fits) return;
     leaves[leaf] = {place.coords, place.level, n, 0, offset};
-    cursor[leaf] = 0;
+    cursor[leaf] = static_cast<uint32_t>(offset);
     if (tiles_of(n) >= kManyRows)
       shared.long_leaf[atomic_add(shared.long_leaves, 1u)] = number;
     else

@@ -79,13 +79,27 @@ COLLIDED_HD void visit_bricks(const Tree& tree, const CellRange& deepest, int la
   });
 }
 
-/// visit(index of the cell) for the dense cells of all active levels that a box covers.
+/// visit(index of the cell) for the dense cells of a level that a box covers.
+template <class Visit>
+COLLIDED_HD void visit_cells_of_level(int level, const CellRange& deepest, uint32_t rank, uint32_t threads,
+                                      const Visit& visit) {
+  for_each_cell(shifted(deepest, kDeepest - level), rank, threads, [&](const Coords& c) { visit(cell_id(level, c)); });
+}
+/// The same for all active levels.
 template <class Visit>
 COLLIDED_HD void visit_dense_cells(const LevelGrid& grid, const CellRange& deepest, uint32_t rank, uint32_t threads,
                                    const Visit& visit) {
-  for (int level = grid.top; level <= grid.base; ++level)
-    for_each_cell(shifted(deepest, kDeepest - level), rank, threads,
-                  [&](const Coords& c) { visit(cell_id(level, c)); });
+  for (int level = grid.top; level <= grid.base; ++level) visit_cells_of_level(level, deepest, rank, threads, visit);
 }
+
+/// Work on each triangle at each level: neighbouring items are neighbouring triangles at one level.
+struct TriangleAtLevel {
+  uint32_t triangle;
+  int level;  ///< above the base level: nothing to do
+
+  COLLIDED_HD TriangleAtLevel(const LevelGrid& grid, uint64_t item, uint64_t triangles)
+      : triangle(static_cast<uint32_t>(item) % static_cast<uint32_t>(triangles)),
+        level(grid.top + static_cast<int>(static_cast<uint32_t>(item) / static_cast<uint32_t>(triangles))) {}
+};
 
 }  // namespace collided
