@@ -2,9 +2,9 @@
 // Which engine finds the pairs of a frame. A scene that leaves the choice open starts with the octree. The hierarchy
 // takes over for some frames where a frame of the octree, after whatever refinement did for it, went clearly wrong:
 // - more registrations than the dense levels alone may make, or
-// - more pair tests than both a crowd of a thousand around each triangle and 128 for each pair found explain.
-// A box test of the hierarchy takes as long as some ten pair tests by tiles, and it makes a few dozen of them for a
-// triangle and about five for a pair; hence the factors. Only counters decide, so that all backends choose alike.
+// - more pair tests than 512 for each triangle and 32 for each pair found explain.
+// A box test of the hierarchy is taken to cost ten pair tests by tiles (an estimate); it makes some fifty of them for a
+// triangle and three for a pair. Hence the factors. Only counters decide, so that all backends choose alike.
 
 #include "gpu/detector.hpp"
 #include "gpu/octree/bottom_up.hpp"

@@ -8,6 +8,7 @@
 
 #include "gpu/broad_phase.hpp"
 #include "gpu/engine_choice.hpp"
+#include "gpu/exec/step_key.hpp"
 #include "gpu/lbvh_phase.hpp"
 #include "gpu/narrow_phase.hpp"
 #include "gpu/refinement.hpp"
