@@ -172,10 +172,9 @@ class BroadPhase {
                            octree.leaves.all(),
                            octree.registered.all(),
                            octree.items.all(),
-                           &state->leaves.crowded_tests,
-                           plan.most_crowded_tests,
-                           &state->leaves.leaves,
-                           &state->leaves.registrations};
+                           &state->leaves,
+                           octree.registered.capacity(),
+                           plan.most_crowded_tests};
     exec_.fill_zero(&state->next_item, sizeof(uint64_t));
     exec_.search(name, Counted{&state->leaves.items, octree.items.capacity()}, &state->next_item, source, sink);
   }

@@ -66,10 +66,14 @@ class Pipeline {
       narrow_.reserve();
       state_ = exec_.step(key_of(all, plan), scene_.state.data(), [&] { enqueue(moved, plan); });
       const bool grown = broad_.grow(state_), grown_too = narrow_.grow(state_);
-      const bool refined = plan.engine == Engine::kOctree && refinement_.observe(state_, topology_.triangles.size());
-      if (!grown && !grown_too && !refined) break;
+      // A step that was short of room tells nothing of what refinement is good for.
+      if (!grown && !grown_too && !needs_refinement(plan)) break;
       ++result_.replays;
     }
+  }
+
+  bool needs_refinement(const OctreePlan& plan) {
+    return plan.engine == Engine::kOctree && refinement_.observe(state_, topology_.triangles.size());
   }
 
   void reserve(const OctreePlan& plan) {

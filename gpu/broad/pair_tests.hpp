@@ -17,15 +17,14 @@ struct LeafPairs {
   Span<const Leaf> leaves;
   Span<const uint32_t> registered;
   Span<const PairItem> items;
-  const uint64_t* crowded_tests;         ///< of crowded leaves
-  uint64_t most_crowded_tests;           ///< beyond this the search is put off, for the octree has to be refined
-  const uint64_t* leaf_count = nullptr;  ///< that were asked for; more than there is room for: put off, for the items
-                                         ///< of leaves without a place were not written
-  const uint64_t* registration_count = nullptr;  ///< likewise
+  const LeafTotals* totals;
+  uint64_t registration_capacity;
+  uint64_t most_crowded_tests;  ///< beyond this the octree has to be refined first
 
+  /// Whether the step will run again anyway, so that the search would be in vain: what does not fit was not written.
   COLLIDED_HD bool is_put_off() const {
-    return *crowded_tests > most_crowded_tests || (leaf_count != nullptr && *leaf_count > leaves.size()) ||
-           (registration_count != nullptr && *registration_count > registered.size());
+    return totals->leaves > leaves.size() || totals->registrations > registration_capacity ||
+           totals->items > items.size() || totals->crowded_tests > most_crowded_tests;
   }
 
   /// One item, ready to be worked on.

@@ -123,4 +123,13 @@ struct Leaf {
   uint64_t offset;  ///< of its first registration
 };
 
+/// What the leaves need, added up by all groups.
+struct LeafTotals {
+  uint64_t cells;  ///< with triangles
+  uint64_t leaves, registrations, items;
+  uint64_t tests;
+  uint64_t crowded_tests;                       ///< of crowded leaves that might be refined
+  uint64_t level_registrations[kMaxLevel + 2];  ///< of each dense level, then of all bricks
+};
+
 }  // namespace collided

@@ -9,15 +9,6 @@
 
 namespace collided {
 
-/// What the leaves need, added up by all groups.
-struct LeafTotals {
-  uint64_t cells;  ///< with triangles
-  uint64_t leaves, registrations, items;
-  uint64_t tests;
-  uint64_t crowded_tests;                       ///< of crowded leaves at the lowest level, which might be refined
-  uint64_t level_registrations[kMaxLevel + 2];  ///< of each dense level, then of all bricks
-};
-
 /// Whether a leaf of the cut has no leaf above it.
 COLLIDED_HD inline bool is_real_leaf(const Tree& tree, uint32_t cell) {
   while (cell >= kDenseCells) {
@@ -105,13 +96,16 @@ struct PlaceLeaves {
     const uint64_t tests = tests_of(n), item_count = items_of(n);
     mine.leaves += 1, mine.registrations += n, mine.items += item_count, mine.tests += tests;
     const int level = place_of(k).level;
-    const bool at_the_bottom = level == tree.grid->base + kBrickLevels * tree.rounds;
+    // Without bricks a crowd may be a leaf above the lowest level, for in one cell after the other it is the same
+    // crowd.
+    const bool at_the_bottom = tree.rounds == 0 || level == tree.grid->base + kBrickLevels * tree.rounds;
     if (at_the_bottom && n >= kCrowdedLeaf) mine.crowded_tests += tests;
     const uint32_t number = atomic_add(shared.leaves, 1u);
     shared.members[number] = n;
     shared.registration[number] = atomic_add(shared.registrations, n);
     shared.item[number] = atomic_add(shared.items, static_cast<uint32_t>(item_count));
-    atomic_add(shared.totals.level_registrations[smaller(level, kMaxLevel + 1)], uint64_t{n});
+    const int booked = cell < kDenseCells ? level : kMaxLevel + 1;
+    atomic_add(shared.totals.level_registrations[booked], uint64_t{n});
     tree.slot[cell] = number;
   }
 

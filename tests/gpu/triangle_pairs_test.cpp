@@ -179,5 +179,136 @@ TEST_F(TrianglePairRules, CountAsContactsAtEveryLevel) {
   }
 }
 
+/// A triangle's box over the step, rounded outward to float.
+struct FloatBox {
+  std::array<float, 3> lo, hi;
+
+  bool overlaps(const FloatBox& other) const {
+    for (size_t k = 0; k < 3; ++k)
+      if (lo[k] > other.hi[k] || other.lo[k] > hi[k]) return false;
+    return true;
+  }
+};
+
+float float_toward(double x, float to) {
+  const float nearest = static_cast<float>(x);
+  const bool is_beyond = to < 0 ? static_cast<double>(nearest) <= x : static_cast<double>(nearest) >= x;
+  return is_beyond ? nearest : std::nextafter(nearest, to);
+}
+
+Positions joined(const std::vector<Positions>& meshes) {
+  Positions all;
+  for (const Positions& mesh : meshes) all.insert(all.end(), mesh.begin(), mesh.end());
+  return all;
+}
+
+std::vector<FloatBox> swept_boxes(const Case& c, const std::vector<std::array<uint32_t, 3>>& triangles) {
+  const Positions start = joined(c.start), end = joined(c.end);
+  std::vector<FloatBox> boxes;
+  for (const auto& triangle : triangles) {
+    FloatBox box;
+    for (size_t k = 0; k < 3; ++k) {
+      double lo = HUGE_VAL, hi = -HUGE_VAL;
+      for (const uint32_t v : triangle) {
+        lo = std::min({lo, start[v][k], end[v][k]});
+        hi = std::max({hi, start[v][k], end[v][k]});
+      }
+      box.lo[k] = float_toward(lo, -HUGE_VALF), box.hi[k] = float_toward(hi, HUGE_VALF);
+    }
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+bool share_a_vertex(const std::array<uint32_t, 3>& a, const std::array<uint32_t, 3>& b) {
+  return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
+}
+
+/// All pairs that may touch, have no vertex in common, and whose boxes overlap; ascending.
+std::vector<PairKey> overlapping_pairs(const Case& c) {
+  const auto triangles = features_of(c).triangles;
+  const std::vector<FloatBox> boxes = swept_boxes(c, triangles);
+  const std::vector<uint32_t> mesh = mesh_of_triangle(c);
+  std::vector<PairKey> pairs;
+  for (uint32_t a = 0; a < triangles.size(); ++a)
+    for (uint32_t b = a + 1; b < triangles.size(); ++b)
+      if (boxes[a].overlaps(boxes[b]) && !share_a_vertex(triangles[a], triangles[b]) && may_touch(c, mesh[a], mesh[b]))
+        pairs.push_back(key_of(a, b));
+  return pairs;
+}
+
+class TriangleCandidates : public OnBackend<::testing::TestWithParam<Scalar>> {
+ protected:
+  SceneSpec spec() const {
+    SceneSpec spec = settings(Mode::kCcd, Accuracy::kCandidates, GetParam());
+    spec.triangle_triangle = true;
+    return spec;
+  }
+
+  void expect_overlapping(const Case& exact) const {
+    SCOPED_TRACE(exact.name);
+    const Case c = rounded(exact, GetParam());
+    SceneSpec alone = spec();
+    alone.vertex_triangle = alone.edge_edge = false;
+    const std::vector<PairKey> expected = overlapping_pairs(c);
+    EXPECT_GT(expected.size(), 0u);
+    const FrameResult with_features = run_case(c, spec()), without = run_case(c, alone);
+    for (const FrameResult* result : {&with_features, &without}) {
+      const ContactSet& found = result->triangle_triangle;
+      EXPECT_EQ(keys_of(found), expected);
+      EXPECT_TRUE(found.flags.empty() && found.toi.empty() && found.distance.empty() && found.weights.empty());
+      EXPECT_FALSE(result->any_contact) << "boxes that overlap are no contact";
+      EXPECT_EQ(result->counts.contacts_tt, 0u);
+    }
+    EXPECT_TRUE(same_contacts(run_case(c, settings(Mode::kCcd, Accuracy::kCandidates, GetParam())), with_features));
+  }
+};
+
+TEST_P(TriangleCandidates, AreThePairsWhoseSweptBoxesOverlap) {
+  const auto scene = scenes::make_scene("reef_knot", 0.3);
+  expect_overlapping(case_of(*scene, 0.5, 0.55));
+  expect_overlapping(soup(260, 1500, 1, 0.1, 0.05));
+  expect_overlapping(soup(261, 500, 1, 0.1, 0.05, {1e6, -2e6, 3e6}));
+  expect_overlapping(lattice(262, 300, 10));
+}
+
+TEST_P(TriangleCandidates, FollowTheRulesOfTheMeshes) {
+  for (const Case& c : adversarial_cases())
+    if (c.name == "StaticObstacles" || c.name == "GroupMasks" || c.name == "NoSelfContacts") expect_overlapping(c);
+}
+
+// What is refused names its field and says where it is allowed.
+template <class Action>
+void expect_refused(Action&& action) {
+  try {
+    action();
+    ADD_FAILURE() << "not refused";
+  } catch (const InvalidInput& e) {
+    EXPECT_EQ(e.field(), "triangle_triangle");
+    EXPECT_NE(std::string(e.what()).find("CANDIDATES"), std::string::npos) << e.what();
+  }
+}
+
+TEST_P(TriangleCandidates, AreRefusedAtOtherLevels) {
+  const Case c = rounded(soup(263, 100, 1, 0.3, 0.1), GetParam());
+  const Frame frame(c, Mode::kCcd, GetParam());
+  auto scene = Detector::create(spec_for(c, spec()));
+  const FrameResult first = scene->detect(frame.input());
+  for (Accuracy accuracy : kAllLevels) {
+    if (accuracy == Accuracy::kCandidates) continue;
+    SCOPED_TRACE(level_name(accuracy));
+    SceneSpec refused = spec();
+    refused.accuracy = accuracy;
+    expect_refused([&] { Detector::create(spec_for(c, refused)); });
+    FrameInput input = frame.input();
+    input.accuracy = accuracy;
+    expect_refused([&] { scene->detect(input); });
+  }
+  EXPECT_TRUE(same_bytes(first.triangle_triangle, scene->detect(frame.input()).triangle_triangle));
+}
+
+INSTANTIATE_TEST_SUITE_P(Scalars, TriangleCandidates, ::testing::Values(Scalar::kF32, Scalar::kF64),
+                         [](const auto& info) { return info.param == Scalar::kF32 ? "F32" : "F64"; });
+
 }  // namespace
 }  // namespace collided::test

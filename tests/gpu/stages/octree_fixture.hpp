@@ -14,6 +14,16 @@ Span<T> span_of(std::vector<T>& v) {
   return {v.data(), v.size()};
 }
 
+/// The cut of bricks and dense levels, as a step makes it.
+inline void run_cut(CpuExec& exec, const Tree& tree, const CutCost& cost, Span<float> root_cost) {
+  for (int round = tree.rounds - 1; round >= 0; --round)
+    exec.for_each_group("cut_bricks", {&tree.brick_counters[round], tree.bricks.size()}, CutBricks{tree, cost, round});
+  for (int step = 0; step < 3; ++step) {
+    const uint64_t roots = roots_of_step(*tree.grid, step);
+    exec.for_each_group("cut", {&roots, roots}, CutDense{tree, cost, root_cost, step});
+  }
+}
+
 struct TestOctree {
   LevelGrid grid{{0, 0, 0}, 1, 0, 3};
   std::vector<uint32_t> counts, slot;
@@ -40,12 +50,7 @@ struct TestOctree {
 
   void cut(const CutCost& cost) {
     CpuExec exec(2, 0);
-    for (int round = rounds - 1; round >= 0; --round)
-      exec.for_each_group("cut_bricks", {&brick_counters[round], bricks.size()}, CutBricks{tree(), cost, round});
-    for (int step = 0; step < 3; ++step) {
-      const uint64_t roots = roots_of_step(grid, step);
-      exec.for_each_group("cut", {&roots, roots}, CutDense{tree(), cost, span_of(root_cost), step});
-    }
+    run_cut(exec, tree(), cost, span_of(root_cost));
   }
 };
 

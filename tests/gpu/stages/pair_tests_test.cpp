@@ -30,8 +30,8 @@ struct OneLeaf {
       });
   }
   std::vector<std::pair<uint32_t, uint32_t>> pairs() {
-    const LeafPairs source{&grid,    {}, span_of(boxes), span_of(leaves), span_of(registered), span_of(items),
-                           &crowded, 0};
+    const LeafPairs source{&grid,          {},      span_of(boxes),    span_of(leaves), span_of(registered),
+                           span_of(items), &totals, registered.size(), ~uint64_t{0}};
     std::vector<std::pair<uint32_t, uint32_t>> found;
     for (uint64_t i = 0; i < items.size(); ++i)
       visit_item(source, i, [&](uint32_t a, uint32_t b) { found.emplace_back(a, b); });
@@ -43,7 +43,7 @@ struct OneLeaf {
   std::vector<uint32_t> registered;
   std::vector<Leaf> leaves;
   std::vector<PairItem> items;
-  uint64_t crowded = 0;
+  LeafTotals totals{};
 };
 
 TEST(PairTests, EveryPairOfALeafOnce) {
