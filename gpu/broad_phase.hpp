@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gpu/broad/resolution.hpp"
+#include "gpu/octree/cell_grid.hpp"
 #include "gpu/octree/refine.hpp"
 #include "gpu/octree/registration.hpp"
 #include "gpu/scene_buffers.hpp"
@@ -16,8 +17,13 @@ struct TriangleRun {
   uint64_t first, count;
 };
 
-/// What of the octree is fixed before a step starts.
+/// Side of a uniform grid's cell, and of a small cell of a two-level grid, in mean triangles. Of 1, 1.5 and 2, 1 makes
+/// the fewest tests in all scenes, and the least work with them and the registrations in most.
+constexpr double kCellPerMean = 1;
+
+/// What of the broad phase is fixed before a step starts.
 struct OctreePlan {
+  Engine engine = Engine::kOctree;
   CutCost cost;
   int rounds = 0;                              ///< of refinement below the dense levels
   int levels = kMaxLevel + 1;                  ///< dense levels, at most
@@ -85,6 +91,23 @@ class BroadPhase {
                     {state, spec_.thickness}});
   }
 
+  // The same for grids whose cells are as large as the triangles.
+  void choose_cells(const OctreePlan& plan) {
+    const bool uniform = plan.engine == Engine::kUniformGrid;
+    StepState* state = scene_.state.data();
+    const MeanExtent mean{&state->bounds, &state->extents, triangle_count()};
+    LevelGrid* grid = &state->grid.grid;
+    exec_.reduce_into("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
+    exec_.reduce_into("extents", triangle_count(), ExtentOf{&state->bounds, boxes()}, uint64_t{0}, AddExtents{},
+                      &state->extents);
+    exec_.for_each("span_cells", 1, SpanCells{&state->bounds, mean, kCellPerMean, grid});
+    exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevelOf{grid, boxes()}, LevelTotals{},
+                      AddTotals{}, &state->totals);
+    exec_.for_each("choose_cells", 1,
+                   ChooseCells{&state->totals, triangle_count(), uniform ? 0 : kLevelsOfCrowdedCell, &state->grid});
+    exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, spec_.thickness});
+  }
+
   // 2. Counter octree.
   void count_overlapped_cells(const OctreePlan& plan) {
     const Span<uint32_t> counts = scene_.octree.counts.all();
@@ -111,6 +134,7 @@ class BroadPhase {
   // 3. Bottom-up stage.
   void cut(const OctreePlan& plan) {
     const Tree all = tree(plan);
+    if (plan.engine == Engine::kTwoLevelGrid) return exec_.for_each("cut_crowded", top_cells(), CutCrowded{all});
     for (int round = plan.rounds - 1; round >= 0; --round)
       exec_.for_each_group("cut_bricks", bricks(round), CutBricks{all, plan.cost, round});
     for (int step = 0; step * kBrickLevels < larger(1, plan.levels - 1); ++step)
@@ -172,6 +196,7 @@ class BroadPhase {
 
   Counted large() const { return {&scene_.state.data()->large, scene_.octree.large.capacity()}; }
   Counted base_cells() const { return {&scene_.state.data()->grid.base_cells, kDenseCells}; }
+  Counted top_cells() const { return {&scene_.state.data()->grid.top_cells, kDenseCells}; }
   Counted cell_groups() const { return {&scene_.state.data()->grid.cell_groups, kDenseCells / kCellsOfGroup + 1}; }
   Counted roots(int step) const { return {&scene_.state.data()->grid.roots[step], kDenseCells}; }
   Counted bricks(int round) const { return {&scene_.state.data()->bricks[round], scene_.octree.bricks.capacity()}; }

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "gpu/broad_phase.hpp"
+#include "gpu/engine_choice.hpp"
 #include "gpu/exec/step_key.hpp"
+#include "gpu/lbvh_phase.hpp"
 #include "gpu/narrow_phase.hpp"
 #include "gpu/refinement.hpp"
 #include "gpu/results.hpp"
@@ -25,8 +27,10 @@ class Pipeline {
         ranks_(ranks_of(spec, topology)),
         scene_(scene),
         broad_(exec, spec, topology, scene),
+        lbvh_(exec, spec, topology, scene),
         narrow_(exec, spec, ranks_, scene),
-        results_(exec, spec, ranks_, scene) {}
+        results_(exec, spec, ranks_, scene),
+        choice_(spec.engine) {}
 
   /// `all`: the boxes of static meshes too are out of date.
   FrameResult detect_contacts(const std::vector<TriangleRun>& moved, bool all, const FrameSettings& settings) {
@@ -58,15 +62,24 @@ class Pipeline {
     scene_.state.allocate(1);
     for (;;) {
       const OctreePlan plan = plan_octree();
-      broad_.reserve(plan);
+      reserve(plan);
       narrow_.reserve();
-      exec_.upload(scene_.octree.wanted.data(), &levels_, sizeof(levels_));
       state_ = exec_.step(key_of(all, plan), scene_.state.data(), [&] { enqueue(moved, plan); });
       const bool grown = broad_.grow(state_), grown_too = narrow_.grow(state_);
       // A step that was short of room tells nothing of what refinement is good for.
-      if (!grown && !grown_too && !refinement_.observe(state_, topology_.triangles.size())) break;
+      if (!grown && !grown_too && !needs_refinement(plan)) break;
       ++result_.replays;
     }
+  }
+
+  bool needs_refinement(const OctreePlan& plan) {
+    return plan.engine == Engine::kOctree && refinement_.observe(state_, topology_.triangles.size());
+  }
+
+  void reserve(const OctreePlan& plan) {
+    if (plan.engine == Engine::kLbvh) return lbvh_.reserve();
+    broad_.reserve(plan);
+    exec_.upload(scene_.octree.wanted.data(), &levels_, sizeof(levels_));
   }
 
   /// Fig. 7.
@@ -75,19 +88,32 @@ class Pipeline {
       exec_.fill_zero(scene_.state.data(), sizeof(StepState));
       broad_.box_triangles(moved);
     });
-    exec_.stage("levels", [&] { choose_levels(); });
-    exec_.stage("count", [&] { broad_.count_overlapped_cells(plan); });
-    if (plan.rounds > 0) exec_.stage("refine", [&] { broad_.refine(plan); });
-    exec_.stage("bottom_up", [&] { broad_.cut(plan); });
-    exec_.stage("top_down", [&] { broad_.place_leaves(plan); });
-    exec_.stage("registration", [&] { broad_.register_triangles(plan); });
+    exec_.stage("levels", [&] { choose_levels(plan); });
+    plan.engine == Engine::kLbvh ? build_hierarchy() : build_octree(plan);
     if (spec_.vertex_triangle || spec_.edge_edge) detect_features(plan);
     if (spec_.triangle_triangle) detect_triangles(plan);
     narrow_.order();
   }
 
-  void choose_levels() {
-    broad_.choose_levels();
+  void build_octree(const OctreePlan& plan) {
+    exec_.stage("count", [&] { broad_.count_overlapped_cells(plan); });
+    if (plan.rounds > 0) exec_.stage("refine", [&] { broad_.refine(plan); });
+    exec_.stage("bottom_up", [&] { broad_.cut(plan); });
+    exec_.stage("top_down", [&] { broad_.place_leaves(plan); });
+    exec_.stage("registration", [&] { broad_.register_triangles(plan); });
+  }
+  void build_hierarchy() {
+    exec_.stage("sort", [&] { lbvh_.sort(); });
+    exec_.stage("hierarchy", [&] { lbvh_.build(); });
+  }
+
+  void choose_levels(const OctreePlan& plan) {
+    if (plan.engine == Engine::kLbvh)
+      lbvh_.measure();
+    else if (has_cells_of_triangles(plan.engine))
+      broad_.choose_cells(plan);
+    else
+      broad_.choose_levels();
     if (needs_.judges_resolution() && needs_.settings.delta == 0) broad_.count_small_triangles();
   }
   /// Whether the spacing of the positions' numbers, at the largest of them, is coarser than delta; without a delta,
@@ -131,15 +157,15 @@ class Pipeline {
       return {scene_.kept[kind].all(), &state->kept[kind]};
     };
     const uint32_t edge_rank = needs_.has_narrow_phase() ? 0 : ranks_.first_edge;
-    broad_.search("find_candidates", plan,
-                  FeatureSink<Real, Keep>{broad_.elementary(vertex_triangle, edge_edge),
-                                          keep,
-                                          list(kVertexTriangleKind),
-                                          list(kEdgeEdgeKind),
-                                          edge_rank,
-                                          narrow_.hurry(),
-                                          {vertex_triangle || !spec_.vertex_triangle ? &state->pairs : nullptr,
-                                           &state->candidates[0], &state->candidates[1]}});
+    find_pairs("find_candidates", plan,
+               FeatureSink<Real, Keep>{broad_.elementary(vertex_triangle, edge_edge),
+                                       keep,
+                                       list(kVertexTriangleKind),
+                                       list(kEdgeEdgeKind),
+                                       edge_rank,
+                                       narrow_.hurry(),
+                                       {vertex_triangle || !spec_.vertex_triangle ? &state->pairs : nullptr,
+                                        &state->candidates[0], &state->candidates[1]}});
   }
 
   void detect_triangles(const OctreePlan& plan) {
@@ -149,27 +175,39 @@ class Pipeline {
       const AppendList<uint64_t> list = narrow
                                             ? AppendList<uint64_t>{scene_.triangle_pairs.all(), &state->triangle_pairs}
                                             : AppendList<uint64_t>{scene_.contacts.keys.all(), &state->contacts};
-      broad_.search("find_triangle_pairs", plan,
-                    TrianglePairSink{scene_.topology.triangles.all(),
-                                     list,
-                                     narrow ? 0 : ranks_.first_triangle,
-                                     narrow_.hurry(),
-                                     {counts ? &state->pairs : nullptr, nullptr, nullptr}});
+      find_pairs("find_triangle_pairs", plan,
+                 TrianglePairSink{scene_.topology.triangles.all(),
+                                  list,
+                                  narrow ? 0 : ranks_.first_triangle,
+                                  narrow_.hurry(),
+                                  {counts ? &state->pairs : nullptr, nullptr, nullptr}});
     });
     if (narrow) narrow_.detect_triangles();
   }
 
+  template <class Sink>
+  void find_pairs(const char* name, const OctreePlan& plan, const Sink& sink) {
+    plan.engine == Engine::kLbvh ? lbvh_.search(name, sink) : broad_.search(name, plan, sink);
+  }
+
   OctreePlan plan_octree() const {
-    return {{CutRule::kTwoStage, kRegistrationCost},
-            refinement_.rounds(),
-            levels_.base < 0 ? kMaxLevel + 1 : levels_.base - levels_.top + 1,
-            refinement_.limit(topology_.triangles.size())};
+    const Engine engine = choice_.engine();
+    OctreePlan plan{engine, {cut_rule_of(engine), kRegistrationCost}};
+    if (has_cells_of_triangles(engine))
+      plan.levels = engine == Engine::kUniformGrid ? 1 : kLevelsOfCrowdedCell + 1;
+    else if (levels_.base >= 0)
+      plan.levels = levels_.base - levels_.top + 1;
+    if (engine != Engine::kOctree) return plan;
+    plan.rounds = refinement_.rounds();
+    plan.most_crowded_tests = refinement_.limit(topology_.triangles.size());
+    return plan;
   }
   StepKey key_of(bool all, const OctreePlan& plan) const {
     return {static_cast<double>(needs_.settings.accuracy),
             needs_.settings.delta,
             static_cast<double>(needs_.settings.report),
             all ? 1.0 : 0.0,
+            static_cast<double>(plan.engine),
             static_cast<double>(plan.rounds),
             static_cast<double>(plan.levels),
             static_cast<double>(plan.most_crowded_tests)};
@@ -185,7 +223,12 @@ class Pipeline {
     c.pairs = state_.pairs;
     c.candidates_vt = state_.candidates[0], c.candidates_ee = state_.candidates[1];
     if (needs_.has_filter()) c.survivors_vt = state_.kept[0], c.survivors_ee = state_.kept[1];
-    levels_ = next_levels({state_.grid.grid.top, state_.grid.grid.base}, leaves.level_registrations);
+    result_.engine = choice_.engine();
+    if (result_.engine == Engine::kLbvh)
+      lbvh_.describe(c);
+    else if (!has_cells_of_triangles(result_.engine))
+      levels_ = next_levels({state_.grid.grid.top, state_.grid.grid.base}, leaves.level_registrations);
+    if (needs_.settings.report != Report::kAnyHit) choice_.observe(c, topology_.triangles.size());
     result_.input_resolution = needs_.judges_resolution() && is_coarse();
     result_.step_milliseconds = exec_.step_milliseconds();
     result_.graph_launches = exec_.graph_launches();
@@ -197,8 +240,10 @@ class Pipeline {
   const FeatureRanks ranks_;
   SceneBuffers<Exec, Real>& scene_;
   BroadPhase<Exec, Real> broad_;
+  LbvhPhase<Exec, Real> lbvh_;
   NarrowPhase<Exec, Real> narrow_;
   Results<Exec, Real> results_;
+  EngineChoice choice_;
   Refinement refinement_;
   ActiveLevels levels_;
   LevelNeeds needs_;

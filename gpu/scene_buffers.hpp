@@ -2,6 +2,7 @@
 // Everything that a scene keeps on its backend. Arrays of stages that the scene does not have stay empty.
 
 #include "gpu/broad/elementary.hpp"
+#include "gpu/broad/lbvh.hpp"
 #include "gpu/broad/pair_tests.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/narrow/certified_ccd.hpp"
@@ -63,6 +64,28 @@ struct OctreeBuffers {
   Buffer<PairItem, Exec> items;
 };
 
+/// The bounding volume hierarchy of one frame.
+template <class Exec>
+struct BvhBuffers {
+  explicit BvhBuffers(Exec& exec)
+      : keys{{exec, "bvh"}, {exec, "bvh"}},
+        triangles{{exec, "bvh"}, {exec, "bvh"}},
+        meeting(exec, "bvh"),
+        nodes(exec, "bvh") {}
+
+  void reserve(uint64_t leaves) {
+    for (auto& buffer : keys) buffer.allocate(leaves);
+    for (auto& buffer : triangles) buffer.allocate(leaves);
+    meeting.allocate(leaves);
+    nodes.allocate(2 * leaves - 1);
+  }
+
+  Buffer<uint64_t, Exec> keys[2];  ///< the second is room to sort in
+  Buffer<uint32_t, Exec> triangles[2];
+  Buffer<uint32_t, Exec> meeting;
+  Buffer<BvhNode, Exec> nodes;
+};
+
 /// Contacts of all kinds as they are found. Candidates at kCandidates have keys alone.
 template <class Exec, class Real>
 struct ContactBuffers {
@@ -82,6 +105,7 @@ struct SceneBuffers {
         records(exec, "records"),
         state(exec, "counters"),
         octree(exec),
+        bvh(exec),
         triangle_pairs(exec, "pairs"),
         kept{{exec, "candidates"}, {exec, "candidates"}},
         screened{{exec, "candidates"}, {exec, "candidates"}},
@@ -104,6 +128,7 @@ struct SceneBuffers {
   Buffer<TriangleRecord<Real>, Exec> records;
   Buffer<StepState, Exec> state;
   OctreeBuffers<Exec> octree;
+  BvhBuffers<Exec> bvh;
   Buffer<uint64_t, Exec> triangle_pairs;
   Buffer<uint64_t, Exec> kept[2];          ///< candidates of each kind that the filter keeps
   Buffer<uint64_t, Exec> screened[2];      ///< those of them that no fixed direction keeps apart

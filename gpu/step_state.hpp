@@ -20,6 +20,7 @@ struct StepState {
   uint64_t small_triangles;
   Box<float> bounds;
   LevelTotals totals;
+  uint64_t extents;  ///< of all triangles, for engines that need their mean
   GridState grid;
   FilterScale filter;
   Shortcut shortcut;

@@ -37,6 +37,18 @@ COLLIDED_HD inline void atomic_min(uint64_t& target, uint64_t value) {
 #endif
 }
 
+/// Swaps; the thread that finds another's value sees all that the other one wrote before.
+COLLIDED_HD inline uint32_t exchange_in_order(uint32_t& target, uint32_t value) {
+#ifdef __CUDA_ARCH__
+  __threadfence();
+  const uint32_t before = atomicExch(&target, value);
+  __threadfence();
+  return before;
+#else
+  return std::atomic_ref<uint32_t>(target).exchange(value, std::memory_order_acq_rel);
+#endif
+}
+
 /// Read while others write.
 template <class T>
 COLLIDED_HD T atomic_read(T& value) {

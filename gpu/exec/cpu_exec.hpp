@@ -20,7 +20,9 @@
 #include "gpu/exec/counted.hpp"
 #include "gpu/exec/memory_ledger.hpp"
 #include "gpu/exec/pair_search.hpp"
+#include "gpu/exec/radix_sort.hpp"
 #include "gpu/exec/step_key.hpp"
+#include "gpu/exec/tree_walk.hpp"
 
 namespace collided {
 
@@ -90,6 +92,21 @@ class CpuExec {
     });
   }
 
+  /// The same for the walks of a source's items (tree_walk.hpp).
+  template <class Source, class Sink>
+  void walk(const char*, uint64_t items, uint64_t*, const Source& source, const Sink& sink) {
+    arena_.execute([&] {
+      tbb::parallel_for(tbb::blocked_range<uint64_t>(0, items, 64), [&](const tbb::blocked_range<uint64_t>& range) {
+        PairTally tally;
+        uint64_t steps = 0;
+        for (uint64_t i = range.begin(); i != range.end() && !sink.is_over(); ++i)
+          steps += walk_item(source, i, [&](uint32_t a, uint32_t b) { take_pair(sink, a, b, tally); });
+        sink.add(tally.pairs, tally.candidates[0], tally.candidates[1]);
+        source.add_tests(steps);
+      });
+    });
+  }
+
   /// *result = op over transform(i), i in [0, n); op must not depend on the order.
   template <class T, class F, class Op>
   void reduce_into(const char*, uint64_t n, const F& transform, const T& identity, const Op& op, T* result) {
@@ -113,6 +130,11 @@ class CpuExec {
       values[i] = sum;
       sum += value;
     }
+  }
+
+  /// Stably by the lowest `bits` of the keys; 0 if the result is in `keys` and `values`, 1 if it is in the others.
+  int sort_pairs(const char*, int bits, const SortArrays& arrays) {
+    return arena_.execute([&] { return RadixSort(arrays).run(bits); });
   }
 
   /// Runs a step, stages named within, and returns what it left at `result`.

@@ -15,7 +15,9 @@
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/memory_ledger.hpp"
 #include "gpu/exec/pair_search.cuh"
+#include "gpu/exec/sort_arrays.hpp"
 #include "gpu/exec/step_graph.cuh"
+#include "gpu/exec/tree_walk.cuh"
 
 namespace collided {
 
@@ -116,12 +118,18 @@ class CudaExec {
   template <class Source, class Sink>
   void search(const char* name, const Counted& items, uint64_t* next, const Source& source, const Sink& sink) {
     if (items.most == 0 || reserving_) return;
-    int resident = 0;
-    check_cuda(
-        cudaOccupancyMaxActiveBlocksPerMultiprocessor(&resident, pair_search_kernel<Source, Sink>, kSearchBlock, 0),
-        name);
-    const unsigned blocks = static_cast<unsigned>(std::max(resident, 1)) * processors_;
+    const unsigned blocks = resident_blocks(name, pair_search_kernel<Source, Sink>);
     pair_search_kernel<<<blocks, kSearchBlock, 0, stream_>>>(items, next, source, sink);
+    check_cuda(cudaGetLastError(), name);
+  }
+
+  /// The same for the walks of a source's items (tree_walk.cuh).
+  template <class Source, class Sink>
+  void walk(const char* name, uint64_t items, uint64_t* next, const Source& source, const Sink& sink) {
+    if (items == 0 || reserving_) return;
+    const unsigned most = blocks_for(items, kSearchBlock);
+    const unsigned blocks = std::min(most, resident_blocks(name, tree_walk_kernel<Source, Sink>));
+    tree_walk_kernel<<<blocks, kSearchBlock, 0, stream_>>>(items, next, source, sink);
     check_cuda(cudaGetLastError(), name);
   }
 
@@ -140,6 +148,17 @@ class CudaExec {
     with_scratch(name, [&](void* memory, size_t& bytes) {
       return cub::DeviceScan::ExclusiveSum(memory, bytes, values.data, values.data, values.size(), stream_);
     });
+  }
+
+  /// Stably by the lowest `bits` of the keys; 0 if the result is in `keys` and `values`, 1 if it is in the others.
+  int sort_pairs(const char* name, int bits, const SortArrays& arrays) {
+    cub::DoubleBuffer<uint64_t> keys(arrays.keys.data, arrays.other_keys.data);
+    cub::DoubleBuffer<uint32_t> values(arrays.values.data, arrays.other_values.data);
+    const int count = static_cast<int>(arrays.keys.size());
+    with_scratch(name, [&](void* memory, size_t& bytes) {
+      return cub::DeviceRadixSort::SortPairs(memory, bytes, keys, values, count, 0, bits, stream_);
+    });
+    return keys.selector;
   }
 
   /// Runs a step, stages named within, and returns what it left at `result`. It is recorded as a graph, and replayed
@@ -277,6 +296,13 @@ class CudaExec {
 
   static unsigned blocks_for(uint64_t n, unsigned block) {
     return static_cast<unsigned>(std::min<uint64_t>((n + block - 1) / block, 1u << 30));
+  }
+  /// As many as the device holds at once.
+  template <class Kernel>
+  unsigned resident_blocks(const char* name, Kernel* kernel) const {
+    int resident = 0;
+    check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&resident, kernel, kSearchBlock, 0), name);
+    return static_cast<unsigned>(std::max(resident, 1)) * processors_;
   }
   /// Calls a CUB function with the memory that it asks for.
   template <class Call>

@@ -1,47 +1,15 @@
 #pragma once
 // The search for pairs on a GPU. A warp takes an item: each lane holds a row's box, the columns' boxes pass by in
-// shared memory. Pairs, and then the candidates that come of them, are gathered in shared memory until there are
-// enough for all lanes, so that every step works with full warps and a list is appended to by a warp at a time.
+// shared memory. What it finds goes through the warp's queues.
 
 #include <cuda_runtime.h>
 
 #include "gpu/exec/counted.hpp"
+#include "gpu/exec/pair_queues.cuh"
 #include "gpu/math/box.hpp"
 #include "gpu/math/tiles.hpp"
 
 namespace collided {
-
-constexpr unsigned kAllLanes = ~0u;
-
-/// Entries that wait for a full warp: fewer than 32, and what one push may add, `each` a lane.
-template <unsigned each>
-struct WarpQueue {
-  uint64_t entry[32 + 32 * each];
-};
-
-__device__ inline unsigned lane_id() { return threadIdx.x & 31u; }
-
-/// Appends the values of the lanes with `has`.
-__device__ inline void push(WarpQueue<1>& queue, unsigned& size, bool has, uint64_t value) {
-  const unsigned lanes = __ballot_sync(kAllLanes, has);
-  if (has) queue.entry[size + __popc(lanes & ((1u << lane_id()) - 1u))] = value;
-  size += __popc(lanes);
-  __syncwarp();
-}
-
-/// Appends an entry for each bit of the lanes' `tests`.
-template <unsigned each>
-__device__ void push_tests(WarpQueue<each>& queue, unsigned& size, uint32_t tests, uint64_t pair) {
-  unsigned end = __popc(tests);
-  for (int offset = 1; offset < 32; offset *= 2) {
-    const unsigned before = __shfl_up_sync(kAllLanes, end, offset);
-    if (lane_id() >= static_cast<unsigned>(offset)) end += before;
-  }
-  for (unsigned place = size + end - __popc(tests); tests != 0; tests &= tests - 1)
-    queue.entry[place++] = pair | static_cast<uint64_t>(__ffs(tests) - 1) << 60;
-  size += __shfl_sync(kAllLanes, end, 31);
-  __syncwarp();
-}
 
 struct SearchShared {
   struct alignas(16) Member {
@@ -49,17 +17,14 @@ struct SearchShared {
     uint32_t id, unused;
   };
   Member column[kTile];
-  WarpQueue<1> pairs;
-  WarpQueue<6> first_tests;  ///< features whose boxes have to be tested
-  WarpQueue<9> second_tests;
-  WarpQueue<1> first, second;  ///< candidates
+  PairQueuesShared queues;
 };
 
 template <class Source, class Sink>
 class WarpSearch {
  public:
   __device__ WarpSearch(const Source& source, const Sink& sink, SearchShared& shared)
-      : source_(source), sink_(sink), shared_(shared) {}
+      : source_(source), shared_(shared), pairs_(sink, shared.queues) {}
 
   __device__ void search(uint64_t item) {
     const auto work = source_.work(item);
@@ -78,16 +43,7 @@ class WarpSearch {
   }
 
   /// After the last item.
-  __device__ void finish() {
-    if (pairs_ > 0) drain_pairs(pairs_);
-    if constexpr (!Sink::kTakesPairs) {
-      if (first_tests_ > 0) drain_first_tests(first_tests_);
-      if (second_tests_ > 0) drain_second_tests(second_tests_);
-      if (first_ > 0) drain_first(first_);
-      if (second_ > 0) drain_second(second_);
-    }
-    if (lane_id() == 0) sink_.add(pair_count_, first_count_, second_count_);
-  }
+  __device__ void finish() { pairs_.finish(); }
 
  private:
   __device__ static bool overlaps(const Box<float>& a, const SearchShared::Member& b) {
@@ -118,75 +74,14 @@ class WarpSearch {
         b = m.id;
         reported = source_.reports(work, box, a, {{m.lo_x, m.lo_y, m.lo_z}, {m.hi_x, m.hi_y, m.hi_z}}, b);
       }
-      push(shared_.pairs, pairs_, reported, uint64_t{min(a, b)} << 30 | max(a, b));
-      if (pairs_ >= 32) drain_pairs(32);
+      pairs_.add(reported, a, b);
     }
-  }
-
-  /// Takes the last `count` <= 32 entries of a queue, one a lane.
-  struct Entry {
-    bool active;
-    uint32_t a, b;
-    int test;
-    uint64_t packed;
-  };
-  template <class Queue>
-  __device__ static Entry take(const Queue& queue, unsigned& size, unsigned count) {
-    constexpr uint64_t kIdMask = (1u << 30) - 1u;
-    size -= count;
-    const bool active = lane_id() < count;
-    const uint64_t packed = active ? queue.entry[size + lane_id()] : 0;
-    __syncwarp();
-    return {active, static_cast<uint32_t>(packed >> 30 & kIdMask), static_cast<uint32_t>(packed & kIdMask),
-            static_cast<int>(packed >> 60), packed};
-  }
-
-  __device__ void drain_pairs(unsigned count) {
-    const Entry pair = take(shared_.pairs, pairs_, count);
-    pair_count_ += count;
-    if constexpr (Sink::kTakesPairs) {
-      if (pair.active) sink_.take(pair.a, pair.b);
-      __syncwarp();
-    } else {
-      const uint32_t tests = pair.active ? sink_.tests_of(pair.a, pair.b) : 0;
-      constexpr uint32_t kFirstKind = (1u << Sink::kFirstOfSecondKind) - 1u;
-      push_tests(shared_.first_tests, first_tests_, tests & kFirstKind, pair.packed);
-      push_tests(shared_.second_tests, second_tests_, tests & ~kFirstKind, pair.packed);
-      while (first_tests_ >= 32) drain_first_tests(32);
-      while (second_tests_ >= 32) drain_second_tests(32);
-    }
-  }
-  __device__ void drain_first_tests(unsigned count) {
-    const Entry e = take(shared_.first_tests, first_tests_, count);
-    push(shared_.first, first_, e.active && sink_.is_first(e.a, e.b, e.test), e.packed);
-    if (first_ >= 32) drain_first(32);
-  }
-  __device__ void drain_second_tests(unsigned count) {
-    const Entry e = take(shared_.second_tests, second_tests_, count);
-    push(shared_.second, second_, e.active && sink_.is_second(e.a, e.b, e.test), e.packed);
-    if (second_ >= 32) drain_second(32);
-  }
-  __device__ void drain_first(unsigned count) {
-    const Entry e = take(shared_.first, first_, count);
-    first_count_ += count;
-    if (e.active) sink_.take_first(e.a, e.b, e.test);
-    __syncwarp();
-  }
-  __device__ void drain_second(unsigned count) {
-    const Entry e = take(shared_.second, second_, count);
-    second_count_ += count;
-    if (e.active) sink_.take_second(e.a, e.b, e.test);
-    __syncwarp();
   }
 
   const Source& source_;
-  const Sink& sink_;
   SearchShared& shared_;
-  unsigned pairs_ = 0, first_tests_ = 0, second_tests_ = 0, first_ = 0, second_ = 0;
-  uint64_t pair_count_ = 0, first_count_ = 0, second_count_ = 0;
+  PairQueues<Sink> pairs_;
 };
-
-constexpr unsigned kSearchBlock = 128;
 
 /// `next` is the next item that no warp has taken yet.
 template <class Source, class Sink>

@@ -45,10 +45,15 @@ inline ActiveLevels next_levels(ActiveLevels now, const uint64_t* registrations)
 /// Sets up the frame's grid, and how many items the launches that depend on it have.
 struct GridState {
   LevelGrid grid;
-  uint64_t base_cells;
+  uint64_t top_cells, base_cells;
   uint64_t roots[3];  ///< of the steps of CutDense
   uint64_t cell_groups;
 };
+COLLIDED_HD inline GridState grid_state(const LevelGrid& grid) {
+  GridState state{grid, uint64_t{1} << (3 * grid.top), uint64_t{1} << (3 * grid.base), {}, groups_of_cells(grid)};
+  for (int step = 0; step < 3; ++step) state.roots[step] = roots_of_step(grid, step);
+  return state;
+}
 struct ChooseGrid {
   const Box<float>* bounds;
   const LevelTotals* totals;
@@ -58,11 +63,7 @@ struct ChooseGrid {
 
   COLLIDED_HD void operator()(uint64_t) const {
     const ActiveLevels levels = clamp_levels(*wanted, *totals, triangles);
-    const LevelGrid grid = grid_over(*bounds, levels.top, levels.base);
-    state->grid = grid;
-    state->base_cells = uint64_t{1} << (3 * levels.base);
-    for (int step = 0; step < 3; ++step) state->roots[step] = roots_of_step(grid, step);
-    state->cell_groups = groups_of_cells(grid);
+    *state = grid_state(grid_over(*bounds, levels.top, levels.base));
   }
 };
 }  // namespace collided

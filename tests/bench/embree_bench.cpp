@@ -1,5 +1,6 @@
 // The engine's broad phase on the CPU against Embree's: the same boxes, the same threads, in turn in one run.
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
@@ -15,12 +16,6 @@
 namespace collided::test {
 namespace {
 
-constexpr const char* kUsage =
-    "usage: collided_embree_bench [--scene NAME] [--scale S] [--rounds N] [--threads N] [--json]\n"
-    "                             [--date TEXT] [--commit TEXT]\n"
-    "Without --scene: the real frames cloth_ball_92_93 of the data folder (COLLIDED_DATA). A procedural scene is\n"
-    "taken at t = 0.8. Exit status 1 if the two do not find equally many pairs.\n";
-
 struct Options {
   std::string scene = kBallFrames.name, date, commit;
   double scale = 1;
@@ -29,36 +24,17 @@ struct Options {
   bool json = false;
 };
 
-void set_option(Options& o, const std::string& option, const std::string& value) {
-  if (option == "--scene")
-    o.scene = value;
-  else if (option == "--scale")
-    o.scale = std::stod(value);
-  else if (option == "--rounds")
-    o.rounds = std::stoi(value);
-  else if (option == "--threads")
-    o.threads = std::stoi(value);
-  else if (option == "--date")
-    o.date = value;
-  else if (option == "--commit")
-    o.commit = value;
-  else
-    throw std::invalid_argument("unknown option " + option);
-}
-
-Options parse(int argc, char** argv) {
-  Options o;
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    if (option == "--json") {
-      o.json = true;
-      continue;
-    }
-    if (i + 1 == argc) throw std::invalid_argument(option + " is not known, or needs a value");
-    set_option(o, option, argv[++i]);
-  }
-  if (o.rounds < 1 || o.threads < 1) throw std::invalid_argument("--rounds and --threads must be at least 1");
-  return o;
+void add_options(CLI::App& app, Options& o) {
+  app.footer(
+      "Without --scene: the real frames cloth_ball_92_93 of the data folder (COLLIDED_DATA). A procedural scene is\n"
+      "taken at t = 0.8. Exit status 1 if the two do not find equally many pairs.");
+  app.add_option("--scene", o.scene, "Scene")->capture_default_str();
+  app.add_option("--scale", o.scale, "Refines the grids of a procedural scene")->capture_default_str();
+  app.add_option("--rounds", o.rounds, "Runs of each contender")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--threads", o.threads, "Of both")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_flag("--json", o.json, "Print JSON");
+  app.add_option("--date", o.date, "Recorded in the result");
+  app.add_option("--commit", o.commit, "Recorded in the result");
 }
 
 double least(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
@@ -132,13 +108,14 @@ int run(const Options& o) {
 
 int main(int argc, char** argv) {
   using namespace collided::test;
+  CLI::App app("The engine's broad phase on the CPU against Embree's: the same boxes and threads, in turn");
+  Options options;
+  add_options(app, options);
+  CLI11_PARSE(app, argc, argv);
   try {
-    return run(parse(argc, argv));
-  } catch (const std::invalid_argument& e) {
-    std::cerr << e.what() << "\n" << kUsage;
-    return 2;
+    return run(options);
   } catch (const std::exception& e) {
     std::cerr << "collided_embree_bench: " << e.what() << "\n";
-    return 1;
+    return 2;
   }
 }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "gpu/exec/buffer.hpp"
@@ -51,6 +52,26 @@ TEST_P(CpuExecTest, GroupsHaveTheirOwnSharedMemory) {
   const uint64_t count = out.size();
   exec.for_each_group("sum", {&count, count}, SumInGroup{{out.data(), count}});
   for (uint64_t i = 0; i < count; ++i) ASSERT_EQ(out[i], i * 4950);
+}
+
+TEST_P(CpuExecTest, SortsPairsStablyByTheLowestBits) {
+  constexpr int kBits = 20;
+  std::vector<uint64_t> keys(100'000), other_keys(keys.size());
+  std::vector<uint32_t> values(keys.size()), other_values(keys.size()), expected(keys.size());
+  for (uint32_t i = 0; i < keys.size(); ++i) {
+    keys[i] = i * 2654435761ull % 50'000 | uint64_t{i % 3} << kBits;  // the bits above play no part
+    values[i] = expected[i] = i;
+  }
+  const std::vector<uint64_t> given = keys;
+  const auto low = [&](uint32_t i) { return given[i] & ((1u << kBits) - 1u); };
+  std::stable_sort(expected.begin(), expected.end(), [&](uint32_t a, uint32_t b) { return low(a) < low(b); });
+  const int sorted = exec.sort_pairs("sort", kBits,
+                                     {{keys.data(), keys.size()},
+                                      {other_keys.data(), keys.size()},
+                                      {values.data(), keys.size()},
+                                      {other_values.data(), keys.size()}});
+  EXPECT_EQ(sorted == 0 ? values : other_values, expected);
+  for (size_t i = 0; i < keys.size(); ++i) ASSERT_EQ((sorted == 0 ? keys : other_keys)[i], given[expected[i]]);
 }
 
 struct IdentityOf {
