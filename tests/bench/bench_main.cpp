@@ -1,10 +1,9 @@
 // Runs scenes through the engine and writes what each stage cost, as JSON, to standard output.
 
+#include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstring>
 #include <iostream>
 #include <map>
-#include <span>
 #include <stdexcept>
 
 #include "tests/bench/inputs.hpp"
@@ -15,23 +14,23 @@
 namespace collided::test {
 namespace {
 
-constexpr const char* kUsage =
-    "usage: collided_bench [--backend cpu|cuda] [--mode ccd|dcd] [--accuracy LEVEL] [--scalar f32|f64]\n"
-    "                      [--thickness H] [--steps N] [--warm-up N] [--threads N] [--scene NAME] [--scale S]\n"
-    "                      [--date TEXT] [--commit TEXT] [--check-same] [--compare-levels]\n"
-    "LEVEL is candidates, fast, guarded, certified (default) or exact. Real frames come from the data folder\n"
-    "(COLLIDED_DATA). --check-same prints `scene digest contacts` lines instead: equal lines mean equal result\n"
-    "arrays, byte for byte, in CCD and DCD, F32 and F64. --compare-levels runs all levels and reports side by side\n"
-    "(CCD): per scene and level, narrow phase and all stages, as times and as ratios to FAST.\n";
-
-constexpr std::pair<const char*, Backend> kBackends[] = {{"cpu", Backend::kCpu}, {"cuda", Backend::kCuda}};
-constexpr std::pair<const char*, Mode> kModes[] = {{"ccd", Mode::kCcd}, {"dcd", Mode::kDcd}};
-constexpr std::pair<const char*, Scalar> kScalars[] = {{"f32", Scalar::kF32}, {"f64", Scalar::kF64}};
-constexpr std::pair<const char*, Accuracy> kLevels[] = {{"candidates", Accuracy::kCandidates},
-                                                        {"fast", Accuracy::kFast},
-                                                        {"guarded", Accuracy::kGuarded},
-                                                        {"certified", Accuracy::kCertified},
-                                                        {"exact", Accuracy::kExact}};
+template <class T>
+using Names = std::vector<std::pair<std::string, T>>;
+const Names<Backend> kBackends{{"cpu", Backend::kCpu}, {"cuda", Backend::kCuda}};
+const Names<Mode> kModes{{"ccd", Mode::kCcd}, {"dcd", Mode::kDcd}};
+const Names<Scalar> kScalars{{"f32", Scalar::kF32}, {"f64", Scalar::kF64}};
+const Names<Accuracy> kLevels{{"candidates", Accuracy::kCandidates},
+                              {"fast", Accuracy::kFast},
+                              {"guarded", Accuracy::kGuarded},
+                              {"certified", Accuracy::kCertified},
+                              {"exact", Accuracy::kExact}};
+const Names<Engine> kEngines{{"auto", Engine::kAuto},
+                             {"octree", Engine::kOctree},
+                             {"top-down", Engine::kTopDown},
+                             {"bottom-up", Engine::kBottomUp},
+                             {"uniform-grid", Engine::kUniformGrid},
+                             {"two-level-grid", Engine::kTwoLevelGrid},
+                             {"lbvh", Engine::kLbvh}};
 
 struct Options {
   SceneSpec spec;
@@ -42,54 +41,42 @@ struct Options {
 };
 
 template <class T>
-T choice(const std::string& option, const std::string& value, std::span<const std::pair<const char*, T>> known) {
-  for (const auto& [name, result] : known)
-    if (value == name) return result;
-  throw std::invalid_argument(option + " cannot be '" + value + "'");
+const std::string& name_of(const Names<T>& names, T value) {
+  for (const auto& [name, known] : names)
+    if (known == value) return name;
+  throw std::logic_error("a value without a name");
 }
 
-void set_option(Options& o, const std::string& option, const std::string& value) {
-  if (option == "--backend")
-    o.spec.backend = choice<Backend>(option, value, kBackends);
-  else if (option == "--mode")
-    o.spec.mode = choice<Mode>(option, value, kModes);
-  else if (option == "--accuracy")
-    o.spec.accuracy = choice<Accuracy>(option, value, kLevels);
-  else if (option == "--scalar")
-    o.spec.scalar = choice<Scalar>(option, value, kScalars);
-  else if (option == "--thickness")
-    o.spec.thickness = std::stod(value);
-  else if (option == "--threads")
-    o.spec.threads = std::stoi(value);
-  else if (option == "--steps")
-    o.steps = std::stoi(value);
-  else if (option == "--warm-up")
-    o.warm_up = std::stoi(value);
-  else if (option == "--scene")
-    o.scene = value;
-  else if (option == "--scale")
-    o.scale = std::stod(value);
-  else if (option == "--date")
-    o.date = value;
-  else if (option == "--commit")
-    o.commit = value;
-  else
-    throw std::invalid_argument("unknown option " + option);
+template <class T>
+void add_choice(CLI::App& app, const std::string& option, T& value, const Names<T>& names, const char* what) {
+  app.add_option(option, value, what)
+      ->transform(CLI::CheckedTransformer(names).description(""))
+      ->type_name("")
+      ->default_str(name_of(names, value));
 }
 
-Options parse(int argc, char** argv) {
-  Options o;
-  for (int i = 1; i < argc; ++i) {
-    const bool check = !std::strcmp(argv[i], "--check-same"), compare = !std::strcmp(argv[i], "--compare-levels");
-    o.check_same |= check;
-    o.compare_levels |= compare;
-    if (check || compare) continue;
-    if (i + 1 == argc) throw std::invalid_argument(std::string(argv[i]) + " needs a value");
-    set_option(o, argv[i], argv[i + 1]);
-    ++i;
-  }
-  if (o.steps < 1) throw std::invalid_argument("--steps must be at least 1");
-  return o;
+void add_options(CLI::App& app, Options& o) {
+  app.footer("Real frames come from the data folder (COLLIDED_DATA).");
+  add_choice(app, "--backend", o.spec.backend, kBackends, "cpu or cuda");
+  add_choice(app, "--mode", o.spec.mode, kModes, "ccd or dcd");
+  add_choice(app, "--accuracy", o.spec.accuracy, kLevels, "candidates, fast, guarded, certified or exact");
+  add_choice(app, "--scalar", o.spec.scalar, kScalars, "f32 or f64");
+  add_choice(app, "--engine", o.spec.engine, kEngines,
+             "auto, octree, top-down, bottom-up, uniform-grid, two-level-grid or lbvh");
+  app.add_option("--thickness", o.spec.thickness, "Contact distance")->capture_default_str();
+  app.add_option("--threads", o.spec.threads, "CPU threads; 0: all cores")->capture_default_str();
+  app.add_option("--steps", o.steps, "Steps that count")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--warm-up", o.warm_up, "Steps before")->check(CLI::NonNegativeNumber)->capture_default_str();
+  app.add_option("--scene", o.scene, "One scene; default: all");
+  app.add_option("--scale", o.scale, "Refines the grids")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--date", o.date, "Recorded in the result");
+  app.add_option("--commit", o.commit, "Recorded in the result");
+  app.add_flag("--check-same", o.check_same,
+               "Print `scene digest contacts` lines instead: equal lines mean equal result arrays, byte for byte, in "
+               "CCD and DCD, F32 and F64");
+  app.add_flag("--compare-levels", o.compare_levels,
+               "Run all levels side by side (CCD): per scene and level, narrow phase and all stages, as times and as "
+               "ratios to FAST");
 }
 
 uint64_t bytes_of(const Detector& detector) {
@@ -164,9 +151,9 @@ RunReport run_all(const Options& o) {
   RunReport report{.date = o.date,
                    .commit = o.commit,
                    .device = device_name(o.spec.backend),
-                   .mode = o.spec.mode == Mode::kCcd ? "ccd" : "dcd",
-                   .accuracy = kLevels[static_cast<size_t>(o.spec.accuracy)].first,
-                   .scalar = o.spec.scalar == Scalar::kF32 ? "f32" : "f64",
+                   .mode = name_of(kModes, o.spec.mode),
+                   .accuracy = name_of(kLevels, o.spec.accuracy),
+                   .scalar = name_of(kScalars, o.spec.scalar),
                    .thickness = o.spec.thickness,
                    .scenes = {}};
   for (const BenchInput& input : bench_inputs(o.scene, o.scale)) {
@@ -184,7 +171,7 @@ void compare_levels(const Options& o) {
     reports.push_back(compare_levels(input, o.spec, o.steps, 3));
   }
   std::cout << "{\n  \"date\": \"" << o.date << "\", \"commit\": \"" << o.commit << "\", \"device\": \""
-            << device_name(o.spec.backend) << "\",\n  \"scalar\": \"" << (o.spec.scalar == Scalar::kF32 ? "f32" : "f64")
+            << device_name(o.spec.backend) << "\",\n  \"scalar\": \"" << name_of(kScalars, o.spec.scalar)
             << "\", \"steps\": " << o.steps << ",\n  \"scenes\": ";
   write_levels(std::cout, reports);
   std::cout << "\n}\n";
@@ -215,8 +202,11 @@ void check_same(const Options& o) {
 
 int main(int argc, char** argv) {
   using namespace collided::test;
+  CLI::App app("Runs scenes through the engine and writes what each stage cost, as JSON, to standard output");
+  Options options;
+  add_options(app, options);
+  CLI11_PARSE(app, argc, argv);
   try {
-    const Options options = parse(argc, argv);
     if (options.check_same)
       check_same(options);
     else if (options.compare_levels)
@@ -224,9 +214,6 @@ int main(int argc, char** argv) {
     else
       write_json(std::cout, run_all(options));
     return 0;
-  } catch (const std::invalid_argument& e) {
-    std::cerr << e.what() << "\n" << kUsage;
-    return 2;
   } catch (const std::exception& e) {
     std::cerr << "collided_bench: " << e.what() << "\n";
     return 1;
