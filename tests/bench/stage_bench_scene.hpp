@@ -1,0 +1,63 @@
+#pragma once
+// One step of a scene (CCD, CERTIFIED, F32, octree) in the engine's own buffers, with what each stage of it was given
+// by the one before, so that stages can be measured one by one on real data.
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gpu/exec/cpu_exec.hpp"
+#include "gpu/pipeline.hpp"
+#include "gpu/topology.hpp"
+#include "tests/support/case.hpp"
+
+namespace collided::test {
+
+/// What the steps of the narrow phase are given, for one kind of features.
+struct QueryLists {
+  std::vector<uint64_t> candidates;  ///< their boxes overlap
+  std::vector<uint64_t> kept;        ///< by the coplanarity filter
+  std::vector<uint64_t> screened;    ///< no fixed direction keeps them apart
+  std::vector<Suspect> near;         ///< nor can float tell them apart
+};
+
+class StageScene {
+ public:
+  StageScene(const std::string& name, const Case& step);
+
+  uint64_t triangles() const { return features.topology.triangles.size(); }
+  StepState& state() const { return *buffers.state.data(); }
+  VertexTriangle kind_of(const VertexTriangle*) const { return {buffers.topology.triangles.all()}; }
+  EdgeEdge kind_of(const EdgeEdge*) const { return {buffers.topology.edges.all()}; }
+  template <class Kind>
+  Kind kind() const {
+    return kind_of(static_cast<const Kind*>(nullptr));
+  }
+  template <class Kind>
+  const QueryLists& lists() const {
+    return lists_[KindTraits<Kind>::kIndex];
+  }
+
+  SceneSpec spec;
+  double thickness_at_rest;  ///< of tests of the positions at t = 1; the step itself has none
+  FeatureTables features;
+  Frame frame;
+  CpuExec exec{1, 0};  ///< one thread: figures are those of one core
+  SceneBuffers<CpuExec, float> buffers{exec};
+  BroadPhase<CpuExec, float> octree{exec, spec, features.topology, buffers};
+  LbvhPhase<CpuExec, float> hierarchy{exec, spec, features.topology, buffers};
+  OctreePlan plan;                                   ///< of the step
+  StepState step{};                                  ///< as the step left it
+  std::vector<std::pair<uint32_t, uint32_t>> pairs;  ///< of triangles whose boxes overlap
+
+ private:
+  void make_resident(const Case& step);
+  void run_step();
+  void find_pairs();
+  template <class Kind>
+  void find_queries(QueryLists& lists) const;
+
+  QueryLists lists_[2];
+};
+
+}  // namespace collided::test
