@@ -34,10 +34,7 @@ class NarrowPhase {
       if (!has_kind(kind)) continue;
       if (scene_.kept[kind].capacity() == 0) scene_.kept[kind].allocate(kFirst);
       if (needs_.is_screened() && scene_.screened[kind].capacity() == 0) scene_.screened[kind].allocate(kFirst);
-      if (needs_.is_approached() && scene_.suspects[kind].capacity() == 0) {
-        scene_.suspects[kind].allocate(kFirst);
-        scene_.near_suspects[kind].allocate(kFirst);
-      }
+      if (needs_.is_approached() && scene_.suspects[kind].capacity() == 0) scene_.suspects[kind].allocate(kFirst);
     }
   }
 
@@ -53,7 +50,6 @@ class NarrowPhase {
       check(scene_.kept[kind], need.kept[kind]);
       check(scene_.screened[kind], need.screened[kind]);
       check(scene_.suspects[kind], need.suspects[kind]);
-      check(scene_.near_suspects[kind], need.near_suspects[kind]);
     }
     check(scene_.triangle_pairs, need.triangle_pairs);
     for (auto [buffers, count] : {std::pair(&scene_.contacts, need.contacts), {&scene_.earliest, need.earliest}}) {
@@ -127,34 +123,21 @@ class NarrowPhase {
   void detect_screened(const Kind& kind, const Counted& kept) {
     constexpr int k = KindTraits<Kind>::kIndex;
     StepState* state = scene_.state.data();
-    Buffer<Suspect, Exec>&suspects = scene_.suspects[k], &near = scene_.near_suspects[k];
-    const auto screened = queries(kind, scene_.screened[k]);
-    const Counted screened_count{&state->screened[k], scene_.screened[k].capacity()};
+    const Counted screened{&state->screened[k], scene_.screened[k].capacity()};
     exec_.for_each(
         "screen_ccd", kept,
         ScreenCcd<Real, Kind>{queries(kind, scene_.kept[k]), {scene_.screened[k].all(), &state->screened[k]}});
-    if (!needs_.is_approached()) return advance_ccd<float>(kind, screened_count, screened, kMaxAdvances, {});
-    // Those that need many iterations are gathered twice, for a warp takes as long as the slowest of its queries.
-    constexpr int kAtFirst = 2, kThen = 3;
-    const Counted suspect_count{&state->suspects[k], suspects.capacity()};
-    const Counted near_count{&state->near_suspects[k], near.capacity()};
-    approach(screened_count, screened, {suspects.all(), &state->suspects[k]}, kAtFirst);
-    approach(suspect_count, queries(kind, suspects), {near.all(), &state->near_suspects[k]}, kThen);
-    // The list of suspects is free again.
-    const AppendList<Suspect> late{suspects.all(), &state->late[k]};
-    advance_ccd<double>(kind, near_count, queries(kind, near), kThen, late);
-    advance_ccd<double>(kind, {&state->late[k], suspects.capacity()}, queries(kind, suspects), kMaxAdvances, {});
-  }
-  template <class Kind, class Candidate>
-  void approach(const Counted& count, const CcdQueries<Real, Kind, Candidate>& candidates,
-                const AppendList<Suspect>& suspects, int iterations) {
-    exec_.for_each("approach_ccd", count, ApproachCcd<Real, Kind, Candidate>{candidates, suspects, iterations});
+    if (!needs_.is_approached()) return advance_ccd<float>(kind, screened, scene_.screened[k]);
+    Buffer<Suspect, Exec>& suspects = scene_.suspects[k];
+    exec_.for_each_in_steps(
+        "approach_ccd", screened, &state->next_query[k][0],
+        ApproachCcd<Real, Kind>{queries(kind, scene_.screened[k]), {suspects.all(), &state->suspects[k]}});
+    advance_ccd<double>(kind, {&state->suspects[k], suspects.capacity()}, suspects);
   }
   template <class Work, class Kind, class Candidate>
-  void advance_ccd(const Kind& kind, const Counted& count, const CcdQueries<Real, Kind, Candidate>& candidates,
-                   int iterations, const AppendList<Suspect>& late) {
-    exec_.for_each("advance_ccd", count,
-                   AdvanceCcd<Work, Real, Kind, Candidate>{candidates, sink(first_rank(kind)), iterations, late});
+  void advance_ccd(const Kind& kind, const Counted& count, const Buffer<Candidate, Exec>& candidates) {
+    exec_.for_each_in_steps("advance_ccd", count, &scene_.state.data()->next_query[KindTraits<Kind>::kIndex][1],
+                            AdvanceCcd<Work, Real, Kind, Candidate>{queries(kind, candidates), sink(first_rank(kind))});
   }
   template <class Kind>
   void run(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {

@@ -110,7 +110,6 @@ struct SceneBuffers {
         kept{{exec, "candidates"}, {exec, "candidates"}},
         screened{{exec, "candidates"}, {exec, "candidates"}},
         suspects{{exec, "candidates"}, {exec, "candidates"}},
-        near_suspects{{exec, "candidates"}, {exec, "candidates"}},
         contacts(exec),
         earliest(exec),
         sorted(exec, "contacts"),
@@ -130,10 +129,9 @@ struct SceneBuffers {
   OctreeBuffers<Exec> octree;
   BvhBuffers<Exec> bvh;
   Buffer<uint64_t, Exec> triangle_pairs;
-  Buffer<uint64_t, Exec> kept[2];          ///< candidates of each kind that the filter keeps
-  Buffer<uint64_t, Exec> screened[2];      ///< those of them that no fixed direction keeps apart
-  Buffer<Suspect, Exec> suspects[2];       ///< those of them that float has not told apart at first
-  Buffer<Suspect, Exec> near_suspects[2];  ///< nor in the end
+  Buffer<uint64_t, Exec> kept[2];      ///< candidates of each kind that the filter keeps
+  Buffer<uint64_t, Exec> screened[2];  ///< those of them that no fixed direction keeps apart
+  Buffer<Suspect, Exec> suspects[2];   ///< those of them that float has not told apart
   ContactBuffers<Exec, Real> contacts;
   ContactBuffers<Exec, Real> earliest;  ///< EARLIEST_ONLY
   Buffer<ContactData<Real>, Exec> sorted;

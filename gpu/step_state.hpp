@@ -13,10 +13,10 @@ struct StepState {
   LeafTotals leaves;
   uint64_t large, bricks[kMaxRounds];
   uint64_t pairs, candidates[2];
-  uint64_t triangle_pairs, kept[2], screened[2], suspects[2], near_suspects[2], late[2], contacts, earliest,
-      crowded_ranks;
+  uint64_t triangle_pairs, kept[2], screened[2], suspects[2], contacts, earliest, crowded_ranks;
 
-  uint64_t next_item;  ///< of the search for pairs
+  uint64_t next_item;         ///< of the search for pairs
+  uint64_t next_query[2][2];  ///< of the narrow phase, in float and in double
   uint64_t small_triangles;
   Box<float> bounds;
   LevelTotals totals;

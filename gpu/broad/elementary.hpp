@@ -14,8 +14,8 @@ COLLIDED_HD inline uint32_t first_id(uint64_t key) { return static_cast<uint32_t
 COLLIDED_HD inline uint32_t second_id(uint64_t key) { return static_cast<uint32_t>(key); }
 
 /// Which features of two triangles a and b a candidate takes, by number: 0-2: corner of a, triangle b; 3-5: corner of
-/// b, triangle a; 6 + 3k + m: edge k of a, edge m of b.
-constexpr int kFirstEdgeEdge = 6, kElementaryTests = 15;
+/// b, triangle a; 6 + 4k + m: edge k of a, edge m of b.
+constexpr int kFirstEdgeEdge = 6;
 
 /// A candidate's key and its points, in the order of Stencil.
 template <class Real>
@@ -38,7 +38,7 @@ struct ElementaryTests {
     if (vertex_triangle) tests = (p & 7u) | (q & 7u) << 3;
     if (edge_edge) {
       const uint32_t edges = q >> 3;
-      tests |= ((p >> 3 & 1u) * edges | (p >> 4 & 1u) * edges << 3 | (p >> 5 & 1u) * edges << 6) << kFirstEdgeEdge;
+      tests |= ((p >> 3 & 1u) * edges | (p >> 4 & 1u) * edges << 4 | (p >> 5 & 1u) * edges << 8) << kFirstEdgeEdge;
     }
     return tests;
   }
@@ -82,7 +82,7 @@ struct ElementaryTests {
   struct EdgeCorners {
     CornerRecord<Real> a0, a1, b0, b1;
     COLLIDED_HD EdgeCorners(const ElementaryTests& scene, uint32_t a, uint32_t b, int test) {
-      const int k = (test - kFirstEdgeEdge) / 3, m = (test - kFirstEdgeEdge) % 3;
+      const int k = (test - kFirstEdgeEdge) >> 2, m = (test - kFirstEdgeEdge) & 3;
       const TriangleRecord<Real>&p = scene.records[a], &q = scene.records[b];
       a0 = p.corner[k], a1 = p.corner[next(k)], b0 = q.corner[m], b1 = q.corner[next(m)];
     }

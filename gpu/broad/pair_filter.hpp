@@ -14,8 +14,9 @@ struct PairFilter {
   const uint32_t* mesh_of_triangle = nullptr;
   const MeshRule* rules = nullptr;
 
+  COLLIDED_HD bool is_needed() const { return mesh_of_triangle != nullptr; }
   COLLIDED_HD bool operator()(uint32_t a, uint32_t b) const {
-    if (mesh_of_triangle == nullptr) return true;
+    if (!is_needed()) return true;
     const uint32_t mesh_a = mesh_of_triangle[a], mesh_b = mesh_of_triangle[b];
     const MeshRule p = rules[mesh_a], q = rules[mesh_b];
     if (p.is_static != 0 && q.is_static != 0) return false;

@@ -39,15 +39,14 @@ struct LeafPairs {
     return {leaf, registered.data + leaf.offset, item.row * kTile, item.column * kTile,
             smaller((item.column + tiles_of_item(leaf.count)) * kTile, leaf.count)};
   }
-  /// Whether a pair whose boxes overlap is this leaf's to report.
-  COLLIDED_HD bool reports(const Work& work, const Box<float>& box_a, uint32_t a, const Box<float>& box_b,
-                           uint32_t b) const {
-    const Coords token = shifted(grid->deepest_cell({larger(box_a.lo.x, box_b.lo.x), larger(box_a.lo.y, box_b.lo.y),
-                                                     larger(box_a.lo.z, box_b.lo.z)}),
-                                 kDeepest - work.leaf.level);
-    const Coords& cell = work.leaf.cell;
-    return token.x == cell.x && token.y == cell.y && token.z == cell.z && filter(a, b);
+  /// One bit for each axis along which the box's lower corner lies in the leaf's cell. Along the others it lies before.
+  COLLIDED_HD uint32_t token(const Work& work, const Box<float>& box) const {
+    const Coords lower = shifted(grid->deepest_cell(box.lo), kDeepest - work.leaf.level), cell = work.leaf.cell;
+    return (lower.x == cell.x ? 1u : 0u) | (lower.y == cell.y ? 2u : 0u) | (lower.z == cell.z ? 4u : 0u);
   }
+  /// Whether a pair whose boxes overlap is this leaf's to report, by the tokens of the two: the larger of the lower
+  /// corners lies in the cell along each axis.
+  COLLIDED_HD static bool is_token(uint32_t a, uint32_t b) { return (a | b) == 7u; }
 };
 
 }  // namespace collided

@@ -77,6 +77,19 @@ class CpuExec {
     });
   }
 
+  /// f.begin(i, state), then f.step(state) until state.is_over(), then f.finish(state), for i in [0, n); no step if
+  /// begin() leaves the state as it was.
+  template <class F>
+  void for_each_in_steps(const char* name, const Counted& n, uint64_t*, const F& f) {
+    for_each(name, n.size(), [&](uint64_t i) {
+      typename F::State state;
+      f.begin(i, state);
+      if (state.is_over()) return;
+      while (!state.is_over()) f.step(state);
+      f.finish(state);
+    });
+  }
+
   /// The pairs of a source's items, handed to a sink (pair_search.hpp).
   template <class Source, class Sink>
   void search(const char*, const Counted& items, uint64_t*, const Source& source, const Sink& sink) {

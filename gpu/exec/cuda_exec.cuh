@@ -13,6 +13,7 @@
 
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
+#include "gpu/exec/in_steps.cuh"
 #include "gpu/exec/memory_ledger.hpp"
 #include "gpu/exec/pair_search.cuh"
 #include "gpu/exec/sort_arrays.hpp"
@@ -114,11 +115,22 @@ class CudaExec {
     check_cuda(cudaGetLastError(), name);
   }
 
+  /// f.begin(i, state), then f.step(state) until state.is_over(), then f.finish(state), for i in [0, n); no step if
+  /// begin() leaves the state as it was. `next` is a zeroed counter.
+  template <class F>
+  void for_each_in_steps(const char* name, const Counted& n, uint64_t* next, const F& f) {
+    if (n.most == 0 || reserving_) return;
+    const unsigned most = blocks_for(n.most, kStepsBlock);
+    const unsigned blocks = std::min(most, resident_blocks(name, for_each_in_steps_kernel<F>, kStepsBlock));
+    for_each_in_steps_kernel<<<blocks, kStepsBlock, 0, stream_>>>(n, next, f);
+    check_cuda(cudaGetLastError(), name);
+  }
+
   /// The pairs of a source's items, handed to a sink (pair_search.cuh). `next` is a zeroed counter.
   template <class Source, class Sink>
   void search(const char* name, const Counted& items, uint64_t* next, const Source& source, const Sink& sink) {
     if (items.most == 0 || reserving_) return;
-    const unsigned blocks = resident_blocks(name, pair_search_kernel<Source, Sink>);
+    const unsigned blocks = resident_blocks(name, pair_search_kernel<Source, Sink>, kSearchBlock);
     pair_search_kernel<<<blocks, kSearchBlock, 0, stream_>>>(items, next, source, sink);
     check_cuda(cudaGetLastError(), name);
   }
@@ -128,7 +140,7 @@ class CudaExec {
   void walk(const char* name, uint64_t items, uint64_t* next, const Source& source, const Sink& sink) {
     if (items == 0 || reserving_) return;
     const unsigned most = blocks_for(items, kSearchBlock);
-    const unsigned blocks = std::min(most, resident_blocks(name, tree_walk_kernel<Source, Sink>));
+    const unsigned blocks = std::min(most, resident_blocks(name, tree_walk_kernel<Source, Sink>, kSearchBlock));
     tree_walk_kernel<<<blocks, kSearchBlock, 0, stream_>>>(items, next, source, sink);
     check_cuda(cudaGetLastError(), name);
   }
@@ -299,9 +311,9 @@ class CudaExec {
   }
   /// As many as the device holds at once.
   template <class Kernel>
-  unsigned resident_blocks(const char* name, Kernel* kernel) const {
+  unsigned resident_blocks(const char* name, Kernel* kernel, unsigned block) const {
     int resident = 0;
-    check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&resident, kernel, kSearchBlock, 0), name);
+    check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&resident, kernel, static_cast<int>(block), 0), name);
     return static_cast<unsigned>(std::max(resident, 1)) * processors_;
   }
   /// Calls a CUB function with the memory that it asks for.

@@ -3,13 +3,9 @@
 // there are enough for all lanes, so that every step works with full warps and a list is appended to by a warp at a
 // time.
 
-#include <cuda_runtime.h>
-
-#include <cstdint>
+#include "gpu/exec/warp.cuh"
 
 namespace collided {
-
-constexpr unsigned kAllLanes = ~0u;
 
 /// Entries that wait for a full warp: fewer than 32, and what one push may add, `each` a lane.
 template <unsigned each>
@@ -17,33 +13,43 @@ struct WarpQueue {
   uint64_t entry[32 + 32 * each];
 };
 
-__device__ inline unsigned lane_id() { return threadIdx.x & 31u; }
-
 /// Appends the values of the lanes with `has`.
-__device__ inline void push(WarpQueue<1>& queue, unsigned& size, bool has, uint64_t value) {
+template <unsigned each>
+__device__ void push(WarpQueue<each>& queue, unsigned& size, bool has, uint64_t value) {
   const unsigned lanes = __ballot_sync(kAllLanes, has);
   if (has) queue.entry[size + __popc(lanes & ((1u << lane_id()) - 1u))] = value;
   size += __popc(lanes);
   __syncwarp();
 }
 
+/// Places for a few entries of each lane, at most `most` of them, behind `size`.
+template <unsigned most>
+__device__ unsigned claim(unsigned& size, unsigned count) {
+  unsigned before = 0, all = 0;
+  for (unsigned bit = 1; bit <= most; bit *= 2) {
+    const unsigned lanes = __ballot_sync(kAllLanes, (count & bit) != 0);
+    before += bit * __popc(lanes & ((1u << lane_id()) - 1u));
+    all += bit * __popc(lanes);
+  }
+  const unsigned place = size + before;
+  size += all;
+  return place;
+}
+
 /// Appends an entry for each bit of the lanes' `tests`.
 template <unsigned each>
 __device__ void push_tests(WarpQueue<each>& queue, unsigned& size, uint32_t tests, uint64_t pair) {
-  unsigned end = __popc(tests);
-  for (int offset = 1; offset < 32; offset *= 2) {
-    const unsigned before = __shfl_up_sync(kAllLanes, end, offset);
-    if (lane_id() >= static_cast<unsigned>(offset)) end += before;
-  }
-  for (unsigned place = size + end - __popc(tests); tests != 0; tests &= tests - 1)
+  for (unsigned place = claim<each>(size, __popc(tests)); tests != 0; tests &= tests - 1)
     queue.entry[place++] = pair | static_cast<uint64_t>(__ffs(tests) - 1) << 60;
-  size += __shfl_sync(kAllLanes, end, 31);
   __syncwarp();
 }
 
+/// Pairs that a lane hands over at once, at most.
+constexpr unsigned kPairsAtOnce = 4;
+
 /// Memory of a warp.
 struct PairQueuesShared {
-  WarpQueue<1> pairs;
+  WarpQueue<kPairsAtOnce> pairs;
   WarpQueue<6> first_tests;  ///< features whose boxes have to be tested
   WarpQueue<9> second_tests;
   WarpQueue<1> first, second;  ///< candidates
@@ -57,8 +63,22 @@ class PairQueues {
 
   /// The pairs of the lanes with `found`.
   __device__ void add(bool found, uint32_t a, uint32_t b) {
-    push(shared_.pairs, pairs_, found, uint64_t{min(a, b)} << 30 | max(a, b));
+    push(shared_.pairs, pairs_, found, pack(a, b));
     if (pairs_ >= 32) drain_pairs(32);
+  }
+
+  /// The pairs of a with those that its lane's bits stand for.
+  template <class IdOf>
+  __device__ void add_all(uint32_t a, uint32_t bits, const IdOf& id_of) {
+    while (__any_sync(kAllLanes, bits != 0)) {
+      unsigned count = min(kPairsAtOnce, static_cast<unsigned>(__popc(bits)));
+      for (unsigned place = claim<kPairsAtOnce>(pairs_, count); count > 0; --count, bits &= bits - 1) {
+        const uint32_t b = id_of(__ffs(bits) - 1);
+        shared_.pairs.entry[place++] = pack(a, b);
+      }
+      __syncwarp();
+      while (pairs_ >= 32) drain_pairs(32);
+    }
   }
 
   /// After the last pair.
@@ -81,6 +101,7 @@ class PairQueues {
     int test;
     uint64_t packed;
   };
+  __device__ static uint64_t pack(uint32_t a, uint32_t b) { return uint64_t{min(a, b)} << 30 | max(a, b); }
   template <class Queue>
   __device__ static Entry take(const Queue& queue, unsigned& size, unsigned count) {
     constexpr uint64_t kIdMask = (1u << 30) - 1u;
@@ -102,7 +123,7 @@ class PairQueues {
       const uint32_t tests = pair.active ? sink_.tests_of(pair.a, pair.b) : 0;
       constexpr uint32_t kFirstKind = (1u << Sink::kFirstOfSecondKind) - 1u;
       push_tests(shared_.first_tests, first_tests_, tests & kFirstKind, pair.packed);
-      push_tests(shared_.second_tests, second_tests_, tests & ~kFirstKind, pair.packed);
+      push_tests(shared_.second_tests, second_tests_, tests >> Sink::kFirstOfSecondKind, pair.packed);
       while (first_tests_ >= 32) drain_first_tests(32);
       while (second_tests_ >= 32) drain_second_tests(32);
     }
@@ -114,7 +135,7 @@ class PairQueues {
   }
   __device__ void drain_second_tests(unsigned count) {
     const Entry e = take(shared_.second_tests, second_tests_, count);
-    push(shared_.second, second_, e.active && sink_.is_second(e.a, e.b, e.test), e.packed);
+    push(shared_.second, second_, e.active && sink_.is_second(e.a, e.b, e.test + Sink::kFirstOfSecondKind), e.packed);
     if (second_ >= 32) drain_second(32);
   }
   __device__ void drain_first(unsigned count) {
@@ -126,7 +147,7 @@ class PairQueues {
   __device__ void drain_second(unsigned count) {
     const Entry e = take(shared_.second, second_, count);
     second_count_ += count;
-    if (e.active) sink_.take_second(e.a, e.b, e.test);
+    if (e.active) sink_.take_second(e.a, e.b, e.test + Sink::kFirstOfSecondKind);
     __syncwarp();
   }
 

@@ -14,7 +14,7 @@ namespace collided {
 struct SearchShared {
   struct alignas(16) Member {
     float lo_x, lo_y, lo_z, hi_x, hi_y, hi_z;
-    uint32_t id, unused;
+    uint32_t id, token;
   };
   Member column[kTile];
   PairQueuesShared queues;
@@ -32,12 +32,17 @@ class WarpSearch {
     const bool has_row = mine < work.leaf.count;
     const uint32_t a = has_row ? work.members[mine] : 0;
     const Box<float> box = source_.boxes[a];
+    const uint32_t token = source_.token(work, box);
     for (uint32_t first = work.first_column; first < work.end_column; first += kTile) {
       const uint32_t columns = load_columns(work, first);
       uint32_t hits = 0;
-      for (uint32_t k = 0; k < columns; ++k) hits |= (overlaps(box, shared_.column[k]) ? 1u : 0u) << k;
+      for (uint32_t k = 0; k < columns; ++k) {
+        const SearchShared::Member& m = shared_.column[k];
+        hits |= (overlaps(box, m) && Source::is_token(token, m.token) ? 1u : 0u) << k;
+      }
       if (first == work.row) hits &= ~0u << lane_id() << 1;  // a tile with itself: only those after this one
-      report(work, box, a, has_row ? hits : 0);
+      if (source_.filter.is_needed()) hits = allowed(a, hits);
+      pairs_.add_all(a, has_row ? hits : 0, [&](uint32_t k) { return shared_.column[k].id; });
       __syncwarp();
     }
   }
@@ -57,25 +62,21 @@ class WarpSearch {
     if (lane_id() < columns) {
       const uint32_t id = work.members[first + lane_id()];
       const Box<float> box = source_.boxes[id];
-      shared_.column[lane_id()] = {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z, id, 0};
+      shared_.column[lane_id()] = {box.lo.x, box.lo.y, box.lo.z, box.hi.x,
+                                   box.hi.y, box.hi.z, id,       source_.token(work, box)};
     }
     __syncwarp();
     return columns;
   }
 
-  template <class Work>
-  __device__ void report(const Work& work, const Box<float>& box, uint32_t a, uint32_t hits) {
-    while (__any_sync(kAllLanes, hits != 0)) {
-      bool reported = false;
-      uint32_t b = 0;
-      if (hits != 0) {
-        const SearchShared::Member& m = shared_.column[__ffs(hits) - 1];
-        hits &= hits - 1;
-        b = m.id;
-        reported = source_.reports(work, box, a, {{m.lo_x, m.lo_y, m.lo_z}, {m.hi_x, m.hi_y, m.hi_z}}, b);
-      }
-      pairs_.add(reported, a, b);
+  /// Those of the hits that the filter lets pass.
+  __device__ uint32_t allowed(uint32_t a, uint32_t hits) const {
+    uint32_t kept = 0;
+    for (; hits != 0; hits &= hits - 1) {
+      const uint32_t k = __ffs(hits) - 1;
+      kept |= (source_.filter(a, shared_.column[k].id) ? 1u : 0u) << k;
     }
+    return kept;
   }
 
   const Source& source_;

@@ -17,12 +17,14 @@ struct PairTally {
 /// The boxes of up to kTile members, axis by axis, so that a vector unit can test several at once.
 struct BoxTile {
   float lo[3][kTile], hi[3][kTile];
-  uint32_t id[kTile];
+  uint32_t id[kTile], token[kTile];
 
-  void load(const uint32_t* members, uint32_t count, const Box<float>* boxes) {
+  template <class Source, class Work>
+  void load(const Source& source, const Work& work, uint32_t first, uint32_t count) {
     for (uint32_t k = 0; k < count; ++k) {
-      const Box<float>& box = boxes[members[k]];
-      id[k] = members[k];
+      id[k] = work.members[first + k];
+      const Box<float> box = source.boxes[id[k]];
+      token[k] = source.token(work, box);
       lo[0][k] = box.lo.x, lo[1][k] = box.lo.y, lo[2][k] = box.lo.z;
       hi[0][k] = box.hi.x, hi[1][k] = box.hi.y, hi[2][k] = box.hi.z;
     }
@@ -44,18 +46,18 @@ void visit_item(const Source& source, uint64_t item, const Visit& visit) {
   const auto work = source.work(item);
   const uint32_t rows = smaller(kTile, work.leaf.count - work.row);
   BoxTile row, column;
-  row.load(work.members + work.row, rows, source.boxes.data);
+  row.load(source, work, work.row, rows);
   uint32_t hit[kTile];
   for (uint32_t first = work.first_column; first < work.end_column; first += kTile) {
     const uint32_t columns = smaller(kTile, work.end_column - first);
-    column.load(work.members + first, columns, source.boxes.data);
+    column.load(source, work, first, columns);
     for (uint32_t r = 0; r < rows; ++r) {
       const Box<float> box = row.box(r);
       column.test(box, columns, hit);
       for (uint32_t k = first == work.row ? r + 1 : 0; k < columns; ++k) {
         if (hit[k] == 0) continue;
         const uint32_t a = row.id[r], b = column.id[k];
-        if (source.reports(work, box, a, column.box(k), b)) visit(smaller(a, b), larger(a, b));
+        if (Source::is_token(row.token[r], column.token[k]) && source.filter(a, b)) visit(smaller(a, b), larger(a, b));
       }
     }
   }

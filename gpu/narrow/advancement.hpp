@@ -1,15 +1,15 @@
 #pragma once
 // Certified separating-axis advancement: the step is covered from t = 0 on by intervals on which one direction, fixed
 // or turning, keeps the features apart (separation.hpp). [0, t) is certified free at every moment, so that a miss is
-// a miss and the time that is reported is never late, whatever the directions were; good directions only save
-// iterations.
+// a miss and the time that is reported is never late, whatever the directions were; good directions only save looks.
 
+#include "gpu/narrow/pace.hpp"
 #include "gpu/narrow/separation.hpp"
 
 namespace collided {
 
-/// Iterations after which a query is reported as a contact at the time that was reached (kFlagCapped).
-constexpr int kMaxAdvances = 64;
+/// Looks after the first one, after which a query is reported as a contact at the time that was reached (kFlagCapped).
+constexpr int kMostLooks = 64;
 
 template <class Work>
 struct Tolerance {
@@ -20,15 +20,7 @@ struct Tolerance {
 /// How far a query has come: apart on [0, t) for certain, with the pace that was right so far.
 struct Progress {
   float t = 0;
-  float left = 1.0f / 16;  ///< Pace::left
-};
-
-template <class Work>
-struct Advance {
-  bool hit;
-  Work t;  ///< hit: lower bound of the first time of contact
-  bool capped;
-  Work left = 0;  ///< Pace::left
+  Pace pace;
 };
 
 /// How the features face each other at one time.
@@ -57,80 +49,95 @@ struct Facing {
 /// The features at one time, and how far the directions at hand keep them apart.
 template <class Work, int N>
 struct View {
-  Facing<Work, N> facing;
+  Work gap, speed;  ///< as in Facing
   Along<Work, N> closest, normal;
 
-  COLLIDED_HD View(const Differences<Work, N>& d, Work t, Work thickness)
-      : facing(d, t), closest(d, facing.closest, thickness), normal(d, facing.normal, thickness) {}
-};
-
-/// How far the next turning direction reaches. Newton's method on the gap, kept a little short of contact: the share of
-/// the gap that is left is squared after each success, as the error of Newton's method is, and takes its root after
-/// each failure.
-template <class Work>
-struct Pace {
-  Work left;
-  Work limit = 1;  ///< longest step that is worth a try
-
-  /// A time after t at which the features should still be apart; 1 if they do not come closer.
-  COLLIDED_HD Work ahead_of(Work t, Work gap, Work speed, Work least_gap) const {
-    const Work most = smaller(Work(1), t + limit);
-    if (!(speed < 0)) return most;
-    return smaller(most, t + (gap - larger(left * gap, least_gap)) / -speed);
+  COLLIDED_HD static View at(const Differences<Work, N>& d, Work t, Work thickness) {
+    const Facing<Work, N> facing(d, t);
+    return {facing.gap, facing.speed, along(d, facing.closest, thickness), along(d, facing.normal, thickness)};
   }
-  COLLIDED_HD void succeed() {
-    constexpr Work kLeast = sizeof(Work) == 8 ? Work(1e-12) : Work(1e-5);
-    left = larger(left * left, kLeast);
-    limit = 4 * limit;
-  }
-  COLLIDED_HD void fail(Work step) {
-    left = smaller(Work(1) / 4, std::sqrt(left));
-    limit = step / 4;
+  /// Whether a direction that turns from what it is here, at t, to what it is there, at h, keeps the features apart.
+  COLLIDED_HD bool is_apart_until(const View& then, Work t, Work h) const {
+    return apart_while_turning(normal, then.normal, t, h) || apart_while_turning(closest, then.closest, t, h);
   }
 };
 
-/// Looks for contact in [0, 1], from where an earlier look left off. A contact that is certain to be reported
-/// after `last` may count as a miss; `last` never changes the time of a hit, for what it is depends on the order of the
-/// queries.
+/// Looks for contact of two features in [0, 1], a look at a time, from where an earlier search left off.
 template <class Work, int N>
-COLLIDED_HD Advance<Work> advance(const Differences<Work, N>& d, const Tolerance<Work>& tolerance, Work last,
-                                  const Progress& from, int iterations) {
-  const Work rounding = 32 * Precision<Work>::kUnit * d.extent;
-  Work t = from.t;
-  Pace<Work> pace{from.left};
-  View<Work, N> now(d, t, tolerance.thickness);
-  for (int i = 0; i < iterations; ++i) {
-    if (t > last) return {false, t, false};
-    const Reach<Work> by_closest = now.closest.reach(t);
-    if (by_closest.until > 1) return {false, t, false};
-    const Reach<Work> by_normal = now.normal.reach(t);
+class Advancement {
+ public:
+  Differences<Work, N> d;  ///< to be loaded before begin()
+
+  COLLIDED_HD void begin(const Tolerance<Work>& tolerance, const Progress& from, int most_looks) {
+    tolerance_ = tolerance;
+    pace_ = from.pace;
+    t_ = next_ = from.t;
+    looks_ = 0;
+    most_looks_ = most_looks;
+    outcome_ = Outcome::kOpen;
+  }
+  COLLIDED_HD bool is_over() const { return outcome_ != Outcome::kOpen; }
+  /// After the last look: whether they meet, as far as that is known.
+  COLLIDED_HD bool is_hit() const { return outcome_ == Outcome::kContact || is_capped(); }
+  COLLIDED_HD bool is_capped() const { return outcome_ == Outcome::kCapped; }
+  /// Apart on [0, t) for certain.
+  COLLIDED_HD Work time() const { return t_; }
+  COLLIDED_HD const Pace& pace() const { return pace_; }
+  COLLIDED_HD Work thickness() const { return tolerance_.thickness; }
+
+  /// Looks at the features at the time that was chosen for it. A contact that is certain to be reported after `last`
+  /// may count as a miss; `last` never changes the time of a hit, for what it is depends on the order of the queries.
+  COLLIDED_HD void look(Work last) {
+    const View<Work, N> then = View<Work, N>::at(d, next_, tolerance_.thickness);
+    if (looks_++ == 0)
+      now_ = then;
+    else
+      outcome_ = arrive(then);
+    if (!is_over()) outcome_ = choose_next(last);
+  }
+
+ private:
+  enum class Outcome : uint8_t { kOver, kOpen, kApart, kContact, kCapped };
+
+  COLLIDED_HD Outcome arrive(const View<Work, N>& then) {
+    const Work step = next_ - t_;
+    if (turns_) {
+      if (!now_.is_apart_until(then, t_, next_)) {
+        pace_.fail(step);
+        return Outcome::kOpen;
+      }
+      if (next_ == 1) return Outcome::kApart;
+    }
+    pace_.succeed(step, now_.gap, now_.speed, then.gap);
+    now_ = then;
+    t_ = next_;
+    return Outcome::kOpen;
+  }
+
+  COLLIDED_HD Outcome choose_next(Work last) {
+    if (t_ > last) return Outcome::kApart;
+    const Reach<Work> by_closest = now_.closest.reach(t_), by_normal = now_.normal.reach(t_);
     const Reach<Work> reach{larger(by_closest.until, by_normal.until),
                             larger(by_closest.separation, by_normal.separation)};
-    if (reach.until > 1) return {false, t, false};
-    if (!(reach.until > t) || !(reach.separation > tolerance.delta)) return {true, t, false, pace.left};
-    if (reach.until > last) return {false, t, false};
+    if (reach.until > 1) return Outcome::kApart;
+    if (!(reach.until > t_) || !(reach.separation > tolerance_.delta)) return Outcome::kContact;
+    if (reach.until > last) return Outcome::kApart;
+    if (looks_ > most_looks_) return Outcome::kCapped;
     // Features that turn need many fixed directions, but few turning ones.
-    const Work step = reach.until - t;
-    pace.limit = larger(pace.limit, 2 * step);
-    const Work ahead = pace.ahead_of(t, now.facing.gap - tolerance.thickness, now.facing.speed, rounding);
-    const bool tries = ahead > reach.until;
-    const Work next = tries ? ahead : reach.until;
-    const View<Work, N> then(d, next, tolerance.thickness);
-    if (!tries) {
-      pace.succeed();
-      now = then;
-      t = next;
-      continue;
-    }
-    const bool use_normal = by_normal.until - t > step / 2;  // it keeps its digits when the gap has lost them
-    const bool apart = use_normal ? apart_while_turning(now.normal, then.normal, t, next)
-                                  : apart_while_turning(now.closest, then.closest, t, next);
-    if (apart && next == 1) return {false, t, false};
-    apart ? pace.succeed() : pace.fail(next - t);
-    t = apart ? next : reach.until;
-    now = apart ? then : View<Work, N>(d, t, tolerance.thickness);
+    const Work rounding = 32 * Precision<Work>::kUnit * d.extent;
+    const Work ahead = pace_.ahead_of(t_, now_.gap - tolerance_.thickness, now_.speed, rounding);
+    turns_ = ahead > reach.until;
+    next_ = turns_ ? ahead : reach.until;
+    return Outcome::kOpen;
   }
-  return {true, t, true, pace.left};
-}
+
+  Tolerance<Work> tolerance_;
+  Pace pace_;
+  Work t_, next_;
+  View<Work, N> now_;
+  int looks_, most_looks_;
+  bool turns_;
+  Outcome outcome_ = Outcome::kOver;
+};
 
 }  // namespace collided

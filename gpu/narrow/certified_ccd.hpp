@@ -30,6 +30,9 @@ COLLIDED_HD inline uint64_t key_of(const Suspect& candidate) { return candidate.
 COLLIDED_HD inline Progress progress_of(uint64_t) { return {}; }
 COLLIDED_HD inline Progress progress_of(const Suspect& candidate) { return candidate.progress; }
 
+template <class Work, class Kind>
+using AdvancementOf = Advancement<Work, DifferenceOf<Kind>::kCount>;
+
 /// What the stages of the narrow phase look at. Candidate: uint64_t or Suspect.
 template <class Real, class Kind, class Candidate>
 struct CcdQueries {
@@ -68,55 +71,75 @@ struct ScreenCcd {
   }
 };
 
-/// Advances in float for a few iterations: what is apart until then is as certain as it would be in double precision,
-/// which has only the rest to do.
-template <class Real, class Kind, class Candidate>
+/// Advances in float for a few looks: what is apart until then is as certain as it would be in double precision, which
+/// has only the rest to do.
+template <class Real, class Kind>
 struct ApproachCcd {
+  using Candidate = uint64_t;
   CcdQueries<Real, Kind, Candidate> queries;
   AppendList<Suspect> suspects;
-  int iterations;
 
-  COLLIDED_HD void operator()(uint64_t i) const {
-    DifferencesOf<float, Kind> d;
-    if (!queries.load(i, d)) return suspects.push({queries.key(i), {}});
+  struct State {
+    AdvancementOf<float, Kind> features;
+    uint64_t key;
+
+    COLLIDED_HD bool is_over() const { return features.is_over(); }
+  };
+  COLLIDED_HD void begin(uint64_t i, State& state) const {
+    state.key = queries.key(i);
+    DifferencesOf<float, Kind>& d = state.features.d;
+    if (!queries.load(i, d)) return suspects.push(Suspect{state.key, Progress{}});
     constexpr float kNear = 0x1p-16f;  // of the extent: where float comes near its limits
-    const Tolerance<float> tolerance{scaled_thickness<float>(queries.thickness, d.scale),
-                                     larger(kNear * d.extent, float_above(queries.delta * d.scale))};
-    const Advance<float> found = advance(d, tolerance, 1.0f, queries.progress(i), iterations);
-    if (found.hit) suspects.push({queries.key(i), {found.t, found.left}});
+    state.features.begin({scaled_thickness<float>(queries.thickness, d.scale),
+                          larger(kNear * d.extent, float_above(queries.delta * d.scale))},
+                         queries.progress(i), kLooksInFloat);
   }
+  COLLIDED_HD void step(State& state) const { state.features.look(1.0f); }
+  COLLIDED_HD void finish(const State& state) const {
+    if (state.features.is_hit()) suspects.push(Suspect{state.key, Progress{state.features.time(), state.features.pace()}});
+  }
+
+ private:
+  static constexpr int kLooksInFloat = 8;
 };
 
+/// Advances to the end, and reports contacts.
 template <class Work, class Real, class Kind, class Candidate>
 struct AdvanceCcd {
   CcdQueries<Real, Kind, Candidate> queries;
   ContactSink<Real> contacts;
-  int iterations;
-  AppendList<Suspect> late;  ///< those that need more iterations; empty: they are contacts, as far as that is known
 
-  COLLIDED_HD void operator()(uint64_t i) const {
+  struct State {
+    AdvancementOf<Work, Kind> features;
+    uint64_t key;
+
+    COLLIDED_HD bool is_over() const { return features.is_over(); }
+  };
+  COLLIDED_HD void begin(uint64_t i, State& state) const {
     if (contacts.hurry.is_over()) return;
-    DifferencesOf<Work, Kind> d;
+    state.key = queries.key(i);
+    DifferencesOf<Work, Kind>& d = state.features.d;
     if (!queries.load(i, d))
-      return contacts.report(queries.key(i), {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified | kFlagInitial}});
-    const Tolerance<Work> tolerance{
-        scaled_thickness<Work>(queries.thickness, d.scale),
-        queries.delta > 0 ? static_cast<Work>(queries.delta * d.scale) : default_delta(Work(0)) * d.extent};
-    const Advance<Work> found =
-        advance(d, tolerance, static_cast<Work>(contacts.hurry.last()), queries.progress(i), iterations);
-    if (!found.hit) return;
-    if (found.capped && !late.items.empty())
-      return late.push({queries.key(i), {float_below(static_cast<double>(found.t)), static_cast<float>(found.left)}});
-    contacts.report(queries.key(i), contact_at<Real>(d, found.t, flags_of(d, found, tolerance.thickness)));
+      return contacts.report(state.key, {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified | kFlagInitial}});
+    const Work delta =
+        queries.delta > 0 ? static_cast<Work>(queries.delta * d.scale) : default_delta(Work(0)) * d.extent;
+    state.features.begin({scaled_thickness<Work>(queries.thickness, d.scale), delta}, queries.progress(i), kMostLooks);
+  }
+  COLLIDED_HD void step(State& state) const { state.features.look(static_cast<Work>(contacts.hurry.last())); }
+  COLLIDED_HD void finish(const State& state) const {
+    const AdvancementOf<Work, Kind>& features = state.features;
+    if (features.is_hit())
+      contacts.report(state.key, contact_at<Real>(features.d, features.time(), flags_of(features)));
   }
 
  private:
-  COLLIDED_HD static uint8_t flags_of(const DifferencesOf<Work, Kind>& d, const Advance<Work>& found, Work scaled) {
-    const bool is_sure = is_certain(d, found.t, scaled);
+  COLLIDED_HD static uint8_t flags_of(const AdvancementOf<Work, Kind>& features) {
+    const Work t = features.time(), thickness = features.thickness();
+    const bool is_sure = is_certain(features.d, t, thickness);
     uint8_t flags = is_sure ? kFlagCertified : kFlagNear;
-    if (found.capped) flags |= kFlagCapped;
+    if (features.is_capped()) flags |= kFlagCapped;
     // A sure contact may come after its lower bound 0.
-    if (found.t == 0 && (!is_sure || touches_at(d, Work(0), scaled))) flags |= kFlagInitial;
+    if (t == 0 && (!is_sure || touches_at(features.d, Work(0), thickness))) flags |= kFlagInitial;
     return flags;
   }
 };

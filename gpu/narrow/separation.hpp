@@ -79,20 +79,12 @@ COLLIDED_HD bool apart_all_along(const Differences<Work, N>& d, const Direction<
 /// Lower bounds, for each difference, of how far a direction keeps it from the thickness, at t = 0 and at t = 1.
 template <class Work, int N>
 struct Along {
-  Direction<Work> direction;
+  Work length;  ///< of the direction
   Work start[N], end[N];
-
-  COLLIDED_HD Along(const Differences<Work, N>& d, const Direction<Work>& n, Work thickness) : direction(n) {
-    const Work offset = offset_along(n, thickness);
-    for (int k = 0; k < N; ++k) {
-      start[k] = lower_bound_along(n.n, d.start[k], offset);
-      end[k] = lower_bound_along(n.n, d.end[k], offset);
-    }
-  }
 
   COLLIDED_HD Reach<Work> reach(Work t) const {
     constexpr Work u = Precision<Work>::kUnit;
-    if (direction.length == 0) return {Work(-1), Work(0)};
+    if (length == 0) return {Work(-1), Work(0)};
     Reach<Work> reach{Reach<Work>::kBeyond, Reach<Work>::kBeyond};
     bool apart = true;  // whatever is not a number, where a thickness is beyond the working type, is not apart
     for (int k = 0; k < N; ++k) {
@@ -104,14 +96,26 @@ struct Along {
       reach.until = smaller(reach.until, root - 8 * u * root);
     }
     if (!apart) return {Work(-1), Work(0)};
-    return {reach.until, reach.separation / direction.length};
+    return {reach.until, reach.separation / length};
   }
 };
 
 template <class Work, int N>
+COLLIDED_HD Along<Work, N> along(const Differences<Work, N>& d, const Direction<Work>& direction, Work thickness) {
+  Along<Work, N> out;
+  out.length = direction.length;
+  const Work offset = offset_along(direction, thickness);
+  for (int k = 0; k < N; ++k) {
+    out.start[k] = lower_bound_along(direction.n, d.start[k], offset);
+    out.end[k] = lower_bound_along(direction.n, d.end[k], offset);
+  }
+  return out;
+}
+
+template <class Work, int N>
 COLLIDED_HD Reach<Work> reach_along(const Differences<Work, N>& d, const Direction<Work>& direction, Work t,
                                     Work thickness) {
-  return Along<Work, N>(d, direction, thickness).reach(t);
+  return along(d, direction, thickness).reach(t);
 }
 
 /// Whether a direction that turns keeps the features apart on [t, h]: from `from` at t to `to` at h, linearly.
@@ -120,7 +124,7 @@ COLLIDED_HD Reach<Work> reach_along(const Differences<Work, N>& d, const Directi
 /// are above 0 if its lower bounds below are.
 template <class Work, int N>
 COLLIDED_HD bool apart_while_turning(const Along<Work, N>& from, const Along<Work, N>& to, Work t, Work h) {
-  bool apart = from.direction.length > 0 && to.direction.length > 0;
+  bool apart = from.length > 0 && to.length > 0;
   for (int k = 0; k < N; ++k) {
     const Work middle = lower_bound_at(from.start[k], from.end[k], h) + lower_bound_at(to.start[k], to.end[k], t);
     apart = apart & (lower_bound_at(from.start[k], from.end[k], t) > 0) & (middle > 0) &
