@@ -41,7 +41,10 @@ class BroadPhase {
     const uint64_t n = triangle_count();
     OctreeBuffers<Exec>& tree = scene_.octree;
     tree.wanted.allocate(1);
-    if (plan.rounds > 0 && tree.bricks.capacity() == 0) reserve_bricks(256);
+    if (plan.rounds > 0 && tree.bricks.capacity() == 0) {
+      reserve_bricks(256);
+      tree.brick_items.allocate(n + 1024);
+    }
     reserve_cells();
     tree.root_cost.allocate(level_offset(kMaxLevel - kBrickLevels + 1));
     if (tree.large.capacity() == 0) tree.large.allocate(256);
@@ -55,8 +58,9 @@ class BroadPhase {
     OctreeBuffers<Exec>& tree = scene_.octree;
     check_length("registrations", need.leaves.registrations);
     check_length("items of pair tests", need.leaves.items);
-    uint64_t bricks = 0;
+    uint64_t bricks = 0, brick_items = 0;
     for (const uint64_t n : need.bricks) bricks += n;
+    for (const uint64_t n : need.brick_items) brick_items += n;
     bool short_of_room = false;
     const auto check = [&](const auto& buffer, uint64_t count, const auto& enlarge) {
       if (count <= buffer.capacity()) return;
@@ -65,6 +69,7 @@ class BroadPhase {
     };
     check(tree.large, need.large, [&](uint64_t n) { tree.large.ensure(n); });
     check(tree.bricks, bricks, [&](uint64_t n) { reserve_bricks(n + n / 4); });
+    check(tree.brick_items, brick_items, [&](uint64_t n) { tree.brick_items.ensure(n); });
     check(tree.leaves, need.leaves.leaves, [&](uint64_t n) { reserve_leaves(n + n / 4); });
     check(tree.registered, need.leaves.registrations, [&](uint64_t n) { tree.registered.ensure(n); });
     check(tree.items, need.leaves.items, [&](uint64_t n) { tree.items.ensure(n); });
@@ -112,22 +117,31 @@ class BroadPhase {
   void count_overlapped_cells(const OctreePlan& plan) {
     const Span<uint32_t> counts = scene_.octree.counts.all();
     exec_.for_each_group("clear_counts", cell_groups(), ClearCounts{grid(), counts});
-    exec_.for_each(
-        "count_overlapped_cells", plan.levels * triangle_count(),
-        CountOverlappedCells{grid(), boxes(), counts, {scene_.octree.large.all(), &scene_.state.data()->large}});
+    exec_.for_each_part("count_overlapped_cells", triangles_at_levels(plan),
+                        CountOverlappedCells{{grid(), boxes()}, counts});
+    exec_.for_each("list_large", triangle_count(),
+                   ListLarge{grid(), boxes(), {scene_.octree.large.all(), &scene_.state.data()->large}});
     exec_.for_each_group("count_cells_of_large", large(), CountCellsOfLarge{grid(), boxes(), counts, large_list()});
   }
 
   void refine(const OctreePlan& plan) {
     const Tree all = tree(plan);
     for (int round = 0; round < plan.rounds; ++round) {
+      const ListInBricks list{all, round};
       if (round == 0)
         exec_.for_each("open_first_bricks", base_cells(), OpenFirstBricks{all});
       else
         exec_.for_each_group("open_bricks", bricks(round - 1), OpenBricks{all, round});
-      const CountInBricks count{all, boxes(), round};
-      exec_.for_each("count_in_bricks", triangle_count(), count);
-      exec_.for_each_group("count_in_bricks_of_large", large(), CountInBricksOfLarge{count, large_list()});
+      exec_.for_each_group("clear_bricks", bricks(round), ClearBricks{all, round});
+      if (round == 0) {
+        exec_.for_each_part("list_in_first_bricks", {nullptr, triangle_count()}, ListInFirstBricks{list, boxes()});
+        exec_.for_each_group("list_large_in_first_bricks", large(),
+                             ListLargeInFirstBricks{list, boxes(), large_list()});
+      } else {
+        exec_.for_each_part("list_in_next_bricks", brick_items(round - 1),
+                            ListInNextBricks{list, {all, boxes(), round - 1}});
+      }
+      exec_.for_each_part("count_in_bricks", brick_items(round), CountInBricks{{all, boxes(), round}});
     }
   }
 
@@ -154,7 +168,14 @@ class BroadPhase {
 
   // 5. Cell-triangle pairs.
   void register_triangles(const OctreePlan& plan) {
-    plan.rounds > 0 ? register_in<true>(plan) : register_in<false>(plan);
+    OctreeBuffers<Exec>& octree = scene_.octree;
+    const Registration registration{tree(plan), octree.cursor.all(), octree.registered.all()};
+    exec_.for_each_part("register_triangles", triangles_at_levels(plan),
+                        RegisterTriangles{registration, {grid(), boxes()}});
+    exec_.for_each_group("register_large", large(), RegisterLarge{registration, boxes(), large_list()});
+    for (int round = 0; round < plan.rounds; ++round)
+      exec_.for_each_part("register_in_bricks", brick_items(round),
+                          RegisterInBricks{registration, {registration.tree, boxes(), round}});
   }
 
   // 6.-7. Broad-phase tests, spread evenly; what they find goes to the sink.
@@ -201,6 +222,11 @@ class BroadPhase {
   Counted roots(int step) const { return {&scene_.state.data()->grid.roots[step], kDenseCells}; }
   Counted bricks(int round) const { return {&scene_.state.data()->bricks[round], scene_.octree.bricks.capacity()}; }
 
+  Counted brick_items(int round) const {
+    return {&scene_.state.data()->brick_items[round], scene_.octree.brick_items.capacity()};
+  }
+  Counted triangles_at_levels(const OctreePlan& plan) const { return {nullptr, plan.levels * triangle_count()}; }
+
   Tree tree(const OctreePlan& plan) const {
     OctreeBuffers<Exec>& octree = scene_.octree;
     return {grid(),
@@ -210,16 +236,10 @@ class BroadPhase {
             octree.bricks.all(),
             octree.reach.all(),
             octree.brick_cost.all(),
+            octree.brick_items.all(),
             scene_.state.data()->bricks,
+            scene_.state.data()->brick_items,
             plan.rounds};
-  }
-
-  template <bool kHasBricks>
-  void register_in(const OctreePlan& plan) {
-    OctreeBuffers<Exec>& octree = scene_.octree;
-    const RegisterTriangles<kHasBricks> registration{tree(plan), boxes(), octree.cursor.all(), octree.registered.all()};
-    exec_.for_each("register_triangles", plan.levels * triangle_count(), registration);
-    exec_.for_each_group("register_large", large(), RegisterLarge<kHasBricks>{registration, large_list()});
   }
 
   Motion<Real> motion() const {

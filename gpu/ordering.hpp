@@ -21,7 +21,7 @@ struct CountFirstIds {
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const uint32_t first = static_cast<uint32_t>(keys[i] >> 32);
-    place[i] = count_up(counts[first]);
+    place[i] = count_up(counts, first);
     if (place[i] == kManyEntries) crowded.push(first);
   }
 };

@@ -44,6 +44,7 @@ struct OctreeBuffers {
         bricks(exec, "bricks"),
         reach(exec, "bricks"),
         brick_cost(exec, "bricks"),
+        brick_items(exec, "bricks"),
         leaves(exec, "octree"),
         cursor(exec, "octree"),
         registered(exec, "registrations"),
@@ -58,6 +59,7 @@ struct OctreeBuffers {
   Buffer<Brick, Exec> bricks;
   Buffer<uint32_t, Exec> reach;
   Buffer<float, Exec> brick_cost;
+  Buffer<BrickItem, Exec> brick_items;
   Buffer<Leaf, Exec> leaves;
   Buffer<uint32_t, Exec> cursor;
   Buffer<uint32_t, Exec> registered;

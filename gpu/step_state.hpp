@@ -11,7 +11,7 @@ namespace collided {
 struct StepState {
   // Lengths that were asked for, whatever the lists' capacities.
   LeafTotals leaves;
-  uint64_t large, bricks[kMaxRounds];
+  uint64_t large, bricks[kMaxRounds], brick_items[kMaxRounds];
   uint64_t pairs, candidates[2];
   uint64_t triangle_pairs, kept[2], screened[2], suspects[2], contacts, earliest, crowded_ranks;
 

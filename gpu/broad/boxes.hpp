@@ -26,9 +26,21 @@ struct alignas(16) CornerRecord {
   COLLIDED_HD Box<Real> swept() const { return join(Box<Real>{start, start}, Box<Real>{end, end}); }
 };
 
+/// The box of an edge's path, and its vertices.
+template <class Real>
+struct alignas(16) EdgeRecord {
+  Vec3<Real> lo;
+  uint32_t from;
+  alignas(16) Vec3<Real> hi;
+  uint32_t to;
+
+  COLLIDED_HD Box<Real> swept() const { return {lo, hi}; }
+};
+
 template <class Real>
 struct TriangleRecord {
   CornerRecord<Real> corner[3];
+  EdgeRecord<Real> edge[3];  ///< from each corner to the next
 };
 
 template <class Real>
@@ -46,16 +58,18 @@ struct BoxTriangles {
     boxes[first + i] = outward_float(motion.triangle_box(t.x, t.y, t.z));
     const Triangle e = edges.empty() ? Triangle{0, 0, 0} : edges[first + i];
     const uint32_t own = owned[first + i];
-    TriangleRecord<Real>& record = records[first + i];
-    record.corner[0] = corner(t.x, e.x, own);
-    record.corner[1] = corner(t.y, e.y, own >> 1);
-    record.corner[2] = corner(t.z, e.z, own >> 2);
+    const CornerRecord<Real> a = corner(t.x, e.x, own), b = corner(t.y, e.y, own >> 1), c = corner(t.z, e.z, own >> 2);
+    records[first + i] = {{a, b, c}, {edge(a, b), edge(b, c), edge(c, a)}};
   }
 
  private:
   /// Bit 0 of `own`: owns the vertex; bit 3: owns the edge.
   COLLIDED_HD CornerRecord<Real> corner(uint32_t v, uint32_t e, uint32_t own) const {
     return {motion.start[v], v | (own & 1u) << 31, motion.end[v], e | (own >> 3 & 1u) << 31};
+  }
+  COLLIDED_HD static EdgeRecord<Real> edge(const CornerRecord<Real>& from, const CornerRecord<Real>& to) {
+    const Box<Real> box = join(from.swept(), to.swept());
+    return {box.lo, from.vertex_id(), box.hi, to.vertex_id()};
   }
 };
 

@@ -47,16 +47,15 @@ struct ElementaryTests {
   COLLIDED_HD bool vertex_triangle_overlap(uint32_t a, uint32_t b, int test) const {
     const CornerRecord<Real> v = vertex_corner(a, b, test);
     const TriangleRecord<Real>& t = records[test < 3 ? b : a];
-    const CornerRecord<Real> c0 = t.corner[0], c1 = t.corner[1], c2 = t.corner[2];
+    const EdgeRecord<Real> e = t.edge[0], f = t.edge[1];
     const uint32_t id = v.vertex_id();
-    if (id == c0.vertex_id() || id == c1.vertex_id() || id == c2.vertex_id()) return false;
-    return overlap_inflated(v.swept(), join(c0.swept(), join(c1.swept(), c2.swept())));
+    if (id == e.from || id == f.from || id == f.to) return false;
+    return overlap_inflated(v.swept(), join(e.swept(), f.swept()));
   }
   COLLIDED_HD bool edge_edge_overlap(uint32_t a, uint32_t b, int test) const {
-    const EdgeCorners e(*this, a, b, test);
-    const uint32_t from = e.a0.vertex_id(), to = e.a1.vertex_id(), v = e.b0.vertex_id(), w = e.b1.vertex_id();
-    if (from == v || from == w || to == v || to == w) return false;
-    return overlap_inflated(join(e.a0.swept(), e.a1.swept()), join(e.b0.swept(), e.b1.swept()));
+    const EdgeRecord<Real> e = records[a].edge[first_edge(test)], f = records[b].edge[second_edge(test)];
+    if (e.from == f.from || e.from == f.to || e.to == f.from || e.to == f.to) return false;
+    return overlap_inflated(e.swept(), f.swept());
   }
 
   COLLIDED_HD CandidatePoints<Real> vertex_triangle_points(uint32_t a, uint32_t b, int test) const {
@@ -78,11 +77,13 @@ struct ElementaryTests {
   COLLIDED_HD CornerRecord<Real> vertex_corner(uint32_t a, uint32_t b, int test) const {
     return records[test < 3 ? a : b].corner[test < 3 ? test : test - 3];
   }
+  COLLIDED_HD static int first_edge(int test) { return (test - kFirstEdgeEdge) >> 2; }
+  COLLIDED_HD static int second_edge(int test) { return (test - kFirstEdgeEdge) & 3; }
   COLLIDED_HD static int next(int k) { return k == 2 ? 0 : k + 1; }
   struct EdgeCorners {
     CornerRecord<Real> a0, a1, b0, b1;
     COLLIDED_HD EdgeCorners(const ElementaryTests& scene, uint32_t a, uint32_t b, int test) {
-      const int k = (test - kFirstEdgeEdge) >> 2, m = (test - kFirstEdgeEdge) & 3;
+      const int k = first_edge(test), m = second_edge(test);
       const TriangleRecord<Real>&p = scene.records[a], &q = scene.records[b];
       a0 = p.corner[k], a1 = p.corner[next(k)], b0 = q.corner[m], b1 = q.corner[next(m)];
     }

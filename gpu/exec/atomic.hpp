@@ -83,20 +83,30 @@ COLLIDED_HD inline uint64_t claim_slot(uint64_t& count) {
 #endif
 }
 
-/// Adds one and returns the value before, as atomic_add; threads of a warp that count in the same place share one
+/// Adds one to a counter and returns the value before; threads of a warp that count in the same place share one
 /// atomic. Neighbours often do, and one place takes no more than about an atomic a nanosecond.
-COLLIDED_HD inline uint32_t count_up(uint32_t& target) {
+COLLIDED_HD inline uint32_t count_up(const Span<uint32_t>& counters, uint32_t place) {
 #ifdef __CUDA_ARCH__
-  const unsigned active = __activemask();
-  const unsigned same = __match_any_sync(active, reinterpret_cast<unsigned long long>(&target));
+  const unsigned same = __match_any_sync(__activemask(), place);
   const unsigned lane = threadIdx.x & 31u;
   const int leader = __ffs(static_cast<int>(same)) - 1;
   uint32_t base = 0;
-  if (static_cast<int>(lane) == leader) base = atomicAdd(&target, static_cast<uint32_t>(__popc(same)));
+  if (static_cast<int>(lane) == leader) base = atomicAdd(&counters[place], static_cast<uint32_t>(__popc(same)));
   base = __shfl_sync(same, base, leader);
   return base + static_cast<uint32_t>(__popc(same & ((1u << lane) - 1u)));
 #else
-  return atomic_add(target, 1u);
+  return atomic_add(counters[place], 1u);
+#endif
+}
+
+/// The same where nobody asks for the value before: the thread goes on without waiting for the memory.
+COLLIDED_HD inline void count_in(const Span<uint32_t>& counters, uint32_t place) {
+#ifdef __CUDA_ARCH__
+  const unsigned same = __match_any_sync(__activemask(), place);
+  if ((threadIdx.x & 31u) == static_cast<unsigned>(__ffs(static_cast<int>(same)) - 1))
+    atomicAdd(&counters[place], static_cast<uint32_t>(__popc(same)));
+#else
+  atomic_add(counters[place], 1u);
 #endif
 }
 

@@ -7,10 +7,10 @@ namespace collided {
 
 /// A length in the backend's memory, cut off at `most`: a list may have been asked to hold more than its capacity.
 struct Counted {
-  const uint64_t* counter = nullptr;
+  const uint64_t* counter = nullptr;  ///< null: exactly `most`
   uint64_t most = 0;
 
-  COLLIDED_HD uint64_t size() const { return *counter < most ? *counter : most; }
+  COLLIDED_HD uint64_t size() const { return counter == nullptr || *counter > most ? most : *counter; }
 };
 
 /// The threads that work on one item: a block of a GPU, or one thread of a CPU.
@@ -21,6 +21,14 @@ struct Group {
   COLLIDED_HD void sync() const {
 #ifdef __CUDA_ARCH__
     __syncthreads();
+#endif
+  }
+  /// Whether a condition holds for any thread of the group, each of which must call; synchronises.
+  COLLIDED_HD bool any(bool condition) const {
+#ifdef __CUDA_ARCH__
+    return __syncthreads_or(condition) != 0;
+#else
+    return condition;
 #endif
   }
 };

@@ -77,6 +77,15 @@ class CpuExec {
     });
   }
 
+  /// f(f.item(i), k) for i in [0, n), k in [0, f.item(i).parts).
+  template <class F>
+  void for_each_part(const char* name, const Counted& n, const F& f) {
+    for_each(name, n.size(), [&](uint64_t i) {
+      const typename F::Item item = f.item(i);
+      for (uint32_t k = 0; k < item.parts; ++k) f(item, k);
+    });
+  }
+
   /// f.begin(i, state), then f.step(state) until state.is_over(), then f.finish(state), for i in [0, n); no step if
   /// begin() leaves the state as it was.
   template <class F>

@@ -13,6 +13,7 @@
 
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
+#include "gpu/exec/in_parts.cuh"
 #include "gpu/exec/in_steps.cuh"
 #include "gpu/exec/memory_ledger.hpp"
 #include "gpu/exec/pair_search.cuh"
@@ -112,6 +113,16 @@ class CudaExec {
     const unsigned resident = 2048 / F::kGroupSize;
     const unsigned blocks = static_cast<unsigned>(std::min<uint64_t>(n.most, 2 * resident * processors_));
     for_each_group_kernel<<<blocks, F::kGroupSize, 0, stream_>>>(n, f);
+    check_cuda(cudaGetLastError(), name);
+  }
+
+  /// f(f.item(i), k) for i in [0, n), k in [0, f.item(i).parts).
+  template <class F>
+  void for_each_part(const char* name, const Counted& n, const F& f) {
+    if (n.most == 0 || reserving_) return;
+    constexpr unsigned kItemsOfBlock = kPartsBlock / 32 * kItemsOfWarp<typename F::Item>, kBlocksPerProcessor = 64;
+    const unsigned blocks = std::min(blocks_for(n.most, kItemsOfBlock), kBlocksPerProcessor * processors_);
+    for_each_part_kernel<<<blocks, kPartsBlock, 0, stream_>>>(n, f);
     check_cuda(cudaGetLastError(), name);
   }
 

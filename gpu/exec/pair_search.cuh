@@ -26,7 +26,8 @@ class WarpSearch {
   __device__ WarpSearch(const Source& source, const Sink& sink, SearchShared& shared)
       : source_(source), shared_(shared), pairs_(sink, shared.queues) {}
 
-  __device__ void search(uint64_t item) {
+  /// A share of an item's work: one in `shares` of the columns of each tile.
+  __device__ void search(uint64_t item, uint32_t share, uint32_t shares) {
     const auto work = source_.work(item);
     const uint32_t mine = work.row + lane_id();
     const bool has_row = mine < work.leaf.count;
@@ -36,7 +37,8 @@ class WarpSearch {
     for (uint32_t first = work.first_column; first < work.end_column; first += kTile) {
       const uint32_t columns = load_columns(work, first);
       uint32_t hits = 0;
-      for (uint32_t k = 0; k < columns; ++k) {
+      const uint32_t end = min(columns, (share + 1) * (kTile / shares));
+      for (uint32_t k = share * (kTile / shares); k < end; ++k) {
         const SearchShared::Member& m = shared_.column[k];
         hits |= (overlaps(box, m) && Source::is_token(token, m.token) ? 1u : 0u) << k;
       }
@@ -90,8 +92,11 @@ __global__ void __launch_bounds__(kSearchBlock)
     pair_search_kernel(Counted items, uint64_t* next, Source source, Sink sink) {
   __shared__ SearchShared shared[kSearchBlock / 32];
   WarpSearch<Source, Sink> warp(source, sink, shared[threadIdx.x / 32]);
-  const uint64_t n = source.is_put_off() ? 0 : items.size();
   const uint64_t warps = static_cast<uint64_t>(gridDim.x) * (kSearchBlock / 32);
+  // Where items are few, one with many pairs would be all that is left to do in the end.
+  const uint64_t whole = source.is_put_off() ? 0 : items.size();
+  const uint32_t shares = whole < 4 * warps ? 4 : whole < 8 * warps ? 2 : 1;
+  const uint64_t n = whole * shares;
   const uint64_t chunk = min(uint64_t{32}, max(uint64_t{1}, n / (8 * warps)));
   for (;;) {
     uint64_t first = 0;
@@ -100,7 +105,7 @@ __global__ void __launch_bounds__(kSearchBlock)
     first = __shfl_sync(kAllLanes, first, 0);
     if (first >= n || __any_sync(kAllLanes, sink.is_over())) break;
     const uint64_t end = min(n, first + chunk);
-    for (uint64_t item = first; item < end; ++item) warp.search(item);
+    for (uint64_t i = first; i < end; ++i) warp.search(i / shares, static_cast<uint32_t>(i % shares), shares);
   }
   warp.finish();
 }

@@ -138,13 +138,27 @@ struct CutDense {
       return level_offset(root + depth) + (static_cast<uint32_t>(i) << (3 * depth)) + number - level_offset(depth);
     };
     const int depth = bottom - root, least = grid.top > root ? grid.top - root : 0;
+    const bool is_below_others = least == 0 && root > grid.top;
+    if (step == 0 && is_empty(group, level_offset(depth), level_offset(depth + 1), cell_of)) {
+      if (group.rank == 0 && is_below_others) root_cost[cell_of(0)] = 0;
+      return;  // nobody asks for the type of an empty cell
+    }
     if (step == 0)
       CutBelowRoot::run(tree, cost, depth, least, group, shared, cell_of,
                         CutBricks::Bottom{tree, cost, tree.rounds > 0});
     else
       CutBelowRoot::run(tree, cost, depth, least, group, shared, cell_of,
                         [&](uint32_t, uint32_t cell) { return root_cost[cell]; });
-    if (group.rank == 0 && least == 0 && root > grid.top) root_cost[cell_of(0)] = shared.cost[0];
+    if (group.rank == 0 && is_below_others) root_cost[cell_of(0)] = shared.cost[0];
+  }
+
+ private:
+  template <class CellOf>
+  COLLIDED_HD bool is_empty(const Group& group, uint32_t first, uint32_t end, const CellOf& cell_of) const {
+    bool has_triangles = false;
+    for (uint32_t number = first + group.rank; number < end; number += group.size)
+      has_triangles = has_triangles || tree.counts[cell_of(number)] != 0;
+    return !group.any(has_triangles);
   }
 };
 

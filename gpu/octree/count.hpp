@@ -3,12 +3,12 @@
 // A triangle adds one to a cell however many of the cell's children it overlaps, so the paper's token test is not
 // needed here: each level's range is walked directly.
 
-#include "gpu/octree/tree.hpp"
+#include "gpu/octree/covered.hpp"
 
 namespace collided {
 
 /// Triangles that cover more base cells than this are left to groups of threads.
-constexpr uint64_t kManyCells = 48;
+constexpr uint64_t kManyCells = CoveredCells::kMostParts;
 
 /// Cells that a group works on at once, where all active dense cells have their turn.
 constexpr uint32_t kCellsOfGroup = 256;
@@ -39,23 +39,38 @@ struct ClearCounts {
   }
 };
 
-/// One item for each triangle and level.
-struct CountOverlappedCells {
+/// The cells of each triangle at each level, but for triangles that cover many; one item for each of both.
+struct CellsOfLevels {
   const LevelGrid* grid;
   Span<const Box<float>> boxes;
-  Span<uint32_t> counts;
-  AppendList<uint32_t> large;  ///< triangles with many cells
 
-  COLLIDED_HD void operator()(uint64_t i) const {
+  COLLIDED_HD CoveredCells operator()(uint64_t i) const {
     const LevelGrid g = *grid;
     const TriangleAtLevel at(g, i, boxes.size());
-    if (at.level > g.base) return;
+    if (at.level > g.base) return {};
     const CellRange deepest = g.deepest_range(boxes[at.triangle]);
-    if (shifted(deepest, kDeepest - g.base).size() > kManyCells) {
-      if (at.level == g.base) large.push(at.triangle);
-      return;
-    }
-    visit_cells_of_level(at.level, deepest, 0, 1, [&](uint32_t cell) { count_up(counts[cell]); });
+    if (shifted(deepest, kDeepest - g.base).size() > kManyCells) return {};
+    return {at.triangle, at.level, shifted(deepest, kDeepest - at.level)};
+  }
+};
+
+struct CountOverlappedCells {
+  using Item = CoveredCells;
+  CellsOfLevels cells;
+  Span<uint32_t> counts;
+
+  COLLIDED_HD Item item(uint64_t i) const { return cells(i); }
+  COLLIDED_HD void operator()(const Item& item, uint32_t k) const { count_in(counts, item.cell(k)); }
+};
+
+/// Lists the triangles that cover many base cells.
+struct ListLarge {
+  const LevelGrid* grid;
+  Span<const Box<float>> boxes;
+  AppendList<uint32_t> large;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    if (grid->range(grid->base, boxes[i]).size() > kManyCells) large.push(static_cast<uint32_t>(i));
   }
 };
 
@@ -70,7 +85,7 @@ struct CountCellsOfLarge {
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
     const LevelGrid g = *grid;
     visit_dense_cells(g, g.deepest_range(boxes[large[i]]), group.rank, group.size,
-                      [&](uint32_t cell) { count_up(counts[cell]); });
+                      [&](uint32_t cell) { count_in(counts, cell); });
   }
 };
 

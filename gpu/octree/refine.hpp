@@ -30,8 +30,6 @@ struct OpenFirstBricks {
     tree.reach[brick] = 0;
     tree.slot[cell] = static_cast<uint32_t>(brick);
     tree.type[cell] = kRefined;
-    uint32_t* counts = tree.counts.data + brick_cell(static_cast<uint32_t>(brick), 1);
-    for (uint32_t k = 0; k < kBrickCells; ++k) counts[k] = 0;
   }
 };
 
@@ -59,34 +57,97 @@ struct OpenBricks {
   }
 };
 
-/// Counts the triangles of the bricks of one round.
-struct CountInBricks {
+struct ClearBricks {
+  using Shared = Nothing;
+  static constexpr uint32_t kGroupSize = 128;
+  Tree tree;
+  int round;
+
+  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
+    const uint64_t brick = tree.first_brick(round) + i;
+    if (brick >= tree.bricks.size()) return;
+    uint32_t* counts = tree.counts.data + brick_cell(static_cast<uint32_t>(brick), 1);
+    for (uint32_t k = group.rank; k < kBrickCells; k += group.size) counts[k] = 0;
+  }
+};
+
+/// Lists which triangles are in which bricks of a round.
+struct ListInBricks {
+  Tree tree;
+  int round;
+
+  /// If the cell has a brick, the triangle is in it.
+  COLLIDED_HD void put(uint32_t triangle, uint32_t cell) const {
+    if (tree.type[cell] != kRefined) return;
+    const uint64_t place = tree.first_brick_item(round) + claim_slot(tree.brick_item_counters[round]);
+    if (place < tree.brick_items.size()) tree.brick_items[place] = {triangle, tree.slot[cell]};
+  }
+};
+/// Those of the first round, by the base cells of each triangle.
+struct ListInFirstBricks {
+  using Item = CoveredCells;
+  ListInBricks list;
+  Span<const Box<float>> boxes;
+
+  COLLIDED_HD Item item(uint64_t i) const {
+    const CellRange range = list.tree.grid->range(list.tree.grid->base, boxes[i]);
+    if (range.size() > kManyCells) return {};
+    return {static_cast<uint32_t>(i), list.tree.grid->base, range};
+  }
+  COLLIDED_HD void operator()(const Item& item, uint32_t k) const { list.put(item.triangle, item.cell(k)); }
+};
+struct ListLargeInFirstBricks {
+  using Shared = Nothing;
+  static constexpr uint32_t kGroupSize = 128;
+  ListInBricks list;
+  Span<const Box<float>> boxes;
+  Span<const uint32_t> large;
+
+  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
+    const LevelGrid grid = *list.tree.grid;
+    visit_cells_of_level(grid.base, grid.deepest_range(boxes[large[i]]), group.rank, group.size,
+                         [&](uint32_t cell) { list.put(large[i], cell); });
+  }
+};
+
+/// The cells of a round's bricks that their triangles cover.
+struct CellsInBricks {
   Tree tree;
   Span<const Box<float>> boxes;
   int round;
 
-  COLLIDED_HD void operator()(uint64_t triangle) const {
-    const CellRange deepest = tree.grid->deepest_range(boxes[triangle]);
-    if (shifted(deepest, kDeepest - tree.grid->base).size() <= kManyCells) count(deepest, 0, 1);
-  }
-  COLLIDED_HD void count(const CellRange& deepest, uint32_t rank, uint32_t threads) const {
-    visit_bricks(tree, deepest, round, rank, threads, [&](uint32_t cell, int at, int depth, uint32_t brick) {
-      if (at != round) return;
-      count_up(tree.counts[cell]);
-      if (depth == kBrickLevels) count_up(tree.reach[brick]);
-    });
+  COLLIDED_HD CoveredInBrick operator()(uint64_t i) const {
+    const uint64_t place = tree.first_brick_item(round) + i;
+    if (place >= tree.brick_items.size()) return {};
+    const BrickItem item = tree.brick_items[place];
+    return {tree, item, tree.grid->deepest_range(boxes[item.triangle])};
   }
 };
+/// Those of a later round, by the bottom cells of the round before.
+struct ListInNextBricks {
+  using Item = CoveredInBrick;
+  ListInBricks list;
+  CellsInBricks before;
 
-struct CountInBricksOfLarge {
-  using Shared = Nothing;
-  static constexpr uint32_t kGroupSize = 32;
-  CountInBricks count;
-  Span<const uint32_t> large;
-
-  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
-    count.count(count.tree.grid->deepest_range(count.boxes[large[i]]), group.rank, group.size);
+  COLLIDED_HD Item item(uint64_t i) const {
+    Item item = before(i);
+    if (item.parts > 0) item.parts = item.cells_at(kBrickLevels);
+    return item;
   }
+  COLLIDED_HD void operator()(const Item& item, uint32_t k) const { list.put(item.triangle, item.cell(k)); }
+};
+
+/// Counts the triangles of the bricks of one round.
+struct CountInBricks {
+  using Item = CoveredInBrick;
+  CellsInBricks cells;
+
+  COLLIDED_HD Item item(uint64_t i) const {
+    const Item item = cells(i);
+    if (item.parts > 0) atomic_add(cells.tree.reach[item.brick], item.cells_at(kBrickLevels));
+    return item;
+  }
+  COLLIDED_HD void operator()(const Item& item, uint32_t k) const { count_in(cells.tree.counts, item.cell(k)); }
 };
 
 }  // namespace collided

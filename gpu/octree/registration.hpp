@@ -2,54 +2,56 @@
 // Section 3.3, first step: the cell-triangle pairs, grouped by leaf.
 // Deviation: each leaf's place is known from the counts, so the pairs are placed at once; no radix sort.
 
+#include "gpu/octree/refine.hpp"
 #include "gpu/octree/top_down.hpp"
 
 namespace collided {
 
-/// Puts triangles into the leaves that their boxes overlap; one item for each triangle and dense level.
-template <bool kHasBricks>
-struct RegisterTriangles {
+/// Puts triangles into leaves.
+struct Registration {
   Tree tree;
-  Span<const Box<float>> boxes;
   Span<uint32_t> cursor;  ///< next place of each leaf
   Span<uint32_t> registered;
 
-  COLLIDED_HD void operator()(uint64_t i) const {
-    const LevelGrid grid = *tree.grid;
-    const TriangleAtLevel at(grid, i, boxes.size());
-    if (at.level > grid.base) return;
-    const CellRange deepest = grid.deepest_range(boxes[at.triangle]);
-    if (shifted(deepest, kDeepest - grid.base).size() <= kManyCells) put(at.triangle, at.level, deepest, 0, 1);
-  }
-  COLLIDED_HD void put(uint32_t triangle, int level, const CellRange& deepest, uint32_t rank, uint32_t threads) const {
-    visit_cells_of_level(level, deepest, rank, threads, [&](uint32_t cell) { put_into(cell, triangle); });
-    if constexpr (kHasBricks)
-      if (level == tree.grid->base)
-        visit_bricks(tree, deepest, tree.rounds - 1, rank, threads,
-                     [&](uint32_t cell, int, int, uint32_t) { put_into(cell, triangle); });
-  }
-
- private:
-  COLLIDED_HD void put_into(uint32_t cell, uint32_t triangle) const {
+  COLLIDED_HD void put(uint32_t triangle, uint32_t cell) const {
     if (tree.type[cell] != kLeaf) return;
     const uint32_t leaf = tree.slot[cell];
-    if (leaf != kNoLeaf) registered[count_up(cursor[leaf])] = triangle;
+    if (leaf != kNoLeaf) registered[count_up(cursor, leaf)] = triangle;
   }
 };
 
-template <bool kHasBricks>
+/// Into the leaves of the dense levels that a triangle's box overlaps; items as of CellsOfLevels.
+struct RegisterTriangles {
+  using Item = CoveredCells;
+  Registration registration;
+  CellsOfLevels cells;
+
+  COLLIDED_HD Item item(uint64_t i) const { return cells(i); }
+  COLLIDED_HD void operator()(const Item& item, uint32_t k) const { registration.put(item.triangle, item.cell(k)); }
+};
+
 struct RegisterLarge {
   using Shared = Nothing;
   static constexpr uint32_t kGroupSize = 128;
-  RegisterTriangles<kHasBricks> registration;
+  Registration registration;
+  Span<const Box<float>> boxes;
   Span<const uint32_t> large;
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
     const LevelGrid grid = *registration.tree.grid;
-    const CellRange deepest = grid.deepest_range(registration.boxes[large[i]]);
-    for (int level = grid.top; level <= grid.base; ++level)
-      registration.put(large[i], level, deepest, group.rank, group.size);
+    visit_dense_cells(grid, grid.deepest_range(boxes[large[i]]), group.rank, group.size,
+                      [&](uint32_t cell) { registration.put(large[i], cell); });
   }
+};
+
+/// Into the leaves of the bricks of one round.
+struct RegisterInBricks {
+  using Item = CoveredInBrick;
+  Registration registration;
+  CellsInBricks cells;
+
+  COLLIDED_HD Item item(uint64_t i) const { return cells(i); }
+  COLLIDED_HD void operator()(const Item& item, uint32_t k) const { registration.put(item.triangle, item.cell(k)); }
 };
 
 }  // namespace collided

@@ -57,6 +57,7 @@ struct PlaceLeaves {
     group.sync();
     Sums mine;
     for (uint32_t k = group.rank; k < count; k += group.size) number_leaf(index_of(k), k, place_of, shared, mine);
+    if (!group.any(mine.leaves > 0)) return add_all(totals->cells, mine.cells);  // most groups hold nothing
     add(mine, shared.totals);
     group.sync();
     claim(group, shared);

@@ -19,64 +19,37 @@ struct Brick {
   Coords cell;
 };
 
+/// A triangle that overlaps the root of a brick.
+struct BrickItem {
+  uint32_t triangle, brick;
+};
+
 struct Tree {
   const LevelGrid* grid;
   Span<uint32_t> counts;  ///< triangles that overlap a cell; dense cells, then those of the bricks
   Span<uint8_t> type;     ///< CellType
   Span<uint32_t> slot;    ///< kLeaf: the leaf's number, or kNoLeaf; kRefined: the brick's number
   Span<Brick> bricks;
-  Span<uint32_t> reach;      ///< of each brick: how many of its bottom cells its triangles overlap, added up
-  Span<float> brick_cost;    ///< of the best cut below each brick's root
-  uint64_t* brick_counters;  ///< bricks of each round
-  int rounds;                ///< of refinement
+  Span<uint32_t> reach;    ///< of each brick: how many of its bottom cells its triangles overlap, added up
+  Span<float> brick_cost;  ///< of the best cut below each brick's root
+  Span<BrickItem> brick_items;
+  uint64_t* brick_counters;       ///< bricks of each round
+  uint64_t* brick_item_counters;  ///< their triangles likewise
+  int rounds;                     ///< of refinement
 
   /// First brick of a round; of round `rounds`: the number of all.
-  COLLIDED_HD uint64_t first_brick(int round) const {
-    uint64_t first = 0;
-    for (int r = 0; r < round; ++r) first += brick_counters[r];
-    return first < bricks.size() ? first : bricks.size();
+  COLLIDED_HD uint64_t first_brick(int round) const { return sum_before(round, brick_counters, bricks.size()); }
+  COLLIDED_HD uint64_t first_brick_item(int round) const {
+    return sum_before(round, brick_item_counters, brick_items.size());
+  }
+
+ private:
+  COLLIDED_HD static uint64_t sum_before(int round, const uint64_t* counters, uint64_t most) {
+    uint64_t sum = 0;
+    for (int r = 0; r < round; ++r) sum += counters[r];
+    return sum < most ? sum : most;
   }
 };
-
-/// What of a range lies below a cell, `depth` levels down.
-COLLIDED_HD inline CellRange clipped(const CellRange& range, const Coords& cell, int depth) {
-  const uint32_t last = (1u << depth) - 1u;
-  const Coords lo{cell.x << depth, cell.y << depth, cell.z << depth};
-  return {{larger(range.lo.x, lo.x), larger(range.lo.y, lo.y), larger(range.lo.z, lo.z)},
-          {smaller(range.hi.x, lo.x + last), smaller(range.hi.y, lo.y + last), smaller(range.hi.z, lo.z + last)}};
-}
-
-/// visit(index of the cell, round of its brick, depth below the brick's root, brick) for the cells of a brick, and of
-/// the bricks below it, that a box covers.
-template <int kRound, class Visit>
-COLLIDED_HD void visit_brick(const Tree& tree, const CellRange& deepest, uint32_t brick, int last_round,
-                             const Visit& visit) {
-  const Brick root = tree.bricks[brick];
-  for (int depth = 1; depth <= kBrickLevels; ++depth) {
-    const CellRange range = clipped(shifted(deepest, kDeepest - root.level - depth), root.cell, depth);
-    const uint32_t mask = (1u << depth) - 1u;
-    for_each_cell(range, 0, 1, [&](const Coords& c) {
-      const uint32_t number = level_offset(depth) + morton({c.x & mask, c.y & mask, c.z & mask});
-      const uint32_t cell = brick_cell(brick, number);
-      visit(cell, kRound, depth, brick);
-      if constexpr (kRound + 1 < kMaxRounds) {
-        if (depth == kBrickLevels && kRound < last_round && tree.type[cell] == kRefined)
-          visit_brick<kRound + 1>(tree, deepest, tree.slot[cell], last_round, visit);
-      }
-    });
-  }
-}
-
-/// visit as above for the cells of all bricks, down to those of `last_round`, that a box covers.
-template <class Visit>
-COLLIDED_HD void visit_bricks(const Tree& tree, const CellRange& deepest, int last_round, uint32_t rank,
-                              uint32_t threads, const Visit& visit) {
-  const LevelGrid grid = *tree.grid;
-  for_each_cell(shifted(deepest, kDeepest - grid.base), rank, threads, [&](const Coords& c) {
-    const uint32_t cell = cell_id(grid.base, c);
-    if (tree.type[cell] == kRefined) visit_brick<0>(tree, deepest, tree.slot[cell], last_round, visit);
-  });
-}
 
 /// visit(index of the cell) for the dense cells of a level that a box covers.
 template <class Visit>

@@ -34,9 +34,9 @@ class Guarded {
 
 /// Lengths of the lists that a step may find too short.
 struct ListLengths {
-  uint64_t large, bricks, leaves, registrations, items;
+  uint64_t large, bricks, brick_items, leaves, registrations, items;
 
-  std::array<uint64_t, 5> all() const { return {large, bricks, leaves, registrations, items}; }
+  std::array<uint64_t, 6> all() const { return {large, bricks, brick_items, leaves, registrations, items}; }
 };
 
 using BoxPairs = std::vector<std::pair<uint32_t, uint32_t>>;
@@ -57,6 +57,7 @@ class OctreeBuild {
         cursor(lengths.leaves),
         registered(lengths.registrations),
         items(lengths.items),
+        brick_items(lengths.brick_items),
         rounds_(rounds),
         boxes_(boxes.data(), boxes.size()) {
     count();
@@ -66,14 +67,15 @@ class OctreeBuild {
   }
 
   ListLengths need() const {
-    uint64_t all_bricks = 0;
+    uint64_t all_bricks = 0, all_in_bricks = 0;
     for (const uint64_t n : brick_counters) all_bricks += n;
-    return {large_count, all_bricks, totals.leaves, totals.registrations, totals.items};
+    for (const uint64_t n : brick_item_counters) all_in_bricks += n;
+    return {large_count, all_bricks, all_in_bricks, totals.leaves, totals.registrations, totals.items};
   }
   bool is_intact() const {
     return counts.is_intact() && slot.is_intact() && type.is_intact() && bricks.is_intact() && reach.is_intact() &&
            brick_cost.is_intact() && root_cost.is_intact() && large.is_intact() && leaves.is_intact() &&
-           cursor.is_intact() && registered.is_intact() && items.is_intact();
+           cursor.is_intact() && registered.is_intact() && items.is_intact() && brick_items.is_intact();
   }
   /// Whether all that a search would read is there, if it took place.
   bool items_are_sound() {
@@ -103,7 +105,8 @@ class OctreeBuild {
   Guarded<Leaf> leaves;
   Guarded<uint32_t> cursor, registered;
   Guarded<PairItem> items;
-  uint64_t brick_counters[kMaxRounds] = {};
+  Guarded<BrickItem> brick_items;
+  uint64_t brick_counters[kMaxRounds] = {}, brick_item_counters[kMaxRounds] = {};
   uint64_t large_count = 0;
   LeafTotals totals{};
 
@@ -126,43 +129,53 @@ class OctreeBuild {
   }
 
   Tree tree() {
-    return {&grid,        counts.span(),     type.span(),    slot.span(), bricks.span(),
-            reach.span(), brick_cost.span(), brick_counters, rounds_};
+    return {&grid,        counts.span(),     type.span(),        slot.span(),    bricks.span(),
+            reach.span(), brick_cost.span(), brick_items.span(), brick_counters, brick_item_counters,
+            rounds_};
   }
   Counted large_items() const { return {&large_count, large.size()}; }
-  Counted brick_items(int round) const { return {&brick_counters[round], bricks.size()}; }
+  Counted bricks_of(int round) const { return {&brick_counters[round], bricks.size()}; }
 
-  uint64_t levels() const { return static_cast<uint64_t>(grid.base - grid.top + 1); }
+  Counted items_of_bricks(int round) const { return {&brick_item_counters[round], brick_items.size()}; }
+
+  Counted triangles_at_levels() const {
+    return {nullptr, static_cast<uint64_t>(grid.base - grid.top + 1) * boxes_.size()};
+  }
   void count() {
     const Counted groups{&cell_groups_, cell_groups_};
     exec_.for_each_group("clear", groups, ClearCounts{&grid, counts.span()});
-    exec_.for_each("count", levels() * boxes_.size(),
-                   CountOverlappedCells{&grid, boxes_, counts.span(), {large.span(), &large_count}});
+    exec_.for_each_part("count", triangles_at_levels(), CountOverlappedCells{{&grid, boxes_}, counts.span()});
+    exec_.for_each("list_large", boxes_.size(), ListLarge{&grid, boxes_, {large.span(), &large_count}});
     exec_.for_each_group("count_large", large_items(), CountCellsOfLarge{&grid, boxes_, counts.span(), large.span()});
   }
   void refine() {
     for (int round = 0; round < rounds_; ++round) {
+      const ListInBricks list{tree(), round};
       if (round == 0)
         exec_.for_each("open_first", uint64_t{1} << (3 * grid.base), OpenFirstBricks{tree()});
       else
-        exec_.for_each_group("open", brick_items(round - 1), OpenBricks{tree(), round});
-      const CountInBricks in_bricks{tree(), boxes_, round};
-      exec_.for_each("count", boxes_.size(), in_bricks);
-      exec_.for_each_group("count_large", large_items(), CountInBricksOfLarge{in_bricks, large.span()});
+        exec_.for_each_group("open", bricks_of(round - 1), OpenBricks{tree(), round});
+      exec_.for_each_group("clear", bricks_of(round), ClearBricks{tree(), round});
+      if (round == 0) {
+        exec_.for_each_part("list", {nullptr, boxes_.size()}, ListInFirstBricks{list, boxes_});
+        exec_.for_each_group("list_large", large_items(), ListLargeInFirstBricks{list, boxes_, large.span()});
+      } else {
+        exec_.for_each_part("list", items_of_bricks(round - 1), ListInNextBricks{list, {tree(), boxes_, round - 1}});
+      }
+      exec_.for_each_part("count", items_of_bricks(round), CountInBricks{{tree(), boxes_, round}});
     }
   }
   void place_and_register() {
     const PlaceLeaves place{tree(), leaves.span(), cursor.span(), registered.size(), items.span(), &totals};
     exec_.for_each_group("place", {&cell_groups_, cell_groups_}, PlaceDenseLeaves{place});
     for (int round = 0; round < rounds_; ++round)
-      exec_.for_each_group("place_bricks", brick_items(round), PlaceBrickLeaves{place, round});
-    rounds_ > 0 ? register_boxes<true>() : register_boxes<false>();
-  }
-  template <bool kHasBricks>
-  void register_boxes() {
-    const RegisterTriangles<kHasBricks> registration{tree(), boxes_, cursor.span(), registered.span()};
-    exec_.for_each("register", levels() * boxes_.size(), registration);
-    exec_.for_each_group("register_large", large_items(), RegisterLarge<kHasBricks>{registration, large.span()});
+      exec_.for_each_group("place_bricks", bricks_of(round), PlaceBrickLeaves{place, round});
+    const Registration registration{tree(), cursor.span(), registered.span()};
+    exec_.for_each_part("register", triangles_at_levels(), RegisterTriangles{registration, {&grid, boxes_}});
+    exec_.for_each_group("register_large", large_items(), RegisterLarge{registration, boxes_, large.span()});
+    for (int round = 0; round < rounds_; ++round)
+      exec_.for_each_part("register_in_bricks", items_of_bricks(round),
+                          RegisterInBricks{registration, {tree(), boxes_, round}});
   }
 
   CpuExec exec_{2, 0};

@@ -44,8 +44,8 @@ struct TestOctree {
         root_cost(level_offset(kMaxLevel - kBrickLevels + 1)) {}
 
   Tree tree() {
-    return {&grid,          span_of(counts),     span_of(type),  span_of(slot), span_of(bricks),
-            span_of(reach), span_of(brick_cost), brick_counters, rounds};
+    return {&grid, span_of(counts), span_of(type), span_of(slot), span_of(bricks), span_of(reach), span_of(brick_cost),
+            {},    brick_counters,  nullptr,       rounds};
   }
 
   void cut(const CutCost& cost) {

@@ -1,0 +1,69 @@
+#pragma once
+// Items of many parts, on a GPU: the parts of some items are laid end to end and shared by the lanes of a warp, so that
+// neither a lane nor its warp waits for the item with most.
+
+#include "gpu/exec/counted.hpp"
+#include "gpu/exec/warp.cuh"
+
+namespace collided {
+
+constexpr unsigned kPartsBlock = 128;
+
+/// Items that a warp takes at once: fewer of those that may have many parts, for then one alone keeps it busy.
+template <class Item>
+constexpr unsigned kItemsOfWarp = Item::kMostParts <= 64 ? 16 : 4;
+
+/// Which item a part belongs to, of those whose parts end where `end` says, lane by lane.
+template <unsigned items>
+__device__ unsigned item_of_part(uint32_t part, uint32_t end) {
+  unsigned item = 0;
+  for (unsigned step = items / 2; step > 0; step /= 2)
+    if (part >= __shfl_sync(kAllLanes, end, item + step - 1)) item += step;
+  return item;
+}
+
+template <class T>
+__device__ T shuffled(const T& value, unsigned lane) {
+  static_assert(sizeof(T) % sizeof(uint32_t) == 0);
+  constexpr int kWords = sizeof(T) / sizeof(uint32_t);
+  union Words {
+    T value;
+    uint32_t word[kWords];
+    __device__ Words() {}
+  } from, to;
+  from.value = value;
+  for (int k = 0; k < kWords; ++k) to.word[k] = __shfl_sync(kAllLanes, from.word[k], lane);
+  return to.value;
+}
+
+/// The parts of items [first, end), as many as a warp takes at once.
+template <class F>
+__device__ void do_parts(uint64_t first, uint64_t end, const F& f) {
+  constexpr unsigned kItems = kItemsOfWarp<typename F::Item>;
+  const uint64_t item = first + lane_id();
+  typename F::Item mine{};
+  if (lane_id() < kItems && item < end) mine = f.item(item);
+  uint32_t up_to = mine.parts;
+  for (unsigned offset = 1; offset < kItems; offset *= 2) {
+    const uint32_t before = __shfl_up_sync(kAllLanes, up_to, offset);
+    if (lane_id() >= offset) up_to += before;
+  }
+  const uint32_t all = __shfl_sync(kAllLanes, up_to, kItems - 1);
+  for (uint32_t part = lane_id(); part - lane_id() < all; part += 32) {
+    const unsigned from = item_of_part<kItems>(part, up_to);
+    const typename F::Item owner = shuffled(mine, from);
+    const uint32_t start = __shfl_sync(kAllLanes, up_to - mine.parts, from);
+    if (part < all) f(owner, part - start);
+    __syncwarp();
+  }
+}
+
+template <class F>
+__global__ void __launch_bounds__(kPartsBlock) for_each_part_kernel(Counted n, F f) {
+  const uint64_t size = n.size(), warp = (static_cast<uint64_t>(blockIdx.x) * kPartsBlock + threadIdx.x) / 32;
+  constexpr unsigned kItems = kItemsOfWarp<typename F::Item>;
+  const uint64_t stride = static_cast<uint64_t>(gridDim.x) * (kPartsBlock / 32) * kItems;
+  for (uint64_t first = warp * kItems; first < size; first += stride) do_parts(first, size, f);
+}
+
+}  // namespace collided
