@@ -44,6 +44,7 @@ template <class Real, class Keep>
 struct FeatureSink {
   static constexpr bool kTakesPairs = false;
   static constexpr int kFirstOfSecondKind = kFirstEdgeEdge;
+  using Number = Real;
 
   ElementaryTests<Real> tests;
   Keep keep;
@@ -58,12 +59,23 @@ struct FeatureSink {
   }
   COLLIDED_HD bool is_second(uint32_t a, uint32_t b, int test) const { return tests.edge_edge_overlap(a, b, test); }
   COLLIDED_HD void take_first(uint32_t a, uint32_t b, int test) const {
-    const CandidatePoints<Real> candidate = tests.vertex_triangle_points(a, b, test);
-    if (keep(VertexTriangle{}, candidate.points)) vertex_triangle.push(candidate.key);
+    uint64_t key;
+    if (keeps_first(a, b, test, key)) vertex_triangle.push(key);
   }
   COLLIDED_HD void take_second(uint32_t a, uint32_t b, int test) const {
+    uint64_t key;
+    if (keeps_second(a, b, test, key)) edge_edge.push(key);
+  }
+  /// Whether the filter keeps a candidate, whose key that is.
+  COLLIDED_HD bool keeps_first(uint32_t a, uint32_t b, int test, uint64_t &key) const {
+    const CandidatePoints<Real> candidate = tests.vertex_triangle_points(a, b, test);
+    key = candidate.key;
+    return keep(VertexTriangle{}, candidate.points);
+  }
+  COLLIDED_HD bool keeps_second(uint32_t a, uint32_t b, int test, uint64_t &key) const {
     const CandidatePoints<Real> candidate = tests.edge_edge_points(a, b, test);
-    if (keep(EdgeEdge{}, candidate.points)) edge_edge.push(candidate.key + (uint64_t{edge_rank} << 32));
+    key = candidate.key + (uint64_t{edge_rank} << 32);
+    return keep(EdgeEdge{}, candidate.points);
   }
   COLLIDED_HD bool is_over() const { return hurry.is_over(); }
   COLLIDED_HD void add(uint64_t pairs, uint64_t first, uint64_t second) const { totals(pairs, first, second); }
@@ -80,9 +92,14 @@ struct TrianglePairSink {
   PairTotals totals;
 
   COLLIDED_HD void take(uint32_t a, uint32_t b) const {
+    uint64_t key;
+    if (keeps(a, b, key)) pairs.push(key);
+  }
+  /// Whether a pair is wanted, whose key that is.
+  COLLIDED_HD bool keeps(uint32_t a, uint32_t b, uint64_t &key) const {
     const Triangle p = triangles[a], q = triangles[b];
-    if (has(p, q.x) || has(p, q.y) || has(p, q.z)) return;
-    pairs.push(pack_ids(a, b) + (uint64_t{rank} << 32));
+    key = pack_ids(a, b) + (uint64_t{rank} << 32);
+    return !has(p, q.x) && !has(p, q.y) && !has(p, q.z);
   }
   COLLIDED_HD bool is_over() const { return hurry.is_over(); }
   COLLIDED_HD void add(uint64_t all, uint64_t, uint64_t) const { totals(all, 0, 0); }

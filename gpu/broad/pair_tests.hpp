@@ -39,6 +39,13 @@ struct LeafPairs {
     return {leaf, registered.data + leaf.offset, item.row * kTile, item.column * kTile,
             smaller((item.column + tiles_of_item(leaf.count)) * kTile, leaf.count)};
   }
+  /// Bit k: whether the box starts in the leaf's cell on axis k. A pair whose boxes overlap is this leaf's to report if
+  /// on each axis one of them does: neither starts behind the cell, which both cover.
+  COLLIDED_HD uint32_t axes_of_start(const Work& work, const Box<float>& box) const {
+    const Coords start = shifted(grid->deepest_cell(box.lo), kDeepest - work.leaf.level);
+    const Coords& cell = work.leaf.cell;
+    return (start.x == cell.x ? 1u : 0u) | (start.y == cell.y ? 2u : 0u) | (start.z == cell.z ? 4u : 0u);
+  }
   /// Whether a pair whose boxes overlap is this leaf's to report.
   COLLIDED_HD bool reports(const Work& work, const Box<float>& box_a, uint32_t a, const Box<float>& box_b,
                            uint32_t b) const {
