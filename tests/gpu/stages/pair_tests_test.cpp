@@ -28,8 +28,9 @@ struct OneLeaf {
     const LeafPairs source{&grid,          {},      span_of(boxes),    span_of(leaves), span_of(registered),
                            span_of(items), &totals, registered.size(), ~uint64_t{0}};
     std::vector<std::pair<uint32_t, uint32_t>> found;
+    LeafTiles tiles;
     for (uint64_t i = 0; i < items.size(); ++i)
-      visit_item(source, i, [&](uint32_t a, uint32_t b) { found.emplace_back(a, b); });
+      visit_item(source, i, tiles, [&](uint32_t a, uint32_t b) { found.emplace_back(std::min(a, b), std::max(a, b)); });
     return found;
   }
 

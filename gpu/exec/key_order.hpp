@@ -1,0 +1,148 @@
+#pragma once
+// Keys in ascending order on CPU cores: dealt to buckets by their highest bits, then each bucket, which fits a cache,
+// sorted by the others, lowest digit first.
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <utility>
+#include <vector>
+
+#include "gpu/exec/sort_arrays.hpp"
+
+namespace collided {
+
+/// What is sorted: a key without the bits that no key has, then its place among the keys if there is data.
+struct PackedKeys {
+  int first_bits, second_bits, place_bits;
+
+  /// `all`: the bits that any key has.
+  PackedKeys(uint64_t all, uint64_t count, bool has_data)
+      : first_bits(std::bit_width(all >> 32)),
+        second_bits(std::bit_width(all & 0xffffffffu)),
+        place_bits(has_data ? std::bit_width(count) : 0) {}
+
+  bool fit() const { return bits() <= 63; }
+  int bits() const { return first_bits + second_bits + place_bits; }
+  uint64_t pack(uint64_t key, uint64_t place) const {
+    const uint64_t low = key & 0xffffffffu;
+    return ((key >> 32) << second_bits | low) << place_bits | (place_bits == 0 ? 0 : place);
+  }
+  uint64_t key(uint64_t packed) const {
+    const uint64_t ids = packed >> place_bits;
+    return ids >> second_bits << 32 | (ids & mask(second_bits));
+  }
+  uint64_t place(uint64_t packed) const { return packed & mask(place_bits); }
+
+ private:
+  static uint64_t mask(int bits) { return (uint64_t{1} << bits) - 1; }
+};
+
+template <class Data>
+class KeyOrder {
+ public:
+  explicit KeyOrder(const KeyArrays<Data>& arrays)
+      : arrays_(arrays),
+        packed_(bits_of(arrays.keys), arrays.keys.size(), !arrays.data.empty()),
+        bucket_bits_(std::clamp<int>(std::bit_width(arrays.keys.size() / kBucket), 0,
+                                     std::min(kMostBucketBits, packed_.first_bits + packed_.second_bits))) {}
+
+  /// Sorts, unless the ids need more bits than there is room for: then false.
+  bool run() {
+    if (!packed_.fit()) return false;
+    deal();
+    tbb::parallel_for(tbb::blocked_range<uint64_t>(0, buckets(), 4), [&](const tbb::blocked_range<uint64_t>& range) {
+      for (uint64_t i = range.begin(); i != range.end(); ++i) sort_bucket(bucket_begin(i), bucket_begin(i + 1));
+    });
+    return true;
+  }
+
+ private:
+  static constexpr uint64_t kBucket = 4096;  ///< keys, or so
+  static constexpr int kMostBucketBits = 11, kMostDigitBits = 9;
+  static constexpr uint64_t kBlock = 1u << 18;  ///< keys that are dealt at a time
+  static constexpr uint64_t kFew = 48;
+
+  static uint64_t bits_of(Span<const uint64_t> keys) {
+    return tbb::parallel_reduce(
+        tbb::blocked_range<uint64_t>(0, keys.size(), kBlock), uint64_t{0},
+        [&](const tbb::blocked_range<uint64_t>& range, uint64_t all) {
+          for (uint64_t i = range.begin(); i != range.end(); ++i) all |= keys[i];
+          return all;
+        },
+        [](uint64_t a, uint64_t b) { return a | b; });
+  }
+
+  uint64_t buckets() const { return uint64_t{1} << bucket_bits_; }
+  uint64_t bucket_begin(uint64_t bucket) const { return bucket == 0 ? 0 : ends_[bucket - 1]; }
+  uint64_t bucket_of(uint64_t packed) const { return packed >> (packed_.bits() - bucket_bits_); }
+
+  /// From `keys` to `scratch`, bucket by bucket.
+  void deal() {
+    const uint64_t n = arrays_.keys.size(), blocks = (n + kBlock - 1) / kBlock;
+    std::vector<uint64_t> places(blocks * buckets());
+    const auto for_each_block = [&](const auto& use) {
+      tbb::parallel_for(uint64_t{0}, blocks, [&](uint64_t block) {
+        uint64_t* place = places.data() + block * buckets();
+        for (uint64_t i = block * kBlock; i < std::min(n, (block + 1) * kBlock); ++i) {
+          const uint64_t packed = packed_.pack(arrays_.keys[i], i);
+          use(place[bucket_of(packed)], packed);
+        }
+      });
+    };
+    for_each_block([](uint64_t& count, uint64_t) { ++count; });
+    ends_.resize(buckets());
+    uint64_t begin = 0;
+    for (uint64_t bucket = 0; bucket < buckets(); ++bucket) {
+      for (uint64_t block = 0; block < blocks; ++block)
+        begin += std::exchange(places[block * buckets() + bucket], begin);
+      ends_[bucket] = begin;
+    }
+    for_each_block([&](uint64_t& place, uint64_t packed) { arrays_.scratch[place++] = packed; });
+  }
+
+  /// From `scratch` to `sorted_keys`.
+  void sort_bucket(uint64_t begin, uint64_t end) const {
+    uint64_t *from = arrays_.scratch.data + begin, *to = arrays_.sorted_keys.data + begin;
+    const uint64_t n = end - begin;
+    if (n <= kFew) {
+      std::sort(from, from + n);
+    } else {
+      const int bits = packed_.bits() - packed_.place_bits - bucket_bits_;
+      const int passes = (bits + kMostDigitBits - 1) / kMostDigitBits;
+      for (int pass = 0; pass < passes; ++pass, std::swap(from, to)) {
+        const int first = bits * pass / passes, last = bits * (pass + 1) / passes;
+        sort_by_digit(from, to, n, packed_.place_bits + first, last - first);
+      }
+    }
+    write(from, begin, n);
+  }
+  static void sort_by_digit(const uint64_t* from, uint64_t* to, uint64_t n, int shift, int bits) {
+    std::array<uint64_t, 1u << kMostDigitBits> places;
+    const uint64_t digits = uint64_t{1} << bits;
+    std::fill_n(places.begin(), digits, 0);
+    for (uint64_t i = 0; i < n; ++i) ++places[from[i] >> shift & (digits - 1)];
+    uint64_t place = 0;
+    for (uint64_t d = 0; d < digits; ++d) place += std::exchange(places[d], place);
+    for (uint64_t i = 0; i < n; ++i) to[places[from[i] >> shift & (digits - 1)]++] = from[i];
+  }
+  /// `from` may be where the keys go.
+  void write(const uint64_t* from, uint64_t begin, uint64_t n) const {
+    for (uint64_t i = 0; i < n; ++i) {
+      const uint64_t packed = from[i];
+      if (!arrays_.data.empty()) arrays_.sorted[begin + i] = arrays_.data[packed_.place(packed)];
+      arrays_.sorted_keys[begin + i] = packed_.key(packed);
+    }
+  }
+
+  KeyArrays<Data> arrays_;
+  PackedKeys packed_;
+  int bucket_bits_;
+  std::vector<uint64_t> ends_;  ///< of the buckets
+};
+
+}  // namespace collided

@@ -1,0 +1,92 @@
+#pragma once
+// What a thread on CPU cores does with the pairs that it finds: which of them, or of the candidates of features that
+// they have, go to which of the sink's lists.
+
+#include <bit>
+#include <optional>
+
+#include "gpu/exec/feature_tests.hpp"
+#include "gpu/exec/list_writer.hpp"
+
+namespace collided {
+
+/// For sinks that want pairs as they are.
+template <class Sink>
+class PairTaker {
+ public:
+  explicit PairTaker(const Sink& sink) : sink_(sink), list_(sink.pairs) {}
+
+  void take(uint32_t a, uint32_t b) {
+    ++pairs_;
+    uint64_t key;
+    if (sink_.keeps(smaller(a, b), larger(a, b), key)) list_.push(key);
+  }
+  /// After the last pair.
+  void finish() {
+    list_.flush();
+    sink_.add(pairs_, 0, 0);
+  }
+
+ private:
+  const Sink& sink_;
+  ListWriter<uint64_t> list_;
+  uint64_t pairs_ = 0;
+};
+
+/// For sinks that want the candidates of pairs.
+template <class Sink>
+class CandidateTaker {
+ public:
+  using Features = FeatureBoxes<typename Sink::Number>;
+
+  CandidateTaker(const Sink& sink, const Features* features)
+      : sink_(sink), features_(features), first_(sink.vertex_triangle), second_(sink.edge_edge) {}
+
+  /// Fastest if `a` is often the same as before.
+  void take(uint32_t a, uint32_t b) {
+    ++pairs_;
+    if (!row_ || row_of_ != a) row_.emplace(features_[a]), row_of_ = a;
+    for (uint32_t tests = row_->tests(features_[b]); tests != 0; tests &= tests - 1) {
+      const int test = std::countr_zero(tests);
+      a < b ? take_candidate(a, b, test) : take_candidate(b, a, test_of_swapped(test));
+    }
+  }
+  /// After the last pair.
+  void finish() {
+    first_.flush();
+    second_.flush();
+    sink_.add(pairs_, candidates_[0], candidates_[1]);
+  }
+
+ private:
+  void take_candidate(uint32_t a, uint32_t b, int test) {
+    const bool is_second = test >= Sink::kFirstOfSecondKind;
+    ++candidates_[is_second ? 1 : 0];
+    uint64_t key;
+    if (is_second) {
+      if (sink_.keeps_second(a, b, test, key)) second_.push(key);
+    } else {
+      if (sink_.keeps_first(a, b, test, key)) first_.push(key);
+    }
+  }
+
+  const Sink& sink_;
+  const Features* features_;  ///< of each triangle
+  std::optional<FeatureRow<typename Sink::Number>> row_;
+  uint32_t row_of_ = 0;
+  ListWriter<uint64_t> first_, second_;
+  uint64_t pairs_ = 0, candidates_[2] = {0, 0};
+};
+
+template <class Sink>
+struct TakerOf {
+  using Type = CandidateTaker<Sink>;
+};
+template <class Sink>
+requires Sink::kTakesPairs struct TakerOf<Sink> {
+  using Type = PairTaker<Sink>;
+};
+template <class Sink>
+using Taker = typename TakerOf<Sink>::Type;
+
+}  // namespace collided
