@@ -44,6 +44,7 @@ template <class Real, class Keep>
 struct FeatureSink {
   static constexpr bool kTakesPairs = false;
   static constexpr int kFirstOfSecondKind = kFirstEdgeEdge;
+  static constexpr bool kKeepsAll = std::is_same_v<Keep, KeepAll>;
   using Number = Real;
 
   ElementaryTests<Real> tests;
@@ -59,23 +60,23 @@ struct FeatureSink {
   }
   COLLIDED_HD bool is_second(uint32_t a, uint32_t b, int test) const { return tests.edge_edge_overlap(a, b, test); }
   COLLIDED_HD void take_first(uint32_t a, uint32_t b, int test) const {
-    uint64_t key;
-    if (keeps_first(a, b, test, key)) vertex_triangle.push(key);
+    const CandidatePoints<Real> candidate = tests.vertex_triangle_points(a, b, test);
+    if (keep(VertexTriangle{}, candidate.points)) vertex_triangle.push(candidate.key);
   }
   COLLIDED_HD void take_second(uint32_t a, uint32_t b, int test) const {
-    uint64_t key;
-    if (keeps_second(a, b, test, key)) edge_edge.push(key);
-  }
-  /// Whether the filter keeps a candidate, whose key that is.
-  COLLIDED_HD bool keeps_first(uint32_t a, uint32_t b, int test, uint64_t &key) const {
-    const CandidatePoints<Real> candidate = tests.vertex_triangle_points(a, b, test);
-    key = candidate.key;
-    return keep(VertexTriangle{}, candidate.points);
-  }
-  COLLIDED_HD bool keeps_second(uint32_t a, uint32_t b, int test, uint64_t &key) const {
     const CandidatePoints<Real> candidate = tests.edge_edge_points(a, b, test);
-    key = candidate.key + (uint64_t{edge_rank} << 32);
-    return keep(EdgeEdge{}, candidate.points);
+    if (keep(EdgeEdge{}, candidate.points)) edge_edge.push(candidate.key + (uint64_t{edge_rank} << 32));
+  }
+  /// The same in two parts: whether the filter keeps a candidate, and its key.
+  COLLIDED_HD bool keeps_first(uint32_t a, uint32_t b, int test) const {
+    return kKeepsAll || keep(VertexTriangle{}, tests.vertex_triangle_points(a, b, test).points);
+  }
+  COLLIDED_HD bool keeps_second(uint32_t a, uint32_t b, int test) const {
+    return kKeepsAll || keep(EdgeEdge{}, tests.edge_edge_points(a, b, test).points);
+  }
+  COLLIDED_HD uint64_t first_key(uint32_t vertex, uint32_t triangle) const { return pack_ids(vertex, triangle); }
+  COLLIDED_HD uint64_t second_key(uint32_t edge, uint32_t other) const {
+    return pack_ids(smaller(edge, other), larger(edge, other)) + (uint64_t{edge_rank} << 32);
   }
   COLLIDED_HD bool is_over() const { return hurry.is_over(); }
   COLLIDED_HD void add(uint64_t pairs, uint64_t first, uint64_t second) const { totals(pairs, first, second); }

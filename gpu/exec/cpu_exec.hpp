@@ -224,8 +224,7 @@ class CpuExec {
       const uint32_t t = static_cast<uint32_t>(i);
       const auto& tests = sink.tests;
       new (&features[i]) Features({tests.corner_box(t, 0), tests.corner_box(t, 1), tests.corner_box(t, 2)},
-                                  {tests.corner_vertex(t, 0), tests.corner_vertex(t, 1), tests.corner_vertex(t, 2)},
-                                  tests.tested_of(t));
+                                  tests.vertices_of(t), tests.edges_of(t), tests.tested_of(t));
     });
     return features;
   }

@@ -12,14 +12,15 @@ struct FeatureBoxes {
   BoxLanes<Real> edges;    ///< 0-1, 1-2, 2-0, then the triangle
   BoxLanes<Real> corners;  ///< 0, 1, 2, then 2 again
   Lanes<uint32_t> vertex;  ///< of each corner, likewise
-  uint32_t owned;          ///< to be tested: bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0
+  uint32_t edge[3];
+  uint32_t owned;  ///< to be tested: bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0
 
   /// `corner`: the box of each corner's path.
-  FeatureBoxes(const Box<Real> (&corner)[3], const uint32_t (&vertices)[3], uint32_t own) : owned(own) {
+  FeatureBoxes(const Box<Real> (&corner)[3], const Vec3<uint32_t>& v, const Vec3<uint32_t>& e, uint32_t own)
+      : vertex{v.x, v.y, v.z, v.z}, edge{e.x, e.y, e.z}, owned(own) {
     for (int k = 0; k < 4; ++k) {
       const int here = k < 3 ? k : 2, next = k < 2 ? k + 1 : 0;
       corners.set(k, corner[here]);
-      vertex[k] = vertices[here];
       edges.set(k, k < 3 ? join(corner[k], corner[next]) : join(edges.get(0), corner[2]));
     }
   }
@@ -76,6 +77,15 @@ class FeatureRow {
 inline int test_of_swapped(int test) {
   constexpr int8_t kSwapped[] = {3, 4, 5, 0, 1, 2, 6, 9, 12, 7, 10, 13, 8, 11, 14};
   return kSwapped[test];
+}
+/// Which edges of the two triangles a test of edges takes.
+inline int first_edge_of(int test) {
+  constexpr int8_t kEdge[] = {0, 0, 0, 1, 1, 1, 2, 2, 2};
+  return kEdge[test - 6];
+}
+inline int second_edge_of(int test) {
+  constexpr int8_t kEdge[] = {0, 1, 2, 0, 1, 2, 0, 1, 2};
+  return kEdge[test - 6];
 }
 
 }  // namespace collided

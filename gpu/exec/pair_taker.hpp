@@ -46,10 +46,10 @@ class CandidateTaker {
   void take(uint32_t a, uint32_t b) {
     ++pairs_;
     if (!row_ || row_of_ != a) row_.emplace(features_[a]), row_of_ = a;
-    for (uint32_t tests = row_->tests(features_[b]); tests != 0; tests &= tests - 1) {
-      const int test = std::countr_zero(tests);
-      a < b ? take_candidate(a, b, test) : take_candidate(b, a, test_of_swapped(test));
-    }
+    constexpr uint32_t kFirstKind = (1u << Sink::kFirstOfSecondKind) - 1u;
+    const uint32_t tests = row_->tests(features_[b]);
+    for (uint32_t left = tests & kFirstKind; left != 0; left &= left - 1) take_first(a, b, std::countr_zero(left));
+    for (uint32_t left = tests & ~kFirstKind; left != 0; left &= left - 1) take_second(a, b, std::countr_zero(left));
   }
   /// After the last pair.
   void finish() {
@@ -59,15 +59,22 @@ class CandidateTaker {
   }
 
  private:
-  void take_candidate(uint32_t a, uint32_t b, int test) {
-    const bool is_second = test >= Sink::kFirstOfSecondKind;
-    ++candidates_[is_second ? 1 : 0];
-    uint64_t key;
-    if (is_second) {
-      if (sink_.keeps_second(a, b, test, key)) second_.push(key);
-    } else {
-      if (sink_.keeps_first(a, b, test, key)) first_.push(key);
-    }
+  void take_first(uint32_t a, uint32_t b, int test) {
+    ++candidates_[0];
+    if (!ask(a, b, test, [&](auto... of) { return sink_.keeps_first(of...); })) return;
+    first_.push(test < 3 ? sink_.first_key(features_[a].vertex[test], b)
+                         : sink_.first_key(features_[b].vertex[test - 3], a));
+  }
+  void take_second(uint32_t a, uint32_t b, int test) {
+    ++candidates_[1];
+    if (!ask(a, b, test, [&](auto... of) { return sink_.keeps_second(of...); })) return;
+    second_.push(sink_.second_key(features_[a].edge[first_edge_of(test)], features_[b].edge[second_edge_of(test)]));
+  }
+  /// The filter's answer for the lower triangle first: the order of points may matter to it.
+  template <class Keeps>
+  static bool ask(uint32_t a, uint32_t b, int test, const Keeps& keeps) {
+    if constexpr (Sink::kKeepsAll) return true;
+    return a < b ? keeps(a, b, test) : keeps(b, a, test_of_swapped(test));
   }
 
   const Sink& sink_;
