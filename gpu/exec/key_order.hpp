@@ -54,10 +54,11 @@ class KeyOrder {
   /// Sorts, unless the ids need more bits than there is room for: then false.
   bool run() {
     if (!packed_.fit()) return false;
-    deal();
-    tbb::parallel_for(tbb::blocked_range<uint64_t>(0, buckets(), 4), [&](const tbb::blocked_range<uint64_t>& range) {
-      for (uint64_t i = range.begin(); i != range.end(); ++i) sort_bucket(bucket_begin(i), bucket_begin(i + 1));
-    });
+    if (bits_within() <= 32)
+      run_with(reinterpret_cast<uint32_t*>(arrays_.scratch.data),
+               reinterpret_cast<uint32_t*>(arrays_.scratch.data) + arrays_.keys.size());
+    else
+      run_with(arrays_.scratch.data, arrays_.sorted_keys.data);
     return true;
   }
 
@@ -77,12 +78,23 @@ class KeyOrder {
         [](uint64_t a, uint64_t b) { return a | b; });
   }
 
+  /// By way of two arrays of what buckets hold.
+  template <class Item>
+  void run_with(Item* dealt, Item* other) {
+    deal(dealt);
+    tbb::parallel_for(tbb::blocked_range<uint64_t>(0, buckets(), 4), [&](const tbb::blocked_range<uint64_t>& range) {
+      for (uint64_t i = range.begin(); i != range.end(); ++i) sort_bucket(i, dealt, other);
+    });
+  }
+
   uint64_t buckets() const { return uint64_t{1} << bucket_bits_; }
   uint64_t bucket_begin(uint64_t bucket) const { return bucket == 0 ? 0 : ends_[bucket - 1]; }
-  uint64_t bucket_of(uint64_t packed) const { return packed >> (packed_.bits() - bucket_bits_); }
+  /// Bits that tell the keys of a bucket apart.
+  int bits_within() const { return packed_.bits() - bucket_bits_; }
 
-  /// From `keys` to `scratch`, bucket by bucket.
-  void deal() {
+  /// Buckets hold the keys without their highest bits.
+  template <class Item>
+  void deal(Item* dealt) {
     const uint64_t n = arrays_.keys.size(), blocks = (n + kBlock - 1) / kBlock;
     std::vector<uint64_t> places(blocks * buckets());
     const auto for_each_block = [&](const auto& use) {
@@ -90,7 +102,7 @@ class KeyOrder {
         uint64_t* place = places.data() + block * buckets();
         for (uint64_t i = block * kBlock; i < std::min(n, (block + 1) * kBlock); ++i) {
           const uint64_t packed = packed_.pack(arrays_.keys[i], i);
-          use(place[bucket_of(packed)], packed);
+          use(place[packed >> bits_within()], packed);
         }
       });
     };
@@ -102,38 +114,41 @@ class KeyOrder {
         begin += std::exchange(places[block * buckets() + bucket], begin);
       ends_[bucket] = begin;
     }
-    for_each_block([&](uint64_t& place, uint64_t packed) { arrays_.scratch[place++] = packed; });
+    for_each_block([&](uint64_t& place, uint64_t packed) { dealt[place++] = static_cast<Item>(packed); });
   }
 
-  /// From `scratch` to `sorted_keys`.
-  void sort_bucket(uint64_t begin, uint64_t end) const {
-    uint64_t *from = arrays_.scratch.data + begin, *to = arrays_.sorted_keys.data + begin;
-    const uint64_t n = end - begin;
+  template <class Item>
+  void sort_bucket(uint64_t bucket, Item* dealt, Item* other) const {
+    const uint64_t begin = bucket_begin(bucket), n = bucket_begin(bucket + 1) - begin;
+    Item *from = dealt + begin, *to = other + begin;
     if (n <= kFew) {
       std::sort(from, from + n);
     } else {
-      const int bits = packed_.bits() - packed_.place_bits - bucket_bits_;
+      const int bits = bits_within() - packed_.place_bits;
       const int passes = (bits + kMostDigitBits - 1) / kMostDigitBits;
       for (int pass = 0; pass < passes; ++pass, std::swap(from, to)) {
         const int first = bits * pass / passes, last = bits * (pass + 1) / passes;
         sort_by_digit(from, to, n, packed_.place_bits + first, last - first);
       }
     }
-    write(from, begin, n);
+    write(from, bucket, begin, n);
   }
-  static void sort_by_digit(const uint64_t* from, uint64_t* to, uint64_t n, int shift, int bits) {
-    std::array<uint64_t, 1u << kMostDigitBits> places;
+  template <class Item>
+  static void sort_by_digit(const Item* from, Item* to, uint64_t n, int shift, int bits) {
+    std::array<uint32_t, 1u << kMostDigitBits> places;
     const uint64_t digits = uint64_t{1} << bits;
     std::fill_n(places.begin(), digits, 0);
     for (uint64_t i = 0; i < n; ++i) ++places[from[i] >> shift & (digits - 1)];
-    uint64_t place = 0;
+    uint32_t place = 0;
     for (uint64_t d = 0; d < digits; ++d) place += std::exchange(places[d], place);
     for (uint64_t i = 0; i < n; ++i) to[places[from[i] >> shift & (digits - 1)]++] = from[i];
   }
   /// `from` may be where the keys go.
-  void write(const uint64_t* from, uint64_t begin, uint64_t n) const {
+  template <class Item>
+  void write(const Item* from, uint64_t bucket, uint64_t begin, uint64_t n) const {
+    const uint64_t high = bucket << bits_within(), low = (uint64_t{1} << bits_within()) - 1;
     for (uint64_t i = 0; i < n; ++i) {
-      const uint64_t packed = from[i];
+      const uint64_t packed = high | (from[i] & low);
       if (!arrays_.data.empty()) arrays_.sorted[begin + i] = arrays_.data[packed_.place(packed)];
       arrays_.sorted_keys[begin + i] = packed_.key(packed);
     }
