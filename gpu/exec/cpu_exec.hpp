@@ -87,7 +87,9 @@ class CpuExec {
     share_among_takers(items.size(), 8, sink, source.boxes.size(), [&](const auto& range, auto& taker) {
       LeafTiles tiles;
       for (uint64_t i = range.begin(); i != range.end() && !sink.is_over(); ++i)
-        visit_item(source, i, tiles, [&](uint32_t a, uint32_t b) { taker.take(a, b); });
+        visit_item(
+            source, i, tiles, [&](uint32_t a, uint32_t b) { taker.take(a, b); },
+            [&](uint32_t triangle) { taker.expect(triangle); });
     });
   }
 

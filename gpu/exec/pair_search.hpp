@@ -47,13 +47,13 @@ struct BoxTile {
 class LeafTiles {
  public:
   /// The tile of the rows, members [row, ...) of the work's leaf.
-  template <class Source, class Work>
-  const BoxTile& rows(const Source& source, const Work& work, uint32_t count) {
-    return tile(row_, source, work, work.row, count);
+  template <class Source, class Work, class Expect>
+  const BoxTile& rows(const Source& source, const Work& work, uint32_t count, const Expect& expect) {
+    return tile(row_, source, work, work.row, count, expect);
   }
-  template <class Source, class Work>
-  const BoxTile& columns(const Source& source, const Work& work, uint32_t first, uint32_t count) {
-    return tile(columns_[first / kTile % columns_.size()], source, work, first, count);
+  template <class Source, class Work, class Expect>
+  const BoxTile& columns(const Source& source, const Work& work, uint32_t first, uint32_t count, const Expect& expect) {
+    return tile(columns_[first / kTile % columns_.size()], source, work, first, count, expect);
   }
 
  private:
@@ -61,11 +61,14 @@ class LeafTiles {
     const uint32_t* members = nullptr;  ///< that are loaded
     BoxTile tile;
   };
-  template <class Source, class Work>
-  static const BoxTile& tile(Slot& slot, const Source& source, const Work& work, uint32_t first, uint32_t count) {
+  template <class Source, class Work, class Expect>
+  static const BoxTile& tile(Slot& slot, const Source& source, const Work& work, uint32_t first, uint32_t count,
+                             const Expect& expect) {
     const uint32_t* members = work.members + first;
-    if (slot.members != members) slot.tile.load(source, work, members, count);
+    if (slot.members == members) return slot.tile;
     slot.members = members;
+    for (uint32_t k = 0; k < count; ++k) expect(members[k]);
+    slot.tile.load(source, work, members, count);
     return slot.tile;
   }
 
@@ -73,16 +76,16 @@ class LeafTiles {
   std::array<Slot, 16> columns_;
 };
 
-/// visit(row, column) for the pairs of an item.
-template <class Source, class Visit>
-void visit_item(const Source& source, uint64_t item, LeafTiles& tiles, const Visit& visit) {
+/// visit(row, column) for the pairs of an item. Before that, expect(member) for those that may be in some.
+template <class Source, class Visit, class Expect>
+void visit_item(const Source& source, uint64_t item, LeafTiles& tiles, const Visit& visit, const Expect& expect) {
   const auto work = source.work(item);
   const uint32_t rows = smaller(kTile, work.leaf.count - work.row);
-  const BoxTile& row = tiles.rows(source, work, rows);
+  const BoxTile& row = tiles.rows(source, work, rows, expect);
   for (uint32_t first = work.first_column; first < work.end_column; first += kTile) {
     const bool with_itself = first == work.row;
     const uint32_t columns = smaller(kTile, work.end_column - first);
-    const BoxTile& column = with_itself ? row : tiles.columns(source, work, first, columns);
+    const BoxTile& column = with_itself ? row : tiles.columns(source, work, first, columns, expect);
     for (uint32_t r = 0; r < rows; ++r) {
       uint32_t wanted = column.starting_with(row, r);
       if (with_itself) wanted &= ~0u << r << 1;  // only those after this one
@@ -93,6 +96,11 @@ void visit_item(const Source& source, uint64_t item, LeafTiles& tiles, const Vis
       }
     }
   }
+}
+
+template <class Source, class Visit>
+void visit_item(const Source& source, uint64_t item, LeafTiles& tiles, const Visit& visit) {
+  visit_item(source, item, tiles, visit, [](uint32_t) {});
 }
 
 }  // namespace collided

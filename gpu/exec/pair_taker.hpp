@@ -16,6 +16,7 @@ class PairTaker {
  public:
   explicit PairTaker(const Sink& sink) : sink_(sink), list_(sink.pairs) {}
 
+  void expect(uint32_t) const {}
   void take(uint32_t a, uint32_t b) {
     ++pairs_;
     uint64_t key;
@@ -42,6 +43,11 @@ class CandidateTaker {
   CandidateTaker(const Sink& sink, const Features* features)
       : sink_(sink), features_(features), first_(sink.vertex_triangle), second_(sink.edge_edge) {}
 
+  /// A triangle that may soon be in pairs.
+  void expect(uint32_t triangle) const {
+    const char* features = reinterpret_cast<const char*>(&features_[triangle]);
+    for (size_t byte = 0; byte < sizeof(Features); byte += 64) __builtin_prefetch(features + byte);
+  }
   /// Fastest if `a` is often the same as before.
   void take(uint32_t a, uint32_t b) {
     ++pairs_;
