@@ -34,6 +34,41 @@ class PairTaker {
   uint64_t pairs_ = 0;
 };
 
+/// Tests that pairs have passed, until there are many: neither adding nor going through them takes a branch that
+/// depends on a pair, which the processor could only guess.
+class PassedTests {
+ public:
+  void add(uint32_t a, uint32_t b, uint32_t tests) {
+    pairs_[size_] = {a, b, tests};
+    size_ += tests != 0 ? 1 : 0;
+  }
+  bool is_full() const { return size_ == kMost; }
+
+  /// use(a, b, test) for each, and how many that were; then there are none.
+  template <class Use>
+  uint64_t drain(const Use& use) {
+    uint64_t count = 0;
+    pairs_[size_].tests = 0;
+    uint32_t left = pairs_[0].tests;
+    for (uint32_t i = 0; i < size_; ++count) {
+      use(pairs_[i].a, pairs_[i].b, std::countr_zero(left));
+      left &= left - 1;
+      i += left == 0 ? 1 : 0;
+      left = left == 0 ? pairs_[i].tests : left;
+    }
+    size_ = 0;
+    return count;
+  }
+
+ private:
+  static constexpr uint32_t kMost = 64;
+  struct Pair {
+    uint32_t a, b, tests;
+  };
+  Pair pairs_[kMost + 1];
+  uint32_t size_ = 0;
+};
+
 /// For sinks that want the candidates of pairs.
 template <class Sink>
 class CandidateTaker {
@@ -54,27 +89,33 @@ class CandidateTaker {
     if (!row_ || row_of_ != a) row_.emplace(features_[a]), row_of_ = a;
     constexpr uint32_t kFirstKind = (1u << Sink::kFirstOfSecondKind) - 1u;
     const uint32_t tests = row_->tests(features_[b]);
-    for (uint32_t left = tests & kFirstKind; left != 0; left &= left - 1) take_first(a, b, std::countr_zero(left));
-    for (uint32_t left = tests & ~kFirstKind; left != 0; left &= left - 1) take_second(a, b, std::countr_zero(left));
+    first_tests_.add(a, b, tests & kFirstKind);
+    second_tests_.add(a, b, tests & ~kFirstKind);
+    if (first_tests_.is_full()) take_first();
+    if (second_tests_.is_full()) take_second();
   }
   /// After the last pair.
   void finish() {
+    take_first();
+    take_second();
     first_.flush();
     second_.flush();
     sink_.add(pairs_, candidates_[0], candidates_[1]);
   }
 
  private:
-  void take_first(uint32_t a, uint32_t b, int test) {
-    ++candidates_[0];
-    if (!ask(a, b, test, [&](auto... of) { return sink_.keeps_first(of...); })) return;
-    first_.push(test < 3 ? sink_.first_key(features_[a].vertex[test], b)
-                         : sink_.first_key(features_[b].vertex[test - 3], a));
+  void take_first() {
+    candidates_[0] += first_tests_.drain([&](uint32_t a, uint32_t b, int test) {
+      if (!ask(a, b, test, [&](auto... of) { return sink_.keeps_first(of...); })) return;
+      const bool of_first = test < 3;
+      first_.push(sink_.first_key(features_[of_first ? a : b].vertex[of_first ? test : test - 3], of_first ? b : a));
+    });
   }
-  void take_second(uint32_t a, uint32_t b, int test) {
-    ++candidates_[1];
-    if (!ask(a, b, test, [&](auto... of) { return sink_.keeps_second(of...); })) return;
-    second_.push(sink_.second_key(features_[a].edge[first_edge_of(test)], features_[b].edge[second_edge_of(test)]));
+  void take_second() {
+    candidates_[1] += second_tests_.drain([&](uint32_t a, uint32_t b, int test) {
+      if (!ask(a, b, test, [&](auto... of) { return sink_.keeps_second(of...); })) return;
+      second_.push(sink_.second_key(features_[a].edge[first_edge_of(test)], features_[b].edge[second_edge_of(test)]));
+    });
   }
   /// The filter's answer for the lower triangle first: the order of points may matter to it.
   template <class Keeps>
@@ -87,6 +128,7 @@ class CandidateTaker {
   const Features* features_;  ///< of each triangle
   std::optional<FeatureRow<typename Sink::Number>> row_;
   uint32_t row_of_ = 0;
+  PassedTests first_tests_, second_tests_;
   ListWriter<uint64_t> first_, second_;
   uint64_t pairs_ = 0, candidates_[2] = {0, 0};
 };
