@@ -32,7 +32,7 @@ class FeatureRow {
  public:
   explicit FeatureRow(const FeatureBoxes<Real>& a) : triangle_(a.edges.spread(3)) {
     for (int k = 0; k < 3; ++k) {
-      vertex_[k] = Lanes<uint32_t>{} + a.vertex[k];
+      fill_lanes<uint32_t>(vertex_[k], a.vertex[k]);
       if ((a.owned >> k & 1u) != 0) corner_[corners_++] = {a.corners.spread(k), k};
       if ((a.owned >> (3 + k) & 1u) != 0) edge_[edges_++] = {a.edges.spread(k), kFirstEdgeTest + 3 * k};
     }
@@ -75,16 +75,16 @@ class FeatureRow {
 
 /// The number of a test if its triangles change places.
 inline int test_of_swapped(int test) {
-  constexpr int8_t kSwapped[] = {3, 4, 5, 0, 1, 2, 6, 9, 12, 7, 10, 13, 8, 11, 14};
+  static constexpr int8_t kSwapped[] = {3, 4, 5, 0, 1, 2, 6, 9, 12, 7, 10, 13, 8, 11, 14};
   return kSwapped[test];
 }
 /// Which edges of the two triangles a test of edges takes.
 inline int first_edge_of(int test) {
-  constexpr int8_t kEdge[] = {0, 0, 0, 1, 1, 1, 2, 2, 2};
+  static constexpr int8_t kEdge[] = {0, 0, 0, 1, 1, 1, 2, 2, 2};
   return kEdge[test - 6];
 }
 inline int second_edge_of(int test) {
-  constexpr int8_t kEdge[] = {0, 1, 2, 0, 1, 2, 0, 1, 2};
+  static constexpr int8_t kEdge[] = {0, 1, 2, 0, 1, 2, 0, 1, 2};
   return kEdge[test - 6];
 }
 

@@ -24,6 +24,11 @@ struct LanesOf {
 template <class T>
 using Lanes = typename detail::LanesOf<T>::Type;
 
+template <class T>
+void fill_lanes(Lanes<T>& lanes, T x) {
+  lanes = Lanes<T>{x, x, x, x};
+}
+
 /// Bit k: whether lane k of a comparison holds.
 template <class Comparison>
 inline uint32_t lane_bits(const Comparison& holds) {
@@ -55,8 +60,8 @@ struct BoxLanes {
   BoxLanes spread(int lane) const {
     BoxLanes all;
     for (int axis = 0; axis < 3; ++axis) {
-      all.lo[axis] = Lanes<Real>{} + lo[axis][lane];
-      all.hi[axis] = Lanes<Real>{} + hi[axis][lane];
+      fill_lanes<Real>(all.lo[axis], lo[axis][lane]);
+      fill_lanes<Real>(all.hi[axis], hi[axis][lane]);
     }
     return all;
   }
