@@ -99,10 +99,14 @@ class KeyOrder {
     std::vector<uint64_t> places(blocks * buckets());
     const auto for_each_block = [&](const auto& use) {
       tbb::parallel_for(uint64_t{0}, blocks, [&](uint64_t block) {
+        // Copies: what is written in the loop might else be what it reads.
+        const uint64_t *keys = arrays_.keys.data, end = std::min(n, (block + 1) * kBlock);
+        const PackedKeys packed_keys = packed_;
+        const int within = bits_within();
         uint64_t* place = places.data() + block * buckets();
-        for (uint64_t i = block * kBlock; i < std::min(n, (block + 1) * kBlock); ++i) {
-          const uint64_t packed = packed_.pack(arrays_.keys[i], i);
-          use(place[packed >> bits_within()], packed);
+        for (uint64_t i = block * kBlock; i < end; ++i) {
+          const uint64_t packed = packed_keys.pack(keys[i], i);
+          use(place[packed >> within], packed);
         }
       });
     };
@@ -114,7 +118,7 @@ class KeyOrder {
         begin += std::exchange(places[block * buckets() + bucket], begin);
       ends_[bucket] = begin;
     }
-    for_each_block([&](uint64_t& place, uint64_t packed) { dealt[place++] = static_cast<Item>(packed); });
+    for_each_block([dealt](uint64_t& place, uint64_t packed) { dealt[place++] = static_cast<Item>(packed); });
   }
 
   template <class Item>
