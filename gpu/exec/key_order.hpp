@@ -130,31 +130,47 @@ class KeyOrder {
     } else {
       const int bits = bits_within() - packed_.place_bits;
       const int passes = (bits + kMostDigitBits - 1) / kMostDigitBits;
-      for (int pass = 0; pass < passes; ++pass, std::swap(from, to)) {
+      const auto digit = [&](int pass) {
         const int first = bits * pass / passes, last = bits * (pass + 1) / passes;
-        sort_by_digit(from, to, n, packed_.place_bits + first, last - first);
-      }
+        return Digit{packed_.place_bits + first, (uint64_t{1} << (last - first)) - 1};
+      };
+      Places places{}, next{};
+      for (uint64_t i = 0; passes > 0 && i < n; ++i) ++places[digit(0).of(from[i])];
+      for (int pass = 0; pass < passes; ++pass, std::swap(from, to), places = next, next.fill(0))
+        sort_by_digit(from, to, n, digit(pass), places, digit(pass + 1 < passes ? pass + 1 : pass), next);
     }
-    write(from, bucket, begin, n);
+    arrays_.data.empty() ? write<false>(from, bucket, begin, n) : write<true>(from, bucket, begin, n);
   }
+
+  struct Digit {
+    int shift;
+    uint64_t mask;
+
+    uint64_t of(uint64_t item) const { return item >> shift & mask; }
+  };
+  using Places = std::array<uint32_t, 1u << kMostDigitBits>;
+  /// `counts`: of the digit; those of the next one are made on the way.
   template <class Item>
-  static void sort_by_digit(const Item* from, Item* to, uint64_t n, int shift, int bits) {
-    std::array<uint32_t, 1u << kMostDigitBits> places;
-    const uint64_t digits = uint64_t{1} << bits;
-    std::fill_n(places.begin(), digits, 0);
-    for (uint64_t i = 0; i < n; ++i) ++places[from[i] >> shift & (digits - 1)];
+  static void sort_by_digit(const Item* from, Item* to, uint64_t n, Digit digit, Places& counts, Digit next,
+                            Places& next_counts) {
     uint32_t place = 0;
-    for (uint64_t d = 0; d < digits; ++d) place += std::exchange(places[d], place);
-    for (uint64_t i = 0; i < n; ++i) to[places[from[i] >> shift & (digits - 1)]++] = from[i];
+    for (uint32_t& count : counts) place += std::exchange(count, place);
+    for (uint64_t i = 0; i < n; ++i) {
+      const Item item = from[i];
+      ++next_counts[next.of(item)];
+      to[counts[digit.of(item)]++] = item;
+    }
   }
   /// `from` may be where the keys go.
-  template <class Item>
+  template <bool kHasData, class Item>
   void write(const Item* from, uint64_t bucket, uint64_t begin, uint64_t n) const {
     const uint64_t high = bucket << bits_within(), low = (uint64_t{1} << bits_within()) - 1;
+    const PackedKeys packed_keys = packed_;
+    uint64_t* keys = arrays_.sorted_keys.data + begin;
     for (uint64_t i = 0; i < n; ++i) {
       const uint64_t packed = high | (from[i] & low);
-      if (!arrays_.data.empty()) arrays_.sorted[begin + i] = arrays_.data[packed_.place(packed)];
-      arrays_.sorted_keys[begin + i] = packed_.key(packed);
+      if constexpr (kHasData) arrays_.sorted[begin + i] = arrays_.data[packed_keys.place(packed)];
+      keys[i] = packed_keys.key(packed);
     }
   }
 
