@@ -26,6 +26,7 @@ struct PackedKeys {
         second_bits(std::bit_width(all & 0xffffffffu)),
         place_bits(has_data ? std::bit_width(count) : 0) {}
 
+  /// Whether 64 bits are enough.
   bool fit() const { return bits() <= 63; }
   int bits() const { return first_bits + second_bits + place_bits; }
   uint64_t pack(uint64_t key, uint64_t place) const {
@@ -42,6 +43,7 @@ struct PackedKeys {
   static uint64_t mask(int bits) { return (uint64_t{1} << bits) - 1; }
 };
 
+/// Puts the keys of some arrays in order, once.
 template <class Data>
 class KeyOrder {
  public:

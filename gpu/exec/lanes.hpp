@@ -24,6 +24,7 @@ struct LanesOf {
 template <class T>
 using Lanes = typename detail::LanesOf<T>::Type;
 
+/// The same number in all lanes.
 template <class T>
 void fill_lanes(Lanes<T>& lanes, T x) {
   lanes = Lanes<T>{x, x, x, x};

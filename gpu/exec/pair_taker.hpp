@@ -16,6 +16,7 @@ class PairTaker {
  public:
   explicit PairTaker(const Sink& sink) : sink_(sink), list_(sink.pairs) {}
 
+  /// A triangle that may soon be in pairs.
   void expect(uint32_t) const {}
   void take(uint32_t a, uint32_t b) {
     ++pairs_;
@@ -133,6 +134,7 @@ class CandidateTaker {
   uint64_t pairs_ = 0, candidates_[2] = {0, 0};
 };
 
+/// The one of them that a sink needs.
 template <class Sink>
 struct TakerOf {
   using Type = CandidateTaker<Sink>;
