@@ -6,6 +6,7 @@
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/counted.hpp"
+#include "gpu/exec/sort_arrays.hpp"
 
 namespace collided {
 
@@ -125,8 +126,8 @@ struct OrderBuffers {
 
 /// Sorts a list by key into buffers.sorted_keys and `sorted`. `crowded` is a zeroed counter.
 template <class Exec, class Data>
-void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Counted& count, Span<const uint64_t> keys,
-                  Span<const Data> data, Span<Data> sorted, uint64_t* crowded) {
+void put_in_order_by_counts(Exec& exec, OrderBuffers<Exec>& buffers, const Counted& count, Span<const uint64_t> keys,
+                            Span<const Data> data, Span<Data> sorted, uint64_t* crowded) {
   const Span<uint32_t> counts = buffers.counts.all();
   const Counted crowded_count{crowded, buffers.crowded.capacity()};
   exec.fill_zero(counts.data, counts.size() * sizeof(uint32_t));
@@ -137,6 +138,19 @@ void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Counted& count,
   exec.for_each_group("sort_crowded", crowded_count, SortCrowded{buffers.crowded.all(), counts, buffers.entries.all()});
   exec.for_each("write_in_order", count,
                 WriteInOrder<Data>{keys, data, counts, buffers.entries.all(), buffers.sorted_keys.all(), sorted});
+}
+
+/// The same in whatever way is the backend's fastest.
+template <class Exec, class Data>
+void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Counted& count, Span<const uint64_t> keys,
+                  Span<const Data> data, Span<Data> sorted, uint64_t* crowded) {
+  if constexpr (SortsKeys<Exec>) {
+    static_assert(sizeof(Entry) == sizeof(uint64_t));
+    const Span<uint64_t> scratch{reinterpret_cast<uint64_t*>(buffers.entries.data()), buffers.entries.capacity()};
+    if (exec.sort_keys("sort_keys", count, KeyArrays<Data>{keys, data, scratch, buffers.sorted_keys.all(), sorted}))
+      return;
+  }
+  put_in_order_by_counts(exec, buffers, count, keys, data, sorted, crowded);
 }
 
 }  // namespace collided

@@ -44,6 +44,8 @@ template <class Real, class Keep>
 struct FeatureSink {
   static constexpr bool kTakesPairs = false;
   static constexpr int kFirstOfSecondKind = kFirstEdgeEdge;
+  static constexpr bool kKeepsAll = std::is_same_v<Keep, KeepAll>;
+  using Number = Real;
 
   ElementaryTests<Real> tests;
   Keep keep;
@@ -65,6 +67,17 @@ struct FeatureSink {
     const CandidatePoints<Real> candidate = tests.edge_edge_points(a, b, test);
     if (keep(EdgeEdge{}, candidate.points)) edge_edge.push(candidate.key + (uint64_t{edge_rank} << 32));
   }
+  /// The same in two parts: whether the filter keeps a candidate, and its key.
+  COLLIDED_HD bool keeps_first(uint32_t a, uint32_t b, int test) const {
+    return kKeepsAll || keep(VertexTriangle{}, tests.vertex_triangle_points(a, b, test).points);
+  }
+  COLLIDED_HD bool keeps_second(uint32_t a, uint32_t b, int test) const {
+    return kKeepsAll || keep(EdgeEdge{}, tests.edge_edge_points(a, b, test).points);
+  }
+  COLLIDED_HD uint64_t first_key(uint32_t vertex, uint32_t triangle) const { return pack_ids(vertex, triangle); }
+  COLLIDED_HD uint64_t second_key(uint32_t edge, uint32_t other) const {
+    return pack_ids(smaller(edge, other), larger(edge, other)) + (uint64_t{edge_rank} << 32);
+  }
   COLLIDED_HD bool is_over() const { return hurry.is_over(); }
   COLLIDED_HD void add(uint64_t pairs, uint64_t first, uint64_t second) const { totals(pairs, first, second); }
 };
@@ -80,9 +93,14 @@ struct TrianglePairSink {
   PairTotals totals;
 
   COLLIDED_HD void take(uint32_t a, uint32_t b) const {
+    uint64_t key;
+    if (keeps(a, b, key)) pairs.push(key);
+  }
+  /// Whether a pair is wanted, whose key that is.
+  COLLIDED_HD bool keeps(uint32_t a, uint32_t b, uint64_t &key) const {
     const Triangle p = triangles[a], q = triangles[b];
-    if (has(p, q.x) || has(p, q.y) || has(p, q.z)) return;
-    pairs.push(pack_ids(a, b) + (uint64_t{rank} << 32));
+    key = pack_ids(a, b) + (uint64_t{rank} << 32);
+    return !has(p, q.x) && !has(p, q.y) && !has(p, q.z);
   }
   COLLIDED_HD bool is_over() const { return hurry.is_over(); }
   COLLIDED_HD void add(uint64_t all, uint64_t, uint64_t) const { totals(all, 0, 0); }

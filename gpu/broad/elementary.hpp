@@ -43,6 +43,23 @@ struct ElementaryTests {
     return tests;
   }
 
+  /// Which corners and edges of a triangle are to be tested; bits as in `owned`.
+  COLLIDED_HD uint32_t tested_of(uint32_t triangle) const {
+    return owned[triangle] & ((vertex_triangle ? 7u : 0u) | (edge_edge ? 7u << 3 : 0u));
+  }
+  /// Box of a corner's path; those of edges and triangles are joined from them.
+  COLLIDED_HD Box<Real> corner_box(uint32_t triangle, int k) const {
+    return inflate(records[triangle].corner[k].swept(), inflation);
+  }
+  COLLIDED_HD Triangle vertices_of(uint32_t triangle) const {
+    const TriangleRecord<Real>& t = records[triangle];
+    return {t.corner[0].vertex_id(), t.corner[1].vertex_id(), t.corner[2].vertex_id()};
+  }
+  COLLIDED_HD Triangle edges_of(uint32_t triangle) const {
+    const TriangleRecord<Real>& t = records[triangle];
+    return {t.corner[0].edge_id(), t.corner[1].edge_id(), t.corner[2].edge_id()};
+  }
+
   /// Whether the features share no vertex and their boxes overlap.
   COLLIDED_HD bool vertex_triangle_overlap(uint32_t a, uint32_t b, int test) const {
     const CornerRecord<Real> v = vertex_corner(a, b, test);

@@ -39,14 +39,14 @@ struct LeafPairs {
     return {leaf, registered.data + leaf.offset, item.row * kTile, item.column * kTile,
             smaller((item.column + tiles_of_item(leaf.count)) * kTile, leaf.count)};
   }
-  /// One bit for each axis along which the box's lower corner lies in the leaf's cell. Along the others it lies before.
-  COLLIDED_HD uint32_t token(const Work& work, const Box<float>& box) const {
-    const Coords lower = shifted(grid->deepest_cell(box.lo), kDeepest - work.leaf.level), cell = work.leaf.cell;
-    return (lower.x == cell.x ? 1u : 0u) | (lower.y == cell.y ? 2u : 0u) | (lower.z == cell.z ? 4u : 0u);
+  /// Bit k: whether the box starts in the leaf's cell on axis k.
+  COLLIDED_HD uint32_t axes_of_start(const Work& work, const Box<float>& box) const {
+    const Coords start = shifted(grid->deepest_cell(box.lo), kDeepest - work.leaf.level), cell = work.leaf.cell;
+    return (start.x == cell.x ? 1u : 0u) | (start.y == cell.y ? 2u : 0u) | (start.z == cell.z ? 4u : 0u);
   }
-  /// Whether a pair whose boxes overlap is this leaf's to report, by the tokens of the two: the larger of the lower
-  /// corners lies in the cell along each axis.
-  COLLIDED_HD static bool is_token(uint32_t a, uint32_t b) { return (a | b) == 7u; }
+  /// Whether a pair whose boxes overlap is this leaf's to report: on each axis one of them starts in the cell, for
+  /// neither starts behind it.
+  COLLIDED_HD static bool reports(uint32_t axes_a, uint32_t axes_b) { return (axes_a | axes_b) == 7u; }
 };
 
 }  // namespace collided

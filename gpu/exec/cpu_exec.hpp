@@ -17,9 +17,12 @@
 #include <vector>
 
 #include "gpu/exec/atomic.hpp"
+#include "gpu/exec/buffer.hpp"
 #include "gpu/exec/counted.hpp"
+#include "gpu/exec/key_order.hpp"
 #include "gpu/exec/memory_ledger.hpp"
 #include "gpu/exec/pair_search.hpp"
+#include "gpu/exec/pair_taker.hpp"
 #include "gpu/exec/radix_sort.hpp"
 #include "gpu/exec/step_key.hpp"
 #include "gpu/exec/tree_walk.hpp"
@@ -103,29 +106,23 @@ class CpuExec {
   template <class Source, class Sink>
   void search(const char*, const Counted& items, uint64_t*, const Source& source, const Sink& sink) {
     if (source.is_put_off()) return;
-    arena_.execute([&] {
-      tbb::parallel_for(tbb::blocked_range<uint64_t>(0, items.size(), 8),
-                        [&](const tbb::blocked_range<uint64_t>& range) {
-                          PairTally tally;
-                          for (uint64_t i = range.begin(); i != range.end() && !sink.is_over(); ++i)
-                            visit_item(source, i, [&](uint32_t a, uint32_t b) { take_pair(sink, a, b, tally); });
-                          sink.add(tally.pairs, tally.candidates[0], tally.candidates[1]);
-                        });
+    share_among_takers(items.size(), 8, sink, source.boxes.size(), [&](const auto& range, auto& taker) {
+      LeafTiles tiles;
+      for (uint64_t i = range.begin(); i != range.end() && !sink.is_over(); ++i)
+        visit_item(
+            source, i, tiles, [&](uint32_t a, uint32_t b) { taker.take(a, b); },
+            [&](uint32_t triangle) { taker.expect(triangle); });
     });
   }
 
   /// The same for the walks of a source's items (tree_walk.hpp).
   template <class Source, class Sink>
   void walk(const char*, uint64_t items, uint64_t*, const Source& source, const Sink& sink) {
-    arena_.execute([&] {
-      tbb::parallel_for(tbb::blocked_range<uint64_t>(0, items, 64), [&](const tbb::blocked_range<uint64_t>& range) {
-        PairTally tally;
-        uint64_t steps = 0;
-        for (uint64_t i = range.begin(); i != range.end() && !sink.is_over(); ++i)
-          steps += walk_item(source, i, [&](uint32_t a, uint32_t b) { take_pair(sink, a, b, tally); });
-        sink.add(tally.pairs, tally.candidates[0], tally.candidates[1]);
-        source.add_tests(steps);
-      });
+    share_among_takers(items, 64, sink, items, [&](const auto& range, auto& taker) {
+      uint64_t steps = 0;
+      for (uint64_t i = range.begin(); i != range.end() && !sink.is_over(); ++i)
+        steps += walk_item(source, i, [&](uint32_t a, uint32_t b) { taker.take(a, b); });
+      source.add_tests(steps);
     });
   }
 
@@ -158,6 +155,14 @@ class CpuExec {
   int sort_pairs(const char*, int bits, const SortArrays& arrays) {
     return arena_.execute([&] { return RadixSort(arrays).run(bits); });
   }
+
+  /// The first `count` keys in ascending order, with their data; false if they do not fit the way it is done.
+  template <class Data>
+  bool sort_keys(const char*, const Counted& count, KeyArrays<Data> arrays) {
+    arrays.keys.count = count.size();
+    return arena_.execute([&] { return KeyOrder(arrays).run(); });
+  }
+  static constexpr bool kSortsKeys = true;
 
   /// Runs a step, stages named within, and returns what it left at `result`.
   template <class F, class T>
@@ -216,10 +221,43 @@ class CpuExec {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   }
 
+  /// use(range, taker) for ranges of items, by several threads (pair_taker.hpp).
+  template <class Sink, class Use>
+  void share_among_takers(uint64_t items, uint64_t grain, const Sink& sink, uint64_t triangles, const Use& use) {
+    const auto run = [&](const auto&... features) {
+      arena_.execute([&] {
+        tbb::parallel_for(tbb::blocked_range<uint64_t>(0, items, grain),
+                          [&](const tbb::blocked_range<uint64_t>& range) {
+                            Taker<Sink> taker(sink, features...);
+                            use(range, taker);
+                            taker.finish();
+                          });
+      });
+    };
+    if constexpr (Sink::kTakesPairs)
+      run();
+    else
+      run(prepare_features(sink, triangles));
+  }
+  template <class Sink>
+  auto prepare_features(const Sink& sink, uint64_t triangles) {
+    using Features = typename Taker<Sink>::Features;
+    features_.ensure(triangles * sizeof(Features));
+    Features* features = reinterpret_cast<Features*>(features_.data());
+    for_each("prepare_features", triangles, [&](uint64_t i) {
+      const uint32_t t = static_cast<uint32_t>(i);
+      const auto& tests = sink.tests;
+      new (&features[i]) Features({tests.corner_box(t, 0), tests.corner_box(t, 1), tests.corner_box(t, 2)},
+                                  tests.vertices_of(t), tests.edges_of(t), tests.tested_of(t));
+    });
+    return features;
+  }
+
   MemoryLedger ledger_;
   tbb::task_arena arena_;
   std::vector<StageTime> stages_;
   std::vector<std::byte> host_;
+  Buffer<std::byte, CpuExec> features_{*this, "features"};  ///< FeatureBoxes of each triangle
   double step_milliseconds_ = 0;
   uint32_t allocations_ = 0;
 };

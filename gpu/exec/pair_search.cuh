@@ -14,7 +14,7 @@ namespace collided {
 struct SearchShared {
   struct alignas(16) Member {
     float lo_x, lo_y, lo_z, hi_x, hi_y, hi_z;
-    uint32_t id, token;
+    uint32_t id, axes;
   };
   Member column[kTile];
   PairQueuesShared queues;
@@ -33,14 +33,14 @@ class WarpSearch {
     const bool has_row = mine < work.leaf.count;
     const uint32_t a = has_row ? work.members[mine] : 0;
     const Box<float> box = source_.boxes[a];
-    const uint32_t token = source_.token(work, box);
+    const uint32_t axes = source_.axes_of_start(work, box);
     for (uint32_t first = work.first_column; first < work.end_column; first += kTile) {
       const uint32_t columns = load_columns(work, first);
       uint32_t hits = 0;
       const uint32_t end = min(columns, (share + 1) * (kTile / shares));
       for (uint32_t k = share * (kTile / shares); k < end; ++k) {
         const SearchShared::Member& m = shared_.column[k];
-        hits |= (overlaps(box, m) && Source::is_token(token, m.token) ? 1u : 0u) << k;
+        hits |= (overlaps(box, m) && Source::reports(axes, m.axes) ? 1u : 0u) << k;
       }
       if (first == work.row) hits &= ~0u << lane_id() << 1;  // a tile with itself: only those after this one
       if (source_.filter.is_needed()) hits = allowed(a, hits);
@@ -65,7 +65,7 @@ class WarpSearch {
       const uint32_t id = work.members[first + lane_id()];
       const Box<float> box = source_.boxes[id];
       shared_.column[lane_id()] = {box.lo.x, box.lo.y, box.lo.z, box.hi.x,
-                                   box.hi.y, box.hi.z, id,       source_.token(work, box)};
+                                   box.hi.y, box.hi.z, id,       source_.axes_of_start(work, box)};
     }
     __syncwarp();
     return columns;

@@ -1,83 +1,106 @@
 #pragma once
-// The search for pairs on CPU cores: a source's items, member against member, each pair that the source reports handed
-// to a sink.
+// The search for pairs on CPU cores: a source's items, member against member, four at a time.
 
+#include <array>
 #include <bit>
 
-#include "gpu/math/box.hpp"
+#include "gpu/exec/lanes.hpp"
 #include "gpu/math/tiles.hpp"
 
 namespace collided {
 
-/// What one thread counted.
-struct PairTally {
-  uint64_t pairs = 0, candidates[2] = {0, 0};
-};
-
-/// The boxes of up to kTile members, axis by axis, so that a vector unit can test several at once.
+/// The boxes of up to kTile members of a leaf.
 struct BoxTile {
-  float lo[3][kTile], hi[3][kTile];
-  uint32_t id[kTile], token[kTile];
+  BoxLanes<float> boxes[kTile / 4];
+  uint32_t id[kTile];
+  uint32_t starts[3];  ///< bit k: member k's box starts in the leaf's cell on this axis
 
   template <class Source, class Work>
-  void load(const Source& source, const Work& work, uint32_t first, uint32_t count) {
+  void load(const Source& source, const Work& work, const uint32_t* members, uint32_t count) {
+    starts[0] = starts[1] = starts[2] = 0;
     for (uint32_t k = 0; k < count; ++k) {
-      id[k] = work.members[first + k];
+      id[k] = members[k];
       const Box<float> box = source.boxes[id[k]];
-      token[k] = source.token(work, box);
-      lo[0][k] = box.lo.x, lo[1][k] = box.lo.y, lo[2][k] = box.lo.z;
-      hi[0][k] = box.hi.x, hi[1][k] = box.hi.y, hi[2][k] = box.hi.z;
+      boxes[k / 4].set(k % 4, box);
+      const uint32_t axes = source.axes_of_start(work, box);
+      for (int axis = 0; axis < 3; ++axis) starts[axis] |= (axes >> axis & 1u) << k;
     }
+    for (uint32_t k = count; k % 4 != 0; ++k) boxes[k / 4].set(k % 4, boxes[k / 4].get(0));  // no matter: cut off
   }
-  Box<float> box(uint32_t k) const { return {{lo[0][k], lo[1][k], lo[2][k]}, {hi[0][k], hi[1][k], hi[2][k]}}; }
 
-  /// hit[k] = 1 if member k overlaps the box, else 0.
-  void test(const Box<float>& b, uint32_t count, uint32_t* hit) const {
-    for (uint32_t k = 0; k < count; ++k)
-      hit[k] = static_cast<uint32_t>(b.lo.x <= hi[0][k]) & static_cast<uint32_t>(lo[0][k] <= b.hi.x) &
-               static_cast<uint32_t>(b.lo.y <= hi[1][k]) & static_cast<uint32_t>(lo[1][k] <= b.hi.y) &
-               static_cast<uint32_t>(b.lo.z <= hi[2][k]) & static_cast<uint32_t>(lo[2][k] <= b.hi.z);
+  /// Members that together with member k of another tile start in the leaf's cell on all axes.
+  uint32_t starting_with(const BoxTile& other, uint32_t k) const {
+    uint32_t members = ~0u;
+    for (int axis = 0; axis < 3; ++axis) members &= starts[axis] | (0u - (other.starts[axis] >> k & 1u));
+    return members;
+  }
+  /// Of the first `count` members, those whose boxes meet member k's of another tile.
+  uint32_t meeting(const BoxTile& other, uint32_t k, uint32_t count) const {
+    const BoxLanes<float> box = other.boxes[k / 4].spread(static_cast<int>(k % 4));
+    uint32_t hits = 0;
+    for (uint32_t group = 0; 4 * group < count; ++group) hits |= meeting_lanes(box, boxes[group]) << (4 * group);
+    return hits & ~0u >> (kTile - count);
   }
 };
 
-/// visit(a, b) for the pairs of an item, lower id first.
-template <class Source, class Visit>
-void visit_item(const Source& source, uint64_t item, const Visit& visit) {
+/// Tiles of the leaf at hand, which several items in a row work on.
+class LeafTiles {
+ public:
+  /// The tile of the rows, members [row, ...) of the work's leaf.
+  template <class Source, class Work, class Expect>
+  const BoxTile& rows(const Source& source, const Work& work, uint32_t count, const Expect& expect) {
+    return tile(row_, source, work, work.row, count, expect);
+  }
+  template <class Source, class Work, class Expect>
+  const BoxTile& columns(const Source& source, const Work& work, uint32_t first, uint32_t count, const Expect& expect) {
+    return tile(columns_[first / kTile % columns_.size()], source, work, first, count, expect);
+  }
+
+ private:
+  struct Slot {
+    const uint32_t* members = nullptr;  ///< that are loaded
+    BoxTile tile;
+  };
+  template <class Source, class Work, class Expect>
+  static const BoxTile& tile(Slot& slot, const Source& source, const Work& work, uint32_t first, uint32_t count,
+                             const Expect& expect) {
+    const uint32_t* members = work.members + first;
+    if (slot.members == members) return slot.tile;
+    slot.members = members;
+    for (uint32_t k = 0; k < count; ++k) expect(members[k]);
+    slot.tile.load(source, work, members, count);
+    return slot.tile;
+  }
+
+  Slot row_;
+  std::array<Slot, 16> columns_;
+};
+
+/// visit(row, column) for the pairs of an item. Before that, expect(member) for those that may be in some.
+template <class Source, class Visit, class Expect>
+void visit_item(const Source& source, uint64_t item, LeafTiles& tiles, const Visit& visit, const Expect& expect) {
   const auto work = source.work(item);
   const uint32_t rows = smaller(kTile, work.leaf.count - work.row);
-  BoxTile row, column;
-  row.load(source, work, work.row, rows);
-  uint32_t hit[kTile];
+  const BoxTile& row = tiles.rows(source, work, rows, expect);
   for (uint32_t first = work.first_column; first < work.end_column; first += kTile) {
+    const bool with_itself = first == work.row;
     const uint32_t columns = smaller(kTile, work.end_column - first);
-    column.load(source, work, first, columns);
+    const BoxTile& column = with_itself ? row : tiles.columns(source, work, first, columns, expect);
     for (uint32_t r = 0; r < rows; ++r) {
-      const Box<float> box = row.box(r);
-      column.test(box, columns, hit);
-      for (uint32_t k = first == work.row ? r + 1 : 0; k < columns; ++k) {
-        if (hit[k] == 0) continue;
-        const uint32_t a = row.id[r], b = column.id[k];
-        if (Source::is_token(row.token[r], column.token[k]) && source.filter(a, b)) visit(smaller(a, b), larger(a, b));
+      uint32_t wanted = column.starting_with(row, r);
+      if (with_itself) wanted &= ~0u << r << 1;  // only those after this one
+      if (wanted != 0) wanted &= column.meeting(row, r, columns);
+      for (; wanted != 0; wanted &= wanted - 1) {
+        const uint32_t a = row.id[r], b = column.id[std::countr_zero(wanted)];
+        if (source.filter(a, b)) visit(a, b);
       }
     }
   }
 }
 
-/// Hands a pair to the sink: itself, or the candidates of two kinds that it has.
-template <class Sink>
-void take_pair(const Sink& sink, uint32_t a, uint32_t b, PairTally& tally) {
-  ++tally.pairs;
-  if constexpr (Sink::kTakesPairs) {
-    sink.take(a, b);
-  } else {
-    for (uint32_t tests = sink.tests_of(a, b); tests != 0; tests &= tests - 1) {
-      const int test = std::countr_zero(tests);
-      const bool second = test >= Sink::kFirstOfSecondKind;
-      if (!(second ? sink.is_second(a, b, test) : sink.is_first(a, b, test))) continue;
-      ++tally.candidates[second ? 1 : 0];
-      second ? sink.take_second(a, b, test) : sink.take_first(a, b, test);
-    }
-  }
+template <class Source, class Visit>
+void visit_item(const Source& source, uint64_t item, LeafTiles& tiles, const Visit& visit) {
+  visit_item(source, item, tiles, visit, [](uint32_t) {});
 }
 
 }  // namespace collided

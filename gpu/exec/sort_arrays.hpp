@@ -1,5 +1,5 @@
 #pragma once
-// What the verb sort_pairs works on.
+// What the verbs sort_pairs and sort_keys work on.
 
 #include "gpu/exec/host_device.hpp"
 
@@ -9,6 +9,21 @@ namespace collided {
 struct SortArrays {
   Span<uint64_t> keys, other_keys;
   Span<uint32_t> values, other_values;
+};
+
+/// Keys of two 32-bit ids, each with an entry of `data` or none at all, and where they go.
+template <class Data>
+struct KeyArrays {
+  Span<const uint64_t> keys;
+  Span<const Data> data;
+  Span<uint64_t> scratch, sorted_keys;
+  Span<Data> sorted;
+};
+
+/// A backend with a verb sort_keys.
+template <class Exec>
+concept SortsKeys = requires {
+  Exec::kSortsKeys;
 };
 
 }  // namespace collided

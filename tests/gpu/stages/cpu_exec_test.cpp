@@ -102,6 +102,25 @@ TEST_P(CpuExecTest, CancellationStopsBeforeTheStage) {
   EXPECT_FALSE(ran);
 }
 
+TEST_P(CpuExecTest, WritersOfAListCountPastItsCapacity) {
+  std::vector<uint64_t> items(5000, ~uint64_t{0});
+  for (const uint64_t each : {uint64_t{10}, uint64_t{3000}}) {
+    uint64_t count = 0;
+    const AppendList<uint64_t> list{{items.data(), items.size()}, &count};
+    exec.for_each("write", 4, [&](uint64_t i) {
+      ListWriter<uint64_t> writer(list);
+      for (uint64_t k = 0; k < each; ++k) writer.push(each * i + k);
+      writer.flush();
+      writer.flush();
+    });
+    ASSERT_EQ(count, 4 * each);
+    std::vector<uint64_t> written(items.begin(), items.begin() + static_cast<long>(std::min<uint64_t>(count, 5000)));
+    std::sort(written.begin(), written.end());
+    EXPECT_EQ(std::adjacent_find(written.begin(), written.end()), written.end()) << "each once";
+    EXPECT_LT(written.back(), 4 * each);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Threads, CpuExecTest, testing::Values(1, 2));
 
 TEST(MemoryLedger, RefusesPastTheBudgetAndNamesNeedAndBudget) {

@@ -89,8 +89,9 @@ class OctreeBuild {
   BoxPairs pairs() {
     const LeafPairs source = pairs_source();
     BoxPairs found;
+    LeafTiles tiles;
     for (uint64_t i = 0; i < std::min(totals.items, items.size()); ++i)
-      visit_item(source, i, [&](uint32_t a, uint32_t b) { found.emplace_back(a, b); });
+      visit_item(source, i, tiles, [&](uint32_t a, uint32_t b) { found.emplace_back(std::min(a, b), std::max(a, b)); });
     std::sort(found.begin(), found.end());
     return found;
   }

@@ -39,8 +39,9 @@ TEST_P(Ordering, EqualsAPlainSort) {
   std::vector<uint64_t> sorted(keys.size() + 10, 0);
   const uint64_t count = keys.size();
   uint64_t crowded = 0;
-  put_in_order(exec, buffers, {&count, count}, Span<const uint64_t>{keys.data(), count},
-               Span<const uint64_t>{data.data(), count}, Span<uint64_t>{sorted.data(), sorted.size()}, &crowded);
+  put_in_order_by_counts(exec, buffers, {&count, count}, Span<const uint64_t>{keys.data(), count},
+                         Span<const uint64_t>{data.data(), count}, Span<uint64_t>{sorted.data(), sorted.size()},
+                         &crowded);
   for (uint64_t i = 0; i < count; ++i) {
     ASSERT_EQ(buffers.sorted_keys.data()[i], expected[i]) << i;
     ASSERT_EQ(sorted[i], expected[i]) << "data went elsewhere, " << i;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <random>
 #include <set>
 #include <vector>
 
@@ -24,12 +25,16 @@ struct OneLeaf {
         items.push_back(item);
       });
   }
+  LeafPairs source() {
+    return {&grid,          {},      span_of(boxes),    span_of(leaves), span_of(registered),
+            span_of(items), &totals, registered.size(), ~uint64_t{0}};
+  }
   std::vector<std::pair<uint32_t, uint32_t>> pairs() {
-    const LeafPairs source{&grid,          {},      span_of(boxes),    span_of(leaves), span_of(registered),
-                           span_of(items), &totals, registered.size(), ~uint64_t{0}};
+    const LeafPairs source = this->source();
     std::vector<std::pair<uint32_t, uint32_t>> found;
+    LeafTiles tiles;
     for (uint64_t i = 0; i < items.size(); ++i)
-      visit_item(source, i, [&](uint32_t a, uint32_t b) { found.emplace_back(a, b); });
+      visit_item(source, i, tiles, [&](uint32_t a, uint32_t b) { found.emplace_back(std::min(a, b), std::max(a, b)); });
     return found;
   }
 
@@ -81,6 +86,27 @@ TEST(PairTests, OnlyBoxesThatMeetAreReported) {
   EXPECT_TRUE(found.contains({0, 41}));
   EXPECT_FALSE(found.contains({0, 40}));
   EXPECT_EQ(found.size(), 99u * 98u / 2 + 1);
+}
+
+TEST(PairTests, ALeafReportsThePairsThatStartInItOnAllAxes) {
+  OneLeaf leaf(2);
+  leaf.grid = {{0, 0, 0}, static_cast<float>(1u << kDeepest) / 8, 0, 3};  // 8 cells a side at level 3, of length 1
+  leaf.leaves[0] = {{3, 3, 3}, 3, 2, 0};
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> before(2, 3.9f), behind(3.9f, 5);
+  int reported = 0;
+  for (int run = 0; run < 2000; ++run) {
+    for (Box<float>& box : leaf.boxes)
+      box = {{before(random), before(random), before(random)}, {behind(random), behind(random), behind(random)}};
+    const LeafPairs source = leaf.source();
+    const auto work = source.work(0);
+    const Box<float>&a = leaf.boxes[0], &b = leaf.boxes[1];
+    const bool starts = std::min({std::max(a.lo.x, b.lo.x), std::max(a.lo.y, b.lo.y), std::max(a.lo.z, b.lo.z)}) >= 3;
+    ASSERT_TRUE(overlap(a, b));
+    ASSERT_EQ(starts, LeafPairs::reports(source.axes_of_start(work, a), source.axes_of_start(work, b))) << run;
+    reported += starts ? 1 : 0;
+  }
+  EXPECT_GT(reported, 100);
 }
 
 TEST(PairFilter, FollowsGroupsMasksStaticAndSelf) {

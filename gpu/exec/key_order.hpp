@@ -1,0 +1,185 @@
+#pragma once
+// Keys in ascending order on CPU cores: dealt to buckets by their highest bits, then each bucket, which fits a cache,
+// sorted by the others, lowest digit first.
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <utility>
+#include <vector>
+
+#include "gpu/exec/sort_arrays.hpp"
+
+namespace collided {
+
+/// What is sorted: a key without the bits that no key has, then its place among the keys if there is data.
+struct PackedKeys {
+  int first_bits, second_bits, place_bits;
+
+  /// `all`: the bits that any key has.
+  PackedKeys(uint64_t all, uint64_t count, bool has_data)
+      : first_bits(std::bit_width(all >> 32)),
+        second_bits(std::bit_width(all & 0xffffffffu)),
+        place_bits(has_data ? std::bit_width(count) : 0) {}
+
+  /// Whether 64 bits are enough.
+  bool fit() const { return bits() <= 63; }
+  int bits() const { return first_bits + second_bits + place_bits; }
+  uint64_t pack(uint64_t key, uint64_t place) const {
+    const uint64_t low = key & 0xffffffffu;
+    return ((key >> 32) << second_bits | low) << place_bits | (place_bits == 0 ? 0 : place);
+  }
+  uint64_t key(uint64_t packed) const {
+    const uint64_t ids = packed >> place_bits;
+    return ids >> second_bits << 32 | (ids & mask(second_bits));
+  }
+  uint64_t place(uint64_t packed) const { return packed & mask(place_bits); }
+
+ private:
+  static uint64_t mask(int bits) { return (uint64_t{1} << bits) - 1; }
+};
+
+/// Puts the keys of some arrays in order, once.
+template <class Data>
+class KeyOrder {
+ public:
+  explicit KeyOrder(const KeyArrays<Data>& arrays)
+      : arrays_(arrays),
+        packed_(bits_of(arrays.keys), arrays.keys.size(), !arrays.data.empty()),
+        bucket_bits_(std::clamp<int>(std::bit_width(arrays.keys.size() / kBucket), 0,
+                                     std::min(kMostBucketBits, packed_.first_bits + packed_.second_bits))) {}
+
+  /// Sorts, unless the ids need more bits than there is room for: then false.
+  bool run() {
+    if (!packed_.fit()) return false;
+    if (bits_within() <= 32)
+      run_with(reinterpret_cast<uint32_t*>(arrays_.scratch.data),
+               reinterpret_cast<uint32_t*>(arrays_.scratch.data) + arrays_.keys.size());
+    else
+      run_with(arrays_.scratch.data, arrays_.sorted_keys.data);
+    return true;
+  }
+
+ private:
+  static constexpr uint64_t kBucket = 4096;  ///< keys, or so
+  static constexpr int kMostBucketBits = 11, kMostDigitBits = 9;
+  static constexpr uint64_t kBlock = 1u << 18;  ///< keys that are dealt at a time
+  static constexpr uint64_t kFew = 48;
+
+  static uint64_t bits_of(Span<const uint64_t> keys) {
+    return tbb::parallel_reduce(
+        tbb::blocked_range<uint64_t>(0, keys.size(), kBlock), uint64_t{0},
+        [&](const tbb::blocked_range<uint64_t>& range, uint64_t all) {
+          for (uint64_t i = range.begin(); i != range.end(); ++i) all |= keys[i];
+          return all;
+        },
+        [](uint64_t a, uint64_t b) { return a | b; });
+  }
+
+  /// By way of two arrays of what buckets hold.
+  template <class Item>
+  void run_with(Item* dealt, Item* other) {
+    deal(dealt);
+    tbb::parallel_for(tbb::blocked_range<uint64_t>(0, buckets(), 4), [&](const tbb::blocked_range<uint64_t>& range) {
+      for (uint64_t i = range.begin(); i != range.end(); ++i) sort_bucket(i, dealt, other);
+    });
+  }
+
+  uint64_t buckets() const { return uint64_t{1} << bucket_bits_; }
+  uint64_t bucket_begin(uint64_t bucket) const { return bucket == 0 ? 0 : ends_[bucket - 1]; }
+  /// Bits that tell the keys of a bucket apart.
+  int bits_within() const { return packed_.bits() - bucket_bits_; }
+
+  /// Buckets hold the keys without their highest bits.
+  template <class Item>
+  void deal(Item* dealt) {
+    const uint64_t n = arrays_.keys.size(), blocks = (n + kBlock - 1) / kBlock;
+    std::vector<uint64_t> places(blocks * buckets());
+    const auto for_each_block = [&](const auto& use) {
+      tbb::parallel_for(uint64_t{0}, blocks, [&](uint64_t block) {
+        // Copies: what is written in the loop might else be what it reads.
+        const uint64_t *keys = arrays_.keys.data, end = std::min(n, (block + 1) * kBlock);
+        const PackedKeys packed_keys = packed_;
+        const int within = bits_within();
+        uint64_t* place = places.data() + block * buckets();
+        for (uint64_t i = block * kBlock; i < end; ++i) {
+          const uint64_t packed = packed_keys.pack(keys[i], i);
+          use(place[packed >> within], packed);
+        }
+      });
+    };
+    for_each_block([](uint64_t& count, uint64_t) { ++count; });
+    ends_.resize(buckets());
+    uint64_t begin = 0;
+    for (uint64_t bucket = 0; bucket < buckets(); ++bucket) {
+      for (uint64_t block = 0; block < blocks; ++block)
+        begin += std::exchange(places[block * buckets() + bucket], begin);
+      ends_[bucket] = begin;
+    }
+    for_each_block([dealt](uint64_t& place, uint64_t packed) { dealt[place++] = static_cast<Item>(packed); });
+  }
+
+  template <class Item>
+  void sort_bucket(uint64_t bucket, Item* dealt, Item* other) const {
+    const uint64_t begin = bucket_begin(bucket), n = bucket_begin(bucket + 1) - begin;
+    Item *from = dealt + begin, *to = other + begin;
+    if (n <= kFew) {
+      std::sort(from, from + n);
+    } else {
+      const int bits = bits_within() - packed_.place_bits;
+      const int passes = (bits + kMostDigitBits - 1) / kMostDigitBits;
+      const auto digit = [&](int pass) {
+        const int first = bits * pass / passes, last = bits * (pass + 1) / passes;
+        return Digit{packed_.place_bits + first, (uint64_t{1} << (last - first)) - 1};
+      };
+      Places places{}, next{};
+      for (uint64_t i = 0; passes > 0 && i < n; ++i) ++places[digit(0).of(from[i])];
+      for (int pass = 0; pass < passes; ++pass, std::swap(from, to), places = next, next.fill(0))
+        sort_by_digit(from, to, n, digit(pass), places, digit(pass + 1 < passes ? pass + 1 : pass), next);
+    }
+    arrays_.data.empty() ? write<false>(from, bucket, begin, n) : write<true>(from, bucket, begin, n);
+  }
+
+  struct Digit {
+    int shift;
+    uint64_t mask;
+
+    uint64_t of(uint64_t item) const { return item >> shift & mask; }
+  };
+  using Places = std::array<uint32_t, 1u << kMostDigitBits>;
+  /// `counts`: of the digit; those of the next one are made on the way.
+  template <class Item>
+  static void sort_by_digit(const Item* from, Item* to, uint64_t n, Digit digit, Places& counts, Digit next,
+                            Places& next_counts) {
+    uint32_t place = 0;
+    for (uint32_t& count : counts) place += std::exchange(count, place);
+    for (uint64_t i = 0; i < n; ++i) {
+      const Item item = from[i];
+      ++next_counts[next.of(item)];
+      to[counts[digit.of(item)]++] = item;
+    }
+  }
+  /// `from` may be where the keys go.
+  template <bool kHasData, class Item>
+  void write(const Item* from, uint64_t bucket, uint64_t begin, uint64_t n) const {
+    const uint64_t high = bucket << bits_within(), low = (uint64_t{1} << bits_within()) - 1;
+    const PackedKeys packed_keys = packed_;
+    uint64_t* keys = arrays_.sorted_keys.data + begin;
+    for (uint64_t i = 0; i < n; ++i) {
+      const uint64_t packed = high | (from[i] & low);
+      if constexpr (kHasData) arrays_.sorted[begin + i] = arrays_.data[packed_keys.place(packed)];
+      keys[i] = packed_keys.key(packed);
+    }
+  }
+
+  KeyArrays<Data> arrays_;
+  PackedKeys packed_;
+  int bucket_bits_;
+  std::vector<uint64_t> ends_;  ///< of the buckets
+};
+
+}  // namespace collided
