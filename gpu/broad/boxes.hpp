@@ -37,10 +37,19 @@ struct alignas(16) EdgeRecord {
   COLLIDED_HD Box<Real> swept() const { return {lo, hi}; }
 };
 
+/// What the tests of features need of the triangles. All first corners lie side by side, then all second ones, and so
+/// on, so that threads that write those of neighbouring triangles write neighbouring memory.
 template <class Real>
-struct TriangleRecord {
-  CornerRecord<Real> corner[3];
-  EdgeRecord<Real> edge[3];  ///< from each corner to the next
+struct TriangleRecords {
+  CornerRecord<Real>* corners;
+  EdgeRecord<Real>* edges;  ///< from each corner to the next
+  uint32_t triangles;       ///< below 2^30
+
+  COLLIDED_HD CornerRecord<Real>& corner(uint32_t triangle, int k) const { return corners[at(triangle, k)]; }
+  COLLIDED_HD EdgeRecord<Real>& edge(uint32_t triangle, int k) const { return edges[at(triangle, k)]; }
+
+ private:
+  COLLIDED_HD uint32_t at(uint32_t triangle, int k) const { return static_cast<uint32_t>(k) * triangles + triangle; }
 };
 
 template <class Real>
@@ -51,7 +60,7 @@ struct BoxTriangles {
   Span<const uint8_t> owned;   ///< bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0
   uint64_t first;
   Span<Box<float>> boxes;
-  Span<TriangleRecord<Real>> records;
+  TriangleRecords<Real> records;
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const Triangle t = triangles[first + i];
@@ -59,7 +68,11 @@ struct BoxTriangles {
     const Triangle e = edges.empty() ? Triangle{0, 0, 0} : edges[first + i];
     const uint32_t own = owned[first + i];
     const CornerRecord<Real> a = corner(t.x, e.x, own), b = corner(t.y, e.y, own >> 1), c = corner(t.z, e.z, own >> 2);
-    records[first + i] = {{a, b, c}, {edge(a, b), edge(b, c), edge(c, a)}};
+    const CornerRecord<Real> corners[3] = {a, b, c};
+    for (int k = 0; k < 3; ++k) {
+      records.corner(static_cast<uint32_t>(first + i), k) = corners[k];
+      records.edge(static_cast<uint32_t>(first + i), k) = edge(corners[k], corners[k < 2 ? k + 1 : 0]);
+    }
   }
 
  private:

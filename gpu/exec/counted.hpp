@@ -13,6 +13,9 @@ struct Counted {
   COLLIDED_HD uint64_t size() const { return counter == nullptr || *counter > most ? most : *counter; }
 };
 
+/// A part of an item (for_each_part) that there is nothing to do for.
+constexpr uint32_t kNothing = ~0u;
+
 /// The threads that work on one item: a block of a GPU, or one thread of a CPU.
 /// A functor for them has a type Shared, memory of the group, and kGroupSize, threads on a GPU.
 struct Group {

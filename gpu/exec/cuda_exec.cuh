@@ -116,7 +116,7 @@ class CudaExec {
     check_cuda(cudaGetLastError(), name);
   }
 
-  /// f(f.item(i), k) for i in [0, n), k in [0, f.item(i).parts).
+  /// For i in [0, n), item = f.item(i), k in [0, item.parts): f.act(item, f.find(item, k)), unless it found kNothing.
   template <class F>
   void for_each_part(const char* name, const Counted& n, const F& f) {
     if (n.most == 0 || reserving_) return;

@@ -78,7 +78,8 @@ void StageScene::make_resident(const Case& step) {
     send(resident.rules, rules);
   }
   buffers.boxes.allocate(triangles());
-  buffers.records.allocate(triangles());
+  buffers.corners.allocate(3 * triangles());
+  buffers.edges.allocate(3 * triangles());
   send(buffers.start, all_positions(step.start));
   send(buffers.end, all_positions(step.end));
 }
