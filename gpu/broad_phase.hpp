@@ -78,10 +78,11 @@ class BroadPhase {
 
   // 1. Bounding boxes.
   void box_triangles(const std::vector<TriangleRun>& moved) {
+    using Work = BoxTriangles<Real>;
     for (const TriangleRun& run : moved)
-      exec_.for_each("box_triangles", run.count,
-                     BoxTriangles<Real>{motion(), triangles(), edges(), scene_.topology.owned.all(), run.first,
-                                        scene_.boxes.all(), scene_.records()});
+      exec_.for_each_group("box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
+                           Work{motion(), triangles(), edges(), scene_.topology.owned.all(), run.first, run.count,
+                                scene_.boxes.all(), scene_.records.all()});
   }
 
   // Section 3.2: number of levels.
@@ -200,11 +201,11 @@ class BroadPhase {
   void count_small_triangles() {
     exec_.for_each(
         "count_small_triangles", triangle_count(),
-        CountSmall<Real>{&scene_.state.data()->bounds, scene_.records(), &scene_.state.data()->small_triangles});
+        CountSmall<Real>{&scene_.state.data()->bounds, scene_.records.all(), &scene_.state.data()->small_triangles});
   }
 
   ElementaryTests<Real> elementary(bool vertex_triangle, bool edge_edge) const {
-    return {scene_.records(), scene_.topology.owned.all(), motion().inflation, vertex_triangle, edge_edge};
+    return {scene_.records.all(), scene_.topology.owned.all(), motion().inflation, vertex_triangle, edge_edge};
   }
 
  private:

@@ -104,8 +104,7 @@ struct SceneBuffers {
         start(exec, "start_positions"),
         end(exec, "positions"),
         boxes(exec, "boxes"),
-        corners(exec, "records"),
-        edges(exec, "records"),
+        records(exec, "records"),
         state(exec, "counters"),
         octree(exec),
         bvh(exec),
@@ -123,16 +122,11 @@ struct SceneBuffers {
   /// At t = 0; in DCD the frame's own.
   const Vec3<Real>* positions_at_start() const { return start.capacity() > 0 ? start.data() : end.data(); }
 
-  TriangleRecords<Real> records() const {
-    return {corners.data(), edges.data(), static_cast<uint32_t>(boxes.capacity())};
-  }
-
   ResidentTopology<Exec> topology;
   Buffer<Vec3<Real>, Exec> start;  ///< CCD only
   Buffer<Vec3<Real>, Exec> end;
   Buffer<Box<float>, Exec> boxes;
-  Buffer<CornerRecord<Real>, Exec> corners;  ///< as TriangleRecords
-  Buffer<EdgeRecord<Real>, Exec> edges;
+  Buffer<TriangleRecord<Real>, Exec> records;
   Buffer<StepState, Exec> state;
   OctreeBuffers<Exec> octree;
   BvhBuffers<Exec> bvh;

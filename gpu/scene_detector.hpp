@@ -59,8 +59,7 @@ class SceneDetector final : public Detector {
       send(resident.rules, rules());
     }
     scene_.boxes.allocate(topology_.triangles.size());
-    scene_.corners.allocate(3 * topology_.triangles.size());
-    scene_.edges.allocate(3 * topology_.triangles.size());
+    scene_.records.allocate(topology_.triangles.size());
     scene_.end.allocate(topology_.vertex_count);
     if (spec_.mode == Mode::kCcd) scene_.start.allocate(topology_.vertex_count);
   }

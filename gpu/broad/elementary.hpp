@@ -26,7 +26,7 @@ struct CandidatePoints {
 
 template <class Real>
 struct ElementaryTests {
-  TriangleRecords<Real> records;
+  Span<const TriangleRecord<Real>> records;
   Span<const uint8_t> owned;  ///< bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0
   Real inflation;             ///< half the thickness
   bool vertex_triangle, edge_edge;
@@ -49,28 +49,28 @@ struct ElementaryTests {
   }
   /// Box of a corner's path; those of edges and triangles are joined from them.
   COLLIDED_HD Box<Real> corner_box(uint32_t triangle, int k) const {
-    return inflate(records.corner(triangle, k).swept(), inflation);
+    return inflate(records[triangle].corner[k].swept(), inflation);
   }
   COLLIDED_HD Triangle vertices_of(uint32_t triangle) const {
-    return {records.corner(triangle, 0).vertex_id(), records.corner(triangle, 1).vertex_id(),
-            records.corner(triangle, 2).vertex_id()};
+    const TriangleRecord<Real>& t = records[triangle];
+    return {t.corner[0].vertex_id(), t.corner[1].vertex_id(), t.corner[2].vertex_id()};
   }
   COLLIDED_HD Triangle edges_of(uint32_t triangle) const {
-    return {records.corner(triangle, 0).edge_id(), records.corner(triangle, 1).edge_id(),
-            records.corner(triangle, 2).edge_id()};
+    const TriangleRecord<Real>& t = records[triangle];
+    return {t.corner[0].edge_id(), t.corner[1].edge_id(), t.corner[2].edge_id()};
   }
 
   /// Whether the features share no vertex and their boxes overlap.
   COLLIDED_HD bool vertex_triangle_overlap(uint32_t a, uint32_t b, int test) const {
     const CornerRecord<Real> v = vertex_corner(a, b, test);
-    const uint32_t triangle = test < 3 ? b : a;
-    const EdgeRecord<Real> e = records.edge(triangle, 0), f = records.edge(triangle, 1);
+    const TriangleRecord<Real>& t = records[test < 3 ? b : a];
+    const EdgeRecord<Real> e = t.edge[0], f = t.edge[1];
     const uint32_t id = v.vertex_id();
     if (id == e.from || id == f.from || id == f.to) return false;
     return overlap_inflated(v.swept(), join(e.swept(), f.swept()));
   }
   COLLIDED_HD bool edge_edge_overlap(uint32_t a, uint32_t b, int test) const {
-    const EdgeRecord<Real> e = records.edge(a, first_edge(test)), f = records.edge(b, second_edge(test));
+    const EdgeRecord<Real> e = records[a].edge[first_edge(test)], f = records[b].edge[second_edge(test)];
     if (e.from == f.from || e.from == f.to || e.to == f.from || e.to == f.to) return false;
     return overlap_inflated(e.swept(), f.swept());
   }
@@ -78,8 +78,8 @@ struct ElementaryTests {
   COLLIDED_HD CandidatePoints<Real> vertex_triangle_points(uint32_t a, uint32_t b, int test) const {
     const uint32_t triangle = test < 3 ? b : a;
     const CornerRecord<Real> v = vertex_corner(a, b, test);
-    const CornerRecord<Real> c0 = records.corner(triangle, 0), c1 = records.corner(triangle, 1),
-                             c2 = records.corner(triangle, 2);
+    const TriangleRecord<Real>& t = records[triangle];
+    const CornerRecord<Real> c0 = t.corner[0], c1 = t.corner[1], c2 = t.corner[2];
     return {pack_ids(v.vertex_id(), triangle),
             {{v.start, c0.start, c1.start, c2.start}, {v.end, c0.end, c1.end, c2.end}}};
   }
@@ -92,7 +92,7 @@ struct ElementaryTests {
 
  private:
   COLLIDED_HD CornerRecord<Real> vertex_corner(uint32_t a, uint32_t b, int test) const {
-    return records.corner(test < 3 ? a : b, test < 3 ? test : test - 3);
+    return records[test < 3 ? a : b].corner[test < 3 ? test : test - 3];
   }
   COLLIDED_HD static int first_edge(int test) { return (test - kFirstEdgeEdge) >> 2; }
   COLLIDED_HD static int second_edge(int test) { return (test - kFirstEdgeEdge) & 3; }
@@ -101,8 +101,8 @@ struct ElementaryTests {
     CornerRecord<Real> a0, a1, b0, b1;
     COLLIDED_HD EdgeCorners(const ElementaryTests& scene, uint32_t a, uint32_t b, int test) {
       const int k = first_edge(test), m = second_edge(test);
-      a0 = scene.records.corner(a, k), a1 = scene.records.corner(a, next(k));
-      b0 = scene.records.corner(b, m), b1 = scene.records.corner(b, next(m));
+      const TriangleRecord<Real>&p = scene.records[a], &q = scene.records[b];
+      a0 = p.corner[k], a1 = p.corner[next(k)], b0 = q.corner[m], b1 = q.corner[next(m)];
     }
   };
   COLLIDED_HD bool overlap_inflated(const Box<Real>& p, const Box<Real>& q) const {

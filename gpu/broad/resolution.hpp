@@ -20,15 +20,18 @@ COLLIDED_HD Real spacing_at(const Box<float>& bounds) {
 template <class Real>
 struct CountSmall {
   const Box<float>* bounds;
-  TriangleRecords<Real> records;
+  Span<const TriangleRecord<Real>> records;
   uint64_t* count;
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const Real limit = 1024 * spacing_at<Real>(*bounds);
-    const uint32_t t = static_cast<uint32_t>(i);
-    const Vec3<Real> a = records.corner(t, 0).end, b = records.corner(t, 1).end, c = records.corner(t, 2).end;
-    if (largest_component(a - b) < limit && largest_component(b - c) < limit && largest_component(c - a) < limit)
-      claim_slot(*count);
+    const TriangleRecord<Real>& t = records[i];
+    if (is_short(t, 0, 1, limit) && is_short(t, 1, 2, limit) && is_short(t, 2, 0, limit)) claim_slot(*count);
+  }
+
+ private:
+  COLLIDED_HD static bool is_short(const TriangleRecord<Real>& t, int from, int to, Real limit) {
+    return largest_component(t.corner[from].end - t.corner[to].end) < limit;
   }
 };
 

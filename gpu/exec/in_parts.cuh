@@ -11,7 +11,7 @@ constexpr unsigned kPartsBlock = 128;
 
 /// Items that a warp takes at once: fewer of those that may have many parts, for then one alone keeps it busy.
 template <class Item>
-constexpr unsigned kItemsOfWarp = Item::kMostParts <= 64 ? 16 : 4;
+constexpr unsigned kItemsOfWarp = Item::kMostParts <= 64 ? 32 : 4;
 
 /// Which item a part belongs to, of those whose parts end where `end` says, lane by lane.
 template <unsigned items>
@@ -49,7 +49,7 @@ __device__ void do_parts(uint64_t first, uint64_t end, const F& f) {
     if (lane_id() >= offset) up_to += before;
   }
   const uint32_t all = __shfl_sync(kAllLanes, up_to, kItems - 1);
-  constexpr int kAtOnce = 4;  // so that they wait for the memory together
+  constexpr int kAtOnce = 2;  // so that they wait for the memory together
   for (uint32_t first_part = 0; first_part < all; first_part += kAtOnce * 32) {
     typename F::Item owner[kAtOnce];
     uint32_t found[kAtOnce];

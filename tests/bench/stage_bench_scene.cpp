@@ -78,8 +78,7 @@ void StageScene::make_resident(const Case& step) {
     send(resident.rules, rules);
   }
   buffers.boxes.allocate(triangles());
-  buffers.corners.allocate(3 * triangles());
-  buffers.edges.allocate(3 * triangles());
+  buffers.records.allocate(triangles());
   send(buffers.start, all_positions(step.start));
   send(buffers.end, all_positions(step.end));
 }
