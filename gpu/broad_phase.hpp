@@ -115,11 +115,10 @@ class BroadPhase {
   }
 
   // 2. Counter octree.
-  void count_overlapped_cells(const OctreePlan& plan) {
+  void count_overlapped_cells() {
     const Span<uint32_t> counts = scene_.octree.counts.all();
     exec_.for_each_group("clear_counts", cell_groups(), ClearCounts{grid(), counts});
-    exec_.for_each_part("count_overlapped_cells", triangles_at_levels(plan),
-                        CountOverlappedCells{{grid(), boxes()}, counts});
+    exec_.for_each_part("count_overlapped_cells", all_triangles(), CountOverlappedCells{{grid(), boxes()}, counts});
     exec_.for_each("list_large", triangle_count(),
                    ListLarge{grid(), boxes(), {scene_.octree.large.all(), &scene_.state.data()->large}});
     exec_.for_each_group("count_cells_of_large", large(), CountCellsOfLarge{grid(), boxes(), counts, large_list()});
@@ -135,7 +134,7 @@ class BroadPhase {
         exec_.for_each_group("open_bricks", bricks(round - 1), OpenBricks{all, round});
       exec_.for_each_group("clear_bricks", bricks(round), ClearBricks{all, round});
       if (round == 0) {
-        exec_.for_each_part("list_in_first_bricks", {nullptr, triangle_count()}, ListInFirstBricks{list, boxes()});
+        exec_.for_each_part("list_in_first_bricks", all_triangles(), ListInFirstBricks{list, boxes()});
         exec_.for_each_group("list_large_in_first_bricks", large(),
                              ListLargeInFirstBricks{list, boxes(), large_list()});
       } else {
@@ -171,8 +170,7 @@ class BroadPhase {
   void register_triangles(const OctreePlan& plan) {
     OctreeBuffers<Exec>& octree = scene_.octree;
     const Registration registration{tree(plan), octree.cursor.all(), octree.registered.all()};
-    exec_.for_each_part("register_triangles", triangles_at_levels(plan),
-                        RegisterTriangles{registration, {grid(), boxes()}});
+    exec_.for_each_part("register_triangles", all_triangles(), RegisterTriangles{registration, {grid(), boxes()}});
     exec_.for_each_group("register_large", large(), RegisterLarge{registration, boxes(), large_list()});
     for (int round = 0; round < plan.rounds; ++round)
       exec_.for_each_part("register_in_bricks", brick_items(round),
@@ -226,7 +224,7 @@ class BroadPhase {
   Counted brick_items(int round) const {
     return {&scene_.state.data()->brick_items[round], scene_.octree.brick_items.capacity()};
   }
-  Counted triangles_at_levels(const OctreePlan& plan) const { return {nullptr, plan.levels * triangle_count()}; }
+  Counted all_triangles() const { return {nullptr, triangle_count()}; }
 
   Tree tree(const OctreePlan& plan) const {
     OctreeBuffers<Exec>& octree = scene_.octree;

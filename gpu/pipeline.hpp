@@ -100,7 +100,7 @@ class Pipeline {
   }
 
   void build_octree(const OctreePlan& plan) {
-    exec_.stage("count", [&] { broad_.count_overlapped_cells(plan); });
+    exec_.stage("count", [&] { broad_.count_overlapped_cells(); });
     if (plan.rounds > 0) exec_.stage("refine", [&] { broad_.refine(plan); });
     exec_.stage("bottom_up", [&] { broad_.cut(plan); });
     exec_.stage("top_down", [&] { broad_.place_leaves(plan); });

@@ -72,8 +72,9 @@ class StepGraph {
     check_cuda(cudaEventRecordWithFlags(stages_.back().begin, stream, cudaEventRecordExternal), name);
   }
 
-  /// For a stage that others go on beside; else it ends where the next begins.
+  /// For a stage that others go on beside; else it ends where the next begins. Nothing if it is over already.
   void end_stage(cudaStream_t stream) {
+    if (stages_.back().end != nullptr) return;
     stages_.back().end = make_event();
     check_cuda(cudaEventRecordWithFlags(stages_.back().end, stream, cudaEventRecordExternal), stages_.back().name);
   }

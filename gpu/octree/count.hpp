@@ -8,7 +8,7 @@
 namespace collided {
 
 /// Triangles that cover more base cells than this are left to groups of threads.
-constexpr uint64_t kManyCells = CoveredCells::kMostParts;
+constexpr uint64_t kManyCells = CoveredCells::kMostBase;
 
 /// Cells that a group works on at once, where all active dense cells have their turn.
 constexpr uint32_t kCellsOfGroup = 256;
@@ -39,24 +39,20 @@ struct ClearCounts {
   }
 };
 
-/// The cells of each triangle at each level, but for triangles that cover many; one item for each of both.
-struct CellsOfLevels {
+/// The cells of each triangle, but for triangles that cover many.
+struct CellsOfTriangles {
   const LevelGrid* grid;
   Span<const Box<float>> boxes;
 
   COLLIDED_HD CoveredCells operator()(uint64_t i) const {
     const LevelGrid g = *grid;
-    const TriangleAtLevel at(g, i, boxes.size());
-    if (at.level > g.base) return {};
-    const CellRange deepest = g.deepest_range(boxes[at.triangle]);
-    if (shifted(deepest, kDeepest - g.base).size() > kManyCells) return {};
-    return {at.triangle, at.level, shifted(deepest, kDeepest - at.level)};
+    return {static_cast<uint32_t>(i), g, g.deepest_range(boxes[i]), g.top};
   }
 };
 
 struct CountOverlappedCells {
   using Item = CoveredCells;
-  CellsOfLevels cells;
+  CellsOfTriangles cells;
   Span<uint32_t> counts;
 
   COLLIDED_HD Item item(uint64_t i) const { return cells(i); }

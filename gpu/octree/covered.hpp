@@ -20,30 +20,43 @@ COLLIDED_HD inline Coords nth_cell(uint32_t k, const Coords& lo, uint32_t width,
   return {lo.x + (k - row * width), lo.y + (row - layer * height), lo.z + layer};
 }
 
-/// The dense cells of one level that a triangle covers, in a form that threads can hand to each other.
+/// The cells of all active dense levels that a triangle covers: those of the base level first, then level by level
+/// upwards.
 struct CoveredCells {
-  static constexpr uint32_t kMostParts = 48;
+  static constexpr uint32_t kMostBase = 48;  ///< base cells; a triangle with more is not for one warp
+  static constexpr uint32_t kMostParts = 2 * kMostBase + kMaxLevel;
   uint32_t parts = 0;  ///< cells
   uint32_t triangle = 0;
 
   CoveredCells() = default;
-  COLLIDED_HD CoveredCells(uint32_t id, int level, const CellRange& range)
-      : parts(static_cast<uint32_t>(range.size())),
-        triangle(id),
-        lo_(range.lo.x | range.lo.y << kBits | range.lo.z << 2 * kBits | static_cast<uint32_t>(level) << 3 * kBits),
-        size_((range.hi.x - range.lo.x + 1) | (range.hi.y - range.lo.y + 1) << 16) {}
+  /// From the level `top` on, down to the base.
+  COLLIDED_HD CoveredCells(uint32_t id, const LevelGrid& grid, const CellRange& deepest, int top) : triangle(id) {
+    const CellRange range = shifted(deepest, kDeepest - grid.base);
+    if (range.size() > kMostBase) return;
+    lo_ = packed(range.lo) | static_cast<uint32_t>(grid.base) << 3 * kBits;
+    hi_ = packed(range.hi);
+    for (int up = 0; up <= grid.base - top; ++up) parts += static_cast<uint32_t>(shifted(range, up).size());
+  }
 
+  COLLIDED_HD int base() const { return static_cast<int>(lo_ >> 3 * kBits); }
   /// Index of the k-th cell.
   COLLIDED_HD uint32_t cell(uint32_t k) const {
-    constexpr uint32_t kMask = (1u << kBits) - 1u;
-    const Coords lo{lo_ & kMask, lo_ >> kBits & kMask, lo_ >> 2 * kBits & kMask};
-    return cell_id(static_cast<int>(lo_ >> 3 * kBits), nth_cell(k, lo, size_ & 0xFFFFu, size_ >> 16));
+    CellRange range{unpacked(lo_), unpacked(hi_)};
+    int level = base();
+    for (;; --level, range = shifted(range, 1)) {
+      const uint32_t width = range.hi.x - range.lo.x + 1, height = range.hi.y - range.lo.y + 1;
+      const uint32_t size = width * height * (range.hi.z - range.lo.z + 1);
+      if (k < size) return cell_id(level, nth_cell(k, range.lo, width, height));
+      k -= size;
+    }
   }
 
  private:
-  static constexpr uint32_t kBits = 9;
-  static_assert(kMaxLevel <= 9);
-  uint32_t lo_ = 0, size_ = 0;
+  static constexpr uint32_t kBits = kMaxLevel, kMask = (1u << kBits) - 1u;
+  uint32_t lo_ = 0, hi_ = 0;  ///< base cells
+
+  COLLIDED_HD static uint32_t packed(const Coords& c) { return c.x | c.y << kBits | c.z << 2 * kBits; }
+  COLLIDED_HD static Coords unpacked(uint32_t c) { return {c & kMask, c >> kBits & kMask, c >> 2 * kBits & kMask}; }
 };
 
 /// The cells of a brick that a triangle covers: those of its bottom level first, then level by level upwards.

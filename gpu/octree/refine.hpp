@@ -91,9 +91,8 @@ struct ListInFirstBricks {
   Span<const Box<float>> boxes;
 
   COLLIDED_HD Item item(uint64_t i) const {
-    const CellRange range = list.tree.grid->range(list.tree.grid->base, boxes[i]);
-    if (range.size() > kManyCells) return {};
-    return {static_cast<uint32_t>(i), list.tree.grid->base, range};
+    const LevelGrid grid = *list.tree.grid;
+    return {static_cast<uint32_t>(i), grid, grid.deepest_range(boxes[i]), grid.base};
   }
   COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return list.brick_of(item.cell(k)); }
   COLLIDED_HD void act(const Item& item, uint32_t brick) const { list.put(item.triangle, brick); }

@@ -18,11 +18,11 @@ struct Registration {
   COLLIDED_HD void put(uint32_t triangle, uint32_t leaf) const { registered[count_up(cursor, leaf)] = triangle; }
 };
 
-/// Into the leaves of the dense levels that a triangle's box overlaps; items as of CellsOfLevels.
+/// Into the leaves of the dense levels that a triangle's box overlaps.
 struct RegisterTriangles {
   using Item = CoveredCells;
   Registration registration;
-  CellsOfLevels cells;
+  CellsOfTriangles cells;
 
   COLLIDED_HD Item item(uint64_t i) const { return cells(i); }
   COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return registration.leaf_of(item.cell(k)); }

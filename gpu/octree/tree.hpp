@@ -64,14 +64,4 @@ COLLIDED_HD void visit_dense_cells(const LevelGrid& grid, const CellRange& deepe
   for (int level = grid.top; level <= grid.base; ++level) visit_cells_of_level(level, deepest, rank, threads, visit);
 }
 
-/// Work on each triangle at each level: neighbouring items are neighbouring triangles at one level.
-struct TriangleAtLevel {
-  uint32_t triangle;
-  int level;  ///< above the base level: nothing to do
-
-  COLLIDED_HD TriangleAtLevel(const LevelGrid& grid, uint64_t item, uint64_t triangles)
-      : triangle(static_cast<uint32_t>(item) % static_cast<uint32_t>(triangles)),
-        level(grid.top + static_cast<int>(static_cast<uint32_t>(item) / static_cast<uint32_t>(triangles))) {}
-};
-
 }  // namespace collided

@@ -139,13 +139,11 @@ class OctreeBuild {
 
   Counted items_of_bricks(int round) const { return {&brick_item_counters[round], brick_items.size()}; }
 
-  Counted triangles_at_levels() const {
-    return {nullptr, static_cast<uint64_t>(grid.base - grid.top + 1) * boxes_.size()};
-  }
+  Counted all_boxes() const { return {nullptr, boxes_.size()}; }
   void count() {
     const Counted groups{&cell_groups_, cell_groups_};
     exec_.for_each_group("clear", groups, ClearCounts{&grid, counts.span()});
-    exec_.for_each_part("count", triangles_at_levels(), CountOverlappedCells{{&grid, boxes_}, counts.span()});
+    exec_.for_each_part("count", all_boxes(), CountOverlappedCells{{&grid, boxes_}, counts.span()});
     exec_.for_each("list_large", boxes_.size(), ListLarge{&grid, boxes_, {large.span(), &large_count}});
     exec_.for_each_group("count_large", large_items(), CountCellsOfLarge{&grid, boxes_, counts.span(), large.span()});
   }
@@ -158,7 +156,7 @@ class OctreeBuild {
         exec_.for_each_group("open", bricks_of(round - 1), OpenBricks{tree(), round});
       exec_.for_each_group("clear", bricks_of(round), ClearBricks{tree(), round});
       if (round == 0) {
-        exec_.for_each_part("list", {nullptr, boxes_.size()}, ListInFirstBricks{list, boxes_});
+        exec_.for_each_part("list", all_boxes(), ListInFirstBricks{list, boxes_});
         exec_.for_each_group("list_large", large_items(), ListLargeInFirstBricks{list, boxes_, large.span()});
       } else {
         exec_.for_each_part("list", items_of_bricks(round - 1), ListInNextBricks{list, {tree(), boxes_, round - 1}});
@@ -172,7 +170,7 @@ class OctreeBuild {
     for (int round = 0; round < rounds_; ++round)
       exec_.for_each_group("place_bricks", bricks_of(round), PlaceBrickLeaves{place, round});
     const Registration registration{tree(), cursor.span(), registered.span()};
-    exec_.for_each_part("register", triangles_at_levels(), RegisterTriangles{registration, {&grid, boxes_}});
+    exec_.for_each_part("register", all_boxes(), RegisterTriangles{registration, {&grid, boxes_}});
     exec_.for_each_group("register_large", large_items(), RegisterLarge{registration, boxes_, large.span()});
     for (int round = 0; round < rounds_; ++round)
       exec_.for_each_part("register_in_bricks", items_of_bricks(round),
