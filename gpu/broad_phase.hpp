@@ -78,10 +78,11 @@ class BroadPhase {
 
   // 1. Bounding boxes.
   void box_triangles(const std::vector<TriangleRun>& moved) {
+    using Work = BoxTriangles<Real>;
     for (const TriangleRun& run : moved)
-      exec_.for_each("box_triangles", run.count,
-                     BoxTriangles<Real>{motion(), triangles(), edges(), scene_.topology.owned.all(), run.first,
-                                        scene_.boxes.all(), scene_.records.all()});
+      exec_.for_each_group("box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
+                           Work{motion(), triangles(), edges(), scene_.topology.owned.all(), run.first, run.count,
+                                scene_.boxes.all(), scene_.records.all()});
   }
 
   // Section 3.2: number of levels.

@@ -89,7 +89,11 @@ class Pipeline {
       broad_.box_triangles(moved);
     });
     exec_.stage("levels", [&] { choose_levels(plan); });
-    plan.engine == Engine::kLbvh ? build_hierarchy() : build_octree(plan);
+    const auto build = [&] { plan.engine == Engine::kLbvh ? build_hierarchy() : build_octree(plan); };
+    if (needs_.judges_resolution() && needs_.settings.delta == 0)
+      exec_.beside(build, [&] { broad_.count_small_triangles(); });
+    else
+      build();
     if (spec_.vertex_triangle || spec_.edge_edge) detect_features(plan);
     if (spec_.triangle_triangle) detect_triangles(plan);
     narrow_.order();
@@ -114,7 +118,6 @@ class Pipeline {
       broad_.choose_cells(plan);
     else
       broad_.choose_levels();
-    if (needs_.judges_resolution() && needs_.settings.delta == 0) broad_.count_small_triangles();
   }
   /// Whether the spacing of the positions' numbers, at the largest of them, is coarser than delta; without a delta,
   /// than a thousandth of most triangles.

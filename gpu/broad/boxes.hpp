@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "gpu/exec/counted.hpp"
 #include "gpu/math/lattice.hpp"
 
 namespace collided {
@@ -43,26 +44,42 @@ struct TriangleRecord {
   EdgeRecord<Real> edge[3];  ///< from each corner to the next
 };
 
+/// One item for each kGroupSize triangles. Their records are put together in the group's memory first, and then written
+/// side by side: a thread that wrote its own would leave most of each memory transaction empty.
 template <class Real>
 struct BoxTriangles {
+  static constexpr uint32_t kGroupSize = 128;
+  struct Shared {
+    TriangleRecord<Real> record[kGroupSize];
+  };
+
   Motion<Real> motion;
   Span<const Triangle> triangles;
   Span<const Triangle> edges;  ///< empty: the scene needs none
   Span<const uint8_t> owned;   ///< bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0
-  uint64_t first;
+  uint64_t first, count;       ///< of the triangles to box
   Span<Box<float>> boxes;
   Span<TriangleRecord<Real>> records;
 
-  COLLIDED_HD void operator()(uint64_t i) const {
-    const Triangle t = triangles[first + i];
-    boxes[first + i] = outward_float(motion.triangle_box(t.x, t.y, t.z));
-    const Triangle e = edges.empty() ? Triangle{0, 0, 0} : edges[first + i];
-    const uint32_t own = owned[first + i];
-    const CornerRecord<Real> a = corner(t.x, e.x, own), b = corner(t.y, e.y, own >> 1), c = corner(t.z, e.z, own >> 2);
-    records[first + i] = {{a, b, c}, {edge(a, b), edge(b, c), edge(c, a)}};
+  COLLIDED_HD void operator()(uint64_t i, const Group& group, Shared& shared) const {
+    const uint64_t begin = first + i * kGroupSize;
+    const uint32_t size = static_cast<uint32_t>(smaller(uint64_t{kGroupSize}, first + count - begin));
+    for (uint32_t k = group.rank; k < size; k += group.size) {
+      const Triangle t = triangles[begin + k];
+      boxes[begin + k] = outward_float(motion.triangle_box(t.x, t.y, t.z));
+      shared.record[k] = record(t, begin + k);
+    }
+    group.sync();
+    group.copy(&records[begin], shared.record, size);
   }
 
  private:
+  COLLIDED_HD TriangleRecord<Real> record(const Triangle& t, uint64_t triangle) const {
+    const Triangle e = edges.empty() ? Triangle{0, 0, 0} : edges[triangle];
+    const uint32_t own = owned[triangle];
+    const CornerRecord<Real> a = corner(t.x, e.x, own), b = corner(t.y, e.y, own >> 1), c = corner(t.z, e.z, own >> 2);
+    return {{a, b, c}, {edge(a, b), edge(b, c), edge(c, a)}};
+  }
   /// Bit 0 of `own`: owns the vertex; bit 3: owns the edge.
   COLLIDED_HD CornerRecord<Real> corner(uint32_t v, uint32_t e, uint32_t own) const {
     return {motion.start[v], v | (own & 1u) << 31, motion.end[v], e | (own >> 3 & 1u) << 31};

@@ -13,6 +13,9 @@ struct Counted {
   COLLIDED_HD uint64_t size() const { return counter == nullptr || *counter > most ? most : *counter; }
 };
 
+/// A part of an item (for_each_part) that there is nothing to do for.
+constexpr uint32_t kNothing = ~0u;
+
 /// The threads that work on one item: a block of a GPU, or one thread of a CPU.
 /// A functor for them has a type Shared, memory of the group, and kGroupSize, threads on a GPU.
 struct Group {
@@ -21,6 +24,21 @@ struct Group {
   COLLIDED_HD void sync() const {
 #ifdef __CUDA_ARCH__
     __syncthreads();
+#endif
+  }
+  /// Copies, the threads together, 16 bytes each at a time.
+  template <class T>
+  COLLIDED_HD void copy(T* to, const T* from, uint32_t count) const {
+    struct alignas(16) Chunk {
+      uint32_t word[4];
+    };
+    static_assert(sizeof(T) % sizeof(Chunk) == 0 && alignof(T) >= alignof(Chunk));
+#ifdef __CUDA_ARCH__
+    const uint32_t chunks = count * static_cast<uint32_t>(sizeof(T) / sizeof(Chunk));
+    for (uint32_t k = rank; k < chunks; k += size)
+      reinterpret_cast<Chunk*>(to)[k] = reinterpret_cast<const Chunk*>(from)[k];
+#else
+    for (uint32_t k = rank; k < count; k += size) to[k] = from[k];
 #endif
   }
   /// Whether a condition holds for any thread of the group, each of which must call; synchronises.

@@ -80,12 +80,13 @@ class CpuExec {
     });
   }
 
-  /// f(f.item(i), k) for i in [0, n), k in [0, f.item(i).parts).
+  /// For i in [0, n), item = f.item(i), k in [0, item.parts): f.act(item, f.find(item, k)), unless it found kNothing.
   template <class F>
   void for_each_part(const char* name, const Counted& n, const F& f) {
     for_each(name, n.size(), [&](uint64_t i) {
       const typename F::Item item = f.item(i);
-      for (uint32_t k = 0; k < item.parts; ++k) f(item, k);
+      for (uint32_t k = 0; k < item.parts; ++k)
+        if (const uint32_t found = f.find(item, k); found != kNothing) f.act(item, found);
     });
   }
 

@@ -116,7 +116,7 @@ class CudaExec {
     check_cuda(cudaGetLastError(), name);
   }
 
-  /// f(f.item(i), k) for i in [0, n), k in [0, f.item(i).parts).
+  /// For i in [0, n), item = f.item(i), k in [0, item.parts): f.act(item, f.find(item, k)), unless it found kNothing.
   template <class F>
   void for_each_part(const char* name, const Counted& n, const F& f) {
     if (n.most == 0 || reserving_) return;
@@ -131,7 +131,7 @@ class CudaExec {
   template <class F>
   void for_each_in_steps(const char* name, const Counted& n, uint64_t* next, const F& f) {
     if (n.most == 0 || reserving_) return;
-    const unsigned most = blocks_for(n.most, kStepsBlock);
+    const unsigned most = blocks_for(n.most, kStepsBlock / 32);  // a warp may take as little as one
     const unsigned blocks = std::min(most, resident_blocks(name, for_each_in_steps_kernel<F>, kStepsBlock));
     for_each_in_steps_kernel<<<blocks, kStepsBlock, 0, stream_>>>(n, next, f);
     check_cuda(cudaGetLastError(), name);

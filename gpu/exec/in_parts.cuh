@@ -11,7 +11,7 @@ constexpr unsigned kPartsBlock = 128;
 
 /// Items that a warp takes at once: fewer of those that may have many parts, for then one alone keeps it busy.
 template <class Item>
-constexpr unsigned kItemsOfWarp = Item::kMostParts <= 64 ? 16 : 4;
+constexpr unsigned kItemsOfWarp = Item::kMostParts <= 64 ? 32 : 4;
 
 /// Which item a part belongs to, of those whose parts end where `end` says, lane by lane.
 template <unsigned items>
@@ -49,12 +49,23 @@ __device__ void do_parts(uint64_t first, uint64_t end, const F& f) {
     if (lane_id() >= offset) up_to += before;
   }
   const uint32_t all = __shfl_sync(kAllLanes, up_to, kItems - 1);
-  for (uint32_t part = lane_id(); part - lane_id() < all; part += 32) {
-    const unsigned from = item_of_part<kItems>(part, up_to);
-    const typename F::Item owner = shuffled(mine, from);
-    const uint32_t start = __shfl_sync(kAllLanes, up_to - mine.parts, from);
-    if (part < all) f(owner, part - start);
-    __syncwarp();
+  constexpr int kAtOnce = 2;  // so that they wait for the memory together
+  for (uint32_t first_part = 0; first_part < all; first_part += kAtOnce * 32) {
+    typename F::Item owner[kAtOnce];
+    uint32_t found[kAtOnce];
+#pragma unroll
+    for (int j = 0; j < kAtOnce; ++j) {
+      const uint32_t part = first_part + static_cast<uint32_t>(j) * 32 + lane_id();
+      const unsigned from = item_of_part<kItems>(part, up_to);
+      owner[j] = shuffled(mine, from);
+      const uint32_t start = __shfl_sync(kAllLanes, up_to - mine.parts, from);
+      found[j] = part < all ? f.find(owner[j], part - start) : kNothing;
+    }
+#pragma unroll
+    for (int j = 0; j < kAtOnce; ++j) {
+      if (found[j] != kNothing) f.act(owner[j], found[j]);
+      __syncwarp();
+    }
   }
 }
 

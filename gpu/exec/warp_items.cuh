@@ -11,7 +11,9 @@ class WarpItems {
   /// `next`: the next item that no warp has taken yet.
   __device__ WarpItems(uint64_t count, uint64_t* next) : count_(count), next_(next) {
     const uint64_t warps = static_cast<uint64_t>(gridDim.x) * blockDim.x / 32;
-    chunk_ = min(uint64_t{256}, max(uint64_t{32}, count / (8 * warps)));
+    // Few items are spread thinly: lanes that go different ways wait for each other.
+    chunk_ =
+        count <= 32 * warps ? (count + warps - 1) / warps : min(uint64_t{256}, max(uint64_t{32}, count / (8 * warps)));
   }
 
   __device__ bool are_over() const { return over_; }

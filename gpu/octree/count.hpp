@@ -60,7 +60,8 @@ struct CountOverlappedCells {
   Span<uint32_t> counts;
 
   COLLIDED_HD Item item(uint64_t i) const { return cells(i); }
-  COLLIDED_HD void operator()(const Item& item, uint32_t k) const { count_in(counts, item.cell(k)); }
+  COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return item.cell(k); }
+  COLLIDED_HD void act(const Item&, uint32_t cell) const { count_in(counts, cell); }
 };
 
 /// Lists the triangles that cover many base cells.

@@ -5,10 +5,19 @@
 
 namespace collided {
 
+/// k / d; both below 2^16. On a GPU integers have no division of their own, and floats a fast one that is close enough.
+COLLIDED_HD inline uint32_t small_quotient(uint32_t k, uint32_t d) {
+#ifdef __CUDA_ARCH__
+  return static_cast<uint32_t>(__fdividef(static_cast<float>(k) + 0.5f, static_cast<float>(d)));
+#else
+  return k / d;
+#endif
+}
+
 /// The k-th cell, of a box of cells `width` and `height` wide.
 COLLIDED_HD inline Coords nth_cell(uint32_t k, const Coords& lo, uint32_t width, uint32_t height) {
-  const uint32_t row = k / width;
-  return {lo.x + (k - row * width), lo.y + row % height, lo.z + row / height};
+  const uint32_t row = small_quotient(k, width), layer = small_quotient(row, height);
+  return {lo.x + (k - row * width), lo.y + (row - layer * height), lo.z + layer};
 }
 
 /// The dense cells of one level that a triangle covers, in a form that threads can hand to each other.

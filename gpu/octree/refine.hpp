@@ -76,11 +76,12 @@ struct ListInBricks {
   Tree tree;
   int round;
 
-  /// If the cell has a brick, the triangle is in it.
-  COLLIDED_HD void put(uint32_t triangle, uint32_t cell) const {
-    if (tree.type[cell] != kRefined) return;
+  COLLIDED_HD uint32_t brick_of(uint32_t cell) const {
+    return tree.type[cell] == kRefined ? tree.slot[cell] : kNothing;
+  }
+  COLLIDED_HD void put(uint32_t triangle, uint32_t brick) const {
     const uint64_t place = tree.first_brick_item(round) + claim_slot(tree.brick_item_counters[round]);
-    if (place < tree.brick_items.size()) tree.brick_items[place] = {triangle, tree.slot[cell]};
+    if (place < tree.brick_items.size()) tree.brick_items[place] = {triangle, brick};
   }
 };
 /// Those of the first round, by the base cells of each triangle.
@@ -94,7 +95,8 @@ struct ListInFirstBricks {
     if (range.size() > kManyCells) return {};
     return {static_cast<uint32_t>(i), list.tree.grid->base, range};
   }
-  COLLIDED_HD void operator()(const Item& item, uint32_t k) const { list.put(item.triangle, item.cell(k)); }
+  COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return list.brick_of(item.cell(k)); }
+  COLLIDED_HD void act(const Item& item, uint32_t brick) const { list.put(item.triangle, brick); }
 };
 struct ListLargeInFirstBricks {
   using Shared = Nothing;
@@ -105,8 +107,10 @@ struct ListLargeInFirstBricks {
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
     const LevelGrid grid = *list.tree.grid;
-    visit_cells_of_level(grid.base, grid.deepest_range(boxes[large[i]]), group.rank, group.size,
-                         [&](uint32_t cell) { list.put(large[i], cell); });
+    visit_cells_of_level(grid.base, grid.deepest_range(boxes[large[i]]), group.rank, group.size, [&](uint32_t cell) {
+      const uint32_t brick = list.brick_of(cell);
+      if (brick != kNothing) list.put(large[i], brick);
+    });
   }
 };
 
@@ -134,7 +138,8 @@ struct ListInNextBricks {
     if (item.parts > 0) item.parts = item.cells_at(kBrickLevels);
     return item;
   }
-  COLLIDED_HD void operator()(const Item& item, uint32_t k) const { list.put(item.triangle, item.cell(k)); }
+  COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return list.brick_of(item.cell(k)); }
+  COLLIDED_HD void act(const Item& item, uint32_t brick) const { list.put(item.triangle, brick); }
 };
 
 /// Counts the triangles of the bricks of one round.
@@ -147,7 +152,8 @@ struct CountInBricks {
     if (item.parts > 0) atomic_add(cells.tree.reach[item.brick], item.cells_at(kBrickLevels));
     return item;
   }
-  COLLIDED_HD void operator()(const Item& item, uint32_t k) const { count_in(cells.tree.counts, item.cell(k)); }
+  COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return item.cell(k); }
+  COLLIDED_HD void act(const Item&, uint32_t cell) const { count_in(cells.tree.counts, cell); }
 };
 
 }  // namespace collided

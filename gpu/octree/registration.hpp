@@ -13,11 +13,9 @@ struct Registration {
   Span<uint32_t> cursor;  ///< next place of each leaf
   Span<uint32_t> registered;
 
-  COLLIDED_HD void put(uint32_t triangle, uint32_t cell) const {
-    if (tree.type[cell] != kLeaf) return;
-    const uint32_t leaf = tree.slot[cell];
-    if (leaf != kNoLeaf) registered[count_up(cursor, leaf)] = triangle;
-  }
+  /// A cell's leaf, if it is one and has a place.
+  COLLIDED_HD uint32_t leaf_of(uint32_t cell) const { return tree.type[cell] == kLeaf ? tree.slot[cell] : kNoLeaf; }
+  COLLIDED_HD void put(uint32_t triangle, uint32_t leaf) const { registered[count_up(cursor, leaf)] = triangle; }
 };
 
 /// Into the leaves of the dense levels that a triangle's box overlaps; items as of CellsOfLevels.
@@ -27,7 +25,8 @@ struct RegisterTriangles {
   CellsOfLevels cells;
 
   COLLIDED_HD Item item(uint64_t i) const { return cells(i); }
-  COLLIDED_HD void operator()(const Item& item, uint32_t k) const { registration.put(item.triangle, item.cell(k)); }
+  COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return registration.leaf_of(item.cell(k)); }
+  COLLIDED_HD void act(const Item& item, uint32_t leaf) const { registration.put(item.triangle, leaf); }
 };
 
 struct RegisterLarge {
@@ -39,8 +38,10 @@ struct RegisterLarge {
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
     const LevelGrid grid = *registration.tree.grid;
-    visit_dense_cells(grid, grid.deepest_range(boxes[large[i]]), group.rank, group.size,
-                      [&](uint32_t cell) { registration.put(large[i], cell); });
+    visit_dense_cells(grid, grid.deepest_range(boxes[large[i]]), group.rank, group.size, [&](uint32_t cell) {
+      const uint32_t leaf = registration.leaf_of(cell);
+      if (leaf != kNoLeaf) registration.put(large[i], leaf);
+    });
   }
 };
 
@@ -51,7 +52,8 @@ struct RegisterInBricks {
   CellsInBricks cells;
 
   COLLIDED_HD Item item(uint64_t i) const { return cells(i); }
-  COLLIDED_HD void operator()(const Item& item, uint32_t k) const { registration.put(item.triangle, item.cell(k)); }
+  COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return registration.leaf_of(item.cell(k)); }
+  COLLIDED_HD void act(const Item& item, uint32_t leaf) const { registration.put(item.triangle, leaf); }
 };
 
 }  // namespace collided

@@ -10,7 +10,7 @@ namespace collided {
 /// Cells without triangles are inactive. kRefined is an internal cell whose children are those of a brick.
 enum CellType : uint8_t { kInactive = 0, kInternal = 1, kLeaf = 2, kRefined = 3 };
 
-constexpr uint32_t kNoLeaf = ~0u;
+constexpr uint32_t kNoLeaf = kNothing;
 
 /// The next kBrickLevels levels below a crowded cell.
 struct Brick {
