@@ -6,7 +6,7 @@
 
 namespace collided {
 
-/// Tolerance in units of the query's extent where none is given: what a few more iterations cannot improve.
+/// Tolerance in units of the query's extent where none is given: what a few more looks cannot improve.
 COLLIDED_HD inline float default_delta(float) { return 0x1p-20f; }
 COLLIDED_HD inline double default_delta(double) { return 0x1p-48; }
 

@@ -3,9 +3,11 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>
+#include <iterator>
 #include <map>
 #include <stdexcept>
 
+#include "tests/bench/engines.hpp"
 #include "tests/bench/inputs.hpp"
 #include "tests/bench/levels.hpp"
 #include "tests/bench/report.hpp"
@@ -37,7 +39,7 @@ struct Options {
   std::string date, commit, scene;
   double scale = 1;
   int steps = 20, warm_up = 2;
-  bool check_same = false, compare_levels = false;
+  bool check_same = false, compare_levels = false, compare_engines = false;
 };
 
 template <class T>
@@ -77,6 +79,8 @@ void add_options(CLI::App& app, Options& o) {
   app.add_flag("--compare-levels", o.compare_levels,
                "Run all levels side by side (CCD): per scene and level, narrow phase and all stages, as times and as "
                "ratios to FAST");
+  app.add_flag("--compare-engines", o.compare_engines,
+               "Run all engines: per scene and engine, tests, registrations and pairs of each step (no times)");
 }
 
 uint64_t bytes_of(const Detector& detector) {
@@ -164,6 +168,21 @@ RunReport run_all(const Options& o) {
   return report;
 }
 
+void compare_engines(const Options& o) {
+  const Names<Engine> engines(std::next(kEngines.begin()), kEngines.end());  // all but auto
+  std::vector<EngineRun> runs;
+  for (const BenchInput& input : bench_inputs(o.scene, o.scale)) {
+    std::cerr << input.name << "\n";
+    for (EngineRun& run : compare_engines(input, o.spec, engines, o.steps, o.warm_up)) runs.push_back(std::move(run));
+  }
+  std::cout << "{\n  \"date\": \"" << o.date << "\", \"commit\": \"" << o.commit << "\", \"device\": \""
+            << device_name(o.spec.backend) << "\",\n  \"mode\": \"" << name_of(kModes, o.spec.mode)
+            << "\", \"scalar\": \"" << name_of(kScalars, o.spec.scalar) << "\", \"steps\": " << o.steps
+            << ",\n  \"runs\": ";
+  write_engines(std::cout, runs);
+  std::cout << "\n}\n";
+}
+
 void compare_levels(const Options& o) {
   std::vector<LevelReport> reports;
   for (const BenchInput& input : bench_inputs(o.scene, o.scale)) {
@@ -209,6 +228,8 @@ int main(int argc, char** argv) {
   try {
     if (options.check_same)
       check_same(options);
+    else if (options.compare_engines)
+      compare_engines(options);
     else if (options.compare_levels)
       compare_levels(options);
     else

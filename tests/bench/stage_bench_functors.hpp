@@ -9,9 +9,6 @@
 
 namespace collided::test {
 
-/// Iterations that a step gives to float before double goes on; it makes two goes of them.
-constexpr int kFloatIterations = 5;
-
 template <class Vector>
 auto span_of(Vector& v) {
   return Span<std::remove_pointer_t<decltype(v.data())>>{v.data(), v.size()};
@@ -53,11 +50,12 @@ class FoundContacts {
 /// A sink that counts pairs.
 struct CountPairs {
   static constexpr bool kTakesPairs = true;
-  uint64_t* pairs;
+  uint64_t* count;
+  AppendList<uint64_t> pairs{};  ///< of none
 
-  void take(uint32_t, uint32_t) const {}
+  bool keeps(uint32_t, uint32_t, uint64_t&) const { return false; }
   bool is_over() const { return false; }
-  void add(uint64_t all, uint64_t, uint64_t) const { *pairs += all; }
+  void add(uint64_t all, uint64_t, uint64_t) const { *count += all; }
 };
 
 template <class Keep>
@@ -71,6 +69,25 @@ FeatureSink<float, Keep> feature_sink(const StageScene& s, const Keep& keep, Fou
           0,
           Hurry{},
           {&state.pairs, &state.candidates[0], &state.candidates[1]}};
+}
+
+/// The boxes of all triangles' features, which CpuExec prepares before a search for candidates.
+template <class Sink>
+std::vector<FeatureBoxes<float>> feature_boxes(const StageScene& s, const Sink& sink) {
+  std::vector<FeatureBoxes<float>> out;
+  out.reserve(s.triangles());
+  const auto& tests = sink.tests;
+  for (uint32_t t = 0; t < s.triangles(); ++t)
+    out.push_back(FeatureBoxes<float>({tests.corner_box(t, 0), tests.corner_box(t, 1), tests.corner_box(t, 2)},
+                                      tests.vertices_of(t), tests.edges_of(t), tests.tested_of(t)));
+  return out;
+}
+/// Hands the step's pairs to a sink, in the order that the search finds them in.
+template <class Sink>
+void take_pairs(const StageScene& s, const Sink& sink, const std::vector<FeatureBoxes<float>>& features) {
+  CandidateTaker<Sink> taker(sink, features.data());
+  for (const auto& [a, b] : s.pairs) taker.take(a, b);
+  taker.finish();
 }
 
 inline MaybeCoplanar<float> coplanarity_filter(const StageScene& s) { return {&s.step.filter}; }
@@ -107,38 +124,38 @@ ScreenCcd<float, Kind> screen(const StageScene& s, const std::vector<uint64_t>& 
   return {queries<Kind>(s, candidates), found.list()};
 }
 template <class Kind>
-ApproachCcd<float, Kind, uint64_t> approach(const StageScene& s, const std::vector<uint64_t>& candidates,
-                                            Found<Suspect>& found) {
-  return {queries<Kind>(s, candidates), found.list(), kFloatIterations};
+ApproachCcd<float, Kind> approach(const StageScene& s, const std::vector<uint64_t>& candidates, Found<Suspect>& found) {
+  return {queries<Kind>(s, candidates), found.list()};
 }
 template <class Work, class Kind, class Candidate>
 AdvanceCcd<Work, float, Kind, Candidate> advance_to_the_end(const StageScene& s,
                                                             const std::vector<Candidate>& candidates,
                                                             FoundContacts& found) {
-  return {queries<Kind>(s, candidates), found.sink(), kMaxAdvances, {}};
+  return {queries<Kind>(s, candidates), found.sink()};
 }
 
 /// A query that advances in double from t = 0.
 template <class Kind>
-struct Advancement {
+struct QueryFromStart {
   DifferencesOf<double, Kind> d;
 
-  Tolerance<double> tolerance() const { return {0, default_delta(0.0) * d.extent}; }
-  Advance<double> run(int iterations) const { return advance(d, tolerance(), 1.0, {}, iterations); }
-  bool is_certain_at(double t) const { return is_certain(d, t, 0.0); }
-  /// The least limit of iterations that the query does not meet.
-  int iterations() const {
-    int limit = 1;
-    while (limit < kMaxAdvances && run(limit).capped) ++limit;
-    return limit;
+  /// The advancement when it is over, and the looks that it took.
+  std::pair<AdvancementOf<double, Kind>, int> run() const {
+    std::pair<AdvancementOf<double, Kind>, int> out;
+    auto& [features, looks] = out;
+    features.d = d;
+    features.begin({0, default_delta(0.0) * d.extent}, {}, kMostLooks);
+    for (looks = 0; !features.is_over(); ++looks) features.look(1.0);
+    return out;
   }
+  bool is_certain_at(double t) const { return is_certain(d, t, 0.0); }
 };
 template <class Kind>
-std::vector<Advancement<Kind>> advancements(const StageScene& s, const std::vector<uint64_t>& candidates) {
-  std::vector<Advancement<Kind>> out;
+std::vector<QueryFromStart<Kind>> queries_from_start(const StageScene& s, const std::vector<uint64_t>& candidates) {
+  std::vector<QueryFromStart<Kind>> out;
   const auto query = queries<Kind>(s, candidates);
   for (uint64_t i = 0; i < candidates.size(); ++i)
-    if (Advancement<Kind> one; query.load(i, one.d)) out.push_back(one);
+    if (QueryFromStart<Kind> one; query.load(i, one.d)) out.push_back(one);
   return out;
 }
 
@@ -170,10 +187,20 @@ CertifyProximity<Work, float, Kind> certify_proximity(const StageScene& s, const
   return {s.buffers.end.data(), s.thickness_at_rest, s.kind<Kind>(), span_of(candidates), found.sink()};
 }
 
-/// Runs a functor over all items, on this thread.
+/// Runs a functor over all items, on this thread: at once, or in steps if that is how it works.
 template <class F>
 void run_all(uint64_t n, const F& f) {
-  for (uint64_t i = 0; i < n; ++i) f(i);
+  for (uint64_t i = 0; i < n; ++i) {
+    if constexpr (requires { typename F::State; }) {
+      typename F::State state;
+      f.begin(i, state);
+      if (state.is_over()) continue;
+      while (!state.is_over()) f.step(state);
+      f.finish(state);
+    } else {
+      f(i);
+    }
+  }
 }
 
 }  // namespace collided::test

@@ -27,7 +27,10 @@ void bench_count(StageScene& s, benchmark::State& state) {
   state.counters["counts_per_triangle"] = static_cast<double>(all) / static_cast<double>(s.triangles());
 }
 void bench_refine(StageScene& s, benchmark::State& state) {
-  const auto clear = [&] { std::fill_n(s.state().bricks, kMaxRounds, uint64_t{0}); };
+  const auto clear = [&] {
+    std::fill_n(s.state().bricks, kMaxRounds, uint64_t{0});
+    std::fill_n(s.state().brick_items, kMaxRounds, uint64_t{0});
+  };
   measure(state, s.triangles(), clear, [&] { s.octree.refine(s.plan); });
 }
 

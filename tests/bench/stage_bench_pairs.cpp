@@ -53,7 +53,10 @@ void bench_tiles(StageScene& s, bool neighbours, benchmark::State& state) {
   uint64_t pairs = 0;
   measure(
       state, tiles.size() * kTile * kTile, [&] { pairs = 0; },
-      [&] { run_all(tiles.size(), [&](uint64_t i) { visit_item(source, i, [&](uint32_t, uint32_t) { ++pairs; }); }); });
+      [&] {
+        LeafTiles loaded;
+        run_all(tiles.size(), [&](uint64_t i) { visit_item(source, i, loaded, [&](uint32_t, uint32_t) { ++pairs; }); });
+      });
   state.counters["pairs_per_tile"] = static_cast<double>(pairs) / static_cast<double>(tiles.size());
 }
 
@@ -72,15 +75,12 @@ void bench_features(const StageScene& s, const Keep& keep, benchmark::State& sta
   const uint64_t vt = s.lists<VertexTriangle>().candidates.size(), ee = s.lists<EdgeEdge>().candidates.size();
   Found<uint64_t> vertex_triangle(vt), edge_edge(ee);
   const auto sink = feature_sink(s, keep, vertex_triangle, edge_edge);
+  const std::vector<FeatureBoxes<float>> features = feature_boxes(s, sink);
   const auto clear = [&] {
     vertex_triangle.clear();
     edge_edge.clear();
   };
-  measure(state, s.pairs.size(), clear, [&] {
-    PairTally tally;
-    for (const auto& [a, b] : s.pairs) take_pair(sink, a, b, tally);
-    benchmark::DoNotOptimize(tally);
-  });
+  measure(state, s.pairs.size(), clear, [&] { take_pairs(s, sink, features); });
   const double found = static_cast<double>(vertex_triangle.count() + edge_edge.count());
   state.counters["candidates_per_pair"] = static_cast<double>(vt + ee) / static_cast<double>(s.pairs.size());
   state.counters["share_found"] = found / static_cast<double>(vt + ee);

@@ -59,24 +59,25 @@ void bench_advance(const StageScene& s, const std::vector<Candidate>& candidates
   measure_functor(state, candidates.size(), advance_to_the_end<Work, Kind>(s, candidates, found), found);
 }
 
-/// The advancement alone, in double and from t = 0, with the iterations that it takes.
+/// The advancement alone, in double and from t = 0, with the looks that it takes.
 template <class Kind>
 void bench_advancement(const StageScene& s, benchmark::State& state) {
-  const std::vector<Advancement<Kind>> all = advancements<Kind>(s, s.lists<Kind>().screened);
-  measure(state, all.size(), kNothing, [&] {
-    for (const Advancement<Kind>& one : all) benchmark::DoNotOptimize(one.run(kMaxAdvances));
-  });
-  double iterations = 0;
-  for (const Advancement<Kind>& one : all) iterations += one.iterations();
-  state.counters["iterations"] = iterations / static_cast<double>(all.size());
+  const std::vector<QueryFromStart<Kind>> all = queries_from_start<Kind>(s, s.lists<Kind>().screened);
+  uint64_t looks = 0;
+  measure(
+      state, all.size(), [&] { looks = 0; },
+      [&] {
+        for (const QueryFromStart<Kind>& one : all) looks += static_cast<uint64_t>(one.run().second);
+      });
+  state.counters["looks"] = static_cast<double>(looks) / static_cast<double>(all.size());
 }
 
 /// The certificate alone, of the contacts among them.
 template <class Kind>
 void bench_certificate(const StageScene& s, benchmark::State& state) {
-  std::vector<std::pair<Advancement<Kind>, double>> hits;
-  for (const Advancement<Kind>& one : advancements<Kind>(s, s.lists<Kind>().screened))
-    if (const Advance<double> found = one.run(kMaxAdvances); found.hit) hits.emplace_back(one, found.t);
+  std::vector<std::pair<QueryFromStart<Kind>, double>> hits;
+  for (const QueryFromStart<Kind>& one : queries_from_start<Kind>(s, s.lists<Kind>().screened))
+    if (const auto found = one.run().first; found.is_hit()) hits.emplace_back(one, found.time());
   uint64_t certain = 0;
   measure(
       state, hits.size(), [&] { certain = 0; },
@@ -159,7 +160,7 @@ void register_kind(const StageScene& s, const std::string& kind) {
       [&s](auto& state) { bench_advance<double, Kind>(s, s.lists<Kind>().screened, state); });
   add("separation/advance_float_from_start/" + kind,
       [&s](auto& state) { bench_advance<float, Kind>(s, s.lists<Kind>().screened, state); });
-  add("separation/iterate_double/" + kind, [&s](auto& state) { bench_advancement<Kind>(s, state); });
+  add("separation/look_double/" + kind, [&s](auto& state) { bench_advancement<Kind>(s, state); });
   add("separation/certificate/" + kind, [&s](auto& state) { bench_certificate<Kind>(s, state); });
   add("fast/solve_cubic/" + kind, [&s](auto& state) { bench_cubic<Kind>(s, state); });
   add("fast/roots_in_unit/" + kind, [&s](auto& state) { bench_roots<Kind>(s, state); });

@@ -26,14 +26,22 @@ std::vector<Vec3<float>> all_positions(const std::vector<Positions>& meshes) {
   return out;
 }
 
-/// A sink that keeps the pairs.
+/// A sink that keeps the pairs, as they are found.
 struct ListPairs {
   static constexpr bool kTakesPairs = true;
   std::vector<std::pair<uint32_t, uint32_t>>* pairs;
 
-  void take(uint32_t a, uint32_t b) const { pairs->emplace_back(a, b); }
   bool is_over() const { return false; }
-  void add(uint64_t, uint64_t, uint64_t) const {}
+};
+class PairLister {
+ public:
+  explicit PairLister(const ListPairs& sink) : pairs_(*sink.pairs) {}
+  void expect(uint32_t) const {}
+  void take(uint32_t a, uint32_t b) { pairs_.emplace_back(a, b); }
+  void finish() const {}
+
+ private:
+  std::vector<std::pair<uint32_t, uint32_t>>& pairs_;
 };
 
 SceneSpec spec_of(const Case& step) {
@@ -43,6 +51,14 @@ SceneSpec spec_of(const Case& step) {
 }
 
 }  // namespace
+}  // namespace collided::test
+
+template <>
+struct collided::TakerOf<collided::test::ListPairs> {
+  using Type = collided::test::PairLister;
+};
+
+namespace collided::test {
 
 StageScene::StageScene(const std::string& name, const Case& step)
     : spec(spec_of(step)),
@@ -54,8 +70,7 @@ StageScene::StageScene(const std::string& name, const Case& step)
   find_pairs();
   Found<uint64_t> vertex_triangle(this->step.candidates[0]), edge_edge(this->step.candidates[1]);
   const auto sink = feature_sink(*this, KeepAll{}, vertex_triangle, edge_edge);
-  PairTally tally;
-  for (const auto& [a, b] : pairs) take_pair(sink, a, b, tally);
+  take_pairs(*this, sink, feature_boxes(*this, sink));
   lists_[kVertexTriangleKind].candidates = vertex_triangle.take();
   lists_[kEdgeEdgeKind].candidates = edge_edge.take();
   find_queries<VertexTriangle>(lists_[kVertexTriangleKind]);
