@@ -11,7 +11,7 @@ constexpr unsigned kPartsBlock = 128;
 
 /// Items that a warp takes at once: fewer of those that may have many parts, for then one alone keeps it busy.
 template <class Item>
-constexpr unsigned kItemsOfWarp = Item::kMostParts <= 128 ? 16 : 4;
+constexpr unsigned kItemsOfWarp = Item::kMostParts <= 128 ? 8 : 4;
 
 /// Which item a part belongs to, of those whose parts end where `end` says, lane by lane.
 template <unsigned items>

@@ -34,13 +34,12 @@ COLLIDED_HD inline uint64_t items_of(uint32_t members) {
   return items_of_last(tiles_of(members), tiles_of_item(members));
 }
 
-/// write(place, item) for the items of one row, shared by some threads; the leaf's places start at 0.
+/// write(place, item) for the items of one row; the leaf's places start at 0.
 template <class Write>
-COLLIDED_HD void for_each_item_of_row(uint32_t leaf, uint32_t members, uint32_t row, uint32_t rank, uint32_t threads,
-                                      const Write& write) {
+COLLIDED_HD void for_each_item_of_row(uint32_t leaf, uint32_t members, uint32_t row, const Write& write) {
   const uint32_t rows = tiles_of(members), each = tiles_of_item(members);
   const uint64_t first = items_of(members) - items_of_last(rows - row, each);
-  for (uint64_t k = rank; row + k * each < rows; k += threads)
+  for (uint64_t k = 0; row + k * each < rows; ++k)
     write(first + k, PairItem{leaf, row, static_cast<uint32_t>(row + k * each)});
 }
 

@@ -35,8 +35,14 @@ struct CutCost {
 
 /// Costs and types of the cells of up to kBrickLevels levels below a root; levels of `depth` above are left alone.
 struct CutBelowRoot {
+  /// By number below the root; the root itself is 0.
   struct Shared {
-    float cost[kBrickCells + 1];  ///< by number below the root; the root itself is 0
+    COLLIDED_HD float& cost(uint32_t number) { return costs_[number + kShift]; }
+    COLLIDED_HD float cost(uint32_t number) const { return costs_[number + kShift]; }
+
+   private:
+    static constexpr uint32_t kShift = 7;  ///< the children of a cell are two wide loads, and nothing else
+    alignas(32) float costs_[kBrickCells + 1 + kShift];
   };
 
   /// cell_of(number) is the index of a cell; bottom(number, cell) sets the cost of one at `depth` and its type.
@@ -45,11 +51,11 @@ struct CutBelowRoot {
                               Shared& shared, const CellOf& cell_of, const Bottom& bottom) {
     const uint32_t first = level_offset(depth), end = level_offset(depth + 1);
     for (uint32_t number = first + group.rank; number < end; number += group.size)
-      shared.cost[number] = bottom(number, cell_of(number));
+      shared.cost(number) = bottom(number, cell_of(number));
     group.sync();
     for (int d = depth - 1; d >= least_depth; --d) {
       for (uint32_t number = level_offset(d) + group.rank; number < level_offset(d + 1); number += group.size)
-        shared.cost[number] = merge(tree, cost, number, cell_of(number), shared);
+        shared.cost(number) = merge(tree, cost, number, cell_of(number), shared);
       group.sync();
     }
   }
@@ -62,7 +68,7 @@ struct CutBelowRoot {
   COLLIDED_HD static Children children_of(uint32_t number, const Shared& shared) {
     Children sum{0, true};
     for (uint32_t k = 1; k <= 8; ++k) {
-      const float child = shared.cost[8 * number + k];
+      const float child = shared.cost(8 * number + k);
       sum.can_merge = sum.can_merge && child >= 0;
       sum.cost += child;
     }
@@ -149,7 +155,7 @@ struct CutDense {
     else
       CutBelowRoot::run(tree, cost, depth, least, group, shared, cell_of,
                         [&](uint32_t, uint32_t cell) { return root_cost[cell]; });
-    if (group.rank == 0 && is_below_others) root_cost[cell_of(0)] = shared.cost[0];
+    if (group.rank == 0 && is_below_others) root_cost[cell_of(0)] = shared.cost(0);
   }
 
  private:

@@ -27,7 +27,7 @@ COLLIDED_HD inline bool is_real_leaf(const Tree& tree, uint32_t cell) {
 /// Places the leaves among the cells of a group.
 struct PlaceLeaves {
   static constexpr uint32_t kMostCells = kCellsOfGroup < kBrickCells ? kBrickCells : kCellsOfGroup;
-  static constexpr uint32_t kManyRows = 8;  ///< of tiles: a leaf whose items the whole group writes
+  static constexpr uint32_t kManyRows = 3;  ///< of tiles: a leaf whose items several threads write
   struct Shared {
     LeafTotals totals;
     uint64_t first_leaf, first_registration, first_item;
@@ -155,22 +155,21 @@ struct PlaceLeaves {
     if (tiles_of(n) >= kManyRows)
       shared.long_leaf[atomic_add(shared.long_leaves, 1u)] = number;
     else
-      for (uint32_t row = 0; row < tiles_of(n); ++row) write_items(number, row, 0, 1, shared);
+      for (uint32_t row = 0; row < tiles_of(n); ++row) write_items(number, row, shared);
   }
   COLLIDED_HD void write_items_of_long_leaves(const Group& group, const Shared& shared) const {
-    // Lanes go along a row, warps take the rows in turn.
-    const uint32_t lanes = smaller(group.size, 32u), warps = group.size / lanes;
+    // Row by row through all of them, a row for each thread in turn.
+    uint32_t row = group.rank;
     for (uint32_t i = 0; i < shared.long_leaves; ++i) {
-      const uint32_t number = shared.long_leaf[i];
-      for (uint32_t row = group.rank / lanes; row < tiles_of(shared.members[number]); row += warps)
-        write_items(number, row, group.rank % lanes, lanes, shared);
+      const uint32_t number = shared.long_leaf[i], rows = tiles_of(shared.members[number]);
+      for (; row < rows; row += group.size) write_items(number, row, shared);
+      row -= rows;
     }
   }
-  COLLIDED_HD void write_items(uint32_t number, uint32_t row, uint32_t rank, uint32_t threads,
-                               const Shared& shared) const {
+  COLLIDED_HD void write_items(uint32_t number, uint32_t row, const Shared& shared) const {
     const uint64_t first = shared.first_item + shared.item[number];
     const uint32_t leaf = static_cast<uint32_t>(shared.first_leaf) + number;
-    for_each_item_of_row(leaf, shared.members[number], row, rank, threads, [&](uint64_t k, const PairItem& item) {
+    for_each_item_of_row(leaf, shared.members[number], row, [&](uint64_t k, const PairItem& item) {
       if (first + k < items.size()) items[first + k] = item;
     });
   }

@@ -19,7 +19,7 @@ void bench_levels(StageScene& s, benchmark::State& state) {
 
 void bench_count(StageScene& s, benchmark::State& state) {
   measure(
-      state, s.triangles(), [&] { s.state().large = 0; }, [&] { s.octree.count_overlapped_cells(s.plan); });
+      state, s.triangles(), [&] { s.state().large = 0; }, [&] { s.octree.count_overlapped_cells(); });
   const LevelGrid& grid = s.step.grid.grid;
   const uint32_t* counts = s.buffers.octree.counts.data();
   const uint64_t all =

@@ -105,7 +105,6 @@ void StageScene::run_step() {
     pipeline.detect_contacts({{0, triangles()}}, true, settings_of(spec, {}));
   }
   step = state();
-  plan.cost.per_registration = 4;  // the octree's
   plan.levels = step.grid.grid.base - step.grid.grid.top + 1;
   while (plan.rounds < kMaxRounds && step.bricks[plan.rounds] > 0) ++plan.rounds;
   hierarchy.reserve();

@@ -20,7 +20,7 @@ struct OneLeaf {
       : boxes(n, Box<float>{{0, 0, 0}, {1, 1, 1}}), registered(n), leaves{{{0, 0, 0}, 0, n, 0}} {
     std::iota(registered.rbegin(), registered.rend(), 0u);
     for (uint32_t row = 0; row < tiles_of(n); ++row)
-      for_each_item_of_row(0, n, row, 0, 1, [&](uint64_t place, const PairItem& item) {
+      for_each_item_of_row(0, n, row, [&](uint64_t place, const PairItem& item) {
         EXPECT_EQ(place, items.size());
         items.push_back(item);
       });
@@ -63,7 +63,7 @@ TEST(PairTests, ItemsOfALargeLeafAreCountedInClosedForm) {
   for (uint32_t n = 1; n < 30000; n += 1 + n / 7) {
     uint64_t items = 0, tiles = 0;
     for (uint32_t row = 0; row < tiles_of(n); ++row)
-      for_each_item_of_row(0, n, row, 0, 1, [&](uint64_t place, const PairItem& item) {
+      for_each_item_of_row(0, n, row, [&](uint64_t place, const PairItem& item) {
         ASSERT_EQ(place, items++) << n;
         tiles += std::min(tiles_of_item(n), tiles_of(n) - item.column);
       });
