@@ -4,6 +4,8 @@
 // they come, by a group at a time, in no particular order: no scan over all cells. A leaf of one triangle has nothing
 // to test and gets no place.
 
+#include <cstddef>
+
 #include "gpu/math/tiles.hpp"
 #include "gpu/octree/bottom_up.hpp"
 
@@ -31,6 +33,9 @@ struct PlaceLeaves {
   struct Shared {
     LeafTotals totals;
     uint64_t first_leaf, first_registration, first_item;
+    // Registrations by level, in halves of 16 bits: shared memory adds numbers of 32 bits at once, longer ones by
+    // trying.
+    uint32_t level_low[kMaxLevel + 2], level_high[kMaxLevel + 2];
     // Of the group alone. Numbers that do not fit 32 bits are more than any list takes, so that nothing is written.
     uint32_t leaves, registrations, items, long_leaves;
     uint32_t registration[kMostCells], item[kMostCells];  ///< of each leaf
@@ -72,7 +77,7 @@ struct PlaceLeaves {
   }
 
  private:
-  static constexpr uint32_t kTotals = sizeof(LeafTotals) / sizeof(uint64_t);
+  static constexpr uint32_t kSums = offsetof(LeafTotals, level_registrations) / sizeof(uint64_t);
   static constexpr uint32_t kCrowdedLeaf = 64;
   /// What one thread adds up.
   struct Sums {
@@ -81,7 +86,8 @@ struct PlaceLeaves {
 
   COLLIDED_HD static void clear(const Group& group, Shared& shared) {
     uint64_t* values = &shared.totals.cells;
-    for (uint32_t k = group.rank; k < kTotals; k += group.size) values[k] = 0;
+    for (uint32_t k = group.rank; k < kSums; k += group.size) values[k] = 0;
+    for (uint32_t k = group.rank; k < kMaxLevel + 2; k += group.size) shared.level_low[k] = shared.level_high[k] = 0;
     if (group.rank == 0) shared.leaves = shared.registrations = shared.items = shared.long_leaves = 0;
   }
 
@@ -106,7 +112,8 @@ struct PlaceLeaves {
     shared.registration[number] = atomic_add(shared.registrations, n);
     shared.item[number] = atomic_add(shared.items, static_cast<uint32_t>(item_count));
     const int booked = cell < kDenseCells ? level : kMaxLevel + 1;
-    atomic_add(shared.totals.level_registrations[booked], uint64_t{n});
+    atomic_add(shared.level_low[booked], n & 0xFFFFu);
+    atomic_add(shared.level_high[booked], n >> 16);
     tree.slot[cell] = number;
   }
 
@@ -123,7 +130,11 @@ struct PlaceLeaves {
   COLLIDED_HD void claim(const Group& group, Shared& shared) const {
     const uint64_t* values = &shared.totals.cells;
     uint64_t* sums = &totals->cells;
-    for (uint32_t k = group.rank; k < kTotals; k += group.size) {
+    for (uint32_t k = group.rank; k < kMaxLevel + 2; k += group.size) {
+      const uint64_t registrations = (uint64_t{shared.level_high[k]} << 16) + shared.level_low[k];
+      if (registrations != 0) atomic_add(totals->level_registrations[k], registrations);
+    }
+    for (uint32_t k = group.rank; k < kSums; k += group.size) {
       if (values[k] == 0) continue;
       const uint64_t before = atomic_add(sums[k], values[k]);
       if (k == 1) shared.first_leaf = before;
