@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "gpu/exec/host_device.hpp"
+#include "gpu/math/vec3.hpp"
 
 namespace collided {
 
