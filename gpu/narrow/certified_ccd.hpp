@@ -96,7 +96,8 @@ struct ApproachCcd {
   }
   COLLIDED_HD void step(State& state) const { state.features.look(1.0f); }
   COLLIDED_HD void finish(const State& state) const {
-    if (state.features.is_hit()) suspects.push(Suspect{state.key, Progress{state.features.time(), state.features.pace()}});
+    if (state.features.is_hit())
+      suspects.push(Suspect{state.key, Progress{state.features.time(), state.features.pace()}});
   }
 
  private:

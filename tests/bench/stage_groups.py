@@ -19,9 +19,12 @@ def without_kind(stage):
     return stage[:-3] if stage[-3:] in ("_vt", "_ee", "_tt") else stage
 
 
-def grouped(stage_ms):
-    """Time of each group, from that of each stage."""
+def grouped(stage_ms, kinds_beside=False):
+    """Time of each group, from that of each stage. kinds_beside: of the two narrow phases of features, which then run
+    at the same time, the longer one counts."""
     out = dict.fromkeys(GROUPS, 0.0)
     for stage, ms in stage_ms.items():
         out[GROUP_OF.get(without_kind(stage), "other")] += ms
+    if kinds_beside:
+        out["narrow phase"] -= min(stage_ms.get("narrow_vt", 0), stage_ms.get("narrow_ee", 0))
     return out
