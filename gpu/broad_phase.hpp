@@ -170,11 +170,12 @@ class BroadPhase {
   void register_triangles(const OctreePlan& plan) {
     OctreeBuffers<Exec>& octree = scene_.octree;
     const Registration registration{tree(plan), octree.cursor.all(), octree.registered.all()};
-    exec_.for_each_part("register_triangles", all_triangles(), RegisterTriangles{registration, {grid(), boxes()}});
+    exec_.for_each_part("register_triangles", all_triangles(),
+                        RegisterTriangles<CellsOfTriangles>{registration, {grid(), boxes()}});
     exec_.for_each_group("register_large", large(), RegisterLarge{registration, boxes(), large_list()});
     for (int round = 0; round < plan.rounds; ++round)
       exec_.for_each_part("register_in_bricks", brick_items(round),
-                          RegisterInBricks{registration, {registration.tree, boxes(), round}});
+                          RegisterTriangles<CellsInBricks>{registration, {registration.tree, boxes(), round}});
   }
 
   // 6.-7. Broad-phase tests, spread evenly; what they find goes to the sink.

@@ -41,10 +41,11 @@ struct ClearCounts {
 
 /// The cells of each triangle, but for triangles that cover many.
 struct CellsOfTriangles {
+  using Item = CoveredCells;
   const LevelGrid* grid;
   Span<const Box<float>> boxes;
 
-  COLLIDED_HD CoveredCells operator()(uint64_t i) const {
+  COLLIDED_HD Item operator()(uint64_t i) const {
     const LevelGrid g = *grid;
     return {static_cast<uint32_t>(i), g, g.deepest_range(boxes[i]), g.top};
   }

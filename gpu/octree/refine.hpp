@@ -115,11 +115,12 @@ struct ListLargeInFirstBricks {
 
 /// The cells of a round's bricks that their triangles cover.
 struct CellsInBricks {
+  using Item = CoveredInBrick;
   Tree tree;
   Span<const Box<float>> boxes;
   int round;
 
-  COLLIDED_HD CoveredInBrick operator()(uint64_t i) const {
+  COLLIDED_HD Item operator()(uint64_t i) const {
     const uint64_t place = tree.first_brick_item(round) + i;
     if (place >= tree.brick_items.size()) return {};
     const BrickItem item = tree.brick_items[place];

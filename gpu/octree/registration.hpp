@@ -18,11 +18,12 @@ struct Registration {
   COLLIDED_HD void put(uint32_t triangle, uint32_t leaf) const { registered[count_up(cursor, leaf)] = triangle; }
 };
 
-/// Into the leaves of the dense levels that a triangle's box overlaps.
+/// Into the leaves among the cells that triangles cover: those of the dense levels, or those of the bricks of a round.
+template <class Cells>
 struct RegisterTriangles {
-  using Item = CoveredCells;
+  using Item = typename Cells::Item;
   Registration registration;
-  CellsOfTriangles cells;
+  Cells cells;
 
   COLLIDED_HD Item item(uint64_t i) const { return cells(i); }
   COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return registration.leaf_of(item.cell(k)); }
@@ -43,17 +44,6 @@ struct RegisterLarge {
       if (leaf != kNoLeaf) registration.put(large[i], leaf);
     });
   }
-};
-
-/// Into the leaves of the bricks of one round.
-struct RegisterInBricks {
-  using Item = CoveredInBrick;
-  Registration registration;
-  CellsInBricks cells;
-
-  COLLIDED_HD Item item(uint64_t i) const { return cells(i); }
-  COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return registration.leaf_of(item.cell(k)); }
-  COLLIDED_HD void act(const Item& item, uint32_t leaf) const { registration.put(item.triangle, leaf); }
 };
 
 }  // namespace collided

@@ -170,11 +170,11 @@ class OctreeBuild {
     for (int round = 0; round < rounds_; ++round)
       exec_.for_each_group("place_bricks", bricks_of(round), PlaceBrickLeaves{place, round});
     const Registration registration{tree(), cursor.span(), registered.span()};
-    exec_.for_each_part("register", all_boxes(), RegisterTriangles{registration, {&grid, boxes_}});
+    exec_.for_each_part("register", all_boxes(), RegisterTriangles<CellsOfTriangles>{registration, {&grid, boxes_}});
     exec_.for_each_group("register_large", large_items(), RegisterLarge{registration, boxes_, large.span()});
     for (int round = 0; round < rounds_; ++round)
       exec_.for_each_part("register_in_bricks", items_of_bricks(round),
-                          RegisterInBricks{registration, {tree(), boxes_, round}});
+                          RegisterTriangles<CellsInBricks>{registration, {tree(), boxes_, round}});
   }
 
   CpuExec exec_{2, 0};
