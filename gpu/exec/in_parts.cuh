@@ -2,6 +2,8 @@
 // Items of many parts, on a GPU: the parts of some items are laid end to end and shared by the lanes of a warp, so that
 // neither a lane nor its warp waits for the item with most.
 
+#include <cstring>
+
 #include "gpu/exec/counted.hpp"
 #include "gpu/exec/warp.cuh"
 
@@ -22,18 +24,17 @@ __device__ unsigned item_of_part(uint32_t part, uint32_t end) {
   return item;
 }
 
+/// Another lane's value.
 template <class T>
 __device__ T shuffled(const T& value, unsigned lane) {
   static_assert(sizeof(T) % sizeof(uint32_t) == 0);
   constexpr int kWords = sizeof(T) / sizeof(uint32_t);
-  union Words {
-    T value;
-    uint32_t word[kWords];
-    __device__ Words() {}
-  } from, to;
-  from.value = value;
-  for (int k = 0; k < kWords; ++k) to.word[k] = __shfl_sync(kAllLanes, from.word[k], lane);
-  return to.value;
+  uint32_t word[kWords];
+  std::memcpy(word, &value, sizeof(T));
+  for (int k = 0; k < kWords; ++k) word[k] = __shfl_sync(kAllLanes, word[k], lane);
+  T out;
+  std::memcpy(&out, word, sizeof(T));
+  return out;
 }
 
 /// The parts of items [first, end), as many as a warp takes at once.

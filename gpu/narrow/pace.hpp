@@ -13,7 +13,7 @@ struct Pace {
   float share = 1.0f / 16;  ///< of the gap that is left: squared after each success, as the error of Newton's method is
   float bend = 0;           ///< at most 0: how much sooner than by its speed the gap closes, per square of time
   float limit = 1;          ///< longest step that is worth a try
-  float growth = 4;         ///< of the limit after a success; less once there was a failure, or the next one is near
+  float growth = 4;         ///< of the limit after a success; less once there was a failure
   float shrink = kShrink;   ///< of the limit after a failure; its square after the next
 
   /// A time after t at which the features should still be apart; 1 if they do not come closer, t if there is no room.

@@ -2,8 +2,8 @@
 // Section 3.1, first of the two stages: the optimal cut by dynamic programming from the base level up.
 // A cell becomes a leaf if it costs no more than the best of its children together; otherwise its entry is replaced by
 // their sum. On a tie the parent wins: fewer registrations for the same tests.
-// Deviation: a leaf costs its tests and a little for each registration, which takes time too; and a group works on
-// kBrickLevels levels at once, so that the whole of it takes a few launches.
+// Deviation: a registration may have a cost too (none, as measured), and a group works on kBrickLevels levels at once,
+// so that the whole of it takes a few launches.
 
 #include "gpu/octree/count.hpp"
 
