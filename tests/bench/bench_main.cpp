@@ -117,27 +117,22 @@ class Stages {
 };
 
 SceneReport run_scene(const BenchInput& input, const Options& o) {
-  const Case first = input.at(0, o.steps);
-  const auto detector = Detector::create(spec_for(first, o.spec));
+  const auto detector = Detector::create(spec_for(input.at(0, o.steps), o.spec));
   SceneReport report;
   report.name = input.name;
   report.triangles = detector->topology().triangles.size();
   report.steps = o.steps;
-  for (int i = 0; i < o.warm_up; ++i)  // buffers grow to the size of the hardest step
-    detector->detect(
-        Frame(i == 0 ? first : input.at(o.steps - 1, o.steps), o.spec.mode, o.spec.scalar, i == 0).input());
   Stages stages;
   std::vector<double> wall;
-  for (int step = 0; step < o.steps; ++step) {
-    const Frame frame(input.at(step, o.steps), o.spec.mode, o.spec.scalar, o.warm_up == 0 && step == 0);
+  play_steps(*detector, input, o.spec, o.steps, o.warm_up, [&](const auto& play) {
     const auto begin = std::chrono::steady_clock::now();
-    const FrameResult result = detector->detect(frame.input());
+    const FrameResult result = play();
     wall.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
     stages.add(result.stages);
     report.counts = result.counts;
     report.replays += result.replays;
     report.digest = report.digest * 31 + digest(result);
-  }
+  });
   report.stage_ms = stages.medians();
   report.total_ms = stages.total();
   report.wall_ms = median(wall);

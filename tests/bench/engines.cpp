@@ -12,15 +12,9 @@ constexpr std::pair<const char*, Count> kCounts[] = {
     {"tests", &FrameCounts::tests}, {"registrations", &FrameCounts::registrations}, {"pairs", &FrameCounts::pairs}};
 
 EngineRun run_engine(const BenchInput& input, const SceneSpec& spec, const std::string& name, int steps, int warm_up) {
-  const Case first = input.at(0, steps);
-  const auto detector = Detector::create(spec_for(first, spec));
+  const auto detector = Detector::create(spec_for(input.at(0, steps), spec));
   EngineRun run{input.name, name, detector->topology().triangles.size(), {}};
-  for (int i = 0; i < warm_up; ++i)
-    detector->detect(Frame(i == 0 ? first : input.at(steps - 1, steps), spec.mode, spec.scalar, i == 0).input());
-  for (int step = 0; step < steps; ++step) {
-    const Frame frame(input.at(step, steps), spec.mode, spec.scalar, warm_up == 0 && step == 0);
-    run.steps.push_back(detector->detect(frame.input()).counts);
-  }
+  play_steps(*detector, input, spec, steps, warm_up, [&](const auto& play) { run.steps.push_back(play().counts); });
   return run;
 }
 

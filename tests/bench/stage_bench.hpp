@@ -30,7 +30,7 @@ void measure(benchmark::State& state, uint64_t items, const Prepare& prepare, co
   state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(items));
 }
 
-const auto kNothing = [] {};
+const auto kNoPreparation = [] {};
 
 /// A benchmark that measures `body(state)`.
 template <class Body>

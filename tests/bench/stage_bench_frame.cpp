@@ -11,7 +11,7 @@ void bench_check(const StageScene& s, benchmark::State& state) {
   const FrameInput input = s.frame.input();
   uint64_t bytes = 0;
   for (const MeshPositions& update : input.updates) bytes += update.start.size() + update.end.size();
-  measure(state, bytes / sizeof(float), kNothing, [&] { check_frame(s.spec, input, true); });
+  measure(state, bytes / sizeof(float), kNoPreparation, [&] { check_frame(s.spec, input, true); });
   state.SetBytesProcessed(state.iterations() * static_cast<int64_t>(bytes));
 }
 

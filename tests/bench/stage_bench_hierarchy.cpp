@@ -9,7 +9,7 @@ namespace {
 void make_keys(StageScene& s) { s.exec.for_each("morton_keys", s.triangles(), morton_keys(s)); }
 
 void bench_keys(StageScene& s, benchmark::State& state) {
-  measure(state, s.triangles(), kNothing, [&] { make_keys(s); });
+  measure(state, s.triangles(), kNoPreparation, [&] { make_keys(s); });
 }
 
 void bench_sort(StageScene& s, benchmark::State& state) {

@@ -10,11 +10,11 @@ namespace collided::test {
 namespace {
 
 void bench_boxes(StageScene& s, benchmark::State& state) {
-  measure(state, s.triangles(), kNothing, [&] { s.octree.box_triangles({{0, s.triangles()}}); });
+  measure(state, s.triangles(), kNoPreparation, [&] { s.octree.box_triangles({{0, s.triangles()}}); });
 }
 
 void bench_levels(StageScene& s, benchmark::State& state) {
-  measure(state, s.triangles(), kNothing, [&] { s.octree.choose_levels(); });
+  measure(state, s.triangles(), kNoPreparation, [&] { s.octree.choose_levels(); });
 }
 
 void bench_count(StageScene& s, benchmark::State& state) {
@@ -38,7 +38,7 @@ void bench_refine(StageScene& s, benchmark::State& state) {
 void bench_cut(StageScene& s, benchmark::State& state) {
   const LevelGrid& grid = s.step.grid.grid;
   const uint64_t cells = level_offset(grid.base + 1) - level_offset(grid.top);
-  measure(state, cells, kNothing, [&] { s.octree.cut(s.plan); });
+  measure(state, cells, kNoPreparation, [&] { s.octree.cut(s.plan); });
 }
 
 void clear_leaves(StageScene& s) { s.state().leaves = {}; }
