@@ -118,9 +118,9 @@ class BroadPhase {
   void count_overlapped_cells() {
     const Span<uint32_t> counts = scene_.octree.counts.all();
     exec_.for_each_group("clear_counts", cell_groups(), ClearCounts{grid(), counts});
-    exec_.for_each_part("count_overlapped_cells", all_triangles(), CountOverlappedCells{{grid(), boxes()}, counts});
-    exec_.for_each("list_large", triangle_count(),
-                   ListLarge{grid(), boxes(), {scene_.octree.large.all(), &scene_.state.data()->large}});
+    exec_.for_each_part(
+        "count_overlapped_cells", all_triangles(),
+        CountOverlappedCells{{grid(), boxes()}, counts, {scene_.octree.large.all(), &scene_.state.data()->large}});
     exec_.for_each_group("count_cells_of_large", large(), CountCellsOfLarge{grid(), boxes(), counts, large_list()});
   }
 
@@ -128,19 +128,17 @@ class BroadPhase {
     const Tree all = tree(plan);
     for (int round = 0; round < plan.rounds; ++round) {
       const ListInBricks list{all, round};
-      if (round == 0)
-        exec_.for_each("open_first_bricks", base_cells(), OpenFirstBricks{all});
-      else
-        exec_.for_each_group("open_bricks", bricks(round - 1), OpenBricks{all, round});
-      exec_.for_each_group("clear_bricks", bricks(round), ClearBricks{all, round});
       if (round == 0) {
+        exec_.for_each("open_first_bricks", base_cells(), OpenFirstBricks{all});
         exec_.for_each_part("list_in_first_bricks", all_triangles(), ListInFirstBricks{list, boxes()});
         exec_.for_each_group("list_large_in_first_bricks", large(),
                              ListLargeInFirstBricks{list, boxes(), large_list()});
       } else {
+        exec_.for_each_group("open_bricks", bricks(round - 1), OpenBricks{all, round});
         exec_.for_each_part("list_in_next_bricks", brick_items(round - 1),
                             ListInNextBricks{list, {all, boxes(), round - 1}});
       }
+      exec_.for_each_group("clear_bricks", bricks(round), ClearBricks{all, round});
       exec_.for_each_part("count_in_bricks", brick_items(round), CountInBricks{{all, boxes(), round}});
     }
   }

@@ -5,6 +5,7 @@
 // vertex are not skipped: their other features may touch. Features that share a vertex are no pair.
 
 #include "gpu/broad/boxes.hpp"
+#include "gpu/math/elementary_numbers.hpp"
 #include "gpu/math/points.hpp"
 
 namespace collided {
@@ -12,10 +13,6 @@ namespace collided {
 COLLIDED_HD inline uint64_t pack_ids(uint32_t first, uint32_t second) { return uint64_t{first} << 32 | second; }
 COLLIDED_HD inline uint32_t first_id(uint64_t key) { return static_cast<uint32_t>(key >> 32); }
 COLLIDED_HD inline uint32_t second_id(uint64_t key) { return static_cast<uint32_t>(key); }
-
-/// Which features of two triangles a and b a candidate takes, by number: 0-2: corner of a, triangle b; 3-5: corner of
-/// b, triangle a; 6 + 4k + m: edge k of a, edge m of b.
-constexpr int kFirstEdgeEdge = 6;
 
 /// A candidate's key and its points, in the order of Stencil.
 template <class Real>
@@ -31,14 +28,14 @@ struct ElementaryTests {
   Real inflation;             ///< half the thickness
   bool vertex_triangle, edge_edge;
 
-  /// One bit for each test that is this pair's to make.
+  /// One bit for each test (math/elementary_numbers.hpp) that is this pair's to make.
   COLLIDED_HD uint32_t tests_of(uint32_t a, uint32_t b) const {
     const uint32_t p = owned[a], q = owned[b];
     uint32_t tests = 0;
     if (vertex_triangle) tests = (p & 7u) | (q & 7u) << 3;
     if (edge_edge) {
       const uint32_t edges = q >> 3;
-      tests |= ((p >> 3 & 1u) * edges | (p >> 4 & 1u) * edges << 4 | (p >> 5 & 1u) * edges << 8) << kFirstEdgeEdge;
+      for (int k = 0; k < 3; ++k) tests |= (p >> (3 + k) & 1u) * edges << edge_edge_test(k, 0);
     }
     return tests;
   }
@@ -70,7 +67,7 @@ struct ElementaryTests {
     return overlap_inflated(v.swept(), join(e.swept(), f.swept()));
   }
   COLLIDED_HD bool edge_edge_overlap(uint32_t a, uint32_t b, int test) const {
-    const EdgeRecord<Real> e = records[a].edge[first_edge(test)], f = records[b].edge[second_edge(test)];
+    const EdgeRecord<Real> e = records[a].edge[first_edge_of(test)], f = records[b].edge[second_edge_of(test)];
     if (e.from == f.from || e.from == f.to || e.to == f.from || e.to == f.to) return false;
     return overlap_inflated(e.swept(), f.swept());
   }
@@ -94,13 +91,11 @@ struct ElementaryTests {
   COLLIDED_HD CornerRecord<Real> vertex_corner(uint32_t a, uint32_t b, int test) const {
     return records[test < 3 ? a : b].corner[test < 3 ? test : test - 3];
   }
-  COLLIDED_HD static int first_edge(int test) { return (test - kFirstEdgeEdge) >> 2; }
-  COLLIDED_HD static int second_edge(int test) { return (test - kFirstEdgeEdge) & 3; }
   COLLIDED_HD static int next(int k) { return k == 2 ? 0 : k + 1; }
   struct EdgeCorners {
     CornerRecord<Real> a0, a1, b0, b1;
     COLLIDED_HD EdgeCorners(const ElementaryTests& scene, uint32_t a, uint32_t b, int test) {
-      const int k = first_edge(test), m = second_edge(test);
+      const int k = first_edge_of(test), m = second_edge_of(test);
       const TriangleRecord<Real>&p = scene.records[a], &q = scene.records[b];
       a0 = p.corner[k], a1 = p.corner[next(k)], b0 = q.corner[m], b1 = q.corner[next(m)];
     }

@@ -19,6 +19,7 @@
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/counted.hpp"
+#include "gpu/exec/in_steps.hpp"
 #include "gpu/exec/key_order.hpp"
 #include "gpu/exec/memory_ledger.hpp"
 #include "gpu/exec/pair_search.hpp"
@@ -94,13 +95,7 @@ class CpuExec {
   /// begin() leaves the state as it was.
   template <class F>
   void for_each_in_steps(const char* name, const Counted& n, uint64_t*, const F& f) {
-    for_each(name, n.size(), [&](uint64_t i) {
-      typename F::State state;
-      f.begin(i, state);
-      if (state.is_over()) return;
-      while (!state.is_over()) f.step(state);
-      f.finish(state);
-    });
+    for_each(name, n.size(), [&](uint64_t i) { do_in_steps(f, i); });
   }
 
   /// The pairs of a source's items, handed to a sink (pair_search.hpp).
@@ -245,12 +240,8 @@ class CpuExec {
     using Features = typename Taker<Sink>::Features;
     features_.ensure(triangles * sizeof(Features));
     Features* features = reinterpret_cast<Features*>(features_.data());
-    for_each("prepare_features", triangles, [&](uint64_t i) {
-      const uint32_t t = static_cast<uint32_t>(i);
-      const auto& tests = sink.tests;
-      new (&features[i]) Features({tests.corner_box(t, 0), tests.corner_box(t, 1), tests.corner_box(t, 2)},
-                                  tests.vertices_of(t), tests.edges_of(t), tests.tested_of(t));
-    });
+    for_each("prepare_features", triangles,
+             [&](uint64_t i) { new (&features[i]) Features(feature_boxes_of(sink.tests, static_cast<uint32_t>(i))); });
     return features;
   }
 

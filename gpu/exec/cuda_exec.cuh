@@ -235,8 +235,8 @@ class CudaExec {
     if (bytes != 0 && !reserving_) check_cuda(cudaMemsetAsync(memory, 0, bytes, stream_), "fill_zero");
   }
 
-  /// Two things that do not depend on each other, within a step: the second goes on beside the first. Neither may use
-  /// reduce_into or exclusive_scan, whose scratch memory is shared.
+  /// Two things that do not depend on each other, within a step: the second goes on beside the first. The second may
+  /// not use reduce_into, exclusive_scan or sort_pairs, whose scratch memory is one.
   template <class F, class G>
   void beside(const F& f, const G& g) {
     if (!graphs_.is_recording()) {

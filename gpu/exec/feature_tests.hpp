@@ -3,6 +3,7 @@
 // one feature meets all of another triangle's at once.
 
 #include "gpu/exec/lanes.hpp"
+#include "gpu/math/elementary_numbers.hpp"
 
 namespace collided {
 
@@ -26,9 +27,7 @@ struct FeatureBoxes {
   }
 };
 
-constexpr int kFirstEdgeTest = 6;
-
-/// A triangle that is tested against several others. Tests have the numbers of broad/elementary.hpp.
+/// A triangle that is tested against several others. Tests have the numbers of math/elementary_numbers.hpp.
 template <class Real>
 class FeatureRow {
  public:
@@ -36,7 +35,7 @@ class FeatureRow {
     for (int k = 0; k < 3; ++k) {
       fill_lanes<uint32_t>(vertex_[k], a.vertex[k]);
       if ((a.owned >> k & 1u) != 0) corner_[corners_++] = {a.corners.spread(k), k};
-      if ((a.owned >> (3 + k) & 1u) != 0) edge_[edges_++] = {a.edges.spread(k), kFirstEdgeTest + 4 * k};
+      if ((a.owned >> (3 + k) & 1u) != 0) edge_[edges_++] = {a.edges.spread(k), edge_edge_test(k, 0)};
     }
   }
 
@@ -58,7 +57,7 @@ class FeatureRow {
     for (int k = 0; k < 3; ++k) {
       if (same[k] != 0) tests |= 1u << k;
       const uint32_t ends = same[k] | same[k < 2 ? k + 1 : 0];
-      tests |= (ends | ends >> 1 | (ends << 2 & 4u)) << (kFirstEdgeTest + 4 * k);
+      tests |= (ends | ends >> 1 | (ends << 2 & 4u)) << (edge_edge_test(k, 0));
     }
     return tests;
   }
@@ -73,14 +72,13 @@ class FeatureRow {
   int corners_ = 0, edges_ = 0;
 };
 
-/// The number of a test if its triangles change places.
-inline int test_of_swapped(int test) {
-  if (test < kFirstEdgeTest) return test < 3 ? test + 3 : test - 3;
-  const int pair = test - kFirstEdgeTest;
-  return kFirstEdgeTest + (pair & 3) * 4 + (pair >> 2);
+/// Those of a triangle, from what its tests know (broad/elementary.hpp).
+template <class Real, template <class> class Tests>
+FeatureBoxes<Real> feature_boxes_of(const Tests<Real>& tests, uint32_t triangle) {
+  return {{tests.corner_box(triangle, 0), tests.corner_box(triangle, 1), tests.corner_box(triangle, 2)},
+          tests.vertices_of(triangle),
+          tests.edges_of(triangle),
+          tests.tested_of(triangle)};
 }
-/// Which edges of the two triangles a test of edges takes.
-inline int first_edge_of(int test) { return (test - kFirstEdgeTest) >> 2; }
-inline int second_edge_of(int test) { return (test - kFirstEdgeTest) & 3; }
 
 }  // namespace collided

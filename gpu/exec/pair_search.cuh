@@ -6,6 +6,7 @@
 
 #include "gpu/exec/counted.hpp"
 #include "gpu/exec/pair_queues.cuh"
+#include "gpu/exec/warp_items.cuh"
 #include "gpu/math/box.hpp"
 #include "gpu/math/tiles.hpp"
 
@@ -86,7 +87,7 @@ class WarpSearch {
   PairQueues<Sink> pairs_;
 };
 
-/// `next` is the next item that no warp has taken yet.
+/// `next` as in take_items.
 template <class Source, class Sink>
 __global__ void __launch_bounds__(kSearchBlock)
     pair_search_kernel(Counted items, uint64_t* next, Source source, Sink sink) {
@@ -99,10 +100,7 @@ __global__ void __launch_bounds__(kSearchBlock)
   const uint64_t n = whole * shares;
   const uint64_t chunk = min(uint64_t{32}, max(uint64_t{1}, n / (8 * warps)));
   for (;;) {
-    uint64_t first = 0;
-    if (lane_id() == 0)
-      first = atomicAdd(reinterpret_cast<unsigned long long*>(next), static_cast<unsigned long long>(chunk));
-    first = __shfl_sync(kAllLanes, first, 0);
+    const uint64_t first = take_items(next, chunk);
     if (first >= n || __any_sync(kAllLanes, sink.is_over())) break;
     const uint64_t end = min(n, first + chunk);
     for (uint64_t i = first; i < end; ++i) warp.search(i / shares, static_cast<uint32_t>(i % shares), shares);

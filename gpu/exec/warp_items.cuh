@@ -5,10 +5,17 @@
 
 namespace collided {
 
+/// Takes `chunk` items for the warp; returns the first of them. `next`: the next item that no warp has taken yet.
+__device__ inline uint64_t take_items(uint64_t* next, uint64_t chunk) {
+  unsigned long long first = 0;
+  if (lane_id() == 0) first = atomicAdd(reinterpret_cast<unsigned long long*>(next), chunk);
+  return __shfl_sync(kAllLanes, first, 0);
+}
+
 /// Items that a warp has taken for its lanes.
 class WarpItems {
  public:
-  /// `next`: the next item that no warp has taken yet.
+  /// `next` as in take_items.
   __device__ WarpItems(uint64_t count, uint64_t* next) : count_(count), next_(next) {
     const uint64_t warps = static_cast<uint64_t>(gridDim.x) * blockDim.x / 32;
     // Few items are spread thinly: lanes that go different ways wait for each other.
@@ -32,10 +39,7 @@ class WarpItems {
 
  private:
   __device__ void fetch(bool stop) {
-    uint64_t first = 0;
-    if (lane_id() == 0)
-      first = atomicAdd(reinterpret_cast<unsigned long long*>(next_), static_cast<unsigned long long>(chunk_));
-    first = __shfl_sync(kAllLanes, first, 0);
+    const uint64_t first = take_items(next_, chunk_);
     over_ = first >= count_ || __any_sync(kAllLanes, stop);
     first_ = over_ ? 0 : first;
     end_ = over_ ? 0 : min(count_, first + chunk_);

@@ -51,6 +51,15 @@ struct CcdQueries {
   }
 };
 
+/// One query on its way (for_each_in_steps).
+template <class Work, class Kind>
+struct CcdState {
+  AdvancementOf<Work, Kind> features;
+  uint64_t key;
+
+  COLLIDED_HD bool is_over() const { return features.is_over(); }
+};
+
 /// Keeps the candidates that no fixed direction at hand keeps apart over the whole step: a cheap filter in float, for
 /// most that pass each other do so sideways. The direction is that of the closest points halfway.
 template <class Real, class Kind>
@@ -75,16 +84,10 @@ struct ScreenCcd {
 /// has only the rest to do.
 template <class Real, class Kind>
 struct ApproachCcd {
-  using Candidate = uint64_t;
-  CcdQueries<Real, Kind, Candidate> queries;
+  using State = CcdState<float, Kind>;
+  CcdQueries<Real, Kind, uint64_t> queries;
   AppendList<Suspect> suspects;
 
-  struct State {
-    AdvancementOf<float, Kind> features;
-    uint64_t key;
-
-    COLLIDED_HD bool is_over() const { return features.is_over(); }
-  };
   COLLIDED_HD void begin(uint64_t i, State& state) const {
     state.key = queries.key(i);
     DifferencesOf<float, Kind>& d = state.features.d;
@@ -107,15 +110,10 @@ struct ApproachCcd {
 /// Advances to the end, and reports contacts.
 template <class Work, class Real, class Kind, class Candidate>
 struct AdvanceCcd {
+  using State = CcdState<Work, Kind>;
   CcdQueries<Real, Kind, Candidate> queries;
   ContactSink<Real> contacts;
 
-  struct State {
-    AdvancementOf<Work, Kind> features;
-    uint64_t key;
-
-    COLLIDED_HD bool is_over() const { return features.is_over(); }
-  };
   COLLIDED_HD void begin(uint64_t i, State& state) const {
     if (contacts.hurry.is_over()) return;
     state.key = queries.key(i);

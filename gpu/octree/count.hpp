@@ -7,9 +7,6 @@
 
 namespace collided {
 
-/// Triangles that cover more base cells than this are left to groups of threads.
-constexpr uint64_t kManyCells = CoveredCells::kMostBase;
-
 /// Cells that a group works on at once, where all active dense cells have their turn.
 constexpr uint32_t kCellsOfGroup = 256;
 
@@ -39,7 +36,7 @@ struct ClearCounts {
   }
 };
 
-/// The cells of each triangle, but for triangles that cover many.
+/// The cells of each triangle; none of a triangle that covers many.
 struct CellsOfTriangles {
   using Item = CoveredCells;
   const LevelGrid* grid;
@@ -55,21 +52,15 @@ struct CountOverlappedCells {
   using Item = CoveredCells;
   CellsOfTriangles cells;
   Span<uint32_t> counts;
+  AppendList<uint32_t> large;  ///< triangles that cover many base cells
 
-  COLLIDED_HD Item item(uint64_t i) const { return cells(i); }
+  COLLIDED_HD Item item(uint64_t i) const {
+    const Item item = cells(i);
+    if (item.parts == 0) large.push(item.triangle);
+    return item;
+  }
   COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return item.cell(k); }
   COLLIDED_HD void act(const Item&, uint32_t cell) const { count_in(counts, cell); }
-};
-
-/// Lists the triangles that cover many base cells.
-struct ListLarge {
-  const LevelGrid* grid;
-  Span<const Box<float>> boxes;
-  AppendList<uint32_t> large;
-
-  COLLIDED_HD void operator()(uint64_t i) const {
-    if (grid->range(grid->base, boxes[i]).size() > kManyCells) large.push(static_cast<uint32_t>(i));
-  }
 };
 
 struct CountCellsOfLarge {

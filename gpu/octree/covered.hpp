@@ -23,9 +23,9 @@ COLLIDED_HD inline Coords nth_cell(uint32_t k, const Coords& lo, uint32_t width,
 /// The cells of all active dense levels that a triangle covers: those of the base level first, then level by level
 /// upwards.
 struct CoveredCells {
-  static constexpr uint32_t kMostBase = 48;  ///< base cells; a triangle with more is not for one warp
+  static constexpr uint32_t kMostBase = 48;  ///< base cells; triangles with more are left to groups of threads
   static constexpr uint32_t kMostParts = 2 * kMostBase + kMaxLevel;
-  uint32_t parts = 0;  ///< cells
+  uint32_t parts = 0;  ///< cells; 0: too many base cells
   uint32_t triangle = 0;
 
   CoveredCells() = default;

@@ -76,10 +76,7 @@ template <class Sink>
 std::vector<FeatureBoxes<float>> feature_boxes(const StageScene& s, const Sink& sink) {
   std::vector<FeatureBoxes<float>> out;
   out.reserve(s.triangles());
-  const auto& tests = sink.tests;
-  for (uint32_t t = 0; t < s.triangles(); ++t)
-    out.push_back(FeatureBoxes<float>({tests.corner_box(t, 0), tests.corner_box(t, 1), tests.corner_box(t, 2)},
-                                      tests.vertices_of(t), tests.edges_of(t), tests.tested_of(t)));
+  for (uint32_t t = 0; t < s.triangles(); ++t) out.push_back(feature_boxes_of(sink.tests, t));
   return out;
 }
 /// Hands the step's pairs to a sink, in the order that the search finds them in.
@@ -191,15 +188,10 @@ CertifyProximity<Work, float, Kind> certify_proximity(const StageScene& s, const
 template <class F>
 void run_all(uint64_t n, const F& f) {
   for (uint64_t i = 0; i < n; ++i) {
-    if constexpr (requires { typename F::State; }) {
-      typename F::State state;
-      f.begin(i, state);
-      if (state.is_over()) continue;
-      while (!state.is_over()) f.step(state);
-      f.finish(state);
-    } else {
+    if constexpr (requires { typename F::State; })
+      do_in_steps(f, i);
+    else
       f(i);
-    }
   }
 }
 

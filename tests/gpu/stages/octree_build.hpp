@@ -143,24 +143,22 @@ class OctreeBuild {
   void count() {
     const Counted groups{&cell_groups_, cell_groups_};
     exec_.for_each_group("clear", groups, ClearCounts{&grid, counts.span()});
-    exec_.for_each_part("count", all_boxes(), CountOverlappedCells{{&grid, boxes_}, counts.span()});
-    exec_.for_each("list_large", boxes_.size(), ListLarge{&grid, boxes_, {large.span(), &large_count}});
+    exec_.for_each_part("count", all_boxes(),
+                        CountOverlappedCells{{&grid, boxes_}, counts.span(), {large.span(), &large_count}});
     exec_.for_each_group("count_large", large_items(), CountCellsOfLarge{&grid, boxes_, counts.span(), large.span()});
   }
   void refine() {
     for (int round = 0; round < rounds_; ++round) {
       const ListInBricks list{tree(), round};
-      if (round == 0)
-        exec_.for_each("open_first", uint64_t{1} << (3 * grid.base), OpenFirstBricks{tree()});
-      else
-        exec_.for_each_group("open", bricks_of(round - 1), OpenBricks{tree(), round});
-      exec_.for_each_group("clear", bricks_of(round), ClearBricks{tree(), round});
       if (round == 0) {
+        exec_.for_each("open_first", uint64_t{1} << (3 * grid.base), OpenFirstBricks{tree()});
         exec_.for_each_part("list", all_boxes(), ListInFirstBricks{list, boxes_});
         exec_.for_each_group("list_large", large_items(), ListLargeInFirstBricks{list, boxes_, large.span()});
       } else {
+        exec_.for_each_group("open", bricks_of(round - 1), OpenBricks{tree(), round});
         exec_.for_each_part("list", items_of_bricks(round - 1), ListInNextBricks{list, {tree(), boxes_, round - 1}});
       }
+      exec_.for_each_group("clear", bricks_of(round), ClearBricks{tree(), round});
       exec_.for_each_part("count", items_of_bricks(round), CountInBricks{{tree(), boxes_, round}});
     }
   }
