@@ -1,6 +1,8 @@
 #pragma once
 // Three-vectors of float or double, packed.
 
+#include <cmath>
+
 #include "gpu/exec/host_device.hpp"
 
 namespace collided {
@@ -51,7 +53,7 @@ COLLIDED_HD T larger(T a, T b) {
 }
 template <class T>
 COLLIDED_HD T magnitude(T a) {
-  return a < 0 ? -a : a;
+  return std::fabs(a);  // costs nothing where it is an operand of a sum or a product
 }
 template <class Real>
 COLLIDED_HD Real largest_component(const Vec3<Real>& a) {

@@ -23,42 +23,43 @@ struct Progress {
   Pace pace;
 };
 
-/// How the features face each other at one time.
+/// How the features face each other at one time: nearly, for it is only a guess at good directions.
 template <class Work, int N>
 struct Facing {
-  Direction<Work> closest;  ///< between the closest points
-  Direction<Work> normal;   ///< of the triangle, or of both edges
-  Work gap, speed;          ///< between the closest points, and how fast it grows
+  Vec3<Work> closest;  ///< between the closest points
+  Vec3<Work> normal;   ///< of the triangle, or of both edges, to the first feature's side
+  bool inside;         ///< the closest points are inside the features, so that both are the same direction
+  Work gap, speed;     ///< between the closest points, and how fast it grows
 
   COLLIDED_HD Facing(const Differences<Work, N>& d, Work t) {
     Vec3<Work> x[N];
     differences_at(d, t, x);
-    const auto [points, vector, length] = gap_between(x);
-    closest = direction_of(vector);
-    gap = length;
+    normal = common_normal(x);
+    const Weights<Work> points = nearly_closest_points(x, normal);
+    if (dot(normal, x[0]) < 0) normal = Work(-1) * normal;
+    inside = points.inside;
+    closest = between_points(x, points.w0, points.w1);
+    gap = std::sqrt(dot(closest, closest));
     const Vec3<Work> velocity =
         between_points(d.end, points.w0, points.w1) - between_points(d.start, points.w0, points.w1);
-    speed = closest.length > 0 ? dot(closest.n, velocity) / closest.length : Work(0);
-    normal = direction_of(common_normal(x));
-    Work side = 0;
-    for (int k = 0; k < N; ++k) side = side + dot(normal.n, x[k]);
-    if (side < 0) normal.n = Work(-1) * normal.n;
+    speed = gap > 0 ? dot(closest, velocity) / gap : Work(0);
   }
+  /// Inside, the normal is the more precise one where the gap is small.
+  COLLIDED_HD Direction<Work> best() const { return direction_of(inside ? normal : closest); }
+  COLLIDED_HD Direction<Work> other() const { return direction_of(inside ? closest : normal); }
 };
 
-/// The features at one time, and how far the directions at hand keep them apart.
+/// The features at one time, and how far a direction keeps them apart: the best one at hand, unless only the other does.
 template <class Work, int N>
 struct View {
   Work gap, speed;  ///< as in Facing
-  Along<Work, N> closest, normal;
+  Along<Work, N> directed;
 
   COLLIDED_HD static View at(const Differences<Work, N>& d, Work t, Work thickness) {
     const Facing<Work, N> facing(d, t);
-    return {facing.gap, facing.speed, along(d, facing.closest, thickness), along(d, facing.normal, thickness)};
-  }
-  /// Whether a direction that turns from what it is here, at t, to what it is there, at h, keeps the features apart.
-  COLLIDED_HD bool is_apart_until(const View& then, Work t, Work h) const {
-    return apart_while_turning(normal, then.normal, t, h) || apart_while_turning(closest, then.closest, t, h);
+    View view{facing.gap, facing.speed, along(d, facing.best(), thickness, t)};
+    if (!view.directed.is_apart()) view.directed = along(d, facing.other(), thickness, t);
+    return view;
   }
 };
 
@@ -102,7 +103,7 @@ class Advancement {
   COLLIDED_HD Outcome arrive(const View<Work, N>& then) {
     const Work step = next_ - t_;
     if (turns_) {
-      if (!now_.is_apart_until(then, t_, next_)) {
+      if (!apart_while_turning(now_.directed, then.directed, t_, next_)) {
         pace_.fail(step);
         return Outcome::kOpen;
       }
@@ -116,9 +117,7 @@ class Advancement {
 
   COLLIDED_HD Outcome choose_next(Work last) {
     if (t_ > last) return Outcome::kApart;
-    const Reach<Work> by_closest = now_.closest.reach(t_), by_normal = now_.normal.reach(t_);
-    const Reach<Work> reach{larger(by_closest.until, by_normal.until),
-                            larger(by_closest.separation, by_normal.separation)};
+    const Reach<Work> reach = now_.directed.reach();
     if (reach.until > 1) return Outcome::kApart;
     if (!(reach.until > t_) || !(reach.separation > tolerance_.delta)) return Outcome::kContact;
     if (reach.until > last) return Outcome::kApart;

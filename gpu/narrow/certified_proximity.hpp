@@ -9,9 +9,7 @@ namespace collided {
 /// Whether the features are certain to be farther apart than the thickness; false says nothing.
 template <class Work, int N>
 COLLIDED_HD bool are_apart(const Differences<Work, N>& d, Work thickness) {
-  const Facing<Work, N> now(d, Work(0));
-  return reach_along(d, now.closest, Work(0), thickness).until > 0 ||
-         reach_along(d, now.normal, Work(0), thickness).until > 0;
+  return View<Work, N>::at(d, Work(0), thickness).directed.is_apart();
 }
 
 /// Keeps the candidates that float cannot tell apart.

@@ -76,59 +76,59 @@ COLLIDED_HD bool apart_all_along(const Differences<Work, N>& d, const Direction<
   return apart;
 }
 
-/// Lower bounds, for each difference, of how far a direction keeps it from the thickness, at t = 0 and at t = 1.
+/// Lower bounds, for each difference, of how far a direction keeps it from the thickness, at t = 0 and at t = 1, and
+/// the least of them at the time that the direction was made for.
 template <class Work, int N>
 struct Along {
   Work length;  ///< of the direction
+  Work least;   ///< above 0: apart at its time; never so without a direction, nor where a thickness is not a number
   Work start[N], end[N];
 
-  COLLIDED_HD Reach<Work> reach(Work t) const {
+  COLLIDED_HD bool is_apart() const { return least > 0; }
+  /// From its own time on.
+  COLLIDED_HD Reach<Work> reach() const {
     constexpr Work u = Precision<Work>::kUnit;
-    if (length == 0) return {Work(-1), Work(0)};
-    Reach<Work> reach{Reach<Work>::kBeyond, Reach<Work>::kBeyond};
-    bool apart = true;  // whatever is not a number, where a thickness is beyond the working type, is not apart
+    if (!is_apart()) return {Work(-1), Work(0)};
+    Work until = Reach<Work>::kBeyond;
     for (int k = 0; k < N; ++k) {
-      const Work now = lower_bound_at(start[k], end[k], t);
-      apart = apart & (now > 0);
-      reach.separation = smaller(reach.separation, now);
       if (end[k] > 0) continue;
       const Work root = start[k] / (start[k] - end[k]);
-      reach.until = smaller(reach.until, root - 8 * u * root);
+      until = smaller(until, root - 8 * u * root);
     }
-    if (!apart) return {Work(-1), Work(0)};
-    return {reach.until, reach.separation / length};
+    return {until, least / length};
   }
 };
 
+/// `t`: the time that the direction was made for.
 template <class Work, int N>
-COLLIDED_HD Along<Work, N> along(const Differences<Work, N>& d, const Direction<Work>& direction, Work thickness) {
+COLLIDED_HD Along<Work, N> along(const Differences<Work, N>& d, const Direction<Work>& direction, Work thickness,
+                                 Work t) {
   Along<Work, N> out;
   out.length = direction.length;
   const Work offset = offset_along(direction, thickness);
+  bool apart = direction.length > 0;
+  out.least = Reach<Work>::kBeyond;
   for (int k = 0; k < N; ++k) {
     out.start[k] = lower_bound_along(direction.n, d.start[k], offset);
     out.end[k] = lower_bound_along(direction.n, d.end[k], offset);
+    const Work now = lower_bound_at(out.start[k], out.end[k], t);
+    apart = apart & (now > 0);
+    out.least = smaller(out.least, now);
   }
+  if (!apart) out.least = -1;
   return out;
 }
 
-template <class Work, int N>
-COLLIDED_HD Reach<Work> reach_along(const Differences<Work, N>& d, const Direction<Work>& direction, Work t,
-                                    Work thickness) {
-  return along(d, direction, thickness).reach(t);
-}
-
-/// Whether a direction that turns keeps the features apart on [t, h]: from `from` at t to `to` at h, linearly.
-/// With s = (time - t) / (h - t) and n = (1 - s) from + s to, n . D - thickness |n| is at least
+/// Whether a direction that turns keeps the features apart on [t, h]: from `from`, made for t, to `to`, made for h,
+/// linearly. With s = (time - t) / (h - t) and n = (1 - s) from + s to, n . D - thickness |n| is at least
 /// (1 - s) (from . D - thickness |from|) + s (to . D - thickness |to|), a quadratic in s: its Bernstein coefficients
 /// are above 0 if its lower bounds below are.
 template <class Work, int N>
 COLLIDED_HD bool apart_while_turning(const Along<Work, N>& from, const Along<Work, N>& to, Work t, Work h) {
-  bool apart = from.length > 0 && to.length > 0;
+  bool apart = from.is_apart() & to.is_apart();
   for (int k = 0; k < N; ++k) {
     const Work middle = lower_bound_at(from.start[k], from.end[k], h) + lower_bound_at(to.start[k], to.end[k], t);
-    apart = apart & (lower_bound_at(from.start[k], from.end[k], t) > 0) & (middle > 0) &
-            (lower_bound_at(to.start[k], to.end[k], h) > 0);
+    apart = apart & (middle > 0);
   }
   return apart;
 }
