@@ -27,6 +27,8 @@ struct OctreePlan {
   CutCost cost;
   int rounds = 0;                              ///< of refinement below the dense levels
   int levels = kMaxLevel + 1;                  ///< dense levels, at most
+  int base = kMaxLevel;                        ///< lowest dense level, at most
+  bool has_large = true;                       ///< there may be triangles that cover many cells
   uint64_t most_crowded_tests = ~uint64_t{0};  ///< beyond this the step is put off
 };
 
@@ -76,6 +78,13 @@ class BroadPhase {
     return short_of_room;
   }
 
+  /// Makes the lists of a step empty.
+  void clear(const OctreePlan& plan) {
+    exec_.fill_zero(scene_.state.data(), sizeof(StepState));
+    if (plan.engine != Engine::kLbvh)
+      exec_.fill_zero(scene_.octree.counts.data(), level_offset(plan.base + 1) * sizeof(uint32_t));
+  }
+
   // 1. Bounding boxes.
   void box_triangles(const std::vector<TriangleRun>& moved) {
     using Work = BoxTriangles<Real>;
@@ -89,10 +98,9 @@ class BroadPhase {
   void choose_levels() {
     StepState* state = scene_.state.data();
     exec_.reduce_into("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
-    exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevel{&state->bounds, boxes()}, LevelTotals{},
-                      AddTotals{}, &state->totals);
-    exec_.for_each(
-        "prepare_step", 1,
+    exec_.reduce_into(
+        "covered_per_level", triangle_count(), CoveredPerLevel{&state->bounds, boxes()}, LevelTotals{}, AddTotals{},
+        &state->totals,
         PrepareStep{{&state->bounds, &state->totals, scene_.octree.wanted.data(), triangle_count(), &state->grid},
                     {state, spec_.thickness}});
   }
@@ -105,23 +113,20 @@ class BroadPhase {
     LevelGrid* grid = &state->grid.grid;
     exec_.reduce_into("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
     exec_.reduce_into("extents", triangle_count(), ExtentOf{&state->bounds, boxes()}, uint64_t{0}, AddExtents{},
-                      &state->extents);
-    exec_.for_each("span_cells", 1, SpanCells{&state->bounds, mean, kCellPerMean, grid});
+                      &state->extents, SpanCells{&state->bounds, mean, kCellPerMean, grid});
     exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevelOf{grid, boxes()}, LevelTotals{},
-                      AddTotals{}, &state->totals);
-    exec_.for_each("choose_cells", 1,
-                   ChooseCells{&state->totals, triangle_count(), uniform ? 0 : kLevelsOfCrowdedCell, &state->grid});
+                      AddTotals{}, &state->totals,
+                      ChooseCells{&state->totals, triangle_count(), uniform ? 0 : kLevelsOfCrowdedCell, &state->grid});
     exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, spec_.thickness});
   }
 
   // 2. Counter octree.
-  void count_overlapped_cells() {
+  void count_overlapped_cells(const OctreePlan& plan) {
     const Span<uint32_t> counts = scene_.octree.counts.all();
-    exec_.for_each_group("clear_counts", cell_groups(), ClearCounts{grid(), counts});
     exec_.for_each_part(
         "count_overlapped_cells", all_triangles(),
         CountOverlappedCells{{grid(), boxes()}, counts, {scene_.octree.large.all(), &scene_.state.data()->large}});
-    exec_.for_each_group("count_cells_of_large", large(), CountCellsOfLarge{grid(), boxes(), counts, large_list()});
+    exec_.for_each_group("count_cells_of_large", large(plan), CountCellsOfLarge{grid(), boxes(), counts, large_list()});
   }
 
   void refine(const OctreePlan& plan) {
@@ -129,9 +134,9 @@ class BroadPhase {
     for (int round = 0; round < plan.rounds; ++round) {
       const ListInBricks list{all, round};
       if (round == 0) {
-        exec_.for_each("open_first_bricks", base_cells(), OpenFirstBricks{all});
+        exec_.for_each("open_first_bricks", base_cells(plan), OpenFirstBricks{all});
         exec_.for_each_part("list_in_first_bricks", all_triangles(), ListInFirstBricks{list, boxes()});
-        exec_.for_each_group("list_large_in_first_bricks", large(),
+        exec_.for_each_group("list_large_in_first_bricks", large(plan),
                              ListLargeInFirstBricks{list, boxes(), large_list()});
       } else {
         exec_.for_each_group("open_bricks", bricks(round - 1), OpenBricks{all, round});
@@ -150,7 +155,8 @@ class BroadPhase {
     for (int round = plan.rounds - 1; round >= 0; --round)
       exec_.for_each_group("cut_bricks", bricks(round), CutBricks{all, plan.cost, round});
     for (int step = 0; step * kBrickLevels < larger(1, plan.levels - 1); ++step)
-      exec_.for_each_group("cut_dense", roots(step), CutDense{all, plan.cost, scene_.octree.root_cost.all(), step});
+      exec_.for_each_group("cut_dense", roots(plan, step),
+                           CutDense{all, plan.cost, scene_.octree.root_cost.all(), step});
   }
 
   // 4. Top-down stage: the leaves of the cut and their places.
@@ -159,7 +165,7 @@ class BroadPhase {
     const PlaceLeaves place{tree(plan),          octree.leaves.all(),
                             octree.cursor.all(), octree.registered.capacity(),
                             octree.items.all(),  &scene_.state.data()->leaves};
-    exec_.for_each_group("place_dense_leaves", cell_groups(), PlaceDenseLeaves{place});
+    exec_.for_each_group("place_dense_leaves", cell_groups(plan), PlaceDenseLeaves{place});
     for (int round = 0; round < plan.rounds; ++round)
       exec_.for_each_group("place_brick_leaves", bricks(round), PlaceBrickLeaves{place, round});
   }
@@ -170,7 +176,7 @@ class BroadPhase {
     const Registration registration{tree(plan), octree.cursor.all(), octree.registered.all()};
     exec_.for_each_part("register_triangles", all_triangles(),
                         RegisterTriangles<CellsOfTriangles>{registration, {grid(), boxes()}});
-    exec_.for_each_group("register_large", large(), RegisterLarge{registration, boxes(), large_list()});
+    exec_.for_each_group("register_large", large(plan), RegisterLarge{registration, boxes(), large_list()});
     for (int round = 0; round < plan.rounds; ++round)
       exec_.for_each_part("register_in_bricks", brick_items(round),
                           RegisterTriangles<CellsInBricks>{registration, {registration.tree, boxes(), round}});
@@ -178,7 +184,7 @@ class BroadPhase {
 
   // 6.-7. Broad-phase tests, spread evenly; what they find goes to the sink.
   template <class Sink>
-  void search(const char* name, const OctreePlan& plan, const Sink& sink) {
+  void search(const char* name, const OctreePlan& plan, const Sink& sink, uint64_t* next_item) {
     StepState* state = scene_.state.data();
     const OctreeBuffers<Exec>& octree = scene_.octree;
     const LeafPairs source{grid(),
@@ -190,8 +196,7 @@ class BroadPhase {
                            &state->leaves,
                            octree.registered.capacity(),
                            plan.most_crowded_tests};
-    exec_.fill_zero(&state->next_item, sizeof(uint64_t));
-    exec_.search(name, Counted{&state->leaves.items, octree.items.capacity()}, &state->next_item, source, sink);
+    exec_.search(name, Counted{&state->leaves.items, octree.items.capacity()}, next_item, source, sink);
   }
 
   /// Counts the triangles that the spacing of the positions' numbers is too coarse for.
@@ -213,11 +218,20 @@ class BroadPhase {
   const LevelGrid* grid() const { return &scene_.state.data()->grid.grid; }
   Span<const uint32_t> large_list() const { return scene_.octree.large.all(); }
 
-  Counted large() const { return {&scene_.state.data()->large, scene_.octree.large.capacity()}; }
-  Counted base_cells() const { return {&scene_.state.data()->grid.base_cells, kDenseCells}; }
+  // Lengths, and bounds that the host knows: blocks of which most have nothing to do take their time too.
+  Counted large(const OctreePlan& plan) const {
+    return {&scene_.state.data()->large, plan.has_large ? scene_.octree.large.capacity() : 0};
+  }
+  Counted base_cells(const OctreePlan& plan) const {
+    return {&scene_.state.data()->grid.base_cells, uint64_t{1} << (3 * plan.base)};
+  }
   Counted top_cells() const { return {&scene_.state.data()->grid.top_cells, kDenseCells}; }
-  Counted cell_groups() const { return {&scene_.state.data()->grid.cell_groups, kDenseCells / kCellsOfGroup + 1}; }
-  Counted roots(int step) const { return {&scene_.state.data()->grid.roots[step], kDenseCells}; }
+  Counted cell_groups(const OctreePlan& plan) const {
+    return {&scene_.state.data()->grid.cell_groups, groups_of_cells({{}, 0, 0, plan.base})};
+  }
+  Counted roots(const OctreePlan& plan, int step) const {
+    return {&scene_.state.data()->grid.roots[step], roots_of_step({{}, 0, 0, plan.base}, step)};
+  }
   Counted bricks(int round) const { return {&scene_.state.data()->bricks[round], scene_.octree.bricks.capacity()}; }
 
   Counted brick_items(int round) const {

@@ -19,8 +19,7 @@ class LbvhPhase {
     StepState* state = scene_.state.data();
     exec_.reduce_into("bounds", leaves(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
     exec_.reduce_into("extents", leaves(), ExtentOf{&state->bounds, boxes()}, uint64_t{0}, AddExtents{},
-                      &state->extents);
-    exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, spec_.thickness});
+                      &state->extents, PrepareNarrow{state, spec_.thickness});
   }
 
   /// The leaves in order.
@@ -51,15 +50,14 @@ class LbvhPhase {
 
   /// What the walks of all leaves find goes to the sink. The first search of a step counts the tests.
   template <class Sink>
-  void search(const char* name, const Sink& sink) {
+  void search(const char* name, const Sink& sink, uint64_t* next_item) {
     StepState* state = scene_.state.data();
     const BvhPairs source{scene_.bvh.nodes.all(),
                           static_cast<uint32_t>(leaves()),
                           {scene_.topology.mesh_of_triangle.data(), scene_.topology.rules.data()},
                           is_counted_ ? nullptr : &state->leaves.tests};
     is_counted_ = true;
-    exec_.fill_zero(&state->next_item, sizeof(uint64_t));
-    exec_.walk(name, leaves(), &state->next_item, source, sink);
+    exec_.walk(name, leaves(), next_item, source, sink);
   }
 
   /// Nodes take the place of cells; nothing is registered.

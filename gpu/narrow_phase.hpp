@@ -8,6 +8,7 @@
 #include "gpu/narrow/gather.hpp"
 #include "gpu/narrow/proximity.hpp"
 #include "gpu/narrow/triangle_pairs.hpp"
+#include "gpu/recently.hpp"
 #include "gpu/scene_buffers.hpp"
 
 namespace collided {
@@ -57,8 +58,11 @@ class NarrowPhase {
       short_of_room = true;
       reserve(*buffers, count + count / 4);
     }
-    return short_of_room;
+    const bool many = (needs_.is_earliest_only() ? need.earliest : need.contacts) > kFewContacts;
+    return (many_.surprises(many) && Exec::kLaunchesCost) || short_of_room;
   }
+  /// More contacts than are put in order in one launch.
+  bool expects_many() const { return many_.is_expected(); }
 
   /// From kFast on: the narrow phase of one kind of features, over what the filter kept.
   template <class Kind>
@@ -89,7 +93,8 @@ class NarrowPhase {
       const Counted count{needs_.is_earliest_only() ? &state->earliest : &state->contacts, contacts.keys.capacity()};
       Span<const ContactData<Real>> data;
       if (needs_.has_data()) data = contacts.data.all();
-      put_in_order(exec_, scene_.order, count, contacts.keys.all(), data, scene_.sorted.all(), &state->crowded_ranks);
+      put_in_order(exec_, scene_.order, count, !expects_many(), contacts.keys.all(), data, scene_.sorted.all(),
+                   &state->crowded_ranks);
     });
   }
 
@@ -184,6 +189,7 @@ class NarrowPhase {
   const FeatureRanks& ranks_;
   SceneBuffers<Exec, Real>& scene_;
   LevelNeeds needs_;
+  Recently many_;
 };
 
 }  // namespace collided

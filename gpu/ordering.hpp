@@ -7,6 +7,7 @@
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/counted.hpp"
 #include "gpu/exec/sort_arrays.hpp"
+#include "gpu/math/vec3.hpp"
 
 namespace collided {
 
@@ -101,6 +102,26 @@ struct WriteInOrder {
   }
 };
 
+/// Contacts that are ordered in one launch, each against all others.
+constexpr uint64_t kFewContacts = 512;
+
+template <class Data>
+struct RankFew {
+  Counted count;
+  Span<const uint64_t> keys;
+  Span<const Data> data;  ///< empty: there are only keys
+  Span<uint64_t> sorted_keys;
+  Span<Data> sorted;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const uint64_t key = keys[i], n = count.size();
+    uint64_t place = 0;
+    for (uint64_t k = 0; k < n; ++k) place += keys[k] < key ? 1 : 0;
+    sorted_keys[place] = key;
+    if (!data.empty()) sorted[place] = data[i];
+  }
+};
+
 template <class Exec>
 struct OrderBuffers {
   explicit OrderBuffers(Exec& exec)
@@ -140,15 +161,18 @@ void put_in_order_by_counts(Exec& exec, OrderBuffers<Exec>& buffers, const Count
                 WriteInOrder<Data>{keys, data, counts, buffers.entries.all(), buffers.sorted_keys.all(), sorted});
 }
 
-/// The same in whatever way is the backend's fastest.
+/// The same in whatever way is the backend's fastest. `few`: no more than kFewContacts.
 template <class Exec, class Data>
-void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Counted& count, Span<const uint64_t> keys,
+void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Counted& count, bool few, Span<const uint64_t> keys,
                   Span<const Data> data, Span<Data> sorted, uint64_t* crowded) {
   if constexpr (SortsKeys<Exec>) {
     static_assert(sizeof(Entry) == sizeof(uint64_t));
     const Span<uint64_t> scratch{reinterpret_cast<uint64_t*>(buffers.entries.data()), buffers.entries.capacity()};
     if (exec.sort_keys("sort_keys", count, KeyArrays<Data>{keys, data, scratch, buffers.sorted_keys.all(), sorted}))
       return;
+  } else if (few) {
+    const Counted first{count.counter, smaller(count.most, kFewContacts)};
+    return exec.for_each("rank_few", first, RankFew<Data>{first, keys, data, buffers.sorted_keys.all(), sorted});
   }
   put_in_order_by_counts(exec, buffers, count, keys, data, sorted, crowded);
 }

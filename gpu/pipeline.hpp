@@ -11,6 +11,7 @@
 #include "gpu/exec/step_key.hpp"
 #include "gpu/lbvh_phase.hpp"
 #include "gpu/narrow_phase.hpp"
+#include "gpu/recently.hpp"
 #include "gpu/refinement.hpp"
 #include "gpu/results.hpp"
 #include "gpu/sinks.hpp"
@@ -67,9 +68,10 @@ class Pipeline {
       reserve(plan);
       narrow_.reserve();
       state_ = exec_.step(key_of(all, plan), scene_.state.data(), [&] { enqueue(moved, plan); });
-      const bool grown = broad_.grow(state_), grown_too = narrow_.grow(state_);
+      const bool grown = broad_.grow(state_), grown_too = narrow_.grow(state_),
+                 missed_large = large_.surprises(state_.large > 0) && !plan.has_large;
       // A step that was short of room tells nothing of what refinement is good for.
-      if (!grown && !grown_too && !needs_refinement(plan)) break;
+      if (!grown && !grown_too && !missed_large && !needs_refinement(plan)) break;
       ++result_.replays;
     }
   }
@@ -86,10 +88,7 @@ class Pipeline {
 
   /// Fig. 7.
   void enqueue(const std::vector<TriangleRun>& moved, const OctreePlan& plan) {
-    exec_.stage("boxes", [&] {
-      exec_.fill_zero(scene_.state.data(), sizeof(StepState));
-      broad_.box_triangles(moved);
-    });
+    exec_.stage("boxes", [&] { exec_.beside([&] { broad_.box_triangles(moved); }, [&] { broad_.clear(plan); }); });
     exec_.stage("levels", [&] { choose_levels(plan); });
     const auto build = [&] { plan.engine == Engine::kLbvh ? build_hierarchy() : build_octree(plan); };
     if (needs_.judges_resolution() && needs_.settings.delta == 0)
@@ -102,7 +101,7 @@ class Pipeline {
   }
 
   void build_octree(const OctreePlan& plan) {
-    exec_.stage("count", [&] { broad_.count_overlapped_cells(); });
+    exec_.stage("count", [&] { broad_.count_overlapped_cells(plan); });
     if (plan.rounds > 0) exec_.stage("refine", [&] { broad_.refine(plan); });
     exec_.stage("bottom_up", [&] { broad_.cut(plan); });
     exec_.stage("top_down", [&] { broad_.place_leaves(plan); });
@@ -170,7 +169,8 @@ class Pipeline {
                                        edge_rank,
                                        narrow_.hurry(),
                                        {vertex_triangle || !spec_.vertex_triangle ? &state->pairs : nullptr,
-                                        &state->candidates[0], &state->candidates[1]}});
+                                        &state->candidates[0], &state->candidates[1]}},
+               vertex_triangle || !spec_.vertex_triangle ? Search::kFeatures : Search::kEdges);
   }
 
   void detect_triangles(const OctreePlan& plan) {
@@ -185,14 +185,16 @@ class Pipeline {
                                   list,
                                   narrow ? 0 : ranks_.first_triangle,
                                   narrow_.hurry(),
-                                  {counts ? &state->pairs : nullptr, nullptr, nullptr}});
+                                  {counts ? &state->pairs : nullptr, nullptr, nullptr}},
+                 Search::kTriangles);
     });
     if (narrow) narrow_.detect_triangles();
   }
 
   template <class Sink>
-  void find_pairs(const char* name, const OctreePlan& plan, const Sink& sink) {
-    plan.engine == Engine::kLbvh ? lbvh_.search(name, sink) : broad_.search(name, plan, sink);
+  void find_pairs(const char* name, const OctreePlan& plan, const Sink& sink, Search search) {
+    uint64_t* next_item = &scene_.state.data()->next_item[static_cast<int>(search)];
+    plan.engine == Engine::kLbvh ? lbvh_.search(name, sink, next_item) : broad_.search(name, plan, sink, next_item);
   }
 
   OctreePlan plan_octree() const {
@@ -201,7 +203,8 @@ class Pipeline {
     if (has_cells_of_triangles(engine))
       plan.levels = engine == Engine::kUniformGrid ? 1 : kLevelsOfCrowdedCell + 1;
     else if (levels_.base >= 0)
-      plan.levels = levels_.base - levels_.top + 1;
+      plan.levels = levels_.base - levels_.top + 1, plan.base = levels_.base;
+    plan.has_large = large_.is_expected() || !Exec::kLaunchesCost;
     if (engine != Engine::kOctree) return plan;
     plan.rounds = refinement_.rounds();
     plan.most_crowded_tests = refinement_.limit(topology_.triangles.size());
@@ -215,6 +218,9 @@ class Pipeline {
             static_cast<double>(plan.engine),
             static_cast<double>(plan.rounds),
             static_cast<double>(plan.levels),
+            static_cast<double>(plan.base),
+            plan.has_large ? 1.0 : 0.0,
+            narrow_.expects_many() ? 1.0 : 0.0,
             static_cast<double>(plan.most_crowded_tests)};
   }
 
@@ -251,6 +257,7 @@ class Pipeline {
   EngineChoice choice_;
   Refinement refinement_;
   ActiveLevels levels_;
+  Recently large_;  ///< triangles that cover many cells
   LevelNeeds needs_;
   StepState state_{};
   FrameResult result_;

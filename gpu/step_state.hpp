@@ -8,6 +8,9 @@
 
 namespace collided {
 
+/// What a search for pairs is for: features of both kinds or of the first, edges alone, triangles.
+enum class Search { kFeatures, kEdges, kTriangles };
+
 struct StepState {
   // Lengths that were asked for, whatever the lists' capacities.
   LeafTotals leaves;
@@ -15,7 +18,7 @@ struct StepState {
   uint64_t pairs, candidates[2];
   uint64_t triangle_pairs, kept[2], screened[2], suspects[2], contacts, earliest, crowded_ranks;
 
-  uint64_t next_item;         ///< of the search for pairs
+  uint64_t next_item[3];      ///< of the searches for pairs (Search)
   uint64_t next_query[2][2];  ///< of the narrow phase, in float and in double
   uint64_t small_triangles;
   Box<float> bounds;

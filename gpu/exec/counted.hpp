@@ -64,4 +64,9 @@ COLLIDED_HD inline void add_all(uint64_t& sum, uint64_t value) {
 /// For groups that share nothing.
 struct Nothing {};
 
+/// For reductions that nothing follows.
+struct NothingMore {
+  COLLIDED_HD void operator()(uint64_t) const {}
+};
+
 }  // namespace collided

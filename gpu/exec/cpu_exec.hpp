@@ -53,6 +53,8 @@ class CpuExec {
     std::free(memory);
     ledger_.give_back(part, bytes);
   }
+  /// Whether a verb takes its time even where there is nothing to do.
+  static constexpr bool kLaunchesCost = false;
   const MemoryLedger& ledger() const { return ledger_; }
 
   /// f(i) for i in [0, n).
@@ -122,9 +124,10 @@ class CpuExec {
     });
   }
 
-  /// *result = op over transform(i), i in [0, n); op must not depend on the order.
-  template <class T, class F, class Op>
-  void reduce_into(const char*, uint64_t n, const F& transform, const T& identity, const Op& op, T* result) {
+  /// *result = op over transform(i), i in [0, n); op must not depend on the order. Then then(0).
+  template <class T, class F, class Op, class Then = NothingMore>
+  void reduce_into(const char*, uint64_t n, const F& transform, const T& identity, const Op& op, T* result,
+                   const Then& then = {}) {
     *result = arena_.execute([&] {
       return tbb::parallel_reduce(
           tbb::blocked_range<uint64_t>(0, n, kGrain), identity,
@@ -134,6 +137,7 @@ class CpuExec {
           },
           op);
     });
+    then(0);
   }
 
   /// In place.

@@ -2,13 +2,13 @@
 // The verbs of the engine on a CUDA GPU (CUB). Same meaning as CpuExec, verb by verb.
 
 #include <cuda_runtime.h>
-#include <thrust/iterator/counting_iterator.h>
 
 #include <algorithm>
 #include <cstring>
 #include <cub/cub.cuh>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gpu/exec/atomic.hpp"
@@ -17,6 +17,7 @@
 #include "gpu/exec/in_steps.cuh"
 #include "gpu/exec/memory_ledger.hpp"
 #include "gpu/exec/pair_search.cuh"
+#include "gpu/exec/reduce.cuh"
 #include "gpu/exec/sort_arrays.hpp"
 #include "gpu/exec/step_graph.cuh"
 #include "gpu/exec/tree_walk.cuh"
@@ -26,19 +27,22 @@ namespace collided {
 constexpr unsigned kCountedBlock = 128;
 
 template <class F>
-__global__ void for_each_kernel(uint64_t n, F f) {
+__global__ void for_each_kernel(uint64_t* begin, uint64_t n, F f) {
+  note_begin(begin);
   const uint64_t stride = static_cast<uint64_t>(gridDim.x) * blockDim.x;
   for (uint64_t i = static_cast<uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) f(i);
 }
 
 template <class F>
-__global__ void __launch_bounds__(kCountedBlock) for_each_counted_kernel(Counted n, F f) {
+__global__ void __launch_bounds__(kCountedBlock) for_each_counted_kernel(uint64_t* begin, Counted n, F f) {
+  note_begin(begin);
   const uint64_t size = n.size(), stride = static_cast<uint64_t>(gridDim.x) * blockDim.x;
   for (uint64_t i = static_cast<uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < size; i += stride) f(i);
 }
 
 template <class F>
-__global__ void __launch_bounds__(F::kGroupSize) for_each_group_kernel(Counted n, F f) {
+__global__ void __launch_bounds__(F::kGroupSize) for_each_group_kernel(uint64_t* begin, Counted n, F f) {
+  note_begin(begin);
   __shared__ typename F::Shared shared;
   const uint64_t size = n.size();
   for (uint64_t i = blockIdx.x; i < size; i += gridDim.x) {
@@ -49,7 +53,12 @@ __global__ void __launch_bounds__(F::kGroupSize) for_each_group_kernel(Counted n
 
 class CudaExec {
  public:
-  CudaExec(int device, uint64_t memory_budget) : device_(device), ledger_(memory_budget), scratch_(*this, "scratch") {
+  CudaExec(int device, uint64_t memory_budget)
+      : device_(device),
+        ledger_(memory_budget),
+        scratch_(*this, "scratch"),
+        arrived_(*this, "counters"),
+        times_(*this, "counters") {
     check_cuda(cudaSetDevice(device), "cudaSetDevice");
     check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate");
     check_cuda(cudaStreamCreateWithFlags(&side_, cudaStreamNonBlocking), "cudaStreamCreate");
@@ -57,6 +66,9 @@ class CudaExec {
     check_cuda(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
     info_ = {Backend::kCuda, properties.name, properties.totalGlobalMem};
     processors_ = static_cast<unsigned>(properties.multiProcessorCount);
+    times_.allocate(StepGraph::kMostTimes);
+    arrived_.allocate(1);
+    check_cuda(cudaMemset(arrived_.data(), 0, sizeof(unsigned)), "cudaMemset");
   }
   CudaExec(const CudaExec&) = delete;
   CudaExec& operator=(const CudaExec&) = delete;
@@ -88,22 +100,22 @@ class CudaExec {
     cudaFree(memory);
     ledger_.give_back(part, bytes);
   }
+  /// As in CpuExec.
+  static constexpr bool kLaunchesCost = true;
   const MemoryLedger& ledger() const { return ledger_; }
 
   /// f(i) for i in [0, n).
   template <class F>
   void for_each(const char* name, uint64_t n, const F& f) {
     if (n == 0 || reserving_) return;
-    for_each_kernel<<<blocks_for(n, kBlock), kBlock, 0, stream_>>>(n, f);
-    check_cuda(cudaGetLastError(), name);
+    launch(name, for_each_kernel<F>, blocks_for(n, kBlock), kBlock, n, f);
   }
   template <class F>
   void for_each(const char* name, const Counted& n, const F& f) {
     if (n.most == 0 || reserving_) return;
     constexpr unsigned kBlocksPerProcessor = 16;
     const unsigned blocks = std::min(blocks_for(n.most, kCountedBlock), kBlocksPerProcessor * processors_);
-    for_each_counted_kernel<<<blocks, kCountedBlock, 0, stream_>>>(n, f);
-    check_cuda(cudaGetLastError(), name);
+    launch(name, for_each_counted_kernel<F>, blocks, kCountedBlock, n, f);
   }
 
   /// f(i, group, shared) for i in [0, n): groups of threads that share memory (Group).
@@ -112,8 +124,7 @@ class CudaExec {
     if (n.most == 0 || reserving_) return;
     const unsigned resident = 2048 / F::kGroupSize;
     const unsigned blocks = static_cast<unsigned>(std::min<uint64_t>(n.most, 2 * resident * processors_));
-    for_each_group_kernel<<<blocks, F::kGroupSize, 0, stream_>>>(n, f);
-    check_cuda(cudaGetLastError(), name);
+    launch(name, for_each_group_kernel<F>, blocks, F::kGroupSize, n, f);
   }
 
   /// For i in [0, n), item = f.item(i), k in [0, item.parts): f.act(item, f.find(item, k)), unless it found kNothing.
@@ -122,8 +133,7 @@ class CudaExec {
     if (n.most == 0 || reserving_) return;
     constexpr unsigned kItemsOfBlock = kPartsBlock / 32 * kItemsOfWarp<typename F::Item>, kBlocksPerProcessor = 64;
     const unsigned blocks = std::min(blocks_for(n.most, kItemsOfBlock), kBlocksPerProcessor * processors_);
-    for_each_part_kernel<<<blocks, kPartsBlock, 0, stream_>>>(n, f);
-    check_cuda(cudaGetLastError(), name);
+    launch(name, for_each_part_kernel<F>, blocks, kPartsBlock, n, f);
   }
 
   /// f.begin(i, state), then f.step(state) until state.is_over(), then f.finish(state), for i in [0, n); no step if
@@ -133,8 +143,7 @@ class CudaExec {
     if (n.most == 0 || reserving_) return;
     const unsigned most = blocks_for(n.most, kStepsBlock / 32);  // a warp may take as little as one
     const unsigned blocks = std::min(most, resident_blocks(name, for_each_in_steps_kernel<F>, kStepsBlock));
-    for_each_in_steps_kernel<<<blocks, kStepsBlock, 0, stream_>>>(n, next, f);
-    check_cuda(cudaGetLastError(), name);
+    launch(name, for_each_in_steps_kernel<F>, blocks, kStepsBlock, n, next, f);
   }
 
   /// The pairs of a source's items, handed to a sink (pair_search.cuh). `next` is a zeroed counter.
@@ -142,8 +151,7 @@ class CudaExec {
   void search(const char* name, const Counted& items, uint64_t* next, const Source& source, const Sink& sink) {
     if (items.most == 0 || reserving_) return;
     const unsigned blocks = resident_blocks(name, pair_search_kernel<Source, Sink>, kSearchBlock);
-    pair_search_kernel<<<blocks, kSearchBlock, 0, stream_>>>(items, next, source, sink);
-    check_cuda(cudaGetLastError(), name);
+    launch(name, pair_search_kernel<Source, Sink>, blocks, kSearchBlock, items, next, source, sink);
   }
 
   /// The same for the walks of a source's items (tree_walk.cuh).
@@ -152,17 +160,20 @@ class CudaExec {
     if (items == 0 || reserving_) return;
     const unsigned most = blocks_for(items, kSearchBlock);
     const unsigned blocks = std::min(most, resident_blocks(name, tree_walk_kernel<Source, Sink>, kSearchBlock));
-    tree_walk_kernel<<<blocks, kSearchBlock, 0, stream_>>>(items, next, source, sink);
-    check_cuda(cudaGetLastError(), name);
+    launch(name, tree_walk_kernel<Source, Sink>, blocks, kSearchBlock, items, next, source, sink);
   }
 
-  /// *result = op over transform(i), i in [0, n); op must not depend on the order.
-  template <class T, class F, class Op>
-  void reduce_into(const char* name, uint64_t n, const F& transform, const T& identity, const Op& op, T* result) {
-    const thrust::counting_iterator<uint64_t> indices(0);
-    with_scratch(name, [&](void* memory, size_t& bytes) {
-      return cub::DeviceReduce::TransformReduce(memory, bytes, indices, result, n, op, transform, identity, stream_);
-    });
+  /// *result = op over transform(i), i in [0, n); op must not depend on the order. Then then(0).
+  template <class T, class F, class Op, class Then = NothingMore>
+  void reduce_into(const char* name, uint64_t n, const F& transform, const T& identity, const Op& op, T* result,
+                   const Then& then = {}) {
+    constexpr unsigned kBlocksPerProcessor = 4;
+    const unsigned blocks = std::max(1u, std::min(blocks_for(n, kReduceBlock), kBlocksPerProcessor * processors_));
+    scratch_.ensure(blocks * sizeof(T));
+    if (reserving_) return;
+    const Partial<T> partial{reinterpret_cast<T*>(scratch_.data()), arrived_.data()};
+    launch(name, reduce_kernel<T, F, Op, Then>, blocks, kReduceBlock, n, transform, identity, op, partial, result,
+           then);
   }
 
   /// In place.
@@ -194,10 +205,16 @@ class CudaExec {
       reserving_ = true;
       enqueue();
       reserving_ = false;
-      graph = &graphs_.record(key, generation_, stream_, enqueue);
+      graph = &graphs_.record(key, generation_, stream_, [&] {
+        enqueue();
+        begin_now();
+        begin_ = times_.data() + graphs_.recording().end();
+        begin_now();
+      });
     }
     T host;
-    graph->launch(stream_, result, sizeof(T), host_memory(sizeof(T)));
+    constexpr uint64_t kTimes = StepGraph::kMostTimes * sizeof(uint64_t);
+    graph->launch(stream_, result, sizeof(T), host_memory(sizeof(T) + kTimes), times_.data());
     std::memcpy(&host, host_, sizeof(T));
     ++graph_launches_;
     step_milliseconds_ = graph->milliseconds();
@@ -232,7 +249,9 @@ class CudaExec {
   }
   void copy(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyDeviceToDevice); }
   void fill_zero(void* memory, uint64_t bytes) {
-    if (bytes != 0 && !reserving_) check_cuda(cudaMemsetAsync(memory, 0, bytes, stream_), "fill_zero");
+    if (bytes == 0 || reserving_) return;
+    begin_now();
+    check_cuda(cudaMemsetAsync(memory, 0, bytes, stream_), "fill_zero");
   }
 
   /// Two things that do not depend on each other, within a step: the second goes on beside the first. The second may
@@ -246,12 +265,10 @@ class CudaExec {
     }
     check_cuda(cudaEventRecord(fork_, stream_), "fork");
     check_cuda(cudaStreamWaitEvent(side_, fork_), "fork");
-    f();
-    graphs_.end_stage(stream_);
+    run_stages(f);
     {
       const OnSideStream on_side(*this);
-      g();
-      graphs_.end_stage(stream_);
+      run_stages(g);
       check_cuda(cudaEventRecord(join_, stream_), "join");
     }
     check_cuda(cudaStreamWaitEvent(stream_, join_), "join");
@@ -262,7 +279,8 @@ class CudaExec {
   template <class F>
   void stage(const char* name, const F& f) {
     if (graphs_.is_recording()) {
-      graphs_.begin_stage(name, stream_);
+      begin_now();
+      begin_ = times_.data() + graphs_.recording().begin_stage(name);
       f();
       return;
     }
@@ -282,6 +300,7 @@ class CudaExec {
     allocations_ = 0;
     graph_launches_ = 0;
     reserving_ = false;  // a frame may have ended with a throw
+    begin_ = nullptr;
   }
   /// Of the frame, in the order that the stages ran.
   std::vector<StageTime> stage_times() {
@@ -317,6 +336,29 @@ class CudaExec {
     CudaExec& exec_;
   };
 
+  /// The next kernel in line; it notes when the stage that it is the first of begins.
+  template <class... Parameters, class... Arguments>
+  void launch(const char* name, void (*kernel)(uint64_t*, Parameters...), unsigned blocks, unsigned block,
+              const Arguments&... arguments) {
+    kernel<<<blocks, block, 0, stream_>>>(std::exchange(begin_, nullptr), arguments...);
+    check_cuda(cudaGetLastError(), name);
+  }
+  /// For what cannot note by itself when its stage begins.
+  void begin_now() {
+    if (begin_ != nullptr) launch("time", note_time_kernel, 1, 1);
+  }
+  /// Stages of which others are beside; elsewhere one ends where the next begins.
+  template <class F>
+  void run_stages(const F& f) {
+    StepGraph& graph = graphs_.recording();
+    const size_t before = graph.stages();
+    f();
+    begin_now();
+    if (graph.stages() == before) return;
+    begin_ = times_.data() + graph.end_stage();
+    begin_now();
+  }
+
   static unsigned blocks_for(uint64_t n, unsigned block) {
     return static_cast<unsigned>(std::min<uint64_t>((n + block - 1) / block, 1u << 30));
   }
@@ -333,7 +375,9 @@ class CudaExec {
     size_t bytes = 0;
     check_cuda(call(nullptr, bytes), name);
     scratch_.ensure(bytes);
-    if (!reserving_) check_cuda(call(scratch_.data(), bytes), name);
+    if (reserving_) return;
+    begin_now();
+    check_cuda(call(scratch_.data(), bytes), name);
   }
   void transfer(void* to, const void* from, uint64_t bytes, cudaMemcpyKind kind) {
     if (bytes != 0 && !reserving_) check_cuda(cudaMemcpyAsync(to, from, bytes, kind, stream_), "copy");
@@ -349,6 +393,9 @@ class CudaExec {
   StepGraphs graphs_;
   bool reserving_ = false;  ///< a step is gone through for its memory alone
   Buffer<char, CudaExec> scratch_;
+  Buffer<unsigned, CudaExec> arrived_;  ///< of a reduction's blocks
+  Buffer<uint64_t, CudaExec> times_;    ///< at which the stages of a recorded step begin and end
+  uint64_t* begin_ = nullptr;           ///< where the next kernel notes when it begins
   std::byte* host_ = nullptr;
   uint64_t host_bytes_ = 0;
   std::vector<cudaEvent_t> events_;

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "gpu/exec/counted.hpp"
+#include "gpu/exec/step_clock.cuh"
 #include "gpu/exec/warp.cuh"
 
 namespace collided {
@@ -71,7 +72,8 @@ __device__ void do_parts(uint64_t first, uint64_t end, const F& f) {
 }
 
 template <class F>
-__global__ void __launch_bounds__(kPartsBlock) for_each_part_kernel(Counted n, F f) {
+__global__ void __launch_bounds__(kPartsBlock) for_each_part_kernel(uint64_t* begin, Counted n, F f) {
+  note_begin(begin);
   const uint64_t size = n.size(), warp = (static_cast<uint64_t>(blockIdx.x) * kPartsBlock + threadIdx.x) / 32;
   constexpr unsigned kItems = kItemsOfWarp<typename F::Item>;
   const uint64_t stride = static_cast<uint64_t>(gridDim.x) * (kPartsBlock / 32) * kItems;

@@ -3,6 +3,7 @@
 // of them to finish and to begin others together, for what one lane does all wait for.
 
 #include "gpu/exec/counted.hpp"
+#include "gpu/exec/step_clock.cuh"
 #include "gpu/exec/warp_items.cuh"
 
 namespace collided {
@@ -11,7 +12,9 @@ constexpr unsigned kStepsBlock = 128;
 
 /// `next` is a zeroed counter.
 template <class F>
-__global__ void __launch_bounds__(kStepsBlock) for_each_in_steps_kernel(Counted n, uint64_t* next, F f) {
+__global__ void __launch_bounds__(kStepsBlock)
+    for_each_in_steps_kernel(uint64_t* begin, Counted n, uint64_t* next, F f) {
+  note_begin(begin);
   constexpr int kEnough = 12;  // lanes
   WarpItems items(n.size(), next);
   typename F::State state;

@@ -6,6 +6,7 @@
 
 #include "gpu/exec/counted.hpp"
 #include "gpu/exec/pair_queues.cuh"
+#include "gpu/exec/step_clock.cuh"
 #include "gpu/exec/warp_items.cuh"
 #include "gpu/math/box.hpp"
 #include "gpu/math/tiles.hpp"
@@ -90,7 +91,8 @@ class WarpSearch {
 /// `next` as in take_items.
 template <class Source, class Sink>
 __global__ void __launch_bounds__(kSearchBlock)
-    pair_search_kernel(Counted items, uint64_t* next, Source source, Sink sink) {
+    pair_search_kernel(uint64_t* begin, Counted items, uint64_t* next, Source source, Sink sink) {
+  note_begin(begin);
   __shared__ SearchShared shared[kSearchBlock / 32];
   WarpSearch<Source, Sink> warp(source, sink, shared[threadIdx.x / 32]);
   const uint64_t warps = static_cast<uint64_t>(gridDim.x) * (kSearchBlock / 32);

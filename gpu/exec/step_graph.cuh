@@ -3,6 +3,8 @@
 
 #include <cuda_runtime.h>
 
+#include <cstddef>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,16 +35,14 @@ inline double milliseconds_between(cudaEvent_t from, cudaEvent_t to) {
 
 class StepGraph {
  public:
+  static constexpr size_t kMostTimes = 64;
+
   StepGraph(const StepKey& key, uint64_t generation)
       : key_(key), generation_(generation), begin_(make_event()), end_(make_event()) {}
   StepGraph(const StepGraph&) = delete;
   StepGraph& operator=(const StepGraph&) = delete;
   ~StepGraph() {
     if (executable_ != nullptr) cudaGraphExecDestroy(executable_);
-    for (const Stage& stage : stages_) {
-      cudaEventDestroy(stage.begin);
-      if (stage.end != nullptr) cudaEventDestroy(stage.end);
-    }
     cudaEventDestroy(begin_);
     cudaEventDestroy(end_);
   }
@@ -67,48 +67,58 @@ class StepGraph {
     cudaGraphDestroy(graph);
     check_cuda(error, "cudaGraphInstantiate");
   }
-  void begin_stage(const char* name, cudaStream_t stream) {
-    stages_.push_back({name, make_event(), nullptr});
-    check_cuda(cudaEventRecordWithFlags(stages_.back().begin, stream, cudaEventRecordExternal), name);
-  }
 
-  /// For a stage that others go on beside; else it ends where the next begins. Nothing if it is over already.
-  void end_stage(cudaStream_t stream) {
-    if (stages_.back().end != nullptr) return;
-    stages_.back().end = make_event();
-    check_cuda(cudaEventRecordWithFlags(stages_.back().end, stream, cudaEventRecordExternal), stages_.back().name);
+  // While it is recorded: which of its times a stage begins or ends at. A stage ends where the next begins, unless it
+  // is told where.
+  size_t begin_stage(const char* name) {
+    stages_.push_back({name, new_time(), kNoTime});
+    return stages_.back().begin;
   }
+  size_t end_stage() { return stages_.back().end = new_time(); }
+  size_t stages() const { return stages_.size(); }
+  size_t end() { return last_ = new_time(); }
 
-  /// Runs the graph and brings `bytes` from the device to pinned memory of the host; waits for both.
-  void launch(cudaStream_t stream, const void* result, uint64_t bytes, void* host) {
+  /// Runs the graph and brings `bytes` from the device to pinned memory of the host, and then the times, which it has
+  /// room for too; waits for all.
+  void launch(cudaStream_t stream, const void* result, uint64_t bytes, std::byte* host, const uint64_t* times) {
     check_cuda(cudaEventRecord(begin_, stream), "step");
     check_cuda(cudaGraphLaunch(executable_, stream), "step");
     check_cuda(cudaEventRecord(end_, stream), "step");
     check_cuda(cudaMemcpyAsync(host, result, bytes, cudaMemcpyDeviceToHost, stream), "step");
+    check_cuda(cudaMemcpyAsync(host + bytes, times, sizeof(times_), cudaMemcpyDeviceToHost, stream), "step");
     check_cuda(cudaStreamSynchronize(stream), "step");
+    std::memcpy(times_, host + bytes, sizeof(times_));
   }
 
   // Of the last launch.
   double milliseconds() const { return milliseconds_between(begin_, end_); }
   void add_stage_times(std::vector<StageTime>& times) const {
+    constexpr double kMillisecond = 1e6;
     for (size_t i = 0; i < stages_.size(); ++i)
-      times.push_back({stages_[i].name, milliseconds_between(stages_[i].begin, end_of(i))});
+      times.push_back({stages_[i].name, static_cast<double>(end_of(i) - times_[stages_[i].begin]) / kMillisecond});
   }
 
  private:
+  static constexpr size_t kNoTime = kMostTimes;
   struct Stage {
     const char* name;
-    cudaEvent_t begin, end;
+    size_t begin, end;  ///< times; kNoTime: where the next one begins
   };
-  cudaEvent_t end_of(size_t i) const {
-    if (stages_[i].end != nullptr) return stages_[i].end;
-    return i + 1 < stages_.size() ? stages_[i + 1].begin : end_;
+  size_t new_time() {
+    if (times_used_ == kMostTimes) throw DeviceError("a step has too many stages");
+    return times_used_++;
+  }
+  uint64_t end_of(size_t i) const {
+    if (stages_[i].end != kNoTime) return times_[stages_[i].end];
+    return times_[i + 1 < stages_.size() ? stages_[i + 1].begin : last_];
   }
   StepKey key_;
   uint64_t generation_;  ///< of the buffers that the recording holds addresses of
   cudaGraphExec_t executable_ = nullptr;
   cudaEvent_t begin_, end_;
   std::vector<Stage> stages_;
+  size_t times_used_ = 0, last_ = 0;
+  uint64_t times_[kMostTimes] = {};  ///< in nanoseconds, of the last launch
 };
 
 /// The recordings of a scene; those of old buffers go.
@@ -139,8 +149,7 @@ class StepGraphs {
   }
 
   bool is_recording() const { return recording_ != nullptr; }
-  void begin_stage(const char* name, cudaStream_t stream) { recording_->begin_stage(name, stream); }
-  void end_stage(cudaStream_t stream) { recording_->end_stage(stream); }
+  StepGraph& recording() { return *recording_; }
 
  private:
   std::vector<std::unique_ptr<StepGraph>> graphs_;

@@ -6,6 +6,6 @@
 namespace collided {
 
 /// Steps with equal keys run the same functions on the same arguments.
-using StepKey = std::array<double, 8>;
+using StepKey = std::array<double, 11>;
 
 }  // namespace collided

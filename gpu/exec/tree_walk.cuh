@@ -4,6 +4,7 @@
 // pair_queues.cuh.
 
 #include "gpu/exec/pair_queues.cuh"
+#include "gpu/exec/step_clock.cuh"
 #include "gpu/exec/warp_items.cuh"
 
 namespace collided {
@@ -11,7 +12,8 @@ namespace collided {
 /// `next` is a zeroed counter.
 template <class Source, class Sink>
 __global__ void __launch_bounds__(kSearchBlock)
-    tree_walk_kernel(uint64_t count, uint64_t* next, Source source, Sink sink) {
+    tree_walk_kernel(uint64_t* begin, uint64_t count, uint64_t* next, Source source, Sink sink) {
+  note_begin(begin);
   // Lanes wait for the slowest of them after this many steps, to hand over what they found.
   constexpr int kSteps = 4;
   __shared__ PairQueuesShared shared[kSearchBlock / 32];

@@ -24,18 +24,6 @@ struct CellSlice {
         count(smaller(kCellsOfGroup, level_offset(grid.base + 1) - first)) {}
 };
 
-struct ClearCounts {
-  using Shared = Nothing;
-  static constexpr uint32_t kGroupSize = 256;
-  const LevelGrid* grid;
-  Span<uint32_t> counts;
-
-  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
-    const CellSlice slice(*grid, i);
-    for (uint32_t k = group.rank; k < slice.count; k += group.size) counts[slice.first + k] = 0;
-  }
-};
-
 /// The cells of each triangle; none of a triangle that covers many.
 struct CellsOfTriangles {
   using Item = CoveredCells;

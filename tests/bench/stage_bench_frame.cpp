@@ -26,7 +26,7 @@ void bench_order(StageScene& s, Span<const uint64_t> keys, Span<const ContactDat
   measure(
       state, count, [&] { crowded = 0; },
       [&] {
-        put_in_order(s.exec, buffers, {&count, count}, keys, data, span_of(sorted), &crowded);
+        put_in_order(s.exec, buffers, {&count, count}, false, keys, data, span_of(sorted), &crowded);
       });
   state.counters["first_ids"] = static_cast<double>(first_ids);
   state.counters["crowded_ids"] = static_cast<double>(crowded);

@@ -141,8 +141,7 @@ class OctreeBuild {
 
   Counted all_boxes() const { return {nullptr, boxes_.size()}; }
   void count() {
-    const Counted groups{&cell_groups_, cell_groups_};
-    exec_.for_each_group("clear", groups, ClearCounts{&grid, counts.span()});
+    exec_.fill_zero(counts.span().data, level_offset(grid.base + 1) * sizeof(uint32_t));
     exec_.for_each_part("count", all_boxes(),
                         CountOverlappedCells{{&grid, boxes_}, counts.span(), {large.span(), &large_count}});
     exec_.for_each_group("count_large", large_items(), CountCellsOfLarge{&grid, boxes_, counts.span(), large.span()});

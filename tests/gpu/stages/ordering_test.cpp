@@ -49,6 +49,24 @@ TEST_P(Ordering, EqualsAPlainSort) {
   EXPECT_EQ(crowded > 0, shape.crowding > 0);
 }
 
+TEST(RankFew, EqualsAPlainSort) {
+  std::mt19937_64 random(7);
+  CpuExec exec(1, 0);
+  for (const uint64_t count : {uint64_t{0}, uint64_t{1}, uint64_t{2}, uint64_t{33}, kFewContacts}) {
+    std::vector<uint64_t> keys(count), sorted_keys(count), sorted(count);
+    for (uint64_t i = 0; i < count; ++i) keys[i] = random() % 16 << 32 | i;
+    std::shuffle(keys.begin(), keys.end(), random);
+    std::vector<uint64_t> expected = keys;
+    std::sort(expected.begin(), expected.end());
+    const Span<const uint64_t> given{keys.data(), count};
+    exec.for_each(
+        "rank_few", count,
+        RankFew<uint64_t>{{&count, count}, given, given, {sorted_keys.data(), count}, {sorted.data(), count}});
+    EXPECT_EQ(sorted_keys, expected);
+    EXPECT_EQ(sorted, expected);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Shapes, Ordering,
                          testing::Values(Shape{"none", 0, 10, 0}, Shape{"one", 1, 1, 0},
                                          Shape{"sparse", 5000, 20000, 0}, Shape{"dense", 20000, 500, 0},
