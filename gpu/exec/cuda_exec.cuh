@@ -28,21 +28,21 @@ constexpr unsigned kCountedBlock = 128;
 
 template <class F>
 __global__ void for_each_kernel(uint64_t* begin, uint64_t n, F f) {
-  note_begin(begin);
+  start_kernel(begin);
   const uint64_t stride = static_cast<uint64_t>(gridDim.x) * blockDim.x;
   for (uint64_t i = static_cast<uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) f(i);
 }
 
 template <class F>
 __global__ void __launch_bounds__(kCountedBlock) for_each_counted_kernel(uint64_t* begin, Counted n, F f) {
-  note_begin(begin);
+  start_kernel(begin);
   const uint64_t size = n.size(), stride = static_cast<uint64_t>(gridDim.x) * blockDim.x;
   for (uint64_t i = static_cast<uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < size; i += stride) f(i);
 }
 
 template <class F>
 __global__ void __launch_bounds__(F::kGroupSize) for_each_group_kernel(uint64_t* begin, Counted n, F f) {
-  note_begin(begin);
+  start_kernel(begin);
   __shared__ typename F::Shared shared;
   const uint64_t size = n.size();
   for (uint64_t i = blockIdx.x; i < size; i += gridDim.x) {
@@ -340,8 +340,17 @@ class CudaExec {
   template <class... Parameters, class... Arguments>
   void launch(const char* name, void (*kernel)(uint64_t*, Parameters...), unsigned blocks, unsigned block,
               const Arguments&... arguments) {
-    kernel<<<blocks, block, 0, stream_>>>(std::exchange(begin_, nullptr), arguments...);
-    check_cuda(cudaGetLastError(), name);
+    // Its blocks may come before the last of the kernel before it are gone; start_kernel() waits for what that wrote.
+    cudaLaunchAttribute early{};
+    early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+    early.val.programmaticStreamSerializationAllowed = 1;
+    cudaLaunchConfig_t config{};
+    config.gridDim = blocks;
+    config.blockDim = block;
+    config.stream = stream_;
+    config.attrs = &early;
+    config.numAttrs = 1;
+    check_cuda(cudaLaunchKernelEx(&config, kernel, std::exchange(begin_, nullptr), Parameters(arguments)...), name);
   }
   /// For what cannot note by itself when its stage begins.
   void begin_now() {

@@ -73,7 +73,7 @@ __device__ void do_parts(uint64_t first, uint64_t end, const F& f) {
 
 template <class F>
 __global__ void __launch_bounds__(kPartsBlock) for_each_part_kernel(uint64_t* begin, Counted n, F f) {
-  note_begin(begin);
+  start_kernel(begin);
   const uint64_t size = n.size(), warp = (static_cast<uint64_t>(blockIdx.x) * kPartsBlock + threadIdx.x) / 32;
   constexpr unsigned kItems = kItemsOfWarp<typename F::Item>;
   const uint64_t stride = static_cast<uint64_t>(gridDim.x) * (kPartsBlock / 32) * kItems;

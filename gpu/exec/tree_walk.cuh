@@ -13,7 +13,7 @@ namespace collided {
 template <class Source, class Sink>
 __global__ void __launch_bounds__(kSearchBlock)
     tree_walk_kernel(uint64_t* begin, uint64_t count, uint64_t* next, Source source, Sink sink) {
-  note_begin(begin);
+  start_kernel(begin);
   // Lanes wait for the slowest of them after this many steps, to hand over what they found.
   constexpr int kSteps = 4;
   __shared__ PairQueuesShared shared[kSearchBlock / 32];
