@@ -116,8 +116,8 @@ class CudaExec {
     check_cuda(cudaGetLastError(), name);
   }
 
-  /// For i in [0, n), item = f.item(i), part = item.part(k), k in [0, item.parts): f.act(item, f.find(part)), unless it
-  /// found kNothing. item.walk().next() are the same parts in turn.
+  /// For i in [0, n), item = f.item(i), part = item.part(k), k in [0, item.parts): f.act(item, found), where found is
+  /// f.find(part, f.look(part)) and not kNothing. item.walk().next() are the same parts in turn.
   template <class F>
   void for_each_part(const char* name, const Counted& n, const F& f) {
     if (n.most == 0 || reserving_) return;

@@ -51,12 +51,13 @@ __device__ uint32_t walk_parts(const typename F::Item& mine, const F& f) {
   auto walk = mine.walk();
   uint32_t done = 0;
   for (; lanes_walk(mine.parts - min(done, mine.parts)); done += kAtOnce) {
-    uint32_t found[kAtOnce];
+    uint32_t part[kAtOnce], seen[kAtOnce], found[kAtOnce];
 #pragma unroll
-    for (uint32_t j = 0; j < kAtOnce; ++j) {
-      const uint32_t part = walk.next();
-      found[j] = done + j < mine.parts ? f.find(part) : kNothing;
-    }
+    for (uint32_t j = 0; j < kAtOnce; ++j) part[j] = walk.next();
+#pragma unroll
+    for (uint32_t j = 0; j < kAtOnce; ++j) seen[j] = done + j < mine.parts ? f.look(part[j]) : 0;
+#pragma unroll
+    for (uint32_t j = 0; j < kAtOnce; ++j) found[j] = done + j < mine.parts ? f.find(part[j], seen[j]) : kNothing;
 #pragma unroll
     for (uint32_t j = 0; j < kAtOnce; ++j) {
       if (found[j] != kNothing) f.act(mine, found[j]);
@@ -86,7 +87,7 @@ __device__ void share_parts(const typename F::Item& mine, uint32_t done, const F
       const unsigned from = item_of_part(part, up_to);
       owner[j] = shuffled(mine, from);
       const uint32_t start = __shfl_sync(kAllLanes, up_to - left, from);
-      found[j] = part < all ? f.find(owner[j].part(done + part - start)) : kNothing;
+      found[j] = part < all ? found_in(f, owner[j].part(done + part - start)) : kNothing;
     }
 #pragma unroll
     for (int j = 0; j < kAtOnce; ++j) {

@@ -60,26 +60,32 @@ struct CoveredInBrick {
   }
 };
 
-/// act(find(cell)), unless it found kNothing, for the dense cells from the level `top` on that a large triangle covers;
-/// a group's threads share them.
-template <class Find, class Act>
+/// What cells are looked for, where it is the cells themselves.
+struct AnyCell {
+  COLLIDED_HD static uint32_t look(uint32_t) { return 0; }
+  COLLIDED_HD static uint32_t find(uint32_t cell, uint32_t) { return cell; }
+};
+
+/// act(wanted.find(cell, wanted.look(cell))), unless it found kNothing, for the dense cells from the level `top` on
+/// that a large triangle covers; a group's threads share them.
+template <class Wanted, class Act>
 COLLIDED_HD void for_each_found(const LevelGrid& grid, int top, const Box<float>& box, const Group& group,
-                                const Find& find, const Act& act) {
+                                const Wanted& wanted, const Act& act) {
   const LevelsOfCells levels(grid.range(grid.base, box), top, grid.base);
   const uint32_t cells = levels.cells();
   if (group.size == 1) {
     CellWalk walk(levels, 0);
     for (uint32_t k = 0; k < cells; ++k)
-      if (const uint32_t found = find(walk.next()); found != kNothing) act(found);
+      if (const uint32_t found = found_in(wanted, walk.next()); found != kNothing) act(found);
     return;
   }
   constexpr uint32_t kAtOnce = 4;  // so that they wait for the memory together
   for (uint32_t first = group.rank; first < cells; first += kAtOnce * group.size) {
-    uint32_t found[kAtOnce];
-    for (uint32_t j = 0; j < kAtOnce; ++j) {
-      const uint32_t k = first + j * group.size;
-      found[j] = k < cells ? find(levels.cell(k)) : kNothing;
-    }
+    const auto is_cell = [&](uint32_t j) { return first + j * group.size < cells; };
+    uint32_t cell[kAtOnce], seen[kAtOnce], found[kAtOnce];
+    for (uint32_t j = 0; j < kAtOnce; ++j) cell[j] = is_cell(j) ? levels.cell(first + j * group.size) : 0;
+    for (uint32_t j = 0; j < kAtOnce; ++j) seen[j] = is_cell(j) ? wanted.look(cell[j]) : 0;
+    for (uint32_t j = 0; j < kAtOnce; ++j) found[j] = is_cell(j) ? wanted.find(cell[j], seen[j]) : kNothing;
     for (uint32_t j = 0; j < kAtOnce; ++j)
       if (found[j] != kNothing) act(found[j]);
   }

@@ -76,8 +76,9 @@ struct ListInBricks {
   Tree tree;
   int round;
 
-  COLLIDED_HD uint32_t brick_of(uint32_t cell) const {
-    return tree.type[cell] == kRefined ? tree.slot[cell] : kNothing;
+  COLLIDED_HD uint32_t look(uint32_t cell) const { return tree.type[cell]; }
+  COLLIDED_HD uint32_t find(uint32_t cell, uint32_t type) const {
+    return type == kRefined ? tree.slot[cell] : kNothing;
   }
   COLLIDED_HD void put(uint32_t triangle, uint32_t brick) const {
     const uint64_t place = tree.first_brick_item(round) + claim_slot(tree.brick_item_counters[round]);
@@ -94,7 +95,8 @@ struct ListInFirstBricks {
     const LevelGrid grid = *list.tree.grid;
     return {static_cast<uint32_t>(i), grid, grid.deepest_range(boxes[i]), grid.base};
   }
-  COLLIDED_HD uint32_t find(uint32_t cell) const { return list.brick_of(cell); }
+  COLLIDED_HD uint32_t look(uint32_t cell) const { return list.look(cell); }
+  COLLIDED_HD uint32_t find(uint32_t cell, uint32_t type) const { return list.find(cell, type); }
   COLLIDED_HD void act(const Item& item, uint32_t brick) const { list.put(item.triangle, brick); }
 };
 struct ListLargeInFirstBricks {
@@ -107,9 +109,7 @@ struct ListLargeInFirstBricks {
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
     const LevelGrid grid = *list.tree.grid;
     const uint32_t triangle = large[i];
-    for_each_found(
-        grid, grid.base, boxes[triangle], group, [&](uint32_t cell) { return list.brick_of(cell); },
-        [&](uint32_t brick) { list.put(triangle, brick); });
+    for_each_found(grid, grid.base, boxes[triangle], group, list, [&](uint32_t brick) { list.put(triangle, brick); });
   }
 };
 
@@ -136,7 +136,8 @@ struct ListInNextBricks {
   CellsInBricks before;
 
   COLLIDED_HD Item item(uint64_t i) const { return before.from_level(kBrickLevels, i); }
-  COLLIDED_HD uint32_t find(uint32_t cell) const { return list.brick_of(cell); }
+  COLLIDED_HD uint32_t look(uint32_t cell) const { return list.look(cell); }
+  COLLIDED_HD uint32_t find(uint32_t cell, uint32_t type) const { return list.find(cell, type); }
   COLLIDED_HD void act(const Item& item, uint32_t brick) const { list.put(item.triangle, brick); }
 };
 
@@ -150,7 +151,8 @@ struct CountInBricks {
     if (item.parts > 0) atomic_add(cells.tree.reach[item.brick], item.bottom_cells());
     return item;
   }
-  COLLIDED_HD uint32_t find(uint32_t cell) const { return cell; }
+  COLLIDED_HD static uint32_t look(uint32_t cell) { return AnyCell::look(cell); }
+  COLLIDED_HD static uint32_t find(uint32_t cell, uint32_t seen) { return AnyCell::find(cell, seen); }
   COLLIDED_HD void act(const Item&, uint32_t cell) const { count_in(cells.tree.counts, cell); }
 };
 

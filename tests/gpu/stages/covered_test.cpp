@@ -116,9 +116,7 @@ TEST(Covered, EachCellOfALargeTriangleIsFoundOnceByOneThreadOrMany) {
     for (const uint32_t threads : {1u, 2u, 5u, 128u}) {
       Cells found;
       for (uint32_t rank = 0; rank < threads; ++rank)
-        for_each_found(
-            grid, grid.top, box, {rank, threads}, [](uint32_t cell) { return cell; },
-            [&](uint32_t cell) { found.push_back(cell); });
+        for_each_found(grid, grid.top, box, {rank, threads}, AnyCell{}, [&](uint32_t cell) { found.push_back(cell); });
       std::sort(found.begin(), found.end());
       EXPECT_EQ(found, expected) << threads;
     }
