@@ -16,6 +16,13 @@ struct Counted {
 /// A part of an item (for_each_part) that there is nothing to do for.
 constexpr uint32_t kNothing = ~0u;
 
+/// What there is to do for a part: find() goes on from what look() read. They are two, so that a GPU's thread can look
+/// at several parts at once and then wait for the memory only once more.
+template <class F>
+COLLIDED_HD uint32_t found_in(const F& f, uint32_t part) {
+  return f.find(part, f.look(part));
+}
+
 /// The threads that work on one item: a block of a GPU, or one thread of a CPU.
 /// A functor for them has a type Shared, memory of the group, and kGroupSize, threads on a GPU.
 struct Group {

@@ -83,13 +83,15 @@ class CpuExec {
     });
   }
 
-  /// For i in [0, n), item = f.item(i), k in [0, item.parts): f.act(item, f.find(item, k)), unless it found kNothing.
+  /// For i in [0, n), item = f.item(i), part = item.part(k), k in [0, item.parts): f.act(item, found), where found is
+  /// f.find(part, f.look(part)) and not kNothing. item.walk().next() are the same parts in turn.
   template <class F>
   void for_each_part(const char* name, const Counted& n, const F& f) {
     for_each(name, n.size(), [&](uint64_t i) {
       const typename F::Item item = f.item(i);
+      auto walk = item.walk();
       for (uint32_t k = 0; k < item.parts; ++k)
-        if (const uint32_t found = f.find(item, k); found != kNothing) f.act(item, found);
+        if (const uint32_t found = found_in(f, walk.next()); found != kNothing) f.act(item, found);
     });
   }
 

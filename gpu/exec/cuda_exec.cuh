@@ -127,12 +127,13 @@ class CudaExec {
     launch(name, for_each_group_kernel<F>, blocks, F::kGroupSize, n, f);
   }
 
-  /// For i in [0, n), item = f.item(i), k in [0, item.parts): f.act(item, f.find(item, k)), unless it found kNothing.
+  /// For i in [0, n), item = f.item(i), part = item.part(k), k in [0, item.parts): f.act(item, found), where found is
+  /// f.find(part, f.look(part)) and not kNothing. item.walk().next() are the same parts in turn.
   template <class F>
   void for_each_part(const char* name, const Counted& n, const F& f) {
     if (n.most == 0 || reserving_) return;
-    constexpr unsigned kItemsOfBlock = kPartsBlock / 32 * kItemsOfWarp<typename F::Item>, kBlocksPerProcessor = 64;
-    const unsigned blocks = std::min(blocks_for(n.most, kItemsOfBlock), kBlocksPerProcessor * processors_);
+    constexpr unsigned kBlocksPerProcessor = 64;
+    const unsigned blocks = std::min(blocks_for(n.most, kPartsBlock), kBlocksPerProcessor * processors_);
     launch(name, for_each_part_kernel<F>, blocks, kPartsBlock, n, f);
   }
 

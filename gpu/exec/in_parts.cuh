@@ -1,6 +1,6 @@
 #pragma once
-// Items of many parts, on a GPU: the parts of some items are laid end to end and shared by the lanes of a warp, so that
-// neither a lane nor its warp waits for the item with most.
+// Items of some parts, on a GPU: each lane of a warp has an item and walks its parts, in step with the others. What is
+// left when few lanes still walk is laid end to end and shared by all, so that no warp waits for the item with most.
 
 #include <cstring>
 
@@ -12,15 +12,15 @@ namespace collided {
 
 constexpr unsigned kPartsBlock = 128;
 
-/// Items that a warp takes at once: fewer of those that may have many parts, for then one alone keeps it busy.
-template <class Item>
-constexpr unsigned kItemsOfWarp = Item::kMostParts <= 128 ? 8 : 4;
+/// Lanes that are enough to walk on: a part that is found by its place takes as long as several steps of a walk.
+constexpr int kBusyLanes = 8;
+/// Parts of a lane that are walked however few the lanes are: to share them out takes as long.
+constexpr uint32_t kFewParts = 8;
 
 /// Which item a part belongs to, of those whose parts end where `end` says, lane by lane.
-template <unsigned items>
-__device__ unsigned item_of_part(uint32_t part, uint32_t end) {
+__device__ inline unsigned item_of_part(uint32_t part, uint32_t end) {
   unsigned item = 0;
-  for (unsigned step = items / 2; step > 0; step /= 2)
+  for (unsigned step = 16; step > 0; step /= 2)
     if (part >= __shfl_sync(kAllLanes, end, item + step - 1)) item += step;
   return item;
 }
@@ -38,30 +38,57 @@ __device__ T shuffled(const T& value, unsigned lane) {
   return out;
 }
 
-/// The parts of items [first, end), as many as a warp takes at once.
+/// Whether the lanes, with `left` parts each, had better walk than share.
+__device__ inline bool lanes_walk(uint32_t left) {
+  const unsigned lanes = __ballot_sync(kAllLanes, left > 0);
+  const bool any_has_many = __any_sync(kAllLanes, left > kFewParts);
+  return __popc(lanes) >= kBusyLanes || (lanes != 0 && !any_has_many);
+}
+
+/// Each lane walks its item, as long as it is worth it; returns how many parts of each are done.
 template <class F>
-__device__ void do_parts(uint64_t first, uint64_t end, const F& f) {
-  constexpr unsigned kItems = kItemsOfWarp<typename F::Item>;
-  const uint64_t item = first + lane_id();
-  typename F::Item mine{};
-  if (lane_id() < kItems && item < end) mine = f.item(item);
-  uint32_t up_to = mine.parts;
-  for (unsigned offset = 1; offset < kItems; offset *= 2) {
+__device__ uint32_t walk_parts(const typename F::Item& mine, const F& f) {
+  constexpr uint32_t kAtOnce = 4;  // so that they wait for the memory together
+  auto walk = mine.walk();
+  uint32_t done = 0;
+  for (; lanes_walk(mine.parts - min(done, mine.parts)); done += kAtOnce) {
+    uint32_t part[kAtOnce], seen[kAtOnce], found[kAtOnce];
+#pragma unroll
+    for (uint32_t j = 0; j < kAtOnce; ++j) part[j] = walk.next();
+#pragma unroll
+    for (uint32_t j = 0; j < kAtOnce; ++j) seen[j] = done + j < mine.parts ? f.look(part[j]) : 0;
+#pragma unroll
+    for (uint32_t j = 0; j < kAtOnce; ++j) found[j] = done + j < mine.parts ? f.find(part[j], seen[j]) : kNothing;
+#pragma unroll
+    for (uint32_t j = 0; j < kAtOnce; ++j) {
+      if (found[j] != kNothing) f.act(mine, found[j]);
+      __syncwarp();
+    }
+  }
+  return done;
+}
+
+/// All parts of the lanes' items but the first `done` of each, laid end to end.
+template <class F>
+__device__ void share_parts(const typename F::Item& mine, uint32_t done, const F& f) {
+  const uint32_t left = mine.parts - min(done, mine.parts);
+  uint32_t up_to = left;
+  for (unsigned offset = 1; offset < 32; offset *= 2) {
     const uint32_t before = __shfl_up_sync(kAllLanes, up_to, offset);
     if (lane_id() >= offset) up_to += before;
   }
-  const uint32_t all = __shfl_sync(kAllLanes, up_to, kItems - 1);
-  constexpr int kAtOnce = 2;  // so that they wait for the memory together
+  const uint32_t all = __shfl_sync(kAllLanes, up_to, 31);
+  constexpr int kAtOnce = 2;
   for (uint32_t first_part = 0; first_part < all; first_part += kAtOnce * 32) {
     typename F::Item owner[kAtOnce];
     uint32_t found[kAtOnce];
 #pragma unroll
     for (int j = 0; j < kAtOnce; ++j) {
       const uint32_t part = first_part + static_cast<uint32_t>(j) * 32 + lane_id();
-      const unsigned from = item_of_part<kItems>(part, up_to);
+      const unsigned from = item_of_part(part, up_to);
       owner[j] = shuffled(mine, from);
-      const uint32_t start = __shfl_sync(kAllLanes, up_to - mine.parts, from);
-      found[j] = part < all ? f.find(owner[j], part - start) : kNothing;
+      const uint32_t start = __shfl_sync(kAllLanes, up_to - left, from);
+      found[j] = part < all ? found_in(f, owner[j].part(done + part - start)) : kNothing;
     }
 #pragma unroll
     for (int j = 0; j < kAtOnce; ++j) {
@@ -71,13 +98,25 @@ __device__ void do_parts(uint64_t first, uint64_t end, const F& f) {
   }
 }
 
+/// Items that a warp takes at once: where they are few, fewer, for there are warps enough.
+__device__ inline uint64_t items_of_warp(uint64_t size, uint64_t warps) {
+  constexpr uint64_t kFewest = 4;
+  return size >= 32 * warps ? 32 : max(kFewest, (size + warps - 1) / warps);
+}
+
 template <class F>
 __global__ void __launch_bounds__(kPartsBlock) for_each_part_kernel(uint64_t* begin, Counted n, F f) {
   start_kernel(begin);
   const uint64_t size = n.size(), warp = (static_cast<uint64_t>(blockIdx.x) * kPartsBlock + threadIdx.x) / 32;
-  constexpr unsigned kItems = kItemsOfWarp<typename F::Item>;
-  const uint64_t stride = static_cast<uint64_t>(gridDim.x) * (kPartsBlock / 32) * kItems;
-  for (uint64_t first = warp * kItems; first < size; first += stride) do_parts(first, size, f);
+  const uint64_t warps = static_cast<uint64_t>(gridDim.x) * (kPartsBlock / 32), items = items_of_warp(size, warps);
+  for (uint64_t first = warp * items; first < size; first += warps * items) {
+    const uint64_t item = first + lane_id();
+    typename F::Item mine{};
+    if (lane_id() < items && item < size) mine = f.item(item);
+    __syncwarp();
+    const uint32_t done = walk_parts(mine, f);
+    if (__any_sync(kAllLanes, mine.parts > done)) share_parts(mine, done, f);
+  }
 }
 
 }  // namespace collided

@@ -104,16 +104,6 @@ COLLIDED_HD inline LevelGrid grid_over(const Box<float>& bounds, int top, int ba
   return {bounds.lo, cells < kMost ? cells : side > 0 ? kMost : 0.0f, top, base};
 }
 
-/// visit(cell) for every cell of a range; a group's threads share the rows.
-template <class Visit>
-COLLIDED_HD void for_each_cell(const CellRange& range, uint32_t rank, uint32_t threads, const Visit& visit) {
-  const uint32_t height = range.hi.y - range.lo.y + 1, rows = height * (range.hi.z - range.lo.z + 1);
-  for (uint32_t row = rank; row < rows; row += threads) {
-    Coords cell{0, range.lo.y + row % height, range.lo.z + row / height};
-    for (cell.x = range.lo.x; cell.x <= range.hi.x; ++cell.x) visit(cell);
-  }
-}
-
 /// A leaf of the octree grid: its place and the triangles registered in it.
 struct Leaf {
   Coords cell;

@@ -47,7 +47,8 @@ struct CountOverlappedCells {
     if (item.parts == 0) large.push(item.triangle);
     return item;
   }
-  COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return item.cell(k); }
+  COLLIDED_HD static uint32_t look(uint32_t cell) { return AnyCell::look(cell); }
+  COLLIDED_HD static uint32_t find(uint32_t cell, uint32_t seen) { return AnyCell::find(cell, seen); }
   COLLIDED_HD void act(const Item&, uint32_t cell) const { count_in(counts, cell); }
 };
 
@@ -61,8 +62,7 @@ struct CountCellsOfLarge {
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
     const LevelGrid g = *grid;
-    visit_dense_cells(g, g.deepest_range(boxes[large[i]]), group.rank, group.size,
-                      [&](uint32_t cell) { count_in(counts, cell); });
+    for_each_found(g, g.top, boxes[large[i]], group, AnyCell{}, [&](uint32_t cell) { count_in(counts, cell); });
   }
 };
 

@@ -76,8 +76,9 @@ struct ListInBricks {
   Tree tree;
   int round;
 
-  COLLIDED_HD uint32_t brick_of(uint32_t cell) const {
-    return tree.type[cell] == kRefined ? tree.slot[cell] : kNothing;
+  COLLIDED_HD uint32_t look(uint32_t cell) const { return tree.type[cell]; }
+  COLLIDED_HD uint32_t find(uint32_t cell, uint32_t type) const {
+    return type == kRefined ? tree.slot[cell] : kNothing;
   }
   COLLIDED_HD void put(uint32_t triangle, uint32_t brick) const {
     const uint64_t place = tree.first_brick_item(round) + claim_slot(tree.brick_item_counters[round]);
@@ -94,7 +95,8 @@ struct ListInFirstBricks {
     const LevelGrid grid = *list.tree.grid;
     return {static_cast<uint32_t>(i), grid, grid.deepest_range(boxes[i]), grid.base};
   }
-  COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return list.brick_of(item.cell(k)); }
+  COLLIDED_HD uint32_t look(uint32_t cell) const { return list.look(cell); }
+  COLLIDED_HD uint32_t find(uint32_t cell, uint32_t type) const { return list.find(cell, type); }
   COLLIDED_HD void act(const Item& item, uint32_t brick) const { list.put(item.triangle, brick); }
 };
 struct ListLargeInFirstBricks {
@@ -106,10 +108,8 @@ struct ListLargeInFirstBricks {
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
     const LevelGrid grid = *list.tree.grid;
-    visit_cells_of_level(grid.base, grid.deepest_range(boxes[large[i]]), group.rank, group.size, [&](uint32_t cell) {
-      const uint32_t brick = list.brick_of(cell);
-      if (brick != kNothing) list.put(large[i], brick);
-    });
+    const uint32_t triangle = large[i];
+    for_each_found(grid, grid.base, boxes[triangle], group, list, [&](uint32_t brick) { list.put(triangle, brick); });
   }
 };
 
@@ -120,11 +120,13 @@ struct CellsInBricks {
   Span<const Box<float>> boxes;
   int round;
 
-  COLLIDED_HD Item operator()(uint64_t i) const {
+  COLLIDED_HD Item operator()(uint64_t i) const { return from_level(1, i); }
+  /// Those from a level below the brick's root on.
+  COLLIDED_HD Item from_level(int top, uint64_t i) const {
     const uint64_t place = tree.first_brick_item(round) + i;
     if (place >= tree.brick_items.size()) return {};
     const BrickItem item = tree.brick_items[place];
-    return {tree, item, tree.grid->deepest_range(boxes[item.triangle])};
+    return {tree, item, tree.grid->deepest_range(boxes[item.triangle]), top};
   }
 };
 /// Those of a later round, by the bottom cells of the round before.
@@ -133,12 +135,9 @@ struct ListInNextBricks {
   ListInBricks list;
   CellsInBricks before;
 
-  COLLIDED_HD Item item(uint64_t i) const {
-    Item item = before(i);
-    if (item.parts > 0) item.parts = item.cells_at(kBrickLevels);
-    return item;
-  }
-  COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return list.brick_of(item.cell(k)); }
+  COLLIDED_HD Item item(uint64_t i) const { return before.from_level(kBrickLevels, i); }
+  COLLIDED_HD uint32_t look(uint32_t cell) const { return list.look(cell); }
+  COLLIDED_HD uint32_t find(uint32_t cell, uint32_t type) const { return list.find(cell, type); }
   COLLIDED_HD void act(const Item& item, uint32_t brick) const { list.put(item.triangle, brick); }
 };
 
@@ -149,10 +148,11 @@ struct CountInBricks {
 
   COLLIDED_HD Item item(uint64_t i) const {
     const Item item = cells(i);
-    if (item.parts > 0) atomic_add(cells.tree.reach[item.brick], item.cells_at(kBrickLevels));
+    if (item.parts > 0) atomic_add(cells.tree.reach[item.brick], item.bottom_cells());
     return item;
   }
-  COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return item.cell(k); }
+  COLLIDED_HD static uint32_t look(uint32_t cell) { return AnyCell::look(cell); }
+  COLLIDED_HD static uint32_t find(uint32_t cell, uint32_t seen) { return AnyCell::find(cell, seen); }
   COLLIDED_HD void act(const Item&, uint32_t cell) const { count_in(cells.tree.counts, cell); }
 };
 

@@ -14,7 +14,8 @@ struct Registration {
   Span<uint32_t> registered;
 
   /// A cell's leaf, if it is one and has a place.
-  COLLIDED_HD uint32_t leaf_of(uint32_t cell) const { return tree.type[cell] == kLeaf ? tree.slot[cell] : kNoLeaf; }
+  COLLIDED_HD uint32_t look(uint32_t cell) const { return tree.type[cell]; }
+  COLLIDED_HD uint32_t find(uint32_t cell, uint32_t type) const { return type == kLeaf ? tree.slot[cell] : kNoLeaf; }
   COLLIDED_HD void put(uint32_t triangle, uint32_t leaf) const { registered[count_up(cursor, leaf)] = triangle; }
 };
 
@@ -26,7 +27,8 @@ struct RegisterTriangles {
   Cells cells;
 
   COLLIDED_HD Item item(uint64_t i) const { return cells(i); }
-  COLLIDED_HD uint32_t find(const Item& item, uint32_t k) const { return registration.leaf_of(item.cell(k)); }
+  COLLIDED_HD uint32_t look(uint32_t cell) const { return registration.look(cell); }
+  COLLIDED_HD uint32_t find(uint32_t cell, uint32_t type) const { return registration.find(cell, type); }
   COLLIDED_HD void act(const Item& item, uint32_t leaf) const { registration.put(item.triangle, leaf); }
 };
 
@@ -39,10 +41,9 @@ struct RegisterLarge {
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
     const LevelGrid grid = *registration.tree.grid;
-    visit_dense_cells(grid, grid.deepest_range(boxes[large[i]]), group.rank, group.size, [&](uint32_t cell) {
-      const uint32_t leaf = registration.leaf_of(cell);
-      if (leaf != kNoLeaf) registration.put(large[i], leaf);
-    });
+    const uint32_t triangle = large[i];
+    for_each_found(grid, grid.top, boxes[triangle], group, registration,
+                   [&](uint32_t leaf) { registration.put(triangle, leaf); });
   }
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the stages of the octree grid share: per-cell arrays, bricks, and the walk over the cells that a box covers.
+// What the stages of the octree grid share: per-cell arrays and bricks.
 
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/counted.hpp"
@@ -50,18 +50,5 @@ struct Tree {
     return sum < most ? sum : most;
   }
 };
-
-/// visit(index of the cell) for the dense cells of a level that a box covers.
-template <class Visit>
-COLLIDED_HD void visit_cells_of_level(int level, const CellRange& deepest, uint32_t rank, uint32_t threads,
-                                      const Visit& visit) {
-  for_each_cell(shifted(deepest, kDeepest - level), rank, threads, [&](const Coords& c) { visit(cell_id(level, c)); });
-}
-/// The same for all active levels.
-template <class Visit>
-COLLIDED_HD void visit_dense_cells(const LevelGrid& grid, const CellRange& deepest, uint32_t rank, uint32_t threads,
-                                   const Visit& visit) {
-  for (int level = grid.top; level <= grid.base; ++level) visit_cells_of_level(level, deepest, rank, threads, visit);
-}
 
 }  // namespace collided

@@ -43,9 +43,8 @@ CutOctree random_tree(uint32_t seed, int top, int base) {
     const Coords lo{below(side), below(side) / 2, below(side) / 4};
     const Coords hi{std::min(side - 1, lo.x + below(3)), std::min(side - 1, lo.y + below(3)),
                     std::min(side - 1, lo.z + below(3))};
-    for (int level = top; level <= base; ++level)
-      for_each_cell(shifted(CellRange{lo, hi}, base - level), 0, 1,
-                    [&](const Coords& c) { ++tree.counts[cell_id(level, c)]; });
+    const LevelsOfCells covered({lo, hi}, top, base);
+    for (uint32_t k = 0; k < covered.cells(); ++k) ++tree.counts[covered.cell(k)];
   }
   return tree;
 }

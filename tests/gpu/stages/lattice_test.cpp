@@ -4,11 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
-#include <vector>
 
 namespace collided::test {
 namespace {
@@ -57,18 +55,6 @@ TEST(Lattice, GridOverNothingHasOneCell) {
   const LevelGrid point = grid_over({{3, 3, 3}, {3, 3, 3}}, 0, 5);
   EXPECT_EQ(point.deepest_range({{3, 3, 3}, {3, 3, 3}}).size(), 1u);
   EXPECT_EQ(point.deepest_range({{-1e30f, 3, 3}, {1e30f, 3, 3}}).size(), 1u);
-}
-
-TEST(Lattice, EachCellOfARangeIsVisitedOnceByOneThreadOrMany) {
-  const CellRange range{{3, 7, 1}, {5, 9, 6}};
-  for (const uint32_t threads : {1u, 2u, 5u, 64u}) {
-    std::vector<uint64_t> seen;
-    for (uint32_t rank = 0; rank < threads; ++rank)
-      for_each_cell(range, rank, threads, [&](const Coords& c) { seen.push_back(c.x * 10000 + c.y * 100 + c.z); });
-    std::sort(seen.begin(), seen.end());
-    EXPECT_EQ(std::unique(seen.begin(), seen.end()), seen.end());
-    EXPECT_EQ(seen.size(), range.size());
-  }
 }
 
 TEST(Rounding, NextNumbersAreTheStandardLibrarys) {
