@@ -150,7 +150,7 @@ class CudaExec {
   template <class Source, class Sink>
   void walk(const char* name, uint64_t items, uint64_t* next, const Source& source, const Sink& sink) {
     if (items == 0 || reserving_) return;
-    const unsigned most = blocks_for(items, kSearchBlock);
+    const unsigned most = blocks_for(items, kSearchBlock / 32 * kFewestWalks);
     const unsigned blocks = std::min(most, resident_blocks(name, tree_walk_kernel<Source, Sink>, kSearchBlock));
     tree_walk_kernel<<<blocks, kSearchBlock, 0, stream_>>>(items, next, source, sink);
     check_cuda(cudaGetLastError(), name);
