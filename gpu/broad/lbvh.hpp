@@ -38,8 +38,8 @@ constexpr uint32_t kNoNode = ~0u;
 
 /// What the leaves are sorted by: whether the triangle is large, then the Morton code of its box's centre.
 struct MortonKeys {
-  static constexpr int kAxisBits = 15;
-  static constexpr int kBits = 3 * kAxisBits + 1;
+  static constexpr int kMostAxisBits = 15;
+  static constexpr int kBits = 3 * kMostAxisBits + 1;
   static constexpr uint64_t kMuchLarger = 16;  ///< times the mean
 
   const Box<float>* bounds;
@@ -47,12 +47,19 @@ struct MortonKeys {
   Span<const Box<float>> boxes;
   Span<uint64_t> keys;
   Span<uint32_t> triangles, meeting;
+  int axis_bits = kMostAxisBits;
+
+  /// A sort goes over the keys once for every eight bits. Where triangles are few, one round less is worth more than
+  /// the boxes that walks then meet: no more than before in most scenes, up to 1.6 times as many where scales are
+  /// mixed.
+  static constexpr int axis_bits_for(uint64_t triangles) { return triangles <= (1u << 16) ? 13 : kMostAxisBits; }
+  int bits() const { return 3 * axis_bits + 1; }
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const Box<float> box = boxes[i];
-    const Coords c = shifted(grid_over(*bounds, 0, 0).deepest_cell(centre(box)), kDeepest - kAxisBits);
+    const Coords c = shifted(grid_over(*bounds, 0, 0).deepest_cell(centre(box)), kDeepest - axis_bits);
     const uint64_t large = mean.is_exceeded(box, kMuchLarger) ? 1 : 0;
-    keys[i] = large << (3 * kAxisBits) | long_morton(c);
+    keys[i] = large << (3 * axis_bits) | long_morton(c);
     triangles[i] = static_cast<uint32_t>(i);
     meeting[i] = kNoNode;
   }
@@ -151,6 +158,7 @@ struct BvhPairs {
     const BvhNode leaf = nodes[part.leaf];
     return {leaf.box(), leaf.triangle(), 0, part.leaf, part.node};
   }
+
   /// What a part met: partners, and where else it has to go on.
   struct Met {
     uint32_t found[2] = {0, 0};
