@@ -26,14 +26,15 @@ class LbvhPhase {
   void sort() {
     const StepState* state = scene_.state.data();
     BvhBuffers<Exec>& bvh = scene_.bvh;
-    exec_.for_each("morton_keys", leaves(),
-                   MortonKeys{&state->bounds,
-                              {&state->bounds, &state->extents, leaves()},
-                              boxes(),
-                              bvh.keys[0].all(),
-                              bvh.triangles[0].all(),
-                              bvh.meeting.all()});
-    sorted_ = exec_.sort_pairs("sort_leaves", MortonKeys::kBits,
+    const MortonKeys keys{&state->bounds,
+                          {&state->bounds, &state->extents, leaves()},
+                          boxes(),
+                          bvh.keys[0].all(),
+                          bvh.triangles[0].all(),
+                          bvh.meeting.all(),
+                          MortonKeys::axis_bits_for(leaves())};
+    exec_.for_each("morton_keys", leaves(), keys);
+    sorted_ = exec_.sort_pairs("sort_leaves", keys.bits(),
                                {bvh.keys[0].all(), bvh.keys[1].all(), bvh.triangles[0].all(), bvh.triangles[1].all()});
     is_counted_ = false;
   }

@@ -79,7 +79,7 @@ struct BvhBuffers {
     for (auto& buffer : keys) buffer.allocate(leaves);
     for (auto& buffer : triangles) buffer.allocate(leaves);
     meeting.allocate(leaves);
-    nodes.allocate(2 * leaves - 1);
+    nodes.allocate(2 * leaves - 2);
   }
 
   Buffer<uint64_t, Exec> keys[2];  ///< the second is room to sort in

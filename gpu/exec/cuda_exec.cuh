@@ -159,7 +159,7 @@ class CudaExec {
   template <class Source, class Sink>
   void walk(const char* name, uint64_t items, uint64_t* next, const Source& source, const Sink& sink) {
     if (items == 0 || reserving_) return;
-    const unsigned most = blocks_for(items, kSearchBlock);
+    const unsigned most = blocks_for(items, kSearchBlock / 32 * kFewestWalks);
     const unsigned blocks = std::min(most, resident_blocks(name, tree_walk_kernel<Source, Sink>, kSearchBlock));
     launch(name, tree_walk_kernel<Source, Sink>, blocks, kSearchBlock, items, next, source, sink);
   }

@@ -28,23 +28,24 @@ struct TestHierarchy {
   uint64_t extents = 0;
   CpuExec exec{2, 0};
 
-  explicit TestHierarchy(std::vector<Box<float>> of)
+  explicit TestHierarchy(std::vector<Box<float>> of, int axis_bits = MortonKeys::kMostAxisBits)
       : boxes(std::move(of)),
         keys(boxes.size()),
         other_keys(boxes.size()),
         triangles(boxes.size()),
         other_triangles(boxes.size()),
         meeting(boxes.size()),
-        nodes(2 * boxes.size() - 1) {
+        nodes(2 * boxes.size() - 2) {
     for (const Box<float>& box : boxes) extents += extent_of(box, bounds);
-    exec.for_each("keys", boxes.size(),
-                  MortonKeys{&bounds,
-                             {&bounds, &extents, boxes.size()},
-                             span_of(boxes),
-                             span_of(keys),
-                             span_of(triangles),
-                             span_of(meeting)});
-    if (exec.sort_pairs("sort", MortonKeys::kBits,
+    const MortonKeys codes{&bounds,
+                           {&bounds, &extents, boxes.size()},
+                           span_of(boxes),
+                           span_of(keys),
+                           span_of(triangles),
+                           span_of(meeting),
+                           axis_bits};
+    exec.for_each("keys", boxes.size(), codes);
+    if (exec.sort_pairs("sort", codes.bits(),
                         {span_of(keys), span_of(other_keys), span_of(triangles), span_of(other_triangles)}) == 1) {
       keys.swap(other_keys);
       triangles.swap(other_triangles);
@@ -54,9 +55,6 @@ struct TestHierarchy {
                       {span_of(keys), leaves()}, span_of(triangles), span_of(boxes), span_of(meeting), span_of(nodes)});
   }
   uint32_t leaves() const { return static_cast<uint32_t>(boxes.size()); }
-  bool is_leaf(uint32_t node) const { return node >= leaves() - 1; }
-  /// The second child is where the rope of the first leads.
-  uint32_t second_child(uint32_t node) const { return nodes[nodes[node].child].rope; }
 };
 
 bool contains(const Box<float>& outer, const Box<float>& inner) {
@@ -66,26 +64,35 @@ bool contains(const Box<float>& outer, const Box<float>& inner) {
 bool same(const Box<float>& a, const Box<float>& b) { return contains(a, b) && contains(b, a); }
 
 /// Leaves below a node in order; checks its box, and that its rope is `rope`.
-void visit(const TestHierarchy& tree, uint32_t node, uint32_t rope, std::vector<uint32_t>& leaves) {
-  ASSERT_LT(node, tree.nodes.size());
-  EXPECT_EQ(tree.nodes[node].rope, rope) << node;
-  if (tree.is_leaf(node)) {
-    EXPECT_TRUE(same(tree.nodes[node].box(), tree.boxes[tree.nodes[node].child]));
-    return leaves.push_back(node - (tree.leaves() - 1));
+void visit(const TestHierarchy& tree, uint32_t number, uint32_t rope, std::vector<uint32_t>& triangles) {
+  ASSERT_LT(number, tree.nodes.size());
+  const BvhNode& node = tree.nodes[number];
+  EXPECT_EQ(node.rope, rope) << number;
+  if (node.is_leaf()) {
+    EXPECT_TRUE(same(node.box(), tree.boxes[node.triangle()]));
+    return triangles.push_back(node.triangle());
   }
-  const uint32_t first = tree.nodes[node].child, second = tree.second_child(node);
-  ASSERT_LT(second, tree.nodes.size());
-  EXPECT_TRUE(same(tree.nodes[node].box(), join(tree.nodes[first].box(), tree.nodes[second].box())));
-  visit(tree, first, second, leaves);
-  visit(tree, second, rope, leaves);
+  ASSERT_LT(node.child + 1, tree.nodes.size());
+  EXPECT_TRUE(same(node.box(), join(tree.nodes[node.child].box(), tree.nodes[node.child + 1].box())));
+  visit(tree, node.child, node.child + 1, triangles);
+  visit(tree, node.child + 1, rope, triangles);
+}
+
+/// The first of the right children that end with the last leaf.
+uint32_t left_of_root(const TestHierarchy& tree) {
+  uint32_t left = 0;
+  while (tree.nodes[left + 1].rope != kNoNode) left += 2;
+  return left;
 }
 
 void expect_tree(const TestHierarchy& tree) {
-  std::vector<uint32_t> leaves, expected(tree.leaves());
-  visit(tree, 0, kNoNode, leaves);
+  std::vector<uint32_t> triangles = tree.triangles, visited, expected(tree.leaves());
+  if (tree.leaves() > 1) {
+    visit(tree, left_of_root(tree), left_of_root(tree) + 1, visited);
+    visit(tree, left_of_root(tree) + 1, kNoNode, visited);
+    EXPECT_EQ(visited, triangles) << "each leaf once, from left to right";
+  }
   for (uint32_t i = 0; i < tree.leaves(); ++i) expected[i] = i;
-  EXPECT_EQ(leaves, expected) << "each leaf once, from left to right";
-  std::vector<uint32_t> triangles = tree.triangles;
   std::sort(triangles.begin(), triangles.end());
   EXPECT_EQ(triangles, expected) << "each triangle once";
   EXPECT_TRUE(std::is_sorted(tree.keys.begin(), tree.keys.end()));
@@ -93,19 +100,62 @@ void expect_tree(const TestHierarchy& tree) {
 
 using Pairs = std::multiset<std::pair<uint32_t, uint32_t>>;
 
-void expect_pairs(const TestHierarchy& tree) {
+/// What walks found, and how many boxes they met.
+struct Found {
+  Pairs pairs;
   uint64_t tests = 0;
-  const BvhPairs source{{tree.nodes.data(), tree.nodes.size()}, tree.leaves(), {}, &tests};
-  Pairs found, expected;
-  uint64_t steps = 0;
+};
+
+Found walked_by_ropes(const TestHierarchy& tree, const BvhPairs& source) {
+  Found found;
   for (uint32_t i = 0; i < tree.leaves(); ++i)
-    steps += walk_item(source, i, [&](uint32_t a, uint32_t b) { found.insert(std::minmax(a, b)); });
-  source.add_tests(steps);
+    found.tests += walk_item(source, i, [&](uint32_t a, uint32_t b) { found.pairs.insert(std::minmax(a, b)); });
+  return found;
+}
+
+/// As the lanes of a warp do it: parts wait until some lane takes them. With room for few, others are walked alone.
+Found walked_in_parts(const TestHierarchy& tree, const BvhPairs& source, size_t room) {
+  Found found;
+  for (uint32_t i = 0; i < tree.leaves(); ++i) {
+    std::vector<BvhPairs::Part> waiting;
+    const auto meet = [&](BvhPairs::Walk& walk, bool alone) {
+      const BvhPairs::Met met = alone ? source.meet_one(walk) : source.meet(walk);
+      for (uint32_t k = 0; k < 2; ++k)
+        if ((met.partners >> k & 1u) != 0) found.pairs.insert(std::minmax(walk.triangle, met.found[k]));
+      if (met.has_other()) waiting.push_back({walk.leaf, met.other});
+      found.tests += met.tests;
+    };
+    for (BvhPairs::Walk walk = source.walk(i);;) {
+      if (walk.is_over()) {
+        if (waiting.empty()) break;
+        walk = source.resume(waiting.back());
+        waiting.pop_back();
+      } else if (waiting.size() < room) {
+        meet(walk, false);
+      } else {
+        const BvhPairs::Stretch stretch = source.stretch(walk);
+        while (walk.node != stretch.end) meet(walk, true);
+        walk.node = stretch.then;
+      }
+    }
+  }
+  return found;
+}
+
+void expect_pairs(const TestHierarchy& tree) {
+  const BvhPairs source{{tree.nodes.data(), tree.nodes.size()}, tree.leaves(), {}, nullptr};
+  const Found found = walked_by_ropes(tree, source);
+  Pairs expected;
   for (uint32_t a = 0; a < tree.leaves(); ++a)
     for (uint32_t b = a + 1; b < tree.leaves(); ++b)
       if (overlap(tree.boxes[a], tree.boxes[b])) expected.insert({a, b});
-  EXPECT_EQ(found, expected);
-  EXPECT_GE(tests, found.size());
+  EXPECT_EQ(found.pairs, expected);
+  EXPECT_GE(found.tests, found.pairs.size());
+  for (size_t room : {1000, 2, 0}) {
+    const Found in_parts = walked_in_parts(tree, source, room);
+    EXPECT_EQ(in_parts.pairs, expected) << room;
+    EXPECT_EQ(in_parts.tests, found.tests) << room;
+  }
 }
 
 std::vector<Box<float>> random_boxes(uint32_t count, float size, uint32_t seed) {
@@ -151,11 +201,13 @@ TEST(Lbvh, PutsMuchLargerBoxesLast) {
   std::vector<Box<float>> boxes = random_boxes(500, 0.01f, 10);
   boxes[3] = {{0, 0, 0}, {1, 1, 1}};
   boxes[77] = {{0.2f, 0, 0}, {0.9f, 1, 1}};
-  const TestHierarchy tree(boxes);
-  expect_tree(tree);
-  expect_pairs(tree);
-  const std::set<uint32_t> last(tree.triangles.end() - 2, tree.triangles.end());
-  EXPECT_EQ(last, (std::set<uint32_t>{3, 77}));
+  for (int axis_bits : {1, 13, 15}) {
+    const TestHierarchy tree(boxes, axis_bits);
+    expect_tree(tree);
+    expect_pairs(tree);
+    const std::set<uint32_t> last(tree.triangles.end() - 2, tree.triangles.end());
+    EXPECT_EQ(last, (std::set<uint32_t>{3, 77}));
+  }
 }
 
 TEST(Lbvh, ObeysTheFilterOfMeshes) {
@@ -163,10 +215,9 @@ TEST(Lbvh, ObeysTheFilterOfMeshes) {
   const std::vector<MeshRule> rules{{1, 2, 0, 1}, {2, 1, 0, 0}, {4, ~0u, 0, 1}};
   const TestHierarchy tree(std::vector<Box<float>>(5, {{0, 0, 0}, {1, 1, 1}}));
   const BvhPairs source{{tree.nodes.data(), tree.nodes.size()}, 5, {mesh.data(), rules.data()}, nullptr};
-  Pairs found;
-  for (uint32_t i = 0; i < 5; ++i)
-    walk_item(source, i, [&](uint32_t a, uint32_t b) { found.insert(std::minmax(a, b)); });
-  EXPECT_EQ(found, (Pairs{{0, 2}, {0, 3}, {1, 2}, {1, 3}}));
+  const Pairs expected{{0, 2}, {0, 3}, {1, 2}, {1, 3}};
+  EXPECT_EQ(walked_by_ropes(tree, source).pairs, expected);
+  EXPECT_EQ(walked_in_parts(tree, source, 1000).pairs, expected);
 }
 
 }  // namespace
