@@ -107,18 +107,27 @@ constexpr uint64_t kFewContacts = 512;
 
 template <class Data>
 struct RankFew {
+  struct Shared {
+    uint32_t below;  ///< keys
+  };
+  static constexpr uint32_t kGroupSize = 64;
   Counted count;
   Span<const uint64_t> keys;
   Span<const Data> data;  ///< empty: there are only keys
   Span<uint64_t> sorted_keys;
   Span<Data> sorted;
 
-  COLLIDED_HD void operator()(uint64_t i) const {
+  COLLIDED_HD void operator()(uint64_t i, const Group& group, Shared& shared) const {
+    if (group.rank == 0) shared.below = 0;
+    group.sync();
     const uint64_t key = keys[i], n = count.size();
-    uint64_t place = 0;
-    for (uint64_t k = 0; k < n; ++k) place += keys[k] < key ? 1 : 0;
-    sorted_keys[place] = key;
-    if (!data.empty()) sorted[place] = data[i];
+    uint32_t below = 0;
+    for (uint64_t k = group.rank; k < n; k += group.size) below += keys[k] < key ? 1 : 0;
+    atomic_add(shared.below, below);
+    group.sync();
+    if (group.rank != 0) return;
+    sorted_keys[shared.below] = key;
+    if (!data.empty()) sorted[shared.below] = data[i];
   }
 };
 
@@ -172,7 +181,7 @@ void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Counted& count,
       return;
   } else if (few) {
     const Counted first{count.counter, smaller(count.most, kFewContacts)};
-    return exec.for_each("rank_few", first, RankFew<Data>{first, keys, data, buffers.sorted_keys.all(), sorted});
+    return exec.for_each_group("rank_few", first, RankFew<Data>{first, keys, data, buffers.sorted_keys.all(), sorted});
   }
   put_in_order_by_counts(exec, buffers, count, keys, data, sorted, crowded);
 }

@@ -28,21 +28,21 @@ constexpr unsigned kCountedBlock = 128;
 
 template <class F>
 __global__ void for_each_kernel(uint64_t* begin, uint64_t n, F f) {
-  start_kernel(begin);
+  note_begin(begin);
   const uint64_t stride = static_cast<uint64_t>(gridDim.x) * blockDim.x;
   for (uint64_t i = static_cast<uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) f(i);
 }
 
 template <class F>
 __global__ void __launch_bounds__(kCountedBlock) for_each_counted_kernel(uint64_t* begin, Counted n, F f) {
-  start_kernel(begin);
+  note_begin(begin);
   const uint64_t size = n.size(), stride = static_cast<uint64_t>(gridDim.x) * blockDim.x;
   for (uint64_t i = static_cast<uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < size; i += stride) f(i);
 }
 
 template <class F>
 __global__ void __launch_bounds__(F::kGroupSize) for_each_group_kernel(uint64_t* begin, Counted n, F f) {
-  start_kernel(begin);
+  note_begin(begin);
   __shared__ typename F::Shared shared;
   const uint64_t size = n.size();
   for (uint64_t i = blockIdx.x; i < size; i += gridDim.x) {
@@ -132,9 +132,9 @@ class CudaExec {
   template <class F>
   void for_each_part(const char* name, const Counted& n, const F& f) {
     if (n.most == 0 || reserving_) return;
-    constexpr unsigned kBlocksPerProcessor = 64;
-    const unsigned blocks = std::min(blocks_for(n.most, kPartsBlock), kBlocksPerProcessor * processors_);
-    launch(name, for_each_part_kernel<F>, blocks, kPartsBlock, n, f);
+    constexpr unsigned kBlocksPerProcessor = 16;  // more than it holds at once
+    const unsigned most = blocks_for(n.most, kPartsBlock / 32 * kFewestItems);
+    launch(name, for_each_part_kernel<F>, std::min(most, kBlocksPerProcessor * processors_), kPartsBlock, n, f);
   }
 
   /// f.begin(i, state), then f.step(state) until state.is_over(), then f.finish(state), for i in [0, n); no step if
@@ -341,17 +341,8 @@ class CudaExec {
   template <class... Parameters, class... Arguments>
   void launch(const char* name, void (*kernel)(uint64_t*, Parameters...), unsigned blocks, unsigned block,
               const Arguments&... arguments) {
-    // Its blocks may come before the last of the kernel before it are gone; start_kernel() waits for what that wrote.
-    cudaLaunchAttribute early{};
-    early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
-    early.val.programmaticStreamSerializationAllowed = 1;
-    cudaLaunchConfig_t config{};
-    config.gridDim = blocks;
-    config.blockDim = block;
-    config.stream = stream_;
-    config.attrs = &early;
-    config.numAttrs = 1;
-    check_cuda(cudaLaunchKernelEx(&config, kernel, std::exchange(begin_, nullptr), Parameters(arguments)...), name);
+    kernel<<<blocks, block, 0, stream_>>>(std::exchange(begin_, nullptr), arguments...);
+    check_cuda(cudaGetLastError(), name);
   }
   /// For what cannot note by itself when its stage begins.
   void begin_now() {

@@ -98,15 +98,17 @@ __device__ void share_parts(const typename F::Item& mine, uint32_t done, const F
   }
 }
 
-/// Items that a warp takes at once: where they are few, fewer, for there are warps enough.
+/// Items that a warp takes at once, at least.
+constexpr unsigned kFewestItems = 8;
+
+/// Where items are few a warp takes fewer, for the processors are not full.
 __device__ inline uint64_t items_of_warp(uint64_t size, uint64_t warps) {
-  constexpr uint64_t kFewest = 4;
-  return size >= 32 * warps ? 32 : max(kFewest, (size + warps - 1) / warps);
+  return size >= 32 * warps ? 32 : max(uint64_t{kFewestItems}, (size + warps - 1) / warps);
 }
 
 template <class F>
 __global__ void __launch_bounds__(kPartsBlock) for_each_part_kernel(uint64_t* begin, Counted n, F f) {
-  start_kernel(begin);
+  note_begin(begin);
   const uint64_t size = n.size(), warp = (static_cast<uint64_t>(blockIdx.x) * kPartsBlock + threadIdx.x) / 32;
   const uint64_t warps = static_cast<uint64_t>(gridDim.x) * (kPartsBlock / 32), items = items_of_warp(size, warps);
   for (uint64_t first = warp * items; first < size; first += warps * items) {

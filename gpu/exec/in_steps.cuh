@@ -14,7 +14,7 @@ constexpr unsigned kStepsBlock = 128;
 template <class F>
 __global__ void __launch_bounds__(kStepsBlock)
     for_each_in_steps_kernel(uint64_t* begin, Counted n, uint64_t* next, F f) {
-  start_kernel(begin);
+  note_begin(begin);
   constexpr int kEnough = 12;  // lanes
   WarpItems items(n.size(), next);
   typename F::State state;

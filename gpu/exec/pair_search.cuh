@@ -92,7 +92,7 @@ class WarpSearch {
 template <class Source, class Sink>
 __global__ void __launch_bounds__(kSearchBlock)
     pair_search_kernel(uint64_t* begin, Counted items, uint64_t* next, Source source, Sink sink) {
-  start_kernel(begin);
+  note_begin(begin);
   __shared__ SearchShared shared[kSearchBlock / 32];
   WarpSearch<Source, Sink> warp(source, sink, shared[threadIdx.x / 32]);
   const uint64_t warps = static_cast<uint64_t>(gridDim.x) * (kSearchBlock / 32);

@@ -19,7 +19,7 @@ struct Partial {
 template <class T, class F, class Op, class Then>
 __global__ void __launch_bounds__(kReduceBlock) reduce_kernel(uint64_t* begin, uint64_t n, F transform, T identity,
                                                               Op op, Partial<T> partial, T* result, Then then) {
-  start_kernel(begin);
+  note_begin(begin);
   using BlockReduce = cub::BlockReduce<T, kReduceBlock>;
   __shared__ typename BlockReduce::TempStorage memory;
   __shared__ bool is_last;

@@ -145,7 +145,7 @@ class SharedWalks {
 template <class Source, class Sink>
 __global__ void __launch_bounds__(kSearchBlock)
     tree_walk_kernel(uint64_t* begin, uint64_t count, uint64_t* next, Source source, Sink sink) {
-  start_kernel(begin);
+  note_begin(begin);
   __shared__ typename SharedWalks<Source, Sink>::Shared shared[kSearchBlock / 32];
   SharedWalks<Source, Sink>(source, sink, shared[threadIdx.x / 32], {static_cast<uint32_t>(count), next}).run();
 }

@@ -59,8 +59,8 @@ TEST(RankFew, EqualsAPlainSort) {
     std::vector<uint64_t> expected = keys;
     std::sort(expected.begin(), expected.end());
     const Span<const uint64_t> given{keys.data(), count};
-    exec.for_each(
-        "rank_few", count,
+    exec.for_each_group(
+        "rank_few", {&count, count},
         RankFew<uint64_t>{{&count, count}, given, given, {sorted_keys.data(), count}, {sorted.data(), count}});
     EXPECT_EQ(sorted_keys, expected);
     EXPECT_EQ(sorted, expected);
