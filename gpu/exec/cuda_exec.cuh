@@ -132,8 +132,8 @@ class CudaExec {
   template <class F>
   void for_each_part(const char* name, const Counted& n, const F& f) {
     if (n.most == 0 || reserving_) return;
-    constexpr unsigned kBlocksPerProcessor = 16;  // more than it holds at once
-    const unsigned most = blocks_for(n.most, kPartsBlock / 32 * kFewestItems);
+    constexpr unsigned kBlocksPerProcessor = F::kWalks ? 16 : 64, kItems = F::kWalks ? kFewestItems : F::Item::kShared;
+    const unsigned most = blocks_for(n.most, kPartsBlock / 32 * kItems);
     launch(name, for_each_part_kernel<F>, std::min(most, kBlocksPerProcessor * processors_), kPartsBlock, n, f);
   }
 
@@ -266,12 +266,19 @@ class CudaExec {
     }
     check_cuda(cudaEventRecord(fork_, stream_), "fork");
     check_cuda(cudaStreamWaitEvent(side_, fork_), "fork");
-    run_stages(f);
+    const StepGraph& graph = graphs_.recording();
+    const size_t before = graph.stages();
+    f();
+    begin_now();
+    const size_t first_of_g = graph.stages();
     {
       const OnSideStream on_side(*this);
-      run_stages(g);
+      g();
+      begin_now();
+      if (graph.stages() > first_of_g) end_stage(graph.stages() - 1);
       check_cuda(cudaEventRecord(join_, stream_), "join");
     }
+    if (graph.stages() > first_of_g && first_of_g > before) end_stage(first_of_g - 1);
     check_cuda(cudaStreamWaitEvent(stream_, join_), "join");
   }
 
@@ -348,15 +355,9 @@ class CudaExec {
   void begin_now() {
     if (begin_ != nullptr) launch("time", note_time_kernel, 1, 1);
   }
-  /// Stages of which others are beside; elsewhere one ends where the next begins.
-  template <class F>
-  void run_stages(const F& f) {
-    StepGraph& graph = graphs_.recording();
-    const size_t before = graph.stages();
-    f();
-    begin_now();
-    if (graph.stages() == before) return;
-    begin_ = times_.data() + graph.end_stage();
+  /// Where stages are beside each other; elsewhere one ends where the next begins.
+  void end_stage(size_t stage) {
+    begin_ = times_.data() + graphs_.recording().end_stage(stage);
     begin_now();
   }
 

@@ -1,6 +1,7 @@
 #pragma once
-// Items of some parts, on a GPU: each lane of a warp has an item and walks its parts, in step with the others. What is
-// left when few lanes still walk is laid end to end and shared by all, so that no warp waits for the item with most.
+// Items of some parts, on a GPU, so that no warp waits for the item with most: the parts of some items are laid end to
+// end and shared by the lanes of a warp. Where F::kWalks, each lane first walks the parts of an item of its own, in
+// step with the others, as long as most of them do: a step of a walk costs less than a part that is found by its place.
 
 #include <cstring>
 
@@ -18,9 +19,10 @@ constexpr int kBusyLanes = 8;
 constexpr uint32_t kFewParts = 8;
 
 /// Which item a part belongs to, of those whose parts end where `end` says, lane by lane.
-__device__ inline unsigned item_of_part(uint32_t part, uint32_t end) {
+template <unsigned items>
+__device__ unsigned item_of_part(uint32_t part, uint32_t end) {
   unsigned item = 0;
-  for (unsigned step = 16; step > 0; step /= 2)
+  for (unsigned step = items / 2; step > 0; step /= 2)
     if (part >= __shfl_sync(kAllLanes, end, item + step - 1)) item += step;
   return item;
 }
@@ -68,16 +70,16 @@ __device__ uint32_t walk_parts(const typename F::Item& mine, const F& f) {
   return done;
 }
 
-/// All parts of the lanes' items but the first `done` of each, laid end to end.
-template <class F>
+/// All parts of the items of the first lanes but the first `done` of each, laid end to end.
+template <unsigned items, class F>
 __device__ void share_parts(const typename F::Item& mine, uint32_t done, const F& f) {
   const uint32_t left = mine.parts - min(done, mine.parts);
   uint32_t up_to = left;
-  for (unsigned offset = 1; offset < 32; offset *= 2) {
+  for (unsigned offset = 1; offset < items; offset *= 2) {
     const uint32_t before = __shfl_up_sync(kAllLanes, up_to, offset);
     if (lane_id() >= offset) up_to += before;
   }
-  const uint32_t all = __shfl_sync(kAllLanes, up_to, 31);
+  const uint32_t all = __shfl_sync(kAllLanes, up_to, items - 1);
   constexpr int kAtOnce = 2;
   for (uint32_t first_part = 0; first_part < all; first_part += kAtOnce * 32) {
     typename F::Item owner[kAtOnce];
@@ -85,7 +87,7 @@ __device__ void share_parts(const typename F::Item& mine, uint32_t done, const F
 #pragma unroll
     for (int j = 0; j < kAtOnce; ++j) {
       const uint32_t part = first_part + static_cast<uint32_t>(j) * 32 + lane_id();
-      const unsigned from = item_of_part(part, up_to);
+      const unsigned from = item_of_part<items>(part, up_to);
       owner[j] = shuffled(mine, from);
       const uint32_t start = __shfl_sync(kAllLanes, up_to - left, from);
       found[j] = part < all ? found_in(f, owner[j].part(done + part - start)) : kNothing;
@@ -98,26 +100,38 @@ __device__ void share_parts(const typename F::Item& mine, uint32_t done, const F
   }
 }
 
-/// Items that a warp takes at once, at least.
+/// Items that a warp walks at once, at least: where they are few, the processors are not full.
 constexpr unsigned kFewestItems = 8;
 
-/// Where items are few a warp takes fewer, for the processors are not full.
-__device__ inline uint64_t items_of_warp(uint64_t size, uint64_t warps) {
+template <class F>
+__device__ uint64_t items_of_warp(uint64_t size, uint64_t warps) {
+  if (!F::kWalks) return F::Item::kShared;
   return size >= 32 * warps ? 32 : max(uint64_t{kFewestItems}, (size + warps - 1) / warps);
+}
+
+/// The parts of the lanes' items.
+template <class F>
+__device__ void do_parts(const typename F::Item& mine, const F& f) {
+  if constexpr (F::kWalks) {
+    const uint32_t done = walk_parts(mine, f);
+    if (__any_sync(kAllLanes, mine.parts > done)) share_parts<32>(mine, done, f);
+  } else {
+    share_parts<F::Item::kShared>(mine, 0, f);
+  }
 }
 
 template <class F>
 __global__ void __launch_bounds__(kPartsBlock) for_each_part_kernel(uint64_t* begin, Counted n, F f) {
   note_begin(begin);
   const uint64_t size = n.size(), warp = (static_cast<uint64_t>(blockIdx.x) * kPartsBlock + threadIdx.x) / 32;
-  const uint64_t warps = static_cast<uint64_t>(gridDim.x) * (kPartsBlock / 32), items = items_of_warp(size, warps);
+  const uint64_t warps = static_cast<uint64_t>(gridDim.x) * (kPartsBlock / 32);
+  const uint64_t items = items_of_warp<F>(size, warps);
   for (uint64_t first = warp * items; first < size; first += warps * items) {
     const uint64_t item = first + lane_id();
     typename F::Item mine{};
     if (lane_id() < items && item < size) mine = f.item(item);
     __syncwarp();
-    const uint32_t done = walk_parts(mine, f);
-    if (__any_sync(kAllLanes, mine.parts > done)) share_parts(mine, done, f);
+    do_parts(mine, f);
   }
 }
 

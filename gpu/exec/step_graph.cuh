@@ -74,7 +74,7 @@ class StepGraph {
     stages_.push_back({name, new_time(), kNoTime});
     return stages_.back().begin;
   }
-  size_t end_stage() { return stages_.back().end = new_time(); }
+  size_t end_stage(size_t stage) { return stages_[stage].end = new_time(); }
   size_t stages() const { return stages_.size(); }
   size_t end() { return last_ = new_time(); }
 

@@ -38,6 +38,7 @@ struct CellsOfTriangles {
 
 struct CountOverlappedCells {
   using Item = CoveredCells;
+  static constexpr bool kWalks = true;
   CellsOfTriangles cells;
   Span<uint32_t> counts;
   AppendList<uint32_t> large;  ///< triangles that cover many base cells

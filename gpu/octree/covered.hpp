@@ -9,7 +9,10 @@ namespace collided {
 /// The cells of all active dense levels that a triangle covers.
 struct CoveredCells {
   static constexpr uint32_t kMostBase = 48;  ///< base cells; triangles with more are left to groups of threads
-  uint32_t parts = 0;                        ///< cells; 0: too many base cells
+  /// Triangles whose cells a warp shares: with more of them at once, neighbours would be registered far apart, and the
+  /// search for pairs is faster where they are together.
+  static constexpr unsigned kShared = 8;
+  uint32_t parts = 0;  ///< cells; 0: too many base cells
   uint32_t triangle = 0;
 
   CoveredCells() = default;
@@ -29,7 +32,8 @@ struct CoveredCells {
 
 /// The cells of a brick that a triangle covers.
 struct CoveredInBrick {
-  uint32_t parts = 0;  ///< cells
+  static constexpr unsigned kShared = 4;  ///< as in CoveredCells; one alone may keep a warp busy
+  uint32_t parts = 0;                     ///< cells
   uint32_t triangle = 0, brick = 0;
 
   CoveredInBrick() = default;

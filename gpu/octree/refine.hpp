@@ -88,6 +88,7 @@ struct ListInBricks {
 /// Those of the first round, by the base cells of each triangle.
 struct ListInFirstBricks {
   using Item = CoveredCells;
+  static constexpr bool kWalks = false;
   ListInBricks list;
   Span<const Box<float>> boxes;
 
@@ -132,6 +133,7 @@ struct CellsInBricks {
 /// Those of a later round, by the bottom cells of the round before.
 struct ListInNextBricks {
   using Item = CoveredInBrick;
+  static constexpr bool kWalks = false;
   ListInBricks list;
   CellsInBricks before;
 
@@ -144,6 +146,7 @@ struct ListInNextBricks {
 /// Counts the triangles of the bricks of one round.
 struct CountInBricks {
   using Item = CoveredInBrick;
+  static constexpr bool kWalks = false;
   CellsInBricks cells;
 
   COLLIDED_HD Item item(uint64_t i) const {

@@ -23,6 +23,7 @@ struct Registration {
 template <class Cells>
 struct RegisterTriangles {
   using Item = typename Cells::Item;
+  static constexpr bool kWalks = false;
   Registration registration;
   Cells cells;
 
