@@ -239,7 +239,7 @@ class Pipeline {
       lbvh_.describe(c);
     else if (!has_cells_of_triangles(result_.engine))
       levels_ = next_levels({state_.grid.grid.top, state_.grid.grid.base}, leaves.level_registrations);
-    if (needs_.settings.report != Report::kAnyHit) choice_.observe(c, topology_.triangles.size());
+    if (needs_.settings.report != Report::kAnyHit) choice_.observe(c, topology_.triangles.size(), state_.bricks[0] > 0);
     result_.input_resolution = needs_.judges_resolution() && is_coarse();
     result_.step_milliseconds = exec_.step_milliseconds();
     result_.graph_launches = exec_.graph_launches();
