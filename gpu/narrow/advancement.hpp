@@ -49,7 +49,8 @@ struct Facing {
   COLLIDED_HD Direction<Work> other() const { return direction_of(inside ? closest : normal); }
 };
 
-/// The features at one time, and how far a direction keeps them apart: the best one at hand, unless only the other does.
+/// The features at one time, and how far a direction keeps them apart: the best one at hand, unless only the other one
+/// does.
 template <class Work, int N>
 struct View {
   Work gap, speed;  ///< as in Facing

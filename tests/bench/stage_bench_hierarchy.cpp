@@ -30,7 +30,7 @@ void bench_walk(StageScene& s, benchmark::State& state) {
   s.hierarchy.build();
   s.state().leaves.tests = 0;
   uint64_t pairs = 0;
-  const auto walk = [&] { s.hierarchy.search("count_pairs", CountPairs{&pairs}); };
+  const auto walk = [&] { s.hierarchy.search("count_pairs", CountPairs{&pairs}, s.state().next_item); };
   walk();  // the first one counts what it meets
   const uint64_t tests = s.state().leaves.tests;
   measure(

@@ -19,7 +19,12 @@ void bench_levels(StageScene& s, benchmark::State& state) {
 
 void bench_count(StageScene& s, benchmark::State& state) {
   measure(
-      state, s.triangles(), [&] { s.state().large = 0; }, [&] { s.octree.count_overlapped_cells(); });
+      state, s.triangles(),
+      [&] {
+        s.state().large = 0;
+        s.exec.fill_zero(s.buffers.octree.counts.data(), level_offset(s.plan.base + 1) * sizeof(uint32_t));
+      },
+      [&] { s.octree.count_overlapped_cells(s.plan); });
   const LevelGrid& grid = s.step.grid.grid;
   const uint32_t* counts = s.buffers.octree.counts.data();
   const uint64_t all =

@@ -65,7 +65,8 @@ void bench_search(StageScene& s, benchmark::State& state) {
   uint64_t pairs = 0;
   const uint64_t tests = s.step.leaves.tests;
   measure(
-      state, tests, [&] { pairs = 0; }, [&] { s.octree.search("count_pairs", s.plan, CountPairs{&pairs}); });
+      state, tests, [&] { pairs = 0; },
+      [&] { s.octree.search("count_pairs", s.plan, CountPairs{&pairs}, s.state().next_item); });
   state.counters["tests_per_pair"] = static_cast<double>(tests) / static_cast<double>(pairs);
 }
 

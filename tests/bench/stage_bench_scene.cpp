@@ -113,7 +113,7 @@ void StageScene::run_step() {
 
 void StageScene::find_pairs() {
   pairs.reserve(step.pairs);
-  octree.search("list_pairs", plan, ListPairs{&pairs});
+  octree.search("list_pairs", plan, ListPairs{&pairs}, state().next_item);
 }
 
 template <class Kind>
