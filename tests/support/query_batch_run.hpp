@@ -74,7 +74,8 @@ class QueryRun {
     narrow_.begin(needs_);
     for (;;) {
       narrow_.reserve();
-      const StepState state = exec_.step(StepKey{}, scene_.state.data(), [&] { enqueue(kind, keys, extent); });
+      const StepKey key{narrow_.expects_many() ? 1.0 : 0.0};
+      const StepState state = exec_.step(key, scene_.state.data(), [&] { enqueue(kind, keys, extent); });
       if (narrow_.grow(state)) continue;
       results_.collect(state, needs_, result);
       return result;
