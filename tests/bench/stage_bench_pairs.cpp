@@ -24,13 +24,16 @@ class Tiles {
   uint64_t size() const { return items_.size(); }
 
  private:
-  /// By the nodes of the hierarchy: its leaves hold the order.
+  /// By the nodes of the hierarchy: its leaves, left or right children of the split beside them, hold the order.
   static std::vector<uint32_t> triangles_in_order(StageScene& s) {
     s.hierarchy.sort();
     s.hierarchy.build();
     std::vector<uint32_t> order;
-    for (uint64_t i = 0; i < s.triangles(); ++i)
-      order.push_back(s.buffers.bvh.nodes.data()[s.triangles() - 1 + i].child);
+    const BvhNode* nodes = s.buffers.bvh.nodes.data();
+    for (uint64_t leaf = 0; leaf < s.triangles(); ++leaf) {
+      const bool is_left = leaf + 1 < s.triangles() && nodes[2 * leaf].is_leaf();
+      order.push_back(nodes[is_left ? 2 * leaf : 2 * leaf - 1].triangle());
+    }
     return order;
   }
   void append(const std::vector<uint32_t>& order, uint32_t tile) {
