@@ -68,7 +68,7 @@ class CudaExec {
     processors_ = static_cast<unsigned>(properties.multiProcessorCount);
     times_.allocate(StepGraph::kMostTimes);
     arrived_.allocate(1);
-    check_cuda(cudaMemset(arrived_.data(), 0, sizeof(unsigned)), "cudaMemset");
+    check_cuda(cudaMemsetAsync(arrived_.data(), 0, sizeof(unsigned), stream_), "cudaMemset");
   }
   CudaExec(const CudaExec&) = delete;
   CudaExec& operator=(const CudaExec&) = delete;
@@ -282,8 +282,8 @@ class CudaExec {
     check_cuda(cudaStreamWaitEvent(stream_, join_), "join");
   }
 
-  /// Runs one stage: within a step its name and its events become part of the recording; elsewhere cancellation
-  /// before it, events around it.
+  /// Runs one stage: within a step its name, and the time it begins at, become part of the recording; elsewhere
+  /// cancellation before it, events around it.
   template <class F>
   void stage(const char* name, const F& f) {
     if (graphs_.is_recording()) {
