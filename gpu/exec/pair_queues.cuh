@@ -17,7 +17,7 @@ struct WarpQueue {
 template <unsigned each>
 __device__ void push(WarpQueue<each>& queue, unsigned& size, bool has, uint64_t value) {
   const unsigned lanes = __ballot_sync(kAllLanes, has);
-  if (has) queue.entry[size + __popc(lanes & ((1u << lane_id()) - 1u))] = value;
+  if (has) queue.entry[size + rank_among(lanes)] = value;
   size += __popc(lanes);
   __syncwarp();
 }
@@ -28,7 +28,7 @@ __device__ unsigned claim(unsigned& size, unsigned count) {
   unsigned before = 0, all = 0;
   for (unsigned bit = 1; bit <= most; bit *= 2) {
     const unsigned lanes = __ballot_sync(kAllLanes, (count & bit) != 0);
-    before += bit * __popc(lanes & ((1u << lane_id()) - 1u));
+    before += bit * rank_among(lanes);
     all += bit * __popc(lanes);
   }
   const unsigned place = size + before;

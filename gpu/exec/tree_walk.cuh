@@ -10,9 +10,6 @@
 
 namespace collided {
 
-/// How many of the lanes come before this one.
-__device__ inline unsigned rank_among(unsigned lanes) { return __popc(lanes & ((1u << lane_id()) - 1u)); }
-
 /// Walks that a warp takes at once, at least: all warps ask one counter for them.
 constexpr unsigned kFewestWalks = 2;
 

@@ -30,7 +30,7 @@ class WarpItems {
   __device__ bool take(bool wants, bool stop, uint64_t& item) {
     if (first_ == end_ && !over_) fetch(stop);
     const unsigned lanes = __ballot_sync(kAllLanes, wants);
-    const uint64_t mine = first_ + __popc(lanes & ((1u << lane_id()) - 1u));
+    const uint64_t mine = first_ + rank_among(lanes);
     const bool given = wants && mine < end_;
     if (given) item = mine;
     first_ = min(end_, first_ + __popc(lanes));
