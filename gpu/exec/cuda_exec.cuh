@@ -13,6 +13,7 @@
 
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
+#include "gpu/exec/for_each.cuh"
 #include "gpu/exec/in_parts.cuh"
 #include "gpu/exec/in_steps.cuh"
 #include "gpu/exec/memory_ledger.hpp"
@@ -23,33 +24,6 @@
 #include "gpu/exec/tree_walk.cuh"
 
 namespace collided {
-
-constexpr unsigned kCountedBlock = 128;
-
-template <class F>
-__global__ void for_each_kernel(uint64_t* begin, uint64_t n, F f) {
-  note_begin(begin);
-  const uint64_t stride = static_cast<uint64_t>(gridDim.x) * blockDim.x;
-  for (uint64_t i = static_cast<uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) f(i);
-}
-
-template <class F>
-__global__ void __launch_bounds__(kCountedBlock) for_each_counted_kernel(uint64_t* begin, Counted n, F f) {
-  note_begin(begin);
-  const uint64_t size = n.size(), stride = static_cast<uint64_t>(gridDim.x) * blockDim.x;
-  for (uint64_t i = static_cast<uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < size; i += stride) f(i);
-}
-
-template <class F>
-__global__ void __launch_bounds__(F::kGroupSize) for_each_group_kernel(uint64_t* begin, Counted n, F f) {
-  note_begin(begin);
-  __shared__ typename F::Shared shared;
-  const uint64_t size = n.size();
-  for (uint64_t i = blockIdx.x; i < size; i += gridDim.x) {
-    f(i, Group{threadIdx.x, blockDim.x}, shared);
-    __syncthreads();
-  }
-}
 
 class CudaExec {
  public:
@@ -132,8 +106,8 @@ class CudaExec {
   template <class F>
   void for_each_part(const char* name, const Counted& n, const F& f) {
     if (n.most == 0 || reserving_) return;
-    constexpr unsigned kBlocksPerProcessor = F::kWalks ? 16 : 64, kItems = F::kWalks ? kFewestItems : F::Item::kShared;
-    const unsigned most = blocks_for(n.most, kPartsBlock / 32 * kItems);
+    constexpr unsigned kBlocksPerProcessor = F::kWalks ? 16 : 64;
+    const unsigned most = blocks_for(n.most, kPartsBlock / 32 * kLeastItems<F>);
     launch(name, for_each_part_kernel<F>, std::min(most, kBlocksPerProcessor * processors_), kPartsBlock, n, f);
   }
 
@@ -208,9 +182,7 @@ class CudaExec {
       reserving_ = false;
       graph = &graphs_.record(key, generation_, stream_, [&] {
         enqueue();
-        begin_now();
-        begin_ = times_.data() + graphs_.recording().end();
-        begin_now();
+        note_now(graphs_.recording().end());
       });
     }
     T host;
@@ -266,7 +238,7 @@ class CudaExec {
     }
     check_cuda(cudaEventRecord(fork_, stream_), "fork");
     check_cuda(cudaStreamWaitEvent(side_, fork_), "fork");
-    const StepGraph& graph = graphs_.recording();
+    StepGraph& graph = graphs_.recording();
     const size_t before = graph.stages();
     f();
     begin_now();
@@ -275,10 +247,10 @@ class CudaExec {
       const OnSideStream on_side(*this);
       g();
       begin_now();
-      if (graph.stages() > first_of_g) end_stage(graph.stages() - 1);
+      if (graph.stages() > first_of_g) note_now(graph.end_stage(graph.stages() - 1));
       check_cuda(cudaEventRecord(join_, stream_), "join");
     }
-    if (graph.stages() > first_of_g && first_of_g > before) end_stage(first_of_g - 1);
+    if (graph.stages() > first_of_g && first_of_g > before) note_now(graph.end_stage(first_of_g - 1));
     check_cuda(cudaStreamWaitEvent(stream_, join_), "join");
   }
 
@@ -287,8 +259,7 @@ class CudaExec {
   template <class F>
   void stage(const char* name, const F& f) {
     if (graphs_.is_recording()) {
-      begin_now();
-      begin_ = times_.data() + graphs_.recording().begin_stage(name);
+      note_next(graphs_.recording().begin_stage(name));
       f();
       return;
     }
@@ -355,9 +326,13 @@ class CudaExec {
   void begin_now() {
     if (begin_ != nullptr) launch("time", note_time_kernel, 1, 1);
   }
-  /// Where stages are beside each other; elsewhere one ends where the next begins.
-  void end_stage(size_t stage) {
-    begin_ = times_.data() + graphs_.recording().end_stage(stage);
+  /// A time that the next kernel begins at, and one that is passed before it.
+  void note_next(size_t time) {
+    begin_now();
+    begin_ = times_.data() + time;
+  }
+  void note_now(size_t time) {
+    note_next(time);
     begin_now();
   }
 

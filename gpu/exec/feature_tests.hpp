@@ -57,7 +57,7 @@ class FeatureRow {
     for (int k = 0; k < 3; ++k) {
       if (same[k] != 0) tests |= 1u << k;
       const uint32_t ends = same[k] | same[k < 2 ? k + 1 : 0];
-      tests |= (ends | ends >> 1 | (ends << 2 & 4u)) << (edge_edge_test(k, 0));
+      tests |= (ends | ends >> 1 | (ends << 2 & 4u)) << edge_edge_test(k, 0);
     }
     return tests;
   }

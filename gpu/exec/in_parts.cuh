@@ -103,10 +103,14 @@ __device__ void share_parts(const typename F::Item& mine, uint32_t done, const F
 /// Items that a warp walks at once, at least: where they are few, the processors are not full.
 constexpr unsigned kFewestItems = 8;
 
+/// Items that a warp takes at once, at least.
+template <class F>
+constexpr unsigned kLeastItems = F::kWalks ? kFewestItems : F::Item::kShared;
+
 template <class F>
 __device__ uint64_t items_of_warp(uint64_t size, uint64_t warps) {
-  if (!F::kWalks) return F::Item::kShared;
-  return size >= 32 * warps ? 32 : max(uint64_t{kFewestItems}, (size + warps - 1) / warps);
+  if (!F::kWalks) return kLeastItems<F>;
+  return size >= 32 * warps ? 32 : max(uint64_t{kLeastItems<F>}, (size + warps - 1) / warps);
 }
 
 /// The parts of the lanes' items.

@@ -27,16 +27,10 @@ class WarpWalks {
 
   __device__ bool are_over() const { return over_; }
 
-  /// Hands a walk to each lane that wants one, as far as there are any; false: none, for now. All lanes call.
-  /// `stop`: no more, whatever there is.
+  /// As WarpItems::take.
   __device__ bool take(bool wants, bool stop, uint32_t& walk) {
-    if (first_ == end_) fetch(stop);
-    const unsigned lanes = __ballot_sync(kAllLanes, wants);
-    const uint32_t mine = first_ + rank_among(lanes);
-    const bool given = wants && mine < end_;
-    if (given) walk = mine;
-    first_ = min(end_, first_ + __popc(lanes));
-    return given;
+    if (held_.are_gone()) fetch(stop);
+    return held_.give(wants, walk);
   }
 
  private:
@@ -45,20 +39,20 @@ class WarpWalks {
     return min(kMost, max(kFewestWalks, left / (kSharesOfWarp * warps_)));
   }
   __device__ void hold(uint64_t first, uint32_t chunk) {
-    first_ = static_cast<uint32_t>(min(first, uint64_t{count_}));
-    end_ = min(count_, first_ + chunk);
+    held_.first = static_cast<uint32_t>(min(first, uint64_t{count_}));
+    held_.end = min(count_, held_.first + chunk);
   }
   __device__ void fetch(bool stop) {
-    const uint32_t chunk = chunk_of(count_ - max(end_, shared_from_));  // as far as this warp knows
+    const uint32_t chunk = chunk_of(count_ - max(held_.end, shared_from_));  // as far as this warp knows
     hold(shared_from_ + take_items(next_, chunk), chunk);
-    over_ = first_ == end_ || __any_sync(kAllLanes, stop);
-    if (over_) first_ = end_;
+    over_ = held_.are_gone() || __any_sync(kAllLanes, stop);
+    if (over_) held_.first = held_.end;
   }
 
   const uint32_t count_, warps_;
   uint64_t* const next_;
   uint32_t shared_from_;  ///< here begins what the counter hands out
-  uint32_t first_, end_;
+  HeldItems<uint32_t> held_;
   bool over_ = false;
 };
 

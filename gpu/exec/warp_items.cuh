@@ -12,7 +12,24 @@ __device__ inline uint64_t take_items(uint64_t* next, uint64_t chunk) {
   return __shfl_sync(kAllLanes, first, 0);
 }
 
-/// Items that a warp has taken for its lanes.
+/// Items [first, end) that a warp holds.
+template <class Number>
+struct HeldItems {
+  Number first = 0, end = 0;
+
+  __device__ bool are_gone() const { return first == end; }
+  /// Hands an item to each lane that wants one, as far as there are any; false: none. All lanes call.
+  __device__ bool give(bool wants, Number& item) {
+    const unsigned lanes = __ballot_sync(kAllLanes, wants);
+    const Number mine = first + rank_among(lanes);
+    const bool given = wants && mine < end;
+    if (given) item = mine;
+    first = min(end, static_cast<Number>(first + __popc(lanes)));
+    return given;
+  }
+};
+
+/// Items that a warp takes for its lanes.
 class WarpItems {
  public:
   /// `next` as in take_items.
@@ -25,30 +42,23 @@ class WarpItems {
 
   __device__ bool are_over() const { return over_; }
 
-  /// Hands an item to each lane that wants one, as far as there are any; false: none, for now. All lanes call.
-  /// `stop`: no more, whatever there is.
+  /// As HeldItems::give, but false: none, for now. `stop`: no more, whatever there is.
   __device__ bool take(bool wants, bool stop, uint64_t& item) {
-    if (first_ == end_ && !over_) fetch(stop);
-    const unsigned lanes = __ballot_sync(kAllLanes, wants);
-    const uint64_t mine = first_ + rank_among(lanes);
-    const bool given = wants && mine < end_;
-    if (given) item = mine;
-    first_ = min(end_, first_ + __popc(lanes));
-    return given;
+    if (held_.are_gone() && !over_) fetch(stop);
+    return held_.give(wants, item);
   }
 
  private:
   __device__ void fetch(bool stop) {
     const uint64_t first = take_items(next_, chunk_);
     over_ = first >= count_ || __any_sync(kAllLanes, stop);
-    first_ = over_ ? 0 : first;
-    end_ = over_ ? 0 : min(count_, first + chunk_);
+    held_ = {over_ ? 0 : first, over_ ? 0 : min(count_, first + chunk_)};
   }
 
   const uint64_t count_;
   uint64_t* const next_;
   uint64_t chunk_;
-  uint64_t first_ = 0, end_ = 0;
+  HeldItems<uint64_t> held_;
   bool over_ = false;
 };
 

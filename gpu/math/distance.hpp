@@ -38,23 +38,45 @@ COLLIDED_HD Real squared_length(const Vec3<Real>& v) {
   return dot(v, v);
 }
 
-/// Vertex p against triangle a b c.
+/// Where two points are: on a triangle or on two edges, as in Closest.
 template <class Real>
-COLLIDED_HD Closest<Real> closest_vertex_triangle(const Vec3<Real>& p, const Vec3<Real>& a, const Vec3<Real>& b,
-                                                  const Vec3<Real>& c) {
+struct Weights {
+  Real w0, w1;
+  bool inside;  ///< not on the border of the triangle, nor at an end of an edge
+};
+
+/// Vertex p against the border of triangle a b c.
+template <class Real>
+COLLIDED_HD Closest<Real> closest_on_border(const Vec3<Real>& p, const Vec3<Real>& a, const Vec3<Real>& b,
+                                            const Vec3<Real>& c) {
   const Vec3<Real> ab = b - a, ac = c - a, ap = p - a;
   const Real t_ab = closest_on_edge(p, a, ab), t_ac = closest_on_edge(p, a, ac), t_bc = closest_on_edge(p, b, c - b);
   Closest<Real> best{squared_length(ap - t_ab * ab), t_ab, Real(0)};
   keep_closer(best, {squared_length(ap - t_ac * ac), Real(0), t_ac});
   keep_closer(best, {squared_length(p - (b + t_bc * (c - b))), Real(1) - t_bc, t_bc});
-  const Vec3<Real> n = cross(ab, ac);
+  return best;
+}
+
+/// The foot of a vertex on the plane of a triangle, if it is inside; n = cross(ab, ac), n2 = dot(n, n).
+template <class Real>
+COLLIDED_HD Weights<Real> foot_on_plane(const Vec3<Real>& ap, const Vec3<Real>& ab, const Vec3<Real>& ac,
+                                        const Vec3<Real>& n, Real n2) {
+  if (!(n2 > 0)) return {Real(0), Real(0), false};
+  const Real v = dot(cross(ap, ac), n) / n2, w = dot(cross(ab, ap), n) / n2;
+  return {v, w, v >= 0 && w >= 0 && v + w <= 1};
+}
+
+/// Vertex p against triangle a b c.
+template <class Real>
+COLLIDED_HD Closest<Real> closest_vertex_triangle(const Vec3<Real>& p, const Vec3<Real>& a, const Vec3<Real>& b,
+                                                  const Vec3<Real>& c) {
+  const Vec3<Real> ab = b - a, ac = c - a, ap = p - a, n = cross(ab, ac);
+  Closest<Real> best = closest_on_border(p, a, b, c);
   const Real n2 = dot(n, n);
-  if (n2 > 0) {
-    const Real v = dot(cross(ap, ac), n) / n2, w = dot(cross(ab, ap), n) / n2;
-    if (v >= 0 && w >= 0 && v + w <= 1) {
-      const Real height = dot(ap, n);
-      keep_closer(best, {height * height / n2, v, w});
-    }
+  const Weights<Real> foot = foot_on_plane(ap, ab, ac, n, n2);
+  if (foot.inside) {
+    const Real height = dot(ap, n);
+    keep_closer(best, {height * height / n2, foot.w0, foot.w1});
   }
   return best;
 }
@@ -84,30 +106,15 @@ COLLIDED_HD Closest<Real> closest_edge_edge(const Vec3<Real>& a0, const Vec3<Rea
   return best;
 }
 
-/// Where two points are: on a triangle or on two edges, as in Closest.
-template <class Real>
-struct Weights {
-  Real w0, w1;
-  bool inside;  ///< not on the border of the triangle, nor at an end of an edge
-};
-
 /// As closest_vertex_triangle with `n` = cross(b - a, c - a), in fewer operations where the vertex is above the
 /// triangle. Slivers may give points that are a little off.
 template <class Real>
 COLLIDED_HD Weights<Real> nearly_closest_vertex_triangle(const Vec3<Real>& ap, const Vec3<Real>& ab,
                                                          const Vec3<Real>& ac, const Vec3<Real>& n) {
-  const Real n2 = dot(n, n);
-  if (n2 > 0) {
-    const Real v = dot(cross(ap, ac), n) / n2, w = dot(cross(ab, ap), n) / n2;
-    if (v >= 0 && w >= 0 && v + w <= 1) return {v, w, true};
-  }
-  const Vec3<Real> origin{0, 0, 0};
-  const Real t_ab = closest_on_edge(ap, origin, ab), t_ac = closest_on_edge(ap, origin, ac);
-  const Real t_bc = closest_on_edge(ap, ab, ac - ab);
-  Closest<Real> best{squared_length(ap - t_ab * ab), t_ab, Real(0)};
-  keep_closer(best, {squared_length(ap - t_ac * ac), Real(0), t_ac});
-  keep_closer(best, {squared_length(ap - (ab + t_bc * (ac - ab))), Real(1) - t_bc, t_bc});
-  return {best.w0, best.w1, false};
+  const Weights<Real> foot = foot_on_plane(ap, ab, ac, n, dot(n, n));
+  if (foot.inside) return foot;
+  const Closest<Real> border = closest_on_border(ap, Vec3<Real>{0, 0, 0}, ab, ac);
+  return {border.w0, border.w1, false};
 }
 
 /// As closest_edge_edge for edges d and e, r = a0 - b0 and `n` = cross(d, e), in fewer operations (Ericson 2005,
