@@ -13,7 +13,7 @@
 #include <stdexcept>
 
 #include "gpu/detector.hpp"
-#include "server/service.hpp"
+#include "server/service/service.hpp"
 
 namespace collided::server {
 namespace {

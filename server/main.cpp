@@ -10,7 +10,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "server/config.hpp"
+#include "server/config/config.hpp"
 #include "server/daemon.hpp"
 
 namespace {

@@ -21,7 +21,7 @@ GOOD = {
     "gpu/exact/polynomial.hpp": '#include <gmpxx.h>\n#include "gpu/exec/host_device.hpp"\n',
     "gpu/exact/ccd.cpp": '#include "gpu/exact/polynomial.hpp"\n#include <gmp.h>\n',
     "gpu/exec/host_device.hpp": "#include <cstddef>\n",
-    "server/service.cpp": '#include "collided/v1/frame.pb.h"\n#include "gpu/detector.hpp"\n',
+    "server/service/service.cpp": '#include "collided/v1/frame.pb.h"\n#include "gpu/detector.hpp"\n',
     "client/cpp/client.hpp": '#include "collided/v1/collision_service.grpc.pb.h"\n',
 }
 BAD = [
@@ -51,7 +51,7 @@ BAD = [
     ("server/store.cpp", '#include "collided/v1/frame.pb.h"'),
     ("server/worker.cpp", '#  include "gpu/pipeline.hpp"'),
     ("server/worker.cpp", "#include <cuda_runtime.h>"),
-    ("server/service.cpp", '#include "client/cpp/client.hpp"'),
+    ("server/service/service.cpp", '#include "client/cpp/client.hpp"'),
     ("client/cli/main.cpp", '#include "gpu/detector.hpp"'),
     ("client/cli/main.cpp", '#include "server/config.hpp"'),
 ]

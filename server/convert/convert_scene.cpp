@@ -1,0 +1,228 @@
+// Scenes between the protocol and the engine.
+#include <array>
+#include <bit>
+#include <cstring>
+#include <set>
+
+#include "server/convert/convert.hpp"
+#include "server/convert/convert_level.hpp"
+#include "server/convert/refuse.hpp"
+#include "server/shorten.hpp"
+
+namespace collided::server {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the wire is little-endian and is copied as it is");
+
+constexpr size_t kMaxNameBytes = 128;
+constexpr int kMaxMeshes = 16384;  // with the longest names a scene still fits one message of gRPC's default size
+constexpr size_t kTriangleBytes = 12;
+
+// What is wrong with a triangle; empty if nothing is.
+std::string check_triangle(const std::array<uint32_t, 3>& t, uint32_t vertex_count) {
+  for (const uint32_t vertex : t)
+    if (vertex >= vertex_count) return fmt::format("has vertex {}, but the mesh has {} vertices", vertex, vertex_count);
+  if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
+    return fmt::format("has a corner twice: {} {} {}", t[0], t[1], t[2]);
+  return {};
+}
+
+Backend parse_backend(pb::Backend wanted, const SceneDefaults& defaults) {
+  if (wanted == pb::BACKEND_UNSPECIFIED)
+    wanted = defaults.backend == "cpu"    ? pb::BACKEND_CPU
+             : defaults.backend == "cuda" ? pb::BACKEND_CUDA
+                                          : pb::BACKEND_AUTO;
+  if (wanted == pb::BACKEND_AUTO) return defaults.cuda ? Backend::kCuda : Backend::kCpu;
+  if (wanted == pb::BACKEND_CPU) return Backend::kCpu;
+  if (wanted != pb::BACKEND_CUDA) throw_unknown("spec.backend", wanted);
+  if (!defaults.cuda)
+    throw FailedPrecondition("spec.backend", "spec.backend is BACKEND_CUDA, but this daemon has no usable CUDA device");
+  return Backend::kCuda;
+}
+
+Mode parse_mode(pb::DetectionMode mode) {
+  if (mode == pb::DETECTION_MODE_DCD) return Mode::kDcd;
+  if (mode == pb::DETECTION_MODE_CCD) return Mode::kCcd;
+  throw_unknown("spec.mode", mode);
+}
+
+Scalar parse_format(pb::PositionFormat format) {
+  if (format == pb::POSITION_FORMAT_UNSPECIFIED || format == pb::POSITION_FORMAT_F32) return Scalar::kF32;
+  if (format == pb::POSITION_FORMAT_F64) return Scalar::kF64;
+  if (format == pb::POSITION_FORMAT_Q16) throw_not_served("spec.position_format", "POSITION_FORMAT_Q16");
+  throw_unknown("spec.position_format", format);
+}
+
+void add_kind(const std::string& path, pb::ContactKind kind, SceneSpec& engine) {
+  switch (kind) {
+    case pb::CONTACT_KIND_VERTEX_TRIANGLE:
+      engine.vertex_triangle = true;
+      return;
+    case pb::CONTACT_KIND_EDGE_EDGE:
+      engine.edge_edge = true;
+      return;
+    case pb::CONTACT_KIND_TRIANGLE_TRIANGLE:
+      if (engine.mode != Mode::kDcd && engine.accuracy != Accuracy::kCandidates)
+        throw_invalid(path,
+                      "is CONTACT_KIND_TRIANGLE_TRIANGLE, which needs DETECTION_MODE_DCD or ACCURACY_CANDIDATES, but "
+                      "spec.mode is DETECTION_MODE_CCD and spec.accuracy is " +
+                          pb::Accuracy_Name(to_message(engine.accuracy)));
+      engine.triangle_triangle = true;
+      return;
+    default:
+      throw_unknown(path, kind);
+  }
+}
+
+void parse_kinds(const pb::SceneSpec& spec, SceneSpec& engine) {
+  if (spec.kinds().empty()) return;
+  engine.vertex_triangle = engine.edge_edge = false;
+  for (int i = 0; i < spec.kinds_size(); ++i) add_kind(fmt::format("spec.kinds[{}]", i), spec.kinds(i), engine);
+}
+
+void add_field(const std::string& path, pb::ContactField field, OutputFields& fields) {
+  switch (field) {
+    case pb::CONTACT_FIELD_ELEMENTS:
+      fields.elements = true;
+      return;
+    case pb::CONTACT_FIELD_STENCIL:
+      fields.stencils = true;
+      return;
+    case pb::CONTACT_FIELD_TOI:
+      fields.toi = true;
+      return;
+    case pb::CONTACT_FIELD_DISTANCE:
+      fields.distance = true;
+      return;
+    case pb::CONTACT_FIELD_WEIGHTS:
+      fields.weights = true;
+      return;
+    case pb::CONTACT_FIELD_FLAGS:
+      fields.flags = true;
+      return;
+    case pb::CONTACT_FIELD_NORMAL:
+      throw_not_served(path, "CONTACT_FIELD_NORMAL");
+    default:
+      throw_unknown(path, field);
+  }
+}
+
+// What the level does not compute is left out of each answer: a frame may override the level, but not the mode.
+OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode) {
+  OutputFields fields;
+  for (int i = 0; i < spec.fields_size(); ++i) add_field(fmt::format("spec.fields[{}]", i), spec.fields(i), fields);
+  if (spec.fields().empty())
+    fields = {.elements = true, .stencils = true, .toi = true, .distance = true, .flags = true};
+  fields.toi &= mode == Mode::kCcd;
+  return fields;
+}
+
+bool parse_static(pb::MeshMotion motion, const std::string& field) {
+  if (motion == pb::MESH_MOTION_UNSPECIFIED || motion == pb::MESH_MOTION_DEFORMABLE) return false;
+  if (motion == pb::MESH_MOTION_STATIC) return true;
+  if (motion == pb::MESH_MOTION_RIGID) throw_not_served(field, "MESH_MOTION_RIGID");
+  throw_unknown(field, motion);
+}
+
+MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
+  if (mesh.name().empty() || mesh.name().size() > kMaxNameBytes)
+    throw_invalid(path + ".name",
+                  fmt::format("has {} bytes, but must have 1 to {}", mesh.name().size(), kMaxNameBytes));
+  if (mesh.vertex_count() < 3)
+    throw_invalid(path + ".vertex_count", fmt::format("is {}, but must be at least 3", mesh.vertex_count()));
+  MeshSpec out;
+  out.vertex_count = mesh.vertex_count();
+  out.is_static = parse_static(mesh.motion(), path + ".motion");
+  out.groups = mesh.groups() ? mesh.groups() : 1;
+  out.collide_mask = mesh.collide_mask() ? mesh.collide_mask() : ~0u;
+  out.self_contacts = !mesh.no_self_contacts();
+  parse_triangles(mesh.triangles(), out.vertex_count, path + ".triangles", out.triangles);
+  if (out.triangles.empty() && mesh.triangle_count() == 0)
+    throw_invalid(path + ".triangles", "is empty and triangle_count is 0, but a mesh needs a triangle");
+  return out;
+}
+
+void check_total(const char* what, uint64_t total, uint64_t limit) {
+  if (total > limit)
+    throw LimitExceeded("spec.meshes",
+                        fmt::format("spec.meshes has {} {} in all, more than the limit of {}", total, what, limit));
+}
+
+// Sizes are checked before any array is copied.
+void check_sizes(const pb::SceneSpec& spec, const Limits& limits) {
+  if (spec.meshes().empty()) throw_invalid("spec.meshes", "is empty, but a scene needs a mesh");
+  if (spec.meshes_size() > kMaxMeshes)
+    throw LimitExceeded("spec.meshes", fmt::format("spec.meshes has {} meshes, more than the limit of {}",
+                                                   spec.meshes_size(), kMaxMeshes));
+  uint64_t vertices = 0, triangles = 0;
+  for (const auto& mesh : spec.meshes()) {
+    vertices += mesh.vertex_count();
+    triangles += mesh.triangle_count() + mesh.triangles().size() / kTriangleBytes;
+  }
+  check_total("vertices", vertices, limits.max_vertices);
+  check_total("triangles", triangles, limits.max_triangles);
+}
+
+void parse_meshes(const pb::SceneSpec& spec, ScenePlan& plan) {
+  std::set<std::string> names;
+  for (int i = 0; i < spec.meshes_size(); ++i) {
+    const auto& mesh = spec.meshes(i);
+    const std::string path = fmt::format("spec.meshes[{}]", i);
+    plan.engine.meshes.push_back(parse_mesh(mesh, path));
+    plan.meshes.push_back({mesh.name(), mesh.triangle_count()});
+    if (!names.insert(mesh.name()).second)
+      throw_invalid(path + ".name", fmt::format("is \"{}\", which an earlier mesh has", mesh.name()));
+  }
+}
+
+uint64_t parse_budget(uint64_t budget, uint64_t limit) {
+  if (budget > limit)
+    throw LimitExceeded("spec.memory_budget_bytes",
+                        fmt::format("spec.memory_budget_bytes is {}, more than the limit of {}", budget, limit));
+  return budget ? budget : limit;
+}
+
+}  // namespace
+
+void parse_triangles(std::string_view bytes, uint32_t vertex_count, const std::string& path,
+                     Scene::Triangles& triangles) {
+  if (bytes.size() % kTriangleBytes)
+    throw_invalid(path, fmt::format("has {} bytes, which is no multiple of {}", bytes.size(), kTriangleBytes));
+  const size_t first = triangles.size(), count = bytes.size() / kTriangleBytes;
+  if (count == 0) return;
+  triangles.resize(first + count);
+  std::memcpy(triangles.data() + first, bytes.data(), bytes.size());
+  for (size_t i = first; i < triangles.size(); ++i)
+    if (const auto wrong = check_triangle(triangles[i], vertex_count); !wrong.empty())
+      throw_invalid(fmt::format("{}[{}]", path, i), wrong);
+}
+
+ScenePlan parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults) {
+  const auto& spec = request.spec();
+  if (!request.request_id().empty()) throw_not_served("request_id", "\"" + shorten(request.request_id(), 64) + "\"");
+  if (spec.display_name().size() > kMaxNameBytes)
+    throw_invalid("spec.display_name",
+                  fmt::format("has {} bytes, more than {}", spec.display_name().size(), kMaxNameBytes));
+  ScenePlan plan;
+  plan.display_name = spec.display_name();
+  SceneSpec& engine = plan.engine;
+  engine.mode = parse_mode(spec.mode());
+  engine.accuracy = parse_accuracy(spec.accuracy(), "spec.accuracy").value_or(Accuracy::kCertified);
+  engine.scalar = parse_format(spec.position_format());
+  engine.thickness = parse_length(spec.thickness(), "spec.thickness");
+  engine.delta = parse_length(spec.delta(), "spec.delta");
+  engine.report = parse_report(spec.report(), "spec.report").value_or(Report::kAll);
+  engine.engine = parse_engine(spec.broad_phase_engine(), "spec.broad_phase_engine");
+  parse_kinds(spec, engine);
+  check_levels(engine, {});
+  plan.fields = parse_fields(spec, engine.mode);
+  engine.weights = plan.fields.weights;
+  engine.memory_budget = parse_budget(spec.memory_budget_bytes(), defaults.limits.max_scene_bytes);
+  engine.threads = defaults.threads;
+  check_sizes(spec, defaults.limits);
+  parse_meshes(spec, plan);
+  engine.backend = parse_backend(spec.backend(), defaults);
+  return plan;
+}
+
+}  // namespace collided::server

@@ -1,0 +1,77 @@
+// One thread that runs a scene's work in order, with a bounded queue for frames.
+#include "server/scenes/scene_worker.hpp"
+
+#include <condition_variable>
+#include <deque>
+#include <future>
+#include <mutex>
+#include <utility>
+
+namespace collided::server {
+
+struct SceneWorker::State {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<Job> jobs;
+  size_t capacity = 0;
+  bool stopping = false;
+};
+
+SceneWorker::SceneWorker(size_t capacity) : state_(std::make_shared<State>()) {
+  state_->capacity = capacity;
+  thread_ = std::thread([state = state_] { run(state); });
+}
+
+// The last job of a deleted scene may hold the scene's last reference, so the destructor can run on the
+// worker's own thread: that thread cannot join itself, and ends on its own right after.
+SceneWorker::~SceneWorker() {
+  {
+    std::lock_guard lock(state_->mutex);
+    state_->stopping = true;
+  }
+  state_->changed.notify_all();
+  if (thread_.get_id() == std::this_thread::get_id()) {
+    thread_.detach();
+  } else {
+    thread_.join();
+  }
+}
+
+bool SceneWorker::try_post(Job job) {
+  {
+    std::lock_guard lock(state_->mutex);
+    if (state_->jobs.size() >= state_->capacity) return false;
+    state_->jobs.push_back(std::move(job));
+  }
+  state_->changed.notify_one();
+  return true;
+}
+
+void SceneWorker::post(Job job) {
+  {
+    std::lock_guard lock(state_->mutex);
+    state_->jobs.push_back(std::move(job));
+  }
+  state_->changed.notify_one();
+}
+
+void SceneWorker::flush() {
+  auto reached = std::make_shared<std::promise<void>>();
+  auto future = reached->get_future();
+  post([reached] { reached->set_value(); });
+  future.wait();
+}
+
+void SceneWorker::run(const std::shared_ptr<State>& state) {
+  for (;;) {
+    std::unique_lock lock(state->mutex);
+    state->changed.wait(lock, [&] { return state->stopping || !state->jobs.empty(); });
+    if (state->jobs.empty()) return;
+    Job job = std::move(state->jobs.front());
+    state->jobs.pop_front();
+    lock.unlock();
+    job();
+  }
+}
+
+}  // namespace collided::server

@@ -1,0 +1,77 @@
+// One UploadMesh call.
+#include "server/service/service_upload.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include "server/errors.hpp"
+#include "server/service/status.hpp"
+
+namespace collided::server {
+
+void MeshUpload::OnReadDone(bool ok) try {
+  if (!ok) return commit();
+  if (!scene_) begin();
+  take();
+  StartRead(&request_);
+} catch (...) {
+  finish(to_status(describe_current()));
+}
+
+void MeshUpload::begin() {
+  auto scene = scenes_.find(request_.scene_id());
+  mesh_ = request_.mesh();
+  const auto& meshes = scene->plan().meshes;
+  if (mesh_ >= meshes.size())
+    throw InvalidInput("mesh", fmt::format("mesh is {}, but the scene has {} meshes", mesh_, meshes.size()));
+  scene->begin_upload(mesh_);
+  scene_ = std::move(scene);
+}
+
+// The mesh is free again before the client knows the outcome, and may try anew.
+void MeshUpload::finish(const grpc::Status& status) {
+  if (scene_) scene_->end_upload(mesh_);
+  Finish(status);
+}
+
+void MeshUpload::take() {
+  parse_triangles(request_.triangles(), scene_->plan().engine.meshes[mesh_].vertex_count, "triangles", triangles_);
+  const uint64_t awaited = scene_->awaited(mesh_);
+  if (triangles_.size() > awaited)
+    throw InvalidInput("triangles",
+                       fmt::format("triangles brings {} or more, but the mesh awaits {}", triangles_.size(), awaited));
+}
+
+// A call that was cancelled ends its reads just as one that is complete.
+void MeshUpload::check_cancelled() const {
+  if (context_.IsCancelled()) throw Cancelled();
+}
+
+// Its triangles are spent, so no other upload could make it ready.
+void MeshUpload::delete_if_unusable() {
+  if (!scene_->unusable()) return;
+  try {
+    scenes_.remove(scene_->id());
+    spdlog::info("scene {}: deleted, its meshes make no scene", scene_->id());
+  } catch (const NotFound&) {  // a client was faster
+  }
+}
+
+void MeshUpload::commit() {
+  check_cancelled();
+  if (!scene_) throw InvalidInput("scene_id", "scene_id is missing: the upload had no chunk");
+  scene_->worker().post([this] {
+    try {
+      check_cancelled();
+      scene_->add_triangles(mesh_, triangles_);
+      fill_scene(*scene_, response_->mutable_scene());
+      spdlog::info("scene {}: {} triangles for mesh {}", scene_->id(), triangles_.size(), mesh_);
+      finish(grpc::Status::OK);
+    } catch (...) {
+      const Failure failure = describe_current();
+      delete_if_unusable();
+      finish(to_status(failure));
+    }
+  });
+}
+
+}  // namespace collided::server
