@@ -7,13 +7,28 @@
 
 namespace collided::server {
 
+/// What one client may have at once; tokens can set their own.
+struct ClientLimits {
+  uint32_t max_scenes = 64;
+  uint64_t max_device_bytes = uint64_t{64} << 30;
+  uint32_t max_streams = 256;
+  double max_frames_per_second = 20'000;
+};
+
+/// All finite. What passes them is refused, with the name of the limit.
 struct Limits {
   uint64_t max_message_bytes = uint64_t{64} << 20;
   uint64_t max_vertices = 64'000'000;
   uint64_t max_triangles = 128'000'000;
   uint32_t max_scenes = 64;
   uint64_t max_scene_bytes = uint64_t{16} << 30;
+  uint64_t max_device_bytes = uint64_t{64} << 30;  ///< of all scenes
   uint32_t max_window = 16;
+  uint32_t max_streams = 256;
+  double max_idle_seconds = 3600;
+  double lease_seconds = 30;  ///< of scenes that ask for none
+  double max_lease_seconds = 3600;
+  ClientLimits client;
 };
 
 struct Config {
