@@ -37,6 +37,11 @@ class LimitExceeded : public FieldError {
   using FieldError::FieldError;
 };
 
+/// The caller did not show who it is. Never tells what it showed.
+class Unauthenticated : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// The daemon is about to stop and takes nothing new.
 class Stopping : public std::runtime_error {
  public:
