@@ -67,9 +67,9 @@ class LimitExceeded : public FieldError {
   double retry_after_seconds_ = 0;
 };
 
-/// The caller did not prove who it is.
+/// The caller did not show who it is. Never tells what it showed.
 class Unauthenticated : public std::runtime_error {
-  using runtime_error::runtime_error;
+  using std::runtime_error::runtime_error;
 };
 
 /// The daemon is about to stop and takes nothing new.

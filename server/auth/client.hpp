@@ -9,7 +9,7 @@
 namespace collided::server {
 
 struct ClientIdentity {
-  std::string name;  ///< of its token or certificate; "anonymous" where the daemon asks for neither
+  std::string name = "anonymous";  ///< of its token or its certificate; scenes and limits are counted by it
   ClientLimits limits;
 };
 
