@@ -1,11 +1,11 @@
 // What the daemon is told at its start.
-#include "server/config/config.hpp"
-
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
+
+#include "server/config/config.hpp"
 
 namespace collided::server {
 namespace {

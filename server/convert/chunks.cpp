@@ -66,4 +66,14 @@ std::vector<Chunk> cut_into_chunks(const FrameResult& result, const OutputFields
   return chunks;
 }
 
+void fill_chunk(const Chunk& chunk, const Topology& topology, pb::ContactChunk* out) {
+  out->set_kind(chunk.kind);
+  out->set_count(chunk.count());
+  for (const auto& array : chunk.arrays())
+    out->GetReflection()->SetString(out, pb::ContactChunk::descriptor()->FindFieldByNumber(array.field),
+                                    std::string(reinterpret_cast<const char*>(array.bytes.data()), array.bytes.size()));
+  const auto stencils = chunk.stencils(topology);
+  out->set_stencils(stencils.data(), stencils.size() * sizeof(Stencil));
+}
+
 }  // namespace collided::server

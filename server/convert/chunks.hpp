@@ -1,9 +1,9 @@
 #pragma once
 // Contacts of a frame cut into runs that fit a message, and where the arrays of a run are.
 
+#include <array>
 #include <cstddef>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "collided/v1/contact.pb.h"
@@ -37,5 +37,8 @@ struct Chunk {
 /// Vertex-triangle first, then edge-edge, then triangle-triangle; the arrays of a chunk hold at most `max_bytes`
 /// together. What was not computed is left out.
 std::vector<Chunk> cut_into_chunks(const FrameResult& result, const OutputFields& fields, size_t max_bytes);
+
+/// The chunk as a message that holds its arrays.
+void fill_chunk(const Chunk& chunk, const Topology& topology, pb::ContactChunk* out);
 
 }  // namespace collided::server

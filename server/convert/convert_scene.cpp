@@ -252,7 +252,8 @@ ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
 SceneRequest parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults) {
   constexpr size_t kMaxRequestIdBytes = 64;
   if (request.request_id().size() > kMaxRequestIdBytes)
-    throw_invalid("request_id", fmt::format("has {} bytes, more than {}", request.request_id().size(), kMaxRequestIdBytes));
+    throw_invalid("request_id",
+                  fmt::format("has {} bytes, more than {}", request.request_id().size(), kMaxRequestIdBytes));
   const double lease = parse_lease(request.lease_seconds(), defaults.limits);
   return {parse_plan(request.spec(), defaults), request.request_id(), fingerprint(request.spec()), lease};
 }

@@ -40,9 +40,10 @@ void ClientUsage::count_frame(const Client& client) {
   entry.frames_left = std::min(most, entry.frames_left + seconds * rate);
   entry.filled = now;
   if (entry.frames_left < 1)
-    throw LimitExceeded::quota("client:" + client->name,
-                               fmt::format("max_frames_per_second is {}, and client \"{}\" sent more", rate, client->name),
-                               (1 - entry.frames_left) / rate);
+    throw LimitExceeded::quota(
+        "client:" + client->name,
+        fmt::format("max_frames_per_second is {}, and client \"{}\" sent more", rate, client->name),
+        (1 - entry.frames_left) / rate);
   entry.frames_left -= 1;
 }
 

@@ -118,11 +118,12 @@ void FrameSession::hold(bool is_held) {
 
 void FrameSession::close() {
   std::deque<Waiting> dropped;
+  std::shared_ptr<FrameSink> sink;
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
     dropped.swap(waiting_);
-    sink_.reset();
+    sink.swap(sink_);
   }
   scene_->end_stream(*this);
 }

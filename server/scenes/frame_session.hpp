@@ -16,7 +16,8 @@ namespace collided::server {
 /// Every frame is answered, or older ones that wait give way to later ones.
 enum class Delivery { kLossless, kLatestWins };
 
-/// Where a session's answers go. The first four come in the order of the frames, one at a time, from the scene's worker.
+/// Where a session's answers go. The first four come in the order of the frames, one at a time, from the scene's
+/// worker.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;

@@ -97,8 +97,7 @@ std::shared_ptr<FrameSession> Scene::begin_stream(const std::shared_ptr<FrameSes
                                                   const std::string& token) {
   const std::lock_guard lock(mutex_);
   check_open();
-  if (!shown_.ready)
-    throw FailedPrecondition("open.scene_id", fmt::format("scene {} still awaits triangles", id()));
+  if (!shown_.ready) throw FailedPrecondition("open.scene_id", fmt::format("scene {} still awaits triangles", id()));
   check_token(token, stream_ != nullptr);
   return std::exchange(stream_, session);
 }
@@ -133,6 +132,13 @@ std::shared_ptr<FrameSlot> Scene::take_slot() {
   if (!slot) check_open();
   if (!slot) throw FailedPrecondition("scene_id", fmt::format("scene {} still awaits triangles", id()));
   return slot;
+}
+
+uint64_t Scene::most_position_bytes() const {
+  const uint64_t vertex_bytes = plan_.engine.scalar == Scalar::kF64 ? 24 : 12;
+  uint64_t vertices = 0;
+  for (const auto& mesh : plan_.engine.meshes) vertices += mesh.vertex_count;
+  return vertices * vertex_bytes * (plan_.engine.mode == Mode::kCcd ? 2 : 1);
 }
 
 void Scene::begin_use() {

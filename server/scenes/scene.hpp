@@ -62,20 +62,26 @@ class Scene {
   /// Whether all triangles came and still made no detector.
   bool unusable() const;
 
-  /// Makes a session the scene's one stream. Returns the one it takes over, or null. Throws PermissionDenied for a wrong
-  /// token, FailedPrecondition if there is a stream and no token, or triangles are awaited.
+  /// Makes a session the scene's one stream. Returns the one it takes over, or null. Throws PermissionDenied for a
+  /// wrong token, FailedPrecondition if there is a stream and no token, or triangles are awaited.
   std::shared_ptr<FrameSession> begin_stream(const std::shared_ptr<FrameSession>& session, const std::string& token);
   /// Does nothing if another session is the scene's stream.
   void end_stream(const FrameSession& session);
   std::shared_ptr<FrameSession> stream() const;
+  /// Throws NotFound once it is closed.
+  void check_open() const;
   /// Frames and uploads that come after this are answered with NotFound, and its stream ends.
   void close();
 
   /// A slot for one frame, of those that are free, or a new one; it comes back by itself. From any thread. Throws
   /// NotFound once the scene is deleted.
   std::shared_ptr<FrameSlot> take_slot();
+  /// Bytes of positions that a frame can bring at most.
+  uint64_t most_position_bytes() const;
   /// Waits until it is this scene's turn on its device.
-  Turns::Turn take_turn(const std::function<bool()>& cancelled) { return surroundings_.turns.take(account_, cancelled); }
+  Turns::Turn take_turn(const std::function<bool()>& cancelled) {
+    return surroundings_.turns.take(account_, cancelled);
+  }
 
   /// Whether its lease has run out: nobody uses it, and nobody has for so long.
   bool is_expired(std::chrono::steady_clock::time_point now) const;
@@ -95,7 +101,6 @@ class Scene {
  private:
   friend class SceneUse;
 
-  void check_open() const;
   void check_token(const std::string& token, bool has_stream) const;
   bool awaits_triangles() const;
   void publish();

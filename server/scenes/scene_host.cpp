@@ -76,7 +76,8 @@ void SceneHost::watch() {
   std::unique_lock lock(mutex_);
   while (!changed_.wait_for(lock, kWatchPeriod, [this] { return is_over_; })) {
     lock.unlock();
-    for (const auto& scene : scenes_.remove_expired(std::chrono::steady_clock::now())) scene->observer().expired(*scene);
+    for (const auto& scene : scenes_.remove_expired(std::chrono::steady_clock::now()))
+      scene->observer().expired(*scene);
     end_idle_streams();
     lock.lock();
   }

@@ -59,8 +59,9 @@ void SceneStore::check_room_locked(const Client& owner) const {
   if (scenes_.size() >= max_scenes_)
     throw LimitExceeded::quota(
         "daemon", fmt::format("max_scenes is {}, and {} scenes exist on this daemon", max_scenes_, scenes_.size()));
-  const auto own = static_cast<size_t>(std::count_if(
-      scenes_.begin(), scenes_.end(), [&](const auto& entry) { return entry.second->facts().owner->name == owner->name; }));
+  const auto own = static_cast<size_t>(std::count_if(scenes_.begin(), scenes_.end(), [&](const auto& entry) {
+    return entry.second->facts().owner->name == owner->name;
+  }));
   if (own >= owner->limits.max_scenes)
     throw LimitExceeded::quota("client:" + owner->name,
                                fmt::format("max_scenes_per_client is {}, and client \"{}\" has {} scenes",
