@@ -1,5 +1,5 @@
 #pragma once
-// What the daemon is told at its start: flags, then COLLIDED_* in the environment, then defaults.
+// What the daemon is told: flags, then COLLIDED_* in the environment, then a TOML file, then defaults.
 
 #include <cstdint>
 #include <stdexcept>
@@ -19,6 +19,8 @@ struct ClientLimits {
   uint64_t max_device_bytes = uint64_t{64} << 30;
   uint32_t max_streams = 256;
   double max_frames_per_second = 20'000;
+
+  bool operator==(const ClientLimits&) const = default;
 };
 
 /// All finite. What passes them is refused, with the name of the limit.
@@ -35,6 +37,8 @@ struct Limits {
   double lease_seconds = 30;  ///< of scenes that ask for none
   double max_lease_seconds = 3600;
   ClientLimits client;
+
+  bool operator==(const Limits&) const = default;
 };
 
 /// PEM files. All empty: plain text.
@@ -67,6 +71,8 @@ struct Config {
   std::string log_level = "info";
   std::string log_format = "text";  ///< text or json
   std::string ready_file;           ///< gets the bound addresses, a line each; empty: none
+
+  bool operator==(const Config&) const = default;
 };
 
 /// The result of reading the command line.
@@ -89,8 +95,5 @@ struct Reloaded {
 
 /// Reads everything again. Throws ConfigError if it is not sound.
 Reloaded reload_config(int argc, const char* const* argv, const Config& current);
-
-/// Empty if the address is host:port or unix:/path, else what is wrong with it.
-std::string check_address(const std::string& address);
 
 }  // namespace collided::server

@@ -1,0 +1,75 @@
+// The TOML file: its keys are the options without their dashes.
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <toml.hpp>
+
+#include "server/config/options.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr uintmax_t kMaxFileBytes = 1 << 20;
+
+std::string read_file(const std::string& path) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  std::ifstream file(path);
+  if (error || !file) throw ConfigError(path + ": cannot be read");
+  if (size > kMaxFileBytes)
+    throw ConfigError(path + ": has " + std::to_string(size) + " bytes, more than " + std::to_string(kMaxFileBytes));
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+// As a flag or variable would hold it.
+std::string text_of(const toml::value& value, const std::string& where) {
+  if (value.is_string()) return value.as_string().str;
+  if (value.is_boolean()) return value.as_boolean() ? "true" : "false";
+  if (value.is_integer()) return std::to_string(value.as_integer());
+  if (!value.is_floating()) throw ConfigError(where + " is neither text, number, true nor false");
+  std::ostringstream text;
+  text << std::setprecision(17) << value.as_floating();
+  return text.str();
+}
+
+std::vector<std::string> texts_of(const toml::value& value, const std::string& where) {
+  std::vector<std::string> texts;
+  if (value.is_array()) {
+    for (const auto& element : value.as_array()) texts.push_back(text_of(element, where));
+  } else {
+    texts.push_back(text_of(value, where));
+  }
+  std::erase(texts, "");  // not given, as for a variable
+  return texts;
+}
+
+void take(CLI::App& app, const std::string& path, const std::string& key, const toml::value& value) {
+  const auto where = path + ":" + std::to_string(value.location().line()) + ": " + key;
+  auto* option = app.get_option_no_throw("--" + key);
+  if (!option || !option->get_configurable()) throw ConfigError(where + " is not an option");
+  const auto texts = texts_of(value, where);
+  if (option->count() || texts.empty()) return;
+  try {
+    for (const auto& text : texts) option->add_result(text);
+    option->run_callback();
+  } catch (const CLI::Error& error) {
+    throw ConfigError(path + ":" + std::to_string(value.location().line()) + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+void take_file(CLI::App& app, const std::string& path) {
+  std::istringstream text(read_file(path));
+  toml::value root;
+  try {
+    root = toml::parse(text, path);
+  } catch (const std::exception& error) {
+    throw ConfigError(path + ": " + error.what());
+  }
+  for (const auto& [key, value] : root.as_table()) take(app, path, key, value);
+}
+
+}  // namespace collided::server
