@@ -90,10 +90,10 @@ struct SceneSpec {
 /// memory, or, on CUDA, that of the device.
 struct MeshPositions {
   uint32_t mesh = 0;
-  std::span<const std::byte> start;    ///< t = 0 (CCD); empty: where the last frame left the mesh
-  std::span<const std::byte> end;      ///< t = 1
-  bool is_sparse = false;              ///< only the vertices of `indices` change
-  std::span<const std::byte> indices;  ///< uint32 each, strictly ascending, counted in the mesh
+  std::span<const std::byte> start;         ///< t = 0 (CCD); empty: where the last frame left the mesh
+  std::span<const std::byte> end;           ///< t = 1
+  bool is_sparse = false;                   ///< only the vertices of `indices` change
+  std::span<const std::byte> indices = {};  ///< uint32 each, strictly ascending, counted in the mesh
 };
 
 /// Room for the positions of one frame on their way to the backend. A scene makes as many as it has frames in flight.
@@ -221,8 +221,8 @@ class SharedMemory {
 /// Pins memory that is mapped already, for CUDA; does nothing for the CPU. Throws DeviceError.
 std::unique_ptr<SharedMemory> register_host_memory(Backend backend, std::span<std::byte> memory);
 
-/// Opens device memory of another process by its cudaIpcMemHandle_t (64 bytes). bytes() are those of the device, and not
-/// for the host to read. Throws InvalidInput for a bad handle or where there is no CUDA, DeviceError.
+/// Opens device memory of another process by its cudaIpcMemHandle_t (64 bytes). bytes() are those of the device, and
+/// not for the host to read. Throws InvalidInput for a bad handle or where there is no CUDA, DeviceError.
 std::unique_ptr<SharedMemory> open_device_memory(std::span<const std::byte> handle);
 
 }  // namespace collided
