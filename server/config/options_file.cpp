@@ -1,27 +1,15 @@
 // The TOML file: its keys are the options without their dashes.
-#include <filesystem>
-#include <fstream>
+#include <iomanip>
 #include <sstream>
 #include <toml.hpp>
 
 #include "server/config/options.hpp"
+#include "server/config/text_file.hpp"
 
 namespace collided::server {
 namespace {
 
-constexpr uintmax_t kMaxFileBytes = 1 << 20;
-
-std::string read_file(const std::string& path) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(path, error);
-  std::ifstream file(path);
-  if (error || !file) throw ConfigError(path + ": cannot be read");
-  if (size > kMaxFileBytes)
-    throw ConfigError(path + ": has " + std::to_string(size) + " bytes, more than " + std::to_string(kMaxFileBytes));
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+constexpr uint64_t kMaxFileBytes = 1 << 20;
 
 // As a flag or variable would hold it.
 std::string text_of(const toml::value& value, const std::string& where) {
@@ -62,7 +50,7 @@ void take(CLI::App& app, const std::string& path, const std::string& key, const 
 }  // namespace
 
 void take_file(CLI::App& app, const std::string& path) {
-  std::istringstream text(read_file(path));
+  std::istringstream text(read_text_file(path, kMaxFileBytes));
   toml::value root;
   try {
     root = toml::parse(text, path);

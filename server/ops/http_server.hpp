@@ -22,7 +22,6 @@ class HttpServer {
 
  private:
   struct Handlers;
-  struct Stop;
 
   std::unique_ptr<Handlers> handlers_;
   std::string address_;
