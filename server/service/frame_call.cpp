@@ -57,10 +57,9 @@ void FrameCall::on_read(bool ok) {
   grpc::ByteBuffer bytes;
   {
     const std::lock_guard lock(mutex_);
-    reading_ = false;
     if (status_) return;
     if (!ok) {
-      read_all_ = true;
+      has_read_all_ = true;
       return end_if_idle_locked();
     }
     bytes.Swap(&incoming_);
@@ -71,6 +70,7 @@ void FrameCall::on_read(bool ok) {
     return fail();
   }
   const std::lock_guard lock(mutex_);
+  is_reading_ = false;  // not before: messages are taken one after another
   read_locked();
 }
 
@@ -193,8 +193,8 @@ uint64_t FrameCall::outgoing_bytes() const {
 }
 
 void FrameCall::read_locked() {
-  if (reading_ || read_all_ || status_ || (session_ && in_flight_ >= window_)) return;
-  reading_ = true;
+  if (is_reading_ || has_read_all_ || status_ || (session_ && in_flight_ >= window_)) return;
+  is_reading_ = true;
   stream_.Read(&incoming_, read_.send());
 }
 
@@ -216,8 +216,8 @@ void FrameCall::send(std::vector<EncodedMessage> messages) {
 }
 
 void FrameCall::write_locked() {
-  if (writing_ || outgoing_.empty()) return;
-  writing_ = true;
+  if (is_writing_ || outgoing_.empty()) return;
+  is_writing_ = true;
   grpc::WriteOptions options;
   if (outgoing_.size() > 1) options.set_buffer_hint();
   stream_.Write(outgoing_.front().bytes, options, written_.send());
@@ -225,7 +225,7 @@ void FrameCall::write_locked() {
 
 void FrameCall::on_written(bool ok) {
   const std::lock_guard lock(mutex_);
-  writing_ = false;
+  is_writing_ = false;
   if (status_) return finish_locked();
   if (!ok) return end_locked(grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone"));
   if (outgoing_.front().ends_frame) --in_flight_;
@@ -244,7 +244,7 @@ void FrameCall::on_gone(bool) {
 }
 
 void FrameCall::end_if_idle_locked() {
-  if (read_all_ && in_flight_ == 0 && outgoing_.empty()) end_locked(grpc::Status::OK);
+  if (has_read_all_ && in_flight_ == 0 && outgoing_.empty()) end_locked(grpc::Status::OK);
 }
 
 // What is not sent yet is dropped: a client that comes back is told the last frame that was applied.
@@ -259,7 +259,8 @@ void FrameCall::end_locked(const grpc::Status& status) {
 
 // A message that is on its way has to arrive, or fail, before the status.
 void FrameCall::finish_locked() {
-  if (writing_) return linger_.Set(calls_.queue_.get(), std::chrono::system_clock::now() + kLinger, lingered_.send());
+  if (is_writing_)
+    return linger_.Set(calls_.queue_.get(), std::chrono::system_clock::now() + kLinger, lingered_.send());
   if (std::exchange(is_finishing_, true)) return;
   linger_.Cancel();
   outgoing_.clear();

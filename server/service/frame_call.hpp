@@ -93,7 +93,7 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   size_t outgoing_bytes_ = 0;
   uint32_t in_flight_ = 0;              // frames whose end has not been written yet
   std::optional<grpc::Status> status_;  // of the end, once it is decided
-  bool reading_ = false, writing_ = false, read_all_ = false, is_finishing_ = false;
+  bool is_reading_ = false, is_writing_ = false, has_read_all_ = false, is_finishing_ = false;
 };
 
 }  // namespace collided::server
