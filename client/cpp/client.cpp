@@ -6,7 +6,7 @@
 #include <grpcpp/security/credentials.h>
 #include <grpcpp/support/channel_arguments.h>
 
-#include "client/cpp/frame_stream_state.hpp"
+#include "client/cpp/grpc_transport.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
 
 namespace collided::client {
@@ -16,9 +16,18 @@ namespace {
 constexpr int kMaxReceiveBytes = 4 << 20;              // the protocol's limit for every answer
 constexpr size_t kTrianglesPerChunk = (1 << 20) / 12;  // 1 MiB, well below any daemon's limit
 
+std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(kMaxReceiveBytes);
+  // Two clients of one process shall not share a connection, nor one's failed attempts delay the other's.
+  arguments.SetInt("grpc.use_local_subchannel_pool", 1);
+  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
 }  // namespace
 
 struct Client::State {
+  std::string address;
   std::shared_ptr<grpc::Channel> channel;
   std::unique_ptr<v1::CollisionService::Stub> stub;
   v1::GetServerInfoResponse info;
@@ -49,12 +58,9 @@ Client& Client::operator=(Client&&) noexcept = default;
 Client::~Client() = default;
 
 Client Client::connect(const std::string& address, std::chrono::milliseconds patience) {
-  grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(kMaxReceiveBytes);
-  // Two clients of one process shall not share a connection, nor one's failed attempts delay the other's.
-  arguments.SetInt("grpc.use_local_subchannel_pool", 1);
   auto state = std::make_unique<State>();
-  state->channel = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  state->address = address;
+  state->channel = open_channel(address);
   if (!state->channel->WaitForConnected(std::chrono::system_clock::now() + patience))
     throw Error(grpc::UNAVAILABLE, "no daemon answers at " + address);
   state->stub = v1::CollisionService::NewStub(state->channel);
@@ -112,10 +118,13 @@ void Client::delete_scene(const std::string& scene_id) {
 }
 
 FrameStream Client::stream(const std::string& scene_id, uint32_t window) {
-  auto state =
-      std::make_unique<FrameStream::State>(*state_->stub, scene_id, window, state_->info.limits().max_message_bytes());
-  state->channel = state_->channel;
-  return FrameStream(std::move(state));
+  auto transport =
+      std::make_unique<GrpcTransport>(open_channel(state_->address), std::make_unique<grpc::ClientContext>(),
+                                      state_->info.limits().max_message_bytes());
+  v1::OpenStream open;
+  open.set_scene_id(scene_id);
+  open.set_window(window);
+  return FrameStream::open(std::move(transport), open);
 }
 
 }  // namespace collided::client
