@@ -48,7 +48,7 @@ const char* code_name(int code) {
 }
 
 Error::Error(int code, const std::string& message, std::string field)
-    : Error(code, message, ErrorDetails{.field = std::move(field), .quota = "", .retry_after_seconds = {}}) {}
+    : Error(code, message, ErrorDetails{.field = std::move(field)}) {}
 
 Error::Error(int code, const std::string& message, ErrorDetails details)
     : std::runtime_error(std::string(code_name(code)) + ": " + message),

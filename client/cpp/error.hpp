@@ -13,9 +13,9 @@ namespace collided::client {
 
 /// What a refusal tells besides its message.
 struct ErrorDetails {
-  std::string field;                          ///< path of the refused field, such as "frame.updates[0].positions"
-  std::string quota;                          ///< the limit that was met, its value and what was asked
-  std::optional<double> retry_after_seconds;  ///< when the same request may be answered
+  std::string field = "";                          ///< path of the refused field, such as "frame.updates[0].positions"
+  std::string quota = "";                          ///< the limit that was met, its value and what was asked
+  std::optional<double> retry_after_seconds = {};  ///< when the same request may be answered
 };
 
 class Error : public std::runtime_error {

@@ -38,7 +38,7 @@ Clock::time_point after(double seconds) {
 
 void FrameOutput::check() const {
   if (!error) return;
-  ErrorDetails details{.field = error->field(), .quota = "", .retry_after_seconds = {}};
+  ErrorDetails details{.field = error->field()};
   if (error->retry_after_seconds() > 0) details.retry_after_seconds = error->retry_after_seconds();
   throw Error(error->code(), error->message(), std::move(details));
 }

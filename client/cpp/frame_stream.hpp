@@ -30,7 +30,7 @@ struct FrameOutput {
 /// What one frame alone asks for; what is not set is as in the scene's spec.
 struct FrameOptions {
   v1::Accuracy accuracy = v1::ACCURACY_UNSPECIFIED;
-  std::optional<double> delta;
+  std::optional<double> delta = {};
   v1::Report report = v1::REPORT_UNSPECIFIED;
 };
 
