@@ -34,7 +34,8 @@ std::string host_of(std::string address) {
       address.erase(0, scheme.size());
       address.erase(0, address.find_first_not_of('/'));
     }
-  if (address.starts_with('[')) return address.substr(1, address.find(']') - 1);
+  if (const size_t end = address.find(']'); address.starts_with('[') && end != std::string::npos)
+    return address.substr(1, end - 1);
   if (std::count(address.begin(), address.end(), ':') > 1) return address;  // a bare IPv6 address
   return address.substr(0, address.find(':'));
 }

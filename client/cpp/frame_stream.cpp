@@ -47,9 +47,9 @@ FrameStream::State::State(std::unique_ptr<FrameTransport> way, const v1::OpenStr
   v1::StreamFramesResponse response;
   const bool is_answered = transport->open(open) && transport->read(response);
   if (!is_answered || !response.has_opened()) {
-    transport->cancel();
-    const std::optional<Error> refusal = transport->finish();
-    if (!is_answered && refusal) throw *refusal;
+    if (is_answered) transport->cancel();
+    const std::optional<Error> end = transport->finish();
+    if (!is_answered && end) throw *end;
     throw Error(grpc::INTERNAL, "the daemon's first answer does not open the stream");
   }
   opened = std::move(*response.mutable_opened());

@@ -1,6 +1,7 @@
 #pragma once
 // What a FrameStream holds: its credits, and the answers that are put together and wait to be received.
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <map>
