@@ -1,13 +1,18 @@
 #include "gpu/backends.hpp"
 #include "gpu/exec/cuda_exec.cuh"
+#include "gpu/exec/shared_memory.cuh"
 #include "gpu/scene_detector.hpp"
 
 namespace collided {
 
+namespace {
+constexpr int kDevice = 0;  ///< that all scenes are on
+}
+
 std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features) {
   if (!cuda_available()) throw DeviceError("backend: no usable CUDA device was found");
   const uint64_t budget = spec.memory_budget;
-  return make_scene_detector<CudaExec>(std::move(spec), std::move(features), 0, budget);
+  return make_scene_detector<CudaExec>(std::move(spec), std::move(features), kDevice, budget);
 }
 
 std::vector<DeviceInfo> cuda_devices() {
@@ -23,6 +28,16 @@ std::vector<DeviceInfo> cuda_devices() {
       devices.push_back({Backend::kCuda, properties.name, properties.totalGlobalMem});
   }
   return devices;
+}
+
+bool cuda_works() { return does_device_work(kDevice); }
+
+std::unique_ptr<SharedMemory> register_cuda_memory(std::span<std::byte> memory) {
+  return std::make_unique<RegisteredMemory>(kDevice, memory);
+}
+
+std::unique_ptr<SharedMemory> open_cuda_memory(std::span<const std::byte> handle) {
+  return std::make_unique<DeviceMemoryOfOthers>(kDevice, handle);
 }
 
 }  // namespace collided

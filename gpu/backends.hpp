@@ -13,4 +13,9 @@ std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables featu
 DeviceInfo cpu_device();
 std::vector<DeviceInfo> cuda_devices();
 
+// As in detector.hpp, on CUDA.
+bool cuda_works();
+std::unique_ptr<SharedMemory> register_cuda_memory(std::span<std::byte> memory);
+std::unique_ptr<SharedMemory> open_cuda_memory(std::span<const std::byte> handle);
+
 }  // namespace collided

@@ -4,6 +4,19 @@
 #include "gpu/frame_check.hpp"
 
 namespace collided {
+namespace {
+
+/// Cores read any memory of the process.
+class HostMemoryOfOthers final : public SharedMemory {
+ public:
+  explicit HostMemoryOfOthers(std::span<std::byte> memory) : memory_(memory) {}
+  std::span<std::byte> bytes() const override { return memory_; }
+
+ private:
+  std::span<std::byte> memory_;
+};
+
+}  // namespace
 
 std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
   check_spec(spec);
@@ -19,5 +32,14 @@ std::vector<DeviceInfo> list_devices() {
 }
 
 bool cuda_available() { return !cuda_devices().empty(); }
+
+bool device_works(Backend backend) { return backend == Backend::kCpu || cuda_works(); }
+
+std::unique_ptr<SharedMemory> register_host_memory(Backend backend, std::span<std::byte> memory) {
+  if (backend == Backend::kCuda) return register_cuda_memory(memory);
+  return std::make_unique<HostMemoryOfOthers>(memory);
+}
+
+std::unique_ptr<SharedMemory> open_device_memory(std::span<const std::byte> handle) { return open_cuda_memory(handle); }
 
 }  // namespace collided

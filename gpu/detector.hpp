@@ -85,15 +85,34 @@ struct SceneSpec {
   std::vector<MeshSpec> meshes;
 };
 
-/// New positions of one mesh: packed xyz of the scene's scalar type.
+/// New positions of one mesh: packed xyz of the scene's scalar type, of all its vertices, or of those in `indices`.
+/// The bytes may lie in any memory that the backend reads: host memory (a slot's own is the fastest), registered host
+/// memory, or, on CUDA, that of the device.
 struct MeshPositions {
   uint32_t mesh = 0;
-  std::span<const std::byte> start;  ///< t = 0 (CCD); empty: where the last frame left the mesh
-  std::span<const std::byte> end;    ///< t = 1
+  std::span<const std::byte> start;         ///< t = 0 (CCD); empty: where the last frame left the mesh
+  std::span<const std::byte> end;           ///< t = 1
+  bool is_sparse = false;                   ///< only the vertices of `indices` change
+  std::span<const std::byte> indices = {};  ///< uint32 each, strictly ascending, counted in the mesh
+};
+
+/// Room for the positions of one frame on their way to the backend. A scene makes as many as it has frames in flight.
+/// Filling and sending one goes on while another frame is in work; one thread at a time.
+class FrameSlot {
+ public:
+  virtual ~FrameSlot() = default;
+  /// Host memory of at least `bytes`, aligned to 64, that the backend reads directly (pinned on CUDA). What was there
+  /// before is lost. Throws ResourceExhausted.
+  virtual std::span<std::byte> room(uint64_t bytes) = 0;
+  /// Starts to bring the updates' bytes to the backend; they must stay as they are until the frame has been applied
+  /// or the slot is sent anew. What the backend reads is what was there when it did: nothing is read twice. Throws
+  /// InvalidInput where sizes do not fit the meshes, ResourceExhausted, DeviceError.
+  virtual void send(const std::vector<MeshPositions>& updates) = 0;
 };
 
 struct FrameInput {
-  std::vector<MeshPositions> updates;     ///< the first frame must name every mesh
+  std::vector<MeshPositions> updates;     ///< the first frame must name every mesh; empty if `slot` brings them
+  std::shared_ptr<FrameSlot> slot = {};   ///< of the same scene, with positions that were sent; may be empty
   std::optional<Accuracy> accuracy = {};  ///< for this frame alone; the scene's if absent
   std::optional<double> delta = {};
   std::optional<Report> report = {};
@@ -174,6 +193,10 @@ class Detector {
   /// Applies one frame and finds its contacts. A throw leaves the scene as it was.
   virtual FrameResult detect(const FrameInput& frame) = 0;
 
+  /// From any thread, also while a frame is in work. A slot may outlive its scene, and is of no use then. Throws
+  /// ResourceExhausted.
+  virtual std::shared_ptr<FrameSlot> make_slot() = 0;
+
   virtual std::vector<MemoryPart> memory() const = 0;
   virtual const Topology& topology() const = 0;
   virtual DeviceInfo device() const = 0;
@@ -184,5 +207,22 @@ std::vector<DeviceInfo> list_devices();
 
 /// Whether a CUDA device can be used now (built in, driver present).
 bool cuda_available();
+
+/// Whether a device still answers. After some failures (DeviceError) it does not until the process is started anew.
+bool device_works(Backend backend);
+
+/// Memory of others that a backend may read directly while this lives.
+class SharedMemory {
+ public:
+  virtual ~SharedMemory() = default;
+  virtual std::span<std::byte> bytes() const = 0;
+};
+
+/// Pins memory that is mapped already, for CUDA; does nothing for the CPU. Throws DeviceError.
+std::unique_ptr<SharedMemory> register_host_memory(Backend backend, std::span<std::byte> memory);
+
+/// Opens device memory of another process by its cudaIpcMemHandle_t (64 bytes). bytes() are those of the device, and
+/// not for the host to read. Throws InvalidInput for a bad handle or where there is no CUDA, DeviceError.
+std::unique_ptr<SharedMemory> open_device_memory(std::span<const std::byte> handle);
 
 }  // namespace collided

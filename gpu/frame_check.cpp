@@ -1,7 +1,5 @@
 #include "gpu/frame_check.hpp"
 
-#include <cmath>
-#include <cstring>
 #include <limits>
 #include <sstream>
 
@@ -16,47 +14,54 @@ std::string text(const T& value) {
   return out.str();
 }
 
-template <class Real>
-void check_coordinates(const std::string& field, std::span<const std::byte> bytes, double limit) {
-  const size_t count = bytes.size() / sizeof(Real);
-  for (size_t i = 0; i < count; ++i) {
-    Real value;
-    std::memcpy(&value, bytes.data() + i * sizeof(Real), sizeof(Real));
-    if (std::abs(value) <= static_cast<Real>(limit)) continue;  // false for NaN
-    throw InvalidInput(field, field + ": vertex " + text(i / 3) + ", coordinate " + "xyz"[i % 3] + " is " +
-                                  text(value) + "; it must be finite and at most " + text(limit) + " in magnitude");
-  }
-}
+std::string name_of(size_t update) { return "updates[" + text(update) + "]"; }
 
-void check_positions(const SceneSpec& spec, const std::string& field, std::span<const std::byte> bytes,
-                     uint32_t vertex_count) {
-  const uint64_t want = uint64_t{vertex_count} * bytes_per_vertex(spec.scalar);
+void check_bytes(const std::string& field, std::span<const std::byte> bytes, uint64_t vertices, Scalar scalar) {
+  const uint64_t want = vertices * bytes_per_vertex(scalar);
   if (bytes.size() != want)
     throw InvalidInput(
-        field, field + " has " + text(bytes.size()) + " bytes, " + text(vertex_count) + " vertices take " + text(want));
-  if (spec.scalar == Scalar::kF64)
-    check_coordinates<double>(field, bytes, coordinate_limit(spec.scalar));
-  else
-    check_coordinates<float>(field, bytes, coordinate_limit(spec.scalar));
+        field, field + " has " + text(bytes.size()) + " bytes, " + text(vertices) + " vertices take " + text(want));
 }
 
-void check_update(const SceneSpec& spec, const MeshPositions& update, const std::string& field, bool first) {
+/// Of the vertices that an update has positions for.
+uint64_t checked_count(const MeshSpec& mesh, const MeshPositions& update, const std::string& field) {
+  const std::string name = field + ".indices";
+  const size_t bytes = update.indices.size();
+  if (!update.is_sparse) {
+    if (bytes != 0) throw InvalidInput(name, name + " has " + text(bytes) + " bytes, but the update is not sparse");
+    return mesh.vertex_count;
+  }
+  if (bytes % sizeof(uint32_t) != 0)
+    throw InvalidInput(name, name + " has " + text(bytes) + " bytes, which is no multiple of 4");
+  const uint64_t count = bytes / sizeof(uint32_t);
+  if (count > mesh.vertex_count)
+    throw InvalidInput(name, name + " names " + text(count) + " vertices, the mesh has " + text(mesh.vertex_count));
+  return count;
+}
+
+void check_update(const SceneSpec& spec, const MeshPositions& update, const std::string& field) {
   if (update.mesh >= spec.meshes.size())
     throw InvalidInput(field + ".mesh", field + ".mesh is " + text(update.mesh) + ", the scene has " +
                                             text(spec.meshes.size()) + " meshes");
   const MeshSpec& mesh = spec.meshes[update.mesh];
-  if (mesh.is_static && !first)
-    throw InvalidInput(field + ".mesh", field + ".mesh " + text(update.mesh) + " is static: its positions come once");
-  check_positions(spec, field + ".end", update.end, mesh.vertex_count);
+  const uint64_t count = checked_count(mesh, update, field);
+  check_bytes(field + ".end", update.end, count, spec.scalar);
   if (update.start.empty()) return;
   if (spec.mode == Mode::kDcd) throw InvalidInput(field + ".start", field + ".start is given, but the scene is DCD");
   if (mesh.is_static) throw InvalidInput(field + ".start", field + ".start is given, but the mesh is static");
-  check_positions(spec, field + ".start", update.start, mesh.vertex_count);
+  check_bytes(field + ".start", update.start, count, spec.scalar);
 }
 
 void check_length(const std::string& field, double value, double limit) {
   if (!(value >= 0 && value <= limit))
     throw InvalidInput(field, field + " is " + text(value) + "; it must be from 0 to " + text(limit));
+}
+
+}  // namespace
+
+double coordinate_limit(Scalar scalar) {
+  return scalar == Scalar::kF64 ? std::numeric_limits<double>::max() / 8
+                                : static_cast<double>(std::numeric_limits<float>::max() / 8);
 }
 
 void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
@@ -74,13 +79,6 @@ void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
     throw InvalidInput("report", "report is ANY_HIT, which needs FAST or above");
 }
 
-}  // namespace
-
-double coordinate_limit(Scalar scalar) {
-  return scalar == Scalar::kF64 ? std::numeric_limits<double>::max() / 8
-                                : static_cast<double>(std::numeric_limits<float>::max() / 8);
-}
-
 void check_spec(const SceneSpec& spec) {
   check_length("thickness", spec.thickness, coordinate_limit(spec.scalar));
   if (!spec.vertex_triangle && !spec.edge_edge && !spec.triangle_triangle)
@@ -91,20 +89,46 @@ void check_spec(const SceneSpec& spec) {
   check_settings(spec, settings_of(spec, {}));
 }
 
-void check_frame(const SceneSpec& spec, const FrameInput& frame, bool first) {
-  check_settings(spec, settings_of(spec, frame));
+void check_updates(const SceneSpec& spec, const std::vector<MeshPositions>& updates) {
   std::vector<bool> named(spec.meshes.size(), false);
-  for (size_t i = 0; i < frame.updates.size(); ++i) {
-    const std::string field = "updates[" + text(i) + "]";
-    check_update(spec, frame.updates[i], field, first);
-    if (named[frame.updates[i].mesh])
-      throw InvalidInput(field + ".mesh", field + ".mesh " + text(frame.updates[i].mesh) + " comes twice in the frame");
-    named[frame.updates[i].mesh] = true;
+  for (size_t i = 0; i < updates.size(); ++i) {
+    const std::string field = name_of(i);
+    check_update(spec, updates[i], field);
+    if (named[updates[i].mesh])
+      throw InvalidInput(field + ".mesh", field + ".mesh " + text(updates[i].mesh) + " comes twice in the frame");
+    named[updates[i].mesh] = true;
+  }
+}
+
+void check_turn(const SceneSpec& spec, const std::vector<SentMesh>& meshes, bool first) {
+  std::vector<bool> named(spec.meshes.size(), false);
+  for (size_t i = 0; i < meshes.size(); ++i) {
+    const uint32_t mesh = meshes[i].mesh;
+    if (!first && spec.meshes[mesh].is_static)
+      throw InvalidInput(name_of(i) + ".mesh",
+                         name_of(i) + ".mesh " + text(mesh) + " is static: its positions come once");
+    if (first && meshes[i].is_sparse)
+      throw InvalidInput(name_of(i) + ".indices", name_of(i) + ".indices are given for mesh " + text(mesh) +
+                                                      ", whose first positions must be those of all vertices");
+    named[mesh] = true;
   }
   for (size_t mesh = 0; first && mesh < named.size(); ++mesh)
     if (!named[mesh])
       throw InvalidInput("updates",
                          "updates: the first frame must name every mesh, mesh " + text(mesh) + " is missing");
+}
+
+void refuse_index(const UpdatePlace& place, uint32_t index, uint32_t vertex_count) {
+  const std::string field = name_of(place.update) + ".indices";
+  throw InvalidInput(field, field + ": entry " + text(place.position) + " is " + text(index) + "; entries for mesh " +
+                                text(place.mesh) + " must be above the one before and below " + text(vertex_count));
+}
+
+void refuse_coordinate(const UpdatePlace& place, bool is_end, const BadCoordinate& bad) {
+  const std::string field = name_of(place.update) + (is_end ? ".end" : ".start");
+  throw InvalidInput(field, field + ": mesh " + text(place.mesh) + ", vertex " + text(bad.vertex) + ", coordinate " +
+                                "xyz"[bad.coordinate] + " is " + text(bad.value) + "; it must be finite and at most " +
+                                text(bad.limit) + " in magnitude");
 }
 
 }  // namespace collided

@@ -19,10 +19,40 @@ inline FrameSettings settings_of(const SceneSpec& spec, const FrameInput& frame)
 /// for kinds all off, triangle pairs in CCD, and reports that the mode or the accuracy does not have.
 void check_spec(const SceneSpec& spec);
 
-/// Throws InvalidInput naming the update, the first bad vertex, its value and the limit, or the frame's option that
-/// the scene cannot have.
-/// `first`: no frame was applied yet, so every mesh must be named.
-void check_frame(const SceneSpec& spec, const FrameInput& frame, bool first);
+/// Throws InvalidInput naming the frame's option that the scene cannot have.
+void check_settings(const SceneSpec& spec, const FrameSettings& settings);
+
+/// Throws InvalidInput naming the update that does not fit the meshes, whatever frames were before it. Values are not
+/// looked at.
+void check_updates(const SceneSpec& spec, const std::vector<MeshPositions>& updates);
+
+/// A mesh that a frame has positions for.
+struct SentMesh {
+  uint32_t mesh;
+  bool is_sparse;
+};
+
+/// Throws InvalidInput for what only the first frame may bring, and for what it has to. `first`: no frame was applied
+/// yet, so every mesh must be named, and whole.
+void check_turn(const SceneSpec& spec, const std::vector<SentMesh>& meshes, bool first);
+
+/// A position: the update's number in the frame, its mesh, and the number in the update.
+struct UpdatePlace {
+  size_t update;
+  uint32_t mesh;
+  uint64_t position;
+};
+
+/// Throws InvalidInput for an index that does not ascend or is not below the mesh's number of vertices.
+[[noreturn]] void refuse_index(const UpdatePlace& place, uint32_t index, uint32_t vertex_count);
+
+/// A coordinate (0 to 2) of a vertex of the mesh that is not finite or past the limit.
+struct BadCoordinate {
+  uint32_t vertex, coordinate;
+  double value, limit;
+};
+/// Throws InvalidInput.
+[[noreturn]] void refuse_coordinate(const UpdatePlace& place, bool is_end, const BadCoordinate& bad);
 
 /// Largest magnitude of a coordinate: an eighth of the largest number, so that sums and differences stay finite.
 double coordinate_limit(Scalar scalar);

@@ -103,6 +103,7 @@ struct SceneBuffers {
       : topology(exec),
         start(exec, "start_positions"),
         end(exec, "positions"),
+        last_good(exec, "last_good"),
         boxes(exec, "boxes"),
         records(exec, "records"),
         state(exec, "counters"),
@@ -125,6 +126,7 @@ struct SceneBuffers {
   ResidentTopology<Exec> topology;
   Buffer<Vec3<Real>, Exec> start;  ///< CCD only
   Buffer<Vec3<Real>, Exec> end;
+  Buffer<Vec3<Real>, Exec> last_good;  ///< `end` of the last frame that succeeded
   Buffer<Box<float>, Exec> boxes;
   Buffer<TriangleRecord<Real>, Exec> records;
   Buffer<StepState, Exec> state;

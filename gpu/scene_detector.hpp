@@ -2,10 +2,9 @@
 // A scene on one backend: keeps positions resident, applies frames atomically, runs the pipeline.
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
-#include "gpu/frame_check.hpp"
+#include "gpu/frame_slot.hpp"
 #include "gpu/pipeline.hpp"
 
 namespace collided {
@@ -15,39 +14,37 @@ class SceneDetector final : public Detector {
  public:
   template <class... ExecArgs>
   SceneDetector(SceneSpec spec, FeatureTables features, ExecArgs... args)
-      : spec_(std::move(spec)),
-        topology_(std::move(features.topology)),
+      : topology_(std::move(features.topology)),
+        shape_(shape_of(std::move(spec), topology_)),
         exec_(args...),
         scene_(exec_),
-        pipeline_(exec_, spec_, topology_, scene_),
-        last_good_(uint64_t{topology_.vertex_count} * sizeof(Vec3<Real>)) {
-    for (MeshSpec& mesh : spec_.meshes) mesh.triangles = {};  // the scene-wide tables hold them now
+        pipeline_(exec_, spec_, topology_, scene_) {
     make_resident(features);
   }
 
   FrameResult detect(const FrameInput& frame) override {
-    check_frame(spec_, frame, !has_frame_);
     const FrameSettings settings = settings_of(spec_, frame);
-    exec_.begin_frame();
+    check_settings(spec_, settings);
     exec_.cancelled = frame.cancelled;
-    try {
-      if (spec_.edge_edge && settings.accuracy != Accuracy::kCandidates) require_edges();
-      const bool all = stale_ || !has_frame_;
-      exec_.stage("upload", [&] { upload(frame); });
-      FrameResult result = pipeline_.detect_contacts(moved(all), all, settings);
-      commit(frame);
-      return result;
-    } catch (...) {
-      stale_ = true;
-      throw;
-    }
+    return exec_.frame([&] { return detect(frame, settings); });
   }
+
+  std::shared_ptr<FrameSlot> make_slot() override { return new_slot(); }
 
   std::vector<MemoryPart> memory() const override { return exec_.ledger().parts(); }
   const Topology& topology() const override { return topology_; }
   DeviceInfo device() const override { return exec_.device(); }
 
  private:
+  using Slot = SceneSlot<Exec, Real>;
+
+  /// The scene-wide tables hold the triangles.
+  static std::shared_ptr<const SceneShape> shape_of(SceneSpec spec, const Topology& topology) {
+    for (MeshSpec& mesh : spec.meshes) mesh.triangles = {};
+    return std::make_shared<const SceneShape>(SceneShape{std::move(spec), topology.vertex_offset});
+  }
+  std::shared_ptr<Slot> new_slot() const { return std::make_shared<Slot>(shape_, exec_); }
+
   void make_resident(const FeatureTables& features) {
     ResidentTopology<Exec>& resident = scene_.topology;
     send(resident.triangles, topology_.triangles);
@@ -61,6 +58,7 @@ class SceneDetector final : public Detector {
     scene_.boxes.allocate(topology_.triangles.size());
     scene_.records.allocate(topology_.triangles.size());
     scene_.end.allocate(topology_.vertex_count);
+    scene_.last_good.allocate(topology_.vertex_count);
     if (spec_.mode == Mode::kCcd) scene_.start.allocate(topology_.vertex_count);
   }
 
@@ -90,15 +88,43 @@ class SceneDetector final : public Detector {
     return !std::all_of(spec_.meshes.begin(), spec_.meshes.end(), free);
   }
 
-  uint64_t mesh_bytes(uint32_t mesh) const { return spec_.meshes[mesh].vertex_count * sizeof(Vec3<Real>); }
-  std::byte* last_good(uint32_t mesh) { return last_good_.data() + topology_.vertex_offset[mesh] * sizeof(Vec3<Real>); }
+  FrameResult detect(const FrameInput& frame, const FrameSettings& settings) {
+    if (spec_.edge_edge && settings.accuracy != Accuracy::kCandidates) require_edges();
+    const bool all = stale_ || !has_frame_;
+    Slot* slot = nullptr;
+    exec_.stage("upload", [&] {
+      slot = &sent_slot(frame);
+      slot->arrive(!has_frame_);
+      place(*slot);
+    });
+    FrameResult result = pipeline_.detect_contacts(moved(all), all, settings);
+    commit(*slot);
+    return result;
+  }
 
-  /// Brings the frame's positions to the backend.
-  void upload(const FrameInput& frame) {
-    if (stale_ && has_frame_) exec_.upload(scene_.end.data(), last_good_.data(), last_good_.size());
-    if (spec_.mode == Mode::kCcd && has_frame_)
-      exec_.copy(scene_.start.data(), scene_.end.data(), topology_.vertex_count * sizeof(Vec3<Real>));
-    for (const MeshPositions& update : frame.updates) upload_mesh(update);
+  /// The frame's slot, or the scene's own with the frame's positions.
+  Slot& sent_slot(const FrameInput& frame) {
+    if (frame.slot == nullptr) {
+      if (own_slot_ == nullptr) own_slot_ = new_slot();
+      own_slot_->send(frame.updates);
+      return *own_slot_;
+    }
+    if (!frame.updates.empty())
+      throw InvalidInput("updates", "updates has " + std::to_string(frame.updates.size()) +
+                                        " meshes; it must be empty where a slot brings the positions");
+    Slot* slot = dynamic_cast<Slot*>(frame.slot.get());
+    if (slot == nullptr || !slot->is_of(shape_)) throw InvalidInput("slot", "slot is of another scene than the frame");
+    return *slot;
+  }
+
+  /// From here until commit() the scene's positions are not those of the last good frame.
+  void place(Slot& slot) {
+    const uint64_t bytes = uint64_t{topology_.vertex_count} * sizeof(Vec3<Real>);
+    const bool restores = stale_ && has_frame_;
+    stale_ = true;
+    if (restores) exec_.copy(scene_.end.data(), scene_.last_good.data(), bytes);
+    if (spec_.mode == Mode::kCcd && has_frame_) exec_.copy(scene_.start.data(), scene_.end.data(), bytes);
+    slot.place(exec_, scene_.start.data(), scene_.end.data(), !has_frame_);
   }
 
   /// The triangles that have to be boxed: all, or those of meshes that move.
@@ -107,17 +133,6 @@ class SceneDetector final : public Detector {
     for (uint32_t mesh = 0; mesh < spec_.meshes.size(); ++mesh)
       if (all || !spec_.meshes[mesh].is_static) append_run(runs, mesh);
     return runs;
-  }
-
-  void upload_mesh(const MeshPositions& update) {
-    const uint64_t first = topology_.vertex_offset[update.mesh];
-    const uint64_t bytes = mesh_bytes(update.mesh);
-    exec_.upload(scene_.end.data() + first, update.end.data(), bytes);
-    if (spec_.mode != Mode::kCcd) return;
-    if (!update.start.empty())
-      exec_.upload(scene_.start.data() + first, update.start.data(), bytes);
-    else if (!has_frame_)
-      exec_.copy(scene_.start.data() + first, scene_.end.data() + first, bytes);
   }
 
   void append_run(std::vector<TriangleRun>& runs, uint32_t mesh) const {
@@ -129,21 +144,21 @@ class SceneDetector final : public Detector {
   }
 
   /// The frame counts from here on; its positions are what a later failure falls back to.
-  void commit(const FrameInput& frame) {
-    for (const MeshPositions& update : frame.updates)
-      std::memcpy(last_good(update.mesh), update.end.data(), update.end.size());
+  void commit(Slot& slot) {
+    slot.place(exec_, nullptr, scene_.last_good.data(), false);
     has_frame_ = true;
     stale_ = false;
   }
 
-  SceneSpec spec_;
   Topology topology_;
+  std::shared_ptr<const SceneShape> shape_;
+  const SceneSpec& spec_ = shape_->spec;
   Exec exec_;
   SceneBuffers<Exec, Real> scene_;
   Pipeline<Exec, Real> pipeline_;
-  std::vector<std::byte> last_good_;
+  std::shared_ptr<Slot> own_slot_;
   bool has_frame_ = false;
-  bool stale_ = false;
+  bool stale_ = false;  ///< a frame failed after it had touched the positions
 };
 
 template <class Exec, class... ExecArgs>

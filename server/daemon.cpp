@@ -1,9 +1,9 @@
-// The gRPC server around the service.
+// The gRPC server around the service, and HTTP beside it.
 #include "server/daemon.hpp"
 
+#include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
-#include <spdlog/spdlog.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -11,20 +11,30 @@
 #include <cerrno>
 #include <chrono>
 #include <stdexcept>
+#include <thread>
 
 #include "gpu/detector.hpp"
-#include "server/service/service.hpp"
+#include "server/auth/credentials.hpp"
+#include "server/ops/log.hpp"
 
 namespace collided::server {
 namespace {
 
-constexpr int kPingMs = 10'000, kPingTimeoutMs = 5'000, kMinPingIntervalMs = 5'000;
+constexpr int kMinPingIntervalMs = 5'000;
 constexpr auto kLastAnswers = std::chrono::milliseconds(100);  // for answers on their way out
 
+int milliseconds(double seconds) { return static_cast<int>(seconds * 1000); }
+
+// gRPC's errors are mostly those of its peers: handshakes that fail, connections that break.
+void log_grpc(gpr_log_func_args* line) {
+  log_event(line->severity == GPR_LOG_SEVERITY_ERROR ? spdlog::level::warn : spdlog::level::debug, line->message,
+            {{"source", "grpc"}});
+}
+
 // A killed peer is seen at once, a cut-off one only by pings; clients may ping on idle streams, too.
-void set_keepalive(grpc::ServerBuilder& builder) {
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kPingMs);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kPingTimeoutMs);
+void set_keepalive(grpc::ServerBuilder& builder, const Config& config) {
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, milliseconds(config.keepalive_seconds));
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, milliseconds(config.keepalive_timeout_seconds));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kMinPingIntervalMs);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
@@ -56,43 +66,85 @@ void check_free(const std::string& address) {
 
 }  // namespace
 
-Daemon::Daemon(const Config& config) {
+Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
+    : lifecycle_(lifecycle),
+      authenticator_(config),
+      observer_(metrics_, lifecycle),
+      host_(config, observer_),
+      service_(config, host_, authenticator_) {
   if (config.backend == "cuda" && !cuda_available())
     throw std::runtime_error("--backend is cuda, but there is no usable CUDA device");
   for (const auto& address : config.addresses) check_free(address);
-  service_ = std::make_unique<CollisionService>(config);
+  gpr_set_log_function(log_grpc);
+  if (!config.http_address.empty()) http_ = std::make_unique<HttpServer>(config.http_address, metrics_, lifecycle_);
+  listen(config);
+  metrics_.set_gauges([this] { return gauges(); });
+  server_->GetHealthCheckService()->SetServingStatus(pb::CollisionService::service_full_name(), true);
+  lifecycle_.serve();
+}
+
+Gauges Daemon::gauges() const {
+  const HostTotals totals = host_.totals();
+  return {totals.scenes, totals.streams, totals.device_bytes, totals.waiting_frames, calls_->outgoing_bytes()};
+}
+
+void Daemon::listen(const Config& config) {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   // Two daemons on one port would share its connections by chance.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.SetMaxReceiveMessageSize(static_cast<int>(config.limits.max_message_bytes));
-  set_keepalive(builder);
+  set_keepalive(builder, config);
+  const auto credentials = make_credentials(config.tls);
   std::vector<int> ports(config.addresses.size(), 0);
-  for (size_t i = 0; i < ports.size(); ++i)
-    builder.AddListeningPort(config.addresses[i], grpc::InsecureServerCredentials(), &ports[i]);
-  builder.RegisterService(service_.get());
+  for (size_t i = 0; i < ports.size(); ++i) {
+    const bool local = config.addresses[i].starts_with("unix:");
+    builder.AddListeningPort(config.addresses[i], local ? grpc::InsecureServerCredentials() : credentials, &ports[i]);
+  }
+  builder.RegisterService(&service_);
+  calls_ = std::make_unique<FrameCalls>(builder, service_, FrameCallParts{host_, authenticator_, metrics_});
   server_ = builder.BuildAndStart();
   for (size_t i = 0; i < ports.size(); ++i) {
     if (!server_ || ports[i] == 0) throw std::runtime_error("cannot listen on " + config.addresses[i]);
     addresses_.push_back(bound_address(config.addresses[i], ports[i]));
   }
-  server_->GetHealthCheckService()->SetServingStatus(pb::CollisionService::service_full_name(), true);
+  calls_->start();
 }
 
-Daemon::~Daemon() { stop(0); }
-
-void Daemon::stop(double grace_seconds) {
+Daemon::~Daemon() {
   if (!server_) return;
+  begin_stop(0);
+  stop();
+}
+
+void Daemon::reload(const Config& config) {
+  authenticator_.reload(config);
+  host_.set_limits(config.limits);
+}
+
+void Daemon::begin_stop(double grace_seconds) {
+  lifecycle_.drain();
   server_->GetHealthCheckService()->SetServingStatus(false);
-  service_->announce_stop(grace_seconds);
-  const auto grace =
-      std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(grace_seconds));
-  const bool idle = service_->wait_idle(std::chrono::steady_clock::now() + grace);
-  // Shutdown also waits for idle connections, which some clients never close: hence not the whole grace again.
+  host_.announce_stop(grace_seconds);
+  calls_->announce_stop();
+}
+
+bool Daemon::wait_idle(std::chrono::steady_clock::time_point deadline) const {
+  constexpr auto kPoll = std::chrono::milliseconds(5);
+  for (; service_.in_work() || calls_->open() > 0; std::this_thread::sleep_for(kPoll))
+    if (std::chrono::steady_clock::now() >= deadline) return false;
+  return true;
+}
+
+void Daemon::stop() {
+  const bool idle = wait_idle(std::chrono::steady_clock::now());
+  // Shutdown also waits for idle connections, which some clients never close: hence no longer than for last answers.
   server_->Shutdown(std::chrono::system_clock::now() + (idle ? kLastAnswers : std::chrono::milliseconds(0)));
+  calls_->stop();
   server_->Wait();
-  service_->clear();
+  metrics_.set_gauges({});
+  host_.scenes().clear();
   server_.reset();
 }
 

@@ -1,31 +1,60 @@
 #pragma once
-// The gRPC server around the service: addresses, limits, keepalive, health, reflection, stop.
+// The gRPC server around the service, and HTTP beside it: addresses, credentials, limits, keepalive, health, stop.
 
 #include <grpcpp/grpcpp.h>
 
+#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "server/auth/authenticator.hpp"
 #include "server/config/config.hpp"
+#include "server/ops/http_server.hpp"
+#include "server/ops/lifecycle.hpp"
+#include "server/ops/metrics.hpp"
+#include "server/scenes/scene_host.hpp"
+#include "server/service/frame_calls.hpp"
+#include "server/service/observer.hpp"
+#include "server/service/service.hpp"
 
 namespace collided::server {
 
-class CollisionService;
-
 class Daemon {
  public:
-  /// Binds the addresses and serves. Throws std::runtime_error with what is wrong.
-  explicit Daemon(const Config& config);
+  /// Binds the addresses and serves. Throws ConfigError, or std::runtime_error with what is wrong. `lifecycle` must
+  /// outlive it.
+  Daemon(const Config& config, Lifecycle& lifecycle);
   ~Daemon();
 
-  /// Tells the streams, waits for calls in flight at most `grace_seconds`, frees the scenes.
-  void stop(double grace_seconds);
+  /// Takes up what may change while it runs. Throws ConfigError if the tokens file is not sound; nothing has changed
+  /// then.
+  void reload(const Config& config);
+
+  /// Says NOT_SERVING, refuses what is new, and tells the streams that they have `grace_seconds`.
+  void begin_stop(double grace_seconds);
+  /// Waits until no call is in work; false if `deadline` came first.
+  bool wait_idle(std::chrono::steady_clock::time_point deadline) const;
+  /// Cancels what is left, frees the scenes.
+  void stop();
+
   /// With the ports that were given out.
   const std::vector<std::string>& addresses() const { return addresses_; }
+  /// Of metrics and health; empty if they are off.
+  std::string http_address() const { return http_ ? http_->address() : ""; }
 
  private:
-  std::unique_ptr<CollisionService> service_;
+  void listen(const Config& config);
+  Gauges gauges() const;
+
+  Lifecycle& lifecycle_;
+  Metrics metrics_;
+  Authenticator authenticator_;
+  ServiceObserver observer_;
+  SceneHost host_;
+  CollisionService service_;
+  std::unique_ptr<HttpServer> http_;
+  std::unique_ptr<FrameCalls> calls_;
   std::unique_ptr<grpc::Server> server_;
   std::vector<std::string> addresses_;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// The daemon's own refusals; the engine's are in gpu/detector.hpp. status.cpp maps both to gRPC codes.
+// The daemon's own refusals; the engine's are in gpu/detector.hpp. service/status.cpp maps both to gRPC codes.
 
 #include <stdexcept>
 #include <string>
@@ -17,13 +17,28 @@ class FieldError : public std::runtime_error {
   std::string field_;
 };
 
-/// The scene does not exist (any more).
+/// The scene does not exist (any more), or belongs to another client.
 class NotFound : public FieldError {
   using FieldError::FieldError;
 };
 
 /// The request is sound, but not in the present state.
 class FailedPrecondition : public FieldError {
+  using FieldError::FieldError;
+};
+
+/// Something else has that id already.
+class AlreadyExists : public FieldError {
+  using FieldError::FieldError;
+};
+
+/// A secret that is wrong.
+class PermissionDenied : public FieldError {
+  using FieldError::FieldError;
+};
+
+/// Another stream took the scene over.
+class TakenOver : public FieldError {
   using FieldError::FieldError;
 };
 
@@ -34,7 +49,27 @@ class Unimplemented : public FieldError {
 
 /// The request passes a limit of the daemon.
 class LimitExceeded : public FieldError {
+ public:
   using FieldError::FieldError;
+  /// A limit that more than one request counts for: `subject` is "client:NAME", "scene:ID" or "daemon"; after
+  /// `retry_after_seconds` the same request may pass (0: that alone does not help).
+  static LimitExceeded quota(std::string subject, const std::string& what, double retry_after_seconds = 0) {
+    LimitExceeded error("", what);
+    error.subject_ = std::move(subject);
+    error.retry_after_seconds_ = retry_after_seconds;
+    return error;
+  }
+  const std::string& subject() const { return subject_; }
+  double retry_after_seconds() const { return retry_after_seconds_; }
+
+ private:
+  std::string subject_;
+  double retry_after_seconds_ = 0;
+};
+
+/// The caller did not show who it is. Never tells what it showed.
+class Unauthenticated : public std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 /// The daemon is about to stop and takes nothing new.

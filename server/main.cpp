@@ -1,22 +1,41 @@
-// The daemon `collided`: reads its configuration, serves, and stops cleanly on SIGTERM or SIGINT.
+// The daemon `collided`: reads its configuration, again at SIGHUP; serves; stops cleanly at SIGTERM or SIGINT, at once
+// if asked a second time.
 #include <malloc.h>
 #include <pthread.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
+#include <string.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
+#include "server/auth/authenticator.hpp"
+#include "server/auth/tls_files.hpp"
 #include "server/config/config.hpp"
+#include "server/config/rules.hpp"
 #include "server/daemon.hpp"
+#include "server/ops/lifecycle.hpp"
+#include "server/ops/log.hpp"
 
 namespace {
 
 using collided::server::Config;
+using collided::server::ConfigError;
 using collided::server::Daemon;
+using collided::server::Lifecycle;
+
+constexpr double kGraceOfFailure = 1;  // seconds for the answers that tell of a failed device
+
+struct CommandLine {
+  int argc;
+  const char* const* argv;
+};
 
 // Signals are blocked before any thread exists, so that all threads inherit the mask and only main takes them.
 sigset_t block_signals() {
@@ -25,6 +44,7 @@ sigset_t block_signals() {
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
 }
@@ -47,15 +67,76 @@ void write_ready_file(const std::string& path, const std::vector<std::string>& a
   if (!file || error) throw std::runtime_error("cannot write the ready file " + path);
 }
 
-void serve(const Config& config, const sigset_t& signals) {
-  Daemon daemon(config);
+void warn_of_exposure(const Config& config) {
+  for (const auto& warning : exposure_warnings(config)) spdlog::warn("{}", warning);
+}
+
+// The configuration changes as a whole, or, if anything in it is not sound, not at all.
+void reload(const CommandLine& line, Config& config, Daemon& daemon) try {
+  auto [next, restart] = collided::server::reload_config(line.argc, line.argv, config);
+  daemon.reload(next);
+  collided::server::set_up_log(next.log_format, next.log_level);
+  config = next;
+  spdlog::info("configuration read again");
+  for (const auto& name : restart) spdlog::warn("{} has changed, which only counts after a restart", name);
+  warn_of_exposure(config);
+} catch (const ConfigError& error) {
+  spdlog::error("configuration not read again, the one before stays: {}", error.what());
+}
+
+// Until a signal asks the daemon to stop, or a failure does.
+void wait_for_end(const CommandLine& line, const sigset_t& signals, Config& config, Daemon& daemon) {
+  for (int signal = 0;;) {
+    sigwait(&signals, &signal);
+    if (signal != SIGHUP) {
+      spdlog::info("SIG{}: stopping, at most {} s", sigabbrev_np(signal), config.grace_seconds);
+      return;
+    }
+    reload(line, config, daemon);
+  }
+}
+
+bool is_asked_again(const sigset_t& signals) {
+  const timespec at_once{};
+  const int signal = sigtimedwait(&signals, nullptr, &at_once);
+  return signal == SIGTERM || signal == SIGINT;
+}
+
+void drain(Daemon& daemon, double grace_seconds, const sigset_t& signals) {
+  using std::chrono::steady_clock;
+  constexpr auto kStep = std::chrono::milliseconds(20);
+  daemon.begin_stop(grace_seconds);
+  const auto end = steady_clock::now() +
+                   std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(grace_seconds));
+  while (steady_clock::now() < end && !daemon.wait_idle(std::min(end, steady_clock::now() + kStep)))
+    if (is_asked_again(signals)) {
+      spdlog::warn("asked to stop again: ending what is open");
+      break;
+    }
+  daemon.stop();
+}
+
+int serve(const CommandLine& line, Config config, const sigset_t& signals) {
+  Lifecycle lifecycle([] { kill(getpid(), SIGTERM); });
+  warn_of_exposure(config);
+  Daemon daemon(config, lifecycle);
   for (const auto& address : daemon.addresses()) spdlog::info("collided {} serves on {}", COLLIDED_VERSION, address);
+  if (const auto address = daemon.http_address(); !address.empty()) spdlog::info("metrics and health on {}", address);
   write_ready_file(config.ready_file, daemon.addresses());
-  int signal = 0;
-  sigwait(&signals, &signal);
-  spdlog::info("signal {}: stopping, at most {} s", signal, config.grace_seconds);
-  daemon.stop(config.grace_seconds);
+  wait_for_end(line, signals, config, daemon);
+  if (lifecycle.failed()) spdlog::critical("{}", lifecycle.status().text());
+  drain(daemon, lifecycle.failed() ? std::min(config.grace_seconds, kGraceOfFailure) : config.grace_seconds, signals);
   spdlog::info("stopped");
+  return lifecycle.failed() ? 1 : 0;
+}
+
+// What parsing cannot tell: whether the files that options name can be used.
+int check(const Config& config) {
+  const collided::server::Authenticator authenticator(config);
+  collided::server::check_tls_files(config.tls);
+  warn_of_exposure(config);
+  std::puts("collided: the configuration is sound");
+  return 0;
 }
 
 }  // namespace
@@ -68,9 +149,11 @@ int main(int argc, char** argv) try {
     std::fputs(parsed.text.c_str(), parsed.exit_code ? stderr : stdout);
     return parsed.exit_code;
   }
-  spdlog::set_level(spdlog::level::from_str(parsed.config.log_level));
-  serve(parsed.config, signals);
-  return 0;
+  collided::server::set_up_log(parsed.config.log_format, parsed.config.log_level);
+  return parsed.check ? check(parsed.config) : serve({argc, argv}, parsed.config, signals);
+} catch (const ConfigError& error) {
+  std::fprintf(stderr, "collided: %s\n", error.what());
+  return 2;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "collided: %s\n", error.what());
   return 1;

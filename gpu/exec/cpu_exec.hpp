@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <memory>
@@ -19,12 +18,13 @@
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/counted.hpp"
+#include "gpu/exec/host_memory.hpp"
 #include "gpu/exec/in_steps.hpp"
 #include "gpu/exec/key_order.hpp"
-#include "gpu/exec/memory_ledger.hpp"
 #include "gpu/exec/pair_search.hpp"
 #include "gpu/exec/pair_taker.hpp"
 #include "gpu/exec/radix_sort.hpp"
+#include "gpu/exec/staging.hpp"
 #include "gpu/exec/step_key.hpp"
 #include "gpu/exec/tree_walk.hpp"
 
@@ -33,29 +33,27 @@ namespace collided {
 class CpuExec {
  public:
   CpuExec(int threads, uint64_t memory_budget)
-      : ledger_(memory_budget), arena_(threads > 0 ? threads : tbb::task_arena::automatic) {}
+      : memory_(std::make_shared<MemoryLedger>(memory_budget)),
+        arena_(threads > 0 ? threads : tbb::task_arena::automatic) {}
 
   DeviceInfo device() const {
     return {Backend::kCpu, "CPU, " + std::to_string(arena_.max_concurrency()) + " threads", 0};
   }
 
   void* allocate(const std::string& part, uint64_t bytes) {
-    ledger_.take(part, bytes);
     ++allocations_;
-    void* memory = std::malloc(bytes);
-    if (memory == nullptr) {
-      ledger_.give_back(part, bytes);
-      throw ResourceExhausted(part + ": the host has no " + std::to_string(bytes) + " bytes left");
-    }
-    return memory;
+    return memory_.allocate(part, bytes);
   }
-  void deallocate(const std::string& part, void* memory, uint64_t bytes) {
-    std::free(memory);
-    ledger_.give_back(part, bytes);
-  }
+  void deallocate(const std::string& part, void* memory, uint64_t bytes) { memory_.deallocate(part, memory, bytes); }
   /// Whether a verb takes its time even where there is nothing to do.
   static constexpr bool kLaunchesCost = false;
-  const MemoryLedger& ledger() const { return ledger_; }
+  const MemoryLedger& ledger() const { return *memory_.ledger(); }
+
+  /// For positions on their way; from any thread. May outlive this.
+  using Staging = HostStaging;
+  Staging make_staging() const { return Staging(memory_.ledger()); }
+  /// What was put in line so far is the last that reads what the staging brought.
+  void done_with(Staging&) {}
 
   /// f(i) for i in [0, n).
   template <class F>
@@ -212,6 +210,12 @@ class CpuExec {
     stages_.clear();
     allocations_ = 0;
   }
+  /// Runs one frame: begin_frame(), then f().
+  template <class F>
+  auto frame(const F& f) {
+    begin_frame();
+    return f();
+  }
   uint32_t allocations() const { return allocations_; }
   std::vector<StageTime> stage_times() { return stages_; }
 
@@ -251,7 +255,7 @@ class CpuExec {
     return features;
   }
 
-  MemoryLedger ledger_;
+  HostMemory memory_;
   tbb::task_arena arena_;
   std::vector<StageTime> stages_;
   std::vector<std::byte> host_;

@@ -7,19 +7,22 @@
 #include <cstring>
 #include <cub/cub.cuh>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
+#include "gpu/exec/cuda_memory.cuh"
 #include "gpu/exec/for_each.cuh"
 #include "gpu/exec/in_parts.cuh"
 #include "gpu/exec/in_steps.cuh"
-#include "gpu/exec/memory_ledger.hpp"
+#include "gpu/exec/nvtx.cuh"
 #include "gpu/exec/pair_search.cuh"
 #include "gpu/exec/reduce.cuh"
 #include "gpu/exec/sort_arrays.hpp"
+#include "gpu/exec/staging.cuh"
 #include "gpu/exec/step_graph.cuh"
 #include "gpu/exec/tree_walk.cuh"
 
@@ -29,7 +32,7 @@ class CudaExec {
  public:
   CudaExec(int device, uint64_t memory_budget)
       : device_(device),
-        ledger_(memory_budget),
+        memory_(std::make_shared<MemoryLedger>(memory_budget)),
         scratch_(*this, "scratch"),
         arrived_(*this, "counters"),
         times_(*this, "counters") {
@@ -48,7 +51,6 @@ class CudaExec {
   CudaExec& operator=(const CudaExec&) = delete;
   ~CudaExec() {
     for (cudaEvent_t event : events_) cudaEventDestroy(event);
-    cudaFreeHost(host_);
     cudaStreamDestroy(stream_);
     cudaStreamDestroy(side_);
     cudaEventDestroy(fork_);
@@ -58,25 +60,23 @@ class CudaExec {
   const DeviceInfo& device() const { return info_; }
 
   void* allocate(const std::string& part, uint64_t bytes) {
-    ledger_.take(part, bytes);
     ++generation_;
     ++allocations_;
-    void* memory = nullptr;
-    const cudaError_t error = cudaMalloc(&memory, bytes);
-    if (error != cudaSuccess) {
-      ledger_.give_back(part, bytes);
-      check_cuda(error, (part + ": " + std::to_string(bytes) + " bytes").c_str());
-    }
-    return memory;
+    return memory_.allocate(part, bytes);
   }
   void deallocate(const std::string& part, void* memory, uint64_t bytes) {
     ++generation_;
-    cudaFree(memory);
-    ledger_.give_back(part, bytes);
+    memory_.deallocate(part, memory, bytes);
   }
   /// As in CpuExec.
   static constexpr bool kLaunchesCost = true;
-  const MemoryLedger& ledger() const { return ledger_; }
+  const MemoryLedger& ledger() const { return *memory_.ledger(); }
+
+  /// For positions on their way; from any thread. May outlive this.
+  using Staging = CudaStaging;
+  Staging make_staging() const { return Staging(device_, memory_.ledger()); }
+  /// What was put in line so far is the last that reads what the staging brought.
+  void done_with(Staging& staging) { staging.read_last_by(stream_); }
 
   /// f(i) for i in [0, n).
   template <class F>
@@ -185,10 +185,11 @@ class CudaExec {
         note_now(graphs_.recording().end());
       });
     }
+    const NvtxRange range("step");
     T host;
     constexpr uint64_t kTimes = StepGraph::kMostTimes * sizeof(uint64_t);
     graph->launch(stream_, result, sizeof(T), host_memory(sizeof(T) + kTimes), times_.data());
-    std::memcpy(&host, host_, sizeof(T));
+    std::memcpy(&host, host_.data(), sizeof(T));
     ++graph_launches_;
     step_milliseconds_ = graph->milliseconds();
     graph->add_stage_times(step_stages_);
@@ -209,16 +210,8 @@ class CudaExec {
   void wait() { check_cuda(cudaStreamSynchronize(stream_), "wait"); }
   /// Pinned memory of the host for downloads, until the next call.
   std::byte* host_memory(uint64_t bytes) {
-    if (bytes <= host_bytes_) return host_;
-    cudaFreeHost(host_);
-    host_ = nullptr;
-    host_bytes_ = 0;
-    const uint64_t room = bytes + bytes / 4 + 4096;
-    void* memory = nullptr;
-    check_cuda(cudaMallocHost(&memory, room), "host memory for downloads");
-    host_ = static_cast<std::byte*>(memory);
-    host_bytes_ = room;
-    return host_;
+    host_.ensure(bytes);
+    return host_.data();
   }
   void copy(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyDeviceToDevice); }
   void fill_zero(void* memory, uint64_t bytes) {
@@ -258,6 +251,7 @@ class CudaExec {
   /// cancellation before it, events around it.
   template <class F>
   void stage(const char* name, const F& f) {
+    const NvtxRange range(name);
     if (graphs_.is_recording()) {
       note_next(graphs_.recording().begin_stage(name));
       f();
@@ -280,6 +274,13 @@ class CudaExec {
     graph_launches_ = 0;
     reserving_ = false;  // a frame may have ended with a throw
     begin_ = nullptr;
+  }
+  /// Runs one frame: begin_frame(), then f().
+  template <class F>
+  auto frame(const F& f) {
+    const NvtxRange range("frame");
+    begin_frame();
+    return f();
   }
   /// Of the frame, in the order that the stages ran.
   std::vector<StageTime> stage_times() {
@@ -363,7 +364,7 @@ class CudaExec {
   int device_;
   unsigned processors_ = 1;
   DeviceInfo info_;
-  MemoryLedger ledger_;
+  DeviceMemory memory_;
   cudaStream_t stream_ = nullptr, side_ = nullptr;
   cudaEvent_t fork_ = make_event(), join_ = make_event();
   uint64_t generation_ = 0;  ///< of the buffers: changes whenever one does
@@ -373,8 +374,8 @@ class CudaExec {
   Buffer<unsigned, CudaExec> arrived_;  ///< of a reduction's blocks
   Buffer<uint64_t, CudaExec> times_;    ///< at which the stages of a recorded step begin and end
   uint64_t* begin_ = nullptr;           ///< where the next kernel notes when it begins
-  std::byte* host_ = nullptr;
-  uint64_t host_bytes_ = 0;
+  PinnedMemory pinned_;
+  Buffer<std::byte, PinnedMemory> host_{pinned_, "downloads"};
   std::vector<cudaEvent_t> events_;
   std::vector<NamedStage> names_;
   std::vector<StageTime> step_stages_;

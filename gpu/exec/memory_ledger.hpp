@@ -1,8 +1,9 @@
 #pragma once
-// Who holds how many bytes of a scene's budget.
+// Who holds how many bytes of a scene's budget. Slots book theirs from other threads than the scene.
 
 #include <algorithm>
 #include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ class MemoryLedger {
 
   /// Throws ResourceExhausted if `bytes` more would pass the budget; else books them.
   void take(const std::string& part, uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
     if (budget_ != 0 && bytes > budget_ - std::min(budget_, total_))
       throw ResourceExhausted("memory_budget: " + part + " needs " + std::to_string(bytes) +
                               " bytes more, the scene holds " + std::to_string(total_) + " of a budget of " +
@@ -25,11 +27,13 @@ class MemoryLedger {
   }
 
   void give_back(const std::string& part, uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
     parts_[part] -= bytes;
     total_ -= bytes;
   }
 
   std::vector<MemoryPart> parts() const {
+    const std::lock_guard lock(mutex_);
     std::vector<MemoryPart> out;
     for (const auto& [part, bytes] : parts_)
       if (bytes != 0) out.push_back({part, bytes});
@@ -37,6 +41,7 @@ class MemoryLedger {
   }
 
  private:
+  mutable std::mutex mutex_;
   std::map<std::string, uint64_t> parts_;
   uint64_t total_ = 0;
   uint64_t budget_;

@@ -9,18 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "gpu/detector.hpp"
+#include "gpu/exec/cuda_memory.cuh"
 #include "gpu/exec/step_key.hpp"
 
 namespace collided {
-
-inline void check_cuda(cudaError_t error, const char* what) {
-  if (error == cudaSuccess) return;
-  cudaGetLastError();
-  const std::string text = std::string(what) + ": " + cudaGetErrorString(error);
-  if (error == cudaErrorMemoryAllocation) throw ResourceExhausted(text);
-  throw DeviceError(text);
-}
 
 inline cudaEvent_t make_event() {
   cudaEvent_t event = nullptr;

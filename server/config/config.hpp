@@ -1,11 +1,17 @@
 #pragma once
-// What the daemon is told at its start: flags, then COLLIDED_* in the environment, then defaults.
+// What the daemon is told: flags, then COLLIDED_* in the environment, then a TOML file, then defaults.
 
 #include <cstdint>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace collided::server {
+
+/// What is wrong with an option, or with a file that one names.
+class ConfigError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 /// What one client may have at once; tokens can set their own.
 struct ClientLimits {
@@ -13,6 +19,8 @@ struct ClientLimits {
   uint64_t max_device_bytes = uint64_t{64} << 30;
   uint32_t max_streams = 256;
   double max_frames_per_second = 20'000;
+
+  bool operator==(const ClientLimits&) const = default;
 };
 
 /// All finite. What passes them is refused, with the name of the limit.
@@ -29,16 +37,42 @@ struct Limits {
   double lease_seconds = 30;  ///< of scenes that ask for none
   double max_lease_seconds = 3600;
   ClientLimits client;
+
+  bool operator==(const Limits&) const = default;
+};
+
+/// PEM files. All empty: plain text.
+struct Tls {
+  std::string certificate;
+  std::string key;
+  std::string client_ca;  ///< clients must show a certificate that it signed; empty: they need none
+
+  bool enabled() const { return !certificate.empty(); }
+  bool operator==(const Tls&) const = default;
 };
 
 struct Config {
   std::vector<std::string> addresses = {"127.0.0.1:50551"};
+  std::string endpoint;                ///< told to clients as the address to stream to; empty: none
+  std::string http_address;            ///< of metrics and health; empty: off
+  std::string local_socket;            ///< path for clients that share memory; empty: off
+  std::vector<uint32_t> allowed_uids;  ///< of local_socket; empty: the daemon's own user alone
+  bool cuda_ipc = false;               ///< take device memory of clients on the same host
+  Tls tls;
+  std::string tokens_file;       ///< TOML; empty: no tokens
+  bool allow_insecure = false;   ///< plain text on addresses that others can reach
   std::string backend = "auto";  ///< auto, cpu or cuda
   int threads = 0;               ///< CPU threads of a scene; 0: all cores
+  int concurrent_frames = 0;     ///< frames computed at once; 0: as the devices allow
   Limits limits;
-  double grace_seconds = 5;  ///< for open streams when the daemon stops
+  double keepalive_seconds = 10;         ///< between pings to a silent client
+  double keepalive_timeout_seconds = 5;  ///< until a client that does not answer them is dropped
+  double grace_seconds = 5;              ///< for open streams when the daemon stops
   std::string log_level = "info";
-  std::string ready_file;  ///< gets the bound addresses, a line each; empty: none
+  std::string log_format = "text";  ///< text or json
+  std::string ready_file;           ///< gets the bound addresses, a line each; empty: none
+
+  bool operator==(const Config&) const = default;
 };
 
 /// The result of reading the command line.
@@ -47,11 +81,19 @@ struct ParsedConfig {
   bool run = true;  ///< false: print `text` and exit with `exit_code`
   int exit_code = 0;
   std::string text;
+  bool check = false;  ///< only tell whether the configuration is sound
 };
 
+/// Flags, then COLLIDED_* in the environment, then the TOML file of --config, then the defaults.
 ParsedConfig parse_config(int argc, const char* const* argv);
 
-/// Empty if the address is host:port or unix:/path, else what is wrong with it.
-std::string check_address(const std::string& address);
+/// What SIGHUP brings.
+struct Reloaded {
+  Config config;                     ///< `current` with what may change while the daemon runs: limits, log, tokens
+  std::vector<std::string> restart;  ///< options that were changed, too, but only count after a restart
+};
+
+/// Reads everything again. Throws ConfigError if it is not sound.
+Reloaded reload_config(int argc, const char* const* argv, const Config& current);
 
 }  // namespace collided::server

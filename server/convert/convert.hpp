@@ -1,14 +1,16 @@
 #pragma once
 // Between the protocol and the engine. Every message that names a field names its path, value and limit.
 
-#include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "collided/v1/collision_service.pb.h"
 #include "server/config/config.hpp"
+#include "server/scenes/frame_run.hpp"
 #include "server/scenes/scene.hpp"
+#include "server/scenes/scene_store.hpp"
 
 namespace collided::server {
 
@@ -24,36 +26,26 @@ struct SceneDefaults {
 
 /// Checks a request for a scene. Throws InvalidInput, Unimplemented, LimitExceeded,
 /// FailedPrecondition.
-ScenePlan parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults);
+SceneRequest parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults);
 
 /// Appends a packed uint32[n][3] array; `path` names it in messages. Throws InvalidInput.
 void parse_triangles(std::string_view bytes, uint32_t vertex_count, const std::string& path,
                      Scene::Triangles& triangles);
 
-/// Checks what the frame overrides of its scene. The spans point into `frame`, which must outlive the result.
-/// Throws InvalidInput, Unimplemented.
-FrameInput parse_frame(const pb::Frame& frame, const SceneSpec& scene);
+/// Bytes of one update that are not in its message.
+struct PlacedPositions {
+  std::span<const std::byte> start, end, indices;
+};
 
-/// Bytes of positions in a frame.
-uint64_t position_bytes(const pb::Frame& frame);
+/// Checks what the frame overrides of its scene, and names where its positions are: in `placed` (one entry for each
+/// update, or none at all) or else in `frame` itself; both must outlive the result. Throws InvalidInput, Unimplemented.
+PendingFrame parse_frame(const pb::Frame& frame, std::span<const PlacedPositions> placed, const SceneSpec& scene);
 
 void fill_scene(const Scene& scene, pb::Scene* out);
 void fill_device(const DeviceInfo& device, pb::Device* out);
-void fill_limits(const Limits& limits, pb::ServerLimits* out);
-
-/// What a frame cost outside the engine.
-struct FrameCost {
-  double total_milliseconds = 0, queue_milliseconds = 0;
-  uint64_t device_bytes = 0, bytes_in = 0, bytes_out = 0;
-};
+/// The daemon's limits, and those of the client that asks.
+void fill_limits(const Limits& limits, const ClientLimits& client, pb::ServerLimits* out);
 
 void fill_done(const FrameResult& result, const FrameCost& cost, pb::FrameDone* out);
-
-/// Contacts as chunks whose arrays hold at most `max_bytes` together. What was not computed is left out.
-std::vector<pb::ContactChunk> make_chunks(const FrameResult& result, const Topology& topology,
-                                          const OutputFields& fields, size_t max_bytes);
-
-/// Bytes of the contact arrays of chunks.
-uint64_t array_bytes(const std::vector<pb::ContactChunk>& chunks);
 
 }  // namespace collided::server

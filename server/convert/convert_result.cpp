@@ -1,63 +1,9 @@
 // Results and facts from the engine to the protocol.
-#include <algorithm>
-
 #include "server/convert/convert.hpp"
 #include "server/convert/convert_level.hpp"
 
 namespace collided::server {
 namespace {
-
-template <class T>
-void put(std::string* out, const T& value) {
-  out->append(reinterpret_cast<const char*>(&value), sizeof(T));
-}
-
-// A run of an engine array, whose elements have the wire's layout.
-template <class T>
-void put_run(std::string* out, const std::vector<T>& values, size_t begin, size_t end) {
-  out->assign(reinterpret_cast<const char*>(values.data() + begin), (end - begin) * sizeof(T));
-}
-
-std::array<uint32_t, 4> stencil(pb::ContactKind kind, std::array<uint32_t, 2> pair, const Topology& topology) {
-  if (kind == pb::CONTACT_KIND_VERTEX_TRIANGLE) {
-    const auto& triangle = topology.triangles[pair[1]];
-    return {pair[0], triangle[0], triangle[1], triangle[2]};
-  }
-  const auto &a = topology.edges[pair[0]], &b = topology.edges[pair[1]];
-  return {a[0], a[1], b[0], b[1]};
-}
-
-// Those of the fields asked for that there are of this kind, at the level of this frame.
-OutputFields available(OutputFields fields, pb::ContactKind kind, const ContactSet& set) {
-  fields.stencils &= kind != pb::CONTACT_KIND_TRIANGLE_TRIANGLE;
-  fields.toi &= !set.toi.empty();
-  fields.distance &= !set.distance.empty();
-  fields.weights &= !set.weights.empty();
-  fields.flags &= !set.flags.empty();
-  return fields;
-}
-
-struct ChunkSource {
-  pb::ContactKind kind;
-  const ContactSet& set;
-  const Topology& topology;
-  OutputFields fields;
-
-  pb::ContactChunk chunk(size_t begin, size_t end) const {
-    pb::ContactChunk out;
-    out.set_kind(kind);
-    out.set_count(static_cast<uint32_t>(end - begin));
-    if (fields.elements) put_run(out.mutable_elements(), set.elements, begin, end);
-    if (fields.toi) put_run(out.mutable_toi(), set.toi, begin, end);
-    if (fields.distance) put_run(out.mutable_distance(), set.distance, begin, end);
-    if (fields.weights) put_run(out.mutable_weights(), set.weights, begin, end);
-    if (fields.flags) put_run(out.mutable_flags(), set.flags, begin, end);
-    if (!fields.stencils) return out;
-    out.mutable_stencils()->reserve((end - begin) * sizeof(std::array<uint32_t, 4>));
-    for (size_t i = begin; i < end; ++i) put(out.mutable_stencils(), stencil(kind, set.elements[i], topology));
-    return out;
-  }
-};
 
 void fill_counts(const FrameCounts& counts, pb::FrameCounts* out) {
   out->set_cells(counts.cells);
@@ -132,6 +78,8 @@ void fill_scene(const Scene& scene, pb::Scene* out) {
     added->set_bytes(part.bytes);
   }
   out->set_last_frame_id(now.last_frame_id);
+  out->set_lease_seconds(scene.facts().lease_seconds);
+  out->set_resume_token(scene.facts().resume_token);
 }
 
 void fill_device(const DeviceInfo& device, pb::Device* out) {
@@ -140,13 +88,21 @@ void fill_device(const DeviceInfo& device, pb::Device* out) {
   out->set_memory_bytes(device.memory_bytes);
 }
 
-void fill_limits(const Limits& limits, pb::ServerLimits* out) {
+void fill_limits(const Limits& limits, const ClientLimits& client, pb::ServerLimits* out) {
   out->set_max_message_bytes(limits.max_message_bytes);
   out->set_max_vertices(limits.max_vertices);
   out->set_max_triangles(limits.max_triangles);
   out->set_max_scenes(limits.max_scenes);
   out->set_max_scene_bytes(limits.max_scene_bytes);
   out->set_max_window(limits.max_window);
+  out->set_max_scenes_per_client(client.max_scenes);
+  out->set_max_device_bytes_per_client(client.max_device_bytes);
+  out->set_max_device_bytes(limits.max_device_bytes);
+  out->set_max_streams(limits.max_streams);
+  out->set_max_streams_per_client(client.max_streams);
+  out->set_max_frames_per_second(client.max_frames_per_second);
+  out->set_max_idle_seconds(limits.max_idle_seconds);
+  out->set_max_lease_seconds(limits.max_lease_seconds);
 }
 
 void fill_done(const FrameResult& result, const FrameCost& cost, pb::FrameDone* out) {
@@ -167,33 +123,13 @@ void fill_done(const FrameResult& result, const FrameCost& cost, pb::FrameDone* 
   metrics->set_broad_phase_engine(to_message(result.engine));
   metrics->set_bytes_in(cost.bytes_in);
   metrics->set_bytes_out(cost.bytes_out);
+  metrics->set_decode_milliseconds(cost.decode_milliseconds);
+  metrics->set_engine_milliseconds(cost.engine_milliseconds);
+  metrics->set_encode_milliseconds(cost.encode_milliseconds);
   if (result.input_resolution) metrics->add_warnings(pb::FRAME_WARNING_INPUT_RESOLUTION);
   out->set_contact_count(result.vertex_triangle.size() + result.edge_edge.size() + result.triangle_triangle.size());
   out->set_earliest_toi(result.earliest_toi);
   out->set_any_contact(result.any_contact);
-}
-
-std::vector<pb::ContactChunk> make_chunks(const FrameResult& result, const Topology& topology,
-                                          const OutputFields& fields, size_t max_bytes) {
-  std::vector<pb::ContactChunk> chunks;
-  const auto append = [&](pb::ContactKind kind, const ContactSet& set) {
-    const ChunkSource source{kind, set, topology, available(fields, kind, set)};
-    const size_t step = std::max<size_t>(1, max_bytes / std::max<size_t>(1, source.fields.contact_bytes()));
-    for (size_t begin = 0; begin < set.size(); begin += step)
-      chunks.push_back(source.chunk(begin, std::min(begin + step, set.size())));
-  };
-  append(pb::CONTACT_KIND_VERTEX_TRIANGLE, result.vertex_triangle);
-  append(pb::CONTACT_KIND_EDGE_EDGE, result.edge_edge);
-  append(pb::CONTACT_KIND_TRIANGLE_TRIANGLE, result.triangle_triangle);
-  return chunks;
-}
-
-uint64_t array_bytes(const std::vector<pb::ContactChunk>& chunks) {
-  uint64_t bytes = 0;
-  for (const auto& chunk : chunks)
-    bytes += chunk.elements().size() + chunk.stencils().size() + chunk.toi().size() + chunk.distance().size() +
-             chunk.weights().size() + chunk.flags().size();
-  return bytes;
 }
 
 }  // namespace collided::server

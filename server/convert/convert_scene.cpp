@@ -1,13 +1,16 @@
 // Scenes between the protocol and the engine.
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+
 #include <array>
 #include <bit>
 #include <cstring>
+#include <functional>
 #include <set>
 
 #include "server/convert/convert.hpp"
 #include "server/convert/convert_level.hpp"
 #include "server/convert/refuse.hpp"
-#include "server/shorten.hpp"
 
 namespace collided::server {
 namespace {
@@ -197,9 +200,28 @@ void parse_triangles(std::string_view bytes, uint32_t vertex_count, const std::s
       throw_invalid(fmt::format("{}[{}]", path, i), wrong);
 }
 
-ScenePlan parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults) {
-  const auto& spec = request.spec();
-  if (!request.request_id().empty()) throw_not_served("request_id", "\"" + shorten(request.request_id(), 64) + "\"");
+namespace {
+
+// Equal requests repeat each other; the lease may differ.
+uint64_t fingerprint(const pb::SceneSpec& spec) {
+  std::string bytes;
+  google::protobuf::io::StringOutputStream stream(&bytes);
+  google::protobuf::io::CodedOutputStream coded(&stream);
+  coded.SetSerializationDeterministic(true);
+  spec.SerializeToCodedStream(&coded);
+  coded.Trim();
+  return std::hash<std::string>{}(bytes);
+}
+
+double parse_lease(double seconds, const Limits& limits) {
+  if (!(seconds >= 0)) throw_invalid("lease_seconds", fmt::format("is {}, but must be 0 or more", seconds));
+  if (seconds > limits.max_lease_seconds)
+    throw LimitExceeded("lease_seconds", fmt::format("lease_seconds is {}, more than max_lease_seconds, {}", seconds,
+                                                     limits.max_lease_seconds));
+  return seconds > 0 ? seconds : limits.lease_seconds;
+}
+
+ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   if (spec.display_name().size() > kMaxNameBytes)
     throw_invalid("spec.display_name",
                   fmt::format("has {} bytes, more than {}", spec.display_name().size(), kMaxNameBytes));
@@ -223,6 +245,17 @@ ScenePlan parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults
   parse_meshes(spec, plan);
   engine.backend = parse_backend(spec.backend(), defaults);
   return plan;
+}
+
+}  // namespace
+
+SceneRequest parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults) {
+  constexpr size_t kMaxRequestIdBytes = 64;
+  if (request.request_id().size() > kMaxRequestIdBytes)
+    throw_invalid("request_id",
+                  fmt::format("has {} bytes, more than {}", request.request_id().size(), kMaxRequestIdBytes));
+  const double lease = parse_lease(request.lease_seconds(), defaults.limits);
+  return {parse_plan(request.spec(), defaults), request.request_id(), fingerprint(request.spec()), lease};
 }
 
 }  // namespace collided::server

@@ -1,6 +1,7 @@
 // A resident scene: its plan, its detector, its worker, and what others may see of it.
 #include "server/scenes/scene.hpp"
 
+#include <openssl/crypto.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -8,12 +9,34 @@
 
 #include "server/errors.hpp"
 #include "server/scenes/field_path.hpp"
-#include "server/scenes/frame_check.hpp"
+#include "server/scenes/frame_session.hpp"
 
 namespace collided::server {
 
-Scene::Scene(std::string id, ScenePlan plan, size_t queue_capacity)
-    : id_(std::move(id)), plan_(std::move(plan)), pending_(plan_.engine), worker_(queue_capacity) {
+namespace {
+
+// In the same time, whatever they have in common.
+bool is_equal_secret(const std::string& a, const std::string& b) {
+  return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
+}
+
+// Ids rise strictly, from 1.
+void check_frame_id(uint64_t frame_id, uint64_t last_frame_id) {
+  if (frame_id == 0) throw InvalidInput("frame.frame_id", "frame.frame_id is 0, but ids start at 1");
+  if (frame_id <= last_frame_id)
+    throw FailedPrecondition("frame.frame_id",
+                             fmt::format("frame.frame_id is {}, but must be greater than {}, the last frame applied",
+                                         frame_id, last_frame_id));
+}
+
+}  // namespace
+
+Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
+    : facts_(std::move(facts)),
+      surroundings_(surroundings),
+      plan_(std::move(plan)),
+      pending_(plan_.engine),
+      worker_(facts_.queue_capacity) {
   for (size_t i = 0; i < plan_.meshes.size(); ++i) {
     shown_.vertices += pending_.meshes[i].vertex_count;
     shown_.triangles += pending_.meshes[i].triangles.size() + plan_.meshes[i].awaited;
@@ -59,7 +82,89 @@ bool Scene::unusable() const {
 }
 
 void Scene::check_open() const {
-  if (closed_) throw NotFound("scene_id", fmt::format("scene {} was deleted", id_));
+  if (closed_) throw NotFound("scene_id", fmt::format("scene {} was deleted", id()));
+}
+
+void Scene::check_token(const std::string& token, bool has_stream) const {
+  if (token.empty() && has_stream)
+    throw FailedPrecondition("open.resume_token",
+                             fmt::format("open.resume_token is empty, but another stream of scene {} is open", id()));
+  if (!token.empty() && !is_equal_secret(token, facts_.resume_token))
+    throw PermissionDenied("open.resume_token", fmt::format("open.resume_token is not that of scene {}", id()));
+}
+
+std::shared_ptr<FrameSession> Scene::begin_stream(const std::shared_ptr<FrameSession>& session,
+                                                  const std::string& token) {
+  const std::lock_guard lock(mutex_);
+  check_open();
+  if (!shown_.ready) throw FailedPrecondition("open.scene_id", fmt::format("scene {} still awaits triangles", id()));
+  check_token(token, stream_ != nullptr);
+  return std::exchange(stream_, session);
+}
+
+void Scene::end_stream(const FrameSession& session) {
+  std::shared_ptr<FrameSession> ended;
+  const std::lock_guard lock(mutex_);
+  if (stream_.get() == &session) ended.swap(stream_);
+}
+
+std::shared_ptr<FrameSession> Scene::stream() const {
+  const std::lock_guard lock(mutex_);
+  return stream_;
+}
+
+void Scene::close() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  if (const auto open = stream())
+    open->end(std::make_exception_ptr(NotFound("scene_id", fmt::format("scene {} was deleted", id()))));
+}
+
+std::shared_ptr<FrameSlot> Scene::take_slot() {
+  std::shared_ptr<SlotPool> slots;
+  {
+    const std::lock_guard lock(mutex_);
+    slots = slots_;
+  }
+  auto slot = slots ? slots->take() : nullptr;
+  if (!slot) check_open();
+  if (!slot) throw FailedPrecondition("scene_id", fmt::format("scene {} still awaits triangles", id()));
+  return slot;
+}
+
+uint64_t Scene::most_position_bytes() const {
+  const uint64_t vertex_bytes = plan_.engine.scalar == Scalar::kF64 ? 24 : 12;
+  uint64_t vertices = 0;
+  for (const auto& mesh : plan_.engine.meshes) vertices += mesh.vertex_count;
+  return vertices * vertex_bytes * (plan_.engine.mode == Mode::kCcd ? 2 : 1);
+}
+
+void Scene::begin_use() {
+  const std::lock_guard lock(mutex_);
+  ++uses_;
+}
+
+void Scene::end_use() {
+  const std::lock_guard lock(mutex_);
+  --uses_;
+  last_use_ = std::chrono::steady_clock::now();
+}
+
+bool Scene::is_expired(std::chrono::steady_clock::time_point now) const {
+  const std::lock_guard lock(mutex_);
+  return uses_ == 0 && now - last_use_ > std::chrono::duration<double>(facts_.lease_seconds);
+}
+
+void Scene::release() {
+  std::shared_ptr<SlotPool> slots;
+  {
+    const std::lock_guard lock(mutex_);
+    slots.swap(slots_);
+  }
+  if (slots) slots->close();
+  detector_.reset();
 }
 
 void Scene::build_if_complete() {
@@ -74,6 +179,10 @@ void Scene::build_if_complete() {
     throw;
   }
   pending_ = {};
+  {
+    const std::lock_guard lock(mutex_);
+    slots_ = std::make_shared<SlotPool>(detector_);
+  }
   publish();
 }
 
@@ -97,10 +206,9 @@ void Scene::add_triangles(uint32_t mesh, const Triangles& triangles) {
 
 FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame) {
   check_open();
-  if (!detector_) throw FailedPrecondition("scene_id", fmt::format("scene {} still awaits triangles", id_));
+  if (!detector_) throw FailedPrecondition("scene_id", fmt::format("scene {} still awaits triangles", id()));
   const uint64_t last = shown_.last_frame_id;  // written by this thread only
   check_frame_id(frame_id, last);
-  check_updates(plan_, frame, last == 0);
   FrameResult result;
   try {
     result = detector_->detect(frame);

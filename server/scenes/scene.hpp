@@ -1,7 +1,9 @@
 #pragma once
-// A resident scene: its plan, its detector, its worker, and what others may see of it. No gRPC here.
+// A resident scene: its plan, its detector, its worker, its one stream, its lease, and what others may see of it.
+// No gRPC here.
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -9,31 +11,15 @@
 #include <vector>
 
 #include "gpu/detector.hpp"
+#include "server/auth/client.hpp"
+#include "server/scenes/frame_run.hpp"
+#include "server/scenes/scene_plan.hpp"
 #include "server/scenes/scene_worker.hpp"
+#include "server/scenes/slot_pool.hpp"
 
 namespace collided::server {
 
-/// Contact fields that the scene's clients want.
-struct OutputFields {
-  bool elements = false, stencils = false, toi = false, distance = false, weights = false, flags = false;
-  /// Bytes of one contact's arrays.
-  size_t contact_bytes() const {
-    return elements * 8u + stencils * 16u + toi * 8u + distance * 8u + weights * 16u + flags * 1u;
-  }
-};
-
-struct MeshPlan {
-  std::string name;
-  uint64_t awaited = 0;  ///< triangles that uploads will bring
-};
-
-/// A checked request for a scene.
-struct ScenePlan {
-  std::string display_name;
-  OutputFields fields;
-  std::vector<MeshPlan> meshes;
-  SceneSpec engine;
-};
+class FrameSession;
 
 /// What a scene shows of itself at one moment.
 struct SceneSnapshot {
@@ -44,16 +30,29 @@ struct SceneSnapshot {
   uint64_t last_frame_id = 0;
 };
 
+/// What is settled when a scene is made.
+struct SceneFacts {
+  std::string id;
+  std::string resume_token;  ///< a secret
+  std::string request_id;    ///< of the request that made it; may be empty
+  uint64_t fingerprint = 0;  ///< of that request
+  Client owner;
+  double lease_seconds = 0;
+  size_t queue_capacity = 0;  ///< frames of unary calls that wait at most
+};
+
 class Scene {
  public:
   using Triangles = std::vector<std::array<uint32_t, 3>>;
 
-  Scene(std::string id, ScenePlan plan, size_t queue_capacity);
+  Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings);
 
-  const std::string& id() const { return id_; }
+  const std::string& id() const { return facts_.id; }
+  const SceneFacts& facts() const { return facts_; }
   /// The plan without its triangles.
   const ScenePlan& plan() const { return plan_; }
   SceneWorker& worker() { return worker_; }
+  SceneObserver& observer() const { return surroundings_.observer; }
   SceneSnapshot snapshot() const;
   /// Triangles of a mesh that are still to come.
   uint64_t awaited(uint32_t mesh) const;
@@ -62,8 +61,30 @@ class Scene {
   void end_upload(uint32_t mesh);
   /// Whether all triangles came and still made no detector.
   bool unusable() const;
-  /// Frames and uploads that come after this are answered with NotFound.
-  void close() { closed_ = true; }
+
+  /// Makes a session the scene's one stream. Returns the one it takes over, or null. Throws PermissionDenied for a
+  /// wrong token, FailedPrecondition if there is a stream and no token, or triangles are awaited.
+  std::shared_ptr<FrameSession> begin_stream(const std::shared_ptr<FrameSession>& session, const std::string& token);
+  /// Does nothing if another session is the scene's stream.
+  void end_stream(const FrameSession& session);
+  std::shared_ptr<FrameSession> stream() const;
+  /// Throws NotFound once it is closed.
+  void check_open() const;
+  /// Frames and uploads that come after this are answered with NotFound, and its stream ends.
+  void close();
+
+  /// A slot for one frame, of those that are free, or a new one; it comes back by itself. From any thread. Throws
+  /// NotFound once the scene is deleted.
+  std::shared_ptr<FrameSlot> take_slot();
+  /// Bytes of positions that a frame can bring at most.
+  uint64_t most_position_bytes() const;
+  /// Waits until it is this scene's turn on its device.
+  Turns::Turn take_turn(const std::function<bool()>& cancelled) {
+    return surroundings_.turns.take(account_, cancelled);
+  }
+
+  /// Whether its lease has run out: nobody uses it, and nobody has for so long.
+  bool is_expired(std::chrono::steady_clock::time_point now) const;
 
   // On the worker's thread only:
 
@@ -75,23 +96,58 @@ class Scene {
   FrameResult apply(uint64_t frame_id, const FrameInput& frame);
   const Topology& topology() const { return detector_->topology(); }
   /// Frees the scene's memory.
-  void release() { detector_.reset(); }
+  void release();
 
  private:
-  void check_open() const;
+  friend class SceneUse;
+
+  void check_token(const std::string& token, bool has_stream) const;
   bool awaits_triangles() const;
   void publish();
+  void begin_use();
+  void end_use();
 
-  const std::string id_;
+  const SceneFacts facts_;
+  const SceneSurroundings surroundings_;
   ScenePlan plan_;
   SceneSpec pending_;  // the spec with its triangles, until the detector takes it
-  std::unique_ptr<Detector> detector_;
+  std::shared_ptr<Detector> detector_;
+  TurnAccount account_;
   std::atomic<bool> closed_ = false;
-  mutable std::mutex mutex_;  // guards the three below
+  mutable std::mutex mutex_;  // guards what follows
   SceneSnapshot shown_;
   std::vector<uint64_t> awaited_;
   std::vector<bool> uploading_;
+  std::shared_ptr<FrameSession> stream_;
+  std::shared_ptr<SlotPool> slots_;  // null until there is a detector
+  unsigned uses_ = 0;
+  std::chrono::steady_clock::time_point last_use_ = std::chrono::steady_clock::now();
   SceneWorker worker_;  // last: its thread ends before the rest goes
+};
+
+/// A scene in use by a call or a stream: its lease does not run meanwhile, and begins anew afterwards.
+class SceneUse {
+ public:
+  SceneUse() = default;
+  explicit SceneUse(std::shared_ptr<Scene> scene) : scene_(std::move(scene)) { scene_->begin_use(); }
+  SceneUse(const SceneUse& other) : scene_(other.scene_) {
+    if (scene_) scene_->begin_use();
+  }
+  SceneUse(SceneUse&&) noexcept = default;
+  SceneUse& operator=(SceneUse other) noexcept {
+    scene_.swap(other.scene_);
+    return *this;
+  }
+  ~SceneUse() {
+    if (scene_) scene_->end_use();
+  }
+
+  explicit operator bool() const { return scene_ != nullptr; }
+  Scene* operator->() const { return scene_.get(); }
+  Scene& operator*() const { return *scene_; }
+
+ private:
+  std::shared_ptr<Scene> scene_;
 };
 
 }  // namespace collided::server

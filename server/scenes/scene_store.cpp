@@ -3,8 +3,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <random>
-#include <utility>
 
 #include "server/errors.hpp"
 #include "server/shorten.hpp"
@@ -26,45 +26,117 @@ std::string random_id() {
 
 }  // namespace
 
-std::shared_ptr<Scene> SceneStore::add(ScenePlan plan) {
-  auto scene = std::make_shared<Scene>(random_id(), std::move(plan), queue_capacity_);  // copies much: not locked yet
-  std::lock_guard lock(mutex_);
-  if (scenes_.size() >= max_scenes_)
-    throw LimitExceeded("spec", fmt::format("{} scenes exist, and the limit is {}", scenes_.size(), max_scenes_));
+SceneStore::Added SceneStore::add(const Client& owner, SceneRequest request) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (SceneUse before = repeated_locked(owner, request)) return {std::move(before), false};
+    check_room_locked(owner);
+  }
+  SceneFacts facts{random_id(), random_id(),           request.request_id, request.fingerprint,
+                   owner,       request.lease_seconds, queue_capacity_};
+  // Copies much: not under the lock, so that all is looked at again.
+  auto scene = std::make_shared<Scene>(std::move(facts), std::move(request.plan), surroundings_);
+  const std::lock_guard lock(mutex_);
+  if (SceneUse before = repeated_locked(owner, request)) return {std::move(before), false};
+  check_room_locked(owner);
+  SceneUse use(scene);
   scenes_.emplace(scene->id(), scene);
+  if (!request.request_id.empty()) requests_.emplace(RequestKey{owner->name, request.request_id}, scene);
+  return {std::move(use), true};
+}
+
+SceneUse SceneStore::repeated_locked(const Client& owner, const SceneRequest& request) const {
+  if (request.request_id.empty()) return {};
+  const auto found = requests_.find({owner->name, request.request_id});
+  if (found == requests_.end()) return {};
+  if (found->second->facts().fingerprint != request.fingerprint)
+    throw AlreadyExists("request_id", fmt::format("request_id is \"{}\", which made scene {} from another request",
+                                                  shorten(request.request_id, 64), found->second->id()));
+  return SceneUse(found->second);
+}
+
+void SceneStore::check_room_locked(const Client& owner) const {
+  if (scenes_.size() >= max_scenes_)
+    throw LimitExceeded::quota(
+        "daemon", fmt::format("max_scenes is {}, and {} scenes exist on this daemon", max_scenes_, scenes_.size()));
+  const auto own = static_cast<size_t>(std::count_if(scenes_.begin(), scenes_.end(), [&](const auto& entry) {
+    return entry.second->facts().owner->name == owner->name;
+  }));
+  if (own >= owner->limits.max_scenes)
+    throw LimitExceeded::quota("client:" + owner->name,
+                               fmt::format("max_scenes_per_client is {}, and client \"{}\" has {} scenes",
+                                           owner->limits.max_scenes, owner->name, own));
+}
+
+SceneStore::Scenes::const_iterator SceneStore::find_locked(const Client& owner, const std::string& id) const {
+  const auto found = scenes_.find(id);
+  if (found == scenes_.end() || found->second->facts().owner->name != owner->name) throw_not_found(id);
+  return found;
+}
+
+SceneUse SceneStore::find(const Client& owner, const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  return SceneUse(find_locked(owner, id)->second);
+}
+
+std::shared_ptr<Scene> SceneStore::take_out_locked(Scenes::const_iterator found) {
+  auto scene = found->second;
+  scenes_.erase(found);
+  requests_.erase({scene->facts().owner->name, scene->facts().request_id});
   return scene;
 }
 
-std::shared_ptr<Scene> SceneStore::find(const std::string& id) const {
-  std::lock_guard lock(mutex_);
-  const auto found = scenes_.find(id);
-  if (found == scenes_.end()) throw_not_found(id);
-  return found->second;
-}
-
-std::shared_ptr<Scene> SceneStore::remove(const std::string& id) {
-  std::lock_guard lock(mutex_);
-  const auto found = scenes_.find(id);
-  if (found == scenes_.end()) throw_not_found(id);
-  auto scene = std::move(found->second);
-  scenes_.erase(found);
+std::shared_ptr<Scene> SceneStore::remove(const Client& owner, const std::string& id) {
+  std::shared_ptr<Scene> scene;
+  {
+    const std::lock_guard lock(mutex_);
+    scene = take_out_locked(find_locked(owner, id));
+  }
   scene->close();
   return scene;
 }
 
-std::vector<std::shared_ptr<Scene>> SceneStore::page(const std::string& after, size_t count) const {
-  std::lock_guard lock(mutex_);
+std::vector<std::shared_ptr<Scene>> SceneStore::page(const Client& owner, const std::string& after,
+                                                     size_t count) const {
+  const std::lock_guard lock(mutex_);
   std::vector<std::shared_ptr<Scene>> page;
   for (auto it = scenes_.upper_bound(after); it != scenes_.end() && page.size() < count; ++it)
-    page.push_back(it->second);
+    if (it->second->facts().owner->name == owner->name) page.push_back(it->second);
   return page;
 }
 
-void SceneStore::clear() {
-  std::map<std::string, std::shared_ptr<Scene>> scenes;
+std::vector<std::shared_ptr<Scene>> SceneStore::all() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::shared_ptr<Scene>> scenes;
+  for (const auto& [id, scene] : scenes_) scenes.push_back(scene);
+  return scenes;
+}
+
+std::vector<std::shared_ptr<Scene>> SceneStore::remove_expired(std::chrono::steady_clock::time_point now) {
+  std::vector<std::shared_ptr<Scene>> expired;
   {
-    std::lock_guard lock(mutex_);
+    const std::lock_guard lock(mutex_);
+    for (auto it = scenes_.cbegin(); it != scenes_.cend();)
+      if (const auto here = it++; here->second->is_expired(now)) expired.push_back(take_out_locked(here));
+  }
+  for (const auto& scene : expired) {
+    scene->close();
+    scene->worker().post([scene] { scene->release(); });
+  }
+  return expired;
+}
+
+void SceneStore::set_max_scenes(size_t max_scenes) {
+  const std::lock_guard lock(mutex_);
+  max_scenes_ = max_scenes;
+}
+
+void SceneStore::clear() {
+  Scenes scenes;
+  {
+    const std::lock_guard lock(mutex_);
     scenes.swap(scenes_);
+    requests_.clear();
   }
   for (auto& [id, scene] : scenes) scene->close();
   for (auto& [id, scene] : scenes) scene->worker().flush();

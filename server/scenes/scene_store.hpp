@@ -1,36 +1,67 @@
 #pragma once
-// All resident scenes by id. Safe from any thread. No gRPC here.
+// All resident scenes by id, with their owners and leases. Safe from any thread. No gRPC here.
 
+#include <chrono>
 #include <cstddef>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/scenes/scene.hpp"
 
 namespace collided::server {
 
+/// A checked request for a scene.
+struct SceneRequest {
+  ScenePlan plan;
+  std::string request_id;     ///< of the client's choice; may be empty
+  uint64_t fingerprint = 0;   ///< equal for equal requests
+  double lease_seconds = 30;  ///< > 0
+};
+
 class SceneStore {
  public:
-  SceneStore(size_t max_scenes, size_t queue_capacity) : max_scenes_(max_scenes), queue_capacity_(queue_capacity) {}
+  SceneStore(size_t max_scenes, size_t queue_capacity, SceneSurroundings surroundings)
+      : max_scenes_(max_scenes), queue_capacity_(queue_capacity), surroundings_(surroundings) {}
 
-  /// Throws LimitExceeded.
-  std::shared_ptr<Scene> add(ScenePlan plan);
-  /// Throws NotFound.
-  std::shared_ptr<Scene> find(const std::string& id) const;
+  struct Added {
+    SceneUse scene;
+    bool is_new = true;  ///< false: an earlier request with the same id made it
+  };
+  /// Throws LimitExceeded, AlreadyExists.
+  Added add(const Client& owner, SceneRequest request);
+  /// Throws NotFound, also for a scene of another client.
+  SceneUse find(const Client& owner, const std::string& id) const;
   /// Takes a scene out and closes it; frames in its queue are answered with NotFound. Throws NotFound.
-  std::shared_ptr<Scene> remove(const std::string& id);
-  /// At most `count` scenes in the order of their ids, from the first id after `after`.
-  std::vector<std::shared_ptr<Scene>> page(const std::string& after, size_t count) const;
+  std::shared_ptr<Scene> remove(const Client& owner, const std::string& id);
+  /// At most `count` scenes of a client in the order of their ids, from the first id after `after`.
+  std::vector<std::shared_ptr<Scene>> page(const Client& owner, const std::string& after, size_t count) const;
+  std::vector<std::shared_ptr<Scene>> all() const;
+  /// Takes out and closes the scenes whose lease has run out, and frees their memory once their workers are done.
+  std::vector<std::shared_ptr<Scene>> remove_expired(std::chrono::steady_clock::time_point now);
+  void set_max_scenes(size_t max_scenes);
   /// Removes all scenes and waits for the work that they have in hand.
   void clear();
 
  private:
-  const size_t max_scenes_, queue_capacity_;
+  using Scenes = std::map<std::string, std::shared_ptr<Scene>>;
+  using RequestKey = std::pair<std::string, std::string>;  // client, request id
+
+  // `_locked`: the caller holds mutex_.
+  SceneUse repeated_locked(const Client& owner, const SceneRequest& request) const;
+  void check_room_locked(const Client& owner) const;
+  Scenes::const_iterator find_locked(const Client& owner, const std::string& id) const;
+  std::shared_ptr<Scene> take_out_locked(Scenes::const_iterator found);
+
+  size_t max_scenes_;
+  const size_t queue_capacity_;
+  const SceneSurroundings surroundings_;
   mutable std::mutex mutex_;
-  std::map<std::string, std::shared_ptr<Scene>> scenes_;
+  Scenes scenes_;
+  std::map<RequestKey, std::shared_ptr<Scene>> requests_;
 };
 
 }  // namespace collided::server

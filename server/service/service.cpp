@@ -1,14 +1,13 @@
-// The RPCs of CollisionService.
+// The RPCs of CollisionService but for StreamFrames.
 #include "server/service/service.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
-#include <thread>
 #include <utility>
 
 #include "server/errors.hpp"
-#include "server/service/status.hpp"
+#include "server/service/detect_frame.hpp"
+#include "server/service/guard.hpp"
+#include "server/service/mesh_upload.hpp"
 
 namespace collided::server {
 namespace {
@@ -16,33 +15,9 @@ namespace {
 constexpr uint32_t kMaxPage = 1000, kDefaultPage = 100;
 constexpr size_t kFullPageBytes = size_t{1} << 20;  // a page may pass it by one scene
 
-// Runs a body and finishes with what it throws.
-template <class Body>
-void guard(grpc::ServerUnaryReactor* reactor, const Body& body) {
-  try {
-    body();
-  } catch (...) {
-    const Failure failure = describe_current();
-    spdlog::info("refused: {}", failure.message);
-    reactor->Finish(to_status(failure));
-  }
-}
-
-// Answers at once; `body` fills the response.
-template <class Body>
-grpc::ServerUnaryReactor* answer(grpc::CallbackServerContext* context, const Body& body) {
-  auto* reactor = context->DefaultReactor();
-  guard(reactor, [&] {
-    body();
-    reactor->Finish(grpc::Status::OK);
-  });
-  return reactor;
-}
-
 // The default backend's devices come first.
-std::vector<DeviceInfo> order_devices(std::vector<DeviceInfo> devices, const SceneDefaults& defaults) {
-  const bool cuda = defaults.backend != "cpu" && defaults.cuda;
-  const auto first = cuda ? Backend::kCuda : Backend::kCpu;
+std::vector<DeviceInfo> order_devices(std::vector<DeviceInfo> devices, bool cuda_first) {
+  const auto first = cuda_first ? Backend::kCuda : Backend::kCpu;
   std::stable_partition(devices.begin(), devices.end(), [&](const auto& device) { return device.backend == first; });
   return devices;
 }
@@ -55,31 +30,40 @@ class Unserved final : public grpc::ServerWriteReactor<pb::WatchSceneResponse> {
 
 }  // namespace
 
-CollisionService::CollisionService(const Config& config)
-    : defaults_{config.backend, config.threads, config.limits, cuda_available()},
-      devices_(order_devices(list_devices(), defaults_)),
-      scenes_(config.limits.max_scenes, config.limits.max_window) {}
+CollisionService::CollisionService(const Config& config, SceneHost& host, const Authenticator& authenticator)
+    : config_(config),
+      has_cuda_(cuda_available()),
+      devices_(order_devices(list_devices(), config.backend != "cpu" && has_cuda_)),
+      host_(host),
+      authenticator_(authenticator) {}
 
-void CollisionService::announce_stop(double seconds) {
-  stopping_ = true;
-  std::lock_guard lock(mutex_);
-  for (const auto& weak : streams_)
-    if (const auto stream = weak.lock()) stream->announce_stop(seconds);
+// Answers at once; `body` fills the response.
+template <class Body>
+grpc::ServerUnaryReactor* CollisionService::answer(Context* context, const Body& body) {
+  auto* reactor = context->DefaultReactor();
+  guard(reactor, [&] {
+    body(identify(*context, authenticator_).client);
+    reactor->Finish(grpc::Status::OK);
+  });
+  return reactor;
 }
 
-bool CollisionService::wait_idle(std::chrono::steady_clock::time_point deadline) const {
-  constexpr auto kPoll = std::chrono::milliseconds(5);
-  for (; calls_.use_count() > 1; std::this_thread::sleep_for(kPoll))
-    if (std::chrono::steady_clock::now() >= deadline) return false;
-  return true;
+SceneDefaults CollisionService::defaults() const {
+  return {config_.backend, config_.threads, host_.limits(), has_cuda_};
+}
+
+void CollisionService::fill(const Scene& scene, pb::Scene* out) const {
+  fill_scene(scene, out);
+  out->set_endpoint(config_.endpoint);
 }
 
 grpc::ServerUnaryReactor* CollisionService::GetServerInfo(Context* context, const pb::GetServerInfoRequest*,
                                                           pb::GetServerInfoResponse* response) {
-  return answer(context, [&] {
+  return answer(context, [&](const Client& client) {
     response->set_version(COLLIDED_VERSION);
     for (const auto& device : devices_) fill_device(device, response->add_devices());
-    fill_limits(defaults_.limits, response->mutable_limits());
+    fill_limits(host_.limits(), client->limits, response->mutable_limits());
+    response->set_local_socket(config_.local_socket);
   });
 }
 
@@ -87,51 +71,71 @@ grpc::ServerUnaryReactor* CollisionService::CreateScene(Context* context, const 
                                                         pb::CreateSceneResponse* response) {
   auto* reactor = context->DefaultReactor();
   guard(reactor, [&] {
-    if (stopping_) throw Stopping();
-    auto scene = scenes_.add(parse_scene(*request, defaults_));
-    scene->worker().post([=, this, held = calls_] { build(scene, response, reactor); });
+    const Caller caller = identify(*context, authenticator_);
+    host_.check_serving();
+    auto [scene, is_new] = host_.scenes().add(caller.client, parse_scene(*request, defaults()));
+    Scene& target = *scene;
+    if (is_new)
+      return target.worker().post(
+          [=, this, scene = std::move(scene), held = calls_] { build(scene, caller, response, reactor); });
+    target.worker().post([=, this, scene = std::move(scene), held = calls_] {  // once the first request has made it
+      guard(reactor, [&] {
+        scene->check_open();
+        fill(*scene, response->mutable_scene());
+        reactor->Finish(grpc::Status::OK);
+      });
+    });
   });
   return reactor;
 }
 
-void CollisionService::build(const std::shared_ptr<Scene>& scene, pb::CreateSceneResponse* response, Reactor* reactor) {
+void CollisionService::build(const SceneUse& scene, const Caller& caller, pb::CreateSceneResponse* response,
+                             Reactor* reactor) {
   guard(reactor, [&] {
     try {
       scene->build_if_complete();
     } catch (const NotFound&) {
       throw;
     } catch (...) {
-      scenes_.remove(scene->id());
+      host_.scenes().remove(caller.client, scene->id());
       throw;
     }
-    fill_scene(*scene, response->mutable_scene());
+    fill(*scene, response->mutable_scene());
     const auto& made = response->scene();
-    spdlog::info("scene {} \"{}\": created {}, {} vertices, {} triangles", scene->id(), made.spec().display_name(),
-                 made.device().empty() ? "without all its triangles" : "on " + made.device(), made.vertex_count(),
-                 made.triangle_count());
+    log_event(spdlog::level::info, "scene created",
+              {{"scene", scene->id()},
+               {"name", made.spec().display_name()},
+               {"device", made.device().empty() ? "awaits triangles" : made.device()},
+               {"vertices", made.vertex_count()},
+               {"triangles", made.triangle_count()},
+               {"client", caller.client->name},
+               {"request", caller.ids.request_id},
+               {"trace", caller.ids.trace_id}});
     reactor->Finish(grpc::Status::OK);
   });
 }
 
 grpc::ServerReadReactor<pb::UploadMeshRequest>* CollisionService::UploadMesh(Context* context,
                                                                              pb::UploadMeshResponse* response) {
-  return new MeshUpload(*context, scenes_, response, calls_);
+  return new MeshUpload(*context, host_, authenticator_, response, calls_);
 }
 
 grpc::ServerUnaryReactor* CollisionService::GetScene(Context* context, const pb::GetSceneRequest* request,
                                                      pb::GetSceneResponse* response) {
-  return answer(context, [&] { fill_scene(*scenes_.find(request->scene_id()), response->mutable_scene()); });
+  return answer(context, [&](const Client& client) {
+    fill(*host_.scenes().find(client, request->scene_id()), response->mutable_scene());
+  });
 }
 
 grpc::ServerUnaryReactor* CollisionService::ListScenes(Context* context, const pb::ListScenesRequest* request,
                                                        pb::ListScenesResponse* response) {
-  return answer(context, [&] {
+  return answer(context, [&](const Client& client) {
     const uint32_t size = request->page_size() ? request->page_size() : kDefaultPage;
     if (size > kMaxPage) throw InvalidInput("page_size", fmt::format("page_size is {}, more than {}", size, kMaxPage));
-    auto page = scenes_.page(request->page_token(), size + 1);  // one more tells whether a page follows
+    auto page = host_.scenes().page(client, request->page_token(), size + 1);  // one more tells whether a page follows
     size_t shown = 0;
     for (size_t bytes = 0; shown < std::min<size_t>(page.size(), size) && bytes < kFullPageBytes; ++shown) {
-      fill_scene(*page[shown], response->add_scenes());
+      fill(*page[shown], response->add_scenes());
       bytes += response->scenes().rbegin()->ByteSizeLong();
     }
     if (shown < page.size()) response->set_next_page_token(page[shown - 1]->id());
@@ -142,10 +146,10 @@ grpc::ServerUnaryReactor* CollisionService::DeleteScene(Context* context, const 
                                                         pb::DeleteSceneResponse*) {
   auto* reactor = context->DefaultReactor();
   guard(reactor, [&] {
-    auto scene = scenes_.remove(request->scene_id());
+    auto scene = host_.scenes().remove(identify(*context, authenticator_).client, request->scene_id());
     scene->worker().post([scene, reactor, held = calls_] {
       scene->release();
-      spdlog::info("scene {}: deleted", scene->id());
+      log_event(spdlog::level::info, "scene deleted", {{"scene", scene->id()}});
       reactor->Finish(grpc::Status::OK);
     });
   });
@@ -156,36 +160,17 @@ grpc::ServerUnaryReactor* CollisionService::DetectFrame(Context* context, const 
                                                         pb::DetectFrameResponse* response) {
   auto* reactor = context->DefaultReactor();
   guard(reactor, [&] {
-    auto scene = scenes_.find(request->scene_id());
-    auto job = [=, held = calls_, arrival = std::chrono::steady_clock::now()] {
-      guard(reactor, [&] {
-        auto done = run_frame(*scene, {request->frame(), arrival, [=] { return context->IsCancelled(); }});
-        check_answer(done, request->frame().frame_id());
-        for (auto& chunk : done.contacts) *response->add_contacts() = std::move(chunk);
-        *response->mutable_done() = std::move(done.done);
-        reactor->Finish(grpc::Status::OK);
-      });
-    };
-    if (!scene->worker().try_post(std::move(job)))
-      throw LimitExceeded(
-          "frame", fmt::format("more than {} frames wait for scene {}", defaults_.limits.max_window, scene->id()));
+    IncomingFrame incoming;
+    const SceneUse scene = host_.scenes().find(identify(*context, authenticator_).client, request->scene_id());
+    incoming.message = request->frame();
+    auto frame = std::make_shared<PendingFrame>(admit_frame(host_, *scene, std::move(incoming)));
+    const auto job = [=, held = calls_] { detect_frame(reactor, context, *scene, std::move(*frame), response); };
+    if (!scene->worker().try_post(job))
+      throw LimitExceeded::quota("scene:" + scene->id(),
+                                 fmt::format("max_window is {}, and as many frames wait for scene {}",
+                                             host_.limits().max_window, scene->id()));
   });
   return reactor;
-}
-
-grpc::ServerBidiReactor<pb::StreamFramesRequest, pb::StreamFramesResponse>* CollisionService::StreamFrames(Context*) {
-  auto stream = std::make_shared<FrameStream>(scenes_, defaults_.limits.max_window, calls_);
-  if (stopping_) {
-    stream->refuse(to_status(describe(std::make_exception_ptr(Stopping()))));
-    return stream.get();
-  }
-  {
-    std::lock_guard lock(mutex_);
-    std::erase_if(streams_, [](const auto& weak) { return weak.expired(); });
-    streams_.push_back(stream);
-  }
-  stream->start();
-  return stream.get();
 }
 
 grpc::ServerWriteReactor<pb::WatchSceneResponse>* CollisionService::WatchScene(Context*, const pb::WatchSceneRequest*) {

@@ -1,33 +1,29 @@
 #pragma once
-// The RPCs of CollisionService. No body does engine work: that goes to the scene's worker.
+// The RPCs of CollisionService but for StreamFrames (frame_calls.hpp). No body does engine work: that goes to the
+// scene's worker.
 
 #include <grpcpp/grpcpp.h>
 
-#include <atomic>
-#include <chrono>
 #include <memory>
-#include <mutex>
+#include <string>
 #include <vector>
 
-#include "collided/v1/collision_service.grpc.pb.h"
+#include "server/auth/authenticator.hpp"
 #include "server/config/config.hpp"
 #include "server/convert/convert.hpp"
-#include "server/scenes/scene_store.hpp"
-#include "server/service/service_stream.hpp"
-#include "server/service/service_upload.hpp"
+#include "server/scenes/scene_host.hpp"
+#include "server/service/caller.hpp"
+#include "server/service/raw_service.hpp"
 
 namespace collided::server {
 
-class CollisionService final : public pb::CollisionService::CallbackService {
+class CollisionService final : public RawService {
  public:
-  explicit CollisionService(const Config& config);
+  /// `host` and `authenticator` outlive the service.
+  CollisionService(const Config& config, SceneHost& host, const Authenticator& authenticator);
 
-  /// Refuses new scenes and streams, and tells every open stream that the daemon stops.
-  void announce_stop(double seconds);
-  /// Waits until no call is in work; false if `deadline` came first.
-  bool wait_idle(std::chrono::steady_clock::time_point deadline) const;
-  /// Ends all scenes. After the gRPC server is down.
-  void clear() { scenes_.clear(); }
+  /// Whether a call is in work.
+  bool in_work() const { return calls_.use_count() > 1; }
 
   using Context = grpc::CallbackServerContext;
   using Reactor = grpc::ServerUnaryReactor;
@@ -38,19 +34,22 @@ class CollisionService final : public pb::CollisionService::CallbackService {
   Reactor* ListScenes(Context*, const pb::ListScenesRequest*, pb::ListScenesResponse*) override;
   Reactor* DeleteScene(Context*, const pb::DeleteSceneRequest*, pb::DeleteSceneResponse*) override;
   Reactor* DetectFrame(Context*, const pb::DetectFrameRequest*, pb::DetectFrameResponse*) override;
-  grpc::ServerBidiReactor<pb::StreamFramesRequest, pb::StreamFramesResponse>* StreamFrames(Context*) override;
   grpc::ServerWriteReactor<pb::WatchSceneResponse>* WatchScene(Context*, const pb::WatchSceneRequest*) override;
 
  private:
-  void build(const std::shared_ptr<Scene>& scene, pb::CreateSceneResponse* response, Reactor* reactor);
+  template <class Body>
+  Reactor* answer(Context* context, const Body& body);
+  SceneDefaults defaults() const;
+  void build(const SceneUse& scene, const Caller& caller, pb::CreateSceneResponse* response, Reactor* reactor);
+  /// Facts of a scene as its owner sees them, with the daemon's endpoint.
+  void fill(const Scene& scene, pb::Scene* out) const;
 
-  SceneDefaults defaults_;
-  std::vector<DeviceInfo> devices_;
-  SceneStore scenes_;
+  const Config config_;
+  const bool has_cuda_;
+  const std::vector<DeviceInfo> devices_;
+  SceneHost& host_;
+  const Authenticator& authenticator_;
   const std::shared_ptr<int> calls_ = std::make_shared<int>();  // each call in work holds a copy
-  std::atomic<bool> stopping_ = false;
-  std::mutex mutex_;
-  std::vector<std::weak_ptr<FrameStream>> streams_;  // guarded by mutex_
 };
 
 }  // namespace collided::server

@@ -1,87 +1,105 @@
-// The one table from exceptions to gRPC codes, and google.rpc.BadRequest details.
+// The one table from exceptions to gRPC codes, and google.rpc details.
 #include "server/service/status.hpp"
 
-#include <cstdint>
+#include <array>
+#include <cmath>
 #include <new>
-#include <string_view>
 
+#include "collided/v1/error_details.pb.h"
 #include "gpu/detector.hpp"
 #include "server/errors.hpp"
 
 namespace collided::server {
 namespace {
 
+namespace pb = collided::v1;
 using grpc::StatusCode;
 
-void put_varint(std::string& out, uint64_t value) {
-  for (; value >= 0x80; value >>= 7) out.push_back(static_cast<char>(value | 0x80));
-  out.push_back(static_cast<char>(value));
+void pack(const char* name, const google::protobuf::Message& detail, pb::RpcStatus& status) {
+  pb::PackedDetail* packed = status.add_details();
+  packed->set_type_url(std::string("type.googleapis.com/google.rpc.") + name);
+  detail.SerializeToString(packed->mutable_value());
 }
 
-void put_bytes(std::string& out, uint32_t number, std::string_view bytes) {
-  put_varint(out, number << 3 | 2);
-  put_varint(out, bytes.size());
-  out.append(bytes);
+pb::RpcStatus details_of(const Failure& failure) {
+  pb::RpcStatus status;
+  status.set_code(failure.code);
+  status.set_message(failure.message);
+  if (!failure.field.empty()) {
+    pb::BadRequest request;
+    auto* violation = request.add_field_violations();
+    violation->set_field(failure.field);
+    violation->set_description(failure.message);
+    pack("BadRequest", request, status);
+  }
+  if (!failure.subject.empty()) {
+    pb::QuotaFailure quota;
+    auto* violation = quota.add_violations();
+    violation->set_subject(failure.subject);
+    violation->set_description(failure.message);
+    pack("QuotaFailure", quota, status);
+  }
+  if (failure.retry_after_seconds > 0) {
+    pb::RetryInfo retry;
+    const double whole = std::floor(failure.retry_after_seconds);
+    retry.mutable_retry_delay()->set_seconds(static_cast<int64_t>(whole));
+    retry.mutable_retry_delay()->set_nanos(static_cast<int32_t>((failure.retry_after_seconds - whole) * 1e9));
+    pack("RetryInfo", retry, status);
+  }
+  return status;
 }
 
-// google.rpc.BadRequest { repeated FieldViolation { string field = 1; string description = 2; } = 1; }
-std::string bad_request(const Failure& failure) {
-  std::string violation, out;
-  put_bytes(violation, 1, failure.field);
-  put_bytes(violation, 2, failure.message);
-  put_bytes(out, 1, violation);
-  return out;
-}
-
-// google.rpc.Status { int32 code = 1; string message = 2; repeated google.protobuf.Any details = 3; }.
-// Written by hand: Debian packages no googleapis, and these three messages are all that is needed.
-std::string rpc_status(const Failure& failure) {
-  std::string any, out;
-  put_bytes(any, 1, "type.googleapis.com/google.rpc.BadRequest");
-  put_bytes(any, 2, bad_request(failure));
-  put_varint(out, 1 << 3);
-  put_varint(out, static_cast<uint64_t>(failure.code));
-  put_bytes(out, 2, failure.message);
-  put_bytes(out, 3, any);
-  return out;
-}
+Failure of_field(StatusCode code, const FieldError& e) { return {code, e.what(), e.field()}; }
 
 }  // namespace
 
 Failure describe(const std::exception_ptr& error) try { std::rethrow_exception(error); } catch (const InvalidInput& e) {
   return {StatusCode::INVALID_ARGUMENT, e.what(), e.field()};
 } catch (const NotFound& e) {
-  return {StatusCode::NOT_FOUND, e.what(), e.field()};
+  return of_field(StatusCode::NOT_FOUND, e);
 } catch (const FailedPrecondition& e) {
-  return {StatusCode::FAILED_PRECONDITION, e.what(), e.field()};
+  return of_field(StatusCode::FAILED_PRECONDITION, e);
+} catch (const AlreadyExists& e) {
+  return of_field(StatusCode::ALREADY_EXISTS, e);
+} catch (const PermissionDenied& e) {
+  return of_field(StatusCode::PERMISSION_DENIED, e);
+} catch (const TakenOver& e) {
+  return of_field(StatusCode::ABORTED, e);
 } catch (const Unimplemented& e) {
-  return {StatusCode::UNIMPLEMENTED, e.what(), e.field()};
+  return of_field(StatusCode::UNIMPLEMENTED, e);
 } catch (const LimitExceeded& e) {
-  return {StatusCode::RESOURCE_EXHAUSTED, e.what(), e.field()};
+  return {StatusCode::RESOURCE_EXHAUSTED, e.what(), e.field(), e.subject(), e.retry_after_seconds()};
 } catch (const ResourceExhausted& e) {
-  return {StatusCode::RESOURCE_EXHAUSTED, e.what(), ""};
+  return {StatusCode::RESOURCE_EXHAUSTED, e.what(), "", "daemon"};
 } catch (const std::bad_alloc&) {
-  return {StatusCode::RESOURCE_EXHAUSTED, "the daemon is out of memory", ""};
+  return {StatusCode::RESOURCE_EXHAUSTED, "the daemon is out of memory", "", "daemon"};
+} catch (const Unauthenticated& e) {
+  return {StatusCode::UNAUTHENTICATED, e.what()};
 } catch (const DeviceError& e) {
-  return {StatusCode::UNAVAILABLE, e.what(), ""};
+  return {StatusCode::UNAVAILABLE, e.what()};
 } catch (const Stopping& e) {
-  return {StatusCode::UNAVAILABLE, e.what(), ""};
+  return {StatusCode::UNAVAILABLE, e.what()};
 } catch (const Cancelled& e) {
-  return {StatusCode::CANCELLED, e.what(), ""};
+  return {StatusCode::CANCELLED, e.what()};
 } catch (const std::exception& e) {
-  return {StatusCode::INTERNAL, e.what(), ""};
+  return {StatusCode::INTERNAL, e.what()};
 } catch (...) {
-  return {StatusCode::INTERNAL, "unknown error", ""};
+  return {StatusCode::INTERNAL, "unknown error"};
 }
 
 grpc::Status to_status(const Failure& failure) {
-  if (failure.field.empty()) return {failure.code, failure.message};
-  return {failure.code, failure.message, rpc_status(failure)};
+  const pb::RpcStatus details = details_of(failure);
+  if (details.details().empty()) return {failure.code, failure.message};
+  return {failure.code, failure.message, details.SerializeAsString()};
 }
 
-bool ends_stream(const Failure& failure) {
-  return failure.code == StatusCode::NOT_FOUND || failure.code == StatusCode::UNAVAILABLE ||
-         failure.code == StatusCode::CANCELLED;
+const char* code_name(StatusCode code) {
+  constexpr std::array<const char*, 17> kNames{
+      "OK",        "CANCELLED",      "UNKNOWN",           "INVALID_ARGUMENT",   "DEADLINE_EXCEEDED",
+      "NOT_FOUND", "ALREADY_EXISTS", "PERMISSION_DENIED", "RESOURCE_EXHAUSTED", "FAILED_PRECONDITION",
+      "ABORTED",   "OUT_OF_RANGE",   "UNIMPLEMENTED",     "INTERNAL",           "UNAVAILABLE",
+      "DATA_LOSS", "UNAUTHENTICATED"};
+  return code >= 0 && static_cast<size_t>(code) < kNames.size() ? kNames[static_cast<size_t>(code)] : "UNKNOWN";
 }
 
 }  // namespace collided::server

@@ -1,5 +1,5 @@
 #pragma once
-// The one table from exceptions to gRPC codes, and google.rpc.BadRequest details.
+// The one table from exceptions to gRPC codes, and google.rpc details.
 
 #include <grpcpp/support/status.h>
 
@@ -12,7 +12,9 @@ namespace collided::server {
 struct Failure {
   grpc::StatusCode code = grpc::StatusCode::OK;
   std::string message;
-  std::string field;  ///< path of the field; may be empty
+  std::string field = {};          ///< path of the field; may be empty
+  std::string subject = {};        ///< of the limit that was met, such as "client:NAME"; may be empty
+  double retry_after_seconds = 0;  ///< 0: the same request would fail again
 };
 
 Failure describe(const std::exception_ptr& error);
@@ -20,10 +22,10 @@ Failure describe(const std::exception_ptr& error);
 /// The exception being handled.
 inline Failure describe_current() { return describe(std::current_exception()); }
 
-/// Status with a serialized google.rpc.Status as its details, holding a BadRequest if a field is named.
+/// Status whose details are a serialized RpcStatus (error_details.proto) with what the failure knows.
 grpc::Status to_status(const Failure& failure);
 
-/// Whether a failed frame ends its stream: the scene or the device is gone, or the caller is.
-bool ends_stream(const Failure& failure);
+/// Name of a code, such as "NOT_FOUND".
+const char* code_name(grpc::StatusCode code);
 
 }  // namespace collided::server

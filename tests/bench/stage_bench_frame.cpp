@@ -1,17 +1,20 @@
-// Benchmarks of what comes first and last in a frame: its check, and the order of what was found.
+// Benchmarks of what comes first and last in a frame: its positions, and the order of what was found.
 
+#include "gpu/frame_slot.hpp"
 #include "tests/bench/stage_bench.hpp"
 #include "tests/bench/stage_bench_functors.hpp"
 
 namespace collided::test {
 namespace {
 
-/// An item is a coordinate.
-void bench_check(const StageScene& s, benchmark::State& state) {
+/// Positions are copied and checked; an item is a coordinate.
+void bench_send(const StageScene& s, benchmark::State& state) {
   const FrameInput input = s.frame.input();
   uint64_t bytes = 0;
   for (const MeshPositions& update : input.updates) bytes += update.start.size() + update.end.size();
-  measure(state, bytes / sizeof(float), kNoPreparation, [&] { check_frame(s.spec, input, true); });
+  SceneSlot<CpuExec, float> slot(
+      std::make_shared<const SceneShape>(SceneShape{s.spec, s.features.topology.vertex_offset}), s.exec);
+  measure(state, bytes / sizeof(float), kNoPreparation, [&] { slot.send(input.updates); });
   state.SetBytesProcessed(state.iterations() * static_cast<int64_t>(bytes));
 }
 
@@ -49,7 +52,7 @@ void bench_order_of_candidates(StageScene& s, benchmark::State& state) {
 
 void register_frame(StageScene& scene) {
   StageScene* s = &scene;
-  add("frame/check", [s](auto& state) { bench_check(*s, state); });
+  add("frame/send", [s](auto& state) { bench_send(*s, state); });
   add("order/contacts", [s](auto& state) { bench_order_of_contacts(*s, state); });
   add("order/candidates", [s](auto& state) { bench_order_of_candidates(*s, state); });
 }

@@ -1,17 +1,11 @@
 // The command line and the environment.
-#include "server/config/config.hpp"
-
 #include <gtest/gtest.h>
 
-#include <cstdlib>
+#include "server/config/address.hpp"
+#include "tests/server/config/parse.hpp"
 
 namespace collided::server {
 namespace {
-
-ParsedConfig parse(std::vector<const char*> arguments) {
-  arguments.insert(arguments.begin(), "collided");
-  return parse_config(static_cast<int>(arguments.size()), arguments.data());
-}
 
 TEST(Config, Defaults) {
   const auto parsed = parse({});
@@ -47,15 +41,79 @@ TEST(Config, RefusesBadValuesByName) {
                                     {"--address", "a:70000"},
                                     {"--backend", "tpu"},
                                     {"--threads", "-1"},
+                                    {"--threads", "1.5"},
                                     {"--max-scenes", "0"},
+                                    {"--max-scenes", "0x10"},
+                                    {"--max-scenes", "18446744073709551617"},
+                                    {"--max-vertices", "4294967295"},
                                     {"--log-level", "loud"},
-                                    {"--grace-seconds", "nan"},
+                                    {"--log-format", "xml"},
+                                    {"--http-address", "localhost:1"},
+                                    {"--local-socket", "relative"},
+                                    {"--allow-uid", "-1"},
+                                    {"--cuda-ipc=2", "--check"},
+                                    {"--tls-key", "k.pem"},
+                                    {"--tls-client-ca", "ca.pem"},
+                                    {"--lease-seconds", "3601"},
                                     {"--max-message-mb", "2048"}}) {
     const auto parsed = parse({flag, value});
-    EXPECT_FALSE(parsed.run) << flag;
-    EXPECT_NE(parsed.exit_code, 0) << flag;
-    EXPECT_NE(parsed.text.find(flag), std::string::npos) << parsed.text;
+    EXPECT_FALSE(parsed.run) << flag << " " << value;
+    EXPECT_EQ(parsed.exit_code, 2) << flag;
+    EXPECT_NE(parsed.text.find(std::string(flag).substr(0, std::string(flag).find('='))), std::string::npos)
+        << parsed.text;
   }
+}
+
+TEST(Config, EveryNumberRefusesWhatIsNone) {
+  for (const auto* flag : {"--grace-seconds",
+                           "--keepalive-seconds",
+                           "--keepalive-timeout-seconds",
+                           "--max-idle-seconds",
+                           "--lease-seconds",
+                           "--max-lease-seconds",
+                           "--max-frames-per-second",
+                           "--threads",
+                           "--concurrent-frames",
+                           "--max-message-mb",
+                           "--max-vertices",
+                           "--max-triangles",
+                           "--max-scenes",
+                           "--max-scene-mb",
+                           "--max-device-mb",
+                           "--max-window",
+                           "--max-streams",
+                           "--max-scenes-per-client",
+                           "--max-device-mb-per-client",
+                           "--max-streams-per-client",
+                           "--allow-uid"})
+    for (const auto* value : {"nan", "inf", "-1", "1e300", "5x", " 5", "99999999999999999999999"}) {
+      const auto parsed = parse({flag, value});
+      EXPECT_EQ(parsed.exit_code, 2) << flag << " " << value;
+      EXPECT_NE(parsed.text.find(flag), std::string::npos) << parsed.text;
+      EXPECT_NE(parsed.text.find(value), std::string::npos) << parsed.text;
+    }
+}
+
+TEST(Config, ALeadingZeroIsNotOctal) { EXPECT_EQ(parse({"--max-scenes", "010"}).config.limits.max_scenes, 10u); }
+
+TEST(Config, LimitsOfClientsAndTime) {
+  const auto parsed =
+      parse({"--max-scenes-per-client", "3", "--max-device-mb", "7", "--max-device-mb-per-client", "5",
+             "--max-streams-per-client", "2", "--max-frames-per-second", "2.5", "--lease-seconds", "0.5"});
+  ASSERT_TRUE(parsed.run) << parsed.text;
+  const Limits& limits = parsed.config.limits;
+  EXPECT_EQ(limits.client, (ClientLimits{3, 5u << 20, 2, 2.5}));
+  EXPECT_EQ(limits.max_device_bytes, 7u << 20);
+  EXPECT_EQ(limits.lease_seconds, 0.5);
+}
+
+TEST(Config, Switches) {
+  EXPECT_TRUE(parse({"--cuda-ipc"}).config.cuda_ipc);
+  EXPECT_FALSE(parse({"--cuda-ipc=false"}).config.cuda_ipc);
+  EXPECT_TRUE(parse({"--check"}).check);
+  setenv("COLLIDED_ALLOW_INSECURE", "true", 1);
+  EXPECT_TRUE(parse({}).config.allow_insecure);
+  unsetenv("COLLIDED_ALLOW_INSECURE");
 }
 
 TEST(Config, VersionAndHelpExitWithZero) {

@@ -6,16 +6,17 @@
 #include <memory>
 
 #include "server/convert/convert.hpp"
-#include "server/scenes/scene_store.hpp"
+#include "server/scenes/scene_host.hpp"
+#include "server/service/caller.hpp"
 
 namespace collided::server {
 
 class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
  public:
   /// `held` lives as long as the call.
-  MeshUpload(const grpc::CallbackServerContext& context, SceneStore& scenes, pb::UploadMeshResponse* response,
-             std::shared_ptr<void> held)
-      : context_(context), scenes_(scenes), response_(response), held_(std::move(held)) {
+  MeshUpload(const grpc::CallbackServerContext& context, SceneHost& host, const Authenticator& authenticator,
+             pb::UploadMeshResponse* response, std::shared_ptr<void> held)
+      : context_(context), host_(host), authenticator_(authenticator), response_(response), held_(std::move(held)) {
     StartRead(&request_);
   }
 
@@ -31,11 +32,12 @@ class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
   void commit();
 
   const grpc::CallbackServerContext& context_;
-  SceneStore& scenes_;
+  SceneHost& host_;
+  const Authenticator& authenticator_;
   pb::UploadMeshResponse* response_;
   const std::shared_ptr<void> held_;
   pb::UploadMeshRequest request_;
-  std::shared_ptr<Scene> scene_;
+  SceneUse scene_;
   uint32_t mesh_ = 0;
   Scene::Triangles triangles_;
 };

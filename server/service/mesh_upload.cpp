@@ -1,7 +1,5 @@
 // One UploadMesh call.
-#include "server/service/service_upload.hpp"
-
-#include <spdlog/spdlog.h>
+#include "server/service/mesh_upload.hpp"
 
 #include "server/errors.hpp"
 #include "server/service/status.hpp"
@@ -18,7 +16,7 @@ void MeshUpload::OnReadDone(bool ok) try {
 }
 
 void MeshUpload::begin() {
-  auto scene = scenes_.find(request_.scene_id());
+  auto scene = host_.scenes().find(identify(context_, authenticator_).client, request_.scene_id());
   mesh_ = request_.mesh();
   const auto& meshes = scene->plan().meshes;
   if (mesh_ >= meshes.size())
@@ -50,8 +48,8 @@ void MeshUpload::check_cancelled() const {
 void MeshUpload::delete_if_unusable() {
   if (!scene_->unusable()) return;
   try {
-    scenes_.remove(scene_->id());
-    spdlog::info("scene {}: deleted, its meshes make no scene", scene_->id());
+    host_.scenes().remove(scene_->facts().owner, scene_->id());
+    log_event(spdlog::level::info, "scene deleted: its meshes make no scene", {{"scene", scene_->id()}});
   } catch (const NotFound&) {  // a client was faster
   }
 }
@@ -64,7 +62,8 @@ void MeshUpload::commit() {
       check_cancelled();
       scene_->add_triangles(mesh_, triangles_);
       fill_scene(*scene_, response_->mutable_scene());
-      spdlog::info("scene {}: {} triangles for mesh {}", scene_->id(), triangles_.size(), mesh_);
+      log_event(spdlog::level::info, "mesh uploaded",
+                {{"scene", scene_->id()}, {"mesh", mesh_}, {"triangles", triangles_.size()}});
       finish(grpc::Status::OK);
     } catch (...) {
       const Failure failure = describe_current();

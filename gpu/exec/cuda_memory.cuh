@@ -1,0 +1,85 @@
+#pragma once
+// Errors, memory, streams and events of CUDA, each owned by an object.
+
+#include <cuda_runtime.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "gpu/exec/memory_ledger.hpp"
+
+namespace collided {
+
+inline void check_cuda(cudaError_t error, const char* what) {
+  if (error == cudaSuccess) return;
+  cudaGetLastError();
+  const std::string text = std::string(what) + ": " + cudaGetErrorString(error);
+  if (error == cudaErrorMemoryAllocation) throw ResourceExhausted(text);
+  throw DeviceError(text);
+}
+
+/// Memory of the device, booked in a scene's ledger. From any thread.
+class DeviceMemory {
+ public:
+  explicit DeviceMemory(std::shared_ptr<MemoryLedger> ledger) : ledger_(std::move(ledger)) {}
+
+  void* allocate(const std::string& part, uint64_t bytes) {
+    ledger_->take(part, bytes);
+    void* memory = nullptr;
+    const cudaError_t error = cudaMalloc(&memory, bytes);
+    if (error != cudaSuccess) {
+      ledger_->give_back(part, bytes);
+      check_cuda(error, (part + ": " + std::to_string(bytes) + " bytes").c_str());
+    }
+    return memory;
+  }
+  void deallocate(const std::string& part, void* memory, uint64_t bytes) {
+    cudaFree(memory);
+    ledger_->give_back(part, bytes);
+  }
+  const std::shared_ptr<MemoryLedger>& ledger() const { return ledger_; }
+
+ private:
+  std::shared_ptr<MemoryLedger> ledger_;
+};
+
+/// Memory of the host that the device reads and writes directly; no part of the budget, which is the device's.
+class PinnedMemory {
+ public:
+  void* allocate(const std::string& part, uint64_t bytes) {
+    void* memory = nullptr;
+    check_cuda(cudaHostAlloc(&memory, bytes, cudaHostAllocDefault),
+               (part + ": " + std::to_string(bytes) + " bytes of pinned host memory").c_str());
+    return memory;
+  }
+  void deallocate(const std::string&, void* memory, uint64_t) { cudaFreeHost(memory); }
+};
+
+/// Does not wait for the default stream, nor it for this.
+class CudaStream {
+ public:
+  CudaStream() { check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate"); }
+  CudaStream(const CudaStream&) = delete;
+  CudaStream& operator=(const CudaStream&) = delete;
+  ~CudaStream() { cudaStreamDestroy(stream_); }
+  operator cudaStream_t() const { return stream_; }
+
+ private:
+  cudaStream_t stream_ = nullptr;
+};
+
+/// Takes no time.
+class CudaEvent {
+ public:
+  CudaEvent() { check_cuda(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "cudaEventCreate"); }
+  CudaEvent(const CudaEvent&) = delete;
+  CudaEvent& operator=(const CudaEvent&) = delete;
+  ~CudaEvent() { cudaEventDestroy(event_); }
+  operator cudaEvent_t() const { return event_; }
+
+ private:
+  cudaEvent_t event_ = nullptr;
+};
+
+}  // namespace collided

@@ -1,0 +1,39 @@
+#pragma once
+// From the credentials of a call to the client that it belongs to.
+
+#include <memory>
+#include <mutex>
+#include <string_view>
+
+#include "server/auth/client.hpp"
+#include "server/config/config.hpp"
+
+namespace collided::server {
+
+struct ClientTable;
+
+/// Thread-safe.
+class Authenticator {
+ public:
+  /// Reads the tokens file. Throws ConfigError with what is wrong with it.
+  explicit Authenticator(const Config& config);
+  ~Authenticator();
+
+  /// `authorization`: the header as it came ("Bearer <token>"), `certificate_name`: of the verified certificate of the
+  /// client; each empty if there is none. With a tokens file a valid token is needed; without one, but with a CA for
+  /// clients, a certificate is; without both everybody is "anonymous". Throws Unauthenticated, which never tells the
+  /// token.
+  Client identify(std::string_view authorization, std::string_view certificate_name) const;
+
+  /// Reads the tokens file again. If it throws ConfigError, the clients stay as they were. Calls in work keep the
+  /// identity that they began with.
+  void reload(const Config& config);
+
+ private:
+  std::shared_ptr<const ClientTable> table() const;
+
+  mutable std::mutex mutex_;
+  std::shared_ptr<const ClientTable> table_;  // guarded by mutex_
+};
+
+}  // namespace collided::server

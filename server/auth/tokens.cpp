@@ -1,0 +1,152 @@
+// The file of bearer tokens.
+#include "server/auth/tokens.hpp"
+
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <toml.hpp>
+
+#include "server/auth/secret_file.hpp"
+#include "server/config/text_file.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr uint64_t kMaxFileBytes = 4 << 20;
+constexpr size_t kMaxTokens = 1'000, kMaxName = 64, kMinToken = 16, kMaxToken = 512;
+constexpr double kMaxCount = 1'000'000, kMaxMegabytes = 1 << 24, kMaxRate = 1e9;
+
+// One [[tokens]], with the place for its errors.
+class Entry {
+ public:
+  Entry(const std::string& path, const toml::value& value)
+      : where_(path + ":" + std::to_string(value.location().line()) + ": "), value_(value) {
+    if (!value.is_table()) refuse("tokens must be tables, as [[tokens]]");
+    for (const auto& [key, unused] : value.as_table())
+      if (std::ranges::find(kKeys, key) == std::end(kKeys)) refuse(key + " is not a key of a token");
+  }
+
+  Token read(const ClientLimits& defaults) const {
+    ClientIdentity client{text("name", 1, kMaxName), defaults};
+    if (client.name == ClientIdentity().name) refuse("name is \"anonymous\", which is kept for callers without one");
+    set_limits(client.limits);
+    return {digest(), std::make_shared<const ClientIdentity>(std::move(client))};
+  }
+
+  [[noreturn]] void refuse(const std::string& what) const { throw ConfigError(where_ + what); }
+
+ private:
+  static constexpr std::string_view kKeys[] = {
+      "name", "token", "sha256", "max-scenes", "max-device-mb", "max-streams", "max-frames-per-second"};
+
+  bool has(const char* key) const { return value_.contains(key); }
+
+  std::string text(const char* key, size_t least, size_t most) const {
+    if (!has(key) || !value_.at(key).is_string()) refuse(std::string(key) + " is not a text");
+    const std::string text = value_.at(key).as_string().str;
+    if (text.size() < least || text.size() > most)
+      refuse(std::string(key) + " has " + std::to_string(text.size()) + " bytes, not " + std::to_string(least) +
+             " to " + std::to_string(most));
+    if (!std::ranges::all_of(text, [](char c) { return c > ' ' && c < 0x7f; }))
+      refuse(std::string(key) + " has other than printable ASCII characters without blanks");
+    return text;
+  }
+
+  Digest digest() const {
+    if (has("token") == has("sha256")) refuse("one of token and sha256 is needed");
+    if (has("token")) return digest_of(text("token", kMinToken, kMaxToken));
+    const auto digits = text("sha256", 64, 64);
+    if (digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
+      refuse("sha256 has other than hexadecimal digits");
+    Digest digest;
+    for (size_t i = 0; i < digest.size(); ++i)
+      digest[i] = static_cast<unsigned char>(std::stoul(digits.substr(2 * i, 2), nullptr, 16));
+    return digest;
+  }
+
+  double number(const char* key, double least, double most) const {
+    const auto& value = value_.at(key);
+    if (!value.is_integer() && !value.is_floating()) refuse(std::string(key) + " is not a number");
+    const double number = value.is_integer() ? static_cast<double>(value.as_integer()) : value.as_floating();
+    if (number >= least && number <= most) return number;
+    std::ostringstream what;
+    what << key << " is " << number << ", not " << least << " to " << most;
+    refuse(what.str());
+  }
+
+  uint64_t count(const char* key, double most) const {
+    const double number = this->number(key, 1, most);
+    if (number != std::floor(number)) refuse(std::string(key) + " is not a whole number");
+    return static_cast<uint64_t>(number);
+  }
+
+  void set_limits(ClientLimits& limits) const {
+    if (has("max-scenes")) limits.max_scenes = static_cast<uint32_t>(count("max-scenes", kMaxCount));
+    if (has("max-device-mb")) limits.max_device_bytes = count("max-device-mb", kMaxMegabytes) << 20;
+    if (has("max-streams")) limits.max_streams = static_cast<uint32_t>(count("max-streams", kMaxCount));
+    if (has("max-frames-per-second")) limits.max_frames_per_second = number("max-frames-per-second", 0.01, kMaxRate);
+  }
+
+  std::string where_;
+  const toml::value& value_;
+};
+
+// toml11's own messages quote the line, and with it perhaps a token.
+toml::value parse_toml(const std::string& path) try {
+  std::istringstream text(read_text_file(path, kMaxFileBytes));
+  return toml::parse(text, path);
+} catch (const toml::exception& error) {
+  throw ConfigError(path + ":" + std::to_string(error.location().line()) + ": is not valid TOML");
+} catch (const ConfigError&) {
+  throw;
+} catch (const std::exception&) {
+  throw ConfigError(path + ": is not valid TOML");
+}
+
+const toml::array& entries_of(const toml::value& root, const std::string& path) {
+  for (const auto& [key, unused] : root.as_table())
+    if (key != "tokens") throw ConfigError(path + ": " + key + " is not a key; tokens are written as [[tokens]]");
+  if (!root.contains("tokens") || !root.at("tokens").is_array() || root.at("tokens").as_array().empty())
+    throw ConfigError(path + ": has no [[tokens]]");
+  const auto& entries = root.at("tokens").as_array();
+  if (entries.size() > kMaxTokens)
+    throw ConfigError(path + ": has " + std::to_string(entries.size()) + " tokens, more than " +
+                      std::to_string(kMaxTokens));
+  return entries;
+}
+
+// A name may come again, so that its token can be exchanged without a gap, but not with other limits.
+void check_new(const Token& token, const std::vector<Token>& before, const Entry& entry) {
+  for (const auto& other : before) {
+    if (other.digest == token.digest) entry.refuse("the token of " + token.client->name + " is there twice");
+    if (other.client->name == token.client->name && other.client->limits != token.client->limits)
+      entry.refuse("the tokens of " + token.client->name + " have different limits");
+  }
+}
+
+}  // namespace
+
+Digest digest_of(std::string_view token) {
+  Digest digest;
+  if (EVP_Digest(token.data(), token.size(), digest.data(), nullptr, EVP_sha256(), nullptr) != 1)
+    throw std::runtime_error("OpenSSL has no SHA-256");
+  return digest;
+}
+
+std::vector<Token> read_tokens(const std::string& path, const ClientLimits& defaults) {
+  const auto root = parse_toml(path);
+  std::vector<Token> tokens;
+  for (const auto& value : entries_of(root, path)) {
+    const Entry entry(path, value);
+    auto token = entry.read(defaults);
+    check_new(token, tokens, entry);
+    tokens.push_back(std::move(token));
+  }
+  warn_if_others_can_read(path);
+  return tokens;
+}
+
+}  // namespace collided::server

@@ -1,0 +1,57 @@
+#pragma once
+// The one definition of each option: its flag, its COLLIDED_* variable, its key in the TOML file, its range.
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <concepts>
+#include <string>
+#include <type_traits>
+
+#include "server/config/config.hpp"
+
+namespace collided::server {
+
+/// Addresses, security, engine, time and log; all but the limits.
+void add_serve_options(CLI::App& app, Config& config);
+void add_limit_options(CLI::App& app, Limits& limits);
+
+/// Sets the options that neither flags nor environment gave from a TOML file. Throws ConfigError that names the file
+/// and the key.
+void take_file(CLI::App& app, const std::string& path);
+
+/// --max-scenes is COLLIDED_MAX_SCENES.
+std::string variable_of(const std::string& flag);
+
+/// Decimal numbers in the range, and nothing else: no NaN, no octal, no sign that wraps around.
+template <class T>
+requires std::is_arithmetic_v<T> CLI::Validator number(T least, T most) {
+  const auto range = "from " + CLI::detail::to_string(least) + " to " + CLI::detail::to_string(most);
+  const auto check = [=](std::string& text) -> std::string {
+    T value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool sound = error == std::errc() && end == text.data() + text.size() && value >= least && value <= most;
+    if (!sound) return "\"" + text + "\" is not a number " + range;
+    if constexpr (std::integral<T>) text = std::to_string(value);  // CLI11 would take a leading 0 for octal
+    return {};
+  };
+  return CLI::Validator(check, range);
+}
+
+/// An option with its variable and its default in --help.
+template <class T>
+CLI::Option* add(CLI::App& app, const std::string& flag, T& value, const std::string& help) {
+  return app.add_option(flag, value, help)->envname(variable_of(flag))->capture_default_str();
+}
+
+/// A flag alone, or with =true or =false; as a variable or key it needs one of them.
+inline CLI::Option* add_switch(CLI::App& app, const std::string& flag, bool& value, const std::string& help) {
+  return app.add_flag(flag, value, help)->envname(variable_of(flag))->check(CLI::IsMember({"true", "false"}));
+}
+
+/// A number with its range.
+template <class T>
+CLI::Option* add(CLI::App& app, const std::string& flag, T& value, T least, T most, const std::string& help) {
+  return add(app, flag, value, help)->transform(number(least, most));
+}
+
+}  // namespace collided::server

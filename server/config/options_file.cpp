@@ -1,0 +1,63 @@
+// The TOML file: its keys are the options without their dashes.
+#include <iomanip>
+#include <sstream>
+#include <toml.hpp>
+
+#include "server/config/options.hpp"
+#include "server/config/text_file.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr uint64_t kMaxFileBytes = 1 << 20;
+
+// As a flag or variable would hold it.
+std::string text_of(const toml::value& value, const std::string& where) {
+  if (value.is_string()) return value.as_string().str;
+  if (value.is_boolean()) return value.as_boolean() ? "true" : "false";
+  if (value.is_integer()) return std::to_string(value.as_integer());
+  if (!value.is_floating()) throw ConfigError(where + " is neither text, number, true nor false");
+  std::ostringstream text;
+  text << std::setprecision(17) << value.as_floating();
+  return text.str();
+}
+
+std::vector<std::string> texts_of(const toml::value& value, const std::string& where) {
+  std::vector<std::string> texts;
+  if (value.is_array()) {
+    for (const auto& element : value.as_array()) texts.push_back(text_of(element, where));
+  } else {
+    texts.push_back(text_of(value, where));
+  }
+  std::erase(texts, "");  // not given, as for a variable
+  return texts;
+}
+
+void take(CLI::App& app, const std::string& path, const std::string& key, const toml::value& value) {
+  const auto where = path + ":" + std::to_string(value.location().line()) + ": " + key;
+  auto* option = app.get_option_no_throw("--" + key);
+  if (!option || !option->get_configurable()) throw ConfigError(where + " is not an option");
+  const auto texts = texts_of(value, where);
+  if (option->count() || texts.empty()) return;
+  try {
+    for (const auto& text : texts) option->add_result(text);
+    option->run_callback();
+  } catch (const CLI::Error& error) {
+    throw ConfigError(path + ":" + std::to_string(value.location().line()) + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+void take_file(CLI::App& app, const std::string& path) {
+  std::istringstream text(read_text_file(path, kMaxFileBytes));
+  toml::value root;
+  try {
+    root = toml::parse(text, path);
+  } catch (const std::exception& error) {
+    throw ConfigError(path + ": " + error.what());
+  }
+  for (const auto& [key, value] : root.as_table()) take(app, path, key, value);
+}
+
+}  // namespace collided::server

@@ -1,0 +1,45 @@
+// Options that bound what clients may ask for.
+#include "server/config/options.hpp"
+
+namespace collided::server {
+namespace {
+
+// An option in MiB for a value in bytes.
+void add_megabytes(CLI::App& app, const std::string& flag, uint64_t& bytes, uint64_t most, const std::string& help) {
+  app.add_option_function<uint64_t>(
+         flag, [&bytes](uint64_t megabytes) { bytes = megabytes << 20; }, help)
+      ->envname(variable_of(flag))
+      ->transform(number<uint64_t>(1, most))
+      ->default_str(std::to_string(bytes >> 20));
+}
+
+void add_client_options(CLI::App& app, ClientLimits& limits) {
+  add<uint32_t>(app, "--max-scenes-per-client", limits.max_scenes, 1, 1'000'000, "Scenes of one client at once");
+  add_megabytes(app, "--max-device-mb-per-client", limits.max_device_bytes, 1 << 24,
+                "MiB that the scenes of one client may hold on their backends");
+  add<uint32_t>(app, "--max-streams-per-client", limits.max_streams, 1, 1'000'000, "Streams of one client at once");
+  add<double>(app, "--max-frames-per-second", limits.max_frames_per_second, 0.01, 1e9,
+              "Frames of one client in a second");
+}
+
+}  // namespace
+
+void add_limit_options(CLI::App& app, Limits& limits) {
+  auto* group = app.add_option_group("Limits", "What passes them is refused");
+  add_megabytes(*group, "--max-message-mb", limits.max_message_bytes, 2047, "MiB of one received message");
+  add<uint64_t>(*group, "--max-vertices", limits.max_vertices, 3, 4'294'967'294, "Vertices of one scene");
+  add<uint64_t>(*group, "--max-triangles", limits.max_triangles, 1, 1'431'655'764, "Triangles of one scene");
+  add<uint32_t>(*group, "--max-scenes", limits.max_scenes, 1, 1'000'000, "Scenes at once");
+  add_megabytes(*group, "--max-scene-mb", limits.max_scene_bytes, 1 << 24, "MiB that one scene may hold");
+  add_megabytes(*group, "--max-device-mb", limits.max_device_bytes, 1 << 24, "MiB that all scenes may hold");
+  add<uint32_t>(*group, "--max-window", limits.max_window, 1, 1024, "Frames in flight on one stream");
+  add<uint32_t>(*group, "--max-streams", limits.max_streams, 1, 1'000'000, "Streams at once");
+  add<double>(*group, "--max-idle-seconds", limits.max_idle_seconds, 0.1, 1e6,
+              "Seconds that a stream may stay open without a frame");
+  add<double>(*group, "--lease-seconds", limits.lease_seconds, 0.1, 1e6,
+              "Seconds that a scene which asks for none outlives its last stream or call");
+  add<double>(*group, "--max-lease-seconds", limits.max_lease_seconds, 0.1, 1e6, "The longest lease to be asked for");
+  add_client_options(*group, limits.client);
+}
+
+}  // namespace collided::server

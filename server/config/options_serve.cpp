@@ -1,0 +1,72 @@
+// Options of where and how the daemon serves.
+#include "server/config/address.hpp"
+#include "server/config/options.hpp"
+
+namespace collided::server {
+namespace {
+
+// Empty switches the option off.
+CLI::Validator or_empty(std::string (*check)(const std::string&)) {
+  return CLI::Validator([check](std::string& text) { return text.empty() ? std::string() : check(text); }, "");
+}
+
+void add_addresses(CLI::App& app, Config& config) {
+  add(app, "--address", config.addresses, "host:port (port 0: any free one) or unix:/path; may be repeated")
+      ->delimiter(',')
+      ->check(CLI::Validator(check_address, ""));
+  add(app, "--endpoint", config.endpoint, "Address that clients are told to stream to; empty: the one they used")
+      ->check(or_empty(check_address));
+  add(app, "--http-address", config.http_address, "host:port of /metrics, /readyz and /healthz; empty: off")
+      ->check(or_empty(check_http_address));
+  add(app, "--local-socket", config.local_socket, "Path of the socket for clients that share memory; empty: off")
+      ->check(or_empty(check_socket_path));
+  add(app, "--allow-uid", config.allowed_uids,
+      "User that may use the local socket; may be repeated; none: the daemon's own")
+      ->delimiter(',')
+      ->transform(number<uint32_t>(0, 4'294'967'294));
+  add_switch(app, "--cuda-ipc", config.cuda_ipc, "Take device memory of clients on the same host");
+  add(app, "--ready-file", config.ready_file, "File that gets the bound addresses once the daemon serves; empty: none");
+}
+
+void add_security(CLI::App& app, Config& config) {
+  add(app, "--tls-certificate", config.tls.certificate, "PEM file of the certificate chain; empty: plain text");
+  add(app, "--tls-key", config.tls.key, "PEM file of its private key");
+  add(app, "--tls-client-ca", config.tls.client_ca, "PEM file of the CAs of clients, which then need a certificate");
+  add(app, "--tokens-file", config.tokens_file, "TOML file of the bearer tokens of clients; empty: none");
+  add_switch(app, "--allow-insecure", config.allow_insecure, "Plain text on addresses that other hosts can reach");
+}
+
+void add_engine(CLI::App& app, Config& config) {
+  add(app, "--backend", config.backend, "Default backend of scenes: auto, cpu or cuda")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}));
+  add<int>(app, "--threads", config.threads, 0, 4096, "CPU threads of a scene; 0: all cores");
+  add<int>(app, "--concurrent-frames", config.concurrent_frames, 0, 4096,
+           "Frames computed at once; 0: as the devices allow");
+}
+
+void add_times(CLI::App& app, Config& config) {
+  add<double>(app, "--grace-seconds", config.grace_seconds, 0, 3600, "Seconds for open streams when the daemon stops");
+  add<double>(app, "--keepalive-seconds", config.keepalive_seconds, 1, 7200,
+              "Seconds between pings to a silent client");
+  add<double>(app, "--keepalive-timeout-seconds", config.keepalive_timeout_seconds, 0.1, 600,
+              "Seconds until a client that does not answer them is dropped");
+}
+
+void add_log(CLI::App& app, Config& config) {
+  add(app, "--log-level", config.log_level, "Least severe messages that are logged")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "critical", "off"}));
+  add(app, "--log-format", config.log_format, "Lines of text, or one JSON object a line: text or json")
+      ->check(CLI::IsMember({"text", "json"}));
+}
+
+}  // namespace
+
+void add_serve_options(CLI::App& app, Config& config) {
+  add_addresses(*app.add_option_group("Addresses"), config);
+  add_security(*app.add_option_group("Security"), config);
+  add_engine(*app.add_option_group("Engine"), config);
+  add_times(*app.add_option_group("Time"), config);
+  add_log(*app.add_option_group("Log"), config);
+}
+
+}  // namespace collided::server

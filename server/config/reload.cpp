@@ -1,0 +1,49 @@
+// What may change while the daemon runs.
+#include "server/config/config.hpp"
+
+namespace collided::server {
+namespace {
+
+// Takes back what only counts after a restart, and notes its name.
+class Keeper {
+ public:
+  explicit Keeper(std::vector<std::string>& names) : names_(names) {}
+
+  template <class T>
+  void keep(const char* name, T& now, const T& before) {
+    if (now == before) return;
+    names_.push_back(name);
+    now = before;
+  }
+
+ private:
+  std::vector<std::string>& names_;
+};
+
+}  // namespace
+
+Reloaded reload_config(int argc, const char* const* argv, const Config& current) {
+  auto parsed = parse_config(argc, argv);
+  if (!parsed.run) throw ConfigError(parsed.text);
+  Reloaded reloaded{std::move(parsed.config), {}};
+  Config& now = reloaded.config;
+  Keeper keeper(reloaded.restart);
+  keeper.keep("address", now.addresses, current.addresses);
+  keeper.keep("endpoint", now.endpoint, current.endpoint);
+  keeper.keep("http-address", now.http_address, current.http_address);
+  keeper.keep("local-socket", now.local_socket, current.local_socket);
+  keeper.keep("allow-uid", now.allowed_uids, current.allowed_uids);
+  keeper.keep("cuda-ipc", now.cuda_ipc, current.cuda_ipc);
+  keeper.keep("ready-file", now.ready_file, current.ready_file);
+  keeper.keep("tls-certificate, tls-key or tls-client-ca", now.tls, current.tls);
+  keeper.keep("allow-insecure", now.allow_insecure, current.allow_insecure);
+  keeper.keep("backend", now.backend, current.backend);
+  keeper.keep("threads", now.threads, current.threads);
+  keeper.keep("concurrent-frames", now.concurrent_frames, current.concurrent_frames);
+  keeper.keep("keepalive-seconds", now.keepalive_seconds, current.keepalive_seconds);
+  keeper.keep("keepalive-timeout-seconds", now.keepalive_timeout_seconds, current.keepalive_timeout_seconds);
+  keeper.keep("max-message-mb", now.limits.max_message_bytes, current.limits.max_message_bytes);
+  return reloaded;
+}
+
+}  // namespace collided::server

@@ -1,0 +1,61 @@
+// What options must fulfil together.
+#include "server/config/rules.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include "server/config/address.hpp"
+
+namespace collided::server {
+namespace {
+
+void check_tls(const Config& config) {
+  const Tls& tls = config.tls;
+  if (tls.certificate.empty() != tls.key.empty())
+    throw ConfigError("--tls-certificate and --tls-key are only of use together");
+  if (!tls.client_ca.empty() && !tls.enabled()) throw ConfigError("--tls-client-ca needs --tls-certificate");
+  if (tls.client_ca.empty() || !config.tokens_file.empty()) return;
+  for (const auto& address : config.addresses)
+    if (address.starts_with("unix:"))
+      throw ConfigError("--address " + address + ": with --tls-client-ca, a Unix socket needs --tokens-file, too");
+}
+
+void check_exposed(const Config& config) {
+  if (config.tls.enabled() || config.allow_insecure) return;
+  for (const auto& address : config.addresses)
+    if (is_public(address))
+      throw ConfigError("--address " + address +
+                        " is neither loopback nor a Unix socket: it needs --tls-certificate, or --allow-insecure");
+}
+
+void check_leases(const Limits& limits) {
+  if (limits.lease_seconds <= limits.max_lease_seconds) return;
+  std::ostringstream message;
+  message << "--lease-seconds is " << limits.lease_seconds << ", more than --max-lease-seconds, "
+          << limits.max_lease_seconds;
+  throw ConfigError(message.str());
+}
+
+}  // namespace
+
+void check_rules(const Config& config) {
+  check_tls(config);
+  check_exposed(config);
+  check_leases(config.limits);
+}
+
+std::vector<std::string> exposure_warnings(const Config& config) {
+  std::vector<std::string> warnings;
+  for (const auto& address : config.addresses) {
+    if (!is_public(address)) continue;
+    if (!config.tls.enabled())
+      warnings.push_back(address + " is open to other hosts without TLS: frames and tokens can be read on the way");
+    if (config.tokens_file.empty() && config.tls.client_ca.empty())
+      warnings.push_back(address + " is open to other hosts, and nobody there must show who he is");
+  }
+  if (!config.http_address.empty() && is_public(config.http_address))
+    warnings.push_back("metrics on " + config.http_address + " are open to other hosts without TLS");
+  return warnings;
+}
+
+}  // namespace collided::server

@@ -1,0 +1,79 @@
+// Contacts of a frame cut into runs that fit a message.
+#include "server/convert/chunks.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace collided::server {
+namespace {
+
+using Stencil = std::array<uint32_t, 4>;
+
+Stencil stencil(pb::ContactKind kind, std::array<uint32_t, 2> pair, const Topology& topology) {
+  if (kind == pb::CONTACT_KIND_VERTEX_TRIANGLE) {
+    const auto& triangle = topology.triangles[pair[1]];
+    return {pair[0], triangle[0], triangle[1], triangle[2]};
+  }
+  const auto &a = topology.edges[pair[0]], &b = topology.edges[pair[1]];
+  return {a[0], a[1], b[0], b[1]};
+}
+
+// Those of the fields asked for that there are of this kind, at the level of this frame.
+OutputFields available(OutputFields fields, pb::ContactKind kind, const ContactSet& set) {
+  fields.stencils &= kind != pb::CONTACT_KIND_TRIANGLE_TRIANGLE;
+  fields.toi &= !set.toi.empty();
+  fields.distance &= !set.distance.empty();
+  fields.weights &= !set.weights.empty();
+  fields.flags &= !set.flags.empty();
+  return fields;
+}
+
+}  // namespace
+
+std::vector<ChunkArray> Chunk::arrays() const {
+  std::vector<ChunkArray> out;
+  // The engine's arrays have the wire's layout.
+  const auto add = [&](bool wanted, int field, const auto& values) {
+    if (wanted) out.push_back({field, std::as_bytes(std::span(values).subspan(begin, end - begin))});
+  };
+  add(fields.elements, pb::ContactChunk::kElementsFieldNumber, set->elements);
+  add(fields.toi, pb::ContactChunk::kToiFieldNumber, set->toi);
+  add(fields.distance, pb::ContactChunk::kDistanceFieldNumber, set->distance);
+  add(fields.weights, pb::ContactChunk::kWeightsFieldNumber, set->weights);
+  add(fields.flags, pb::ContactChunk::kFlagsFieldNumber, set->flags);
+  return out;
+}
+
+std::vector<Stencil> Chunk::stencils(const Topology& topology) const {
+  std::vector<Stencil> out;
+  if (!fields.stencils) return out;
+  out.reserve(end - begin);
+  for (size_t i = begin; i < end; ++i) out.push_back(stencil(kind, set->elements[i], topology));
+  return out;
+}
+
+std::vector<Chunk> cut_into_chunks(const FrameResult& result, const OutputFields& fields, size_t max_bytes) {
+  std::vector<Chunk> chunks;
+  const auto cut = [&](pb::ContactKind kind, const ContactSet& set) {
+    const OutputFields present = available(fields, kind, set);
+    const size_t step = std::max<size_t>(1, max_bytes / std::max<size_t>(1, present.contact_bytes()));
+    for (size_t begin = 0; begin < set.size(); begin += step)
+      chunks.push_back({kind, &set, begin, std::min(begin + step, set.size()), present});
+  };
+  cut(pb::CONTACT_KIND_VERTEX_TRIANGLE, result.vertex_triangle);
+  cut(pb::CONTACT_KIND_EDGE_EDGE, result.edge_edge);
+  cut(pb::CONTACT_KIND_TRIANGLE_TRIANGLE, result.triangle_triangle);
+  return chunks;
+}
+
+void fill_chunk(const Chunk& chunk, const Topology& topology, pb::ContactChunk* out) {
+  out->set_kind(chunk.kind);
+  out->set_count(chunk.count());
+  for (const auto& array : chunk.arrays())
+    out->GetReflection()->SetString(out, pb::ContactChunk::descriptor()->FindFieldByNumber(array.field),
+                                    std::string(reinterpret_cast<const char*>(array.bytes.data()), array.bytes.size()));
+  const auto stencils = chunk.stencils(topology);
+  out->set_stencils(stencils.data(), stencils.size() * sizeof(Stencil));
+}
+
+}  // namespace collided::server

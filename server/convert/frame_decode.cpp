@@ -1,0 +1,142 @@
+// A request of the frame stream from the wire.
+#include "server/convert/frame_decode.hpp"
+
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/wire_format_lite.h>
+
+#include <algorithm>
+#include <climits>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "gpu/detector.hpp"
+
+namespace collided::server {
+namespace {
+
+using google::protobuf::internal::WireFormatLite;
+using google::protobuf::io::CodedInputStream;
+using google::protobuf::io::CodedOutputStream;
+using google::protobuf::io::StringOutputStream;
+
+constexpr size_t kAlignment = 16;
+constexpr uint32_t kFewBytes = 64;  // stay in the message
+
+constexpr uint32_t tag_of(int field) {
+  return WireFormatLite::MakeTag(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
+}
+
+[[noreturn]] void throw_malformed(const char* what) {
+  throw InvalidInput(what, std::string(what) + " is cut off or malformed: its bytes are no such message");
+}
+
+// The fields of a message, but for those that `take` consumes, as the bytes of a smaller message.
+template <class Take>
+std::string remaining_fields(CodedInputStream& in, const char* what, const Take& take) {
+  std::string rest;
+  {
+    StringOutputStream stream(&rest);
+    CodedOutputStream out(&stream);
+    while (const uint32_t tag = in.ReadTag())
+      if (!take(tag) && !WireFormatLite::SkipField(&in, tag, &out)) throw_malformed(what);
+    out.Trim();
+  }
+  if (!in.ConsumedEntireMessage()) throw_malformed(what);
+  return rest;
+}
+
+// A nested message, read by `decode` up to its end.
+template <class Decode>
+void read_nested(CodedInputStream& in, const char* what, const Decode& decode) {
+  int size = 0;
+  if (!in.ReadVarintSizeAsInt(&size)) throw_malformed(what);
+  if (in.BytesUntilLimit() < size) throw_malformed(what);
+  const auto limit = in.PushLimit(size);
+  decode();
+  in.PopLimit(limit);
+}
+
+class Decoder {
+ public:
+  Decoder(CodedInputStream& in, const std::function<std::span<std::byte>()>& room) : in_(in), ask_for_room_(room) {}
+
+  DecodedRequest decode() {
+    const std::string rest = remaining_fields(in_, "request", [&](uint32_t tag) {
+      if (tag != tag_of(pb::StreamFramesRequest::kFrameFieldNumber)) return false;
+      read_nested(in_, "frame", [&] { decode_frame(*out_.message.mutable_frame()); });
+      return true;
+    });
+    pb::StreamFramesRequest others;
+    if (!others.ParseFromString(rest)) throw_malformed("request");
+    if (!out_.message.has_frame())
+      out_.message = std::move(others);
+    else if (others.request_case() != pb::StreamFramesRequest::REQUEST_NOT_SET)
+      throw InvalidInput("request", "request has `open` and `frame`, but must have one of them");
+    return std::move(out_);
+  }
+
+ private:
+  void decode_frame(pb::Frame& frame) {
+    const std::string rest = remaining_fields(in_, "frame", [&](uint32_t tag) {
+      if (tag != tag_of(pb::Frame::kUpdatesFieldNumber)) return false;
+      read_nested(in_, "frame.updates", [&] { decode_update(*frame.add_updates()); });
+      return true;
+    });
+    if (!frame.MergeFromString(rest)) throw_malformed("frame");
+  }
+
+  void decode_update(pb::MeshUpdate& update) {
+    PlacedPositions placed;
+    const std::string rest = remaining_fields(in_, "frame.updates", [&](uint32_t tag) {
+      if (tag == tag_of(pb::MeshUpdate::kPositionsFieldNumber))
+        return read_bytes(placed.end, *update.mutable_positions());
+      if (tag == tag_of(pb::MeshUpdate::kStartPositionsFieldNumber))
+        return read_bytes(placed.start, *update.mutable_start_positions());
+      return false;
+    });
+    if (!update.MergeFromString(rest)) throw_malformed("frame.updates");
+    out_.placed.push_back(placed);
+  }
+
+  // Of a field that comes twice the last one counts, as everywhere in the format.
+  bool read_bytes(std::span<const std::byte>& placed, std::string& otherwise) {
+    int size = 0;
+    if (!in_.ReadVarintSizeAsInt(&size) || in_.BytesUntilLimit() < size) throw_malformed("frame.updates");
+    placed = {};
+    otherwise.clear();
+    const auto bytes = static_cast<size_t>(size);
+    if (bytes <= kFewBytes || !fits(bytes)) {
+      if (!in_.ReadString(&otherwise, size)) throw_malformed("frame.updates");
+      return true;
+    }
+    const auto to = room_->subspan(used_, bytes);
+    if (!in_.ReadRaw(to.data(), size)) throw_malformed("frame.updates");
+    used_ += (bytes + kAlignment - 1) / kAlignment * kAlignment;
+    placed = to;
+    return true;
+  }
+
+  bool fits(size_t bytes) {
+    if (!room_) room_ = ask_for_room_();
+    return used_ <= room_->size() && bytes <= room_->size() - used_;
+  }
+
+  CodedInputStream& in_;
+  const std::function<std::span<std::byte>()>& ask_for_room_;
+  std::optional<std::span<std::byte>> room_;
+  size_t used_ = 0;
+  DecodedRequest out_;
+};
+
+}  // namespace
+
+DecodedRequest decode_request(google::protobuf::io::ZeroCopyInputStream& wire, size_t bytes,
+                              const std::function<std::span<std::byte>()>& room) {
+  CodedInputStream in(&wire);
+  in.PushLimit(static_cast<int>(std::min<size_t>(bytes, INT_MAX)));  // sizes that lie are found before they are used
+  return Decoder(in, room).decode();
+}
+
+}  // namespace collided::server

@@ -1,0 +1,47 @@
+// A frame of a client on its way into the daemon.
+#include "server/convert/frame_intake.hpp"
+
+#include <utility>
+
+#include "server/scenes/field_path.hpp"
+
+namespace collided::server {
+namespace {
+
+// The slot reads from the message, or from where it was placed, until the frame has been applied.
+void send_positions(Scene& scene, std::shared_ptr<FrameSlot> slot, PendingFrame& frame) {
+  if (!slot) slot = scene.take_slot();
+  try {
+    slot->send(frame.input.updates);
+  } catch (const InvalidInput& e) {
+    throw with_path(e, frame_path);
+  } catch (const ResourceExhausted& e) {
+    throw_if_budget(e);
+    throw;
+  }
+  frame.input.updates.clear();
+  frame.input.slot = std::move(slot);
+}
+
+}  // namespace
+
+PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) {
+  PendingFrame frame;
+  const auto message = std::make_shared<const pb::Frame>(std::move(incoming.message));
+  try {
+    if (incoming.refusal) std::rethrow_exception(incoming.refusal);
+    host.usage().count_frame(scene.facts().owner);
+    frame = parse_frame(*message, incoming.placed, scene.plan().engine);
+    send_positions(scene, std::move(incoming.slot), frame);
+  } catch (...) {
+    frame.refusal = std::current_exception();
+    frame.input = {};
+  }
+  frame.frame_id = message->frame_id();
+  frame.memory = message;
+  frame.arrival = incoming.arrival;
+  frame.decode_milliseconds = milliseconds_since(incoming.arrival);
+  return frame;
+}
+
+}  // namespace collided::server

@@ -1,0 +1,30 @@
+#pragma once
+// Metrics and health over plain HTTP, for Prometheus, load balancers and Kubernetes.
+
+#include <memory>
+#include <string>
+
+namespace collided::server {
+
+class Lifecycle;
+class Metrics;
+
+/// Serves GET and HEAD of /metrics, /readyz (200, or 503 with the reason) and /healthz (200 while the process runs).
+class HttpServer {
+ public:
+  /// `address` is host:port with a numeric host; port 0: any free one. Throws std::runtime_error if it cannot be bound.
+  /// Both references must outlive the server.
+  HttpServer(const std::string& address, const Metrics& metrics, const Lifecycle& lifecycle);
+  ~HttpServer();
+
+  /// With the port that was given out.
+  const std::string& address() const { return address_; }
+
+ private:
+  struct Handlers;
+
+  std::unique_ptr<Handlers> handlers_;
+  std::string address_;
+};
+
+}  // namespace collided::server

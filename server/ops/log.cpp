@@ -1,0 +1,120 @@
+// Log lines as text or JSON.
+#include "server/ops/log.hpp"
+
+#include <spdlog/fmt/chrono.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <span>
+
+namespace collided::server {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The fields of the line that this thread is writing; the sink formats in the thread that logs.
+thread_local std::span<const LogField> fields_of_line;
+
+std::string dump(const Json& json) { return json.dump(-1, ' ', true, Json::error_handler_t::replace); }
+
+bool is_plain(std::string_view text) {
+  return !text.empty() && std::ranges::all_of(text, [](char c) { return c > ' ' && c < 0x7f && c != '"' && c != '='; });
+}
+
+// A value of a text line: quoted and escaped where it could be taken for something else.
+std::string quote(const Json& value) {
+  if (!value.is_string()) return dump(value);
+  const auto& text = value.get_ref<const std::string&>();
+  return is_plain(text) ? text : dump(value);
+}
+
+// What is not ASCII or not printable could forge a line, or change the terminal of who reads it.
+std::string escape(std::string_view text) {
+  const auto quoted = dump(Json(text));
+  std::string escaped;
+  for (size_t i = 1; i + 1 < quoted.size(); ++i) {
+    const bool quote_mark = quoted[i] == '\\' && (quoted[i + 1] == '"' || quoted[i + 1] == '\\');
+    if (quote_mark) ++i;
+    escaped += quoted[i] == 0x7f ? std::string("\\u007f") : std::string(1, quoted[i]);
+  }
+  return escaped;
+}
+
+bool is_empty(const LogField& field) {
+  const auto* text = std::get_if<std::string_view>(&field.value);
+  return text && text->empty();
+}
+
+Json value_of(const LogField& field) {
+  return std::visit([](const auto& value) { return Json(value); }, field.value);
+}
+
+std::string time_of(const spdlog::details::log_msg& line) {
+  using std::chrono::milliseconds;
+  const auto since = std::chrono::duration_cast<milliseconds>(line.time.time_since_epoch()).count();
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(spdlog::log_clock::to_time_t(line.time)), since % 1000);
+}
+
+std::string text_line(const spdlog::details::log_msg& line) {
+  const auto level = spdlog::level::to_string_view(line.level);
+  auto text = fmt::format("{} {} {}", time_of(line), level, escape({line.payload.data(), line.payload.size()}));
+  for (const auto& field : fields_of_line)
+    if (!is_empty(field)) text += fmt::format(" {}={}", field.name, quote(value_of(field)));
+  return text + "\n";
+}
+
+std::string json_line(const spdlog::details::log_msg& line) {
+  const auto level = spdlog::level::to_string_view(line.level);
+  Json json;
+  json["time"] = time_of(line);
+  json["level"] = std::string(level.data(), level.size());
+  json["message"] = std::string(line.payload.data(), line.payload.size());
+  for (const auto& field : fields_of_line)
+    if (!is_empty(field)) json[std::string(field.name)] = value_of(field);
+  return dump(json) + "\n";
+}
+
+class LineFormatter final : public spdlog::formatter {
+ public:
+  explicit LineFormatter(bool json) : json_(json) {}
+
+  void format(const spdlog::details::log_msg& line, spdlog::memory_buf_t& out) override {
+    const auto text = json_ ? json_line(line) : text_line(line);
+    out.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<spdlog::formatter> clone() const override { return std::make_unique<LineFormatter>(json_); }
+
+ private:
+  const bool json_;
+};
+
+// Made once: other threads may log while main changes format and level.
+spdlog::logger& the_logger() {
+  static const auto logger = [] {
+    auto made = std::make_shared<spdlog::logger>("collided", std::make_shared<spdlog::sinks::stderr_sink_mt>());
+    spdlog::set_default_logger(made);
+    return made;
+  }();
+  return *logger;
+}
+
+}  // namespace
+
+void set_up_log(const std::string& format, const std::string& level) {
+  auto& logger = the_logger();
+  for (const auto& sink : logger.sinks()) sink->set_formatter(std::make_unique<LineFormatter>(format == "json"));
+  logger.set_level(spdlog::level::from_str(level));
+}
+
+void log_event(spdlog::level::level_enum level, std::string_view message, std::initializer_list<LogField> fields) {
+  auto* logger = spdlog::default_logger_raw();
+  if (!logger->should_log(level)) return;
+  fields_of_line = {fields.begin(), fields.size()};
+  logger->log(level, spdlog::string_view_t(message.data(), message.size()));
+  fields_of_line = {};
+}
+
+}  // namespace collided::server

@@ -1,0 +1,48 @@
+#pragma once
+// Log lines as text or JSON, with the ids that tell which call, scene and frame they belong to.
+
+#include <spdlog/common.h>
+
+#include <concepts>
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace collided::server {
+
+/// Log lines go to stderr. `format`: text or json; `level`: as spdlog names them. Callable again at any time.
+void set_up_log(const std::string& format, const std::string& level);
+
+/// The ids of one call. All are empty or printable ASCII without blanks.
+struct CallIds {
+  std::string request_id;  ///< never empty after parse_ids, at most 64 bytes
+  std::string trace_id;    ///< 32 hexadecimal digits of a valid traceparent; else empty
+  std::string parent_id;   ///< 16 hexadecimal digits; else empty
+};
+
+/// From the headers `x-request-id` and `traceparent` (W3C Trace Context); empty: not sent. What is not valid is
+/// dropped, and a random request id made where none is left.
+CallIds parse_ids(std::string_view request_id_header, std::string_view traceparent_header);
+
+/// A named value of a log line. Does not own its text.
+struct LogField {
+  template <std::signed_integral T>
+  LogField(std::string_view key, T number) : name(key), value(int64_t{number}) {}
+  template <std::unsigned_integral T>
+  LogField(std::string_view key, T number) : name(key), value(uint64_t{number}) {}
+  LogField(std::string_view key, double number) : name(key), value(number) {}
+  LogField(std::string_view key, std::string_view text) : name(key), value(text) {}
+  LogField(std::string_view key, const std::string& text) : name(key), value(std::string_view(text)) {}
+  LogField(std::string_view key, const char* text) : name(key), value(std::string_view(text)) {}
+
+  std::string_view name;
+  std::variant<int64_t, uint64_t, double, std::string_view> value;
+};
+
+/// One line: `message scene=.. frame=..`, or one JSON object. Empty texts are left out. The usual names are scene,
+/// frame, request, trace, client.
+void log_event(spdlog::level::level_enum level, std::string_view message, std::initializer_list<LogField> fields);
+
+}  // namespace collided::server

@@ -1,0 +1,206 @@
+// What Prometheus scrapes from the daemon.
+#include "server/ops/metrics.hpp"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <mutex>
+#include <shared_mutex>
+
+#include "server/ops/process.hpp"
+
+namespace collided::server {
+namespace {
+
+using prometheus::Counter;
+using prometheus::Family;
+using prometheus::Gauge;
+using prometheus::Histogram;
+using prometheus::Labels;
+using prometheus::Registry;
+
+constexpr size_t kMaxStages = 64, kMaxReasons = 32, kMaxCalls = 512;
+constexpr std::string_view kOther = "other";
+constexpr std::array<const char*, 6> kPhases = {"queue", "decode", "upload", "compute", "download", "encode"};
+
+Histogram::BucketBoundaries buckets() {
+  return {50e-6, 100e-6, 250e-6, 500e-6, 1e-3, 2.5e-3, 5e-3, 10e-3, 25e-3, 50e-3, 100e-3, 250e-3, 500e-3, 1};
+}
+
+Counter& counter(Registry& registry, const char* name, const char* help) {
+  return prometheus::BuildCounter().Name(name).Help(help).Register(registry).Add({});
+}
+
+Gauge& gauge(Registry& registry, const char* name, const char* help, const Labels& labels = {}) {
+  return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add(labels);
+}
+
+// Metrics of one family by the values of their labels. Past `most` of them, further ones share one, so that no caller
+// can make them without end.
+template <class Metric>
+class ByLabel {
+ public:
+  using Make = std::function<Metric&(std::string_view)>;
+  ByLabel(size_t most, Make make) : most_(most), make_(std::move(make)) {}
+
+  Metric& at(std::string_view key) {
+    {
+      std::shared_lock lock(mutex_);
+      if (const auto found = metrics_.find(key); found != metrics_.end()) return *found->second;
+    }
+    std::unique_lock lock(mutex_);
+    const auto known = metrics_.find(key);
+    if (known != metrics_.end()) return *known->second;
+    return metrics_.size() < most_ ? add(key) : shared();
+  }
+
+ private:
+  Metric& add(std::string_view key) { return *metrics_.emplace(key, &make_(key)).first->second; }
+  Metric& shared() {
+    const auto found = metrics_.find(kOther);
+    return found != metrics_.end() ? *found->second : add(kOther);
+  }
+
+  const size_t most_;
+  const Make make_;
+  std::shared_mutex mutex_;
+  std::map<std::string, Metric*, std::less<>> metrics_;  // guarded by mutex_
+};
+
+}  // namespace
+
+struct Metrics::Families {
+  Families();
+
+  void set_gauges_now() const;
+
+  Registry registry;
+  Counter &frames, &contacts, &bytes_in, &bytes_out, &skipped, &replays, &reconnects;
+  Histogram& frame_seconds;
+  Gauge &scenes, &streams, &device_bytes, &queued_frames, &outgoing_bytes;
+  Gauge &resident_bytes, &open_files;
+  Family<Histogram>& phase_family;
+  Family<Histogram>& stage_family;
+  Family<Counter>& rejected_family;
+  Family<Counter>& call_family;
+  std::vector<Histogram*> phases;
+  ByLabel<Histogram> stages;
+  ByLabel<Counter> rejected, calls;
+  mutable std::mutex gauges_mutex;
+  std::function<Gauges()> gauges;  // guarded by gauges_mutex
+};
+
+Metrics::Families::Families()
+    : frames(counter(registry, "collided_frames_total", "Frames that were answered")),
+      contacts(counter(registry, "collided_contacts_total", "Contacts that were reported")),
+      bytes_in(counter(registry, "collided_received_bytes_total", "Bytes of the frames that came in")),
+      bytes_out(counter(registry, "collided_sent_bytes_total", "Bytes of the answers to frames")),
+      skipped(counter(registry, "collided_skipped_frames_total", "Frames passed over by LATEST_WINS")),
+      replays(counter(registry, "collided_replays_total", "Frames run again because a buffer was too small")),
+      reconnects(counter(registry, "collided_reconnects_total", "Streams that took up where a broken one left")),
+      frame_seconds(prometheus::BuildHistogram()
+                        .Name("collided_frame_seconds")
+                        .Help("Time of a frame from its arrival to its last answer")
+                        .Register(registry)
+                        .Add({}, buckets())),
+      scenes(gauge(registry, "collided_scenes", "Resident scenes")),
+      streams(gauge(registry, "collided_streams", "Open streams")),
+      device_bytes(gauge(registry, "collided_device_bytes", "Bytes that all scenes hold on their backends")),
+      queued_frames(gauge(registry, "collided_queued_frames", "Frames that wait for their turn")),
+      outgoing_bytes(gauge(registry, "collided_outgoing_bytes", "Bytes of answers that wait for their client")),
+      resident_bytes(gauge(registry, "process_resident_memory_bytes", "Resident memory size in bytes")),
+      open_files(gauge(registry, "process_open_fds", "Number of open file descriptors")),
+      phase_family(prometheus::BuildHistogram()
+                       .Name("collided_phase_seconds")
+                       .Help("Time of a frame in each phase from its arrival to its last answer")
+                       .Register(registry)),
+      stage_family(prometheus::BuildHistogram()
+                       .Name("collided_stage_seconds")
+                       .Help("Time of a frame in each stage of the engine, all within the phase compute")
+                       .Register(registry)),
+      rejected_family(prometheus::BuildCounter()
+                          .Name("collided_rejected_total")
+                          .Help("Refused frames and calls, by the name of the gRPC code")
+                          .Register(registry)),
+      call_family(prometheus::BuildCounter()
+                      .Name("collided_calls_total")
+                      .Help("Ended calls, by method and name of the gRPC code")
+                      .Register(registry)),
+      stages(
+          kMaxStages,
+          [this](auto key) -> auto& {
+            return stage_family.Add({{"stage", std::string(key)}}, buckets());
+          }),
+      rejected(
+          kMaxReasons,
+          [this](auto key) -> auto& {
+            return rejected_family.Add({{"reason", std::string(key)}});
+          }),
+      calls(
+          kMaxCalls, [this](std::string_view key) -> auto& {
+            const auto slash = std::min(key.find('/'), key.size() - 1);
+            return call_family.Add(
+                {{"method", std::string(key.substr(0, slash))}, {"code", std::string(key.substr(slash + 1))}});
+          }) {
+  for (const auto* phase : kPhases) phases.push_back(&phase_family.Add({{"phase", phase}}, buckets()));
+  gauge(registry, "collided_build_info", "1, labelled with the version", {{"version", COLLIDED_VERSION}}).Set(1);
+  gauge(registry, "process_start_time_seconds", "Start time of the process since the Unix epoch in seconds")
+      .Set(process_start_seconds());
+}
+
+void Metrics::Families::set_gauges_now() const {
+  std::lock_guard lock(gauges_mutex);
+  const auto now = gauges ? gauges() : Gauges();
+  scenes.Set(static_cast<double>(now.scenes));
+  streams.Set(static_cast<double>(now.streams));
+  device_bytes.Set(static_cast<double>(now.device_bytes));
+  queued_frames.Set(static_cast<double>(now.queued_frames));
+  outgoing_bytes.Set(static_cast<double>(now.outgoing_bytes));
+  resident_bytes.Set(process_resident_bytes());
+  open_files.Set(process_open_files());
+}
+
+Metrics::Metrics() : families_(std::make_unique<Families>()) {}
+Metrics::~Metrics() = default;
+
+void Metrics::observe_phase(Phase phase, double seconds) {
+  families_->phases[static_cast<size_t>(phase)]->Observe(seconds);
+}
+
+void Metrics::observe_stage(std::string_view stage, double seconds) { families_->stages.at(stage).Observe(seconds); }
+
+void Metrics::count_frame(const FrameTotals& frame) {
+  families_->frames.Increment();
+  families_->frame_seconds.Observe(frame.seconds);
+  families_->contacts.Increment(static_cast<double>(frame.contacts));
+  families_->bytes_in.Increment(static_cast<double>(frame.bytes_in));
+  families_->bytes_out.Increment(static_cast<double>(frame.bytes_out));
+  families_->replays.Increment(static_cast<double>(frame.replays));
+}
+
+void Metrics::count_skipped(uint64_t frames) { families_->skipped.Increment(static_cast<double>(frames)); }
+void Metrics::count_rejected(std::string_view reason) { families_->rejected.at(reason).Increment(); }
+void Metrics::count_reconnect() { families_->reconnects.Increment(); }
+
+void Metrics::count_call(std::string_view method, std::string_view code) {
+  std::string key(method);
+  families_->calls.at(key.append("/").append(code)).Increment();
+}
+
+void Metrics::set_gauges(std::function<Gauges()> gauges) {
+  std::lock_guard lock(families_->gauges_mutex);
+  families_->gauges = std::move(gauges);
+}
+
+std::string Metrics::text() const {
+  families_->set_gauges_now();
+  return prometheus::TextSerializer().Serialize(families_->registry.Collect());
+}
+
+}  // namespace collided::server

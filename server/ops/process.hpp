@@ -1,0 +1,13 @@
+#pragma once
+// What the operating system knows about this process.
+
+namespace collided::server {
+
+/// Since the Unix epoch.
+double process_start_seconds();
+/// 0 if /proc cannot be read.
+double process_resident_bytes();
+/// 0 if /proc cannot be read.
+double process_open_files();
+
+}  // namespace collided::server

@@ -1,0 +1,60 @@
+// What each client has in use of the limits that count over all its calls.
+#include "server/scenes/client_usage.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "server/errors.hpp"
+
+namespace collided::server {
+
+std::shared_ptr<void> ClientUsage::begin_stream(const Client& client) {
+  const std::lock_guard lock(mutex_);
+  if (streams_ >= max_streams_)
+    throw LimitExceeded::quota(
+        "daemon", fmt::format("max_streams is {}, and {} streams are open on this daemon", max_streams_, streams_));
+  Entry& entry = clients_[client->name];
+  if (entry.streams >= client->limits.max_streams)
+    throw LimitExceeded::quota("client:" + client->name,
+                               fmt::format("max_streams_per_client is {}, and client \"{}\" has {} open streams",
+                                           client->limits.max_streams, client->name, entry.streams));
+  std::shared_ptr<void> ticket(nullptr, [this, name = client->name](void*) { end_stream(name); });
+  ++entry.streams;
+  ++streams_;
+  return ticket;
+}
+
+void ClientUsage::end_stream(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  --clients_[name].streams;
+  --streams_;
+}
+
+void ClientUsage::count_frame(const Client& client) {
+  const double rate = client->limits.max_frames_per_second, most = std::max(1.0, rate);
+  const std::lock_guard lock(mutex_);
+  Entry& entry = clients_[client->name];
+  const auto now = Clock::now();
+  const double seconds = std::chrono::duration<double>(now - entry.filled).count();
+  entry.frames_left = std::min(most, entry.frames_left + seconds * rate);
+  entry.filled = now;
+  if (entry.frames_left < 1)
+    throw LimitExceeded::quota(
+        "client:" + client->name,
+        fmt::format("max_frames_per_second is {}, and client \"{}\" sent more", rate, client->name),
+        (1 - entry.frames_left) / rate);
+  entry.frames_left -= 1;
+}
+
+size_t ClientUsage::streams() const {
+  const std::lock_guard lock(mutex_);
+  return streams_;
+}
+
+void ClientUsage::set_max_streams(size_t max_streams) {
+  const std::lock_guard lock(mutex_);
+  max_streams_ = max_streams;
+}
+
+}  // namespace collided::server

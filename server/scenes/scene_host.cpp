@@ -1,0 +1,96 @@
+// All scenes of the daemon and what watches over them.
+#include "server/scenes/scene_host.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <chrono>
+
+#include "server/errors.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr auto kWatchPeriod = std::chrono::milliseconds(250);
+
+// On a GPU the host's part of one frame goes on beside the device's part of another; on CPU cores two keep all busy
+// while one of them is in a part that does not spread over cores.
+unsigned frames_at_once(const Config& config) {
+  constexpr unsigned kOnGpu = 4, kOnCpu = 2;
+  if (config.concurrent_frames > 0) return static_cast<unsigned>(config.concurrent_frames);
+  return config.backend != "cpu" && cuda_available() ? kOnGpu : kOnCpu;
+}
+
+}  // namespace
+
+SceneHost::SceneHost(const Config& config, SceneObserver& observer)
+    : limits_(config.limits),
+      turns_(frames_at_once(config)),
+      usage_(config.limits.max_streams),
+      scenes_(config.limits.max_scenes, config.limits.max_window, {turns_, observer}),
+      watch_([this] { watch(); }) {}
+
+SceneHost::~SceneHost() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_over_ = true;
+  }
+  changed_.notify_all();
+  watch_.join();
+  scenes_.clear();
+}
+
+Limits SceneHost::limits() const {
+  const std::lock_guard lock(mutex_);
+  return limits_;
+}
+
+void SceneHost::set_limits(const Limits& limits) {
+  usage_.set_max_streams(limits.max_streams);
+  scenes_.set_max_scenes(limits.max_scenes);
+  const std::lock_guard lock(mutex_);
+  limits_ = limits;
+}
+
+void SceneHost::check_serving() const {
+  if (stopping_) throw Stopping();
+}
+
+void SceneHost::announce_stop(double seconds) {
+  stopping_ = true;
+  for (const auto& scene : scenes_.all())
+    if (const auto stream = scene->stream()) stream->announce_stop(seconds);
+}
+
+HostTotals SceneHost::totals() const {
+  HostTotals totals;
+  totals.streams = usage_.streams();
+  for (const auto& scene : scenes_.all()) {
+    ++totals.scenes;
+    for (const auto& part : scene->snapshot().memory) totals.device_bytes += part.bytes;
+    if (const auto stream = scene->stream()) totals.waiting_frames += stream->waiting();
+  }
+  return totals;
+}
+
+void SceneHost::watch() {
+  std::unique_lock lock(mutex_);
+  while (!changed_.wait_for(lock, kWatchPeriod, [this] { return is_over_; })) {
+    lock.unlock();
+    for (const auto& scene : scenes_.remove_expired(std::chrono::steady_clock::now()))
+      scene->observer().expired(*scene);
+    end_idle_streams();
+    lock.lock();
+  }
+}
+
+void SceneHost::end_idle_streams() const {
+  const double most = limits().max_idle_seconds;
+  for (const auto& scene : scenes_.all()) {
+    const auto stream = scene->stream();
+    if (!stream || stream->idle_seconds() <= most) continue;
+    const auto what = fmt::format("max_idle_seconds is {}, and no frame came for longer", most);
+    stream->end(std::make_exception_ptr(LimitExceeded::quota("scene:" + scene->id(), what)));
+  }
+}
+
+}  // namespace collided::server

@@ -1,0 +1,57 @@
+#pragma once
+// All scenes of the daemon and what watches over them: limits, leases, idle streams, fair turns. No gRPC here.
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "server/config/config.hpp"
+#include "server/scenes/client_usage.hpp"
+#include "server/scenes/frame_session.hpp"
+#include "server/scenes/scene_store.hpp"
+#include "server/scenes/turns.hpp"
+
+namespace collided::server {
+
+/// What the daemon holds at one moment.
+struct HostTotals {
+  uint64_t scenes = 0, streams = 0, device_bytes = 0, waiting_frames = 0;
+};
+
+class SceneHost {
+ public:
+  /// `observer` outlives the host.
+  SceneHost(const Config& config, SceneObserver& observer);
+  ~SceneHost();
+  SceneHost(const SceneHost&) = delete;
+  SceneHost& operator=(const SceneHost&) = delete;
+
+  SceneStore& scenes() { return scenes_; }
+  ClientUsage& usage() { return usage_; }
+  Limits limits() const;
+  /// For requests from now on; scenes and streams that are there stay.
+  void set_limits(const Limits& limits);
+
+  /// Throws Stopping once announce_stop() was called.
+  void check_serving() const;
+  /// Refuses new scenes and streams, and tells every open stream that the daemon stops.
+  void announce_stop(double seconds);
+  HostTotals totals() const;
+
+ private:
+  void watch();
+  void end_idle_streams() const;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  Limits limits_;         // guarded by mutex_
+  bool is_over_ = false;  // guarded by mutex_
+  std::atomic<bool> stopping_ = false;
+  Turns turns_;
+  ClientUsage usage_;
+  SceneStore scenes_;
+  std::thread watch_;
+};
+
+}  // namespace collided::server

@@ -1,0 +1,54 @@
+// One DetectFrame call.
+#include "server/service/detect_frame.hpp"
+
+#include "server/convert/chunks.hpp"
+#include "server/errors.hpp"
+#include "server/service/guard.hpp"
+
+namespace collided::server {
+namespace {
+
+// gRPC's default limit of a received message, less room for framing and metrics.
+constexpr size_t kMaxAnswerBytes = (size_t{4} << 20) - (size_t{64} << 10);
+constexpr size_t kMaxChunkBytes = size_t{2} << 20;
+
+void check_size(const AnsweredFrame& frame, uint64_t bytes) {
+  if (bytes <= kMaxAnswerBytes) return;
+  throw LimitExceeded("frame", fmt::format("frame {} was applied, but its contacts take {} bytes, and one answer holds "
+                                           "at most {}; use StreamFrames, which sends them in chunks",
+                                           frame.frame_id, bytes, kMaxAnswerBytes));
+}
+
+void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameResponse* response) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto chunks = cut_into_chunks(frame.result, scene.plan().fields, kMaxChunkBytes);
+  for (const auto& chunk : chunks) frame.cost.bytes_out += chunk.count() * chunk.fields.contact_bytes();
+  check_size(frame, frame.cost.bytes_out);
+  for (const auto& chunk : chunks) fill_chunk(chunk, scene.topology(), response->add_contacts());
+  frame.cost.encode_milliseconds = milliseconds_since(begin);
+  frame.cost.total_milliseconds = milliseconds_since(frame.arrival);
+  fill_done(frame.result, frame.cost, response->mutable_done());
+}
+
+}  // namespace
+
+void detect_frame(grpc::ServerUnaryReactor* reactor, const grpc::CallbackServerContext* context, Scene& scene,
+                  PendingFrame frame, pb::DetectFrameResponse* response) {
+  guard(reactor, [&] {
+    try {
+      if (scene.stream())
+        throw FailedPrecondition("scene_id",
+                                 fmt::format("scene {} has an open stream, which alone brings its frames", scene.id()));
+      auto answered = run_frame(scene, frame, [context] { return context->IsCancelled(); });
+      fill_answer(scene, answered, response);
+      scene.observer().answered(scene, answered);
+    } catch (...) {
+      response->Clear();
+      scene.observer().refused(scene, frame.frame_id, std::current_exception());
+      throw;
+    }
+    reactor->Finish(grpc::Status::OK);
+  });
+}
+
+}  // namespace collided::server

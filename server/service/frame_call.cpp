@@ -1,0 +1,284 @@
+// One StreamFrames call.
+#include "server/service/frame_call.hpp"
+
+#include <grpcpp/support/proto_buffer_reader.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "server/errors.hpp"
+#include "server/service/stream_messages.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr size_t kMaxChunkBytes = size_t{2} << 20;  // of one message's arrays
+constexpr size_t kMuchOutgoing = size_t{16} << 20;  // no frame is begun while more is not taken
+constexpr auto kLinger = std::chrono::seconds(10);  // for a last message that the client does not take
+constexpr size_t kRoomForHeads = 4096;              // alignment of each update's positions
+
+}  // namespace
+
+FrameCall::Tag* FrameCall::Tag::send() {
+  alive_ = call_.shared_from_this();
+  return this;
+}
+
+void FrameCall::Tag::arrive(bool ok) {
+  const auto alive = std::exchange(alive_, nullptr);
+  (call_.*arrival_)(ok);
+}
+
+void FrameCall::Tag::drop() { alive_.reset(); }
+
+void FrameCall::accept(FrameCalls& calls) {
+  const std::shared_ptr<FrameCall> call(new FrameCall(calls));
+  call->context_.AsyncNotifyWhenDone(call->gone_.send());
+  calls.service_.RequestStreamFrames(&call->context_, &call->stream_, calls.queue_.get(), calls.queue_.get(),
+                                     call->accepted_.send());
+}
+
+void FrameCall::on_accepted(bool ok) {
+  if (!ok) return gone_.drop();  // the server shuts down, and tells nothing more of this one
+  accept(calls_);
+  calls_.add(shared_from_this());
+  try {
+    caller_ = identify(context_, calls_.parts_.authenticator);
+    host_.check_serving();
+    place_ = host_.usage().begin_stream(caller_.client);
+  } catch (...) {
+    return fail();
+  }
+  const std::lock_guard lock(mutex_);
+  read_locked();
+}
+
+void FrameCall::on_read(bool ok) {
+  grpc::ByteBuffer bytes;
+  {
+    const std::lock_guard lock(mutex_);
+    reading_ = false;
+    if (status_) return;
+    if (!ok) {
+      read_all_ = true;
+      return end_if_idle_locked();
+    }
+    bytes.Swap(&incoming_);
+  }
+  try {
+    take(bytes);
+  } catch (...) {
+    return fail();
+  }
+  const std::lock_guard lock(mutex_);
+  read_locked();
+}
+
+void FrameCall::take(const grpc::ByteBuffer& bytes) {
+  IncomingFrame incoming;
+  auto request = decode(bytes, incoming);
+  if (!session_) {
+    if (!request.message.has_open()) throw FailedPrecondition("open", "the first request of a stream must be `open`");
+    return open(request.message.open());
+  }
+  if (!request.message.has_frame()) throw FailedPrecondition("frame", "requests after the first must be `frame`");
+  incoming.message = std::move(*request.message.mutable_frame());
+  incoming.placed = std::move(request.placed);
+  submit(std::move(incoming));
+}
+
+// Positions go straight to a slot. Where there is none, the frame is read all the same, to be refused by its id.
+DecodedRequest FrameCall::decode(const grpc::ByteBuffer& bytes, IncomingFrame& incoming) const {
+  grpc::ByteBuffer copy(bytes);  // of references
+  grpc::ProtoBufferReader reader(&copy);
+  return decode_request(reader, bytes.Length(), [&]() -> std::span<std::byte> {
+    if (!session_) return {};
+    try {
+      incoming.slot = session_->scene().take_slot();
+      const uint64_t most = session_->scene().most_position_bytes();
+      return incoming.slot->room(std::min<uint64_t>(bytes.Length(), most) + kRoomForHeads);
+    } catch (...) {
+      incoming.refusal = std::current_exception();
+      return {};
+    }
+  });
+}
+
+void FrameCall::open(const pb::OpenStream& open) {
+  const OpenedStream wanted = parse_open(open, host_.limits());
+  window_ = wanted.window;
+  auto session = FrameSession::open(host_.scenes().find(caller_.client, open.scene_id()), open.resume_token(),
+                                    wanted.delivery, shared_from_this());
+  if (!open.resume_token().empty()) calls_.parts_.metrics.count_reconnect();
+  {
+    const std::lock_guard lock(mutex_);
+    session_ = session;
+    if (status_) session->close();  // ended in between
+  }
+  log_event(spdlog::level::info, "stream opened",
+            {{"scene", open.scene_id()},
+             {"window", window_},
+             {"client", caller_.client->name},
+             {"request", caller_.ids.request_id},
+             {"trace", caller_.ids.trace_id}});
+}
+
+void FrameCall::submit(IncomingFrame incoming) {
+  {
+    const std::lock_guard lock(mutex_);
+    ++in_flight_;
+  }
+  session_->submit(admit_frame(host_, session_->scene(), std::move(incoming)));
+}
+
+void FrameCall::opened(const Scene& scene) {
+  pb::StreamFramesResponse response;
+  fill_scene(scene, response.mutable_opened()->mutable_scene());
+  response.mutable_opened()->set_window(window_);
+  send(response);
+}
+
+void FrameCall::answered(const Scene& scene, AnsweredFrame frame) {
+  const auto kept = std::make_shared<AnsweredFrame>(std::move(frame));
+  send(encode_answer(scene, kept, kMaxChunkBytes));
+  scene.observer().answered(scene, *kept);
+  log_event(spdlog::level::debug, "frame answered",
+            {{"scene", scene.id()},
+             {"frame", kept->frame_id},
+             {"milliseconds", kept->cost.total_milliseconds},
+             {"request", caller_.ids.request_id},
+             {"trace", caller_.ids.trace_id}});
+}
+
+void FrameCall::refused(uint64_t frame_id, const std::exception_ptr& error) {
+  const Failure failure = describe(error);
+  log_event(spdlog::level::info, "frame refused",
+            {{"scene", session_->scene().id()},
+             {"frame", frame_id},
+             {"code", code_name(failure.code)},
+             {"reason", failure.message},
+             {"request", caller_.ids.request_id},
+             {"trace", caller_.ids.trace_id}});
+  send(refusal_message(frame_id, failure));
+}
+
+void FrameCall::skipped(uint64_t frame_id) {
+  pb::StreamFramesResponse response;
+  response.set_frame_id(frame_id);
+  response.mutable_skipped();
+  send(response);
+}
+
+void FrameCall::draining(double seconds) {
+  pb::StreamFramesResponse response;
+  response.mutable_draining()->set_deadline_seconds(seconds);
+  send(response);
+}
+
+void FrameCall::ended(const std::exception_ptr& why) {
+  const std::lock_guard lock(mutex_);
+  end_locked(to_status(describe(why)));
+}
+
+void FrameCall::fail() { ended(std::current_exception()); }
+
+void FrameCall::end_unopened() {
+  const std::lock_guard lock(mutex_);
+  if (!session_) end_locked(to_status(describe(std::make_exception_ptr(Stopping()))));
+}
+
+uint64_t FrameCall::outgoing_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return outgoing_bytes_;
+}
+
+void FrameCall::read_locked() {
+  if (reading_ || read_all_ || status_ || (session_ && in_flight_ >= window_)) return;
+  reading_ = true;
+  stream_.Read(&incoming_, read_.send());
+}
+
+void FrameCall::send(const pb::StreamFramesResponse& response) {
+  std::vector<EncodedMessage> messages;
+  messages.push_back(encode(response));
+  send(std::move(messages));
+}
+
+void FrameCall::send(std::vector<EncodedMessage> messages) {
+  const std::lock_guard lock(mutex_);
+  if (status_) return;
+  for (auto& message : messages) {
+    outgoing_bytes_ += message.size;
+    outgoing_.push_back(std::move(message));
+  }
+  if (session_ && outgoing_bytes_ > kMuchOutgoing) session_->hold(true);
+  write_locked();
+}
+
+void FrameCall::write_locked() {
+  if (writing_ || outgoing_.empty()) return;
+  writing_ = true;
+  grpc::WriteOptions options;
+  if (outgoing_.size() > 1) options.set_buffer_hint();
+  stream_.Write(outgoing_.front().bytes, options, written_.send());
+}
+
+void FrameCall::on_written(bool ok) {
+  const std::lock_guard lock(mutex_);
+  writing_ = false;
+  if (status_) return finish_locked();
+  if (!ok) return end_locked(grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone"));
+  if (outgoing_.front().ends_frame) --in_flight_;
+  outgoing_bytes_ -= outgoing_.front().size;
+  outgoing_.pop_front();
+  if (session_ && outgoing_bytes_ <= kMuchOutgoing) session_->hold(false);
+  write_locked();
+  read_locked();
+  end_if_idle_locked();
+}
+
+// Frames that wait or run see it and stop.
+void FrameCall::on_gone(bool) {
+  const std::lock_guard lock(mutex_);
+  if (context_.IsCancelled()) end_locked(grpc::Status(grpc::StatusCode::CANCELLED, "the call was cancelled"));
+}
+
+void FrameCall::end_if_idle_locked() {
+  if (read_all_ && in_flight_ == 0 && outgoing_.empty()) end_locked(grpc::Status::OK);
+}
+
+// What is not sent yet is dropped: a client that comes back is told the last frame that was applied.
+void FrameCall::end_locked(const grpc::Status& status) {
+  if (status_) return;
+  status_ = status;
+  log_end(status);
+  if (session_) session_->close();
+  place_.reset();
+  finish_locked();
+}
+
+// A message that is on its way has to arrive, or fail, before the status.
+void FrameCall::finish_locked() {
+  if (writing_) return linger_.Set(calls_.queue_.get(), std::chrono::system_clock::now() + kLinger, lingered_.send());
+  if (std::exchange(is_finishing_, true)) return;
+  linger_.Cancel();
+  outgoing_.clear();
+  outgoing_bytes_ = 0;
+  stream_.Finish(*status_, finished_.send());
+}
+
+void FrameCall::on_linger(bool ok) {
+  if (ok) context_.TryCancel();
+}
+
+void FrameCall::log_end(const grpc::Status& status) const {
+  log_event(spdlog::level::info, "stream ends",
+            {{"scene", session_ ? session_->scene().id() : ""},
+             {"code", code_name(status.error_code())},
+             {"reason", status.error_message()},
+             {"request", caller_.ids.request_id},
+             {"trace", caller_.ids.trace_id}});
+  calls_.parts_.metrics.count_call("StreamFrames", code_name(status.error_code()));
+}
+
+}  // namespace collided::server

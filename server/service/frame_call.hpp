@@ -1,0 +1,99 @@
+#pragma once
+// One StreamFrames call: reads a frame only while credits are left, and answers in frame order.
+
+#include <grpcpp/alarm.h>
+
+#include <deque>
+#include <optional>
+
+#include "server/convert/frame_decode.hpp"
+#include "server/convert/frame_intake.hpp"
+#include "server/service/caller.hpp"
+#include "server/service/frame_calls.hpp"
+#include "server/service/frame_encode.hpp"
+#include "server/service/status.hpp"
+
+namespace collided::server {
+
+class FrameCall final : public FrameSink, public std::enable_shared_from_this<FrameCall> {
+ public:
+  /// What the completion queue brings back. The call lives as long as one is on its way.
+  class Tag {
+   public:
+    using Arrival = void (FrameCall::*)(bool ok);
+    Tag(FrameCall& call, Arrival arrival) : call_(call), arrival_(arrival) {}
+    /// Put before the operation is started.
+    Tag* send();
+    void arrive(bool ok);
+    /// It will not arrive.
+    void drop();
+
+   private:
+    FrameCall& call_;
+    const Arrival arrival_;
+    std::shared_ptr<FrameCall> alive_;
+  };
+
+  /// Waits for the next call.
+  static void accept(FrameCalls& calls);
+
+  void end_unopened();
+  uint64_t outgoing_bytes() const;
+
+  void opened(const Scene& scene) override;
+  void answered(const Scene& scene, AnsweredFrame frame) override;
+  void refused(uint64_t frame_id, const std::exception_ptr& error) override;
+  void skipped(uint64_t frame_id) override;
+  void draining(double seconds) override;
+  void ended(const std::exception_ptr& why) override;
+
+ private:
+  explicit FrameCall(FrameCalls& calls) : calls_(calls), host_(calls.parts_.host), stream_(&context_) {}
+
+  void on_accepted(bool ok);
+  void on_read(bool ok);
+  void on_written(bool ok);
+  void on_finished(bool) {}
+  void on_gone(bool);
+  void on_linger(bool ok);
+
+  void take(const grpc::ByteBuffer& bytes);
+  DecodedRequest decode(const grpc::ByteBuffer& bytes, IncomingFrame& incoming) const;
+  void open(const pb::OpenStream& open);
+  void submit(IncomingFrame incoming);
+  void fail();
+  void send(const pb::StreamFramesResponse& response);
+  void send(std::vector<EncodedMessage> messages);
+  void log_end(const grpc::Status& status) const;
+
+  // `_locked`: the caller holds mutex_.
+  void read_locked();
+  void write_locked();
+  void end_locked(const grpc::Status& status);
+  void finish_locked();
+  void end_if_idle_locked();
+
+  FrameCalls& calls_;
+  SceneHost& host_;
+  grpc::ServerContext context_;
+  grpc::ServerAsyncReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer> stream_;
+  grpc::ByteBuffer incoming_;  // of the read that is on its way
+  grpc::Alarm linger_;
+  Tag accepted_{*this, &FrameCall::on_accepted}, read_{*this, &FrameCall::on_read},
+      written_{*this, &FrameCall::on_written}, finished_{*this, &FrameCall::on_finished},
+      gone_{*this, &FrameCall::on_gone}, lingered_{*this, &FrameCall::on_linger};
+
+  Caller caller_;                // set before the first read
+  std::shared_ptr<void> place_;  // among the client's streams
+  uint32_t window_ = 0;          // set by the opening
+
+  mutable std::mutex mutex_;  // guards what follows
+  std::shared_ptr<FrameSession> session_;
+  std::deque<EncodedMessage> outgoing_;
+  size_t outgoing_bytes_ = 0;
+  uint32_t in_flight_ = 0;              // frames whose end has not been written yet
+  std::optional<grpc::Status> status_;  // of the end, once it is decided
+  bool reading_ = false, writing_ = false, read_all_ = false, is_finishing_ = false;
+};
+
+}  // namespace collided::server

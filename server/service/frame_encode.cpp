@@ -1,0 +1,131 @@
+// Answers of the frame stream to the wire.
+#include "server/service/frame_encode.hpp"
+
+#include <google/protobuf/wire_format_lite.h>
+
+#include <array>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "server/convert/chunks.hpp"
+
+namespace collided::server {
+namespace {
+
+using google::protobuf::internal::WireFormatLite;
+using google::protobuf::io::CodedOutputStream;
+
+constexpr size_t kFewBytes = 1024;  // copied into the head rather than sent as a slice of their own
+
+uint32_t tag_of(int field, WireFormatLite::WireType type) { return WireFormatLite::MakeTag(field, type); }
+
+void put_varint(std::string& out, uint64_t value) {
+  std::array<uint8_t, 10> bytes{};
+  const uint8_t* end = CodedOutputStream::WriteVarint64ToArray(value, bytes.data());
+  out.append(reinterpret_cast<const char*>(bytes.data()), static_cast<size_t>(end - bytes.data()));
+}
+
+void put_number(std::string& out, int field, uint64_t value) {
+  put_varint(out, tag_of(field, WireFormatLite::WIRETYPE_VARINT));
+  put_varint(out, value);
+}
+
+void put_length(std::string& out, int field, size_t bytes) {
+  put_varint(out, tag_of(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED));
+  put_varint(out, bytes);
+}
+
+size_t length_of(int field, size_t bytes) {
+  return CodedOutputStream::VarintSize32(tag_of(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED)) +
+         CodedOutputStream::VarintSize64(bytes) + bytes;
+}
+
+// A slice of memory that `owner` keeps.
+grpc::Slice borrow(std::span<const std::byte> bytes, std::shared_ptr<const void> owner) {
+  auto* held = new std::shared_ptr<const void>(std::move(owner));
+  return {const_cast<std::byte*>(bytes.data()), bytes.size(),
+          [](void* user) { delete static_cast<std::shared_ptr<const void>*>(user); }, held};
+}
+
+// The slices of one message: heads in between arrays.
+class SliceWriter {
+ public:
+  std::string& head() { return head_; }
+
+  void put(std::span<const std::byte> bytes, const std::shared_ptr<const void>& owner) {
+    if (bytes.size() <= kFewBytes) {
+      head_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+      return;
+    }
+    flush();
+    slices_.push_back(borrow(bytes, owner));
+  }
+  EncodedMessage finish() {
+    flush();
+    EncodedMessage message{grpc::ByteBuffer(slices_.data(), slices_.size()), 0, false};
+    message.size = message.bytes.Length();
+    return message;
+  }
+
+ private:
+  void flush() {
+    if (head_.empty()) return;
+    slices_.emplace_back(head_);
+    head_.clear();
+  }
+
+  std::string head_;
+  std::vector<grpc::Slice> slices_;
+};
+
+EncodedMessage encode_chunk(const Chunk& chunk, const Topology& topology, const std::shared_ptr<AnsweredFrame>& frame) {
+  const auto stencils = std::make_shared<std::vector<std::array<uint32_t, 4>>>(chunk.stencils(topology));
+  auto arrays = chunk.arrays();
+  if (!stencils->empty())
+    arrays.push_back({pb::ContactChunk::kStencilsFieldNumber, std::as_bytes(std::span(*stencils))});
+  std::string facts;
+  put_number(facts, pb::ContactChunk::kKindFieldNumber, static_cast<uint64_t>(chunk.kind));
+  put_number(facts, pb::ContactChunk::kCountFieldNumber, chunk.count());
+  size_t size = facts.size();
+  for (const auto& array : arrays) size += length_of(array.field, array.bytes.size());
+
+  SliceWriter out;
+  put_number(out.head(), pb::StreamFramesResponse::kFrameIdFieldNumber, frame->frame_id);
+  put_length(out.head(), pb::StreamFramesResponse::kContactsFieldNumber, size);
+  out.head() += facts;
+  for (const auto& array : arrays) {
+    put_length(out.head(), array.field, array.bytes.size());
+    const bool is_stencils = array.field == pb::ContactChunk::kStencilsFieldNumber;
+    out.put(array.bytes, is_stencils ? std::shared_ptr<const void>(stencils) : frame);
+  }
+  for (const auto& array : arrays) frame->cost.bytes_out += array.bytes.size();
+  return out.finish();
+}
+
+}  // namespace
+
+EncodedMessage encode(const pb::StreamFramesResponse& response) {
+  SliceWriter out;
+  response.AppendToString(&out.head());
+  EncodedMessage message = out.finish();
+  message.ends_frame = response.has_done() || response.has_error() || response.has_skipped();
+  return message;
+}
+
+std::vector<EncodedMessage> encode_answer(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame,
+                                          size_t max_chunk_bytes) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<EncodedMessage> messages;
+  for (const Chunk& chunk : cut_into_chunks(frame->result, scene.plan().fields, max_chunk_bytes))
+    messages.push_back(encode_chunk(chunk, scene.topology(), frame));
+  frame->cost.encode_milliseconds = milliseconds_since(begin);
+  frame->cost.total_milliseconds = milliseconds_since(frame->arrival);
+  pb::StreamFramesResponse response;
+  response.set_frame_id(frame->frame_id);
+  fill_done(frame->result, frame->cost, response.mutable_done());
+  messages.push_back(encode(response));
+  return messages;
+}
+
+}  // namespace collided::server

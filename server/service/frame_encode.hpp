@@ -1,0 +1,26 @@
+#pragma once
+// Answers of the frame stream to the wire. The contact arrays go out from where they are; nothing is copied but heads.
+
+#include <grpcpp/support/byte_buffer.h>
+
+#include <vector>
+
+#include "server/convert/convert.hpp"
+
+namespace collided::server {
+
+struct EncodedMessage {
+  grpc::ByteBuffer bytes;
+  size_t size = 0;
+  bool ends_frame = false;  ///< gives a credit back
+};
+
+/// Any message whose payload is small.
+EncodedMessage encode(const pb::StreamFramesResponse& response);
+
+/// Chunks of at most `max_chunk_bytes` of arrays, then the end of the frame. Completes the cost of `frame`; the
+/// messages keep it alive as long as they refer to it.
+std::vector<EncodedMessage> encode_answer(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame,
+                                          size_t max_chunk_bytes);
+
+}  // namespace collided::server

@@ -1,0 +1,55 @@
+// What happens to scenes, as metrics, log lines and the daemon's state.
+#include "server/service/observer.hpp"
+
+#include "server/ops/log.hpp"
+#include "server/service/status.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr double kSecond = 1000;  // milliseconds
+
+uint64_t contacts_of(const FrameResult& result) {
+  return result.vertex_triangle.size() + result.edge_edge.size() + result.triangle_triangle.size();
+}
+
+}  // namespace
+
+void ServiceObserver::answered(const Scene&, const AnsweredFrame& frame) {
+  const FrameCost& cost = frame.cost;
+  metrics_.observe_phase(Phase::kQueue, cost.queue_milliseconds / kSecond);
+  metrics_.observe_phase(Phase::kDecode, cost.decode_milliseconds / kSecond);
+  metrics_.observe_phase(Phase::kCompute, frame.result.step_milliseconds / kSecond);
+  metrics_.observe_phase(Phase::kEncode, cost.encode_milliseconds / kSecond);
+  for (const auto& stage : frame.result.stages) {
+    if (stage.stage == "upload")
+      metrics_.observe_phase(Phase::kUpload, stage.milliseconds / kSecond);
+    else if (stage.stage == "download")
+      metrics_.observe_phase(Phase::kDownload, stage.milliseconds / kSecond);
+    else
+      metrics_.observe_stage(stage.stage, stage.milliseconds / kSecond);
+  }
+  metrics_.count_frame({cost.total_milliseconds / kSecond, contacts_of(frame.result), cost.bytes_in, cost.bytes_out,
+                        frame.result.replays});
+}
+
+void ServiceObserver::refused(const Scene&, uint64_t, const std::exception_ptr& error) {
+  metrics_.count_rejected(code_name(describe(error).code));
+}
+
+void ServiceObserver::skipped(const Scene& scene, uint64_t frame_id) {
+  metrics_.count_skipped();
+  log_event(spdlog::level::debug, "frame skipped", {{"scene", scene.id()}, {"frame", frame_id}});
+}
+
+void ServiceObserver::expired(const Scene& scene) {
+  log_event(spdlog::level::info, "scene deleted: its lease ran out",
+            {{"scene", scene.id()}, {"lease_seconds", scene.facts().lease_seconds}});
+}
+
+void ServiceObserver::device_failed(const Scene& scene, const std::string& why) {
+  log_event(spdlog::level::err, "device error", {{"scene", scene.id()}, {"reason", why}});
+  if (!device_works(scene.plan().engine.backend)) lifecycle_.fail("a device does not answer any more: " + why);
+}
+
+}  // namespace collided::server

@@ -1,0 +1,83 @@
+// What options must fulfil together, who can reach the daemon, and what may change while it runs.
+#include "server/config/rules.hpp"
+
+#include <gtest/gtest.h>
+
+#include "server/config/address.hpp"
+#include "tests/server/config/parse.hpp"
+
+namespace collided::server {
+namespace {
+
+TEST(Address, WhoCanReachIt) {
+  for (const auto* address :
+       {"127.0.0.1:1", "127.9.9.9:1", "localhost:1", "[::1]:1", "[::ffff:127.0.0.1]:1", "unix:/run/s"})
+    EXPECT_FALSE(is_public(address)) << address;
+  for (const auto* address :
+       {"0.0.0.0:1", "[::]:1", "10.0.0.1:1", "example.org:1", "[::ffff:10.0.0.1]:1", "localhost.example.org:1"})
+    EXPECT_TRUE(is_public(address)) << address;
+}
+
+TEST(Rules, PlainTextOnANetworkMustBeAskedFor) {
+  EXPECT_EQ(parse({"--address", "0.0.0.0:1"}).exit_code, 2);
+  EXPECT_EQ(parse({"--address", "127.0.0.1:1", "--address", "[::]:1"}).exit_code, 2);
+  EXPECT_TRUE(parse({"--address", "0.0.0.0:1", "--allow-insecure"}).run);
+  EXPECT_TRUE(parse({"--address", "0.0.0.0:1", "--tls-certificate", "c", "--tls-key", "k"}).run);
+}
+
+TEST(Rules, WarnOfWhatIsExposed) {
+  const auto warnings = [](const std::vector<const char*>& arguments) {
+    return exposure_warnings(parse(arguments).config);
+  };
+  EXPECT_TRUE(warnings({}).empty());
+  EXPECT_TRUE(warnings({"--http-address", "127.0.0.1:1"}).empty());
+  EXPECT_EQ(warnings({"--address", "0.0.0.0:1", "--allow-insecure"}).size(), 2u);
+  EXPECT_EQ(warnings({"--address", "0.0.0.0:1", "--allow-insecure", "--tokens-file", "t"}).size(), 1u);
+  EXPECT_EQ(warnings({"--address", "0.0.0.0:1", "--tls-certificate", "c", "--tls-key", "k"}).size(), 1u);
+  EXPECT_TRUE(
+      warnings({"--address", "0.0.0.0:1", "--tls-certificate", "c", "--tls-key", "k", "--tokens-file", "t"}).empty());
+  EXPECT_EQ(warnings({"--http-address", "0.0.0.0:1"}).size(), 1u);
+}
+
+TEST(Rules, AUnixSocketHasNoCertificates) {
+  const std::vector<const char*> line = {"--address", "unix:/s", "--tls-certificate", "c",
+                                         "--tls-key", "k",       "--tls-client-ca",   "a"};
+  EXPECT_EQ(parse(line).exit_code, 2);
+  auto with_tokens = line;
+  with_tokens.insert(with_tokens.end(), {"--tokens-file", "t"});
+  EXPECT_TRUE(parse(with_tokens).run);
+}
+
+TEST(Reload, TakesWhatMayChangeAndNamesTheRest) {
+  const TextFile file("max-scenes = 5\nthreads = 1\nmax-message-mb = 8");
+  const auto path = file.path();
+  const auto line = command_line({"--config", path.c_str(), "--max-window", "3"});
+  const auto before = parse_config(static_cast<int>(line.size()), line.data()).config;
+  file.write(
+      "max-scenes = 6\nthreads = 2\nmax-message-mb = 9\nmax-window = 4\nlog-level = \"debug\"\ntokens-file = \"t\"\n"
+      "max-scenes-per-client = 2\naddress = \"127.0.0.1:9\"\n");
+  const auto [now, restart] = reload_config(static_cast<int>(line.size()), line.data(), before);
+  auto expected = before;
+  expected.limits.max_scenes = 6;
+  expected.limits.client.max_scenes = 2;
+  expected.log_level = "debug";
+  expected.tokens_file = "t";
+  EXPECT_EQ(now, expected);
+  EXPECT_EQ(restart, (std::vector<std::string>{"address", "threads", "max-message-mb"}));
+}
+
+TEST(Reload, ABadFileThrowsWithItsText) {
+  const TextFile file("");
+  const auto path = file.path();
+  const auto line = command_line({"--config", path.c_str()});
+  file.write("max-scenes = 0");
+  try {
+    reload_config(static_cast<int>(line.size()), line.data(), Config());
+    FAIL() << "no error";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("--max-scenes"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace collided::server
