@@ -1,4 +1,5 @@
-// collidectl bench: the engine's time for the steps of scenes, without network, upload and download.
+// collidectl bench: the engine's time for the steps of scenes, without network, upload and download; or, end to end,
+// that of whole frames.
 
 #include <cstdio>
 #include <fstream>
@@ -6,6 +7,7 @@
 
 #include "client/cli/bench_run.hpp"
 #include "client/cli/commands.hpp"
+#include "client/cli/end_to_end.hpp"
 #include "client/cli/errors.hpp"
 #include "client/cli/scene_options.hpp"
 #include "client/cli/text.hpp"
@@ -20,10 +22,19 @@ struct BenchOptions {
   BenchSettings settings;
   std::vector<std::string> scenes, frames, engines{"auto"};
   double scale = 1;
+  bool end_to_end = false;
+  std::vector<double> megabytes{1, 5};
   std::string json;
 };
 
+void check_end_to_end(const BenchOptions& options) {
+  if (options.scenes.size() > 1 || options.engines.size() > 1)
+    throw UsageError("--end-to-end takes one --scene and one --engine");
+  check_usage(options.settings.detection);
+}
+
 void check_usage(const BenchOptions& options) {
+  if (options.end_to_end) return check_end_to_end(options);
   if (options.scenes.empty() == options.frames.empty()) throw UsageError("bench needs one of --scene and --frames");
   const std::string& mode = options.settings.detection.mode;
   if (mode == "ccd" && options.frames.size() == 1)
@@ -75,9 +86,18 @@ class Bench {
   std::vector<BenchRun> runs_;
 };
 
+void run_whole_frames(const BenchOptions& options) {
+  EndToEndOptions out{
+      .settings = options.settings, .scale = options.scale, .megabytes = options.megabytes, .json = options.json};
+  if (!options.scenes.empty()) out.scene = options.scenes.front();
+  out.settings.detection.engine = options.engines.front();
+  run_end_to_end(out);
+}
+
 void run(const BenchOptions& options) {
   check_usage(options);
   check_work(options);
+  if (options.end_to_end) return run_whole_frames(options);
   std::optional<BenchInput> files;
   if (!options.frames.empty()) files = file_input(options.frames);
   Bench bench(options);
@@ -105,6 +125,19 @@ void add_step_options(CLI::App& command, BenchSettings& settings) {
       ->capture_default_str();
 }
 
+void add_end_to_end_options(CLI::App& command, BenchOptions& options) {
+  CLI::Option* whole = command.add_flag("--end-to-end", options.end_to_end,
+                                        "Whole frames instead, over every transport of an own daemon (cloth_ball)");
+  whole->excludes(command.get_option("--server"))->excludes(command.get_option("--frames"));
+  command.add_option("--megabytes", options.megabytes, "More scales, whose positions are about as many MB a frame")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(finite())
+      ->check(CLI::Range(0.01, 1000.0))
+      ->needs(whole)
+      ->default_str("1,5");
+}
+
 }  // namespace
 
 void add_bench(CLI::App& app) {
@@ -112,7 +145,11 @@ void add_bench(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("bench", "Measure the engine's time for the steps of scenes");
   command.footer(
       "Times are the engine's own, from positions on the backend to contacts in canonical order there: no network,\n"
-      "upload or download. Counts are those of the last step.");
+      "upload or download. Counts are those of the last step. With --end-to-end a frame's time runs from positions in "
+      "the\n"
+      "client's memory to contacts there, in turns with the same bytes over bare sockets; overhead is what the "
+      "engine's\n"
+      "time leaves of it, and 'to bare' its ratio to loopback TCP.");
   add_input_options(command, *options);
   add_step_options(command, options->settings);
   add_detection_options(command, options->settings.detection);
@@ -120,6 +157,7 @@ void add_bench(CLI::App& app) {
   add_engines_option(command, options->engines);
   add_position_format_option(command, options->settings.position_format);
   add_server_options(command, options->settings.server);
+  add_end_to_end_options(command, *options);
   command.add_option("--json", options->json, "File for the results of all runs, written after each");
   command.callback([options] { run(*options); });
 }

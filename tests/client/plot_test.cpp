@@ -1,4 +1,4 @@
-// Axes of plots: where values go, a row for zero, ticks. The pictures are drawn and looked at in collidectl_test.py.
+// Axes of plots: where values go, a row for zero, ticks. The pictures are drawn and looked at in cli/tradeoff_test.py.
 
 #include "client/cli/plot.hpp"
 

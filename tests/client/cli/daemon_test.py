@@ -1,0 +1,85 @@
+"""collidectl's own daemon and running ones: what is used, and what is left behind.
+
+Usage: daemon_test.py COLLIDECTL DAEMON"""
+
+import glob
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+
+import support
+from support import COLLIDECTL, DAEMON, ONE_CPU
+
+
+class Daemon(support.CollidectlTest):
+    def test_a_running_daemon_is_used(self):
+        with self.daemon() as address:
+            info = json.loads(self.ok("info", "--server", address, "--json"))
+            self.assertIn("cpu", info["devices"])
+            for _ in range(2):
+                self.ok("detect", self.frame0, self.frame1, "--server", address, "--backend", "cpu")
+
+    def test_an_interrupt_deletes_the_scene_on_a_running_daemon(self):
+        with self.daemon("--max-scenes", "1") as address:
+            server = ["--server", address, "--backend", "cpu"]
+            for number in (signal.SIGINT, signal.SIGTERM):
+                words = [COLLIDECTL, "stream", "--scene", "funnel", "--scale", "0.2", "--frames", "1000000", *server]
+                with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+                    self.assertIn("frames:", process.stderr.readline())
+                    process.send_signal(number)
+                    self.assertIn(f"collidectl: interrupted by signal {number.value}\n", process.stderr.read())
+                self.assertEqual(process.returncode, 128 + number)
+                self.ok("detect", self.frame0, self.frame1, *server)  # there is room for its scene
+
+    def test_an_interrupted_detect_leaves_no_scene_on_a_running_daemon(self):
+        out = os.path.join(self.folder.name, "frames")
+        self.ok("export", "--scene", "funnel", "--frames", "2", "--t0", "0.9", "--out", out)
+        frames = [os.path.join(out, f"funnel_000{i}.ply") for i in (0, 1)]
+        with self.daemon("--max-scenes", "1") as address:
+            server = ["--server", address, "--backend", "cpu"]
+            for milliseconds in range(0, 200, 10):
+                words = [COLLIDECTL, "detect", *frames, *server]
+                with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+                    time.sleep(milliseconds / 1000)
+                    process.terminate()
+                self.assertIn(process.returncode, (-signal.SIGTERM, 128 + signal.SIGTERM, 0))
+                self.ok("detect", self.frame0, self.frame1, *server)
+
+    def test_nothing_is_left_behind(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.ok("info", TMPDIR=folder)
+            far = ["--mode", "dcd", "--position-format", "f32", "--thickness", "1e39"]
+            self.refused(1, "thickness", "detect", self.frame0, *far, *ONE_CPU, TMPDIR=folder)
+            self.assertEqual(os.listdir(folder), [])
+
+    def test_an_interrupt_stops_the_daemon_and_removes_its_folder(self):
+        with tempfile.TemporaryDirectory() as folder:
+            words = [COLLIDECTL, "stream", "--scene", "funnel", "--frames", "100000", *ONE_CPU]
+            env = {**os.environ, "COLLIDED_DAEMON": DAEMON, "TMPDIR": folder}
+            with subprocess.Popen(words, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+                while process.poll() is None and not glob.glob(folder + "/*/ready"):
+                    time.sleep(0.01)
+                with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii") as file:
+                    daemon = int(file.read().split()[0])
+                time.sleep(0.3)
+                process.terminate()
+            self.assertEqual(process.returncode, 128 + 15)
+            self.assertEqual(os.listdir(folder), [])
+            deadline = time.monotonic() + 60
+            while self.is_running(daemon) and time.monotonic() < deadline:
+                time.sleep(0.05)
+            self.assertFalse(self.is_running(daemon))
+
+    def is_running(self, pid):
+        try:
+            with open(f"/proc/{pid}/stat", encoding="ascii") as file:
+                return file.read().rsplit(")", 1)[1].split()[0] != "Z"
+        except FileNotFoundError:
+            return False
+
+
+if __name__ == "__main__":
+    support.main()

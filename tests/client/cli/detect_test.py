@@ -1,0 +1,95 @@
+"""collidectl detect, export and stream: contacts that are known, and their files.
+
+Usage: detect_test.py COLLIDECTL DAEMON"""
+
+import csv
+import json
+import os
+
+import support
+from support import ONE_CPU, FRAME0
+
+
+class Detect(support.CollidectlTest):
+    def test_ccd_finds_the_known_contact(self):
+        out = os.path.join(self.folder.name, "c.csv")
+        summary = json.loads(self.ok("detect", self.frame0, self.frame1, *ONE_CPU, "--out", out, "--json"))
+        rows = self.rows(out)
+        self.assertEqual(summary["contacts"], len(rows))
+        self.assertEqual(summary["scene"]["triangles"], 2)
+        self.assertEqual(summary["scene"]["backend"], "cpu")
+        self.assertEqual(summary["scene"]["position_format"], "f32")
+        vt = [row for row in rows if row["kind"] == "vt"]
+        self.assertEqual([(row["element_a"], row["element_b"]) for row in vt], [("3", "0")])
+        self.assertEqual([vt[0][v] for v in ("v0", "v1", "v2", "v3")], ["3", "0", "1", "2"])
+        self.assertAlmostEqual(float(vt[0]["toi"]), 0.5, places=3)
+        self.assertEqual(summary["earliest_toi"], float(vt[0]["toi"]))
+        self.assertLessEqual(summary["earliest_toi"], 0.5)
+        self.assertIs(summary["any_contact"], True)
+        self.assertEqual(summary["warnings"], [])
+        self.assertEqual([summary["scene"][name] for name in ("accuracy", "report", "kinds", "delta")],
+                         ["certified", "all", ["vt", "ee"], 0])
+
+    def test_every_level_finds_the_known_contact(self):
+        for level in ("fast", "guarded", "certified", "exact"):
+            out = os.path.join(self.folder.name, level)
+            words = ["--accuracy", level, "--delta", "1e-5", "--out", out, "--json"]
+            summary = json.loads(self.ok("detect", self.frame0, self.frame1, *ONE_CPU, *words))
+            self.assertEqual((summary["scene"]["accuracy"], summary["scene"]["delta"]), (level, 1e-5))
+            vt = [row for row in self.rows(out) if row["kind"] == "vt"]
+            self.assertEqual([(row["element_a"], row["element_b"]) for row in vt], [("3", "0")])
+            self.assertTrue(set(vt[0]["flags"].split("|")) <= {"", "certified", "near", "capped", "initial"})
+        self.assertEqual(vt[0]["flags"], "certified")
+
+    def test_reports(self):
+        frames = [self.frame0, self.frame1]
+        out = os.path.join(self.folder.name, "c.csv")
+        earliest = json.loads(self.ok("detect", *frames, *ONE_CPU, "--report", "earliest", "--out", out, "--json"))
+        self.assertEqual((earliest["scene"]["report"], earliest["contacts"], len(self.rows(out))), ("earliest", 1, 1))
+        hit = json.loads(self.ok("detect", *frames, *ONE_CPU, "--report", "any", "--out", out, "--json"))
+        self.assertEqual((hit["any_contact"], hit["contacts"], self.rows(out)), (True, 0, []))
+        miss = json.loads(self.ok("detect", self.frame0, self.frame0, *ONE_CPU, "--report", "any", "--json"))
+        self.assertIs(miss["any_contact"], False)
+
+    def test_triangles_that_cross(self):
+        out = os.path.join(self.folder.name, "c.csv")
+        words = ["--mode", "dcd", "--kinds", "tt", "--out", out, "--json"]
+        summary = json.loads(self.ok("detect", self.frame1, *ONE_CPU, *words))
+        self.assertEqual(summary["scene"]["kinds"], ["tt"])
+        self.assertEqual(summary["counts"]["contacts_triangle_triangle"], 1)
+        row = self.rows(out)[0]
+        self.assertEqual([row[name] for name in ("kind", "element_a", "element_b", "v0", "toi")],
+                         ["tt", "0", "1", "", ""])
+
+    def test_candidates_leave_uncomputed_fields_empty(self):
+        out = os.path.join(self.folder.name, "c.csv")
+        self.ok("detect", self.frame0, self.frame1, *ONE_CPU, "--accuracy", "candidates", "--out", out)
+        rows = self.rows(out)
+        self.assertEqual([row["kind"] for row in rows], sorted((row["kind"] for row in rows), reverse=True))
+        self.assertTrue(all(row["toi"] == row["distance"] == "" for row in rows))
+
+    def test_dcd_and_double_positions(self):
+        near = self.put("near.obj", FRAME0.replace("v 1 1 1\n", "v 1 1 0.1\n"))
+        summary = json.loads(self.ok("detect", near, "--mode", "dcd", "--thickness", "0.2", *ONE_CPU, "--json"))
+        self.assertGreaterEqual(summary["contacts"], 1)
+        self.assertEqual(summary["scene"]["position_format"], "f64")
+
+    def test_export_detect_and_stream_agree_on_the_scene(self):
+        out = os.path.join(self.folder.name, "frames")
+        small = ["--scene", "funnel", "--scale", "0.2", "--frames", "2"]
+        for ending in ("ply", "obj"):
+            self.ok("export", *small, "--t0", "0.9", "--out", out, "--format", ending)
+        frames = [os.path.join(out, f"funnel_000{i}.ply") for i in (0, 1)]
+        one = json.loads(self.ok("detect", *frames, *ONE_CPU, "--json"))
+        two = json.loads(self.ok("detect", *(f.replace(".ply", ".obj") for f in frames), *ONE_CPU, "--json"))
+        self.assertEqual(one["counts"], two["counts"])
+        played = json.loads(self.ok("stream", *small, *ONE_CPU, "--json"))
+        self.assertEqual(played["scene"]["triangles"], one["scene"]["triangles"])
+        self.assertEqual(played["frames"], 2)
+        self.assertIn("total", played["median_stage_ms"])
+        self.assertEqual(played["any_contact"], played["contacts"]["all"] > 0)
+        self.assertEqual(played["warnings"], [])
+
+
+if __name__ == "__main__":
+    support.main()

@@ -1,0 +1,128 @@
+"""collidectl tradeoff: what it measures, judges and draws.
+
+Usage: tradeoff_test.py COLLIDECTL DAEMON"""
+
+import csv
+import json
+import os
+import xml.etree.ElementTree
+
+import support
+from support import ONE_CPU, FRAME0, FRAME1
+
+
+class Tradeoff(support.CollidectlTest):
+    def test_tradeoff_measures_judges_and_draws(self):
+        out = os.path.join(self.folder.name, "tradeoff")
+        small = ["--scene", "flamenco", "--scale", "0.2", "--t0", "0.5", "--repeats", "2", "--deltas", "1e-3,0"]
+        labels = ["--date", "2026-11-21", "--commit", "abc1234"]
+        summary = json.loads(self.ok("tradeoff", *small, *labels, *ONE_CPU, "--out", out, "--json"))
+        self.check_tradeoff_files(out)
+        with open(os.path.join(out, "tradeoff.json"), encoding="ascii") as file:
+            result = json.load(file)
+        self.assertEqual((result["name"], result["date"], result["commit"]), ("flamenco", "2026-11-21", "abc1234"))
+        self.assertEqual((result["backend"], result["repeats"]), ("cpu", 2))
+        self.assertEqual([truth["source"] for truth in result["truths"]], ["exact", "exact"])
+        runs = result["runs"]
+        self.assertEqual(len(runs), 2 * (1 + 3 * 2))
+        for run in runs:
+            contacts = run["contacts"]
+            self.assertEqual(run["delta"] is None, run["level"] == "fast")
+            self.assertGreater(contacts["sum"]["right"], 0)
+            self.assertEqual(contacts["sum"]["reported"], contacts["sum"]["right"] + contacts["sum"]["false"])
+            self.assertLessEqual(0, run["median_ms"]["narrow"])
+            self.assertLess(run["median_ms"]["narrow"], run["median_ms"]["stages"])
+            if run["level"] != "fast":
+                self.assertEqual((contacts["sum"]["missed"], contacts["sum"]["late"]), (0, 0), run)
+            if run["level"] == "exact":
+                self.assertEqual(contacts["sum"]["false"], 0, run)
+        self.assertEqual(len(summary["results"][0]["runs"]), len(runs))
+        self.check_redrawn(out, summary)
+
+    def check_tradeoff_files(self, folder):
+        with open(os.path.join(folder, "tradeoff.png"), "rb") as file:
+            self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
+        picture = xml.etree.ElementTree.parse(os.path.join(folder, "tradeoff.svg")).getroot()
+        self.assertTrue(picture.tag.endswith("svg"))
+        with open(os.path.join(folder, "tradeoff.md"), encoding="utf-8") as file:
+            rows = [line.split(" | ")[:3] for line in file if line.startswith("| f")]
+        for positions in ("| f32", "| f64"):
+            self.assertEqual(rows.count([positions, "fast", "-"]), 2)  # answers and cost
+            self.assertEqual(rows.count([positions, "certified", "1e-3"]), 2)
+            self.assertEqual(rows.count([positions, "exact", "auto"]), 2)
+
+    def check_redrawn(self, folder, summary):
+        """From its file, a result gives the same table and pictures; two results give more."""
+        again, both = (os.path.join(self.folder.name, name) for name in ("again", "both"))
+        source = ["--from", os.path.join(folder, "tradeoff.json")]
+        redrawn = json.loads(self.ok("tradeoff", *source, "--out", again, "--json", COLLIDED_DAEMON="/nonexistent"))
+        self.assertEqual(redrawn["results"], summary["results"])
+        self.assertEqual(sorted(os.listdir(again)), ["tradeoff.md", "tradeoff.png", "tradeoff.svg"])
+        for name in os.listdir(again):
+            with open(os.path.join(folder, name), "rb") as first, open(os.path.join(again, name), "rb") as second:
+                self.assertEqual(first.read(), second.read(), name)
+        self.assertIn("f64 exact auto", self.ok("tradeoff", *source, *source, "--out", both))
+        height = [xml.etree.ElementTree.parse(os.path.join(f, "tradeoff.svg")).getroot().get("viewBox").split()[3]
+                  for f in (again, both)]
+        self.assertGreater(float(height[1]), 1.8 * float(height[0]))
+
+    def put_truth(self, vf):
+        self.put("vf.csv", "vertex,triangle,collides,toi\n" + vf)
+        self.put("ee.csv", "a0,a1,b0,b1,collides,toi\n")
+        return ["--truth", self.folder.name]
+
+    def test_tradeoff_judges_by_a_given_truth(self):
+        options = [*ONE_CPU, "--out", self.folder.name, "--json", "--repeats", "1", "--levels", "fast,certified"]
+        words = ["tradeoff", *options, self.frame0, self.frame1]
+        right = json.loads(self.ok(*words, *self.put_truth("3,0,1,0.5\n")))["results"][0]["runs"]
+        self.assertEqual([run["missed"] for run in right], [0] * 4)
+        wrong = json.loads(self.ok(*words, *self.put_truth("3,0,1,0.4876\n4,0,1,0.5\n3,1,0,\n")))
+        runs = wrong["results"][0]["runs"]
+        self.assertEqual([(run["missed"], run["late"]) for run in runs], [(1, 1)] * 4)
+        with open(os.path.join(self.folder.name, "tradeoff.json"), encoding="ascii") as file:
+            truths = json.load(file)["truths"]
+        self.assertEqual([truth["source"] for truth in truths], [self.folder.name] * 2)
+        # Positions that are no floats: the truth is one of the doubles alone.
+        double = self.put("double.obj", FRAME1.replace("v 1 1 -1", "v 1 1 -1.1"))
+        self.ok("tradeoff", self.frame0, double, *options, *self.put_truth("3,0,1,0.5\n"))
+        with open(os.path.join(self.folder.name, "tradeoff.json"), encoding="ascii") as file:
+            truths = json.load(file)["truths"]
+        self.assertEqual([truth["source"] for truth in truths], ["exact", self.folder.name])
+
+    def test_tradeoff_refuses_bad_usage(self):
+        out = ["--out", self.folder.name]
+        frames = [self.frame0, self.frame1]
+        self.refused(2, "--levels", "tradeoff", *frames, *out, "--levels", "fast,perfect")
+        self.refused(2, "--formats", "tradeoff", *frames, *out, "--formats", "f16")
+        for delta in ("-1", "nan", "inf", "soon", "0,-1"):
+            self.refused(2, "--deltas", "tradeoff", *frames, *out, f"--deltas={delta}")
+        self.refused(2, "--thickness", "tradeoff", *frames, *out, "--thickness=-1")
+        self.refused(2, "--repeats", "tradeoff", *frames, *out, "--repeats", "0")
+        self.refused(2, "--out", "tradeoff", *frames)
+        self.refused(2, "one of FRAME0 FRAME1, --scene and --from", "tradeoff", *out)
+        self.refused(2, "one of FRAME0 FRAME1", "tradeoff", *frames, *out, "--scene", "funnel")
+        self.refused(2, "needs two frames", "tradeoff", self.frame0, *out)
+        self.refused(2, "--scene", "tradeoff", *frames, *out, "--t0", "0.5")
+        self.refused(2, "--truth", "tradeoff", "--scene", "funnel", *out, "--truth", "x")
+        self.refused(2, "--truth", "tradeoff", *frames, *out, "--truth", "x", "--thickness", "1")
+
+    def test_tradeoff_names_what_cannot_be_read_or_written(self):
+        out = ["--out", os.path.join(self.folder.name, "tradeoff")]
+        frames = [self.frame0, self.frame1]
+        for folder in (os.path.join(self.frame0, "below"), "/proc/nothing"):
+            self.refused(1, folder, "tradeoff", *frames, "--out", folder)
+        self.refused(1, "vf.csv: cannot be read", "tradeoff", *frames, *out, "--truth", self.folder.name)
+        self.put_truth("3,0,maybe,0.5\n")
+        self.refused(1, "vf.csv:2: collides is 'maybe'", "tradeoff", *frames, *out, "--truth", self.folder.name)
+        other = self.put("other.obj", FRAME0 + "v 9 9 9\n")
+        self.refused(1, "the first has 6 vertices, the second 7", "tradeoff", self.frame0, other, *out)
+        turned = self.put("turned.obj", FRAME0.replace("f 1 2 3", "f 1 3 2"))
+        self.refused(1, "triangle 0 has other vertices", "tradeoff", self.frame0, turned, *out)
+        self.refused(1, "is not known", "tradeoff", "--scene", "nothing", *out)
+        self.refused(1, "none.json: cannot be read", "tradeoff", "--from", "none.json", *out)
+        for text in ("", "{", "[]", '{"format": "other"}'):
+            self.refused(1, "is no result of 'collidectl tradeoff'", "tradeoff", "--from", self.put("t", text), *out)
+
+
+if __name__ == "__main__":
+    support.main()

@@ -1,0 +1,83 @@
+"""collidectl: lists, bad usage and errors in the work.
+
+Usage: usage_test.py COLLIDECTL DAEMON"""
+
+import csv
+import json
+import os
+import subprocess
+
+import support
+from support import COLLIDECTL, DAEMON, ONE_CPU, FRAME0
+
+
+class Usage(support.CollidectlTest):
+    def test_scenes_are_listed(self):
+        self.assertIn("cloth_ball", self.ok("scenes"))
+        scenes = {s["name"]: s["triangles"] for s in json.loads(self.ok("scenes", "--json"))}
+        self.assertEqual(scenes["cloth_ball"], 91872)
+
+    def test_bad_usage(self):
+        self.refused(2, "needs two frames", "detect", self.frame0, *ONE_CPU)
+        self.refused(2, "needs one frame", "detect", self.frame0, self.frame1, "--mode", "dcd")
+        self.refused(2, "--mode", "detect", self.frame0, "--mode", "maybe")
+        self.refused(2, "--thickness", "detect", self.frame0, "--thickness", "-1")
+        self.refused(2, "--delta", "detect", self.frame0, "--delta", "-1")
+        self.refused(2, "--accuracy", "detect", self.frame0, "--accuracy", "perfect")
+        self.refused(2, "--report", "stream", "--scene", "funnel", "--report", "most")
+        for kinds in ("xx", "vt,xx"):
+            self.refused(2, "--kinds", "detect", self.frame0, self.frame1, "--kinds", kinds)
+        for number in ("nan", "inf", "-inf"):
+            self.refused(2, "--thickness", "detect", self.frame0, f"--thickness={number}")
+            self.refused(2, "--delta", "detect", self.frame0, f"--delta={number}")
+            self.refused(2, "--t0", "stream", "--scene", "funnel", f"--t0={number}")
+            self.refused(2, "--dt", "stream", "--scene", "funnel", f"--dt={number}")
+        self.refused(2, "subcommand")
+        self.refused(2, "--threads", "detect", self.frame0, "--server", "x:1", "--threads", "2")
+
+    def test_options_that_do_not_go_together(self):
+        ccd = ["detect", self.frame0, self.frame1]
+        dcd = ["detect", self.frame0, "--mode", "dcd"]
+        stream = ["stream", "--scene", "funnel"]
+        self.refused(2, "--report earliest needs", *dcd, "--report", "earliest")
+        self.refused(2, "--report earliest needs", *ccd, "--report", "earliest", "--accuracy", "fast")
+        self.refused(2, "--report any needs", *stream, "--report", "any", "--accuracy", "candidates")
+        self.refused(2, "--kinds tt needs", *stream, "--kinds", "vt,tt")
+        self.refused(2, "--thickness greater than 0", *dcd, "--accuracy", "fast")
+
+    def test_output_that_cannot_be_written_is_an_error(self):
+        for words in (["info", "--json"], ["scenes"], ["--help"]):
+            with open("/dev/full", "w", encoding="ascii") as full:
+                env = {**os.environ, "COLLIDED_DAEMON": DAEMON}
+                words = [COLLIDECTL, *words]
+                done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, env=env, timeout=240)
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.stderr, "collidectl: standard output cannot be written\n")
+
+    def test_errors_in_the_work(self):
+        other = self.put("other.obj", FRAME0 + "v 9 9 9\n")
+        self.refused(1, "has 6 vertices", "detect", self.frame0, other, *ONE_CPU)
+        self.refused(1, "has 7", "detect", self.frame0, other, *ONE_CPU)
+        self.refused(1, "none.ply", "detect", "none.ply", self.frame0)
+        self.refused(1, "empty.obj: has 0 vertices", "detect", self.put("empty.obj", ""), "--mode", "dcd")
+        self.refused(1, "is not known", "stream", "--scene", "nothing")
+        self.refused(1, "nonexistent", "info", "--server", "unix:/nonexistent/socket")
+        self.refused(1, "COLLIDED_DAEMON", "detect", self.frame0, self.frame1, COLLIDED_DAEMON="/nonexistent")
+        self.refused(1, "ended with exit code 1", "info", COLLIDED_DAEMON="/bin/false")
+        bad = "/nonexistent/folder/c.csv"
+        self.refused(1, bad, "detect", self.frame0, self.frame1, *ONE_CPU, "--out", bad)
+
+    def test_tokens_and_certificates(self):
+        nobody = ["info", "--server", "192.0.2.1:50551"]
+        token = ["--token-file", self.put("token", "secret\n")]
+        self.refused(2, "--server", "info", *token)
+        self.refused(2, "--tls-key", *nobody, "--tls-ca", "ca.pem", "--tls-cert", "a.pem")
+        self.refused(2, "--tls-ca", *nobody, "--tls-cert", "a.pem", "--tls-key", "b.pem")
+        self.refused(1, "holds no token", *nobody, "--token-file", self.put("empty", "\n"))
+        self.refused(1, "holds no token", *nobody, "--token-file", "/nonexistent")
+        self.refused(1, "in plain text", *nobody, *token)
+        self.refused(1, "tls_ca is '/nonexistent'", *nobody, *token, "--tls-ca", "/nonexistent")
+
+
+if __name__ == "__main__":
+    support.main()

@@ -1,0 +1,75 @@
+#pragma once
+// Updates of meshes that own their bytes, and frames' positions put where a test wants them.
+
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tests/support/case.hpp"
+
+namespace collided::test {
+
+/// An update of one mesh; view() borrows its bytes.
+struct OwnedUpdate {
+  uint32_t mesh = 0;
+  bool is_sparse = false;
+  std::vector<std::byte> indices, start, end;
+
+  MeshPositions view() const { return {mesh, start, end, is_sparse, indices}; }
+};
+
+inline std::vector<std::byte> bytes_of(const std::vector<uint32_t>& indices) {
+  const auto* bytes = reinterpret_cast<const std::byte*>(indices.data());
+  return {bytes, bytes + indices.size() * sizeof(uint32_t)};
+}
+
+inline uint64_t bytes_in(const std::vector<MeshPositions>& updates) {
+  uint64_t sum = 0;
+  for (const MeshPositions& u : updates) sum += u.indices.size() + u.start.size() + u.end.size();
+  return sum;
+}
+
+/// The same updates with their bytes one after another in `memory`, from `offset` on.
+inline std::vector<MeshPositions> moved_to(std::span<std::byte> memory, std::vector<MeshPositions> updates,
+                                           uint64_t offset = 0) {
+  const auto move = [&](std::span<const std::byte>& bytes) {
+    if (bytes.empty()) return;
+    std::memcpy(memory.data() + offset, bytes.data(), bytes.size());
+    bytes = memory.subspan(offset, bytes.size());
+    offset += bytes.size();
+  };
+  for (MeshPositions& u : updates) {
+    move(u.indices);
+    move(u.start);
+    move(u.end);
+  }
+  return updates;
+}
+
+/// A frame of the detector's with the positions sent from a slot's room.
+inline FrameInput sent(const std::shared_ptr<FrameSlot>& slot, const std::vector<MeshPositions>& updates) {
+  slot->send(moved_to(slot->room(bytes_in(updates)), updates));
+  FrameInput input;
+  input.slot = slot;
+  return input;
+}
+
+/// The path that InvalidInput names; "" if nothing was thrown.
+template <class Action>
+std::string refused_field(Action&& action) {
+  try {
+    action();
+  } catch (const InvalidInput& e) {
+    return e.field();
+  }
+  return "";
+}
+
+inline uint64_t staging_bytes(const Detector& detector) {
+  for (const MemoryPart& part : detector.memory())
+    if (part.part == "staging") return part.bytes;
+  return 0;
+}
+
+}  // namespace collided::test
