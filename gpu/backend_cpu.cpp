@@ -6,8 +6,8 @@ namespace collided {
 
 std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables features) {
   const int threads = spec.threads;
-  const uint64_t budget = spec.memory_budget;
-  return make_scene_detector<CpuExec>(std::move(spec), std::move(features), threads, budget);
+  const MemoryLimits memory(spec.memory_budget, spec.memory_quota);
+  return make_scene_detector<CpuExec>(std::move(spec), std::move(features), threads, memory);
 }
 
 DeviceInfo cpu_device() { return CpuExec(0, 0).device(); }

@@ -11,8 +11,8 @@ constexpr int kDevice = 0;  ///< that all scenes are on
 
 std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features) {
   if (!cuda_available()) throw DeviceError("backend: no usable CUDA device was found");
-  const uint64_t budget = spec.memory_budget;
-  return make_scene_detector<CudaExec>(std::move(spec), std::move(features), kDevice, budget);
+  const MemoryLimits memory(spec.memory_budget, spec.memory_quota);
+  return make_scene_detector<CudaExec>(std::move(spec), std::move(features), kDevice, memory);
 }
 
 std::vector<DeviceInfo> cuda_devices() {

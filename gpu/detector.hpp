@@ -42,6 +42,15 @@ class Cancelled : public std::runtime_error {
   Cancelled() : std::runtime_error("the frame was cancelled") {}
 };
 
+/// A limit that several scenes share. Thread-safe.
+class MemoryQuota {
+ public:
+  virtual ~MemoryQuota() = default;
+  /// Throws if `bytes` more would pass it; what it throws is what the frame or scene that asked is refused with.
+  virtual void take(uint64_t bytes) = 0;
+  virtual void give_back(uint64_t bytes) noexcept = 0;
+};
+
 enum class Backend { kCpu, kCuda };
 enum class Mode { kDcd, kCcd };
 /// From kGuarded on no contact of the given positions is missed and no time of impact is late.
@@ -79,9 +88,10 @@ struct SceneSpec {
   /// DCD: triangles of the frame that intersect; thickness plays no part. CCD, at kCandidates alone: triangles whose
   /// boxes overlap.
   bool triangle_triangle = false;
-  bool weights = false;        ///< return the closest points' weights
-  uint64_t memory_budget = 0;  ///< bytes on the backend; 0: no limit but the device's
-  int threads = 0;             ///< CPU threads; 0: all cores
+  bool weights = false;                       ///< return the closest points' weights
+  uint64_t memory_budget = 0;                 ///< bytes on the backend; 0: no limit but the device's
+  std::shared_ptr<MemoryQuota> memory_quota;  ///< that counts beside the budget; may be empty
+  int threads = 0;                            ///< CPU threads; 0: all cores
   std::vector<MeshSpec> meshes;
 };
 

@@ -32,8 +32,8 @@ namespace collided {
 
 class CpuExec {
  public:
-  CpuExec(int threads, uint64_t memory_budget)
-      : memory_(std::make_shared<MemoryLedger>(memory_budget)),
+  CpuExec(int threads, MemoryLimits memory)
+      : memory_(std::make_shared<MemoryLedger>(std::move(memory))),
         arena_(threads > 0 ? threads : tbb::task_arena::automatic) {}
 
   DeviceInfo device() const {

@@ -30,9 +30,9 @@ namespace collided {
 
 class CudaExec {
  public:
-  CudaExec(int device, uint64_t memory_budget)
+  CudaExec(int device, MemoryLimits memory)
       : device_(device),
-        memory_(std::make_shared<MemoryLedger>(memory_budget)),
+        memory_(std::make_shared<MemoryLedger>(std::move(memory))),
         scratch_(*this, "scratch"),
         arrived_(*this, "counters"),
         times_(*this, "counters") {

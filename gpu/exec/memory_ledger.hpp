@@ -3,25 +3,37 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gpu/detector.hpp"
 
 namespace collided {
 
+/// What a scene may hold.
+struct MemoryLimits {
+  MemoryLimits(uint64_t budget, std::shared_ptr<MemoryQuota> quota = {}) : budget(budget), quota(std::move(quota)) {}
+  uint64_t budget;                     ///< bytes; 0: as many as there are
+  std::shared_ptr<MemoryQuota> quota;  ///< shared with other scenes; may be empty
+};
+
 class MemoryLedger {
  public:
-  explicit MemoryLedger(uint64_t budget) : budget_(budget) {}
+  explicit MemoryLedger(MemoryLimits limits) : budget_(limits.budget), quota_(std::move(limits.quota)) {}
+  MemoryLedger(const MemoryLedger&) = delete;
+  MemoryLedger& operator=(const MemoryLedger&) = delete;
 
-  /// Throws ResourceExhausted if `bytes` more would pass the budget; else books them.
+  /// Throws ResourceExhausted if `bytes` more would pass the budget, and what the quota throws; else books them.
   void take(const std::string& part, uint64_t bytes) {
     const std::lock_guard lock(mutex_);
     if (budget_ != 0 && bytes > budget_ - std::min(budget_, total_))
       throw ResourceExhausted("memory_budget: " + part + " needs " + std::to_string(bytes) +
                               " bytes more, the scene holds " + std::to_string(total_) + " of a budget of " +
                               std::to_string(budget_));
+    if (quota_) quota_->take(bytes);
     parts_[part] += bytes;
     total_ += bytes;
   }
@@ -30,6 +42,7 @@ class MemoryLedger {
     const std::lock_guard lock(mutex_);
     parts_[part] -= bytes;
     total_ -= bytes;
+    if (quota_) quota_->give_back(bytes);
   }
 
   std::vector<MemoryPart> parts() const {
@@ -44,7 +57,8 @@ class MemoryLedger {
   mutable std::mutex mutex_;
   std::map<std::string, uint64_t> parts_;
   uint64_t total_ = 0;
-  uint64_t budget_;
+  const uint64_t budget_;
+  const std::shared_ptr<MemoryQuota> quota_;
 };
 
 }  // namespace collided

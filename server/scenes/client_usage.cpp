@@ -52,9 +52,20 @@ size_t ClientUsage::streams() const {
   return streams_;
 }
 
-void ClientUsage::set_max_streams(size_t max_streams) {
+std::shared_ptr<DeviceBytes> ClientUsage::device_bytes(const Client& client) {
+  const uint64_t most = client->limits.max_device_bytes;
   const std::lock_guard lock(mutex_);
-  max_streams_ = max_streams;
+  auto& bytes = clients_[client->name].device_bytes;
+  if (!bytes)
+    bytes = std::make_shared<DeviceBytes>("client:" + client->name, "max_device_bytes_per_client", most, device_bytes_);
+  bytes->set_most(most);
+  return bytes;
+}
+
+void ClientUsage::set_limits(const Limits& limits) {
+  device_bytes_->set_most(limits.max_device_bytes);
+  const std::lock_guard lock(mutex_);
+  max_streams_ = limits.max_streams;
 }
 
 }  // namespace collided::server

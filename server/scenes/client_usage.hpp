@@ -1,5 +1,6 @@
 #pragma once
-// What each client has in use of the limits that count over all its calls: open streams and frames a second.
+// What each client has in use of the limits that count over all its calls and scenes: open streams, frames a second,
+// bytes on devices.
 // No gRPC here.
 
 #include <chrono>
@@ -10,20 +11,26 @@
 #include <string>
 
 #include "server/auth/client.hpp"
+#include "server/scenes/device_bytes.hpp"
 
 namespace collided::server {
 
 class ClientUsage {
  public:
-  explicit ClientUsage(size_t max_streams) : max_streams_(max_streams) {}
+  explicit ClientUsage(const Limits& limits)
+      : max_streams_(limits.max_streams),
+        device_bytes_(std::make_shared<DeviceBytes>("daemon", "max_device_bytes", limits.max_device_bytes)) {}
 
   /// Counts a stream for as long as the result lives. Throws LimitExceeded.
   std::shared_ptr<void> begin_stream(const Client& client);
   /// Counts a frame: a client may send as many as it may in a second at once, and that many a second on. Throws
   /// LimitExceeded with the time after which the frame would pass.
   void count_frame(const Client& client);
+  /// What the client's scenes may hold, within what all scenes may.
+  std::shared_ptr<DeviceBytes> device_bytes(const Client& client);
   size_t streams() const;
-  void set_max_streams(size_t max_streams);
+  /// For requests from now on.
+  void set_limits(const Limits& limits);
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -31,6 +38,7 @@ class ClientUsage {
     size_t streams = 0;
     double frames_left = 0;
     Clock::time_point filled{};
+    std::shared_ptr<DeviceBytes> device_bytes;
   };
 
   void end_stream(const std::string& name);
@@ -38,6 +46,7 @@ class ClientUsage {
   mutable std::mutex mutex_;
   size_t max_streams_;
   size_t streams_ = 0;
+  const std::shared_ptr<DeviceBytes> device_bytes_;  // of all
   std::map<std::string, Entry> clients_;
 };
 

@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <chrono>
+#include <utility>
 
 #include "server/errors.hpp"
 
@@ -25,7 +26,7 @@ unsigned frames_at_once(const Config& config) {
 SceneHost::SceneHost(const Config& config, SceneObserver& observer)
     : limits_(config.limits),
       turns_(frames_at_once(config)),
-      usage_(config.limits.max_streams),
+      usage_(config.limits),
       scenes_(config.limits.max_scenes, config.limits.max_window, {turns_, observer}),
       watch_([this] { watch(); }) {}
 
@@ -45,10 +46,16 @@ Limits SceneHost::limits() const {
 }
 
 void SceneHost::set_limits(const Limits& limits) {
-  usage_.set_max_streams(limits.max_streams);
+  usage_.set_limits(limits);
   scenes_.set_max_scenes(limits.max_scenes);
   const std::lock_guard lock(mutex_);
   limits_ = limits;
+}
+
+SceneStore::Added SceneHost::add_scene(const Client& owner, SceneRequest request) {
+  check_serving();
+  request.plan.engine.memory_quota = usage_.device_bytes(owner);
+  return scenes_.add(owner, std::move(request));
 }
 
 void SceneHost::check_serving() const {

@@ -28,6 +28,8 @@ class SceneHost {
   SceneHost& operator=(const SceneHost&) = delete;
 
   SceneStore& scenes() { return scenes_; }
+  /// Within the limits of its owner. Throws Stopping, LimitExceeded, AlreadyExists.
+  SceneStore::Added add_scene(const Client& owner, SceneRequest request);
   ClientUsage& usage() { return usage_; }
   Limits limits() const;
   /// For requests from now on; scenes and streams that are there stay.

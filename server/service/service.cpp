@@ -72,8 +72,7 @@ grpc::ServerUnaryReactor* CollisionService::CreateScene(Context* context, const 
   auto* reactor = context->DefaultReactor();
   guard(reactor, [&] {
     const Caller caller = identify(*context, authenticator_);
-    host_.check_serving();
-    auto [scene, is_new] = host_.scenes().add(caller.client, parse_scene(*request, defaults()));
+    auto [scene, is_new] = host_.add_scene(caller.client, parse_scene(*request, defaults()));
     Scene& target = *scene;
     if (is_new)
       return target.worker().post(
