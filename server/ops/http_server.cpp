@@ -82,7 +82,7 @@ HttpServer::HttpServer(const std::string& address, const Metrics& metrics, const
                            "num_threads",
                            "2",
                            "request_timeout_ms",
-                           "5000",
+                           "2000",
                            "max_request_size",
                            "8192",
                            "enable_keep_alive",
