@@ -47,17 +47,19 @@ void take(CLI::App& app, const std::string& path, const std::string& key, const 
   }
 }
 
+// The first line of what toml11 says; the others draw the place.
+toml::value parse_toml(const std::string& path) try {
+  std::istringstream text(read_text_file(path, kMaxFileBytes));
+  return toml::parse(text, path);
+} catch (const toml::exception& error) {
+  const std::string what = error.what();
+  throw ConfigError(path + ":" + std::to_string(error.location().line()) + ": " + what.substr(0, what.find('\n')));
+}
+
 }  // namespace
 
 void take_file(CLI::App& app, const std::string& path) {
-  std::istringstream text(read_text_file(path, kMaxFileBytes));
-  toml::value root;
-  try {
-    root = toml::parse(text, path);
-  } catch (const std::exception& error) {
-    throw ConfigError(path + ": " + error.what());
-  }
-  for (const auto& [key, value] : root.as_table()) take(app, path, key, value);
+  for (const auto root = parse_toml(path); const auto& [key, value] : root.as_table()) take(app, path, key, value);
 }
 
 }  // namespace collided::server

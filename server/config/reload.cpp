@@ -24,7 +24,7 @@ class Keeper {
 
 Reloaded reload_config(int argc, const char* const* argv, const Config& current) {
   auto parsed = parse_config(argc, argv);
-  if (!parsed.run) throw ConfigError(parsed.text);
+  if (!parsed.run) throw ConfigError(parsed.text.substr(0, parsed.text.find('\n')));
   Reloaded reloaded{std::move(parsed.config), {}};
   Config& now = reloaded.config;
   Keeper keeper(reloaded.restart);

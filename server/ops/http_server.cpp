@@ -3,6 +3,8 @@
 
 #include <civetweb.h>
 
+#include <chrono>
+#include <future>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
@@ -44,11 +46,17 @@ void send(mg_connection* connection, const Answer& answer, bool head) {
   if (!head) mg_write(connection, answer.text.data(), answer.text.size());
 }
 
+struct Library {
+  Library() { mg_init_library(0); }
+  ~Library() { mg_exit_library(); }
+};
+
 }  // namespace
 
 struct HttpServer::Handlers {
   const Metrics& metrics;
   const Lifecycle& lifecycle;
+  const Library library{};
   std::unique_ptr<mg_context, decltype(&mg_stop)> context{nullptr, mg_stop};
 
   Answer answer(std::string_view path) const {
@@ -56,6 +64,19 @@ struct HttpServer::Handlers {
     if (path == "/readyz") return readiness(lifecycle);
     if (path == "/healthz") return {200, "alive\n"};
     return {404, "not found\n"};
+  }
+
+  // civetweb looks every 2 s whether it is to stop, and after each connection: so it gets one.
+  void stop(const std::string& address) {
+    const auto colon = address.rfind(':');
+    const bool v6 = address.starts_with('[');
+    const auto host = v6 ? address.substr(1, colon - 2) : address.substr(0, colon);
+    const auto stopped = std::async(std::launch::async, [this] { context.reset(); });
+    while (stopped.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
+      char error[128];
+      mg_close_connection(
+          mg_connect_client(host.c_str(), std::stoi(address.substr(colon + 1)), false, error, sizeof(error)));
+    }
   }
 
   // What a handler throws would end civetweb's C thread, and with it the daemon.
@@ -77,17 +98,11 @@ struct HttpServer::Handlers {
 
 HttpServer::HttpServer(const std::string& address, const Metrics& metrics, const Lifecycle& lifecycle)
     : handlers_(new Handlers{metrics, lifecycle}) {
-  const char* options[] = {"listening_ports",
-                           address.c_str(),
-                           "num_threads",
-                           "2",
-                           "request_timeout_ms",
-                           "5000",
-                           "max_request_size",
-                           "8192",
-                           "enable_keep_alive",
-                           "no",
-                           nullptr};
+  // clang-format off
+  const char* options[] = {
+      "listening_ports", address.c_str(), "num_threads", "8", "request_timeout_ms", "2000",
+      "max_request_size", "8192", "enable_keep_alive", "no", nullptr};
+  // clang-format on
   mg_callbacks callbacks{};
   callbacks.log_message = [](const mg_connection*, const char*) { return 1; };  // else civetweb writes to stderr
   handlers_->context.reset(mg_start(&callbacks, nullptr, options));
@@ -98,6 +113,6 @@ HttpServer::HttpServer(const std::string& address, const Metrics& metrics, const
   address_ = address.substr(0, address.rfind(':') + 1) + std::to_string(port.port);
 }
 
-HttpServer::~HttpServer() = default;
+HttpServer::~HttpServer() { handlers_->stop(address_); }
 
 }  // namespace collided::server
