@@ -31,6 +31,9 @@ class SceneGuard {
   v1::Scene scene_;
 };
 
+/// Reads the token's file. Throws std::runtime_error naming it.
+client::ConnectOptions connect_options(const ServerOptions& options);
+
 class Connection {
  public:
   explicit Connection(const ServerOptions& options) : client_(open(options)) {}
@@ -44,10 +47,7 @@ class Connection {
   }
 
  private:
-  client::Client open(const ServerOptions& options) {
-    if (options.server.empty()) daemon_.emplace(options.backend, options.threads);
-    return client::Client::connect(daemon_ ? daemon_->address() : options.server);
-  }
+  client::Client open(const ServerOptions& options);
 
   std::optional<OwnDaemon> daemon_;  // made before the client and stopped after it
   client::Client client_;

@@ -66,7 +66,7 @@ v1::PositionFormat choose_format(const std::string& wanted, const std::vector<sc
 
 client::FrameOutput detect(client::Client& client, const v1::Scene& scene, const v1::Frame& frame) {
   check_interrupt();
-  client::FrameStream stream = client.stream(scene.scene_id());
+  client::FrameStream stream = client.stream(scene);
   client::FrameOutput output = run_frame(stream, frame);
   stream.finish();
   return output;

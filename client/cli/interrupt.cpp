@@ -16,13 +16,14 @@ namespace collided::cli {
 namespace {
 
 volatile sig_atomic_t daemon_pid = 0;
-std::array<char, 128> folder_path, socket_path, ready_path;
+std::array<char, 128> folder_path, socket_path, ready_path, local_path;
 
 void stop_all(int signal_number) {
   if (daemon_pid > 0) {
     kill(daemon_pid, SIGTERM);
     unlink(socket_path.data());
     unlink(ready_path.data());
+    unlink(local_path.data());
     rmdir(folder_path.data());
   }
   _exit(128 + signal_number);
@@ -46,6 +47,7 @@ void clean_up_on_interrupt(pid_t daemon, const std::string& folder) {
   std::snprintf(folder_path.data(), folder_path.size(), "%s", folder.c_str());
   std::snprintf(socket_path.data(), socket_path.size(), "%s/socket", folder.c_str());
   std::snprintf(ready_path.data(), ready_path.size(), "%s/ready", folder.c_str());
+  std::snprintf(local_path.data(), local_path.size(), "%s/local", folder.c_str());
   daemon_pid = daemon;
   handle_interrupts(stop_all, 0);
 }

@@ -8,7 +8,7 @@
 
 namespace collided::cli {
 
-/// From now on an interrupt ends the daemon and removes the socket and the ready file in `folder`, and `folder`.
+/// From now on an interrupt ends the daemon and removes the sockets and the ready file in `folder`, and `folder`.
 void clean_up_on_interrupt(pid_t daemon, const std::string& folder);
 /// The daemon has been stopped: an interrupt has nothing to do any more.
 void no_clean_up_on_interrupt() noexcept;

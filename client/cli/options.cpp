@@ -56,6 +56,16 @@ bool wants(const DetectionOptions& options, const char* kind) {
   return std::count(options.kinds.begin(), options.kinds.end(), kind) > 0;
 }
 
+void add_security_options(CLI::App& command, ServerOptions& options, CLI::Option* server) {
+  command.add_option("--token-file", options.token_file, "File with the bearer token")->needs(server);
+  auto* ca = command.add_option("--tls-ca", options.tls_ca, "Certificates to trust (PEM); with it, TLS is used")
+                 ->needs(server);
+  auto* certificate =
+      command.add_option("--tls-cert", options.tls_certificate, "The client's own certificate (PEM)")->needs(ca);
+  auto* key = command.add_option("--tls-key", options.tls_key, "Its private key (PEM)")->needs(certificate);
+  certificate->needs(key);
+}
+
 }  // namespace
 
 void add_server_options(CLI::App& command, ServerOptions& options) {
@@ -66,6 +76,7 @@ void add_server_options(CLI::App& command, ServerOptions& options) {
   command.add_option("--threads", options.threads, "CPU threads of the own daemon; 0: all cores")
       ->check(CLI::Range(0, 4096))
       ->excludes(server);
+  add_security_options(command, options, server);
 }
 
 void add_detection_options(CLI::App& command, DetectionOptions& options) {

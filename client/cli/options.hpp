@@ -14,6 +14,7 @@ struct ServerOptions {
   std::string server;  ///< empty: start one's own
   std::string backend = "auto";
   int threads = 0;
+  std::string token_file, tls_ca, tls_certificate, tls_key;  ///< for a running daemon
 };
 
 /// What to detect.

@@ -8,6 +8,9 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <thread>
@@ -36,6 +39,39 @@ fs::path make_directory() {
   return name;
 }
 
+/// Whether its --help lists the option.
+bool has_option(const fs::path& program, const std::string& option) {
+  std::string quoted = "'";
+  for (const char c : program.string()) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  const std::unique_ptr<FILE, int (*)(FILE*)> help(popen((quoted + "' --help 2>&1").c_str(), "r"), pclose);
+  std::string text;
+  for (int c; help && (c = std::fgetc(help.get())) != EOF;) text += static_cast<char>(c);
+  return text.find(option + " ") != std::string::npos;
+}
+
+/// All but the address of the Unix socket.
+std::vector<std::string> command_line(const fs::path& program, const fs::path& directory,
+                                      const DaemonOptions& options) {
+  // A missing GPU shall be refused per scene, in one clear message, and not keep the daemon from starting.
+  const std::string backend = options.backend == "cuda" ? "auto" : options.backend;
+  std::vector<std::string> words{program.string(),
+                                 "--backend",
+                                 backend,
+                                 "--threads",
+                                 std::to_string(options.threads),
+                                 "--ready-file",
+                                 (directory / "ready").string(),
+                                 "--log-level",
+                                 "warning",
+                                 "--max-message-mb",
+                                 "2047"};
+  if (!options.all_transports) return words;
+  words.insert(words.end(), {"--address", "127.0.0.1:0"});
+  if (has_option(program, "--local-socket"))
+    words.insert(words.end(), {"--local-socket", (directory / "local").string()});
+  return words;
+}
+
 std::string describe(int status) {
   if (WIFSIGNALED(status)) return "signal " + std::to_string(WTERMSIG(status));
   return "exit code " + std::to_string(WEXITSTATUS(status));
@@ -57,11 +93,11 @@ fs::path find_daemon() {
   throw std::runtime_error("no daemon 'collided' was found; set COLLIDED_DAEMON or use --server");
 }
 
-OwnDaemon::OwnDaemon(const std::string& backend, int threads) {
+OwnDaemon::OwnDaemon(const DaemonOptions& options) {
   const fs::path program = find_daemon();
   directory_ = make_directory();
   try {
-    start(program, backend, threads);
+    start(program, options);
     wait_until_ready(program);
   } catch (...) {
     stop();
@@ -71,23 +107,16 @@ OwnDaemon::OwnDaemon(const std::string& backend, int threads) {
 
 OwnDaemon::~OwnDaemon() { stop(); }
 
-void OwnDaemon::start(const fs::path& program, const std::string& backend, int threads) {
-  // A missing GPU shall be refused per scene, in one clear message, and not keep the daemon from starting.
-  const std::string default_backend = backend == "cuda" ? "auto" : backend;
-  const std::string ready = (directory_ / "ready").string();
-  std::vector<std::string> words{program.string(),
-                                 "--address",
-                                 address(),
-                                 "--backend",
-                                 default_backend,
-                                 "--threads",
-                                 std::to_string(threads),
-                                 "--ready-file",
-                                 ready,
-                                 "--log-level",
-                                 "warning",
-                                 "--max-message-mb",
-                                 "2047"};
+std::string OwnDaemon::tcp_address() const {
+  std::ifstream in(directory_ / "ready");
+  for (std::string line; std::getline(in, line);)
+    if (!line.starts_with("unix:")) return line;
+  return "";
+}
+
+void OwnDaemon::start(const fs::path& program, const DaemonOptions& options) {
+  std::vector<std::string> words = command_line(program, directory_, options);
+  words.insert(words.begin() + 1, {"--address", address()});
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);

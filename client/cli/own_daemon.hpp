@@ -8,18 +8,26 @@
 
 namespace collided::cli {
 
+struct DaemonOptions {
+  std::string backend = "auto";
+  int threads = 0;              ///< 0: all cores
+  bool all_transports = false;  ///< loopback TCP and shared memory, too
+};
+
 class OwnDaemon {
  public:
   /// Finds the daemon, starts it and waits until it serves. Throws std::runtime_error.
-  OwnDaemon(const std::string& backend, int threads);
+  explicit OwnDaemon(const DaemonOptions& options);
   OwnDaemon(const OwnDaemon&) = delete;
   OwnDaemon& operator=(const OwnDaemon&) = delete;
   /// SIGTERM, then SIGKILL if it does not end.
   ~OwnDaemon();
   std::string address() const { return "unix:" + (directory_ / "socket").string(); }
+  /// host:port, with all transports; else empty.
+  std::string tcp_address() const;
 
  private:
-  void start(const std::filesystem::path& program, const std::string& backend, int threads);
+  void start(const std::filesystem::path& program, const DaemonOptions& options);
   void wait_until_ready(const std::filesystem::path& program);
   bool has_ended();
   void stop() noexcept;

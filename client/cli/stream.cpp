@@ -101,7 +101,7 @@ void run(const StreamOptions& options) {
   v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
   spec.set_display_name(options.scene.name);
   const SceneGuard scene = connection.create_scene(spec, mesh_inputs(procedural->meshes()));
-  client::FrameStream stream = connection->stream(scene->scene_id());
+  client::FrameStream stream = connection->stream(*scene);
   const auto start = std::chrono::steady_clock::now();
   const Totals totals = play(stream, *procedural, options.scene, format);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;

@@ -2,34 +2,84 @@
 
 #include "client/cpp/client.hpp"
 
-#include <grpcpp/create_channel.h>
-#include <grpcpp/security/credentials.h>
-#include <grpcpp/support/channel_arguments.h>
+#include <algorithm>
+#include <cstdio>
+#include <random>
+#include <thread>
 
-#include "client/cpp/frame_stream_state.hpp"
+#include "client/cpp/channel.hpp"
+#include "client/cpp/grpc_transport.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
 
 namespace collided::client {
 
 namespace {
 
-constexpr int kMaxReceiveBytes = 4 << 20;              // the protocol's limit for every answer
+using Service = v1::CollisionService::Stub;
+
 constexpr size_t kTrianglesPerChunk = (1 << 20) / 12;  // 1 MiB, well below any daemon's limit
+constexpr int kCreateTries = 3;
+constexpr std::chrono::milliseconds kRetryPause(200);
+
+/// 128 random bits as hexadecimal digits.
+std::string random_id() {
+  std::random_device device;
+  std::string id;
+  for (int word = 0; word < 4; ++word) {
+    char digits[9];
+    std::snprintf(digits, sizeof digits, "%08x", static_cast<unsigned>(device()));
+    id += digits;
+  }
+  return id;
+}
+
+void add_mesh(v1::SceneSpec& spec, const MeshInput& mesh) {
+  v1::MeshSpec& out = *spec.add_meshes();
+  out.set_name(mesh.name);
+  out.set_vertex_count(mesh.vertex_count);
+  out.set_motion(mesh.is_static ? v1::MESH_MOTION_STATIC : v1::MESH_MOTION_DEFORMABLE);
+  out.set_triangle_count(static_cast<uint32_t>(mesh.triangles.size()));
+}
 
 }  // namespace
 
 struct Client::State {
-  std::shared_ptr<grpc::Channel> channel;
-  std::unique_ptr<v1::CollisionService::Stub> stub;
-  v1::GetServerInfoResponse info;
+  explicit State(ChannelMaker maker) : channels(std::move(maker)) {
+    stub = v1::CollisionService::NewStub(channels.connect());
+    info = call(&Service::GetServerInfo, v1::GetServerInfoRequest());
+  }
 
-  void upload(const std::string& scene_id, uint32_t index, const MeshInput& mesh, v1::Scene& scene);
+  template <class Request, class Response>
+  Response call(grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
+                const Request& request, const std::string& scene_id = "") {
+    Response response;
+    check(((*stub).*method)(channels.call_context(scene_id).get(), request, &response));
+    return response;
+  }
+
+  v1::Scene create(const v1::CreateSceneRequest& request);
+  v1::Scene upload(const std::string& scene_id, uint32_t index, const MeshInput& mesh);
+  void try_delete(const std::string& scene_id);
+
+  ChannelMaker channels;
+  std::unique_ptr<Service> stub;
+  v1::GetServerInfoResponse info;
 };
 
-void Client::State::upload(const std::string& scene_id, uint32_t index, const MeshInput& mesh, v1::Scene& scene) {
-  grpc::ClientContext context;
+v1::Scene Client::State::create(const v1::CreateSceneRequest& request) {
+  for (int tries = 1;; ++tries) try {
+      return std::move(*call(&Service::CreateScene, request).mutable_scene());
+    } catch (const Error& e) {
+      if (e.code() != grpc::UNAVAILABLE || tries == kCreateTries) throw;
+      std::this_thread::sleep_for(kRetryPause * tries);
+    }
+}
+
+v1::Scene Client::State::upload(const std::string& scene_id, uint32_t index, const MeshInput& mesh) {
+  const size_t chunks = mesh.triangles.size() / kTrianglesPerChunk + 1;
+  const auto context = channels.call_context(scene_id, std::chrono::seconds(chunks));
   v1::UploadMeshResponse response;
-  const auto writer = stub->UploadMesh(&context, &response);
+  const auto writer = stub->UploadMesh(context.get(), &response);
   for (size_t at = 0; at < mesh.triangles.size(); at += kTrianglesPerChunk) {
     const auto chunk = mesh.triangles.subspan(at, std::min(kTrianglesPerChunk, mesh.triangles.size() - at));
     v1::UploadMeshRequest request;
@@ -40,7 +90,15 @@ void Client::State::upload(const std::string& scene_id, uint32_t index, const Me
   }
   writer->WritesDone();
   check(writer->Finish());
-  scene = std::move(*response.mutable_scene());
+  return std::move(*response.mutable_scene());
+}
+
+/// For a scene whose upload failed: the upload's error is the one to tell, not this one's.
+void Client::State::try_delete(const std::string& scene_id) {
+  v1::DeleteSceneRequest request;
+  request.set_scene_id(scene_id);
+  v1::DeleteSceneResponse ignored;
+  stub->DeleteScene(channels.call_context(scene_id).get(), request, &ignored);
 }
 
 Client::Client(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -48,74 +106,57 @@ Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
 Client::~Client() = default;
 
-Client Client::connect(const std::string& address, std::chrono::milliseconds patience) {
-  grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(kMaxReceiveBytes);
-  // Two clients of one process shall not share a connection, nor one's failed attempts delay the other's.
-  arguments.SetInt("grpc.use_local_subchannel_pool", 1);
-  auto state = std::make_unique<State>();
-  state->channel = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
-  if (!state->channel->WaitForConnected(std::chrono::system_clock::now() + patience))
-    throw Error(grpc::UNAVAILABLE, "no daemon answers at " + address);
-  state->stub = v1::CollisionService::NewStub(state->channel);
-  grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + patience);
-  check(state->stub->GetServerInfo(&context, {}, &state->info));
-  return Client(std::move(state));
+Client Client::connect(const std::string& address, const ConnectOptions& options) {
+  return Client(std::make_unique<State>(ChannelMaker(address, options)));
 }
 
 const v1::GetServerInfoResponse& Client::server_info() const { return state_->info; }
 
-v1::Scene Client::create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes) {
-  for (const MeshInput& mesh : meshes) {
-    v1::MeshSpec& out = *spec.add_meshes();
-    out.set_name(mesh.name);
-    out.set_vertex_count(mesh.vertex_count);
-    out.set_motion(mesh.is_static ? v1::MESH_MOTION_STATIC : v1::MESH_MOTION_DEFORMABLE);
-    out.set_triangle_count(static_cast<uint32_t>(mesh.triangles.size()));
-  }
-  grpc::ClientContext context;
+v1::Scene Client::create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds) {
+  for (const MeshInput& mesh : meshes) add_mesh(spec, mesh);
   v1::CreateSceneRequest request;
+  request.set_request_id(random_id());
+  request.set_lease_seconds(lease_seconds);
   *request.mutable_spec() = std::move(spec);
-  v1::CreateSceneResponse response;
-  check(state_->stub->CreateScene(&context, request, &response));
-  v1::Scene scene = std::move(*response.mutable_scene());
+  v1::Scene scene = state_->create(request);
   const std::string id = scene.scene_id();
   try {
-    for (uint32_t i = 0; i < meshes.size(); ++i) state_->upload(id, i, meshes[i], scene);
+    for (uint32_t i = 0; i < meshes.size(); ++i) scene = state_->upload(id, i, meshes[i]);
   } catch (const Error&) {
-    grpc::ClientContext deletion;
-    v1::DeleteSceneRequest gone;
-    gone.set_scene_id(id);
-    v1::DeleteSceneResponse ignored;
-    state_->stub->DeleteScene(&deletion, gone, &ignored);  // best effort: the upload's error is the one to tell
+    state_->try_delete(id);
     throw;
   }
   return scene;
 }
 
 v1::Scene Client::get_scene(const std::string& scene_id) {
-  grpc::ClientContext context;
   v1::GetSceneRequest request;
   request.set_scene_id(scene_id);
-  v1::GetSceneResponse response;
-  check(state_->stub->GetScene(&context, request, &response));
-  return std::move(*response.mutable_scene());
+  return std::move(*state_->call(&Service::GetScene, request, scene_id).mutable_scene());
 }
 
 void Client::delete_scene(const std::string& scene_id) {
-  grpc::ClientContext context;
   v1::DeleteSceneRequest request;
   request.set_scene_id(scene_id);
-  v1::DeleteSceneResponse response;
-  check(state_->stub->DeleteScene(&context, request, &response));
+  state_->call(&Service::DeleteScene, request, scene_id);
 }
 
-FrameStream Client::stream(const std::string& scene_id, uint32_t window) {
-  auto state =
-      std::make_unique<FrameStream::State>(*state_->stub, scene_id, window, state_->info.limits().max_message_bytes());
-  state->channel = state_->channel;
-  return FrameStream(std::move(state));
+FrameStream Client::stream(const v1::Scene& scene, const StreamOptions& options) {
+  v1::OpenStream open;
+  open.set_scene_id(scene.scene_id());
+  open.set_window(options.window);
+  open.set_delivery(options.delivery);
+  open.set_resume_token(options.resume_token);
+  const ChannelMaker& own = state_->channels;
+  const ChannelMaker channels = scene.endpoint().empty() ? own : ChannelMaker(scene.endpoint(), own.options());
+  return FrameStream::open(std::make_unique<GrpcTransport>(channels.connect(), channels.context(scene.scene_id()),
+                                                           state_->info.limits().max_message_bytes()),
+                           open);
+}
+
+FrameStream Client::resume(const v1::Scene& scene, StreamOptions options) {
+  options.resume_token = scene.resume_token();
+  return stream(scene, options);
 }
 
 }  // namespace collided::client

@@ -1,11 +1,12 @@
 #pragma once
 // A connection to a daemon: scenes and streams. Every function throws Error with the daemon's code and message.
 
-#include <chrono>
+#include <array>
 #include <memory>
 #include <span>
 #include <string>
 
+#include "client/cpp/connect_options.hpp"
 #include "client/cpp/error.hpp"
 #include "client/cpp/frame_stream.hpp"
 #include "collided/v1/collision_service.pb.h"
@@ -20,21 +21,34 @@ struct MeshInput {
   bool is_static = false;
 };
 
+/// How a stream is opened.
+struct StreamOptions {
+  uint32_t window = 0;  ///< frames in flight, 0 to the daemon's limit; 0: the daemon's choice
+  v1::DeliveryPolicy delivery = v1::DELIVERY_POLICY_UNSPECIFIED;
+  std::string resume_token = "";  ///< of the scene, to take it over from a stream that may still be open
+};
+
 class Client {
  public:
-  /// `address` is host:port or unix:/path. Waits for the connection. Throws Error (UNAVAILABLE) after `patience`.
-  static Client connect(const std::string& address, std::chrono::milliseconds patience = std::chrono::seconds(5));
+  /// `address` is host:port or unix:/path. Waits for the connection. Throws Error: UNAVAILABLE if nobody answers in
+  /// time, INVALID_ARGUMENT for options that cannot be used.
+  static Client connect(const std::string& address, const ConnectOptions& options = {});
   Client(Client&&) noexcept;
   Client& operator=(Client&&) noexcept;
   ~Client();
 
   const v1::GetServerInfoResponse& server_info() const;
-  /// Makes a scene of `spec` (whose own meshes must be empty) and the meshes, ready for frames.
-  v1::Scene create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes);
+  /// Makes a scene of `spec` (whose own meshes must be empty) and the meshes, ready for frames. A creation whose answer
+  /// is lost is asked for again; never are there two scenes. `lease_seconds` without a stream or a call, and the scene
+  /// is deleted; 0: the daemon's default.
+  v1::Scene create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds = 0);
   v1::Scene get_scene(const std::string& scene_id);
   void delete_scene(const std::string& scene_id);
-  /// Opens a stream; `window` 0 leaves the number of frames in flight to the daemon.
-  FrameStream stream(const std::string& scene_id, uint32_t window = 0);
+  /// Opens a stream on a connection of its own, to the scene's endpoint.
+  FrameStream stream(const v1::Scene& scene, const StreamOptions& options = {});
+  /// Goes on with a scene whose stream broke, with `options` but for the token: frames after the stream's
+  /// scene().last_frame_id() are to be sent again.
+  FrameStream resume(const v1::Scene& scene, StreamOptions options = {});
 
  private:
   struct State;

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string>
 
-#include "client/cpp/error.hpp"
+#include "client/cpp/frame_transport.hpp"
 
 namespace collided::client {
 
@@ -17,28 +17,42 @@ namespace {
 
 constexpr int kDataLoss = 15;
 
-template <class T>
-void append_array(std::vector<T>& out, const std::string& bytes, const v1::ContactChunk& chunk, uint64_t before,
-                  const char* field) {
-  if (bytes.empty() && out.empty()) return;
-  if (bytes.size() != chunk.count() * sizeof(T) || out.size() != before)
-    throw Error(kDataLoss, std::string("contacts.") + field + " has " + std::to_string(bytes.size()) + " bytes for " +
-                               std::to_string(chunk.count()) + " contacts; it needs " +
-                               std::to_string(chunk.count() * sizeof(T)));
-  out.resize(out.size() + chunk.count());
-  std::memcpy(out.data() + before, bytes.data(), bytes.size());
-}
+/// Arrays of one chunk: in the message, or in shared memory.
+class Arrays {
+ public:
+  Arrays(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport& transport)
+      : chunk_(chunk), transport_(transport), before_(contacts.count) {}
+
+  template <class T>
+  void append(std::vector<T>& out, const std::string& own, const v1::SharedRange& range, const char* field) const {
+    std::span<const std::byte> bytes = std::as_bytes(std::span(own));
+    if (range.size() > 0) bytes = transport_.shared(range);
+    if (bytes.empty() && out.empty()) return;
+    if (bytes.size() != chunk_.count() * sizeof(T) || out.size() != before_)
+      throw Error(kDataLoss, std::string("contacts.") + field + " has " + std::to_string(bytes.size()) + " bytes for " +
+                                 std::to_string(chunk_.count()) + " contacts; it needs " +
+                                 std::to_string(chunk_.count() * sizeof(T)));
+    out.resize(before_ + chunk_.count());
+    std::memcpy(out.data() + before_, bytes.data(), bytes.size());
+  }
+
+ private:
+  const v1::ContactChunk& chunk_;
+  const FrameTransport& transport_;
+  uint64_t before_;
+};
 
 }  // namespace
 
-void append(Contacts& contacts, const v1::ContactChunk& chunk) {
-  const uint64_t before = contacts.count;
-  append_array(contacts.elements, chunk.elements(), chunk, before, "elements");
-  append_array(contacts.stencils, chunk.stencils(), chunk, before, "stencils");
-  append_array(contacts.toi, chunk.toi(), chunk, before, "toi");
-  append_array(contacts.distance, chunk.distance(), chunk, before, "distance");
-  append_array(contacts.weights, chunk.weights(), chunk, before, "weights");
-  append_array(contacts.flags, chunk.flags(), chunk, before, "flags");
+void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport& transport) {
+  const Arrays arrays(contacts, chunk, transport);
+  const v1::SharedArrays& shared = chunk.shared();
+  arrays.append(contacts.elements, chunk.elements(), shared.elements(), "elements");
+  arrays.append(contacts.stencils, chunk.stencils(), shared.stencils(), "stencils");
+  arrays.append(contacts.toi, chunk.toi(), shared.toi(), "toi");
+  arrays.append(contacts.distance, chunk.distance(), shared.distance(), "distance");
+  arrays.append(contacts.weights, chunk.weights(), shared.weights(), "weights");
+  arrays.append(contacts.flags, chunk.flags(), shared.flags(), "flags");
   contacts.count += chunk.count();
 }
 

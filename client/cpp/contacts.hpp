@@ -9,6 +9,8 @@
 
 namespace collided::client {
 
+class FrameTransport;
+
 /// One entry a contact in every array; an array that was not asked for or not computed is empty.
 struct Contacts {
   uint64_t count = 0;
@@ -20,7 +22,8 @@ struct Contacts {
   std::vector<uint8_t> flags;
 };
 
-/// Adds a chunk. Throws Error (DATA_LOSS) if one of its arrays has not `count` entries.
-void append(Contacts& contacts, const v1::ContactChunk& chunk);
+/// Adds a chunk; arrays in shared memory are read through the transport that brought it. Throws Error (DATA_LOSS) if
+/// one of its arrays has not `count` entries.
+void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport& transport);
 
 }  // namespace collided::client

@@ -1,6 +1,7 @@
 #pragma once
-// The one exception of the client library: a gRPC code, its message and, where a frame was refused, the field.
+// The one exception of the client library: a gRPC code, its message and the details that came with it.
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -10,23 +11,40 @@ class Status;
 
 namespace collided::client {
 
+/// What a refusal tells besides its message.
+struct ErrorDetails {
+  std::string field = "";                          ///< path of the refused field, such as "frame.updates[0].positions"
+  std::string quota = "";                          ///< the limit that was met, its value and what was asked
+  std::optional<double> retry_after_seconds = {};  ///< when the same request may be answered
+};
+
 class Error : public std::runtime_error {
  public:
   Error(int code, const std::string& message, std::string field = "");
+  Error(int code, const std::string& message, ErrorDetails details);
   /// google.rpc.Code, such as 3 for INVALID_ARGUMENT.
   int code() const { return code_; }
   /// The message alone; what() has the code's name before it.
   const std::string& message() const { return message_; }
-  const std::string& field() const { return field_; }
+  const std::string& field() const { return details_.field; }
+  const std::string& quota() const { return details_.quota; }
+  std::optional<double> retry_after_seconds() const { return details_.retry_after_seconds; }
 
  private:
   int code_;
   std::string message_;
-  std::string field_;
+  ErrorDetails details_;
 };
 
 /// Name of a google.rpc.Code, such as "INVALID_ARGUMENT".
 const char* code_name(int code);
+
+/// Whether the connection or the daemon was lost (UNAVAILABLE, CANCELLED, INTERNAL), rather than a request refused:
+/// connect again and resume the scene.
+bool is_connection_lost(const Error& error);
+
+/// The error of a status with its details; nothing if it is OK.
+std::optional<Error> error_of(const grpc::Status& status);
 
 /// Throws an Error unless the status is OK.
 void check(const grpc::Status& status);

@@ -3,12 +3,17 @@
 
 #include "client/cpp/frame_stream.hpp"
 
-#include "client/cpp/error.hpp"
+#include <grpcpp/support/status_code_enum.h>
+
+#include <algorithm>
+
 #include "client/cpp/frame_stream_state.hpp"
 
 namespace collided::client {
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 Contacts& contacts_of(FrameOutput& output, v1::ContactKind kind) {
   switch (kind) {
@@ -23,21 +28,30 @@ Contacts& contacts_of(FrameOutput& output, v1::ContactKind kind) {
   }
 }
 
+Clock::time_point after(double seconds) {
+  constexpr double kLongest = 1e9;  // the clock's own range is not much wider than a lie
+  const double kept = seconds > 0 ? std::min(seconds, kLongest) : 0;
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kept));
+}
+
 }  // namespace
 
 void FrameOutput::check() const {
-  if (error) throw Error(error->code(), error->message(), error->field());
+  if (!error) return;
+  ErrorDetails details{.field = error->field()};
+  if (error->retry_after_seconds() > 0) details.retry_after_seconds = error->retry_after_seconds();
+  throw Error(error->code(), error->message(), std::move(details));
 }
 
-FrameStream::State::State(v1::CollisionService::Stub& stub, const std::string& scene_id, uint32_t window,
-                          uint64_t max_bytes)
-    : call(stub.StreamFrames(&context)), max_message_bytes(max_bytes) {
-  v1::StreamFramesRequest request;
-  request.mutable_open()->set_scene_id(scene_id);
-  request.mutable_open()->set_window(window);
+FrameStream::State::State(std::unique_ptr<FrameTransport> way, const v1::OpenStream& open) : transport(std::move(way)) {
   v1::StreamFramesResponse response;
-  if (!call->Write(request) || !call->Read(&response)) client::check(call->Finish());
-  if (!response.has_opened()) throw Error(grpc::INTERNAL, "the daemon's first answer does not open the stream");
+  const bool is_answered = transport->open(open) && transport->read(response);
+  if (!is_answered || !response.has_opened()) {
+    transport->cancel();
+    const std::optional<Error> refusal = transport->finish();
+    if (!is_answered && refusal) throw *refusal;
+    throw Error(grpc::INTERNAL, "the daemon's first answer does not open the stream");
+  }
   opened = std::move(*response.mutable_opened());
   reader = std::thread([this] { read_all(); });
 }
@@ -45,23 +59,23 @@ FrameStream::State::State(v1::CollisionService::Stub& stub, const std::string& s
 FrameStream::State::~State() {
   {
     const std::lock_guard lock(mutex);
-    if (!ended) context.TryCancel();
+    if (!ended) transport->cancel();
   }
   if (reader.joinable()) reader.join();
 }
 
 void FrameStream::State::read_all() {
   v1::StreamFramesResponse response;
-  grpc::Status failure;
+  std::optional<Error> malformed;
   try {
-    while (call->Read(&response)) take(response);
-  } catch (const Error& e) {  // a malformed chunk: the stream can't be trusted any more
-    failure = grpc::Status(static_cast<grpc::StatusCode>(e.code()), e.message());
-    context.TryCancel();
+    while (transport->read(response)) take(response);
+  } catch (const Error& e) {  // the stream can't be trusted any more
+    malformed = e;
+    transport->cancel();
   }
-  grpc::Status end = call->Finish();
+  std::optional<Error> end = transport->finish();
   const std::lock_guard lock(mutex);
-  status = failure.ok() ? std::move(end) : std::move(failure);
+  failure = malformed ? std::move(malformed) : std::move(end);
   ended = true;
   changed.notify_all();
 }
@@ -70,35 +84,67 @@ void FrameStream::State::take(v1::StreamFramesResponse& response) {
   const uint64_t id = response.frame_id();
   switch (response.response_case()) {
     case v1::StreamFramesResponse::kContacts:
-      return append(contacts_of(partial[id], response.contacts().kind()), response.contacts());
+      return append(contacts_of(partial[id], response.contacts().kind()), response.contacts(), *transport);
     case v1::StreamFramesResponse::kDone:
       partial[id].done = std::move(*response.mutable_done());
-      break;
+      return complete(id);
     case v1::StreamFramesResponse::kError:
       partial[id].error = std::move(*response.mutable_error());
-      break;
+      return complete(id);
     case v1::StreamFramesResponse::kSkipped:
       partial[id].skipped = true;
-      break;
+      return complete(id);
+    case v1::StreamFramesResponse::kDraining: {
+      const std::lock_guard lock(mutex);
+      draining = after(response.draining().deadline_seconds());
+      return;  // the frames in flight are still answered
+    }
     default:
-      return;  // draining: the frames in flight are still answered
+      return;
   }
-  complete(id);
 }
 
 void FrameStream::State::complete(uint64_t frame_id) {
   FrameOutput output = std::move(partial[frame_id]);
   partial.erase(frame_id);
   output.frame_id = frame_id;
-  const std::lock_guard lock(mutex);
-  ready.push_back(std::move(output));
-  if (in_flight > 0) --in_flight;
+  {
+    const std::lock_guard lock(mutex);
+    ready.push_back(std::move(output));
+    if (in_flight > 0) --in_flight;
+  }
   changed.notify_all();
 }
 
 void FrameStream::State::throw_ended() const {
-  client::check(status);
+  if (failure) throw *failure;
   throw Error(grpc::UNAVAILABLE, "the stream has ended");
+}
+
+void FrameStream::State::take_credit() {
+  std::unique_lock lock(mutex);
+  changed.wait(lock, [&] { return ended || in_flight < opened.window(); });
+  if (ended) throw_ended();
+  ++in_flight;
+}
+
+void FrameStream::State::give_credit() {
+  const std::lock_guard lock(mutex);
+  --in_flight;
+  changed.notify_all();
+}
+
+void FrameStream::State::send(const v1::Frame& frame, std::span<const FrameUpdate> updates) {
+  take_credit();
+  try {
+    if (transport->send(frame, updates)) return;
+  } catch (const Error&) {  // nothing was sent
+    give_credit();
+    throw;
+  }
+  std::unique_lock lock(mutex);
+  changed.wait(lock, [&] { return ended; });  // the reader brings the reason
+  throw_ended();
 }
 
 FrameStream::FrameStream(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -106,25 +152,28 @@ FrameStream::FrameStream(FrameStream&&) noexcept = default;
 FrameStream& FrameStream::operator=(FrameStream&&) noexcept = default;
 FrameStream::~FrameStream() = default;
 
+FrameStream FrameStream::open(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open) {
+  return FrameStream(std::make_unique<State>(std::move(transport), open));
+}
+
 const v1::Scene& FrameStream::scene() const { return state_->opened.scene(); }
 uint32_t FrameStream::window() const { return state_->opened.window(); }
 
-void FrameStream::send(const v1::Frame& frame) {
-  v1::StreamFramesRequest request;
-  *request.mutable_frame() = frame;
-  if (const uint64_t bytes = request.ByteSizeLong(); bytes > state_->max_message_bytes)
-    throw Error(grpc::RESOURCE_EXHAUSTED, "frame is " + std::to_string(bytes) + " bytes; the daemon's limit is " +
-                                              std::to_string(state_->max_message_bytes) + " (--max-message-mb)");
-  {
-    std::unique_lock lock(state_->mutex);
-    state_->changed.wait(lock, [&] { return state_->ended || state_->in_flight < window(); });
-    if (state_->ended) state_->throw_ended();
-    ++state_->in_flight;
-  }
-  if (state_->call->Write(request)) return;
-  std::unique_lock lock(state_->mutex);
-  state_->changed.wait(lock, [&] { return state_->ended; });  // the reader brings the reason
-  state_->throw_ended();
+std::optional<double> FrameStream::draining_deadline() const {
+  const std::lock_guard lock(state_->mutex);
+  if (!state_->draining) return std::nullopt;
+  return std::max(0.0, std::chrono::duration<double>(*state_->draining - Clock::now()).count());
+}
+
+void FrameStream::send(const v1::Frame& frame) { state_->send(frame, {}); }
+
+void FrameStream::send(uint64_t frame_id, std::span<const FrameUpdate> updates, const FrameOptions& options) {
+  v1::Frame head;
+  head.set_frame_id(frame_id);
+  head.set_accuracy(options.accuracy);
+  if (options.delta) head.set_delta(*options.delta);
+  head.set_report(options.report);
+  state_->send(head, updates);
 }
 
 FrameOutput FrameStream::receive() {
@@ -139,11 +188,11 @@ FrameOutput FrameStream::receive() {
 }
 
 void FrameStream::finish() {
-  if (!state_->half_closed) state_->call->WritesDone();
+  if (!state_->half_closed) state_->transport->half_close();
   state_->half_closed = true;
   std::unique_lock lock(state_->mutex);
   state_->changed.wait(lock, [&] { return state_->ended; });
-  client::check(state_->status);
+  if (state_->failure) throw *state_->failure;
 }
 
 }  // namespace collided::client

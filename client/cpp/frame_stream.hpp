@@ -3,8 +3,10 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "client/cpp/contacts.hpp"
+#include "client/cpp/frame_transport.hpp"
 #include "client/cpp/positions.hpp"
 #include "collided/v1/frame.pb.h"
 #include "collided/v1/scene.pb.h"
@@ -19,33 +21,47 @@ struct FrameOutput {
   Contacts triangle_triangle;           ///< elements and flags alone
   v1::FrameDone done;                   ///< metrics and totals
   std::optional<v1::FrameError> error;  ///< the frame was refused; the stream goes on
-  bool skipped = false;
+  bool skipped = false;                 ///< a later frame took its place (LATEST_WINS)
 
   /// Throws the refusal as an Error.
   void check() const;
 };
 
+/// What one frame alone asks for; what is not set is as in the scene's spec.
+struct FrameOptions {
+  v1::Accuracy accuracy = v1::ACCURACY_UNSPECIFIED;
+  std::optional<double> delta = {};
+  v1::Report report = v1::REPORT_UNSPECIFIED;
+};
+
 /// One thread may send while another receives. Outputs come in the order of the frames.
 class FrameStream {
  public:
+  /// Opens a stream over a transport that has sent nothing yet. Throws Error with the daemon's refusal.
+  static FrameStream open(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open);
   FrameStream(FrameStream&&) noexcept;
   FrameStream& operator=(FrameStream&&) noexcept;
   /// Cancels what is in flight unless finish() was called.
   ~FrameStream();
 
+  /// As of the opening: its last_frame_id is the last frame that was applied before this stream.
   const v1::Scene& scene() const;
   /// Frames that may be in flight.
   uint32_t window() const;
+  /// Seconds until the daemon, which is about to stop, closes the stream; nothing while it stays.
+  std::optional<double> draining_deadline() const;
   /// Waits until fewer frames than the window are in flight, then sends. Throws Error once the stream has ended.
   /// Outputs are kept until receive() takes them.
   void send(const v1::Frame& frame);
+  /// The same from the caller's memory, without a copy where the transport allows it; the updates' bytes are not needed
+  /// any more once this returns.
+  void send(uint64_t frame_id, std::span<const FrameUpdate> updates, const FrameOptions& options = {});
   /// Waits for the next output. Throws Error if the stream broke or nothing is in flight.
   FrameOutput receive();
   /// Tells the daemon that no more frames come, waits for its end and throws Error if it is a bad one.
   void finish();
 
  private:
-  friend class Client;
   struct State;
   explicit FrameStream(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;

@@ -1,8 +1,5 @@
 #pragma once
-// What a FrameStream holds; Client makes it.
-
-#include <grpcpp/client_context.h>
-#include <grpcpp/support/sync_stream.h>
+// What a FrameStream holds: its credits, and the answers that are put together and wait to be received.
 
 #include <condition_variable>
 #include <deque>
@@ -11,34 +8,32 @@
 #include <thread>
 
 #include "client/cpp/frame_stream.hpp"
-#include "collided/v1/collision_service.grpc.pb.h"
 
 namespace collided::client {
 
 struct FrameStream::State {
-  using Call = grpc::ClientReaderWriter<v1::StreamFramesRequest, v1::StreamFramesResponse>;
-
-  State(v1::CollisionService::Stub& stub, const std::string& scene_id, uint32_t window, uint64_t max_message_bytes);
+  State(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open);
   ~State();
   void read_all();
   void take(v1::StreamFramesResponse& response);
   void complete(uint64_t frame_id);
+  void send(const v1::Frame& frame, std::span<const FrameUpdate> updates);
+  void take_credit();
+  void give_credit();
   /// Needs the mutex. Why the stream ended, as an Error.
   [[noreturn]] void throw_ended() const;
 
-  std::shared_ptr<grpc::Channel> channel;  ///< keeps the connection while the stream lives
-  grpc::ClientContext context;
-  std::unique_ptr<Call> call;
-  uint64_t max_message_bytes;
+  std::unique_ptr<FrameTransport> transport;
   v1::StreamOpened opened;
   std::mutex mutex;
   std::condition_variable changed;
-  std::map<uint64_t, FrameOutput> partial;
+  std::map<uint64_t, FrameOutput> partial;  ///< the reader's alone
   std::deque<FrameOutput> ready;
   uint64_t in_flight = 0;
   bool ended = false;
   bool half_closed = false;
-  grpc::Status status;
+  std::optional<Error> failure;  ///< why it ended
+  std::optional<std::chrono::steady_clock::time_point> draining;
   std::thread reader;
 };
 

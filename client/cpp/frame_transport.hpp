@@ -1,0 +1,46 @@
+#pragma once
+// What a FrameStream runs over: a gRPC call, or the daemon's local socket with shared memory.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "client/cpp/error.hpp"
+#include "collided/v1/collision_service.pb.h"
+
+namespace collided::client {
+
+/// New positions of one mesh, borrowed: bytes of the wire (little-endian, packed x y z) in the scene's format.
+struct FrameUpdate {
+  uint32_t mesh = 0;                                ///< index in the scene's spec
+  std::span<const std::byte> positions = {};        ///< t = 1: of all vertices, or one for each index
+  std::span<const std::byte> start_positions = {};  ///< t = 0 (CCD), as many; empty: where the last frame left the mesh
+  std::span<const std::byte> indices = {};  ///< uint32, strictly ascending: a sparse update; empty: the whole mesh
+};
+
+/// One stream's way to the daemon and back. One thread opens, sends and half-closes while another one reads and then
+/// finishes; cancel() may come from any thread. A broken stream shows as false: finish() then tells why.
+class FrameTransport {
+ public:
+  virtual ~FrameTransport() = default;
+
+  /// Sends the opening, once and first; read() brings the answer.
+  virtual bool open(const v1::OpenStream& open) = 0;
+  /// Sends `frame` with `updates` after its own ones. Nothing of either is looked at once it has returned. Throws Error
+  /// for a frame that this transport cannot carry, without sending anything.
+  virtual bool send(const v1::Frame& frame, std::span<const FrameUpdate> updates) = 0;
+  /// Waits for the daemon's next message. False at the end of the stream, good or bad.
+  virtual bool read(v1::StreamFramesResponse& response) = 0;
+  /// Bytes of the output region, valid until the frame's credit is used again. Throws Error (DATA_LOSS) for a range
+  /// that does not lie in it; over gRPC, that is every one.
+  virtual std::span<const std::byte> shared(const v1::SharedRange& range) const = 0;
+  /// Tells the daemon that no more frames come.
+  virtual void half_close() = 0;
+  /// Ends the stream at once: read() returns false soon.
+  virtual void cancel() = 0;
+  /// Why the stream ended, once, after read() has returned false; nothing for a good end.
+  virtual std::optional<Error> finish() = 0;
+};
+
+}  // namespace collided::client
