@@ -33,6 +33,13 @@ void check_file(int fd, uint64_t wanted) {
     throw_file(fmt::format("has {} bytes, but input_bytes and output_bytes are {} together", file.st_size, wanted));
 }
 
+// The engine knows its argument, not the field that brought it.
+std::unique_ptr<SharedMemory> open_device(std::span<const std::byte> handle) try {
+  return open_device_memory(handle);
+} catch (const InvalidInput& e) {
+  throw InvalidInput("open.cuda_ipc_handle", std::string("open.cuda_ipc_handle: ") + e.what());
+}
+
 }  // namespace
 
 std::shared_ptr<SharedRegion> SharedRegion::map(const Fd& file, const RegionSize& size, Backend backend) {
@@ -47,7 +54,7 @@ std::shared_ptr<SharedRegion> SharedRegion::map(const Fd& file, const RegionSize
 std::shared_ptr<SharedRegion> SharedRegion::open(std::span<const std::byte> handle, const Fd& file, uint64_t output) {
   std::shared_ptr<SharedRegion> region(new SharedRegion);
   if (output > 0) region->map_file(file, {0, output});
-  region->registered_ = open_device_memory(handle);
+  region->registered_ = open_device(handle);
   region->input_ = region->registered_->bytes();
   region->is_host_ = false;
   return region;
