@@ -11,12 +11,11 @@
 #include <cerrno>
 #include <chrono>
 #include <stdexcept>
+#include <thread>
 
 #include "gpu/detector.hpp"
 #include "server/auth/credentials.hpp"
-#include "server/ops/lifecycle.hpp"
 #include "server/ops/log.hpp"
-#include "server/service/service.hpp"
 
 namespace collided::server {
 namespace {
@@ -67,16 +66,26 @@ void check_free(const std::string& address) {
 
 }  // namespace
 
-Daemon::Daemon(const Config& config, Lifecycle& lifecycle) : lifecycle_(lifecycle), authenticator_(config) {
+Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
+    : lifecycle_(lifecycle),
+      authenticator_(config),
+      observer_(metrics_, lifecycle),
+      host_(config, observer_),
+      service_(config, host_, authenticator_) {
   if (config.backend == "cuda" && !cuda_available())
     throw std::runtime_error("--backend is cuda, but there is no usable CUDA device");
   for (const auto& address : config.addresses) check_free(address);
   gpr_set_log_function(log_grpc);
   if (!config.http_address.empty()) http_ = std::make_unique<HttpServer>(config.http_address, metrics_, lifecycle_);
-  service_ = std::make_unique<CollisionService>(config);
   listen(config);
+  metrics_.set_gauges([this] { return gauges(); });
   server_->GetHealthCheckService()->SetServingStatus(pb::CollisionService::service_full_name(), true);
   lifecycle_.serve();
+}
+
+Gauges Daemon::gauges() const {
+  const HostTotals totals = host_.totals();
+  return {totals.scenes, totals.streams, totals.device_bytes, totals.waiting_frames, calls_->outgoing_bytes()};
 }
 
 void Daemon::listen(const Config& config) {
@@ -93,12 +102,14 @@ void Daemon::listen(const Config& config) {
     const bool local = config.addresses[i].starts_with("unix:");
     builder.AddListeningPort(config.addresses[i], local ? grpc::InsecureServerCredentials() : credentials, &ports[i]);
   }
-  builder.RegisterService(service_.get());
+  builder.RegisterService(&service_);
+  calls_ = std::make_unique<FrameCalls>(builder, service_, FrameCallParts{host_, authenticator_, metrics_});
   server_ = builder.BuildAndStart();
   for (size_t i = 0; i < ports.size(); ++i) {
     if (!server_ || ports[i] == 0) throw std::runtime_error("cannot listen on " + config.addresses[i]);
     addresses_.push_back(bound_address(config.addresses[i], ports[i]));
   }
+  calls_->start();
 }
 
 Daemon::~Daemon() {
@@ -107,22 +118,33 @@ Daemon::~Daemon() {
   stop();
 }
 
-void Daemon::reload(const Config& config) { authenticator_.reload(config); }
+void Daemon::reload(const Config& config) {
+  authenticator_.reload(config);
+  host_.set_limits(config.limits);
+}
 
 void Daemon::begin_stop(double grace_seconds) {
   lifecycle_.drain();
   server_->GetHealthCheckService()->SetServingStatus(false);
-  service_->announce_stop(grace_seconds);
+  host_.announce_stop(grace_seconds);
+  calls_->announce_stop();
 }
 
-bool Daemon::wait_idle(std::chrono::steady_clock::time_point deadline) const { return service_->wait_idle(deadline); }
+bool Daemon::wait_idle(std::chrono::steady_clock::time_point deadline) const {
+  constexpr auto kPoll = std::chrono::milliseconds(5);
+  for (; service_.in_work() || calls_->open() > 0; std::this_thread::sleep_for(kPoll))
+    if (std::chrono::steady_clock::now() >= deadline) return false;
+  return true;
+}
 
 void Daemon::stop() {
   const bool idle = wait_idle(std::chrono::steady_clock::now());
   // Shutdown also waits for idle connections, which some clients never close: hence no longer than for last answers.
   server_->Shutdown(std::chrono::system_clock::now() + (idle ? kLastAnswers : std::chrono::milliseconds(0)));
+  calls_->stop();
   server_->Wait();
-  service_->clear();
+  metrics_.set_gauges({});
+  host_.scenes().clear();
   server_.reset();
 }
 

@@ -11,12 +11,14 @@
 #include "server/auth/authenticator.hpp"
 #include "server/config/config.hpp"
 #include "server/ops/http_server.hpp"
+#include "server/ops/lifecycle.hpp"
 #include "server/ops/metrics.hpp"
+#include "server/scenes/scene_host.hpp"
+#include "server/service/frame_calls.hpp"
+#include "server/service/observer.hpp"
+#include "server/service/service.hpp"
 
 namespace collided::server {
-
-class CollisionService;
-class Lifecycle;
 
 class Daemon {
  public:
@@ -43,12 +45,16 @@ class Daemon {
 
  private:
   void listen(const Config& config);
+  Gauges gauges() const;
 
   Lifecycle& lifecycle_;
   Metrics metrics_;
   Authenticator authenticator_;
+  ServiceObserver observer_;
+  SceneHost host_;
+  CollisionService service_;
   std::unique_ptr<HttpServer> http_;
-  std::unique_ptr<CollisionService> service_;
+  std::unique_ptr<FrameCalls> calls_;
   std::unique_ptr<grpc::Server> server_;
   std::vector<std::string> addresses_;
 };

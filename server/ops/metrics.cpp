@@ -175,7 +175,7 @@ void Metrics::observe_phase(Phase phase, double seconds) {
 
 void Metrics::observe_stage(std::string_view stage, double seconds) { families_->stages.at(stage).Observe(seconds); }
 
-void Metrics::count_frame(const FrameCounts& frame) {
+void Metrics::count_frame(const FrameTotals& frame) {
   families_->frames.Increment();
   families_->frame_seconds.Observe(frame.seconds);
   families_->contacts.Increment(static_cast<double>(frame.contacts));

@@ -13,7 +13,7 @@ namespace collided::server {
 enum class Phase { kQueue, kDecode, kUpload, kCompute, kDownload, kEncode };
 
 /// One frame that was answered.
-struct FrameCounts {
+struct FrameTotals {
   double seconds = 0;  ///< from its arrival to its last answer
   uint64_t contacts = 0;
   uint64_t bytes_in = 0;   ///< of its request
@@ -39,7 +39,7 @@ class Metrics {
   void observe_phase(Phase phase, double seconds);
   /// A stage of the engine. At most 64 names are told apart; the others count as "other".
   void observe_stage(std::string_view stage, double seconds);
-  void count_frame(const FrameCounts& frame);
+  void count_frame(const FrameTotals& frame);
   /// Frames passed over by LATEST_WINS.
   void count_skipped(uint64_t frames = 1);
   /// A refused frame or call; `reason` is the name of its gRPC code, as RESOURCE_EXHAUSTED.

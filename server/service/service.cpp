@@ -2,7 +2,6 @@
 #include "server/service/service.hpp"
 
 #include <algorithm>
-#include <thread>
 #include <utility>
 
 #include "server/errors.hpp"
@@ -37,13 +36,6 @@ CollisionService::CollisionService(const Config& config, SceneHost& host, const 
       devices_(order_devices(list_devices(), config.backend != "cpu" && has_cuda_)),
       host_(host),
       authenticator_(authenticator) {}
-
-bool CollisionService::wait_idle(std::chrono::steady_clock::time_point deadline) const {
-  constexpr auto kPoll = std::chrono::milliseconds(5);
-  for (; calls_.use_count() > 1; std::this_thread::sleep_for(kPoll))
-    if (std::chrono::steady_clock::now() >= deadline) return false;
-  return true;
-}
 
 // Answers at once; `body` fills the response.
 template <class Body>

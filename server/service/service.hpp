@@ -4,7 +4,6 @@
 
 #include <grpcpp/grpcpp.h>
 
-#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,8 +22,8 @@ class CollisionService final : public RawService {
   /// `host` and `authenticator` outlive the service.
   CollisionService(const Config& config, SceneHost& host, const Authenticator& authenticator);
 
-  /// Waits until no call is in work; false if `deadline` came first.
-  bool wait_idle(std::chrono::steady_clock::time_point deadline) const;
+  /// Whether a call is in work.
+  bool in_work() const { return calls_.use_count() > 1; }
 
   using Context = grpc::CallbackServerContext;
   using Reactor = grpc::ServerUnaryReactor;
