@@ -4,11 +4,7 @@
 #include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
 #include <stdexcept>
 #include <thread>
@@ -45,23 +41,16 @@ std::string bound_address(const std::string& wanted, int port) {
   return wanted.substr(0, wanted.rfind(':') + 1) + std::to_string(port);
 }
 
-// Whether somebody accepts connections on a Unix socket. Does not wait: a full backlog (EAGAIN) is an answer, too.
-bool is_served(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.copy(address.sun_path, sizeof(address.sun_path) - 1);
-  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (probe < 0) return false;
-  const bool served =
-      connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 || errno == EAGAIN;
-  close(probe);
-  return served;
-}
-
 // gRPC removes a socket that is in its way, without asking whether a daemon still serves there.
 void check_free(const std::string& address) {
   if (address.starts_with("unix:") && is_served(address.substr(5)))
     throw std::runtime_error("cannot listen on " + address + ": another daemon serves there");
+}
+
+LocalOptions local_options(const Config& config) {
+  LocalOptions options{config.local_socket, config.allowed_uids, config.cuda_ipc, {}};
+  options.patience.take_seconds = config.keepalive_timeout_seconds;
+  return options;
 }
 
 }  // namespace
@@ -77,6 +66,8 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
   for (const auto& address : config.addresses) check_free(address);
   gpr_set_log_function(log_grpc);
   if (!config.http_address.empty()) http_ = std::make_unique<HttpServer>(config.http_address, metrics_, lifecycle_);
+  if (!config.local_socket.empty())
+    local_ = std::make_unique<LocalServer>(local_options(config), host_, authenticator_, metrics_);
   listen(config);
   metrics_.set_gauges([this] { return gauges(); });
   server_->GetHealthCheckService()->SetServingStatus(pb::CollisionService::service_full_name(), true);
@@ -85,7 +76,8 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
 
 Gauges Daemon::gauges() const {
   const HostTotals totals = host_.totals();
-  return {totals.scenes, totals.streams, totals.device_bytes, totals.waiting_frames, calls_->outgoing_bytes()};
+  const uint64_t outgoing = calls_->outgoing_bytes() + (local_ ? local_->outgoing_bytes() : 0);
+  return {totals.scenes, totals.streams, totals.device_bytes, totals.waiting_frames, outgoing};
 }
 
 void Daemon::listen(const Config& config) {
@@ -132,7 +124,8 @@ void Daemon::begin_stop(double grace_seconds) {
 
 bool Daemon::wait_idle(std::chrono::steady_clock::time_point deadline) const {
   constexpr auto kPoll = std::chrono::milliseconds(5);
-  for (; service_.in_work() || calls_->open() > 0; std::this_thread::sleep_for(kPoll))
+  for (; service_.in_work() || calls_->open() > 0 || (local_ && local_->connections() > 0);
+       std::this_thread::sleep_for(kPoll))
     if (std::chrono::steady_clock::now() >= deadline) return false;
   return true;
 }
@@ -142,6 +135,7 @@ void Daemon::stop() {
   // Shutdown also waits for idle connections, which some clients never close: hence no longer than for last answers.
   server_->Shutdown(std::chrono::system_clock::now() + (idle ? kLastAnswers : std::chrono::milliseconds(0)));
   calls_->stop();
+  if (local_) local_->stop();
   server_->Wait();
   metrics_.set_gauges({});
   host_.scenes().clear();

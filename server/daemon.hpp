@@ -10,6 +10,7 @@
 
 #include "server/auth/authenticator.hpp"
 #include "server/config/config.hpp"
+#include "server/local/local_server.hpp"
 #include "server/ops/http_server.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/metrics.hpp"
@@ -53,6 +54,7 @@ class Daemon {
   ServiceObserver observer_;
   SceneHost host_;
   CollisionService service_;
+  std::unique_ptr<LocalServer> local_;
   std::unique_ptr<HttpServer> http_;
   std::unique_ptr<FrameCalls> calls_;
   std::unique_ptr<grpc::Server> server_;
