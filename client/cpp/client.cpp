@@ -9,6 +9,7 @@
 
 #include "client/cpp/channel.hpp"
 #include "client/cpp/grpc_transport.hpp"
+#include "client/cpp/local_transport.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
 
 namespace collided::client {
@@ -60,6 +61,8 @@ struct Client::State {
   v1::Scene create(const v1::CreateSceneRequest& request);
   v1::Scene upload(const std::string& scene_id, uint32_t index, const MeshInput& mesh);
   void try_delete(const std::string& scene_id);
+  bool has_local(const v1::Scene& scene) const { return scene.endpoint().empty() && !info.local_socket().empty(); }
+  FrameStream stream_locally(const v1::Scene& scene, const v1::OpenStream& open, const LocalOptions& options);
 
   ChannelMaker channels;
   std::unique_ptr<Service> stub;
@@ -99,6 +102,28 @@ void Client::State::try_delete(const std::string& scene_id) {
   request.set_scene_id(scene_id);
   v1::DeleteSceneResponse ignored;
   stub->DeleteScene(channels.call_context(scene_id).get(), request, &ignored);
+}
+
+/// What the scene needs of memory is told by its spec, which the caller's copy may lack.
+FrameStream Client::State::stream_locally(const v1::Scene& scene, const v1::OpenStream& open,
+                                          const LocalOptions& options) {
+  constexpr uint32_t kDefaultWindow = 2;
+  if (!has_local(scene))
+    throw Error(grpc::FAILED_PRECONDITION,
+                "options.local is on, but the daemon has no socket for that (--local-socket)");
+  v1::GetSceneRequest request;
+  request.set_scene_id(scene.scene_id());
+  const v1::Scene known = call(&Service::GetScene, request, scene.scene_id()).scene();
+  const uint32_t limit = info.limits().max_window(),
+                 window = open.window() ? open.window() : std::min(kDefaultWindow, limit);
+  if (window == 0 || window > limit)
+    throw Error(grpc::RESOURCE_EXHAUSTED,
+                "window is " + std::to_string(window) + "; the daemon's limit is " + std::to_string(limit),
+                "open.window");
+  return FrameStream::open(
+      std::make_unique<LocalTransport>(info.local_socket(), local_layout(known.spec(), window, options),
+                                       channels.options().token, options.cuda_ipc_handle),
+      open);
 }
 
 Client::Client(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -148,6 +173,11 @@ FrameStream Client::stream(const v1::Scene& scene, const StreamOptions& options)
   open.set_delivery(options.delivery);
   open.set_resume_token(options.resume_token);
   const ChannelMaker& own = state_->channels;
+  if (options.local.use == Local::kOn) return state_->stream_locally(scene, open, options.local);
+  if (options.local.use == Local::kAutomatic && is_local_address(own.address()) && state_->has_local(scene)) try {
+      return state_->stream_locally(scene, open, options.local);
+    } catch (const Error&) {  // what also holds over gRPC is told by that
+    }
   const ChannelMaker channels = scene.endpoint().empty() ? own : ChannelMaker(scene.endpoint(), own.options());
   return FrameStream::open(std::make_unique<GrpcTransport>(channels.connect(), channels.context(scene.scene_id()),
                                                            state_->info.limits().max_message_bytes()),

@@ -9,6 +9,7 @@
 #include "client/cpp/connect_options.hpp"
 #include "client/cpp/error.hpp"
 #include "client/cpp/frame_stream.hpp"
+#include "client/cpp/local_options.hpp"
 #include "collided/v1/collision_service.pb.h"
 
 namespace collided::client {
@@ -26,6 +27,7 @@ struct StreamOptions {
   uint32_t window = 0;  ///< frames in flight, 0 to the daemon's limit; 0: the daemon's choice
   v1::DeliveryPolicy delivery = v1::DELIVERY_POLICY_UNSPECIFIED;
   std::string resume_token = "";  ///< of the scene, to take it over from a stream that may still be open
+  LocalOptions local = {};        ///< memory shared with a daemon on this host
 };
 
 class Client {
@@ -44,7 +46,7 @@ class Client {
   v1::Scene create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds = 0);
   v1::Scene get_scene(const std::string& scene_id);
   void delete_scene(const std::string& scene_id);
-  /// Opens a stream on a connection of its own, to the scene's endpoint.
+  /// Opens a stream on a connection of its own, to the scene's endpoint; or over shared memory, if `options` say so.
   FrameStream stream(const v1::Scene& scene, const StreamOptions& options = {});
   /// Goes on with a scene whose stream broke, with `options` but for the token: frames after the stream's
   /// scene().last_frame_id() are to be sent again.

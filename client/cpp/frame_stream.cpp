@@ -121,10 +121,14 @@ void FrameStream::State::throw_ended() const {
   throw Error(grpc::UNAVAILABLE, "the stream has ended");
 }
 
-void FrameStream::State::take_credit() {
-  std::unique_lock lock(mutex);
+void FrameStream::State::await_credit(std::unique_lock<std::mutex>& lock) {
   changed.wait(lock, [&] { return ended || in_flight < opened.window(); });
   if (ended) throw_ended();
+}
+
+void FrameStream::State::take_credit() {
+  std::unique_lock lock(mutex);
+  await_credit(lock);
   ++in_flight;
 }
 
@@ -163,6 +167,14 @@ std::optional<double> FrameStream::draining_deadline() const {
   const std::lock_guard lock(state_->mutex);
   if (!state_->draining) return std::nullopt;
   return std::max(0.0, std::chrono::duration<double>(*state_->draining - Clock::now()).count());
+}
+
+std::span<std::byte> FrameStream::input(uint64_t bytes) {
+  {
+    std::unique_lock lock(state_->mutex);
+    state_->await_credit(lock);
+  }
+  return state_->transport->input(bytes);
 }
 
 void FrameStream::send(const v1::Frame& frame) { state_->send(frame, {}); }

@@ -56,6 +56,10 @@ class FrameStream {
   /// The same from the caller's memory, without a copy where the transport allows it; the updates' bytes are not needed
   /// any more once this returns.
   void send(uint64_t frame_id, std::span<const FrameUpdate> updates, const FrameOptions& options = {});
+  /// Memory that the daemon reads directly: what is written there and named in the next frame's updates is not copied
+  /// on its way. Waits for a credit. `bytes` at a time, as often as needed; starts are aligned to 64. Empty over gRPC,
+  /// where any memory will do. Throws Error (RESOURCE_EXHAUSTED) past what a frame of the scene can bring.
+  std::span<std::byte> input(uint64_t bytes);
   /// Waits for the next output. Throws Error if the stream broke or nothing is in flight.
   FrameOutput receive();
   /// Tells the daemon that no more frames come, waits for its end and throws Error if it is a bad one.

@@ -20,6 +20,8 @@ struct FrameStream::State {
   void complete(uint64_t frame_id);
   void send(const v1::Frame& frame, std::span<const FrameUpdate> updates);
   void take_credit();
+  /// With the mutex. Throws Error once the stream has ended.
+  void await_credit(std::unique_lock<std::mutex>& lock);
   void give_credit();
   /// Needs the mutex. Why the stream ended, as an Error.
   [[noreturn]] void throw_ended() const;

@@ -27,6 +27,10 @@ class FrameTransport {
 
   /// Sends the opening, once and first; read() brings the answer.
   virtual bool open(const v1::OpenStream& open) = 0;
+  /// Memory that the daemon reads directly, for `bytes` of the next frame's updates; its parts can be sent once, in
+  /// that frame. Only while a credit is free. Empty where the transport shares none; throws Error (RESOURCE_EXHAUSTED)
+  /// past what a frame can need.
+  virtual std::span<std::byte> input(uint64_t /*bytes*/) { return {}; }
   /// Sends `frame` with `updates` after its own ones. Nothing of either is looked at once it has returned. Throws Error
   /// for a frame that this transport cannot carry, without sending anything.
   virtual bool send(const v1::Frame& frame, std::span<const FrameUpdate> updates) = 0;

@@ -1,0 +1,296 @@
+// One local stream.
+#include "server/local/connection.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "server/errors.hpp"
+#include "server/local/shared_frame.hpp"
+#include "server/ops/log.hpp"
+
+namespace collided::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kLastPacketSeconds = 0.2;  // for what is still to be sent when the daemon stops
+
+Clock::time_point after(Clock::time_point start, double seconds) {
+  return start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+// Rounded up, so that the time is over once poll() returns.
+int milliseconds_until(const std::optional<Clock::time_point>& time) {
+  if (!time) return -1;
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(*time - Clock::now()).count();
+  return static_cast<int>(std::clamp<int64_t>(left, 0, 3'600'000));
+}
+
+}  // namespace
+
+Connection::Connection(Fd socket, const OpeningRules& rules, Metrics& metrics, LocalPatience patience)
+    : rules_(rules),
+      metrics_(metrics),
+      patience_(patience),
+      socket_(std::move(socket)),
+      wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (!wake_) throw std::system_error(errno, std::generic_category(), "eventfd");
+}
+
+void Connection::serve() {
+  try {
+    PacketReceiver receiver(socket_.get());
+    while (turn()) {
+      const bool may_read = [this] {
+        const std::lock_guard lock(mutex_);
+        return may_read_locked();
+      }();
+      if (may_read) take(receiver.receive());
+    }
+  } catch (...) {
+    ended(std::current_exception());
+  }
+  if (session_) session_->close();
+  send_rest();
+  log_end();
+  end_socket();
+}
+
+// Waits until there is something to do. False at the end of the stream.
+bool Connection::turn() {
+  Wait next;
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return false;
+    next = next_wait_locked();
+  }
+  const short events = wait(next);
+  if (events & (POLLHUP | POLLERR)) {
+    const std::lock_guard lock(mutex_);
+    outbox_.drop();
+    close_locked({grpc::StatusCode::CANCELLED, "the client is gone"});
+  }
+  if (events & POLLOUT) {
+    const std::lock_guard lock(mutex_);
+    flush_locked();
+  }
+  check_patience();
+  return true;
+}
+
+Connection::Wait Connection::next_wait_locked() const {
+  Wait wait;
+  if (may_read_locked()) wait.events |= POLLIN;
+  if (!session_) wait.until = after(begin_, patience_.open_seconds);
+  if (outbox_.empty()) return wait;
+  wait.events |= POLLOUT;
+  const auto until = after(outbox_.stalled_since(), patience_.take_seconds);
+  wait.until = wait.until ? std::min(*wait.until, until) : until;
+  return wait;
+}
+
+bool Connection::may_read_locked() const {
+  return !closed_ && !read_all_ && (!session_ || in_flight_ < opening_.stream.window);
+}
+
+short Connection::wait(const Wait& wait) const {
+  pollfd states[] = {{socket_.get(), wait.events, 0}, {wake_.get(), POLLIN, 0}};
+  if (poll(states, 2, milliseconds_until(wait.until)) < 0) return 0;
+  if (states[1].revents & POLLIN) {
+    eventfd_t count = 0;
+    eventfd_read(wake_.get(), &count);
+  }
+  return states[0].revents;
+}
+
+void Connection::check_patience() {
+  const std::lock_guard lock(mutex_);
+  const auto now = Clock::now();
+  if (!session_ && now >= after(begin_, patience_.open_seconds))
+    close_locked({grpc::StatusCode::DEADLINE_EXCEEDED,
+                  fmt::format("the client did not open its stream within {} s", patience_.open_seconds)});
+  if (!outbox_.empty() && now >= after(outbox_.stalled_since(), patience_.take_seconds))
+    close_locked({grpc::StatusCode::DEADLINE_EXCEEDED,
+                  fmt::format("the client took none of its answers for {} s", patience_.take_seconds)});
+}
+
+void Connection::take(Packet packet) {
+  if (packet.arrival == Arrival::kNothing) return;
+  if (packet.arrival == Arrival::kEnd) {
+    const std::lock_guard lock(mutex_);
+    read_all_ = true;
+    return end_if_idle_locked();
+  }
+  pb::LocalRequest request;
+  if (!request.ParseFromArray(packet.bytes.data(), static_cast<int>(packet.bytes.size())))
+    throw InvalidInput("packet", "packet is cut off or malformed: its bytes are no LocalRequest");
+  if (!session_) {
+    if (!request.has_open()) throw FailedPrecondition("open", "the first packet of a stream must be `open`");
+    return open(request.open(), std::move(packet.files));
+  }
+  if (!packet.files.empty()) throw InvalidInput("packet", "packet brings a file, which only the first one may");
+  submit(request);
+}
+
+void Connection::open(const pb::LocalOpen& open, std::vector<Fd> files) {
+  opening_ = check_opening(open, std::move(files), rules_);
+  writer_ = std::make_unique<AnswerWriter>(opening_.region, opening_.stream.window);
+  const std::string& token = open.open().resume_token();
+  auto session = FrameSession::open(opening_.scene, token, opening_.stream.delivery, shared_from_this());
+  if (!token.empty()) metrics_.count_reconnect();
+  {
+    const std::lock_guard lock(mutex_);
+    session_ = session;
+    if (!outbox_.empty()) session->hold(true);
+  }
+  log_event(spdlog::level::info, "local stream opened",
+            {{"scene", open.open().scene_id()}, {"window", opening_.stream.window}, {"client", opening_.client->name}});
+}
+
+void Connection::submit(pb::LocalRequest& request) {
+  Scene& scene = session_->scene();
+  const SharedRegion* const region = opening_.region.get();
+  IncomingFrame incoming;
+  if (request.has_shared_frame())
+    incoming.message = read_frame(region, request.shared_frame(), most_message_bytes(scene.plan().engine));
+  else if (request.has_frame())
+    incoming.message = std::move(*request.mutable_frame());
+  else
+    throw FailedPrecondition("frame", "packets after the first must be `frame` or `shared_frame`");
+  place_ranges(region, incoming);
+  PendingFrame frame = admit_frame(rules_.host, scene, std::move(incoming));
+  using Kept = std::pair<std::shared_ptr<const void>, std::shared_ptr<SharedRegion>>;
+  frame.memory = std::make_shared<Kept>(std::move(frame.memory), opening_.region);
+  {
+    const std::lock_guard lock(mutex_);
+    ++in_flight_;
+  }
+  session_->submit(std::move(frame));
+}
+
+void Connection::opened(const Scene& scene) { send({opened_packet(scene, opening_.stream.window)}, false); }
+
+void Connection::answered(const Scene& scene, AnsweredFrame frame) {
+  auto packets = writer_->write(scene, frame);
+  scene.observer().answered(scene, frame);
+  send(std::move(packets), true);
+}
+
+void Connection::refused(uint64_t frame_id, const std::exception_ptr& error) {
+  writer_->pass();
+  const Failure failure = describe(error);
+  log_event(spdlog::level::info, "frame refused",
+            {{"scene", opening_.scene->id()},
+             {"frame", frame_id},
+             {"code", code_name(failure.code)},
+             {"reason", failure.message}});
+  send({to_packet(refusal_message(frame_id, failure))}, true);
+}
+
+void Connection::skipped(uint64_t frame_id) {
+  writer_->pass();
+  pb::StreamFramesResponse response;
+  response.set_frame_id(frame_id);
+  response.mutable_skipped();
+  send({to_packet(std::move(response))}, true);
+}
+
+void Connection::draining(double seconds) {
+  pb::StreamFramesResponse response;
+  response.mutable_draining()->set_deadline_seconds(seconds);
+  send({to_packet(std::move(response))}, false);
+}
+
+void Connection::ended(const std::exception_ptr& why) {
+  const std::lock_guard lock(mutex_);
+  close_locked(describe(why));
+}
+
+void Connection::stop() {
+  const std::lock_guard lock(mutex_);
+  is_stopping_ = true;
+  close_locked(describe(std::make_exception_ptr(Stopping())));
+  wake();
+}
+
+uint64_t Connection::outgoing_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return outbox_.bytes();
+}
+
+void Connection::send(std::vector<std::string> packets, bool ends_frame) {
+  const std::lock_guard lock(mutex_);
+  if (closed_) return;
+  const bool was_empty = outbox_.empty();
+  for (auto& packet : packets) outbox_.send(socket_.get(), std::move(packet));
+  if (ends_frame) end_frame_locked();
+  if (!was_empty || outbox_.empty()) return;
+  if (session_) session_->hold(true);
+  wake();
+}
+
+// The thread does not look at the socket while the window is used up.
+void Connection::end_frame_locked() {
+  if (in_flight_-- == opening_.stream.window) wake();
+  end_if_idle_locked();
+}
+
+void Connection::flush_locked() {
+  outbox_.flush(socket_.get());
+  if (outbox_.empty() && session_) session_->hold(false);
+}
+
+void Connection::end_if_idle_locked() {
+  if (read_all_ && in_flight_ == 0) close_locked({});
+}
+
+void Connection::close_locked(const Failure& why) {
+  if (closed_) return;
+  closed_ = why;
+  outbox_.send(socket_.get(), closed_packet(why));
+  wake();
+}
+
+// Until the client has taken what there is for it, or is gone, or has had its time.
+void Connection::send_rest() {
+  const auto begin = Clock::now();
+  for (;;) {
+    Wait rest{POLLOUT, {}};
+    {
+      const std::lock_guard lock(mutex_);
+      flush_locked();
+      rest.until = after(is_stopping_ ? begin : outbox_.stalled_since(),
+                         is_stopping_ ? kLastPacketSeconds : patience_.take_seconds);
+      if (outbox_.empty() || Clock::now() >= *rest.until) return;
+    }
+    if (wait(rest) & (POLLHUP | POLLERR)) return;
+  }
+}
+
+// The worker may be about to send.
+void Connection::end_socket() {
+  const std::lock_guard lock(mutex_);
+  drop_unread(socket_.get());
+  outbox_.drop();
+  socket_ = Fd();
+  opening_.place.reset();
+}
+
+void Connection::wake() const { eventfd_write(wake_.get(), 1); }
+
+void Connection::log_end() const {
+  const std::lock_guard lock(mutex_);
+  if (!closed_) return;
+  log_event(session_ || closed_->code ? spdlog::level::info : spdlog::level::debug, "local stream ends",
+            {{"scene", session_ ? session_->scene().id() : ""},
+             {"code", code_name(closed_->code)},
+             {"reason", closed_->message}});
+  metrics_.count_call("LocalStream", code_name(closed_->code));
+}
+
+}  // namespace collided::server

@@ -1,0 +1,85 @@
+// The first packet of a local stream.
+#include "server/local/opening.hpp"
+
+#include <cstddef>
+#include <string>
+
+#include "server/convert/refuse.hpp"
+#include "server/errors.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr uint32_t kVersion = 1;
+constexpr uint64_t kPage = 4096;
+constexpr uint64_t kMostOutputBytes = uint64_t{1} << 30;
+constexpr uint64_t kUpdateBytes = 256;  // of an update's message and of what aligning its arrays takes
+constexpr size_t kHandleBytes = 64;
+
+void check_bytes(const char* field, uint64_t bytes, uint64_t most) {
+  if (bytes % kPage != 0) throw_invalid(field, fmt::format("is {}, but must be a multiple of {}", bytes, kPage));
+  if (bytes > most)
+    throw LimitExceeded(field,
+                        fmt::format("{} is {}, but streams of this scene can use at most {}", field, bytes, most));
+}
+
+void check_handle(const pb::LocalOpen& open, const Scene& scene, bool is_allowed) {
+  constexpr auto kField = "open.cuda_ipc_handle";
+  const std::string& handle = open.cuda_ipc_handle();
+  if (!is_allowed)
+    throw FailedPrecondition(kField, fmt::format("{} is set, but the daemon runs without --cuda-ipc", kField));
+  if (handle.size() != kHandleBytes)
+    throw_invalid(kField, fmt::format("has {} bytes, but a handle has {}", handle.size(), kHandleBytes));
+  if (scene.plan().engine.backend != Backend::kCuda)
+    throw FailedPrecondition(kField, fmt::format("{} is set, but scene {} is not on a GPU", kField, scene.id()));
+  if (open.input_bytes() != 0)
+    throw_invalid("open.input_bytes", fmt::format("is {}, but must be 0 with cuda_ipc_handle", open.input_bytes()));
+}
+
+void check_files(const std::vector<Fd>& files, bool is_needed) {
+  const size_t wanted = is_needed ? 1 : 0;
+  if (files.size() != wanted)
+    throw_invalid("open.file", fmt::format("comes {} times, but must come {} times for these sizes: it is the memfd",
+                                           files.size(), wanted));
+}
+
+std::shared_ptr<SharedRegion> map_region(const pb::LocalOpen& open, const std::vector<Fd>& files, const Scene& scene,
+                                         const OpeningRules& rules) {
+  const RegionSize size{open.input_bytes(), open.output_bytes()};
+  const bool is_device = !open.cuda_ipc_handle().empty();
+  if (is_device) check_handle(open, scene, rules.cuda_ipc);
+  check_bytes("open.input_bytes", size.input, most_input_bytes(scene, rules.host.limits().max_window));
+  check_bytes("open.output_bytes", size.output, kMostOutputBytes);
+  check_files(files, size.input + size.output > 0);
+  const Fd none;
+  const Fd& file = files.empty() ? none : files.front();
+  if (is_device) return SharedRegion::open(std::as_bytes(std::span(open.cuda_ipc_handle())), file, size.output);
+  return files.empty() ? nullptr : SharedRegion::map(file, size, scene.plan().engine.backend);
+}
+
+}  // namespace
+
+uint64_t most_message_bytes(const SceneSpec& scene) { return kMaxPacketBytes + scene.meshes.size() * kUpdateBytes; }
+
+uint64_t most_input_bytes(const Scene& scene, uint32_t window) {
+  const SceneSpec& spec = scene.plan().engine;
+  uint64_t indices = 0;
+  for (const auto& mesh : spec.meshes) indices += mesh.vertex_count * sizeof(uint32_t);
+  const uint64_t frame = scene.most_position_bytes() + indices + most_message_bytes(spec) + kPage;
+  return window * ((frame + kPage - 1) / kPage * kPage);
+}
+
+Opening check_opening(const pb::LocalOpen& open, std::vector<Fd> files, const OpeningRules& rules) {
+  if (open.version() != kVersion)
+    throw_invalid("open.version", fmt::format("is {}, but this daemon speaks {}", open.version(), kVersion));
+  Opening opening;
+  opening.client = rules.authenticator.identify(open.token().empty() ? "" : "Bearer " + open.token(), "");
+  rules.host.check_serving();
+  opening.place = rules.host.usage().begin_stream(opening.client);
+  opening.scene = rules.host.scenes().find(opening.client, open.open().scene_id());
+  opening.stream = parse_open(open.open(), rules.host.limits());
+  opening.region = map_region(open, files, *opening.scene, rules);
+  return opening;
+}
+
+}  // namespace collided::server

@@ -1,0 +1,40 @@
+// Packets on their way out of a socket that does not block.
+#include "server/local/outbox.hpp"
+
+#include <utility>
+
+namespace collided::server {
+
+void Outbox::send(int socket, std::string packet) {
+  if (is_gone_) return;
+  if (!kept_.empty()) {
+    bytes_ += packet.size();
+    kept_.push_back(std::move(packet));
+    return;
+  }
+  const Sent sent = send_packet(socket, packet);
+  if (sent == Sent::kGone) return drop();
+  if (sent == Sent::kYes) return;
+  stalled_since_ = Clock::now();
+  bytes_ += packet.size();
+  kept_.push_back(std::move(packet));
+}
+
+void Outbox::flush(int socket) {
+  while (!kept_.empty()) {
+    const Sent sent = send_packet(socket, kept_.front());
+    if (sent == Sent::kGone) return drop();
+    if (sent == Sent::kFull) return;
+    stalled_since_ = Clock::now();
+    bytes_ -= kept_.front().size();
+    kept_.pop_front();
+  }
+}
+
+void Outbox::drop() {
+  is_gone_ = true;
+  kept_.clear();
+  bytes_ = 0;
+}
+
+}  // namespace collided::server
