@@ -1,40 +1,135 @@
-// Uploaded triangles on their way into a scene.
+// A resident scene: uploads, frame ids, slots, deletion.
 #include "server/scenes/scene.hpp"
 
 #include <gtest/gtest.h>
 
 #include "server/errors.hpp"
+#include "tests/server/scenes/tiny_scene.hpp"
 
 namespace collided::server {
 namespace {
 
-// One mesh of six vertices that awaits two triangles.
-ScenePlan awaiting_plan() {
-  ScenePlan plan;
-  plan.meshes = {{"cloth", 2}};
-  plan.engine.meshes.resize(1);
-  plan.engine.meshes[0].vertex_count = 6;
-  plan.engine.memory_budget = 1 << 30;
-  return plan;
+class SceneTest : public testing::Test {
+ protected:
+  // The test's thread plays the worker.
+  std::unique_ptr<Scene> make(ScenePlan plan) {
+    return std::make_unique<Scene>(SceneFacts{"id", "token", "", 0, client(), 30, 1}, std::move(plan),
+                                   SceneSurroundings{turns_, observer_});
+  }
+  std::unique_ptr<Scene> make_ready() {
+    auto scene = make(tip_plan());
+    scene->build_if_complete();
+    return scene;
+  }
+
+  CountingObserver observer_;
+  Turns turns_{1};
+};
+
+template <class Error, class Body>
+std::string refusal(const Body& body) {
+  try {
+    body();
+  } catch (const Error& e) {
+    return e.field() + ": " + e.what();
+  }
+  return "accepted";
 }
 
-TEST(Scene, TakesNothingForAMeshThatIsComplete) {
-  Scene scene("id", awaiting_plan(), 1);
-  scene.add_triangles(0, {{0, 1, 2}, {3, 4, 5}});
-  ASSERT_TRUE(scene.snapshot().ready);
-  EXPECT_THROW(scene.add_triangles(0, {}), FailedPrecondition);
-  EXPECT_THROW(scene.add_triangles(0, {{0, 1, 2}}), FailedPrecondition);
-  EXPECT_TRUE(scene.snapshot().ready);
+TEST_F(SceneTest, TakesNothingForAMeshThatIsComplete) {
+  const auto scene = make(tip_plan(1));
+  scene->add_triangles(1, {{0, 1, 2}});
+  ASSERT_TRUE(scene->snapshot().ready);
+  EXPECT_THROW(scene->add_triangles(1, {}), FailedPrecondition);
+  EXPECT_THROW(scene->add_triangles(1, {{0, 1, 2}}), FailedPrecondition);
+  EXPECT_TRUE(scene->snapshot().ready);
 }
 
-TEST(Scene, TakesAllTrianglesOfAMeshOrNone) {
-  Scene scene("id", awaiting_plan(), 1);
-  EXPECT_THROW(scene.add_triangles(0, {}), InvalidInput);
-  EXPECT_THROW(scene.add_triangles(0, {{0, 1, 2}}), InvalidInput);
-  EXPECT_EQ(scene.awaited(0), 2u);
-  scene.add_triangles(0, {{0, 1, 2}, {3, 4, 5}});
-  EXPECT_EQ(scene.awaited(0), 0u);
-  EXPECT_TRUE(scene.snapshot().ready);
+TEST_F(SceneTest, TakesAllTrianglesOfAMeshOrNone) {
+  const auto scene = make(tip_plan(1));
+  EXPECT_THROW(scene->add_triangles(1, {}), InvalidInput);
+  EXPECT_THROW(scene->add_triangles(1, {{0, 1, 2}, {0, 1, 2}}), InvalidInput);
+  EXPECT_EQ(scene->awaited(1), 1u);
+  EXPECT_FALSE(scene->snapshot().ready);
+  scene->add_triangles(1, {{0, 1, 2}});
+  EXPECT_EQ(scene->awaited(1), 0u);
+  EXPECT_TRUE(scene->snapshot().ready);
+}
+
+TEST_F(SceneTest, OneUploadOfAMeshAtATime) {
+  const auto scene = make(tip_plan(1));
+  EXPECT_THROW(scene->begin_upload(0), FailedPrecondition);
+  scene->begin_upload(1);
+  EXPECT_THROW(scene->begin_upload(1), FailedPrecondition);
+  scene->end_upload(1);
+  scene->begin_upload(1);
+}
+
+TEST_F(SceneTest, TrianglesThatMakeNoDetectorLeaveItUnusable) {
+  const auto scene = make(tip_plan(1));
+  EXPECT_FALSE(scene->unusable());
+  const auto why = refusal<InvalidInput>([&] { scene->add_triangles(1, {{0, 1, 9}}); });
+  EXPECT_TRUE(why.starts_with("spec.meshes[1].triangles[0]")) << why;
+  EXPECT_TRUE(scene->unusable());
+}
+
+TEST_F(SceneTest, AppliesFramesWhoseIdsRiseStrictly) {
+  const auto scene = make_ready();
+  const auto apply = [&](uint64_t id) { return scene->apply(id, tip_frame(id, 2).input); };
+  EXPECT_EQ(refusal<InvalidInput>([&] { apply(0); }), "frame.frame_id: frame.frame_id is 0, but ids start at 1");
+  EXPECT_EQ(apply(3).vertex_triangle.size(), 1u);
+  for (const uint64_t id : {1, 3}) {
+    const auto why = refusal<FailedPrecondition>([&] { apply(id); });
+    EXPECT_TRUE(why.starts_with("frame.frame_id: frame.frame_id is " + std::to_string(id))) << why;
+  }
+  EXPECT_EQ(scene->snapshot().last_frame_id, 3u);
+  EXPECT_EQ(apply(~uint64_t{0}).vertex_triangle.size(), 1u);
+  EXPECT_THROW(apply(1), FailedPrecondition);
+}
+
+TEST_F(SceneTest, ARefusedFrameUsesUpNoId) {
+  const auto scene = make_ready();
+  const auto why = refusal<InvalidInput>([&] {
+    auto frame = tip_frame(1, 2);
+    frame.input.updates[1].end = frame.input.updates[1].end.first(12);
+    scene->apply(1, frame.input);
+  });
+  EXPECT_TRUE(why.starts_with("frame.updates[1].positions: frame.updates[1].positions")) << why;
+  EXPECT_EQ(scene->snapshot().last_frame_id, 0u);
+  scene->apply(1, tip_frame(1, 2).input);
+}
+
+TEST_F(SceneTest, ShowsWhatItHolds) {
+  const auto scene = make_ready();
+  const auto shown = scene->snapshot();
+  EXPECT_TRUE(shown.ready && !shown.device.empty() && !shown.memory.empty());
+  EXPECT_EQ(shown.vertices, 6u);
+  EXPECT_EQ(shown.triangles, 2u);
+  EXPECT_EQ(shown.edges, 6u);
+  EXPECT_EQ(scene->most_position_bytes(), 6u * 12 * 2);
+  EXPECT_TRUE(scene->plan().engine.meshes[0].triangles.empty());
+}
+
+TEST_F(SceneTest, HasNoSlotsBeforeItIsReadyNorOnceItIsDeleted) {
+  const auto awaiting = make(tip_plan(1));
+  EXPECT_THROW(awaiting->take_slot(), FailedPrecondition);
+  const auto scene = make_ready();
+  const auto slot = scene->take_slot();
+  EXPECT_GE(slot->room(100).size(), 100u);
+  scene->close();
+  scene->release();
+  EXPECT_THROW(scene->take_slot(), NotFound);
+  EXPECT_THROW(scene->apply(1, tip_frame(1, 2).input), NotFound);
+  EXPECT_THROW(scene->check_open(), NotFound);
+}
+
+TEST_F(SceneTest, ASlotBringsPositions) {
+  const auto scene = make_ready();
+  auto frame = tip_frame(1, 2);
+  FrameInput input;
+  input.slot = scene->take_slot();
+  input.slot->send(frame.input.updates);
+  EXPECT_EQ(scene->apply(1, input).vertex_triangle.size(), 1u);
 }
 
 }  // namespace

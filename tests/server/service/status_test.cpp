@@ -5,11 +5,14 @@
 
 #include <new>
 
+#include "collided/v1/error_details.pb.h"
 #include "gpu/detector.hpp"
 #include "server/errors.hpp"
 
 namespace collided::server {
 namespace {
+
+namespace pb = collided::v1;
 
 template <class Error>
 Failure describe_as(const Error& error) {
@@ -21,6 +24,10 @@ TEST(Status, MapsEveryException) {
   EXPECT_EQ(describe_as(InvalidInput("f", "m")).code, StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(describe_as(NotFound("f", "m")).code, StatusCode::NOT_FOUND);
   EXPECT_EQ(describe_as(FailedPrecondition("f", "m")).code, StatusCode::FAILED_PRECONDITION);
+  EXPECT_EQ(describe_as(AlreadyExists("f", "m")).code, StatusCode::ALREADY_EXISTS);
+  EXPECT_EQ(describe_as(PermissionDenied("f", "m")).code, StatusCode::PERMISSION_DENIED);
+  EXPECT_EQ(describe_as(TakenOver("f", "m")).code, StatusCode::ABORTED);
+  EXPECT_EQ(describe_as(Unauthenticated("m")).code, StatusCode::UNAUTHENTICATED);
   EXPECT_EQ(describe_as(Unimplemented("f", "m")).code, StatusCode::UNIMPLEMENTED);
   EXPECT_EQ(describe_as(LimitExceeded("f", "m")).code, StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(describe_as(ResourceExhausted("m")).code, StatusCode::RESOURCE_EXHAUSTED);
@@ -38,6 +45,28 @@ TEST(Status, KeepsMessageAndField) {
   EXPECT_EQ(failure.field, "spec.thickness");
 }
 
+pb::RpcStatus details(const Failure& failure) {
+  const grpc::Status status = to_status(failure);
+  pb::RpcStatus out;
+  EXPECT_TRUE(out.ParseFromString(status.error_details()));
+  EXPECT_EQ(out.code(), status.error_code());
+  EXPECT_EQ(out.message(), status.error_message());
+  return out;
+}
+
+// Exactly one detail, of the type with that name.
+template <class Detail>
+Detail only_detail(const Failure& failure, const std::string& name) {
+  const auto all = details(failure);
+  Detail detail;
+  EXPECT_EQ(all.details_size(), 1);
+  if (all.details_size() != 1) return detail;
+  EXPECT_EQ(all.details(0).type_url(), "type.googleapis.com/google.rpc." + name);
+  EXPECT_TRUE(detail.ParseFromString(all.details(0).value()));
+  return detail;
+}
+
+// Byte for byte, as any library for google.rpc reads it.
 TEST(Status, DetailsAreABadRequestOnTheWire) {
   const grpc::Status status = to_status(describe_as(InvalidInput("f", "m")));
   const std::string violation(
@@ -55,14 +84,50 @@ TEST(Status, DetailsAreABadRequestOnTheWire) {
                                         static_cast<char>(any.size()) + any);
 }
 
-TEST(Status, NoFieldNoDetails) { EXPECT_EQ(to_status(describe_as(ResourceExhausted("m"))).error_details(), ""); }
+TEST(Status, AFieldIsABadRequest) {
+  const auto request = only_detail<pb::BadRequest>(describe_as(NotFound("scene_id", "is gone")), "BadRequest");
+  ASSERT_EQ(request.field_violations_size(), 1);
+  EXPECT_EQ(request.field_violations(0).field(), "scene_id");
+  EXPECT_EQ(request.field_violations(0).description(), "is gone");
+}
 
-TEST(Status, OnlyALostSceneDeviceOrCallerEndsAStream) {
-  EXPECT_TRUE(ends_stream(describe_as(NotFound("f", "m"))));
-  EXPECT_TRUE(ends_stream(describe_as(DeviceError("m"))));
-  EXPECT_TRUE(ends_stream(describe_as(Cancelled())));
-  EXPECT_FALSE(ends_stream(describe_as(InvalidInput("f", "m"))));
-  EXPECT_FALSE(ends_stream(describe_as(ResourceExhausted("m"))));
+TEST(Status, AQuotaTellsItsSubject) {
+  const Failure failure = describe_as(LimitExceeded::quota("client:me", "too many"));
+  EXPECT_EQ(failure.field, "");
+  EXPECT_EQ(failure.retry_after_seconds, 0);
+  const auto quota = only_detail<pb::QuotaFailure>(failure, "QuotaFailure");
+  ASSERT_EQ(quota.violations_size(), 1);
+  EXPECT_EQ(quota.violations(0).subject(), "client:me");
+  EXPECT_EQ(quota.violations(0).description(), "too many");
+  EXPECT_EQ(only_detail<pb::QuotaFailure>(describe_as(ResourceExhausted("m")), "QuotaFailure").violations(0).subject(),
+            "daemon");
+}
+
+TEST(Status, ATimeToRetryIsToldToTheBillionth) {
+  for (const double seconds : {0.25, 1.0, 3.5, 1e-6}) {
+    const auto all = details(describe_as(LimitExceeded::quota("client:me", "too many", seconds)));
+    ASSERT_EQ(all.details_size(), 2);
+    EXPECT_EQ(all.details(1).type_url(), "type.googleapis.com/google.rpc.RetryInfo");
+    pb::RetryInfo retry;
+    ASSERT_TRUE(retry.ParseFromString(all.details(1).value()));
+    const auto& delay = retry.retry_delay();
+    EXPECT_TRUE(delay.nanos() >= 0 && delay.nanos() < 1'000'000'000);
+    EXPECT_NEAR(static_cast<double>(delay.seconds()) + delay.nanos() * 1e-9, seconds, 1.1e-9);
+  }
+}
+
+TEST(Status, NeitherFieldNorQuotaNoDetails) {
+  for (const Failure& failure : {describe_as(DeviceError("m")), describe_as(Stopping()), describe_as(Cancelled())})
+    EXPECT_EQ(to_status(failure).error_details(), "");
+}
+
+TEST(Status, NamesEveryCode) {
+  EXPECT_STREQ(code_name(grpc::StatusCode::OK), "OK");
+  EXPECT_STREQ(code_name(grpc::StatusCode::RESOURCE_EXHAUSTED), "RESOURCE_EXHAUSTED");
+  EXPECT_STREQ(code_name(grpc::StatusCode::ABORTED), "ABORTED");
+  EXPECT_STREQ(code_name(grpc::StatusCode::UNAUTHENTICATED), "UNAUTHENTICATED");
+  EXPECT_STREQ(code_name(static_cast<grpc::StatusCode>(17)), "UNKNOWN");
+  EXPECT_STREQ(code_name(static_cast<grpc::StatusCode>(-1)), "UNKNOWN");
 }
 
 }  // namespace

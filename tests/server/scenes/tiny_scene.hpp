@@ -1,0 +1,91 @@
+#pragma once
+// A scene whose contacts are known, in the engine's terms: the lowest corner of a triangle ("tip") falls from z = 1 to
+// 1 - depth through the inside of a triangle in z = 0 ("floor"). For depth > 1 there is one contact, vertex 3 with
+// triangle 0, at 1 / depth; else there is none.
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "server/scenes/scene.hpp"
+#include "server/scenes/scene_store.hpp"
+#include "server/scenes/turns.hpp"
+
+namespace collided::server {
+
+class CountingObserver : public SceneObserver {
+ public:
+  void answered(const Scene&, const AnsweredFrame&) override { ++answers; }
+  void refused(const Scene&, uint64_t, const std::exception_ptr&) override { ++refusals; }
+  void skipped(const Scene&, uint64_t) override { ++skips; }
+  void expired(const Scene&) override { ++expiries; }
+  void device_failed(const Scene&, const std::string&) override { ++failures; }
+
+  std::atomic<int> answers = 0, refusals = 0, skips = 0, expiries = 0, failures = 0;
+};
+
+inline Client client(std::string name = "anonymous", ClientLimits limits = {}) {
+  return std::make_shared<ClientIdentity>(ClientIdentity{std::move(name), limits});
+}
+
+/// `awaited`: triangles of the tip that are still to come, 0 or 1.
+inline ScenePlan tip_plan(uint64_t awaited = 0) {
+  ScenePlan plan;
+  plan.fields = {.elements = true, .stencils = true, .toi = true, .distance = true, .flags = true};
+  plan.meshes = {{"floor", 0}, {"tip", awaited}};
+  plan.engine.meshes.resize(2);
+  for (auto& mesh : plan.engine.meshes) {
+    mesh.vertex_count = 3;
+    mesh.triangles = {{0, 1, 2}};
+  }
+  if (awaited > 0) plan.engine.meshes[1].triangles.clear();
+  plan.engine.memory_budget = uint64_t{1} << 30;
+  plan.engine.threads = 1;
+  return plan;
+}
+
+using TrianglePositions = std::array<float, 9>;
+
+inline TrianglePositions floor_positions() { return {-2, -2, 0, 2, -2, 0, 0, 2, 0}; }
+// The two upper corners stay far above the floor, so that no edge of the tip meets an edge of the floor.
+inline TrianglePositions tip_positions(float z) { return {0, 0, z, -0.1f, 0, 9, 0.1f, 0, 9}; }
+
+inline PendingFrame tip_frame(uint64_t id, float depth) {
+  struct Memory {
+    TrianglePositions floor, start, end;
+  };
+  const auto memory =
+      std::make_shared<const Memory>(Memory{floor_positions(), tip_positions(1), tip_positions(1 - depth)});
+  const auto bytes = [](const TrianglePositions& positions) { return std::as_bytes(std::span(positions)); };
+  PendingFrame frame;
+  frame.frame_id = id;
+  frame.input.updates = {{0, {}, bytes(memory->floor), false}, {1, bytes(memory->start), bytes(memory->end), false}};
+  frame.brings = {{0, true}, {1, true}};
+  frame.memory = memory;
+  return frame;
+}
+
+/// Scenes and what they share.
+struct SceneBench {
+  explicit SceneBench(size_t max_scenes = 64, unsigned at_once = 2)
+      : turns(at_once), scenes(max_scenes, 16, {turns, observer}) {}
+  ~SceneBench() { scenes.clear(); }
+
+  SceneUse add(const Client& owner, SceneRequest request) {
+    auto added = scenes.add(owner, std::move(request));
+    added.scene->worker().post([scene = added.scene] { scene->build_if_complete(); });
+    added.scene->worker().flush();
+    return added.scene;
+  }
+  SceneUse add(const Client& owner = client()) { return add(owner, {tip_plan(), "", 0, 30}); }
+
+  CountingObserver observer;
+  Turns turns;
+  SceneStore scenes;
+};
+
+}  // namespace collided::server
