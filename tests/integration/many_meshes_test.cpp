@@ -23,9 +23,7 @@ TEST(ManyMeshes, TheLargestSceneFitsItsAnswer) {
   DaemonProcess daemon;
   auto stub = pb::CollisionService::NewStub(daemon.channel());
   EXPECT_NE(make_scene(*stub, many_meshes(16384)), "");
-  grpc::ClientContext context;
-  pb::CreateSceneResponse response;
-  const auto status = stub->CreateScene(&context, many_meshes(16385), &response);
+  const auto status = create_scene(*stub, many_meshes(16385));
   EXPECT_EQ(status.error_code(), grpc::RESOURCE_EXHAUSTED);
   EXPECT_NE(status.error_message().find("16385"), std::string::npos) << status.error_message();
 }
@@ -38,6 +36,7 @@ TEST(ManyMeshes, APageOfScenesEndsBeforeItsMessageIsTooLarge) {
   pb::ListScenesRequest request;
   do {
     grpc::ClientContext context;
+    set_deadline(context);
     pb::ListScenesResponse response;
     const auto status = stub->ListScenes(&context, request, &response);
     ASSERT_TRUE(status.ok()) << status.error_message();

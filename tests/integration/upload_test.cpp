@@ -15,8 +15,9 @@ constexpr auto kPause = std::chrono::milliseconds(100);  // for a message to arr
 /// An UploadMesh call to mesh 0.
 class Upload {
  public:
-  Upload(Stub& stub, const std::string& scene_id, const std::vector<uint32_t>& triangles)
-      : call_(stub.UploadMesh(&context_, &response_)) {
+  Upload(Stub& stub, const std::string& scene_id, const std::vector<uint32_t>& triangles) {
+    set_deadline(context_);
+    call_ = stub.UploadMesh(&context_, &response_);
     pb::UploadMeshRequest chunk;
     chunk.set_scene_id(scene_id);
     chunk.set_triangles(pack(triangles));
@@ -50,19 +51,9 @@ class Uploads : public testing::Test {
     return request;
   }
 
-  grpc::Status get(const std::string& id, pb::Scene* scene) {
-    grpc::ClientContext context;
-    pb::GetSceneRequest request;
-    request.set_scene_id(id);
-    pb::GetSceneResponse response;
-    const auto status = stub_->GetScene(&context, request, &response);
-    *scene = response.scene();
-    return status;
-  }
-
   pb::SceneState state(const std::string& id) {
     pb::Scene scene;
-    EXPECT_TRUE(get(id, &scene).ok());
+    EXPECT_TRUE(get_scene(*stub_, id, &scene).ok());
     return scene.state();
   }
 
@@ -123,8 +114,7 @@ TEST_F(Uploads, ASceneThatCannotBeMadeIsDeleted) {
   const auto status = Upload(*stub_, id, all_).finish();
   EXPECT_EQ(status.error_code(), grpc::RESOURCE_EXHAUSTED);
   EXPECT_NE(status.error_details().find("spec.memory_budget_bytes"), std::string::npos) << status.error_message();
-  pb::Scene scene;
-  EXPECT_EQ(get(id, &scene).error_code(), grpc::NOT_FOUND);
+  EXPECT_EQ(get_scene(*stub_, id).error_code(), grpc::NOT_FOUND);
 }
 
 }  // namespace
