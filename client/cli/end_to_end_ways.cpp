@@ -6,9 +6,9 @@ namespace collided::cli {
 
 namespace {
 
-Way grpc_way(const std::string& name, const std::string& address) {
-  const auto open = [address](const v1::Scene& scene) {
-    return client::Client::connect(address).stream(scene, {.window = 1});
+Way way(const std::string& name, const std::string& address, client::Local local) {
+  const auto open = [address, local](const v1::Scene& scene) {
+    return client::Client::connect(address).stream(scene, {.window = 1, .local = {.use = local}});
   };
   return {.name = name, .open = open, .missing = address.empty() ? "the daemon has no such address" : ""};
 }
@@ -16,7 +16,9 @@ Way grpc_way(const std::string& name, const std::string& address) {
 }  // namespace
 
 std::vector<Way> ways_of(const OwnDaemon& daemon) {
-  return {grpc_way("grpc tcp", daemon.tcp_address()), grpc_way("grpc unix", daemon.address())};
+  return {way("grpc tcp", daemon.tcp_address(), client::Local::kOff),
+          way("grpc unix", daemon.address(), client::Local::kOff),
+          way("shared memory", daemon.address(), client::Local::kOn)};
 }
 
 }  // namespace collided::cli
