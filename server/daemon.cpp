@@ -12,6 +12,7 @@
 #include "gpu/detector.hpp"
 #include "server/auth/credentials.hpp"
 #include "server/ops/log.hpp"
+#include "server/service/call_watch.hpp"
 
 namespace collided::server {
 namespace {
@@ -96,6 +97,9 @@ void Daemon::listen(const Config& config) {
   }
   builder.RegisterService(&service_);
   calls_ = std::make_unique<FrameCalls>(builder, service_, FrameCallParts{host_, authenticator_, metrics_});
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> watches;
+  watches.push_back(std::make_unique<CallWatches>(metrics_));
+  builder.experimental().SetInterceptorCreators(std::move(watches));
   server_ = builder.BuildAndStart();
   for (size_t i = 0; i < ports.size(); ++i) {
     if (!server_ || ports[i] == 0) throw std::runtime_error("cannot listen on " + config.addresses[i]);

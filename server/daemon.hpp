@@ -36,7 +36,8 @@ class Daemon {
   void begin_stop(double grace_seconds);
   /// Waits until no call is in work; false if `deadline` came first.
   bool wait_idle(std::chrono::steady_clock::time_point deadline) const;
-  /// Cancels what is left, frees the scenes.
+  /// Cancels what is left, frees the scenes. Takes for ever where a client neither reads nor closes a Unix socket that
+  /// is full.
   void stop();
 
   /// With the ports that were given out.

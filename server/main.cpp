@@ -20,6 +20,7 @@
 #include "server/config/config.hpp"
 #include "server/config/rules.hpp"
 #include "server/daemon.hpp"
+#include "server/ops/exit_deadline.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/log.hpp"
 
@@ -30,6 +31,7 @@ using collided::server::ConfigError;
 using collided::server::Daemon;
 using collided::server::Lifecycle;
 
+constexpr double kSecondsToStop = 5;   // after the grace
 constexpr double kGraceOfFailure = 1;  // seconds for the answers that tell of a failed device
 
 struct CommandLine {
@@ -125,9 +127,12 @@ int serve(const CommandLine& line, Config config, const sigset_t& signals) {
   write_ready_file(config.ready_file, daemon.addresses());
   wait_for_end(line, signals, config, daemon);
   if (lifecycle.failed()) spdlog::critical("{}", lifecycle.status().text());
-  drain(daemon, lifecycle.failed() ? std::min(config.grace_seconds, kGraceOfFailure) : config.grace_seconds, signals);
+  const int code = lifecycle.failed() ? 1 : 0;
+  const double grace_seconds = code ? std::min(config.grace_seconds, kGraceOfFailure) : config.grace_seconds;
+  const collided::server::ExitDeadline deadline(grace_seconds + kSecondsToStop, code);
+  drain(daemon, grace_seconds, signals);
   spdlog::info("stopped");
-  return lifecycle.failed() ? 1 : 0;
+  return code;
 }
 
 // What parsing cannot tell: whether the files that options name can be used.

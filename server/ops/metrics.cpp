@@ -191,6 +191,7 @@ void Metrics::count_reconnect() { families_->reconnects.Increment(); }
 void Metrics::count_call(std::string_view method, std::string_view code) {
   std::string key(method);
   families_->calls.at(key.append("/").append(code)).Increment();
+  if (code != "OK" && code != "CANCELLED") count_rejected(code);
 }
 
 void Metrics::set_gauges(std::function<Gauges()> gauges) {

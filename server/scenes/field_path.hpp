@@ -19,7 +19,8 @@ inline std::string with_last_part(const std::string& path, std::string_view from
 /// "updates[1].end" -> "frame.updates[1].positions".
 inline std::string frame_path(const std::string& engine_path) {
   if (engine_path.empty()) return "frame";
-  const std::string path = with_last_part(engine_path, "start", "start_positions");
+  const std::string indices = with_last_part(engine_path, "indices", "sparse.indices");
+  const std::string path = with_last_part(indices, "start", "start_positions");
   return "frame." + with_last_part(path, "end", "positions");
 }
 

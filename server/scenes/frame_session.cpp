@@ -39,8 +39,8 @@ std::shared_ptr<FrameSession> FrameSession::open(SceneUse scene, const std::stri
   std::shared_ptr<FrameSession> session(new FrameSession(std::move(scene), delivery, std::move(sink)));
   const auto before = session->scene().begin_stream(session, resume_token);
   if (before)
-    before->end(std::make_exception_ptr(TakenOver("open.scene_id", "another stream took over scene " +  //
-                                                                       session->scene().id())));
+    before->end(std::make_exception_ptr(
+        TakenOver("open.scene_id", "open.scene_id: another stream took over scene " + session->scene().id())));
   session->scene().worker().post([session] {
     if (const auto sink = session->sink()) sink->opened(session->scene());
   });
@@ -119,9 +119,11 @@ void FrameSession::hold(bool is_held) {
 void FrameSession::close() {
   std::deque<Waiting> dropped;
   std::shared_ptr<FrameSink> sink;
+  SceneUse use;
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
+    use = std::move(use_);
     dropped.swap(waiting_);
     sink.swap(sink_);
   }
@@ -145,7 +147,7 @@ std::shared_ptr<FrameSink> FrameSession::sink() const {
 
 double FrameSession::idle_seconds() const {
   const std::lock_guard lock(mutex_);
-  if (is_working_ || !waiting_.empty()) return 0;
+  if (is_working_ || (!waiting_.empty() && !is_held_)) return 0;
   return milliseconds_since(last_active_) / 1000;
 }
 

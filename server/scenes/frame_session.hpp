@@ -50,7 +50,8 @@ class FrameSession : public std::enable_shared_from_this<FrameSession> {
   void end(const std::exception_ptr& why);
   void announce_stop(double seconds);
   bool is_closed() const { return closed_; }
-  /// Seconds since the last frame came or was answered; 0 while one is in hand.
+  /// Seconds since the last frame came or was begun; 0 while one runs or waits for its turn, but not while it waits for
+  /// the client to take the answers before it.
   double idle_seconds() const;
   /// Frames that wait.
   size_t waiting() const;
@@ -62,7 +63,7 @@ class FrameSession : public std::enable_shared_from_this<FrameSession> {
   };
 
   FrameSession(SceneUse scene, Delivery delivery, std::shared_ptr<FrameSink> sink)
-      : scene_(std::move(scene)), delivery_(delivery), sink_(std::move(sink)) {}
+      : scene_(scene.scene()), delivery_(delivery), use_(std::move(scene)), sink_(std::move(sink)) {}
 
   // `_locked`: the caller holds mutex_.
   void skip_older_locked(const PendingFrame& latest);
@@ -72,10 +73,11 @@ class FrameSession : public std::enable_shared_from_this<FrameSession> {
   void run(Waiting& next, FrameSink& sink);
   void fail(uint64_t frame_id, const std::exception_ptr& error, FrameSink& sink);
 
-  const SceneUse scene_;
+  const std::shared_ptr<Scene> scene_;
   const Delivery delivery_;
   std::atomic<bool> closed_ = false;
   mutable std::mutex mutex_;  // guards what follows
+  SceneUse use_;              // until it is closed: a transport may keep its session for longer
   std::shared_ptr<FrameSink> sink_;
   std::deque<Waiting> waiting_;
   std::chrono::steady_clock::time_point last_active_ = std::chrono::steady_clock::now();

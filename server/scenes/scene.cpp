@@ -97,7 +97,8 @@ std::shared_ptr<FrameSession> Scene::begin_stream(const std::shared_ptr<FrameSes
                                                   const std::string& token) {
   const std::lock_guard lock(mutex_);
   check_open();
-  if (!shown_.ready) throw FailedPrecondition("open.scene_id", fmt::format("scene {} still awaits triangles", id()));
+  if (!shown_.ready)
+    throw FailedPrecondition("open.scene_id", fmt::format("open.scene_id: scene {} still awaits triangles", id()));
   check_token(token, stream_ != nullptr);
   return std::exchange(stream_, session);
 }
@@ -130,7 +131,7 @@ std::shared_ptr<FrameSlot> Scene::take_slot() {
   }
   auto slot = slots ? slots->take() : nullptr;
   if (!slot) check_open();
-  if (!slot) throw FailedPrecondition("scene_id", fmt::format("scene {} still awaits triangles", id()));
+  if (!slot) throw FailedPrecondition("scene_id", fmt::format("scene_id: scene {} still awaits triangles", id()));
   return slot;
 }
 
@@ -206,7 +207,7 @@ void Scene::add_triangles(uint32_t mesh, const Triangles& triangles) {
 
 FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame) {
   check_open();
-  if (!detector_) throw FailedPrecondition("scene_id", fmt::format("scene {} still awaits triangles", id()));
+  if (!detector_) throw FailedPrecondition("scene_id", fmt::format("scene_id: scene {} still awaits triangles", id()));
   const uint64_t last = shown_.last_frame_id;  // written by this thread only
   check_frame_id(frame_id, last);
   FrameResult result;

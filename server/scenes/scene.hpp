@@ -145,6 +145,7 @@ class SceneUse {
   explicit operator bool() const { return scene_ != nullptr; }
   Scene* operator->() const { return scene_.get(); }
   Scene& operator*() const { return *scene_; }
+  const std::shared_ptr<Scene>& scene() const { return scene_; }
 
  private:
   std::shared_ptr<Scene> scene_;

@@ -95,7 +95,7 @@ void SceneHost::end_idle_streams() const {
   for (const auto& scene : scenes_.all()) {
     const auto stream = scene->stream();
     if (!stream || stream->idle_seconds() <= most) continue;
-    const auto what = fmt::format("max_idle_seconds is {}, and no frame came for longer", most);
+    const auto what = fmt::format("max_idle_seconds is {}, and for longer no frame came, or no answer was taken", most);
     stream->end(std::make_exception_ptr(LimitExceeded::quota("scene:" + scene->id(), what)));
   }
 }

@@ -8,8 +8,9 @@
 namespace collided::server {
 namespace {
 
-std::string_view header(const grpc::ServerContextBase& context, const char* name) {
-  const auto& metadata = context.client_metadata();
+using Metadata = std::multimap<grpc::string_ref, grpc::string_ref>;
+
+std::string_view header(const Metadata& metadata, const char* name) {
   const auto found = metadata.find(name);
   return found == metadata.end() ? std::string_view() : std::string_view(found->second.data(), found->second.size());
 }
@@ -23,9 +24,13 @@ std::string certificate_name(const grpc::ServerContextBase& context) {
 
 }  // namespace
 
+CallIds ids_of(const Metadata& metadata) {
+  return parse_ids(header(metadata, "x-request-id"), header(metadata, "traceparent"));
+}
+
 Caller identify(const grpc::ServerContextBase& context, const Authenticator& authenticator) {
-  return {authenticator.identify(header(context, "authorization"), certificate_name(context)),
-          parse_ids(header(context, "x-request-id"), header(context, "traceparent"))};
+  const Metadata& metadata = context.client_metadata();
+  return {authenticator.identify(header(metadata, "authorization"), certificate_name(context)), ids_of(metadata)};
 }
 
 }  // namespace collided::server

@@ -3,6 +3,8 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <map>
+
 #include "server/auth/authenticator.hpp"
 #include "server/ops/log.hpp"
 
@@ -12,6 +14,9 @@ struct Caller {
   Client client;
   CallIds ids;
 };
+
+/// The ids that a call's metadata give it.
+CallIds ids_of(const std::multimap<grpc::string_ref, grpc::string_ref>& metadata);
 
 /// From the call's metadata and certificate. Throws Unauthenticated.
 Caller identify(const grpc::ServerContextBase& context, const Authenticator& authenticator);

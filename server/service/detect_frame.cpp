@@ -1,6 +1,8 @@
 // One DetectFrame call.
 #include "server/service/detect_frame.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include "server/convert/chunks.hpp"
 #include "server/errors.hpp"
 #include "server/service/guard.hpp"
@@ -37,8 +39,9 @@ void detect_frame(grpc::ServerUnaryReactor* reactor, const grpc::CallbackServerC
   guard(reactor, [&] {
     try {
       if (scene.stream())
-        throw FailedPrecondition("scene_id",
-                                 fmt::format("scene {} has an open stream, which alone brings its frames", scene.id()));
+        throw FailedPrecondition(
+            "scene_id",
+            fmt::format("scene_id: scene {} has an open stream, which alone brings its frames", scene.id()));
       auto answered = run_frame(scene, frame, [context] { return context->IsCancelled(); });
       fill_answer(scene, answered, response);
       scene.observer().answered(scene, answered);

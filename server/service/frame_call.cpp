@@ -259,13 +259,18 @@ void FrameCall::end_locked(const grpc::Status& status) {
 
 // A message that is on its way has to arrive, or fail, before the status.
 void FrameCall::finish_locked() {
+  drop_outgoing_locked();
   if (is_writing_)
     return linger_.Set(calls_.queue_.get(), std::chrono::system_clock::now() + kLinger, lingered_.send());
   if (std::exchange(is_finishing_, true)) return;
   linger_.Cancel();
-  outgoing_.clear();
-  outgoing_bytes_ = 0;
   stream_.Finish(*status_, finished_.send());
+}
+
+// But for the message that is on its way.
+void FrameCall::drop_outgoing_locked() {
+  outgoing_.erase(outgoing_.begin() + (is_writing_ ? 1 : 0), outgoing_.end());
+  outgoing_bytes_ = is_writing_ ? outgoing_.front().size : 0;
 }
 
 void FrameCall::on_linger(bool ok) {

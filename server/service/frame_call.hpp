@@ -71,6 +71,7 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   void write_locked();
   void end_locked(const grpc::Status& status);
   void finish_locked();
+  void drop_outgoing_locked();
   void end_if_idle_locked();
 
   FrameCalls& calls_;

@@ -3,7 +3,6 @@
 
 #include <grpcpp/grpcpp.h>
 
-#include "server/ops/log.hpp"
 #include "server/service/status.hpp"
 
 namespace collided::server {
@@ -14,9 +13,7 @@ void guard(grpc::ServerUnaryReactor* reactor, const Body& body) {
   try {
     body();
   } catch (...) {
-    const Failure failure = describe_current();
-    log_event(spdlog::level::info, "call refused", {{"code", code_name(failure.code)}, {"reason", failure.message}});
-    reactor->Finish(to_status(failure));
+    reactor->Finish(to_status(describe_current()));
   }
 }
 

@@ -15,6 +15,7 @@ namespace {
 constexpr double kLease = 1;
 constexpr uint32_t kSmall = 10;
 constexpr uint32_t kLarge = 80;  // some MiB of contacts a frame
+constexpr double kOneMessage = 2.1 * (1 << 20);
 
 class Peers : public testing::Test {
  protected:
@@ -59,11 +60,32 @@ TEST_F(Peers, AClientThatStopsWithinLargeAnswersIsLeft) {
   expect_all_released();
 }
 
-TEST_F(Peers, AClientThatStopsOnAUnixSocketIsLeft) {
-  ChildClient client(daemon_.address(), make_scene(*stub_, layers_request(kLarge, kLease)), kLarge);
+// A full Unix socket lets no ping through: the idle time tells, and one message stays until the client ends.
+TEST(UnixPeers, AClientThatStopsIsLeft) {
+  DaemonProcess daemon({"--max-idle-seconds", "1"});
+  const Probe probe(daemon);
+  const auto stub = pb::CollisionService::NewStub(daemon.channel());
+  ChildClient client(daemon.address(), make_scene(*stub, layers_request(kLarge, kLease)), kLarge);
   ASSERT_TRUE(client.is_answered());
   client.signal(SIGSTOP);
-  expect_all_released();
+  EXPECT_TRUE(probe.streams_become(0));
+  EXPECT_TRUE(probe.scenes_become(0));
+  EXPECT_EQ(probe.device_bytes(), 0);
+  EXPECT_LE(probe.metric("collided_outgoing_bytes"), kOneMessage);
+  client.signal(SIGKILL);
+  EXPECT_TRUE(probe.becomes("collided_outgoing_bytes", 0));
+}
+
+TEST(UnixPeers, AClientThatStoppedDoesNotKeepTheDaemonFromStopping) {
+  for (const bool is_local : {true, false}) {
+    DaemonProcess daemon({"--address", "127.0.0.1:0", "--grace-seconds", "1"});
+    const auto stub = pb::CollisionService::NewStub(daemon.channel());
+    const auto scene = make_scene(*stub, layers_request(kLarge, kLease));
+    ChildClient client(is_local ? daemon.address() : daemon.tcp_address(), scene, kLarge);
+    ASSERT_TRUE(client.is_answered());
+    client.signal(SIGSTOP);
+    EXPECT_EQ(daemon.stop(), 0) << (is_local ? "Unix socket" : "TCP");
+  }
 }
 
 TEST_F(Peers, ABrokenConnectionEndsItsStreamAndIsResumedOnAnother) {

@@ -77,12 +77,12 @@ class Probe {
   double device_bytes() const { return metric("collided_device_bytes"); }
   double rejected(const std::string& code) const { return metric("collided_rejected_total{reason=\"" + code + "\"}"); }
 
-  bool streams_become(double count) const {
-    return eventually("streams become " + std::to_string(count), [&] { return streams() == count; });
+  /// Waits until it has the value.
+  bool becomes(const std::string& name, double value) const {
+    return eventually(name + " becomes " + std::to_string(value), [&] { return metric(name) == value; });
   }
-  bool scenes_become(double count) const {
-    return eventually("scenes become " + std::to_string(count), [&] { return scenes() == count; });
-  }
+  bool streams_become(double count) const { return becomes("collided_streams", count); }
+  bool scenes_become(double count) const { return becomes("collided_scenes", count); }
 
   /// VmRSS.
   double resident_bytes() const {

@@ -144,8 +144,8 @@ TEST_F(Sparse, AMeshsFirstFrameIsWhole) {
   sparse.mutable_updates(0)->mutable_sparse()->set_indices(pack<uint32_t>({0, 1, 2}));
   const Answer refused = stream.ask(sparse);
   ASSERT_TRUE(refused.error);
-  EXPECT_EQ(refused.error->code(), grpc::FAILED_PRECONDITION) << refused.error->message();
-  EXPECT_EQ(refused.error->field(), "frame.updates[0].sparse");
+  EXPECT_EQ(refused.error->code(), grpc::INVALID_ARGUMENT) << refused.error->message();
+  EXPECT_EQ(refused.error->field(), "frame.updates[0].sparse.indices");
   expect_tip_contact(stream.ask(first_frame(2)), 2);
 }
 

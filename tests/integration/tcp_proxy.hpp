@@ -38,7 +38,10 @@ class TcpProxy {
     return "127.0.0.1:" + std::to_string(ntohs(bound.sin_port));
   }
   /// Resets the connections, and takes no new ones.
-  void cut() { state_ = State::kCut; }
+  void cut() {
+    state_ = State::kCut;
+    while (!is_cut_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   /// Nothing gets through any more, in either direction.
   void unplug() { state_ = State::kUnplugged; }
 
@@ -89,7 +92,10 @@ class TcpProxy {
 
   void run() {
     while (!is_over_) {
-      if (state_ == State::kCut) close_all();
+      if (state_ == State::kCut) {
+        close_all();
+        is_cut_ = true;
+      }
       if (state_ == State::kPlugged) {
         step();
       } else {
@@ -124,7 +130,7 @@ class TcpProxy {
   const int listener_;
   std::list<Pair> pairs_;  // of the thread alone
   std::atomic<State> state_ = State::kPlugged;
-  std::atomic<bool> is_over_ = false;
+  std::atomic<bool> is_cut_ = false, is_over_ = false;
   std::thread thread_;
 };
 
