@@ -16,7 +16,7 @@
 
 namespace collided::server {
 
-constexpr int kVertices = 8;
+constexpr int kVertices = 7;
 
 struct FrameShape {
   bool start = false;  ///< with positions at t = 0
@@ -100,13 +100,19 @@ inline DecodedRequest decode(const std::string& wire, Room& room, int block = 0)
   return decode_request(stream, wire.size(), [&] { return room.ask(); });
 }
 
+inline void put_back(std::span<const std::byte> placed, std::string& otherwise) {
+  if (placed.empty()) return;
+  EXPECT_TRUE(otherwise.empty());
+  otherwise = text(placed);
+}
+
 /// The request with its positions back in the message, and without fields that are unknown, as bytes.
 inline std::string whole(const DecodedRequest& decoded) {
   pb::StreamFramesRequest message = decoded.message;
   for (size_t i = 0; i < decoded.placed.size(); ++i) {
     pb::MeshUpdate& update = *message.mutable_frame()->mutable_updates(static_cast<int>(i));
-    if (!decoded.placed[i].end.empty()) update.set_positions(text(decoded.placed[i].end));
-    if (!decoded.placed[i].start.empty()) update.set_start_positions(text(decoded.placed[i].start));
+    put_back(decoded.placed[i].end, *update.mutable_positions());
+    put_back(decoded.placed[i].start, *update.mutable_start_positions());
   }
   message.DiscardUnknownFields();
   return message.SerializeAsString();

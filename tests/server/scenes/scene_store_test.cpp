@@ -163,9 +163,9 @@ TEST_F(SceneStoreTest, ALeaseRunsWhileNobodyUsesTheScene) {
   second = {};
   EXPECT_TRUE(store_.remove_expired(Clock::now()).empty());
   const auto expired = store_.remove_expired(later(10));
-  EXPECT_EQ(ids(expired), std::vector{id});
+  ASSERT_EQ(ids(expired), std::vector{id});
   EXPECT_THROW(store_.find(ann_, id), NotFound);
-  EXPECT_THROW(expired.at(0)->check_open(), NotFound);
+  EXPECT_THROW(expired[0]->check_open(), NotFound);
   expired[0]->worker().flush();
   EXPECT_EQ(held_->held(), 0u);
   EXPECT_TRUE(store_.add(ann_, request("mine", 2)).is_new);

@@ -27,9 +27,13 @@ class SlotPoolTest : public testing::Test {
 
 TEST_F(SlotPoolTest, ASlotThatIsBackIsUsedAgain) {
   auto slot = pool_->take();
+  slot->room(uint64_t{1} << 20);
   const FrameSlot* first = slot.get();
+  const uint64_t before = held_->held();
   slot.reset();
+  EXPECT_EQ(held_->held(), before);
   EXPECT_EQ(pool_->take().get(), first);
+  EXPECT_EQ(held_->held(), before);
 }
 
 TEST_F(SlotPoolTest, SlotsInUseAreNotSharedAndAllComeBack) {
