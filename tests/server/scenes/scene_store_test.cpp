@@ -152,10 +152,7 @@ TEST_F(SceneStoreTest, ADeletedScenesMemoryIsFreeAtOnceThoughItIsStillInUse) {
 TEST_F(SceneStoreTest, ALeaseRunsWhileNobodyUsesTheScene) {
   SceneUse use = bench_.add(ann_, request("mine", 1, 10));
   const auto id = use->id();
-  const auto later = [](double lease) {
-    return Clock::now() + seconds(1) +
-           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(lease));
-  };
+  const auto later = [](int lease) { return Clock::now() + seconds(1 + lease); };
   EXPECT_TRUE(store_.remove_expired(later(1000)).empty());
   SceneUse second = use;
   use = {};
