@@ -72,6 +72,8 @@ class Probe {
     const auto found = text.find("\n" + name + " ");
     return found == std::string::npos ? 0 : std::stod(text.substr(found + name.size() + 2));
   }
+  /// Whether health is SERVING, as /readyz tells it.
+  bool is_ready() const { return http_get(http_, "/readyz").starts_with("HTTP/1.1 200"); }
   double streams() const { return metric("collided_streams"); }
   double scenes() const { return metric("collided_scenes"); }
   double device_bytes() const { return metric("collided_device_bytes"); }
