@@ -15,7 +15,7 @@ namespace {
 constexpr double kLease = 1;
 constexpr uint32_t kSmall = 10;
 constexpr uint32_t kLarge = 80;  // some MiB of contacts a frame
-constexpr size_t kRoomForAll = size_t{64} << 20;
+constexpr size_t kRoomForAll = size_t{256} << 20;
 
 class LocalPeers : public testing::Test {
  protected:
