@@ -86,16 +86,19 @@ class Probe {
     return eventually("scenes become " + std::to_string(count), [&] { return scenes() == count; });
   }
 
-  /// VmRSS.
-  double resident_bytes() const {
+  double resident_bytes() const { return status_bytes("VmRSS:"); }
+  /// The most that it has been.
+  double peak_resident_bytes() const { return status_bytes("VmHWM:"); }
+
+ private:
+  double status_bytes(const std::string& field) const {
     std::ifstream file("/proc/" + std::to_string(pid_) + "/status");
     for (std::string line; std::getline(file, line);)
-      if (line.starts_with("VmRSS:")) return std::stod(line.substr(6)) * 1024;
-    ADD_FAILURE() << "no VmRSS of process " << pid_;
+      if (line.starts_with(field)) return std::stod(line.substr(field.size())) * 1024;
+    ADD_FAILURE() << "no " << field << " of process " << pid_;
     return std::numeric_limits<double>::infinity();
   }
 
- private:
   std::string http_;
   pid_t pid_;
 };
