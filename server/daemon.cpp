@@ -147,7 +147,8 @@ bool Daemon::wait_idle(std::chrono::steady_clock::time_point deadline) const {
 }
 
 void Daemon::stop() {
-  const bool idle = wait_idle(std::chrono::steady_clock::now());
+  host_.end_streams();
+  const bool idle = wait_idle(std::chrono::steady_clock::now() + kLastAnswers);
   // Shutdown also waits for idle connections, which some clients never close: hence no longer than for last answers.
   server_->Shutdown(std::chrono::system_clock::now() + (idle ? kLastAnswers : std::chrono::milliseconds(0)));
   calls_->stop();

@@ -12,13 +12,16 @@
 #include <string>
 #include <vector>
 
+#include "tests/integration/program.hpp"
+
 namespace collided::test {
 
 class ChildClient {
  public:
   /// Streams frames of `layers.hpp` to a scene over gRPC, one after the other and without end.
   ChildClient(const std::string& address, const std::string& scene_id, unsigned side)
-      : ChildClient({COLLIDED_STREAM_CLIENT, address, scene_id, std::to_string(side)}) {}
+      : ChildClient(
+            {setting("COLLIDED_STREAM_CLIENT", COLLIDED_STREAM_CLIENT), address, scene_id, std::to_string(side)}) {}
   /// A program that writes a byte to its output once its first frame was answered.
   explicit ChildClient(std::vector<std::string> command) {
     int ends[2];

@@ -37,8 +37,9 @@ class LocalPeers : public testing::Test {
   /// A child that streams, with frames in flight.
   std::unique_ptr<ChildClient> start(uint32_t side, size_t output_bytes) {
     const std::string scene = daemon_.make_scene(layers_request(side, kLease));
-    auto client = std::make_unique<ChildClient>(std::vector<std::string>{
-        COLLIDED_LOCAL_CLIENT, daemon_.path(), scene, std::to_string(side), std::to_string(output_bytes)});
+    auto client = std::make_unique<ChildClient>(
+        std::vector<std::string>{setting("COLLIDED_LOCAL_CLIENT", COLLIDED_LOCAL_CLIENT), daemon_.path(), scene,
+                                 std::to_string(side), std::to_string(output_bytes)});
     EXPECT_TRUE(client->is_answered());
     return client;
   }

@@ -69,7 +69,7 @@ class Stream:
         for response in self.responses:
             assert response.frame_id == frame_message.frame_id, response
             if response.WhichOneof("response") != "contacts":
-                return chunks, response
+                return chunks + list(response.done.contacts), response
             chunks.append(response.contacts)
         raise AssertionError("the stream ended within a frame")
 
