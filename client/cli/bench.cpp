@@ -106,14 +106,13 @@ void run(const BenchOptions& options) {
 }
 
 void add_input_options(CLI::App& command, BenchOptions& options) {
-  CLI::Option* scene =
-      command.add_option("--scene", options.scenes, "Procedural scenes, see 'collidectl scenes', such as funnel,nbody")
-          ->delimiter(',')
-          ->allow_extra_args(false);
+  command.add_option("--scene", options.scenes, "Procedural scenes, see 'collidectl scenes', such as funnel,nbody")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   add_scale_option(command, options.scale);
-  command.get_option("--scale")->needs(scene);
   command.add_option("--frames", options.frames, "OBJ or PLY: FRAME0 FRAME1 for ccd, one for dcd, the same each step")
-      ->expected(1, 2);
+      ->expected(1, 2)
+      ->excludes(command.get_option("--scale"));
 }
 
 void add_step_options(CLI::App& command, BenchSettings& settings) {

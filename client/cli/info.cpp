@@ -11,15 +11,31 @@ namespace collided::cli {
 
 namespace {
 
+Json limits_json(const v1::ServerLimits& limits) {
+  return {{"max_message_bytes", limits.max_message_bytes()},
+          {"max_vertices", limits.max_vertices()},
+          {"max_triangles", limits.max_triangles()},
+          {"max_scene_bytes", limits.max_scene_bytes()},
+          {"max_window", limits.max_window()},
+          {"max_idle_seconds", limits.max_idle_seconds()},
+          {"max_lease_seconds", limits.max_lease_seconds()},
+          {"max_scenes", limits.max_scenes()},
+          {"max_device_bytes", limits.max_device_bytes()},
+          {"max_streams", limits.max_streams()},
+          {"max_scenes_per_client", limits.max_scenes_per_client()},
+          {"max_device_bytes_per_client", limits.max_device_bytes_per_client()},
+          {"max_streams_per_client", limits.max_streams_per_client()},
+          {"max_frames_per_second", limits.max_frames_per_second()}};
+}
+
 Json info_json(const v1::GetServerInfoResponse& info) {
   Json devices = Json::object();
   for (const v1::Device& d : info.devices())
     devices[name_of(d.backend())] = {{"name", d.name()}, {"memory_bytes", d.memory_bytes()}};
-  const v1::ServerLimits& l = info.limits();
-  const Json limits = {{"max_message_bytes", l.max_message_bytes()}, {"max_vertices", l.max_vertices()},
-                       {"max_triangles", l.max_triangles()},         {"max_scenes", l.max_scenes()},
-                       {"max_scene_bytes", l.max_scene_bytes()},     {"max_window", l.max_window()}};
-  return {{"version", info.version()}, {"devices", devices}, {"limits", limits}};
+  return {{"version", info.version()},
+          {"devices", devices},
+          {"limits", limits_json(info.limits())},
+          {"local_socket", info.local_socket()}};
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <grpcpp/support/status_code_enum.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "client/cpp/frame_stream_state.hpp"
 
@@ -121,7 +122,15 @@ void FrameStream::State::complete(uint64_t frame_id) {
 
 void FrameStream::State::throw_ended() const {
   if (failure) throw *failure;
+  if (half_closed) throw Error(grpc::FAILED_PRECONDITION, "the stream has ended, as finish() asked for");
   throw Error(grpc::UNAVAILABLE, "the stream has ended");
+}
+
+FrameOutput FrameStream::State::take_ready() {
+  if (ready.empty()) throw_ended();
+  FrameOutput output = std::move(ready.front());
+  ready.pop_front();
+  return output;
 }
 
 void FrameStream::State::await_credit(std::unique_lock<std::mutex>& lock) {
@@ -195,17 +204,23 @@ FrameOutput FrameStream::receive() {
   std::unique_lock lock(state_->mutex);
   if (state_->ready.empty() && state_->in_flight == 0 && !state_->ended)
     throw Error(grpc::FAILED_PRECONDITION, "receive() was called with no frame in flight");
-  state_->changed.wait(lock, [&] { return state_->ended || !state_->ready.empty(); });
-  if (state_->ready.empty()) state_->throw_ended();
-  FrameOutput output = std::move(state_->ready.front());
-  state_->ready.pop_front();
-  return output;
+  state_->changed.wait(lock, [&] { return state_->has_news(); });
+  return state_->take_ready();
+}
+
+std::optional<FrameOutput> FrameStream::receive_within(std::chrono::milliseconds patience) {
+  std::unique_lock lock(state_->mutex);
+  if (!state_->changed.wait_for(lock, patience, [&] { return state_->has_news(); })) return std::nullopt;
+  return state_->take_ready();
 }
 
 void FrameStream::finish() {
-  if (!state_->half_closed) state_->transport->half_close();
-  state_->half_closed = true;
   std::unique_lock lock(state_->mutex);
+  if (!std::exchange(state_->half_closed, true)) {
+    lock.unlock();
+    state_->transport->half_close();
+    lock.lock();
+  }
   state_->changed.wait(lock, [&] { return state_->ended; });
   if (state_->failure) throw *state_->failure;
 }

@@ -1,6 +1,7 @@
 #pragma once
 // Frames in, contacts out: one stream to one scene.
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <span>
@@ -60,8 +61,12 @@ class FrameStream {
   /// on its way. Waits for a credit. `bytes` at a time, as often as needed; starts are aligned to 64. Empty over gRPC,
   /// where any memory will do. Throws Error (RESOURCE_EXHAUSTED) past what a frame of the scene can bring.
   std::span<std::byte> input(uint64_t bytes);
-  /// Waits for the next output. Throws Error if the stream broke or nothing is in flight.
+  /// Waits for the next output. Throws Error once the stream has ended, and if nothing is in flight, for which a single
+  /// thread would wait for ever.
   FrameOutput receive();
+  /// The same for at most so long, whether or not a frame is in flight yet: for a thread of its own that receives.
+  /// Nothing if no output came. Throws Error once the stream has ended.
+  std::optional<FrameOutput> receive_within(std::chrono::milliseconds patience);
   /// Tells the daemon that no more frames come, waits for its end and throws Error if it is a bad one.
   void finish();
 

@@ -23,6 +23,10 @@ struct FrameStream::State {
   /// With the mutex. Throws Error once the stream has ended.
   void await_credit(std::unique_lock<std::mutex>& lock);
   void give_credit();
+  /// Needs the mutex. Whether an output or the end is there to be received.
+  bool has_news() const { return ended || !ready.empty(); }
+  /// Needs the mutex, and news. Throws Error at the end.
+  FrameOutput take_ready();
   /// Needs the mutex. Why the stream ended, as an Error.
   [[noreturn]] void throw_ended() const;
 

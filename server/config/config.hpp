@@ -56,7 +56,7 @@ struct Config {
   std::string endpoint;                ///< told to clients as the address to stream to; empty: none
   std::string http_address;            ///< of metrics and health; empty: off
   std::string local_socket;            ///< path for clients that share memory; empty: off
-  std::vector<uint32_t> allowed_uids;  ///< of local_socket; empty: the daemon's own user alone
+  std::vector<uint32_t> allowed_uids;  ///< of local_socket, beside the daemon's own user
   bool cuda_ipc = false;               ///< take device memory of clients on the same host
   Tls tls;
   std::string tokens_file;       ///< TOML; empty: no tokens

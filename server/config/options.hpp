@@ -45,7 +45,11 @@ CLI::Option* add(CLI::App& app, const std::string& flag, T& value, const std::st
 
 /// A flag alone, or with =true or =false; as a variable or key it needs one of them.
 inline CLI::Option* add_switch(CLI::App& app, const std::string& flag, bool& value, const std::string& help) {
-  return app.add_flag(flag, value, help)->envname(variable_of(flag))->check(CLI::IsMember({"true", "false"}));
+  return app.add_flag(flag, value, help)
+      ->envname(variable_of(flag))
+      ->check(CLI::IsMember({"true", "false"}).description(""))
+      ->type_name("true|false")
+      ->default_str(value ? "true" : "false");
 }
 
 /// A number with its range.

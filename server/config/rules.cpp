@@ -15,9 +15,10 @@ void check_tls(const Config& config) {
     throw ConfigError("--tls-certificate and --tls-key are only of use together");
   if (!tls.client_ca.empty() && !tls.enabled()) throw ConfigError("--tls-client-ca needs --tls-certificate");
   if (tls.client_ca.empty() || !config.tokens_file.empty()) return;
+  constexpr auto kNeedsTokens = ": with --tls-client-ca, a Unix socket needs --tokens-file, too";
   for (const auto& address : config.addresses)
-    if (address.starts_with("unix:"))
-      throw ConfigError("--address " + address + ": with --tls-client-ca, a Unix socket needs --tokens-file, too");
+    if (address.starts_with("unix:")) throw ConfigError("--address " + address + kNeedsTokens);
+  if (!config.local_socket.empty()) throw ConfigError("--local-socket " + config.local_socket + kNeedsTokens);
 }
 
 void check_exposed(const Config& config) {

@@ -1,9 +1,9 @@
 // Who makes a call.
 #include "server/service/caller.hpp"
 
-#include <grpc/grpc_security_constants.h>
-
 #include <string_view>
+
+#include "server/auth/credentials.hpp"
 
 namespace collided::server {
 namespace {
@@ -15,13 +15,6 @@ std::string_view header(const Metadata& metadata, const char* name) {
   return found == metadata.end() ? std::string_view() : std::string_view(found->second.data(), found->second.size());
 }
 
-std::string certificate_name(const grpc::ServerContextBase& context) {
-  const auto auth = context.auth_context();
-  if (!auth || !auth->IsPeerAuthenticated()) return {};
-  const auto names = auth->FindPropertyValues(GRPC_X509_CN_PROPERTY_NAME);
-  return names.empty() ? std::string() : std::string(names[0].data(), names[0].size());
-}
-
 }  // namespace
 
 CallIds ids_of(const Metadata& metadata) {
@@ -30,7 +23,8 @@ CallIds ids_of(const Metadata& metadata) {
 
 Caller identify(const grpc::ServerContextBase& context, const Authenticator& authenticator) {
   const Metadata& metadata = context.client_metadata();
-  return {authenticator.identify(header(metadata, "authorization"), certificate_name(context)), ids_of(metadata)};
+  const auto name = certificate_name(*context.auth_context());
+  return {authenticator.identify(header(metadata, "authorization"), name), ids_of(metadata)};
 }
 
 }  // namespace collided::server

@@ -83,6 +83,33 @@ TEST_F(ClientAndDaemon, ARefusedFrameIsAnAnswerAndTheStreamGoesOn) {
   stream.finish();
 }
 
+TEST_F(ClientAndDaemon, AThreadCanReceiveBeforeTheFirstFrameIsSent) {
+  FrameStream stream = client.stream(make_scene());
+  EXPECT_THROW(stream.receive(), Error);
+  EXPECT_FALSE(stream.receive_within(std::chrono::milliseconds(0)));
+  std::vector<uint64_t> received;
+  std::optional<Error> end;
+  std::thread receiver([&] {
+    try {
+      for (;;)
+        if (const auto output = stream.receive_within(std::chrono::milliseconds(10)))
+          received.push_back(output->frame_id);
+    } catch (const Error& e) {
+      end = e;
+    }
+  });
+  for (uint64_t id = 1; id <= 5; ++id) {
+    const auto positions = positions_at(1);
+    const FrameUpdate update{.positions = std::as_bytes(std::span(positions))};
+    stream.send(id, {&update, 1});
+  }
+  stream.finish();
+  receiver.join();
+  EXPECT_EQ(received, (std::vector<uint64_t>{1, 2, 3, 4, 5}));
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->code(), grpc::FAILED_PRECONDITION) << end->what();
+}
+
 TEST_F(ClientAndDaemon, AMessageAboveTheLimitIsNotSentAndCostsNoCredit) {
   FrameStream stream = stream_of(make_scene(), 200);
   const std::vector<std::array<double, 3>> many(100);

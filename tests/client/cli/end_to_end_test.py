@@ -55,6 +55,11 @@ class EndToEnd(support.CollidectlTest):
         self.assertEqual((run["scene"], run["bytes_up"]), ("cloth_ball", 24 * run["vertices"]))
         self.assertGreater(run["bytes_down"], 0)
 
+    def test_the_scale_is_that_of_the_scene_which_is_played_by_default(self):
+        words = ["--scale", "0.1", "--steps", "1", "--warm-up", "0", "--megabytes", "0.02"]
+        run = self.measure(*words)["runs"][0]
+        self.assertEqual((run["scene"], run["scale"]), ("cloth_ball", 0.1))
+
     def test_bad_usage(self):
         whole = ["bench", "--end-to-end"]
         self.refused(2, "--server", *whole, "--server", "unix:/nonexistent/socket")

@@ -11,8 +11,9 @@
 namespace collided::test {
 
 /// NAME.pem and NAME.key for: ca, other-ca; server (localhost, of ca), other-server (localhost, of other-ca);
-/// client (common name sim-1, of ca), expired (of ca), stranger (of other-ca), self-signed. Also text.pem, which is
-/// none, and locked.key, which needs a password.
+/// client (common name sim-1, of ca), alternative (of ca, without a common name: sim-4.example is its alternative
+/// name), expired (of ca), stranger (of other-ca), self-signed. Also text.pem, which is none, and locked.key, which
+/// needs a password.
 class Certificates {
  public:
   Certificates() {
@@ -25,6 +26,7 @@ class Certificates {
     make("client", "sim-1", "ca");
     make("expired", "sim-2", "ca", "-days -1");
     make("stranger", "sim-3", "other-ca");
+    make_named("alternative", "/O=robots", "sim-4.example", "ca");
     make_ca("self-signed");
     std::ofstream(path("text.pem")) << "none\n";
     run("openssl ec -aes128 -passout pass:secret -in server.key -out locked.key");
@@ -54,9 +56,13 @@ class Certificates {
   }
   void make(const std::string& name, const std::string& subject, const std::string& ca,
             const std::string& days = "-days 2") const {
-    run("openssl req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj /CN=" + subject + " -keyout " + name +
+    make_named(name, "/CN=" + subject, subject, ca, days);
+  }
+  void make_named(const std::string& name, const std::string& subject, const std::string& alternative,
+                  const std::string& ca, const std::string& days = "-days 2") const {
+    run("openssl req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj " + subject + " -keyout " + name +
         ".key -out " + name + ".csr");
-    std::ofstream(path("san")) << "subjectAltName=DNS:" << subject << "\n";
+    std::ofstream(path("san")) << "subjectAltName=DNS:" << alternative << "\n";
     run("openssl x509 -req -in " + name + ".csr -CA " + ca + ".pem -CAkey " + ca +
         ".key -CAcreateserial -extfile san " + days + " -out " + name + ".pem");
   }

@@ -9,6 +9,7 @@
 
 #include "server/auth/credentials.hpp"
 #include "server/auth/tls_files.hpp"
+#include "server/service/caller.hpp"
 #include "tests/server/auth/certificates.hpp"
 
 namespace collided::server {
@@ -19,11 +20,13 @@ using test::Certificates;
 // Answers every call with the name of its client as the error message.
 class TellName final : public grpc::CallbackGenericService {
  public:
+  explicit TellName(const Config& config) : authenticator_(config) {}
   grpc::ServerGenericBidiReactor* CreateReactor(grpc::GenericCallbackServerContext* context) override {
-    return new Reactor(certificate_name(*context->auth_context()));
+    return new Reactor(identify(*context, authenticator_).client->name);
   }
 
  private:
+  const Authenticator authenticator_;
   struct Reactor final : grpc::ServerGenericBidiReactor {
     explicit Reactor(const std::string& name) { Finish({grpc::StatusCode::NOT_FOUND, name}); }
     void OnDone() override { delete this; }
@@ -41,8 +44,11 @@ class TlsTest : public testing::Test {
   }
 
   void start(const Tls& tls) {
+    Config config;
+    config.tls = tls;
+    service_ = std::make_unique<TellName>(config);
     grpc::ServerBuilder builder;
-    builder.RegisterCallbackGenericService(&service_);
+    builder.RegisterCallbackGenericService(service_.get());
     builder.AddListeningPort("localhost:0", make_credentials(tls), &port_);
     server_ = builder.BuildAndStart();
     ASSERT_NE(server_, nullptr);
@@ -81,7 +87,7 @@ class TlsTest : public testing::Test {
   }
 
   static Certificates* certificates_;
-  TellName service_;
+  std::unique_ptr<TellName> service_;
   std::unique_ptr<grpc::Server> server_;
   int port_ = 0;
 };
@@ -91,7 +97,7 @@ Certificates* TlsTest::certificates_ = nullptr;
 TEST_F(TlsTest, ServesItsCertificate) {
   start(tls("server"));
   EXPECT_EQ(call("ca.pem", "").error_code(), grpc::StatusCode::NOT_FOUND);
-  EXPECT_EQ(call("ca.pem", "").error_message(), "");
+  EXPECT_EQ(call("ca.pem", "").error_message(), "anonymous");
   EXPECT_EQ(call("other-ca.pem", "").error_code(), grpc::StatusCode::UNAVAILABLE);
   EXPECT_EQ(call(grpc::InsecureChannelCredentials()).error_code(), grpc::StatusCode::UNAVAILABLE);
 }
@@ -105,6 +111,11 @@ TEST_F(TlsTest, ClientsNeedACertificateOfTheCa) {
     EXPECT_EQ(call("ca.pem", client).error_code(), grpc::StatusCode::UNAVAILABLE) << client;
   EXPECT_EQ(call(grpc::InsecureChannelCredentials()).error_code(), grpc::StatusCode::UNAVAILABLE);
   EXPECT_EQ(call("ca.pem", "client").error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(TlsTest, ACertificateWithoutACommonNameIsKnownByItsAlternativeName) {
+  start(tls("server", "ca.pem"));
+  EXPECT_EQ(call("ca.pem", "alternative").error_message(), "sim-4.example");
 }
 
 TEST_F(TlsTest, TakesUpARenewedCertificate) {

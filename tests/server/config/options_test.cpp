@@ -122,6 +122,11 @@ TEST(Config, VersionAndHelpExitWithZero) {
   EXPECT_NE(parse({"--help"}).text.find("--max-window"), std::string::npos);
 }
 
+TEST(Config, HelpTellsWhatASwitchIs) {
+  for (const auto* flag : {"--cuda-ipc", "--allow-insecure"})
+    EXPECT_NE(parse({"--help"}).text.find(std::string(flag) + " true|false=false (Env:"), std::string::npos) << flag;
+}
+
 TEST(Config, Addresses) {
   EXPECT_EQ(check_address("unix:/run/collided.sock"), "");
   EXPECT_EQ(check_address("localhost:0"), "");

@@ -40,12 +40,15 @@ TEST(Rules, WarnOfWhatIsExposed) {
 }
 
 TEST(Rules, AUnixSocketHasNoCertificates) {
-  const std::vector<const char*> line = {"--address", "unix:/s", "--tls-certificate", "c",
-                                         "--tls-key", "k",       "--tls-client-ca",   "a"};
-  EXPECT_EQ(parse(line).exit_code, 2);
-  auto with_tokens = line;
-  with_tokens.insert(with_tokens.end(), {"--tokens-file", "t"});
-  EXPECT_TRUE(parse(with_tokens).run);
+  for (const auto& [option, value] : {std::pair{"--address", "unix:/s"}, {"--local-socket", "/s"}}) {
+    const std::vector<const char*> line = {option,      value, "--tls-certificate", "c",
+                                           "--tls-key", "k",   "--tls-client-ca",   "a"};
+    EXPECT_EQ(parse(line).exit_code, 2);
+    EXPECT_NE(parse(line).text.find(std::string(option) + " " + value + ": "), std::string::npos) << parse(line).text;
+    auto with_tokens = line;
+    with_tokens.insert(with_tokens.end(), {"--tokens-file", "t"});
+    EXPECT_TRUE(parse(with_tokens).run) << option;
+  }
 }
 
 TEST(Reload, TakesWhatMayChangeAndNamesTheRest) {
