@@ -1,6 +1,7 @@
 // The gRPC server around the service, and HTTP beside it.
 #include "server/daemon.hpp"
 
+#include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
@@ -37,6 +38,11 @@ void set_quota(grpc::ServerBuilder& builder, const Config& config) {
   grpc::ResourceQuota quota("collided");
   quota.Resize(std::max(kLeast, kMessages * config.limits.max_message_bytes));
   builder.SetResourceQuota(quota);
+}
+
+// Text that is no UTF-8, and the like: the client is told, too.
+void log_protobuf(google::protobuf::LogLevel, const char*, int, const std::string& message) {
+  log_event(spdlog::level::debug, message, {{"source", "protobuf"}});
 }
 
 // A killed peer is seen at once, a cut-off one only by pings; clients may ping on idle streams, too.
@@ -77,6 +83,7 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
     throw std::runtime_error("--backend is cuda, but there is no usable CUDA device");
   for (const auto& address : config.addresses) check_free(address);
   gpr_set_log_function(log_grpc);
+  google::protobuf::SetLogHandler(log_protobuf);
   if (!config.http_address.empty()) http_ = std::make_unique<HttpServer>(config.http_address, metrics_, lifecycle_);
   if (!config.local_socket.empty())
     local_ = std::make_unique<LocalServer>(local_options(config), host_, authenticator_, metrics_);

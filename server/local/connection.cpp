@@ -149,6 +149,7 @@ void Connection::open(const pb::LocalOpen& open, std::vector<Fd> files) {
     session_ = session;
     if (!outbox_.empty()) session->hold(true);
   }
+  rules_.host.check_serving();  // the stop may have been announced just before there was a session to tell
   log_event(spdlog::level::info, "local stream opened",
             {{"scene", open.open().scene_id()}, {"window", opening_.stream.window}, {"client", opening_.client->name}});
 }
@@ -243,7 +244,7 @@ void Connection::end_frame_locked() {
 
 void Connection::flush_locked() {
   outbox_.flush(socket_.get());
-  if (outbox_.empty() && session_) session_->hold(false);
+  if (session_) session_->hold(!outbox_.empty());
 }
 
 void Connection::end_if_idle_locked() {

@@ -113,6 +113,7 @@ void FrameSession::fail(uint64_t frame_id, const std::exception_ptr& error, Fram
 void FrameSession::hold(bool is_held) {
   const std::lock_guard lock(mutex_);
   is_held_ = is_held;
+  last_active_ = std::chrono::steady_clock::now();
   if (!is_held && !closed_) begin_locked();
 }
 
@@ -137,7 +138,9 @@ void FrameSession::end(const std::exception_ptr& why) {
 }
 
 void FrameSession::announce_stop(double seconds) {
-  if (const auto open = sink()) open->draining(seconds);
+  scene_->worker().post([self = shared_from_this(), seconds] {
+    if (const auto open = self->sink()) open->draining(seconds);
+  });
 }
 
 std::shared_ptr<FrameSink> FrameSession::sink() const {

@@ -16,8 +16,8 @@ namespace collided::server {
 /// Every frame is answered, or older ones that wait give way to later ones.
 enum class Delivery { kLossless, kLatestWins };
 
-/// Where a session's answers go. The first four come in the order of the frames, one at a time, from the scene's
-/// worker.
+/// Where a session's answers go. All but the last come one at a time from the scene's worker, `opened` first, answers
+/// in the order of the frames.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
@@ -26,9 +26,9 @@ class FrameSink {
   virtual void answered(const Scene& scene, AnsweredFrame frame) = 0;
   virtual void refused(uint64_t frame_id, const std::exception_ptr& error) = 0;
   virtual void skipped(uint64_t frame_id) = 0;
-  /// The daemon is about to stop. From any thread.
+  /// The daemon is about to stop.
   virtual void draining(double seconds) = 0;
-  /// Nothing follows. From any thread.
+  /// From any thread, perhaps twice. What the worker brings at the same time may still come, and counts no more.
   virtual void ended(const std::exception_ptr& why) = 0;
 };
 
@@ -42,7 +42,7 @@ class FrameSession : public std::enable_shared_from_this<FrameSession> {
   Scene& scene() const { return *scene_; }
   /// Takes a frame; it is answered after all before it.
   void submit(PendingFrame frame);
-  /// Whether answers pile up: frames that wait are not begun until hold(false).
+  /// Whether answers pile up: frames that wait are not begun until hold(false). Called again with each that was taken.
   void hold(bool is_held);
   /// The transport is gone: drops what waits, cancels what runs, and leaves the scene. The sink hears no more of it.
   void close();

@@ -116,6 +116,7 @@ void FrameCall::open(const pb::OpenStream& open) {
     session_ = session;
     if (status_) session->close();  // ended in between
   }
+  host_.check_serving();  // the stop may have been announced just before there was a session to tell
   log_event(spdlog::level::info, "stream opened",
             {{"scene", open.scene_id()},
              {"window", window_},
@@ -232,7 +233,7 @@ void FrameCall::on_written(bool ok) {
   if (outgoing_.front().ends_frame) --in_flight_;
   outgoing_bytes_ -= outgoing_.front().size;
   outgoing_.pop_front();
-  if (session_ && outgoing_bytes_ <= kMuchOutgoing) session_->hold(false);
+  if (session_) session_->hold(outgoing_bytes_ > kMuchOutgoing);
   write_locked();
   read_locked();
   end_if_idle_locked();

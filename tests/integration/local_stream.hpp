@@ -54,6 +54,7 @@ class LocalStream {
       }
       EXPECT_EQ(response.frame_id(), frame_id);
       if (response.has_contacts()) take(response.contacts(), answer);
+      for (const auto& chunk : response.done().contacts()) take(chunk, answer);
       if (response.has_done()) answer.done = response.done();
       if (response.has_error()) answer.error = response.error();
       if (answer.done || answer.error) return answer;

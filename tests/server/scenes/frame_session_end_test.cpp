@@ -118,8 +118,10 @@ TEST_F(FrameSessionEnd, TellsThatTheDaemonStops) {
 TEST_F(FrameSessionEnd, IsIdleWhileNoFrameIsInHand) {
   const auto stream = open_held(Delivery::kLossless);
   stream->submit(tip_frame(1, 2));
-  std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  EXPECT_EQ(stream->idle_seconds(), 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_GE(stream->idle_seconds(), 0.2);  // the client takes nothing
+  stream->hold(true);
+  EXPECT_LT(stream->idle_seconds(), 0.2);  // it took something, but not enough
   stream->hold(false);
   stream.sink->wait_for(2);
   scene_->worker().flush();

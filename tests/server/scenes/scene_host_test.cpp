@@ -123,19 +123,27 @@ TEST(SceneHost, ASceneWhoseLeaseRanOutIsDeleted) {
 TEST(SceneHost, AStreamThatIsIdleForTooLongEnds) {
   CountingObserver observer;
   Limits limits;
-  limits.max_idle_seconds = 0.05;
+  limits.max_idle_seconds = 0.5;
   SceneHost host(config_with(limits), observer);
-  const auto busy = make_scene(host), idle = make_scene(host);
-  const Stream waits(busy), says_nothing(idle);
-  waits.session->hold(true);
-  waits.session->submit(tip_frame(1, 2));  // a slow reader is not idle
-  EXPECT_EQ(says_nothing.sink->wait_for(2), (RecordingSink::Events{"opened after 0", "ended: LimitExceeded"}));
+  const auto slow = make_scene(host), deaf = make_scene(host), idle = make_scene(host);
+  const Stream takes_a_little(slow), takes_nothing(deaf), says_nothing(idle);
+  for (const auto* stream : {&takes_a_little, &takes_nothing}) {
+    stream->session->hold(true);
+    stream->session->submit(tip_frame(1, 2));
+  }
+  const RecordingSink::Events ended{"opened after 0", "ended: LimitExceeded"};
+  while (says_nothing.sink->events().size() < 2 || takes_nothing.sink->events().size() < 2) {
+    takes_a_little.session->hold(true);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(says_nothing.sink->events(), ended);
+  EXPECT_EQ(takes_nothing.sink->events(), ended);
   EXPECT_EQ(idle->stream(), nullptr);
-  EXPECT_FALSE(waits.session->is_closed());
+  EXPECT_FALSE(takes_a_little.session->is_closed());
   limits.max_idle_seconds = 3600;
   host.set_limits(limits);
-  waits.session->hold(false);
-  EXPECT_EQ(waits.sink->wait_for(2).back(), "answered 1");
+  takes_a_little.session->hold(false);
+  EXPECT_EQ(takes_a_little.sink->wait_for(2).back(), "answered 1");
 }
 
 TEST(SceneHost, TheStopIsToldAndNothingNewBegins) {
