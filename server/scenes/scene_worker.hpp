@@ -20,6 +20,8 @@ class SceneWorker {
 
   /// Queues a frame; false if the queue is full.
   bool try_post(Job job);
+  /// For frames from now on; those that wait stay.
+  void set_capacity(size_t capacity);
   /// Queues control work, which is never refused.
   void post(Job job);
   /// Waits until all that is queued now has run. Not from the worker's own thread.
