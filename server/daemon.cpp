@@ -4,7 +4,9 @@
 #include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 #include <thread>
@@ -26,6 +28,15 @@ int milliseconds(double seconds) { return static_cast<int>(seconds * 1000); }
 void log_grpc(gpr_log_func_args* line) {
   log_event(line->severity == GPR_LOG_SEVERITY_ERROR ? spdlog::level::warn : spdlog::level::debug, line->message,
             {{"source", "grpc"}});
+}
+
+// gRPC takes a message in as a whole before it looks at its size. Beyond the quota it ends calls instead
+// (RESOURCE_EXHAUSTED); good clients need no more than some of the largest messages at once.
+void set_quota(grpc::ServerBuilder& builder, const Config& config) {
+  constexpr size_t kMessages = 64, kLeast = size_t{128} << 20;
+  grpc::ResourceQuota quota("collided");
+  quota.Resize(std::max(kLeast, kMessages * config.limits.max_message_bytes));
+  builder.SetResourceQuota(quota);
 }
 
 // A killed peer is seen at once, a cut-off one only by pings; clients may ping on idle streams, too.
@@ -88,6 +99,7 @@ void Daemon::listen(const Config& config) {
   // Two daemons on one port would share its connections by chance.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.SetMaxReceiveMessageSize(static_cast<int>(config.limits.max_message_bytes));
+  set_quota(builder, config);
   set_keepalive(builder, config);
   const auto credentials = make_credentials(config.tls);
   std::vector<int> ports(config.addresses.size(), 0);
@@ -135,7 +147,8 @@ bool Daemon::wait_idle(std::chrono::steady_clock::time_point deadline) const {
 }
 
 void Daemon::stop() {
-  const bool idle = wait_idle(std::chrono::steady_clock::now());
+  host_.end_streams();
+  const bool idle = wait_idle(std::chrono::steady_clock::now() + kLastAnswers);
   // Shutdown also waits for idle connections, which some clients never close: hence no longer than for last answers.
   server_->Shutdown(std::chrono::system_clock::now() + (idle ? kLastAnswers : std::chrono::milliseconds(0)));
   calls_->stop();

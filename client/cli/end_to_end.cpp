@@ -56,6 +56,19 @@ std::vector<client::FrameUpdate> views_of(const v1::Frame& frame) {
   return out;
 }
 
+/// Moves them to the memory that the stream shares with the daemon.
+void put_in(client::FrameStream& stream, std::vector<client::FrameUpdate>& updates) {
+  const auto put = [&](std::span<const std::byte>& bytes) {
+    const std::span<std::byte> there = stream.input(bytes.size());
+    std::copy(bytes.begin(), bytes.end(), there.begin());
+    bytes = there;
+  };
+  for (client::FrameUpdate& update : updates) {
+    put(update.positions);
+    if (!update.start_positions.empty()) put(update.start_positions);
+  }
+}
+
 double bytes_of(const std::vector<client::FrameUpdate>& updates) {
   size_t bytes = 0;
   for (const client::FrameUpdate& update : updates) bytes += update.positions.size() + update.start_positions.size();
@@ -70,6 +83,7 @@ double bytes_of(const client::Contacts& contacts) {
 
 /// A scene and a stream over one transport.
 struct Lane {
+  bool in_place = false;
   std::unique_ptr<SceneGuard> scene;
   client::FrameStream stream;
   WayTimes times;
@@ -107,14 +121,15 @@ std::vector<Lane> EndToEnd::open_lanes(const scenes::Scene& input, EndToEndRun& 
     auto scene = std::make_unique<SceneGuard>(client_, client_.create_scene(spec(), mesh_inputs(input.meshes())));
     run.scene = **scene;
     client::FrameStream stream = way.open(**scene);
-    lanes.push_back({std::move(scene), std::move(stream), {.name = way.name, .frames = {}}});
+    lanes.push_back({way.in_place, std::move(scene), std::move(stream), {.name = way.name, .frames = {}}});
   }
   return lanes;
 }
 
 /// Sends one frame and waits for its answer; returns the bytes of its contacts, which must be those of the lane before.
 double EndToEnd::send(Lane& lane, const v1::Frame& frame, bool counts, double bytes_down) {
-  const std::vector<client::FrameUpdate> updates = views_of(frame);
+  std::vector<client::FrameUpdate> updates = views_of(frame);
+  if (lane.in_place) put_in(lane.stream, updates);
   const auto start = Clock::now();
   lane.stream.send(frame.frame_id(), updates);
   const client::FrameOutput output = lane.stream.receive();

@@ -6,11 +6,14 @@ namespace collided::cli {
 
 namespace {
 
-Way way(const std::string& name, const std::string& address, client::Local local) {
+Way way(const std::string& name, const std::string& address, client::Local local, bool in_place = false) {
   const auto open = [address, local](const v1::Scene& scene) {
     return client::Client::connect(address).stream(scene, {.window = 1, .local = {.use = local}});
   };
-  return {.name = name, .open = open, .missing = address.empty() ? "the daemon has no such address" : ""};
+  return {.name = name,
+          .open = open,
+          .in_place = in_place,
+          .missing = address.empty() ? "the daemon has no such address" : ""};
 }
 
 }  // namespace
@@ -18,7 +21,8 @@ Way way(const std::string& name, const std::string& address, client::Local local
 std::vector<Way> ways_of(const OwnDaemon& daemon) {
   return {way("grpc tcp", daemon.tcp_address(), client::Local::kOff),
           way("grpc unix", daemon.address(), client::Local::kOff),
-          way("shared memory", daemon.address(), client::Local::kOn)};
+          way("shared, copied", daemon.address(), client::Local::kOn),
+          way("shared, in place", daemon.address(), client::Local::kOn, true)};
 }
 
 }  // namespace collided::cli

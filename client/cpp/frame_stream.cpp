@@ -87,6 +87,9 @@ void FrameStream::State::take(v1::StreamFramesResponse& response) {
     case v1::StreamFramesResponse::kContacts:
       return append(contacts_of(partial[id], response.contacts().kind()), response.contacts(), *transport);
     case v1::StreamFramesResponse::kDone:
+      for (const v1::ContactChunk& chunk : response.done().contacts())
+        append(contacts_of(partial[id], chunk.kind()), chunk, *transport);
+      response.mutable_done()->clear_contacts();
       partial[id].done = std::move(*response.mutable_done());
       return complete(id);
     case v1::StreamFramesResponse::kError:

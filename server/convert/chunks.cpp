@@ -52,6 +52,15 @@ std::vector<Stencil> Chunk::stencils(const Topology& topology) const {
   return out;
 }
 
+size_t fit_at_end(std::span<const size_t> sizes, size_t max_bytes) {
+  size_t count = 0;
+  for (size_t bytes = 0; count < sizes.size(); ++count) {
+    bytes += sizes[sizes.size() - 1 - count];
+    if (bytes > max_bytes) break;
+  }
+  return count;
+}
+
 std::vector<Chunk> cut_into_chunks(const FrameResult& result, const OutputFields& fields, size_t max_bytes) {
   std::vector<Chunk> chunks;
   const auto cut = [&](pb::ContactKind kind, const ContactSet& set) {

@@ -38,6 +38,9 @@ struct Chunk {
 /// together. What was not computed is left out.
 std::vector<Chunk> cut_into_chunks(const FrameResult& result, const OutputFields& fields, size_t max_bytes);
 
+/// How many of the last pieces, whose sizes these are, go into one message of at most `max_bytes`.
+size_t fit_at_end(std::span<const size_t> sizes, size_t max_bytes);
+
 /// The chunk as a message that holds its arrays.
 void fill_chunk(const Chunk& chunk, const Topology& topology, pb::ContactChunk* out);
 

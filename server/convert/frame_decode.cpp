@@ -32,6 +32,20 @@ constexpr uint32_t tag_of(int field) {
   throw InvalidInput(what, std::string(what) + " is cut off or malformed: its bytes are no such message");
 }
 
+// Refuses lengths that the generated code refuses; SkipField() alone would cut them to 32 bits.
+bool copy_field(CodedInputStream& in, uint32_t tag, CodedOutputStream& out) {
+  if (WireFormatLite::GetTagWireType(tag) != WireFormatLite::WIRETYPE_LENGTH_DELIMITED)
+    return WireFormatLite::SkipField(&in, tag, &out);
+  int size = 0;
+  std::string bytes;
+  if (WireFormatLite::GetTagFieldNumber(tag) == 0 || !in.ReadVarintSizeAsInt(&size) || !in.ReadString(&bytes, size))
+    return false;
+  out.WriteTag(tag);
+  out.WriteVarint32(static_cast<uint32_t>(size));
+  out.WriteString(bytes);
+  return true;
+}
+
 // The fields of a message, but for those that `take` consumes, as the bytes of a smaller message.
 template <class Take>
 std::string remaining_fields(CodedInputStream& in, const char* what, const Take& take) {
@@ -40,7 +54,7 @@ std::string remaining_fields(CodedInputStream& in, const char* what, const Take&
     StringOutputStream stream(&rest);
     CodedOutputStream out(&stream);
     while (const uint32_t tag = in.ReadTag())
-      if (!take(tag) && !WireFormatLite::SkipField(&in, tag, &out)) throw_malformed(what);
+      if (!take(tag) && !copy_field(in, tag, out)) throw_malformed(what);
     out.Trim();
   }
   if (!in.ConsumedEntireMessage()) throw_malformed(what);

@@ -77,29 +77,29 @@ class PacketWriter {
     }
   }
   std::vector<std::string> finish(const AnsweredFrame& frame) {
-    flush();
+    std::vector<size_t> sizes;
+    for (const auto& piece : pieces_) sizes.push_back(piece.ByteSizeLong());
+    const size_t alone = pieces_.size() - fit_at_end(sizes, kInlineBytes);
+    std::vector<std::string> packets;
     pb::StreamFramesResponse response;
     response.set_frame_id(frame_id_);
+    for (size_t i = 0; i < alone; ++i) {
+      *response.mutable_contacts() = std::move(pieces_[i]);
+      packets.push_back(to_packet(response));
+    }
     fill_done(frame.result, frame.cost, response.mutable_done());
-    packets_.push_back(to_packet(std::move(response)));
-    return std::move(packets_);
+    for (size_t i = alone; i < pieces_.size(); ++i) *response.mutable_done()->add_contacts() = std::move(pieces_[i]);
+    packets.push_back(to_packet(std::move(response)));
+    return packets;
   }
 
  private:
-  pb::ContactChunk* next() {
-    flush();
-    response_.set_frame_id(frame_id_);
-    return response_.mutable_contacts();
-  }
-  void flush() {
-    if (response_.has_contacts()) packets_.push_back(to_packet(std::exchange(response_, {})));
-  }
+  pb::ContactChunk* next() { return &pieces_.emplace_back(); }
 
   const Topology& topology_;
   const uint64_t frame_id_;
   OutputPart part_;
-  pb::StreamFramesResponse response_;
-  std::vector<std::string> packets_;
+  std::vector<pb::ContactChunk> pieces_;
 };
 
 }  // namespace

@@ -134,6 +134,7 @@ void Connection::take(Packet packet) {
     return open(request.open(), std::move(packet.files));
   }
   if (!packet.files.empty()) throw InvalidInput("packet", "packet brings a file, which only the first one may");
+  session_->scene().worker().expect();
   submit(request);
 }
 

@@ -1,6 +1,7 @@
 // A resident scene: its plan, its detector, its worker, and what others may see of it.
 #include "server/scenes/scene.hpp"
 
+#include <malloc.h>
 #include <openssl/crypto.h>
 #include <spdlog/fmt/fmt.h>
 
@@ -166,6 +167,7 @@ void Scene::release() {
   }
   if (slots) slots->close();
   detector_.reset();
+  malloc_trim(0);  // by itself the allocator keeps it, for each of its arenas
 }
 
 void Scene::build_if_complete() {

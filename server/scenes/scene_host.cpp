@@ -69,6 +69,11 @@ void SceneHost::announce_stop(double seconds) {
     if (const auto stream = scene->stream()) stream->announce_stop(seconds);
 }
 
+void SceneHost::end_streams() const {
+  for (const auto& scene : scenes_.all())
+    if (const auto stream = scene->stream()) stream->end(std::make_exception_ptr(Stopping()));
+}
+
 HostTotals SceneHost::totals() const {
   HostTotals totals;
   totals.streams = usage_.streams();

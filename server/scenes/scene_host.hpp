@@ -39,6 +39,8 @@ class SceneHost {
   void check_serving() const;
   /// Refuses new scenes and streams, and tells every open stream that the daemon stops.
   void announce_stop(double seconds);
+  /// Ends all streams with Stopping.
+  void end_streams() const;
   HostTotals totals() const;
 
  private:

@@ -1,6 +1,7 @@
 // One thread that runs a scene's work in order, with a bounded queue for frames.
 #include "server/scenes/scene_worker.hpp"
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <future>
@@ -9,12 +10,24 @@
 
 namespace collided::server {
 
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// About what it takes to read a frame of some MiB; an idle processor needs a tenth of it to wake up.
+constexpr auto kPatience = std::chrono::microseconds(500);
+
+}  // namespace
+
 struct SceneWorker::State {
   std::mutex mutex;
   std::condition_variable changed;
   std::deque<Job> jobs;
   size_t capacity = 0;
   bool stopping = false;
+  Clock::time_point awake_until{};
+
+  bool has_work() const { return stopping || !jobs.empty(); }
 };
 
 SceneWorker::SceneWorker(size_t capacity) : state_(std::make_shared<State>()) {
@@ -60,6 +73,15 @@ void SceneWorker::post(Job job) {
   state_->changed.notify_one();
 }
 
+void SceneWorker::expect() {
+  {
+    std::lock_guard lock(state_->mutex);
+    if (state_->has_work()) return;
+    state_->awake_until = Clock::now() + kPatience;
+  }
+  state_->changed.notify_one();
+}
+
 void SceneWorker::flush() {
   auto reached = std::make_shared<std::promise<void>>();
   auto future = reached->get_future();
@@ -67,10 +89,20 @@ void SceneWorker::flush() {
   future.wait();
 }
 
+// False if no work is expected.
+bool SceneWorker::wait_awake(State& state, std::unique_lock<std::mutex>& lock) {
+  if (Clock::now() >= state.awake_until) return false;
+  lock.unlock();
+  std::this_thread::yield();
+  lock.lock();
+  return true;
+}
+
 void SceneWorker::run(const std::shared_ptr<State>& state) {
   for (;;) {
     std::unique_lock lock(state->mutex);
-    state->changed.wait(lock, [&] { return state->stopping || !state->jobs.empty(); });
+    while (!state->has_work())
+      if (!wait_awake(*state, lock)) state->changed.wait(lock);
     if (state->jobs.empty()) return;
     Job job = std::move(state->jobs.front());
     state->jobs.pop_front();

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <thread>
 
 namespace collided::server {
@@ -24,12 +25,15 @@ class SceneWorker {
   void set_capacity(size_t capacity);
   /// Queues control work, which is never refused.
   void post(Job job);
+  /// Work is on its way: a thread that has none wakes up meanwhile, and waits for it awake, though not for long.
+  void expect();
   /// Waits until all that is queued now has run. Not from the worker's own thread.
   void flush();
 
  private:
   struct State;
   static void run(const std::shared_ptr<State>& state);
+  static bool wait_awake(State& state, std::unique_lock<std::mutex>& lock);
 
   std::shared_ptr<State> state_;
   std::thread thread_;

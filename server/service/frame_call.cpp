@@ -76,6 +76,7 @@ void FrameCall::on_read(bool ok) {
 }
 
 void FrameCall::take(const grpc::ByteBuffer& bytes) {
+  if (session_) session_->scene().worker().expect();
   IncomingFrame incoming;
   auto request = decode(bytes, incoming);
   if (!session_) {

@@ -79,28 +79,62 @@ class SliceWriter {
   std::vector<grpc::Slice> slices_;
 };
 
-EncodedMessage encode_chunk(const Chunk& chunk, const Topology& topology, const std::shared_ptr<AnsweredFrame>& frame) {
-  const auto stencils = std::make_shared<std::vector<std::array<uint32_t, 4>>>(chunk.stencils(topology));
-  auto arrays = chunk.arrays();
-  if (!stencils->empty())
-    arrays.push_back({pb::ContactChunk::kStencilsFieldNumber, std::as_bytes(std::span(*stencils))});
+// A ContactChunk before it is written.
+struct ChunkPiece {
   std::string facts;
-  put_number(facts, pb::ContactChunk::kKindFieldNumber, static_cast<uint64_t>(chunk.kind));
-  put_number(facts, pb::ContactChunk::kCountFieldNumber, chunk.count());
-  size_t size = facts.size();
-  for (const auto& array : arrays) size += length_of(array.field, array.bytes.size());
+  std::vector<ChunkArray> arrays;
+  std::shared_ptr<std::vector<std::array<uint32_t, 4>>> stencils;
+  size_t array_bytes = 0;
+  size_t size = 0;  ///< of the message
+};
+
+ChunkPiece make_piece(const Chunk& chunk, const Topology& topology) {
+  ChunkPiece piece;
+  piece.stencils = std::make_shared<std::vector<std::array<uint32_t, 4>>>(chunk.stencils(topology));
+  piece.arrays = chunk.arrays();
+  if (!piece.stencils->empty())
+    piece.arrays.push_back({pb::ContactChunk::kStencilsFieldNumber, std::as_bytes(std::span(*piece.stencils))});
+  put_number(piece.facts, pb::ContactChunk::kKindFieldNumber, static_cast<uint64_t>(chunk.kind));
+  put_number(piece.facts, pb::ContactChunk::kCountFieldNumber, chunk.count());
+  piece.size = piece.facts.size();
+  for (const auto& array : piece.arrays) {
+    piece.array_bytes += array.bytes.size();
+    piece.size += length_of(array.field, array.bytes.size());
+  }
+  return piece;
+}
+
+void put_piece(SliceWriter& out, int field, const ChunkPiece& piece, const std::shared_ptr<AnsweredFrame>& frame) {
+  put_length(out.head(), field, piece.size);
+  out.head() += piece.facts;
+  for (const auto& array : piece.arrays) {
+    put_length(out.head(), array.field, array.bytes.size());
+    const bool is_stencils = array.field == pb::ContactChunk::kStencilsFieldNumber;
+    out.put(array.bytes, is_stencils ? std::shared_ptr<const void>(piece.stencils) : frame);
+  }
+}
+
+EncodedMessage encode_piece(const ChunkPiece& piece, const std::shared_ptr<AnsweredFrame>& frame) {
+  SliceWriter out;
+  put_number(out.head(), pb::StreamFramesResponse::kFrameIdFieldNumber, frame->frame_id);
+  put_piece(out, pb::StreamFramesResponse::kContactsFieldNumber, piece, frame);
+  return out.finish();
+}
+
+EncodedMessage encode_done(std::span<const ChunkPiece> pieces, const std::shared_ptr<AnsweredFrame>& frame) {
+  pb::FrameDone done;
+  fill_done(frame->result, frame->cost, &done);
+  size_t size = done.ByteSizeLong();
+  for (const auto& piece : pieces) size += length_of(pb::FrameDone::kContactsFieldNumber, piece.size);
 
   SliceWriter out;
   put_number(out.head(), pb::StreamFramesResponse::kFrameIdFieldNumber, frame->frame_id);
-  put_length(out.head(), pb::StreamFramesResponse::kContactsFieldNumber, size);
-  out.head() += facts;
-  for (const auto& array : arrays) {
-    put_length(out.head(), array.field, array.bytes.size());
-    const bool is_stencils = array.field == pb::ContactChunk::kStencilsFieldNumber;
-    out.put(array.bytes, is_stencils ? std::shared_ptr<const void>(stencils) : frame);
-  }
-  for (const auto& array : arrays) frame->cost.bytes_out += array.bytes.size();
-  return out.finish();
+  put_length(out.head(), pb::StreamFramesResponse::kDoneFieldNumber, size);
+  done.AppendToString(&out.head());
+  for (const auto& piece : pieces) put_piece(out, pb::FrameDone::kContactsFieldNumber, piece, frame);
+  EncodedMessage message = out.finish();
+  message.ends_frame = true;
+  return message;
 }
 
 }  // namespace
@@ -109,22 +143,26 @@ EncodedMessage encode(const pb::StreamFramesResponse& response) {
   SliceWriter out;
   response.AppendToString(&out.head());
   EncodedMessage message = out.finish();
-  message.ends_frame = response.has_done() || response.has_error() || response.has_skipped();
+  message.ends_frame = response.has_error() || response.has_skipped();
   return message;
 }
 
 std::vector<EncodedMessage> encode_answer(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame,
                                           size_t max_chunk_bytes) {
   const auto begin = std::chrono::steady_clock::now();
+  std::vector<ChunkPiece> pieces;
+  std::vector<size_t> sizes;
+  for (const Chunk& chunk : cut_into_chunks(frame->result, scene.plan().fields, max_chunk_bytes)) {
+    pieces.push_back(make_piece(chunk, scene.topology()));
+    sizes.push_back(pieces.back().array_bytes);
+    frame->cost.bytes_out += sizes.back();
+  }
+  const size_t alone = pieces.size() - fit_at_end(sizes, max_chunk_bytes);
   std::vector<EncodedMessage> messages;
-  for (const Chunk& chunk : cut_into_chunks(frame->result, scene.plan().fields, max_chunk_bytes))
-    messages.push_back(encode_chunk(chunk, scene.topology(), frame));
+  for (size_t i = 0; i < alone; ++i) messages.push_back(encode_piece(pieces[i], frame));
   frame->cost.encode_milliseconds = milliseconds_since(begin);
   frame->cost.total_milliseconds = milliseconds_since(frame->arrival);
-  pb::StreamFramesResponse response;
-  response.set_frame_id(frame->frame_id);
-  fill_done(frame->result, frame->cost, response.mutable_done());
-  messages.push_back(encode(response));
+  messages.push_back(encode_done(std::span(pieces).subspan(alone), frame));
   return messages;
 }
 

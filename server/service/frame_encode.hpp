@@ -15,11 +15,11 @@ struct EncodedMessage {
   bool ends_frame = false;  ///< gives a credit back
 };
 
-/// Any message whose payload is small.
+/// Any message whose payload is small, but for the end of a frame.
 EncodedMessage encode(const pb::StreamFramesResponse& response);
 
-/// Chunks of at most `max_chunk_bytes` of arrays, then the end of the frame. Completes the cost of `frame`; the
-/// messages keep it alive as long as they refer to it.
+/// Chunks, then the end of the frame with the last of them; each message has at most `max_chunk_bytes` of arrays.
+/// Completes the cost of `frame`; the messages keep it alive as long as they refer to it.
 std::vector<EncodedMessage> encode_answer(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame,
                                           size_t max_chunk_bytes);
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tests/integration/daemon_process.hpp"
+#include "tests/integration/probe.hpp"
 #include "tests/integration/tip_scene.hpp"
 
 namespace collided::test {
@@ -137,6 +138,26 @@ TEST_F(BadInput, AMessageThatIsTooLargeEndsItsStreamOnly) {
     EXPECT_TRUE(stream.ask(frame).ended);
     EXPECT_EQ(stream.finish().error_code(), grpc::RESOURCE_EXHAUSTED);
   }
+  Stream stream(*stub_, id);
+  expect_tip_contact(stream.ask(first_frame(2)), 2);
+}
+
+// However large they are: no more is taken in than the quota of all calls.
+TEST_F(BadInput, MessagesThatAreTooLargeDoNotFillTheDaemon) {
+  constexpr double kQuota = 128, kSlack = 96;
+  const Probe probe(daemon_);
+  const auto id = make_scene(*stub_, tip_request());
+  const double before = probe.peak_resident_bytes();
+  for (const size_t bytes : {64 << 20, 400 << 20, 64 << 20}) {
+    auto frame = first_frame(2);
+    frame.mutable_updates(0)->mutable_positions()->append(bytes, '\0');
+    EXPECT_EQ(detect(*stub_, id, frame).error_code(), grpc::RESOURCE_EXHAUSTED);
+    Stream stream(*stub_, id);
+    EXPECT_TRUE(stream.ask(frame).ended);
+    EXPECT_EQ(stream.finish().error_code(), grpc::RESOURCE_EXHAUSTED);
+    EXPECT_TRUE(probe.streams_become(0));
+  }
+  EXPECT_LT(probe.peak_resident_bytes() - before, memory_limit(kQuota + kSlack));
   Stream stream(*stub_, id);
   expect_tip_contact(stream.ask(first_frame(2)), 2);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// A client in a process of its own (stream_client.cpp), to be stopped or killed.
+// A client in a process of its own (stream_client.cpp, local_client.cpp), to be stopped or killed.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -10,21 +10,29 @@
 
 #include <stdexcept>
 #include <string>
+#include <vector>
+
+#include "tests/integration/program.hpp"
 
 namespace collided::test {
 
 class ChildClient {
  public:
-  /// Streams frames of `layers.hpp` to a scene, one after the other and without end.
-  ChildClient(const std::string& address, const std::string& scene_id, unsigned side) {
+  /// Streams frames of `layers.hpp` to a scene over gRPC, one after the other and without end.
+  ChildClient(const std::string& address, const std::string& scene_id, unsigned side)
+      : ChildClient(
+            {setting("COLLIDED_STREAM_CLIENT", COLLIDED_STREAM_CLIENT), address, scene_id, std::to_string(side)}) {}
+  /// A program that writes a byte to its output once its first frame was answered.
+  explicit ChildClient(std::vector<std::string> command) {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
-    const std::string side_text = std::to_string(side);
+    std::vector<char*> argv;
+    for (auto& word : command) argv.push_back(word.data());
+    argv.push_back(nullptr);
     pid_ = fork();
     if (pid_ == 0) {
       dup2(ends[1], STDOUT_FILENO);
-      execl(COLLIDED_STREAM_CLIENT, COLLIDED_STREAM_CLIENT, address.c_str(), scene_id.c_str(), side_text.c_str(),
-            nullptr);
+      execv(argv[0], argv.data());
       _exit(127);
     }
     close(ends[1]);

@@ -17,17 +17,27 @@
 #include <vector>
 
 #include "tests/integration/calls.hpp"
+#include "tests/integration/program.hpp"
 
 namespace collided::test {
 
 class DaemonProcess {
  public:
-  explicit DaemonProcess(std::vector<std::string> more = {}) {
+  explicit DaemonProcess(std::vector<std::string> more = {},
+                         const std::string& backend = setting("COLLIDED_TEST_BACKEND", "cpu")) {
     std::string pattern = (std::filesystem::temp_directory_path() / "collided-XXXXXX").string();
     folder_ = mkdtemp(pattern.data());
-    std::vector<std::string> arguments = {COLLIDED_DAEMON, "--address",    address(),    "--http-address",
-                                          "127.0.0.1:0",   "--ready-file", ready_file(), "--log-level",
-                                          "info",          "--backend",    "cpu"};
+    std::vector<std::string> arguments = {setting("COLLIDED_DAEMON", COLLIDED_DAEMON),
+                                          "--address",
+                                          address(),
+                                          "--http-address",
+                                          "127.0.0.1:0",
+                                          "--ready-file",
+                                          ready_file(),
+                                          "--log-level",
+                                          "info",
+                                          "--backend",
+                                          backend};
     arguments.insert(arguments.end(), more.begin(), more.end());
     start(arguments);
   }

@@ -54,6 +54,7 @@ TEST(Daemons, AStreamThatStaysIsEndedAfterTheGrace) {
   auto stub = pb::CollisionService::NewStub(daemon.channel());
   Stream stream(*stub, make_scene(*stub, tip_request()));
   daemon.signal(SIGINT);
+  EXPECT_EQ(stream.wait_end().error_code(), grpc::UNAVAILABLE);
   EXPECT_EQ(daemon.wait(), 0);
 }
 
@@ -61,8 +62,8 @@ TEST(Daemons, ASecondDaemonDoesNotTakeASocketOver) {
   DaemonProcess daemon;
   auto stub = pb::CollisionService::NewStub(daemon.channel());
   const auto id = make_scene(*stub, tip_request());
-  FILE* second =
-      popen(("timeout 20 " COLLIDED_DAEMON " --backend cpu --address " + daemon.address() + " 2>&1").c_str(), "r");
+  const auto command = "timeout 20 " + setting("COLLIDED_DAEMON", COLLIDED_DAEMON) + " --backend cpu --address ";
+  FILE* second = popen((command + daemon.address() + " 2>&1").c_str(), "r");
   ASSERT_NE(second, nullptr);
   std::string text;
   for (std::array<char, 256> line; std::fgets(line.data(), line.size(), second);) text += line.data();

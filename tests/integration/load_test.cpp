@@ -31,13 +31,16 @@ void stream_tips(const std::string& address, int number, uint64_t frames, uint32
 
 TEST(Load, SixteenActiveScenes) {
   DaemonProcess daemon;
+  const Probe probe(daemon);
+  const double before = probe.metric("process_resident_memory_bytes");
   {
     Threads threads;
     for (int i = 0; i < 16; ++i) threads.emplace_back([&, i] { stream_tips(daemon.address(), i, 50, 16); });
   }
-  const Probe probe(daemon);
   EXPECT_TRUE(probe.streams_become(0));
   EXPECT_EQ(probe.scenes(), 16);
+  EXPECT_LT(probe.metric("process_resident_memory_bytes") - before, memory_limit(256));
+  EXPECT_EQ(probe.metric("collided_outgoing_bytes"), 0);
   EXPECT_EQ(probe.metric("collided_frames_total"), 16 * 50);
 }
 
@@ -46,7 +49,7 @@ TEST(Load, TwoHundredIdleStreams) {
   DaemonProcess daemon({"--max-scenes", "201", "--max-scenes-per-client", "201"});
   const Probe probe(daemon);
   auto stub = pb::CollisionService::NewStub(daemon.channel());
-  const double before = probe.resident_bytes();
+  const double before = probe.metric("process_resident_memory_bytes");
   {
     std::vector<std::unique_ptr<Stream>> streams;
     for (int i = 0; i < kStreams; ++i) {
@@ -54,7 +57,7 @@ TEST(Load, TwoHundredIdleStreams) {
       ASSERT_TRUE(streams.back()->opened()) << i;
     }
     EXPECT_EQ(probe.streams(), kStreams);
-    EXPECT_LT(probe.resident_bytes() - before, memory_limit(256));
+    EXPECT_LT(probe.metric("process_resident_memory_bytes") - before, memory_limit(256));
     stream_tips(daemon.address(), 1, 50, 4);
     expect_tip_contact(streams.front()->ask(first_frame(2)), 2);
     expect_tip_contact(streams.back()->ask(first_frame(3)), 3);

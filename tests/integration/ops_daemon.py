@@ -32,12 +32,16 @@ class Folder(tempfile.TemporaryDirectory):
             self.openssl(f"req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -days 2 -subj /CN={ca} "
                          f"-keyout {ca}.key -out {ca}.pem")
         for name, subject, ca in (("server", "localhost", "ca"), ("client", "sim-1", "ca"), ("stranger", "x", "other")):
-            self.openssl(f"req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj /CN={subject} "
-                         f"-keyout {name}.key -out {name}.csr")
-            self.put("san", f"subjectAltName=DNS:{subject}\n")
-            self.openssl(f"x509 -req -in {name}.csr -CA {ca}.pem -CAkey {ca}.key -CAcreateserial -extfile san -days 2 "
-                         f"-out {name}.pem")
+            self.sign(name, subject, ca)
         return ["--tls-certificate", self.path("server.pem"), "--tls-key", self.path("server.key")]
+
+    def sign(self, name, subject, ca, days=2):
+        """A certificate for `subject`, and its key; expired if `days` is negative."""
+        self.openssl(f"req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj /CN={subject} "
+                     f"-keyout {name}.key -out {name}.csr")
+        self.put("san", f"subjectAltName=DNS:{subject}\n")
+        self.openssl(f"x509 -req -in {name}.csr -CA {ca}.pem -CAkey {ca}.key -CAcreateserial -extfile san -days {days} "
+                     f"-out {name}.pem")
 
     def openssl(self, arguments):
         subprocess.run(["openssl", *arguments.split()], cwd=self.name, check=True, capture_output=True)
@@ -60,7 +64,9 @@ class Daemon:
             self.process = subprocess.Popen(command, stdout=log, stderr=log)
         self.wait_for(lambda: os.path.exists(ready) or self.process.poll() is not None, "start")
         if self.process.poll() is not None:
-            raise RuntimeError(self.log())
+            said = self.log()
+            self.folder.cleanup()
+            raise RuntimeError(said)
         with open(ready, encoding="ascii") as file:
             self.address = file.read().split()[0].replace("127.0.0.1", "localhost")
         self.http_address = re.search(r"metrics and health on ([0-9.:]+)", self.log())[1]

@@ -72,6 +72,8 @@ class Probe {
     const auto found = text.find("\n" + name + " ");
     return found == std::string::npos ? 0 : std::stod(text.substr(found + name.size() + 2));
   }
+  /// Whether health is SERVING, as /readyz tells it.
+  bool is_ready() const { return http_get(http_, "/readyz").starts_with("HTTP/1.1 200"); }
   double streams() const { return metric("collided_streams"); }
   double scenes() const { return metric("collided_scenes"); }
   double device_bytes() const { return metric("collided_device_bytes"); }
@@ -84,16 +86,19 @@ class Probe {
   bool streams_become(double count) const { return becomes("collided_streams", count); }
   bool scenes_become(double count) const { return becomes("collided_scenes", count); }
 
-  /// VmRSS.
-  double resident_bytes() const {
+  double resident_bytes() const { return status_bytes("VmRSS:"); }
+  /// The most that it has been.
+  double peak_resident_bytes() const { return status_bytes("VmHWM:"); }
+
+ private:
+  double status_bytes(const std::string& field) const {
     std::ifstream file("/proc/" + std::to_string(pid_) + "/status");
     for (std::string line; std::getline(file, line);)
-      if (line.starts_with("VmRSS:")) return std::stod(line.substr(6)) * 1024;
-    ADD_FAILURE() << "no VmRSS of process " << pid_;
+      if (line.starts_with(field)) return std::stod(line.substr(field.size())) * 1024;
+    ADD_FAILURE() << "no " << field << " of process " << pid_;
     return std::numeric_limits<double>::infinity();
   }
 
- private:
   std::string http_;
   pid_t pid_;
 };

@@ -62,6 +62,7 @@ class Stream {
       }
       EXPECT_EQ(response.frame_id(), frame_id);
       if (response.has_contacts()) answer.chunks.push_back(response.contacts());
+      answer.chunks.insert(answer.chunks.end(), response.done().contacts().begin(), response.done().contacts().end());
       if (response.has_done()) answer.done = response.done();
       if (response.has_error()) answer.error = response.error();
       answer.skipped = response.has_skipped();

@@ -38,18 +38,21 @@ class TcpProxy {
     return "127.0.0.1:" + std::to_string(ntohs(bound.sin_port));
   }
   /// Resets the connections, and takes no new ones.
-  void cut() {
-    state_ = State::kCut;
-    while (!is_cut_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  void cut() { become(State::kCut); }
   /// Nothing gets through any more, in either direction.
-  void unplug() { state_ = State::kUnplugged; }
+  void unplug() { become(State::kUnplugged); }
 
  private:
   enum class State { kPlugged, kUnplugged, kCut };
   struct Pair {
     int near = -1, far = -1;
   };
+
+  // Returns once nothing of the state before goes on.
+  void become(State state) {
+    state_ = state;
+    while (seen_ != state) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
 
   static int listen_anywhere() {
     sockaddr_in any{};
@@ -92,11 +95,10 @@ class TcpProxy {
 
   void run() {
     while (!is_over_) {
-      if (state_ == State::kCut) {
-        close_all();
-        is_cut_ = true;
-      }
-      if (state_ == State::kPlugged) {
+      const State state = state_;
+      if (state == State::kCut) close_all();
+      seen_ = state;
+      if (state == State::kPlugged) {
         step();
       } else {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -129,8 +131,8 @@ class TcpProxy {
   const std::string target_;
   const int listener_;
   std::list<Pair> pairs_;  // of the thread alone
-  std::atomic<State> state_ = State::kPlugged;
-  std::atomic<bool> is_cut_ = false, is_over_ = false;
+  std::atomic<State> state_ = State::kPlugged, seen_ = State::kPlugged;
+  std::atomic<bool> is_over_ = false;
   std::thread thread_;
 };
 

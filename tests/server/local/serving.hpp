@@ -118,8 +118,8 @@ class LocalStream {
       if (packet->has_closed()) break;
       const auto& response = packet->frame();
       EXPECT_EQ(response.frame_id(), frame_id);
-      if (response.has_contacts()) answer.chunks.push_back(test::own_arrays(response.contacts(), memory_, kInput));
-      if (response.has_contacts()) shared_chunks_ += response.contacts().has_shared();
+      if (response.has_contacts()) take(response.contacts(), answer);
+      for (const auto& chunk : response.done().contacts()) take(chunk, answer);
       if (response.has_done()) answer.done = response.done();
       if (response.has_error()) answer.error = response.error();
       if (response.has_done() || response.has_error()) return answer;
@@ -137,6 +137,11 @@ class LocalStream {
   size_t shared_chunks() const { return shared_chunks_; }
 
  private:
+  void take(const pb::ContactChunk& chunk, test::Answer& answer) {
+    answer.chunks.push_back(test::own_arrays(chunk, memory_, kInput));
+    shared_chunks_ += chunk.has_shared();
+  }
+
   Memory memory_;
   RawLocal raw_;
   std::optional<pb::StreamOpened> opened_;

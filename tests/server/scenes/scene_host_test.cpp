@@ -1,0 +1,213 @@
+// All scenes and what watches over them: limits, leases, idle streams, the stop.
+#include "server/scenes/scene_host.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "tests/server/scenes/session_test.hpp"
+
+namespace collided::server {
+namespace {
+
+Config config_with(const Limits& limits) {
+  Config config;
+  config.backend = "cpu";
+  config.threads = 1;
+  config.limits = limits;
+  return config;
+}
+
+// Makes a scene as the daemon does: one that cannot be built is deleted again.
+SceneUse make_scene(SceneHost& host, const Client& owner = client(), double lease_seconds = 30) {
+  const auto added = host.add_scene(owner, {tip_plan(), "", 0, lease_seconds});
+  std::exception_ptr failure;
+  added.scene->worker().post([&] {
+    try {
+      added.scene->build_if_complete();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+  });
+  added.scene->worker().flush();
+  if (!failure) return added.scene;
+  host.scenes().remove(owner, added.scene->id());
+  std::rethrow_exception(failure);
+}
+
+struct Stream {
+  explicit Stream(const SceneUse& scene) : session(FrameSession::open(scene, "", Delivery::kLossless, sink)) {}
+  std::shared_ptr<RecordingSink> sink = std::make_shared<RecordingSink>();
+  std::shared_ptr<FrameSession> session;
+};
+
+template <class Body>
+std::string refused_subject(const Body& body) {
+  try {
+    body();
+  } catch (const LimitExceeded& e) {
+    return e.subject();
+  }
+  return "nobody";
+}
+
+TEST(SceneHost, AClientOverItsDeviceBytesGetsNoScene) {
+  CountingObserver observer;
+  SceneHost host(config_with({}), observer);
+  ClientLimits little;
+  little.max_device_bytes = 100;
+  const auto owner = client("little", little);
+  EXPECT_EQ(refused_subject([&] { make_scene(host, owner); }), "client:little");
+  EXPECT_TRUE(host.scenes().all().empty());
+  EXPECT_TRUE(wait_until([&] { return host.usage().device_bytes(owner)->held() == 0; }));
+  EXPECT_EQ(refused_subject([&] { make_scene(host); }), "nobody");
+}
+
+TEST(SceneHost, AllScenesTogetherStayWithinTheDaemonsBytes) {
+  CountingObserver observer;
+  SceneHost host(config_with({}), observer);
+  make_scene(host);
+  const uint64_t one = host.totals().device_bytes;
+  EXPECT_GT(one, 0u);
+  EXPECT_EQ(host.usage().device_bytes(client())->held(), one);
+  Limits limits;
+  limits.max_device_bytes = 2 * one;
+  host.set_limits(limits);
+  EXPECT_EQ(host.limits(), limits);
+  const auto second = make_scene(host, client("another"));
+  EXPECT_EQ(refused_subject([&] { make_scene(host, client("third")); }), "daemon");
+  host.scenes().remove(client("another"), second->id());
+  second->worker().post([&] { second->release(); });
+  second->worker().flush();
+  EXPECT_EQ(refused_subject([&] { make_scene(host, client("third")); }), "nobody");
+}
+
+TEST(SceneHost, AFramePastTheClientsBytesIsRefusedAndTheSceneGoesOn) {
+  CountingObserver observer;
+  SceneHost host(config_with({}), observer);
+  const auto scene = make_scene(host);
+  const auto bytes = host.usage().device_bytes(client());
+  bytes->set_most(bytes->held());
+  const Stream stream(scene);
+  stream.session->submit(tip_frame(1, 2));
+  EXPECT_EQ(stream.sink->wait_for(2).back(), "refused 1: LimitExceeded");
+  bytes->set_most(ClientLimits{}.max_device_bytes);
+  stream.session->submit(tip_frame(1, 2));
+  EXPECT_EQ(stream.sink->wait_for(3).back(), "answered 1");
+}
+
+TEST(SceneHost, NewLimitsHoldForNewScenes) {
+  CountingObserver observer;
+  SceneHost host(config_with({}), observer);
+  make_scene(host), make_scene(host);
+  Limits limits;
+  limits.max_scenes = 2;
+  host.set_limits(limits);
+  EXPECT_EQ(refused_subject([&] { make_scene(host); }), "daemon");
+  EXPECT_EQ(host.totals().scenes, 2u);
+}
+
+TEST(SceneHost, ASceneWhoseLeaseRanOutIsDeleted) {
+  CountingObserver observer;
+  SceneHost host(config_with({}), observer);
+  const auto kept = make_scene(host, client(), 1e-3);
+  const auto id = make_scene(host, client(), 1e-3)->id();
+  EXPECT_TRUE(wait_until([&] { return observer.expiries > 0; }));
+  EXPECT_THROW(host.scenes().find(client(), id), NotFound);
+  EXPECT_EQ(host.scenes().find(client(), kept->id())->id(), kept->id());
+  EXPECT_EQ(observer.expiries, 1);
+  const auto held = [&] { return host.usage().device_bytes(client())->held(); };
+  EXPECT_TRUE(wait_until([&] { return held() == host.totals().device_bytes; }));
+}
+
+TEST(SceneHost, AStreamThatIsIdleForTooLongEnds) {
+  CountingObserver observer;
+  Limits limits;
+  limits.max_idle_seconds = 0.05;
+  SceneHost host(config_with(limits), observer);
+  const auto busy = make_scene(host), idle = make_scene(host);
+  const Stream waits(busy), says_nothing(idle);
+  waits.session->hold(true);
+  waits.session->submit(tip_frame(1, 2));  // a slow reader is not idle
+  EXPECT_EQ(says_nothing.sink->wait_for(2), (RecordingSink::Events{"opened after 0", "ended: LimitExceeded"}));
+  EXPECT_EQ(idle->stream(), nullptr);
+  EXPECT_FALSE(waits.session->is_closed());
+  limits.max_idle_seconds = 3600;
+  host.set_limits(limits);
+  waits.session->hold(false);
+  EXPECT_EQ(waits.sink->wait_for(2).back(), "answered 1");
+}
+
+TEST(SceneHost, TheStopIsToldAndNothingNewBegins) {
+  CountingObserver observer;
+  SceneHost host(config_with({}), observer);
+  const auto first = make_scene(host), second = make_scene(host), silent = make_scene(host);
+  const Stream a(first), b(second);
+  host.check_serving();
+  host.announce_stop(1.5);
+  for (const Stream* stream : {&a, &b}) {
+    const auto events = stream->sink->wait_for(2);
+    EXPECT_EQ(std::count(events.begin(), events.end(), "draining 1.5"), 1);
+    stream->session->submit(tip_frame(1, 2));
+    EXPECT_EQ(stream->sink->wait_for(3).back(), "answered 1");  // what is open goes on
+  }
+  EXPECT_THROW(host.check_serving(), Stopping);
+  EXPECT_THROW(host.add_scene(client(), {tip_plan(), "", 0, 30}), Stopping);
+}
+
+TEST(SceneHost, TotalsAreOfAllScenes) {
+  CountingObserver observer;
+  SceneHost host(config_with({}), observer);
+  const auto first = make_scene(host), second = make_scene(host, client("another"));
+  const auto place = host.usage().begin_stream(client());
+  const Stream a(first), b(second);
+  a.session->hold(true), b.session->hold(true);
+  for (uint64_t id = 1; id <= 3; ++id) a.session->submit(tip_frame(id, 2));
+  b.session->submit(tip_frame(1, 2));
+  const HostTotals totals = host.totals();
+  EXPECT_EQ(totals.scenes, 2u);
+  EXPECT_EQ(totals.streams, 1u);
+  EXPECT_EQ(totals.waiting_frames, 4u);
+  EXPECT_EQ(totals.device_bytes,
+            host.usage().device_bytes(client())->held() + host.usage().device_bytes(client("another"))->held());
+}
+
+TEST(SceneHost, ItsEndEndsEverything) {
+  CountingObserver observer;
+  std::optional<SceneHost> host(std::in_place, config_with({}), observer);
+  const auto sink = std::make_shared<RecordingSink>();
+  {
+    const auto scene = make_scene(*host);
+    FrameSession::open(scene, "", Delivery::kLossless, sink)->submit(tip_frame(1, 2));
+  }
+  host.reset();
+  EXPECT_EQ(sink->events().back(), "ended: NotFound");
+}
+
+TEST(SceneHost, ManyThreadsAtOnceAndTheStopAmongThem) {
+  CountingObserver observer;
+  SceneHost host(config_with({}), observer);
+  std::vector<std::thread> threads;
+  std::atomic<int> made = 0;
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&, owner = client("c" + std::to_string(t % 2))] {
+      for (int i = 0; i < 10; ++i) try {
+          const auto scene = make_scene(host, owner, 1e-3);
+          const auto place = host.usage().begin_stream(owner);
+          const Stream stream(scene);
+          stream.session->submit(tip_frame(1, 2));
+          ++made;
+          host.set_limits(host.limits());
+          EXPECT_GE(host.totals().scenes, 1u);
+          if (i % 2 == 0) stream.session->close();
+        } catch (const Stopping&) {
+        }
+    });
+  wait_until([&] { return made >= 10; });
+  host.announce_stop(1);
+  for (auto& thread : threads) thread.join();
+  EXPECT_EQ(host.usage().streams(), 0u);
+}
+
+}  // namespace
+}  // namespace collided::server
