@@ -80,6 +80,7 @@ void fill_scene(const Scene& scene, pb::Scene* out) {
   out->set_last_frame_id(now.last_frame_id);
   out->set_lease_seconds(scene.facts().lease_seconds);
   out->set_resume_token(scene.facts().resume_token);
+  out->set_endpoint(scene.endpoint());
 }
 
 void fill_device(const DeviceInfo& device, pb::Device* out) {

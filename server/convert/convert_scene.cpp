@@ -148,7 +148,7 @@ MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
 void check_total(const char* what, uint64_t total, uint64_t limit) {
   if (total > limit)
     throw LimitExceeded("spec.meshes",
-                        fmt::format("spec.meshes has {} {} in all, more than the limit of {}", total, what, limit));
+                        fmt::format("spec.meshes has {} {} in all, more than max_{}, {}", total, what, what, limit));
 }
 
 // Sizes are checked before any array is copied.
@@ -181,7 +181,7 @@ void parse_meshes(const pb::SceneSpec& spec, ScenePlan& plan) {
 uint64_t parse_budget(uint64_t budget, uint64_t limit) {
   if (budget > limit)
     throw LimitExceeded("spec.memory_budget_bytes",
-                        fmt::format("spec.memory_budget_bytes is {}, more than the limit of {}", budget, limit));
+                        fmt::format("spec.memory_budget_bytes is {}, more than max_scene_bytes, {}", budget, limit));
   return budget ? budget : limit;
 }
 

@@ -11,7 +11,7 @@
 
 #include "server/errors.hpp"
 #include "server/local/shared_frame.hpp"
-#include "server/ops/log.hpp"
+#include "server/shorten.hpp"
 
 namespace collided::server {
 namespace {
@@ -139,6 +139,7 @@ void Connection::take(Packet packet) {
 }
 
 void Connection::open(const pb::LocalOpen& open, std::vector<Fd> files) {
+  asked_scene_ = shorten(open.open().scene_id(), 64);
   opening_ = check_opening(open, std::move(files), rules_);
   writer_ = std::make_unique<AnswerWriter>(opening_.region, opening_.stream.window);
   const std::string& token = open.open().resume_token();
@@ -151,7 +152,10 @@ void Connection::open(const pb::LocalOpen& open, std::vector<Fd> files) {
   }
   rules_.host.check_serving();  // the stop may have been announced just before there was a session to tell
   log_event(spdlog::level::info, "local stream opened",
-            {{"scene", open.open().scene_id()}, {"window", opening_.stream.window}, {"client", opening_.client->name}});
+            {{"scene", open.open().scene_id()},
+             {"window", opening_.stream.window},
+             {"client", opening_.client->name},
+             {"request", ids_.request_id}});
 }
 
 void Connection::submit(pb::LocalRequest& request) {
@@ -180,6 +184,11 @@ void Connection::opened(const Scene& scene) { send({opened_packet(scene, opening
 void Connection::answered(const Scene& scene, AnsweredFrame frame) {
   auto packets = writer_->write(scene, frame);
   scene.observer().answered(scene, frame);
+  log_event(spdlog::level::debug, "frame answered",
+            {{"scene", scene.id()},
+             {"frame", frame.frame_id},
+             {"milliseconds", frame.cost.total_milliseconds},
+             {"request", ids_.request_id}});
   send(std::move(packets), true);
 }
 
@@ -190,12 +199,15 @@ void Connection::refused(uint64_t frame_id, const std::exception_ptr& error) {
             {{"scene", opening_.scene->id()},
              {"frame", frame_id},
              {"code", code_name(failure.code)},
-             {"reason", failure.message}});
+             {"reason", failure.message},
+             {"request", ids_.request_id}});
   send({to_packet(refusal_message(frame_id, failure))}, true);
 }
 
 void Connection::skipped(uint64_t frame_id) {
   writer_->pass();
+  log_event(spdlog::level::debug, "frame skipped",
+            {{"scene", opening_.scene->id()}, {"frame", frame_id}, {"request", ids_.request_id}});
   pb::StreamFramesResponse response;
   response.set_frame_id(frame_id);
   response.mutable_skipped();
@@ -289,9 +301,10 @@ void Connection::log_end() const {
   const std::lock_guard lock(mutex_);
   if (!closed_) return;
   log_event(session_ || closed_->code ? spdlog::level::info : spdlog::level::debug, "local stream ends",
-            {{"scene", session_ ? session_->scene().id() : ""},
+            {{"scene", asked_scene_},
              {"code", code_name(closed_->code)},
-             {"reason", closed_->message}});
+             {"reason", closed_->message},
+             {"request", ids_.request_id}});
   metrics_.count_call("LocalStream", code_name(closed_->code));
 }
 

@@ -12,6 +12,7 @@
 #include "server/local/answer.hpp"
 #include "server/local/opening.hpp"
 #include "server/local/outbox.hpp"
+#include "server/ops/log.hpp"
 #include "server/ops/metrics.hpp"
 #include "server/scenes/frame_session.hpp"
 #include "server/service/status.hpp"
@@ -78,8 +79,10 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   const Clock::time_point begin_ = Clock::now();
   Fd socket_;  // closed by the thread, with mutex_ held
   Fd wake_;
-  Opening opening_;                       // set before the session
-  std::unique_ptr<AnswerWriter> writer_;  // the same; then the worker's
+  const CallIds ids_ = parse_ids({}, {});  // the protocol brings none
+  std::string asked_scene_;                // by the opening; of this thread alone
+  Opening opening_;                        // set before the session
+  std::unique_ptr<AnswerWriter> writer_;   // the same; then the worker's
 
   mutable std::mutex mutex_;  // guards what follows
   std::shared_ptr<FrameSession> session_;

@@ -120,10 +120,11 @@ Metrics::Families::Families()
                        .Name("collided_phase_seconds")
                        .Help("Time of a frame in each phase from its arrival to its last answer")
                        .Register(registry)),
-      stage_family(prometheus::BuildHistogram()
-                       .Name("collided_stage_seconds")
-                       .Help("Time of a frame in each stage of the engine, all within the phase compute")
-                       .Register(registry)),
+      stage_family(
+          prometheus::BuildHistogram()
+              .Name("collided_stage_seconds")
+              .Help("Time of a frame in each stage of the engine, once for each run, all within the phase compute")
+              .Register(registry)),
       rejected_family(prometheus::BuildCounter()
                           .Name("collided_rejected_total")
                           .Help("Refused frames and calls, by the name of the gRPC code")

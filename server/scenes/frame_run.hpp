@@ -62,10 +62,11 @@ class SceneObserver {
   virtual void device_failed(const Scene& scene, const std::string& why) = 0;
 };
 
-/// What all scenes share. Outlives them.
+/// What all scenes share. What it refers to outlives them.
 struct SceneSurroundings {
   Turns& turns;
   SceneObserver& observer;
+  std::string endpoint = {};  ///< address that clients are told to stream to; empty: the one they used
 };
 
 /// Waits for a turn and applies the frame, on the scene's worker thread. Throws what the engine throws, and Cancelled.

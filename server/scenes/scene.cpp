@@ -34,7 +34,7 @@ void check_frame_id(uint64_t frame_id, uint64_t last_frame_id) {
 
 Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
     : facts_(std::move(facts)),
-      surroundings_(surroundings),
+      surroundings_(std::move(surroundings)),
       plan_(std::move(plan)),
       pending_(plan_.engine),
       worker_(facts_.queue_capacity) {

@@ -38,7 +38,7 @@ struct SceneFacts {
   uint64_t fingerprint = 0;  ///< of that request
   Client owner;
   double lease_seconds = 0;
-  size_t queue_capacity = 0;  ///< frames of unary calls that wait at most
+  size_t queue_capacity = 0;  ///< frames of unary calls that wait at most, at first
 };
 
 class Scene {
@@ -53,6 +53,7 @@ class Scene {
   const ScenePlan& plan() const { return plan_; }
   SceneWorker& worker() { return worker_; }
   SceneObserver& observer() const { return surroundings_.observer; }
+  const std::string& endpoint() const { return surroundings_.endpoint; }
   SceneSnapshot snapshot() const;
   /// Triangles of a mesh that are still to come.
   uint64_t awaited(uint32_t mesh) const;

@@ -27,7 +27,7 @@ SceneHost::SceneHost(const Config& config, SceneObserver& observer)
     : limits_(config.limits),
       turns_(frames_at_once(config)),
       usage_(config.limits),
-      scenes_(config.limits.max_scenes, config.limits.max_window, {turns_, observer}),
+      scenes_(config.limits.max_scenes, config.limits.max_window, {turns_, observer, config.endpoint}),
       watch_([this] { watch(); }) {}
 
 SceneHost::~SceneHost() {
@@ -48,6 +48,7 @@ Limits SceneHost::limits() const {
 void SceneHost::set_limits(const Limits& limits) {
   usage_.set_limits(limits);
   scenes_.set_max_scenes(limits.max_scenes);
+  scenes_.set_queue_capacity(limits.max_window);
   const std::lock_guard lock(mutex_);
   limits_ = limits;
 }

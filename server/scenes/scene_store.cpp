@@ -27,18 +27,19 @@ std::string random_id() {
 }  // namespace
 
 SceneStore::Added SceneStore::add(const Client& owner, SceneRequest request) {
+  SceneFacts facts{random_id(), random_id(), request.request_id, request.fingerprint, owner, request.lease_seconds, 0};
   {
     const std::lock_guard lock(mutex_);
     if (SceneUse before = repeated_locked(owner, request)) return {std::move(before), false};
     check_room_locked(owner);
+    facts.queue_capacity = queue_capacity_;
   }
-  SceneFacts facts{random_id(), random_id(),           request.request_id, request.fingerprint,
-                   owner,       request.lease_seconds, queue_capacity_};
   // Copies much: not under the lock, so that all is looked at again.
   auto scene = std::make_shared<Scene>(std::move(facts), std::move(request.plan), surroundings_);
   const std::lock_guard lock(mutex_);
   if (SceneUse before = repeated_locked(owner, request)) return {std::move(before), false};
   check_room_locked(owner);
+  scene->worker().set_capacity(queue_capacity_);  // which may have changed in between
   SceneUse use(scene);
   scenes_.emplace(scene->id(), scene);
   if (!request.request_id.empty()) requests_.emplace(RequestKey{owner->name, request.request_id}, scene);
@@ -129,6 +130,12 @@ std::vector<std::shared_ptr<Scene>> SceneStore::remove_expired(std::chrono::stea
 void SceneStore::set_max_scenes(size_t max_scenes) {
   const std::lock_guard lock(mutex_);
   max_scenes_ = max_scenes;
+}
+
+void SceneStore::set_queue_capacity(size_t queue_capacity) {
+  const std::lock_guard lock(mutex_);
+  queue_capacity_ = queue_capacity;
+  for (const auto& [id, scene] : scenes_) scene->worker().set_capacity(queue_capacity);
 }
 
 void SceneStore::clear() {

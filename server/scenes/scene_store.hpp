@@ -25,7 +25,7 @@ struct SceneRequest {
 class SceneStore {
  public:
   SceneStore(size_t max_scenes, size_t queue_capacity, SceneSurroundings surroundings)
-      : max_scenes_(max_scenes), queue_capacity_(queue_capacity), surroundings_(surroundings) {}
+      : surroundings_(std::move(surroundings)), max_scenes_(max_scenes), queue_capacity_(queue_capacity) {}
 
   struct Added {
     SceneUse scene;
@@ -43,6 +43,8 @@ class SceneStore {
   /// Takes out and closes the scenes whose lease has run out, and frees their memory once their workers are done.
   std::vector<std::shared_ptr<Scene>> remove_expired(std::chrono::steady_clock::time_point now);
   void set_max_scenes(size_t max_scenes);
+  /// Frames of unary calls that wait for a scene at most, for the scenes that are there, too.
+  void set_queue_capacity(size_t queue_capacity);
   /// Removes all scenes and waits for the work that they have in hand.
   void clear();
 
@@ -56,10 +58,10 @@ class SceneStore {
   Scenes::const_iterator find_locked(const Client& owner, const std::string& id) const;
   std::shared_ptr<Scene> take_out_locked(Scenes::const_iterator found);
 
-  size_t max_scenes_;
-  const size_t queue_capacity_;
   const SceneSurroundings surroundings_;
-  mutable std::mutex mutex_;
+  mutable std::mutex mutex_;  // guards what follows
+  size_t max_scenes_;
+  size_t queue_capacity_;
   Scenes scenes_;
   std::map<RequestKey, std::shared_ptr<Scene>> requests_;
 };

@@ -60,6 +60,11 @@ bool SceneWorker::try_post(Job job) {
   return true;
 }
 
+void SceneWorker::set_capacity(size_t capacity) {
+  const std::lock_guard lock(state_->mutex);
+  state_->capacity = capacity;
+}
+
 void SceneWorker::post(Job job) {
   {
     std::lock_guard lock(state_->mutex);

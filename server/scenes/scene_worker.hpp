@@ -21,6 +21,8 @@ class SceneWorker {
 
   /// Queues a frame; false if the queue is full.
   bool try_post(Job job);
+  /// For frames from now on; those that wait stay.
+  void set_capacity(size_t capacity);
   /// Queues control work, which is never refused.
   void post(Job job);
   /// Work is on its way: a thread that has none wakes up meanwhile, and waits for it awake, though not for long.

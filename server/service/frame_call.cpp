@@ -41,9 +41,10 @@ void FrameCall::accept(FrameCalls& calls) {
 void FrameCall::on_accepted(bool ok) {
   if (!ok) return gone_.drop();  // the server shuts down, and tells nothing more of this one
   accept(calls_);
+  caller_.ids = ids_of(context_.client_metadata());  // of a call that is refused, too
   calls_.add(shared_from_this());
   try {
-    caller_ = identify(context_, calls_.parts_.authenticator);
+    caller_.client = identify(context_, calls_.parts_.authenticator).client;
     host_.check_serving();
     place_ = host_.usage().begin_stream(caller_.client);
   } catch (...) {
@@ -165,6 +166,11 @@ void FrameCall::refused(uint64_t frame_id, const std::exception_ptr& error) {
 }
 
 void FrameCall::skipped(uint64_t frame_id) {
+  log_event(spdlog::level::debug, "frame skipped",
+            {{"scene", session_->scene().id()},
+             {"frame", frame_id},
+             {"request", caller_.ids.request_id},
+             {"trace", caller_.ids.trace_id}});
   pb::StreamFramesResponse response;
   response.set_frame_id(frame_id);
   response.mutable_skipped();

@@ -16,7 +16,8 @@ void MeshUpload::OnReadDone(bool ok) try {
 }
 
 void MeshUpload::begin() {
-  auto scene = host_.scenes().find(identify(context_, authenticator_).client, request_.scene_id());
+  caller_ = identify(context_, authenticator_);
+  auto scene = host_.scenes().find(caller_.client, request_.scene_id());
   mesh_ = request_.mesh();
   const auto& meshes = scene->plan().meshes;
   if (mesh_ >= meshes.size())
@@ -49,7 +50,8 @@ void MeshUpload::delete_if_unusable() {
   if (!scene_->unusable()) return;
   try {
     host_.scenes().remove(scene_->facts().owner, scene_->id());
-    log_event(spdlog::level::info, "scene deleted: its meshes make no scene", {{"scene", scene_->id()}});
+    log_event(spdlog::level::info, "scene deleted: its meshes make no scene",
+              {{"scene", scene_->id()}, {"request", caller_.ids.request_id}, {"trace", caller_.ids.trace_id}});
   } catch (const NotFound&) {  // a client was faster
   }
 }
@@ -63,7 +65,11 @@ void MeshUpload::commit() {
       scene_->add_triangles(mesh_, triangles_);
       fill_scene(*scene_, response_->mutable_scene());
       log_event(spdlog::level::info, "mesh uploaded",
-                {{"scene", scene_->id()}, {"mesh", mesh_}, {"triangles", triangles_.size()}});
+                {{"scene", scene_->id()},
+                 {"mesh", mesh_},
+                 {"triangles", triangles_.size()},
+                 {"request", caller_.ids.request_id},
+                 {"trace", caller_.ids.trace_id}});
       finish(grpc::Status::OK);
     } catch (...) {
       const Failure failure = describe_current();

@@ -36,6 +36,7 @@ class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
   const Authenticator& authenticator_;
   pb::UploadMeshResponse* response_;
   const std::shared_ptr<void> held_;
+  Caller caller_;
   pb::UploadMeshRequest request_;
   SceneUse scene_;
   uint32_t mesh_ = 0;

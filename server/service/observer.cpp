@@ -1,6 +1,9 @@
 // What happens to scenes, as metrics, log lines and the daemon's state.
 #include "server/service/observer.hpp"
 
+#include <algorithm>
+#include <string_view>
+
 #include "server/ops/log.hpp"
 #include "server/service/status.hpp"
 
@@ -8,9 +11,17 @@ namespace collided::server {
 namespace {
 
 constexpr double kSecond = 1000;  // milliseconds
+constexpr std::string_view kUpload = "upload", kDownload = "download";
 
 uint64_t contacts_of(const FrameResult& result) {
   return result.vertex_triangle.size() + result.edge_edge.size() + result.triangle_triangle.size();
+}
+
+double stage_milliseconds(const FrameResult& result, std::string_view name) {
+  double milliseconds = 0;
+  for (const auto& stage : result.stages)
+    if (stage.stage == name) milliseconds += stage.milliseconds;
+  return milliseconds;
 }
 
 }  // namespace
@@ -19,16 +30,16 @@ void ServiceObserver::answered(const Scene&, const AnsweredFrame& frame) {
   const FrameCost& cost = frame.cost;
   metrics_.observe_phase(Phase::kQueue, cost.queue_milliseconds / kSecond);
   metrics_.observe_phase(Phase::kDecode, cost.decode_milliseconds / kSecond);
-  metrics_.observe_phase(Phase::kCompute, frame.result.step_milliseconds / kSecond);
   metrics_.observe_phase(Phase::kEncode, cost.encode_milliseconds / kSecond);
-  for (const auto& stage : frame.result.stages) {
-    if (stage.stage == "upload")
-      metrics_.observe_phase(Phase::kUpload, stage.milliseconds / kSecond);
-    else if (stage.stage == "download")
-      metrics_.observe_phase(Phase::kDownload, stage.milliseconds / kSecond);
-    else
+  // Not the step's own time, which is that of its last run alone, and leaves out exact arithmetic.
+  const double upload = stage_milliseconds(frame.result, kUpload),
+               download = stage_milliseconds(frame.result, kDownload);
+  metrics_.observe_phase(Phase::kUpload, upload / kSecond);
+  metrics_.observe_phase(Phase::kCompute, std::max(0.0, cost.engine_milliseconds - upload - download) / kSecond);
+  metrics_.observe_phase(Phase::kDownload, download / kSecond);
+  for (const auto& stage : frame.result.stages)
+    if (stage.stage != kUpload && stage.stage != kDownload)
       metrics_.observe_stage(stage.stage, stage.milliseconds / kSecond);
-  }
   metrics_.count_frame({cost.total_milliseconds / kSecond, contacts_of(frame.result), cost.bytes_in, cost.bytes_out,
                         frame.result.replays});
 }
@@ -37,10 +48,7 @@ void ServiceObserver::refused(const Scene&, uint64_t, const std::exception_ptr& 
   metrics_.count_rejected(code_name(describe(error).code));
 }
 
-void ServiceObserver::skipped(const Scene& scene, uint64_t frame_id) {
-  metrics_.count_skipped();
-  log_event(spdlog::level::debug, "frame skipped", {{"scene", scene.id()}, {"frame", frame_id}});
-}
+void ServiceObserver::skipped(const Scene&, uint64_t) { metrics_.count_skipped(); }
 
 void ServiceObserver::expired(const Scene& scene) {
   log_event(spdlog::level::info, "scene deleted: its lease ran out",

@@ -52,11 +52,6 @@ SceneDefaults CollisionService::defaults() const {
   return {config_.backend, config_.threads, host_.limits(), has_cuda_};
 }
 
-void CollisionService::fill(const Scene& scene, pb::Scene* out) const {
-  fill_scene(scene, out);
-  out->set_endpoint(config_.endpoint);
-}
-
 grpc::ServerUnaryReactor* CollisionService::GetServerInfo(Context* context, const pb::GetServerInfoRequest*,
                                                           pb::GetServerInfoResponse* response) {
   return answer(context, [&](const Client& client) {
@@ -80,7 +75,7 @@ grpc::ServerUnaryReactor* CollisionService::CreateScene(Context* context, const 
     target.worker().post([=, this, scene = std::move(scene), held = calls_] {  // once the first request has made it
       guard(reactor, [&] {
         scene->check_open();
-        fill(*scene, response->mutable_scene());
+        fill_scene(*scene, response->mutable_scene());
         reactor->Finish(grpc::Status::OK);
       });
     });
@@ -99,7 +94,7 @@ void CollisionService::build(const SceneUse& scene, const Caller& caller, pb::Cr
       host_.scenes().remove(caller.client, scene->id());
       throw;
     }
-    fill(*scene, response->mutable_scene());
+    fill_scene(*scene, response->mutable_scene());
     const auto& made = response->scene();
     log_event(spdlog::level::info, "scene created",
               {{"scene", scene->id()},
@@ -122,7 +117,7 @@ grpc::ServerReadReactor<pb::UploadMeshRequest>* CollisionService::UploadMesh(Con
 grpc::ServerUnaryReactor* CollisionService::GetScene(Context* context, const pb::GetSceneRequest* request,
                                                      pb::GetSceneResponse* response) {
   return answer(context, [&](const Client& client) {
-    fill(*host_.scenes().find(client, request->scene_id()), response->mutable_scene());
+    fill_scene(*host_.scenes().find(client, request->scene_id()), response->mutable_scene());
   });
 }
 
@@ -134,7 +129,7 @@ grpc::ServerUnaryReactor* CollisionService::ListScenes(Context* context, const p
     auto page = host_.scenes().page(client, request->page_token(), size + 1);  // one more tells whether a page follows
     size_t shown = 0;
     for (size_t bytes = 0; shown < std::min<size_t>(page.size(), size) && bytes < kFullPageBytes; ++shown) {
-      fill(*page[shown], response->add_scenes());
+      fill_scene(*page[shown], response->add_scenes());
       bytes += response->scenes().rbegin()->ByteSizeLong();
     }
     if (shown < page.size()) response->set_next_page_token(page[shown - 1]->id());
@@ -145,10 +140,15 @@ grpc::ServerUnaryReactor* CollisionService::DeleteScene(Context* context, const 
                                                         pb::DeleteSceneResponse*) {
   auto* reactor = context->DefaultReactor();
   guard(reactor, [&] {
-    auto scene = host_.scenes().remove(identify(*context, authenticator_).client, request->scene_id());
-    scene->worker().post([scene, reactor, held = calls_] {
+    const Caller caller = identify(*context, authenticator_);
+    auto scene = host_.scenes().remove(caller.client, request->scene_id());
+    scene->worker().post([scene, caller, reactor, held = calls_] {
       scene->release();
-      log_event(spdlog::level::info, "scene deleted", {{"scene", scene->id()}});
+      log_event(spdlog::level::info, "scene deleted",
+                {{"scene", scene->id()},
+                 {"client", caller.client->name},
+                 {"request", caller.ids.request_id},
+                 {"trace", caller.ids.trace_id}});
       reactor->Finish(grpc::Status::OK);
     });
   });

@@ -41,8 +41,6 @@ class CollisionService final : public RawService {
   Reactor* answer(Context* context, const Body& body);
   SceneDefaults defaults() const;
   void build(const SceneUse& scene, const Caller& caller, pb::CreateSceneResponse* response, Reactor* reactor);
-  /// Facts of a scene as its owner sees them, with the daemon's endpoint.
-  void fill(const Scene& scene, pb::Scene* out) const;
 
   const Config config_;
   const bool has_cuda_;

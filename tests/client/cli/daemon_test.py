@@ -19,8 +19,34 @@ class Daemon(support.CollidectlTest):
         with self.daemon() as address:
             info = json.loads(self.ok("info", "--server", address, "--json"))
             self.assertIn("cpu", info["devices"])
+            self.assertEqual(info["local_socket"], "")
             for _ in range(2):
                 self.ok("detect", self.frame0, self.frame1, "--server", address, "--backend", "cpu")
+
+    def test_info_tells_every_limit(self):
+        limits = {"max-vertices": 5, "max-triangles": 6, "max-window": 7, "max-idle-seconds": 8.5,
+                  "max-lease-seconds": 90, "max-scenes": 10, "max-streams": 11, "max-scenes-per-client": 12,
+                  "max-streams-per-client": 13, "max-frames-per-second": 14.5}
+        megabytes = {"max-message-mb": ("max_message_bytes", 15), "max-scene-mb": ("max_scene_bytes", 16),
+                     "max-device-mb": ("max_device_bytes", 17),
+                     "max-device-mb-per-client": ("max_device_bytes_per_client", 18)}
+        local = os.path.join(self.folder.name, "local")
+        words = [f"--{name}={value}" for name, value in limits.items()]
+        words += [f"--{name}={value}" for name, (_, value) in megabytes.items()]
+        with self.daemon("--local-socket", local, *words) as address:
+            info = json.loads(self.ok("info", "--server", address, "--json"))
+            text = self.ok("info", "--server", address)
+        expected = {name.replace("-", "_"): value for name, value in limits.items()}
+        expected.update({name: value << 20 for name, value in megabytes.values()})
+        self.assertEqual(info["limits"], expected)
+        self.assertEqual(info["local_socket"], local)
+        for name in (*expected, "local_socket"):
+            self.assertIn(name, text)
+
+    def test_frames_go_to_the_endpoint_that_the_daemon_tells(self):
+        with self.daemon("--endpoint", "unix:/nonexistent/socket") as address:
+            words = ["stream", "--scene", "funnel", "--scale", "0.2", "--frames", "1", "--server", address]
+            self.refused(1, "/nonexistent/socket", *words, "--backend", "cpu")
 
     def test_an_interrupt_deletes_the_scene_on_a_running_daemon(self):
         with self.daemon("--max-scenes", "1") as address:
