@@ -23,8 +23,7 @@ namespace collided::test {
 
 class DaemonProcess {
  public:
-  explicit DaemonProcess(std::vector<std::string> more = {},
-                         const std::string& backend = setting("COLLIDED_TEST_BACKEND", "cpu")) {
+  explicit DaemonProcess(std::vector<std::string> more = {}, const std::string& backend = test_backend()) {
     std::string pattern = (std::filesystem::temp_directory_path() / "collided-XXXXXX").string();
     folder_ = mkdtemp(pattern.data());
     std::vector<std::string> arguments = {setting("COLLIDED_DAEMON", COLLIDED_DAEMON),

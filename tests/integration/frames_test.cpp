@@ -93,7 +93,7 @@ TEST_F(Frames, EveryEngineFindsTheContactAndNamesItself) {
     expect_tip_contact(answer, 2);
     EXPECT_NE(answer.done->metrics().broad_phase_engine(), pb::BROAD_PHASE_ENGINE_UNSPECIFIED);
     EXPECT_GE(answer.done->metrics().step_milliseconds(), 0);
-    EXPECT_EQ(answer.done->metrics().graph_launches(), 0u);  // CPU cores
+    EXPECT_EQ(answer.done->metrics().graph_launches() > 0, test_backend() == "cuda");
   }
 }
 

@@ -12,4 +12,7 @@ inline std::string setting(const char* variable, const char* built) {
   return value ? value : built;
 }
 
+/// The backend of the daemons that tests start.
+inline std::string test_backend() { return setting("COLLIDED_TEST_BACKEND", "cpu"); }
+
 }  // namespace collided::test

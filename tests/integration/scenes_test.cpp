@@ -83,7 +83,7 @@ TEST_F(Scenes, ServerInfoNamesVersionAndDevices) {
   ASSERT_TRUE(stub_->GetServerInfo(&context, {}, &response).ok());
   EXPECT_EQ(response.version(), COLLIDED_VERSION);
   ASSERT_GT(response.devices_size(), 0);
-  EXPECT_EQ(response.devices(0).backend(), pb::BACKEND_CPU);
+  EXPECT_EQ(response.devices(0).backend(), test_backend() == "cuda" ? pb::BACKEND_CUDA : pb::BACKEND_CPU);
   EXPECT_EQ(response.limits().max_message_bytes(), 64u << 20);
 }
 

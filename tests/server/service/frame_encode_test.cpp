@@ -168,8 +168,9 @@ TEST_F(FrameEncode, MessagesKeepTheirFrameAsLongAsTheyNeedIt) {
   const auto scene = scene_with(kAllFields);
   auto answer = frame(1000, 0, 0);
   const std::weak_ptr<AnsweredFrame> alive = answer;
-  const std::string first_before = text(encode_answer(*scene, answer, 1 << 20).at(0).bytes);
-  auto messages = encode_answer(*scene, answer, 1 << 20);
+  constexpr size_t kMost = 30'000;  // so that the first message is contacts alone, and the same each time
+  const std::string first_before = text(encode_answer(*scene, answer, kMost).at(0).bytes);
+  auto messages = encode_answer(*scene, answer, kMost);
   answer.reset();
   EXPECT_FALSE(alive.expired());
   EXPECT_EQ(text(messages[0].bytes), first_before);
@@ -202,7 +203,6 @@ TEST_F(FrameEncode, OfSmallMessagesThoseThatEndAFrameGiveTheCreditBack) {
     EXPECT_EQ(parse(message).SerializeAsString(), response.SerializeAsString());
     return message.ends_frame;
   };
-  EXPECT_TRUE(ends([](auto& r) { r.mutable_done()->set_contact_count(1); }));
   EXPECT_TRUE(ends([](auto& r) { r.mutable_error()->set_message(std::string(5000, 'm')); }));
   EXPECT_TRUE(ends([](auto& r) { r.mutable_skipped(); }));
   EXPECT_FALSE(ends([](auto& r) { r.mutable_opened()->set_window(2); }));
