@@ -46,7 +46,8 @@ class Metrics {
   void count_rejected(std::string_view reason);
   /// A stream that took up a scene where a broken one left it.
   void count_reconnect();
-  /// An ended call: its method without the service, and the name of its gRPC code; other than OK and CANCELLED it is rejected, too.
+  /// An ended call: its method without the service, and the name of its gRPC code; other than OK and CANCELLED it is
+  /// rejected, too.
   void count_call(std::string_view method, std::string_view code);
 
   /// Called at each scrape, by the thread of the scrape. An empty function: no scene and no stream; once it is set, the

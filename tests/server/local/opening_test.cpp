@@ -120,7 +120,8 @@ TEST_F(LocalOpening, AnotherStreamIsTakenOverWithTheTokenAlone) {
 
 TEST_F(LocalOpening, TokensAreAskedFor) {
   const Folder folder;
-  std::ofstream(folder.file("tokens")) << "[[tokens]]\nname = \"robot\"\ntoken = \"0123456789abcdef0123456789abcdef\"\n";
+  std::ofstream(folder.file("tokens"))
+      << "[[tokens]]\nname = \"robot\"\ntoken = \"0123456789abcdef0123456789abcdef\"\n";
   std::filesystem::permissions(folder.file("tokens"), std::filesystem::perms(0600));
   Config config = Serving::cpu_config();
   config.tokens_file = folder.file("tokens");
