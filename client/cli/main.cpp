@@ -1,7 +1,10 @@
 // collidectl: collision detection from the command line. Exit codes: 0 done, 1 error in the work, 2 bad usage,
 // 128 + n interrupted by signal n.
 
+#include <grpc/support/log.h>
+
 #include <cstdio>
+#include <cstdlib>
 #include <iostream>
 
 #include "client/cli/commands.hpp"
@@ -14,6 +17,11 @@ int fail(int exit_code, const std::string& what) {
   return exit_code;
 }
 
+/// gRPC's own lines would come before the one that tells what is wrong; GRPC_VERBOSITY brings them back.
+void silence_grpc() {
+  if (std::getenv("GRPC_VERBOSITY") == nullptr) gpr_set_log_function([](gpr_log_func_args*) {});
+}
+
 /// `exit_code`, unless what was printed did not arrive.
 int finish(int exit_code) {
   const bool is_written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
@@ -24,6 +32,7 @@ int finish(int exit_code) {
 
 int main(int argc, char** argv) {
   using namespace collided::cli;
+  silence_grpc();
   CLI::App app{"Collision detection with a collided daemon, its own or a running one"};
   app.set_version_flag("--version", std::string("collidectl " COLLIDED_VERSION));
   app.require_subcommand(1);

@@ -7,10 +7,12 @@
 #include <grpcpp/support/channel_arguments.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <iterator>
 
 #include "client/cpp/error.hpp"
+#include "collided/v1/collision_service.grpc.pb.h"
 
 namespace collided::client {
 
@@ -25,6 +27,19 @@ std::string read_file(const char* option, const std::string& name) {
   if (!in || text.empty())
     throw Error(grpc::INVALID_ARGUMENT, std::string(option) + " is '" + name + "', which cannot be read", option);
   return text;
+}
+
+/// Why a channel did not connect, as far as gRPC tells; else empty. Only a call is told.
+std::string reason_of(const std::shared_ptr<grpc::Channel>& channel) {
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(1));
+  v1::GetServerInfoResponse response;
+  const grpc::Status status = v1::CollisionService::NewStub(channel)->GetServerInfo(&context, {}, &response);
+  if (status.error_code() != grpc::UNAVAILABLE) return "";
+  const std::string text = status.error_message(), before = "last error: ";
+  const size_t last = text.find(before);
+  if (last == std::string::npos) return ": " + text;
+  return text.substr(text.find(": ", last + before.size()));  // without the name of a code
 }
 
 /// "[::1]:50051" to "::1", "localhost:50051" to "localhost".
@@ -109,7 +124,7 @@ std::shared_ptr<grpc::Channel> ChannelMaker::make() const {
 std::shared_ptr<grpc::Channel> ChannelMaker::connect() const {
   auto channel = make();
   if (!channel->WaitForConnected(std::chrono::system_clock::now() + options_.patience))
-    throw Error(grpc::UNAVAILABLE, "no daemon answers at " + address_);
+    throw Error(grpc::UNAVAILABLE, "no daemon answers at " + address_ + reason_of(channel));
   return channel;
 }
 

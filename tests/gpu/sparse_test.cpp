@@ -1,5 +1,6 @@
 // Sparse updates: the answers of whole ones, bad indices refused, and the right positions after frames that failed.
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/gpu/backend.hpp"
@@ -87,6 +88,17 @@ class Twins {
 class Sparse : public OnBackend<::testing::TestWithParam<Setting>> {
  protected:
   bool is_ccd() const { return GetParam().mode == Mode::kCcd; }
+  /// How often a frame asks whether it is given up: between stages on CPU cores, less often on a GPU.
+  static int asked_in_a_frame() {
+    Twins twins(GetParam());
+    twins.move(2, false);
+    const std::vector<OwnedUpdate> updates{twins.sparse_update(0, 1, false)};
+    FrameInput frame = Twins::frame_of(updates);
+    int asked = 0;
+    frame.cancelled = [&] { return ++asked < 0; };
+    twins.sparse().detect(frame);
+    return asked;
+  }
 };
 
 TEST_P(Sparse, EqualsWhole) {
@@ -162,7 +174,8 @@ TEST_P(Sparse, NumbersOfIndicesAreRefused) {
 TEST_P(Sparse, FollowsTheLastFrameThatSucceeded) {
   Twins twins(GetParam());
   twins.move(2, false);
-  for (int asked_before = 0; asked_before < 4; ++asked_before) {
+  const int asked_in_all = asked_in_a_frame();
+  for (int asked_before = 0; asked_before < std::min(4, asked_in_all); ++asked_before) {
     const std::vector<OwnedUpdate> updates{twins.sparse_update(0, 1, false)};
     FrameInput cancelled = Twins::frame_of(updates);
     int asked = 0;
