@@ -37,6 +37,7 @@ std::unique_ptr<SharedMemory> register_cuda_memory(std::span<std::byte> memory) 
 }
 
 std::unique_ptr<SharedMemory> open_cuda_memory(std::span<const std::byte> handle) {
+  if (!cuda_available()) throw InvalidInput("handle", "handle names memory of a GPU, and there is none here");
   return std::make_unique<DeviceMemoryOfOthers>(kDevice, handle);
 }
 

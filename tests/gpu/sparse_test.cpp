@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/owned_updates.hpp"
@@ -88,16 +89,19 @@ class Twins {
 class Sparse : public OnBackend<::testing::TestWithParam<Setting>> {
  protected:
   bool is_ccd() const { return GetParam().mode == Mode::kCcd; }
-  /// How often a frame asks whether it is given up: between stages on CPU cores, less often on a GPU.
+  /// How often each frame asks at least whether it is given up: between stages on CPU cores, less often on a GPU.
   static int asked_in_a_frame() {
     Twins twins(GetParam());
-    twins.move(2, false);
-    const std::vector<OwnedUpdate> updates{twins.sparse_update(0, 1, false)};
-    FrameInput frame = Twins::frame_of(updates);
-    int asked = 0;
-    frame.cancelled = [&] { return ++asked < 0; };
-    twins.sparse().detect(frame);
-    return asked;
+    int least = std::numeric_limits<int>::max();
+    for (const uint32_t stride : {2u, 5u, 5u, 5u, 5u}) {
+      const std::vector<OwnedUpdate> updates{twins.sparse_update(0, stride, false)};
+      FrameInput frame = Twins::frame_of(updates);
+      int asked = 0;
+      frame.cancelled = [&] { return ++asked < 0; };
+      twins.sparse().detect(frame);
+      least = std::min(least, asked);
+    }
+    return least;
   }
 };
 
