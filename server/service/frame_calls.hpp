@@ -1,6 +1,6 @@
 #pragma once
 // The StreamFrames calls: raw messages on completion queues of their own, whose threads take frames in and never run
-// engine work. (The callback API is slower for large messages; SERVICE figures in tests/bench/README.md.)
+// engine work. (The callback API is slower for large messages: more threads hand each one on.)
 
 #include <grpcpp/grpcpp.h>
 
