@@ -93,7 +93,7 @@ TEST(CallIds, KeepWhatTheCallerSent) {
 
 TEST(CallIds, MakeARequestIdWhereNoneIsUsable) {
   for (const std::string& sent : {std::string(), std::string(65, 'a'), std::string("a b"), std::string("a\nb"),
-                                 std::string("\xc3\xa4"), std::string("a\0b", 3)}) {
+                                  std::string("\xc3\xa4"), std::string("a\0b", 3)}) {
     const auto made = parse_ids(sent, "").request_id;
     EXPECT_EQ(made.size(), 32u) << sent;
     EXPECT_NE(made, parse_ids(sent, "").request_id);
