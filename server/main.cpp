@@ -52,12 +52,8 @@ sigset_t block_signals() {
   return signals;
 }
 
-// Frames of some MiB come and go all the time: keep their memory instead of mapping and faulting it anew each time.
-void keep_large_blocks() {
-  mallopt(M_MMAP_THRESHOLD, 64 << 20);
-  mallopt(M_TRIM_THRESHOLD, 256 << 20);
-  mallopt(M_ARENA_MAX, 4);  // each keeps up to 64 MiB of what was freed, and there would be eight for each core
-}
+// Each arena keeps up to 64 MiB of what was freed, and there would be eight for each core.
+void limit_arenas() { mallopt(M_ARENA_MAX, 4); }
 
 // Shutting gRPC down as well can wait 10 s for a poll of its own that nothing wakes: it is left to the process's end.
 void keep_grpc() { grpc_init(); }
@@ -154,7 +150,7 @@ int check(const Config& config) {
 
 int main(int argc, char** argv) try {
   const sigset_t signals = block_signals();
-  keep_large_blocks();
+  limit_arenas();
   const auto parsed = collided::server::parse_config(argc, argv);
   if (!parsed.run) {
     std::fputs(parsed.text.c_str(), parsed.exit_code ? stderr : stdout);
