@@ -10,12 +10,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-uint64_t total_bytes(const std::vector<MemoryPart>& memory) {
-  uint64_t bytes = 0;
-  for (const auto& part : memory) bytes += part.bytes;
-  return bytes;
-}
-
 FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, FrameCost& cost) {
   const auto turn = scene.take_turn(frame.input.cancelled);
   const auto begin = Clock::now();
@@ -45,7 +39,7 @@ AnsweredFrame run_frame(Scene& scene, PendingFrame& frame, const std::function<b
   answered.cost.decode_milliseconds = frame.decode_milliseconds;
   answered.cost.bytes_in = frame.bytes_in;
   answered.result = apply_in_turn(scene, frame, answered.cost);
-  answered.cost.device_bytes = total_bytes(scene.snapshot().memory);
+  answered.cost.device_bytes = scene.device_bytes();
   return answered;
 }
 

@@ -52,6 +52,13 @@ SceneSnapshot Scene::snapshot() const {
   return shown_;
 }
 
+uint64_t Scene::device_bytes() const {
+  const std::lock_guard lock(mutex_);
+  uint64_t bytes = 0;
+  for (const auto& part : shown_.memory) bytes += part.bytes;
+  return bytes;
+}
+
 uint64_t Scene::awaited(uint32_t mesh) const {
   std::lock_guard lock(mutex_);
   return awaited_.at(mesh);

@@ -55,6 +55,8 @@ class Scene {
   SceneObserver& observer() const { return surroundings_.observer; }
   const std::string& endpoint() const { return surroundings_.endpoint; }
   SceneSnapshot snapshot() const;
+  /// Of the snapshot's memory, without a copy of it.
+  uint64_t device_bytes() const;
   /// Triangles of a mesh that are still to come.
   uint64_t awaited(uint32_t mesh) const;
   /// Keeps a mesh for one upload, so that open uploads hold no more than the scene awaits. Throws FailedPrecondition.

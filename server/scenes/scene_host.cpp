@@ -79,7 +79,7 @@ HostTotals SceneHost::totals() const {
   totals.streams = usage_.streams();
   for (const auto& scene : scenes_.all()) {
     ++totals.scenes;
-    for (const auto& part : scene->snapshot().memory) totals.device_bytes += part.bytes;
+    totals.device_bytes += scene->device_bytes();
     if (const auto stream = scene->stream()) totals.waiting_frames += stream->waiting();
   }
   return totals;
