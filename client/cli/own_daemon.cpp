@@ -8,9 +8,7 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <cstdio>
 #include <fstream>
-#include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <thread>
@@ -39,16 +37,6 @@ fs::path make_directory() {
   return name;
 }
 
-/// Whether its --help lists the option.
-bool has_option(const fs::path& program, const std::string& option) {
-  std::string quoted = "'";
-  for (const char c : program.string()) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  const std::unique_ptr<FILE, int (*)(FILE*)> help(popen((quoted + "' --help 2>&1").c_str(), "r"), pclose);
-  std::string text;
-  for (int c; help && (c = std::fgetc(help.get())) != EOF;) text += static_cast<char>(c);
-  return text.find(option + " ") != std::string::npos;
-}
-
 /// All but the address of the Unix socket.
 std::vector<std::string> command_line(const fs::path& program, const fs::path& directory,
                                       const DaemonOptions& options) {
@@ -66,9 +54,7 @@ std::vector<std::string> command_line(const fs::path& program, const fs::path& d
                                  "--max-message-mb",
                                  "2047"};
   if (!options.all_transports) return words;
-  words.insert(words.end(), {"--address", "127.0.0.1:0"});
-  if (has_option(program, "--local-socket"))
-    words.insert(words.end(), {"--local-socket", (directory / "local").string()});
+  words.insert(words.end(), {"--address", "127.0.0.1:0", "--local-socket", (directory / "local").string()});
   return words;
 }
 
