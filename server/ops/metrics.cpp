@@ -33,8 +33,16 @@ Histogram::BucketBoundaries buckets() {
   return {50e-6, 100e-6, 250e-6, 500e-6, 1e-3, 2.5e-3, 5e-3, 10e-3, 25e-3, 50e-3, 100e-3, 250e-3, 500e-3, 1};
 }
 
+Family<Counter>& counters(Registry& registry, const char* name, const char* help) {
+  return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
+}
+
 Counter& counter(Registry& registry, const char* name, const char* help) {
-  return prometheus::BuildCounter().Name(name).Help(help).Register(registry).Add({});
+  return counters(registry, name, help).Add({});
+}
+
+Family<Histogram>& histograms(Registry& registry, const char* name, const char* help) {
+  return prometheus::BuildHistogram().Name(name).Help(help).Register(registry);
 }
 
 Gauge& gauge(Registry& registry, const char* name, const char* help, const Labels& labels = {}) {
@@ -104,11 +112,9 @@ Metrics::Families::Families()
       skipped(counter(registry, "collided_skipped_frames_total", "Frames passed over by LATEST_WINS")),
       replays(counter(registry, "collided_replays_total", "Frames run again because a buffer was too small")),
       reconnects(counter(registry, "collided_reconnects_total", "Streams that took up where a broken one left")),
-      frame_seconds(prometheus::BuildHistogram()
-                        .Name("collided_frame_seconds")
-                        .Help("Time of a frame from its arrival to its last answer")
-                        .Register(registry)
-                        .Add({}, buckets())),
+      frame_seconds(
+          histograms(registry, "collided_frame_seconds", "Time of a frame from its arrival to its last answer")
+              .Add({}, buckets())),
       scenes(gauge(registry, "collided_scenes", "Resident scenes")),
       streams(gauge(registry, "collided_streams", "Open streams")),
       device_bytes(gauge(registry, "collided_device_bytes", "Bytes that all scenes hold on their backends")),
@@ -116,23 +122,14 @@ Metrics::Families::Families()
       outgoing_bytes(gauge(registry, "collided_outgoing_bytes", "Bytes of answers that wait for their client")),
       resident_bytes(gauge(registry, "process_resident_memory_bytes", "Resident memory size in bytes")),
       open_files(gauge(registry, "process_open_fds", "Number of open file descriptors")),
-      phase_family(prometheus::BuildHistogram()
-                       .Name("collided_phase_seconds")
-                       .Help("Time of a frame in each phase from its arrival to its last answer")
-                       .Register(registry)),
+      phase_family(histograms(registry, "collided_phase_seconds",
+                              "Time of a frame in each phase from its arrival to its last answer")),
       stage_family(
-          prometheus::BuildHistogram()
-              .Name("collided_stage_seconds")
-              .Help("Time of a frame in each stage of the engine, once for each run, all within the phase compute")
-              .Register(registry)),
-      rejected_family(prometheus::BuildCounter()
-                          .Name("collided_rejected_total")
-                          .Help("Refused frames and calls, by the name of the gRPC code")
-                          .Register(registry)),
-      call_family(prometheus::BuildCounter()
-                      .Name("collided_calls_total")
-                      .Help("Ended calls, by method and name of the gRPC code")
-                      .Register(registry)),
+          histograms(registry, "collided_stage_seconds",
+                     "Time of a frame in each stage of the engine, once for each run, all within the phase compute")),
+      rejected_family(
+          counters(registry, "collided_rejected_total", "Refused frames and calls, by the name of the gRPC code")),
+      call_family(counters(registry, "collided_calls_total", "Ended calls, by method and name of the gRPC code")),
       stages(
           kMaxStages,
           [this](auto key) -> auto& {
