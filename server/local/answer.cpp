@@ -8,6 +8,7 @@
 #include "server/convert/chunks.hpp"
 #include "server/convert/convert.hpp"
 #include "server/local/packets.hpp"
+#include "server/service/stream_messages.hpp"
 
 namespace collided::server {
 namespace {
@@ -119,9 +120,7 @@ std::string closed_packet(const Failure& why) {
 }
 
 std::string opened_packet(const Scene& scene, uint32_t window) {
-  pb::StreamFramesResponse response;
-  response.mutable_opened()->set_window(window);
-  fill_scene(scene, response.mutable_opened()->mutable_scene());
+  pb::StreamFramesResponse response = opened_message(scene, window);
   std::string packet = to_packet(response);
   if (packet.size() <= kMaxPacketBytes) return packet;
   response.mutable_opened()->mutable_scene()->mutable_spec()->clear_meshes();

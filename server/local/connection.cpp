@@ -11,6 +11,8 @@
 
 #include "server/errors.hpp"
 #include "server/local/shared_frame.hpp"
+#include "server/service/stream_log.hpp"
+#include "server/service/stream_messages.hpp"
 #include "server/shorten.hpp"
 
 namespace collided::server {
@@ -18,6 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::string_view kStream = "local stream";
 constexpr double kLastPacketSeconds = 0.2;  // for what is still to be sent when the daemon stops
 
 Clock::time_point after(Clock::time_point start, double seconds) {
@@ -151,11 +154,7 @@ void Connection::open(const pb::LocalOpen& open, std::vector<Fd> files) {
     if (!outbox_.empty()) session->hold(true);
   }
   rules_.host.check_serving();  // the stop may have been announced just before there was a session to tell
-  log_event(spdlog::level::info, "local stream opened",
-            {{"scene", open.open().scene_id()},
-             {"window", opening_.stream.window},
-             {"client", opening_.client->name},
-             {"request", ids_.request_id}});
+  log_stream_opened(kStream, open.open().scene_id(), opening_.stream.window, opening_.client->name, ids_);
 }
 
 void Connection::submit(pb::LocalRequest& request) {
@@ -184,41 +183,24 @@ void Connection::opened(const Scene& scene) { send({opened_packet(scene, opening
 void Connection::answered(const Scene& scene, AnsweredFrame frame) {
   auto packets = writer_->write(scene, frame);
   scene.observer().answered(scene, frame);
-  log_event(spdlog::level::debug, "frame answered",
-            {{"scene", scene.id()},
-             {"frame", frame.frame_id},
-             {"milliseconds", frame.cost.total_milliseconds},
-             {"request", ids_.request_id}});
+  log_frame_answered(scene.id(), frame, ids_);
   send(std::move(packets), true);
 }
 
 void Connection::refused(uint64_t frame_id, const std::exception_ptr& error) {
   writer_->pass();
   const Failure failure = describe(error);
-  log_event(spdlog::level::info, "frame refused",
-            {{"scene", opening_.scene->id()},
-             {"frame", frame_id},
-             {"code", code_name(failure.code)},
-             {"reason", failure.message},
-             {"request", ids_.request_id}});
+  log_frame_refused(opening_.scene->id(), frame_id, failure, ids_);
   send({to_packet(refusal_message(frame_id, failure))}, true);
 }
 
 void Connection::skipped(uint64_t frame_id) {
   writer_->pass();
-  log_event(spdlog::level::debug, "frame skipped",
-            {{"scene", opening_.scene->id()}, {"frame", frame_id}, {"request", ids_.request_id}});
-  pb::StreamFramesResponse response;
-  response.set_frame_id(frame_id);
-  response.mutable_skipped();
-  send({to_packet(std::move(response))}, true);
+  log_frame_skipped(opening_.scene->id(), frame_id, ids_);
+  send({to_packet(skipped_message(frame_id))}, true);
 }
 
-void Connection::draining(double seconds) {
-  pb::StreamFramesResponse response;
-  response.mutable_draining()->set_deadline_seconds(seconds);
-  send({to_packet(std::move(response))}, false);
-}
+void Connection::draining(double seconds) { send({to_packet(draining_message(seconds))}, false); }
 
 void Connection::ended(const std::exception_ptr& why) {
   const std::lock_guard lock(mutex_);
@@ -300,11 +282,8 @@ void Connection::wake() const { eventfd_write(wake_.get(), 1); }
 void Connection::log_end() const {
   const std::lock_guard lock(mutex_);
   if (!closed_) return;
-  log_event(session_ || closed_->code ? spdlog::level::info : spdlog::level::debug, "local stream ends",
-            {{"scene", asked_scene_},
-             {"code", code_name(closed_->code)},
-             {"reason", closed_->message},
-             {"request", ids_.request_id}});
+  log_stream_ends(session_ || closed_->code ? spdlog::level::info : spdlog::level::debug, kStream, asked_scene_,
+                  closed_->code, closed_->message, ids_);
   metrics_.count_call("LocalStream", code_name(closed_->code));
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/errors.hpp"
+#include "server/service/stream_log.hpp"
 #include "server/service/stream_messages.hpp"
 
 namespace collided::server {
@@ -118,12 +119,7 @@ void FrameCall::open(const pb::OpenStream& open) {
     if (status_) session->close();  // ended in between
   }
   host_.check_serving();  // the stop may have been announced just before there was a session to tell
-  log_event(spdlog::level::info, "stream opened",
-            {{"scene", open.scene_id()},
-             {"window", window_},
-             {"client", caller_.client->name},
-             {"request", caller_.ids.request_id},
-             {"trace", caller_.ids.trace_id}});
+  log_stream_opened("stream", open.scene_id(), window_, caller_.client->name, caller_.ids);
 }
 
 void FrameCall::submit(IncomingFrame incoming) {
@@ -134,54 +130,27 @@ void FrameCall::submit(IncomingFrame incoming) {
   session_->submit(admit_frame(host_, session_->scene(), std::move(incoming)));
 }
 
-void FrameCall::opened(const Scene& scene) {
-  pb::StreamFramesResponse response;
-  fill_scene(scene, response.mutable_opened()->mutable_scene());
-  response.mutable_opened()->set_window(window_);
-  send(response);
-}
+void FrameCall::opened(const Scene& scene) { send(opened_message(scene, window_)); }
 
 void FrameCall::answered(const Scene& scene, AnsweredFrame frame) {
   const auto kept = std::make_shared<AnsweredFrame>(std::move(frame));
   send(encode_answer(scene, kept, kMaxChunkBytes));
   scene.observer().answered(scene, *kept);
-  log_event(spdlog::level::debug, "frame answered",
-            {{"scene", scene.id()},
-             {"frame", kept->frame_id},
-             {"milliseconds", kept->cost.total_milliseconds},
-             {"request", caller_.ids.request_id},
-             {"trace", caller_.ids.trace_id}});
+  log_frame_answered(scene.id(), *kept, caller_.ids);
 }
 
 void FrameCall::refused(uint64_t frame_id, const std::exception_ptr& error) {
   const Failure failure = describe(error);
-  log_event(spdlog::level::info, "frame refused",
-            {{"scene", session_->scene().id()},
-             {"frame", frame_id},
-             {"code", code_name(failure.code)},
-             {"reason", failure.message},
-             {"request", caller_.ids.request_id},
-             {"trace", caller_.ids.trace_id}});
+  log_frame_refused(session_->scene().id(), frame_id, failure, caller_.ids);
   send(refusal_message(frame_id, failure));
 }
 
 void FrameCall::skipped(uint64_t frame_id) {
-  log_event(spdlog::level::debug, "frame skipped",
-            {{"scene", session_->scene().id()},
-             {"frame", frame_id},
-             {"request", caller_.ids.request_id},
-             {"trace", caller_.ids.trace_id}});
-  pb::StreamFramesResponse response;
-  response.set_frame_id(frame_id);
-  response.mutable_skipped();
-  send(response);
+  log_frame_skipped(session_->scene().id(), frame_id, caller_.ids);
+  send(skipped_message(frame_id));
 }
 
-void FrameCall::draining(double seconds) {
-  pb::StreamFramesResponse response;
-  response.mutable_draining()->set_deadline_seconds(seconds);
-  send(response);
-}
+void FrameCall::draining(double seconds) { send(draining_message(seconds)); }
 
 void FrameCall::ended(const std::exception_ptr& why) {
   const std::lock_guard lock(mutex_);
@@ -286,12 +255,8 @@ void FrameCall::on_linger(bool ok) {
 }
 
 void FrameCall::log_end(const grpc::Status& status) const {
-  log_event(spdlog::level::info, "stream ends",
-            {{"scene", session_ ? session_->scene().id() : ""},
-             {"code", code_name(status.error_code())},
-             {"reason", status.error_message()},
-             {"request", caller_.ids.request_id},
-             {"trace", caller_.ids.trace_id}});
+  log_stream_ends(spdlog::level::info, "stream", session_ ? session_->scene().id() : "", status.error_code(),
+                  status.error_message(), caller_.ids);
   calls_.parts_.metrics.count_call("StreamFrames", code_name(status.error_code()));
 }
 

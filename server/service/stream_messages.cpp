@@ -35,6 +35,26 @@ OpenedStream parse_open(const pb::OpenStream& open, const Limits& limits) {
   return {grant_window(open.window(), limits.max_window), parse_delivery(open.delivery())};
 }
 
+pb::StreamFramesResponse opened_message(const Scene& scene, uint32_t window) {
+  pb::StreamFramesResponse response;
+  fill_scene(scene, response.mutable_opened()->mutable_scene());
+  response.mutable_opened()->set_window(window);
+  return response;
+}
+
+pb::StreamFramesResponse skipped_message(uint64_t frame_id) {
+  pb::StreamFramesResponse response;
+  response.set_frame_id(frame_id);
+  response.mutable_skipped();
+  return response;
+}
+
+pb::StreamFramesResponse draining_message(double seconds) {
+  pb::StreamFramesResponse response;
+  response.mutable_draining()->set_deadline_seconds(seconds);
+  return response;
+}
+
 pb::StreamFramesResponse refusal_message(uint64_t frame_id, const Failure& failure) {
   pb::StreamFramesResponse response;
   response.set_frame_id(frame_id);

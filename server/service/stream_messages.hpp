@@ -16,6 +16,9 @@ struct OpenedStream {
 /// Throws InvalidInput, LimitExceeded.
 OpenedStream parse_open(const pb::OpenStream& open, const Limits& limits);
 
+pb::StreamFramesResponse opened_message(const Scene& scene, uint32_t window);
+pb::StreamFramesResponse skipped_message(uint64_t frame_id);
+pb::StreamFramesResponse draining_message(double seconds);
 pb::StreamFramesResponse refusal_message(uint64_t frame_id, const Failure& failure);
 
 }  // namespace collided::server
