@@ -11,7 +11,8 @@ namespace collided::test {
 
 /// How a local stream is opened.
 struct LocalSizes {
-  size_t input = 256 << 10, output = 64 << 10;  ///< bytes
+  static constexpr size_t kInput = 256 << 10;
+  size_t input = kInput, output = 64 << 10;  ///< bytes
   uint32_t window = 0;
   std::string resume_token = "";
 };

@@ -36,7 +36,7 @@ TEST_F(HostileLocal, WritesWhileTheFrameIsInWork) {
   });
   int refused = 0, answered = 0;
   for (uint64_t id = 2; id < 500; ++id) {
-    const auto answer = stream.ask_shared(tip_frame(id, 2));
+    const auto answer = stream.ask(test::shared_frame(tip_frame(id, 2), stream.memory()));
     refused += answer.error.has_value();
     answered += answer.done.has_value();
     if (answer.error) {
@@ -70,7 +70,7 @@ TEST_F(HostileLocal, WritesNaNRightAfterSending) {
 
 TEST_F(HostileLocal, FloodsBeyondItsCredits) {
   const std::string scene = serving_.make_scene();
-  LocalStream stream(serving_.path(), scene, 64 << 10, 2);
+  LocalStream stream(serving_.path(), scene, {.window = 2});
   test::expect_tip_contact(stream.ask_shared(first_frame(2)), 2);
   serving_.scene(scene)->worker().post([] { std::this_thread::sleep_for(std::chrono::milliseconds(300)); });
   uint64_t sent = 1;
@@ -87,7 +87,7 @@ TEST_F(HostileLocal, FloodsBeyondItsCredits) {
 TEST_F(HostileLocal, TakesNoAnswers) {
   const std::string scene = serving_.make_scene();
   {
-    LocalStream stream(serving_.path(), scene, 0, 16);
+    LocalStream stream(serving_.path(), scene, {.output = 0, .window = 16});
     ASSERT_TRUE(stream.opened());
     pb::LocalRequest request;
     *request.mutable_frame() = first_frame(2);
@@ -105,7 +105,7 @@ TEST_F(HostileLocal, HangsUpAtAnyTime) {
   const size_t files = open_files();
   uint64_t id = 1;
   for (int round = 0; round < 50; ++round) {
-    LocalStream stream(serving_.path(), scene, 64 << 10, 4);
+    LocalStream stream(serving_.path(), scene, {.window = 4});
     if (!stream.opened()) continue;  // the one before is not gone yet
     for (int i = 0; i < round % 4; ++i, ++id)
       stream.raw().send(test::shared_frame(id == 1 ? first_frame(2) : tip_frame(id, 2), stream.memory(), 1024 * i));
@@ -145,7 +145,7 @@ TEST_F(HostileLocal, ConnectsOverAndOver) {
 TEST_F(HostileLocal, DoesNotKeepTheDaemonFromStopping) {
   const std::string scene = serving_.make_scene(), other = serving_.make_scene();
   const RawLocal silent(serving_.path());
-  LocalStream idle(serving_.path(), scene), deaf(serving_.path(), other, 0, 16);
+  LocalStream idle(serving_.path(), scene), deaf(serving_.path(), other, {.output = 0, .window = 16});
   pb::LocalRequest request;
   *request.mutable_frame() = first_frame(2);
   for (uint64_t id = 2; deaf.raw().send(request.SerializeAsString(), {}, MSG_DONTWAIT); ++id)

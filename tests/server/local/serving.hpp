@@ -11,11 +11,12 @@
 #include "server/local/local_server.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/service/observer.hpp"
-#include "tests/integration/local_socket.hpp"
+#include "tests/integration/local_stream.hpp"
 #include "tests/integration/tip_scene.hpp"
 
 namespace collided::server {
 
+using test::LocalStream;
 using test::Memory;
 using test::RawLocal;
 
@@ -94,58 +95,6 @@ class Serving {
   ServiceObserver observer_;
   SceneHost host_;
   std::unique_ptr<LocalServer> server_;
-};
-
-/// An opened stream with memory for small frames.
-class LocalStream {
- public:
-  static constexpr size_t kInput = 256 << 10;
-
-  LocalStream(const std::string& path, const std::string& scene_id, size_t output = 64 << 10, uint32_t window = 0)
-      : memory_(kInput + output), raw_(path) {
-    raw_.send(test::open_request(scene_id, kInput, output, window), {memory_.file()});
-    const auto response = raw_.receive();
-    if (response && response->frame().has_opened()) opened_ = response->frame().opened();
-  }
-
-  const std::optional<pb::StreamOpened>& opened() const { return opened_; }
-  const Memory& memory() const { return memory_; }
-  RawLocal& raw() { return raw_; }
-  /// With the arrays of its contacts in the chunks.
-  test::Answer receive(uint64_t frame_id) {
-    test::Answer answer;
-    while (const auto packet = raw_.receive()) {
-      if (packet->has_closed()) break;
-      const auto& response = packet->frame();
-      EXPECT_EQ(response.frame_id(), frame_id);
-      if (response.has_contacts()) take(response.contacts(), answer);
-      for (const auto& chunk : response.done().contacts()) take(chunk, answer);
-      if (response.has_done()) answer.done = response.done();
-      if (response.has_error()) answer.error = response.error();
-      if (response.has_done() || response.has_error()) return answer;
-    }
-    answer.ended = true;
-    return answer;
-  }
-  test::Answer ask(const pb::Frame& frame) {
-    raw_.send(frame);
-    return receive(frame.frame_id());
-  }
-  /// With its positions in shared memory.
-  test::Answer ask_shared(const pb::Frame& frame) { return ask(test::shared_frame(frame, memory_)); }
-  /// Chunks whose arrays came in shared memory.
-  size_t shared_chunks() const { return shared_chunks_; }
-
- private:
-  void take(const pb::ContactChunk& chunk, test::Answer& answer) {
-    answer.chunks.push_back(test::own_arrays(chunk, memory_, kInput));
-    shared_chunks_ += chunk.has_shared();
-  }
-
-  Memory memory_;
-  RawLocal raw_;
-  std::optional<pb::StreamOpened> opened_;
-  size_t shared_chunks_ = 0;
 };
 
 }  // namespace collided::server

@@ -87,10 +87,10 @@ TEST_F(LocalFrames, NoContactIsDroppedWhereTheRegionIsSmall) {
   const std::string scene = serving_.make_scene(tips_request(kTips));
   std::vector<test::Answer> answers;
   for (const size_t output : {4 << 20, 0, 4096, 8192, 64 << 10, 128 << 10}) {
-    LocalStream stream(serving_.path(), scene, output);
+    LocalStream stream(serving_.path(), scene, {.output = output});
     ASSERT_TRUE(eventually([&] { return stream.opened().has_value(); }));
     const uint64_t id = stream.opened()->scene().last_frame_id() + 1;
-    answers.push_back(stream.ask_shared(tips_frame(id, kTips)));
+    answers.push_back(stream.ask(test::shared_frame(tips_frame(id, kTips), stream.memory())));
     const auto& answer = answers.back();
     ASSERT_TRUE(answer.done) << output;
     EXPECT_GE(answer.done->contact_count(), kTips);
@@ -112,12 +112,12 @@ TEST_F(LocalFrames, BadRangesAreRefusedAndTheStreamGoesOn) {
   constexpr uint64_t kMost = std::numeric_limits<uint64_t>::max();
   LocalStream stream(serving_.path(), serving_.make_scene());
   test::expect_tip_contact(stream.ask_shared(first_frame(2)), 2);
-  const std::pair<uint64_t, uint64_t> bad[] = {{LocalStream::kInput, 36},
-                                               {LocalStream::kInput - 32, 36},
+  const std::pair<uint64_t, uint64_t> bad[] = {{test::LocalSizes::kInput, 36},
+                                               {test::LocalSizes::kInput - 32, 36},
                                                {kMost, 36},
                                                {kMost - 35, 36},
                                                {0, kMost},
-                                               {0, LocalStream::kInput + 8},
+                                               {0, test::LocalSizes::kInput + 8},
                                                {4, 36},
                                                {0, 24},
                                                {0, 48},
@@ -140,7 +140,7 @@ TEST_F(LocalFrames, BadRangesAreRefusedAndTheStreamGoesOn) {
 }
 
 TEST_F(LocalFrames, RefusalsComeInTheirTurn) {
-  LocalStream stream(serving_.path(), serving_.make_scene(), 64 << 10, 4);
+  LocalStream stream(serving_.path(), serving_.make_scene(), {.window = 4});
   stream.raw().send(test::shared_frame(first_frame(2), stream.memory()));
   pb::Frame nan = tip_frame(2, 2);
   nan.mutable_updates(0)->set_positions(test::pack(std::vector<float>(9, std::numeric_limits<float>::quiet_NaN())));
