@@ -2,9 +2,8 @@
 
 #include "client/cpp/error.hpp"
 
+#include <absl/status/status.h>
 #include <grpcpp/support/status.h>
-
-#include <array>
 
 #include "collided/v1/error_details.pb.h"
 
@@ -38,20 +37,16 @@ ErrorDetails details_of(const std::string& bytes) {
 
 }  // namespace
 
-const char* code_name(int code) {
-  constexpr std::array<const char*, 17> kNames{
-      "OK",        "CANCELLED",      "UNKNOWN",           "INVALID_ARGUMENT",   "DEADLINE_EXCEEDED",
-      "NOT_FOUND", "ALREADY_EXISTS", "PERMISSION_DENIED", "RESOURCE_EXHAUSTED", "FAILED_PRECONDITION",
-      "ABORTED",   "OUT_OF_RANGE",   "UNIMPLEMENTED",     "INTERNAL",           "UNAVAILABLE",
-      "DATA_LOSS", "UNAUTHENTICATED"};
-  return code >= 0 && code < static_cast<int>(kNames.size()) ? kNames[static_cast<size_t>(code)] : "UNKNOWN";
+std::string code_name(int code) {
+  std::string name = absl::StatusCodeToString(static_cast<absl::StatusCode>(code));
+  return name.empty() ? "UNKNOWN" : name;
 }
 
 Error::Error(int code, const std::string& message, std::string field)
     : Error(code, message, ErrorDetails{.field = std::move(field)}) {}
 
 Error::Error(int code, const std::string& message, ErrorDetails details)
-    : std::runtime_error(std::string(code_name(code)) + ": " + message),
+    : std::runtime_error(code_name(code) + ": " + message),
       code_(code),
       message_(message),
       details_(std::move(details)) {}

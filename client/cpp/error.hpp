@@ -37,7 +37,7 @@ class Error : public std::runtime_error {
 };
 
 /// Name of a google.rpc.Code, such as "INVALID_ARGUMENT".
-const char* code_name(int code);
+std::string code_name(int code);
 
 /// Whether the connection or the daemon was lost (UNAVAILABLE, CANCELLED, INTERNAL), rather than a request refused:
 /// connect again and resume the scene.

@@ -1,7 +1,8 @@
 // The one table from exceptions to gRPC codes, and google.rpc details.
 #include "server/service/status.hpp"
 
-#include <array>
+#include <absl/status/status.h>
+
 #include <cmath>
 #include <new>
 
@@ -93,13 +94,9 @@ grpc::Status to_status(const Failure& failure) {
   return {failure.code, failure.message, details.SerializeAsString()};
 }
 
-const char* code_name(StatusCode code) {
-  constexpr std::array<const char*, 17> kNames{
-      "OK",        "CANCELLED",      "UNKNOWN",           "INVALID_ARGUMENT",   "DEADLINE_EXCEEDED",
-      "NOT_FOUND", "ALREADY_EXISTS", "PERMISSION_DENIED", "RESOURCE_EXHAUSTED", "FAILED_PRECONDITION",
-      "ABORTED",   "OUT_OF_RANGE",   "UNIMPLEMENTED",     "INTERNAL",           "UNAVAILABLE",
-      "DATA_LOSS", "UNAUTHENTICATED"};
-  return code >= 0 && static_cast<size_t>(code) < kNames.size() ? kNames[static_cast<size_t>(code)] : "UNKNOWN";
+std::string code_name(StatusCode code) {
+  std::string name = absl::StatusCodeToString(static_cast<absl::StatusCode>(code));
+  return name.empty() ? "UNKNOWN" : name;
 }
 
 }  // namespace collided::server

@@ -26,6 +26,6 @@ inline Failure describe_current() { return describe(std::current_exception()); }
 grpc::Status to_status(const Failure& failure);
 
 /// Name of a code, such as "NOT_FOUND".
-const char* code_name(grpc::StatusCode code);
+std::string code_name(grpc::StatusCode code);
 
 }  // namespace collided::server

@@ -122,12 +122,12 @@ TEST(Status, NeitherFieldNorQuotaNoDetails) {
 }
 
 TEST(Status, NamesEveryCode) {
-  EXPECT_STREQ(code_name(grpc::StatusCode::OK), "OK");
-  EXPECT_STREQ(code_name(grpc::StatusCode::RESOURCE_EXHAUSTED), "RESOURCE_EXHAUSTED");
-  EXPECT_STREQ(code_name(grpc::StatusCode::ABORTED), "ABORTED");
-  EXPECT_STREQ(code_name(grpc::StatusCode::UNAUTHENTICATED), "UNAUTHENTICATED");
-  EXPECT_STREQ(code_name(static_cast<grpc::StatusCode>(17)), "UNKNOWN");
-  EXPECT_STREQ(code_name(static_cast<grpc::StatusCode>(-1)), "UNKNOWN");
+  EXPECT_EQ(code_name(grpc::StatusCode::OK), "OK");
+  EXPECT_EQ(code_name(grpc::StatusCode::RESOURCE_EXHAUSTED), "RESOURCE_EXHAUSTED");
+  EXPECT_EQ(code_name(grpc::StatusCode::ABORTED), "ABORTED");
+  EXPECT_EQ(code_name(grpc::StatusCode::UNAUTHENTICATED), "UNAUTHENTICATED");
+  EXPECT_EQ(code_name(static_cast<grpc::StatusCode>(17)), "UNKNOWN");
+  EXPECT_EQ(code_name(static_cast<grpc::StatusCode>(-1)), "UNKNOWN");
 }
 
 }  // namespace
