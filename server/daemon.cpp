@@ -96,7 +96,7 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
 Gauges Daemon::gauges() const {
   const HostTotals totals = host_.totals();
   const uint64_t outgoing = calls_->outgoing_bytes() + (local_ ? local_->outgoing_bytes() : 0);
-  return {totals.scenes, totals.streams, totals.device_bytes, totals.waiting_frames, outgoing};
+  return {totals.scenes, totals.streams, service_.in_work(), totals.device_bytes, totals.waiting_frames, outgoing};
 }
 
 void Daemon::listen(const Config& config) {
@@ -139,15 +139,15 @@ void Daemon::reload(const Config& config) {
 }
 
 void Daemon::begin_stop(double grace_seconds) {
-  lifecycle_.drain();
   server_->GetHealthCheckService()->SetServingStatus(false);
+  lifecycle_.drain();
   host_.announce_stop(grace_seconds);
   calls_->announce_stop();
 }
 
 bool Daemon::wait_idle(std::chrono::steady_clock::time_point deadline) const {
   constexpr auto kPoll = std::chrono::milliseconds(5);
-  for (; service_.in_work() || calls_->open() > 0 || (local_ && local_->connections() > 0);
+  for (; service_.in_work() > 0 || calls_->open() > 0 || (local_ && local_->connections() > 0);
        std::this_thread::sleep_for(kPoll))
     if (std::chrono::steady_clock::now() >= deadline) return false;
   return true;

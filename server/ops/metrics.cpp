@@ -91,7 +91,7 @@ struct Metrics::Families {
   Registry registry;
   Counter &frames, &contacts, &bytes_in, &bytes_out, &skipped, &replays, &reconnects;
   Histogram& frame_seconds;
-  Gauge &scenes, &streams, &device_bytes, &queued_frames, &outgoing_bytes;
+  Gauge &scenes, &streams, &calls_in_work, &device_bytes, &queued_frames, &outgoing_bytes;
   Gauge &resident_bytes, &open_files;
   Family<Histogram>& phase_family;
   Family<Histogram>& stage_family;
@@ -117,6 +117,7 @@ Metrics::Families::Families()
               .Add({}, buckets())),
       scenes(gauge(registry, "collided_scenes", "Resident scenes")),
       streams(gauge(registry, "collided_streams", "Open streams")),
+      calls_in_work(gauge(registry, "collided_calls_in_work", "Calls in work, frame streams apart")),
       device_bytes(gauge(registry, "collided_device_bytes", "Bytes that all scenes hold on their backends")),
       queued_frames(gauge(registry, "collided_queued_frames", "Frames that wait for their turn")),
       outgoing_bytes(gauge(registry, "collided_outgoing_bytes", "Bytes of answers that wait for their client")),
@@ -157,6 +158,7 @@ void Metrics::Families::set_gauges_now() const {
   const auto now = gauges ? gauges() : Gauges();
   scenes.Set(static_cast<double>(now.scenes));
   streams.Set(static_cast<double>(now.streams));
+  calls_in_work.Set(static_cast<double>(now.calls));
   device_bytes.Set(static_cast<double>(now.device_bytes));
   queued_frames.Set(static_cast<double>(now.queued_frames));
   outgoing_bytes.Set(static_cast<double>(now.outgoing_bytes));

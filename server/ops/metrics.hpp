@@ -25,6 +25,7 @@ struct FrameTotals {
 struct Gauges {
   uint64_t scenes = 0;
   uint64_t streams = 0;
+  uint64_t calls = 0;  ///< in work, frame streams apart
   uint64_t device_bytes = 0;
   uint64_t queued_frames = 0;
   uint64_t outgoing_bytes = 0;  ///< answers that wait for their client

@@ -4,6 +4,7 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,8 +23,8 @@ class CollisionService final : public RawService {
   /// `host` and `authenticator` outlive the service.
   CollisionService(const Config& config, SceneHost& host, const Authenticator& authenticator);
 
-  /// Whether a call is in work.
-  bool in_work() const { return calls_.use_count() > 1; }
+  /// Calls in work.
+  uint64_t in_work() const { return static_cast<uint64_t>(calls_.use_count() - 1); }
 
   using Context = grpc::CallbackServerContext;
   using Reactor = grpc::ServerUnaryReactor;

@@ -113,6 +113,9 @@ class Daemon:
         except urllib.error.HTTPError as error:
             return error.code, error.read().decode()
 
+    def calls_in_work(self):
+        return int(re.search(r"^collided_calls_in_work (\d+)$", self.http("/metrics")[1], re.MULTILINE)[1])
+
     def channel(self, credentials=None):
         options = [("grpc.use_local_subchannel_pool", 1)]
         if credentials:

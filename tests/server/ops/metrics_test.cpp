@@ -34,7 +34,8 @@ void fill(Metrics& metrics) {
   metrics.count_reconnect();
   metrics.count_call("CreateScene", "OK");
   metrics.count_call("CreateScene", "OK");
-  metrics.set_gauges([] { return Gauges{.scenes = 2, .streams = 3, .device_bytes = 4, .queued_frames = 5}; });
+  metrics.set_gauges(
+      [] { return Gauges{.scenes = 2, .streams = 3, .calls = 6, .device_bytes = 4, .queued_frames = 5}; });
 }
 
 TEST(Metrics, CountWhatHappened) {
@@ -51,6 +52,7 @@ TEST(Metrics, CountWhatHappened) {
                            "collided_calls_total{code=\"OK\",method=\"CreateScene\"} 2",
                            "collided_scenes 2",
                            "collided_streams 3",
+                           "collided_calls_in_work 6",
                            "collided_device_bytes 4",
                            "collided_queued_frames 5",
                            "collided_outgoing_bytes 0",
