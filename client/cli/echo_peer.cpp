@@ -14,14 +14,18 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstring>
 #include <system_error>
+#include <thread>
 
 namespace collided::cli {
 
 namespace {
 
-/// Bytes that go up after it, and bytes that are to come down.
-using Sizes = std::array<size_t, 2>;
+using Clock = std::chrono::steady_clock;
+using Milliseconds = std::chrono::duration<double, std::milli>;
+
+constexpr size_t kHead = sizeof(double);  // of an answer: milliseconds that the peer slept
 
 [[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
 
@@ -53,10 +57,15 @@ bool receive_all(int socket, char* bytes, size_t size) {
 }
 
 bool answer(int socket, std::vector<char>& bytes) {
-  Sizes sizes;
-  if (!receive_all(socket, reinterpret_cast<char*>(sizes.data()), sizeof sizes)) return false;
-  bytes.resize(std::max({bytes.size(), sizes[0], sizes[1]}));
-  return receive_all(socket, bytes.data(), sizes[0]) && send_all(socket, bytes.data(), sizes[1]);
+  Exchange what;
+  if (!receive_all(socket, reinterpret_cast<char*>(&what), sizeof what)) return false;
+  bytes.resize(std::max({bytes.size(), what.up, kHead + what.down}));
+  if (!receive_all(socket, bytes.data(), what.up)) return false;
+  const auto begin = Clock::now();
+  if (what.hold_ms > 0) std::this_thread::sleep_until(begin + Milliseconds(what.hold_ms));
+  const double slept = Milliseconds(Clock::now() - begin).count();
+  std::memcpy(bytes.data(), &slept, kHead);
+  return send_all(socket, bytes.data(), kHead + what.down);
 }
 
 void no_delay(int socket) {
@@ -122,14 +131,17 @@ void EchoPeer::close_sockets() {
   close(unix_);
 }
 
-double EchoPeer::exchange(int socket, size_t up, size_t down) {
-  bytes_.resize(std::max({bytes_.size(), up, down}));
-  const Sizes sizes{up, down};
-  const auto start = std::chrono::steady_clock::now();
-  const bool is_done = send_all(socket, reinterpret_cast<const char*>(sizes.data()), sizeof sizes) &&
-                       send_all(socket, bytes_.data(), up) && receive_all(socket, bytes_.data(), down);
+double EchoPeer::exchange(int socket, const Exchange& what) {
+  bytes_.resize(std::max({bytes_.size(), what.up, kHead + what.down}));
+  const auto start = Clock::now();
+  const bool is_done = send_all(socket, reinterpret_cast<const char*>(&what), sizeof what) &&
+                       send_all(socket, bytes_.data(), what.up) &&
+                       receive_all(socket, bytes_.data(), kHead + what.down);
+  const double ms = Milliseconds(Clock::now() - start).count();
   if (!is_done) fail("the echo's socket");
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  double slept = 0;
+  std::memcpy(&slept, bytes_.data(), kHead);
+  return ms - slept;
 }
 
 }  // namespace collided::cli

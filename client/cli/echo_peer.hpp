@@ -1,6 +1,6 @@
 #pragma once
-// What the sockets alone cost: a child process that takes bytes and gives bytes back, over loopback TCP (TCP_NODELAY)
-// and over a Unix stream.
+// What the sockets alone cost: a child process that takes bytes, waits for as long as it is told, and gives bytes back,
+// over loopback TCP (TCP_NODELAY) and over a Unix stream.
 
 #include <sys/types.h>
 
@@ -10,6 +10,11 @@
 
 namespace collided::cli {
 
+struct Exchange {
+  size_t up = 0, down = 0;  ///< bytes
+  double hold_ms = 0;       ///< the peer sleeps so long before it answers
+};
+
 class EchoPeer {
  public:
   /// Starts the child; before any thread, because it is a copy of this process. Throws std::system_error.
@@ -18,12 +23,13 @@ class EchoPeer {
   EchoPeer& operator=(const EchoPeer&) = delete;
   ~EchoPeer();
 
-  /// Milliseconds from the first byte up to the last byte down. Throws std::system_error.
-  double tcp_ms(size_t up, size_t down) { return exchange(tcp_, up, down); }
-  double unix_ms(size_t up, size_t down) { return exchange(unix_, up, down); }
+  /// Milliseconds from the first byte up to the last byte down, less those that the peer slept. Throws
+  /// std::system_error.
+  double tcp_ms(const Exchange& what) { return exchange(tcp_, what); }
+  double unix_ms(const Exchange& what) { return exchange(unix_, what); }
 
  private:
-  double exchange(int socket, size_t up, size_t down);
+  double exchange(int socket, const Exchange& what);
   void close_sockets();
 
   int tcp_ = -1, unix_ = -1;

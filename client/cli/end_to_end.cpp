@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <thread>
 
 #include "client/cli/echo_peer.hpp"
 #include "client/cli/end_to_end_report.hpp"
@@ -103,21 +104,19 @@ class EndToEnd {
   }
   std::vector<Lane> open_lanes(const scenes::Scene& input, EndToEndRun& run);
   double send(Lane& lane, const v1::Frame& frame, bool counts, double bytes_down);
+  void compare(EndToEndRun& run, const Exchange& bytes, bool counts);
   void step(EndToEndRun& run, std::vector<Lane>& lanes, const v1::Frame& frame, bool counts);
 
   EchoPeer& echo_;
   const EndToEndOptions& options_;
   std::vector<Way> ways_;
   client::Client client_;
+  double engine_ms_ = 0;  ///< of the last frame
 };
 
 std::vector<Lane> EndToEnd::open_lanes(const scenes::Scene& input, EndToEndRun& run) {
   std::vector<Lane> lanes;
   for (const Way& way : ways_) {
-    if (!way.missing.empty()) {
-      run.skipped.emplace_back(way.name, way.missing);
-      continue;
-    }
     auto scene = std::make_unique<SceneGuard>(client_, client_.create_scene(spec(), mesh_inputs(input.meshes())));
     run.scene = **scene;
     client::FrameStream stream = way.open(**scene);
@@ -141,7 +140,9 @@ double EndToEnd::send(Lane& lane, const v1::Frame& frame, bool counts, double by
     throw std::runtime_error("frame " + std::to_string(frame.frame_id()) + " over " + lane.times.name + " has " +
                              format_double("%.0f", bytes) + " bytes of contacts, over another transport " +
                              format_double("%.0f", bytes_down));
-  if (counts) lane.times.frames.push_back(frame_time(ms, output.done.metrics()));
+  const FrameTime time = frame_time(ms, output.done.metrics());
+  engine_ms_ = time.engine;
+  if (counts) lane.times.frames.push_back(time);
   return bytes;
 }
 
@@ -150,13 +151,32 @@ void EndToEnd::step(EndToEndRun& run, std::vector<Lane>& lanes, const v1::Frame&
   for (size_t i = 0; i < lanes.size(); ++i)  // none is always the first, whose caches are cold
     bytes_down = send(lanes[(i + frame.frame_id()) % lanes.size()], frame, counts, bytes_down);
   const double bytes_up = bytes_of(views_of(frame));
-  const auto up = static_cast<size_t>(bytes_up), down = static_cast<size_t>(bytes_down);
-  const double tcp = echo_.tcp_ms(up, down), unix_stream = echo_.unix_ms(up, down);
+  compare(run, {.up = static_cast<size_t>(bytes_up), .down = static_cast<size_t>(bytes_down)}, counts);
   if (!counts) return;
-  run.bare_tcp.push_back(tcp);
-  run.bare_unix.push_back(unix_stream);
   run.bytes_up.push_back(bytes_up);
   run.bytes_down.push_back(bytes_down);
+}
+
+/// The same bytes over bare sockets, answered at once, and in the rhythm of the frames: each begins as long after the
+/// one before, and is answered as late. Meanwhile processors fall asleep, over any transport.
+void EndToEnd::compare(EndToEndRun& run, const Exchange& bytes, bool counts) {
+  constexpr double kLongEnough = 100;
+  const double hold_ms = std::min(engine_ms_, kLongEnough);
+  const auto after_a_pause = [&](const auto& exchange) {
+    std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(hold_ms));
+    return exchange();
+  };
+  const double tcp = echo_.tcp_ms(bytes), unix_stream = echo_.unix_ms(bytes);
+  const Exchange held{bytes.up, bytes.down, hold_ms};
+  const double held_tcp = after_a_pause([&] { return echo_.tcp_ms(held); });
+  const double held_unix = after_a_pause([&] { return echo_.unix_ms(held); });
+  const double few = after_a_pause([&] { return echo_.unix_ms({kFewBytes, kFewBytes, hold_ms}); });
+  if (!counts) return;
+  run.bare.tcp.push_back(tcp);
+  run.bare.unix_stream.push_back(unix_stream);
+  run.held.tcp.push_back(held_tcp);
+  run.held.unix_stream.push_back(held_unix);
+  run.held_few.push_back(few);
 }
 
 EndToEndRun EndToEnd::run(double scale) {

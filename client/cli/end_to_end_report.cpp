@@ -20,7 +20,7 @@ std::vector<double> values(const std::vector<FrameTime>& frames, const Value& va
   return out;
 }
 
-Json way_json(const WayTimes& way, double bare_tcp) {
+Json way_json(const WayTimes& way, const EndToEndRun& run) {
   const auto of = [&](double FrameTime::*field) {
     return values(way.frames, [field](const FrameTime& frame) { return frame.*field; });
   };
@@ -30,7 +30,8 @@ Json way_json(const WayTimes& way, double bare_tcp) {
           {"latency_ms", times_json(of(&FrameTime::latency))},
           {"engine_ms", times_json(of(&FrameTime::engine))},
           {"overhead_ms", times_json(overhead)},
-          {"overhead_to_bare_tcp", median(overhead) / bare_tcp},
+          {"overhead_to_bare_tcp", median(overhead) / median(run.bare.tcp)},
+          {"overhead_to_held_tcp", median(overhead) / median(run.held.tcp)},
           {"decode_ms", median(of(&FrameTime::decode))},
           {"encode_ms", median(of(&FrameTime::encode))},
           {"queue_ms", median(of(&FrameTime::queue))}};
@@ -52,7 +53,8 @@ std::string way_line(const Json& way) {
   const Json &latency = way.at("latency_ms"), &overhead = way.at("overhead_ms");
   return line({way.at("transport"), ms_text(latency.at("p50")), ms_text(latency.at("p99")),
                ms_text(way.at("engine_ms").at("p50")), ms_text(overhead.at("p50")), ms_text(overhead.at("p99")),
-               format_double("%.2f", way.at("overhead_to_bare_tcp")), ms_text(way.at("decode_ms")),
+               format_double("%.2f", way.at("overhead_to_bare_tcp")),
+               format_double("%.2f", way.at("overhead_to_held_tcp")), ms_text(way.at("decode_ms")),
                ms_text(way.at("encode_ms")), ms_text(way.at("queue_ms"))});
 }
 
@@ -74,14 +76,17 @@ Json end_to_end_json(const EndToEndRun& run) {
               {"scale", run.scale},
               {"vertices", run.scene.vertex_count()},
               {"triangles", run.scene.triangle_count()},
-              {"frames", run.bare_tcp.size()},
+              {"frames", run.bare.tcp.size()},
               {"bytes_up", median(run.bytes_up)},
               {"bytes_down", median(run.bytes_down)},
-              {"bare_ms", {{"tcp", times_json(run.bare_tcp)}, {"unix", times_json(run.bare_unix)}}},
-              {"transports", Json::array()},
-              {"skipped", Json::object()}};
-  for (const WayTimes& way : run.ways) out["transports"].push_back(way_json(way, median(run.bare_tcp)));
-  for (const auto& [name, why] : run.skipped) out["skipped"][name] = why;
+              {"bare_ms",
+               {{"tcp", times_json(run.bare.tcp)},
+                {"tcp, held", times_json(run.held.tcp)},
+                {"unix", times_json(run.bare.unix_stream)},
+                {"unix, held", times_json(run.held.unix_stream)},
+                {"few bytes, held", times_json(run.held_few)}}},
+              {"transports", Json::array()}};
+  for (const WayTimes& way : run.ways) out["transports"].push_back(way_json(way, run));
   return out;
 }
 
@@ -100,12 +105,11 @@ std::string end_to_end_lines(const Json& run) {
   std::string out = run.at("scene").get<std::string>() + ", scale " + format_double("%.4g", run.at("scale")) + ": " +
                     count("triangles") + " triangles, " + count("bytes_up") + " bytes up, " + count("bytes_down") +
                     " bytes down, " + count("frames") + " frames\n";
-  out += line({"milliseconds", "p50", "p99", "engine", "overhead", "p99", "to bare", "decode", "encode", "queue"});
+  out += line(
+      {"milliseconds", "p50", "p99", "engine", "overhead", "p99", "to bare", "to held", "decode", "encode", "queue"});
   for (const Json& way : run.at("transports")) out += way_line(way);
   for (const auto& [name, ms] : run.at("bare_ms").items())
     out += line({"bare " + name, ms_text(ms.at("p50")), ms_text(ms.at("p99"))});
-  for (const auto& [name, why] : run.at("skipped").items())
-    out += "    " + name + " is left out: " + why.get<std::string>() + "\n";
   return out;
 }
 

@@ -21,21 +21,30 @@ struct WayTimes {
   std::vector<FrameTime> frames;
 };
 
+/// A frame's bytes over bare sockets; milliseconds, a value for each frame.
+struct BareTimes {
+  std::vector<double> tcp, unix_stream;
+};
+
+/// A control message's, as shared memory needs one each way.
+constexpr size_t kFewBytes = 64;
+
 /// One size of one scene.
 struct EndToEndRun {
   std::string name;
   double scale = 1;
   v1::Scene scene;
   std::vector<WayTimes> ways;
-  std::vector<double> bare_tcp, bare_unix;                   ///< milliseconds, a value for each frame
-  std::vector<double> bytes_up, bytes_down;                  ///< of positions and of contacts, a value for each frame
-  std::vector<std::pair<std::string, std::string>> skipped;  ///< transports without one, and why
+  BareTimes bare;                            ///< of sockets that answer at once
+  BareTimes held;                            ///< of sockets that answer after the engine's time, as a frame is answered
+  std::vector<double> held_few;              ///< the same for kFewBytes to and fro over the Unix socket
+  std::vector<double> bytes_up, bytes_down;  ///< of positions and of contacts, a value for each frame
 };
 
 /// The engine's time as the daemon tells it; for one that does not, the sum of the stages.
 FrameTime frame_time(double latency, const v1::FrameMetrics& metrics);
 
-/// Overhead is a frame's latency without the engine's time, and its ratio that of medians.
+/// Overhead is a frame's latency without the engine's time, and its ratios those of medians.
 Json end_to_end_json(const EndToEndRun& run);
 /// The whole file: {"device", "settings", "runs"}.
 Json end_to_end_file(const std::vector<EndToEndRun>& runs, int warm_up);

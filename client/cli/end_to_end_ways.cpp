@@ -10,10 +10,7 @@ Way way(const std::string& name, const std::string& address, client::Local local
   const auto open = [address, local](const v1::Scene& scene) {
     return client::Client::connect(address).stream(scene, {.window = 1, .local = {.use = local}});
   };
-  return {.name = name,
-          .open = open,
-          .in_place = in_place,
-          .missing = address.empty() ? "the daemon has no such address" : ""};
+  return {.name = name, .open = open, .in_place = in_place};
 }
 
 }  // namespace

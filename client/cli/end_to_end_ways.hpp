@@ -14,8 +14,7 @@ namespace collided::cli {
 struct Way {
   std::string name;
   std::function<client::FrameStream(const v1::Scene&)> open;
-  bool in_place = false;     ///< the simulator has its positions in the memory that it shares
-  std::string missing = "";  ///< why this daemon has it not; empty: it has
+  bool in_place = false;  ///< the simulator has its positions in the memory that it shares
 };
 
 std::vector<Way> ways_of(const OwnDaemon& daemon);

@@ -1,5 +1,5 @@
-// Frames in, contacts out. A thread of its own reads all the time: a writer that waited for the daemon while the daemon
-// waited for its answers to be read would wait for ever.
+// Frames in, contacts out. The thread that waits for an answer reads it itself: on an idle processor, waking up another
+// one for it costs as much as the transport.
 
 #include "client/cpp/frame_stream.hpp"
 
@@ -15,6 +15,9 @@ namespace collided::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// Of the thread that reads when nobody else does: much shorter than the patience of any peer.
+constexpr std::chrono::milliseconds kBusyPause(20), kIdlePause(500);
 
 Contacts& contacts_of(FrameOutput& output, v1::ContactKind kind) {
   switch (kind) {
@@ -46,7 +49,8 @@ void FrameOutput::check() const {
 
 FrameStream::State::State(std::unique_ptr<FrameTransport> way, const v1::OpenStream& open) : transport(std::move(way)) {
   v1::StreamFramesResponse response;
-  const bool is_answered = transport->open(open) && transport->read(response);
+  const bool is_answered =
+      transport->open(open) && transport->read(response, FrameTransport::kNever) == FrameTransport::Arrival::kMessage;
   if (!is_answered || !response.has_opened()) {
     if (is_answered) transport->cancel();
     const std::optional<Error> end = transport->finish();
@@ -54,31 +58,69 @@ FrameStream::State::State(std::unique_ptr<FrameTransport> way, const v1::OpenStr
     throw Error(grpc::INTERNAL, "the daemon's first answer does not open the stream");
   }
   opened = std::move(*response.mutable_opened());
-  reader = std::thread([this] { read_all(); });
+  keeper = std::thread([this] { keep(); });
 }
 
 FrameStream::State::~State() {
   {
     const std::lock_guard lock(mutex);
+    is_stopping = true;
     if (!ended) transport->cancel();
   }
-  if (reader.joinable()) reader.join();
+  stop.notify_one();
+  keeper.join();
+  std::unique_lock lock(mutex);
+  await(lock, [&] { return ended; });
 }
 
-void FrameStream::State::read_all() {
+template <class Done>
+bool FrameStream::State::await(std::unique_lock<std::mutex>& lock, const Done& done, FrameTransport::Time deadline) {
+  ++waits;
+  bool is_in_time = true;
+  while (!done() && is_in_time)
+    is_in_time =
+        is_reading ? changed.wait_until(lock, deadline) == std::cv_status::no_timeout : read_one(lock, deadline);
+  return done();
+}
+
+bool FrameStream::State::read_one(std::unique_lock<std::mutex>& lock, FrameTransport::Time deadline) {
+  using Arrival = FrameTransport::Arrival;
+  is_reading = true;
+  lock.unlock();
   v1::StreamFramesResponse response;
+  auto arrival = Arrival::kNothing;
   std::optional<Error> malformed;
   try {
-    while (transport->read(response)) take(response);
+    arrival = transport->read(response, deadline);
+    if (arrival == Arrival::kMessage) take(response);
   } catch (const Error& e) {  // the stream can't be trusted any more
     malformed = e;
-    transport->cancel();
+  } catch (const std::exception& e) {
+    malformed = Error(grpc::INTERNAL, std::string("an answer could not be taken: ") + e.what());
   }
-  std::optional<Error> end = transport->finish();
-  const std::lock_guard lock(mutex);
-  failure = malformed ? std::move(malformed) : std::move(end);
-  ended = true;
+  if (malformed) transport->cancel();
+  const bool is_end = malformed || arrival == Arrival::kEnd;
+  std::optional<Error> why = is_end ? transport->finish() : std::nullopt;
+  lock.lock();
+  is_reading = false;
+  if (is_end) {
+    failure = malformed ? std::move(malformed) : std::move(why);
+    ended = true;
+  }
   changed.notify_all();
+  return is_end || arrival == Arrival::kMessage;
+}
+
+void FrameStream::State::keep() {
+  uint64_t seen = 0;
+  std::unique_lock lock(mutex);
+  while (!ended && !is_stopping) {
+    const bool is_busy = in_flight > 0 || waits != seen;
+    seen = waits;
+    stop.wait_for(lock, is_busy ? kBusyPause : kIdlePause, [&] { return is_stopping; });
+    if (ended || is_stopping || is_reading || waits != seen) continue;
+    read_one(lock, in_flight > 0 ? Clock::now() + kBusyPause : Clock::now());
+  }
 }
 
 void FrameStream::State::take(v1::StreamFramesResponse& response) {
@@ -134,7 +176,7 @@ FrameOutput FrameStream::State::take_ready() {
 }
 
 void FrameStream::State::await_credit(std::unique_lock<std::mutex>& lock) {
-  changed.wait(lock, [&] { return ended || in_flight < opened.window(); });
+  await(lock, [&] { return ended || in_flight < opened.window(); });
   if (ended) throw_ended();
 }
 
@@ -159,7 +201,7 @@ void FrameStream::State::send(const v1::Frame& frame, std::span<const FrameUpdat
     throw;
   }
   std::unique_lock lock(mutex);
-  changed.wait(lock, [&] { return ended; });  // the reader brings the reason
+  await(lock, [&] { return ended; });  // the end brings the reason
   throw_ended();
 }
 
@@ -176,7 +218,9 @@ const v1::Scene& FrameStream::scene() const { return state_->opened.scene(); }
 uint32_t FrameStream::window() const { return state_->opened.window(); }
 
 std::optional<double> FrameStream::draining_deadline() const {
-  const std::lock_guard lock(state_->mutex);
+  std::unique_lock lock(state_->mutex);
+  const auto is_known = [&] { return state_->draining || state_->ended; };
+  state_->await(lock, is_known, Clock::now());
   if (!state_->draining) return std::nullopt;
   return std::max(0.0, std::chrono::duration<double>(*state_->draining - Clock::now()).count());
 }
@@ -204,13 +248,15 @@ FrameOutput FrameStream::receive() {
   std::unique_lock lock(state_->mutex);
   if (state_->ready.empty() && state_->in_flight == 0 && !state_->ended)
     throw Error(grpc::FAILED_PRECONDITION, "receive() was called with no frame in flight");
-  state_->changed.wait(lock, [&] { return state_->has_news(); });
+  state_->await(lock, [&] { return state_->has_news(); });
   return state_->take_ready();
 }
 
 std::optional<FrameOutput> FrameStream::receive_within(std::chrono::milliseconds patience) {
   std::unique_lock lock(state_->mutex);
-  if (!state_->changed.wait_for(lock, patience, [&] { return state_->has_news(); })) return std::nullopt;
+  if (!state_->await(
+          lock, [&] { return state_->has_news(); }, Clock::now() + patience))
+    return std::nullopt;
   return state_->take_ready();
 }
 
@@ -221,7 +267,7 @@ void FrameStream::finish() {
     state_->transport->half_close();
     lock.lock();
   }
-  state_->changed.wait(lock, [&] { return state_->ended; });
+  state_->await(lock, [&] { return state_->ended; });
   if (state_->failure) throw *state_->failure;
 }
 

@@ -15,7 +15,17 @@ namespace collided::client {
 struct FrameStream::State {
   State(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open);
   ~State();
-  void read_all();
+  /// With the mutex: waits until `done`, or the deadline; whether it is done. Whoever waits first reads, for all.
+  template <class Done>
+  bool await(std::unique_lock<std::mutex>& lock, const Done& done, FrameTransport::Time deadline);
+  template <class Done>
+  void await(std::unique_lock<std::mutex>& lock, const Done& done) {
+    await(lock, done, FrameTransport::kNever);
+  }
+  /// With the mutex, while nobody else reads. False if nothing came until the deadline.
+  bool read_one(std::unique_lock<std::mutex>& lock, FrameTransport::Time deadline);
+  /// The keeper's whole life: reads while nobody waits, so that answers move and pings are answered.
+  void keep();
   void take(v1::StreamFramesResponse& response);
   void complete(uint64_t frame_id);
   void send(const v1::Frame& frame, std::span<const FrameUpdate> updates);
@@ -34,14 +44,18 @@ struct FrameStream::State {
   v1::StreamOpened opened;
   std::mutex mutex;
   std::condition_variable changed;
-  std::map<uint64_t, FrameOutput> partial;  ///< the reader's alone
+  bool is_reading = false;                  ///< a thread reads; the others wait for what it finds
+  uint64_t waits = 0;                       ///< of callers so far
+  std::map<uint64_t, FrameOutput> partial;  ///< the reading thread's alone
   std::deque<FrameOutput> ready;
   uint64_t in_flight = 0;
   bool ended = false;
   bool half_closed = false;
   std::optional<Error> failure;  ///< why it ended
   std::optional<std::chrono::steady_clock::time_point> draining;
-  std::thread reader;
+  bool is_stopping = false;
+  std::condition_variable stop;
+  std::thread keeper;
 };
 
 }  // namespace collided::client

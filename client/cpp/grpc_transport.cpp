@@ -1,21 +1,27 @@
-// A frame stream over one gRPC call. All events come through one queue, which the reader pumps; a writer waits until
-// the reader has seen its write end and gRPC has let go of the memory that it lent.
+// A frame stream over one gRPC call. All events come through one queue, from which any thread that waits takes them; a
+// writer waits until its write has ended and gRPC has let go of the memory that it lent.
 
 #include "client/cpp/grpc_transport.hpp"
 
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/support/byte_buffer.h>
 
-#include <chrono>
+#include <utility>
 
 namespace collided::client {
 
 namespace {
 
 constexpr auto kMethod = "/collided.v1.CollisionService/StreamFrames";
-constexpr std::chrono::milliseconds kPoll(10);
+constexpr std::chrono::milliseconds kPoll(1);
 
-void* tag_of(auto operation) { return reinterpret_cast<void*>(operation); }
+using Clock = std::chrono::steady_clock;
+
+std::chrono::system_clock::time_point of_queue(FrameTransport::Time deadline) {
+  using std::chrono::system_clock;
+  if (deadline == FrameTransport::kNever) return system_clock::time_point::max();
+  return system_clock::now() + std::chrono::ceil<system_clock::duration>(deadline - Clock::now());
+}
 
 }  // namespace
 
@@ -54,38 +60,49 @@ grpc::ByteBuffer GrpcTransport::buffer_of(const std::vector<WirePart>& parts) {
   return grpc::ByteBuffer(slices.data(), slices.size());
 }
 
+/// Waits until `done`, with the lock; false if that is not so at the deadline. Whoever waits first takes the events of
+/// the queue, for all: an answer wakes the thread that wants it, and no other.
+template <class Done>
+bool GrpcTransport::await(Lock& lock, const Done& done, Time deadline) {
+  bool is_in_time = true;
+  while (!done() && is_in_time)
+    is_in_time =
+        is_taking_ ? changed_.wait_until(lock, deadline) == std::cv_status::no_timeout : take_event(lock, deadline);
+  return done();
+}
+
+/// False if none has come until the deadline.
+bool GrpcTransport::take_event(Lock& lock, Time deadline) {
+  is_taking_ = true;
+  lock.unlock();
+  void* tag = nullptr;
+  bool ok = false;
+  const auto got = queue_.AsyncNext(&tag, &ok, of_queue(deadline));
+  lock.lock();
+  is_taking_ = false;
+  if (got == grpc::CompletionQueue::GOT_EVENT) *static_cast<Operation*>(tag) = {.is_begun = false, .is_good = ok};
+  changed_.notify_all();
+  return got != grpc::CompletionQueue::TIMEOUT;
+}
+
+/// Waits until no write is under way, and gRPC has let go of what it was lent: soon after the write, without an event.
+void GrpcTransport::await_written(Lock& lock) {
+  await(lock, [&] { return !write_.is_begun; });
+  while (!await(
+      lock, [&] { return borrowed_ == 0; }, Clock::now() + kPoll))
+    continue;
+}
+
+/// Begins a write once the one before has ended. False if there can be none any more.
 template <class Start>
-bool GrpcTransport::begin_write(const Start& start) {
-  {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return !is_writing_; });
-    if (is_closed_) return false;
-    is_writing_ = true;
-  }
+bool GrpcTransport::write(const Start& start) {
+  Lock lock(mutex_);
+  await(lock, [&] { return !write_.is_begun; });
+  if (is_closed_) return false;
+  write_.is_begun = true;
+  lock.unlock();
   start();  // without the lock: gRPC may let go of the memory before this returns
   return true;
-}
-
-bool GrpcTransport::end_write() {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return !is_writing_ && borrowed_ == 0; });
-  return is_written_;
-}
-
-/// Takes events until the wanted one comes, and returns whether that one is good.
-bool GrpcTransport::pump(Operation wanted) {
-  void* tag;
-  for (bool ok; queue_.Next(&tag, &ok);) {
-    const auto operation = static_cast<Operation>(reinterpret_cast<intptr_t>(tag));
-    if (operation == Operation::kWrite) {
-      const std::lock_guard lock(mutex_);
-      is_writing_ = false;
-      is_written_ = ok;
-      changed_.notify_all();
-    }
-    if (operation == wanted) return ok;
-  }
-  return false;
 }
 
 bool GrpcTransport::open(const v1::OpenStream& open) {
@@ -93,9 +110,8 @@ bool GrpcTransport::open(const v1::OpenStream& open) {
   *request.mutable_open() = open;
   const grpc::Slice slice(request.SerializeAsString());
   const grpc::ByteBuffer buffer(&slice, 1);
-  is_writing_ = true;
-  call_->StartCall(tag_of(Operation::kWrite));
-  return pump(Operation::kWrite) && begin_write([&] { call_->Write(buffer, tag_of(Operation::kWrite)); });
+  if (!write([&] { call_->StartCall(&write_); })) return false;
+  return write([&] { call_->Write(buffer, &write_); });
 }
 
 bool GrpcTransport::send(const v1::Frame& frame, std::span<const FrameUpdate> updates) {
@@ -104,19 +120,30 @@ bool GrpcTransport::send(const v1::Frame& frame, std::span<const FrameUpdate> up
     throw Error(grpc::RESOURCE_EXHAUSTED, "frame is " + std::to_string(bytes) + " bytes; the daemon's limit is " +
                                               std::to_string(max_message_bytes_) + " (--max-message-mb)");
   grpc::ByteBuffer buffer = buffer_of(parts);
-  const auto options = grpc::WriteOptions().set_write_through();
-  const bool is_begun = begin_write([&] { call_->Write(buffer, options, tag_of(Operation::kWrite)); });
+  const bool is_begun = write([&] { call_->Write(buffer, grpc::WriteOptions().set_write_through(), &write_); });
   buffer.Clear();
-  return end_write() && is_begun;
+  Lock lock(mutex_);
+  await_written(lock);
+  return is_begun && write_.is_good;
 }
 
-bool GrpcTransport::read(v1::StreamFramesResponse& response) {
-  grpc::ByteBuffer buffer;
-  call_->Read(&buffer, tag_of(Operation::kRead));
-  if (!pump(Operation::kRead)) return false;
-  if (!grpc::SerializationTraits<v1::StreamFramesResponse>::Deserialize(&buffer, &response).ok())
+FrameTransport::Arrival GrpcTransport::read(v1::StreamFramesResponse& response, Time deadline) {
+  Lock lock(mutex_);
+  if (!std::exchange(is_reading_, true)) {
+    read_.is_begun = true;
+    lock.unlock();
+    call_->Read(&incoming_, &read_);
+    lock.lock();
+  }
+  if (!await(
+          lock, [&] { return !read_.is_begun; }, deadline))
+    return Arrival::kNothing;
+  is_reading_ = false;
+  lock.unlock();
+  if (!read_.is_good) return Arrival::kEnd;
+  if (!grpc::SerializationTraits<v1::StreamFramesResponse>::Deserialize(&incoming_, &response).ok())
     throw Error(grpc::DATA_LOSS, "the daemon's message is no StreamFramesResponse");
-  return true;
+  return Arrival::kMessage;
 }
 
 std::span<const std::byte> GrpcTransport::shared(const v1::SharedRange& range) const {
@@ -125,35 +152,23 @@ std::span<const std::byte> GrpcTransport::shared(const v1::SharedRange& range) c
 }
 
 void GrpcTransport::half_close() {
-  if (begin_write([&] { call_->WritesDone(tag_of(Operation::kWrite)); })) end_write();
+  if (!write([&] { call_->WritesDone(&write_); })) return;
+  Lock lock(mutex_);
+  await(lock, [&] { return !write_.is_begun; });
 }
 
 void GrpcTransport::cancel() { context_->TryCancel(); }
 
-bool GrpcTransport::is_quiet() {
-  const std::lock_guard lock(mutex_);
-  return !is_writing_ && borrowed_ == 0;
-}
-
 std::optional<Error> GrpcTransport::finish() {
-  {
-    const std::lock_guard lock(mutex_);
-    is_closed_ = true;
-  }
+  Lock lock(mutex_);
+  is_closed_ = true;
+  finish_.is_begun = true;
+  lock.unlock();
   grpc::Status status;
-  call_->Finish(&status, tag_of(Operation::kFinish));
-  pump(Operation::kFinish);
-  // The queue's events are what moves the connection: a writer still waits for it.
-  while (!is_quiet()) {
-    void* tag;
-    bool ok;
-    if (queue_.AsyncNext(&tag, &ok, std::chrono::system_clock::now() + kPoll) != grpc::CompletionQueue::GOT_EVENT)
-      continue;
-    const std::lock_guard lock(mutex_);
-    is_writing_ = false;
-    is_written_ = ok;
-    changed_.notify_all();
-  }
+  call_->Finish(&status, &finish_);
+  lock.lock();
+  await(lock, [&] { return !finish_.is_begun; });
+  await_written(lock);  // another thread's
   return error_of(status);
 }
 

@@ -25,32 +25,40 @@ class GrpcTransport final : public FrameTransport {
 
   bool open(const v1::OpenStream& open) override;
   bool send(const v1::Frame& frame, std::span<const FrameUpdate> updates) override;
-  bool read(v1::StreamFramesResponse& response) override;
+  Arrival read(v1::StreamFramesResponse& response, Time deadline) override;
   std::span<const std::byte> shared(const v1::SharedRange& range) const override;
   void half_close() override;
   void cancel() override;
   std::optional<Error> finish() override;
 
  private:
-  enum class Operation : intptr_t { kWrite = 1, kRead, kFinish };
+  /// One of the three operations that can be under way, each once.
+  struct Operation {
+    bool is_begun = false;
+    bool is_good = false;  ///< how it ended the last time
+  };
+  using Lock = std::unique_lock<std::mutex>;
 
   static void release(void* transport);
   grpc::ByteBuffer buffer_of(const std::vector<WirePart>& parts);
   template <class Start>
-  bool begin_write(const Start& start);
-  bool end_write();
-  bool pump(Operation wanted);
-  bool is_quiet();
+  bool write(const Start& start);
+  template <class Done>
+  bool await(Lock& lock, const Done& done, Time deadline = kNever);
+  bool take_event(Lock& lock, Time deadline);
+  void await_written(Lock& lock);
 
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<grpc::ClientContext> context_;
   uint64_t max_message_bytes_;
   grpc::CompletionQueue queue_;
   std::unique_ptr<grpc::GenericClientAsyncReaderWriter> call_;
-  std::mutex mutex_;
+  grpc::ByteBuffer incoming_;  ///< the reader's, or gRPC's while a read is under way
+  std::mutex mutex_;           // guards what follows
   std::condition_variable changed_;
-  bool is_writing_ = false;  ///< one write at a time; the reader sees it end
-  bool is_written_ = false;  ///< how the last one ended
+  bool is_taking_ = false;  ///< a thread waits at the queue; the others wait for what it finds there
+  Operation write_, read_, finish_;
+  bool is_reading_ = false;  ///< a read is under way, or its message not taken
   bool is_closed_ = false;   ///< no write may begin any more
   int borrowed_ = 0;         ///< pieces of the caller's memory that gRPC still holds
 };

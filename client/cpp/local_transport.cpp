@@ -3,6 +3,7 @@
 #include "client/cpp/local_transport.hpp"
 
 #include <grpcpp/support/status_code_enum.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
@@ -60,6 +61,18 @@ ssize_t receive(int socket, std::string& packet) {
   for (int reset = 0;;) {
     const ssize_t size = recv(socket, packet.data(), packet.size(), 0);
     if (size >= 0 || (errno != EINTR && (errno != ECONNRESET || ++reset == kTries))) return size;
+  }
+}
+
+// Whether there is something to receive, the end of the stream as well.
+bool has_arrived(int socket, FrameTransport::Time deadline) {
+  using std::chrono::nanoseconds;
+  pollfd state{socket, POLLIN, 0};
+  for (;;) {
+    const auto left = std::max(nanoseconds(0), nanoseconds(deadline - std::chrono::steady_clock::now()));
+    const timespec patience{left.count() / std::nano::den, left.count() % std::nano::den};
+    const int ready = ppoll(&state, 1, &patience, nullptr);
+    if (ready >= 0 || errno != EINTR) return ready != 0;
   }
 }
 
@@ -192,18 +205,19 @@ bool LocalTransport::send_packet(const v1::LocalRequest& request) {
   return send_with_file(socket_.get(), packet_, -1);
 }
 
-bool LocalTransport::read(v1::StreamFramesResponse& response) {
+FrameTransport::Arrival LocalTransport::read(v1::StreamFramesResponse& response, Time deadline) {
+  if (deadline != kNever && !has_arrived(socket_.get(), deadline)) return Arrival::kNothing;
   const ssize_t size = receive(socket_.get(), incoming_);
-  if (size <= 0) return false;
+  if (size <= 0) return Arrival::kEnd;
   v1::LocalResponse packet;
   if (!packet.ParseFromArray(incoming_.data(), static_cast<int>(size)))
     throw Error(grpc::DATA_LOSS, "the daemon's packet is no LocalResponse");
   if (packet.has_closed()) {
     closed_ = std::move(*packet.mutable_closed());
-    return false;
+    return Arrival::kEnd;
   }
   response = std::move(*packet.mutable_frame());
-  return true;
+  return Arrival::kMessage;
 }
 
 std::span<const std::byte> LocalTransport::shared(const v1::SharedRange& range) const {

@@ -23,7 +23,7 @@ class LocalTransport final : public FrameTransport {
   bool open(const v1::OpenStream& open) override;
   std::span<std::byte> input(uint64_t bytes) override;
   bool send(const v1::Frame& frame, std::span<const FrameUpdate> updates) override;
-  bool read(v1::StreamFramesResponse& response) override;
+  Arrival read(v1::StreamFramesResponse& response, Time deadline) override;
   std::span<const std::byte> shared(const v1::SharedRange& range) const override;
   void half_close() override;
   void cancel() override;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+
 #include "client/cli/echo_peer.hpp"
 #include "client/cli/end_to_end_report.hpp"
 
@@ -17,12 +19,14 @@ EndToEndRun sample() {
   run.ways.push_back({.name = "grpc tcp", .frames = {}});
   for (int i = 1; i <= 100; ++i) {
     run.ways[0].frames.push_back({.latency = 10.0 + i, .engine = 10, .decode = 1, .encode = 2, .queue = 3});
-    run.bare_tcp.push_back(0.5);
-    run.bare_unix.push_back(i * 0.01);
+    run.bare.tcp.push_back(0.5);
+    run.bare.unix_stream.push_back(i * 0.01);
+    run.held.tcp.push_back(2.5);
+    run.held.unix_stream.push_back(0.7);
+    run.held_few.push_back(0.1);
     run.bytes_up.push_back(1200);
     run.bytes_down.push_back(i);
   }
-  run.skipped.emplace_back("local socket", "it is off");
   return run;
 }
 
@@ -33,19 +37,22 @@ TEST(EndToEnd, ARunTellsOverheadBesideBareSockets) {
   EXPECT_EQ(run["bytes_down"], 50.5);
   EXPECT_EQ(run["bare_ms"]["tcp"], (Json{{"p50", 0.5}, {"p99", 0.5}}));
   EXPECT_EQ(run["bare_ms"]["unix"]["p99"], 0.99);
+  EXPECT_EQ(run["bare_ms"]["unix, held"]["p50"], 0.7);
+  EXPECT_EQ(run["bare_ms"]["few bytes, held"]["p50"], 0.1);
   const Json& way = run["transports"][0];
   EXPECT_EQ(way["latency_ms"], (Json{{"p50", 60.5}, {"p99", 109}}));
   EXPECT_EQ(way["overhead_ms"], (Json{{"p50", 50.5}, {"p99", 99}}));
   EXPECT_EQ(way["overhead_to_bare_tcp"], 101);
+  EXPECT_EQ(way["overhead_to_held_tcp"], 20.2);
   EXPECT_EQ(way["decode_ms"], 1);
   EXPECT_EQ(way["encode_ms"], 2);
   EXPECT_EQ(way["queue_ms"], 3);
 }
 
-TEST(EndToEnd, TheTableNamesEveryWayAndWhyOneIsLeftOut) {
+TEST(EndToEnd, TheTableNamesEveryWay) {
   const std::string lines = end_to_end_lines(end_to_end_json(sample()));
-  for (const char* part : {"funnel, scale 0.5: 18,504 triangles, 1,200 bytes up", "grpc tcp", "60.5", "101.00",
-                           "bare unix", "local socket is left out: it is off"})
+  for (const char* part : {"funnel, scale 0.5: 18,504 triangles, 1,200 bytes up", "grpc tcp", "60.5", "101.00", "20.20",
+                           "bare unix", "bare tcp, held", "bare few bytes, held"})
     EXPECT_NE(lines.find(part), std::string::npos) << part << " in\n" << lines;
 }
 
@@ -63,9 +70,20 @@ TEST(EchoPeer, TakesAndGivesAnySizes) {
   EchoPeer echo;
   for (const size_t up : {size_t{0}, size_t{1}, size_t{5'000'000}})
     for (const size_t down : {size_t{0}, size_t{3}, size_t{1'000'000}}) {
-      EXPECT_GT(echo.tcp_ms(up, down), 0);
-      EXPECT_GT(echo.unix_ms(up, down), 0);
+      EXPECT_GT(echo.tcp_ms({up, down}), 0);
+      EXPECT_GT(echo.unix_ms({up, down}), 0);
     }
+}
+
+TEST(EchoPeer, ItsSleepDoesNotCount) {
+  EchoPeer echo;
+  constexpr double kHold = 200;
+  const auto begin = std::chrono::steady_clock::now();
+  const double ms = echo.tcp_ms({1, 1, kHold});
+  const double all = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  EXPECT_GE(all, kHold);
+  EXPECT_GT(ms, 0);
+  EXPECT_LE(ms, all - kHold);
 }
 
 }  // namespace

@@ -24,9 +24,10 @@ class EndToEnd(support.CollidectlTest):
 
     def check_run(self, run, table):
         names = [way["transport"] for way in run["transports"]]
-        self.assertEqual(names[:2], ["grpc tcp", "grpc unix"])
-        for name in (*names, *run["skipped"], "bare tcp", "bare unix"):
+        self.assertEqual(names, ["grpc tcp", "grpc unix", "shared, copied", "shared, in place"])
+        for name in (*names, *("bare " + bare for bare in run["bare_ms"])):
             self.assertIn(name, table)
+        self.assertEqual(list(run["bare_ms"]), ["tcp", "tcp, held", "unix", "unix, held", "few bytes, held"])
         for bare in run["bare_ms"].values():
             self.assertLess(0, bare["p50"])
             self.assertLessEqual(bare["p50"], bare["p99"])
@@ -35,8 +36,8 @@ class EndToEnd(support.CollidectlTest):
                 self.assertLessEqual(way[name]["p50"], way[name]["p99"])
             self.assertLess(0, way["engine_ms"]["p50"])
             self.assertLess(way["engine_ms"]["p50"], way["latency_ms"]["p99"])
-            ratio = way["overhead_ms"]["p50"] / run["bare_ms"]["tcp"]["p50"]
-            self.assertAlmostEqual(way["overhead_to_bare_tcp"], ratio)
+            for bare, ratio in (("tcp", "overhead_to_bare_tcp"), ("tcp, held", "overhead_to_held_tcp")):
+                self.assertAlmostEqual(way[ratio], way["overhead_ms"]["p50"] / run["bare_ms"][bare]["p50"])
 
     def test_a_scene_as_it_is_and_in_the_sizes_asked_for(self):
         words = ["--scene", "funnel", "--scale", "0.2", "--steps", "4", "--warm-up", "1", "--kinds", "vt"]
