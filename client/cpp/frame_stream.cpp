@@ -17,7 +17,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // Of the thread that reads when nobody else does: much shorter than the patience of any peer.
-constexpr std::chrono::milliseconds kBusyPause(20), kIdlePause(500);
+constexpr std::chrono::milliseconds kPause(20);
+constexpr int kQuietPauses = 25;
+constexpr std::chrono::seconds kLongest(1'000'000'000);  // the clock's own range is not much wider than a lie
 
 Contacts& contacts_of(FrameOutput& output, v1::ContactKind kind) {
   switch (kind) {
@@ -32,9 +34,8 @@ Contacts& contacts_of(FrameOutput& output, v1::ContactKind kind) {
   }
 }
 
-Clock::time_point after(double seconds) {
-  constexpr double kLongest = 1e9;  // the clock's own range is not much wider than a lie
-  const double kept = seconds > 0 ? std::min(seconds, kLongest) : 0;
+Clock::time_point after(std::chrono::duration<double> time) {
+  const double kept = time.count() > 0 ? std::min<double>(time.count(), kLongest.count()) : 0;
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kept));
 }
 
@@ -75,11 +76,14 @@ FrameStream::State::~State() {
 
 template <class Done>
 bool FrameStream::State::await(std::unique_lock<std::mutex>& lock, const Done& done, FrameTransport::Time deadline) {
+  if (done()) return true;
   ++waits;
+  ++waiting;
   bool is_in_time = true;
   while (!done() && is_in_time)
     is_in_time =
         is_reading ? changed.wait_until(lock, deadline) == std::cv_status::no_timeout : read_one(lock, deadline);
+  --waiting;
   return done();
 }
 
@@ -112,15 +116,21 @@ bool FrameStream::State::read_one(std::unique_lock<std::mutex>& lock, FrameTrans
 }
 
 void FrameStream::State::keep() {
-  uint64_t seen = 0;
   std::unique_lock lock(mutex);
-  while (!ended && !is_stopping) {
-    const bool is_busy = in_flight > 0 || waits != seen;
-    seen = waits;
-    stop.wait_for(lock, is_busy ? kBusyPause : kIdlePause, [&] { return is_stopping; });
-    if (ended || is_stopping || is_reading || waits != seen) continue;
-    read_one(lock, in_flight > 0 ? Clock::now() + kBusyPause : Clock::now());
+  for (int quiet = 0; !ended && !is_stopping;) {
+    const uint64_t seen = waits;
+    stop.wait_for(lock, kPause, [&] { return is_stopping; });
+    const auto is_alone = [&] { return !ended && !is_stopping && waiting == 0 && waits == seen; };
+    quiet = is_alone() ? quiet + 1 : 0;
+    while (is_alone() && read_one(lock, keepers_deadline(quiet))) continue;
   }
+}
+
+/// A caller that comes while the keeper reads has to be woken by it. So it only looks while callers come and go, and
+/// stays for as long as it takes once none has waited for a while.
+FrameTransport::Time FrameStream::State::keepers_deadline(int quiet) const {
+  if (quiet >= kQuietPauses) return FrameTransport::kNever;
+  return in_flight > 0 ? Clock::now() + kPause : Clock::now();
 }
 
 void FrameStream::State::take(v1::StreamFramesResponse& response) {
@@ -142,7 +152,7 @@ void FrameStream::State::take(v1::StreamFramesResponse& response) {
       return complete(id);
     case v1::StreamFramesResponse::kDraining: {
       const std::lock_guard lock(mutex);
-      draining = after(response.draining().deadline_seconds());
+      draining = after(std::chrono::duration<double>(response.draining().deadline_seconds()));
       return;  // the frames in flight are still answered
     }
     default:
@@ -218,9 +228,7 @@ const v1::Scene& FrameStream::scene() const { return state_->opened.scene(); }
 uint32_t FrameStream::window() const { return state_->opened.window(); }
 
 std::optional<double> FrameStream::draining_deadline() const {
-  std::unique_lock lock(state_->mutex);
-  const auto is_known = [&] { return state_->draining || state_->ended; };
-  state_->await(lock, is_known, Clock::now());
+  const std::lock_guard lock(state_->mutex);
   if (!state_->draining) return std::nullopt;
   return std::max(0.0, std::chrono::duration<double>(*state_->draining - Clock::now()).count());
 }
@@ -254,8 +262,9 @@ FrameOutput FrameStream::receive() {
 
 std::optional<FrameOutput> FrameStream::receive_within(std::chrono::milliseconds patience) {
   std::unique_lock lock(state_->mutex);
+  const auto deadline = patience < kLongest ? after(patience) : FrameTransport::kNever;
   if (!state_->await(
-          lock, [&] { return state_->has_news(); }, Clock::now() + patience))
+          lock, [&] { return state_->has_news(); }, deadline))
     return std::nullopt;
   return state_->take_ready();
 }

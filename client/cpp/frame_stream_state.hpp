@@ -26,6 +26,8 @@ struct FrameStream::State {
   bool read_one(std::unique_lock<std::mutex>& lock, FrameTransport::Time deadline);
   /// The keeper's whole life: reads while nobody waits, so that answers move and pings are answered.
   void keep();
+  /// Needs the mutex. `quiet`: pauses of the keeper in a row in which nobody waited.
+  FrameTransport::Time keepers_deadline(int quiet) const;
   void take(v1::StreamFramesResponse& response);
   void complete(uint64_t frame_id);
   void send(const v1::Frame& frame, std::span<const FrameUpdate> updates);
@@ -46,6 +48,7 @@ struct FrameStream::State {
   std::condition_variable changed;
   bool is_reading = false;                  ///< a thread reads; the others wait for what it finds
   uint64_t waits = 0;                       ///< of callers so far
+  int waiting = 0;                          ///< callers that wait now
   std::map<uint64_t, FrameOutput> partial;  ///< the reading thread's alone
   std::deque<FrameOutput> ready;
   uint64_t in_flight = 0;

@@ -152,7 +152,14 @@ std::span<const std::byte> GrpcTransport::shared(const v1::SharedRange& range) c
 }
 
 void GrpcTransport::half_close() {
-  if (!write([&] { call_->WritesDone(&write_); })) return;
+  const bool is_begun = write([&] {
+    {
+      const std::lock_guard lock(mutex_);
+      is_closed_ = true;  // while this write is under way: gRPC aborts if another thread's follows it
+    }
+    call_->WritesDone(&write_);
+  });
+  if (!is_begun) return;
   Lock lock(mutex_);
   await(lock, [&] { return !write_.is_begun; });
 }

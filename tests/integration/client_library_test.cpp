@@ -1,56 +1,20 @@
 // The C++ client library against a real daemon: the same frames over every transport, and streams that break.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cstring>
 #include <optional>
 #include <span>
 
-#include "client/cpp/client.hpp"
+#include "tests/integration/client_layers.hpp"
 #include "tests/integration/local_daemon.hpp"
 #include "tests/integration/tcp_proxy.hpp"
 
 namespace collided::test {
 namespace {
 
-using client::Client;
 using client::Contacts;
 using client::Error;
-using client::FrameOutput;
-using client::FrameStream;
-using client::FrameUpdate;
 using client::Local;
-
-constexpr uint32_t kSide = 40;
-
-pb::Scene make_layers(Client& client) {
-  std::vector<std::array<uint32_t, 3>> triangles;
-  const auto corners = layer_triangles(kSide);
-  for (size_t i = 0; i < corners.size(); i += 3) triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
-  const client::MeshInput mesh{.name = "layers", .vertex_count = 2 * kSide * kSide, .triangles = triangles};
-  auto spec = layers_request(kSide).spec();
-  spec.clear_meshes();
-  return client.create_scene(spec, {&mesh, 1});
-}
-
-std::string layers_at(uint64_t id) {
-  return pack_points(layer_points(kSide, kLayerGap * static_cast<double>(1 + id % 3)));
-}
-
-std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
-
-FrameOutput ask(FrameStream& stream, uint64_t id, const FrameUpdate& update) {
-  stream.send(id, {&update, 1});
-  FrameOutput output = stream.receive();
-  output.check();
-  EXPECT_EQ(output.frame_id, id);
-  return output;
-}
-
-FrameOutput ask_whole(FrameStream& stream, uint64_t id) {
-  const std::string positions = layers_at(id);
-  return ask(stream, id, {.positions = bytes_of(positions)});
-}
 
 /// Moves one vertex far away; it goes on from the frame before.
 FrameOutput ask_sparse(FrameStream& stream, uint64_t id) {
