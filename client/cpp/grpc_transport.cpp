@@ -155,7 +155,7 @@ void GrpcTransport::half_close() {
   const bool is_begun = write([&] {
     {
       const std::lock_guard lock(mutex_);
-      is_closed_ = true;  // while this write is under way: gRPC aborts if another thread's follows it
+      is_closed_ = true;  // while this write is under way: none may follow it
     }
     call_->WritesDone(&write_);
   });

@@ -137,6 +137,27 @@ TEST(ClientWaits, AnotherThreadFinishesWhileOneReceives) {
     }
 }
 
+/// Why the stream takes no more of them.
+int send_until_refused(FrameStream& stream) {
+  try {
+    for (uint64_t id = 1;; ++id) send_frame(stream, id);
+  } catch (const Error& end) {
+    return end.code();
+  }
+}
+
+TEST(ClientWaits, AnotherThreadFinishesWhileOneSends) {
+  Waiting waiting;
+  for (const Local use : kWays)
+    for (int round = 0; round < 5; ++round) {
+      FrameStream stream = waiting.stream(make_layers(waiting.client), use, 2);
+      auto code = std::async(std::launch::async, [&] { return send_until_refused(stream); });
+      EXPECT_TRUE(stream.receive_within(kForEver));
+      EXPECT_NO_THROW(stream.finish());
+      EXPECT_EQ(code.get(), grpc::FAILED_PRECONDITION);
+    }
+}
+
 TEST(ClientWaits, AnIdleStreamIsToldThatTheDaemonStops) {
   constexpr double kGrace = 30;
   for (const Local use : kWays)
