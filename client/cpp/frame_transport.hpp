@@ -20,8 +20,9 @@ struct FrameUpdate {
   std::span<const std::byte> indices = {};  ///< uint32, strictly ascending: a sparse update; empty: the whole mesh
 };
 
-/// One stream's way to the daemon and back. One thread opens, sends and half-closes while another one reads and then
-/// finishes; cancel() may come from any thread. A broken stream shows as false: finish() then tells why.
+/// One stream's way to the daemon and back. One thread opens, sends and half-closes while another one, not always the
+/// same, reads and then finishes; cancel() may come from any thread. A broken stream shows as false: finish() then
+/// tells why.
 class FrameTransport {
  public:
   using Time = std::chrono::steady_clock::time_point;

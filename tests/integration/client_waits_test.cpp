@@ -82,7 +82,7 @@ TEST(ClientWaits, ASenderThatWaitsForCreditsTakesTheAnswers) {
 // The daemon holds no answers for a client that computes meanwhile.
 TEST(ClientWaits, AnswersComeWhileNobodyWaits) {
   constexpr uint64_t kFrames = 8;
-  constexpr uint32_t kLarge = 80;  // MiB of contacts a frame: no socket holds those of all frames
+  constexpr uint32_t kLarge = 60;  // no socket holds the contacts of all frames
   double answered = 0;
   Waiting waiting;
   const Probe& probe = waiting.daemon.probe();
