@@ -30,7 +30,6 @@ __global__ void __launch_bounds__(kCheckBlock) check_kernel(uint64_t n, Check ch
 class CudaStaging {
  public:
   CudaStaging(int device, std::shared_ptr<MemoryLedger> ledger) : device_(on(device)), memory_(std::move(ledger)) {
-    first_bad_.allocate(1);
     verdict_.allocate(1);
   }
   CudaStaging(const CudaStaging&) = delete;
@@ -64,29 +63,33 @@ class CudaStaging {
     return places;
   }
 
-  /// The same for a table of the slot's own; after the sources.
+  /// The same for a table of the slot's own; after the sources. Nothing is to be done for one that is there already.
   template <class T>
   const T* bring(const std::vector<T>& table) {
     const uint64_t bytes = table.size() * sizeof(T);
     if (bytes == 0) return nullptr;
-    table_.ensure(bytes);
-    table_room_.ensure(bytes);
-    std::memcpy(table_room_.data(), table.data(), bytes);
-    copy(table_.data(), table_room_.data(), bytes);
+    if (bytes != table_bytes_ || std::memcmp(table_room_.data(), table.data(), bytes) != 0) {
+      table_bytes_ = 0;
+      table_.ensure(bytes);
+      table_room_.ensure(bytes);
+      std::memcpy(table_room_.data(), table.data(), bytes);
+      copy(table_.data(), table_room_.data(), bytes);
+      table_bytes_ = bytes;
+    }
     return reinterpret_cast<const T*>(table_.data());
   }
 
-  /// check(i, first_bad) for i in [0, n), on the device.
+  /// check(i, first_bad) for i in [0, n), on the device; after the sources. A verdict is rare, so that the device
+  /// writes it to the host's memory: no copy for frames without one.
   template <class Check>
   void check(uint64_t n, const Check& check) {
     constexpr uint64_t kMostBlocks = 2048;
-    check_cuda(cudaMemsetAsync(first_bad_.data(), 0xff, sizeof(uint64_t), stream_), "check of positions");
+    *verdict_.data() = kNoBadPlace;
     if (n != 0) {
       const unsigned blocks = static_cast<unsigned>(std::min(kMostBlocks, (n + kCheckBlock - 1) / kCheckBlock));
-      check_kernel<<<blocks, kCheckBlock, 0, stream_>>>(n, check, first_bad_.data());
+      check_kernel<<<blocks, kCheckBlock, 0, stream_>>>(n, check, verdict_.data());
       check_cuda(cudaGetLastError(), "check of positions");
     }
-    copy(verdict_.data(), first_bad_.data(), sizeof(uint64_t));
     check_cuda(cudaEventRecord(arrived_, stream_), "check of positions");
   }
 
@@ -189,10 +192,10 @@ class CudaStaging {
   CudaStream stream_;
   CudaEvent arrived_, placed_;
   Buffer<std::byte, DeviceMemory> arrival_{memory_, "staging"}, table_{memory_, "staging"};
-  Buffer<uint64_t, DeviceMemory> first_bad_{memory_, "staging"};
   Buffer<std::byte, PinnedMemory> room_{pinned_, "staging"}, spill_{pinned_, "staging"},
       table_room_{pinned_, "staging"};
   Buffer<uint64_t, PinnedMemory> verdict_{pinned_, "staging"};
+  uint64_t table_bytes_ = 0;  ///< of the table that is there
   std::vector<Piece> pieces_;
 };
 
