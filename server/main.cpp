@@ -52,8 +52,13 @@ sigset_t block_signals() {
   return signals;
 }
 
-// Each arena keeps up to 64 MiB of what was freed, and there would be eight for each core.
-void limit_arenas() { mallopt(M_ARENA_MAX, 4); }
+// gRPC's buffers of a frame come and go all the time. Kept, they need not be given back, mapped and faulted in anew for
+// each one, which takes longer than to fill them.
+void keep_memory() {
+  mallopt(M_MMAP_THRESHOLD, 64 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+  mallopt(M_ARENA_MAX, 4);  // each keeps up to 64 MiB, and there would be eight for each core
+}
 
 // Shutting gRPC down as well can wait 10 s for a poll of its own that nothing wakes: it is left to the process's end.
 void keep_grpc() { grpc_init(); }
@@ -150,7 +155,7 @@ int check(const Config& config) {
 
 int main(int argc, char** argv) try {
   const sigset_t signals = block_signals();
-  limit_arenas();
+  keep_memory();
   const auto parsed = collided::server::parse_config(argc, argv);
   if (!parsed.run) {
     std::fputs(parsed.text.c_str(), parsed.exit_code ? stderr : stdout);
