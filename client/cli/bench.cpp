@@ -148,7 +148,7 @@ void add_bench(CLI::App& app) {
       "the\n"
       "client's memory to contacts there, in turns with the same bytes over bare sockets; overhead is what the "
       "engine's\n"
-      "time leaves of it, and 'to bare' its ratio to loopback TCP.");
+      "time leaves of it, and 'to bare' its ratio to loopback TCP; 'to held': in the rhythm of the frames.");
   add_input_options(command, *options);
   add_step_options(command, options->settings);
   add_detection_options(command, options->settings.detection);
