@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 
 // Of the thread that reads when nobody else does: much shorter than the patience of any peer.
 constexpr std::chrono::milliseconds kPause(20);
-constexpr int kQuietPauses = 25;
+constexpr int kQuietPauses = 150;
 constexpr std::chrono::seconds kLongest(1'000'000'000);  // the clock's own range is not much wider than a lie
 
 Contacts& contacts_of(FrameOutput& output, v1::ContactKind kind) {

@@ -161,7 +161,7 @@ TEST(ClientWaits, AnotherThreadFinishesWhileOneSends) {
 TEST(ClientWaits, AnIdleStreamIsToldThatTheDaemonStops) {
   constexpr double kGrace = 30;
   for (const Local use : kWays)
-    for (const auto pause : {milliseconds(0), milliseconds(1500)}) {
+    for (const auto pause : {milliseconds(0), milliseconds(4000)}) {
       Waiting waiting({"--grace-seconds", std::to_string(kGrace)});
       std::optional<FrameStream> stream = waiting.stream(make_layers(waiting.client), use, 2);
       ask_whole(*stream, 1);
