@@ -52,11 +52,11 @@ sigset_t block_signals() {
   return signals;
 }
 
-// gRPC's buffers of a frame come and go all the time. Kept, they need not be given back, mapped and faulted in anew for
-// each one, which takes longer than to fill them.
+// gRPC's buffers of a frame, up to 4 MiB each, come and go all the time. Kept, they need not be given back, mapped and
+// faulted in anew for each one, which takes longer than to fill them.
 void keep_memory() {
-  mallopt(M_MMAP_THRESHOLD, 64 << 20);
-  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+  mallopt(M_MMAP_THRESHOLD, 4 << 20);
+  mallopt(M_TRIM_THRESHOLD, 16 << 20);
   mallopt(M_ARENA_MAX, 4);  // each keeps up to 64 MiB, and there would be eight for each core
 }
 
