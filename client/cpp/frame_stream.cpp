@@ -6,6 +6,7 @@
 #include <grpcpp/support/status_code_enum.h>
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "client/cpp/frame_stream_state.hpp"
@@ -79,17 +80,13 @@ bool FrameStream::State::await(std::unique_lock<std::mutex>& lock, const Done& d
   if (done()) return true;
   ++waits;
   ++waiting;
-  bool is_in_time = true;
-  while (!done() && is_in_time)
-    is_in_time =
-        is_reading ? changed.wait_until(lock, deadline) == std::cv_status::no_timeout : read_one(lock, deadline);
+  const bool is_done = lead.await(lock, done, deadline, std::bind_front(&State::read_one, this));
   --waiting;
-  return done();
+  return is_done;
 }
 
 bool FrameStream::State::read_one(std::unique_lock<std::mutex>& lock, FrameTransport::Time deadline) {
   using Arrival = FrameTransport::Arrival;
-  is_reading = true;
   lock.unlock();
   v1::StreamFramesResponse response;
   auto arrival = Arrival::kNothing;
@@ -106,12 +103,10 @@ bool FrameStream::State::read_one(std::unique_lock<std::mutex>& lock, FrameTrans
   const bool is_end = malformed || arrival == Arrival::kEnd;
   std::optional<Error> why = is_end ? transport->finish() : std::nullopt;
   lock.lock();
-  is_reading = false;
   if (is_end) {
     failure = malformed ? std::move(malformed) : std::move(why);
     ended = true;
   }
-  changed.notify_all();
   return is_end || arrival == Arrival::kMessage;
 }
 
@@ -122,7 +117,7 @@ void FrameStream::State::keep() {
     stop.wait_for(lock, kPause, [&] { return is_stopping; });
     const auto is_alone = [&] { return !ended && !is_stopping && waiting == 0 && waits == seen; };
     quiet = is_alone() ? quiet + 1 : 0;
-    while (is_alone() && read_one(lock, keepers_deadline(quiet))) continue;
+    while (is_alone() && lead.take(lock, keepers_deadline(quiet), std::bind_front(&State::read_one, this))) continue;
   }
 }
 
@@ -169,7 +164,7 @@ void FrameStream::State::complete(uint64_t frame_id) {
     ready.push_back(std::move(output));
     if (in_flight > 0) --in_flight;
   }
-  changed.notify_all();
+  lead.notify();
 }
 
 void FrameStream::State::throw_ended() const {
@@ -199,7 +194,7 @@ void FrameStream::State::take_credit() {
 void FrameStream::State::give_credit() {
   const std::lock_guard lock(mutex);
   --in_flight;
-  changed.notify_all();
+  lead.notify();
 }
 
 void FrameStream::State::send(const v1::Frame& frame, std::span<const FrameUpdate> updates) {

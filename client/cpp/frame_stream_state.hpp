@@ -9,20 +9,21 @@
 #include <thread>
 
 #include "client/cpp/frame_stream.hpp"
+#include "client/cpp/lead.hpp"
 
 namespace collided::client {
 
 struct FrameStream::State {
   State(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open);
   ~State();
-  /// With the mutex: waits until `done`, or the deadline; whether it is done. Whoever waits first reads, for all.
+  /// With the mutex: waits until `done`, or the deadline; whether it is done.
   template <class Done>
   bool await(std::unique_lock<std::mutex>& lock, const Done& done, FrameTransport::Time deadline);
   template <class Done>
   void await(std::unique_lock<std::mutex>& lock, const Done& done) {
     await(lock, done, FrameTransport::kNever);
   }
-  /// With the mutex, while nobody else reads. False if nothing came until the deadline.
+  /// With the mutex, in the lead. False if nothing came until the deadline.
   bool read_one(std::unique_lock<std::mutex>& lock, FrameTransport::Time deadline);
   /// The keeper's whole life: reads while nobody waits, so that answers move and pings are answered.
   void keep();
@@ -45,8 +46,7 @@ struct FrameStream::State {
   std::unique_ptr<FrameTransport> transport;
   v1::StreamOpened opened;
   std::mutex mutex;
-  std::condition_variable changed;
-  bool is_reading = false;                  ///< a thread reads; the others wait for what it finds
+  Lead lead;                                ///< in reading
   uint64_t waits = 0;                       ///< of callers so far
   int waiting = 0;                          ///< callers that wait now
   std::map<uint64_t, FrameOutput> partial;  ///< the reading thread's alone

@@ -6,6 +6,7 @@
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/support/byte_buffer.h>
 
+#include <functional>
 #include <utility>
 
 namespace collided::client {
@@ -43,7 +44,7 @@ void GrpcTransport::release(void* transport) {
   auto& self = *static_cast<GrpcTransport*>(transport);
   const std::lock_guard lock(self.mutex_);
   --self.borrowed_;
-  self.changed_.notify_all();
+  self.lead_.notify();
 }
 
 grpc::ByteBuffer GrpcTransport::buffer_of(const std::vector<WirePart>& parts) {
@@ -60,45 +61,38 @@ grpc::ByteBuffer GrpcTransport::buffer_of(const std::vector<WirePart>& parts) {
   return grpc::ByteBuffer(slices.data(), slices.size());
 }
 
-/// Waits until `done`, with the lock; false if that is not so at the deadline. Whoever waits first takes the events of
-/// the queue, for all: an answer wakes the thread that wants it, and no other.
+/// Waits until `done`, with the lock; false if that is not so at the deadline.
 template <class Done>
-bool GrpcTransport::await(Lock& lock, const Done& done, Time deadline) {
-  bool is_in_time = true;
-  while (!done() && is_in_time)
-    is_in_time =
-        is_taking_ ? changed_.wait_until(lock, deadline) == std::cv_status::no_timeout : take_event(lock, deadline);
-  return done();
+bool GrpcTransport::await(Lead::Lock& lock, const Done& done, Time deadline) {
+  return lead_.await(lock, done, deadline, std::bind_front(&GrpcTransport::take_event, this));
 }
 
 /// False if none has come until the deadline.
-bool GrpcTransport::take_event(Lock& lock, Time deadline) {
-  is_taking_ = true;
+bool GrpcTransport::take_event(Lead::Lock& lock, Time deadline) {
   lock.unlock();
   void* tag = nullptr;
   bool ok = false;
   const auto got = queue_.AsyncNext(&tag, &ok, of_queue(deadline));
   lock.lock();
-  is_taking_ = false;
   if (got == grpc::CompletionQueue::GOT_EVENT) *static_cast<Operation*>(tag) = {.is_begun = false, .is_good = ok};
-  changed_.notify_all();
   return got != grpc::CompletionQueue::TIMEOUT;
 }
 
 /// Waits until no write is under way, and gRPC has let go of what it was lent: soon after the write, without an event.
-void GrpcTransport::await_written(Lock& lock) {
+void GrpcTransport::await_written(Lead::Lock& lock) {
   await(lock, [&] { return !write_.is_begun; });
   while (!await(
       lock, [&] { return borrowed_ == 0; }, Clock::now() + kPoll))
     continue;
 }
 
-/// Begins a write once the one before has ended. False if there can be none any more.
+/// Begins a write once the one before has ended. False if there can be none any more, as after the last one.
 template <class Start>
-bool GrpcTransport::write(const Start& start) {
-  Lock lock(mutex_);
+bool GrpcTransport::write(const Start& start, bool is_last) {
+  Lead::Lock lock(mutex_);
   await(lock, [&] { return !write_.is_begun; });
   if (is_closed_) return false;
+  is_closed_ = is_last;
   write_.is_begun = true;
   lock.unlock();
   start();  // without the lock: gRPC may let go of the memory before this returns
@@ -122,13 +116,13 @@ bool GrpcTransport::send(const v1::Frame& frame, std::span<const FrameUpdate> up
   grpc::ByteBuffer buffer = buffer_of(parts);
   const bool is_begun = write([&] { call_->Write(buffer, grpc::WriteOptions().set_write_through(), &write_); });
   buffer.Clear();
-  Lock lock(mutex_);
+  Lead::Lock lock(mutex_);
   await_written(lock);
   return is_begun && write_.is_good;
 }
 
 FrameTransport::Arrival GrpcTransport::read(v1::StreamFramesResponse& response, Time deadline) {
-  Lock lock(mutex_);
+  Lead::Lock lock(mutex_);
   if (!std::exchange(is_reading_, true)) {
     read_.is_begun = true;
     lock.unlock();
@@ -152,22 +146,16 @@ std::span<const std::byte> GrpcTransport::shared(const v1::SharedRange& range) c
 }
 
 void GrpcTransport::half_close() {
-  const bool is_begun = write([&] {
-    {
-      const std::lock_guard lock(mutex_);
-      is_closed_ = true;  // while this write is under way: none may follow it
-    }
-    call_->WritesDone(&write_);
-  });
-  if (!is_begun) return;
-  Lock lock(mutex_);
+  constexpr bool kLast = true;
+  if (!write([&] { call_->WritesDone(&write_); }, kLast)) return;
+  Lead::Lock lock(mutex_);
   await(lock, [&] { return !write_.is_begun; });
 }
 
 void GrpcTransport::cancel() { context_->TryCancel(); }
 
 std::optional<Error> GrpcTransport::finish() {
-  Lock lock(mutex_);
+  Lead::Lock lock(mutex_);
   is_closed_ = true;
   finish_.is_begun = true;
   lock.unlock();

@@ -6,12 +6,12 @@
 #include <grpcpp/completion_queue.h>
 #include <grpcpp/generic/generic_stub.h>
 
-#include <condition_variable>
 #include <memory>
 #include <mutex>
 
 #include "client/cpp/frame_transport.hpp"
 #include "client/cpp/frame_wire.hpp"
+#include "client/cpp/lead.hpp"
 
 namespace collided::client {
 
@@ -37,16 +37,15 @@ class GrpcTransport final : public FrameTransport {
     bool is_begun = false;
     bool is_good = false;  ///< how it ended the last time
   };
-  using Lock = std::unique_lock<std::mutex>;
 
   static void release(void* transport);
   grpc::ByteBuffer buffer_of(const std::vector<WirePart>& parts);
   template <class Start>
-  bool write(const Start& start);
+  bool write(const Start& start, bool is_last = false);
   template <class Done>
-  bool await(Lock& lock, const Done& done, Time deadline = kNever);
-  bool take_event(Lock& lock, Time deadline);
-  void await_written(Lock& lock);
+  bool await(Lead::Lock& lock, const Done& done, Time deadline = kNever);
+  bool take_event(Lead::Lock& lock, Time deadline);
+  void await_written(Lead::Lock& lock);
 
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<grpc::ClientContext> context_;
@@ -55,8 +54,7 @@ class GrpcTransport final : public FrameTransport {
   std::unique_ptr<grpc::GenericClientAsyncReaderWriter> call_;
   grpc::ByteBuffer incoming_;  ///< the reader's, or gRPC's while a read is under way
   std::mutex mutex_;           // guards what follows
-  std::condition_variable changed_;
-  bool is_taking_ = false;  ///< a thread waits at the queue; the others wait for what it finds there
+  Lead lead_;                  ///< at the queue
   Operation write_, read_, finish_;
   bool is_reading_ = false;  ///< a read is under way, or its message not taken
   bool is_closed_ = false;   ///< no write may begin any more
