@@ -12,6 +12,7 @@ class Baseline {
   explicit Baseline(const Probe& probe) : probe_(probe) {
     for (Gauge& gauge : gauges_) gauge.value = probe_.metric(gauge.name);
     resident_ = resident();
+    threads_ = probe_.threads();
   }
 
   /// Everything that was taken since is given back; of resident memory, all but `slack` MiB, which an allocator may
@@ -23,6 +24,8 @@ class Baseline {
     // A scene is off the gauges before its memory is freed.
     eventually("resident memory goes back to " + std::to_string(resident_),
                [&] { return resident() - resident_ < memory_limit(slack); });
+    // gRPC's pool grows and shrinks by a few threads as calls come and go.
+    eventually("threads go back to " + std::to_string(threads_), [&] { return probe_.threads() <= threads_ + kPool; });
     EXPECT_TRUE(probe_.is_ready());
   }
 
@@ -32,12 +35,14 @@ class Baseline {
     double value = 0;
   };
 
+  static constexpr double kPool = 8;
+
   double resident() const { return probe_.metric("process_resident_memory_bytes"); }
 
   const Probe& probe_;
   Gauge gauges_[6] = {{"collided_streams"},       {"collided_scenes"},         {"collided_device_bytes"},
                       {"collided_queued_frames"}, {"collided_outgoing_bytes"}, {"process_open_fds"}};
-  double resident_ = 0;
+  double resident_ = 0, threads_ = 0;
 };
 
 }  // namespace collided::test

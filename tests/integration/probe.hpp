@@ -89,12 +89,14 @@ class Probe {
   double resident_bytes() const { return status_bytes("VmRSS:"); }
   /// The most that it has been.
   double peak_resident_bytes() const { return status_bytes("VmHWM:"); }
+  double threads() const { return status("Threads:"); }
 
  private:
-  double status_bytes(const std::string& field) const {
+  double status_bytes(const std::string& field) const { return status(field) * 1024; }
+  double status(const std::string& field) const {
     std::ifstream file("/proc/" + std::to_string(pid_) + "/status");
     for (std::string line; std::getline(file, line);)
-      if (line.starts_with(field)) return std::stod(line.substr(field.size())) * 1024;
+      if (line.starts_with(field)) return std::stod(line.substr(field.size()));
     ADD_FAILURE() << "no " << field << " of process " << pid_;
     return std::numeric_limits<double>::infinity();
   }
