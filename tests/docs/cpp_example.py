@@ -1,0 +1,59 @@
+#!/usr/bin/env python3
+"""A program of README.md's C++ and a main that calls it.
+
+usage: cpp_example.py REPOSITORY OUTPUT
+"""
+
+import pathlib
+import sys
+
+from markdown import Page
+from run_page import README_SOCKET
+
+PROGRAM = """\
+#include <string>
+std::string address();
+
+{first}
+void go_on(Client& client, const v1::Scene& scene, const Points& moved, const std::vector<uint32_t>& indices) {{
+{second}
+  again.send(again.scene().last_frame_id() + 1, {{&sparse, 1}});
+  std::printf("after a resume: %zu vertex-triangle contacts\\n", again.receive().vertex_triangle.count);
+  again.finish();
+}}
+
+{main}
+"""
+MAIN = """
+#include <cstdlib>
+
+std::string address() { return std::getenv("COLLIDED_SERVER"); }
+
+int main() {
+  const std::array<std::array<uint32_t, 3>, 2> triangles = {{{0, 1, 2}, {3, 4, 5}}};
+  const MeshInput mesh{.name = "two triangles", .vertex_count = 6, .triangles = triangles};
+  const Points before = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 1}, {1.25, 1, 9}, {1, 1.25, 9}};
+  Points after = before;
+  for (size_t v = 3; v < 6; ++v) after[v][2] -= 2;
+  find_contacts(mesh, {before, after});
+
+  Client client = Client::connect(address());
+  v1::SceneSpec spec;
+  spec.set_mode(v1::DETECTION_MODE_CCD);
+  spec.set_position_format(v1::POSITION_FORMAT_F64);
+  const v1::Scene scene = client.create_scene(spec, {&mesh, 1});
+  {
+    FrameStream stream = client.stream(scene);
+    const FrameUpdate whole{.mesh = 0, .positions = std::as_bytes(std::span(before))};
+    stream.send(1, {&whole, 1});
+    stream.receive().check();
+  }
+  go_on(client, scene, {after[3]}, {3});
+}
+"""
+
+repository, output = map(pathlib.Path, sys.argv[1:])
+first, second = Page(repository / "README.md").blocks("cpp")
+if f'"{README_SOCKET}"' not in first:
+    sys.exit(f"README.md's C++ does not connect to {README_SOCKET}")
+output.write_text(PROGRAM.format(first=first.replace(f'"{README_SOCKET}"', "address()"), second=second, main=MAIN))

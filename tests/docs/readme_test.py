@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+"""README.md, as a new user reads it: its programs and command lines are run against a real daemon.
+
+usage: readme_test.py DAEMON COLLIDECTL CPP_EXAMPLE REPOSITORY
+"""
+
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+DAEMON, COLLIDECTL, CPP_EXAMPLE = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
+REPOSITORY = pathlib.Path(sys.argv[4]).resolve()
+sys.path.insert(0, str(REPOSITORY / "tests" / "interop"))
+from daemon import Daemon  # noqa: E402
+from markdown import Page  # noqa: E402
+from run_page import README_SOCKET, run_python  # noqa: E402
+
+README = Page(REPOSITORY / "README.md")
+# Smaller than a new user's, for a test is to be quick: what a command line ends in.
+SMALLER = {
+    "tradeoff --scene": "--scale 0.2 --repeats 1 --levels fast,exact --formats f32",
+    "tradeoff before.ply": "--repeats 1 --levels fast,exact --formats f32",
+    "bench --scene": "--scale 0.2 --steps 1 --warm-up 0",
+    "stream": "--scale 0.3",
+}
+NOT_RUN = {
+    "bench --end-to-end": "a minute; collidectl_end_to_end runs it, smaller",
+    "info --server gpu-host": "another host; integration.collidectl_security has TLS and tokens",
+}
+
+
+class WithDaemon(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = Daemon(str(DAEMON))
+        cls.addClassCleanup(cls.daemon.kill)
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+
+    def run_line(self, line):
+        """As a shell in a folder of the test's own does that has the programs on its path."""
+        path = f"{DAEMON.parent}:{COLLIDECTL.parent}:{os.environ['PATH']}"
+        done = subprocess.run(["bash", "-c", line], cwd=self.folder, text=True, capture_output=True, timeout=120,
+                              env={**os.environ, "PATH": path, "COLLIDED_DAEMON": str(DAEMON)})
+        self.assertEqual(done.returncode, 0, f"{line}\n{done.stdout}{done.stderr}")
+        return done.stdout
+
+
+class Python(WithDaemon):
+    def test_the_lines_make_stubs_that_the_example_runs_with(self):
+        try:
+            import grpc  # noqa: F401
+            import numpy  # noqa: F401
+        except ImportError as missing:
+            self.skipTest(f"{missing} (Debian: python3-grpcio, python3-numpy)")
+        (self.folder / "proto").symlink_to(REPOSITORY / "proto")
+        install, *lines, run = README.blocks(after="Python, with nothing but stubs")[0].splitlines()
+        self.assertTrue(install.startswith("apt-get install "))
+        self.assertEqual(run, "PYTHONPATH=stubs python3 example.py")
+        for line in lines:
+            self.run_line(line)
+        (program,) = README.blocks("python")
+        printed = run_python(program, self.daemon.address, self.folder / "stubs")
+        self.assertEqual(printed, "vertex 3, triangle 0, t = 0.500000000\n")
+        self.assertIn(f"# {printed}", program)
+
+
+class Cpp(WithDaemon):
+    def test_the_examples_compile_and_find_the_contact(self):
+        done = subprocess.run([CPP_EXAMPLE], text=True, capture_output=True, timeout=60,
+                              env={**os.environ, "COLLIDED_SERVER": self.daemon.address})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stdout, "vertex 3, triangle 0, t = 0.5\nafter a resume: 1 vertex-triangle contacts\n")
+
+
+class CommandLines(WithDaemon):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        frames = cls.folder / "frames_of_the_test"
+        subprocess.run([COLLIDECTL, "export", "--scene", "funnel", "--scale", "0.3", "--frames", "2", "--t0", "0.5",
+                        "--out", frames], check=True, stdout=subprocess.DEVNULL, timeout=60)
+        for name, frame in zip(("before", "after"), sorted(frames.glob("*.ply"))):
+            shutil.copy(frame, cls.folder / f"{name}.ply")
+        shutil.copy(cls.folder / "before.ply", cls.folder / "mesh.ply")
+
+    def collidectl_lines(self):
+        for block in README.blocks():
+            for line in block.splitlines():
+                if line.startswith("collidectl "):
+                    yield line.split(" #")[0].split("   ")[0].strip()
+
+    def test_every_line_of_collidectl_runs(self):
+        lines = list(self.collidectl_lines())
+        self.assertGreater(len(lines), 9)
+        for line in lines:
+            rest = line.removeprefix("collidectl ")
+            if any(rest.startswith(start) for start in NOT_RUN):
+                continue
+            more = next((options for start, options in SMALLER.items() if rest.startswith(start)), "")
+            with self.subTest(line):
+                self.assertTrue(self.run_line(f"{line} {more}".replace(README_SOCKET, self.daemon.address)) or more)
+
+    def test_each_exception_has_its_line(self):
+        rests = [line.removeprefix("collidectl ") for line in self.collidectl_lines()]
+        for start in [*NOT_RUN, *SMALLER]:
+            self.assertTrue(any(rest.startswith(start) for rest in rests), start)
+
+    def test_the_daemons_lines_are_sound(self):
+        (block,) = [block for block in README.blocks() if block.startswith("collided --address")]
+        listen, check = block.splitlines()
+        (self.folder / "deploy").symlink_to(REPOSITORY / "deploy")
+        self.run_line(check)
+        self.run_line(listen + " --check")
+
+    def test_the_two_commands_have_help(self):
+        block = README.blocks(after="## Two commands")[0]
+        for line in block.splitlines():
+            command = shlex.split(line.split("#")[0])[0]
+            done = subprocess.run([REPOSITORY / command, "--help"], text=True, capture_output=True, timeout=60)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(f"usage: {command}", done.stdout)
+
+
+class Links(unittest.TestCase):
+    PAGES = sorted(path for path in REPOSITORY.rglob("*.md")
+                   if not {"build", "bundle", "node_modules"} & {part.split("-")[0] for part in path.relative_to(REPOSITORY).parts})
+
+    def test_every_link_of_every_page_leads_somewhere(self):
+        for page in self.PAGES:
+            text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+            for target in re.findall(r"\]\(([^)\s]+)\)", text):
+                if "://" in target:
+                    continue
+                path, _, anchor = target.partition("#")
+                file = (page.parent / path).resolve() if path else page
+                with self.subTest(page=str(page.relative_to(REPOSITORY)), link=target):
+                    self.assertTrue(file.exists())
+                    if anchor:
+                        self.assertIn(anchor, self.anchors(file))
+
+    def anchors(self, file):
+        headings = re.findall(r"^#+ (.+)$", file.read_text(), re.MULTILINE)
+        return [re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings]
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -1,0 +1,18 @@
+"""Python of a page, run as a new user would run it, against a daemon of the test's own."""
+
+import os
+import subprocess
+import sys
+import tempfile
+
+README_SOCKET = "unix:/run/collided/socket"
+
+
+def run_python(program, address, stubs):
+    """What a page's program prints; its only change is the daemon's address."""
+    assert README_SOCKET in program, program
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run([sys.executable, "-c", program.replace(README_SOCKET, address)], cwd=folder, text=True,
+                              capture_output=True, timeout=60, env={**os.environ, "PYTHONPATH": str(stubs)})
+    assert done.returncode == 0, done.stderr
+    return done.stdout
