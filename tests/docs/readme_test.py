@@ -113,12 +113,24 @@ class CommandLines(WithDaemon):
         for start in [*NOT_RUN, *SMALLER]:
             self.assertTrue(any(rest.startswith(start) for rest in rests), start)
 
-    def test_the_daemons_lines_are_sound(self):
-        (block,) = [block for block in README.blocks() if block.startswith("collided --address")]
-        listen, check = block.splitlines()
+    def test_the_daemons_lines_serve_and_check(self):
+        path, folder, serve, check = README.blocks(after="## The daemon")[0].splitlines()
+        for part in path.removeprefix("PATH=").split(":")[:-1]:
+            within_build = "/".join(part.split("/")[3:])  # $PWD/build/PRESET/...
+            self.assertTrue(any(str(p.parent).endswith("/" + within_build) for p in (DAEMON, COLLIDECTL)), part)
         (self.folder / "deploy").symlink_to(REPOSITORY / "deploy")
         self.run_line(check)
-        self.run_line(listen + " --check")
+        # A place and ports of the test's own.
+        ours = [re.sub(r":(50551|9464)\b", ":0", line.replace("/run/collided", str(self.folder / "run")))
+                for line in (folder, serve)]
+        self.run_line(ours[0])
+        daemon = subprocess.Popen([DAEMON, *shlex.split(ours[1])[1:]], stderr=subprocess.PIPE, text=True)
+        self.addCleanup(daemon.stderr.close)
+        self.addCleanup(daemon.wait)
+        self.addCleanup(daemon.kill)
+        self.assertTrue(any("metrics and health on" in line for line in daemon.stderr), "it did not serve")
+        daemon.terminate()
+        self.assertEqual(daemon.wait(60), 0)
 
     def test_the_two_commands_have_help(self):
         block = README.blocks(after="## Two commands")[0]
