@@ -34,6 +34,10 @@ set_tests_properties(d.gpu{i} PROPERTIES SKIP_REGULAR_EXPRESSION "SKIPPED")
 CLOCK = f"""
 add_test(clock {sys.executable} -c "import time; print(time.monotonic())")
 set_tests_properties(clock PROPERTIES LABELS unit)
+add_test(daemon true)
+set_tests_properties(daemon PROPERTIES LABELS integration-any-clock)
+add_test(other true)
+set_tests_properties(other PROPERTIES LABELS integration)
 add_test(no_clock true)
 set_tests_properties(no_clock PROPERTIES LABELS unit-no-clock)
 """
@@ -90,15 +94,15 @@ class Runner(unittest.TestCase):
         self.assertNotEqual(code, 0)
         self.assertTrue(printed.endswith("== FAILED\n"), printed)
 
-    def test_unit_tests_run_once_more_on_a_young_clock(self):
+    def test_what_knows_a_clock_runs_once_more_on_a_young_one(self):
         _, printed = self.run_on(CLOCK)
         if reason := young_clock.obstacle():
-            self.assertIn(f"   skipped: the unit tests on a clock of 5 s: {reason}\n", printed)
+            self.assertIn(f"   skipped: the tests that know a clock, on one of 5 s: {reason}\n", printed)
             return
-        self.assertIn("== 3 passed, 0 failed, 0 skipped", printed)
+        self.assertIn("== 6 passed, 0 failed, 0 skipped", printed)
         young = (self.build / "test-report-young.xml").read_text()
         self.assertLess(float(young.split("<system-out>")[1].split("<")[0]), young_clock.AGE + 60)
-        self.assertNotIn("no_clock", young)
+        self.assertEqual([name in young for name in ('"daemon"', '"other"', '"no_clock"')], [True, False, False])
 
 
 class Terminal(io.StringIO):
