@@ -52,13 +52,15 @@ class Conventions(unittest.TestCase):
         cls.addClassCleanup(channel.close)
         cls.stub = rpc.CollisionServiceStub(channel)
 
-    def make(self, mode="CCD", level="CERTIFIED", report="ALL", motion=scene_pb2.MESH_MOTION_DEFORMABLE, **more):
-        """A floor and two tips above it; DCD: with a thickness that both tips are within."""
+    def make(self, mode="CCD", level="CERTIFIED", report="ALL", motion=scene_pb2.MESH_MOTION_DEFORMABLE, thickness=None):
+        """A floor and two tips above it; DCD: by default with a thickness that both tips are within."""
+        if thickness is None:
+            thickness = 0.5 if mode == "DCD" else 0
         meshes = [scene_pb2.MeshSpec(name=name, vertex_count=3, triangles=TRIANGLE, motion=motion if name == "floor" else 0)
                   for name in ("floor", "tip 0", "tip 1")]
         spec = scene_pb2.SceneSpec(
             mode=f"DETECTION_MODE_{mode}", accuracy=f"ACCURACY_{level}", report=f"REPORT_{report}", fields=FIELDS,
-            thickness=0.5 if mode == "DCD" else 0, meshes=meshes, **more)
+            thickness=thickness, meshes=meshes)
         return self.stub.CreateScene(api.CreateSceneRequest(spec=spec), timeout=30).scene
 
     def fall(self, scene, frame_id=1, positions=None):
@@ -117,6 +119,28 @@ class Conventions(unittest.TestCase):
                         self.assertIn(flags & 3, (1,) if level == "EXACT" else (1, 2))
         for mode in ("CCD", "DCD"):
             self.assertEqual({f for c in self.fall(self.make(mode, "FAST")).contacts for f in c.flags}, {0})
+
+    def test_thickness_is_the_distance_between_the_features(self):
+        for level in ("FAST", "GUARDED", "CERTIFIED", "EXACT"):
+            near = self.fall(self.make("DCD", level, thickness=0.25)).contacts  # exactly as far apart as that
+            self.assertEqual([chunk.count for chunk in near], [2], level)
+            self.assertFalse(self.fall(self.make("DCD", level, thickness=0.249)).done.any_contact, level)
+        (chunk,) = self.fall(self.make(thickness=0.25)).contacts
+        np.testing.assert_allclose(np.frombuffer(chunk.distance, "<f8"), [0.25, 0.25], atol=1e-6)
+        np.testing.assert_allclose(np.frombuffer(chunk.toi, "<f8"), [0.75 / fall for fall in FALLS], atol=1e-6)
+
+    def test_without_start_positions_a_step_begins_where_the_last_one_ended(self):
+        scene = self.make()
+        (first,) = self.fall(scene).contacts
+        self.assertEqual(first.count, 2)
+        risen = frame_pb2.MeshUpdate(mesh=1, positions=TIPS[0].tobytes())
+        frame = frame_pb2.Frame(frame_id=2, updates=[risen])
+        request = api.DetectFrameRequest(scene_id=scene.scene_id, frame=frame)
+        (chunk,) = [c for c in self.stub.DetectFrame(request, timeout=30).contacts
+                    if c.kind == contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE]
+        elements = np.frombuffer(chunk.elements, "<u4").reshape(-1, 2).tolist()
+        risen_at = np.frombuffer(chunk.toi, "<f8")[elements.index([3, 0])]
+        np.testing.assert_allclose(risen_at, (FALLS[0] - 1) / FALLS[0], atol=1e-6)  # it was below the floor
 
     def test_weights_come_only_if_asked_for(self):
         meshes = self.make().spec.meshes
