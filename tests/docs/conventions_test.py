@@ -111,6 +111,11 @@ class Conventions(unittest.TestCase):
         return [contacts, *("yes" if it else "no" for it in (
             has("toi"), has("distance", "weights", "flags"), end.any_contact))]
 
+    def test_the_table_of_flags_has_their_masks(self):
+        told = {name.strip("`"): int(mask) for name, mask, _ in PAGE.table(after="## Flags")[1:]}
+        proto = {name.removeprefix("CONTACT_FLAG_"): value for name, value in contact_pb2.ContactFlag.items() if value}
+        self.assertEqual(told, proto)
+
     def test_all_flags_are_as_the_page_says(self):
         for mode in ("CCD", "DCD"):
             for level in ("GUARDED", "CERTIFIED", "EXACT"):
