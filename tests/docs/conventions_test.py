@@ -52,7 +52,8 @@ class Conventions(unittest.TestCase):
         cls.addClassCleanup(channel.close)
         cls.stub = rpc.CollisionServiceStub(channel)
 
-    def make(self, mode="CCD", level="CERTIFIED", report="ALL", motion=scene_pb2.MESH_MOTION_DEFORMABLE, thickness=None):
+    def make(self, mode="CCD", level="CERTIFIED", report="ALL", motion=scene_pb2.MESH_MOTION_DEFORMABLE, thickness=None,
+             kinds=()):
         """A floor and two tips above it; DCD: by default with a thickness that both tips are within."""
         if thickness is None:
             thickness = 0.5 if mode == "DCD" else 0
@@ -60,7 +61,7 @@ class Conventions(unittest.TestCase):
                   for name in ("floor", "tip 0", "tip 1")]
         spec = scene_pb2.SceneSpec(
             mode=f"DETECTION_MODE_{mode}", accuracy=f"ACCURACY_{level}", report=f"REPORT_{report}", fields=FIELDS,
-            thickness=thickness, meshes=meshes)
+            thickness=thickness, kinds=kinds, meshes=meshes)
         return self.stub.CreateScene(api.CreateSceneRequest(spec=spec), timeout=30).scene
 
     def fall(self, scene, frame_id=1, positions=None):
@@ -124,6 +125,21 @@ class Conventions(unittest.TestCase):
                         self.assertIn(flags & 3, (1,) if level == "EXACT" else (1, 2))
         for mode in ("CCD", "DCD"):
             self.assertEqual({f for c in self.fall(self.make(mode, "FAST")).contacts for f in c.flags}, {0})
+
+    def test_triangle_pairs_hold_ids_and_in_dcd_flags(self):
+        kinds = [contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE]
+        crossing = TIPS[0] - np.array([0, 0, 2], "<f4")
+        for mode, level in (("DCD", "CANDIDATES"), ("DCD", "CERTIFIED"), ("DCD", "EXACT"), ("CCD", "CANDIDATES")):
+            scene = self.make(mode, level, kinds=kinds)
+            updates = [frame_pb2.MeshUpdate(mesh=i, positions=positions.tobytes())
+                       for i, positions in enumerate((FLOOR, crossing, TIPS[1]))]
+            request = api.DetectFrameRequest(
+                scene_id=scene.scene_id, frame=frame_pb2.Frame(frame_id=1, updates=updates))
+            (chunk,) = self.stub.DetectFrame(request, timeout=30).contacts
+            self.assertEqual(np.frombuffer(chunk.elements, "<u4").tolist(), [0, 1])
+            self.assertEqual(list(chunk.flags), [1] if mode == "DCD" else [])
+            self.assertFalse(chunk.stencils or chunk.toi or chunk.distance or chunk.weights)
+        self.assertEqual(refusal_of(lambda: self.make("CCD", "FAST", kinds=kinds)), "INVALID_ARGUMENT")
 
     def test_thickness_is_the_distance_between_the_features(self):
         for level in ("FAST", "GUARDED", "CERTIFIED", "EXACT"):
