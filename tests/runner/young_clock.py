@@ -1,5 +1,6 @@
 """A machine that seems to have booted seconds ago: a time namespace of Linux."""
 
+import os
 import subprocess
 import time
 
@@ -7,10 +8,13 @@ AGE = 5  # seconds
 
 
 def command():
-    """The words that run what follows them with clocks of AGE seconds."""
-    offsets = [f"{name}={AGE - int(time.clock_gettime(clock))}"
-               for name, clock in (("--monotonic", time.CLOCK_MONOTONIC), ("--boottime", time.CLOCK_BOOTTIME))]
-    return ["unshare", "--time", "--fork", *(word for offset in offsets for word in offset.split("="))]
+    """The words that run what follows them with clocks of AGE seconds. Who is not root does it in a user namespace."""
+    words = ["unshare", "--time", "--fork"]
+    if os.geteuid() != 0:
+        words.append("--map-current-user")
+    for name, clock in (("--monotonic", time.CLOCK_MONOTONIC), ("--boottime", time.CLOCK_BOOTTIME)):
+        words += [name, str(AGE - int(time.clock_gettime(clock)))]
+    return words
 
 
 def obstacle():
