@@ -2,6 +2,7 @@
 
 #include "gpu/backends.hpp"
 #include "gpu/frame_check.hpp"
+#include "gpu/memory_need.hpp"
 
 namespace collided {
 namespace {
@@ -16,11 +17,20 @@ class HostMemoryOfOthers final : public SharedMemory {
   std::span<std::byte> memory_;
 };
 
+uint64_t triangles_of(const SceneSpec& spec) {
+  uint64_t triangles = 0;
+  for (const MeshSpec& mesh : spec.meshes) triangles += mesh.triangles.size();
+  return triangles;
+}
+
 }  // namespace
 
 std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
   check_spec(spec);
+  MemoryHold making(spec.memory_quota);
+  making.resize(max_making_bytes(triangles_of(spec)));
   FeatureTables features = make_features(spec.meshes);
+  making.resize(bytes_of(features));
   return spec.backend == Backend::kCuda ? make_cuda_detector(std::move(spec), std::move(features))
                                         : make_cpu_detector(std::move(spec), std::move(features));
 }

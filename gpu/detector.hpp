@@ -12,6 +12,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace collided {
@@ -49,6 +50,30 @@ class MemoryQuota {
   /// Throws if `bytes` more would pass it; what it throws is what the frame or scene that asked is refused with.
   virtual void take(uint64_t bytes) = 0;
   virtual void give_back(uint64_t bytes) noexcept = 0;
+};
+
+/// Bytes taken from a quota; what is held at the end is given back. One thread at a time.
+class MemoryHold {
+ public:
+  /// `quota` may be null: then nothing is counted.
+  explicit MemoryHold(std::shared_ptr<MemoryQuota> quota) : quota_(std::move(quota)) {}
+  MemoryHold(const MemoryHold&) = delete;
+  MemoryHold& operator=(const MemoryHold&) = delete;
+  ~MemoryHold() { resize(0); }
+
+  uint64_t bytes() const { return bytes_; }
+  /// Throws what the quota throws, and holds what it held then; never for fewer bytes.
+  void resize(uint64_t bytes) {
+    if (quota_ && bytes > bytes_) quota_->take(bytes - bytes_);
+    if (quota_ && bytes < bytes_) quota_->give_back(bytes_ - bytes);
+    bytes_ = bytes;
+  }
+  /// Takes over what `other` holds of the same quota.
+  void absorb(MemoryHold& other) { bytes_ += std::exchange(other.bytes_, 0); }
+
+ private:
+  const std::shared_ptr<MemoryQuota> quota_;
+  uint64_t bytes_ = 0;
 };
 
 enum class Backend { kCpu, kCuda };
@@ -94,6 +119,10 @@ struct SceneSpec {
   int threads = 0;                            ///< CPU threads; 0: all cores
   std::vector<MeshSpec> meshes;
 };
+
+/// Bytes that a scene of so many vertices and triangles holds at the least once it has had a frame: on its backend, and
+/// for its topology on the host. What a frame needs on top of it depends on the positions. Reads no mesh of the spec.
+uint64_t min_scene_bytes(const SceneSpec& spec, uint64_t vertices, uint64_t triangles);
 
 /// New positions of one mesh: packed xyz of the scene's scalar type, of all its vertices, or of those in `indices`.
 /// The bytes may lie in any memory that the backend reads: host memory (a slot's own is the fastest), registered host
@@ -196,7 +225,9 @@ struct DeviceInfo {
 /// One scene on one backend. Not thread-safe: one call at a time; different detectors are independent.
 class Detector {
  public:
-  /// Throws InvalidInput for a bad spec, ResourceExhausted past the budget, DeviceError if the backend is missing.
+  /// Throws InvalidInput for a bad spec, ResourceExhausted past the budget, what the quota throws, DeviceError if the
+  /// backend is missing. Host memory that this takes while it works counts in the quota; memory for positions is taken
+  /// by the first frame, so that nothing is held for vertices that were only declared.
   static std::unique_ptr<Detector> create(SceneSpec spec);
   virtual ~Detector() = default;
 

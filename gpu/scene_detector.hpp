@@ -57,6 +57,10 @@ class SceneDetector final : public Detector {
     }
     scene_.boxes.allocate(topology_.triangles.size());
     scene_.records.allocate(topology_.triangles.size());
+  }
+
+  /// Not before the first frame, which brings all positions: a number of vertices alone holds no memory.
+  void require_positions() {
     scene_.end.allocate(topology_.vertex_count);
     scene_.last_good.allocate(topology_.vertex_count);
     if (spec_.mode == Mode::kCcd) scene_.start.allocate(topology_.vertex_count);
@@ -95,6 +99,7 @@ class SceneDetector final : public Detector {
     exec_.stage("upload", [&] {
       slot = &sent_slot(frame);
       slot->arrive(!has_frame_);
+      require_positions();
       place(*slot);
     });
     FrameResult result = pipeline_.detect_contacts(moved(all), all, settings);

@@ -42,10 +42,24 @@ void append_mesh(FeatureTables& out, const MeshSpec& mesh, size_t index) {
   topology.triangle_offset.push_back(static_cast<uint32_t>(triangles));
 }
 
+// The triangles that are there, no more: tables that grow by doubling would hold twice as much.
+void reserve(FeatureTables& out, const std::vector<MeshSpec>& meshes) {
+  size_t triangles = 0;
+  for (const MeshSpec& mesh : meshes) triangles += mesh.triangles.size();
+  out.topology.triangles.reserve(triangles);
+  out.mesh_of_triangle.reserve(triangles);
+}
+
 struct Use {
   std::array<uint32_t, 2> edge;
   uint32_t triangle, side;
 };
+
+size_t count_edges(const std::vector<Use>& sorted) {
+  size_t count = 0;
+  for (size_t i = 0; i < sorted.size(); ++i) count += i == 0 || sorted[i].edge != sorted[i - 1].edge;
+  return count;
+}
 
 void number_edges(FeatureTables& out) {
   const auto& triangles = out.topology.triangles;
@@ -60,6 +74,7 @@ void number_edges(FeatureTables& out) {
     return std::tie(a.edge, a.triangle, a.side) < std::tie(b.edge, b.triangle, b.side);
   });
   out.triangle_edges.resize(triangles.size());
+  out.topology.edges.reserve(count_edges(uses));
   for (const Use& use : uses) {
     auto& edges = out.topology.edges;
     if (edges.empty() || edges.back() != use.edge) {
@@ -70,15 +85,21 @@ void number_edges(FeatureTables& out) {
   }
 }
 
+// Each vertex belongs to the lowest triangle that has it. Sorted by vertex, so that memory goes by the triangles that
+// came and not by the vertices that were declared.
 void own_vertices(FeatureTables& out) {
-  std::vector<bool> taken(out.topology.vertex_count, false);
-  for (size_t i = 0; i < out.topology.triangles.size(); ++i)
-    for (unsigned k = 0; k < 3; ++k) {
-      const uint32_t v = out.topology.triangles[i][k];
-      if (taken[v]) continue;
-      taken[v] = true;
-      out.owned[i] |= static_cast<uint8_t>(1u << k);
-    }
+  const auto& triangles = out.topology.triangles;
+  std::vector<uint64_t> corners;  // vertex, then place of the corner
+  corners.reserve(3 * triangles.size());
+  for (size_t i = 0; i < triangles.size(); ++i)
+    for (size_t k = 0; k < 3; ++k) corners.push_back(uint64_t{triangles[i][k]} << 32 | (3 * i + k));
+  std::sort(corners.begin(), corners.end());
+  uint64_t last = ~uint64_t{0};
+  for (const uint64_t corner : corners) {
+    const uint32_t place = static_cast<uint32_t>(corner);
+    if (corner >> 32 != last) out.owned[place / 3] |= static_cast<uint8_t>(1u << place % 3);
+    last = corner >> 32;
+  }
 }
 
 }  // namespace
@@ -88,6 +109,7 @@ FeatureTables make_features(const std::vector<MeshSpec>& meshes) {
   FeatureTables out;
   out.topology.vertex_offset.push_back(0);
   out.topology.triangle_offset.push_back(0);
+  reserve(out, meshes);
   for (size_t i = 0; i < meshes.size(); ++i) append_mesh(out, meshes[i], i);
   out.owned.assign(out.topology.triangles.size(), 0);
   own_vertices(out);

@@ -42,6 +42,11 @@ class TakenOver : public FieldError {
   using FieldError::FieldError;
 };
 
+/// The client did not do its part in time.
+class TimedOut : public FieldError {
+  using FieldError::FieldError;
+};
+
 /// A field of the protocol that the daemon does not serve.
 class Unimplemented : public FieldError {
   using FieldError::FieldError;

@@ -1,6 +1,7 @@
 #pragma once
 // Between the protocol and the engine. Every message that names a field names its path, value and limit.
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,16 +22,23 @@ struct SceneDefaults {
   std::string backend = "auto";
   int threads = 0;
   Limits limits;
-  bool cuda = false;  ///< whether a CUDA device can be used
+  bool cuda = false;          ///< whether a CUDA device can be used
+  bool local_socket = false;  ///< whether frames may come by shared memory, past the limit of a message
 };
 
 /// Checks a request for a scene. Throws InvalidInput, Unimplemented, LimitExceeded,
 /// FailedPrecondition.
 SceneRequest parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults);
 
-/// Appends a packed uint32[n][3] array; `path` names it in messages. Throws InvalidInput.
-void parse_triangles(std::string_view bytes, uint32_t vertex_count, const std::string& path,
-                     Scene::Triangles& triangles);
+/// Where triangles are, in messages.
+struct TrianglePath {
+  std::string field;
+  uint64_t first = 0;  ///< triangles that came before
+};
+
+/// Checks and takes each triangle of a packed uint32[n][3] array. Throws InvalidInput.
+void for_each_triangle(std::string_view bytes, uint32_t vertex_count, const TrianglePath& path,
+                       const std::function<void(const TriangleCorners&)>& take);
 
 /// Bytes of one update that are not in its message.
 struct PlacedPositions {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "server/convert/refuse.hpp"
 
@@ -27,13 +28,14 @@ constexpr std::pair<pb::BroadPhaseEngine, Engine> kEngines[] = {
     {pb::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, Engine::kTwoLevelGrid},
     {pb::BROAD_PHASE_ENGINE_LBVH, Engine::kLbvh}};
 
-// The values of each table follow each other from 1 on.
 template <class Message, class Value, size_t N>
 std::optional<Value> to_engine(const std::pair<Message, Value> (&values)[N], Message wanted, const std::string& field) {
   if (wanted == Message{}) return {};
   for (const auto& [message, value] : values)
     if (message == wanted) return value;
-  throw_invalid(field, fmt::format("is {}, but must be from 0 to {}", static_cast<int>(wanted), N));
+  std::vector<Message> usable;
+  for (const auto& [message, value] : values) usable.push_back(message);
+  throw_unknown(field, wanted, usable);
 }
 
 template <class Message, class Value, size_t N>

@@ -30,7 +30,7 @@ void fill_mesh(const MeshPlan& plan, const MeshSpec& engine, pb::MeshSpec* out) 
   out->set_groups(engine.groups);
   out->set_collide_mask(engine.collide_mask);
   out->set_no_self_contacts(!engine.self_contacts);
-  out->set_triangle_count(static_cast<uint32_t>(plan.awaited));
+  out->set_triangle_count(static_cast<uint32_t>(plan.triangles));
 }
 
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out) {

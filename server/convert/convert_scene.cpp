@@ -2,7 +2,7 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
-#include <array>
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <functional>
@@ -22,7 +22,7 @@ constexpr int kMaxMeshes = 16384;  // with the longest names a scene still fits 
 constexpr size_t kTriangleBytes = 12;
 
 // What is wrong with a triangle; empty if nothing is.
-std::string check_triangle(const std::array<uint32_t, 3>& t, uint32_t vertex_count) {
+std::string check_triangle(const TriangleCorners& t, uint32_t vertex_count) {
   for (const uint32_t vertex : t)
     if (vertex >= vertex_count) return fmt::format("has vertex {}, but the mesh has {} vertices", vertex, vertex_count);
   if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
@@ -37,7 +37,8 @@ Backend parse_backend(pb::Backend wanted, const SceneDefaults& defaults) {
                                           : pb::BACKEND_AUTO;
   if (wanted == pb::BACKEND_AUTO) return defaults.cuda ? Backend::kCuda : Backend::kCpu;
   if (wanted == pb::BACKEND_CPU) return Backend::kCpu;
-  if (wanted != pb::BACKEND_CUDA) throw_unknown("spec.backend", wanted);
+  if (wanted != pb::BACKEND_CUDA)
+    throw_unknown("spec.backend", wanted, {pb::BACKEND_AUTO, pb::BACKEND_CPU, pb::BACKEND_CUDA});
   if (!defaults.cuda)
     throw FailedPrecondition("spec.backend", "spec.backend is BACKEND_CUDA, but this daemon has no usable CUDA device");
   return Backend::kCuda;
@@ -46,14 +47,14 @@ Backend parse_backend(pb::Backend wanted, const SceneDefaults& defaults) {
 Mode parse_mode(pb::DetectionMode mode) {
   if (mode == pb::DETECTION_MODE_DCD) return Mode::kDcd;
   if (mode == pb::DETECTION_MODE_CCD) return Mode::kCcd;
-  throw_unknown("spec.mode", mode);
+  throw_unknown("spec.mode", mode, {pb::DETECTION_MODE_DCD, pb::DETECTION_MODE_CCD});
 }
 
 Scalar parse_format(pb::PositionFormat format) {
   if (format == pb::POSITION_FORMAT_UNSPECIFIED || format == pb::POSITION_FORMAT_F32) return Scalar::kF32;
   if (format == pb::POSITION_FORMAT_F64) return Scalar::kF64;
   if (format == pb::POSITION_FORMAT_Q16) throw_not_served("spec.position_format", "POSITION_FORMAT_Q16");
-  throw_unknown("spec.position_format", format);
+  throw_unknown("spec.position_format", format, {pb::POSITION_FORMAT_F32, pb::POSITION_FORMAT_F64});
 }
 
 void add_kind(const std::string& path, pb::ContactKind kind, SceneSpec& engine) {
@@ -73,7 +74,8 @@ void add_kind(const std::string& path, pb::ContactKind kind, SceneSpec& engine) 
       engine.triangle_triangle = true;
       return;
     default:
-      throw_unknown(path, kind);
+      throw_unknown(path, kind,
+                    {pb::CONTACT_KIND_VERTEX_TRIANGLE, pb::CONTACT_KIND_EDGE_EDGE, pb::CONTACT_KIND_TRIANGLE_TRIANGLE});
   }
 }
 
@@ -106,7 +108,9 @@ void add_field(const std::string& path, pb::ContactField field, OutputFields& fi
     case pb::CONTACT_FIELD_NORMAL:
       throw_not_served(path, "CONTACT_FIELD_NORMAL");
     default:
-      throw_unknown(path, field);
+      throw_unknown(path, field,
+                    {pb::CONTACT_FIELD_ELEMENTS, pb::CONTACT_FIELD_STENCIL, pb::CONTACT_FIELD_TOI,
+                     pb::CONTACT_FIELD_DISTANCE, pb::CONTACT_FIELD_WEIGHTS, pb::CONTACT_FIELD_FLAGS});
   }
 }
 
@@ -124,7 +128,13 @@ bool parse_static(pb::MeshMotion motion, const std::string& field) {
   if (motion == pb::MESH_MOTION_UNSPECIFIED || motion == pb::MESH_MOTION_DEFORMABLE) return false;
   if (motion == pb::MESH_MOTION_STATIC) return true;
   if (motion == pb::MESH_MOTION_RIGID) throw_not_served(field, "MESH_MOTION_RIGID");
-  throw_unknown(field, motion);
+  throw_unknown(field, motion, {pb::MESH_MOTION_DEFORMABLE, pb::MESH_MOTION_STATIC});
+}
+
+uint64_t inline_triangles(const pb::MeshSpec& mesh) { return mesh.triangles().size() / kTriangleBytes; }
+
+uint64_t total_triangles(const pb::MeshSpec& mesh) {
+  return std::max<uint64_t>(mesh.triangle_count(), inline_triangles(mesh));
 }
 
 MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
@@ -139,11 +149,22 @@ MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
   out.groups = mesh.groups() ? mesh.groups() : 1;
   out.collide_mask = mesh.collide_mask() ? mesh.collide_mask() : ~0u;
   out.self_contacts = !mesh.no_self_contacts();
-  parse_triangles(mesh.triangles(), out.vertex_count, path + ".triangles", out.triangles);
-  if (out.triangles.empty() && mesh.triangle_count() == 0)
+  out.triangles.reserve(inline_triangles(mesh));
+  for_each_triangle(mesh.triangles(), out.vertex_count, {path + ".triangles"},
+                    [&](const TriangleCorners& triangle) { out.triangles.push_back(triangle); });
+  if (total_triangles(mesh) == 0)
     throw_invalid(path + ".triangles", "is empty and triangle_count is 0, but a mesh needs a triangle");
+  if (mesh.triangle_count() > 0 && mesh.triangle_count() < out.triangles.size())
+    throw_invalid(
+        path + ".triangle_count",
+        fmt::format("is {}, but {}.triangles already has {}: it is the total, with those that UploadMesh brings",
+                    mesh.triangle_count(), path, out.triangles.size()));
   return out;
 }
+
+struct SceneSize {
+  uint64_t vertices = 0, triangles = 0;
+};
 
 void check_total(const char* what, uint64_t total, uint64_t limit) {
   if (total > limit)
@@ -152,18 +173,42 @@ void check_total(const char* what, uint64_t total, uint64_t limit) {
 }
 
 // Sizes are checked before any array is copied.
-void check_sizes(const pb::SceneSpec& spec, const Limits& limits) {
+SceneSize check_sizes(const pb::SceneSpec& spec, const Limits& limits) {
   if (spec.meshes().empty()) throw_invalid("spec.meshes", "is empty, but a scene needs a mesh");
   if (spec.meshes_size() > kMaxMeshes)
     throw LimitExceeded("spec.meshes", fmt::format("spec.meshes has {} meshes, more than the limit of {}",
                                                    spec.meshes_size(), kMaxMeshes));
-  uint64_t vertices = 0, triangles = 0;
+  SceneSize size;
   for (const auto& mesh : spec.meshes()) {
-    vertices += mesh.vertex_count();
-    triangles += mesh.triangle_count() + mesh.triangles().size() / kTriangleBytes;
+    size.vertices += mesh.vertex_count();
+    size.triangles += total_triangles(mesh);
   }
-  check_total("vertices", vertices, limits.max_vertices);
-  check_total("triangles", triangles, limits.max_triangles);
+  check_total("vertices", size.vertices, limits.max_vertices);
+  check_total("triangles", size.triangles, limits.max_triangles);
+  return size;
+}
+
+// A scene's first frame brings all its positions at once, and a frame is one message.
+void check_first_frame(uint64_t vertices, Scalar scalar, const SceneDefaults& defaults) {
+  const uint64_t bytes = vertices * (scalar == Scalar::kF64 ? 24 : 12), limit = defaults.limits.max_message_bytes;
+  if (defaults.local_socket || bytes < limit) return;
+  throw LimitExceeded(
+      "spec.meshes", fmt::format("spec.meshes has {} vertices, whose positions, {} bytes, come with the first frame in "
+                                 "one message, but max_message_bytes (max-message-mb) is {}, and this daemon has no "
+                                 "local socket",
+                                 vertices, bytes, limit));
+}
+
+// The least that the scene will hold, so that none is begun that can never have a frame.
+uint64_t check_budget(const SceneSpec& engine, const SceneSize& size, bool is_asked) {
+  const uint64_t need = min_scene_bytes(engine, size.vertices, size.triangles);
+  if (need > engine.memory_budget)
+    throw LimitExceeded(
+        "spec.memory_budget_bytes",
+        fmt::format("spec.memory_budget_bytes is {}{}, but the {} vertices and {} triangles of spec.meshes need at "
+                    "least {} bytes",
+                    engine.memory_budget, is_asked ? "" : " (max_scene_bytes)", size.vertices, size.triangles, need));
+  return need;
 }
 
 void parse_meshes(const pb::SceneSpec& spec, ScenePlan& plan) {
@@ -172,7 +217,7 @@ void parse_meshes(const pb::SceneSpec& spec, ScenePlan& plan) {
     const auto& mesh = spec.meshes(i);
     const std::string path = fmt::format("spec.meshes[{}]", i);
     plan.engine.meshes.push_back(parse_mesh(mesh, path));
-    plan.meshes.push_back({mesh.name(), mesh.triangle_count()});
+    plan.meshes.push_back({mesh.name(), total_triangles(mesh), total_triangles(mesh) - inline_triangles(mesh)});
     if (!names.insert(mesh.name()).second)
       throw_invalid(path + ".name", fmt::format("is \"{}\", which an earlier mesh has", mesh.name()));
   }
@@ -187,30 +232,45 @@ uint64_t parse_budget(uint64_t budget, uint64_t limit) {
 
 }  // namespace
 
-void parse_triangles(std::string_view bytes, uint32_t vertex_count, const std::string& path,
-                     Scene::Triangles& triangles) {
+void for_each_triangle(std::string_view bytes, uint32_t vertex_count, const TrianglePath& path,
+                       const std::function<void(const TriangleCorners&)>& take) {
   if (bytes.size() % kTriangleBytes)
-    throw_invalid(path, fmt::format("has {} bytes, which is no multiple of {}", bytes.size(), kTriangleBytes));
-  const size_t first = triangles.size(), count = bytes.size() / kTriangleBytes;
-  if (count == 0) return;
-  triangles.resize(first + count);
-  std::memcpy(triangles.data() + first, bytes.data(), bytes.size());
-  for (size_t i = first; i < triangles.size(); ++i)
-    if (const auto wrong = check_triangle(triangles[i], vertex_count); !wrong.empty())
-      throw_invalid(fmt::format("{}[{}]", path, i), wrong);
+    throw_invalid(path.field, fmt::format("has {} bytes, which is no multiple of {}", bytes.size(), kTriangleBytes));
+  for (size_t i = 0; i < bytes.size() / kTriangleBytes; ++i) {
+    TriangleCorners triangle;
+    std::memcpy(triangle.data(), bytes.data() + i * kTriangleBytes, kTriangleBytes);
+    if (const auto wrong = check_triangle(triangle, vertex_count); !wrong.empty())
+      throw_invalid(fmt::format("{}[{}]", path.field, path.first + i), wrong);
+    take(triangle);
+  }
 }
 
 namespace {
 
+// Hashes what is written, block by block, without a copy of it all.
+class HashOfBytes final : public google::protobuf::io::CopyingOutputStream {
+ public:
+  bool Write(const void* bytes, int size) override {
+    const std::string_view block(static_cast<const char*>(bytes), static_cast<size_t>(size));
+    hash_ = hash_ * 0x9e3779b97f4a7c15u + std::hash<std::string_view>{}(block);
+    return true;
+  }
+  uint64_t hash() const { return hash_; }
+
+ private:
+  uint64_t hash_ = 0;
+};
+
 // Equal requests repeat each other; the lease may differ.
 uint64_t fingerprint(const pb::SceneSpec& spec) {
-  std::string bytes;
-  google::protobuf::io::StringOutputStream stream(&bytes);
-  google::protobuf::io::CodedOutputStream coded(&stream);
-  coded.SetSerializationDeterministic(true);
-  spec.SerializeToCodedStream(&coded);
-  coded.Trim();
-  return std::hash<std::string>{}(bytes);
+  HashOfBytes hash;
+  {
+    google::protobuf::io::CopyingOutputStreamAdaptor blocks(&hash);
+    google::protobuf::io::CodedOutputStream coded(&blocks);
+    coded.SetSerializationDeterministic(true);
+    spec.SerializeToCodedStream(&coded);
+  }
+  return hash.hash();
 }
 
 double parse_lease(double seconds, const Limits& limits) {
@@ -241,7 +301,9 @@ ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   engine.weights = plan.fields.weights;
   engine.memory_budget = parse_budget(spec.memory_budget_bytes(), defaults.limits.max_scene_bytes);
   engine.threads = defaults.threads;
-  check_sizes(spec, defaults.limits);
+  const SceneSize size = check_sizes(spec, defaults.limits);
+  check_first_frame(size.vertices, engine.scalar, defaults);
+  plan.min_bytes = check_budget(engine, size, spec.memory_budget_bytes() > 0);
   parse_meshes(spec, plan);
   engine.backend = parse_backend(spec.backend(), defaults);
   return plan;

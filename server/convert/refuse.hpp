@@ -1,9 +1,12 @@
 #pragma once
 // How the conversions refuse a value: the message begins with the path of its field.
 
+#include <google/protobuf/generated_enum_reflection.h>
 #include <spdlog/fmt/fmt.h>
 
+#include <initializer_list>
 #include <string>
+#include <vector>
 
 #include "gpu/detector.hpp"
 #include "server/errors.hpp"
@@ -18,8 +21,26 @@ namespace collided::server {
   throw Unimplemented(field, fmt::format("{} is {}, which is not served", field, value));
 }
 
-[[noreturn]] inline void throw_unknown(const std::string& field, int value) {
-  throw_invalid(field, fmt::format("is {}, which is no value of its enum that can be used", value));
+/// "A", "A or B", "A, B or C".
+inline std::string list_choices(const std::vector<std::string>& names) {
+  std::string list;
+  for (size_t i = 0; i < names.size(); ++i) list += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
+  return list;
+}
+
+/// A value of an enum that cannot be used, with the names of those that can.
+template <class Enum>
+[[noreturn]] void throw_unknown(const std::string& field, Enum value, const std::vector<Enum>& usable) {
+  const auto* type = google::protobuf::GetEnumDescriptor<Enum>();
+  const auto name_of = [&](Enum each) {
+    const auto* known = type->FindValueByNumber(static_cast<int>(each));
+    return known ? known->name() : std::string();
+  };
+  std::vector<std::string> names;
+  for (const Enum each : usable) names.push_back(name_of(each));
+  const std::string name = name_of(value);
+  throw_invalid(field, fmt::format("is {}, but must be {}",
+                                   name.empty() ? std::to_string(static_cast<int>(value)) : name, list_choices(names)));
 }
 
 }  // namespace collided::server

@@ -28,6 +28,8 @@ class ClientUsage {
   void count_frame(const Client& client);
   /// What the client's scenes may hold, within what all scenes may.
   std::shared_ptr<DeviceBytes> device_bytes(const Client& client);
+  /// Bytes that all scenes hold now.
+  uint64_t held_device_bytes() const { return device_bytes_->held(); }
   size_t streams() const;
   /// For requests from now on.
   void set_limits(const Limits& limits);

@@ -30,26 +30,58 @@ void check_frame_id(uint64_t frame_id, uint64_t last_frame_id) {
                                          frame_id, last_frame_id));
 }
 
+uint64_t triangle_bytes(const SceneSpec& spec) {
+  uint64_t bytes = 0;
+  for (const auto& mesh : spec.meshes) bytes += mesh.triangles.capacity() * sizeof(TriangleCorners);
+  return bytes;
+}
+
+uint64_t topology_bytes(const Topology& topology) {
+  return topology.triangles.capacity() * sizeof(topology.triangles[0]) +
+         topology.edges.capacity() * sizeof(topology.edges[0]);
+}
+
+// The plan, its copies in `pending_` and in the detector, and what is kept of each mesh beside them.
+uint64_t plan_bytes(const ScenePlan& plan) {
+  constexpr uint64_t kOfMesh = sizeof(MeshPlan) + 3 * sizeof(MeshSpec) + 4 * sizeof(uint64_t);
+  uint64_t bytes = plan.meshes.size() * kOfMesh;
+  for (const auto& mesh : plan.meshes) bytes += mesh.name.size();
+  return bytes;
+}
+
+MeshSpec without_triangles(const MeshSpec& mesh) {
+  return {mesh.vertex_count, {}, mesh.is_static, mesh.groups, mesh.collide_mask, mesh.self_contacts};
+}
+
 }  // namespace
 
 Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
     : facts_(std::move(facts)),
       surroundings_(std::move(surroundings)),
+      quota_(DeviceBytes::of_scene(plan.engine.memory_budget, plan.quota)),
+      held_(quota_),
       plan_(std::move(plan)),
-      pending_(plan_.engine),
       worker_(facts_.queue_capacity) {
+  held_.resize(plan_bytes(plan_) + triangle_bytes(plan_.engine));
+  auto meshes = std::move(plan_.engine.meshes);
+  plan_.engine.meshes.clear();
+  pending_ = plan_.engine;
+  pending_.memory_quota = quota_;
+  pending_.meshes = std::move(meshes);
   for (size_t i = 0; i < plan_.meshes.size(); ++i) {
     shown_.vertices += pending_.meshes[i].vertex_count;
-    shown_.triangles += pending_.meshes[i].triangles.size() + plan_.meshes[i].awaited;
+    shown_.triangles += plan_.meshes[i].triangles;
     awaited_.push_back(plan_.meshes[i].awaited);
     uploading_.push_back(false);
-    plan_.engine.meshes[i].triangles = {};
+    plan_.engine.meshes.push_back(without_triangles(pending_.meshes[i]));
   }
 }
 
 SceneSnapshot Scene::snapshot() const {
   std::lock_guard lock(mutex_);
-  return shown_;
+  SceneSnapshot now = shown_;
+  if (!now.ready) now.memory = {{"host", quota_->held()}};  // with what uploads have brought so far
+  return now;
 }
 
 uint64_t Scene::device_bytes() const {
@@ -84,13 +116,28 @@ bool Scene::awaits_triangles() const {
   return std::any_of(awaited_.begin(), awaited_.end(), [](uint64_t n) { return n > 0; });
 }
 
+void Scene::throw_awaits(const std::string& field) const {
+  const auto mesh = static_cast<size_t>(
+      std::find_if(awaited_.begin(), awaited_.end(), [](uint64_t n) { return n > 0; }) - awaited_.begin());
+  if (mesh == awaited_.size())
+    throw FailedPrecondition(field, fmt::format("{}: scene {} has all its triangles and is being made", field, id()));
+  const MeshPlan& plan = plan_.meshes[mesh];
+  const auto others = std::count_if(awaited_.begin(), awaited_.end(), [](uint64_t n) { return n > 0; }) - 1;
+  throw FailedPrecondition(
+      field, fmt::format("{}: scene {} takes no frames yet: mesh {} (\"{}\") awaits {} of its {} triangles{}; bring "
+                         "them with UploadMesh",
+                         field, id(), mesh, plan.name, awaited_[mesh], plan.triangles,
+                         others > 0 ? fmt::format(", and {} more meshes await theirs", others) : ""));
+}
+
 bool Scene::unusable() const {
   std::lock_guard lock(mutex_);
   return !shown_.ready && !awaits_triangles();
 }
 
 void Scene::check_open() const {
-  if (closed_) throw NotFound("scene_id", fmt::format("scene {} was deleted", id()));
+  if (!closed_) return;
+  throw NotFound("scene_id", fmt::format("scene {} {}", id(), end_.text(std::chrono::steady_clock::now())));
 }
 
 void Scene::check_token(const std::string& token, bool has_stream) const {
@@ -105,8 +152,7 @@ std::shared_ptr<FrameSession> Scene::begin_stream(const std::shared_ptr<FrameSes
                                                   const std::string& token) {
   const std::lock_guard lock(mutex_);
   check_open();
-  if (!shown_.ready)
-    throw FailedPrecondition("open.scene_id", fmt::format("open.scene_id: scene {} still awaits triangles", id()));
+  if (!shown_.ready) throw_awaits("open.scene_id");
   check_token(token, stream_ != nullptr);
   return std::exchange(stream_, session);
 }
@@ -122,13 +168,15 @@ std::shared_ptr<FrameSession> Scene::stream() const {
   return stream_;
 }
 
-void Scene::close() {
+void Scene::close(const SceneEnd& end) {
   {
     const std::lock_guard lock(mutex_);
+    if (closed_) return;
+    end_ = end;  // read without the lock once it is closed
     closed_ = true;
   }
   if (const auto open = stream())
-    open->end(std::make_exception_ptr(NotFound("scene_id", fmt::format("scene {} was deleted", id()))));
+    open->end(std::make_exception_ptr(NotFound("scene_id", fmt::format("scene {} {}", id(), end.text(end.when)))));
 }
 
 std::shared_ptr<FrameSlot> Scene::take_slot() {
@@ -137,10 +185,10 @@ std::shared_ptr<FrameSlot> Scene::take_slot() {
     const std::lock_guard lock(mutex_);
     slots = slots_;
   }
-  auto slot = slots ? slots->take() : nullptr;
-  if (!slot) check_open();
-  if (!slot) throw FailedPrecondition("scene_id", fmt::format("scene_id: scene {} still awaits triangles", id()));
-  return slot;
+  if (auto slot = slots ? slots->take() : nullptr) return slot;
+  check_open();
+  const std::lock_guard lock(mutex_);
+  throw_awaits("scene_id");
 }
 
 uint64_t Scene::most_position_bytes() const {
@@ -174,12 +222,23 @@ void Scene::release() {
   }
   if (slots) slots->close();
   detector_.reset();
+  pending_ = {};
+  held_.resize(0);
   malloc_trim(0);  // by itself the allocator keeps it, for each of its arenas
 }
 
 void Scene::build_if_complete() {
   check_open();
   if (awaits_triangles()) return;  // this thread alone writes what it reads
+  make_detector();
+  {
+    const std::lock_guard lock(mutex_);
+    slots_ = std::make_shared<SlotPool>(detector_);
+  }
+  publish();
+}
+
+void Scene::make_detector() {
   try {
     detector_ = Detector::create(std::move(pending_));
   } catch (const InvalidInput& e) {
@@ -189,14 +248,10 @@ void Scene::build_if_complete() {
     throw;
   }
   pending_ = {};
-  {
-    const std::lock_guard lock(mutex_);
-    slots_ = std::make_shared<SlotPool>(detector_);
-  }
-  publish();
+  held_.resize(plan_bytes(plan_) + topology_bytes(detector_->topology()));
 }
 
-void Scene::add_triangles(uint32_t mesh, const Triangles& triangles) {
+void Scene::add_triangles(uint32_t mesh, ReceivedTriangles& triangles) {
   check_open();
   const uint64_t wanted = awaited(mesh);
   if (wanted == 0)
@@ -205,8 +260,7 @@ void Scene::add_triangles(uint32_t mesh, const Triangles& triangles) {
   if (triangles.size() != wanted)
     throw InvalidInput("triangles", fmt::format("triangles is incomplete: the upload ended after {} of {} triangles",
                                                 triangles.size(), wanted));
-  auto& all = pending_.meshes[mesh].triangles;
-  all.insert(all.end(), triangles.begin(), triangles.end());  // may throw, so the mesh counts as complete only after
+  triangles.move_to(pending_.meshes[mesh].triangles, held_);  // may throw, so the mesh is complete only after it
   {
     std::lock_guard lock(mutex_);
     awaited_[mesh] = 0;
@@ -216,7 +270,7 @@ void Scene::add_triangles(uint32_t mesh, const Triangles& triangles) {
 
 FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame) {
   check_open();
-  if (!detector_) throw FailedPrecondition("scene_id", fmt::format("scene_id: scene {} still awaits triangles", id()));
+  if (!detector_) throw_awaits("scene_id");    // this thread alone writes what it reads
   const uint64_t last = shown_.last_frame_id;  // written by this thread only
   check_frame_id(frame_id, last);
   FrameResult result;
@@ -238,6 +292,7 @@ FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame) {
 
 void Scene::publish() {
   auto memory = detector_->memory();
+  memory.push_back({"host", held_.bytes()});
   const auto& topology = detector_->topology();
   auto device = detector_->device().name;
   std::lock_guard lock(mutex_);

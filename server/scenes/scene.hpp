@@ -12,10 +12,13 @@
 
 #include "gpu/detector.hpp"
 #include "server/auth/client.hpp"
+#include "server/scenes/device_bytes.hpp"
+#include "server/scenes/ended_scenes.hpp"
 #include "server/scenes/frame_run.hpp"
 #include "server/scenes/scene_plan.hpp"
 #include "server/scenes/scene_worker.hpp"
 #include "server/scenes/slot_pool.hpp"
+#include "server/scenes/upload.hpp"
 
 namespace collided::server {
 
@@ -43,8 +46,7 @@ struct SceneFacts {
 
 class Scene {
  public:
-  using Triangles = std::vector<std::array<uint32_t, 3>>;
-
+  /// Throws LimitExceeded if its triangles and meshes alone are too much.
   Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings);
 
   const std::string& id() const { return facts_.id; }
@@ -57,6 +59,8 @@ class Scene {
   SceneSnapshot snapshot() const;
   /// Of the snapshot's memory, without a copy of it.
   uint64_t device_bytes() const;
+  /// What everything that the scene holds counts in, within its budget and its client's limits.
+  const std::shared_ptr<DeviceBytes>& quota() const { return quota_; }
   /// Triangles of a mesh that are still to come.
   uint64_t awaited(uint32_t mesh) const;
   /// Keeps a mesh for one upload, so that open uploads hold no more than the scene awaits. Throws FailedPrecondition.
@@ -74,7 +78,7 @@ class Scene {
   /// Throws NotFound once it is closed.
   void check_open() const;
   /// Frames and uploads that come after this are answered with NotFound, and its stream ends.
-  void close();
+  void close(const SceneEnd& end);
 
   /// A slot for one frame, of those that are free, or a new one; it comes back by itself. From any thread. Throws
   /// NotFound once the scene is deleted.
@@ -94,7 +98,7 @@ class Scene {
   /// Makes the detector if no triangles are awaited.
   void build_if_complete();
   /// Adds all triangles that a mesh awaits, and makes the detector with the last ones.
-  void add_triangles(uint32_t mesh, const Triangles& triangles);
+  void add_triangles(uint32_t mesh, ReceivedTriangles& triangles);
   /// Checks and applies a frame; a throw leaves the scene as it was.
   FrameResult apply(uint64_t frame_id, const FrameInput& frame);
   const Topology& topology() const { return detector_->topology(); }
@@ -106,12 +110,16 @@ class Scene {
 
   void check_token(const std::string& token, bool has_stream) const;
   bool awaits_triangles() const;
+  [[noreturn]] void throw_awaits(const std::string& field) const;
+  void make_detector();
   void publish();
   void begin_use();
   void end_use();
 
   const SceneFacts facts_;
   const SceneSurroundings surroundings_;
+  const std::shared_ptr<DeviceBytes> quota_;
+  MemoryHold held_;  // for the plan, triangles and topology; the worker's own, once the scene is made
   ScenePlan plan_;
   SceneSpec pending_;  // the spec with its triangles, until the detector takes it
   std::shared_ptr<Detector> detector_;
@@ -119,6 +127,7 @@ class Scene {
   std::atomic<bool> closed_ = false;
   mutable std::mutex mutex_;  // guards what follows
   SceneSnapshot shown_;
+  SceneEnd end_;  // of a scene that is closed
   std::vector<uint64_t> awaited_;
   std::vector<bool> uploading_;
   std::shared_ptr<FrameSession> stream_;

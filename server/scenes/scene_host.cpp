@@ -3,6 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -12,6 +13,7 @@ namespace collided::server {
 namespace {
 
 constexpr auto kWatchPeriod = std::chrono::milliseconds(250);
+constexpr double kMaxUploadSilence = 10;  // seconds; max_idle_seconds if that is less
 
 // On a GPU the host's part of one frame goes on beside the device's part of another; on CPU cores two keep all busy
 // while one of them is in a part that does not spread over cores.
@@ -55,7 +57,8 @@ void SceneHost::set_limits(const Limits& limits) {
 
 SceneStore::Added SceneHost::add_scene(const Client& owner, SceneRequest request) {
   check_serving();
-  request.plan.engine.memory_quota = usage_.device_bytes(owner);
+  request.plan.quota = usage_.device_bytes(owner);
+  request.plan.quota->check_could_hold(request.plan.min_bytes, "the vertices and triangles of spec.meshes");
   return scenes_.add(owner, std::move(request));
 }
 
@@ -77,9 +80,9 @@ void SceneHost::end_streams() const {
 HostTotals SceneHost::totals() const {
   HostTotals totals;
   totals.streams = usage_.streams();
+  totals.device_bytes = usage_.held_device_bytes();
   for (const auto& scene : scenes_.all()) {
     ++totals.scenes;
-    totals.device_bytes += scene->device_bytes();
     if (const auto stream = scene->stream()) totals.waiting_frames += stream->waiting();
   }
   return totals;
@@ -92,8 +95,14 @@ void SceneHost::watch() {
     for (const auto& scene : scenes_.remove_expired(std::chrono::steady_clock::now()))
       scene->observer().expired(*scene);
     end_idle_streams();
+    end_stale_uploads();
     lock.lock();
   }
+}
+
+void SceneHost::end_stale_uploads() {
+  const std::chrono::duration<double> most(std::min(kMaxUploadSilence, limits().max_idle_seconds));
+  uploads_.end_stale(Upload::Clock::now(), most);
 }
 
 void SceneHost::end_idle_streams() const {

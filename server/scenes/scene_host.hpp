@@ -31,6 +31,9 @@ class SceneHost {
   /// Within the limits of its owner. Throws Stopping, LimitExceeded, AlreadyExists.
   SceneStore::Added add_scene(const Client& owner, SceneRequest request);
   ClientUsage& usage() { return usage_; }
+  OpenUploads& uploads() { return uploads_; }
+  /// Ends uploads that are silent for too long, and those whose scenes are gone.
+  void end_stale_uploads();
   Limits limits() const;
   /// For requests from now on; scenes and streams that are there stay.
   void set_limits(const Limits& limits);
@@ -54,6 +57,7 @@ class SceneHost {
   std::atomic<bool> stopping_ = false;
   Turns turns_;
   ClientUsage usage_;
+  OpenUploads uploads_;
   SceneStore scenes_;
   std::thread watch_;
 };

@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "gpu/detector.hpp"
+#include "server/scenes/device_bytes.hpp"
 
 namespace collided::server {
 
@@ -21,7 +23,8 @@ struct OutputFields {
 
 struct MeshPlan {
   std::string name;
-  uint64_t awaited = 0;  ///< triangles that uploads will bring
+  uint64_t triangles = 0;  ///< of the whole mesh
+  uint64_t awaited = 0;    ///< those of them that an upload will bring
 };
 
 /// A checked request for a scene.
@@ -30,6 +33,8 @@ struct ScenePlan {
   OutputFields fields;
   std::vector<MeshPlan> meshes;
   SceneSpec engine;
+  uint64_t min_bytes = 0;                ///< that the scene holds at the least once it has had a frame
+  std::shared_ptr<DeviceBytes> quota{};  ///< of its client, beside the scene's own budget; may be null
 };
 
 }  // namespace collided::server

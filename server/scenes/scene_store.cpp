@@ -20,10 +20,6 @@ std::string random_id() {
   return id;
 }
 
-[[noreturn]] void throw_not_found(const std::string& id) {
-  throw NotFound("scene_id", fmt::format("scene_id is \"{}\", which is no scene here", shorten(id, 64)));
-}
-
 }  // namespace
 
 SceneStore::Added SceneStore::add(const Client& owner, SceneRequest request) {
@@ -71,8 +67,14 @@ void SceneStore::check_room_locked(const Client& owner) const {
 
 SceneStore::Scenes::const_iterator SceneStore::find_locked(const Client& owner, const std::string& id) const {
   const auto found = scenes_.find(id);
-  if (found == scenes_.end() || found->second->facts().owner->name != owner->name) throw_not_found(id);
+  if (found == scenes_.end() || found->second->facts().owner->name != owner->name) throw_not_found_locked(owner, id);
   return found;
+}
+
+void SceneStore::throw_not_found_locked(const Client& owner, const std::string& id) const {
+  const SceneEnd* end = ended_.find(owner->name, id);
+  const std::string why = end ? end->text(std::chrono::steady_clock::now()) : "is no scene here";
+  throw NotFound("scene_id", fmt::format("scene_id is \"{}\", which {}", shorten(id, 64), why));
 }
 
 SceneUse SceneStore::find(const Client& owner, const std::string& id) const {
@@ -80,20 +82,22 @@ SceneUse SceneStore::find(const Client& owner, const std::string& id) const {
   return SceneUse(find_locked(owner, id)->second);
 }
 
-std::shared_ptr<Scene> SceneStore::take_out_locked(Scenes::const_iterator found) {
+std::shared_ptr<Scene> SceneStore::take_out_locked(Scenes::const_iterator found, const SceneEnd& end) {
   auto scene = found->second;
+  ended_.add(scene->facts().owner->name, scene->id(), end);
   scenes_.erase(found);
   requests_.erase({scene->facts().owner->name, scene->facts().request_id});
   return scene;
 }
 
 std::shared_ptr<Scene> SceneStore::remove(const Client& owner, const std::string& id) {
+  const SceneEnd end{.when = std::chrono::steady_clock::now()};
   std::shared_ptr<Scene> scene;
   {
     const std::lock_guard lock(mutex_);
-    scene = take_out_locked(find_locked(owner, id));
+    scene = take_out_locked(find_locked(owner, id), end);
   }
-  scene->close();
+  scene->close(end);
   return scene;
 }
 
@@ -114,14 +118,16 @@ std::vector<std::shared_ptr<Scene>> SceneStore::all() const {
 }
 
 std::vector<std::shared_ptr<Scene>> SceneStore::remove_expired(std::chrono::steady_clock::time_point now) {
+  const auto end_of = [&](const Scene& scene) { return SceneEnd{true, scene.facts().lease_seconds, now}; };
   std::vector<std::shared_ptr<Scene>> expired;
   {
     const std::lock_guard lock(mutex_);
     for (auto it = scenes_.cbegin(); it != scenes_.cend();)
-      if (const auto here = it++; here->second->is_expired(now)) expired.push_back(take_out_locked(here));
+      if (const auto here = it++; here->second->is_expired(now))
+        expired.push_back(take_out_locked(here, end_of(*here->second)));
   }
   for (const auto& scene : expired) {
-    scene->close();
+    scene->close(end_of(*scene));
     scene->worker().post([scene] { scene->release(); });
   }
   return expired;
@@ -145,7 +151,7 @@ void SceneStore::clear() {
     scenes.swap(scenes_);
     requests_.clear();
   }
-  for (auto& [id, scene] : scenes) scene->close();
+  for (auto& [id, scene] : scenes) scene->close({.when = std::chrono::steady_clock::now()});
   for (auto& [id, scene] : scenes) scene->worker().flush();
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/scenes/ended_scenes.hpp"
 #include "server/scenes/scene.hpp"
 
 namespace collided::server {
@@ -33,7 +34,7 @@ class SceneStore {
   };
   /// Throws LimitExceeded, AlreadyExists.
   Added add(const Client& owner, SceneRequest request);
-  /// Throws NotFound, also for a scene of another client.
+  /// Throws NotFound, also for a scene of another client; one's own that ended lately is told how it did.
   SceneUse find(const Client& owner, const std::string& id) const;
   /// Takes a scene out and closes it; frames in its queue are answered with NotFound. Throws NotFound.
   std::shared_ptr<Scene> remove(const Client& owner, const std::string& id);
@@ -56,7 +57,8 @@ class SceneStore {
   SceneUse repeated_locked(const Client& owner, const SceneRequest& request) const;
   void check_room_locked(const Client& owner) const;
   Scenes::const_iterator find_locked(const Client& owner, const std::string& id) const;
-  std::shared_ptr<Scene> take_out_locked(Scenes::const_iterator found);
+  [[noreturn]] void throw_not_found_locked(const Client& owner, const std::string& id) const;
+  std::shared_ptr<Scene> take_out_locked(Scenes::const_iterator found, const SceneEnd& end);
 
   const SceneSurroundings surroundings_;
   mutable std::mutex mutex_;  // guards what follows
@@ -64,6 +66,7 @@ class SceneStore {
   size_t queue_capacity_;
   Scenes scenes_;
   std::map<RequestKey, std::shared_ptr<Scene>> requests_;
+  EndedScenes ended_;
 };
 
 }  // namespace collided::server

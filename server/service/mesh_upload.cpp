@@ -1,43 +1,61 @@
 // One UploadMesh call.
 #include "server/service/mesh_upload.hpp"
 
+#include <utility>
+
 #include "server/errors.hpp"
 #include "server/service/status.hpp"
 
 namespace collided::server {
 
+MeshUpload::MeshUpload(const grpc::CallbackServerContext& context, SceneHost& host, const Authenticator& authenticator,
+                       pb::UploadMeshResponse* response, std::shared_ptr<void> held)
+    : context_(context),
+      host_(host),
+      response_(response),
+      held_(std::move(held)),
+      upload_(std::make_shared<Upload>([this](const std::exception_ptr& why) { Finish(to_status(describe(why))); },
+                                       Upload::Clock::now())) {
+  try {
+    caller_ = identify(context, authenticator);
+    host.uploads().add(upload_);
+    read();
+  } catch (...) {
+    finish(to_status(describe_current()));
+  }
+}
+
+void MeshUpload::read() {
+  upload_->wait([this] { StartRead(&request_); });
+}
+
 void MeshUpload::OnReadDone(bool ok) try {
+  if (!upload_->receive(Upload::Clock::now())) return;
   if (!ok) return commit();
-  if (!scene_) begin();
+  if (!upload_->scene()) begin();
   take();
-  StartRead(&request_);
+  request_ = {};  // its memory, too: a call may wait for long
+  read();
 } catch (...) {
   finish(to_status(describe_current()));
 }
 
 void MeshUpload::begin() {
-  caller_ = identify(context_, authenticator_);
-  auto scene = host_.scenes().find(caller_.client, request_.scene_id());
-  mesh_ = request_.mesh();
-  const auto& meshes = scene->plan().meshes;
-  if (mesh_ >= meshes.size())
-    throw InvalidInput("mesh", fmt::format("mesh is {}, but the scene has {} meshes", mesh_, meshes.size()));
-  scene->begin_upload(mesh_);
-  scene_ = std::move(scene);
+  auto place = host_.usage().begin_stream(caller_.client);
+  upload_->begin(host_.scenes().find(caller_.client, request_.scene_id()), request_.mesh(), std::move(place));
 }
 
-// The mesh is free again before the client knows the outcome, and may try anew.
 void MeshUpload::finish(const grpc::Status& status) {
-  if (scene_) scene_->end_upload(mesh_);
-  Finish(status);
+  if (upload_->end()) Finish(status);
 }
 
 void MeshUpload::take() {
-  parse_triangles(request_.triangles(), scene_->plan().engine.meshes[mesh_].vertex_count, "triangles", triangles_);
-  const uint64_t awaited = scene_->awaited(mesh_);
-  if (triangles_.size() > awaited)
-    throw InvalidInput("triangles",
-                       fmt::format("triangles brings {} or more, but the mesh awaits {}", triangles_.size(), awaited));
+  const uint32_t vertices = upload_->scene()->plan().engine.meshes[upload_->mesh()].vertex_count;
+  ReceivedTriangles& triangles = upload_->triangles();
+  const std::string& bytes = request_.triangles();
+  upload_->expect(bytes.size() / sizeof(TriangleCorners));
+  for_each_triangle(bytes, vertices, {"triangles", triangles.size()},
+                    [&](const TriangleCorners& triangle) { triangles.push(triangle); });
 }
 
 // A call that was cancelled ends its reads just as one that is complete.
@@ -47,29 +65,23 @@ void MeshUpload::check_cancelled() const {
 
 // Its triangles are spent, so no other upload could make it ready.
 void MeshUpload::delete_if_unusable() {
-  if (!scene_->unusable()) return;
+  const Scene& scene = *upload_->scene();
+  if (!scene.unusable()) return;
   try {
-    host_.scenes().remove(scene_->facts().owner, scene_->id());
+    const auto removed = host_.scenes().remove(scene.facts().owner, scene.id());
+    removed->release();
     log_event(spdlog::level::info, "scene deleted: its meshes make no scene",
-              {{"scene", scene_->id()}, {"request", caller_.ids.request_id}, {"trace", caller_.ids.trace_id}});
+              {{"scene", scene.id()}, {"request", caller_.ids.request_id}, {"trace", caller_.ids.trace_id}});
   } catch (const NotFound&) {  // a client was faster
   }
 }
 
 void MeshUpload::commit() {
   check_cancelled();
-  if (!scene_) throw InvalidInput("scene_id", "scene_id is missing: the upload had no chunk");
-  scene_->worker().post([this] {
+  if (!upload_->scene()) throw InvalidInput("scene_id", "scene_id is missing: the upload had no chunk");
+  upload_->scene()->worker().post([this] {
     try {
-      check_cancelled();
-      scene_->add_triangles(mesh_, triangles_);
-      fill_scene(*scene_, response_->mutable_scene());
-      log_event(spdlog::level::info, "mesh uploaded",
-                {{"scene", scene_->id()},
-                 {"mesh", mesh_},
-                 {"triangles", triangles_.size()},
-                 {"request", caller_.ids.request_id},
-                 {"trace", caller_.ids.trace_id}});
+      add_to_scene();
       finish(grpc::Status::OK);
     } catch (...) {
       const Failure failure = describe_current();
@@ -77,6 +89,20 @@ void MeshUpload::commit() {
       finish(to_status(failure));
     }
   });
+}
+
+void MeshUpload::add_to_scene() {
+  check_cancelled();
+  Scene& scene = *upload_->scene();
+  const uint64_t count = upload_->triangles().size();
+  scene.add_triangles(upload_->mesh(), upload_->triangles());
+  fill_scene(scene, response_->mutable_scene());
+  log_event(spdlog::level::info, "mesh uploaded",
+            {{"scene", scene.id()},
+             {"mesh", upload_->mesh()},
+             {"triangles", count},
+             {"request", caller_.ids.request_id},
+             {"trace", caller_.ids.trace_id}});
 }
 
 }  // namespace collided::server

@@ -49,7 +49,7 @@ grpc::ServerUnaryReactor* CollisionService::answer(Context* context, const Body&
 }
 
 SceneDefaults CollisionService::defaults() const {
-  return {config_.backend, config_.threads, host_.limits(), has_cuda_};
+  return {config_.backend, config_.threads, host_.limits(), has_cuda_, !config_.local_socket.empty()};
 }
 
 grpc::ServerUnaryReactor* CollisionService::GetServerInfo(Context* context, const pb::GetServerInfoRequest*,
@@ -91,7 +91,7 @@ void CollisionService::build(const SceneUse& scene, const Caller& caller, pb::Cr
     } catch (const NotFound&) {
       throw;
     } catch (...) {
-      host_.scenes().remove(caller.client, scene->id());
+      host_.scenes().remove(caller.client, scene->id())->release();
       throw;
     }
     fill_scene(*scene, response->mutable_scene());
@@ -142,6 +142,7 @@ grpc::ServerUnaryReactor* CollisionService::DeleteScene(Context* context, const 
   guard(reactor, [&] {
     const Caller caller = identify(*context, authenticator_);
     auto scene = host_.scenes().remove(caller.client, request->scene_id());
+    host_.end_stale_uploads();
     scene->worker().post([scene, caller, reactor, held = calls_] {
       scene->release();
       log_event(spdlog::level::info, "scene deleted",

@@ -66,6 +66,8 @@ Failure describe(const std::exception_ptr& error) try { std::rethrow_exception(e
   return of_field(StatusCode::PERMISSION_DENIED, e);
 } catch (const TakenOver& e) {
   return of_field(StatusCode::ABORTED, e);
+} catch (const TimedOut& e) {
+  return of_field(StatusCode::DEADLINE_EXCEEDED, e);
 } catch (const Unimplemented& e) {
   return of_field(StatusCode::UNIMPLEMENTED, e);
 } catch (const LimitExceeded& e) {

@@ -25,7 +25,7 @@ Delivery parse_delivery(pb::DeliveryPolicy delivery) {
     case pb::DELIVERY_POLICY_LATEST_WINS:
       return Delivery::kLatestWins;
     default:
-      throw_unknown("open.delivery", delivery);
+      throw_unknown("open.delivery", delivery, {pb::DELIVERY_POLICY_LOSSLESS, pb::DELIVERY_POLICY_LATEST_WINS});
   }
 }
 

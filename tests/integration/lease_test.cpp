@@ -28,7 +28,7 @@ TEST_F(Lease, ASceneThatNobodyUsesIsDeletedWithItsMemory) {
   const auto scene = made_scene(*stub_, tip_request());
   EXPECT_EQ(scene.lease_seconds(), 1);  // the daemon's
   EXPECT_TRUE(probe_.scenes_become(0));
-  EXPECT_EQ(probe_.device_bytes(), 0);
+  EXPECT_TRUE(probe_.becomes("collided_device_bytes", 0));
   EXPECT_EQ(get_scene(*stub_, scene.scene_id()).error_code(), grpc::NOT_FOUND);
   EXPECT_EQ(Stream(*stub_, scene.scene_id(), 0, scene.resume_token()).finish().error_code(), grpc::NOT_FOUND);
 }

@@ -28,7 +28,7 @@ class Peers : public testing::Test {
   void expect_all_released() {
     EXPECT_TRUE(probe_.streams_become(0));
     EXPECT_TRUE(probe_.scenes_become(0));
-    EXPECT_EQ(probe_.device_bytes(), 0);
+    EXPECT_TRUE(probe_.becomes("collided_device_bytes", 0));
     EXPECT_EQ(probe_.metric("collided_outgoing_bytes"), 0);
   }
 
@@ -70,7 +70,7 @@ TEST(UnixPeers, AClientThatStopsIsLeft) {
   client.signal(SIGSTOP);
   EXPECT_TRUE(probe.streams_become(0));
   EXPECT_TRUE(probe.scenes_become(0));
-  EXPECT_EQ(probe.device_bytes(), 0);
+  EXPECT_TRUE(probe.becomes("collided_device_bytes", 0));
   EXPECT_LE(probe.metric("collided_outgoing_bytes"), kOneMessage);
   client.signal(SIGKILL);
   EXPECT_TRUE(probe.becomes("collided_outgoing_bytes", 0));

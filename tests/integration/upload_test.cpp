@@ -1,4 +1,6 @@
 // Uploads of triangles that end early, bring too little, or bring what makes no scene.
+#include "tests/integration/upload.hpp"
+
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -12,33 +14,6 @@ namespace {
 
 constexpr auto kPause = std::chrono::milliseconds(100);  // for a message to arrive
 
-/// An UploadMesh call to mesh 0.
-class Upload {
- public:
-  Upload(Stub& stub, const std::string& scene_id, const std::vector<uint32_t>& triangles) {
-    set_deadline(context_);
-    call_ = stub.UploadMesh(&context_, &response_);
-    pb::UploadMeshRequest chunk;
-    chunk.set_scene_id(scene_id);
-    chunk.set_triangles(pack(triangles));
-    call_->Write(chunk);
-  }
-
-  grpc::Status finish() {
-    call_->WritesDone();
-    return call_->Finish();
-  }
-  grpc::Status cancel() {
-    context_.TryCancel();
-    return call_->Finish();
-  }
-
- private:
-  grpc::ClientContext context_;
-  pb::UploadMeshResponse response_;
-  std::unique_ptr<grpc::ClientWriter<pb::UploadMeshRequest>> call_;
-};
-
 class Uploads : public testing::Test {
  protected:
   // The floor has two triangles, which an upload brings.
@@ -49,6 +24,15 @@ class Uploads : public testing::Test {
     floor->set_vertex_count(6);
     floor->set_triangle_count(2);
     return request;
+  }
+
+  // The budget that CreateScene names as the least; making the scene takes a little more.
+  uint64_t least_budget(pb::CreateSceneRequest request) {
+    request.mutable_spec()->set_memory_budget_bytes(1);
+    const std::string why = create_scene(*stub_, request).error_message(), before = "at least ";
+    const auto at = why.find(before);
+    EXPECT_NE(at, std::string::npos) << why;
+    return at == std::string::npos ? 1 : std::stoull(why.substr(at + before.size()));
   }
 
   pb::SceneState state(const std::string& id) {
@@ -109,7 +93,7 @@ TEST_F(Uploads, ABadTriangleIsRefusedBeforeItCounts) {
 
 TEST_F(Uploads, ASceneThatCannotBeMadeIsDeleted) {
   auto request = awaiting_request();
-  request.mutable_spec()->set_memory_budget_bytes(100);
+  request.mutable_spec()->set_memory_budget_bytes(least_budget(request));
   const auto id = make_scene(*stub_, request);
   const auto status = Upload(*stub_, id, all_).finish();
   EXPECT_EQ(status.error_code(), grpc::RESOURCE_EXHAUSTED);

@@ -42,7 +42,7 @@ TEST(ConvertScene, FillsDefaults) {
   EXPECT_TRUE(!plan.engine.triangle_triangle && !plan.engine.weights);
   EXPECT_EQ(plan.engine.memory_budget, Limits().max_scene_bytes);
   ASSERT_EQ(plan.engine.meshes.size(), 1u);
-  EXPECT_EQ(plan.engine.meshes[0].triangles, (Scene::Triangles{{0, 1, 2}, {0, 2, 3}}));
+  EXPECT_EQ(plan.engine.meshes[0].triangles, (std::vector<TriangleCorners>{{0, 1, 2}, {0, 2, 3}}));
   EXPECT_EQ(plan.engine.meshes[0].collide_mask, ~0u);
   EXPECT_EQ(plan.fields.contact_bytes(), 8u + 16 + 8 + 8 + 1);
 }
@@ -82,7 +82,12 @@ TEST(ConvertScene, AnUnknownEngineIsRefusedWithItsValueAndTheLimit) {
       ADD_FAILURE() << "accepted: " << value;
     } catch (const InvalidInput& e) {
       EXPECT_EQ(e.field(), "spec.broad_phase_engine");
-      EXPECT_EQ(e.what(), "spec.broad_phase_engine is " + std::to_string(value) + ", but must be from 0 to 6");
+      EXPECT_EQ(e.what(), "spec.broad_phase_engine is " + std::to_string(value) +
+                              ", but must be BROAD_PHASE_ENGINE_OCTREE, BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE, "
+                              "BROAD_PHASE_ENGINE_BOTTOM_UP_OCTREE, "
+                              "BROAD_PHASE_ENGINE_UNIFORM_GRID, "
+                              "BROAD_PHASE_ENGINE_TWO_LEVEL_GRID or "
+                              "BROAD_PHASE_ENGINE_LBVH");
     }
   }
 }
@@ -111,6 +116,79 @@ TEST(ConvertScene, TheFingerprintIsThatOfTheSpec) {
   EXPECT_NE(parse_scene(request_with([](pb::SceneSpec& s) { s.set_delta(1e-6); }), {}).fingerprint, first);
   const auto other = request_with([](pb::SceneSpec& s) { s.mutable_meshes(0)->set_triangles(triangle({0, 2, 1})); });
   EXPECT_NE(parse_scene(other, {}).fingerprint, first);
+}
+
+std::string refusal_of(const pb::CreateSceneRequest& request, const SceneDefaults& defaults = {}) {
+  try {
+    parse_scene(request, defaults);
+  } catch (const InvalidInput& e) {
+    return e.what();
+  } catch (const LimitExceeded& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+TEST(ConvertScene, TriangleCountIsTheWholeMesh) {
+  const auto plan_with = [](uint32_t count) {
+    return parse_scene(request_with([&](pb::SceneSpec& s) { s.mutable_meshes(0)->set_triangle_count(count); }), {})
+        .plan;
+  };
+  for (const uint32_t all : {0u, 2u}) {
+    EXPECT_EQ(plan_with(all).meshes[0].triangles, 2u);
+    EXPECT_EQ(plan_with(all).meshes[0].awaited, 0u);
+  }
+  EXPECT_EQ(plan_with(5).meshes[0].triangles, 5u);
+  EXPECT_EQ(plan_with(5).meshes[0].awaited, 3u);
+  EXPECT_EQ(
+      refusal_of(request_with([](pb::SceneSpec& s) { s.mutable_meshes(0)->set_triangle_count(1); })),
+      "spec.meshes[0].triangle_count is 1, but spec.meshes[0].triangles already has 2: it is the total, with those "
+      "that UploadMesh brings");
+}
+
+TEST(ConvertScene, ARefusedEnumNamesWhatCanBeUsed) {
+  EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) { s.clear_mode(); })),
+            "spec.mode is DETECTION_MODE_UNSPECIFIED, but must be DETECTION_MODE_DCD or DETECTION_MODE_CCD");
+  EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) { s.set_mode(static_cast<pb::DetectionMode>(77)); })),
+            "spec.mode is 77, but must be DETECTION_MODE_DCD or DETECTION_MODE_CCD");
+  EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) { s.set_report(static_cast<pb::Report>(-1)); })),
+            "spec.report is -1, but must be REPORT_ALL, REPORT_EARLIEST_ONLY or REPORT_ANY_HIT");
+  EXPECT_EQ(refusal_of(request_with(
+                [](pb::SceneSpec& s) { s.mutable_meshes(0)->set_motion(static_cast<pb::MeshMotion>(9)); })),
+            "spec.meshes[0].motion is 9, but must be MESH_MOTION_DEFORMABLE or MESH_MOTION_STATIC");
+}
+
+TEST(ConvertScene, WhatCanNeverFitIsRefusedWithNeedAndBudget) {
+  SceneDefaults defaults;
+  defaults.limits.max_scene_bytes = 1 << 20;
+  const auto many = request_with([](pb::SceneSpec& s) { s.mutable_meshes(0)->set_triangle_count(100'000); });
+  const auto why = refusal_of(many, defaults);
+  const uint64_t need = min_scene_bytes(parse_scene(request(), {}).plan.engine, 4, 100'000);
+  EXPECT_EQ(why,
+            "spec.memory_budget_bytes is 1048576 (max_scene_bytes), but the 4 vertices and 100000 triangles of "
+            "spec.meshes need at least " +
+                std::to_string(need) + " bytes");
+  std::string bytes;
+  for (int i = 0; i < 100'000; ++i) bytes += triangle({0, 1, 2});
+  EXPECT_EQ(refusal_of(request_with([&](pb::SceneSpec& s) { s.mutable_meshes(0)->set_triangles(bytes); }), defaults),
+            why);
+  defaults.limits.max_scene_bytes = need;
+  EXPECT_EQ(parse_scene(many, defaults).plan.min_bytes, need);
+}
+
+// 64 MiB of positions leave no room for the rest of the frame.
+TEST(ConvertScene, AFirstFrameMustFitAMessageUnlessThereIsALocalSocket) {
+  SceneDefaults defaults;
+  defaults.limits.max_message_bytes = 12'000;
+  const auto with_vertices = [](uint32_t count) {
+    return request_with([&](pb::SceneSpec& s) { s.mutable_meshes(0)->set_vertex_count(count); });
+  };
+  EXPECT_EQ(refusal_of(with_vertices(999), defaults), "accepted");
+  const auto why = refusal_of(with_vertices(1000), defaults);
+  EXPECT_TRUE(why.starts_with("spec.meshes has 1000 vertices, whose positions, 12000 bytes,")) << why;
+  EXPECT_NE(why.find("max-message-mb) is 12000"), std::string::npos) << why;
+  defaults.local_socket = true;
+  EXPECT_EQ(refusal_of(with_vertices(1000), defaults), "accepted");
 }
 
 // Between two frames triangles have no verdict, only boxes that overlap.

@@ -104,17 +104,43 @@ TEST(ClientUsage, DeviceBytesAreTheClientsAndTheDaemons) {
   const auto past_own = refusal([&] { ann->take(1); });
   ASSERT_TRUE(past_own);
   EXPECT_EQ(past_own->subject(), "client:ann");
-  EXPECT_STREQ(past_own->what(), "max_device_bytes_per_client is 100, 100 are held, and 1 more are needed");
+  EXPECT_STREQ(
+      past_own->what(),
+      "max_device_bytes_per_client is 100 bytes; the scenes of client:ann hold 100 of them, and 1 more are needed");
   const auto past_all = refusal([&] { ben->take(51); });
   ASSERT_TRUE(past_all);
   EXPECT_EQ(past_all->subject(), "daemon");
-  EXPECT_STREQ(past_all->what(), "max_device_bytes is 150, 100 are held, and 51 more are needed");
+  EXPECT_STREQ(past_all->what(),
+               "max_device_bytes is 150 bytes; all scenes of this daemon hold 100 of them, and 51 more are needed");
   EXPECT_EQ(ben->held(), 0u);  // what was refused is not held
   ben->take(50);
   ann->give_back(100);
   ben->take(50);
   EXPECT_EQ(ann->held(), 0u);
   EXPECT_EQ(ben->held(), 100u);
+}
+
+TEST(ClientUsage, WhatCouldNeverBeHeldIsRefusedWithNeedAndLimit) {
+  Limits limits;
+  limits.max_device_bytes = 150;
+  ClientUsage usage(limits);
+  const auto ann = usage.device_bytes(client_with("ann", {.max_device_bytes = 100})),
+             ben = usage.device_bytes(client_with("ben", {.max_device_bytes = 200}));
+  ann->take(100);  // what is held now does not count
+  EXPECT_FALSE(refusal([&] { ann->check_could_hold(100, "meshes"); }));
+  const auto own = refusal([&] { ann->check_could_hold(101, "meshes"); });
+  ASSERT_TRUE(own);
+  EXPECT_EQ(own->subject(), "client:ann");
+  EXPECT_STREQ(own->what(), "max_device_bytes_per_client is 100 bytes, but meshes need at least 101");
+  const auto all = refusal([&] { ben->check_could_hold(151, "meshes"); });
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->subject(), "daemon");
+  const auto scene = refusal([&] { DeviceBytes::of_scene(99, ann)->take(100); });
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(scene->field(), "spec.memory_budget_bytes");
+  EXPECT_STREQ(scene->what(),
+               "spec.memory_budget_bytes is 99 bytes; the scene holds 0 of them, and 100 more are needed");
+  EXPECT_EQ(ann->held(), 100u);
 }
 
 TEST(ClientUsage, BytesThatOverflowAreRefused) {

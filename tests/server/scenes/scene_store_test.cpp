@@ -21,7 +21,7 @@ class SceneStoreTest : public testing::Test {
  protected:
   SceneRequest request(const std::string& id = "", uint64_t fingerprint = 1, double lease_seconds = 30) const {
     SceneRequest request{tip_plan(), id, fingerprint, lease_seconds};
-    request.plan.engine.memory_quota = held_;
+    request.plan.quota = held_;
     return request;
   }
   std::string add_id(const Client& owner) { return bench_.scenes.add(owner, request()).scene->id(); }
@@ -59,6 +59,44 @@ TEST_F(SceneStoreTest, WhatAnIdThatIsTooLongWasIsNotToldInFull) {
     EXPECT_EQ(e.field(), "scene_id");
     EXPECT_LT(std::string(e.what()).size(), 200u);
   }
+}
+
+std::string why_not_found(const SceneStore& store, const Client& owner, const std::string& id) {
+  try {
+    store.find(owner, id);
+  } catch (const NotFound& e) {
+    return e.what();
+  }
+  return "found";
+}
+
+TEST_F(SceneStoreTest, ItsOwnerIsToldHowASceneEnded) {
+  const auto deleted = add_id(ann_), expired = store_.add(ann_, request("", 1, 10)).scene->id();
+  store_.remove(ann_, deleted);
+  ASSERT_EQ(store_.remove_expired(Clock::now() + seconds(11)).size(), 1u);
+  EXPECT_EQ(why_not_found(store_, ann_, deleted), "scene_id is \"" + deleted + "\", which was deleted");
+  EXPECT_EQ(why_not_found(store_, ann_, expired),
+            "scene_id is \"" + expired +
+                "\", which was deleted, as its lease of 10 s ended 0 s ago: make it anew, or ask for a longer "
+                "lease_seconds");
+  for (const auto& id : {deleted, expired})
+    EXPECT_EQ(why_not_found(store_, ben_, id), "scene_id is \"" + id + "\", which is no scene here");
+}
+
+TEST(EndedScenes, TheOldestOfAClientIsForgotten) {
+  EndedScenes ended;
+  ended.add("ben", "his", {});
+  for (size_t i = 0; i <= EndedScenes::kMaxPerClient; ++i) ended.add("ann", std::to_string(i), {});
+  EXPECT_EQ(ended.find("ann", "0"), nullptr);
+  EXPECT_NE(ended.find("ann", "1"), nullptr);
+  EXPECT_NE(ended.find("ben", "his"), nullptr);
+  EXPECT_EQ(ended.find("ann", "his"), nullptr);
+}
+
+TEST(EndedScenes, ALeaseTellsItsLengthAndItsEnd) {
+  const SceneEnd end{true, 30, Clock::now()};
+  EXPECT_EQ(end.text(end.when + seconds(12)),
+            "was deleted, as its lease of 30 s ended 12 s ago: make it anew, or ask for a longer lease_seconds");
 }
 
 TEST_F(SceneStoreTest, ARepeatedRequestAnswersWithTheSameScene) {

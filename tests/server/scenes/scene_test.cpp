@@ -36,22 +36,29 @@ std::string refusal(const Body& body) {
   return "accepted";
 }
 
+void add(Scene& scene, const std::vector<TriangleCorners>& triangles) {
+  ReceivedTriangles received(scene.quota());
+  received.expect(triangles.size());
+  for (const auto& triangle : triangles) received.push(triangle);
+  scene.add_triangles(1, received);
+}
+
 TEST_F(SceneTest, TakesNothingForAMeshThatIsComplete) {
   const auto scene = make(tip_plan(1));
-  scene->add_triangles(1, {{0, 1, 2}});
+  add(*scene, {{0, 1, 2}});
   ASSERT_TRUE(scene->snapshot().ready);
-  EXPECT_THROW(scene->add_triangles(1, {}), FailedPrecondition);
-  EXPECT_THROW(scene->add_triangles(1, {{0, 1, 2}}), FailedPrecondition);
+  EXPECT_THROW(add(*scene, {}), FailedPrecondition);
+  EXPECT_THROW(add(*scene, {{0, 1, 2}}), FailedPrecondition);
   EXPECT_TRUE(scene->snapshot().ready);
 }
 
 TEST_F(SceneTest, TakesAllTrianglesOfAMeshOrNone) {
   const auto scene = make(tip_plan(1));
-  EXPECT_THROW(scene->add_triangles(1, {}), InvalidInput);
-  EXPECT_THROW(scene->add_triangles(1, {{0, 1, 2}, {0, 1, 2}}), InvalidInput);
+  EXPECT_THROW(add(*scene, {}), InvalidInput);
+  EXPECT_THROW(add(*scene, {{0, 1, 2}, {0, 1, 2}}), InvalidInput);
   EXPECT_EQ(scene->awaited(1), 1u);
   EXPECT_FALSE(scene->snapshot().ready);
-  scene->add_triangles(1, {{0, 1, 2}});
+  add(*scene, {{0, 1, 2}});
   EXPECT_EQ(scene->awaited(1), 0u);
   EXPECT_TRUE(scene->snapshot().ready);
 }
@@ -68,9 +75,35 @@ TEST_F(SceneTest, OneUploadOfAMeshAtATime) {
 TEST_F(SceneTest, TrianglesThatMakeNoDetectorLeaveItUnusable) {
   const auto scene = make(tip_plan(1));
   EXPECT_FALSE(scene->unusable());
-  const auto why = refusal<InvalidInput>([&] { scene->add_triangles(1, {{0, 1, 9}}); });
+  const auto why = refusal<InvalidInput>([&] { add(*scene, {{0, 1, 9}}); });
   EXPECT_TRUE(why.starts_with("spec.meshes[1].triangles[0]")) << why;
   EXPECT_TRUE(scene->unusable());
+}
+
+TEST_F(SceneTest, AFrameBeforeTheTrianglesIsToldWhatIsAwaited) {
+  const auto scene = make(tip_plan(2));
+  const std::string rest =
+      "scene id takes no frames yet: mesh 1 (\"tip\") awaits 2 of its 2 triangles; bring them with UploadMesh";
+  EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->apply(1, tip_frame(1, 2).input); }),
+            "scene_id: scene_id: " + rest);
+  EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->take_slot(); }), "scene_id: scene_id: " + rest);
+}
+
+TEST_F(SceneTest, TrianglesAndMeshesCountFromTheStart) {
+  auto plan = tip_plan(1);
+  plan.engine.memory_budget = 100;
+  EXPECT_THROW(make(std::move(plan)), LimitExceeded);
+  plan = tip_plan(1);
+  plan.meshes.resize(1000, {"", 1, 0});
+  plan.engine.meshes.resize(1000, plan.engine.meshes[0]);
+  plan.quota = std::make_shared<DeviceBytes>("daemon", "limit", 1 << 20);
+  const auto quota = plan.quota;
+  {
+    const auto scene = make(std::move(plan));
+    EXPECT_GT(quota->held(), 1000u * 100);
+    EXPECT_EQ(scene->snapshot().memory.at(0).bytes, quota->held());
+  }
+  EXPECT_EQ(quota->held(), 0u);
 }
 
 TEST_F(SceneTest, AppliesFramesWhoseIdsRiseStrictly) {
@@ -116,7 +149,7 @@ TEST_F(SceneTest, HasNoSlotsBeforeItIsReadyNorOnceItIsDeleted) {
   const auto scene = make_ready();
   const auto slot = scene->take_slot();
   EXPECT_GE(slot->room(100).size(), 100u);
-  scene->close();
+  scene->close({});
   scene->release();
   EXPECT_THROW(scene->take_slot(), NotFound);
   EXPECT_THROW(scene->apply(1, tip_frame(1, 2).input), NotFound);

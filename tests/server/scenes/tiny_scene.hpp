@@ -3,6 +3,7 @@
 // 1 - depth through the inside of a triangle in z = 0 ("floor"). For depth > 1 there is one contact, vertex 3 with
 // triangle 0, at 1 / depth; else there is none.
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -32,11 +33,11 @@ inline Client client(std::string name = "anonymous", ClientLimits limits = {}) {
   return std::make_shared<ClientIdentity>(ClientIdentity{std::move(name), limits});
 }
 
-/// `awaited`: triangles of the tip that are still to come, 0 or 1.
+/// `awaited`: triangles of the tip that are still to come; 0: it has its one.
 inline ScenePlan tip_plan(uint64_t awaited = 0) {
   ScenePlan plan;
   plan.fields = {.elements = true, .stencils = true, .toi = true, .distance = true, .flags = true};
-  plan.meshes = {{"floor", 0}, {"tip", awaited}};
+  plan.meshes = {{"floor", 1, 0}, {"tip", std::max<uint64_t>(1, awaited), awaited}};
   plan.engine.meshes.resize(2);
   for (auto& mesh : plan.engine.meshes) {
     mesh.vertex_count = 3;

@@ -27,6 +27,7 @@ TEST(Status, MapsEveryException) {
   EXPECT_EQ(describe_as(AlreadyExists("f", "m")).code, StatusCode::ALREADY_EXISTS);
   EXPECT_EQ(describe_as(PermissionDenied("f", "m")).code, StatusCode::PERMISSION_DENIED);
   EXPECT_EQ(describe_as(TakenOver("f", "m")).code, StatusCode::ABORTED);
+  EXPECT_EQ(describe_as(TimedOut("f", "m")).code, StatusCode::DEADLINE_EXCEEDED);
   EXPECT_EQ(describe_as(Unauthenticated("m")).code, StatusCode::UNAUTHENTICATED);
   EXPECT_EQ(describe_as(Unimplemented("f", "m")).code, StatusCode::UNIMPLEMENTED);
   EXPECT_EQ(describe_as(LimitExceeded("f", "m")).code, StatusCode::RESOURCE_EXHAUSTED);

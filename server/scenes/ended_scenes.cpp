@@ -1,0 +1,34 @@
+// Scenes that are gone, remembered for a while.
+#include "server/scenes/ended_scenes.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace collided::server {
+
+std::string SceneEnd::text(std::chrono::steady_clock::time_point now) const {
+  if (!is_expired) return "was deleted";
+  const double ago = std::max(0.0, std::chrono::duration<double>(now - when).count());
+  return fmt::format(
+      "was deleted, as its lease of {:g} s ended {:g} s ago: make it anew, or ask for a longer lease_seconds",
+      lease_seconds, std::floor(ago));
+}
+
+void EndedScenes::add(const std::string& client, std::string id, SceneEnd end) {
+  auto& entries = clients_[client];
+  entries.push_back({std::move(id), end});
+  if (entries.size() > kMaxPerClient) entries.pop_front();
+}
+
+const SceneEnd* EndedScenes::find(const std::string& client, const std::string& id) const {
+  const auto found = clients_.find(client);
+  if (found == clients_.end()) return nullptr;
+  const auto& entries = found->second;
+  const auto entry = std::find_if(entries.rbegin(), entries.rend(), [&](const Entry& other) { return other.id == id; });
+  return entry == entries.rend() ? nullptr : &entry->end;
+}
+
+}  // namespace collided::server

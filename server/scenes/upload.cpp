@@ -1,0 +1,122 @@
+// Triangles of one mesh on their way into a scene.
+#include "server/scenes/upload.hpp"
+
+#include <malloc.h>
+#include <spdlog/fmt/fmt.h>
+
+#include <utility>
+
+#include "server/errors.hpp"
+#include "server/scenes/scene.hpp"
+
+namespace collided::server {
+
+ReceivedTriangles::~ReceivedTriangles() {
+  constexpr size_t kMany = (size_t{4} << 20) / sizeof(TriangleCorners);
+  const bool many = triangles_.size() > kMany;
+  triangles_.clear();
+  triangles_.shrink_to_fit();
+  if (many) malloc_trim(0);  // by itself the allocator keeps them
+}
+
+void ReceivedTriangles::move_to(std::vector<TriangleCorners>& mesh, MemoryHold& held) {
+  mesh.reserve(mesh.size() + triangles_.size());
+  for (; !triangles_.empty(); triangles_.pop_front()) mesh.push_back(triangles_.front());
+  held.absorb(held_);
+}
+
+Upload::~Upload() = default;
+
+void Upload::wait(const std::function<void()>& read) {
+  const std::lock_guard lock(mutex_);
+  state_ = State::kWaiting;
+  read();
+}
+
+bool Upload::receive(Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  if (state_ == State::kOver) return false;
+  state_ = State::kWorking;
+  last_chunk_ = now;
+  return true;
+}
+
+bool Upload::end() {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(state_, State::kOver) == State::kOver) return false;
+  let_go();
+  return true;
+}
+
+void Upload::end_if_stale(Clock::time_point now, std::chrono::duration<double> limit) {
+  std::exception_ptr why;
+  {
+    const std::lock_guard lock(mutex_);
+    if (state_ == State::kWaiting) why = stale_reason(now, limit);
+    if (!why) return;
+    state_ = State::kOver;
+    let_go();
+  }
+  fail_(why);
+}
+
+std::exception_ptr Upload::stale_reason(Clock::time_point now, std::chrono::duration<double> limit) const {
+  try {
+    if (scene_) (*scene_)->check_open();
+    if (now - last_chunk_ > limit)
+      throw TimedOut("triangles", fmt::format("triangles: no chunk of the upload came for {} s; the scene is as it was "
+                                              "before it",
+                                              limit.count()));
+  } catch (...) {
+    return std::current_exception();
+  }
+  return nullptr;
+}
+
+// The mesh is free again, and the memory given back, before the client knows and may try anew.
+void Upload::let_go() {
+  triangles_.reset();
+  if (scene_) (*scene_)->end_upload(mesh_);
+  scene_.reset();
+  place_.reset();
+}
+
+void Upload::begin(const SceneUse& scene, uint32_t mesh, std::shared_ptr<void> place) {
+  const auto& meshes = scene->plan().meshes;
+  if (mesh >= meshes.size())
+    throw InvalidInput("mesh", fmt::format("mesh is {}, but the scene has {} meshes", mesh, meshes.size()));
+  scene->begin_upload(mesh);
+  mesh_ = mesh;
+  triangles_ = std::make_unique<ReceivedTriangles>(scene->quota());
+  scene_ = std::make_unique<SceneUse>(scene);
+  place_ = std::move(place);
+}
+
+Scene* Upload::scene() const { return scene_ ? &**scene_ : nullptr; }
+
+void Upload::expect(uint64_t count) {
+  const uint64_t awaited = (*scene_)->awaited(mesh_), come = triangles_->size() + count;
+  if (come > awaited)
+    throw InvalidInput("triangles", fmt::format("triangles brings {} or more, but mesh {} (\"{}\") awaits {}", come,
+                                                mesh_, (*scene_)->plan().meshes[mesh_].name, awaited));
+  triangles_->expect(count);
+}
+
+void OpenUploads::add(const std::shared_ptr<Upload>& upload) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(uploads_, [](const auto& other) { return other.expired(); });
+  uploads_.push_back(upload);
+}
+
+void OpenUploads::end_stale(Upload::Clock::time_point now, std::chrono::duration<double> limit) {
+  std::vector<std::shared_ptr<Upload>> open;
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(uploads_, [](const auto& other) { return other.expired(); });
+    for (const auto& upload : uploads_)
+      if (auto alive = upload.lock()) open.push_back(std::move(alive));
+  }
+  for (const auto& upload : open) upload->end_if_stale(now, limit);
+}
+
+}  // namespace collided::server

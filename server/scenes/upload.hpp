@@ -1,0 +1,101 @@
+#pragma once
+// Triangles of one mesh on their way into a scene. What has come counts against the scene's memory, what was only
+// announced does not. No gRPC here.
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "gpu/detector.hpp"
+
+namespace collided::server {
+
+class Scene;
+class SceneUse;
+
+using TriangleCorners = std::array<uint32_t, 3>;
+
+/// Triangles that came so far.
+class ReceivedTriangles {
+ public:
+  explicit ReceivedTriangles(std::shared_ptr<MemoryQuota> quota) : held_(std::move(quota)) {}
+  ~ReceivedTriangles();
+
+  /// Counts `count` more, which push() brings. Throws LimitExceeded.
+  void expect(uint64_t count) { held_.resize(held_.bytes() + count * sizeof(TriangleCorners)); }
+  void push(const TriangleCorners& triangle) { triangles_.push_back(triangle); }
+  uint64_t size() const { return triangles_.size(); }
+  /// Appends them; `held` holds their bytes from then on.
+  void move_to(std::vector<TriangleCorners>& mesh, MemoryHold& held);
+
+ private:
+  std::deque<TriangleCorners> triangles_;  // a vector would hold up to three times as much while it grows
+  MemoryHold held_;
+};
+
+/// One call that brings a mesh. The call's own thread and the one that watches over all uploads meet here: either of
+/// them ends it, and one only.
+class Upload {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// `fail` ends the call; called at most once, by end_if_stale().
+  Upload(std::function<void(const std::exception_ptr&)> fail, Clock::time_point now)
+      : fail_(std::move(fail)), last_chunk_(now) {}
+  ~Upload();
+
+  /// Waits for the next chunk, which `read` asks for.
+  void wait(const std::function<void()>& read);
+  /// A chunk came; false if the upload was ended.
+  bool receive(Clock::time_point now);
+  /// False if it was ended already.
+  bool end();
+  /// Ends one that has waited for longer than `limit` (TimedOut), or whose scene is gone (NotFound).
+  void end_if_stale(Clock::time_point now, std::chrono::duration<double> limit);
+
+  // By the call's own thread, between receive() and wait() or end():
+
+  /// Keeps the mesh for this upload; `place` is its place among its client's streams. Throws InvalidInput,
+  /// FailedPrecondition.
+  void begin(const SceneUse& scene, uint32_t mesh, std::shared_ptr<void> place);
+  /// Null before begin().
+  Scene* scene() const;
+  uint32_t mesh() const { return mesh_; }
+  ReceivedTriangles& triangles() { return *triangles_; }
+  /// Counts `count` more triangles. Throws InvalidInput for more than the mesh awaits, LimitExceeded.
+  void expect(uint64_t count);
+
+ private:
+  enum class State { kWorking, kWaiting, kOver };
+
+  std::exception_ptr stale_reason(Clock::time_point now, std::chrono::duration<double> limit) const;
+  void let_go();
+
+  const std::function<void(const std::exception_ptr&)> fail_;
+  std::mutex mutex_;  // guards what follows; what the call works on is its own until it waits
+  State state_ = State::kWorking;
+  Clock::time_point last_chunk_;
+  std::shared_ptr<void> place_;
+  std::unique_ptr<SceneUse> scene_;
+  uint32_t mesh_ = 0;
+  std::unique_ptr<ReceivedTriangles> triangles_;
+};
+
+/// Every upload that is open.
+class OpenUploads {
+ public:
+  void add(const std::shared_ptr<Upload>& upload);
+  void end_stale(Upload::Clock::time_point now, std::chrono::duration<double> limit);
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::weak_ptr<Upload>> uploads_;  // guarded by mutex_
+};
+
+}  // namespace collided::server
