@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gpu/contact_sets.hpp"
+#include "gpu/exact/poll.hpp"
 #include "gpu/level_needs.hpp"
 #include "gpu/narrow/gather.hpp"
 #include "gpu/scene_buffers.hpp"
@@ -51,65 +52,92 @@ class Results {
 
   void take(ContactSet& out, const uint64_t* keys, const ContactData<Real>* data, uint64_t from, uint64_t to,
             uint32_t first_rank) {
-    const uint64_t n = to - from;
-    out.elements.resize(n);
-    for (uint64_t i = 0; i < n; ++i)
-      out.elements[i] = {first_id(keys[from + i]) - first_rank, second_id(keys[from + i])};
     const bool is_triangles = &out == &result_->triangle_triangle;
-    if (is_triangles ? !needs_.tests_triangles() : !needs_.has_narrow_phase()) return;
-    out.flags.resize(n);
-    for (uint64_t i = 0; i < n; ++i) out.flags[i] = data[from + i].flags;
+    const bool has_data = is_triangles ? needs_.tests_triangles() : needs_.has_narrow_phase();
+    const uint64_t n = to - from;
+    keys += from, data += from;
+    fill(out.elements, n, [&](uint64_t i) -> std::array<uint32_t, 2> {
+      return {first_id(keys[i]) - first_rank, second_id(keys[i])};
+    });
+    if (!has_data) return;
+    fill(out.flags, n, [&](uint64_t i) { return data[i].flags; });
     if (is_triangles) return;
-    out.distance.resize(n);
-    for (uint64_t i = 0; i < n; ++i) out.distance[i] = data[from + i].distance;
-    if (needs_.is_ccd) {
-      out.toi.resize(n);
-      for (uint64_t i = 0; i < n; ++i) out.toi[i] = data[from + i].toi;
-    }
-    if (!spec_.weights) return;
-    out.weights.resize(n);
-    for (uint64_t i = 0; i < n; ++i) out.weights[i] = {data[from + i].w0, data[from + i].w1};
+    fill(out.distance, n, [&](uint64_t i) { return data[i].distance; });
+    if (needs_.is_ccd) fill(out.toi, n, [&](uint64_t i) { return data[i].toi; });
+    if (spec_.weights) fill(out.weights, n, [&](uint64_t i) { return std::array<double, 2>{data[i].w0, data[i].w1}; });
+  }
+
+  /// Some at a time: lists may be long.
+  template <class T, class F>
+  void fill(std::vector<T>& out, uint64_t n, const F& value) {
+    constexpr uint64_t kAtATime = 1u << 17;
+    out.reserve(n);
+    exec_.host_loops().in_turn(n, kAtATime, [&](uint64_t first, uint64_t end) {
+      out.resize(end);
+      for (uint64_t i = first; i < end; ++i) out[i] = value(i);
+    });
   }
 
   // EXACT: what is left open goes to the host's exact arithmetic.
   void settle_all() {
-    settle(result_->vertex_triangle, [&](const auto& keys) {
-      return decide_features(VertexTriangle{scene_.topology.triangles.all()}, true, keys);
+    settle(result_->vertex_triangle, [&](const auto& keys, ExactAnswer* answers) {
+      decide_features(VertexTriangle{scene_.topology.triangles.all()}, true, keys, answers);
     });
-    settle(result_->edge_edge,
-           [&](const auto& keys) { return decide_features(EdgeEdge{scene_.topology.edges.all()}, false, keys); });
-    settle(result_->triangle_triangle, [&](const auto& keys) { return decide_triangles(keys); });
+    settle(result_->edge_edge, [&](const auto& keys, ExactAnswer* answers) {
+      decide_features(EdgeEdge{scene_.topology.edges.all()}, false, keys, answers);
+    });
+    settle(result_->triangle_triangle,
+           [&](const auto& keys, ExactAnswer* answers) { decide_triangles(keys, answers); });
   }
   template <class Decide>
   void settle(ContactSet& set, const Decide& decide) {
     if (needs_.is_any_hit() && result_->any_contact) return;
-    const std::vector<size_t> places = undecided(set);
+    CpuLoops& loops = exec_.host_loops();
+    const std::vector<size_t> places = undecided(loops, set);
     result_->counts.exact_decisions += places.size();
-    if (!places.empty()) {
-      std::vector<uint64_t> keys;
-      for (const size_t i : places) keys.push_back(pack_ids(set.elements[i][0], set.elements[i][1]));
-      apply(set, places, decide(keys));
+    std::vector<ExactAnswer> answers(places.size());
+    std::vector<uint64_t> keys;
+    constexpr size_t kAtATime = 1u << 14;  // their points take memory
+    for (size_t first = 0; first < places.size(); first += kAtATime) {
+      keys.clear();
+      for (size_t k = first; k < std::min(places.size(), first + kAtATime); ++k)
+        keys.push_back(pack_ids(set.elements[places[k]][0], set.elements[places[k]][1]));
+      decide(keys, answers.data() + first);
     }
+    if (!places.empty()) apply(loops, set, places, answers);
     result_->any_contact = result_->any_contact || set.size() > 0;
   }
 
   template <class Kind>
-  std::vector<ExactAnswer> decide_features(const Kind& kind, bool vertex_triangle, const std::vector<uint64_t>& keys) {
+  void decide_features(const Kind& kind, bool vertex_triangle, const std::vector<uint64_t>& keys,
+                       ExactAnswer* answers) {
     const auto points = gather<8>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
       exec_.for_each("gather_points", keys.size(),
                      GatherPoints<Real, Kind>{scene_.positions_at_start(), scene_.end.data(), kind, resident, out});
     });
-    return decide_exactly(question(vertex_triangle), points);
+    const ExactQuestion question{vertex_triangle, needs_.is_ccd, spec_.thickness};
+    decide_all(keys.size(), [&](uint64_t i) { answers[i] = decide_exactly(question, points[i]); });
   }
-  std::vector<ExactAnswer> decide_triangles(const std::vector<uint64_t>& keys) {
+  void decide_triangles(const std::vector<uint64_t>& keys, ExactAnswer* answers) {
     const auto corners = gather<6>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
       exec_.for_each("gather_corners", keys.size(),
                      GatherCorners<Real>{scene_.end.data(), scene_.topology.triangles.all(), resident, out});
     });
-    return decide_triangles_exactly(question(false), corners);
+    decide_all(keys.size(), [&](uint64_t i) { answers[i] = decide_triangles_exactly(corners[i]); });
   }
-  ExactQuestion question(bool vertex_triangle) const {
-    return {vertex_triangle, needs_.is_ccd, spec_.thickness, spec_.threads, exec_.cancelled};
+  /// decide(i) for i in [0, count): each takes microseconds, or much longer where exponents lie far apart.
+  template <class Decide>
+  void decide_all(uint64_t count, const Decide& decide) {
+    exec_.host_loops().share(count, 1, [&](LoopTurn& turn) {
+      const exact::PollScope poll([&] { turn.look_up(); });
+      try {
+        while (ItemRange* left = turn.next()) {
+          decide(left->first);
+          ++left->first;
+        }
+      } catch (const LeftUndone&) {
+      }
+    });
   }
 
   /// Brings the points of some pairs, n each, to the host.
@@ -133,7 +161,7 @@ class Results {
       r.counts.contacts_vt = r.vertex_triangle.size(), r.counts.contacts_ee = r.edge_edge.size();
     if (needs_.tests_triangles()) r.counts.contacts_tt = r.triangle_triangle.size();
     r.any_contact = r.counts.contacts_tt > 0 || (needs_.has_narrow_phase() && features > 0);
-    if (needs_.is_earliest_only()) keep_earliest(r);
+    if (needs_.is_earliest_only()) keep_earliest(exec_.host_loops(), r);
     if (needs_.is_any_hit()) {
       r.vertex_triangle = r.edge_edge = r.triangle_triangle = {};
       return;

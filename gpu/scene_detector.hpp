@@ -25,7 +25,7 @@ class SceneDetector final : public Detector {
   FrameResult detect(const FrameInput& frame) override {
     const FrameSettings settings = settings_of(spec_, frame);
     check_settings(spec_, settings);
-    exec_.cancelled = frame.cancelled;
+    exec_.asks().begin(frame.cancelled);
     return exec_.frame([&] { return detect(frame, settings); });
   }
 
@@ -103,6 +103,7 @@ class SceneDetector final : public Detector {
       place(*slot);
     });
     FrameResult result = pipeline_.detect_contacts(moved(all), all, settings);
+    exec_.asks().ask();
     commit(*slot);
     return result;
   }
@@ -150,6 +151,7 @@ class SceneDetector final : public Detector {
 
   /// The frame counts from here on; its positions are what a later failure falls back to.
   void commit(Slot& slot) {
+    exec_.asks().no_more();
     slot.place(exec_, nullptr, scene_.last_good.data(), false);
     has_frame_ = true;
     stale_ = false;

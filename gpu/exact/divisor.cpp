@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "gpu/exact/poll.hpp"
+
 namespace collided::exact {
 namespace {
 
@@ -51,6 +53,7 @@ Form common_divisor(const Form& a, const Form& b) {
   Form u = primitive(a), v = primitive(b);
   if (u.degree() < v.degree() || u.vanishes()) std::swap(u, v);
   while (!v.vanishes()) {
+    PollScope::step();
     Form remainder = primitive(pseudo_divide(std::move(u), v).second);
     u = std::move(v);
     v = std::move(remainder);

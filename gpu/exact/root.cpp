@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "gpu/exact/divisor.hpp"
+#include "gpu/exact/poll.hpp"
 
 namespace collided::exact {
 namespace {
@@ -24,6 +25,7 @@ Piece middle_root(const Dyadic& whole) { return {Form(), {2 * whole.k + 1, whole
 bool isolate(const Form& f, mp_bitcnt_t depth, std::vector<Root>& roots) {
   std::vector<Piece> left_to_right{{f, {}}};  // the leftmost piece last
   while (!left_to_right.empty()) {
+    PollScope::step();
     const Piece piece = std::move(left_to_right.back());
     left_to_right.pop_back();
     const Dyadic& on = piece.on;
@@ -61,6 +63,7 @@ Root Root::inside(const Form& f, const Dyadic& in, int left_sign) {
 
 void Root::refine(mp_bitcnt_t bits) {
   while (left_sign_ != 0 && at_.bits < bits) {
+    PollScope::step();
     at_.k = 2 * at_.k + 1;
     ++at_.bits;
     const int sign = sign_at_point(f_, at_);

@@ -1,23 +1,18 @@
 #pragma once
 // The verbs of the engine on CPU cores (oneTBB). Same meaning as CudaExec, verb by verb.
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
-#include <chrono>
 #include <cstring>
-#include <functional>
 #include <memory>
 #include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/counted.hpp"
+#include "gpu/exec/cpu_loops.hpp"
 #include "gpu/exec/host_memory.hpp"
 #include "gpu/exec/in_steps.hpp"
 #include "gpu/exec/key_order.hpp"
@@ -33,12 +28,9 @@ namespace collided {
 class CpuExec {
  public:
   CpuExec(int threads, MemoryLimits memory)
-      : memory_(std::make_shared<MemoryLedger>(std::move(memory))),
-        arena_(threads > 0 ? threads : tbb::task_arena::automatic) {}
+      : memory_(std::make_shared<MemoryLedger>(std::move(memory))), loops_(threads) {}
 
-  DeviceInfo device() const {
-    return {Backend::kCpu, "CPU, " + std::to_string(arena_.max_concurrency()) + " threads", 0};
-  }
+  DeviceInfo device() const { return {Backend::kCpu, "CPU, " + std::to_string(loops_.threads()) + " threads", 0}; }
 
   void* allocate(const std::string& part, uint64_t bytes) {
     ++allocations_;
@@ -58,11 +50,7 @@ class CpuExec {
   /// f(i) for i in [0, n).
   template <class F>
   void for_each(const char*, uint64_t n, const F& f) {
-    arena_.execute([&] {
-      tbb::parallel_for(tbb::blocked_range<uint64_t>(0, n, kGrain), [&](const tbb::blocked_range<uint64_t>& range) {
-        for (uint64_t i = range.begin(); i != range.end(); ++i) f(i);
-      });
-    });
+    loops_.for_each(n, kGrain, f);
   }
 
   template <class F>
@@ -73,11 +61,9 @@ class CpuExec {
   /// f(i, group, shared) for i in [0, n): groups of threads that share memory (Group).
   template <class F>
   void for_each_group(const char*, const Counted& n, const F& f) {
-    arena_.execute([&] {
-      tbb::parallel_for(tbb::blocked_range<uint64_t>(0, n.size(), 1), [&](const tbb::blocked_range<uint64_t>& range) {
-        const auto shared = std::make_unique<typename F::Shared>();
-        for (uint64_t i = range.begin(); i != range.end(); ++i) f(i, Group{0, 1}, *shared);
-      });
+    loops_.share(n.size(), 1, [&](LoopTurn& turn) {
+      const auto shared = std::make_unique<typename F::Shared>();
+      while (ItemRange* items = turn.next()) f(items->first++, Group{0, 1}, *shared);
     });
   }
 
@@ -96,19 +82,20 @@ class CpuExec {
   /// f.begin(i, state), then f.step(state) until state.is_over(), then f.finish(state), for i in [0, n); no step if
   /// begin() leaves the state as it was.
   template <class F>
-  void for_each_in_steps(const char* name, const Counted& n, uint64_t*, const F& f) {
-    for_each(name, n.size(), [&](uint64_t i) { do_in_steps(f, i); });
+  void for_each_in_steps(const char*, const Counted& n, uint64_t*, const F& f) {
+    constexpr uint64_t kQueries = 32;  // of up to 64 looks each
+    loops_.for_each(n.size(), kQueries, [&](uint64_t i) { do_in_steps(f, i); });
   }
 
   /// The pairs of a source's items, handed to a sink (pair_search.hpp).
   template <class Source, class Sink>
   void search(const char*, const Counted& items, uint64_t*, const Source& source, const Sink& sink) {
     if (source.is_put_off()) return;
-    share_among_takers(items.size(), 8, sink, source.boxes.size(), [&](const auto& range, auto& taker) {
+    share_among_takers(items.size(), 8, sink, source.boxes.size(), [&](LoopTurn& turn, auto& taker) {
       LeafTiles tiles;
-      for (uint64_t i = range.begin(); i != range.end() && !sink.is_over(); ++i)
-        visit_item(
-            source, i, tiles, [&](uint32_t a, uint32_t b) { taker.take(a, b); },
+      while (ItemRange* left = turn.next())
+        visit_some(
+            source, sink, *left, tiles, [&](uint32_t a, uint32_t b) { taker.take(a, b); },
             [&](uint32_t triangle) { taker.expect(triangle); });
     });
   }
@@ -116,10 +103,10 @@ class CpuExec {
   /// The same for the walks of a source's items (tree_walk.hpp).
   template <class Source, class Sink>
   void walk(const char*, uint64_t items, uint64_t*, const Source& source, const Sink& sink) {
-    share_among_takers(items, 64, sink, items, [&](const auto& range, auto& taker) {
+    share_among_takers(items, 64, sink, items, [&](LoopTurn& turn, auto& taker) {
       uint64_t steps = 0;
-      for (uint64_t i = range.begin(); i != range.end() && !sink.is_over(); ++i)
-        steps += walk_item(source, i, [&](uint32_t a, uint32_t b) { taker.take(a, b); });
+      while (ItemRange* left = turn.next())
+        steps += walk_some(source, sink, *left, [&](uint32_t a, uint32_t b) { taker.take(a, b); });
       source.add_tests(steps);
     });
   }
@@ -128,15 +115,7 @@ class CpuExec {
   template <class T, class F, class Op, class Then = NothingMore>
   void reduce_into(const char*, uint64_t n, const F& transform, const T& identity, const Op& op, T* result,
                    const Then& then = {}) {
-    *result = arena_.execute([&] {
-      return tbb::parallel_reduce(
-          tbb::blocked_range<uint64_t>(0, n, kGrain), identity,
-          [&](const tbb::blocked_range<uint64_t>& range, T value) {
-            for (uint64_t i = range.begin(); i != range.end(); ++i) value = op(value, transform(i));
-            return value;
-          },
-          op);
-    });
+    *result = loops_.reduce(n, kGrain, transform, identity, op);
     then(0);
   }
 
@@ -144,34 +123,31 @@ class CpuExec {
   template <class T>
   void exclusive_scan(const char*, Span<T> values) {
     T sum = 0;
-    for (uint64_t i = 0; i < values.size(); ++i) {
-      const T value = values[i];
-      values[i] = sum;
-      sum += value;
-    }
+    loops_.in_turn(values.size(), 1u << 18, [&](uint64_t first, uint64_t end) {
+      for (uint64_t i = first; i < end; ++i) sum += std::exchange(values[i], sum);
+    });
   }
 
   /// Stably by the lowest `bits` of the keys; 0 if the result is in `keys` and `values`, 1 if it is in the others.
-  int sort_pairs(const char*, int bits, const SortArrays& arrays) {
-    return arena_.execute([&] { return RadixSort(arrays).run(bits); });
-  }
+  int sort_pairs(const char*, int bits, const SortArrays& arrays) { return RadixSort(loops_, arrays).run(bits); }
 
   /// The first `count` keys in ascending order, with their data; false if they do not fit the way it is done.
   template <class Data>
   bool sort_keys(const char*, const Counted& count, KeyArrays<Data> arrays) {
     arrays.keys.count = count.size();
-    return arena_.execute([&] { return KeyOrder(arrays).run(); });
+    return KeyOrder(loops_, arrays).run();
   }
   static constexpr bool kSortsKeys = true;
 
   /// Runs a step, stages named within, and returns what it left at `result`.
   template <class F, class T>
   T step(const StepKey&, const T* result, const F& enqueue) {
-    const auto start = std::chrono::steady_clock::now();
+    const WorkTime time(loops_.asks);
     enqueue();
-    step_milliseconds_ = milliseconds_since(start);
+    step_milliseconds_ += time.milliseconds();
     return *result;
   }
+  /// Of all steps of the frame.
   double step_milliseconds() const { return step_milliseconds_; }
   uint32_t graph_launches() const { return 0; }
 
@@ -181,14 +157,18 @@ class CpuExec {
   void wait() {}
   /// Memory of the host for downloads, until the next call.
   std::byte* host_memory(uint64_t bytes) {
-    host_.resize(std::max<size_t>(host_.size(), bytes));
+    host_.ensure(bytes);
     return host_.data();
   }
   void copy(void* to, const void* from, uint64_t bytes) {
-    if (bytes != 0) std::memcpy(to, from, bytes);
+    loops_.in_turn(bytes, kBytes, [&](uint64_t first, uint64_t end) {
+      std::memcpy(static_cast<std::byte*>(to) + first, static_cast<const std::byte*>(from) + first, end - first);
+    });
   }
   void fill_zero(void* memory, uint64_t bytes) {
-    if (bytes != 0) std::memset(memory, 0, bytes);
+    loops_.in_turn(bytes, kBytes, [&](uint64_t first, uint64_t end) {
+      std::memset(static_cast<std::byte*>(memory) + first, 0, end - first);
+    });
   }
 
   /// Two things that do not depend on each other.
@@ -201,14 +181,15 @@ class CpuExec {
   /// Runs one stage of the pipeline: cancellation before it, its time after it.
   template <class F>
   void stage(const char* name, const F& f) {
-    if (cancelled && cancelled()) throw Cancelled();
-    const auto start = std::chrono::steady_clock::now();
+    loops_.asks.ask();
+    const WorkTime time(loops_.asks);
     f();
-    stages_.push_back({name, milliseconds_since(start)});
+    stages_.push_back({name, time.milliseconds()});
   }
   void begin_frame() {
     stages_.clear();
     allocations_ = 0;
+    step_milliseconds_ = 0;
   }
   /// Runs one frame: begin_frame(), then f().
   template <class F>
@@ -219,25 +200,23 @@ class CpuExec {
   uint32_t allocations() const { return allocations_; }
   std::vector<StageTime> stage_times() { return stages_; }
 
-  std::function<bool()> cancelled;
+  /// When the frame's question is asked: before each stage, and within it.
+  Asks& asks() { return loops_.asks; }
+  /// Loops of the host, which ask too.
+  CpuLoops& host_loops() { return loops_; }
 
  private:
   static constexpr uint64_t kGrain = 512;
-  static double milliseconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  }
+  static constexpr uint64_t kBytes = 4u << 20;  ///< that are copied at a time
 
-  /// use(range, taker) for ranges of items, by several threads (pair_taker.hpp).
+  /// use(turn, taker), by several threads (pair_taker.hpp).
   template <class Sink, class Use>
   void share_among_takers(uint64_t items, uint64_t grain, const Sink& sink, uint64_t triangles, const Use& use) {
     const auto run = [&](const auto&... features) {
-      arena_.execute([&] {
-        tbb::parallel_for(tbb::blocked_range<uint64_t>(0, items, grain),
-                          [&](const tbb::blocked_range<uint64_t>& range) {
-                            Taker<Sink> taker(sink, features...);
-                            use(range, taker);
-                            taker.finish();
-                          });
+      loops_.share(items, grain, [&](LoopTurn& turn) {
+        Taker<Sink> taker(sink, features...);
+        use(turn, taker);
+        taker.finish();
       });
     };
     if constexpr (Sink::kTakesPairs)
@@ -256,9 +235,9 @@ class CpuExec {
   }
 
   HostMemory memory_;
-  tbb::task_arena arena_;
+  CpuLoops loops_;
   std::vector<StageTime> stages_;
-  std::vector<std::byte> host_;
+  Buffer<std::byte, CpuExec> host_{*this, "downloads"};
   Buffer<std::byte, CpuExec> features_{*this, "features"};  ///< FeatureBoxes of each triangle
   double step_milliseconds_ = 0;
   uint32_t allocations_ = 0;

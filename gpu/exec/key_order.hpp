@@ -2,16 +2,13 @@
 // Keys in ascending order on CPU cores: dealt to buckets by their highest bits, then each bucket, which fits a cache,
 // sorted by the others, lowest digit first.
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <utility>
 #include <vector>
 
+#include "gpu/exec/cpu_loops.hpp"
 #include "gpu/exec/sort_arrays.hpp"
 
 namespace collided {
@@ -47,9 +44,10 @@ struct PackedKeys {
 template <class Data>
 class KeyOrder {
  public:
-  explicit KeyOrder(const KeyArrays<Data>& arrays)
-      : arrays_(arrays),
-        packed_(bits_of(arrays.keys), arrays.keys.size(), !arrays.data.empty()),
+  KeyOrder(CpuLoops& loops, const KeyArrays<Data>& arrays)
+      : loops_(loops),
+        arrays_(arrays),
+        packed_(bits_of(loops, arrays.keys), arrays.keys.size(), !arrays.data.empty()),
         bucket_bits_(std::clamp<int>(std::bit_width(arrays.keys.size() / kBucket), 0,
                                      std::min(kMostBucketBits, packed_.first_bits + packed_.second_bits))) {}
 
@@ -70,13 +68,9 @@ class KeyOrder {
   static constexpr uint64_t kBlock = 1u << 18;  ///< keys that are dealt at a time
   static constexpr uint64_t kFew = 48;
 
-  static uint64_t bits_of(Span<const uint64_t> keys) {
-    return tbb::parallel_reduce(
-        tbb::blocked_range<uint64_t>(0, keys.size(), kBlock), uint64_t{0},
-        [&](const tbb::blocked_range<uint64_t>& range, uint64_t all) {
-          for (uint64_t i = range.begin(); i != range.end(); ++i) all |= keys[i];
-          return all;
-        },
+  static uint64_t bits_of(CpuLoops& loops, Span<const uint64_t> keys) {
+    return loops.reduce(
+        keys.size(), kBlock, [&](uint64_t i) { return keys[i]; }, uint64_t{0},
         [](uint64_t a, uint64_t b) { return a | b; });
   }
 
@@ -84,9 +78,7 @@ class KeyOrder {
   template <class Item>
   void run_with(Item* dealt, Item* other) {
     deal(dealt);
-    tbb::parallel_for(tbb::blocked_range<uint64_t>(0, buckets(), 4), [&](const tbb::blocked_range<uint64_t>& range) {
-      for (uint64_t i = range.begin(); i != range.end(); ++i) sort_bucket(i, dealt, other);
-    });
+    loops_.for_each(buckets(), 4, [&](uint64_t i) { sort_bucket(i, dealt, other); });
   }
 
   uint64_t buckets() const { return uint64_t{1} << bucket_bits_; }
@@ -100,7 +92,7 @@ class KeyOrder {
     const uint64_t n = arrays_.keys.size(), blocks = (n + kBlock - 1) / kBlock;
     std::vector<uint64_t> places(blocks * buckets());
     const auto for_each_block = [&](const auto& use) {
-      tbb::parallel_for(uint64_t{0}, blocks, [&](uint64_t block) {
+      loops_.for_each(blocks, 1, [&](uint64_t block) {
         // Copies: what is written in the loop might else be what it reads.
         const uint64_t *keys = arrays_.keys.data, end = std::min(n, (block + 1) * kBlock);
         const PackedKeys packed_keys = packed_;
@@ -176,6 +168,7 @@ class KeyOrder {
     }
   }
 
+  CpuLoops& loops_;
   KeyArrays<Data> arrays_;
   PackedKeys packed_;
   int bucket_bits_;

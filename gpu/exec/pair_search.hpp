@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 
+#include "gpu/exec/cpu_loops.hpp"
 #include "gpu/exec/lanes.hpp"
 #include "gpu/math/tiles.hpp"
 
@@ -76,31 +77,54 @@ class LeafTiles {
   std::array<Slot, 16> columns_;
 };
 
-/// visit(row, column) for the pairs of an item. Before that, expect(member) for those that may be in some.
-template <class Source, class Visit, class Expect>
-void visit_item(const Source& source, uint64_t item, LeafTiles& tiles, const Visit& visit, const Expect& expect) {
-  const auto work = source.work(item);
-  const uint32_t rows = smaller(kTile, work.leaf.count - work.row);
-  const BoxTile& row = tiles.rows(source, work, rows, expect);
-  for (uint32_t first = work.first_column; first < work.end_column; first += kTile) {
-    const bool with_itself = first == work.row;
-    const uint32_t columns = smaller(kTile, work.end_column - first);
-    const BoxTile& column = with_itself ? row : tiles.columns(source, work, first, columns, expect);
-    for (uint32_t r = 0; r < rows; ++r) {
-      uint32_t wanted = column.starting_with(row, r);
-      if (with_itself) wanted &= ~0u << r << 1;  // only those after this one
-      if (wanted != 0) wanted &= column.meeting(row, r, columns);
-      for (; wanted != 0; wanted &= wanted - 1) {
-        const uint32_t a = row.id[r], b = column.id[std::countr_zero(wanted)];
-        if (source.filter(a, b)) visit(a, b);
-      }
+/// visit(row, column) for the pairs of two tiles, or of one with itself.
+template <class Source, class Visit>
+void visit_tile(const Source& source, const BoxTile& row, uint32_t rows, const BoxTile& column, uint32_t columns,
+                const Visit& visit) {
+  const bool with_itself = &row == &column;
+  for (uint32_t r = 0; r < rows; ++r) {
+    uint32_t wanted = column.starting_with(row, r);
+    if (with_itself) wanted &= ~0u << r << 1;  // only those after this one
+    if (wanted != 0) wanted &= column.meeting(row, r, columns);
+    for (; wanted != 0; wanted &= wanted - 1) {
+      const uint32_t a = row.id[r], b = column.id[std::countr_zero(wanted)];
+      if (source.filter(a, b)) visit(a, b);
     }
   }
 }
 
+/// visit(row, column) for the pairs of an item, from its tile `part` on, until `tests` have been made; whether that was
+/// all. Before that, expect(member) for those that may be in some pair.
+template <class Source, class Visit, class Expect>
+bool visit_tiles(const Source& source, uint64_t item, uint64_t& part, uint64_t& tests, LeafTiles& tiles,
+                 const Visit& visit, const Expect& expect) {
+  const auto work = source.work(item);
+  const uint32_t rows = smaller(kTile, work.leaf.count - work.row);
+  const BoxTile& row = tiles.rows(source, work, rows, expect);
+  uint32_t first = work.first_column + static_cast<uint32_t>(part) * kTile;
+  for (; first < work.end_column && tests > 0; first += kTile, ++part) {
+    const uint32_t columns = smaller(kTile, work.end_column - first);
+    const BoxTile& column = first == work.row ? row : tiles.columns(source, work, first, columns, expect);
+    visit_tile(source, row, rows, column, columns, visit);
+    tests -= smaller(tests, uint64_t{rows} * columns);
+  }
+  return first >= work.end_column;
+}
+
 template <class Source, class Visit>
 void visit_item(const Source& source, uint64_t item, LeafTiles& tiles, const Visit& visit) {
-  visit_item(source, item, tiles, visit, [](uint32_t) {});
+  uint64_t part = 0, tests = ~uint64_t{0};
+  visit_tiles(source, item, part, tests, tiles, visit, [](uint32_t) {});
+}
+
+/// Some of the items: tests that take a bounded time. None are left once the sink is over.
+template <class Source, class Sink, class Visit, class Expect>
+void visit_some(const Source& source, const Sink& sink, ItemRange& items, LeafTiles& tiles, const Visit& visit,
+                const Expect& expect) {
+  constexpr uint64_t kTests = 4096;
+  if (sink.is_over()) items.first = items.end;
+  for (uint64_t tests = kTests; tests > 0 && !items.is_over(); ++items.first, items.part = 0)
+    if (!visit_tiles(source, items.first, items.part, tests, tiles, visit, expect)) return;
 }
 
 }  // namespace collided

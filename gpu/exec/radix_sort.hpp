@@ -1,19 +1,18 @@
 #pragma once
 // A stable radix sort on CPU cores, least digit first.
 
-#include <tbb/parallel_for.h>
-
 #include <array>
 #include <utility>
 #include <vector>
 
+#include "gpu/exec/cpu_loops.hpp"
 #include "gpu/exec/sort_arrays.hpp"
 
 namespace collided {
 
 class RadixSort {
  public:
-  explicit RadixSort(const SortArrays& arrays) : arrays_(arrays), counts_(blocks()) {}
+  RadixSort(CpuLoops& loops, const SortArrays& arrays) : loops_(loops), arrays_(arrays), counts_(blocks()) {}
 
   /// By the lowest `bits` of the keys; 0 if the result is in `keys`, 1 if it is in `other_keys`.
   int run(int bits) {
@@ -40,7 +39,7 @@ class RadixSort {
   static uint64_t digit(uint64_t key, int shift, int bits) { return key >> shift & ((1u << bits) - 1u); }
 
   void pass(int shift, int bits) {
-    tbb::parallel_for(uint64_t{0}, blocks(), [&](uint64_t block) {
+    loops_.for_each(blocks(), 1, [&](uint64_t block) {
       Counts& counts = counts_[block];
       counts.fill(0);
       for (uint64_t i = block * kBlock; i < end_of(block); ++i) ++counts[digit(arrays_.keys[i], shift, bits)];
@@ -48,7 +47,7 @@ class RadixSort {
     uint64_t place = 0;
     for (size_t d = 0; d < Counts{}.size(); ++d)
       for (Counts& counts : counts_) place += std::exchange(counts[d], place);
-    tbb::parallel_for(uint64_t{0}, blocks(), [&](uint64_t block) {
+    loops_.for_each(blocks(), 1, [&](uint64_t block) {
       Counts& places = counts_[block];
       for (uint64_t i = block * kBlock; i < end_of(block); ++i) {
         const uint64_t to = places[digit(arrays_.keys[i], shift, bits)]++;
@@ -58,6 +57,7 @@ class RadixSort {
     });
   }
 
+  CpuLoops& loops_;
   SortArrays arrays_;
   std::vector<Counts> counts_;  ///< of each block; then the places of its entries
 };

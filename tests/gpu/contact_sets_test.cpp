@@ -9,6 +9,8 @@ namespace {
 
 constexpr uint8_t kSure = kFlagCertified, kSureInitial = kFlagCertified | kFlagInitial;
 
+CpuLoops loops(1);
+
 // Contacts (i, i + 100) with all arrays, entry i marked by i in each.
 ContactSet contacts(const std::vector<double>& toi, const std::vector<uint8_t>& flags) {
   ContactSet set;
@@ -39,20 +41,20 @@ void expect_are(const ContactSet& set, const std::vector<uint32_t>& marks) {
 TEST(ContactSets, UndecidedIsWhatIsNotCertainOrAtTimeZero) {
   const ContactSet set =
       contacts({0.5, 0.5, 0, 0, 1}, {kSure, kFlagNear, kSure, kSureInitial, kFlagNear | kFlagCapped});
-  EXPECT_EQ(undecided(set), (std::vector<size_t>{1, 2, 3, 4}));
+  EXPECT_EQ(undecided(loops, set), (std::vector<size_t>{1, 2, 3, 4}));
 }
 
 TEST(ContactSets, WithoutTimesOnlyCertaintyDecides) {
   ContactSet set = contacts({0, 0, 0}, {kSure, kFlagNear, kSure});
   set.toi.clear();
-  EXPECT_EQ(undecided(set), (std::vector<size_t>{1}));
+  EXPECT_EQ(undecided(loops, set), (std::vector<size_t>{1}));
 }
 
-TEST(ContactSets, NothingIsUndecidedInAnEmptySet) { EXPECT_TRUE(undecided({}).empty()); }
+TEST(ContactSets, NothingIsUndecidedInAnEmptySet) { EXPECT_TRUE(undecided(loops, {}).empty()); }
 
 TEST(ContactSets, AnswersSetTimesAndFlagsAndRemoveWhatIsNoContact) {
   ContactSet set = contacts({0.1, 0.2, 0, 0.4}, {kFlagNear, kFlagNear | kFlagCapped, kFlagNear | kFlagInitial, kSure});
-  apply(set, {0, 1, 2}, {{false, 0, false}, {true, 0.25, false}, {true, 0, true}});
+  apply(loops, set, {0, 1, 2}, {{false, 0, false}, {true, 0.25, false}, {true, 0, true}});
   expect_are(set, {1, 2, 3});
   EXPECT_EQ(set.toi, (std::vector<double>{0.25, 0, 0.4}));
   EXPECT_EQ(set.flags, (std::vector<uint8_t>{kSure, kSureInitial, kSure}));
@@ -60,7 +62,7 @@ TEST(ContactSets, AnswersSetTimesAndFlagsAndRemoveWhatIsNoContact) {
 
 TEST(ContactSets, EveryContactMayGo) {
   ContactSet set = contacts({0.1, 0.2}, {kFlagNear, kFlagNear});
-  apply(set, {0, 1}, {{}, {}});
+  apply(loops, set, {0, 1}, {{}, {}});
   expect_are(set, {});
 }
 
@@ -68,7 +70,7 @@ TEST(ContactSets, ArraysThatAreNotThereStayEmpty) {
   ContactSet set;
   set.elements = {{1, 2}, {3, 4}};
   set.flags = {kFlagNear, kFlagNear};
-  apply(set, {0, 1}, {{false, 0, false}, {true, 0, false}});
+  apply(loops, set, {0, 1}, {{false, 0, false}, {true, 0, false}});
   EXPECT_EQ(set.elements, (std::vector<std::array<uint32_t, 2>>{{3, 4}}));
   EXPECT_EQ(set.flags, (std::vector<uint8_t>{kSure}));
   EXPECT_TRUE(set.toi.empty() && set.distance.empty() && set.weights.empty());
@@ -79,7 +81,7 @@ std::array<std::vector<uint32_t>, 2> kept(const std::vector<double>& vt, const s
   FrameResult result;
   result.vertex_triangle = contacts(vt, std::vector<uint8_t>(vt.size(), kSure));
   result.edge_edge = contacts(ee, std::vector<uint8_t>(ee.size(), kSure));
-  keep_earliest(result);
+  keep_earliest(loops, result);
   std::array<std::vector<uint32_t>, 2> marks;
   for (const auto& e : result.vertex_triangle.elements) marks[0].push_back(e[0]);
   for (const auto& e : result.edge_edge.elements) marks[1].push_back(e[0]);

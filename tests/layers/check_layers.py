@@ -36,7 +36,7 @@ FORBIDDEN |= {part: STAGES | {"pipeline", "exact"} for part in ("exec", "math")}
 FORBIDDEN["exact"] = STAGES | {"pipeline"}
 
 # What the rest of the engine may see of gpu/exact; GMP stays behind these headers.
-EXACT_API = {"gpu/exact/exact.hpp", "gpu/exact/batch.hpp"}
+EXACT_API = {"gpu/exact/exact.hpp", "gpu/exact/decision.hpp", "gpu/exact/poll.hpp"}
 
 
 def complaint(path, quote, target):
@@ -62,7 +62,7 @@ def complaint(path, quote, target):
         if engine_part(path) == "exact" and engine_part(target) == "exec" and target != "gpu/exec/host_device.hpp":
             return "of exec, the exact decisions know host_device.hpp alone"
         if engine_part(target) == "exact" and engine_part(path) != "exact" and target not in EXACT_API:
-            return "of gpu/exact, others know exact.hpp and batch.hpp alone"
+            return "of gpu/exact, others know exact.hpp, decision.hpp and poll.hpp alone"
     if layer == "server":
         if target.startswith("gpu/") and target != "gpu/detector.hpp":
             return "the server knows the engine by gpu/detector.hpp alone"

@@ -38,7 +38,7 @@ BAD = [
     ("gpu/exact/bad.hpp", '#include "gpu/pipeline.hpp"'),
     ("gpu/exact/bad.hpp", '#include "gpu/exec/cpu.hpp"'),
     ("gpu/exact/exact.hpp", "#include <gmpxx.h>"),
-    ("gpu/exact/batch.hpp", "#include <gmp.h>"),
+    ("gpu/exact/decision.hpp", "#include <gmp.h>"),
     ("gpu/detector.cpp", "#include <gmpxx.h>"),
     ("gpu/backend_cpu.cpp", '#include "gpu/exact/polynomial.hpp"'),
     ("server/worker.cpp", "#include <gmpxx.h>"),

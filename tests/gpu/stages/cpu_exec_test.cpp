@@ -97,7 +97,7 @@ TEST_P(CpuExecTest, StepReturnsWhatItLeft) {
 
 TEST_P(CpuExecTest, CancellationStopsBeforeTheStage) {
   bool ran = false;
-  exec.cancelled = [] { return true; };
+  exec.asks().begin([] { return true; });
   EXPECT_THROW(exec.stage("stage", [&] { ran = true; }), Cancelled);
   EXPECT_FALSE(ran);
 }

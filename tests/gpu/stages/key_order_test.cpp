@@ -28,6 +28,8 @@ class Keys : public testing::TestWithParam<Shape> {
   }
 };
 
+CpuLoops loops(2);
+
 template <class T>
 Span<T> span_of(std::vector<T>& v) {
   return {v.data(), v.size()};
@@ -37,7 +39,7 @@ TEST_P(Keys, AreInAscendingOrder) {
   std::vector<uint64_t> given = keys(), expected = given, scratch(given.size()), sorted(given.size());
   std::sort(expected.begin(), expected.end());
   const KeyArrays<int> arrays{span_of(given), {}, span_of(scratch), span_of(sorted), {}};
-  ASSERT_TRUE(KeyOrder(arrays).run());
+  ASSERT_TRUE(KeyOrder(loops, arrays).run());
   EXPECT_EQ(sorted, expected);
 }
 
@@ -45,7 +47,7 @@ TEST_P(Keys, TakeTheirDataAlong) {
   std::vector<uint64_t> given = keys(), data = given, scratch(given.size()), sorted(given.size()), along(given.size());
   for (uint64_t& d : data) d ^= 0x5555;
   const KeyArrays<uint64_t> arrays{span_of(given), span_of(data), span_of(scratch), span_of(sorted), span_of(along)};
-  if (!KeyOrder(arrays).run()) {
+  if (!KeyOrder(loops, arrays).run()) {
     EXPECT_GT(GetParam().first_ids, 1u << 20) << "only very many ids do not fit";
     return;
   }
@@ -64,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Keys,
 TEST(KeyOrder, RefusesKeysWhoseBitsLeaveNoRoom) {
   std::vector<uint64_t> given{~uint64_t{0}, 3}, scratch(2), sorted(2);
   const KeyArrays<int> arrays{span_of(given), {}, span_of(scratch), span_of(sorted), {}};
-  EXPECT_FALSE(KeyOrder(arrays).run());
+  EXPECT_FALSE(KeyOrder(loops, arrays).run());
 }
 
 }  // namespace

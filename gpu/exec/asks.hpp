@@ -1,0 +1,74 @@
+#pragma once
+// When the thread that a frame belongs to asks whether the frame goes on. All others that work on it come to rest
+// before (exec/cpu_loops.hpp): the answer may take its time, and then nothing of the frame goes on meanwhile.
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <utility>
+
+#include "gpu/detector.hpp"
+
+namespace collided {
+
+class Asks {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// A frame begins, whose question this is; may be empty.
+  void begin(std::function<bool()> cancelled) {
+    cancelled_ = std::move(cancelled);
+    waited_ = {};
+    set_due();
+  }
+
+  /// From any thread that works on the frame: whether it is time to come to rest.
+  bool is_due() const {
+    const Clock::rep due = due_.load(std::memory_order_relaxed);
+    return due != kNever && Clock::now().time_since_epoch().count() >= due;
+  }
+
+  /// Throws Cancelled, or what the question throws.
+  void ask() {
+    if (!cancelled_) return;
+    const auto start = Clock::now();
+    const bool over = cancelled_();
+    waited_ += Clock::now() - start;
+    if (over) throw Cancelled();
+    set_due();
+  }
+  void ask_if_due() {
+    if (is_due()) ask();
+  }
+  /// From here to the end of the frame: what is left to do has to be done as a whole.
+  void no_more() { begin({}); }
+
+  /// What the frame has spent in its question.
+  Clock::duration waited() const { return waited_; }
+
+ private:
+  static constexpr std::chrono::milliseconds kBetween{8};
+  static constexpr Clock::rep kNever = Clock::duration::max().count();
+  void set_due() { due_ = cancelled_ ? (Clock::now() + kBetween).time_since_epoch().count() : kNever; }
+
+  std::function<bool()> cancelled_;
+  std::atomic<Clock::rep> due_ = kNever;  ///< on the clock
+  Clock::duration waited_{};
+};
+
+/// Time that the frame has worked since this was made, without what it spent in its question.
+class WorkTime {
+ public:
+  explicit WorkTime(const Asks& asks) : asks_(asks), waited_(asks.waited()) {}
+  double milliseconds() const {
+    const auto worked = Asks::Clock::now() - start_ - (asks_.waited() - waited_);
+    return std::chrono::duration<double, std::milli>(worked).count();
+  }
+
+ private:
+  const Asks& asks_;
+  const Asks::Clock::time_point start_ = Asks::Clock::now();
+  const Asks::Clock::duration waited_;
+};
+
+}  // namespace collided

@@ -1,0 +1,195 @@
+#pragma once
+// Loops that CPU cores share (oneTBB). When it is time to ask whether the frame goes on, every thread leaves what it
+// holds of the loop's items; the calling thread asks, and they go on with what is left.
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "gpu/exec/asks.hpp"
+
+namespace collided {
+
+/// Items [first, end); `part` tells how much of the first one is done, if its loop can leave an item half done.
+struct ItemRange {
+  uint64_t first = 0, end = 0, part = 0;
+
+  bool is_over() const { return first == end; }
+};
+
+/// The items of a loop that no thread holds.
+class SharedItems {
+ public:
+  /// `grain`: items that a thread takes at least.
+  SharedItems(uint64_t count, uint64_t grain, uint64_t threads) : count_(count), grain_(grain), threads_(threads) {}
+
+  /// False if there are none.
+  bool take(ItemRange& range) {
+    const std::lock_guard lock(mutex_);
+    if (!left_.empty()) {
+      range = left_.back();
+      left_.pop_back();
+      return true;
+    }
+    constexpr uint64_t kSharesOfThread = 8, kMostGrains = 64;
+    const uint64_t share = (count_ - next_) / (kSharesOfThread * threads_);
+    const uint64_t size = std::clamp(share, grain_, kMostGrains * grain_);
+    range = {next_, std::min(count_, next_ + size), 0};
+    next_ = range.end;
+    return !range.is_over();
+  }
+  void give_back(const ItemRange& range) {
+    if (range.is_over()) return;
+    const std::lock_guard lock(mutex_);
+    left_.push_back(range);
+  }
+  /// While no thread holds any.
+  bool are_left() const { return next_ != count_ || !left_.empty(); }
+
+ private:
+  std::mutex mutex_;
+  const uint64_t count_, grain_, threads_;
+  uint64_t next_ = 0;
+  std::vector<ItemRange> left_;  ///< that threads gave back
+};
+
+/// What a loop's threads know of each other.
+struct LoopState {
+  SharedItems items;
+  Asks& asks;
+  std::atomic<int> helpers = 0;  ///< at work, beside the calling thread
+};
+
+/// Ends a helper's item that takes long; it is done from its beginning another time.
+struct LeftUndone {};
+
+/// A thread's work on a loop, until there are no more items or it is time to ask.
+class LoopTurn {
+ public:
+  enum Who { kCaller, kHelper };
+  /// The calling thread has items from the beginning: what no helper can do in the time that it has, is done by it.
+  LoopTurn(LoopState& loop, Who who) : loop_(loop), is_helper_(who == kHelper) {
+    is_helper_ ? void(++loop_.helpers) : void(loop_.items.take(range_));
+  }
+  LoopTurn(const LoopTurn&) = delete;
+  LoopTurn& operator=(const LoopTurn&) = delete;
+  ~LoopTurn() {
+    loop_.items.give_back(range_);
+    if (is_helper_) --loop_.helpers;
+  }
+
+  /// Items to do some of: who uses the turn moves `first` on, and calls again after a bounded time. Null: it is over.
+  ItemRange* next() {
+    if ((is_helper_ || has_begun_) && loop_.asks.is_due()) return nullptr;
+    has_begun_ = true;
+    return range_.is_over() && !loop_.items.take(range_) ? nullptr : &range_;
+  }
+
+  /// Within an item that takes long. When it is time to ask, a helper leaves the item (LeftUndone); the calling thread
+  /// waits until the helpers rest, asks, and goes on.
+  void look_up() {
+    if (!loop_.asks.is_due()) return;
+    if (is_helper_) throw LeftUndone();
+    while (loop_.helpers != 0) std::this_thread::yield();
+    loop_.asks.ask();
+  }
+
+ private:
+  LoopState& loop_;
+  const bool is_helper_;
+  ItemRange range_;
+  bool has_begun_ = false;
+};
+
+class CpuLoops {
+ public:
+  explicit CpuLoops(int threads) : arena_(threads > 0 ? threads : tbb::task_arena::automatic) {}
+
+  int threads() const { return arena_.max_concurrency(); }
+
+  /// use(turn) on several threads, until all of `count` items are done. Throws what the question throws.
+  template <class Use>
+  void share(uint64_t count, uint64_t grain, const Use& use) {
+    const uint64_t most = (count + grain - 1) / grain, threads = std::min<uint64_t>(arena_.max_concurrency(), most);
+    LoopState loop{{count, grain, std::max<uint64_t>(threads, 1)}, asks};
+    asks.ask_if_due();
+    while (loop.items.are_left()) {
+      if (threads > 1)
+        arena_.execute([&] { work_together(loop, threads - 1, use); });
+      else
+        work(loop, LoopTurn::kCaller, use);
+      if (loop.items.are_left()) asks.ask();
+    }
+  }
+
+  /// f(i) for i in [0, count). `grain`: items that take a bounded time together.
+  template <class F>
+  void for_each(uint64_t count, uint64_t grain, const F& f) {
+    share(count, grain, [&](LoopTurn& turn) {
+      while (ItemRange* items = turn.next()) {
+        const uint64_t end = std::min(items->end, items->first + grain);
+        for (uint64_t i = items->first; i != end; ++i) f(i);
+        items->first = end;
+      }
+    });
+  }
+
+  /// op over transform(i), i in [0, count); op must not depend on the order.
+  template <class T, class F, class Op>
+  T reduce(uint64_t count, uint64_t grain, const F& transform, const T& identity, const Op& op) {
+    T all = identity;
+    std::mutex mutex;
+    share(count, grain, [&](LoopTurn& turn) {
+      T value = identity;
+      while (ItemRange* items = turn.next()) {
+        const uint64_t end = std::min(items->end, items->first + grain);
+        for (uint64_t i = items->first; i != end; ++i) value = op(value, transform(i));
+        items->first = end;
+      }
+      const std::lock_guard lock(mutex);
+      all = op(all, value);
+    });
+    return all;
+  }
+
+  /// f(first, end) for ranges of [0, count) in turn, on the calling thread alone.
+  template <class F>
+  void in_turn(uint64_t count, uint64_t grain, const F& f) {
+    for (uint64_t first = 0; first < count; first += grain) {
+      asks.ask_if_due();
+      f(first, std::min(count, first + grain));
+    }
+  }
+
+  Asks asks;
+
+ private:
+  template <class Use>
+  static void work(LoopState& loop, LoopTurn::Who who, const Use& use) {
+    LoopTurn turn(loop, who);
+    use(turn);
+  }
+  template <class Use>
+  static void work_together(LoopState& loop, uint64_t helpers, const Use& use) {
+    tbb::task_group group;
+    LoopTurn turn(loop, LoopTurn::kCaller);
+    group.run([&] { tbb::parallel_for(uint64_t{0}, helpers, [&](uint64_t) { work(loop, LoopTurn::kHelper, use); }); });
+    try {
+      use(turn);
+    } catch (...) {
+      group.wait();
+      throw;
+    }
+    group.wait();
+  }
+
+  tbb::task_arena arena_;
+};
+
+}  // namespace collided
