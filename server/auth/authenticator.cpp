@@ -38,7 +38,8 @@ std::string_view token_of(std::string_view authorization) {
   if (authorization.size() < kScheme.size() || strncasecmp(authorization.data(), kScheme.data(), kScheme.size()) != 0)
     throw Unauthenticated("authorization is not \"Bearer\" and a token");
   const auto start = authorization.find_first_not_of(' ', kScheme.size());
-  return start == std::string_view::npos ? std::string_view() : authorization.substr(start);
+  if (start == std::string_view::npos) throw Unauthenticated("authorization has no token after \"Bearer\"");
+  return authorization.substr(start);
 }
 
 // Takes as long for the first token as for the last, and for none.

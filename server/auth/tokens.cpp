@@ -10,7 +10,7 @@
 #include <toml.hpp>
 
 #include "server/auth/secret_file.hpp"
-#include "server/config/text_file.hpp"
+#include "server/config/toml_text.hpp"
 
 namespace collided::server {
 namespace {
@@ -64,6 +64,7 @@ class Entry {
     Digest digest;
     for (size_t i = 0; i < digest.size(); ++i)
       digest[i] = static_cast<unsigned char>(std::stoul(digits.substr(2 * i, 2), nullptr, 16));
+    if (digest == digest_of("")) refuse("sha256 is that of an empty text, which is no token");
     return digest;
   }
 
@@ -96,7 +97,7 @@ class Entry {
 
 // toml11's own messages quote the line, and with it perhaps a token.
 toml::value parse_toml(const std::string& path) try {
-  std::istringstream text(read_text_file(path, kMaxFileBytes));
+  std::istringstream text(read_toml_text(path, kMaxFileBytes));
   return toml::parse(text, path);
 } catch (const toml::exception& error) {
   throw ConfigError(path + ":" + std::to_string(error.location().line()) + ": is not valid TOML");

@@ -4,7 +4,7 @@
 #include <toml.hpp>
 
 #include "server/config/options.hpp"
-#include "server/config/text_file.hpp"
+#include "server/config/toml_text.hpp"
 
 namespace collided::server {
 namespace {
@@ -49,7 +49,7 @@ void take(CLI::App& app, const std::string& path, const std::string& key, const 
 
 // The first line of what toml11 says; the others draw the place.
 toml::value parse_toml(const std::string& path) try {
-  std::istringstream text(read_text_file(path, kMaxFileBytes));
+  std::istringstream text(read_toml_text(path, kMaxFileBytes));
   return toml::parse(text, path);
 } catch (const toml::exception& error) {
   const std::string what = error.what();

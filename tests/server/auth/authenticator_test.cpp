@@ -65,6 +65,14 @@ TEST(Authenticator, RefusesWhatIsNoToken) {
   }
 }
 
+// No token is empty, whatever the tokens file says.
+TEST(Authenticator, AnEmptyTokenIsNone) {
+  const TextFile file(kTwo);
+  const Authenticator authenticator(with_tokens(file));
+  for (const auto* sent : {"Bearer ", "bearer   "})
+    EXPECT_EQ(refusal(authenticator, sent), "authorization has no token after \"Bearer\"");
+}
+
 TEST(Authenticator, ACertificateIsItsClientWhereThereAreNoTokens) {
   Config config;
   config.tls = {"c", "k", "ca"};

@@ -59,6 +59,8 @@ TEST(Tokens, RefusesWithTheLineAndNeverTellsTheToken) {
            {header + "token = \"with blanks in it 0123\"", "printable"},
            {header + "sha256 = \"" + std::string(64, 'g') + "\"", "hexadecimal"},
            {header + "sha256 = \"00\"", "sha256 has 2 bytes"},
+           {header + "sha256 = \"e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855\"",
+            ":1: sha256 is that of an empty text"},
            {"[[tokens]]\n" + std::string(kToken), ":1: name is not a text"},
            {"[[tokens]]\nname = \"\"\n" + std::string(kToken), "name has 0 bytes"},
            {"[[tokens]]\nname = \"anonymous\"\n" + std::string(kToken), "anonymous"},
@@ -87,6 +89,17 @@ TEST(Tokens, RefusesFilesThatCannotBeRead) {
   std::string many;
   for (int i = 0; i < 1001; ++i) many += kHeader + ("token = \"" + std::to_string(1'000'000'000'000'000 + i) + "\"\n");
   EXPECT_THROW(read(many), ConfigError);
+}
+
+// The parser calls itself for each level.
+TEST(Tokens, RefusesWhatNestsTooDeep) {
+  for (const std::string& deep : {std::string(100'000, '['), "x = " + std::string(100'000, '{')}) try {
+      read(std::string(kHeader) + kToken + deep);
+      FAIL() << "no error";
+    } catch (const ConfigError& error) {
+      EXPECT_NE(std::string(error.what()).find("file.toml:4: nests deeper than 16 levels"), std::string::npos)
+          << error.what();
+    }
 }
 
 TEST(Tokens, WarnsWhenOthersCanReadThem) {
