@@ -61,16 +61,20 @@ void cell(Rows& rows, const std::vector<T>& values, uint64_t i) {
   if (!values.empty()) rows.number(values[i]);
 }
 
-/// The words of the bits that are set.
+constexpr std::pair<v1::ContactFlag, std::string_view> kFlagWords[] = {{v1::CONTACT_FLAG_CERTIFIED, "certified"},
+                                                                       {v1::CONTACT_FLAG_NEAR, "near"},
+                                                                       {v1::CONTACT_FLAG_CAPPED, "capped"},
+                                                                       {v1::CONTACT_FLAG_INITIAL, "initial"}};
+
+/// The words of the flags that are set.
 void flags_cell(Rows& rows, const std::vector<uint8_t>& flags, uint64_t i) {
   rows.text(",");
   if (flags.empty()) return;
-  constexpr std::array<std::string_view, 4> kWords{"certified", "near", "capped", "initial"};
   bool is_first = true;
-  for (size_t bit = 0; bit < kWords.size(); ++bit) {
-    if (!(flags[i] >> bit & 1)) continue;
+  for (const auto& [mask, word] : kFlagWords) {
+    if ((flags[i] & mask) == 0) continue;
     if (!is_first) rows.text("|");
-    rows.text(kWords[bit]);
+    rows.text(word);
     is_first = false;
   }
 }

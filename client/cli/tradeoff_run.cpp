@@ -57,7 +57,7 @@ class Stepper {
 uint64_t count_flag(const client::FrameOutput& output, v1::ContactFlag flag) {
   uint64_t n = 0;
   for (const client::Contacts* contacts : {&output.vertex_triangle, &output.edge_edge})
-    for (const uint8_t flags : contacts->flags) n += flags >> (flag - 1) & 1;
+    for (const uint8_t flags : contacts->flags) n += (flags & flag) != 0;
   return n;
 }
 

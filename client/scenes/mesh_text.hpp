@@ -5,6 +5,7 @@
 // vertex must keep its index and every position its exact double.
 
 #include <charconv>
+#include <concepts>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -17,6 +18,11 @@ namespace collided::scenes {
 
 [[noreturn]] inline void fail(const std::string& place, const std::string& what) {
   throw std::runtime_error(place + ": " + what);
+}
+
+template <std::invocable Place>
+[[noreturn]] void fail(const Place& place, const std::string& what) {
+  fail(place(), what);
 }
 
 std::string read_file(const std::filesystem::path& file);
@@ -41,9 +47,9 @@ inline std::string_view next_line(std::string_view& text) {
   return line;
 }
 
-/// The number that `word` spells, rounded once to T. `place` names it in errors.
-template <class T>
-T parse_number(std::string_view word, const std::string& place) {
+/// The number that `word` spells, rounded once to T. `place`, or what it returns, names it in errors.
+template <class T, class Place>
+T parse_number(std::string_view word, const Place& place) {
   if (word.empty()) fail(place, "a number is missing");
   if (word.front() == '+') word.remove_prefix(1);
   T value{};

@@ -1,5 +1,7 @@
 // OBJ: lines "v x y z" and "f a b c ..." (also a/b/c, and negative indices that count back); the rest is passed over.
 
+#include <cmath>
+
 #include "client/scenes/mesh_text.hpp"
 
 namespace collided::scenes {
@@ -8,9 +10,24 @@ namespace {
 
 Vec3d parse_vertex(std::string_view line, const std::string& place) {
   Vec3d p;
-  for (double& x : p) x = parse_number<double>(next_word(line), place);
+  for (double& x : p) {
+    const std::string_view word = next_word(line);
+    x = parse_number<double>(word, place);
+    if (!std::isfinite(x)) fail(place, "position " + std::string(word.substr(0, 40)) + " is not finite");
+  }
   return p;
 }
+
+/// The highest corner of all faces and the line that has it: faces may come before their vertices.
+struct Highest {
+  uint32_t corner = 0;
+  size_t line = 0;
+
+  void look_at(const std::vector<uint32_t>& corners, size_t number) {
+    for (const uint32_t c : corners)
+      if (line == 0 || c > corner) *this = {c, number};
+  }
+};
 
 uint32_t parse_corner(std::string_view word, size_t vertices, const std::string& place) {
   const auto index = parse_number<int64_t>(word.substr(0, word.find('/')), place);
@@ -30,6 +47,7 @@ void append_number(std::string& out, double x) {
 MeshFile read_obj(std::string_view text, const std::string& file) {
   MeshFile mesh;
   std::vector<uint32_t> corners;
+  Highest highest;
   for (size_t number = 1; !text.empty(); ++number) {
     std::string_view line = next_line(text);
     const std::string_view key = next_word(line);
@@ -43,7 +61,12 @@ MeshFile read_obj(std::string_view text, const std::string& file) {
     for (std::string_view word = next_word(line); !word.empty(); word = next_word(line))
       corners.push_back(parse_corner(word, mesh.positions.size(), place));
     add_fan(corners, mesh, place);
+    highest.look_at(corners, number);
   }
+  if (highest.line > 0 && highest.corner >= mesh.positions.size())
+    fail(file + ":" + std::to_string(highest.line), "vertex index " + std::to_string(uint64_t{highest.corner} + 1) +
+                                                        " is out of range; there are " +
+                                                        std::to_string(mesh.positions.size()) + " vertices");
   return mesh;
 }
 

@@ -1,5 +1,6 @@
 // PLY in: positions of "vertex" and corners of "face"; other elements and properties are stepped over.
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -14,8 +15,9 @@ namespace {
 /// Takes numbers off the body, whatever their encoding. A double holds every PLY type exactly.
 class Body {
  public:
-  Body(std::string_view text, PlyFormat format, std::string file)
-      : text_(text), format_(format), file_(std::move(file)) {}
+  /// `text` begins on line `line` of the file.
+  Body(std::string_view text, size_t line, PlyFormat format, std::string file)
+      : text_(text), line_(line), format_(format), file_(std::move(file)) {}
 
   double number(PlyType type) {
     if (format_ == PlyFormat::kAscii) return ascii_number(type);
@@ -56,10 +58,12 @@ class Body {
     if (from == std::string_view::npos) fail(file_, "is cut off");
     const size_t to = std::min(text_.find_first_of(" \t\r\n", from), text_.size());
     const std::string_view word = text_.substr(from, to - from);
+    line_ += static_cast<size_t>(std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(from), '\n'));
     text_.remove_prefix(to);
+    const auto place = [this] { return file_ + ":" + std::to_string(line_); };
     // Decimal text is taken at double precision, whatever type the header names: nothing is rounded twice.
-    if (type >= PlyType::kFloat) return parse_number<double>(word, file_);
-    return static_cast<double>(parse_number<int64_t>(word, file_));
+    if (type >= PlyType::kFloat) return parse_number<double>(word, place);
+    return static_cast<double>(parse_number<int64_t>(word, place));
   }
 
   template <class T, class Bits>
@@ -75,6 +79,7 @@ class Body {
   }
 
   std::string_view text_;
+  size_t line_;  ///< of ascii text
   PlyFormat format_;
   std::string file_;
 };
@@ -126,8 +131,10 @@ void read_face(Body& body, const PlyElement& element, MeshFile& mesh, const std:
 }  // namespace
 
 MeshFile read_ply(std::string_view text, const std::string& file) {
+  const std::string_view whole = text;
   const PlyHeader header = read_ply_header(text, file);
-  Body body(text, header.format, file);
+  const auto header_end = whole.begin() + static_cast<std::ptrdiff_t>(whole.size() - text.size());
+  Body body(text, 1 + static_cast<size_t>(std::count(whole.begin(), header_end, '\n')), header.format, file);
   MeshFile mesh;
   for (const PlyElement& element : header.elements) {
     if (element.name == "vertex") {

@@ -9,6 +9,10 @@ namespace {
 
 using Stencil = std::array<uint32_t, 4>;
 
+// The engine's bytes go out as they are.
+static_assert(kFlagCertified == int{pb::CONTACT_FLAG_CERTIFIED} && kFlagNear == int{pb::CONTACT_FLAG_NEAR} &&
+              kFlagCapped == int{pb::CONTACT_FLAG_CAPPED} && kFlagInitial == int{pb::CONTACT_FLAG_INITIAL});
+
 Stencil stencil(pb::ContactKind kind, std::array<uint32_t, 2> pair, const Topology& topology) {
   if (kind == pb::CONTACT_KIND_VERTEX_TRIANGLE) {
     const auto& triangle = topology.triangles[pair[1]];

@@ -83,6 +83,28 @@ TEST_F(ClientAndDaemon, ARefusedFrameIsAnAnswerAndTheStreamGoesOn) {
   stream.finish();
 }
 
+/// The flags of the one vertex-triangle contact from a start at which the corner is `height` above.
+uint8_t flags_from(Client& client, const v1::Scene& scene, double height) {
+  FrameStream stream = client.stream(scene);
+  v1::Frame frame;
+  frame.set_frame_id(stream.scene().last_frame_id() + 1);
+  *frame.add_updates() = mesh_update(0, v1::POSITION_FORMAT_F64, positions_at(-1), positions_at(height));
+  stream.send(frame);
+  const FrameOutput output = stream.receive();
+  output.check();
+  stream.finish();
+  return output.vertex_triangle.flags.at(0);
+}
+
+TEST_F(ClientAndDaemon, TheFlagsOfAContactAreMasks) {
+  const v1::Scene scene = make_scene();
+  const uint8_t touching = flags_from(client, scene, 0), apart = flags_from(client, scene, 1);
+  EXPECT_TRUE(touching & v1::CONTACT_FLAG_INITIAL);
+  EXPECT_FALSE(apart & v1::CONTACT_FLAG_INITIAL);
+  EXPECT_TRUE(apart & v1::CONTACT_FLAG_CERTIFIED);
+  EXPECT_FALSE((apart | touching) & v1::CONTACT_FLAG_CAPPED);
+}
+
 TEST_F(ClientAndDaemon, AThreadCanReceiveBeforeTheFirstFrameIsSent) {
   FrameStream stream = client.stream(make_scene());
   EXPECT_THROW(stream.receive(), Error);

@@ -152,10 +152,20 @@ TEST_F(MeshFiles, FilesWithoutAMeshAreRefused) {
 TEST_F(MeshFiles, ErrorsNameFileAndPlace) {
   EXPECT_NE(error_of("m.obj", "v 0 0 0\nv 1 zero 0\n").find("m.obj:2: 'zero' is not a number"), std::string::npos);
   EXPECT_NE(error_of("m.obj", "v 0 0\n").find("m.obj:1: a number is missing"), std::string::npos);
-  EXPECT_NE(error_of("m.obj", "v 0 0 0\nf 1 1 2\n").find("triangle 0 has vertex 1; there are 1"), std::string::npos);
+  EXPECT_NE(
+      error_of("m.obj", "v 0 0 0\nf 1 1 2\n").find("m.obj:2: vertex index 2 is out of range; there are 1 vertices"),
+      std::string::npos);
   EXPECT_NE(error_of("m.obj", "v 0 0 0\nf 1 0 1\n").find("vertex index 0"), std::string::npos);
   EXPECT_NE(error_of("m.obj", "v 0 0 0\nf 1 1\n").find("2 corners"), std::string::npos);
-  EXPECT_NE(error_of("m.obj", "v nan 0 0\n").find("vertex 0 has a position that is not finite"), std::string::npos);
+  EXPECT_NE(error_of("m.obj", "v 1 0 0\nv 0 nan 0\n").find("m.obj:2: position nan is not finite"), std::string::npos);
+  EXPECT_NE(error_of("m.ply",
+                     "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\n"
+                     "property double z\nend_header\n0 0 0\n0 zero 0\n")
+                .find("m.ply:9: 'zero' is not a number"),
+            std::string::npos);
+  EXPECT_NE(error_of("m.obj", "v 0 0 0\nf 1 3 4\nf 2 3 1\nv 1 0 0\nv 0 1 0\n")
+                .find("m.obj:2: vertex index 4 is out of range; there are 3 vertices"),
+            std::string::npos);
   EXPECT_NE(error_of("m.stl", "solid").find("neither .obj nor .ply"), std::string::npos);
   EXPECT_THROW(read_mesh(dir_ / "none.ply"), std::runtime_error);
   EXPECT_THROW(read_mesh(dir_), std::runtime_error);
