@@ -1,22 +1,20 @@
 // collidectl bench: the engine's time for the steps of scenes, without network, upload and download; or, end to end,
 // that of whole frames.
 
-#include <cstdio>
-#include <fstream>
+#include <exception>
 #include <memory>
 
+#include "client/cli/bench_output.hpp"
 #include "client/cli/bench_run.hpp"
 #include "client/cli/commands.hpp"
 #include "client/cli/end_to_end.hpp"
 #include "client/cli/errors.hpp"
+#include "client/cli/output.hpp"
 #include "client/cli/scene_options.hpp"
-#include "client/cli/text.hpp"
 
 namespace collided::cli {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 struct BenchOptions {
   BenchSettings settings;
@@ -24,7 +22,8 @@ struct BenchOptions {
   double scale = 1;
   bool end_to_end = false;
   std::vector<double> megabytes{1, 5};
-  std::string json;
+  std::string out;
+  bool json = false;
 };
 
 void check_end_to_end(const BenchOptions& options) {
@@ -34,6 +33,7 @@ void check_end_to_end(const BenchOptions& options) {
 }
 
 void check_usage(const BenchOptions& options) {
+  check_one_output(options.out, options.json);
   if (options.end_to_end) return check_end_to_end(options);
   if (options.scenes.empty() == options.frames.empty()) throw UsageError("bench needs one of --scene and --frames");
   const std::string& mode = options.settings.detection.mode;
@@ -44,65 +44,74 @@ void check_usage(const BenchOptions& options) {
   check_usage(options.settings.detection);
 }
 
-/// Before any work, so that no long run is lost.
-void check_writable(const fs::path& file) {
-  std::error_code error;
-  const bool was_there = fs::exists(file, error);
-  if (!std::ofstream(file, std::ios::app)) throw std::runtime_error("--json " + file.string() + ": cannot be written");
-  if (!was_there) fs::remove(file, error);
-}
-
 void check_work(const BenchOptions& options) {
   for (const std::string& name : options.scenes) scenes::check_scene(name, options.scale);
-  if (!options.json.empty()) check_writable(options.json);
+  check_writable("--out", options.out);
 }
 
-/// Measures and prints; the file always holds the runs so far.
 class Bench {
  public:
-  explicit Bench(const BenchOptions& options) : options_(options), connection_(options.settings.server) {
-    std::printf("%s", bench_head().c_str());
+  explicit Bench(const BenchOptions& options)
+      : options_(options), connection_(options.settings.server), output_(options.out, options.json) {
+    output_.show(bench_head());
   }
 
   void run(const BenchInput& input) {
     BenchSettings settings = options_.settings;
     for (const std::string& engine : options_.engines) {
       settings.detection.engine = engine;
-      runs_.push_back(measure(connection_, settings, input));
-      std::printf("%s", bench_lines(run_json(runs_.back())).c_str());
-      std::fflush(stdout);
-      if (!options_.json.empty()) write();
+      const BenchRun run = measure(connection_, settings, input);
+      if (!run.steps.empty()) add(run);
+      if (run.interrupted) std::rethrow_exception(run.interrupted);
     }
   }
+  void finish() const { output_.finish(); }
 
  private:
-  void write() const {
+  void add(const BenchRun& run) {
+    runs_.push_back(run);
+    output_.show(bench_lines(run_json(run)));
     const Json scale = options_.frames.empty() ? Json(options_.scale) : Json(nullptr);
-    write_text(options_.json, bench_json(runs_, options_.settings.warm_up, scale).dump(2) + "\n");
+    output_.keep(bench_json(runs_, options_.settings.warm_up, scale));
   }
 
   const BenchOptions& options_;
   Connection connection_;
+  BenchOutput output_;
   std::vector<BenchRun> runs_;
 };
 
 void run_whole_frames(const BenchOptions& options) {
-  EndToEndOptions out{
-      .settings = options.settings, .scale = options.scale, .megabytes = options.megabytes, .json = options.json};
+  EndToEndOptions out{.settings = options.settings,
+                      .scale = options.scale,
+                      .megabytes = options.megabytes,
+                      .out = options.out,
+                      .json = options.json};
   if (!options.scenes.empty()) out.scene = options.scenes.front();
   out.settings.detection.engine = options.engines.front();
   run_end_to_end(out);
+}
+
+/// What ends it early leaves the runs so far.
+void run_steps(const BenchOptions& options) {
+  std::optional<BenchInput> files;
+  if (!options.frames.empty()) files = file_input(options.frames);
+  Bench bench(options);
+  try {
+    if (files) bench.run(*files);
+    for (const std::string& name : options.scenes) bench.run(scene_input(name, options.scale));
+  } catch (const std::exception&) {
+    bench.finish();
+    throw;
+  }
+  bench.finish();
 }
 
 void run(const BenchOptions& options) {
   check_usage(options);
   check_work(options);
   if (options.end_to_end) return run_whole_frames(options);
-  std::optional<BenchInput> files;
-  if (!options.frames.empty()) files = file_input(options.frames);
-  Bench bench(options);
-  if (files) bench.run(*files);
-  for (const std::string& name : options.scenes) bench.run(scene_input(name, options.scale));
+  run_steps(options);
 }
 
 void add_input_options(CLI::App& command, BenchOptions& options) {
@@ -157,7 +166,8 @@ void add_bench(CLI::App& app) {
   add_position_format_option(command, options->settings.position_format);
   add_server_options(command, options->settings.server);
   add_end_to_end_options(command, *options);
-  command.add_option("--json", options->json, "File for the results of all runs, written after each");
+  command.add_option("--out", options->out, "JSON file for all runs, written after each; -: standard output");
+  command.add_flag("--json", options->json, "Print all runs as one JSON object instead of the table");
   command.callback([options] { run(*options); });
 }
 

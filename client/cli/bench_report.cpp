@@ -24,19 +24,8 @@ Json stage_times(const std::vector<v1::FrameMetrics>& steps) {
   return stages;
 }
 
-/// "contacts_edge_edge" to "contacts_ee".
-std::string short_name(std::string name) {
-  constexpr std::pair<std::string_view, const char*> kKinds[] = {
-      {"vertex_triangle", "vt"}, {"edge_edge", "ee"}, {"triangle_triangle", "tt"}};
-  for (const auto& [kind, letters] : kKinds)
-    if (name.ends_with(kind)) name.replace(name.size() - kind.size(), kind.size(), letters);
-  return name;
-}
-
 Json counts_of(const std::vector<v1::FrameMetrics>& steps) {
-  Json out = Json::object();
-  const Json last = counts_json(steps.back().counts());
-  for (const auto& [name, count] : last.items()) out[short_name(name)] = count;
+  Json out = counts_json(steps.back().counts());
   uint64_t replays = 0;
   Json engines = Json::object();
   for (const v1::FrameMetrics& step : steps) {

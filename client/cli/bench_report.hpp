@@ -1,6 +1,7 @@
 #pragma once
 // What 'collidectl bench' found, as JSON and as a table.
 
+#include <exception>
 #include <string>
 #include <vector>
 
@@ -10,9 +11,10 @@ namespace collided::cli {
 
 /// One input with one engine.
 struct BenchRun {
-  std::string name;                     ///< of the input
-  v1::Scene scene;                      ///< after the last step
-  std::vector<v1::FrameMetrics> steps;  ///< those that count, in their order; 1 or more
+  std::string name;                          ///< of the input
+  v1::Scene scene;                           ///< after the last step
+  std::vector<v1::FrameMetrics> steps;       ///< those that count, in their order; 1 or more
+  std::exception_ptr interrupted = nullptr;  ///< the run ended before all steps were done
 };
 
 /// Times are in milliseconds; counts are those of the last step, but for "replays" and "steps_by_engine", which are of

@@ -2,6 +2,7 @@
 
 #include "client/cli/bench_run.hpp"
 
+#include "client/cli/errors.hpp"
 #include "client/cli/mesh_input.hpp"
 #include "client/cli/progress.hpp"
 
@@ -9,19 +10,18 @@ namespace collided::cli {
 
 namespace {
 
-/// What the steps after the warm-up cost.
-std::vector<v1::FrameMetrics> play(client::FrameStream& stream, const BenchSettings& settings, const BenchInput& input,
-                                   const v1::SceneSpec& spec) {
+/// Adds what the steps after the warm-up cost.
+void play(client::FrameStream& stream, const BenchSettings& settings, const BenchInput& input,
+          const v1::SceneSpec& spec, std::vector<v1::FrameMetrics>& metrics) {
   const std::vector<int> plan = planned_steps(settings.steps, settings.warm_up);
   const std::string what = input.name + ", " + settings.detection.engine + ": steps";
-  std::vector<v1::FrameMetrics> metrics;
   Progress progress;
   for (size_t at = 0; at < plan.size(); ++at) {
     client::FrameOutput output = run_frame(stream, planned_frame(input, plan, at, settings.steps, spec));
     if (at >= static_cast<size_t>(settings.warm_up)) metrics.push_back(std::move(*output.done.mutable_metrics()));
     progress.show(what, static_cast<int>(at) + 1, static_cast<int>(plan.size()));
   }
-  return metrics;
+  stream.finish();
 }
 
 }  // namespace
@@ -33,8 +33,11 @@ BenchRun measure(Connection& connection, const BenchSettings& settings, const Be
   client::FrameStream stream = connection->stream(*scene, {.window = 1});
   BenchRun run;
   run.name = input.name;
-  run.steps = play(stream, settings, input, spec);
-  stream.finish();
+  try {
+    play(stream, settings, input, spec, run.steps);
+  } catch (const Interrupted&) {
+    run.interrupted = std::current_exception();
+  }
   run.scene = connection->get_scene(scene->scene_id());
   return run;
 }

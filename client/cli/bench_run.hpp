@@ -16,7 +16,7 @@ struct BenchSettings {
 };
 
 /// One input with the engine of the settings, on a scene of its own, one frame in flight: a frame's time is not to
-/// depend on its neighbours.
+/// depend on its neighbours. An interrupt leaves a run of the steps so far, and itself in it.
 BenchRun measure(Connection& connection, const BenchSettings& settings, const BenchInput& input);
 
 }  // namespace collided::cli

@@ -1,6 +1,7 @@
 #pragma once
 // A client of the daemon that the options name, or of one started for it.
 
+#include <chrono>
 #include <optional>
 #include <span>
 
@@ -14,10 +15,13 @@ namespace collided::cli {
 /// A scene that is deleted at the end of its scope, also when an error ends it.
 class SceneGuard {
  public:
-  SceneGuard(client::Client& client, v1::Scene scene) : client_(client), scene_(std::move(scene)) {}
+  /// `goes_with_daemon`: an interrupted collidectl need not wait until it is deleted.
+  SceneGuard(client::Client& client, v1::Scene scene, bool goes_with_daemon = false)
+      : client_(client), scene_(std::move(scene)), goes_with_daemon_(goes_with_daemon) {}
   SceneGuard(const SceneGuard&) = delete;
   SceneGuard& operator=(const SceneGuard&) = delete;
   ~SceneGuard() {
+    if (goes_with_daemon_ && is_interrupted()) return;
     try {
       client_.delete_scene(scene_.scene_id());
     } catch (const client::Error&) {  // the daemon is gone, and the scene with it
@@ -29,6 +33,7 @@ class SceneGuard {
  private:
   client::Client& client_;
   v1::Scene scene_;
+  bool goes_with_daemon_;
 };
 
 /// Reads the token's file. Throws std::runtime_error naming it.
@@ -40,10 +45,12 @@ class Connection {
   client::Client& operator*() { return client_; }
   client::Client* operator->() { return &client_; }
 
-  /// Interrupts are noted from here on if the daemon is one of others: the scene has to be deleted then, too.
+  /// Interrupts are noted once there is a scene; if the daemon is one of others, even before.
   SceneGuard create_scene(const v1::SceneSpec& spec, std::span<const client::MeshInput> meshes) {
     if (!daemon_) note_interrupts();
-    return SceneGuard(client_, client_.create_scene(spec, meshes));
+    v1::Scene scene = client_.create_scene(spec, meshes);
+    note_interrupts();
+    return SceneGuard(client_, std::move(scene), daemon_.has_value());
   }
 
  private:
@@ -53,12 +60,20 @@ class Connection {
   client::Client client_;
 };
 
+/// The next answer. Throws Interrupted.
+inline client::FrameOutput receive(client::FrameStream& stream) {
+  constexpr std::chrono::milliseconds kPatience(50);
+  for (;;) {
+    check_interrupt();
+    if (auto output = stream.receive_within(kPatience)) return std::move(*output);
+  }
+}
+
 /// One frame, with none other in flight. Throws its refusal, and Interrupted.
 inline client::FrameOutput run_frame(client::FrameStream& stream, const v1::Frame& frame) {
   check_interrupt();
   stream.send(frame);
-  client::FrameOutput output = stream.receive();
-  check_interrupt();
+  client::FrameOutput output = receive(stream);
   output.check();
   return output;
 }

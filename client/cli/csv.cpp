@@ -3,8 +3,10 @@
 #include "client/cli/csv.hpp"
 
 #include <charconv>
-#include <fstream>
-#include <stdexcept>
+#include <utility>
+
+#include "client/cli/contact_report.hpp"
+#include "client/cli/output.hpp"
 
 namespace collided::cli {
 
@@ -14,10 +16,7 @@ constexpr size_t kBufferBytes = 1 << 20, kMaxRowBytes = 256;
 
 class Rows {
  public:
-  explicit Rows(const std::filesystem::path& file) : name_(file.string()), out_(file, std::ios::binary) {
-    if (!out_) throw std::runtime_error(name_ + ": cannot be written");
-    buffer_.resize(kBufferBytes);
-  }
+  explicit Rows(const std::string& file) : out_(file), buffer_(kBufferBytes, '\0') {}
   void text(std::string_view s) { at_ += s.copy(buffer_.data() + at_, s.size()); }
   template <class T>
   void number(T x) {
@@ -30,18 +29,13 @@ class Rows {
   }
   void finish() {
     write();
-    if (!out_.flush()) throw std::runtime_error(name_ + ": cannot be written");
+    out_.finish();
   }
 
  private:
-  void write() {
-    out_.write(buffer_.data(), static_cast<std::streamsize>(at_));
-    at_ = 0;
-    if (!out_) throw std::runtime_error(name_ + ": cannot be written");
-  }
+  void write() { out_.write(buffer_.data(), std::exchange(at_, 0)); }
 
-  std::string name_;
-  std::ofstream out_;
+  OutputFile out_;
   std::string buffer_;
   size_t at_ = 0;
 };
@@ -61,22 +55,19 @@ void cell(Rows& rows, const std::vector<T>& values, uint64_t i) {
   if (!values.empty()) rows.number(values[i]);
 }
 
-constexpr std::pair<v1::ContactFlag, std::string_view> kFlagWords[] = {{v1::CONTACT_FLAG_CERTIFIED, "certified"},
-                                                                       {v1::CONTACT_FLAG_NEAR, "near"},
-                                                                       {v1::CONTACT_FLAG_CAPPED, "capped"},
-                                                                       {v1::CONTACT_FLAG_INITIAL, "initial"}};
+/// The words of every combination of flags, such as "certified|initial".
+std::array<std::string, 16> all_flag_texts() {
+  std::array<std::string, 16> texts;
+  for (uint8_t flags = 0; flags < texts.size(); ++flags)
+    for (const std::string_view word : flag_words(flags))
+      texts[flags] += (texts[flags].empty() ? "" : "|") + std::string(word);
+  return texts;
+}
 
-/// The words of the flags that are set.
 void flags_cell(Rows& rows, const std::vector<uint8_t>& flags, uint64_t i) {
+  static const auto kTexts = all_flag_texts();
   rows.text(",");
-  if (flags.empty()) return;
-  bool is_first = true;
-  for (const auto& [mask, word] : kFlagWords) {
-    if ((flags[i] & mask) == 0) continue;
-    if (!is_first) rows.text("|");
-    rows.text(word);
-    is_first = false;
-  }
+  if (!flags.empty()) rows.text(kTexts[flags[i] % kTexts.size()]);
 }
 
 void write_kind(Rows& rows, std::string_view kind, const client::Contacts& contacts) {
@@ -93,7 +84,7 @@ void write_kind(Rows& rows, std::string_view kind, const client::Contacts& conta
 
 }  // namespace
 
-void write_csv(const std::filesystem::path& file, const client::FrameOutput& output) {
+void write_csv(const std::string& file, const client::FrameOutput& output) {
   Rows rows(file);
   rows.text("kind,element_a,element_b,v0,v1,v2,v3,toi,distance,flags");
   rows.end_row();

@@ -1,14 +1,17 @@
 // collidectl detect: one step, from mesh files to contacts.
 
 #include <cstdio>
+#include <exception>
 #include <memory>
 
 #include "client/cli/commands.hpp"
 #include "client/cli/connection.hpp"
+#include "client/cli/contact_report.hpp"
 #include "client/cli/csv.hpp"
 #include "client/cli/errors.hpp"
-#include "client/cli/interrupt.hpp"
+#include "client/cli/output.hpp"
 #include "client/cli/report.hpp"
+#include "client/cli/report_text.hpp"
 #include "client/scenes/mesh_file.hpp"
 
 namespace collided::cli {
@@ -30,6 +33,7 @@ void check_usage(const DetectOptions& options) {
     throw UsageError("--mode ccd needs two frames, FRAME0 and FRAME1; 1 was given");
   if (options.detection.mode == "dcd" && frames != 1) throw UsageError("--mode dcd needs one frame; 2 were given");
   check_usage(options.detection);
+  check_one_output(options.out, options.json);
 }
 
 void check_count(const DetectOptions& options, const char* what, size_t a, size_t b) {
@@ -64,26 +68,39 @@ v1::PositionFormat choose_format(const std::string& wanted, const std::vector<sc
   return v1::POSITION_FORMAT_F32;
 }
 
-client::FrameOutput detect(client::Client& client, const v1::Scene& scene, const v1::Frame& frame) {
-  check_interrupt();
-  client::FrameStream stream = client.stream(scene);
-  client::FrameOutput output = run_frame(stream, frame);
-  stream.finish();
-  return output;
+Json contacts_json(const DetectOptions& options, const client::FrameOutput& output) {
+  const bool is_counted = options.detection.report != "any";
+  const bool has_times = is_counted && options.detection.mode == "ccd" && options.detection.accuracy != "candidates";
+  Json out = {{"contact_count", is_counted ? Json(output.done.contact_count()) : Json(nullptr)},
+              {"any_contact", output.done.any_contact()}};
+  if (has_times) out["earliest_toi"] = output.done.earliest_toi();
+  if (const auto contact = earliest_contact(output)) out["earliest"] = *contact;
+  return out;
 }
 
-void report(const DetectOptions& options, const v1::Scene& scene, const client::FrameOutput& output) {
-  Json summary = {{"scene", scene_json(scene)}};
-  summary.update(frame_json(output.done));
-  if (!options.out.empty()) summary["out"] = options.out;
+void print(const DetectOptions& options, const Json& summary) {
   if (options.json)
     std::printf("%s\n", summary.dump().c_str());
   else
-    print_text(summary);
+    print_summary(options.out, report_text(summary));
+}
+
+/// The result is printed even if its file cannot be written.
+void report(const DetectOptions& options, Json summary, const client::FrameOutput& output) {
+  std::exception_ptr failure;
+  if (!options.out.empty()) try {
+      write_csv(options.out, output);
+      summary["out"] = options.out;
+    } catch (const std::runtime_error&) {
+      failure = std::current_exception();
+    }
+  print(options, summary);
+  if (failure) std::rethrow_exception(failure);
 }
 
 void run(const DetectOptions& options) {
   check_usage(options);
+  check_writable("--out", options.out);
   const std::vector<scenes::MeshFile> frames = read_frames(options);
   const v1::PositionFormat format = choose_format(options.position_format, frames);
   const client::MeshInput mesh{"mesh", static_cast<uint32_t>(frames[0].positions.size()), frames[0].triangles};
@@ -94,9 +111,14 @@ void run(const DetectOptions& options) {
   Connection connection(options.server);
   const v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
   const SceneGuard scene = connection.create_scene(spec, {&mesh, 1});
-  const client::FrameOutput output = detect(*connection, *scene, frame);
-  if (!options.out.empty()) write_csv(options.out, output);
-  report(options, *scene, output);
+  client::FrameStream stream = connection->stream(*scene);
+  const client::FrameOutput output = run_frame(stream, frame);
+  stream.finish();
+  Json summary = {{"scene", scene_json(*scene)}};
+  summary.update(contacts_json(options, output));
+  summary.update(frame_json(output.done, spec.report()));
+  summary.update(transport_json(stream));
+  report(options, std::move(summary), output);
 }
 
 }  // namespace
@@ -112,7 +134,7 @@ void add_detect(CLI::App& app) {
   command.add_option("--position-format", options->position_format, "auto: f64 if a position is not exactly a float")
       ->check(CLI::IsMember({"auto", "f32", "f64"}))
       ->capture_default_str();
-  command.add_option("--out", options->out, "CSV file for the contacts");
+  command.add_option("--out", options->out, "CSV file for the contacts; -: standard output");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");
   command.callback([options] { run(*options); });
 }

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <thread>
 
+#include "client/cli/bench_output.hpp"
 #include "client/cli/echo_peer.hpp"
 #include "client/cli/end_to_end_report.hpp"
 #include "client/cli/end_to_end_ways.hpp"
@@ -131,7 +131,7 @@ double EndToEnd::send(Lane& lane, const v1::Frame& frame, bool counts, double by
   if (lane.in_place) put_in(lane.stream, updates);
   const auto start = Clock::now();
   lane.stream.send(frame.frame_id(), updates);
-  const client::FrameOutput output = lane.stream.receive();
+  const client::FrameOutput output = receive(lane.stream);
   const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   output.check();
   const double bytes =
@@ -200,6 +200,15 @@ EndToEndRun EndToEnd::run(double scale) {
   return run;
 }
 
+void run_scales(EndToEnd& bench, const std::vector<double>& scales, int warm_up, BenchOutput& output) {
+  std::vector<EndToEndRun> runs;
+  for (const double scale : scales) {
+    runs.push_back(bench.run(scale));
+    output.show(end_to_end_lines(end_to_end_json(runs.back())));
+    output.keep(end_to_end_file(runs, warm_up));
+  }
+}
+
 }  // namespace
 
 double scale_for(const std::string& scene, double megabytes, v1::PositionFormat format) {
@@ -223,13 +232,15 @@ void run_end_to_end(const EndToEndOptions& options) {
   const ServerOptions& server = options.settings.server;
   const OwnDaemon daemon({.backend = server.backend, .threads = server.threads, .all_transports = true});
   EndToEnd bench(echo, daemon, options);
-  std::vector<EndToEndRun> runs;
-  for (const double scale : scales) {
-    runs.push_back(bench.run(scale));
-    std::printf("%s", end_to_end_lines(end_to_end_json(runs.back())).c_str());
-    std::fflush(stdout);
-    if (!options.json.empty()) write_text(options.json, end_to_end_file(runs, options.settings.warm_up).dump(2) + "\n");
+  note_interrupts();
+  BenchOutput output(options.out, options.json);
+  try {
+    run_scales(bench, scales, options.settings.warm_up, output);
+  } catch (const std::exception&) {
+    output.finish();
+    throw;
   }
+  output.finish();
 }
 
 }  // namespace collided::cli

@@ -11,7 +11,8 @@ struct EndToEndOptions {
   std::string scene = "cloth_ball";
   double scale = 1;
   std::vector<double> megabytes{1, 5};  ///< more runs: the scene in the scale whose positions are about as large
-  std::string json;                     ///< file; empty: none
+  std::string out;                      ///< JSON file for all runs; empty: none; "-": standard output
+  bool json = false;                    ///< the same to standard output, instead of the table
 };
 
 /// Measures and prints, run by run. Starts a daemon of its own.

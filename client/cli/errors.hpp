@@ -17,4 +17,10 @@ struct Interrupted : std::runtime_error {
   int signal_number;
 };
 
+/// Standard output does not take what is written there; nobody reads it any more if `error` is EPIPE.
+struct OutputClosed : std::runtime_error {
+  explicit OutputClosed(int error) : std::runtime_error("standard output cannot be written"), error_number(error) {}
+  int error_number;
+};
+
 }  // namespace collided::cli

@@ -5,6 +5,8 @@
 #include <memory>
 
 #include "client/cli/commands.hpp"
+#include "client/cli/interrupt.hpp"
+#include "client/cli/output.hpp"
 #include "client/cli/progress.hpp"
 #include "client/cli/scene_options.hpp"
 #include "client/scenes/mesh_file.hpp"
@@ -30,11 +32,13 @@ std::vector<std::array<uint32_t, 3>> all_triangles(const scenes::Scene& scene) {
 }
 
 void run(const ExportOptions& options) {
+  make_folder("--out", options.out);
   const auto scene = scenes::make_scene(options.scene.name, options.scene.scale);
-  std::filesystem::create_directories(options.out);
+  note_interrupts();
   scenes::MeshFile mesh{{}, all_triangles(*scene), true};
   Progress progress;
   for (int frame = 0; frame < options.scene.frames; ++frame) {
+    check_interrupt();
     mesh.positions = scene->positions(options.scene.time(frame));
     char number[16];
     std::snprintf(number, sizeof number, "_%04d.", frame);

@@ -6,6 +6,7 @@
 #include "client/cli/commands.hpp"
 #include "client/cli/connection.hpp"
 #include "client/cli/report.hpp"
+#include "client/cli/report_text.hpp"
 
 namespace collided::cli {
 
@@ -55,7 +56,7 @@ void add_info(CLI::App& app) {
     if (options->json)
       std::printf("%s\n", info.dump().c_str());
     else
-      print_text(info);
+      std::printf("%s", report_text(info).c_str());
   });
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// What an interrupted collidectl (SIGINT, SIGTERM, SIGHUP) still does: stop its daemon and remove its folder, or delete
-// its scene on a daemon of others.
+// What an interrupted collidectl (SIGINT, SIGTERM, SIGHUP) still does: stop its daemon and remove its folder, delete
+// its scene on a daemon of others, and tell what it has found so far.
 
 #include <sys/types.h>
 
@@ -8,15 +8,19 @@
 
 namespace collided::cli {
 
-/// From now on an interrupt ends the daemon and removes the sockets and the ready file in `folder`, and `folder`.
+/// From now on an interrupt ends the daemon and collidectl, and removes the daemon's files in `folder`, and `folder`.
 void clean_up_on_interrupt(pid_t daemon, const std::string& folder);
 /// The daemon has been stopped: an interrupt has nothing to do any more.
 void no_clean_up_on_interrupt() noexcept;
 
-/// For scenes on a daemon of others: from now on the first interrupt is only noted, so that the scene can be deleted;
-/// a second one of its kind ends collidectl at once.
+/// From now on the first interrupt is only noted, so that a scene can be deleted and what was found be told; a second
+/// one ends collidectl at once.
 void note_interrupts();
+bool is_interrupted();
 /// Throws Interrupted if an interrupt was noted.
 void check_interrupt();
+
+/// Whether standard error stands in the middle of a line, which an interrupt then ends.
+void set_open_line(bool is_open);
 
 }  // namespace collided::cli

@@ -2,13 +2,16 @@
 // 128 + n interrupted by signal n.
 
 #include <grpc/support/log.h>
+#include <signal.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
 
 #include "client/cli/commands.hpp"
 #include "client/cli/errors.hpp"
+#include "client/cli/usage.hpp"
 
 namespace {
 
@@ -22,10 +25,20 @@ void silence_grpc() {
   if (std::getenv("GRPC_VERBOSITY") == nullptr) gpr_set_log_function([](gpr_log_func_args*) {});
 }
 
+/// A reader that has gone, as `head` does, wants no more and no message.
+int fail(const collided::cli::OutputClosed& e) { return e.error_number == EPIPE ? 128 + SIGPIPE : fail(1, e.what()); }
+
 /// `exit_code`, unless what was printed did not arrive.
 int finish(int exit_code) {
-  const bool is_written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
-  return is_written ? exit_code : fail(1, "standard output cannot be written");
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
+  return fail(collided::cli::OutputClosed(errno));
+}
+
+/// What was printed before the error stays, and comes first.
+int fail_after_output(int exit_code, const std::string& what) {
+  std::fflush(stdout);
+  return fail(exit_code, what);
 }
 
 }  // namespace
@@ -33,10 +46,11 @@ int finish(int exit_code) {
 int main(int argc, char** argv) {
   using namespace collided::cli;
   silence_grpc();
+  signal(SIGPIPE, SIG_IGN);  // told by what is written, so that a daemon and a scene are not left behind
   CLI::App app{"Collision detection with a collided daemon, its own or a running one"};
   app.set_version_flag("--version", std::string("collidectl " COLLIDED_VERSION));
   app.require_subcommand(1);
-  app.failure_message(CLI::FailureMessage::simple);
+  app.formatter(usage_formatter());
   add_detect(app);
   add_stream(app);
   add_scenes(app);
@@ -50,12 +64,14 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& asked) {  // --help, --version
     return finish(app.exit(asked));
   } catch (const CLI::Error& e) {
-    return fail(2, e.what());
+    return fail(2, usage_message(app, e));
   } catch (const UsageError& e) {
     return fail(2, e.what());
+  } catch (const OutputClosed& e) {
+    return fail(e);
   } catch (const Interrupted& e) {
-    return fail(128 + e.signal_number, e.what());
+    return fail_after_output(128 + e.signal_number, e.what());
   } catch (const std::exception& e) {
-    return fail(1, e.what());
+    return fail_after_output(1, e.what());
   }
 }

@@ -2,12 +2,14 @@
 
 #include "client/cli/own_daemon.hpp"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdio>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -23,7 +25,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr std::chrono::milliseconds kReadyPatience = 60s, kStopPatience = 10s, kPoll = 5ms;
+constexpr std::chrono::milliseconds kReadyPatience = 60s, kStopPatience = 10s, kInterruptedPatience = 1s, kPoll = 5ms;
 
 bool is_program(const fs::path& path) {
   std::error_code error;
@@ -56,6 +58,24 @@ std::vector<std::string> command_line(const fs::path& program, const fs::path& d
   if (!options.all_transports) return words;
   words.insert(words.end(), {"--address", "127.0.0.1:0", "--local-socket", (directory / "local").string()});
   return words;
+}
+
+/// What a daemon said last, after ": "; empty if it said nothing.
+std::string last_words(const fs::path& log) {
+  std::ifstream in(log);
+  std::string last;
+  for (std::string line; std::getline(in, line);)
+    if (!line.empty()) last = line;
+  return last.empty() ? "" : ": " + last;
+}
+
+/// The child's own process group, so that the terminal's interrupts are collidectl's alone; its output in a file.
+void detach(const fs::path& log) {
+  setpgid(0, 0);
+  signal(SIGPIPE, SIG_DFL);
+  const int out = open(log.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC, 0600);
+  dup2(out, STDOUT_FILENO);
+  dup2(out, STDERR_FILENO);
 }
 
 std::string describe(int status) {
@@ -91,7 +111,12 @@ OwnDaemon::OwnDaemon(const DaemonOptions& options) {
   }
 }
 
-OwnDaemon::~OwnDaemon() { stop(); }
+OwnDaemon::~OwnDaemon() {
+  if (has_ended())
+    std::fprintf(stderr, "collidectl: its daemon ended with %s%s\n", describe(status_).c_str(),
+                 last_words(directory_ / "log").c_str());
+  stop();
+}
 
 std::string OwnDaemon::tcp_address() const {
   std::ifstream in(directory_ / "ready");
@@ -112,7 +137,7 @@ void OwnDaemon::start(const fs::path& program, const DaemonOptions& options) {
   if (pid_ > 0) return clean_up_on_interrupt(pid_, directory_.string());
   prctl(PR_SET_PDEATHSIG, SIGTERM);  // if collidectl is killed, its daemon goes too
   if (getppid() != parent) _exit(126);
-  dup2(STDERR_FILENO, STDOUT_FILENO);  // standard output is collidectl's alone
+  detach(directory_ / "log");
   execv(argv[0], argv.data());
   _exit(127);
 }
@@ -123,7 +148,7 @@ void OwnDaemon::wait_until_ready(const fs::path& program) {
   while (!(fs::exists(directory_ / "ready", error) && fs::file_size(directory_ / "ready", error) > 0)) {
     if (has_ended())
       throw std::runtime_error("daemon " + program.string() + " ended with " + describe(status_) +
-                               " before it was ready");
+                               " before it was ready" + last_words(directory_ / "log"));
     if (std::chrono::steady_clock::now() > deadline)
       throw std::runtime_error("daemon " + program.string() + " was not ready after 60 seconds");
     std::this_thread::sleep_for(kPoll);
@@ -136,8 +161,9 @@ bool OwnDaemon::has_ended() {
 }
 
 void OwnDaemon::stop() noexcept {
+  const auto patience = is_interrupted() ? kInterruptedPatience : kStopPatience;
   if (pid_ > 0) kill(pid_, SIGTERM);
-  for (auto waited = 0ms; !has_ended() && waited < kStopPatience; waited += kPoll) std::this_thread::sleep_for(kPoll);
+  for (auto waited = 0ms; !has_ended() && waited < patience; waited += kPoll) std::this_thread::sleep_for(kPoll);
   if (pid_ > 0) {
     kill(pid_, SIGKILL);
     waitpid(pid_, &status_, 0);

@@ -4,30 +4,27 @@
 
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
+
+#include "client/cli/interrupt.hpp"
 
 namespace collided::cli {
 
-namespace {
-
-double now_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-}  // namespace
-
-Progress::Progress() : is_terminal_(isatty(STDERR_FILENO) != 0), last_seconds_(now_seconds()) {}
+Progress::Progress() : is_terminal_(isatty(STDERR_FILENO) != 0), last_(Clock::now()) {}
 
 Progress::~Progress() {
-  if (is_terminal_ && is_shown_) std::fputc('\n', stderr);
+  if (!is_terminal_ || !is_shown_) return;
+  std::fputc('\n', stderr);
+  set_open_line(false);
 }
 
 void Progress::show(const std::string& what, int done, int total) {
-  const double now = now_seconds();
-  if (now - last_seconds_ < (is_terminal_ ? 0.1 : 1.0)) return;
-  last_seconds_ = now;
+  constexpr std::chrono::milliseconds kTerminalPause(100), kLinePause(1000);
+  const auto now = Clock::now();
+  if (now - last_ < (is_terminal_ ? kTerminalPause : kLinePause)) return;
+  last_ = now;
   is_shown_ = true;
+  set_open_line(is_terminal_);
   std::fprintf(stderr, is_terminal_ ? "\r%s: %d of %d " : "%s: %d of %d\n", what.c_str(), done, total);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // A progress line on standard error: rewritten in place on a terminal, else a line every second.
 
+#include <chrono>
 #include <string>
 
 namespace collided::cli {
@@ -13,9 +14,11 @@ class Progress {
   ~Progress();
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   bool is_terminal_;
   bool is_shown_ = false;
-  double last_seconds_;
+  Clock::time_point last_;
 };
 
 }  // namespace collided::cli

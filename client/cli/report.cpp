@@ -3,7 +3,6 @@
 #include "client/cli/report.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <set>
 
 #include "client/cli/options.hpp"
@@ -56,22 +55,34 @@ Json counts_json(const v1::FrameCounts& c) {
           {"exact_decisions", c.exact_decisions()}};
 }
 
-Json frame_json(const v1::FrameDone& done) {
+Json frame_json(const v1::FrameDone& done, v1::Report report) {
   const v1::FrameMetrics& m = done.metrics();
-  return {{"contacts", done.contact_count()},
-          {"any_contact", done.any_contact()},
-          {"earliest_toi", done.earliest_toi()},
-          {"total_ms", m.total_milliseconds()},
-          {"queue_ms", m.queue_milliseconds()},
-          {"step_ms", m.step_milliseconds()},
-          {"stage_ms", stages_json(m)},
-          {"engine", name_of(m.broad_phase_engine())},
-          {"counts", counts_json(m.counts())},
-          {"replays", m.replays()},
-          {"allocations", m.allocations()},
-          {"graph_launches", m.graph_launches()},
-          {"bytes", {{"device", m.device_bytes()}, {"in", m.bytes_in()}, {"out", m.bytes_out()}}},
-          {"warnings", warnings_json({m})}};
+  Json out = {{"total_ms", m.total_milliseconds()},
+              {"queue_ms", m.queue_milliseconds()},
+              {"step_ms", m.step_milliseconds()},
+              {"stage_ms", stages_json(m)},
+              {"engine", name_of(m.broad_phase_engine())},
+              {"counts", counts_json(m.counts())},
+              {"replays", m.replays()},
+              {"allocations", m.allocations()},
+              {"graph_launches", m.graph_launches()},
+              {"device_bytes", m.device_bytes()},
+              {"bytes_in", m.bytes_in()},
+              {"bytes_out", m.bytes_out()},
+              {"warnings", warnings_json({m})}};
+  if (report == v1::REPORT_ANY_HIT) forget_contacts(out["counts"]);
+  return out;
+}
+
+void forget_contacts(Json& counts) {
+  for (const char* name : {"contacts_vertex_triangle", "contacts_edge_edge", "contacts_triangle_triangle"})
+    counts[name] = nullptr;
+}
+
+Json transport_json(const client::FrameStream& stream) {
+  Json out = {{"transport", stream.is_local() ? "shared memory" : "grpc"}};
+  if (!stream.local_refusal().empty()) out["local_refusal"] = stream.local_refusal();
+  return out;
 }
 
 Json warnings_json(const std::vector<v1::FrameMetrics>& frames) {
@@ -95,20 +106,6 @@ Json median_stages(const std::vector<v1::FrameMetrics>& frames) {
   Json out = Json::object();
   for (const std::string& name : order) out[name] = median(times[name]);
   return out;
-}
-
-void print_text(const Json& object, int indent) {
-  size_t width = 0;
-  for (const auto& [name, value] : object.items()) width = std::max(width, name.size());
-  for (const auto& [name, value] : object.items()) {
-    if (value.is_object()) {
-      std::printf("%*s%s\n", indent, "", name.c_str());
-      print_text(value, indent + 2);
-    } else {
-      const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-      std::printf("%*s%-*s  %s\n", indent, "", static_cast<int>(width), name.c_str(), text.c_str());
-    }
-  }
 }
 
 }  // namespace collided::cli

@@ -1,5 +1,5 @@
 #pragma once
-// What is told about a scene and its frames, as JSON or as text.
+// What is told about a scene and its frames, as JSON. Names are those of the protocol; milliseconds are _ms.
 
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -15,14 +15,16 @@ Json scene_json(const v1::Scene& scene);
 /// Stages by name in milliseconds, in their order; a stage that ran twice is summed.
 Json stages_json(const v1::FrameMetrics& metrics);
 Json counts_json(const v1::FrameCounts& counts);
-Json frame_json(const v1::FrameDone& done);
+/// What a frame cost, and how much there was to do.
+Json frame_json(const v1::FrameDone& done, v1::Report report);
+/// Whether there is one is all that REPORT_ANY_HIT finds out: the numbers of contacts become null.
+void forget_contacts(Json& counts);
+/// How a stream's frames travel and, if not through shared memory that the daemon offers, why.
+Json transport_json(const client::FrameStream& stream);
 /// The warnings of frames, each once.
 Json warnings_json(const std::vector<v1::FrameMetrics>& frames);
 
 /// Medians, over the frames, of every stage and of the total ("total").
 Json median_stages(const std::vector<v1::FrameMetrics>& frames);
-
-/// An object as aligned lines "name  value"; nested objects are indented.
-void print_text(const Json& object, int indent = 0);
 
 }  // namespace collided::cli

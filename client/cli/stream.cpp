@@ -2,15 +2,20 @@
 
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <memory>
+#include <optional>
 
 #include "client/cli/commands.hpp"
 #include "client/cli/connection.hpp"
+#include "client/cli/contact_report.hpp"
 #include "client/cli/interrupt.hpp"
 #include "client/cli/mesh_input.hpp"
 #include "client/cli/progress.hpp"
 #include "client/cli/report.hpp"
+#include "client/cli/report_text.hpp"
 #include "client/cli/scene_options.hpp"
+#include "client/cli/statistics.hpp"
 #include "client/scenes/scene.hpp"
 
 namespace collided::cli {
@@ -25,14 +30,13 @@ struct StreamOptions {
   bool json = false;
 };
 
-/// What is kept of the frames: the contacts themselves are counted and let go.
+/// What is kept of the frames: the contacts themselves are counted and let go, but for the earliest.
 struct Totals {
   std::vector<v1::FrameMetrics> metrics;
-  v1::FrameDone last;
   uint64_t contacts = 0, vertex_triangle = 0, edge_edge = 0, triangle_triangle = 0;
   uint64_t bytes_in = 0, bytes_out = 0, replays = 0;
   bool any_contact = false;
-  double earliest_toi = 1;
+  std::optional<Json> earliest;
 
   void add(client::FrameOutput output) {
     output.check();
@@ -45,71 +49,111 @@ struct Totals {
     bytes_in += m.bytes_in();
     bytes_out += m.bytes_out();
     replays += m.replays();
-    earliest_toi = std::min(earliest_toi, output.done.earliest_toi());
-    metrics.push_back(m);
-    last = std::move(output.done);
+    keep_earliest(output);
+    metrics.push_back(std::move(*output.done.mutable_metrics()));
+  }
+
+ private:
+  void keep_earliest(const client::FrameOutput& output) {
+    const auto contact = earliest_contact(output);
+    if (!contact || (earliest && earliest->at("toi") <= contact->at("toi"))) return;
+    earliest = Json{{"frame", output.frame_id}};
+    earliest->update(*contact);
   }
 };
 
-Totals play(client::FrameStream& stream, const scenes::Scene& scene, const SceneOptions& options,
-            v1::PositionFormat format) {
-  Totals totals;
+/// Adds to the totals frame by frame, so that they are of use however this ends.
+void play(client::FrameStream& stream, const scenes::Scene& scene, const SceneOptions& options,
+          v1::PositionFormat format, Totals& totals) {
   Progress progress;
-  const auto receive = [&] {
-    check_interrupt();
-    totals.add(stream.receive());
+  const auto take = [&] {
+    totals.add(receive(stream));
     progress.show("frames", static_cast<int>(totals.metrics.size()), options.frames);
   };
   for (int sent = 0; sent < options.frames; ++sent) {
     check_interrupt();
-    if (sent >= static_cast<int>(totals.metrics.size() + stream.window())) receive();
+    if (sent >= static_cast<int>(totals.metrics.size() + stream.window())) take();
     const auto id = static_cast<uint64_t>(sent) + 1;
     stream.send(make_frame(scene.meshes(), id, format, scene.positions(options.time(sent))));
   }
-  while (static_cast<int>(totals.metrics.size()) < options.frames) receive();
-  check_interrupt();
+  while (static_cast<int>(totals.metrics.size()) < options.frames) take();
   stream.finish();
-  return totals;
 }
 
-Json summary(const StreamOptions& options, const v1::Scene& scene, const Totals& totals, double seconds) {
-  const Json contacts = {{"all", totals.contacts},
-                         {"vertex_triangle", totals.vertex_triangle},
-                         {"edge_edge", totals.edge_edge},
-                         {"triangle_triangle", totals.triangle_triangle}};
-  return {{"name", options.scene.name},
-          {"scale", options.scene.scale},
-          {"scene", scene_json(scene)},
-          {"frames", options.scene.frames},
-          {"seconds", seconds},
-          {"median_stage_ms", median_stages(totals.metrics)},
-          {"last_frame_counts", counts_json(totals.last.metrics().counts())},
-          {"contacts", contacts},
-          {"any_contact", totals.any_contact},
-          {"earliest_toi", totals.earliest_toi},
-          {"replays", totals.replays},
-          {"warnings", warnings_json(totals.metrics)},
-          {"bytes",
-           {{"device", totals.last.metrics().device_bytes()}, {"in", totals.bytes_in}, {"out", totals.bytes_out}}}};
+Json contacts_json(const StreamOptions& options, const Totals& totals) {
+  if (options.detection.report == "any") return {{"contact_count", nullptr}, {"any_contact", totals.any_contact}};
+  Json out = {{"contact_count", totals.contacts},
+              {"contacts_vertex_triangle", totals.vertex_triangle},
+              {"contacts_edge_edge", totals.edge_edge},
+              {"contacts_triangle_triangle", totals.triangle_triangle},
+              {"any_contact", totals.any_contact}};
+  if (totals.earliest) out["earliest"] = *totals.earliest;
+  return out;
+}
+
+/// Medians over the frames.
+Json times_json(const std::vector<v1::FrameMetrics>& frames) {
+  const auto median_of = [&](double (v1::FrameMetrics::*time)() const) {
+    std::vector<double> ms;
+    for (const v1::FrameMetrics& frame : frames) ms.push_back((frame.*time)());
+    return median(std::move(ms));
+  };
+  Json stages = median_stages(frames);
+  stages.erase("total");
+  return {{"total_ms", median_of(&v1::FrameMetrics::total_milliseconds)},
+          {"queue_ms", median_of(&v1::FrameMetrics::queue_milliseconds)},
+          {"step_ms", median_of(&v1::FrameMetrics::step_milliseconds)},
+          {"stage_ms", stages}};
+}
+
+Json summary_json(const StreamOptions& options, const v1::Scene& scene, const Totals& totals, double seconds) {
+  const v1::FrameMetrics& last = totals.metrics.back();
+  Json counts = counts_json(last.counts());
+  if (options.detection.report == "any") forget_contacts(counts);
+  Json out = {{"name", options.scene.name},
+              {"scale", options.scene.scale},
+              {"scene", scene_json(scene)},
+              {"frames", totals.metrics.size()},
+              {"seconds", seconds}};
+  out.update(contacts_json(options, totals));
+  out["median"] = times_json(totals.metrics);
+  out["last_frame"] = {{"counts", counts}, {"device_bytes", last.device_bytes()}};
+  out["replays"] = totals.replays;
+  out["bytes_in"] = totals.bytes_in;
+  out["bytes_out"] = totals.bytes_out;
+  out["warnings"] = warnings_json(totals.metrics);
+  return out;
+}
+
+/// Plays and tells; what ends it early leaves a summary of the frames so far.
+void play_and_tell(const StreamOptions& options, const v1::Scene& scene, client::FrameStream& stream,
+                   const scenes::Scene& procedural) {
+  const auto start = std::chrono::steady_clock::now();
+  Totals totals;
+  std::exception_ptr failure;
+  try {
+    play(stream, procedural, options.scene, format_of(options.position_format), totals);
+  } catch (const std::exception&) {
+    failure = std::current_exception();
+  }
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  if (!totals.metrics.empty()) {
+    Json summary = summary_json(options, scene, totals, took.count());
+    summary.update(transport_json(stream));
+    std::printf("%s", options.json ? (summary.dump() + "\n").c_str() : report_text(summary).c_str());
+  }
+  if (failure) std::rethrow_exception(failure);
 }
 
 void run(const StreamOptions& options) {
   check_usage(options.detection);
   const auto procedural = scenes::make_scene(options.scene.name, options.scene.scale);
-  const v1::PositionFormat format = format_of(options.position_format);
   Connection connection(options.server);
-  v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
+  v1::SceneSpec spec = scene_spec(options.server, options.detection, format_of(options.position_format));
   spec.set_display_name(options.scene.name);
   const SceneGuard scene = connection.create_scene(spec, mesh_inputs(procedural->meshes()));
   client::FrameStream stream = connection->stream(*scene);
-  const auto start = std::chrono::steady_clock::now();
-  const Totals totals = play(stream, *procedural, options.scene, format);
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  const Json out = summary(options, *scene, totals, took.count());
-  if (options.json)
-    std::printf("%s\n", out.dump().c_str());
-  else
-    print_text(out);
+  play_and_tell(options, *scene, stream, *procedural);
 }
 
 }  // namespace

@@ -1,10 +1,8 @@
-// Numbers as people read them, and text files.
+// Numbers as people read them.
 
 #include "client/cli/text.hpp"
 
 #include <cstdio>
-#include <fstream>
-#include <stdexcept>
 
 namespace collided::cli {
 
@@ -22,12 +20,6 @@ std::string count_text(uint64_t n) {
 
 std::string milliseconds_text(double ms) {
   return ms >= 1000 ? count_text(static_cast<uint64_t>(ms + 0.5)) : format_double(ms >= 100 ? "%.0f" : "%.3g", ms);
-}
-
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
 }
 
 }  // namespace collided::cli

@@ -1,14 +1,14 @@
 // collidectl tradeoff: the trade between time and accuracy, measured on one step and judged by the truth.
 
-#include <unistd.h>
-
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <memory>
 
 #include "client/cli/commands.hpp"
 #include "client/cli/errors.hpp"
 #include "client/cli/finite.hpp"
+#include "client/cli/output.hpp"
 #include "client/cli/tradeoff_plot.hpp"
 #include "client/cli/tradeoff_report.hpp"
 #include "client/cli/tradeoff_run.hpp"
@@ -37,31 +37,39 @@ void check_usage(const TradeoffOptions& options) {
     throw UsageError("--truth is of thickness 0; it cannot judge --thickness");
 }
 
-/// Before any work, so that no long run is lost.
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder) || access(folder.c_str(), W_OK) != 0)
-    throw std::runtime_error("--out " + folder.string() + ": is no folder that can be written to");
+struct Results {
+  std::vector<Tradeoff> all;
+  std::exception_ptr interrupted = nullptr;  ///< what has been measured till then is there
+};
+
+Results read_results(const std::vector<std::string>& files) {
+  Results results;
+  for (const std::string& file : files) results.all.push_back(read_tradeoff(file));
+  return results;
 }
 
-std::vector<Tradeoff> results_of(const TradeoffOptions& options) {
-  std::vector<Tradeoff> results;
-  for (const std::string& file : options.from) results.push_back(read_tradeoff(file));
-  if (!results.empty()) return results;
+Results measure_results(const TradeoffOptions& options) {
   const StepInput step =
       options.frames.empty() ? scene_step(options.scene) : file_step(options.frames[0], options.frames[1]);
-  results.push_back(measure(options.settings, step));
-  results[0].date = options.date;
-  results[0].commit = options.commit;
-  write_text(fs::path(options.out) / "tradeoff.json", tradeoff_json(results[0]).dump(2) + "\n");
+  Results results;
+  Tradeoff result;
+  result.date = options.date;
+  result.commit = options.commit;
+  try {
+    measure(options.settings, step, result);
+  } catch (const Interrupted&) {
+    if (result.runs.empty()) throw;
+    results.interrupted = std::current_exception();
+  }
+  write_text(options.out + "/tradeoff.json", tradeoff_json(result).dump(2) + "\n");
+  results.all.push_back(std::move(result));
   return results;
 }
 
 void write_report(const std::vector<Tradeoff>& results, const fs::path& folder) {
   std::string table;
   for (const Tradeoff& result : results) table += (table.empty() ? "" : "\n") + tradeoff_markdown(result);
-  write_text(folder / "tradeoff.md", table);
+  write_text((folder / "tradeoff.md").string(), table);
   plot_tradeoffs(results, folder / "tradeoff.svg", folder / "tradeoff.png");
 }
 
@@ -76,10 +84,11 @@ void print_summary(const TradeoffOptions& options, const std::vector<Tradeoff>& 
 
 void run(const TradeoffOptions& options) {
   check_usage(options);
-  make_folder(options.out);
-  const std::vector<Tradeoff> results = results_of(options);
-  write_report(results, options.out);
-  print_summary(options, results);
+  make_folder("--out", options.out);
+  const Results results = options.from.empty() ? measure_results(options) : read_results(options.from);
+  write_report(results.all, options.out);
+  print_summary(options, results.all);
+  if (results.interrupted) std::rethrow_exception(results.interrupted);
 }
 
 void add_input_options(CLI::App& command, TradeoffOptions& options) {

@@ -126,7 +126,7 @@ Json tradeoff_summary(const Tradeoff& result) {
     runs.push_back({{"position_format", run.format},
                     {"level", run.level},
                     {"delta", run.delta ? Json(*run.delta) : Json(nullptr)},
-                    {"contacts", score.reported},
+                    {"contact_count", score.reported},
                     {"missed", score.missed},
                     {"false", score.wrong},
                     {"late", score.late},

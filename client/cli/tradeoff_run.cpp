@@ -124,8 +124,8 @@ Truth find_truth(Stepper& stepper) {
 
 class Measurement {
  public:
-  Measurement(const TradeoffSettings& settings, const StepInput& step)
-      : settings_(settings), step_(step), connection_(settings.server) {
+  Measurement(const TradeoffSettings& settings, const StepInput& step, Tradeoff& result)
+      : settings_(settings), step_(step), connection_(settings.server), result_(result) {
     if (!settings.truth.empty()) given_ = read_truth(settings.truth);
     result_.name = step.name;
     result_.input = step.description;
@@ -142,15 +142,13 @@ class Measurement {
     Stepper stepper(connection_->stream(*scene, {.window = 1}), step_, format_of(format));
     const Truth exact = is_given_valid(format) ? Truth{} : find_truth(stepper);
     const Truth& truth = is_given_valid(format) ? *given_ : exact;
-    result_.truths.push_back({format, is_given_valid(format) ? settings_.truth : "exact", truth.vertex_triangle.size(),
-                              truth.edge_edge.size(), truth.bounded});
     std::vector<Run> runs = planned_runs(settings_, format);
     run_rounds(settings_, stepper, truth, runs);
     stepper.finish();
+    result_.truths.push_back({format, is_given_valid(format) ? settings_.truth : "exact", truth.vertex_triangle.size(),
+                              truth.edge_edge.size(), truth.bounded});
     result_.runs.insert(result_.runs.end(), runs.begin(), runs.end());
   }
-
-  const Tradeoff& result() const { return result_; }
 
  private:
   /// A given truth is that of the positions as they were given: rounded to floats, they may meet elsewhere.
@@ -168,15 +166,14 @@ class Measurement {
   const StepInput& step_;
   Connection connection_;
   std::optional<Truth> given_;
-  Tradeoff result_;
+  Tradeoff& result_;
 };
 
 }  // namespace
 
-Tradeoff measure(const TradeoffSettings& settings, const StepInput& step) {
-  Measurement measurement(settings, step);
+void measure(const TradeoffSettings& settings, const StepInput& step, Tradeoff& result) {
+  Measurement measurement(settings, step, result);
   for (const std::string& format : settings.formats) measurement.measure(format);
-  return measurement.result();
 }
 
 }  // namespace collided::cli

@@ -17,7 +17,7 @@ struct TradeoffSettings {
   std::string truth;  ///< folder; empty: the level exact
 };
 
-/// Fills in all but date and commit.
-Tradeoff measure(const TradeoffSettings& settings, const StepInput& step);
+/// Fills in all but date and commit. If it throws, `result` has the position formats that were done.
+void measure(const TradeoffSettings& settings, const StepInput& step, Tradeoff& result);
 
 }  // namespace collided::cli

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "client/cpp/deadline.hpp"
 #include "client/cpp/error.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
 
@@ -32,7 +33,7 @@ std::string read_file(const char* option, const std::string& name) {
 /// Why a channel did not connect, as far as gRPC tells; else empty. Only a call is told.
 std::string reason_of(const std::shared_ptr<grpc::Channel>& channel) {
   grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(1));
+  context.set_deadline(deadline_in(std::chrono::seconds(1)));
   v1::GetServerInfoResponse response;
   const grpc::Status status = v1::CollisionService::NewStub(channel)->GetServerInfo(&context, {}, &response);
   if (status.error_code() != grpc::UNAVAILABLE) return "";
@@ -123,7 +124,7 @@ std::shared_ptr<grpc::Channel> ChannelMaker::make() const {
 
 std::shared_ptr<grpc::Channel> ChannelMaker::connect() const {
   auto channel = make();
-  if (!channel->WaitForConnected(std::chrono::system_clock::now() + options_.patience))
+  if (!channel->WaitForConnected(deadline_in(options_.patience)))
     throw Error(grpc::UNAVAILABLE, "no daemon answers at " + address_ + reason_of(channel));
   return channel;
 }
@@ -139,7 +140,7 @@ std::unique_ptr<grpc::ClientContext> ChannelMaker::context(const std::string& sc
 std::unique_ptr<grpc::ClientContext> ChannelMaker::call_context(const std::string& scene_id,
                                                                 std::chrono::milliseconds more) const {
   auto context = this->context(scene_id);
-  context->set_deadline(std::chrono::system_clock::now() + options_.deadline + more);
+  context->set_deadline(deadline_in(options_.deadline + more));
   return context;
 }
 

@@ -9,6 +9,7 @@
 
 #include "client/cpp/channel.hpp"
 #include "client/cpp/grpc_transport.hpp"
+#include "client/cpp/local_peer.hpp"
 #include "client/cpp/local_transport.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
 
@@ -62,7 +63,7 @@ struct Client::State {
   v1::Scene upload(const std::string& scene_id, uint32_t index, const MeshInput& mesh);
   void try_delete(const std::string& scene_id);
   bool has_local(const v1::Scene& scene) const { return scene.endpoint().empty() && !info.local_socket().empty(); }
-  FrameStream stream_locally(const v1::Scene& scene, const v1::OpenStream& open, const LocalOptions& options);
+  FrameStream stream_locally(const v1::Scene& scene, const v1::OpenStream& open, const StreamOptions& stream);
 
   ChannelMaker channels;
   std::unique_ptr<Service> stub;
@@ -106,7 +107,8 @@ void Client::State::try_delete(const std::string& scene_id) {
 
 /// What the scene needs of memory is told by its spec, which the caller's copy may lack.
 FrameStream Client::State::stream_locally(const v1::Scene& scene, const v1::OpenStream& open,
-                                          const LocalOptions& options) {
+                                          const StreamOptions& stream) {
+  const LocalOptions& options = stream.local;
   constexpr uint32_t kDefaultWindow = 2;
   if (!has_local(scene))
     throw Error(grpc::FAILED_PRECONDITION,
@@ -121,9 +123,10 @@ FrameStream Client::State::stream_locally(const v1::Scene& scene, const v1::Open
                 "window is " + std::to_string(window) + "; the daemon's limit is " + std::to_string(limit),
                 "open.window");
   return FrameStream::open(
-      std::make_unique<LocalTransport>(info.local_socket(), local_layout(known.spec(), window, options),
-                                       channels.options().token, options.cuda_ipc_handle),
-      open);
+      std::make_unique<LocalTransport>(
+          LocalPeer{info.local_socket(), TrustedUsers(channels.address(), options.daemon_user)},
+          local_layout(known.spec(), window, options), channels.options().token, options.cuda_ipc_handle),
+      open, {.is_local = true, .keeper = stream.keeper});
 }
 
 Client::Client(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -173,15 +176,17 @@ FrameStream Client::stream(const v1::Scene& scene, const StreamOptions& options)
   open.set_delivery(options.delivery);
   open.set_resume_token(options.resume_token);
   const ChannelMaker& own = state_->channels;
-  if (options.local.use == Local::kOn) return state_->stream_locally(scene, open, options.local);
+  std::string local_refusal;
+  if (options.local.use == Local::kOn) return state_->stream_locally(scene, open, options);
   if (options.local.use == Local::kAutomatic && is_local_address(own.address()) && state_->has_local(scene)) try {
-      return state_->stream_locally(scene, open, options.local);
-    } catch (const Error&) {  // what also holds over gRPC is told by that
+      return state_->stream_locally(scene, open, options);
+    } catch (const Error& e) {  // what also holds over gRPC is told by that
+      local_refusal = e.message();
     }
   const ChannelMaker channels = scene.endpoint().empty() ? own : ChannelMaker(scene.endpoint(), own.options());
   return FrameStream::open(std::make_unique<GrpcTransport>(channels.connect(), channels.context(scene.scene_id()),
                                                            state_->info.limits().max_message_bytes()),
-                           open);
+                           open, {.local_refusal = std::move(local_refusal), .keeper = options.keeper});
 }
 
 FrameStream Client::resume(const v1::Scene& scene, StreamOptions options) {

@@ -28,6 +28,7 @@ struct StreamOptions {
   v1::DeliveryPolicy delivery = v1::DELIVERY_POLICY_UNSPECIFIED;
   std::string resume_token = "";  ///< of the scene, to take it over from a stream that may still be open
   LocalOptions local = {};        ///< memory shared with a daemon on this host
+  KeeperPace keeper = {};         ///< of the thread that reads while nobody waits
 };
 
 class Client {

@@ -17,10 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Of the thread that reads when nobody else does: much shorter than the patience of any peer.
-constexpr std::chrono::milliseconds kPause(20);
-constexpr int kQuietPauses = 150;
-constexpr std::chrono::seconds kLongest(1'000'000'000);  // the clock's own range is not much wider than a lie
+constexpr std::chrono::seconds kLongest(1'000'000'000);  // larger durations overflow the clock
 
 Contacts& contacts_of(FrameOutput& output, v1::ContactKind kind) {
   switch (kind) {
@@ -49,7 +46,8 @@ void FrameOutput::check() const {
   throw Error(error->code(), error->message(), std::move(details));
 }
 
-FrameStream::State::State(std::unique_ptr<FrameTransport> way, const v1::OpenStream& open) : transport(std::move(way)) {
+FrameStream::State::State(std::unique_ptr<FrameTransport> way, const v1::OpenStream& open, StreamSetup told)
+    : setup(std::move(told)), transport(std::move(way)) {
   v1::StreamFramesResponse response;
   const bool is_answered =
       transport->open(open) && transport->read(response, FrameTransport::kNever) == FrameTransport::Arrival::kMessage;
@@ -114,7 +112,7 @@ void FrameStream::State::keep() {
   std::unique_lock lock(mutex);
   for (int quiet = 0; !ended && !is_stopping;) {
     const uint64_t seen = waits;
-    stop.wait_for(lock, kPause, [&] { return is_stopping; });
+    stop.wait_for(lock, setup.keeper.pause, [&] { return is_stopping; });
     const auto is_alone = [&] { return !ended && !is_stopping && waiting == 0 && waits == seen; };
     quiet = is_alone() ? quiet + 1 : 0;
     while (is_alone() && lead.take(lock, keepers_deadline(quiet), std::bind_front(&State::read_one, this))) continue;
@@ -124,8 +122,8 @@ void FrameStream::State::keep() {
 /// A caller that comes while the keeper reads has to be woken by it. So it only looks while callers come and go, and
 /// stays for as long as it takes once none has waited for a while.
 FrameTransport::Time FrameStream::State::keepers_deadline(int quiet) const {
-  if (quiet >= kQuietPauses) return FrameTransport::kNever;
-  return in_flight > 0 ? Clock::now() + kPause : Clock::now();
+  if (quiet >= setup.keeper.quiet_pauses) return FrameTransport::kNever;
+  return in_flight > 0 ? Clock::now() + setup.keeper.pause : Clock::now();
 }
 
 void FrameStream::State::take(v1::StreamFramesResponse& response) {
@@ -215,11 +213,14 @@ FrameStream::FrameStream(FrameStream&&) noexcept = default;
 FrameStream& FrameStream::operator=(FrameStream&&) noexcept = default;
 FrameStream::~FrameStream() = default;
 
-FrameStream FrameStream::open(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open) {
-  return FrameStream(std::make_unique<State>(std::move(transport), open));
+FrameStream FrameStream::open(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open,
+                              StreamSetup setup) {
+  return FrameStream(std::make_unique<State>(std::move(transport), open, std::move(setup)));
 }
 
 const v1::Scene& FrameStream::scene() const { return state_->opened.scene(); }
+bool FrameStream::is_local() const { return state_->setup.is_local; }
+const std::string& FrameStream::local_refusal() const { return state_->setup.local_refusal; }
 uint32_t FrameStream::window() const { return state_->opened.window(); }
 
 std::optional<double> FrameStream::draining_deadline() const {

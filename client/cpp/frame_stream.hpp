@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "client/cpp/contacts.hpp"
 #include "client/cpp/frame_transport.hpp"
@@ -35,11 +36,25 @@ struct FrameOptions {
   v1::Report report = v1::REPORT_UNSPECIFIED;
 };
 
+/// How a stream reads for itself while nobody waits for it: so that answers move, and the daemon's pings are answered.
+struct KeeperPace {
+  std::chrono::milliseconds pause{20};  ///< until it looks again
+  int quiet_pauses = 150;               ///< so many in a row without anybody who waits, and it stays at the connection
+};
+
+/// What a stream is told of itself.
+struct StreamSetup {
+  bool is_local = false;           ///< over shared memory
+  std::string local_refusal = "";  ///< why not, though the daemon offers it
+  KeeperPace keeper = {};
+};
+
 /// One thread may send while another receives. Outputs come in the order of the frames.
 class FrameStream {
  public:
   /// Opens a stream over a transport that has sent nothing yet. Throws Error with the daemon's refusal.
-  static FrameStream open(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open);
+  static FrameStream open(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open,
+                          StreamSetup setup = {});
   FrameStream(FrameStream&&) noexcept;
   FrameStream& operator=(FrameStream&&) noexcept;
   /// Cancels what is in flight unless finish() was called.
@@ -47,6 +62,10 @@ class FrameStream {
 
   /// As of the opening: its last_frame_id is the last frame that was applied before this stream.
   const v1::Scene& scene() const;
+  /// Whether positions and contacts travel through memory that is shared with the daemon.
+  bool is_local() const;
+  /// Why they do not although the daemon is on this host and offers it, for people to read; else empty.
+  const std::string& local_refusal() const;
   /// Frames that may be in flight.
   uint32_t window() const;
   /// Seconds until the daemon, which is about to stop, closes the stream; nothing while it stays.

@@ -14,7 +14,7 @@
 namespace collided::client {
 
 struct FrameStream::State {
-  State(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open);
+  State(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open, StreamSetup setup);
   ~State();
   /// With the mutex: waits until `done`, or the deadline; whether it is done.
   template <class Done>
@@ -43,6 +43,7 @@ struct FrameStream::State {
   /// Needs the mutex. Why the stream ended, as an Error.
   [[noreturn]] void throw_ended() const;
 
+  const StreamSetup setup;
   std::unique_ptr<FrameTransport> transport;
   v1::StreamOpened opened;
   std::mutex mutex;

@@ -9,6 +9,8 @@
 #include <functional>
 #include <utility>
 
+#include "client/cpp/deadline.hpp"
+
 namespace collided::client {
 
 namespace {
@@ -18,10 +20,8 @@ constexpr std::chrono::milliseconds kPoll(1);
 
 using Clock = std::chrono::steady_clock;
 
-std::chrono::system_clock::time_point of_queue(FrameTransport::Time deadline) {
-  using std::chrono::system_clock;
-  if (deadline == FrameTransport::kNever) return system_clock::time_point::max();
-  return system_clock::now() + std::chrono::ceil<system_clock::duration>(deadline - Clock::now());
+gpr_timespec of_queue(FrameTransport::Time deadline) {
+  return deadline == FrameTransport::kNever ? no_deadline() : deadline_in(deadline - Clock::now());
 }
 
 }  // namespace

@@ -21,6 +21,9 @@ struct LocalOptions {
   uint64_t output_bytes = uint64_t{8} << 20;
   /// cudaIpcMemHandle_t (64 bytes) of memory on the scene's GPU: updates then name shared ranges in it. Needs kOn.
   std::string cuda_ipc_handle = "";
+  /// User id that the daemon may run as besides root, this process's own user and, with a unix:... address, whoever
+  /// listens there. -1: nobody else's socket is used.
+  int64_t daemon_user = -1;
 };
 
 /// How the memory of a stream is divided.

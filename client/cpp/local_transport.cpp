@@ -5,7 +5,6 @@
 #include <grpcpp/support/status_code_enum.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -20,15 +19,9 @@ constexpr size_t kMaxPacketBytes = size_t{64} << 10;
 constexpr uint64_t kAlignment = 64;
 constexpr size_t kFewBytes = 64;  // are sent with the packet
 
-LocalFd connect_to(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.empty() || path.size() >= sizeof(address.sun_path))
-    throw Error(grpc::INVALID_ARGUMENT, "local_socket is \"" + path + "\", which is no path of a socket");
-  path.copy(address.sun_path, path.size());
-  LocalFd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
-  if (socket.get() < 0 || connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0)
-    throw Error(grpc::UNAVAILABLE, "no daemon answers at " + path + ": " + std::strerror(errno));
+LocalFd connect_to(const LocalPeer& peer) {
+  LocalFd socket = connect_to_socket(peer.path, SOCK_SEQPACKET);
+  check_trusted(socket, peer.path, peer.trusted);
   return socket;
 }
 
@@ -78,9 +71,9 @@ bool has_arrived(int socket, FrameTransport::Time deadline) {
 
 }  // namespace
 
-LocalTransport::LocalTransport(const std::string& path, const LocalLayout& layout, const std::string& token,
+LocalTransport::LocalTransport(const LocalPeer& peer, const LocalLayout& layout, const std::string& token,
                                const std::string& cuda_ipc_handle)
-    : layout_(layout), socket_(connect_to(path)), region_(layout.window * layout.frame_bytes + layout.output_bytes) {
+    : layout_(layout), socket_(connect_to(peer)), region_(layout.window * layout.frame_bytes + layout.output_bytes) {
   opening_.set_version(kVersion);
   opening_.set_token(token);
   opening_.set_input_bytes(layout.window * layout.frame_bytes);

@@ -9,15 +9,23 @@
 
 #include "client/cpp/frame_transport.hpp"
 #include "client/cpp/local_options.hpp"
+#include "client/cpp/local_peer.hpp"
 #include "client/cpp/local_region.hpp"
 #include "collided/v1/local.pb.h"
 
 namespace collided::client {
 
+/// The socket to connect to, and who may listen there.
+struct LocalPeer {
+  std::string path;
+  TrustedUsers trusted;
+};
+
 class LocalTransport final : public FrameTransport {
  public:
-  /// Connects to the socket at `path`. Throws Error (UNAVAILABLE) if no daemon answers there.
-  LocalTransport(const std::string& path, const LocalLayout& layout, const std::string& token,
+  /// Connects. Throws Error: UNAVAILABLE if nobody listens there, PERMISSION_DENIED if somebody does who is not
+  /// trusted.
+  LocalTransport(const LocalPeer& peer, const LocalLayout& layout, const std::string& token,
                  const std::string& cuda_ipc_handle);
 
   bool open(const v1::OpenStream& open) override;

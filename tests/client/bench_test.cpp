@@ -136,17 +136,30 @@ TEST(Bench, ARunTellsTimesCountsAndMemory) {
   EXPECT_EQ(run["graph_launches_per_step"], 2);
 }
 
-TEST(Bench, CountsAreThoseOfTheLastStepUnderShortNames) {
+TEST(Bench, CountsAreThoseOfTheLastStepUnderTheProtocolsNames) {
   const Json counts = run_json(sample())["counts"];
-  const std::set<std::string> names{
-      "tests",       "pairs",      "candidates_vt",   "candidates_ee", "contacts_vt",    "contacts_ee",
-      "contacts_tt", "leaves",     "registrations",   "survivors_vt",  "survivors_ee",   "cells",
-      "top_level",   "base_level", "exact_decisions", "replays",       "steps_by_engine"};
+  const std::set<std::string> names{"cells",
+                                    "leaves",
+                                    "top_level",
+                                    "base_level",
+                                    "registrations",
+                                    "tests",
+                                    "pairs",
+                                    "candidates_vertex_triangle",
+                                    "candidates_edge_edge",
+                                    "contacts_vertex_triangle",
+                                    "contacts_edge_edge",
+                                    "contacts_triangle_triangle",
+                                    "survivors_vertex_triangle",
+                                    "survivors_edge_edge",
+                                    "exact_decisions",
+                                    "replays",
+                                    "steps_by_engine"};
   const std::vector<std::string> found = keys(counts);
   EXPECT_EQ(std::set<std::string>(found.begin(), found.end()), names);
   EXPECT_EQ(counts["tests"], 40);
-  EXPECT_EQ(counts["candidates_ee"], 1234567);
-  EXPECT_EQ(counts["contacts_vt"], 7);
+  EXPECT_EQ(counts["candidates_edge_edge"], 1234567);
+  EXPECT_EQ(counts["contacts_vertex_triangle"], 7);
   EXPECT_EQ(counts["replays"], 40);
   EXPECT_EQ(counts["steps_by_engine"], (Json{{"octree", 39}, {"lbvh", 1}}));
 }
@@ -166,8 +179,9 @@ TEST(Bench, AFileHasOneShapeForOneRunAndForMore) {
 
 TEST(Bench, TheTableShowsTimesStagesAndCounts) {
   const std::string lines = bench_lines(run_json(sample()));
-  for (const char* part : {"funnel", "auto (octree, lbvh)", "18,504", "20.5", "stages, ms: boxes 10.2", "contacts_vt 7",
-                           "candidates_ee 1,234,567", "device_bytes 1,234", "allocations_per_step 0.1"})
+  for (const char* part :
+       {"funnel", "auto (octree, lbvh)", "18,504", "20.5", "stages, ms: boxes 10.2", "contacts_vertex_triangle 7",
+        "candidates_edge_edge 1,234,567", "device_bytes 1,234", "allocations_per_step 0.1"})
     EXPECT_NE(lines.find(part), std::string::npos) << part << " in\n" << lines;
   EXPECT_EQ(bench_head().size(), lines.find('\n') + 1);
 }

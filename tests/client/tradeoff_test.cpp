@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "client/cli/output.hpp"
 #include "client/cli/tradeoff_judge.hpp"
 #include "client/cli/tradeoff_report.hpp"
 

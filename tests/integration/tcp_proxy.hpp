@@ -8,8 +8,10 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <functional>
 #include <list>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -19,7 +21,11 @@ namespace collided::test {
 
 class TcpProxy {
  public:
-  explicit TcpProxy(std::string target) : target_(std::move(target)), listener_(listen_anywhere()) {
+  /// Sees what goes from a client to the daemon: of which connection, from 0, and the bytes. On the proxy's thread.
+  using Watch = std::function<void(size_t connection, std::string_view bytes)>;
+
+  explicit TcpProxy(std::string target, Watch watch = {})
+      : target_(std::move(target)), watch_(std::move(watch)), listener_(listen_anywhere()) {
     thread_ = std::thread([this] { run(); });
   }
   TcpProxy(const TcpProxy&) = delete;
@@ -46,6 +52,7 @@ class TcpProxy {
   enum class State { kPlugged, kUnplugged, kCut };
   struct Pair {
     int near = -1, far = -1;
+    size_t number = 0;
   };
 
   // Returns once nothing of the state before goes on.
@@ -76,10 +83,12 @@ class TcpProxy {
   }
 
   // False once one side is gone.
-  static bool relay(int from, int to) {
+  template <class Look>
+  static bool relay(int from, int to, const Look& look) {
     char buffer[65536];
     const ssize_t size = recv(from, buffer, sizeof(buffer), MSG_DONTWAIT);
     if (size < 0) return true;
+    look(std::string_view(buffer, static_cast<size_t>(size)));
     for (ssize_t sent = 0, n = 0; sent < size; sent += n)
       if ((n = send(to, buffer + sent, size - sent, MSG_NOSIGNAL)) < 0) return false;
     return size > 0;
@@ -90,7 +99,7 @@ class TcpProxy {
     if (near < 0) return;
     const int far = connect_to(target_);
     if (far < 0) return reset(near);
-    pairs_.push_back({near, far});
+    pairs_.push_back({near, far, accepted_++});
   }
 
   void run() {
@@ -115,8 +124,11 @@ class TcpProxy {
     size_t i = 1;
     for (auto pair = pairs_.begin(); pair != pairs_.end(); i += 2) {
       bool open = true;
-      if (waits[i].revents) open = relay(pair->near, pair->far);
-      if (open && waits[i + 1].revents) open = relay(pair->far, pair->near);
+      const auto watch = [&](std::string_view bytes) {
+        if (watch_) watch_(pair->number, bytes);
+      };
+      if (waits[i].revents) open = relay(pair->near, pair->far, watch);
+      if (open && waits[i + 1].revents) open = relay(pair->far, pair->near, [](std::string_view) {});
       if (!open) reset(*pair);
       pair = open ? std::next(pair) : pairs_.erase(pair);
     }
@@ -129,8 +141,10 @@ class TcpProxy {
   }
 
   const std::string target_;
+  const Watch watch_;
   const int listener_;
   std::list<Pair> pairs_;  // of the thread alone
+  size_t accepted_ = 0;    // the same
   std::atomic<State> state_ = State::kPlugged, seen_ = State::kPlugged;
   std::atomic<bool> is_over_ = false;
   std::thread thread_;

@@ -12,13 +12,13 @@ from support import ONE_CPU
 class Bench(support.CollidectlTest):
     BENCH_KEYS = ["scene", "triangles", "backend", "device", "engine", "accuracy", "steps", "step_ms", "stage_ms",
                   "counts", "device_bytes", "allocations_per_step", "graph_launches_per_step"]
-    BENCH_COUNTS = ["tests", "pairs", "candidates_vt", "candidates_ee", "contacts_vt", "contacts_ee", "leaves",
-                    "registrations"]
+    BENCH_COUNTS = ["tests", "pairs", "candidates_vertex_triangle", "candidates_edge_edge",
+                    "contacts_vertex_triangle", "contacts_edge_edge", "leaves", "registrations"]
 
     def bench(self, *words):
         """The file that bench writes, checked for its shape."""
         out = os.path.join(self.folder.name, "bench.json")
-        self.table = self.ok("bench", *words, *ONE_CPU, "--json", out)
+        self.table = self.ok("bench", *words, *ONE_CPU, "--out", out)
         with open(out, encoding="ascii") as file:
             result = json.load(file)
         self.assertEqual(list(result), ["device", "settings", "runs"])
@@ -45,10 +45,10 @@ class Bench(support.CollidectlTest):
                          [("flamenco", "auto"), ("flamenco", "octree"), ("funnel", "auto"), ("funnel", "octree")])
         for run in runs:
             self.assertEqual((run["steps"], run["accuracy"]), (3, "certified"))
-            for name in ("tests", "pairs", "candidates_vt", "candidates_ee", "leaves"):
+            for name in ("tests", "pairs", "candidates_vertex_triangle", "candidates_edge_edge", "leaves"):
                 self.assertGreater(run["counts"][name], 0, (run["scene"], name))
             self.assertEqual(run["counts"]["registrations"] > 0, "lbvh" not in run["counts"]["steps_by_engine"])
-        for name in ("pairs", "candidates_vt", "candidates_ee", "contacts_vt", "contacts_ee"):
+        for name in self.BENCH_COUNTS[1:6]:
             self.assertEqual(runs[0]["counts"][name], runs[1]["counts"][name])
         self.assertEqual(result["settings"], {"warm_up": 2, "scale": 0.2, "mode": "ccd", "position_format": "f32",
                                               "thickness": 0, "delta": 0, "report": "all", "kinds": ["vt", "ee"]})
@@ -57,28 +57,42 @@ class Bench(support.CollidectlTest):
         """However long the warm-up is, the last step is the same."""
         words = ["--scene", "flamenco", "--scale", "0.2", "--steps", "4", "--position-format", "f64"]
         counts = [self.bench(*words, "--warm-up", n)["runs"][0]["counts"] for n in ("0", "3")]
-        for name in (*self.BENCH_COUNTS, "survivors_vt", "survivors_ee"):
+        for name in (*self.BENCH_COUNTS, "survivors_vertex_triangle", "survivors_edge_edge"):
             self.assertEqual(counts[0][name], counts[1][name], name)
-        self.assertGreater(counts[0]["contacts_vt"], 0)
+        self.assertGreater(counts[0]["contacts_vertex_triangle"], 0)
 
     def test_bench_measures_the_step_between_two_frames(self):
         result = self.bench("--frames", self.frame0, self.frame1, "--steps", "2", "--warm-up", "1",
                             "--accuracy", "exact", "--thickness", "0.01", "--kinds", "vt")
         run = result["runs"][0]
         self.assertEqual((run["scene"], run["triangles"], run["accuracy"]), ("a to b", 2, "exact"))
-        self.assertGreater(run["counts"]["contacts_vt"], 0)
+        self.assertGreater(run["counts"]["contacts_vertex_triangle"], 0)
         self.assertEqual(result["settings"]["scale"], None)
         self.assertEqual((result["settings"]["kinds"], result["settings"]["thickness"]), (["vt"], 0.01))
 
     def test_bench_measures_one_frame(self):
         result = self.bench("--frames", self.frame1, "--mode", "dcd", "--kinds", "tt", "--steps", "1")
         self.assertEqual(result["runs"][0]["scene"], "b")
-        self.assertEqual(result["runs"][0]["counts"]["contacts_tt"], 1)
+        self.assertEqual(result["runs"][0]["counts"]["contacts_triangle_triangle"], 1)
 
     def test_bench_uses_a_running_daemon(self):
         with self.daemon("--max-scenes", "1") as address:
             words = ["--scene", "funnel", "--scale", "0.1", "--engine", "auto,octree", "--steps", "2"]
             self.assertIn("octree", self.ok("bench", *words, "--server", address, "--backend", "cpu"))
+
+    def test_bench_prints_json_as_every_command_does(self):
+        words = ["bench", "--scene", "funnel", "--scale", "0.1", "--steps", "2", "--warm-up", "0", *ONE_CPU]
+        out = os.path.join(self.folder.name, "bench.json")
+        printed = json.loads(self.ok(*words, "--json", "--out", out))
+        with open(out, encoding="ascii") as file:
+            self.assertEqual(json.load(file), printed)
+        self.assertEqual(printed["runs"][0]["scene"], "funnel")
+        done = support.ctl(*words, "--out", "-")
+        self.assertEqual(json.loads(done.stdout)["runs"][0]["steps"], 2)
+        self.assertIn("median ms", done.stderr)
+        self.assertFalse(os.path.exists("-"))
+        self.refused(2, "both want standard output", *words, "--json", "--out", "-")
+        self.refused(2, "bench.json", *words, "--json", "bench.json")
 
     def test_bench_refuses_bad_usage(self):
         scene, frames = ["--scene", "funnel"], ["--frames", self.frame0, self.frame1]
@@ -102,10 +116,10 @@ class Bench(support.CollidectlTest):
         self.refused(1, "'nothing' is not known", "bench", "--scene", "funnel,nothing", **nothing)
         self.refused(1, "scale is 100", "bench", "--scene", "funnel", "--scale", "100", **nothing)
         bad = "/nonexistent/folder/bench.json"
-        self.refused(1, bad, "bench", "--scene", "funnel", "--json", bad, **nothing)
+        self.refused(1, bad, "bench", "--scene", "funnel", "--out", bad, **nothing)
         self.refused(1, "none.ply", "bench", "--frames", "none.ply", self.frame0, **nothing)
         out = os.path.join(self.folder.name, "bench.json")
-        self.refused(1, "COLLIDED_DAEMON", "bench", "--scene", "funnel", "--json", out, **nothing)
+        self.refused(1, "COLLIDED_DAEMON", "bench", "--scene", "funnel", "--out", out, **nothing)
         self.assertFalse(os.path.exists(out))
 
 

@@ -15,7 +15,7 @@ class Detect(support.CollidectlTest):
         out = os.path.join(self.folder.name, "c.csv")
         summary = json.loads(self.ok("detect", self.frame0, self.frame1, *ONE_CPU, "--out", out, "--json"))
         rows = self.rows(out)
-        self.assertEqual(summary["contacts"], len(rows))
+        self.assertEqual(summary["contact_count"], len(rows))
         self.assertEqual(summary["scene"]["triangles"], 2)
         self.assertEqual(summary["scene"]["backend"], "cpu")
         self.assertEqual(summary["scene"]["position_format"], "f32")
@@ -45,11 +45,65 @@ class Detect(support.CollidectlTest):
         frames = [self.frame0, self.frame1]
         out = os.path.join(self.folder.name, "c.csv")
         earliest = json.loads(self.ok("detect", *frames, *ONE_CPU, "--report", "earliest", "--out", out, "--json"))
-        self.assertEqual((earliest["scene"]["report"], earliest["contacts"], len(self.rows(out))), ("earliest", 1, 1))
+        self.assertEqual((earliest["scene"]["report"], earliest["contact_count"], len(self.rows(out))), ("earliest", 1, 1))
         hit = json.loads(self.ok("detect", *frames, *ONE_CPU, "--report", "any", "--out", out, "--json"))
-        self.assertEqual((hit["any_contact"], hit["contacts"], self.rows(out)), (True, 0, []))
+        self.assertEqual((hit["any_contact"], hit["contact_count"], self.rows(out)), (True, None, []))
         miss = json.loads(self.ok("detect", self.frame0, self.frame0, *ONE_CPU, "--report", "any", "--json"))
         self.assertIs(miss["any_contact"], False)
+
+    def test_the_earliest_contact_is_named(self):
+        for report in ("earliest", "all"):
+            words = ["detect", self.frame0, self.frame1, *ONE_CPU, "--report", report]
+            summary = json.loads(self.ok(*words, "--json"))
+            contact = summary["earliest"]
+            self.assertEqual((contact["kind"], contact["elements"], contact["stencil"], contact["flags"]),
+                             ("vertex_triangle", [3, 0], [3, 0, 1, 2], ["certified"]))
+            self.assertEqual(contact["toi"], summary["earliest_toi"])
+            self.assertRegex(self.ok(*words), r"earliest\n  kind +vertex_triangle\n  elements +3, 0\n")
+        played = json.loads(self.ok("stream", "--scene", "funnel", "--scale", "0.2", "--frames", "3", "--t0", "0.9",
+                                    *ONE_CPU, "--json"))
+        self.assertEqual("earliest" in played, played["any_contact"])
+
+    def test_what_is_not_counted_is_no_zero(self):
+        words = ["detect", self.frame0, self.frame1, *ONE_CPU, "--report", "any"]
+        summary = json.loads(self.ok(*words, "--json"))
+        self.assertEqual([summary["contact_count"], summary["counts"]["contacts_vertex_triangle"]], [None, None])
+        self.assertNotIn("earliest_toi", summary)
+        self.assertRegex(self.ok(*words), r"contact_count +not counted\nany_contact +yes\n")
+
+    def test_reports_are_for_people(self):
+        text = self.ok("detect", self.frame0, self.frame1, *ONE_CPU)
+        self.assertRegex(text, r"\n  delta +automatic\n")
+        self.assertRegex(text, r"\nstep +[0-9.,e-]+ ms\n")
+        self.assertRegex(text, r"\ndevice_bytes +[0-9]{1,3}(,[0-9]{3})+ bytes\n")
+        self.assertNotRegex(text, r"[1-9][0-9]{4}", "four digits are enough, and thousands are separated")
+        self.assertNotIn("[", text)
+
+    def test_an_output_that_cannot_be_written_is_found_before_the_work(self):
+        words = ["detect", self.frame0, self.frame1]
+        nothing = {"COLLIDED_DAEMON": "/nonexistent"}
+        missing = os.path.join(self.folder.name, "none", "c.csv")
+        self.refused(1, f"--out {missing}: cannot be written: No such file or directory", *words, "--out", missing,
+                     **nothing)
+        self.refused(1, "Is a directory", *words, "--out", self.folder.name, **nothing)
+        left = os.path.join(self.folder.name, "c.csv")
+        self.refused(1, "COLLIDED_DAEMON", *words, "--out", left, **nothing)
+        self.assertFalse(os.path.exists(left))
+
+    def test_a_result_is_printed_even_if_its_file_cannot_be_written(self):
+        done = support.ctl("detect", self.frame0, self.frame1, *ONE_CPU, "--out", "/dev/full", "--json")
+        self.assertEqual(done.returncode, 1)
+        self.assertIs(json.loads(done.stdout)["any_contact"], True)
+        self.assertEqual(done.stderr, "collidectl: /dev/full: cannot be written: No space left on device\n")
+
+    def test_standard_output_takes_the_contacts(self):
+        done = support.ctl("detect", self.frame0, self.frame1, *ONE_CPU, "--out", "-", cwd=self.folder.name)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = list(csv.DictReader(done.stdout.splitlines()))
+        self.assertEqual(("vt", "3", "0"), tuple(rows[0][name] for name in ("kind", "element_a", "element_b")))
+        self.assertIn("any_contact", done.stderr)
+        self.assertEqual(sorted(os.listdir(self.folder.name)), ["a.obj", "b.obj"])
+        self.refused(2, "both want standard output", "detect", self.frame0, self.frame1, "--out", "-", "--json")
 
     def test_triangles_that_cross(self):
         out = os.path.join(self.folder.name, "c.csv")
@@ -71,7 +125,7 @@ class Detect(support.CollidectlTest):
     def test_dcd_and_double_positions(self):
         near = self.put("near.obj", FRAME0.replace("v 1 1 1\n", "v 1 1 0.1\n"))
         summary = json.loads(self.ok("detect", near, "--mode", "dcd", "--thickness", "0.2", *ONE_CPU, "--json"))
-        self.assertGreaterEqual(summary["contacts"], 1)
+        self.assertGreaterEqual(summary["contact_count"], 1)
         self.assertEqual(summary["scene"]["position_format"], "f64")
 
     def test_export_detect_and_stream_agree_on_the_scene(self):
@@ -86,8 +140,9 @@ class Detect(support.CollidectlTest):
         played = json.loads(self.ok("stream", *small, *ONE_CPU, "--json"))
         self.assertEqual(played["scene"]["triangles"], one["scene"]["triangles"])
         self.assertEqual(played["frames"], 2)
-        self.assertIn("total", played["median_stage_ms"])
-        self.assertEqual(played["any_contact"], played["contacts"]["all"] > 0)
+        self.assertEqual(list(played["median"]), ["total_ms", "queue_ms", "step_ms", "stage_ms"])
+        self.assertEqual(list(played["last_frame"]["counts"]), list(one["counts"]))
+        self.assertEqual(played["any_contact"], played["contact_count"] > 0)
         self.assertEqual(played["warnings"], [])
 
 

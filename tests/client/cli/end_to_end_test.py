@@ -14,7 +14,7 @@ TIMES = ["latency_ms", "engine_ms", "overhead_ms"]
 class EndToEnd(support.CollidectlTest):
     def measure(self, *words):
         out = os.path.join(self.folder.name, "bench.json")
-        table = self.ok("bench", "--end-to-end", *words, *ONE_CPU, "--json", out)
+        table = self.ok("bench", "--end-to-end", *words, *ONE_CPU, "--out", out)
         with open(out, encoding="ascii") as file:
             result = json.load(file)
         self.assertEqual(list(result), ["device", "settings", "runs"])

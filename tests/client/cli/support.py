@@ -17,9 +17,9 @@ FRAME0 = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 1 1 1\nv 1.5 1 3\nv 1 1.5 3\nf 1 2 3\nf 4
 FRAME1 = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 1 1 -1\nv 1.5 1 1\nv 1 1.5 1\nf 1 2 3\nf 4 5 6\n"
 
 
-def ctl(*words, **environment):
+def ctl(*words, cwd=None, **environment):
     env = {**os.environ, "COLLIDED_DAEMON": DAEMON, **environment}
-    return subprocess.run([COLLIDECTL, *words], capture_output=True, text=True, env=env, timeout=240)
+    return subprocess.run([COLLIDECTL, *words], capture_output=True, text=True, env=env, cwd=cwd, timeout=240)
 
 
 class CollidectlTest(unittest.TestCase):

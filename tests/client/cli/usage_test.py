@@ -5,7 +5,9 @@ Usage: usage_test.py COLLIDECTL DAEMON"""
 import csv
 import json
 import os
+import signal
 import subprocess
+import tempfile
 
 import support
 from support import COLLIDECTL, DAEMON, ONE_CPU, FRAME0
@@ -32,7 +34,7 @@ class Usage(support.CollidectlTest):
             self.refused(2, "--delta", "detect", self.frame0, f"--delta={number}")
             self.refused(2, "--t0", "stream", "--scene", "funnel", f"--t0={number}")
             self.refused(2, "--dt", "stream", "--scene", "funnel", f"--dt={number}")
-        self.refused(2, "subcommand")
+        self.refused(2, "a command is needed")
         self.refused(2, "--threads", "detect", self.frame0, "--server", "x:1", "--threads", "2")
 
     def test_options_that_do_not_go_together(self):
@@ -44,6 +46,38 @@ class Usage(support.CollidectlTest):
         self.refused(2, "--report any needs", *stream, "--report", "any", "--accuracy", "candidates")
         self.refused(2, "--kinds tt needs", *stream, "--kinds", "vt,tt")
         self.refused(2, "--thickness greater than 0", *dcd, "--accuracy", "fast")
+
+    def test_the_wrong_word_is_named(self):
+        frames = [self.frame0, self.frame1]
+        self.refused(2, "'frobnicate' is no command; there are detect, stream", "frobnicate")
+        self.refused(2, "'steam' is no command; did you mean stream?", "steam", "--scene", "funnel")
+        self.refused(2, "--scnee is no option of 'stream'; did you mean --scene?", "stream", "--scnee", "funnel")
+        self.refused(2, "--treshold is no option of 'detect'", "detect", *frames, "--treshold", "3")
+        self.refused(2, "--thicknes is no option of 'detect'; did you mean --thickness?", "detect", *frames,
+                     "--thicknes=3")
+        self.refused(2, "'funnel' is one word too many for 'scenes'", "scenes", "funnel")
+        self.refused(2, "a command is needed: detect, stream")
+        self.refused(2, "--verson is no option of collidectl; did you mean --version?", "--verson")
+
+    def test_help_tells_how_many_files_go_in(self):
+        self.assertIn("detect [OPTIONS] FRAME [FRAME]\n", self.ok("detect", "--help"))
+        self.assertIn("tradeoff [OPTIONS] [FRAME [FRAME]]\n", self.ok("tradeoff", "--help"))
+        for command in ("detect", "stream", "scenes", "export", "info", "tradeoff", "bench"):
+            text = self.ok(command, "--help")
+            self.assertNotIn("x)", text.splitlines()[1], command)
+
+    def test_a_reader_that_leaves_ends_it_without_a_word_and_without_leftovers(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for words in (["info"], ["scenes"], ["detect", self.frame0, self.frame1, "--out", "-", *ONE_CPU]):
+                reader, writer = os.pipe()
+                os.close(reader)
+                env = {**os.environ, "COLLIDED_DAEMON": DAEMON, "TMPDIR": folder}
+                done = subprocess.run([COLLIDECTL, *words], stdout=writer, stderr=subprocess.PIPE, text=True, env=env,
+                                      timeout=240)
+                os.close(writer)
+                self.assertEqual(done.returncode, 128 + signal.SIGPIPE, words)
+                self.assertNotIn("collidectl:", done.stderr)
+                self.assertEqual(os.listdir(folder), [], words)
 
     def test_output_that_cannot_be_written_is_an_error(self):
         for words in (["info", "--json"], ["scenes"], ["--help"]):
@@ -64,6 +98,14 @@ class Usage(support.CollidectlTest):
         self.refused(1, "nonexistent", "info", "--server", "unix:/nonexistent/socket")
         self.refused(1, "COLLIDED_DAEMON", "detect", self.frame0, self.frame1, COLLIDED_DAEMON="/nonexistent")
         self.refused(1, "ended with exit code 1", "info", COLLIDED_DAEMON="/bin/false")
+        self.refused(1, "is no file", "detect", self.folder.name + "/none.obj", self.frame0)
+        folder = os.path.join(self.folder.name, "folder.obj")
+        os.mkdir(folder)
+        self.refused(1, "folder.obj: is a folder", "detect", folder, self.frame0)
+        wrong = self.put("wrong.obj", FRAME0.replace("f 4 5 6", "f 4 5 7"))
+        self.refused(1, "wrong.obj:8: vertex index 7 is out of range; there are 6 vertices", "detect", wrong, wrong)
+        no_number = self.put("nan.obj", FRAME0.replace("v 4 0 0", "v nan 0 0"))
+        self.refused(1, "nan.obj:2: position nan is not finite", "detect", no_number, no_number)
         bad = "/nonexistent/folder/c.csv"
         self.refused(1, bad, "detect", self.frame0, self.frame1, *ONE_CPU, "--out", bad)
 

@@ -1,0 +1,27 @@
+// Which word was meant.
+
+#include <gtest/gtest.h>
+
+#include "client/cli/usage.hpp"
+
+namespace collided::cli {
+namespace {
+
+TEST(EditDistance, CountsLetters) {
+  EXPECT_EQ(edit_distance("", ""), 0u);
+  EXPECT_EQ(edit_distance("", "abc"), 3u);
+  EXPECT_EQ(edit_distance("stream", "steam"), 1u);
+  EXPECT_EQ(edit_distance("scene", "scnee"), 2u);
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
+}
+
+TEST(Nearest, IsNamedIfItIsNearEnough) {
+  const std::vector<std::string> known{"detect", "stream", "scenes", "info"};
+  EXPECT_EQ(nearest("steam", known), "stream");
+  EXPECT_EQ(nearest("detects", known), "detect");
+  EXPECT_EQ(nearest("frobnicate", known), "");
+  EXPECT_EQ(nearest("x", {}), "");
+}
+
+}  // namespace
+}  // namespace collided::cli
