@@ -25,6 +25,9 @@ void ReceivedTriangles::move_to(std::vector<TriangleCorners>& mesh, MemoryHold& 
   held.absorb(held_);
 }
 
+Upload::Upload(std::function<void(const std::exception_ptr&)> fail, Clock::time_point now)
+    : fail_(std::move(fail)), last_chunk_(now) {}
+
 Upload::~Upload() = default;
 
 void Upload::wait(const std::function<void()>& read) {

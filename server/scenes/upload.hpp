@@ -46,8 +46,7 @@ class Upload {
   using Clock = std::chrono::steady_clock;
 
   /// `fail` ends the call; called at most once, by end_if_stale().
-  Upload(std::function<void(const std::exception_ptr&)> fail, Clock::time_point now)
-      : fail_(std::move(fail)), last_chunk_(now) {}
+  Upload(std::function<void(const std::exception_ptr&)> fail, Clock::time_point now);
   ~Upload();
 
   /// Waits for the next chunk, which `read` asks for.
