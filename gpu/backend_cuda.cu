@@ -11,8 +11,9 @@ constexpr int kDevice = 0;  ///< that all scenes are on
 
 std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features) {
   if (!cuda_available()) throw DeviceError("backend: no usable CUDA device was found");
+  const int threads = spec.threads;
   const MemoryLimits memory(spec.memory_budget, spec.memory_quota);
-  return make_scene_detector<CudaExec>(std::move(spec), std::move(features), kDevice, memory);
+  return make_scene_detector<CudaExec>(std::move(spec), std::move(features), kDevice, threads, memory);
 }
 
 std::vector<DeviceInfo> cuda_devices() {

@@ -16,11 +16,20 @@ std::string text(const T& value) {
 
 std::string name_of(size_t update) { return "updates[" + text(update) + "]"; }
 
-void check_bytes(const std::string& field, std::span<const std::byte> bytes, uint64_t vertices, Scalar scalar) {
+std::string name_of(Scalar scalar) { return scalar == Scalar::kF64 ? "F64" : "F32"; }
+
+/// `of`: the vertices, in words.
+void check_bytes(const std::string& field, std::span<const std::byte> bytes, uint64_t vertices, Scalar scalar,
+                 const std::string& of) {
   const uint64_t want = vertices * bytes_per_vertex(scalar);
-  if (bytes.size() != want)
-    throw InvalidInput(
-        field, field + " has " + text(bytes.size()) + " bytes, " + text(vertices) + " vertices take " + text(want));
+  if (bytes.size() == want) return;
+  std::string what = field + " has " + text(bytes.size()) + " bytes; " + name_of(scalar) + " positions of " +
+                     text(vertices) + " vertices" + of + " are " + text(want);
+  const Scalar other = scalar == Scalar::kF64 ? Scalar::kF32 : Scalar::kF64;
+  if (bytes.size() == vertices * bytes_per_vertex(other))
+    what += "; " + text(bytes.size()) + " is what " + name_of(other) + " positions take, and the scene is of " +
+            name_of(scalar);
+  throw InvalidInput(field, what);
 }
 
 /// Of the vertices that an update has positions for.
@@ -32,7 +41,7 @@ uint64_t checked_count(const MeshSpec& mesh, const MeshPositions& update, const 
     return mesh.vertex_count;
   }
   if (bytes % sizeof(uint32_t) != 0)
-    throw InvalidInput(name, name + " has " + text(bytes) + " bytes, which is no multiple of 4");
+    throw InvalidInput(name, name + " has " + text(bytes) + " bytes, which is no multiple of 4: an index has 4");
   const uint64_t count = bytes / sizeof(uint32_t);
   if (count > mesh.vertex_count)
     throw InvalidInput(name, name + " names " + text(count) + " vertices, the mesh has " + text(mesh.vertex_count));
@@ -45,11 +54,12 @@ void check_update(const SceneSpec& spec, const MeshPositions& update, const std:
                                             text(spec.meshes.size()) + " meshes");
   const MeshSpec& mesh = spec.meshes[update.mesh];
   const uint64_t count = checked_count(mesh, update, field);
-  check_bytes(field + ".end", update.end, count, spec.scalar);
+  const std::string of = update.is_sparse ? " that indices names" : " of mesh " + text(update.mesh);
+  check_bytes(field + ".end", update.end, count, spec.scalar, of);
   if (update.start.empty()) return;
   if (spec.mode == Mode::kDcd) throw InvalidInput(field + ".start", field + ".start is given, but the scene is DCD");
   if (mesh.is_static) throw InvalidInput(field + ".start", field + ".start is given, but the mesh is static");
-  check_bytes(field + ".start", update.start, count, spec.scalar);
+  check_bytes(field + ".start", update.start, count, spec.scalar, of);
 }
 
 void check_length(const std::string& field, double value, double limit) {
@@ -106,7 +116,9 @@ void check_turn(const SceneSpec& spec, const std::vector<SentMesh>& meshes, bool
     const uint32_t mesh = meshes[i].mesh;
     if (!first && spec.meshes[mesh].is_static)
       throw InvalidInput(name_of(i) + ".mesh",
-                         name_of(i) + ".mesh " + text(mesh) + " is static: its positions come once");
+                         name_of(i) + ".mesh " + text(mesh) +
+                             " is static: its positions come with the first frame alone. Leave it out of later frames, "
+                             "or create the scene with is_static off for this mesh");
     if (first && meshes[i].is_sparse)
       throw InvalidInput(name_of(i) + ".indices", name_of(i) + ".indices are given for mesh " + text(mesh) +
                                                       ", whose first positions must be those of all vertices");

@@ -78,7 +78,9 @@ struct FeatureSink {
   COLLIDED_HD uint64_t second_key(uint32_t edge, uint32_t other) const {
     return pack_ids(smaller(edge, other), larger(edge, other)) + (uint64_t{edge_rank} << 32);
   }
-  COLLIDED_HD bool is_over() const { return hurry.is_over(); }
+  COLLIDED_HD bool is_over() const {
+    return hurry.is_over() || vertex_triangle.is_overfull() || edge_edge.is_overfull();
+  }
   COLLIDED_HD void add(uint64_t pairs, uint64_t first, uint64_t second) const { totals(pairs, first, second); }
 };
 
@@ -102,7 +104,7 @@ struct TrianglePairSink {
     key = pack_ids(a, b) + (uint64_t{rank} << 32);
     return !has(p, q.x) && !has(p, q.y) && !has(p, q.z);
   }
-  COLLIDED_HD bool is_over() const { return hurry.is_over(); }
+  COLLIDED_HD bool is_over() const { return hurry.is_over() || pairs.is_overfull(); }
   COLLIDED_HD void add(uint64_t all, uint64_t, uint64_t) const { totals(all, 0, 0); }
 
  private:

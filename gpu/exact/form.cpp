@@ -47,7 +47,7 @@ Form operator*(const Form& a, const Form& b) {
 }
 
 // Horner's rule in t / s, with the powers of s made on the way.
-int sign_at_point(const Form& f, const Dyadic& at) {
+mpz_class value_at_point(const Form& f, const Dyadic& at) {
   const mpz_class s = (mpz_class(1) << at.bits) - at.k;
   mpz_class value = f.c.back(), power = 1;
   for (size_t i = f.degree(); i-- > 0;) {
@@ -55,7 +55,7 @@ int sign_at_point(const Form& f, const Dyadic& at) {
     value *= at.k;
     mpz_addmul(value.get_mpz_t(), f.c[i].get_mpz_t(), power.get_mpz_t());
   }
-  return sgn(value);
+  return value;
 }
 
 // As above, with the linear forms that t and s are in the local parameter.

@@ -28,8 +28,9 @@ struct Dyadic {
   mp_bitcnt_t bits = 0;
 };
 
-/// Sign of f at the lower end of `at`, which lies in [0, 1].
-int sign_at_point(const Form& f, const Dyadic& at);
+/// f at the lower end of `at`, which lies in [0, 1], times 2^(at.bits * degree).
+mpz_class value_at_point(const Form& f, const Dyadic& at);
+inline int sign_at_point(const Form& f, const Dyadic& at) { return sgn(value_at_point(f, at)); }
 
 /// f in the local parameter of the interval `on`, but for a positive factor.
 Form restricted(const Form& f, const Dyadic& on);

@@ -1,5 +1,6 @@
 #include "gpu/exact/root.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -61,17 +62,51 @@ Root Root::inside(const Form& f, const Dyadic& in, int left_sign) {
   return root;
 }
 
+// Quadratic interval refinement (Abbott 2006): the secant guesses in which of 2^jump parts the root is, and signs tell
+// whether it is. Guesses come true once the form is nearly a line, and each then brings twice the bits of the last.
 void Root::refine(mp_bitcnt_t bits) {
+  mp_bitcnt_t jump = 2;
   while (left_sign_ != 0 && at_.bits < bits) {
     PollScope::step();
-    at_.k = 2 * at_.k + 1;
-    ++at_.bits;
-    const int sign = sign_at_point(f_, at_);
-    if (sign == 0)
-      left_sign_ = 0;
-    else if (sign != left_sign_)
-      --at_.k;
+    jump = std::min(jump, bits - at_.bits);
+    if (jump > 1 && narrow(jump)) {
+      jump *= 2;
+      continue;
+    }
+    halve();
+    jump = std::max<mp_bitcnt_t>(jump / 2, 2);
   }
+}
+
+/// Whether the root is at the lower end of `point`, where the form has this sign.
+bool Root::settle_at(const Dyadic& point, int sign) {
+  if (sign != 0) return false;
+  at_ = point;
+  left_sign_ = 0;
+  return true;
+}
+
+void Root::halve() {
+  const Dyadic middle{2 * at_.k + 1, at_.bits + 1};
+  const int sign = sign_at_point(f_, middle);
+  if (settle_at(middle, sign)) return;
+  at_ = {sign == left_sign_ ? middle.k : mpz_class(middle.k - 1), middle.bits};
+}
+
+/// Shortens the interval by `bits` bits if the secant leads there.
+bool Root::narrow(mp_bitcnt_t bits) {
+  const mpz_class low = value_at_point(f_, at_), high = value_at_point(f_, {at_.k + 1, at_.bits});
+  if (sgn(low) * sgn(high) >= 0) return false;  // an end that is a root of its own
+  const mpz_class part = (low << bits) / mpz_class(low - high);
+  const Dyadic begin{(at_.k << bits) + part, at_.bits + bits}, end{begin.k + 1, begin.bits};
+  const int at_begin = sign_at_point(f_, begin);
+  if (settle_at(begin, at_begin)) return true;
+  if (at_begin != left_sign_) return false;
+  const int at_end = sign_at_point(f_, end);
+  if (settle_at(end, at_end)) return true;
+  if (at_end == left_sign_) return false;
+  at_ = begin;
+  return true;
 }
 
 // Coefficients of one sign on the interval settle it, and a sign that is not zero is found once the interval is short
@@ -81,7 +116,7 @@ int Root::sign_of(const Form& g) {
   if (g.vanishes()) return 0;
   constexpr mp_bitcnt_t kDivisorAt = 64;  // rarely reached but by zeros
   bool may_be_zero = true;
-  for (mp_bitcnt_t bits = 4;; bits *= 4) {
+  for (mp_bitcnt_t bits = 4;; bits *= bits < kDivisorAt ? 4 : 2) {
     if (left_sign_ == 0) return sign_at_point(g, at_);
     if (const int sign = open_sign(restricted(g, at_))) return sign;
     if (bits > kDivisorAt && std::exchange(may_be_zero, false))

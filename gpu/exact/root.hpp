@@ -24,6 +24,9 @@ class Root {
 
  private:
   void refine(mp_bitcnt_t bits);
+  void halve();
+  bool narrow(mp_bitcnt_t bits);
+  bool settle_at(const Dyadic& point, int sign);
 
   Form f_;
   Dyadic at_;

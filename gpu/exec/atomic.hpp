@@ -121,6 +121,13 @@ struct AppendList {
     const uint64_t slot = claim_slot(*count);
     if (slot < items.size()) items[slot] = value;
   }
+  /// Whether so much more was asked for than there is room, that it is better to enlarge the list before the rest is
+  /// counted: what is found in vain stays below what there has to be room for.
+  COLLIDED_HD bool is_overfull() const {
+    constexpr uint64_t kAlways = 1u << 20;
+    const uint64_t most = 4 * items.size();
+    return atomic_read(*count) > (most < kAlways ? kAlways : most);
+  }
 };
 
 }  // namespace collided

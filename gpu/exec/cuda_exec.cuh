@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstring>
 #include <cub/cub.cuh>
-#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -14,6 +13,7 @@
 
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
+#include "gpu/exec/cpu_loops.hpp"
 #include "gpu/exec/cuda_memory.cuh"
 #include "gpu/exec/for_each.cuh"
 #include "gpu/exec/in_parts.cuh"
@@ -30,15 +30,19 @@ namespace collided {
 
 class CudaExec {
  public:
-  CudaExec(int device, MemoryLimits memory)
+  /// `threads`: of the host, for what is done there; 0: all cores.
+  CudaExec(int device, int threads, MemoryLimits memory)
       : device_(device),
         memory_(std::make_shared<MemoryLedger>(std::move(memory))),
+        loops_(threads),
         scratch_(*this, "scratch"),
         arrived_(*this, "counters"),
+        stop_(*this, "counters"),
         times_(*this, "counters") {
     check_cuda(cudaSetDevice(device), "cudaSetDevice");
     check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate");
     check_cuda(cudaStreamCreateWithFlags(&side_, cudaStreamNonBlocking), "cudaStreamCreate");
+    check_cuda(cudaStreamCreateWithFlags(&stopper_, cudaStreamNonBlocking), "cudaStreamCreate");
     cudaDeviceProp properties{};
     check_cuda(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
     info_ = {Backend::kCuda, properties.name, properties.totalGlobalMem};
@@ -46,6 +50,10 @@ class CudaExec {
     times_.allocate(StepGraph::kMostTimes);
     arrived_.allocate(1);
     check_cuda(cudaMemsetAsync(arrived_.data(), 0, sizeof(unsigned), stream_), "cudaMemset");
+    stop_.allocate(1);
+    check_cuda(cudaMemsetAsync(stop_.data(), 0, sizeof(uint32_t), stream_), "cudaMemset");
+    stop_word_.allocate(1);
+    *stop_word_.data() = 1;
   }
   CudaExec(const CudaExec&) = delete;
   CudaExec& operator=(const CudaExec&) = delete;
@@ -53,6 +61,7 @@ class CudaExec {
     for (cudaEvent_t event : events_) cudaEventDestroy(event);
     cudaStreamDestroy(stream_);
     cudaStreamDestroy(side_);
+    cudaStreamDestroy(stopper_);
     cudaEventDestroy(fork_);
     cudaEventDestroy(join_);
   }
@@ -118,7 +127,7 @@ class CudaExec {
     if (n.most == 0 || reserving_) return;
     const unsigned most = blocks_for(n.most, kStepsBlock / 32);  // a warp may take as little as one
     const unsigned blocks = std::min(most, resident_blocks(name, for_each_in_steps_kernel<F>, kStepsBlock));
-    launch(name, for_each_in_steps_kernel<F>, blocks, kStepsBlock, n, next, f);
+    launch(name, for_each_in_steps_kernel<F>, blocks, kStepsBlock, n, next, stop_.data(), f);
   }
 
   /// The pairs of a source's items, handed to a sink (pair_search.cuh). `next` is a zeroed counter.
@@ -126,7 +135,7 @@ class CudaExec {
   void search(const char* name, const Counted& items, uint64_t* next, const Source& source, const Sink& sink) {
     if (items.most == 0 || reserving_) return;
     const unsigned blocks = resident_blocks(name, pair_search_kernel<Source, Sink>, kSearchBlock);
-    launch(name, pair_search_kernel<Source, Sink>, blocks, kSearchBlock, items, next, source, sink);
+    launch(name, pair_search_kernel<Source, Sink>, blocks, kSearchBlock, items, next, stop_.data(), source, sink);
   }
 
   /// The same for the walks of a source's items (tree_walk.cuh).
@@ -135,7 +144,7 @@ class CudaExec {
     if (items == 0 || reserving_) return;
     const unsigned most = blocks_for(items, kSearchBlock / 32 * kFewestWalks);
     const unsigned blocks = std::min(most, resident_blocks(name, tree_walk_kernel<Source, Sink>, kSearchBlock));
-    launch(name, tree_walk_kernel<Source, Sink>, blocks, kSearchBlock, items, next, source, sink);
+    launch(name, tree_walk_kernel<Source, Sink>, blocks, kSearchBlock, items, next, stop_.data(), source, sink);
   }
 
   /// *result = op over transform(i), i in [0, n); op must not depend on the order. Then then(0).
@@ -174,7 +183,7 @@ class CudaExec {
   /// as long as the key and all buffers are the same: one launch, whatever the number of stages.
   template <class F, class T>
   T step(const StepKey& key, const T* result, const F& enqueue) {
-    if (cancelled && cancelled()) throw Cancelled();
+    asks().ask();
     StepGraph* graph = graphs_.find(key, generation_);
     if (graph == nullptr) {
       reserving_ = true;
@@ -189,12 +198,15 @@ class CudaExec {
     T host;
     constexpr uint64_t kTimes = StepGraph::kMostTimes * sizeof(uint64_t);
     graph->launch(stream_, result, sizeof(T), host_memory(sizeof(T) + kTimes), times_.data());
-    std::memcpy(&host, host_.data(), sizeof(T));
     ++graph_launches_;
-    step_milliseconds_ = graph->milliseconds();
+    wait_for_step();
+    graph->keep_times(host_.data() + sizeof(T));
+    std::memcpy(&host, host_.data(), sizeof(T));
+    step_milliseconds_ += graph->milliseconds();
     graph->add_stage_times(step_stages_);
     return host;
   }
+  /// Of all steps of the frame.
   double step_milliseconds() const { return step_milliseconds_; }
   uint32_t graph_launches() const { return graph_launches_; }
   uint32_t allocations() const { return allocations_; }
@@ -258,7 +270,7 @@ class CudaExec {
       return;
     }
     if (reserving_) return f();
-    if (cancelled && cancelled()) throw Cancelled();
+    asks().ask();
     const size_t first = 2 * names_.size();
     while (events_.size() < first + 2) events_.push_back(make_event());
     names_.push_back({name, step_stages_.size()});
@@ -272,6 +284,7 @@ class CudaExec {
     step_stages_.clear();
     allocations_ = 0;
     graph_launches_ = 0;
+    step_milliseconds_ = 0;
     reserving_ = false;  // a frame may have ended with a throw
     begin_ = nullptr;
   }
@@ -295,7 +308,10 @@ class CudaExec {
     return times;
   }
 
-  std::function<bool()> cancelled;
+  /// When the frame's question is asked: before each stage, and while a step runs.
+  Asks& asks() { return loops_.asks; }
+  /// Loops of the host, which ask too.
+  CpuLoops& host_loops() { return loops_; }
 
  private:
   static constexpr unsigned kBlock = 256;
@@ -337,6 +353,23 @@ class CudaExec {
     begin_now();
   }
 
+  /// Asks while the device works. If that ends the frame, what is in line drains: the loops that take long see stop_.
+  void wait_for_step() {
+    try {
+      for (cudaError_t state; (state = cudaStreamQuery(stream_)) != cudaSuccess; asks().ask_if_due())
+        if (state != cudaErrorNotReady) check_cuda(state, "step");
+    } catch (const DeviceError&) {
+      throw;
+    } catch (...) {
+      check_cuda(cudaMemcpyAsync(stop_.data(), stop_word_.data(), sizeof(uint32_t), cudaMemcpyHostToDevice, stopper_),
+                 "stop");
+      check_cuda(cudaStreamSynchronize(stopper_), "stop");
+      wait();
+      check_cuda(cudaMemsetAsync(stop_.data(), 0, sizeof(uint32_t), stream_), "stop");
+      throw;
+    }
+  }
+
   static unsigned blocks_for(uint64_t n, unsigned block) {
     return static_cast<unsigned>(std::min<uint64_t>((n + block - 1) / block, 1u << 30));
   }
@@ -365,17 +398,20 @@ class CudaExec {
   unsigned processors_ = 1;
   DeviceInfo info_;
   DeviceMemory memory_;
-  cudaStream_t stream_ = nullptr, side_ = nullptr;
+  CpuLoops loops_;
+  cudaStream_t stream_ = nullptr, side_ = nullptr, stopper_ = nullptr;
   cudaEvent_t fork_ = make_event(), join_ = make_event();
   uint64_t generation_ = 0;  ///< of the buffers: changes whenever one does
   StepGraphs graphs_;
   bool reserving_ = false;  ///< a step is gone through for its memory alone
   Buffer<char, CudaExec> scratch_;
   Buffer<unsigned, CudaExec> arrived_;  ///< of a reduction's blocks
+  Buffer<uint32_t, CudaExec> stop_;     ///< 1: the frame has ended, what takes long does no more
   Buffer<uint64_t, CudaExec> times_;    ///< at which the stages of a recorded step begin and end
   uint64_t* begin_ = nullptr;           ///< where the next kernel notes when it begins
   PinnedMemory pinned_;
   Buffer<std::byte, PinnedMemory> host_{pinned_, "downloads"};
+  Buffer<uint32_t, PinnedMemory> stop_word_{pinned_, "stop"};  ///< what stop_ is set to
   std::vector<cudaEvent_t> events_;
   std::vector<NamedStage> names_;
   std::vector<StageTime> step_stages_;

@@ -13,10 +13,10 @@ constexpr unsigned kStepsBlock = 128;
 /// `next` is a zeroed counter.
 template <class F>
 __global__ void __launch_bounds__(kStepsBlock)
-    for_each_in_steps_kernel(uint64_t* begin, Counted n, uint64_t* next, F f) {
+    for_each_in_steps_kernel(uint64_t* begin, Counted n, uint64_t* next, const uint32_t* stop, F f) {
   note_begin(begin);
   constexpr int kEnough = 12;  // lanes
-  WarpItems items(n.size(), next);
+  WarpItems items(n.size(), next, stop);
   typename F::State state;
   bool unfinished = false;
   for (;;) {
@@ -27,7 +27,7 @@ __global__ void __launch_bounds__(kStepsBlock)
       __syncwarp();
       if (waiting == 32 && items.are_over()) break;
       uint64_t item = 0;
-      if (items.take(state.is_over(), false, item)) {
+      if (items.take(state.is_over(), item)) {
         f.begin(item, state);
         unfinished = !state.is_over();
       }

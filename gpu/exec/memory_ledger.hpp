@@ -30,9 +30,9 @@ class MemoryLedger {
   void take(const std::string& part, uint64_t bytes) {
     const std::lock_guard lock(mutex_);
     if (budget_ != 0 && bytes > budget_ - std::min(budget_, total_))
-      throw ResourceExhausted("memory_budget: " + part + " needs " + std::to_string(bytes) +
-                              " bytes more, the scene holds " + std::to_string(total_) + " of a budget of " +
-                              std::to_string(budget_));
+      throw ResourceExhausted("memory_budget: the scene needs at least " + std::to_string(total_ + bytes) + " bytes (" +
+                              part + ": " + std::to_string(bytes) + " beside the " + std::to_string(total_) +
+                              " that it holds), the budget is " + std::to_string(budget_));
     if (quota_) quota_->take(bytes);
     parts_[part] += bytes;
     total_ += bytes;

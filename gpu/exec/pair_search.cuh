@@ -91,7 +91,7 @@ class WarpSearch {
 /// `next` as in take_items.
 template <class Source, class Sink>
 __global__ void __launch_bounds__(kSearchBlock)
-    pair_search_kernel(uint64_t* begin, Counted items, uint64_t* next, Source source, Sink sink) {
+    pair_search_kernel(uint64_t* begin, Counted items, uint64_t* next, const uint32_t* stop, Source source, Sink sink) {
   note_begin(begin);
   __shared__ SearchShared shared[kSearchBlock / 32];
   WarpSearch<Source, Sink> warp(source, sink, shared[threadIdx.x / 32]);
@@ -103,7 +103,7 @@ __global__ void __launch_bounds__(kSearchBlock)
   const uint64_t chunk = min(uint64_t{32}, max(uint64_t{1}, n / (8 * warps)));
   for (;;) {
     const uint64_t first = take_items(next, chunk);
-    if (first >= n || __any_sync(kAllLanes, sink.is_over())) break;
+    if (first >= n || __any_sync(kAllLanes, sink.is_over() || is_stopped(stop))) break;
     const uint64_t end = min(n, first + chunk);
     for (uint64_t i = first; i < end; ++i) warp.search(i / shares, static_cast<uint32_t>(i % shares), shares);
   }

@@ -70,17 +70,17 @@ class StepGraph {
   size_t stages() const { return stages_.size(); }
   size_t end() { return last_ = new_time(); }
 
-  /// Runs the graph and brings `bytes` from the device to pinned memory of the host, and then the times, which it has
-  /// room for too; waits for all.
+  /// Puts the graph in line, then to bring `bytes` from the device to pinned memory of the host, and the times, which
+  /// it has room for too.
   void launch(cudaStream_t stream, const void* result, uint64_t bytes, std::byte* host, const uint64_t* times) {
     check_cuda(cudaEventRecord(begin_, stream), "step");
     check_cuda(cudaGraphLaunch(executable_, stream), "step");
     check_cuda(cudaEventRecord(end_, stream), "step");
     check_cuda(cudaMemcpyAsync(host, result, bytes, cudaMemcpyDeviceToHost, stream), "step");
     check_cuda(cudaMemcpyAsync(host + bytes, times, sizeof(times_), cudaMemcpyDeviceToHost, stream), "step");
-    check_cuda(cudaStreamSynchronize(stream), "step");
-    std::memcpy(times_, host + bytes, sizeof(times_));
   }
+  /// Once they have come.
+  void keep_times(const std::byte* times) { std::memcpy(times_, times, sizeof(times_)); }
 
   // Of the last launch.
   double milliseconds() const { return milliseconds_between(begin_, end_); }

@@ -17,9 +17,9 @@ constexpr unsigned kFewestWalks = 2;
 /// that all warps end together.
 class WarpWalks {
  public:
-  /// `next`: a zeroed counter.
-  __device__ WarpWalks(uint32_t count, uint64_t* next)
-      : count_(count), warps_(gridDim.x * (blockDim.x / 32)), next_(next) {
+  /// `next`: a zeroed counter; `stop` as in is_stopped.
+  __device__ WarpWalks(uint32_t count, uint64_t* next, const uint32_t* stop)
+      : count_(count), warps_(gridDim.x * (blockDim.x / 32)), next_(next), stop_(stop) {
     const uint32_t chunk = chunk_of(count), warp = (blockIdx.x * blockDim.x + threadIdx.x) / 32;
     shared_from_ = min(count, chunk * warps_);
     hold(uint64_t{chunk} * warp, chunk);
@@ -27,9 +27,9 @@ class WarpWalks {
 
   __device__ bool are_over() const { return over_; }
 
-  /// As WarpItems::take.
-  __device__ bool take(bool wants, bool stop, uint32_t& walk) {
-    if (held_.are_gone()) fetch(stop);
+  /// As WarpItems::take. `over`: no more, whatever there is.
+  __device__ bool take(bool wants, bool over, uint32_t& walk) {
+    if (held_.are_gone()) fetch(over);
     return held_.give(wants, walk);
   }
 
@@ -42,15 +42,16 @@ class WarpWalks {
     held_.first = static_cast<uint32_t>(min(first, uint64_t{count_}));
     held_.end = min(count_, held_.first + chunk);
   }
-  __device__ void fetch(bool stop) {
+  __device__ void fetch(bool over) {
     const uint32_t chunk = chunk_of(count_ - max(held_.end, shared_from_));  // as far as this warp knows
     hold(shared_from_ + take_items(next_, chunk), chunk);
-    over_ = held_.are_gone() || __any_sync(kAllLanes, stop);
+    over_ = held_.are_gone() || __any_sync(kAllLanes, over || is_stopped(stop_));
     if (over_) held_.first = held_.end;
   }
 
   const uint32_t count_, warps_;
   uint64_t* const next_;
+  const uint32_t* const stop_;
   uint32_t shared_from_;  ///< here begins what the counter hands out
   HeldItems<uint32_t> held_;
   bool over_ = false;
@@ -135,10 +136,10 @@ class SharedWalks {
 /// `next`: a zeroed counter.
 template <class Source, class Sink>
 __global__ void __launch_bounds__(kSearchBlock)
-    tree_walk_kernel(uint64_t* begin, uint64_t count, uint64_t* next, Source source, Sink sink) {
+    tree_walk_kernel(uint64_t* begin, uint64_t count, uint64_t* next, const uint32_t* stop, Source source, Sink sink) {
   note_begin(begin);
   __shared__ typename SharedWalks<Source, Sink>::Shared shared[kSearchBlock / 32];
-  SharedWalks<Source, Sink>(source, sink, shared[threadIdx.x / 32], {static_cast<uint32_t>(count), next}).run();
+  SharedWalks<Source, Sink>(source, sink, shared[threadIdx.x / 32], {static_cast<uint32_t>(count), next, stop}).run();
 }
 
 }  // namespace collided

@@ -12,6 +12,9 @@ __device__ inline uint64_t take_items(uint64_t* next, uint64_t chunk) {
   return __shfl_sync(kAllLanes, first, 0);
 }
 
+/// Whether the frame has ended (CudaExec), so that what is left of it is in vain.
+__device__ inline bool is_stopped(const uint32_t* stop) { return *static_cast<const volatile uint32_t*>(stop) != 0; }
+
 /// Items [first, end) that a warp holds.
 template <class Number>
 struct HeldItems {
@@ -32,8 +35,8 @@ struct HeldItems {
 /// Items that a warp takes for its lanes.
 class WarpItems {
  public:
-  /// `next` as in take_items.
-  __device__ WarpItems(uint64_t count, uint64_t* next) : count_(count), next_(next) {
+  /// `next` as in take_items, `stop` as in is_stopped.
+  __device__ WarpItems(uint64_t count, uint64_t* next, const uint32_t* stop) : count_(count), next_(next), stop_(stop) {
     const uint64_t warps = static_cast<uint64_t>(gridDim.x) * blockDim.x / 32;
     // Few items are spread thinly: lanes that go different ways wait for each other.
     chunk_ =
@@ -42,21 +45,22 @@ class WarpItems {
 
   __device__ bool are_over() const { return over_; }
 
-  /// As HeldItems::give, but false: none, for now. `stop`: no more, whatever there is.
-  __device__ bool take(bool wants, bool stop, uint64_t& item) {
-    if (held_.are_gone() && !over_) fetch(stop);
+  /// As HeldItems::give, but false: none, for now.
+  __device__ bool take(bool wants, uint64_t& item) {
+    if (held_.are_gone() && !over_) fetch();
     return held_.give(wants, item);
   }
 
  private:
-  __device__ void fetch(bool stop) {
+  __device__ void fetch() {
     const uint64_t first = take_items(next_, chunk_);
-    over_ = first >= count_ || __any_sync(kAllLanes, stop);
+    over_ = first >= count_ || __any_sync(kAllLanes, is_stopped(stop_));
     held_ = {over_ ? 0 : first, over_ ? 0 : min(count_, first + chunk_)};
   }
 
   const uint64_t count_;
   uint64_t* const next_;
+  const uint32_t* const stop_;
   uint64_t chunk_;
   HeldItems<uint64_t> held_;
   bool over_ = false;

@@ -4,7 +4,7 @@
 namespace collided::test {
 
 std::vector<Verdict> run_queries_cuda(std::span<const Query> queries, const BatchSettings& settings) {
-  CudaExec exec(0, 0);
+  CudaExec exec(0, 0, 0);
   return run_queries_on(exec, queries, settings);
 }
 

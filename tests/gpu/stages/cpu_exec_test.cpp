@@ -5,6 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <ctime>
+#include <thread>
 #include <vector>
 
 #include "gpu/exec/buffer.hpp"
@@ -44,6 +48,17 @@ struct SumInGroup {
     for (uint64_t k = group.rank; k < 100; k += group.size) atomic_add(shared.sum, i * k);
     group.sync();
     if (group.rank == 0) out[i] = shared.sum;
+  }
+};
+
+struct VisitSlowly {
+  using Shared = Nothing;
+  static constexpr uint32_t kGroupSize = 1;
+  Span<uint32_t> visits;
+  void operator()(uint64_t i, const Group&, Nothing&) const {
+    volatile uint64_t sum = 0;
+    for (uint64_t k = 0; k < 1000; ++k) sum = sum + k;
+    atomic_add(visits[i], 1u);
   }
 };
 
@@ -102,6 +117,54 @@ TEST_P(CpuExecTest, CancellationStopsBeforeTheStage) {
   EXPECT_FALSE(ran);
 }
 
+// The question may take its time: others have their turn meanwhile.
+TEST_P(CpuExecTest, NothingGoesOnWhileTheQuestionIsAsked) {
+  std::atomic<uint64_t> begun = 0, done = 0;
+  int asked = 0;
+  exec.asks().begin([&] {
+    const uint64_t before = begun;
+    EXPECT_EQ(done, before);
+    for (int k = 0; k < 100; ++k) std::this_thread::yield();
+    EXPECT_EQ(begun, before);
+    return ++asked == 20;
+  });
+  const auto work = [&](uint64_t) {
+    ++begun;
+    volatile uint64_t sum = 0;
+    for (uint64_t k = 0; k < 1000; ++k) sum = sum + k;
+    ++done;
+  };
+  EXPECT_THROW(exec.for_each("work", ~uint64_t{0} >> 1, work), Cancelled);
+  EXPECT_EQ(asked, 20);
+  EXPECT_EQ(begun, done);
+}
+
+TEST_P(CpuExecTest, WhatAQuestionInterruptsIsDoneOnce) {
+  std::vector<uint32_t> visits(20'000, 0);
+  exec.asks().begin([] { return false; });
+  exec.for_each_group("visit", {nullptr, visits.size()}, VisitSlowly{{visits.data(), visits.size()}});
+  for (const uint32_t count : visits) ASSERT_EQ(count, 1u);
+}
+
+// Items that take longer than there is between two questions: helpers leave them, the calling thread ends them.
+TEST_P(CpuExecTest, ItemsThatTakeLongAreEndedAllTheSame) {
+  std::array<std::atomic<int>, 5> ended{};
+  int asked = 0;
+  exec.asks().begin([&] { return ++asked < 0; });
+  exec.host_loops().share(ended.size(), 1, [&](LoopTurn& turn) {
+    try {
+      while (ItemRange* items = turn.next()) {
+        const std::clock_t start = std::clock();
+        while (std::clock() - start < CLOCKS_PER_SEC / 50) turn.look_up();
+        ++ended[items->first++];
+      }
+    } catch (const LeftUndone&) {
+    }
+  });
+  for (const auto& count : ended) EXPECT_EQ(count, 1);
+  EXPECT_GE(asked, 5);
+}
+
 TEST_P(CpuExecTest, WritersOfAListCountPastItsCapacity) {
   std::vector<uint64_t> items(5000, ~uint64_t{0});
   for (const uint64_t each : {uint64_t{10}, uint64_t{3000}}) {
@@ -136,6 +199,7 @@ TEST(MemoryLedger, RefusesPastTheBudgetAndNamesNeedAndBudget) {
     EXPECT_NE(text.find("boxes"), std::string::npos);
     EXPECT_NE(text.find("1000"), std::string::npos);
     EXPECT_NE(text.find("800"), std::string::npos);
+    EXPECT_NE(text.find("needs at least 1600 bytes"), std::string::npos);
   }
   EXPECT_EQ(exec.ledger().parts().size(), 1u);
 }

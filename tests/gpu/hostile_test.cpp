@@ -1,0 +1,173 @@
+// Small frames that are much work: they can be given up at any time, and a budget ends them early.
+
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <random>
+
+#include "tests/gpu/backend.hpp"
+#include "tests/support/adversarial.hpp"
+#include "tests/support/digest.hpp"
+
+namespace collided::test {
+namespace {
+
+// Everything on one spot: all pairs of triangles are candidates many times over.
+Case crowd() { return soup(70, 3500, 0.01, 0.5, 0.3); }
+
+// A few triangles, with exponents that lie as far apart as F64 has them.
+Case far_apart() {
+  std::mt19937_64 random(71);
+  const auto number = [&] {
+    const int exponent = static_cast<int>(random() % 1900) - 1000;
+    return std::ldexp(static_cast<double>(random() % 2000) / 1000 - 1, exponent);
+  };
+  Case c = soup(71, 10, 1, 0.5, 0.3);
+  for (Positions* positions : {&c.start[0], &c.end[0]})
+    for (auto& p : *positions) p = {number(), number(), number()};
+  return c;
+}
+
+// A question that counts, measures how long the engine went without it, and says yes at last.
+class Question {
+ public:
+  using Clock = std::chrono::steady_clock;
+  explicit Question(int patience) : left_(patience) {}
+
+  bool ask() {
+    const auto now = Clock::now();
+    longest_ = std::max(longest_, now - last_);
+    last_ = now;
+    return left_-- == 0;
+  }
+  bool is_over() const { return left_ < 0; }
+  double longest_seconds() const { return std::chrono::duration<double>(longest_).count(); }
+
+ private:
+  int left_;
+  Clock::time_point last_ = Clock::now();
+  Clock::duration longest_{};
+};
+
+struct Hostile {
+  const char* name;
+  Case frame;
+  Accuracy accuracy;
+  int patience;  ///< asks
+};
+void PrintTo(const Hostile& hostile, std::ostream* out) { *out << hostile.name; }
+
+class HostileFrame : public OnBackend<testing::TestWithParam<Hostile>> {};
+
+TEST_P(HostileFrame, IsGivenUpSoonAndLeavesTheSceneAsItWas) {
+  const Hostile& hostile = GetParam();
+  const auto triangles = static_cast<uint32_t>(hostile.frame.meshes[0].triangles.size());
+  const Case easy = soup(72, triangles, 1000, 0.1, 0.1);
+  const SceneSpec spec = spec_for(easy, settings(Mode::kCcd, Accuracy::kCertified, Scalar::kF64, 0.001));
+  auto kept = Detector::create(spec), twin = Detector::create(spec);
+  const Frame first(easy, Mode::kCcd, Scalar::kF64), attack(hostile.frame, Mode::kCcd, Scalar::kF64);
+  kept->detect(first.input());
+  twin->detect(first.input());
+
+  Question question(hostile.patience);
+  FrameInput input = attack.input();
+  input.accuracy = hostile.accuracy;
+  input.cancelled = [&] { return question.ask(); };
+  EXPECT_THROW(kept->detect(input), Cancelled);
+  EXPECT_TRUE(question.is_over());
+  EXPECT_LT(question.longest_seconds(), 2);
+
+  FrameInput next = first.input();
+  next.updates[0].start = {};
+  EXPECT_TRUE(same_contacts(twin->detect(next), kept->detect(next)));
+}
+
+TEST_P(HostileFrame, EndsWithWhatTheQuestionThrows) {
+  const Hostile& hostile = GetParam();
+  auto detector =
+      Detector::create(spec_for(hostile.frame, settings(Mode::kCcd, hostile.accuracy, Scalar::kF64, 0.001)));
+  const Frame attack(hostile.frame, Mode::kCcd, Scalar::kF64);
+  Question question(hostile.patience);
+  FrameInput input = attack.input();
+  input.cancelled = [&] { return question.ask() ? throw std::out_of_range("its time is over") : false; };
+  EXPECT_THROW(detector->detect(input), std::out_of_range);
+}
+
+// Far more asks than a frame of these has stages, runs of the step included.
+INSTANTIATE_TEST_SUITE_P(Frames, HostileFrame,
+                         testing::Values(Hostile{"crowd", crowd(), Accuracy::kCertified, 150},
+                                         Hostile{"far_apart", far_apart(), Accuracy::kExact, 100}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+using Budget = OnBackend<>;
+
+TEST_F(Budget, EndsASearchThatCannotFitIt) {
+  const Frame attack(crowd(), Mode::kCcd, Scalar::kF32);
+  SceneSpec spec = spec_for(crowd(), settings(Mode::kCcd, Accuracy::kCertified, Scalar::kF32));
+  spec.memory_budget = 64u << 20;
+  auto detector = Detector::create(spec);
+  const std::clock_t start = std::clock();
+  try {
+    detector->detect(attack.input());
+    FAIL() << "no exception";
+  } catch (const ResourceExhausted& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("needs at least "), std::string::npos) << text;
+    EXPECT_NE(text.find("the budget is 67108864"), std::string::npos) << text;
+  }
+  EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 15) << "seconds of all cores together";
+}
+
+using StepTime = OnBackend<>;
+
+TEST_F(StepTime, IsThatOfAllRunsAsThatOfTheStages) {
+  const Case c = soup(73, 1000, 0.3, 0.2, 0.1);
+  SceneSpec spec = spec_for(c, settings(Mode::kCcd, Accuracy::kFast));
+  spec.edge_edge = false;  // kinds go on beside each other on a GPU
+  const FrameResult result = Detector::create(spec)->detect(Frame(c, Mode::kCcd, Scalar::kF64).input());
+  ASSERT_GT(result.replays, 0u);
+  double stages = 0;
+  for (const StageTime& stage : result.stages)
+    if (stage.stage != "upload" && stage.stage != "download") stages += stage.milliseconds;
+  EXPECT_LE(stages, result.step_milliseconds);
+  EXPECT_GT(stages, 0);
+}
+
+using FrameMessage = OnBackend<>;
+
+std::string refusal(const SceneSpec& spec, const FrameInput& input, int frames = 1) {
+  auto detector = Detector::create(spec);
+  try {
+    for (int i = 0; i < frames; ++i) detector->detect(input);
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST_F(FrameMessage, BytesOfTheOtherFormatNameIt) {
+  const Case two = soup(74, 2, 1, 0.5, 0.1);
+  for (const auto& [scene, sent, expected] :
+       {std::tuple(Scalar::kF32, Scalar::kF64,
+                   "updates[0].end has 144 bytes; F32 positions of 6 vertices of mesh 0 are 72; 144 is what F64 "
+                   "positions take, and the scene is of F32"),
+        {Scalar::kF64, Scalar::kF32,
+         "updates[0].end has 72 bytes; F64 positions of 6 vertices of mesh 0 are 144; 72 is what F32 positions take, "
+         "and the scene is of F64"}}) {
+    const SceneSpec spec = spec_for(two, settings(Mode::kDcd, Accuracy::kCertified, scene));
+    EXPECT_EQ(refusal(spec, Frame(two, Mode::kDcd, sent).input()), expected);
+  }
+}
+
+TEST_F(FrameMessage, AStaticMeshThatMovesNamesTheRemedy) {
+  Case c = soup(75, 20, 1, 0.5, 0.1);
+  add_mesh(c, c.meshes[0].triangles, c.start[0], {}, true);
+  const SceneSpec spec = spec_for(c, settings(Mode::kDcd, Accuracy::kCertified));
+  const Frame whole(c, Mode::kDcd, Scalar::kF64);
+  EXPECT_EQ(refusal(spec, whole.input(), 2),
+            "updates[1].mesh 1 is static: its positions come with the first frame alone. Leave it out of later frames, "
+            "or create the scene with is_static off for this mesh");
+}
+
+}  // namespace
+}  // namespace collided::test
