@@ -178,7 +178,7 @@ TEST(ClientWaits, AnIdleStreamIsToldThatTheDaemonStops) {
 
 // Longer than the daemon waits for the answer to a ping, and often enough that no other thread answers one by chance.
 TEST(ClientWaits, AnIdleClientAnswersPings) {
-  Waiting waiting({"--keepalive-seconds", "1", "--keepalive-timeout-seconds", "2"});
+  Waiting waiting({"--keepalive-seconds", "1", "--keepalive-timeout-seconds", "4"});
   FrameStream remote = waiting.stream(make_layers(waiting.client), Local::kOff, 2);
   FrameStream local = waiting.stream(make_layers(waiting.client), Local::kOn, 2);
   for (const uint64_t id : {1, 2}) {
