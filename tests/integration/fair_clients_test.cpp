@@ -12,6 +12,8 @@
 namespace collided::test {
 namespace {
 
+constexpr std::chrono::seconds kPatience(50);
+
 class FairClients : public testing::Test {
  protected:
   std::unique_ptr<Stub> stub(const std::string& client, int number = 0) const {
@@ -30,7 +32,8 @@ class Load {
       : positions_(pack_points(layer_points(side, kLayersApart))), stubs_(std::move(stubs)) {
     for (const auto& stub : stubs_)
       threads_.emplace_back([this, &stub = *stub, side, window] { run(stub, side, window); });
-    eventually("the load is on", [&] { return running_ == static_cast<int>(stubs_.size()); });
+    eventually(
+        "the load is on", [&] { return running_ == static_cast<int>(stubs_.size()); }, kPatience);
   }
   ~Load() { is_over_ = true; }
 
@@ -69,7 +72,8 @@ TEST_F(FairClients, FortyScenesOfOneDoNotStopTheSceneOfAnother) {
   one.push_back(stub("one"));
   const Load greedy(std::move(many), kSide, kWindow), modest(std::move(one), kSide, kWindow);
   const uint64_t of_modest = modest.frames(), of_greedy = greedy.frames();
-  eventually("the modest client is served", [&] { return modest.frames() >= of_modest + kFrames; });
+  eventually(
+      "the modest client is served", [&] { return modest.frames() >= of_modest + kFrames; }, kPatience);
   EXPECT_LE(greedy.frames() - of_greedy, kMost);
 }
 
@@ -79,9 +83,10 @@ TEST_F(FairClients, LongFramesGiveWayToShortOnes) {
   std::vector<std::unique_ptr<Stub>> many, one;
   for (int i = 0; i < 4; ++i) many.push_back(stub("many", i));
   one.push_back(stub("one"));
-  const Load slow(std::move(many), 300, 2), quick(std::move(one), 4, 1);
+  const Load slow(std::move(many), 200, 2), quick(std::move(one), 4, 1);
   const uint64_t of_slow = slow.frames(), of_quick = quick.frames();
-  eventually("long frames are answered", [&] { return slow.frames() >= of_slow + kLong; });
+  eventually(
+      "long frames are answered", [&] { return slow.frames() >= of_slow + kLong; }, kPatience);
   EXPECT_GE(quick.frames() - of_quick, kLeastShort);
 }
 
