@@ -19,6 +19,8 @@
 #include "server/auth/authenticator.hpp"
 #include "server/auth/tls_files.hpp"
 #include "server/config/config.hpp"
+#include "server/config/host_memory.hpp"
+#include "server/config/memory_limits.hpp"
 #include "server/config/rules.hpp"
 #include "server/daemon.hpp"
 #include "server/ops/exit_deadline.hpp"
@@ -31,13 +33,16 @@ using collided::server::Config;
 using collided::server::ConfigError;
 using collided::server::Daemon;
 using collided::server::Lifecycle;
+using collided::server::Memory;
 
 constexpr double kSecondsToStop = 5;   // after the grace
 constexpr double kGraceOfFailure = 1;  // seconds for the answers that tell of a failed device
 
-struct CommandLine {
+/// What the configuration is made from, again at each reload.
+struct Origin {
   int argc;
   const char* const* argv;
+  Memory memory;
 };
 
 // Signals are blocked before any thread exists, so that all threads inherit the mask and only main takes them.
@@ -63,6 +68,16 @@ void keep_memory() {
 // Shutting gRPC down as well can wait 10 s for a poll of its own that nothing wakes: it is left to the process's end.
 void keep_grpc() { grpc_init(); }
 
+// Scenes live on a CUDA device where there is one, unless --backend is cpu.
+Memory usable_memory(const Config& config) {
+  Memory memory{collided::server::host_memory(), 0};
+  if (config.backend == "cpu") return memory;
+  for (const auto& device : collided::list_devices())
+    if (device.backend == collided::Backend::kCuda && (memory.device == 0 || device.memory_bytes < memory.device))
+      memory.device = device.memory_bytes;
+  return memory;
+}
+
 // Renamed into place, so that whoever waits for the file never reads half of it.
 void write_ready_file(const std::string& path, const std::vector<std::string>& addresses) {
   if (path.empty()) return;
@@ -80,8 +95,9 @@ void warn_of_exposure(const Config& config) {
 }
 
 // The configuration changes as a whole, or, if anything in it is not sound, not at all.
-void reload(const CommandLine& line, Config& config, Daemon& daemon) try {
-  auto [next, restart] = collided::server::reload_config(line.argc, line.argv, config);
+void reload(const Origin& origin, Config& config, Daemon& daemon) try {
+  auto [next, restart] = collided::server::reload_config(origin.argc, origin.argv, config);
+  derive_limits(next.limits, origin.memory);
   daemon.reload(next);
   collided::server::set_up_log(next.log_format, next.log_level);
   config = next;
@@ -92,15 +108,12 @@ void reload(const CommandLine& line, Config& config, Daemon& daemon) try {
   spdlog::error("configuration not read again, the one before stays: {}", error.what());
 }
 
-// Until a signal asks the daemon to stop, or a failure does.
-void wait_for_end(const CommandLine& line, const sigset_t& signals, Config& config, Daemon& daemon) {
+// Until a signal asks the daemon to stop, or a failure does; that signal.
+int wait_for_end(const Origin& origin, const sigset_t& signals, Config& config, Daemon& daemon) {
   for (int signal = 0;;) {
     sigwait(&signals, &signal);
-    if (signal != SIGHUP) {
-      spdlog::info("SIG{}: stopping, at most {} s", sigabbrev_np(signal), config.grace_seconds);
-      return;
-    }
-    reload(line, config, daemon);
+    if (signal != SIGHUP) return signal;
+    reload(origin, config, daemon);
   }
 }
 
@@ -124,30 +137,33 @@ void drain(Daemon& daemon, double grace_seconds, const sigset_t& signals) {
   daemon.stop();
 }
 
-int serve(const CommandLine& line, Config config, const sigset_t& signals) {
+int serve(const Origin& origin, Config config, const sigset_t& signals) {
   Lifecycle lifecycle([] { kill(getpid(), SIGTERM); });
   warn_of_exposure(config);
+  spdlog::info("{}", describe_limits(config.limits, origin.memory));
   keep_grpc();
   Daemon daemon(config, lifecycle);
   for (const auto& address : daemon.addresses()) spdlog::info("collided {} serves on {}", COLLIDED_VERSION, address);
   if (const auto address = daemon.http_address(); !address.empty()) spdlog::info("metrics and health on {}", address);
+  collided::server::flush_log();  // who waits for the ready file may read the lines above
   write_ready_file(config.ready_file, daemon.addresses());
-  wait_for_end(line, signals, config, daemon);
-  if (lifecycle.failed()) spdlog::critical("{}", lifecycle.status().text());
+  const int signal = wait_for_end(origin, signals, config, daemon);
   const int code = lifecycle.failed() ? 1 : 0;
   const double grace_seconds = code ? std::min(config.grace_seconds, kGraceOfFailure) : config.grace_seconds;
   const collided::server::ExitDeadline deadline(grace_seconds + kSecondsToStop, code);
+  if (lifecycle.failed()) spdlog::critical("{}", lifecycle.status().text());
+  spdlog::info("SIG{}: stopping, at most {} s", sigabbrev_np(signal), grace_seconds);
   drain(daemon, grace_seconds, signals);
   spdlog::info("stopped");
   return code;
 }
 
 // What parsing cannot tell: whether the files that options name can be used.
-int check(const Config& config) {
+int check(const Config& config, const Memory& memory) {
   const collided::server::Authenticator authenticator(config);
   collided::server::check_tls_files(config.tls);
   warn_of_exposure(config);
-  std::puts("collided: the configuration is sound");
+  std::printf("%s\ncollided: the configuration is sound\n", describe_limits(config.limits, memory).c_str());
   return 0;
 }
 
@@ -156,17 +172,20 @@ int check(const Config& config) {
 int main(int argc, char** argv) try {
   const sigset_t signals = block_signals();
   keep_memory();
-  const auto parsed = collided::server::parse_config(argc, argv);
-  if (!parsed.run) {
-    std::fputs(parsed.text.c_str(), parsed.exit_code ? stderr : stdout);
-    return parsed.exit_code;
+  auto [config, run, exit_code, text, is_check] = collided::server::parse_config(argc, argv);
+  if (!run) {
+    std::fputs(text.c_str(), exit_code ? stderr : stdout);
+    return exit_code;
   }
-  collided::server::set_up_log(parsed.config.log_format, parsed.config.log_level);
-  return parsed.check ? check(parsed.config) : serve({argc, argv}, parsed.config, signals);
+  collided::server::set_up_log(config.log_format, config.log_level);
+  collided::server::flush_log_at_crash();
+  const Memory memory = usable_memory(config);
+  derive_limits(config.limits, memory);
+  return is_check ? check(config, memory) : serve({argc, argv, memory}, config, signals);
 } catch (const ConfigError& error) {
-  std::fprintf(stderr, "collided: %s\n", error.what());
+  collided::server::write_line(std::string("collided: ") + error.what());
   return 2;
 } catch (const std::exception& error) {
-  std::fprintf(stderr, "collided: %s\n", error.what());
+  collided::server::write_line(std::string("collided: ") + error.what());
   return 1;
 }

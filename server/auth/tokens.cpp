@@ -10,6 +10,7 @@
 #include <toml.hpp>
 
 #include "server/auth/secret_file.hpp"
+#include "server/config/accuracy_names.hpp"
 #include "server/config/toml_text.hpp"
 
 namespace collided::server {
@@ -17,7 +18,7 @@ namespace {
 
 constexpr uint64_t kMaxFileBytes = 4 << 20;
 constexpr size_t kMaxTokens = 1'000, kMaxName = 64, kMinToken = 16, kMaxToken = 512;
-constexpr double kMaxCount = 1'000'000, kMaxMegabytes = 1 << 24, kMaxRate = 1e9;
+constexpr double kMaxCount = 1'000'000, kMaxMegabytes = 1 << 24, kMaxRate = 1e9, kMaxFrameSeconds = 1e6;
 
 // One [[tokens]], with the place for its errors.
 class Entry {
@@ -39,8 +40,15 @@ class Entry {
   [[noreturn]] void refuse(const std::string& what) const { throw ConfigError(where_ + what); }
 
  private:
-  static constexpr std::string_view kKeys[] = {
-      "name", "token", "sha256", "max-scenes", "max-device-mb", "max-streams", "max-frames-per-second"};
+  static constexpr std::string_view kKeys[] = {"name",
+                                               "token",
+                                               "sha256",
+                                               "max-scenes",
+                                               "max-device-mb",
+                                               "max-streams",
+                                               "max-frames-per-second",
+                                               "max-frame-seconds",
+                                               "max-accuracy"};
 
   bool has(const char* key) const { return value_.contains(key); }
 
@@ -78,6 +86,12 @@ class Entry {
     refuse(what.str());
   }
 
+  Accuracy accuracy() const {
+    const auto named = accuracy_named(text("max-accuracy", 1, kMaxName));
+    if (!named) refuse("max-accuracy is none of candidates, fast, guarded, certified and exact");
+    return *named;
+  }
+
   uint64_t count(const char* key, double most) const {
     const double number = this->number(key, 1, most);
     if (number != std::floor(number)) refuse(std::string(key) + " is not a whole number");
@@ -88,6 +102,8 @@ class Entry {
     if (has("max-scenes")) limits.max_scenes = static_cast<uint32_t>(count("max-scenes", kMaxCount));
     if (has("max-device-mb")) limits.max_device_bytes = count("max-device-mb", kMaxMegabytes) << 20;
     if (has("max-streams")) limits.max_streams = static_cast<uint32_t>(count("max-streams", kMaxCount));
+    if (has("max-frame-seconds")) limits.max_frame_seconds = number("max-frame-seconds", 0.001, kMaxFrameSeconds);
+    if (has("max-accuracy")) limits.max_accuracy = accuracy();
     if (has("max-frames-per-second")) limits.max_frames_per_second = number("max-frames-per-second", 0.01, kMaxRate);
   }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "gpu/detector.hpp"
+
 namespace collided::server {
 
 /// What is wrong with an option, or with a file that one names.
@@ -13,24 +15,27 @@ class ConfigError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What one client may have at once; tokens can set their own.
+/// What one client may have at once; tokens can set their own. A quarter of the daemon's, unless told otherwise.
 struct ClientLimits {
-  uint32_t max_scenes = 64;
-  uint64_t max_device_bytes = uint64_t{64} << 30;
-  uint32_t max_streams = 256;
+  uint32_t max_scenes = 16;
+  uint64_t max_device_bytes = uint64_t{1} << 30;
+  uint32_t max_streams = 64;
   double max_frames_per_second = 20'000;
+  double max_frame_seconds = 10;  ///< of a frame's own work, without the wait for its turn
+  Accuracy max_accuracy = Accuracy::kExact;
 
   bool operator==(const ClientLimits&) const = default;
 };
 
-/// All finite. What passes them is refused, with the name of the limit.
+/// All finite. What passes them is refused, with the name of the limit. Those that derive_limits() (memory_limits.hpp)
+/// finds are here what it finds for a host of 8 GiB.
 struct Limits {
   uint64_t max_message_bytes = uint64_t{64} << 20;
   uint64_t max_vertices = 64'000'000;
   uint64_t max_triangles = 128'000'000;
   uint32_t max_scenes = 64;
-  uint64_t max_scene_bytes = uint64_t{16} << 30;
-  uint64_t max_device_bytes = uint64_t{64} << 30;  ///< of all scenes
+  uint64_t max_scene_bytes = uint64_t{1} << 30;
+  uint64_t max_device_bytes = uint64_t{4} << 30;  ///< of all scenes
   uint32_t max_window = 16;
   uint32_t max_streams = 256;
   double max_idle_seconds = 3600;
@@ -84,7 +89,8 @@ struct ParsedConfig {
   bool check = false;  ///< only tell whether the configuration is sound
 };
 
-/// Flags, then COLLIDED_* in the environment, then the TOML file of --config, then the defaults.
+/// Flags, then COLLIDED_* in the environment, then the TOML file of --config, then the defaults. Limits that nobody set
+/// and that depend on others, or on the host, are 0: for derive_limits().
 ParsedConfig parse_config(int argc, const char* const* argv);
 
 /// What SIGHUP brings.

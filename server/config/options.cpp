@@ -5,6 +5,7 @@
 #include <cctype>
 #include <sstream>
 
+#include "server/config/memory_limits.hpp"
 #include "server/config/rules.hpp"
 
 namespace collided::server {
@@ -57,6 +58,7 @@ std::string variable_of(const std::string& flag) {
 
 ParsedConfig parse_config(int argc, const char* const* argv) {
   ParsedConfig parsed;
+  parsed.config.limits = underived_limits();
   Switches switches;
   CLI::App app("collided: collision detection as a service", "collided");
   define(app, parsed.config, switches);

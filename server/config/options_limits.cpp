@@ -1,37 +1,60 @@
 // Options that bound what clients may ask for.
+#include "server/config/accuracy_names.hpp"
 #include "server/config/options.hpp"
 
 namespace collided::server {
 namespace {
 
+struct Range {
+  uint64_t least, most;
+};
+
 // An option in MiB for a value in bytes.
-void add_megabytes(CLI::App& app, const std::string& flag, uint64_t& bytes, uint64_t most, const std::string& help) {
+void add_megabytes(CLI::App& app, const std::string& flag, uint64_t& bytes, Range range, const std::string& help) {
   app.add_option_function<uint64_t>(
          flag, [&bytes](uint64_t megabytes) { bytes = megabytes << 20; }, help)
       ->envname(variable_of(flag))
-      ->transform(number<uint64_t>(1, most))
+      ->transform(number<uint64_t>(range.least, range.most))
       ->default_str(std::to_string(bytes >> 20));
 }
 
+constexpr Range kDerivedMegabytes{0, 1 << 24};
+
+void add_accuracy(CLI::App& app, Accuracy& accuracy) {
+  const auto set = [&accuracy](const std::string& name) { accuracy = accuracy_named(name).value(); };
+  app.add_option_function<std::string>("--max-accuracy", set, "The highest accuracy of scenes and frames")
+      ->envname(variable_of("--max-accuracy"))
+      ->check(CLI::IsMember(accuracy_names()))
+      ->default_str(name_of(accuracy));
+}
+
 void add_client_options(CLI::App& app, ClientLimits& limits) {
-  add<uint32_t>(app, "--max-scenes-per-client", limits.max_scenes, 1, 1'000'000, "Scenes of one client at once");
-  add_megabytes(app, "--max-device-mb-per-client", limits.max_device_bytes, 1 << 24,
-                "MiB that the scenes of one client may hold on their backends");
-  add<uint32_t>(app, "--max-streams-per-client", limits.max_streams, 1, 1'000'000, "Streams of one client at once");
+  add<uint32_t>(app, "--max-scenes-per-client", limits.max_scenes, 0, 1'000'000,
+                "Scenes of one client at once; 0: a quarter of --max-scenes");
+  add_megabytes(app, "--max-device-mb-per-client", limits.max_device_bytes, kDerivedMegabytes,
+                "MiB that the scenes of one client may hold on their backends; 0: a quarter of --max-device-mb");
+  add<uint32_t>(app, "--max-streams-per-client", limits.max_streams, 0, 1'000'000,
+                "Streams of one client at once; 0: a quarter of --max-streams");
   add<double>(app, "--max-frames-per-second", limits.max_frames_per_second, 0.01, 1e9,
               "Frames of one client in a second");
+  add<double>(app, "--max-frame-seconds", limits.max_frame_seconds, 0.001, 1e6,
+              "Seconds that a frame may run, without the wait for its turn");
+  add_accuracy(app, limits.max_accuracy);
 }
 
 }  // namespace
 
 void add_limit_options(CLI::App& app, Limits& limits) {
   auto* group = app.add_option_group("Limits", "What passes them is refused");
-  add_megabytes(*group, "--max-message-mb", limits.max_message_bytes, 2047, "MiB of one received message");
+  add_megabytes(*group, "--max-message-mb", limits.max_message_bytes, {1, 2047}, "MiB of one received message");
   add<uint64_t>(*group, "--max-vertices", limits.max_vertices, 3, 4'294'967'294, "Vertices of one scene");
   add<uint64_t>(*group, "--max-triangles", limits.max_triangles, 1, 1'431'655'764, "Triangles of one scene");
   add<uint32_t>(*group, "--max-scenes", limits.max_scenes, 1, 1'000'000, "Scenes at once");
-  add_megabytes(*group, "--max-scene-mb", limits.max_scene_bytes, 1 << 24, "MiB that one scene may hold");
-  add_megabytes(*group, "--max-device-mb", limits.max_device_bytes, 1 << 24, "MiB that all scenes may hold");
+  add_megabytes(*group, "--max-scene-mb", limits.max_scene_bytes, kDerivedMegabytes,
+                "MiB that one scene may hold; 0: as --max-device-mb-per-client");
+  add_megabytes(*group, "--max-device-mb", limits.max_device_bytes, kDerivedMegabytes,
+                "MiB that all scenes may hold; 0: derived from the memory, half of the host's and at most nine tenths "
+                "of the device's");
   add<uint32_t>(*group, "--max-window", limits.max_window, 1, 1024, "Frames in flight on one stream");
   add<uint32_t>(*group, "--max-streams", limits.max_streams, 1, 1'000'000, "Streams at once");
   add<double>(*group, "--max-idle-seconds", limits.max_idle_seconds, 0.1, 1e6,

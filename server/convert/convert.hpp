@@ -21,7 +21,7 @@ namespace pb = collided::v1;
 struct SceneDefaults {
   std::string backend = "auto";
   int threads = 0;
-  Limits limits;
+  Limits limits;              ///< with those of the client that asks
   bool cuda = false;          ///< whether a CUDA device can be used
   bool local_socket = false;  ///< whether frames may come by shared memory, past the limit of a message
 };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/convert/refuse.hpp"
+#include "server/errors.hpp"
 
 namespace collided::server {
 namespace {
@@ -70,6 +71,11 @@ Accuracy least_accuracy(Report report) {
 
 std::optional<Accuracy> parse_accuracy(pb::Accuracy accuracy, const std::string& field) {
   return to_engine(kAccuracies, accuracy, field);
+}
+
+void check_most(Accuracy accuracy, Accuracy most, const std::string& field) {
+  if (accuracy <= most) return;
+  throw LimitExceeded(field, fmt::format("{} is {}, above max_accuracy, {}", field, name_of(accuracy), name_of(most)));
 }
 
 std::optional<Report> parse_report(pb::Report report, const std::string& field) {

@@ -16,6 +16,9 @@ namespace pb = collided::v1;
 std::optional<Accuracy> parse_accuracy(pb::Accuracy accuracy, const std::string& field);
 std::optional<Report> parse_report(pb::Report report, const std::string& field);
 
+/// Throws LimitExceeded, naming `field`, for an accuracy above that which a client may ask for.
+void check_most(Accuracy accuracy, Accuracy most, const std::string& field);
+
 /// kAuto for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
 Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field);
 

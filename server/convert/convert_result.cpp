@@ -102,6 +102,8 @@ void fill_limits(const Limits& limits, const ClientLimits& client, pb::ServerLim
   out->set_max_streams(limits.max_streams);
   out->set_max_streams_per_client(client.max_streams);
   out->set_max_frames_per_second(client.max_frames_per_second);
+  out->set_max_frame_seconds(client.max_frame_seconds);
+  out->set_max_accuracy(to_message(client.max_accuracy));
   out->set_max_idle_seconds(limits.max_idle_seconds);
   out->set_max_lease_seconds(limits.max_lease_seconds);
 }

@@ -281,6 +281,13 @@ double parse_lease(double seconds, const Limits& limits) {
   return seconds > 0 ? seconds : limits.lease_seconds;
 }
 
+// One that nobody asks for is as high as it may be, up to CERTIFIED.
+Accuracy parse_scene_accuracy(pb::Accuracy wanted, Accuracy most) {
+  const auto asked = parse_accuracy(wanted, "spec.accuracy");
+  if (asked) check_most(*asked, most, "spec.accuracy");
+  return asked.value_or(std::min(Accuracy::kCertified, most));
+}
+
 ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   if (spec.display_name().size() > kMaxNameBytes)
     throw_invalid("spec.display_name",
@@ -289,7 +296,7 @@ ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   plan.display_name = spec.display_name();
   SceneSpec& engine = plan.engine;
   engine.mode = parse_mode(spec.mode());
-  engine.accuracy = parse_accuracy(spec.accuracy(), "spec.accuracy").value_or(Accuracy::kCertified);
+  engine.accuracy = parse_scene_accuracy(spec.accuracy(), defaults.limits.client.max_accuracy);
   engine.scalar = parse_format(spec.position_format());
   engine.thickness = parse_length(spec.thickness(), "spec.thickness");
   engine.delta = parse_length(spec.delta(), "spec.delta");

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "server/convert/convert_level.hpp"
 #include "server/scenes/field_path.hpp"
 
 namespace collided::server {
@@ -31,7 +32,9 @@ PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) 
   try {
     if (incoming.refusal) std::rethrow_exception(incoming.refusal);
     host.usage().count_frame(scene.facts().owner);
+    const Accuracy most = scene.facts().owner->limits.max_accuracy;
     frame = parse_frame(*message, incoming.placed, scene.plan().engine);
+    if (frame.input.accuracy) check_most(*frame.input.accuracy, most, "frame.accuracy");
     send_positions(scene, std::move(incoming.slot), frame);
   } catch (...) {
     frame.refusal = std::current_exception();

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cstdlib>
 
+#include "server/ops/log.hpp"
+
 namespace collided::server {
 
 ExitDeadline::ExitDeadline(double seconds, int code) : thread_([=, this] { wait(seconds, code); }) {}
@@ -23,7 +25,7 @@ void ExitDeadline::wait(double seconds, int code) {
   std::unique_lock lock(mutex_);
   if (met_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return is_met_; })) return;
   spdlog::warn("stopped without the clients that take no answer");
-  spdlog::default_logger()->flush();
+  flush_log();
   std::_Exit(code);
 }
 

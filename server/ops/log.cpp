@@ -1,14 +1,19 @@
 // Log lines as text or JSON.
 #include "server/ops/log.hpp"
 
+#include <signal.h>
 #include <spdlog/fmt/chrono.h>
-#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
+
+#include "server/ops/line_writer.hpp"
 
 namespace collided::server {
 namespace {
@@ -91,14 +96,58 @@ class LineFormatter final : public spdlog::formatter {
   const bool json_;
 };
 
+std::string report_of(uint64_t dropped);
+
+LineWriter& the_writer() {
+  static LineWriter& writer = LineWriter::make(STDERR_FILENO, report_of);
+  return writer;
+}
+
+// Formats in the thread that logs; writes in none that anybody waits for.
+class WriterSink final : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  std::string format(const spdlog::details::log_msg& line) {
+    spdlog::memory_buf_t text;
+    formatter_->format(line, text);
+    return {text.data(), text.size()};
+  }
+  std::string report(uint64_t dropped) {
+    const std::lock_guard lock(mutex_);
+    const auto text = fmt::format("{} log lines were dropped: nobody took them", dropped);
+    return format({"collided", spdlog::level::warn, text});
+  }
+
+ private:
+  void sink_it_(const spdlog::details::log_msg& line) override { the_writer().write(format(line)); }
+  void flush_() override {}
+};
+
+WriterSink& the_sink() {
+  static const auto sink = new std::shared_ptr<WriterSink>(std::make_shared<WriterSink>());  // for the writer's thread
+  return **sink;
+}
+
+std::string report_of(uint64_t dropped) { return the_sink().report(dropped); }
+
 // Made once: other threads may log while main changes format and level.
 spdlog::logger& the_logger() {
   static const auto logger = [] {
-    auto made = std::make_shared<spdlog::logger>("collided", std::make_shared<spdlog::sinks::stderr_sink_mt>());
+    // Not owned: as the sink, it stays until the process ends.
+    const std::shared_ptr<WriterSink> sink(&the_sink(), [](auto*) {});
+    auto made = std::make_shared<spdlog::logger>("collided", sink);
+    made->set_error_handler([](const std::string&) {});  // spdlog's own writes to stderr, and waits for it
     spdlog::set_default_logger(made);
+    std::atexit([] { flush_log(); });
     return made;
   }();
   return *logger;
+}
+
+constexpr auto kMoment = std::chrono::milliseconds(500);
+
+extern "C" void flush_and_die(int signal) {
+  the_writer().drain_in_signal(kMoment);
+  raise(signal);  // for which the default is set again
 }
 
 }  // namespace
@@ -108,6 +157,26 @@ void set_up_log(const std::string& format, const std::string& level) {
   for (const auto& sink : logger.sinks()) sink->set_formatter(std::make_unique<LineFormatter>(format == "json"));
   logger.set_level(spdlog::level::from_str(level));
 }
+
+void flush_log() { the_writer().drain(kMoment); }
+
+void flush_log_at_crash() {
+  the_writer();
+  for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGILL, SIGFPE}) {
+    struct sigaction action {};
+    if (sigaction(signal, nullptr, &action) != 0 || action.sa_handler != SIG_DFL) continue;
+    action.sa_handler = flush_and_die;
+    action.sa_flags = SA_RESETHAND | SA_NODEFER;
+    sigaction(signal, &action, nullptr);
+  }
+}
+
+void write_line(const std::string& text) {
+  the_logger();  // which writes out what is left when the process exits
+  the_writer().write(text + "\n");
+}
+
+uint64_t dropped_log_lines() { return the_writer().dropped(); }
 
 void log_event(spdlog::level::level_enum level, std::string_view message, std::initializer_list<LogField> fields) {
   auto* logger = spdlog::default_logger_raw();

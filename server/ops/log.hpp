@@ -12,8 +12,19 @@
 
 namespace collided::server {
 
-/// Log lines go to stderr. `format`: text or json; `level`: as spdlog names them. Callable again at any time.
+/// Log lines go to stderr, in the order in which they were logged. Nobody waits for it: where it takes nothing, lines
+/// are dropped and counted once 1 MiB waits, and a line tells how many once it flows again. `format`: text or json;
+/// `level`: as spdlog names them. Callable again at any time.
 void set_up_log(const std::string& format, const std::string& level);
+
+/// Waits until all lines are written, but only for a moment: half a second. A process that exits does so by itself.
+void flush_log();
+/// From now on, a process that dies of a fault or of abort() writes out its lines before, within the same moment.
+void flush_log_at_crash();
+/// A line as it is, without time and level, among the others.
+void write_line(const std::string& text);
+/// Lines that were dropped since the start.
+uint64_t dropped_log_lines();
 
 /// The ids of one call. All are empty or printable ASCII without blanks.
 struct CallIds {

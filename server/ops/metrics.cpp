@@ -13,6 +13,7 @@
 #include <mutex>
 #include <shared_mutex>
 
+#include "server/ops/log.hpp"
 #include "server/ops/process.hpp"
 
 namespace collided::server {
@@ -89,7 +90,7 @@ struct Metrics::Families {
   void set_gauges_now() const;
 
   Registry registry;
-  Counter &frames, &contacts, &bytes_in, &bytes_out, &skipped, &replays, &reconnects;
+  Counter &frames, &contacts, &bytes_in, &bytes_out, &skipped, &replays, &reconnects, &dropped_lines;
   Histogram& frame_seconds;
   Gauge &scenes, &streams, &calls_in_work, &device_bytes, &queued_frames, &outgoing_bytes;
   Gauge &resident_bytes, &open_files;
@@ -112,6 +113,7 @@ Metrics::Families::Families()
       skipped(counter(registry, "collided_skipped_frames_total", "Frames passed over by LATEST_WINS")),
       replays(counter(registry, "collided_replays_total", "Frames run again because a buffer was too small")),
       reconnects(counter(registry, "collided_reconnects_total", "Streams that took up where a broken one left")),
+      dropped_lines(counter(registry, "collided_dropped_log_lines_total", "Log lines that nobody took")),
       frame_seconds(
           histograms(registry, "collided_frame_seconds", "Time of a frame from its arrival to its last answer")
               .Add({}, buckets())),
@@ -164,6 +166,7 @@ void Metrics::Families::set_gauges_now() const {
   outgoing_bytes.Set(static_cast<double>(now.outgoing_bytes));
   resident_bytes.Set(process_resident_bytes());
   open_files.Set(process_open_files());
+  dropped_lines.Increment(static_cast<double>(dropped_log_lines()) - dropped_lines.Value());
 }
 
 Metrics::Metrics() : families_(std::make_unique<Families>()) {}

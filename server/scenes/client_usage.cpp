@@ -34,17 +34,16 @@ void ClientUsage::end_stream(const std::string& name) {
 void ClientUsage::count_frame(const Client& client) {
   const double rate = client->limits.max_frames_per_second, most = std::max(1.0, rate);
   const std::lock_guard lock(mutex_);
-  Entry& entry = clients_[client->name];
-  const auto now = Clock::now();
-  const double seconds = std::chrono::duration<double>(now - entry.filled).count();
-  entry.frames_left = std::min(most, entry.frames_left + seconds * rate);
-  entry.filled = now;
-  if (entry.frames_left < 1)
+  auto& bucket = clients_[client->name].bucket;
+  const auto now = now_();
+  const double frames = bucket ? bucket->frames + seconds_between(bucket->filled, now) * rate : most;
+  bucket = {std::min(most, frames), now};
+  if (bucket->frames < 1)
     throw LimitExceeded::quota(
         "client:" + client->name,
         fmt::format("max_frames_per_second is {}, and client \"{}\" sent more", rate, client->name),
-        (1 - entry.frames_left) / rate);
-  entry.frames_left -= 1;
+        (1 - bucket->frames) / rate);
+  bucket->frames -= 1;
 }
 
 size_t ClientUsage::streams() const {

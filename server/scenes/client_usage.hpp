@@ -3,22 +3,25 @@
 // bytes on devices.
 // No gRPC here.
 
-#include <chrono>
 #include <cstddef>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "server/auth/client.hpp"
+#include "server/ops/clock.hpp"
 #include "server/scenes/device_bytes.hpp"
 
 namespace collided::server {
 
 class ClientUsage {
  public:
-  explicit ClientUsage(const Limits& limits)
-      : max_streams_(limits.max_streams),
+  explicit ClientUsage(const Limits& limits, Now now = Clock::now)
+      : now_(std::move(now)),
+        max_streams_(limits.max_streams),
         device_bytes_(std::make_shared<DeviceBytes>("daemon", "max_device_bytes", limits.max_device_bytes)) {}
 
   /// Counts a stream for as long as the result lives. Throws LimitExceeded.
@@ -35,16 +38,20 @@ class ClientUsage {
   void set_limits(const Limits& limits);
 
  private:
-  using Clock = std::chrono::steady_clock;
+  /// Frames that may come at once.
+  struct Bucket {
+    double frames = 0;
+    Clock::time_point filled;
+  };
   struct Entry {
     size_t streams = 0;
-    double frames_left = 0;
-    Clock::time_point filled{};
+    std::optional<Bucket> bucket;  // none before the first frame
     std::shared_ptr<DeviceBytes> device_bytes;
   };
 
   void end_stream(const std::string& name);
 
+  const Now now_;
   mutable std::mutex mutex_;
   size_t max_streams_;
   size_t streams_ = 0;

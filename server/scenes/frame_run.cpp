@@ -1,19 +1,30 @@
 // One frame from its positions to its contacts.
 #include "server/scenes/frame_run.hpp"
 
-#include <utility>
+#include <spdlog/fmt/fmt.h>
 
+#include "server/errors.hpp"
 #include "server/scenes/scene.hpp"
 
 namespace collided::server {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+// At each checkpoint of the engine: whether the frame is to end, after others have had their turns.
+bool look_up(const Scene& scene, uint64_t frame_id, Turns::Turn& turn, const std::function<bool()>& cancelled) {
+  if (cancelled && cancelled()) return true;
+  const ClientIdentity& owner = *scene.facts().owner;
+  const double seconds = turn.seconds(), most = owner.limits.max_frame_seconds;
+  if (seconds > most)
+    throw LimitExceeded::quota(
+        "client:" + owner.name,
+        fmt::format("max_frame_seconds is {}, and frame {} has run for {:.3f} s", most, frame_id, seconds));
+  if (scene.plan().engine.backend == Backend::kCpu) turn.give_way(cancelled);
+  return false;
+}
 
-FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, FrameCost& cost) {
-  const auto turn = scene.take_turn(frame.input.cancelled);
-  const auto begin = Clock::now();
-  cost.queue_milliseconds = milliseconds_since(frame.arrival) - frame.decode_milliseconds;
+FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, const std::function<bool()>& cancelled, FrameCost& cost) {
+  auto turn = scene.take_turn(cancelled);
+  frame.input.cancelled = [&] { return look_up(scene, frame.frame_id, turn, cancelled); };
   FrameResult result;
   try {
     result = scene.apply(frame.frame_id, frame.input);
@@ -21,7 +32,8 @@ FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, FrameCost& cost) {
     scene.observer().device_failed(scene, e.what());
     throw;
   }
-  cost.engine_milliseconds = milliseconds_since(begin);
+  cost.engine_milliseconds = turn.seconds() * 1000;
+  cost.queue_milliseconds = milliseconds_since(frame.arrival) - frame.decode_milliseconds - cost.engine_milliseconds;
   return result;
 }
 
@@ -33,12 +45,11 @@ double milliseconds_since(Clock::time_point start) {
 
 AnsweredFrame run_frame(Scene& scene, PendingFrame& frame, const std::function<bool()>& cancelled) {
   if (frame.refusal) std::rethrow_exception(frame.refusal);
-  frame.input.cancelled = cancelled;
   if (cancelled && cancelled()) throw Cancelled();
   AnsweredFrame answered{frame.frame_id, frame.arrival, {}, {}};
   answered.cost.decode_milliseconds = frame.decode_milliseconds;
   answered.cost.bytes_in = frame.bytes_in;
-  answered.result = apply_in_turn(scene, frame, answered.cost);
+  answered.result = apply_in_turn(scene, frame, cancelled, answered.cost);
   answered.cost.device_bytes = scene.device_bytes();
   return answered;
 }

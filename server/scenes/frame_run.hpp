@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gpu/detector.hpp"
+#include "server/ops/clock.hpp"
 #include "server/scenes/turns.hpp"
 
 namespace collided::server {
@@ -67,9 +68,12 @@ struct SceneSurroundings {
   Turns& turns;
   SceneObserver& observer;
   std::string endpoint = {};  ///< address that clients are told to stream to; empty: the one they used
+  Now now = Clock::now;       ///< of leases and idle streams
 };
 
-/// Waits for a turn and applies the frame, on the scene's worker thread. Throws what the engine throws, and Cancelled.
+/// Waits for a turn and applies the frame, on the scene's worker thread; on CPU cores it gives way to other clients
+/// meanwhile. Throws what the engine throws, Cancelled, and LimitExceeded for a frame that runs longer than its
+/// client's frames may.
 AnsweredFrame run_frame(Scene& scene, PendingFrame& frame, const std::function<bool()>& cancelled);
 
 double milliseconds_since(std::chrono::steady_clock::time_point start);

@@ -66,7 +66,7 @@ void FrameSession::skip_older_locked(const PendingFrame& latest) {
 }
 
 void FrameSession::begin_locked() {
-  last_active_ = std::chrono::steady_clock::now();
+  last_active_ = scene_->now();
   if (is_working_ || is_held_ || waiting_.empty()) return;
   is_working_ = true;
   scene_->worker().post([self = shared_from_this()] { self->work(); });
@@ -113,7 +113,7 @@ void FrameSession::fail(uint64_t frame_id, const std::exception_ptr& error, Fram
 void FrameSession::hold(bool is_held) {
   const std::lock_guard lock(mutex_);
   is_held_ = is_held;
-  last_active_ = std::chrono::steady_clock::now();
+  last_active_ = scene_->now();
   if (!is_held && !closed_) begin_locked();
 }
 
@@ -151,7 +151,7 @@ std::shared_ptr<FrameSink> FrameSession::sink() const {
 double FrameSession::idle_seconds() const {
   const std::lock_guard lock(mutex_);
   if (is_working_ || (!waiting_.empty() && !is_held_)) return 0;
-  return milliseconds_since(last_active_) / 1000;
+  return seconds_between(last_active_, scene_->now());
 }
 
 size_t FrameSession::waiting() const {

@@ -80,7 +80,7 @@ class FrameSession : public std::enable_shared_from_this<FrameSession> {
   SceneUse use_;              // until it is closed: a transport may keep its session for longer
   std::shared_ptr<FrameSink> sink_;
   std::deque<Waiting> waiting_;
-  std::chrono::steady_clock::time_point last_active_ = std::chrono::steady_clock::now();
+  Clock::time_point last_active_ = scene_->now();
   bool is_held_ = false;
   bool is_working_ = false;
 };

@@ -206,7 +206,7 @@ void Scene::begin_use() {
 void Scene::end_use() {
   const std::lock_guard lock(mutex_);
   --uses_;
-  last_use_ = std::chrono::steady_clock::now();
+  last_use_ = now();
 }
 
 bool Scene::is_expired(std::chrono::steady_clock::time_point now) const {

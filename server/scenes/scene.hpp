@@ -55,6 +55,7 @@ class Scene {
   const ScenePlan& plan() const { return plan_; }
   SceneWorker& worker() { return worker_; }
   SceneObserver& observer() const { return surroundings_.observer; }
+  Clock::time_point now() const { return surroundings_.now(); }
   const std::string& endpoint() const { return surroundings_.endpoint; }
   SceneSnapshot snapshot() const;
   /// Of the snapshot's memory, without a copy of it.
@@ -123,7 +124,7 @@ class Scene {
   ScenePlan plan_;
   SceneSpec pending_;  // the spec with its triangles, until the detector takes it
   std::shared_ptr<Detector> detector_;
-  TurnAccount account_;
+  TurnAccount account_{surroundings_.turns.account(facts_.owner->name)};
   std::atomic<bool> closed_ = false;
   mutable std::mutex mutex_;  // guards what follows
   SceneSnapshot shown_;
@@ -133,7 +134,7 @@ class Scene {
   std::shared_ptr<FrameSession> stream_;
   std::shared_ptr<SlotPool> slots_;  // null until there is a detector
   unsigned uses_ = 0;
-  std::chrono::steady_clock::time_point last_use_ = std::chrono::steady_clock::now();
+  Clock::time_point last_use_ = now();
   SceneWorker worker_;  // last: its thread ends before the rest goes
 };
 

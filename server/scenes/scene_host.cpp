@@ -16,20 +16,23 @@ constexpr auto kWatchPeriod = std::chrono::milliseconds(250);
 constexpr double kMaxUploadSilence = 10;  // seconds; max_idle_seconds if that is less
 
 // On a GPU the host's part of one frame goes on beside the device's part of another; on CPU cores two keep all busy
-// while one of them is in a part that does not spread over cores.
-unsigned frames_at_once(const Config& config) {
+// while one of them is in a part that does not spread over cores. A step on a GPU gives no turn back before its end: a
+// client that could hold all turns would stop the others for that long.
+Turns::Options turn_options(const Config& config, const Now& now) {
   constexpr unsigned kOnGpu = 4, kOnCpu = 2;
-  if (config.concurrent_frames > 0) return static_cast<unsigned>(config.concurrent_frames);
-  return config.backend != "cpu" && cuda_available() ? kOnGpu : kOnCpu;
+  const bool on_gpu = config.backend != "cpu" && cuda_available();
+  const unsigned by_itself = on_gpu ? kOnGpu : kOnCpu, asked = static_cast<unsigned>(config.concurrent_frames);
+  return {.at_once = asked > 0 ? asked : by_itself, .keeps_one_free = on_gpu, .now = now};
 }
 
 }  // namespace
 
-SceneHost::SceneHost(const Config& config, SceneObserver& observer)
-    : limits_(config.limits),
-      turns_(frames_at_once(config)),
-      usage_(config.limits),
-      scenes_(config.limits.max_scenes, config.limits.max_window, {turns_, observer, config.endpoint}),
+SceneHost::SceneHost(const Config& config, SceneObserver& observer, const Now& now)
+    : now_(now),
+      limits_(config.limits),
+      turns_(turn_options(config, now)),
+      usage_(config.limits, now),
+      scenes_(config.limits.max_scenes, config.limits.max_window, {turns_, observer, config.endpoint, now}),
       watch_([this] { watch(); }) {}
 
 SceneHost::~SceneHost() {
@@ -92,12 +95,15 @@ void SceneHost::watch() {
   std::unique_lock lock(mutex_);
   while (!changed_.wait_for(lock, kWatchPeriod, [this] { return is_over_; })) {
     lock.unlock();
-    for (const auto& scene : scenes_.remove_expired(std::chrono::steady_clock::now()))
-      scene->observer().expired(*scene);
-    end_idle_streams();
-    end_stale_uploads();
+    watch_once();
     lock.lock();
   }
+}
+
+void SceneHost::watch_once() {
+  for (const auto& scene : scenes_.remove_expired(now_())) scene->observer().expired(*scene);
+  end_idle_streams();
+  end_stale_uploads();
 }
 
 void SceneHost::end_stale_uploads() {

@@ -21,8 +21,8 @@ struct HostTotals {
 
 class SceneHost {
  public:
-  /// `observer` outlives the host.
-  SceneHost(const Config& config, SceneObserver& observer);
+  /// `observer` outlives the host. `now` tells the time of leases, idle streams, rates and turns.
+  SceneHost(const Config& config, SceneObserver& observer, const Now& now = Clock::now);
   ~SceneHost();
   SceneHost(const SceneHost&) = delete;
   SceneHost& operator=(const SceneHost&) = delete;
@@ -45,11 +45,14 @@ class SceneHost {
   /// Ends all streams with Stopping.
   void end_streams() const;
   HostTotals totals() const;
+  /// Ends what has been idle for too long. The host does so by itself four times a second.
+  void watch_once();
 
  private:
   void watch();
   void end_idle_streams() const;
 
+  const Now now_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   Limits limits_;         // guarded by mutex_

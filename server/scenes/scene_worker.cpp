@@ -8,11 +8,11 @@
 #include <mutex>
 #include <utility>
 
+#include "server/ops/clock.hpp"
+
 namespace collided::server {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // About what it takes to read a frame of some MiB; an idle processor needs a tenth of it to wake up.
 constexpr auto kPatience = std::chrono::microseconds(500);
@@ -25,7 +25,7 @@ struct SceneWorker::State {
   std::deque<Job> jobs;
   size_t capacity = 0;
   bool stopping = false;
-  Clock::time_point awake_until{};
+  Clock::time_point awake_until = Clock::time_point::min();
 
   bool has_work() const { return stopping || !jobs.empty(); }
 };

@@ -48,8 +48,10 @@ grpc::ServerUnaryReactor* CollisionService::answer(Context* context, const Body&
   return reactor;
 }
 
-SceneDefaults CollisionService::defaults() const {
-  return {config_.backend, config_.threads, host_.limits(), has_cuda_, !config_.local_socket.empty()};
+SceneDefaults CollisionService::defaults(const Client& client) const {
+  Limits limits = host_.limits();
+  limits.client = client->limits;
+  return {config_.backend, config_.threads, limits, has_cuda_, !config_.local_socket.empty()};
 }
 
 grpc::ServerUnaryReactor* CollisionService::GetServerInfo(Context* context, const pb::GetServerInfoRequest*,
@@ -67,7 +69,7 @@ grpc::ServerUnaryReactor* CollisionService::CreateScene(Context* context, const 
   auto* reactor = context->DefaultReactor();
   guard(reactor, [&] {
     const Caller caller = identify(*context, authenticator_);
-    auto [scene, is_new] = host_.add_scene(caller.client, parse_scene(*request, defaults()));
+    auto [scene, is_new] = host_.add_scene(caller.client, parse_scene(*request, defaults(caller.client)));
     Scene& target = *scene;
     if (is_new)
       return target.worker().post(

@@ -40,7 +40,7 @@ class CollisionService final : public RawService {
  private:
   template <class Body>
   Reactor* answer(Context* context, const Body& body);
-  SceneDefaults defaults() const;
+  SceneDefaults defaults(const Client& client) const;
   void build(const SceneUse& scene, const Caller& caller, pb::CreateSceneResponse* response, Reactor* reactor);
 
   const Config config_;

@@ -15,7 +15,7 @@ grpc::Status refused_stream(Stub& stub, const std::string& id, uint32_t window =
 }
 
 TEST(Limits, ScenesOfTheDaemon) {
-  DaemonProcess daemon({"--max-scenes", "2"});
+  DaemonProcess daemon({"--max-scenes", "2", "--max-scenes-per-client", "2"});
   auto stub = pb::CollisionService::NewStub(daemon.channel());
   const auto id = make_scene(*stub, tip_request());
   make_scene(*stub, tip_request());
@@ -29,6 +29,22 @@ TEST(Limits, ScenesOfAClient) {
   auto stub = pb::CollisionService::NewStub(daemon.channel());
   make_scene(*stub, tip_request());
   expect_quota(create_scene(*stub, tip_request()), "max_scenes_per_client", "client:");
+}
+
+// So that no one of them keeps the others out.
+TEST(Limits, AClientHasAQuarterOfWhatAllHave) {
+  DaemonProcess daemon({"--max-scenes", "8", "--max-streams", "3", "--max-device-mb", "100"});
+  auto stub = pb::CollisionService::NewStub(daemon.channel());
+  make_scene(*stub, tip_request());
+  make_scene(*stub, tip_request());
+  expect_quota(create_scene(*stub, tip_request()), "max_scenes_per_client is 2", "client:");
+  grpc::ClientContext context;
+  set_deadline(context);
+  pb::GetServerInfoResponse info;
+  ASSERT_TRUE(stub->GetServerInfo(&context, {}, &info).ok());
+  EXPECT_EQ(info.limits().max_streams_per_client(), 1u);
+  EXPECT_EQ(info.limits().max_device_bytes_per_client(), 25u << 20);
+  EXPECT_EQ(info.limits().max_scene_bytes(), 25u << 20);
 }
 
 TEST(Limits, StreamsOfTheDaemon) {
@@ -84,7 +100,7 @@ TEST(Limits, FramesInASecond) {
 }
 
 TEST(Limits, FramesInASecondOfUnaryCalls) {
-  DaemonProcess daemon({"--max-frames-per-second", "0.1"});
+  DaemonProcess daemon({"--max-frames-per-second", "0.01"});
   auto stub = pb::CollisionService::NewStub(daemon.channel());
   const auto id = make_scene(*stub, tip_request());
   EXPECT_TRUE(detect(*stub, id, first_frame(2)).ok());
@@ -110,6 +126,10 @@ TEST(Limits, AreTold) {
                         "6",
                         "--max-streams-per-client",
                         "5",
+                        "--max-frame-seconds",
+                        "12.5",
+                        "--max-accuracy",
+                        "fast",
                         "--max-device-mb",
                         "4",
                         "--max-device-mb-per-client",
@@ -128,6 +148,8 @@ TEST(Limits, AreTold) {
   EXPECT_EQ(limits.max_lease_seconds(), 40);
   EXPECT_EQ(limits.max_scenes_per_client(), 6u);
   EXPECT_EQ(limits.max_streams_per_client(), 5u);
+  EXPECT_EQ(limits.max_frame_seconds(), 12.5);
+  EXPECT_EQ(limits.max_accuracy(), pb::ACCURACY_FAST);
   EXPECT_EQ(limits.max_device_bytes(), 4u << 20);
   EXPECT_EQ(limits.max_device_bytes_per_client(), 3u << 20);
 }

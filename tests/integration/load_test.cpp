@@ -46,7 +46,7 @@ TEST(Load, SixteenActiveScenes) {
 
 TEST(Load, TwoHundredIdleStreams) {
   constexpr int kStreams = 200;
-  DaemonProcess daemon({"--max-scenes", "201", "--max-scenes-per-client", "201"});
+  DaemonProcess daemon({"--max-scenes", "201", "--max-scenes-per-client", "201", "--max-streams-per-client", "201"});
   const Probe probe(daemon);
   auto stub = pb::CollisionService::NewStub(daemon.channel());
   const double before = probe.metric("process_resident_memory_bytes");

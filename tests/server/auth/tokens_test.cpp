@@ -20,7 +20,7 @@ TEST(Tokens, NamesTokensDigestsAndLimits) {
   const auto tokens = read(
       "[[tokens]]\nname = \"a\"\ntoken = \"0123456789abcdef\"\nmax-scenes = 2\nmax-device-mb = 3\n"
       "[[tokens]]\nname = \"b\"\nsha256 = \"F95DB7A3A36B44DF7AA39D1E868EDF53452E8B2CFC5B303916EC442C33EEFE05\"\n"
-      "max-streams = 4\nmax-frames-per-second = 0.5\n");
+      "max-streams = 4\nmax-frames-per-second = 0.5\nmax-frame-seconds = 0.25\nmax-accuracy = \"fast\"\n");
   ASSERT_EQ(tokens.size(), 2u);
   EXPECT_EQ(tokens[0].digest, digest_of("0123456789abcdef"));
   EXPECT_EQ(tokens[0].client->name, "a");
@@ -31,6 +31,8 @@ TEST(Tokens, NamesTokensDigestsAndLimits) {
   EXPECT_EQ(tokens[1].digest, digest_of("0123456789abcdeg")) << "sha256 of another program";
   EXPECT_EQ(tokens[1].client->limits.max_streams, 4u);
   EXPECT_EQ(tokens[1].client->limits.max_frames_per_second, 0.5);
+  EXPECT_EQ(tokens[1].client->limits.max_frame_seconds, 0.25);
+  EXPECT_EQ(tokens[1].client->limits.max_accuracy, Accuracy::kFast);
 }
 
 TEST(Tokens, ATokenCanBeExchangedWithoutAGap) {
@@ -54,6 +56,9 @@ TEST(Tokens, RefusesWithTheLineAndNeverTellsTheToken) {
            {good + "max-device-mb = 1e300", ":1: max-device-mb"},
            {good + "max-frames-per-second = nan", ":1: max-frames-per-second is nan"},
            {good + "max-frames-per-second = inf", ":1: max-frames-per-second is inf"},
+           {good + "max-frame-seconds = 0", ":1: max-frame-seconds is 0, not 0.001 to 1e+06"},
+           {good + "max-accuracy = \"best\"", ":1: max-accuracy is none of candidates"},
+           {good + "max-accuracy = 4", ":1: max-accuracy is not a text"},
            {header + "token = \"fifteen-letters\"", "token has 15 bytes, not 16 to 512"},
            {header + "token = 1234567890123456", "token is not a text"},
            {header + "token = \"with blanks in it 0123\"", "printable"},
@@ -110,6 +115,7 @@ TEST(Tokens, WarnsWhenOthersCanReadThem) {
     fs::permissions(file.path(), perms);
     testing::internal::CaptureStderr();
     read_tokens(file.path(), ClientLimits());
+    flush_log();
     return testing::internal::GetCapturedStderr();
   };
   EXPECT_EQ(logged(fs::perms::owner_read), "");

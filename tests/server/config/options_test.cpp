@@ -72,6 +72,7 @@ TEST(Config, EveryNumberRefusesWhatIsNone) {
                            "--lease-seconds",
                            "--max-lease-seconds",
                            "--max-frames-per-second",
+                           "--max-frame-seconds",
                            "--threads",
                            "--concurrent-frames",
                            "--max-message-mb",

@@ -207,7 +207,7 @@ TEST_F(LocalFrames, AStreamIsToldOfTheStop) {
 
 TEST_F(LocalFrames, FramesAreCountedAgainstTheRate) {
   Config config = Serving::cpu_config();
-  config.limits.client.max_frames_per_second = 1;
+  config.limits.client.max_frames_per_second = 0.01;
   Serving slow({}, config);
   LocalStream stream(slow.path(), slow.make_scene());
   test::expect_tip_contact(stream.ask_shared(first_frame(2)), 2);

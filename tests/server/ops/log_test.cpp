@@ -20,6 +20,7 @@ std::string logged(const std::string& format, const std::string& level, const Bo
   set_up_log(format, level);
   testing::internal::CaptureStderr();
   body();
+  flush_log();
   return testing::internal::GetCapturedStderr();
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/errors.hpp"
+#include "tests/server/scenes/hand_clock.hpp"
 
 namespace collided::server {
 namespace {
@@ -64,34 +65,37 @@ TEST(ClientUsage, NewLimitsHoldForNewStreams) {
   EXPECT_FALSE(refusal([&] { usage.begin_stream(ann); }));
 }
 
-// So slow that none comes back while the test runs.
 TEST(ClientUsage, AFramePastTheRateTellsWhenItWouldPass) {
-  ClientUsage usage(Limits{});
+  const HandClock clock;  // 5 s after its epoch, in which no frame would have come back
+  ClientUsage usage(Limits{}, clock.now());
   const auto slow = client_with("slow", {.max_frames_per_second = 1e-4});
-  usage.count_frame(slow);
+  EXPECT_FALSE(refusal([&] { usage.count_frame(slow); }));
   const auto past = refusal([&] { usage.count_frame(slow); });
   ASSERT_TRUE(past);
   EXPECT_EQ(past->subject(), "client:slow");
-  EXPECT_GT(past->retry_after_seconds(), 0);
-  EXPECT_LE(past->retry_after_seconds(), 1e4);
+  EXPECT_DOUBLE_EQ(past->retry_after_seconds(), 1e4);
   EXPECT_FALSE(refusal([&] { usage.count_frame(client_with("another", {.max_frames_per_second = 1e-4})); }));
+  clock.move(std::chrono::seconds(9'999));
+  EXPECT_NEAR(refusal([&] { usage.count_frame(slow); })->retry_after_seconds(), 1, 1e-6);
+  clock.move(std::chrono::seconds(2));
+  EXPECT_FALSE(refusal([&] { usage.count_frame(slow); }));
 }
 
 TEST(ClientUsage, ASecondsFramesMayComeAtOnceAndNoMoreThanTheRateAfterThem) {
-  constexpr double kRate = 50;
-  ClientUsage usage(Limits{});
+  constexpr int kRate = 50;
+  const HandClock clock;
+  ClientUsage usage(Limits{}, clock.now());
   const auto ann = client_with("ann", {.max_frames_per_second = kRate});
-  const auto begin = std::chrono::steady_clock::now();
-  int passed = 0;
-  std::optional<LimitExceeded> past;
-  for (; !past; ++passed) past = refusal([&] { usage.count_frame(ann); });
-  --passed;
-  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
-  EXPECT_GE(passed, kRate);
-  EXPECT_LE(passed, kRate * (1 + time.count()) + 1);
-  EXPECT_LE(past->retry_after_seconds(), 1 / kRate);
-  std::this_thread::sleep_for(std::chrono::duration<double>(past->retry_after_seconds() + 1e-3));
-  EXPECT_FALSE(refusal([&] { usage.count_frame(ann); }));
+  const auto passed = [&] {
+    for (int count = 0;; ++count)
+      if (refusal([&] { usage.count_frame(ann); })) return count;
+  };
+  EXPECT_EQ(passed(), kRate);
+  clock.move(std::chrono::milliseconds(105));
+  EXPECT_EQ(passed(), 5);
+  EXPECT_NEAR(refusal([&] { usage.count_frame(ann); })->retry_after_seconds(), 0.015, 1e-6);
+  clock.move(std::chrono::hours(1));
+  EXPECT_EQ(passed(), kRate);
 }
 
 TEST(ClientUsage, DeviceBytesAreTheClientsAndTheDaemons) {

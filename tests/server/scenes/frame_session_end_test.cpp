@@ -116,17 +116,19 @@ TEST_F(FrameSessionEnd, TellsThatTheDaemonStops) {
 }
 
 TEST_F(FrameSessionEnd, IsIdleWhileNoFrameIsInHand) {
+  using std::chrono::seconds;
   const auto stream = open_held(Delivery::kLossless);
   stream->submit(tip_frame(1, 2));
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  EXPECT_GE(stream->idle_seconds(), 0.2);  // the client takes nothing
+  clock_.move(seconds(200));
+  EXPECT_EQ(stream->idle_seconds(), 200);  // the client takes nothing
   stream->hold(true);
-  EXPECT_LT(stream->idle_seconds(), 0.2);  // it took something, but not enough
+  EXPECT_EQ(stream->idle_seconds(), 0);  // it took something, but not enough
   stream->hold(false);
   stream.sink->wait_for(2);
   scene_->worker().flush();
-  std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  EXPECT_GE(stream->idle_seconds(), 0.002);
+  EXPECT_EQ(stream->idle_seconds(), 0);
+  clock_.move(seconds(2));
+  EXPECT_EQ(stream->idle_seconds(), 2);
 }
 
 }  // namespace

@@ -109,39 +109,48 @@ TEST(SceneHost, NewLimitsHoldForNewScenes) {
 
 TEST(SceneHost, ASceneWhoseLeaseRanOutIsDeleted) {
   CountingObserver observer;
-  SceneHost host(config_with({}), observer);
-  const auto kept = make_scene(host, client(), 1e-3);
-  const auto id = make_scene(host, client(), 1e-3)->id();
+  const HandClock clock;
+  SceneHost host(config_with({}), observer, clock.now());
+  const auto kept = make_scene(host, client(), 10);
+  const auto id = make_scene(host, client(), 10)->id();
+  make_scene(host, client(), 20);
+  clock.move(std::chrono::seconds(9));
+  host.watch_once();
+  EXPECT_EQ(host.totals().scenes, 3u);
+  clock.move(std::chrono::seconds(2));
   EXPECT_TRUE(wait_until([&] { return observer.expiries > 0; }));
   EXPECT_THROW(host.scenes().find(client(), id), NotFound);
   EXPECT_EQ(host.scenes().find(client(), kept->id())->id(), kept->id());
   EXPECT_EQ(observer.expiries, 1);
+  EXPECT_EQ(host.totals().scenes, 2u);
   const auto held = [&] { return host.usage().device_bytes(client())->held(); };
   EXPECT_TRUE(wait_until([&] { return held() == host.totals().device_bytes; }));
 }
 
 TEST(SceneHost, AStreamThatIsIdleForTooLongEnds) {
   CountingObserver observer;
+  const HandClock clock;
   Limits limits;
-  limits.max_idle_seconds = 0.5;
-  SceneHost host(config_with(limits), observer);
+  limits.max_idle_seconds = 5;
+  SceneHost host(config_with(limits), observer, clock.now());
   const auto slow = make_scene(host), deaf = make_scene(host), idle = make_scene(host);
   const Stream takes_a_little(slow), takes_nothing(deaf), says_nothing(idle);
   for (const auto* stream : {&takes_a_little, &takes_nothing}) {
     stream->session->hold(true);
     stream->session->submit(tip_frame(1, 2));
   }
+  for (const auto* stream : {&takes_a_little, &takes_nothing, &says_nothing}) stream->sink->wait_for(1);
+  clock.move(std::chrono::seconds(4));
+  takes_a_little.session->hold(true);
+  host.watch_once();
+  EXPECT_FALSE(says_nothing.session->is_closed());
+  clock.move(std::chrono::seconds(2));
+  host.watch_once();
   const RecordingSink::Events ended{"opened after 0", "ended: LimitExceeded"};
-  while (says_nothing.sink->events().size() < 2 || takes_nothing.sink->events().size() < 2) {
-    takes_a_little.session->hold(true);
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  EXPECT_EQ(says_nothing.sink->events(), ended);
-  EXPECT_EQ(takes_nothing.sink->events(), ended);
+  EXPECT_EQ(says_nothing.sink->wait_for(2), ended);
+  EXPECT_EQ(takes_nothing.sink->wait_for(2), ended);
   EXPECT_EQ(idle->stream(), nullptr);
   EXPECT_FALSE(takes_a_little.session->is_closed());
-  limits.max_idle_seconds = 3600;
-  host.set_limits(limits);
   takes_a_little.session->hold(false);
   EXPECT_EQ(takes_a_little.sink->wait_for(2).back(), "answered 1");
 }

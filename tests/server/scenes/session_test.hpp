@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/server/scenes/hand_clock.hpp"
 #include "tests/server/scenes/recording_sink.hpp"
 #include "tests/server/scenes/tiny_scene.hpp"
 
@@ -52,7 +53,8 @@ class FrameSessionTest : public testing::Test {
     return frame;
   }
 
-  SceneBench bench_{64, 1};
+  const HandClock clock_;
+  SceneBench bench_{64, Turns::Options{.at_once = 1, .now = clock_.now()}};
   SceneUse scene_ = bench_.add();
 };
 

@@ -73,7 +73,10 @@ inline PendingFrame tip_frame(uint64_t id, float depth) {
 /// Scenes and what they share.
 struct SceneBench {
   explicit SceneBench(size_t max_scenes = 64, unsigned at_once = 2)
-      : turns(at_once), scenes(max_scenes, 16, {turns, observer}) {}
+      : SceneBench(max_scenes, Turns::Options{.at_once = at_once}) {}
+  /// All with the clock of the turns.
+  SceneBench(size_t max_scenes, const Turns::Options& options)
+      : turns(options), scenes(max_scenes, 16, {turns, observer, "", options.now}) {}
   ~SceneBench() { scenes.clear(); }
 
   SceneUse add(const Client& owner, SceneRequest request) {

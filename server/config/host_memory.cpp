@@ -1,0 +1,75 @@
+// The memory that this process may use.
+#include "server/config/host_memory.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+namespace collided::server {
+namespace {
+
+constexpr uint64_t kNoLimit = std::numeric_limits<uint64_t>::max();
+
+uint64_t memory_total(const std::string& path) {
+  std::ifstream file(path);
+  for (std::string name; file >> name;)
+    if (uint64_t kilobytes = 0; name == "MemTotal:" && file >> kilobytes) return kilobytes << 10;
+  return kNoLimit;
+}
+
+// "max", or a file that is not there, is no limit.
+uint64_t number_in(const std::string& path) {
+  std::ifstream file(path);
+  std::string text;
+  uint64_t number = 0;
+  file >> text;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size() ? number : kNoLimit;
+}
+
+// Of the group at `path` below `mount` and all groups around it. In a container the path may lead to nowhere: what is
+// mounted is then the container's own group.
+uint64_t least_along(const std::string& mount, std::string path, const std::string& file) {
+  uint64_t least = number_in(mount + "/" + file);
+  for (; path.size() > 1; path.resize(path.rfind('/'))) least = std::min(least, number_in(mount + path + "/" + file));
+  return least;
+}
+
+bool has_memory(const std::string& controllers) {
+  return ("," + controllers + ",").find(",memory,") != std::string::npos;
+}
+
+// Lines of /proc/self/cgroup: 0::/path of the unified hierarchy, 4:memory:/path of the old one.
+uint64_t group_limit(const std::string& root) {
+  const std::string mount = root + "/sys/fs/cgroup";
+  std::ifstream file(root + "/proc/self/cgroup");
+  uint64_t least = kNoLimit;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream parts(line);
+    std::string id, controllers, path;
+    std::getline(std::getline(std::getline(parts, id, ':'), controllers, ':'), path);
+    if (!path.starts_with('/')) continue;
+    if (controllers.empty()) least = std::min(least, least_along(mount, path, "memory.max"));
+    if (has_memory(controllers)) least = std::min(least, least_along(mount + "/memory", path, "memory.limit_in_bytes"));
+  }
+  return least;
+}
+
+uint64_t address_space() {
+  rlimit limit{};
+  return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY ? limit.rlim_cur : kNoLimit;
+}
+
+}  // namespace
+
+uint64_t host_memory(const std::string& root) {
+  const uint64_t least =
+      std::min({memory_total(root + "/proc/meminfo"), group_limit(root), root.empty() ? address_space() : kNoLimit});
+  return least == kNoLimit ? 0 : least;
+}
+
+}  // namespace collided::server

@@ -1,0 +1,57 @@
+// Limits that nobody set, from the memory that there is and from other limits.
+#include "server/config/memory_limits.hpp"
+
+#include <algorithm>
+
+namespace collided::server {
+namespace {
+
+constexpr uint64_t kMegabyte = uint64_t{1} << 20, kGigabyte = uint64_t{1} << 30;
+constexpr uint64_t kUnknownHost = 8 * kGigabyte;
+
+// Whole MiB, as the options count them.
+uint64_t at_least_one(uint64_t bytes) { return std::max(kMegabyte, bytes / kMegabyte * kMegabyte); }
+
+uint64_t scene_memory(const Memory& memory) {
+  const uint64_t of_host = (memory.host ? memory.host : kUnknownHost) / 2;
+  return memory.device ? std::min(of_host, memory.device / 10 * 9) : of_host;
+}
+
+uint32_t quarter(uint32_t all) { return (all + 3) / 4; }
+
+template <class T>
+void fill(T& limit, T derived) {
+  if (limit == 0) limit = derived;
+}
+
+std::string megabytes(uint64_t bytes) { return std::to_string(bytes / kMegabyte) + " MiB"; }
+
+}  // namespace
+
+Limits underived_limits() {
+  Limits limits;
+  limits.max_scene_bytes = limits.max_device_bytes = limits.client.max_device_bytes = 0;
+  limits.client.max_scenes = limits.client.max_streams = 0;
+  return limits;
+}
+
+// A limit for what is on its way in (max_decode_bytes, max_network_bytes) is an eighth of the host each: one line here,
+// and one above.
+void derive_limits(Limits& limits, const Memory& memory) {
+  fill(limits.max_device_bytes, at_least_one(scene_memory(memory)));
+  fill(limits.client.max_device_bytes, at_least_one(limits.max_device_bytes / 4));
+  fill(limits.max_scene_bytes, limits.client.max_device_bytes);
+  fill(limits.client.max_scenes, quarter(limits.max_scenes));
+  fill(limits.client.max_streams, quarter(limits.max_streams));
+}
+
+std::string describe_limits(const Limits& limits, const Memory& memory) {
+  return "memory: host " + (memory.host ? megabytes(memory.host) : "unknown") +
+         (memory.device ? ", device " + megabytes(memory.device) : "") + "; limits: all scenes " +
+         megabytes(limits.max_device_bytes) + ", those of a client " + megabytes(limits.client.max_device_bytes) +
+         ", one scene " + megabytes(limits.max_scene_bytes) + "; a client " + std::to_string(limits.client.max_scenes) +
+         " of " + std::to_string(limits.max_scenes) + " scenes, " + std::to_string(limits.client.max_streams) + " of " +
+         std::to_string(limits.max_streams) + " streams";
+}
+
+}  // namespace collided::server

@@ -1,0 +1,92 @@
+// Lines on their way to a file descriptor.
+#include "server/ops/line_writer.hpp"
+
+#include <poll.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <thread>
+#include <utility>
+
+namespace collided::server {
+namespace {
+
+// False if it cannot be written, ever.
+bool write_all(int fd, const char* data, size_t size) {
+  while (size > 0) {
+    const ssize_t written = ::write(fd, data, size);
+    if (written >= 0) {
+      data += written;
+      size -= static_cast<size_t>(written);
+    } else if (errno == EAGAIN) {  // others share the descriptor, and let it not block
+      pollfd room{fd, POLLOUT, 0};
+      poll(&room, 1, -1);
+    } else if (errno != EINTR) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+LineWriter& LineWriter::make(int fd, Report report) {
+  auto* writer = new LineWriter(fd, std::move(report));  // for the thread, which nobody can join
+  std::thread([writer] { writer->run(); }).detach();
+  return *writer;
+}
+
+void LineWriter::write(std::string line) {
+  const std::lock_guard lock(mutex_);
+  if (bytes_ + line.size() > kMaxBytes) {
+    ++dropped_;
+    return;
+  }
+  ++left_;
+  bytes_ += line.size();
+  lines_.push_back(std::move(line));
+  come_.notify_one();
+}
+
+bool LineWriter::drain(std::chrono::milliseconds most) {
+  std::unique_lock lock(mutex_);
+  return gone_.wait_for(lock, most, [this] { return left_ == 0; });
+}
+
+void LineWriter::drain_in_signal(std::chrono::milliseconds most) const noexcept {
+  const timespec millisecond{0, 1'000'000};
+  for (auto left = most.count(); left > 0 && left_ > 0; --left) nanosleep(&millisecond, nullptr);
+}
+
+void LineWriter::run() {
+  for (;;) {
+    put(next());
+    tell_dropped();
+    const std::lock_guard lock(mutex_);
+    if (--left_ == 0) gone_.notify_all();
+  }
+}
+
+std::string LineWriter::next() {
+  std::unique_lock lock(mutex_);
+  come_.wait(lock, [this] { return !lines_.empty(); });
+  std::string line = std::move(lines_.front());
+  lines_.pop_front();
+  bytes_ -= line.size();
+  return line;
+}
+
+void LineWriter::put(const std::string& line) {
+  if (!write_all(fd_, line.data(), line.size())) ++dropped_;
+}
+
+// It has just taken a line, or never will again.
+void LineWriter::tell_dropped() {
+  const uint64_t dropped = dropped_;
+  if (dropped == told_) return;
+  const std::string line = report_(dropped - std::exchange(told_, dropped));
+  write_all(fd_, line.data(), line.size());
+}
+
+}  // namespace collided::server
