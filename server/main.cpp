@@ -21,6 +21,7 @@
 #include "server/config/config.hpp"
 #include "server/config/rules.hpp"
 #include "server/daemon.hpp"
+#include "server/net/descriptors.hpp"
 #include "server/ops/exit_deadline.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/log.hpp"
@@ -60,6 +61,12 @@ void keep_memory() {
   mallopt(M_ARENA_MAX, 4);  // each keeps up to 64 MiB, and there would be eight for each core
 }
 
+// Each connection takes a descriptor, and many a system starts its services with no more than 1,024.
+void raise_limit() {
+  const auto [before, now] = collided::server::raise_descriptor_limit();
+  spdlog::info("at most {} file descriptors (soft limit was {})", now, before);
+}
+
 // Shutting gRPC down as well can wait 10 s for a poll of its own that nothing wakes: it is left to the process's end.
 void keep_grpc() { grpc_init(); }
 
@@ -92,14 +99,11 @@ void reload(const CommandLine& line, Config& config, Daemon& daemon) try {
   spdlog::error("configuration not read again, the one before stays: {}", error.what());
 }
 
-// Until a signal asks the daemon to stop, or a failure does.
-void wait_for_end(const CommandLine& line, const sigset_t& signals, Config& config, Daemon& daemon) {
+// Until a signal asks the daemon to stop, or a failure does: that signal.
+int wait_for_end(const CommandLine& line, const sigset_t& signals, Config& config, Daemon& daemon) {
   for (int signal = 0;;) {
     sigwait(&signals, &signal);
-    if (signal != SIGHUP) {
-      spdlog::info("SIG{}: stopping, at most {} s", sigabbrev_np(signal), config.grace_seconds);
-      return;
-    }
+    if (signal != SIGHUP) return signal;
     reload(line, config, daemon);
   }
 }
@@ -126,17 +130,20 @@ void drain(Daemon& daemon, double grace_seconds, const sigset_t& signals) {
 
 int serve(const CommandLine& line, Config config, const sigset_t& signals) {
   Lifecycle lifecycle([] { kill(getpid(), SIGTERM); });
+  raise_limit();
   warn_of_exposure(config);
   keep_grpc();
   Daemon daemon(config, lifecycle);
   for (const auto& address : daemon.addresses()) spdlog::info("collided {} serves on {}", COLLIDED_VERSION, address);
   if (const auto address = daemon.http_address(); !address.empty()) spdlog::info("metrics and health on {}", address);
   write_ready_file(config.ready_file, daemon.addresses());
-  wait_for_end(line, signals, config, daemon);
-  if (lifecycle.failed()) spdlog::critical("{}", lifecycle.status().text());
+  const int signal = wait_for_end(line, signals, config, daemon);
   const int code = lifecycle.failed() ? 1 : 0;
   const double grace_seconds = code ? std::min(config.grace_seconds, kGraceOfFailure) : config.grace_seconds;
   const collided::server::ExitDeadline deadline(grace_seconds + kSecondsToStop, code);
+  // Not before: whoever takes the log may have stopped to.
+  if (code) spdlog::critical("{}", lifecycle.status().text());
+  spdlog::info("SIG{}: stopping, at most {} s", sigabbrev_np(signal), grace_seconds);
   drain(daemon, grace_seconds, signals);
   spdlog::info("stopped");
   return code;
@@ -145,7 +152,7 @@ int serve(const CommandLine& line, Config config, const sigset_t& signals) {
 // What parsing cannot tell: whether the files that options name can be used.
 int check(const Config& config) {
   const collided::server::Authenticator authenticator(config);
-  collided::server::check_tls_files(config.tls);
+  collided::server::sound_tls_files(config.tls);
   warn_of_exposure(config);
   std::puts("collided: the configuration is sound");
   return 0;

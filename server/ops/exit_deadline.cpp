@@ -5,8 +5,25 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <future>
+#include <memory>
 
 namespace collided::server {
+namespace {
+
+// Whoever takes the log may have stopped to: it gets a moment.
+void say(const char* line) {
+  constexpr auto kMoment = std::chrono::milliseconds(500);
+  const auto said = std::make_shared<std::promise<void>>();
+  std::thread([=] {
+    spdlog::warn("{}", line);
+    spdlog::default_logger()->flush();
+    said->set_value();
+  }).detach();
+  said->get_future().wait_for(kMoment);
+}
+
+}  // namespace
 
 ExitDeadline::ExitDeadline(double seconds, int code) : thread_([=, this] { wait(seconds, code); }) {}
 
@@ -22,8 +39,7 @@ ExitDeadline::~ExitDeadline() {
 void ExitDeadline::wait(double seconds, int code) {
   std::unique_lock lock(mutex_);
   if (met_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return is_met_; })) return;
-  spdlog::warn("stopped without the clients that take no answer");
-  spdlog::default_logger()->flush();
+  say("stopped without the clients that take no answer");
   std::_Exit(code);
 }
 
