@@ -13,7 +13,6 @@
 #include <thread>
 
 #include "gpu/detector.hpp"
-#include "server/auth/credentials.hpp"
 #include "server/ops/log.hpp"
 #include "server/service/call_watch.hpp"
 
@@ -32,12 +31,19 @@ void log_grpc(gpr_log_func_args* line) {
 }
 
 // gRPC takes a message in as a whole before it looks at its size. Beyond the quota it ends calls instead
-// (RESOURCE_EXHAUSTED); good clients need no more than some of the largest messages at once.
-void set_quota(grpc::ServerBuilder& builder, const Config& config) {
-  constexpr size_t kMessages = 64, kLeast = size_t{128} << 20;
+// (RESOURCE_EXHAUSTED); two of the largest messages must fit.
+void set_quota(grpc::ServerBuilder& builder, const Limits& limits) {
   grpc::ResourceQuota quota("collided");
-  quota.Resize(std::max(kLeast, kMessages * config.limits.max_message_bytes));
+  quota.Resize(std::max(limits.max_network_bytes, 2 * limits.max_message_bytes));
   builder.SetResourceQuota(quota);
+}
+
+// Of one connection; a client that opens more waits until some have ended. All of a client's streams may be on one,
+// besides its other calls.
+void set_concurrent_calls(grpc::ServerBuilder& builder, const Limits& limits) {
+  constexpr uint32_t kLeast = 256, kMost = 1'000'000;
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
+                             static_cast<int>(std::clamp(2 * limits.max_streams, kLeast, kMost)));
 }
 
 // Text that is no UTF-8, and the like: the client is told, too.
@@ -54,17 +60,6 @@ void set_keepalive(grpc::ServerBuilder& builder, const Config& config) {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
 }
 
-std::string bound_address(const std::string& wanted, int port) {
-  if (wanted.starts_with("unix:")) return wanted;
-  return wanted.substr(0, wanted.rfind(':') + 1) + std::to_string(port);
-}
-
-// gRPC removes a socket that is in its way, without asking whether a daemon still serves there.
-void check_free(const std::string& address) {
-  if (address.starts_with("unix:") && is_served(address.substr(5)))
-    throw std::runtime_error("cannot listen on " + address + ": another daemon serves there");
-}
-
 LocalOptions local_options(const Config& config) {
   LocalOptions options{config.local_socket, config.allowed_uids, config.cuda_ipc, {}};
   options.patience.take_seconds = config.keepalive_timeout_seconds;
@@ -78,10 +73,10 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
       authenticator_(config),
       observer_(metrics_, lifecycle),
       host_(config, observer_),
-      service_(config, host_, authenticator_) {
+      service_(config, host_, authenticator_),
+      entrance_(config, metrics_) {
   if (config.backend == "cuda" && !cuda_available())
     throw std::runtime_error("--backend is cuda, but there is no usable CUDA device");
-  for (const auto& address : config.addresses) check_free(address);
   gpr_set_log_function(log_grpc);
   google::protobuf::SetLogHandler(log_protobuf);
   if (!config.http_address.empty()) http_ = std::make_unique<HttpServer>(config.http_address, metrics_, lifecycle_);
@@ -90,41 +85,51 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
   listen(config);
   metrics_.set_gauges([this] { return gauges(); });
   server_->GetHealthCheckService()->SetServingStatus(pb::CollisionService::service_full_name(), true);
+  authenticator_.watch([this](std::string_view peer, const ClientIdentity& client) {
+    entrance_.connections().identified(peer, client.name);
+  });
+  entrance_.open(*server_, lifecycle_);
   lifecycle_.serve();
 }
 
 Gauges Daemon::gauges() const {
   const HostTotals totals = host_.totals();
   const uint64_t outgoing = calls_->outgoing_bytes() + (local_ ? local_->outgoing_bytes() : 0);
-  return {totals.scenes, totals.streams, service_.in_work(), totals.device_bytes, totals.waiting_frames, outgoing};
+  return {totals.scenes,
+          totals.streams,
+          service_.in_work(),
+          totals.device_bytes,
+          totals.waiting_frames,
+          outgoing,
+          entrance_.connections().size(),
+          entrance_.connections().evicted()};
 }
 
 void Daemon::listen(const Config& config) {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  // Two daemons on one port would share its connections by chance.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.SetMaxReceiveMessageSize(static_cast<int>(config.limits.max_message_bytes));
-  set_quota(builder, config);
+  set_quota(builder, config.limits);
+  set_concurrent_calls(builder, config.limits);
   set_keepalive(builder, config);
-  const auto credentials = make_credentials(config.tls);
-  std::vector<int> ports(config.addresses.size(), 0);
-  for (size_t i = 0; i < ports.size(); ++i) {
-    const bool local = config.addresses[i].starts_with("unix:");
-    builder.AddListeningPort(config.addresses[i], local ? grpc::InsecureServerCredentials() : credentials, &ports[i]);
-  }
+  entrance_.add_to(builder);
   builder.RegisterService(&service_);
-  calls_ = std::make_unique<FrameCalls>(builder, service_, FrameCallParts{host_, authenticator_, metrics_});
+  calls_ = std::make_unique<FrameCalls>(
+      builder, service_,
+      FrameCallParts{host_, authenticator_, metrics_, [this](const std::string& peer) { end_flood(peer); }});
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> watches;
   watches.push_back(std::make_unique<CallWatches>(metrics_));
   builder.experimental().SetInterceptorCreators(std::move(watches));
   server_ = builder.BuildAndStart();
-  for (size_t i = 0; i < ports.size(); ++i) {
-    if (!server_ || ports[i] == 0) throw std::runtime_error("cannot listen on " + config.addresses[i]);
-    addresses_.push_back(bound_address(config.addresses[i], ports[i]));
-  }
+  if (!server_) throw std::runtime_error("gRPC does not start a server");
   calls_->start();
+}
+
+void Daemon::end_flood(const std::string& peer) {
+  if (!entrance_.connections().fruitless(peer)) return;
+  metrics_.count_reset_flood();
+  log_event(spdlog::level::warn, "connection ended: its client opens and resets streams without end", {{"peer", peer}});
 }
 
 Daemon::~Daemon() {
@@ -136,9 +141,11 @@ Daemon::~Daemon() {
 void Daemon::reload(const Config& config) {
   authenticator_.reload(config);
   host_.set_limits(config.limits);
+  entrance_.set_limit(config);
 }
 
 void Daemon::begin_stop(double grace_seconds) {
+  entrance_.end_probe();
   server_->GetHealthCheckService()->SetServingStatus(false);
   lifecycle_.drain();
   host_.announce_stop(grace_seconds);
@@ -156,6 +163,7 @@ bool Daemon::wait_idle(std::chrono::steady_clock::time_point deadline) const {
 void Daemon::stop() {
   host_.end_streams();
   const bool idle = wait_idle(std::chrono::steady_clock::now() + kLastAnswers);
+  entrance_.close();
   // Shutdown also waits for idle connections, which some clients never close: hence no longer than for last answers.
   server_->Shutdown(std::chrono::system_clock::now() + (idle ? kLastAnswers : std::chrono::milliseconds(0)));
   calls_->stop();

@@ -10,6 +10,7 @@
 
 #include "server/auth/authenticator.hpp"
 #include "server/config/config.hpp"
+#include "server/entrance.hpp"
 #include "server/local/local_server.hpp"
 #include "server/ops/http_server.hpp"
 #include "server/ops/lifecycle.hpp"
@@ -41,12 +42,13 @@ class Daemon {
   void stop();
 
   /// With the ports that were given out.
-  const std::vector<std::string>& addresses() const { return addresses_; }
+  std::vector<std::string> addresses() const { return entrance_.addresses(); }
   /// Of metrics and health; empty if they are off.
   std::string http_address() const { return http_ ? http_->address() : ""; }
 
  private:
   void listen(const Config& config);
+  void end_flood(const std::string& peer);
   Gauges gauges() const;
 
   Lifecycle& lifecycle_;
@@ -55,11 +57,11 @@ class Daemon {
   ServiceObserver observer_;
   SceneHost host_;
   CollisionService service_;
+  Entrance entrance_;
   std::unique_ptr<LocalServer> local_;
   std::unique_ptr<HttpServer> http_;
   std::unique_ptr<FrameCalls> calls_;
   std::unique_ptr<grpc::Server> server_;
-  std::vector<std::string> addresses_;
 };
 
 }  // namespace collided::server

@@ -23,6 +23,7 @@
 #include "server/config/memory_limits.hpp"
 #include "server/config/rules.hpp"
 #include "server/daemon.hpp"
+#include "server/net/descriptors.hpp"
 #include "server/ops/exit_deadline.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/log.hpp"
@@ -63,6 +64,12 @@ void keep_memory() {
   mallopt(M_MMAP_THRESHOLD, 4 << 20);
   mallopt(M_TRIM_THRESHOLD, 16 << 20);
   mallopt(M_ARENA_MAX, 4);  // each keeps up to 64 MiB, and there would be eight for each core
+}
+
+// Each connection takes a descriptor, and many a system starts its services with no more than 1,024.
+void raise_limit() {
+  const auto [before, now] = collided::server::raise_descriptor_limit();
+  spdlog::info("at most {} file descriptors (soft limit was {})", now, before);
 }
 
 // Shutting gRPC down as well can wait 10 s for a poll of its own that nothing wakes: it is left to the process's end.
@@ -139,6 +146,7 @@ void drain(Daemon& daemon, double grace_seconds, const sigset_t& signals) {
 
 int serve(const Origin& origin, Config config, const sigset_t& signals) {
   Lifecycle lifecycle([] { kill(getpid(), SIGTERM); });
+  raise_limit();
   warn_of_exposure(config);
   spdlog::info("{}", describe_limits(config.limits, origin.memory));
   keep_grpc();
@@ -151,7 +159,8 @@ int serve(const Origin& origin, Config config, const sigset_t& signals) {
   const int code = lifecycle.failed() ? 1 : 0;
   const double grace_seconds = code ? std::min(config.grace_seconds, kGraceOfFailure) : config.grace_seconds;
   const collided::server::ExitDeadline deadline(grace_seconds + kSecondsToStop, code);
-  if (lifecycle.failed()) spdlog::critical("{}", lifecycle.status().text());
+  // Not before: whoever takes the log may have stopped to.
+  if (code) spdlog::critical("{}", lifecycle.status().text());
   spdlog::info("SIG{}: stopping, at most {} s", sigabbrev_np(signal), grace_seconds);
   drain(daemon, grace_seconds, signals);
   spdlog::info("stopped");
@@ -161,7 +170,7 @@ int serve(const Origin& origin, Config config, const sigset_t& signals) {
 // What parsing cannot tell: whether the files that options name can be used.
 int check(const Config& config, const Memory& memory) {
   const collided::server::Authenticator authenticator(config);
-  collided::server::check_tls_files(config.tls);
+  collided::server::sound_tls_files(config.tls);
   warn_of_exposure(config);
   std::printf("%s\ncollided: the configuration is sound\n", describe_limits(config.limits, memory).c_str());
   return 0;

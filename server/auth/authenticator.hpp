@@ -1,9 +1,11 @@
 #pragma once
 // From the credentials of a call to the client that it belongs to.
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string_view>
+#include <utility>
 
 #include "server/auth/client.hpp"
 #include "server/config/config.hpp"
@@ -25,6 +27,12 @@ class Authenticator {
   /// token.
   Client identify(std::string_view authorization, std::string_view certificate_name) const;
 
+  /// `hook` is called with each call that was let in: its peer as gRPC names it, and its client. Before the first call.
+  void watch(std::function<void(std::string_view peer, const ClientIdentity& client)> hook) { hook_ = std::move(hook); }
+  void let_in(std::string_view peer, const ClientIdentity& client) const {
+    if (hook_) hook_(peer, client);
+  }
+
   /// Reads the tokens file again. If it throws ConfigError, the clients stay as they were. Calls in work keep the
   /// identity that they began with.
   void reload(const Config& config);
@@ -32,6 +40,7 @@ class Authenticator {
  private:
   std::shared_ptr<const ClientTable> table() const;
 
+  std::function<void(std::string_view, const ClientIdentity&)> hook_;
   mutable std::mutex mutex_;
   std::shared_ptr<const ClientTable> table_;  // guarded by mutex_
 };

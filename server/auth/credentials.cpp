@@ -1,39 +1,76 @@
-// TLS for the gRPC server.
+// TLS for the gRPC server. Its C++ API has nothing that takes checked certificates while it runs: its own watcher of
+// files ends the process where it meets one that is empty. Its C API has.
 #include "server/auth/credentials.hpp"
 
-#include <grpcpp/security/tls_certificate_provider.h>
-#include <grpcpp/security/tls_credentials_options.h>
+#include <grpc/grpc.h>
+#include <grpc/grpc_security.h>
 
-#include "server/auth/tls_files.hpp"
+#include <deque>
+#include <string_view>
 
 namespace collided::server {
 namespace {
 
-constexpr unsigned kRefreshSeconds = 1;  // how often renewed files are looked for
+class WatchedCredentials final : public grpc::ServerCredentials {
+ public:
+  explicit WatchedCredentials(const CertificateWatch& watch) : watch_(watch) {}
+  void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>&) override {}
+
+ private:
+  /// What one port has been given.
+  struct Port {
+    const CertificateWatch& watch;
+    std::shared_ptr<const TlsFiles> given;
+  };
+
+  int AddPortToServer(const std::string& address, grpc_server* server) override {
+    ports_.push_back({watch_, {}});
+    auto* const options = grpc_ssl_server_credentials_create_options_using_config_fetcher(
+        watch_.asks_clients() ? GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY
+                              : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE,
+        fetch, &ports_.back());
+    grpc_server_credentials* const credentials = grpc_ssl_server_credentials_create_with_options(options);
+    const int port = grpc_server_add_http2_port(server, address.c_str(), credentials);
+    grpc_server_credentials_release(credentials);
+    return port;
+  }
+
+  // Before each handshake; of one port, one at a time.
+  static grpc_ssl_certificate_config_reload_status fetch(void* user_data, grpc_ssl_server_certificate_config** config) {
+    Port& port = *static_cast<Port*>(user_data);
+    const auto files = port.watch.files();
+    if (files == port.given) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
+    // gRPC insists on CAs, also where it asks no client for a certificate.
+    const std::string& ca = files->client_ca.empty() ? files->certificate : files->client_ca;
+    const grpc_ssl_pem_key_cert_pair pair{files->key.c_str(), files->certificate.c_str()};
+    *config = grpc_ssl_server_certificate_config_create(ca.c_str(), &pair, 1);
+    port.given = files;
+    return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
+  }
+
+  const CertificateWatch& watch_;
+  std::deque<Port> ports_;
+};
+
+std::string first(const grpc::AuthContext& context, const char* property) {
+  const auto values = context.FindPropertyValues(property);
+  return values.empty() ? std::string() : std::string(values.front().data(), values.front().size());
+}
 
 }  // namespace
 
-std::shared_ptr<grpc::ServerCredentials> make_credentials(const Tls& tls) {
-  if (!tls.enabled()) return grpc::InsecureServerCredentials();
-  check_tls_files(tls);
-  using grpc::experimental::FileWatcherCertificateProvider;
-  grpc::experimental::TlsServerCredentialsOptions options(
-      std::make_shared<FileWatcherCertificateProvider>(tls.key, tls.certificate, tls.client_ca, kRefreshSeconds));
-  options.watch_identity_key_cert_pairs();
-  if (!tls.client_ca.empty()) {
-    options.watch_root_certs();
-    options.set_cert_request_type(GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
-  }
-  return grpc::experimental::TlsServerCredentials(options);
+std::shared_ptr<grpc::ServerCredentials> make_credentials(const CertificateWatch& watch) {
+  return std::make_shared<WatchedCredentials>(watch);
 }
 
 std::string certificate_name(const grpc::AuthContext& context) {
+  constexpr std::string_view kCommon = "cn:", kAlternative = "san:";
   if (!context.IsPeerAuthenticated()) return {};
-  for (const auto* property : {"x509_common_name", "x509_subject_alternative_name"}) {
-    const auto values = context.FindPropertyValues(property);
-    if (!values.empty() && !values.front().empty()) return {values.front().data(), values.front().size()};
-  }
-  return {};
+  const std::string common = first(context, "x509_common_name");
+  if (common.starts_with(kCommon) || common.starts_with(kAlternative)) return std::string(kCommon) + common;
+  if (!common.empty()) return common;
+  const std::string alternative = first(context, "x509_subject_alternative_name");
+  return alternative.empty() ? alternative : std::string(kAlternative) + alternative;
 }
 
 }  // namespace collided::server

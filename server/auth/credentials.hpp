@@ -7,15 +7,17 @@
 #include <memory>
 #include <string>
 
-#include "server/config/config.hpp"
+#include "server/auth/certificate_watch.hpp"
 
 namespace collided::server {
 
-/// Plain text without a certificate. With `tls.client_ca`, clients must show a certificate of it. Renewed files are
-/// taken up without a restart. Throws ConfigError if a file cannot be used.
-std::shared_ptr<grpc::ServerCredentials> make_credentials(const Tls& tls);
+/// Each handshake uses the watch's files of that time; where it asks clients, they must show a certificate. Hold them
+/// until the server is gone; the watch outlives them.
+std::shared_ptr<grpc::ServerCredentials> make_credentials(const CertificateWatch& watch);
 
-/// The common name of the verified certificate of a client, else its first alternative name; empty without one.
+/// Of the verified certificate of a client: its common name, else "san:" and its first alternative name; empty without
+/// one. No two certificates whose names differ have the same: a common name that begins with "san:" or "cn:" gets "cn:"
+/// before it.
 std::string certificate_name(const grpc::AuthContext& context);
 
 }  // namespace collided::server

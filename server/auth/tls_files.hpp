@@ -1,12 +1,27 @@
 #pragma once
-// Whether the files for TLS can be used.
+// The files for TLS, and whether they can be used.
+
+#include <string>
 
 #include "server/config/config.hpp"
 
 namespace collided::server {
 
-/// Throws ConfigError that names the file if it cannot be read, is not PEM, the key is of another certificate, or the
-/// certificate is not valid now. Logs a warning if others can read the key.
-void check_tls_files(const Tls& tls);
+/// What is in them; empty for those that are not given.
+struct TlsFiles {
+  std::string certificate, key, client_ca;
+
+  bool operator==(const TlsFiles&) const = default;
+};
+
+/// Throws ConfigError that names the file that cannot be read.
+TlsFiles read_tls_files(const Tls& tls);
+
+/// Throws ConfigError that names the file if it is not PEM or cut off, the key is of another certificate, or the
+/// certificate is not valid now.
+void check_tls_files(const Tls& tls, const TlsFiles& files);
+
+/// Reads and checks them. Logs a warning if others can read the key.
+TlsFiles sound_tls_files(const Tls& tls);
 
 }  // namespace collided::server

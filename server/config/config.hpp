@@ -35,7 +35,9 @@ struct Limits {
   uint64_t max_triangles = 128'000'000;
   uint32_t max_scenes = 64;
   uint64_t max_scene_bytes = uint64_t{1} << 30;
-  uint64_t max_device_bytes = uint64_t{4} << 30;  ///< of all scenes
+  uint64_t max_device_bytes = uint64_t{4} << 30;     ///< of all scenes
+  uint64_t max_network_bytes = uint64_t{512} << 20;  ///< of gRPC's buffers, of all connections
+  uint32_t max_connections = 0;                      ///< of gRPC; 0: as the limit of file descriptors allows
   uint32_t max_window = 16;
   uint32_t max_streams = 256;
   double max_idle_seconds = 3600;

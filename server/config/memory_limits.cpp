@@ -12,9 +12,16 @@ constexpr uint64_t kUnknownHost = 8 * kGigabyte;
 // Whole MiB, as the options count them.
 uint64_t at_least_one(uint64_t bytes) { return std::max(kMegabyte, bytes / kMegabyte * kMegabyte); }
 
+uint64_t host_memory(const Memory& memory) { return memory.host ? memory.host : kUnknownHost; }
+
 uint64_t scene_memory(const Memory& memory) {
-  const uint64_t of_host = (memory.host ? memory.host : kUnknownHost) / 2;
+  const uint64_t of_host = host_memory(memory) / 2;
   return memory.device ? std::min(of_host, memory.device / 10 * 9) : of_host;
+}
+
+// What is on its way in or out is soon gone: more than `most` serves nobody faster.
+uint64_t on_its_way(const Memory& memory, uint64_t most) {
+  return std::min(most, at_least_one(host_memory(memory) / 8));
 }
 
 uint32_t quarter(uint32_t all) { return (all + 3) / 4; }
@@ -31,16 +38,16 @@ std::string megabytes(uint64_t bytes) { return std::to_string(bytes / kMegabyte)
 Limits underived_limits() {
   Limits limits;
   limits.max_scene_bytes = limits.max_device_bytes = limits.client.max_device_bytes = 0;
+  limits.max_network_bytes = 0;
   limits.client.max_scenes = limits.client.max_streams = 0;
   return limits;
 }
 
-// A limit for what is on its way in (max_decode_bytes, max_network_bytes) is an eighth of the host each: one line here,
-// and one above.
 void derive_limits(Limits& limits, const Memory& memory) {
   fill(limits.max_device_bytes, at_least_one(scene_memory(memory)));
   fill(limits.client.max_device_bytes, at_least_one(limits.max_device_bytes / 4));
   fill(limits.max_scene_bytes, limits.client.max_device_bytes);
+  fill(limits.max_network_bytes, on_its_way(memory, 512 * kMegabyte));
   fill(limits.client.max_scenes, quarter(limits.max_scenes));
   fill(limits.client.max_streams, quarter(limits.max_streams));
 }
@@ -49,8 +56,9 @@ std::string describe_limits(const Limits& limits, const Memory& memory) {
   return "memory: host " + (memory.host ? megabytes(memory.host) : "unknown") +
          (memory.device ? ", device " + megabytes(memory.device) : "") + "; limits: all scenes " +
          megabytes(limits.max_device_bytes) + ", those of a client " + megabytes(limits.client.max_device_bytes) +
-         ", one scene " + megabytes(limits.max_scene_bytes) + "; a client " + std::to_string(limits.client.max_scenes) +
-         " of " + std::to_string(limits.max_scenes) + " scenes, " + std::to_string(limits.client.max_streams) + " of " +
+         ", one scene " + megabytes(limits.max_scene_bytes) + ", network buffers " +
+         megabytes(limits.max_network_bytes) + "; a client " + std::to_string(limits.client.max_scenes) + " of " +
+         std::to_string(limits.max_scenes) + " scenes, " + std::to_string(limits.client.max_streams) + " of " +
          std::to_string(limits.max_streams) + " streams";
 }
 

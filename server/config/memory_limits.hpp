@@ -18,8 +18,8 @@ struct Memory {
 Limits underived_limits();
 
 /// Fills the limits that are 0; the others stay. Of the host's memory half is for scenes (or, if that is less, nine
-/// tenths of the device's), a quarter for everything on its way in and out, and a quarter for the rest. One client may
-/// have a quarter of what all may, one scene as much as one client. At least 1 MiB, 1 scene and 1 stream.
+/// tenths of the device's), at most a quarter for everything on its way in and out, and the rest for all else. One
+/// client may have a quarter of what all may, one scene as much as one client. At least 1 MiB, 1 scene and 1 stream.
 void derive_limits(Limits& limits, const Memory& memory);
 
 /// One line for people: the memory, and the limits made of it.

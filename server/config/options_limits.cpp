@@ -47,6 +47,12 @@ void add_client_options(CLI::App& app, ClientLimits& limits) {
 void add_limit_options(CLI::App& app, Limits& limits) {
   auto* group = app.add_option_group("Limits", "What passes them is refused");
   add_megabytes(*group, "--max-message-mb", limits.max_message_bytes, {1, 2047}, "MiB of one received message");
+  add_megabytes(
+      *group, "--max-network-mb", limits.max_network_bytes, kDerivedMegabytes,
+      "MiB that messages may take on their way in and out, of all connections; 0: an eighth of the memory, at "
+      "most 512");
+  add<uint32_t>(*group, "--max-connections", limits.max_connections, 0, 1'000'000,
+                "Connections at once; 0: half of the file descriptors, at most 1024");
   add<uint64_t>(*group, "--max-vertices", limits.max_vertices, 3, 4'294'967'294, "Vertices of one scene");
   add<uint64_t>(*group, "--max-triangles", limits.max_triangles, 1, 1'431'655'764, "Triangles of one scene");
   add<uint32_t>(*group, "--max-scenes", limits.max_scenes, 1, 1'000'000, "Scenes at once");

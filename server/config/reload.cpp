@@ -43,6 +43,7 @@ Reloaded reload_config(int argc, const char* const* argv, const Config& current)
   keeper.keep("keepalive-seconds", now.keepalive_seconds, current.keepalive_seconds);
   keeper.keep("keepalive-timeout-seconds", now.keepalive_timeout_seconds, current.keepalive_timeout_seconds);
   keeper.keep("max-message-mb", now.limits.max_message_bytes, current.limits.max_message_bytes);
+  keeper.keep("max-network-mb", now.limits.max_network_bytes, current.limits.max_network_bytes);
   return reloaded;
 }
 

@@ -141,7 +141,7 @@ void Connection::take(Packet packet) {
   submit(request);
 }
 
-void Connection::open(const pb::LocalOpen& open, std::vector<Fd> files) {
+void Connection::open(const pb::LocalOpen& open, std::vector<PassedFile> files) {
   asked_scene_ = shorten(open.open().scene_id(), 64);
   opening_ = check_opening(open, std::move(files), rules_);
   writer_ = std::make_unique<AnswerWriter>(opening_.region, opening_.stream.window);
@@ -271,9 +271,8 @@ void Connection::send_rest() {
 // The worker may be about to send.
 void Connection::end_socket() {
   const std::lock_guard lock(mutex_);
-  drop_unread(socket_.get());
   outbox_.drop();
-  socket_ = Fd();
+  end_connection(std::exchange(socket_, Fd()));
   opening_.place.reset();
 }
 

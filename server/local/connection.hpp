@@ -57,7 +57,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   short wait(const Wait& wait) const;
   void check_patience();
   void take(Packet packet);
-  void open(const pb::LocalOpen& open, std::vector<Fd> files);
+  void open(const pb::LocalOpen& open, std::vector<PassedFile> files);
   void submit(pb::LocalRequest& request);
   void send_rest();
   void end_socket();

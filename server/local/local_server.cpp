@@ -19,6 +19,7 @@ namespace collided::server {
 namespace {
 
 constexpr mode_t kOwnUser = 0600, kAnyUser = 0666;  // of the socket's file; who is at the other end is checked, too
+constexpr size_t kMostClosing = 64;                 // files that clients sent, and connections
 constexpr int kRetryMs = 100;                       // where the process has no file descriptor left
 
 // A client can give back pages of its memory, which are then provided anew when they are touched. Where the system
@@ -34,10 +35,10 @@ void check_memory_policy() {
         "clients share");
 }
 
-void refuse(const Fd& socket, const Failure& why) {
+void refuse(Fd socket, const Failure& why) {
   log_event(spdlog::level::warn, "local connection refused", {{"code", code_name(why.code)}, {"reason", why.message}});
   send_packet(socket.get(), closed_packet(why));
-  drop_unread(socket.get());
+  end_connection(std::move(socket));
 }
 
 }  // namespace
@@ -82,7 +83,7 @@ void LocalServer::take_connections() {
       check_peer(socket.get());
       check_room();
     } catch (...) {
-      refuse(socket, describe_current());
+      refuse(std::move(socket), describe_current());
       continue;
     }
     serve(std::move(socket));
@@ -104,6 +105,9 @@ void LocalServer::check_room() const {
   if (open >= most)
     throw LimitExceeded::quota(
         "daemon", fmt::format("max_streams is {}, and {} connections are open on {}", most, open, options_.path));
+  if (closing() > kMostClosing)
+    throw LimitExceeded::quota(
+        "daemon", fmt::format("{} files that clients sent over {} are still being closed", closing(), options_.path));
 }
 
 void LocalServer::serve(Fd socket) try {

@@ -36,15 +36,15 @@ void check_handle(const pb::LocalOpen& open, const Scene& scene, bool is_allowed
     throw_invalid("open.input_bytes", fmt::format("is {}, but must be 0 with cuda_ipc_handle", open.input_bytes()));
 }
 
-void check_files(const std::vector<Fd>& files, bool is_needed) {
+void check_files(const std::vector<PassedFile>& files, bool is_needed) {
   const size_t wanted = is_needed ? 1 : 0;
   if (files.size() != wanted)
     throw_invalid("open.file", fmt::format("comes {} times, but must come {} times for these sizes: it is the memfd",
                                            files.size(), wanted));
 }
 
-std::shared_ptr<SharedRegion> map_region(const pb::LocalOpen& open, const std::vector<Fd>& files, const Scene& scene,
-                                         const OpeningRules& rules) {
+std::shared_ptr<SharedRegion> map_region(const pb::LocalOpen& open, const std::vector<PassedFile>& files,
+                                         const Scene& scene, const OpeningRules& rules) {
   const RegionSize size{open.input_bytes(), open.output_bytes()};
   const bool is_device = !open.cuda_ipc_handle().empty();
   if (is_device) check_handle(open, scene, rules.cuda_ipc);
@@ -52,7 +52,7 @@ std::shared_ptr<SharedRegion> map_region(const pb::LocalOpen& open, const std::v
   check_bytes("open.output_bytes", size.output, kMostOutputBytes);
   check_files(files, size.input + size.output > 0);
   const Fd none;
-  const Fd& file = files.empty() ? none : files.front();
+  const Fd& file = files.empty() ? none : files.front().fd();
   if (is_device) return SharedRegion::open(std::as_bytes(std::span(open.cuda_ipc_handle())), file, size.output);
   return files.empty() ? nullptr : SharedRegion::map(file, size, scene.plan().engine.backend);
 }
@@ -69,7 +69,7 @@ uint64_t most_input_bytes(const Scene& scene, uint32_t window) {
   return window * ((frame + kPage - 1) / kPage * kPage);
 }
 
-Opening check_opening(const pb::LocalOpen& open, std::vector<Fd> files, const OpeningRules& rules) {
+Opening check_opening(const pb::LocalOpen& open, std::vector<PassedFile> files, const OpeningRules& rules) {
   if (open.version() != kVersion)
     throw_invalid("open.version", fmt::format("is {}, but this daemon speaks {}", open.version(), kVersion));
   Opening opening;

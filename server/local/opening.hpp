@@ -31,7 +31,7 @@ struct OpeningRules {
 };
 
 /// Checks the opening and maps its memory. Throws what the codes of StreamFrames stand for.
-Opening check_opening(const pb::LocalOpen& open, std::vector<Fd> files, const OpeningRules& rules);
+Opening check_opening(const pb::LocalOpen& open, std::vector<PassedFile> files, const OpeningRules& rules);
 
 /// Bytes of input region that frames of a scene can need: positions, indices and, for many meshes, their message.
 uint64_t most_input_bytes(const Scene& scene, uint32_t window);

@@ -14,10 +14,12 @@
 namespace collided::server {
 namespace {
 
-constexpr size_t kFilesRead = 4;  // one is right, a few more can be told from it; the kernel closes the others
+constexpr size_t kFilesRead = 253;  // the most that the kernel sends at once: what does not fit, it would close here
 
-std::vector<Fd> files_of(msghdr& message) {
-  std::vector<Fd> files;
+constexpr size_t kFilesTold = 4;  // one is right
+
+std::vector<PassedFile> files_of(msghdr& message) {
+  std::vector<PassedFile> files;
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part; part = CMSG_NXTHDR(&message, part)) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_RIGHTS) continue;
     const size_t count = (part->cmsg_len - CMSG_LEN(0)) / sizeof(int);
@@ -50,7 +52,9 @@ Packet PacketReceiver::receive() {
   if (size < 0) return {errno == EAGAIN || errno == EINTR ? Arrival::kNothing : Arrival::kEnd, {}, {}};
   Packet packet{Arrival::kPacket, {buffer_.data(), static_cast<size_t>(size)}, files_of(message)};
   if (message.msg_flags & MSG_CTRUNC)
-    throw LimitExceeded("packet", fmt::format("packet comes with more than {} files, but one is the most", kFilesRead));
+    throw LimitExceeded("packet", "packet comes with more files than the daemon has file descriptors left for");
+  if (packet.files.size() > kFilesTold)
+    throw LimitExceeded("packet", fmt::format("packet comes with more than {} files, but one is the most", kFilesTold));
   if (message.msg_flags & MSG_TRUNC)
     throw LimitExceeded("packet", fmt::format("packet is longer than {} bytes, the limit", kMaxPacketBytes));
   if (size > 0) return packet;
@@ -63,10 +67,10 @@ Sent send_packet(int socket, std::string_view packet) {
   return errno == EAGAIN || errno == EINTR ? Sent::kFull : Sent::kGone;
 }
 
-void drop_unread(int socket) {
-  shutdown(socket, SHUT_RD);  // nothing more can come
-  char byte;
-  while (recv(socket, &byte, 1, MSG_DONTWAIT) > 0) continue;
+void end_connection(Fd socket) {
+  if (!socket) return;
+  shutdown(socket.get(), SHUT_RDWR);  // the other end sees it now, whenever it is closed
+  close_elsewhere(std::move(socket));
 }
 
 }  // namespace collided::server

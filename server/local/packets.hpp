@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/local/fd.hpp"
+#include "server/local/disposal.hpp"
 
 namespace collided::server {
 
@@ -18,7 +18,7 @@ enum class Arrival { kPacket, kNothing, kEnd };
 struct Packet {
   Arrival arrival = Arrival::kNothing;
   std::string_view bytes;  ///< until the next packet is received
-  std::vector<Fd> files;
+  std::vector<PassedFile> files;
 };
 
 class PacketReceiver {
@@ -40,8 +40,8 @@ enum class Sent { kYes, kFull, kGone };
 
 Sent send_packet(int socket, std::string_view packet);
 
-/// Drops what came and was not read: closing a socket that still has some would hide the last packets from the other
-/// end.
-void drop_unread(int socket);
+/// Closes the socket without waiting. What was sent stays to be read at the other end, which closing a socket with
+/// something unread would hide.
+void end_connection(Fd socket);
 
 }  // namespace collided::server

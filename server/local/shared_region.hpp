@@ -8,7 +8,7 @@
 #include <string>
 
 #include "gpu/detector.hpp"
-#include "server/local/fd.hpp"
+#include "server/net/fd.hpp"
 
 namespace collided::server {
 

@@ -1,16 +1,14 @@
 #pragma once
-// Unix sockets by their paths: who listens, and who is at the other end.
+// The local socket: connections of packets, and who is at their other end.
 
+#include <sys/socket.h>
 #include <sys/types.h>
 
 #include <string>
 
-#include "server/local/fd.hpp"
+#include "server/net/unix_listener.hpp"
 
 namespace collided::server {
-
-/// Whether a process has a socket of any type bound to the path. Does not wait.
-bool is_served(const std::string& path);
 
 /// User of the process at the other end, as it was when that connected. Throws std::system_error.
 uid_t peer_uid(int socket);
@@ -18,22 +16,15 @@ uid_t peer_uid(int socket);
 /// Listens on a path for connections of packets (SOCK_SEQPACKET), and removes the path at its end.
 class PacketListener {
  public:
-  /// `mode`: of the socket's file. Takes the place of a socket that nobody serves. Throws std::runtime_error if the
-  /// path is too long, another process serves there, another kind of file is there, or the system refuses.
-  PacketListener(const std::string& path, mode_t mode);
-  ~PacketListener();
-  PacketListener(const PacketListener&) = delete;
-  PacketListener& operator=(const PacketListener&) = delete;
+  /// `mode`: of the socket's file. Throws as UnixListener.
+  PacketListener(const std::string& path, mode_t mode) : listener_(path, {SOCK_SEQPACKET, mode}) {}
 
-  int socket() const { return socket_.get(); }
+  int socket() const { return listener_.socket(); }
   /// The next connection, which does not block; none (and errno) if there is none.
   Fd accept() const;
 
  private:
-  std::string path_;
-  Fd socket_;
-  dev_t device_ = 0;  // with inode_: the file that is ours to remove
-  ino_t inode_ = 0;
+  UnixListener listener_;
 };
 
 }  // namespace collided::server

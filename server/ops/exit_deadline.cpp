@@ -9,7 +9,6 @@
 #include "server/ops/log.hpp"
 
 namespace collided::server {
-
 ExitDeadline::ExitDeadline(double seconds, int code) : thread_([=, this] { wait(seconds, code); }) {}
 
 ExitDeadline::~ExitDeadline() {

@@ -1,63 +1,59 @@
-// Metrics and health over plain HTTP. Sockets, threads and parsing are civetweb's.
+// Metrics and health over plain HTTP. Requests are libmicrohttpd's, on one thread that waits for none of its clients;
+// which connections there may be is ours.
 #include "server/ops/http_server.hpp"
 
-#include <civetweb.h>
+#include <microhttpd.h>
+#include <sys/socket.h>
 
-#include <chrono>
-#include <future>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
-#include <vector>
+#include <utility>
 
+#include "server/net/accept_loop.hpp"
+#include "server/net/connections.hpp"
+#include "server/net/listener.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/metrics.hpp"
 
 namespace collided::server {
 namespace {
 
+constexpr size_t kConnections = 128;  // a new one ends the oldest
+constexpr unsigned kSilentSeconds = 3;
+constexpr size_t kConnectionBytes = 16 << 10;
+
 struct Answer {
-  int code = 200;
+  unsigned code = 200;
   std::string text;
   const char* type = "text/plain; charset=utf-8";
 };
 
-const char* phrase(int code) {
-  switch (code) {
-    case 200:
-      return "OK";
-    case 404:
-      return "Not Found";
-    case 405:
-      return "Method Not Allowed";
-    default:
-      return "Service Unavailable";
-  }
-}
-
 Answer readiness(const Lifecycle& lifecycle) {
   const auto status = lifecycle.status();
-  return {status.state == Lifecycle::State::kServing ? 200 : 503, status.text() + "\n"};
+  return {status.ready() ? 200u : 503u, status.text() + "\n"};
 }
 
-void send(mg_connection* connection, const Answer& answer, bool head) {
-  mg_printf(connection, "HTTP/1.1 %d %s\r\nContent-Type: %s\r\nContent-Length: %zu\r\n%sConnection: close\r\n\r\n",
-            answer.code, phrase(answer.code), answer.type, answer.text.size(),
-            answer.code == 405 ? "Allow: GET, HEAD\r\n" : "");
-  if (!head) mg_write(connection, answer.text.data(), answer.text.size());
+MHD_Result send(MHD_Connection* connection, Answer answer) {
+  MHD_Response* const response =
+      MHD_create_response_from_buffer(answer.text.size(), answer.text.data(), MHD_RESPMEM_MUST_COPY);
+  if (!response) return MHD_NO;
+  MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, answer.type);
+  MHD_add_response_header(response, MHD_HTTP_HEADER_CONNECTION, "close");
+  if (answer.code == MHD_HTTP_METHOD_NOT_ALLOWED) MHD_add_response_header(response, MHD_HTTP_HEADER_ALLOW, "GET, HEAD");
+  const MHD_Result queued = MHD_queue_response(connection, answer.code, response);
+  MHD_destroy_response(response);
+  return queued;
 }
-
-struct Library {
-  Library() { mg_init_library(0); }
-  ~Library() { mg_exit_library(); }
-};
 
 }  // namespace
 
-struct HttpServer::Handlers {
-  const Metrics& metrics;
-  const Lifecycle& lifecycle;
-  const Library library{};
-  std::unique_ptr<mg_context, decltype(&mg_stop)> context{nullptr, mg_stop};
+struct HttpServer::Parts {
+  Parts(const std::string& address, const Metrics& metrics, const Lifecycle& lifecycle)
+      : metrics(metrics), lifecycle(lifecycle), listener(address), http(start(), MHD_stop_daemon) {
+    if (!http) throw std::runtime_error("cannot serve HTTP on " + address);
+    loop.emplace(listener.sockets(), connections, [this](Fd socket, size_t) { take(std::move(socket)); });
+  }
 
   Answer answer(std::string_view path) const {
     if (path == "/metrics") return {200, metrics.text(), "text/plain; version=0.0.4; charset=utf-8"};
@@ -66,53 +62,48 @@ struct HttpServer::Handlers {
     return {404, "not found\n"};
   }
 
-  // civetweb looks every 2 s whether it is to stop, and after each connection: so it gets one.
-  void stop(const std::string& address) {
-    const auto colon = address.rfind(':');
-    const bool v6 = address.starts_with('[');
-    const auto host = v6 ? address.substr(1, colon - 2) : address.substr(0, colon);
-    const auto stopped = std::async(std::launch::async, [this] { context.reset(); });
-    while (stopped.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
-      char error[128];
-      mg_close_connection(
-          mg_connect_client(host.c_str(), std::stoi(address.substr(colon + 1)), false, error, sizeof(error)));
-    }
+  Answer answer(std::string_view path, std::string_view method, std::string_view version) const {
+    if (version != MHD_HTTP_VERSION_1_0 && version != MHD_HTTP_VERSION_1_1) return {400, "only HTTP/1\n"};
+    if (method != MHD_HTTP_METHOD_GET && method != MHD_HTTP_METHOD_HEAD) return {405, "only GET and HEAD\n"};
+    return answer(path);
   }
 
-  // What a handler throws would end civetweb's C thread, and with it the daemon.
-  static int handle(mg_connection* connection, void* self) try {
-    const auto* request = mg_get_request_info(connection);
-    const std::string_view method = request->request_method, path = request->local_uri;
-    const bool head = method == "HEAD";
-    if (head || method == "GET") {
-      send(connection, static_cast<const Handlers*>(self)->answer(path), head);
-    } else {
-      send(connection, {405, "only GET and HEAD\n"}, false);
-    }
-    return 1;
+  // What it throws would end the library's C thread, and with it the daemon.
+  static MHD_Result handle(void* self, MHD_Connection* connection, const char* path, const char* method,
+                           const char* version, const char*, size_t*, void**) try {
+    return send(connection, static_cast<const Parts*>(self)->answer(path, method, version));
   } catch (const std::exception&) {
-    send(connection, {503, "the daemon could not answer\n"}, false);
-    return 1;
+    return send(connection, {503, "the daemon could not answer\n"});
   }
+
+  MHD_Daemon* start() {
+    return MHD_start_daemon(MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_NO_LISTEN_SOCKET | MHD_USE_ITC, 0, nullptr, nullptr,
+                            handle, this, MHD_OPTION_CONNECTION_LIMIT, static_cast<unsigned>(2 * kConnections),
+                            MHD_OPTION_CONNECTION_TIMEOUT, kSilentSeconds, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+                            kConnectionBytes, MHD_OPTION_END);
+  }
+
+  // The library closes it in any case.
+  void take(Fd socket) {
+    sockaddr_storage address{};
+    socklen_t size = sizeof(address);
+    getpeername(socket.get(), reinterpret_cast<sockaddr*>(&address), &size);
+    MHD_add_connection(http.get(), socket.release(), reinterpret_cast<const sockaddr*>(&address), size);
+  }
+
+  const Metrics& metrics;
+  const Lifecycle& lifecycle;
+  const Listener listener;
+  Connections connections{kConnections};
+  const std::unique_ptr<MHD_Daemon, decltype(&MHD_stop_daemon)> http;
+  std::optional<AcceptLoop> loop;
 };
 
 HttpServer::HttpServer(const std::string& address, const Metrics& metrics, const Lifecycle& lifecycle)
-    : handlers_(new Handlers{metrics, lifecycle}) {
-  // clang-format off
-  const char* options[] = {
-      "listening_ports", address.c_str(), "num_threads", "8", "request_timeout_ms", "2000",
-      "max_request_size", "8192", "enable_keep_alive", "no", nullptr};
-  // clang-format on
-  mg_callbacks callbacks{};
-  callbacks.log_message = [](const mg_connection*, const char*) { return 1; };  // else civetweb writes to stderr
-  handlers_->context.reset(mg_start(&callbacks, nullptr, options));
-  mg_server_port port{};
-  if (!handlers_->context || mg_get_server_ports(handlers_->context.get(), 1, &port) != 1)
-    throw std::runtime_error("--http-address " + address + ": cannot listen there");
-  mg_set_request_handler(handlers_->context.get(), "**", Handlers::handle, handlers_.get());
-  address_ = address.substr(0, address.rfind(':') + 1) + std::to_string(port.port);
-}
+    : parts_(std::make_unique<Parts>(address, metrics, lifecycle)) {}
 
-HttpServer::~HttpServer() { handlers_->stop(address_); }
+HttpServer::~HttpServer() = default;
+
+const std::string& HttpServer::address() const { return parts_->listener.address(); }
 
 }  // namespace collided::server

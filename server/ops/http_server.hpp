@@ -9,6 +9,7 @@ namespace collided::server {
 class Lifecycle;
 class Metrics;
 
+/// A client that is slow, or many of them, keep no other waiting: past 128 connections a new one ends the oldest.
 /// Serves GET and HEAD of /metrics, /readyz (200, or 503 with the reason) and /healthz (200 while the process runs).
 class HttpServer {
  public:
@@ -18,13 +19,12 @@ class HttpServer {
   ~HttpServer();
 
   /// With the port that was given out.
-  const std::string& address() const { return address_; }
+  const std::string& address() const;
 
  private:
-  struct Handlers;
+  struct Parts;
 
-  std::unique_ptr<Handlers> handlers_;
-  std::string address_;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace collided::server

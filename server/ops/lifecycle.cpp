@@ -8,7 +8,7 @@ std::string Lifecycle::Status::text() const {
     case State::kStarting:
       return "starting";
     case State::kServing:
-      return "ready";
+      return obstacle.empty() ? "ready" : "not ready: " + obstacle;
     case State::kDraining:
       return "draining";
     case State::kFailed:
@@ -31,9 +31,14 @@ void Lifecycle::fail(const std::string& reason) {
   {
     std::lock_guard lock(mutex_);
     if (status_.state == State::kFailed) return;
-    status_ = {State::kFailed, reason};
+    status_ = {State::kFailed, reason, {}};
   }
   wake_();
+}
+
+void Lifecycle::set_obstacle(const std::string& obstacle) {
+  std::lock_guard lock(mutex_);
+  status_.obstacle = obstacle;
 }
 
 Lifecycle::Status Lifecycle::status() const {

@@ -13,9 +13,12 @@ class Lifecycle {
   enum class State { kStarting, kServing, kDraining, kFailed };
   struct Status {
     State state = State::kStarting;
-    std::string reason;  ///< of a failure
+    std::string reason;    ///< of a failure
+    std::string obstacle;  ///< what keeps new clients out at present; empty: nothing
 
-    /// One line for a person: "ready", "starting", "draining" or "failed: <reason>".
+    /// Whether new clients should come.
+    bool ready() const { return state == State::kServing && obstacle.empty(); }
+    /// One line for a person: "ready", "not ready: <obstacle>", "starting", "draining" or "failed: <reason>".
     std::string text() const;
   };
 
@@ -28,6 +31,9 @@ class Lifecycle {
   void drain();
   /// The daemon cannot go on (a device failed for good); the first reason is kept.
   void fail(const std::string& reason);
+
+  /// What keeps new clients out, until it is called with an empty text; those that are in are served.
+  void set_obstacle(const std::string& obstacle);
 
   Status status() const;
   bool serving() const { return status().state == State::kServing; }

@@ -90,14 +90,16 @@ struct Metrics::Families {
   void set_gauges_now() const;
 
   Registry registry;
-  Counter &frames, &contacts, &bytes_in, &bytes_out, &skipped, &replays, &reconnects, &dropped_lines;
+  Counter &frames, &contacts, &bytes_in, &bytes_out, &skipped, &replays, &reconnects, &dropped_lines, &reset_floods,
+      &evicted;
   Histogram& frame_seconds;
-  Gauge &scenes, &streams, &calls_in_work, &device_bytes, &queued_frames, &outgoing_bytes;
+  Gauge &scenes, &streams, &calls_in_work, &device_bytes, &queued_frames, &outgoing_bytes, &connections;
   Gauge &resident_bytes, &open_files;
   Family<Histogram>& phase_family;
   Family<Histogram>& stage_family;
   Family<Counter>& rejected_family;
   Family<Counter>& call_family;
+  Family<Counter>& certificate_family;
   std::vector<Histogram*> phases;
   ByLabel<Histogram> stages;
   ByLabel<Counter> rejected, calls;
@@ -114,6 +116,9 @@ Metrics::Families::Families()
       replays(counter(registry, "collided_replays_total", "Frames run again because a buffer was too small")),
       reconnects(counter(registry, "collided_reconnects_total", "Streams that took up where a broken one left")),
       dropped_lines(counter(registry, "collided_dropped_log_lines_total", "Log lines that nobody took")),
+      reset_floods(counter(registry, "collided_reset_floods_total",
+                           "Connections ended because their clients reset too many calls")),
+      evicted(counter(registry, "collided_evicted_connections_total", "Connections ended to make room for new ones")),
       frame_seconds(
           histograms(registry, "collided_frame_seconds", "Time of a frame from its arrival to its last answer")
               .Add({}, buckets())),
@@ -123,6 +128,7 @@ Metrics::Families::Families()
       device_bytes(gauge(registry, "collided_device_bytes", "Bytes that all scenes hold on their backends")),
       queued_frames(gauge(registry, "collided_queued_frames", "Frames that wait for their turn")),
       outgoing_bytes(gauge(registry, "collided_outgoing_bytes", "Bytes of answers that wait for their client")),
+      connections(gauge(registry, "collided_connections", "Connections of gRPC")),
       resident_bytes(gauge(registry, "process_resident_memory_bytes", "Resident memory size in bytes")),
       open_files(gauge(registry, "process_open_fds", "Number of open file descriptors")),
       phase_family(histograms(registry, "collided_phase_seconds",
@@ -133,6 +139,8 @@ Metrics::Families::Families()
       rejected_family(
           counters(registry, "collided_rejected_total", "Refused frames and calls, by the name of the gRPC code")),
       call_family(counters(registry, "collided_calls_total", "Ended calls, by method and name of the gRPC code")),
+      certificate_family(counters(registry, "collided_certificate_reloads_total",
+                                  "Changed TLS files, by what became of them: taken or refused")),
       stages(
           kMaxStages,
           [this](auto key) -> auto& {
@@ -164,6 +172,8 @@ void Metrics::Families::set_gauges_now() const {
   device_bytes.Set(static_cast<double>(now.device_bytes));
   queued_frames.Set(static_cast<double>(now.queued_frames));
   outgoing_bytes.Set(static_cast<double>(now.outgoing_bytes));
+  connections.Set(static_cast<double>(now.connections));
+  if (const auto more = static_cast<double>(now.evicted) - evicted.Value(); more > 0) evicted.Increment(more);
   resident_bytes.Set(process_resident_bytes());
   open_files.Set(process_open_files());
   dropped_lines.Increment(static_cast<double>(dropped_log_lines()) - dropped_lines.Value());
@@ -190,6 +200,12 @@ void Metrics::count_frame(const FrameTotals& frame) {
 void Metrics::count_skipped(uint64_t frames) { families_->skipped.Increment(static_cast<double>(frames)); }
 void Metrics::count_rejected(std::string_view reason) { families_->rejected.at(reason).Increment(); }
 void Metrics::count_reconnect() { families_->reconnects.Increment(); }
+
+void Metrics::count_reset_flood() { families_->reset_floods.Increment(); }
+
+void Metrics::count_certificate_reload(bool is_taken) {
+  families_->certificate_family.Add({{"result", is_taken ? "taken" : "refused"}}).Increment();
+}
 
 void Metrics::count_call(std::string_view method, std::string_view code) {
   std::string key(method);

@@ -29,6 +29,8 @@ struct Gauges {
   uint64_t device_bytes = 0;
   uint64_t queued_frames = 0;
   uint64_t outgoing_bytes = 0;  ///< answers that wait for their client
+  uint64_t connections = 0;     ///< of gRPC
+  uint64_t evicted = 0;         ///< connections that were ended to make room, since the start
 };
 
 /// Thread-safe. Counting takes no lock that a scrape holds for long, and allocates only for names not seen before.
@@ -47,6 +49,10 @@ class Metrics {
   void count_rejected(std::string_view reason);
   /// A stream that took up a scene where a broken one left it.
   void count_reconnect();
+  /// Files for TLS that have changed: whether they were taken, or the ones before stay.
+  void count_certificate_reload(bool is_taken);
+  /// A connection that was ended because its client reset too many calls.
+  void count_reset_flood();
   /// An ended call: its method without the service, and the name of its gRPC code; other than OK and CANCELLED it is
   /// rejected, too.
   void count_call(std::string_view method, std::string_view code);

@@ -2,6 +2,7 @@
 #include "server/service/caller.hpp"
 
 #include <string_view>
+#include <utility>
 
 #include "server/auth/credentials.hpp"
 
@@ -24,7 +25,9 @@ CallIds ids_of(const Metadata& metadata) {
 Caller identify(const grpc::ServerContextBase& context, const Authenticator& authenticator) {
   const Metadata& metadata = context.client_metadata();
   const auto name = certificate_name(*context.auth_context());
-  return {authenticator.identify(header(metadata, "authorization"), name), ids_of(metadata)};
+  Client client = authenticator.identify(header(metadata, "authorization"), name);
+  authenticator.let_in(context.peer(), *client);
+  return {std::move(client), ids_of(metadata)};
 }
 
 }  // namespace collided::server

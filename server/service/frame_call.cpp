@@ -229,7 +229,10 @@ void FrameCall::end_locked(const grpc::Status& status) {
   if (status_) return;
   status_ = status;
   log_end(status);
-  if (session_) session_->close();
+  if (session_)
+    session_->close();
+  else
+    calls_.parts_.fruitless(context_.peer());
   place_.reset();
   finish_locked();
 }

@@ -4,6 +4,7 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -23,6 +24,7 @@ struct FrameCallParts {
   SceneHost& host;
   const Authenticator& authenticator;
   Metrics& metrics;
+  std::function<void(const std::string& peer)> fruitless;  ///< called for each that ends without having opened a stream
 };
 
 class FrameCalls {

@@ -32,7 +32,7 @@ class Bystander {
   void leave() {
     is_leaving_ = true;
     if (thread_.joinable()) thread_.join();
-    stub_.reset();  // and its connection
+    stub_.reset();  // its connection is one of the daemon's descriptors
   }
 
  private:

@@ -5,6 +5,7 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -23,7 +24,10 @@ namespace collided::test {
 
 class DaemonProcess {
  public:
-  explicit DaemonProcess(std::vector<std::string> more = {}, const std::string& backend = test_backend()) {
+  /// `descriptors`: hard and soft limit of its file descriptors; 0: as this process has them.
+  explicit DaemonProcess(std::vector<std::string> more = {}, const std::string& backend = test_backend(),
+                         rlim_t descriptors = 0)
+      : descriptors_(descriptors) {
     std::string pattern = (std::filesystem::temp_directory_path() / "collided-XXXXXX").string();
     folder_ = mkdtemp(pattern.data());
     std::vector<std::string> arguments = {setting("COLLIDED_DAEMON", COLLIDED_DAEMON),
@@ -109,6 +113,8 @@ class DaemonProcess {
     if (pid_ == 0) {
       dup2(log, STDOUT_FILENO);
       dup2(log, STDERR_FILENO);
+      const rlimit limit{descriptors_, descriptors_};
+      if (descriptors_) setrlimit(RLIMIT_NOFILE, &limit);
       execv(argv[0], argv.data());
       _exit(127);
     }
@@ -121,6 +127,7 @@ class DaemonProcess {
     }
   }
 
+  const rlim_t descriptors_;
   std::string folder_;
   pid_t pid_ = -1;
 };

@@ -45,6 +45,15 @@ class Certificates {
       std::filesystem::copy_file(path(from + type), path(to + type), std::filesystem::copy_options::overwrite_existing);
   }
 
+  void make_named(const std::string& name, const std::string& subject, const std::string& alternative,
+                  const std::string& ca, const std::string& days = "-days 2") const {
+    run("openssl req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj " + subject + " -keyout " + name +
+        ".key -out " + name + ".csr");
+    std::ofstream(path("san")) << "subjectAltName=DNS:" << alternative << "\n";
+    run("openssl x509 -req -in " + name + ".csr -CA " + ca + ".pem -CAkey " + ca +
+        ".key -CAcreateserial -extfile san " + days + " -out " + name + ".pem");
+  }
+
  private:
   void run(const std::string& command) const {
     const auto line = "cd " + folder_ + " && " + command + " >>log 2>&1";
@@ -58,15 +67,6 @@ class Certificates {
             const std::string& days = "-days 2") const {
     make_named(name, "/CN=" + subject, subject, ca, days);
   }
-  void make_named(const std::string& name, const std::string& subject, const std::string& alternative,
-                  const std::string& ca, const std::string& days = "-days 2") const {
-    run("openssl req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj " + subject + " -keyout " + name +
-        ".key -out " + name + ".csr");
-    std::ofstream(path("san")) << "subjectAltName=DNS:" << alternative << "\n";
-    run("openssl x509 -req -in " + name + ".csr -CA " + ca + ".pem -CAkey " + ca +
-        ".key -CAcreateserial -extfile san " + days + " -out " + name + ".pem");
-  }
-
   std::string folder_;
 };
 

@@ -4,7 +4,11 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <thread>
 
 #include "server/auth/credentials.hpp"
@@ -43,18 +47,23 @@ class TlsTest : public testing::Test {
     return {path(name + ".pem"), path(name + ".key"), client_ca.empty() ? "" : path(client_ca)};
   }
 
-  void start(const Tls& tls) {
+  // `tell`: of files that changed.
+  void start(
+      const Tls& tls, std::function<void(bool)> tell = [](bool) {}) {
+    watch_ = std::make_unique<CertificateWatch>(tls, std::move(tell));
+    credentials_ = make_credentials(*watch_);
     Config config;
     config.tls = tls;
     service_ = std::make_unique<TellName>(config);
     grpc::ServerBuilder builder;
     builder.RegisterCallbackGenericService(service_.get());
-    builder.AddListeningPort("localhost:0", make_credentials(tls), &port_);
+    builder.AddListeningPort("localhost:0", credentials_, &port_);
     server_ = builder.BuildAndStart();
     ASSERT_NE(server_, nullptr);
   }
   void TearDown() override {
     if (server_) server_->Shutdown(std::chrono::system_clock::now());
+    server_.reset();
   }
 
   grpc::Status call(const std::shared_ptr<grpc::ChannelCredentials>& credentials) const {
@@ -87,12 +96,24 @@ class TlsTest : public testing::Test {
   }
 
   static Certificates* certificates_;
+  std::unique_ptr<CertificateWatch> watch_;
+  std::shared_ptr<grpc::ServerCredentials> credentials_;
   std::unique_ptr<TellName> service_;
   std::unique_ptr<grpc::Server> server_;
   int port_ = 0;
 };
 
 Certificates* TlsTest::certificates_ = nullptr;
+
+template <class Condition>
+bool wait_until(const Condition& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
 
 TEST_F(TlsTest, ServesItsCertificate) {
   start(tls("server"));
@@ -115,7 +136,18 @@ TEST_F(TlsTest, ClientsNeedACertificateOfTheCa) {
 
 TEST_F(TlsTest, ACertificateWithoutACommonNameIsKnownByItsAlternativeName) {
   start(tls("server", "ca.pem"));
-  EXPECT_EQ(call("ca.pem", "alternative").error_message(), "sim-4.example");
+  EXPECT_EQ(call("ca.pem", "alternative").error_message(), "san:sim-4.example");
+}
+
+// Both are of a CA that the daemon trusts; nobody may become another client by leaving his name out.
+TEST_F(TlsTest, NamesOfDifferentKindsAreDifferentClients) {
+  start(tls("server", "ca.pem"));
+  certificates_->make_named("common", "/CN=alice", "other.example", "ca");
+  certificates_->make_named("alternative-alice", "/O=robots", "alice", "ca");
+  certificates_->make_named("prefixed", "/CN=san:alice", "other.example", "ca");
+  EXPECT_EQ(call("ca.pem", "common").error_message(), "alice");
+  EXPECT_EQ(call("ca.pem", "alternative-alice").error_message(), "san:alice");
+  EXPECT_EQ(call("ca.pem", "prefixed").error_message(), "cn:san:alice");
 }
 
 TEST_F(TlsTest, TakesUpARenewedCertificate) {
@@ -131,9 +163,36 @@ TEST_F(TlsTest, TakesUpARenewedCertificate) {
   EXPECT_EQ(call("ca.pem", "client").error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 
+// A full disk, a copy that was cut short, a pair renewed by halves.
+TEST_F(TlsTest, KeepsTheLastGoodFiles) {
+  certificates_->copy("server", "kept");
+  std::filesystem::copy_file(path("ca.pem"), path("kept-ca.pem"));
+  std::atomic<int> taken = 0, refused = 0;
+  start(tls("kept", "kept-ca.pem"), [&](bool is_taken) { ++(is_taken ? taken : refused); });
+  const std::string good = certificates_->read("server.pem"), ca = certificates_->read("ca.pem");
+  const auto put = [&](const std::string& name, const std::string& text) { std::ofstream(path(name)) << text; };
+  const std::pair<const char*, std::string> bad[] = {{"kept.pem", ""},
+                                                     {"kept.pem", good.substr(0, good.size() / 2)},
+                                                     {"kept.pem", certificates_->read("client.pem")},
+                                                     {"kept-ca.pem", ca + good.substr(0, good.size() / 2)}};
+  int count = 0;
+  for (const auto& [name, text] : bad) {
+    const std::string before = certificates_->read(name);
+    put(name, text);
+    ++count;
+    EXPECT_TRUE(wait_until([&] { return refused == count; })) << name << ": " << text;
+    EXPECT_EQ(call("ca.pem", "client").error_code(), grpc::StatusCode::NOT_FOUND) << name << ": " << text;
+    put(name, before);
+  }
+  certificates_->copy("other-server", "kept");
+  EXPECT_TRUE(wait_until([&] { return taken == 1; }));
+  EXPECT_EQ(call("other-ca.pem", "client").error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(refused, count);
+}
+
 TEST_F(TlsTest, RefusesFilesThatCannotBeUsed) {
-  EXPECT_NO_THROW(check_tls_files(Tls()));
-  EXPECT_NO_THROW(check_tls_files(tls("server", "ca.pem")));
+  EXPECT_NO_THROW(sound_tls_files(Tls()));
+  EXPECT_NO_THROW(sound_tls_files(tls("server", "ca.pem")));
   auto wrong_key = tls("server"), no_file = tls("server"), no_pem = tls("server"), locked = tls("server");
   wrong_key.key = path("client.key");
   no_file.certificate = path("nowhere.pem");
@@ -145,7 +204,7 @@ TEST_F(TlsTest, RefusesFilesThatCannotBeUsed) {
                                    {locked, "--tls-key"},
                                    {tls("expired"), "has expired"}}) {
     try {
-      make_credentials(bad);
+      sound_tls_files(bad);
       FAIL() << named;
     } catch (const ConfigError& error) {
       EXPECT_NE(std::string(error.what()).find(named), std::string::npos) << error.what();

@@ -4,12 +4,26 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <barrier>
 #include <fstream>
+#include <memory>
+#include <thread>
+#include <vector>
 
 #include "tests/server/local/serving.hpp"
 
 namespace collided::server {
 namespace {
+
+void leave_stale_socket(const std::string& path) {
+  const Fd dead(socket(AF_UNIX, SOCK_SEQPACKET, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+  ASSERT_EQ(bind(dead.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+  EXPECT_TRUE(is_served(path));  // of another type than the one that asks
+}
 
 TEST(PacketListener, RemovesItsSocketAtTheEnd) {
   const Folder folder;
@@ -47,17 +61,33 @@ TEST(PacketListener, DoesNotTakeAPathFromAnother) {
 TEST(PacketListener, TakesAPathThatNobodyServes) {
   const Folder folder;
   const std::string path = folder.file("socket");
-  {
-    const Fd dead(socket(AF_UNIX, SOCK_SEQPACKET, 0));
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    path.copy(address.sun_path, sizeof(address.sun_path) - 1);
-    ASSERT_EQ(bind(dead.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
-    EXPECT_TRUE(is_served(path));  // of another type than the one that asks
-  }
+  leave_stale_socket(path);
   ASSERT_TRUE(std::filesystem::exists(path));
   const PacketListener listener(path, 0600);
   EXPECT_TRUE(RawLocal(path).is_connected());
+}
+
+TEST(PacketListener, OneOfSeveralTakesAStalePath) {
+  constexpr int kRounds = 100, kDaemons = 4;
+  const Folder folder;
+  for (int round = 0; round < kRounds; ++round) {
+    const std::string path = folder.file("socket" + std::to_string(round));
+    leave_stale_socket(path);
+    std::vector<std::unique_ptr<PacketListener>> listeners(kDaemons);
+    std::vector<std::thread> threads;
+    std::barrier begin(kDaemons);
+    for (auto& listener : listeners)
+      threads.emplace_back([&] {
+        begin.arrive_and_wait();
+        try {
+          listener = std::make_unique<PacketListener>(path, 0600);
+        } catch (const std::runtime_error&) {
+        }
+      });
+    for (auto& thread : threads) thread.join();
+    EXPECT_EQ(std::count_if(listeners.begin(), listeners.end(), [](const auto& one) { return one != nullptr; }), 1);
+    EXPECT_TRUE(RawLocal(path).is_connected());
+  }
 }
 
 TEST(PacketListener, LeavesOtherFilesAlone) {

@@ -1,0 +1,87 @@
+// How clients get into the gRPC server.
+#include "server/entrance.hpp"
+
+#include <grpcpp/health_check_service_interface.h>
+
+#include <utility>
+
+#include "server/auth/credentials.hpp"
+#include "server/net/descriptors.hpp"
+#include "server/ops/log.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr int kHandshakeMs = 10'000;  // of TLS, and until a client's first HTTP/2 frame
+
+size_t connection_limit(const Config& config) {
+  const size_t wanted = config.limits.max_connections, most = connections_for(descriptor_limit(), wanted);
+  if (wanted > most)
+    log_event(spdlog::level::warn, "max-connections is more than the limit of file descriptors allows",
+              {{"wanted", wanted}, {"connections", most}, {"descriptors", descriptor_limit()}});
+  return most;
+}
+
+void tell(const std::string& obstacle, grpc::Server& server, Lifecycle& lifecycle) {
+  lifecycle.set_obstacle(obstacle);
+  server.GetHealthCheckService()->SetServingStatus(obstacle.empty());
+  if (obstacle.empty())
+    log_event(spdlog::level::info, "new clients get in again", {});
+  else
+    log_event(spdlog::level::err, "not ready", {{"reason", obstacle}});
+}
+
+}  // namespace
+
+Entrance::Entrance(const Config& config, Metrics& metrics) : connections_(connection_limit(config)) {
+  for (const auto& address : config.addresses) listeners_.emplace_back(address);
+  if (!config.tls.enabled()) return;
+  tls_.emplace(config.tls, [&metrics](bool is_taken) { metrics.count_certificate_reload(is_taken); });
+  credentials_ = make_credentials(*tls_);
+}
+
+void Entrance::add_to(grpc::ServerBuilder& builder) {
+  using Type = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
+  plain_ = builder.experimental().AddExternalConnectionAcceptor(Type::FROM_FD, grpc::InsecureServerCredentials());
+  if (tls_) secure_ = builder.experimental().AddExternalConnectionAcceptor(Type::FROM_FD, credentials_);
+}
+
+void Entrance::open(grpc::Server& server, Lifecycle& lifecycle) {
+  std::vector<Door> doors;
+  std::vector<int> fds;
+  for (const auto& listener : listeners_)
+    for (const int fd : listener.sockets()) {
+      sockets_.push_back({fd, is_tls(listener)});
+      doors.push_back({fd, is_tls(listener), listener.address()});
+      fds.push_back(fd);
+    }
+  loop_.emplace(std::move(fds), connections_,
+                [this](Fd connection, size_t place) { take(std::move(connection), place); });
+  probe_.emplace(
+      std::move(doors), [this] { return loop_->trouble(); },
+      [&](const std::string& obstacle) { tell(obstacle, server, lifecycle); });
+}
+
+// gRPC closes it from now on.
+void Entrance::take(Fd connection, size_t place) const {
+  grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
+  parameters.listener_fd = sockets_[place].fd;
+  parameters.fd = connection.release();
+  (sockets_[place].is_tls ? secure_ : plain_)->HandleNewConnection(&parameters);
+}
+
+void Entrance::close() {
+  probe_.reset();
+  loop_.reset();
+}
+
+void Entrance::set_limit(const Config& config) { connections_.set_limit(connection_limit(config)); }
+
+std::vector<std::string> Entrance::addresses() const {
+  std::vector<std::string> addresses;
+  for (const auto& listener : listeners_) addresses.push_back(listener.address());
+  return addresses;
+}
+
+}  // namespace collided::server

@@ -1,0 +1,64 @@
+#pragma once
+// How clients get into the gRPC server: our own sockets, whose connections are handed to it. Its own listener would end
+// for good where accept() fails once for want of a descriptor, and bounds neither connections nor their silence.
+
+#include <grpcpp/grpcpp.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/auth/certificate_watch.hpp"
+#include "server/config/config.hpp"
+#include "server/net/accept_loop.hpp"
+#include "server/net/admission_probe.hpp"
+#include "server/net/connections.hpp"
+#include "server/net/listener.hpp"
+#include "server/ops/lifecycle.hpp"
+#include "server/ops/metrics.hpp"
+
+namespace collided::server {
+
+class Entrance {
+ public:
+  /// Binds the addresses. Throws ConfigError for TLS files that cannot be used, std::runtime_error that names the
+  /// address and the reason. `metrics` outlives it.
+  Entrance(const Config& config, Metrics& metrics);
+
+  /// Before the server is built. It must be gone before the entrance is.
+  void add_to(grpc::ServerBuilder& builder);
+  /// Once the server is started. `lifecycle` and the server's health are told what keeps new clients out.
+  void open(grpc::Server& server, Lifecycle& lifecycle);
+  /// Health is not told any more. Clients still get in.
+  void end_probe() { probe_.reset(); }
+  /// Nobody gets in any more. Before the server's Shutdown.
+  void close();
+
+  void set_limit(const Config& config);
+  Connections& connections() { return connections_; }
+  const Connections& connections() const { return connections_; }
+  /// With the ports that were given out.
+  std::vector<std::string> addresses() const;
+
+ private:
+  using Acceptor = std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>;
+  struct Socket {
+    int fd = -1;
+    bool is_tls = false;
+  };
+
+  bool is_tls(const Listener& listener) const { return tls_ && !listener.is_unix(); }
+  void take(Fd connection, size_t place) const;
+
+  std::vector<Listener> listeners_;
+  std::optional<CertificateWatch> tls_;
+  std::shared_ptr<grpc::ServerCredentials> credentials_;
+  Connections connections_;
+  std::vector<Socket> sockets_;
+  Acceptor plain_, secure_;
+  std::optional<AcceptLoop> loop_;
+  std::optional<AdmissionProbe> probe_;
+};
+
+}  // namespace collided::server

@@ -1,0 +1,180 @@
+// The connections that the process has accepted and somebody else closes.
+#include "server/net/connections.hpp"
+
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+
+#include "server/net/fd.hpp"
+
+namespace collided::server {
+namespace {
+
+// A client that has something to ask does so at once; gRPC gives it as long for its handshake.
+constexpr auto kTimeForFirstCall = std::chrono::seconds(10);
+constexpr auto kCountedTime = std::chrono::seconds(10), kRefusal = std::chrono::seconds(2);
+constexpr uint32_t kMostFruitless = 1000;  // of a source
+constexpr uint32_t kFewFruitless = 20;     // of a connection that is not to be blamed for the others of its source
+constexpr size_t kSweep = 64;              // connections between two looks at which are gone
+
+ino_t inode_of(int fd) {
+  struct stat file {};
+  return fstat(fd, &file) == 0 && S_ISSOCK(file.st_mode) ? file.st_ino : 0;
+}
+
+}  // namespace
+
+void Connections::set_limit(size_t most) {
+  const std::lock_guard lock(mutex_);
+  most_ = most;
+}
+
+bool Connections::may_accept() {
+  const std::lock_guard lock(mutex_);
+  if (open_locked() < most_ || !is_evicting_enough_locked()) return true;
+  sweep_locked();
+  return open_locked() < most_ || !is_evicting_enough_locked();
+}
+
+bool Connections::admit(int socket, const Peer& peer) {
+  const std::lock_guard lock(mutex_);
+  if (is_refused_locked(peer.source)) return false;
+  if (next_ % kSweep == 0 || open_locked() >= most_) sweep_locked();
+  while (open_locked() >= most_ && make_room_locked()) continue;
+  const uint64_t id = next_++;
+  Entry& entry = entries_[id];
+  entry.socket = socket;
+  entry.inode = inode_of(socket);
+  entry.peer = peer;
+  if (!peer.is_unix) by_peer_[peer.name] = id;
+  return true;
+}
+
+void Connections::identified(std::string_view peer, std::string_view client) {
+  const std::lock_guard lock(mutex_);
+  const auto found = by_peer_.find(std::string(peer));
+  if (found == by_peer_.end()) return;
+  std::string& known = entries_.at(found->second).client;
+  if (known != client) known = client;
+}
+
+bool Connections::fruitless(std::string_view peer) {
+  const std::lock_guard lock(mutex_);
+  const auto found = by_peer_.find(std::string(peer));
+  if (found == by_peer_.end()) return false;
+  Entry& entry = entries_.at(found->second);
+  Source& source = source_locked(entry.peer.source);
+  ++entry.fruitless;
+  if (++source.fruitless < kMostFruitless || entry.fruitless < kFewFruitless || entry.is_ending) return false;
+  source.refused_until = Clock::now() + kRefusal;
+  end_locked(entry);
+  return true;
+}
+
+bool Connections::is_refused_locked(const std::string& source) const {
+  const auto found = sources_.find(source);
+  return found != sources_.end() && Clock::now() < found->second.refused_until;
+}
+
+// Those that have been quiet are forgotten.
+Connections::Source& Connections::source_locked(const std::string& name) {
+  const auto now = Clock::now();
+  Source& source = sources_[name];
+  if (now - source.begin < kCountedTime) return source;
+  std::erase_if(sources_, [&](const auto& one) { return now - one.second.begin >= kCountedTime; });
+  return sources_[name];
+}
+
+void Connections::end_some(size_t count) {
+  const std::lock_guard lock(mutex_);
+  sweep_locked();
+  while (count-- > 0 && make_room_locked()) continue;
+}
+
+size_t Connections::size() const {
+  const std::lock_guard lock(mutex_);
+  sweep_locked();
+  return open_locked();
+}
+
+uint64_t Connections::evicted() const {
+  const std::lock_guard lock(mutex_);
+  return evicted_;
+}
+
+void Connections::sweep_locked() const {
+  for (auto next = entries_.begin(); next != entries_.end();) {
+    const auto entry = next++;
+    if (inode_of(entry->second.socket) != entry->second.inode) erase_locked(entry);
+  }
+}
+
+void Connections::erase_locked(Entries::iterator entry) const {
+  const auto named = by_peer_.find(entry->second.peer.name);
+  if (named != by_peer_.end() && named->second == entry->first) by_peer_.erase(named);
+  ending_ -= entry->second.is_ending;
+  entries_.erase(entry);
+}
+
+// Those that were ended hold their descriptors until their owner has noticed: there must not be too many.
+bool Connections::is_evicting_enough_locked() const {
+  constexpr size_t kLeast = 16;
+  return ending_ >= std::max(kLeast, most_ / 4);
+}
+
+bool Connections::make_room_locked() {
+  if (is_evicting_enough_locked()) return false;
+  const auto victim = victim_locked();
+  if (victim == entries_.end()) return false;
+  end_locked(victim->second);
+  ++evicted_;
+  return true;
+}
+
+// First the oldest that never made a call in all its time. Then, of TCP and Unix sockets, whichever has more: the
+// oldest without a call, or, where all have made one (or cannot be told apart), the oldest of the client that has most.
+Connections::Entries::iterator Connections::victim_locked() {
+  const auto now = Clock::now();
+  size_t unix_count = 0;
+  auto silent = entries_.end();
+  for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
+    if (entry->second.is_ending) continue;
+    unix_count += entry->second.peer.is_unix;
+    const bool is_silent = !entry->second.peer.is_unix && entry->second.client.empty();
+    if (is_silent && silent == entries_.end()) silent = entry;
+  }
+  if (silent != entries_.end() && now - silent->second.begin > kTimeForFirstCall) return silent;
+  const bool is_unix = 2 * unix_count > open_locked();
+  return !is_unix && silent != entries_.end() ? silent : oldest_of_largest_group_locked(is_unix);
+}
+
+Connections::Entries::iterator Connections::oldest_of_largest_group_locked(bool is_unix) {
+  struct Group {
+    size_t count = 0;
+    Entries::iterator oldest;
+  };
+  std::unordered_map<std::string, Group> groups;
+  const Group* largest = nullptr;
+  for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
+    const Entry& one = entry->second;
+    if (one.is_ending || one.peer.is_unix != is_unix) continue;
+    Group& group = groups[one.client + "@" + one.peer.source];
+    if (group.count++ == 0) group.oldest = entry;
+    if (!largest || group.count > largest->count) largest = &group;
+  }
+  return largest ? largest->oldest : entries_.end();
+}
+
+// By a duplicate, which still means the same socket if its owner closes it right now and the number is given out again.
+void Connections::end_locked(Entry& entry) const {
+  if (entry.is_ending) return;
+  entry.is_ending = true;
+  ++ending_;
+  const Fd same(fcntl(entry.socket, F_DUPFD_CLOEXEC, 0));
+  const int fd = same ? same.get() : entry.socket;  // no descriptor left
+  if (inode_of(fd) == entry.inode) shutdown(fd, SHUT_RDWR);
+}
+
+}  // namespace collided::server

@@ -1,0 +1,31 @@
+// How many file descriptors the process may have.
+#include "server/net/descriptors.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+
+namespace collided::server {
+
+DescriptorLimit raise_descriptor_limit() {
+  const size_t before = descriptor_limit();
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur < limit.rlim_max) {
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+  }
+  return {before, descriptor_limit()};
+}
+
+size_t descriptor_limit() {
+  rlimit limit{};
+  return getrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_cur : 0;
+}
+
+size_t connections_for(size_t descriptors, size_t wanted) {
+  constexpr size_t kEnough = 1024, kLeast = 8;
+  const size_t most = std::max(kLeast, descriptors - descriptors / 4);
+  return wanted ? std::min(wanted, most) : std::max(kLeast, std::min(kEnough, descriptors / 2));
+}
+
+}  // namespace collided::server

@@ -1,0 +1,50 @@
+// Who is at the other end of a connection.
+#include "server/net/peer.hpp"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <cstring>
+
+namespace collided::server {
+namespace {
+
+Peer of_process(int socket) {
+  ucred process{};
+  socklen_t size = sizeof(process);
+  getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &process, &size);
+  return {"unix:", "pid:" + std::to_string(process.pid), true};
+}
+
+Peer of_v4(const in_addr& address, in_port_t port) {
+  char text[INET_ADDRSTRLEN] = {};
+  inet_ntop(AF_INET, &address, text, sizeof(text));
+  return {std::string("ipv4:") + text + ":" + std::to_string(ntohs(port)), text};
+}
+
+Peer of_v6(const sockaddr_in6& address) {
+  if (IN6_IS_ADDR_V4MAPPED(&address.sin6_addr)) {
+    in_addr v4{};
+    std::memcpy(&v4, address.sin6_addr.s6_addr + 12, sizeof(v4));
+    return of_v4(v4, address.sin6_port);
+  }
+  char text[INET6_ADDRSTRLEN] = {};
+  inet_ntop(AF_INET6, &address.sin6_addr, text, sizeof(text));
+  const std::string scope = address.sin6_scope_id ? "%25" + std::to_string(address.sin6_scope_id) : "";
+  return {std::string("ipv6:%5B") + text + scope + "%5D:" + std::to_string(ntohs(address.sin6_port)), text};
+}
+
+}  // namespace
+
+Peer peer_of(int socket) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof(address);
+  if (getpeername(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {};
+  if (address.ss_family == AF_UNIX) return of_process(socket);
+  if (address.ss_family == AF_INET6) return of_v6(reinterpret_cast<const sockaddr_in6&>(address));
+  const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
+  return of_v4(v4.sin_addr, v4.sin_port);
+}
+
+}  // namespace collided::server

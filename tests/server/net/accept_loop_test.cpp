@@ -1,0 +1,82 @@
+// Connections are taken, and those of a moment without descriptors are not lost.
+#include "server/net/accept_loop.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <mutex>
+#include <vector>
+
+#include "server/net/admission_probe.hpp"
+#include "tests/server/net/tcp.hpp"
+
+namespace collided::server {
+namespace {
+
+class Loop : public testing::Test {
+ protected:
+  size_t taken() const {
+    const std::lock_guard lock(mutex_);
+    return taken_.size();
+  }
+
+  const Listener listener_{"127.0.0.1:0"};
+  Connections connections_{64};
+  mutable std::mutex mutex_;
+  std::vector<Fd> taken_;
+  AcceptLoop loop_{listener_.sockets(), connections_, [this](Fd connection, size_t) {
+                     const std::lock_guard lock(mutex_);
+                     taken_.push_back(std::move(connection));
+                   }};
+};
+
+TEST_F(Loop, TakesThoseWhoCome) {
+  const Fd one = connect_to(listener_), two = connect_to(listener_);
+  EXPECT_TRUE(eventually([&] { return taken() == 2; }));
+  EXPECT_EQ(connections_.size(), 2u);
+  EXPECT_EQ(loop_.trouble(), "");
+}
+
+TEST_F(Loop, GoesOnOnceThereIsADescriptorAgain) {
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  const Fd early = connect_to(listener_);
+  EXPECT_TRUE(eventually([&] { return taken() == 1; }));
+  const Fd late(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_in to{};
+  socklen_t size = sizeof(to);
+  getsockname(listener_.sockets().front(), reinterpret_cast<sockaddr*>(&to), &size);
+  const rlimit none{0, before.rlim_max};
+  setrlimit(RLIMIT_NOFILE, &none);
+  EXPECT_EQ(connect(late.get(), reinterpret_cast<const sockaddr*>(&to), sizeof(to)), 0);
+  EXPECT_TRUE(eventually([&] { return !loop_.trouble().empty(); }));
+  EXPECT_NE(loop_.trouble().find("Too many open files"), std::string::npos) << loop_.trouble();
+  EXPECT_EQ(taken(), 1u);
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_TRUE(eventually([&] { return loop_.trouble().empty(); }));
+  EXPECT_EQ(taken(), 2u);
+}
+
+TEST(Probe, TellsThatNobodyGetsIn) {
+  const Listener listener("127.0.0.1:0");
+  Connections connections(64);
+  AcceptLoop closing(listener.sockets(), connections, [](Fd connection, size_t) { connection = Fd(); });
+  EXPECT_NE(knock({listener.sockets().front(), false, "here"}), "");
+}
+
+TEST(Listening, TellsTheReason) {
+  const Listener listener("127.0.0.1:0");
+  for (const auto& [address, why] : {std::pair<std::string, std::string>{listener.address(), "Address already in use"},
+                                     {"unix:/nowhere/socket", "No such file or directory"},
+                                     {"no.such.host.invalid:1", "cannot listen on no.such.host.invalid:1: "}}) {
+    try {
+      const Listener second(address);
+      FAIL() << address;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace collided::server

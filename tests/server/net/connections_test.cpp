@@ -1,0 +1,87 @@
+// Which connection goes when there is no room.
+#include "server/net/connections.hpp"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+
+#include "server/net/descriptors.hpp"
+#include "tests/server/net/tcp.hpp"
+
+namespace collided::server {
+namespace {
+
+class Table : public testing::Test {
+ protected:
+  Pair& add(const std::string& client = "") {
+    Pair& pair = pairs_.emplace_back(listener_);
+    const Peer peer = peer_of(pair.server.get());
+    EXPECT_TRUE(connections_.admit(pair.server.get(), peer));
+    if (!client.empty()) connections_.identified(peer.name, client);
+    return pair;
+  }
+
+  const Listener listener_{"127.0.0.1:0"};
+  Connections connections_{3};
+  std::deque<Pair> pairs_;
+};
+
+TEST_F(Table, TheOldestWithoutACallGoesFirst) {
+  add("a");
+  add();
+  add();
+  EXPECT_EQ(connections_.size(), 3u);
+  add();
+  EXPECT_EQ(connections_.size(), 3u);
+  EXPECT_EQ(connections_.evicted(), 1u);
+  EXPECT_FALSE(pairs_[0].is_ended());
+  EXPECT_TRUE(pairs_[1].is_ended());
+  EXPECT_FALSE(pairs_[2].is_ended());
+}
+
+TEST_F(Table, WhereAllMadeCallsTheClientWithMostGivesOne) {
+  add("one");
+  add("many");
+  add("many");
+  add("new");
+  EXPECT_FALSE(pairs_[0].is_ended());
+  EXPECT_TRUE(pairs_[1].is_ended());
+  EXPECT_FALSE(pairs_[2].is_ended());
+}
+
+TEST_F(Table, TheOwnerMayCloseAtAnyTime) {
+  for (int i = 0; i < 3; ++i) add();
+  const int number = pairs_[0].server.get();
+  pairs_[0].server = Fd();
+  const Pair other(listener_);  // not of the table, with the number of one that was
+  const Fd again(dup2(other.server.get(), number));
+  connections_.end_some(3);
+  EXPECT_FALSE(other.is_ended());
+  EXPECT_TRUE(pairs_[1].is_ended());
+  EXPECT_EQ(connections_.size(), 0u);
+}
+
+TEST_F(Table, AFloodOfFruitlessCallsEndsItsConnectionAndRefusesItsSource) {
+  Pair& honest = add("honest");
+  Pair& attacker = add();
+  const std::string name = peer_of(attacker.server.get()).name;
+  int calls = 1;
+  while (!connections_.fruitless(name) && calls < 100'000) ++calls;
+  EXPECT_EQ(calls, 1000);
+  EXPECT_TRUE(attacker.is_ended());
+  EXPECT_FALSE(connections_.fruitless(peer_of(honest.server.get()).name));
+  EXPECT_FALSE(honest.is_ended());
+  const Pair again(listener_);
+  EXPECT_FALSE(connections_.admit(again.server.get(), peer_of(again.server.get())));
+  EXPECT_TRUE(eventually([&] { return connections_.admit(again.server.get(), peer_of(again.server.get())); }));
+}
+
+TEST(ConnectionLimit, LeavesDescriptorsForTheRest) {
+  EXPECT_EQ(connections_for(1024, 0), 512u);
+  EXPECT_EQ(connections_for(1'048'576, 0), 1024u);
+  EXPECT_EQ(connections_for(1'048'576, 5000), 5000u);
+  EXPECT_EQ(connections_for(1024, 5000), 768u);
+}
+
+}  // namespace
+}  // namespace collided::server
