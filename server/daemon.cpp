@@ -3,12 +3,12 @@
 
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
-#include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/resource_quota.h>
 
 #include <algorithm>
 #include <chrono>
+#include <climits>
 #include <stdexcept>
 #include <thread>
 
@@ -38,6 +38,16 @@ void set_quota(grpc::ServerBuilder& builder, const Config& config) {
   grpc::ResourceQuota quota("collided");
   quota.Resize(std::max(kLeast, kMessages * config.limits.max_message_bytes));
   builder.SetResourceQuota(quota);
+}
+
+// Our own refusal names the option, and comes first for what is not far above the limit. Compressed messages could
+// unfold to a thousand times their bytes within gRPC, which knows no limit for that.
+void set_message_limits(grpc::ServerBuilder& builder, const Config& config) {
+  constexpr uint64_t kAbove = uint64_t{1} << 20;
+  builder.SetMaxReceiveMessageSize(
+      static_cast<int>(std::min<uint64_t>(config.limits.max_message_bytes + kAbove, INT_MAX)));
+  for (const auto algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP})
+    builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
 }
 
 // Text that is no UTF-8, and the like: the client is told, too.
@@ -78,7 +88,8 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
       authenticator_(config),
       observer_(metrics_, lifecycle),
       host_(config, observer_),
-      service_(config, host_, authenticator_) {
+      service_(config, host_, authenticator_),
+      reflection_(service_.parts(), host_, service_.waiting(), config.open_reflection) {
   if (config.backend == "cuda" && !cuda_available())
     throw std::runtime_error("--backend is cuda, but there is no usable CUDA device");
   for (const auto& address : config.addresses) check_free(address);
@@ -101,11 +112,10 @@ Gauges Daemon::gauges() const {
 
 void Daemon::listen(const Config& config) {
   grpc::EnableDefaultHealthCheckService(true);
-  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   // Two daemons on one port would share its connections by chance.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  builder.SetMaxReceiveMessageSize(static_cast<int>(config.limits.max_message_bytes));
+  set_message_limits(builder, config);
   set_quota(builder, config);
   set_keepalive(builder, config);
   const auto credentials = make_credentials(config.tls);
@@ -115,7 +125,12 @@ void Daemon::listen(const Config& config) {
     builder.AddListeningPort(config.addresses[i], local ? grpc::InsecureServerCredentials() : credentials, &ports[i]);
   }
   builder.RegisterService(&service_);
-  calls_ = std::make_unique<FrameCalls>(builder, service_, FrameCallParts{host_, authenticator_, metrics_});
+  service_.add_to(router_);
+  reflection_.add_to(router_, {pb::CollisionService::service_full_name(), "grpc.health.v1.Health"});
+  builder.RegisterCallbackGenericService(&router_);
+  calls_ = std::make_unique<FrameCalls>(
+      builder, service_,
+      FrameCallParts{host_, authenticator_, metrics_, service_.waiting(), config.limits.max_message_bytes});
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> watches;
   watches.push_back(std::make_unique<CallWatches>(metrics_));
   builder.experimental().SetInterceptorCreators(std::move(watches));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/auth/authenticator.hpp"
+#include "server/builtin/reflection.hpp"
 #include "server/config/config.hpp"
 #include "server/local/local_server.hpp"
 #include "server/ops/http_server.hpp"
@@ -55,6 +56,8 @@ class Daemon {
   ServiceObserver observer_;
   SceneHost host_;
   CollisionService service_;
+  Reflection reflection_;
+  RpcRouter router_;
   std::unique_ptr<LocalServer> local_;
   std::unique_ptr<HttpServer> http_;
   std::unique_ptr<FrameCalls> calls_;

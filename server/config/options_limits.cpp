@@ -27,6 +27,8 @@ void add_client_options(CLI::App& app, ClientLimits& limits) {
 void add_limit_options(CLI::App& app, Limits& limits) {
   auto* group = app.add_option_group("Limits", "What passes them is refused");
   add_megabytes(*group, "--max-message-mb", limits.max_message_bytes, 2047, "MiB of one received message");
+  add_megabytes(*group, "--max-decode-mb", limits.max_decode_bytes, 1 << 24,
+                "MiB that the messages of all calls in work may take; what the largest need is always granted");
   add<uint64_t>(*group, "--max-vertices", limits.max_vertices, 3, 4'294'967'294, "Vertices of one scene");
   add<uint64_t>(*group, "--max-triangles", limits.max_triangles, 1, 1'431'655'764, "Triangles of one scene");
   add<uint32_t>(*group, "--max-scenes", limits.max_scenes, 1, 1'000'000, "Scenes at once");
@@ -36,6 +38,8 @@ void add_limit_options(CLI::App& app, Limits& limits) {
   add<uint32_t>(*group, "--max-streams", limits.max_streams, 1, 1'000'000, "Streams at once");
   add<double>(*group, "--max-idle-seconds", limits.max_idle_seconds, 0.1, 1e6,
               "Seconds that a stream may stay open without a frame");
+  add<double>(*group, "--max-silent-seconds", limits.max_silent_seconds, 0.1, 1e6,
+              "Seconds that a stream may take to open, and an upload or reflection to its next message");
   add<double>(*group, "--lease-seconds", limits.lease_seconds, 0.1, 1e6,
               "Seconds that a scene which asks for none outlives its last stream or call");
   add<double>(*group, "--max-lease-seconds", limits.max_lease_seconds, 0.1, 1e6, "The longest lease to be asked for");

@@ -1,12 +1,16 @@
 // A frame of a client on its way into the daemon.
 #include "server/convert/frame_intake.hpp"
 
+#include <limits>
 #include <utility>
 
+#include "server/convert/refuse.hpp"
 #include "server/scenes/field_path.hpp"
 
 namespace collided::server {
 namespace {
+
+constexpr uint64_t kMaxFrameId = std::numeric_limits<int64_t>::max();
 
 // The slot reads from the message, or from where it was placed, until the frame has been applied.
 void send_positions(Scene& scene, std::shared_ptr<FrameSlot> slot, PendingFrame& frame) {
@@ -23,6 +27,12 @@ void send_positions(Scene& scene, std::shared_ptr<FrameSlot> slot, PendingFrame&
   frame.input.slot = std::move(slot);
 }
 
+// Ids only rise, so that the largest would be the scene's last. Negative numbers end up beyond the limit.
+void check_frame_id(uint64_t id) {
+  if (id > kMaxFrameId)
+    throw InvalidInput("frame.frame_id", fmt::format("frame.frame_id is {}, more than {}", id, kMaxFrameId));
+}
+
 }  // namespace
 
 PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) {
@@ -30,6 +40,7 @@ PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) 
   const auto message = std::make_shared<const pb::Frame>(std::move(incoming.message));
   try {
     if (incoming.refusal) std::rethrow_exception(incoming.refusal);
+    check_frame_id(message->frame_id());
     host.usage().count_frame(scene.facts().owner);
     frame = parse_frame(*message, incoming.placed, scene.plan().engine);
     send_positions(scene, std::move(incoming.slot), frame);

@@ -13,6 +13,7 @@
 #include "server/ops/metrics.hpp"
 #include "server/scenes/scene_host.hpp"
 #include "server/service/raw_service.hpp"
+#include "server/service/waiting_calls.hpp"
 
 namespace collided::server {
 
@@ -23,6 +24,8 @@ struct FrameCallParts {
   SceneHost& host;
   const Authenticator& authenticator;
   Metrics& metrics;
+  WaitingCalls& waiting;
+  uint64_t max_message_bytes;
 };
 
 class FrameCalls {

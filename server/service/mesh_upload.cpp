@@ -5,18 +5,51 @@
 #include "server/service/status.hpp"
 
 namespace collided::server {
+namespace {
 
-void MeshUpload::OnReadDone(bool ok) try {
-  if (!ok) return commit();
-  if (!scene_) begin();
-  take();
-  StartRead(&request_);
-} catch (...) {
-  finish(to_status(describe_current()));
+constexpr size_t kMostUploads = 1024, kMostOfClient = 256;  // that wait for their client at once
+
+}  // namespace
+
+MeshUpload::MeshUpload(const grpc::CallbackServerContext& context, const UploadParts& parts, grpc::ByteBuffer* response,
+                       std::shared_ptr<void> held)
+    : context_(context), host_(parts.host), parts_(parts), response_(response), held_(std::move(held)) {
+  try {
+    caller_ = identify(context_, parts_.calls.authenticator);
+    read();
+  } catch (...) {
+    Finish(to_status(describe_current()));
+  }
+}
+
+// A client that says nothing for too long is let go of, with its scene's lease.
+void MeshUpload::read() {
+  const WaitRule rule{"the next chunk of an upload", host_.limits().max_silent_seconds, kMostUploads, kMostOfClient};
+  wait_ = parts_.waiting.wait(rule, caller_.client,
+                              [this](const std::exception_ptr& why) { finish(to_status(describe(why))); });
+  StartRead(&bytes_);
+}
+
+void MeshUpload::OnReadDone(bool ok) {
+  if (!wait_->over()) return;  // the call has been ended
+  try {
+    if (!ok) return commit();
+    parse();
+    if (!scene_) begin();
+    take();
+    read();
+  } catch (...) {
+    finish(to_status(describe_current()));
+  }
+}
+
+void MeshUpload::parse() {
+  request_.Clear();
+  parse_bounded(bytes_, caller_.client, parts_.calls, request_);
+  bytes_.Clear();
 }
 
 void MeshUpload::begin() {
-  caller_ = identify(context_, authenticator_);
   auto scene = host_.scenes().find(caller_.client, request_.scene_id());
   mesh_ = request_.mesh();
   const auto& meshes = scene->plan().meshes;
@@ -63,7 +96,9 @@ void MeshUpload::commit() {
     try {
       check_cancelled();
       scene_->add_triangles(mesh_, triangles_);
-      fill_scene(*scene_, response_->mutable_scene());
+      pb::UploadMeshResponse response;
+      fill_scene(*scene_, response.mutable_scene());
+      *response_ = to_bytes(response);
       log_event(spdlog::level::info, "mesh uploaded",
                 {{"scene", scene_->id()},
                  {"mesh", mesh_},

@@ -8,22 +8,30 @@
 #include "server/convert/convert.hpp"
 #include "server/scenes/scene_host.hpp"
 #include "server/service/caller.hpp"
+#include "server/service/unary_call.hpp"
+#include "server/service/waiting_calls.hpp"
 
 namespace collided::server {
 
-class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
+/// What uploads work with. Outlives them.
+struct UploadParts {
+  SceneHost& host;
+  const CallParts& calls;
+  WaitingCalls& waiting;
+};
+
+class MeshUpload final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
   /// `held` lives as long as the call.
-  MeshUpload(const grpc::CallbackServerContext& context, SceneHost& host, const Authenticator& authenticator,
-             pb::UploadMeshResponse* response, std::shared_ptr<void> held)
-      : context_(context), host_(host), authenticator_(authenticator), response_(response), held_(std::move(held)) {
-    StartRead(&request_);
-  }
+  MeshUpload(const grpc::CallbackServerContext& context, const UploadParts& parts, grpc::ByteBuffer* response,
+             std::shared_ptr<void> held);
 
   void OnReadDone(bool ok) override;
   void OnDone() override { delete this; }
 
  private:
+  void read();
+  void parse();
   void begin();
   void finish(const grpc::Status& status);
   void take();
@@ -33,10 +41,12 @@ class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
 
   const grpc::CallbackServerContext& context_;
   SceneHost& host_;
-  const Authenticator& authenticator_;
-  pb::UploadMeshResponse* response_;
+  const UploadParts parts_;
+  grpc::ByteBuffer* response_;
   const std::shared_ptr<void> held_;
   Caller caller_;
+  grpc::ByteBuffer bytes_;  // of the chunk that is awaited
+  std::unique_ptr<WaitingCalls::Wait> wait_;
   pb::UploadMeshRequest request_;
   SceneUse scene_;
   uint32_t mesh_ = 0;

@@ -32,6 +32,7 @@ class Bystander {
   void leave() {
     is_leaving_ = true;
     if (thread_.joinable()) thread_.join();
+    stub_.reset();  // and its connection
   }
 
  private:
