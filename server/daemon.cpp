@@ -3,12 +3,12 @@
 
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
-#include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/resource_quota.h>
 
 #include <algorithm>
 #include <chrono>
+#include <climits>
 #include <stdexcept>
 #include <thread>
 
@@ -46,6 +46,15 @@ void set_concurrent_calls(grpc::ServerBuilder& builder, const Limits& limits) {
                              static_cast<int>(std::clamp(2 * limits.max_streams, kLeast, kMost)));
 }
 
+// Our own refusal names the option, and comes first for what is not far above the limit. Compressed messages could
+// unfold to a thousand times their bytes within gRPC, which knows no limit for that.
+void set_message_limits(grpc::ServerBuilder& builder, const Limits& limits) {
+  constexpr uint64_t kAbove = uint64_t{1} << 20;
+  builder.SetMaxReceiveMessageSize(static_cast<int>(std::min<uint64_t>(limits.max_message_bytes + kAbove, INT_MAX)));
+  for (const auto algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP})
+    builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
+}
+
 // Text that is no UTF-8, and the like: the client is told, too.
 void log_protobuf(google::protobuf::LogLevel, const char*, int, const std::string& message) {
   log_event(spdlog::level::debug, message, {{"source", "protobuf"}});
@@ -74,6 +83,7 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
       observer_(metrics_, lifecycle),
       host_(config, observer_),
       service_(config, host_, authenticator_),
+      reflection_(service_.parts(), host_, service_.waiting(), config.open_reflection),
       entrance_(config, metrics_) {
   if (config.backend == "cuda" && !cuda_available())
     throw std::runtime_error("--backend is cuda, but there is no usable CUDA device");
@@ -107,17 +117,20 @@ Gauges Daemon::gauges() const {
 
 void Daemon::listen(const Config& config) {
   grpc::EnableDefaultHealthCheckService(true);
-  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  builder.SetMaxReceiveMessageSize(static_cast<int>(config.limits.max_message_bytes));
+  set_message_limits(builder, config.limits);
   set_quota(builder, config.limits);
   set_concurrent_calls(builder, config.limits);
   set_keepalive(builder, config);
   entrance_.add_to(builder);
   builder.RegisterService(&service_);
+  service_.add_to(router_);
+  reflection_.add_to(router_, {pb::CollisionService::service_full_name(), "grpc.health.v1.Health"});
+  builder.RegisterCallbackGenericService(&router_);
   calls_ = std::make_unique<FrameCalls>(
       builder, service_,
-      FrameCallParts{host_, authenticator_, metrics_, [this](const std::string& peer) { end_flood(peer); }});
+      FrameCallParts{host_, authenticator_, metrics_, service_.waiting(), config.limits.max_message_bytes,
+                     [this](const std::string& peer) { end_flood(peer); }});
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> watches;
   watches.push_back(std::make_unique<CallWatches>(metrics_));
   builder.experimental().SetInterceptorCreators(std::move(watches));

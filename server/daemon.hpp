@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/auth/authenticator.hpp"
+#include "server/builtin/reflection.hpp"
 #include "server/config/config.hpp"
 #include "server/entrance.hpp"
 #include "server/local/local_server.hpp"
@@ -57,6 +58,8 @@ class Daemon {
   ServiceObserver observer_;
   SceneHost host_;
   CollisionService service_;
+  Reflection reflection_;
+  RpcRouter router_;
   Entrance entrance_;
   std::unique_ptr<LocalServer> local_;
   std::unique_ptr<HttpServer> http_;

@@ -77,6 +77,11 @@ class Unauthenticated : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The client took too long.
+class DeadlineExceeded : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// The daemon is about to stop and takes nothing new.
 class Stopping : public std::runtime_error {
  public:

@@ -31,6 +31,7 @@ struct ClientLimits {
 /// finds are here what it finds for a host of 8 GiB.
 struct Limits {
   uint64_t max_message_bytes = uint64_t{64} << 20;
+  uint64_t max_decode_bytes = uint64_t{256} << 20;  ///< of the messages of all calls, unfolded
   uint64_t max_vertices = 64'000'000;
   uint64_t max_triangles = 128'000'000;
   uint32_t max_scenes = 64;
@@ -41,7 +42,8 @@ struct Limits {
   uint32_t max_window = 16;
   uint32_t max_streams = 256;
   double max_idle_seconds = 3600;
-  double lease_seconds = 30;  ///< of scenes that ask for none
+  double max_silent_seconds = 10;  ///< until a call brings what the daemon waits for
+  double lease_seconds = 30;       ///< of scenes that ask for none
   double max_lease_seconds = 3600;
   ClientLimits client;
 
@@ -67,6 +69,7 @@ struct Config {
   bool cuda_ipc = false;               ///< take device memory of clients on the same host
   Tls tls;
   std::string tokens_file;       ///< TOML; empty: no tokens
+  bool open_reflection = false;  ///< the services are described to callers without a token, too
   bool allow_insecure = false;   ///< plain text on addresses that others can reach
   std::string backend = "auto";  ///< auto, cpu or cuda
   int threads = 0;               ///< CPU threads of a scene; 0: all cores

@@ -38,7 +38,7 @@ std::string megabytes(uint64_t bytes) { return std::to_string(bytes / kMegabyte)
 Limits underived_limits() {
   Limits limits;
   limits.max_scene_bytes = limits.max_device_bytes = limits.client.max_device_bytes = 0;
-  limits.max_network_bytes = 0;
+  limits.max_network_bytes = limits.max_decode_bytes = 0;
   limits.client.max_scenes = limits.client.max_streams = 0;
   return limits;
 }
@@ -47,6 +47,7 @@ void derive_limits(Limits& limits, const Memory& memory) {
   fill(limits.max_device_bytes, at_least_one(scene_memory(memory)));
   fill(limits.client.max_device_bytes, at_least_one(limits.max_device_bytes / 4));
   fill(limits.max_scene_bytes, limits.client.max_device_bytes);
+  fill(limits.max_decode_bytes, on_its_way(memory, 256 * kMegabyte));
   fill(limits.max_network_bytes, on_its_way(memory, 512 * kMegabyte));
   fill(limits.client.max_scenes, quarter(limits.max_scenes));
   fill(limits.client.max_streams, quarter(limits.max_streams));

@@ -53,6 +53,10 @@ void add_limit_options(CLI::App& app, Limits& limits) {
       "most 512");
   add<uint32_t>(*group, "--max-connections", limits.max_connections, 0, 1'000'000,
                 "Connections at once; 0: half of the file descriptors, at most 1024");
+  add_megabytes(
+      *group, "--max-decode-mb", limits.max_decode_bytes, kDerivedMegabytes,
+      "MiB that the messages of all calls in work may take, but always enough for the largest; 0: an eighth of "
+      "the memory, at most 256");
   add<uint64_t>(*group, "--max-vertices", limits.max_vertices, 3, 4'294'967'294, "Vertices of one scene");
   add<uint64_t>(*group, "--max-triangles", limits.max_triangles, 1, 1'431'655'764, "Triangles of one scene");
   add<uint32_t>(*group, "--max-scenes", limits.max_scenes, 1, 1'000'000, "Scenes at once");
@@ -65,6 +69,8 @@ void add_limit_options(CLI::App& app, Limits& limits) {
   add<uint32_t>(*group, "--max-streams", limits.max_streams, 1, 1'000'000, "Streams at once");
   add<double>(*group, "--max-idle-seconds", limits.max_idle_seconds, 0.1, 1e6,
               "Seconds that a stream may stay open without a frame");
+  add<double>(*group, "--max-silent-seconds", limits.max_silent_seconds, 0.1, 1e6,
+              "Seconds that a stream may take to open, and an upload or reflection to its next message");
   add<double>(*group, "--lease-seconds", limits.lease_seconds, 0.1, 1e6,
               "Seconds that a scene which asks for none outlives its last stream or call");
   add<double>(*group, "--max-lease-seconds", limits.max_lease_seconds, 0.1, 1e6, "The longest lease to be asked for");

@@ -33,6 +33,8 @@ void add_security(CLI::App& app, Config& config) {
   add(app, "--tls-key", config.tls.key, "PEM file of its private key");
   add(app, "--tls-client-ca", config.tls.client_ca, "PEM file of the CAs of clients, which then need a certificate");
   add(app, "--tokens-file", config.tokens_file, "TOML file of the bearer tokens of clients; empty: none");
+  add_switch(app, "--open-reflection", config.open_reflection,
+             "Describe the services to callers without a token or certificate, too");
   add_switch(app, "--allow-insecure", config.allow_insecure, "Plain text on addresses that other hosts can reach");
 }
 

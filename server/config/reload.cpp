@@ -36,6 +36,7 @@ Reloaded reload_config(int argc, const char* const* argv, const Config& current)
   keeper.keep("cuda-ipc", now.cuda_ipc, current.cuda_ipc);
   keeper.keep("ready-file", now.ready_file, current.ready_file);
   keeper.keep("tls-certificate, tls-key or tls-client-ca", now.tls, current.tls);
+  keeper.keep("open-reflection", now.open_reflection, current.open_reflection);
   keeper.keep("allow-insecure", now.allow_insecure, current.allow_insecure);
   keeper.keep("backend", now.backend, current.backend);
   keeper.keep("threads", now.threads, current.threads);
@@ -44,6 +45,7 @@ Reloaded reload_config(int argc, const char* const* argv, const Config& current)
   keeper.keep("keepalive-timeout-seconds", now.keepalive_timeout_seconds, current.keepalive_timeout_seconds);
   keeper.keep("max-message-mb", now.limits.max_message_bytes, current.limits.max_message_bytes);
   keeper.keep("max-network-mb", now.limits.max_network_bytes, current.limits.max_network_bytes);
+  keeper.keep("max-decode-mb", now.limits.max_decode_bytes, current.limits.max_decode_bytes);
   return reloaded;
 }
 

@@ -17,6 +17,9 @@ namespace collided::server {
 
 namespace pb = collided::v1;
 
+/// Of a scene. With the longest names one still fits one message of gRPC's default size.
+constexpr int kMaxMeshes = 16384;
+
 /// What the parsing of a scene needs to know of the daemon.
 struct SceneDefaults {
   std::string backend = "auto";

@@ -18,7 +18,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the wire is little-endian and is copied as it is");
 
 constexpr size_t kMaxNameBytes = 128;
-constexpr int kMaxMeshes = 16384;  // with the longest names a scene still fits one message of gRPC's default size
 constexpr size_t kTriangleBytes = 12;
 
 // What is wrong with a triangle; empty if nothing is.

@@ -12,6 +12,9 @@
 #include <utility>
 
 #include "gpu/detector.hpp"
+#include "server/convert/refuse.hpp"
+#include "server/convert/wire_bounds.hpp"
+#include "server/errors.hpp"
 
 namespace collided::server {
 namespace {
@@ -46,19 +49,10 @@ bool copy_field(CodedInputStream& in, uint32_t tag, CodedOutputStream& out) {
   return true;
 }
 
-// The fields of a message, but for those that `take` consumes, as the bytes of a smaller message.
-template <class Take>
-std::string remaining_fields(CodedInputStream& in, const char* what, const Take& take) {
-  std::string rest;
-  {
-    StringOutputStream stream(&rest);
-    CodedOutputStream out(&stream);
-    while (const uint32_t tag = in.ReadTag())
-      if (!take(tag) && !copy_field(in, tag, out)) throw_malformed(what);
-    out.Trim();
-  }
-  if (!in.ConsumedEntireMessage()) throw_malformed(what);
-  return rest;
+[[noreturn]] void throw_too_many_updates(const std::string& path, size_t meshes) {
+  throw InvalidInput(
+      path + ".updates",
+      fmt::format("{}.updates has more than {} entries, the number of the scene's meshes", path, meshes));
 }
 
 // A nested message, read by `decode` up to its end.
@@ -72,45 +66,90 @@ void read_nested(CodedInputStream& in, const char* what, const Decode& decode) {
   in.PopLimit(limit);
 }
 
+// The rest of a frame is not read; what is wrong with it is told by its id.
+struct Stopped {};
+
 class Decoder {
  public:
-  Decoder(CodedInputStream& in, const std::function<std::span<std::byte>()>& room) : in_(in), ask_for_room_(room) {}
+  Decoder(CodedInputStream& in, const Expected& expected, const std::function<std::span<std::byte>()>& room)
+      : in_(in), meshes_(expected.meshes), count_("request", most_fields(meshes_.value_or(0))), ask_for_room_(room) {}
 
-  DecodedRequest decode() {
-    const std::string rest = remaining_fields(in_, "request", [&](uint32_t tag) {
+  DecodedRequest decode() try {
+    const std::string rest = remaining_fields("request", [&](uint32_t tag) {
       if (tag != tag_of(pb::StreamFramesRequest::kFrameFieldNumber)) return false;
+      if (!meshes_) throw FailedPrecondition("open", "the first request of a stream must be `open`");
       read_nested(in_, "frame", [&] { decode_frame(*out_.message.mutable_frame()); });
       return true;
     });
     pb::StreamFramesRequest others;
-    if (!others.ParseFromString(rest)) throw_malformed("request");
+    merge(others, rest, "request");
     if (!out_.message.has_frame())
       out_.message = std::move(others);
     else if (others.request_case() != pb::StreamFramesRequest::REQUEST_NOT_SET)
       throw InvalidInput("request", "request has `open` and `frame`, but must have one of them");
     return std::move(out_);
+  } catch (const Stopped&) {
+    return std::move(out_);
   }
 
  private:
+  // The fields of a message, but for those that `take` consumes, as the bytes of a smaller message.
+  template <class Take>
+  std::string remaining_fields(const char* what, const Take& take) {
+    std::string rest;
+    {
+      StringOutputStream stream(&rest);
+      CodedOutputStream out(&stream);
+      while (const uint32_t tag = in_.ReadTag()) {
+        count_.add();
+        if (!take(tag) && !copy_field(in_, tag, out)) throw_malformed(what);
+        if (out_.refusal) break;
+      }
+      out.Trim();
+    }
+    if (!out_.refusal && !in_.ConsumedEntireMessage()) throw_malformed(what);
+    return rest;
+  }
+
+  void merge(google::protobuf::Message& message, const std::string& rest, const char* what) {
+    count_.add_message(rest, *message.GetDescriptor(), what);
+    if (!message.MergeFromString(rest)) throw_malformed(what);
+  }
+
   void decode_frame(pb::Frame& frame) {
-    const std::string rest = remaining_fields(in_, "frame", [&](uint32_t tag) {
+    const std::string rest = remaining_fields("frame", [&](uint32_t tag) {
       if (tag != tag_of(pb::Frame::kUpdatesFieldNumber)) return false;
+      if (static_cast<size_t>(frame.updates_size()) == *meshes_) {
+        out_.refusal = too_many_updates();
+        return true;
+      }
       read_nested(in_, "frame.updates", [&] { decode_update(*frame.add_updates()); });
       return true;
     });
-    if (!frame.MergeFromString(rest)) throw_malformed("frame");
+    merge(frame, rest, "frame");
+    if (!out_.refusal) return;
+    if (frame.frame_id() == 0) std::rethrow_exception(out_.refusal);  // there is no frame yet to answer
+    throw Stopped();
+  }
+
+  std::exception_ptr too_many_updates() const {
+    try {
+      throw_too_many_updates("frame", *meshes_);
+    } catch (...) {
+      return std::current_exception();
+    }
   }
 
   void decode_update(pb::MeshUpdate& update) {
     PlacedPositions placed;
-    const std::string rest = remaining_fields(in_, "frame.updates", [&](uint32_t tag) {
+    const std::string rest = remaining_fields("frame.updates", [&](uint32_t tag) {
       if (tag == tag_of(pb::MeshUpdate::kPositionsFieldNumber))
         return read_bytes(placed.end, *update.mutable_positions());
       if (tag == tag_of(pb::MeshUpdate::kStartPositionsFieldNumber))
         return read_bytes(placed.start, *update.mutable_start_positions());
       return false;
     });
-    if (!update.MergeFromString(rest)) throw_malformed("frame.updates");
+    merge(update, rest, "frame.updates");
     out_.placed.push_back(placed);
   }
 
@@ -138,6 +177,8 @@ class Decoder {
   }
 
   CodedInputStream& in_;
+  const std::optional<size_t> meshes_;
+  FieldCount count_;
   const std::function<std::span<std::byte>()>& ask_for_room_;
   std::optional<std::span<std::byte>> room_;
   size_t used_ = 0;
@@ -146,11 +187,19 @@ class Decoder {
 
 }  // namespace
 
-DecodedRequest decode_request(google::protobuf::io::ZeroCopyInputStream& wire, size_t bytes,
+DecodedRequest decode_request(google::protobuf::io::ZeroCopyInputStream& wire, size_t bytes, const Expected& expected,
                               const std::function<std::span<std::byte>()>& room) {
   CodedInputStream in(&wire);
   in.PushLimit(static_cast<int>(std::min<size_t>(bytes, INT_MAX)));  // sizes that lie are found before they are used
-  return Decoder(in, room).decode();
+  return Decoder(in, expected, room).decode();
+}
+
+pb::Frame parse_bounded_frame(const std::string& bytes, size_t meshes, const char* path) {
+  FieldCount(path, most_fields(meshes)).add_message(bytes, *pb::Frame::descriptor(), path);
+  pb::Frame frame;
+  if (!frame.ParseFromString(bytes)) throw_malformed(path);
+  if (static_cast<size_t>(frame.updates_size()) > meshes) throw_too_many_updates(path, meshes);
+  return frame;
 }
 
 }  // namespace collided::server

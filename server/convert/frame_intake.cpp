@@ -1,13 +1,17 @@
 // A frame of a client on its way into the daemon.
 #include "server/convert/frame_intake.hpp"
 
+#include <limits>
 #include <utility>
 
 #include "server/convert/convert_level.hpp"
+#include "server/convert/refuse.hpp"
 #include "server/scenes/field_path.hpp"
 
 namespace collided::server {
 namespace {
+
+constexpr uint64_t kMaxFrameId = std::numeric_limits<int64_t>::max();
 
 // The slot reads from the message, or from where it was placed, until the frame has been applied.
 void send_positions(Scene& scene, std::shared_ptr<FrameSlot> slot, PendingFrame& frame) {
@@ -24,6 +28,12 @@ void send_positions(Scene& scene, std::shared_ptr<FrameSlot> slot, PendingFrame&
   frame.input.slot = std::move(slot);
 }
 
+// Ids only rise, so that the largest would be the scene's last. Negative numbers end up beyond the limit.
+void check_frame_id(uint64_t id) {
+  if (id > kMaxFrameId)
+    throw InvalidInput("frame.frame_id", fmt::format("frame.frame_id is {}, more than {}", id, kMaxFrameId));
+}
+
 }  // namespace
 
 PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) {
@@ -31,6 +41,7 @@ PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) 
   const auto message = std::make_shared<const pb::Frame>(std::move(incoming.message));
   try {
     if (incoming.refusal) std::rethrow_exception(incoming.refusal);
+    check_frame_id(message->frame_id());
     host.usage().count_frame(scene.facts().owner);
     const Accuracy most = scene.facts().owner->limits.max_accuracy;
     frame = parse_frame(*message, incoming.placed, scene.plan().engine);

@@ -162,7 +162,8 @@ void Connection::submit(pb::LocalRequest& request) {
   const SharedRegion* const region = opening_.region.get();
   IncomingFrame incoming;
   if (request.has_shared_frame())
-    incoming.message = read_frame(region, request.shared_frame(), most_message_bytes(scene.plan().engine));
+    incoming.message =
+        read_frame(region, request.shared_frame(), scene.plan().meshes.size(), most_message_bytes(scene.plan().engine));
   else if (request.has_frame())
     incoming.message = std::move(*request.mutable_frame());
   else

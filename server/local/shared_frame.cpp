@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "server/convert/frame_decode.hpp"
 #include "server/convert/refuse.hpp"
 
 namespace collided::server {
@@ -50,7 +51,7 @@ void place_ranges(const SharedRegion* region, IncomingFrame& frame) {
   }
 }
 
-pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, uint64_t most) {
+pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, size_t meshes, uint64_t most) {
   constexpr auto kPath = "shared_frame";
   const auto bytes = resolve(region, range, kPath);
   if (!region->is_host()) throw_invalid(kPath, "is set, but the input region is memory of the device");
@@ -58,9 +59,7 @@ pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, u
     throw_invalid(kPath, fmt::format("has {} bytes, but a frame of this scene takes at most {}", bytes.size(), most));
   const std::string copy(reinterpret_cast<const char*>(bytes.data()),
                          bytes.size());  // the client may still write there
-  pb::Frame frame;
-  if (!frame.ParseFromString(copy)) throw_invalid(kPath, "is cut off or malformed: its bytes are no frame");
-  return frame;
+  return parse_bounded_frame(copy, meshes, kPath);
 }
 
 }  // namespace collided::server

@@ -11,7 +11,8 @@ namespace collided::server {
 /// What is wrong with a range becomes the frame's refusal.
 void place_ranges(const SharedRegion* region, IncomingFrame& frame);
 
-/// The message that lies in the region itself, of at most `most` bytes. Throws InvalidInput.
-pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, uint64_t most);
+/// The message that lies in the region itself, for a scene of so many meshes, of at most `most` bytes. Throws
+/// InvalidInput, LimitExceeded.
+pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, size_t meshes, uint64_t most);
 
 }  // namespace collided::server

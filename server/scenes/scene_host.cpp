@@ -13,7 +13,6 @@ namespace collided::server {
 namespace {
 
 constexpr auto kWatchPeriod = std::chrono::milliseconds(250);
-constexpr double kMaxUploadSilence = 10;  // seconds; max_idle_seconds if that is less
 
 // On a GPU the host's part of one frame goes on beside the device's part of another; on CPU cores two keep all busy
 // while one of them is in a part that does not spread over cores. A step on a GPU gives no turn back before its end: a
@@ -107,7 +106,8 @@ void SceneHost::watch_once() {
 }
 
 void SceneHost::end_stale_uploads() {
-  const std::chrono::duration<double> most(std::min(kMaxUploadSilence, limits().max_idle_seconds));
+  const Limits now = limits();
+  const std::chrono::duration<double> most(std::min(now.max_silent_seconds, now.max_idle_seconds));
   uploads_.end_stale(Upload::Clock::now(), most);
 }
 

@@ -1,12 +1,32 @@
 // What becomes of each call, as metrics and log lines.
 #include "server/service/call_watch.hpp"
 
+#include "collided/v1/collision_service.pb.h"
+#include "server/ops/log_rate.hpp"
 #include "server/service/caller.hpp"
 #include "server/service/status.hpp"
 
 namespace collided::server {
 
+namespace pb = collided::v1;
+
 using grpc::experimental::InterceptionHookPoints;
+
+namespace {
+
+bool is_served(const std::string& method) {
+  static const auto* service = pb::GetSceneRequest::descriptor()->file()->FindServiceByName("CollisionService");
+  return service->FindMethodByName(method) || method == "Check" || method == "Watch" ||
+         method == "ServerReflectionInfo";
+}
+
+// Callers choose the path, but not the names that are counted.
+std::string method_of(const std::string& path) {
+  std::string method = path.substr(path.rfind('/') + 1);
+  return is_served(method) ? method : "unknown";
+}
+
+}  // namespace
 
 void CallWatch::Intercept(grpc::experimental::InterceptorBatchMethods* methods) {
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_INITIAL_METADATA))
@@ -16,19 +36,19 @@ void CallWatch::Intercept(grpc::experimental::InterceptorBatchMethods* methods) 
 }
 
 void CallWatch::ended(const grpc::Status& status) const {
-  metrics_.count_call(method_, code_name(status.error_code()));
-  if (status.ok()) return;
+  const std::string code = code_name(status.error_code());
+  metrics_.count_call(method_, code);
+  if (status.ok() || !admit_refusal(method_, code)) return;
   log_event(spdlog::level::info, "call refused",
             {{"method", method_},
-             {"code", code_name(status.error_code())},
+             {"code", code},
              {"reason", status.error_message()},
              {"request", ids_.request_id},
              {"trace", ids_.trace_id}});
 }
 
 grpc::experimental::Interceptor* CallWatches::CreateServerInterceptor(grpc::experimental::ServerRpcInfo* info) {
-  const std::string_view path = info->method();
-  const std::string_view method = path.substr(path.rfind('/') + 1);
+  const std::string method = method_of(info->method());
   return method == "StreamFrames" ? nullptr : new CallWatch(method, metrics_);
 }
 

@@ -5,7 +5,6 @@
 
 #include "server/convert/chunks.hpp"
 #include "server/errors.hpp"
-#include "server/service/guard.hpp"
 
 namespace collided::server {
 namespace {
@@ -21,36 +20,34 @@ void check_size(const AnsweredFrame& frame, uint64_t bytes) {
                                            frame.frame_id, bytes, kMaxAnswerBytes));
 }
 
-void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameResponse* response) {
+void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameResponse& response) {
   const auto begin = std::chrono::steady_clock::now();
   const auto chunks = cut_into_chunks(frame.result, scene.plan().fields, kMaxChunkBytes);
   for (const auto& chunk : chunks) frame.cost.bytes_out += chunk.count() * chunk.fields.contact_bytes();
   check_size(frame, frame.cost.bytes_out);
-  for (const auto& chunk : chunks) fill_chunk(chunk, scene.topology(), response->add_contacts());
+  for (const auto& chunk : chunks) fill_chunk(chunk, scene.topology(), response.add_contacts());
   frame.cost.encode_milliseconds = milliseconds_since(begin);
   frame.cost.total_milliseconds = milliseconds_since(frame.arrival);
-  fill_done(frame.result, frame.cost, response->mutable_done());
+  fill_done(frame.result, frame.cost, response.mutable_done());
 }
 
 }  // namespace
 
-void detect_frame(grpc::ServerUnaryReactor* reactor, const grpc::CallbackServerContext* context, Scene& scene,
-                  PendingFrame frame, pb::DetectFrameResponse* response) {
-  guard(reactor, [&] {
+void detect_frame(UnaryCall<pb::DetectFrameRequest, pb::DetectFrameResponse>& call, Scene& scene, PendingFrame frame) {
+  guard(call, [&] {
     try {
       if (scene.stream())
         throw FailedPrecondition(
             "scene_id",
             fmt::format("scene_id: scene {} has an open stream, which alone brings its frames", scene.id()));
-      auto answered = run_frame(scene, frame, [context] { return context->IsCancelled(); });
-      fill_answer(scene, answered, response);
+      auto answered = run_frame(scene, frame, [&call] { return call.is_cancelled(); });
+      fill_answer(scene, answered, call.response());
       scene.observer().answered(scene, answered);
     } catch (...) {
-      response->Clear();
       scene.observer().refused(scene, frame.frame_id, std::current_exception());
       throw;
     }
-    reactor->Finish(grpc::Status::OK);
+    call.finish();
   });
 }
 

@@ -9,6 +9,7 @@
 #include "server/errors.hpp"
 #include "server/service/stream_log.hpp"
 #include "server/service/stream_messages.hpp"
+#include "server/service/unary_call.hpp"
 
 namespace collided::server {
 namespace {
@@ -47,12 +48,24 @@ void FrameCall::on_accepted(bool ok) {
   try {
     caller_.client = identify(context_, calls_.parts_.authenticator).client;
     host_.check_serving();
-    place_ = host_.usage().begin_stream(caller_.client);
+    await_opening();
   } catch (...) {
     return fail();
   }
   const std::lock_guard lock(mutex_);
   read_locked();
+}
+
+// As many may wait as may be open: whoever opens at once is never pushed out by those who never do.
+void FrameCall::await_opening() {
+  const Limits limits = host_.limits();
+  const WaitRule rule{"the opening of a stream", limits.max_silent_seconds, limits.max_streams,
+                      caller_.client->limits.max_streams};
+  auto wait = calls_.parts_.waiting.wait(rule, caller_.client, [weak = weak_from_this()](const auto& why) {
+    if (const auto call = weak.lock()) call->ended(why);
+  });
+  const std::lock_guard lock(mutex_);
+  opening_ = std::move(wait);
 }
 
 void FrameCall::on_read(bool ok) {
@@ -77,6 +90,7 @@ void FrameCall::on_read(bool ok) {
 }
 
 void FrameCall::take(const grpc::ByteBuffer& bytes) {
+  check_message_size(bytes.Length(), calls_.parts_.max_message_bytes);
   if (session_) session_->scene().worker().expect();
   IncomingFrame incoming;
   auto request = decode(bytes, incoming);
@@ -87,15 +101,20 @@ void FrameCall::take(const grpc::ByteBuffer& bytes) {
   if (!request.message.has_frame()) throw FailedPrecondition("frame", "requests after the first must be `frame`");
   incoming.message = std::move(*request.message.mutable_frame());
   incoming.placed = std::move(request.placed);
+  if (request.refusal) incoming.refusal = request.refusal;
   submit(std::move(incoming));
+}
+
+Expected FrameCall::expected() const {
+  if (!session_) return {};
+  return {session_->scene().plan().meshes.size()};
 }
 
 // Positions go straight to a slot. Where there is none, the frame is read all the same, to be refused by its id.
 DecodedRequest FrameCall::decode(const grpc::ByteBuffer& bytes, IncomingFrame& incoming) const {
   grpc::ByteBuffer copy(bytes);  // of references
   grpc::ProtoBufferReader reader(&copy);
-  return decode_request(reader, bytes.Length(), [&]() -> std::span<std::byte> {
-    if (!session_) return {};
+  return decode_request(reader, bytes.Length(), expected(), [&]() -> std::span<std::byte> {
     try {
       incoming.slot = session_->scene().take_slot();
       const uint64_t most = session_->scene().most_position_bytes();
@@ -110,8 +129,9 @@ DecodedRequest FrameCall::decode(const grpc::ByteBuffer& bytes, IncomingFrame& i
 void FrameCall::open(const pb::OpenStream& open) {
   const OpenedStream wanted = parse_open(open, host_.limits());
   window_ = wanted.window;
-  auto session = FrameSession::open(host_.scenes().find(caller_.client, open.scene_id()), open.resume_token(),
-                                    wanted.delivery, shared_from_this());
+  auto scene = host_.scenes().find(caller_.client, open.scene_id());
+  take_place();
+  auto session = FrameSession::open(std::move(scene), open.resume_token(), wanted.delivery, shared_from_this());
   if (!open.resume_token().empty()) calls_.parts_.metrics.count_reconnect();
   {
     const std::lock_guard lock(mutex_);
@@ -120,6 +140,14 @@ void FrameCall::open(const pb::OpenStream& open) {
   }
   host_.check_serving();  // the stop may have been announced just before there was a session to tell
   log_stream_opened("stream", open.scene_id(), window_, caller_.client->name, caller_.ids);
+}
+
+// Among the client's streams, instead of among those that wait.
+void FrameCall::take_place() {
+  auto place = host_.usage().begin_stream(caller_.client);
+  const std::lock_guard lock(mutex_);
+  opening_.reset();
+  if (!status_) place_ = std::move(place);
 }
 
 void FrameCall::submit(IncomingFrame incoming) {
@@ -233,6 +261,7 @@ void FrameCall::end_locked(const grpc::Status& status) {
     session_->close();
   else
     calls_.parts_.fruitless(context_.peer());
+  opening_.reset();
   place_.reset();
   finish_locked();
 }

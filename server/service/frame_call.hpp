@@ -57,9 +57,12 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   void on_gone(bool);
   void on_linger(bool ok);
 
+  void await_opening();
   void take(const grpc::ByteBuffer& bytes);
+  Expected expected() const;
   DecodedRequest decode(const grpc::ByteBuffer& bytes, IncomingFrame& incoming) const;
   void open(const pb::OpenStream& open);
+  void take_place();
   void submit(IncomingFrame incoming);
   void fail();
   void send(const pb::StreamFramesResponse& response);
@@ -84,12 +87,13 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
       written_{*this, &FrameCall::on_written}, finished_{*this, &FrameCall::on_finished},
       gone_{*this, &FrameCall::on_gone}, lingered_{*this, &FrameCall::on_linger};
 
-  Caller caller_;                // set before the first read
-  std::shared_ptr<void> place_;  // among the client's streams
-  uint32_t window_ = 0;          // set by the opening
+  Caller caller_;        // set before the first read
+  uint32_t window_ = 0;  // set by the opening
 
   mutable std::mutex mutex_;  // guards what follows
   std::shared_ptr<FrameSession> session_;
+  std::unique_ptr<WaitingCalls::Wait> opening_;  // until it has come
+  std::shared_ptr<void> place_;                  // among the client's streams, once it is open
   std::deque<EncodedMessage> outgoing_;
   size_t outgoing_bytes_ = 0;
   uint32_t in_flight_ = 0;              // frames whose end has not been written yet

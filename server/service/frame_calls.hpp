@@ -14,6 +14,7 @@
 #include "server/ops/metrics.hpp"
 #include "server/scenes/scene_host.hpp"
 #include "server/service/raw_service.hpp"
+#include "server/service/waiting_calls.hpp"
 
 namespace collided::server {
 
@@ -24,6 +25,8 @@ struct FrameCallParts {
   SceneHost& host;
   const Authenticator& authenticator;
   Metrics& metrics;
+  WaitingCalls& waiting;
+  uint64_t max_message_bytes;
   std::function<void(const std::string& peer)> fruitless;  ///< called for each that ends without having opened a stream
 };
 

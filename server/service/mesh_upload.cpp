@@ -7,40 +7,63 @@
 #include "server/service/status.hpp"
 
 namespace collided::server {
+namespace {
 
-MeshUpload::MeshUpload(const grpc::CallbackServerContext& context, SceneHost& host, const Authenticator& authenticator,
-                       pb::UploadMeshResponse* response, std::shared_ptr<void> held)
+constexpr size_t kMostUnbegun = 1024, kMostUnbegunOfClient = 256;  // uploads without a chunk
+
+}  // namespace
+
+MeshUpload::MeshUpload(const grpc::CallbackServerContext& context, const UploadParts& parts, grpc::ByteBuffer* response,
+                       std::shared_ptr<void> held)
     : context_(context),
-      host_(host),
+      host_(parts.host),
+      parts_(parts),
       response_(response),
       held_(std::move(held)),
       upload_(std::make_shared<Upload>([this](const std::exception_ptr& why) { Finish(to_status(describe(why))); },
                                        Upload::Clock::now())) {
   try {
-    caller_ = identify(context, authenticator);
-    host.uploads().add(upload_);
+    caller_ = identify(context, parts_.calls.authenticator);
+    await_first();
+    host_.uploads().add(upload_);
     read();
   } catch (...) {
     finish(to_status(describe_current()));
   }
 }
 
+// Until it has begun an upload has no place among its client's streams: only so many may be without one.
+void MeshUpload::await_first() {
+  const WaitRule rule{"the first chunk of the upload", host_.limits().max_silent_seconds, kMostUnbegun,
+                      kMostUnbegunOfClient};
+  first_chunk_ = parts_.waiting.wait(rule, caller_.client,
+                                     [this](const std::exception_ptr& why) { finish(to_status(describe(why))); });
+}
+
 void MeshUpload::read() {
-  upload_->wait([this] { StartRead(&request_); });
+  upload_->wait([this] { StartRead(&bytes_); });
 }
 
 void MeshUpload::OnReadDone(bool ok) try {
   if (!upload_->receive(Upload::Clock::now())) return;
   if (!ok) return commit();
+  parse();
   if (!upload_->scene()) begin();
   take();
   request_ = {};  // its memory, too: a call may wait for long
+  share_.reset();
   read();
 } catch (...) {
   finish(to_status(describe_current()));
 }
 
+void MeshUpload::parse() {
+  share_ = parse_bounded(bytes_, caller_.client, parts_.calls, request_);
+  bytes_.Clear();
+}
+
 void MeshUpload::begin() {
+  first_chunk_.reset();
   auto place = host_.usage().begin_stream(caller_.client);
   upload_->begin(host_.scenes().find(caller_.client, request_.scene_id()), request_.mesh(), std::move(place));
 }
@@ -96,7 +119,9 @@ void MeshUpload::add_to_scene() {
   Scene& scene = *upload_->scene();
   const uint64_t count = upload_->triangles().size();
   scene.add_triangles(upload_->mesh(), upload_->triangles());
-  fill_scene(scene, response_->mutable_scene());
+  pb::UploadMeshResponse response;
+  fill_scene(scene, response.mutable_scene());
+  *response_ = to_bytes(response);
   log_event(spdlog::level::info, "mesh uploaded",
             {{"scene", scene.id()},
              {"mesh", upload_->mesh()},

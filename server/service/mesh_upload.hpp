@@ -8,20 +8,31 @@
 #include "server/convert/convert.hpp"
 #include "server/scenes/scene_host.hpp"
 #include "server/service/caller.hpp"
+#include "server/service/unary_call.hpp"
+#include "server/service/waiting_calls.hpp"
 
 namespace collided::server {
 
-class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
+/// What uploads work with. Outlives them.
+struct UploadParts {
+  SceneHost& host;
+  const CallParts& calls;
+  WaitingCalls& waiting;
+};
+
+class MeshUpload final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
   /// `held` lives as long as the call.
-  MeshUpload(const grpc::CallbackServerContext& context, SceneHost& host, const Authenticator& authenticator,
-             pb::UploadMeshResponse* response, std::shared_ptr<void> held);
+  MeshUpload(const grpc::CallbackServerContext& context, const UploadParts& parts, grpc::ByteBuffer* response,
+             std::shared_ptr<void> held);
 
   void OnReadDone(bool ok) override;
   void OnDone() override { delete this; }
 
  private:
+  void await_first();
   void read();
+  void parse();
   void begin();
   void finish(const grpc::Status& status);
   void take();
@@ -32,11 +43,15 @@ class MeshUpload final : public grpc::ServerReadReactor<pb::UploadMeshRequest> {
 
   const grpc::CallbackServerContext& context_;
   SceneHost& host_;
-  pb::UploadMeshResponse* response_;
+  const UploadParts parts_;
+  grpc::ByteBuffer* response_;
   const std::shared_ptr<void> held_;
   const std::shared_ptr<Upload> upload_;
   Caller caller_;
+  grpc::ByteBuffer bytes_;  // of the chunk that is awaited
   pb::UploadMeshRequest request_;
+  std::shared_ptr<void> share_;  // of the decode budget, for the chunk at hand
+  std::unique_ptr<WaitingCalls::Wait> first_chunk_;
 };
 
 }  // namespace collided::server

@@ -1,5 +1,6 @@
 #pragma once
-// How each method of the service is served: StreamFrames raw and by completion queues, the others by callbacks.
+// How each method of the service is served: StreamFrames raw and by completion queues, UploadMesh raw and by callbacks,
+// the others by RpcRouter. None has its first message read before its caller is known.
 
 #include "collided/v1/collision_service.grpc.pb.h"
 
@@ -8,12 +9,13 @@ namespace collided::server {
 namespace pb = collided::v1;
 
 template <class Base>
-using WithCallbacks = pb::CollisionService::WithCallbackMethod_GetServerInfo<
-    pb::CollisionService::WithCallbackMethod_CreateScene<pb::CollisionService::WithCallbackMethod_UploadMesh<
-        pb::CollisionService::WithCallbackMethod_GetScene<pb::CollisionService::WithCallbackMethod_ListScenes<
-            pb::CollisionService::WithCallbackMethod_DeleteScene<pb::CollisionService::WithCallbackMethod_DetectFrame<
-                pb::CollisionService::WithCallbackMethod_WatchScene<Base>>>>>>>>;
+using WithRoutes =
+    pb::CollisionService::WithGenericMethod_GetServerInfo<pb::CollisionService::WithGenericMethod_CreateScene<
+        pb::CollisionService::WithGenericMethod_GetScene<pb::CollisionService::WithGenericMethod_ListScenes<
+            pb::CollisionService::WithGenericMethod_DeleteScene<pb::CollisionService::WithGenericMethod_DetectFrame<
+                pb::CollisionService::WithGenericMethod_WatchScene<Base>>>>>>>;
 
-using RawService = pb::CollisionService::WithRawMethod_StreamFrames<WithCallbacks<pb::CollisionService::Service>>;
+using RawService = pb::CollisionService::WithRawMethod_StreamFrames<
+    pb::CollisionService::WithRawCallbackMethod_UploadMesh<WithRoutes<pb::CollisionService::Service>>>;
 
 }  // namespace collided::server

@@ -6,8 +6,8 @@
 
 #include "server/errors.hpp"
 #include "server/service/detect_frame.hpp"
-#include "server/service/guard.hpp"
 #include "server/service/mesh_upload.hpp"
+#include "server/shorten.hpp"
 
 namespace collided::server {
 namespace {
@@ -22,11 +22,18 @@ std::vector<DeviceInfo> order_devices(std::vector<DeviceInfo> devices, bool cuda
   return devices;
 }
 
-class Unserved final : public grpc::ServerWriteReactor<pb::WatchSceneResponse> {
- public:
-  Unserved() { Finish(to_status(describe(std::make_exception_ptr(Unimplemented("", "WatchScene is not served"))))); }
-  void OnDone() override { delete this; }
-};
+// Tokens are ids of scenes, which may be gone by now.
+void check_page_token(const std::string& token) {
+  constexpr size_t kDigits = 32;
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  if (token.empty() || (token.size() == kDigits && std::all_of(token.begin(), token.end(), is_digit))) return;
+  throw InvalidInput("page_token", fmt::format("page_token is \"{}\", but must be the next_page_token of an answer",
+                                               shorten(token, 64)));
+}
+
+std::string path_of(const char* method) {
+  return fmt::format("/{}/{}", pb::CollisionService::service_full_name(), method);
+}
 
 }  // namespace
 
@@ -35,17 +42,26 @@ CollisionService::CollisionService(const Config& config, SceneHost& host, const 
       has_cuda_(cuda_available()),
       devices_(order_devices(list_devices(), config.backend != "cpu" && has_cuda_)),
       host_(host),
-      authenticator_(authenticator) {}
+      budget_(config.limits),
+      parts_{authenticator, budget_, config.limits.max_message_bytes} {}
 
-// Answers at once; `body` fills the response.
-template <class Body>
-grpc::ServerUnaryReactor* CollisionService::answer(Context* context, const Body& body) {
-  auto* reactor = context->DefaultReactor();
-  guard(reactor, [&] {
-    body(identify(*context, authenticator_).client);
-    reactor->Finish(grpc::Status::OK);
+template <class Request, class Response>
+void CollisionService::add(RpcRouter& router, const char* method, Body<Request, Response> body) {
+  router.add(path_of(method), [this, body](grpc::GenericCallbackServerContext& context) {
+    const auto run = [this, body](UnaryCall<Request, Response>& call) { (this->*body)(call); };
+    return serve_unary<Request, Response>(context, parts_, run);
   });
-  return reactor;
+}
+
+void CollisionService::add_to(RpcRouter& router) {
+  add(router, "GetServerInfo", &CollisionService::get_server_info);
+  add(router, "CreateScene", &CollisionService::create_scene);
+  add(router, "GetScene", &CollisionService::get_scene);
+  add(router, "ListScenes", &CollisionService::list_scenes);
+  add(router, "DeleteScene", &CollisionService::delete_scene);
+  add(router, "DetectFrame", &CollisionService::detect_frame);
+  router.add(path_of("WatchScene"),
+             [](auto&) -> grpc::ServerGenericBidiReactor* { throw Unimplemented("", "WatchScene is not served"); });
 }
 
 SceneDefaults CollisionService::defaults(const Client& client) const {
@@ -54,40 +70,32 @@ SceneDefaults CollisionService::defaults(const Client& client) const {
   return {config_.backend, config_.threads, limits, has_cuda_, !config_.local_socket.empty()};
 }
 
-grpc::ServerUnaryReactor* CollisionService::GetServerInfo(Context* context, const pb::GetServerInfoRequest*,
-                                                          pb::GetServerInfoResponse* response) {
-  return answer(context, [&](const Client& client) {
-    response->set_version(COLLIDED_VERSION);
-    for (const auto& device : devices_) fill_device(device, response->add_devices());
-    fill_limits(host_.limits(), client->limits, response->mutable_limits());
-    response->set_local_socket(config_.local_socket);
-  });
+void CollisionService::get_server_info(UnaryCall<pb::GetServerInfoRequest, pb::GetServerInfoResponse>& call) {
+  auto& response = call.response();
+  response.set_version(COLLIDED_VERSION);
+  for (const auto& device : devices_) fill_device(device, response.add_devices());
+  fill_limits(host_.limits(), call.caller().client->limits, response.mutable_limits());
+  response.set_local_socket(config_.local_socket);
+  call.finish();
 }
 
-grpc::ServerUnaryReactor* CollisionService::CreateScene(Context* context, const pb::CreateSceneRequest* request,
-                                                        pb::CreateSceneResponse* response) {
-  auto* reactor = context->DefaultReactor();
-  guard(reactor, [&] {
-    const Caller caller = identify(*context, authenticator_);
-    auto [scene, is_new] = host_.add_scene(caller.client, parse_scene(*request, defaults(caller.client)));
-    Scene& target = *scene;
-    if (is_new)
-      return target.worker().post(
-          [=, this, scene = std::move(scene), held = calls_] { build(scene, caller, response, reactor); });
-    target.worker().post([=, this, scene = std::move(scene), held = calls_] {  // once the first request has made it
-      guard(reactor, [&] {
-        scene->check_open();
-        fill_scene(*scene, response->mutable_scene());
-        reactor->Finish(grpc::Status::OK);
-      });
+void CollisionService::create_scene(UnaryCall<pb::CreateSceneRequest, pb::CreateSceneResponse>& call) {
+  auto [scene, is_new] = host_.add_scene(call.caller().client, parse_scene(call.request(), defaults(call.caller().client)));
+  Scene& target = *scene;
+  if (is_new)
+    return target.worker().post([this, &call, scene = std::move(scene), held = calls_] { build(scene, call); });
+  target.worker().post([&call, scene = std::move(scene), held = calls_] {  // once the first request has made it
+    guard(call, [&] {
+      scene->check_open();
+      fill_scene(*scene, call.response().mutable_scene());
+      call.finish();
     });
   });
-  return reactor;
 }
 
-void CollisionService::build(const SceneUse& scene, const Caller& caller, pb::CreateSceneResponse* response,
-                             Reactor* reactor) {
-  guard(reactor, [&] {
+void CollisionService::build(const SceneUse& scene, UnaryCall<pb::CreateSceneRequest, pb::CreateSceneResponse>& call) {
+  const Caller& caller = call.caller();
+  guard(call, [&] {
     try {
       scene->build_if_complete();
     } catch (const NotFound&) {
@@ -96,8 +104,8 @@ void CollisionService::build(const SceneUse& scene, const Caller& caller, pb::Cr
       host_.scenes().remove(caller.client, scene->id())->release();
       throw;
     }
-    fill_scene(*scene, response->mutable_scene());
-    const auto& made = response->scene();
+    fill_scene(*scene, call.response().mutable_scene());
+    const auto& made = call.response().scene();
     log_event(spdlog::level::info, "scene created",
               {{"scene", scene->id()},
                {"name", made.spec().display_name()},
@@ -107,76 +115,64 @@ void CollisionService::build(const SceneUse& scene, const Caller& caller, pb::Cr
                {"client", caller.client->name},
                {"request", caller.ids.request_id},
                {"trace", caller.ids.trace_id}});
-    reactor->Finish(grpc::Status::OK);
+    call.finish();
   });
 }
 
-grpc::ServerReadReactor<pb::UploadMeshRequest>* CollisionService::UploadMesh(Context* context,
-                                                                             pb::UploadMeshResponse* response) {
-  return new MeshUpload(*context, host_, authenticator_, response, calls_);
+grpc::ServerReadReactor<grpc::ByteBuffer>* CollisionService::UploadMesh(grpc::CallbackServerContext* context,
+                                                                        grpc::ByteBuffer* response) {
+  return new MeshUpload(*context, {host_, parts_, waiting_}, response, calls_);
 }
 
-grpc::ServerUnaryReactor* CollisionService::GetScene(Context* context, const pb::GetSceneRequest* request,
-                                                     pb::GetSceneResponse* response) {
-  return answer(context, [&](const Client& client) {
-    fill_scene(*host_.scenes().find(client, request->scene_id()), response->mutable_scene());
-  });
+void CollisionService::get_scene(UnaryCall<pb::GetSceneRequest, pb::GetSceneResponse>& call) {
+  fill_scene(*host_.scenes().find(call.caller().client, call.request().scene_id()), call.response().mutable_scene());
+  call.finish();
 }
 
-grpc::ServerUnaryReactor* CollisionService::ListScenes(Context* context, const pb::ListScenesRequest* request,
-                                                       pb::ListScenesResponse* response) {
-  return answer(context, [&](const Client& client) {
-    const uint32_t size = request->page_size() ? request->page_size() : kDefaultPage;
-    if (size > kMaxPage) throw InvalidInput("page_size", fmt::format("page_size is {}, more than {}", size, kMaxPage));
-    auto page = host_.scenes().page(client, request->page_token(), size + 1);  // one more tells whether a page follows
-    size_t shown = 0;
-    for (size_t bytes = 0; shown < std::min<size_t>(page.size(), size) && bytes < kFullPageBytes; ++shown) {
-      fill_scene(*page[shown], response->add_scenes());
-      bytes += response->scenes().rbegin()->ByteSizeLong();
-    }
-    if (shown < page.size()) response->set_next_page_token(page[shown - 1]->id());
-  });
+void CollisionService::list_scenes(UnaryCall<pb::ListScenesRequest, pb::ListScenesResponse>& call) {
+  const auto& request = call.request();
+  auto& response = call.response();
+  const uint32_t size = request.page_size() ? request.page_size() : kDefaultPage;
+  if (size > kMaxPage) throw InvalidInput("page_size", fmt::format("page_size is {}, more than {}", size, kMaxPage));
+  check_page_token(request.page_token());
+  // One more tells whether a page follows.
+  auto page = host_.scenes().page(call.caller().client, request.page_token(), size + 1);
+  size_t shown = 0;
+  for (size_t bytes = 0; shown < std::min<size_t>(page.size(), size) && bytes < kFullPageBytes; ++shown) {
+    fill_scene(*page[shown], response.add_scenes());
+    bytes += response.scenes().rbegin()->ByteSizeLong();
+  }
+  if (shown < page.size()) response.set_next_page_token(page[shown - 1]->id());
+  call.finish();
 }
 
-grpc::ServerUnaryReactor* CollisionService::DeleteScene(Context* context, const pb::DeleteSceneRequest* request,
-                                                        pb::DeleteSceneResponse*) {
-  auto* reactor = context->DefaultReactor();
-  guard(reactor, [&] {
-    const Caller caller = identify(*context, authenticator_);
-    auto scene = host_.scenes().remove(caller.client, request->scene_id());
-    host_.end_stale_uploads();
-    scene->worker().post([scene, caller, reactor, held = calls_] {
+void CollisionService::delete_scene(UnaryCall<pb::DeleteSceneRequest, pb::DeleteSceneResponse>& call) {
+  auto scene = host_.scenes().remove(call.caller().client, call.request().scene_id());
+  host_.end_stale_uploads();
+  scene->worker().post([scene, &call, held = calls_] {
+    guard(call, [&] {
       scene->release();
+      const Caller& caller = call.caller();
       log_event(spdlog::level::info, "scene deleted",
                 {{"scene", scene->id()},
                  {"client", caller.client->name},
                  {"request", caller.ids.request_id},
                  {"trace", caller.ids.trace_id}});
-      reactor->Finish(grpc::Status::OK);
+      call.finish();
     });
   });
-  return reactor;
 }
 
-grpc::ServerUnaryReactor* CollisionService::DetectFrame(Context* context, const pb::DetectFrameRequest* request,
-                                                        pb::DetectFrameResponse* response) {
-  auto* reactor = context->DefaultReactor();
-  guard(reactor, [&] {
-    IncomingFrame incoming;
-    const SceneUse scene = host_.scenes().find(identify(*context, authenticator_).client, request->scene_id());
-    incoming.message = request->frame();
-    auto frame = std::make_shared<PendingFrame>(admit_frame(host_, *scene, std::move(incoming)));
-    const auto job = [=, held = calls_] { detect_frame(reactor, context, *scene, std::move(*frame), response); };
-    if (!scene->worker().try_post(job))
-      throw LimitExceeded::quota("scene:" + scene->id(),
-                                 fmt::format("max_window is {}, and as many frames wait for scene {}",
-                                             host_.limits().max_window, scene->id()));
-  });
-  return reactor;
-}
-
-grpc::ServerWriteReactor<pb::WatchSceneResponse>* CollisionService::WatchScene(Context*, const pb::WatchSceneRequest*) {
-  return new Unserved;
+void CollisionService::detect_frame(UnaryCall<pb::DetectFrameRequest, pb::DetectFrameResponse>& call) {
+  const SceneUse scene = host_.scenes().find(call.caller().client, call.request().scene_id());
+  IncomingFrame incoming;
+  incoming.message = std::move(*call.request().mutable_frame());
+  auto frame = std::make_shared<PendingFrame>(admit_frame(host_, *scene, std::move(incoming)));
+  const auto job = [&call, scene, frame, held = calls_] { server::detect_frame(call, *scene, std::move(*frame)); };
+  if (!scene->worker().try_post(job))
+    throw LimitExceeded::quota(
+        "scene:" + scene->id(),
+        fmt::format("max_window is {}, and as many frames wait for scene {}", host_.limits().max_window, scene->id()));
 }
 
 }  // namespace collided::server

@@ -15,6 +15,9 @@
 #include "server/scenes/scene_host.hpp"
 #include "server/service/caller.hpp"
 #include "server/service/raw_service.hpp"
+#include "server/service/rpc_router.hpp"
+#include "server/service/unary_call.hpp"
+#include "server/service/waiting_calls.hpp"
 
 namespace collided::server {
 
@@ -23,31 +26,37 @@ class CollisionService final : public RawService {
   /// `host` and `authenticator` outlive the service.
   CollisionService(const Config& config, SceneHost& host, const Authenticator& authenticator);
 
+  /// Serves all methods but StreamFrames. Before the server is built; the service outlives it.
+  void add_to(RpcRouter& router);
   /// Calls in work.
   uint64_t in_work() const { return static_cast<uint64_t>(calls_.use_count() - 1); }
+  WaitingCalls& waiting() { return waiting_; }
+  const CallParts& parts() const { return parts_; }
 
-  using Context = grpc::CallbackServerContext;
-  using Reactor = grpc::ServerUnaryReactor;
-  Reactor* GetServerInfo(Context*, const pb::GetServerInfoRequest*, pb::GetServerInfoResponse*) override;
-  Reactor* CreateScene(Context*, const pb::CreateSceneRequest*, pb::CreateSceneResponse*) override;
-  grpc::ServerReadReactor<pb::UploadMeshRequest>* UploadMesh(Context*, pb::UploadMeshResponse*) override;
-  Reactor* GetScene(Context*, const pb::GetSceneRequest*, pb::GetSceneResponse*) override;
-  Reactor* ListScenes(Context*, const pb::ListScenesRequest*, pb::ListScenesResponse*) override;
-  Reactor* DeleteScene(Context*, const pb::DeleteSceneRequest*, pb::DeleteSceneResponse*) override;
-  Reactor* DetectFrame(Context*, const pb::DetectFrameRequest*, pb::DetectFrameResponse*) override;
-  grpc::ServerWriteReactor<pb::WatchSceneResponse>* WatchScene(Context*, const pb::WatchSceneRequest*) override;
+  grpc::ServerReadReactor<grpc::ByteBuffer>* UploadMesh(grpc::CallbackServerContext*, grpc::ByteBuffer*) override;
 
  private:
-  template <class Body>
-  Reactor* answer(Context* context, const Body& body);
+  template <class Request, class Response>
+  using Body = void (CollisionService::*)(UnaryCall<Request, Response>&);
+
+  template <class Request, class Response>
+  void add(RpcRouter& router, const char* method, Body<Request, Response> body);
+  void get_server_info(UnaryCall<pb::GetServerInfoRequest, pb::GetServerInfoResponse>& call);
+  void create_scene(UnaryCall<pb::CreateSceneRequest, pb::CreateSceneResponse>& call);
+  void get_scene(UnaryCall<pb::GetSceneRequest, pb::GetSceneResponse>& call);
+  void list_scenes(UnaryCall<pb::ListScenesRequest, pb::ListScenesResponse>& call);
+  void delete_scene(UnaryCall<pb::DeleteSceneRequest, pb::DeleteSceneResponse>& call);
+  void detect_frame(UnaryCall<pb::DetectFrameRequest, pb::DetectFrameResponse>& call);
   SceneDefaults defaults(const Client& client) const;
-  void build(const SceneUse& scene, const Caller& caller, pb::CreateSceneResponse* response, Reactor* reactor);
+  void build(const SceneUse& scene, UnaryCall<pb::CreateSceneRequest, pb::CreateSceneResponse>& call);
 
   const Config config_;
   const bool has_cuda_;
   const std::vector<DeviceInfo> devices_;
   SceneHost& host_;
-  const Authenticator& authenticator_;
+  DecodeBudget budget_;
+  const CallParts parts_;
+  WaitingCalls waiting_;
   const std::shared_ptr<int> calls_ = std::make_shared<int>();  // each call in work holds a copy
 };
 

@@ -3,8 +3,10 @@
 
 #include <absl/status/status.h>
 
+#include <algorithm>
 #include <cmath>
 #include <new>
+#include <system_error>
 
 #include "collided/v1/error_details.pb.h"
 #include "gpu/detector.hpp"
@@ -15,6 +17,8 @@ namespace {
 
 namespace pb = collided::v1;
 using grpc::StatusCode;
+
+constexpr double kRetrySeconds = 1;  // of what the host lacks for the moment
 
 void pack(const char* name, const google::protobuf::Message& detail, pb::RpcStatus& status) {
   pb::PackedDetail* packed = status.add_details();
@@ -52,6 +56,26 @@ pb::RpcStatus details_of(const Failure& failure) {
 
 Failure of_field(StatusCode code, const FieldError& e) { return {code, e.what(), e.field()}; }
 
+// What the host has run out of: threads and processes, memory, file descriptors, room on a device.
+bool is_exhausted(const std::error_code& code) {
+  using std::errc;
+  const auto all = {errc::resource_unavailable_try_again, errc::not_enough_memory,  errc::too_many_files_open,
+                    errc::too_many_files_open_in_system,  errc::no_space_on_device, errc::no_buffer_space};
+  return std::any_of(all.begin(), all.end(), [&](errc one) { return code == one; });
+}
+
+std::string lacking(const std::error_code& code) {
+  if (code == std::errc::resource_unavailable_try_again) return "threads";
+  if (code == std::errc::not_enough_memory || code == std::errc::no_buffer_space) return "memory";
+  return code == std::errc::no_space_on_device ? "space on a device" : "file descriptors";
+}
+
+Failure of_system(const std::system_error& e) {
+  if (!is_exhausted(e.code())) return {StatusCode::INTERNAL, e.what()};
+  return {StatusCode::RESOURCE_EXHAUSTED, "the daemon is out of " + lacking(e.code()) + ": " + e.what(), "", "daemon",
+          kRetrySeconds};
+}
+
 }  // namespace
 
 Failure describe(const std::exception_ptr& error) try { std::rethrow_exception(error); } catch (const InvalidInput& e) {
@@ -80,10 +104,14 @@ Failure describe(const std::exception_ptr& error) try { std::rethrow_exception(e
   return {StatusCode::UNAUTHENTICATED, e.what()};
 } catch (const DeviceError& e) {
   return {StatusCode::UNAVAILABLE, e.what()};
+} catch (const DeadlineExceeded& e) {
+  return {StatusCode::DEADLINE_EXCEEDED, e.what()};
 } catch (const Stopping& e) {
   return {StatusCode::UNAVAILABLE, e.what()};
 } catch (const Cancelled& e) {
   return {StatusCode::CANCELLED, e.what()};
+} catch (const std::system_error& e) {
+  return of_system(e);
 } catch (const std::exception& e) {
   return {StatusCode::INTERNAL, e.what()};
 } catch (...) {

@@ -3,6 +3,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "server/ops/log_rate.hpp"
+
 namespace collided::server {
 
 void log_stream_opened(std::string_view stream, std::string_view scene, uint32_t window, std::string_view client,
@@ -14,6 +16,7 @@ void log_stream_opened(std::string_view stream, std::string_view scene, uint32_t
 
 void log_stream_ends(spdlog::level::level_enum level, std::string_view stream, std::string_view scene,
                      grpc::StatusCode code, std::string_view reason, const CallIds& ids) {
+  if (code != grpc::StatusCode::OK && !admit_refusal(stream, code_name(code))) return;
   log_event(level, fmt::format("{} ends", stream),
             {{"scene", scene},
              {"code", code_name(code)},
@@ -32,6 +35,7 @@ void log_frame_answered(std::string_view scene, const AnsweredFrame& frame, cons
 }
 
 void log_frame_refused(std::string_view scene, uint64_t frame_id, const Failure& failure, const CallIds& ids) {
+  if (!admit_refusal("frame", code_name(failure.code))) return;
   log_event(spdlog::level::info, "frame refused",
             {{"scene", scene},
              {"frame", frame_id},

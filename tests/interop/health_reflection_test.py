@@ -128,7 +128,8 @@ class Reflection(Case):
 
     def test_the_services_are_listed(self):
         listed = {service.name for service in self.ask(list_services="").list_services_response.service}
-        self.assertEqual(listed, {SERVICE, "grpc.health.v1.Health", "grpc.reflection.v1alpha.ServerReflection"})
+        self.assertEqual(listed, {SERVICE, "grpc.health.v1.Health", "grpc.reflection.v1.ServerReflection",
+                                  "grpc.reflection.v1alpha.ServerReflection"})
 
     def test_what_is_not_there_is_not_found(self):
         answer = self.ask(file_containing_symbol="no.Service")

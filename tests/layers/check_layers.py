@@ -20,7 +20,7 @@ MESSAGES = re.compile(r"\.pb\.h$")
 
 
 def may_see_messages(path):
-    return path.startswith("client/") or re.match(r"server/(service|convert|local)/", path)
+    return path.startswith("client/") or re.match(r"server/(service|convert|builtin|local)/", path)
 
 
 def engine_part(path):
@@ -47,7 +47,7 @@ def complaint(path, quote, target):
             return "GMP belongs to gpu/exact, but not to what others include of it"
         return None
     if MESSAGES.search(target) and not may_see_messages(path):
-        return "protocol messages belong to client, server/service, server/convert and server/local"
+        return "protocol messages belong to client, server/service, server/convert, server/builtin and server/local"
     if CUDA.match(target) and quote == "<":
         if not re.match(r"gpu/(exec/.*\.cuh|.*\.cu)$", path):
             return "CUDA headers belong to gpu/exec/*.cuh and *.cu"

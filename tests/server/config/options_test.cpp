@@ -76,6 +76,8 @@ TEST(Config, EveryNumberRefusesWhatIsNone) {
                            "--threads",
                            "--concurrent-frames",
                            "--max-message-mb",
+                           "--max-decode-mb",
+                           "--max-silent-seconds",
                            "--max-vertices",
                            "--max-triangles",
                            "--max-scenes",
@@ -124,7 +126,7 @@ TEST(Config, VersionAndHelpExitWithZero) {
 }
 
 TEST(Config, HelpTellsWhatASwitchIs) {
-  for (const auto* flag : {"--cuda-ipc", "--allow-insecure"})
+  for (const auto* flag : {"--cuda-ipc", "--open-reflection", "--allow-insecure"})
     EXPECT_NE(parse({"--help"}).text.find(std::string(flag) + " true|false=false (Env:"), std::string::npos) << flag;
 }
 

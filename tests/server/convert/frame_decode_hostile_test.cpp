@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "server/errors.hpp"
 #include "tests/server/convert/wire_request.hpp"
 
 namespace collided::server {
@@ -84,6 +85,36 @@ TEST(FrameDecodeHostile, ALengthThatLiesAsksForNoRoom) {
   EXPECT_EQ(room.asked(), 0);
 }
 
+TEST(FrameDecodeHostile, MoreUpdatesThanMeshesAreNotRead) {
+  std::string updates;
+  for (int i = 0; i < 1000; ++i) updates += field(3, "");
+  Room room(4096);
+  const auto decoded = decode(field(2, varint(1 << 3) + varint(7) + updates), room, 0, 3);
+  EXPECT_EQ(decoded.message.frame().frame_id(), 7u);
+  EXPECT_EQ(decoded.message.frame().updates_size(), 3);
+  EXPECT_THROW(std::rethrow_exception(decoded.refusal), InvalidInput);
+  EXPECT_FALSE(decode(field(2, varint(1 << 3) + varint(7) + updates.substr(0, 6)), room, 0, 3).refusal);
+  // Without an id before them there is no frame to answer.
+  EXPECT_THROW(decode(field(2, updates + varint(1 << 3) + varint(7)), room, 0, 3), InvalidInput);
+}
+
+TEST(FrameDecodeHostile, ManyFieldsAreNotRead) {
+  std::string unknown;
+  for (int i = 0; i < 1000; ++i) unknown += varint(500 << 3) + '\1';
+  Room room(4096);
+  for (const std::string& wire : {unknown, field(1, unknown), field(2, unknown), field(2, field(3, unknown)),
+                                  field(2, field(3, field(2, unknown)))})
+    EXPECT_THROW(decode(wire, room, 0, 3), LimitExceeded);
+}
+
+TEST(FrameDecodeHostile, BeforeTheOpeningNoFrameIsRead) {
+  Room room(4096);
+  const std::string wire = frame_request({}).SerializeAsString();
+  EXPECT_THROW(decode(wire, room, 0, std::nullopt), FailedPrecondition);
+  EXPECT_EQ(room.asked(), 0);
+  EXPECT_TRUE(decode(field(1, field(1, "scene")), room, 0, std::nullopt).message.has_open());
+}
+
 TEST(FrameDecodeHostile, RefusalsNameTheMessage) {
   const auto field_of = [](const std::string& wire) -> std::string {
     Room room(4096);
@@ -96,7 +127,7 @@ TEST(FrameDecodeHostile, RefusalsNameTheMessage) {
     return "accepted";
   };
   EXPECT_EQ(field_of("x"), "request");
-  EXPECT_EQ(field_of(field(1, "x")), "request");
+  EXPECT_EQ(field_of(field(1, "x")), "request.open");
   EXPECT_EQ(field_of(field(2, "x")), "frame");
   EXPECT_EQ(field_of(field(2, "", 5)), "frame");
   EXPECT_EQ(field_of(field(2, field(3, "x"))), "frame.updates");

@@ -94,10 +94,10 @@ class Room {
   int asked_ = 0;
 };
 
-/// `block`: bytes that the stream gives at a time; 0: all.
-inline DecodedRequest decode(const std::string& wire, Room& room, int block = 0) {
+/// `block`: bytes that the stream gives at a time; 0: all. `meshes`: of the scene; none: the stream is not open yet.
+inline DecodedRequest decode(const std::string& wire, Room& room, int block = 0, std::optional<size_t> meshes = 16) {
   google::protobuf::io::ArrayInputStream stream(wire.data(), static_cast<int>(wire.size()), block > 0 ? block : -1);
-  return decode_request(stream, wire.size(), [&] { return room.ask(); });
+  return decode_request(stream, wire.size(), {meshes}, [&] { return room.ask(); });
 }
 
 inline void put_back(std::span<const std::byte> placed, std::string& otherwise) {

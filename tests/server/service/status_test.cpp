@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <new>
+#include <system_error>
 
 #include "collided/v1/error_details.pb.h"
 #include "gpu/detector.hpp"
@@ -35,9 +36,26 @@ TEST(Status, MapsEveryException) {
   EXPECT_EQ(describe_as(std::bad_alloc()).code, StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(describe_as(DeviceError("m")).code, StatusCode::UNAVAILABLE);
   EXPECT_EQ(describe_as(Stopping()).code, StatusCode::UNAVAILABLE);
+  EXPECT_EQ(describe_as(DeadlineExceeded("m")).code, StatusCode::DEADLINE_EXCEEDED);
   EXPECT_EQ(describe_as(Cancelled()).code, StatusCode::CANCELLED);
   EXPECT_EQ(describe_as(std::runtime_error("m")).code, StatusCode::INTERNAL);
   EXPECT_EQ(describe_as(7).code, StatusCode::INTERNAL);
+}
+
+// A thread, memory or a descriptor that the host does not give is no fault of the daemon.
+TEST(Status, WhatTheHostLacksIsExhausted) {
+  const auto of = [](std::errc code) { return describe_as(std::system_error(std::make_error_code(code), "thread")); };
+  for (const auto& [code, lacking] : {std::pair{std::errc::resource_unavailable_try_again, "threads"},
+                                      {std::errc::not_enough_memory, "memory"},
+                                      {std::errc::too_many_files_open, "file descriptors"},
+                                      {std::errc::too_many_files_open_in_system, "file descriptors"}}) {
+    const Failure failure = of(code);
+    EXPECT_EQ(failure.code, grpc::StatusCode::RESOURCE_EXHAUSTED);
+    EXPECT_NE(failure.message.find(std::string("out of ") + lacking), std::string::npos) << failure.message;
+    EXPECT_EQ(failure.subject, "daemon");
+    EXPECT_GT(failure.retry_after_seconds, 0);
+  }
+  EXPECT_EQ(of(std::errc::permission_denied).code, grpc::StatusCode::INTERNAL);
 }
 
 TEST(Status, KeepsMessageAndField) {

@@ -1,0 +1,118 @@
+// gRPC's reflection.
+#include "server/builtin/reflection.hpp"
+
+#include <atomic>
+#include <utility>
+
+#include "grpc/reflection/v1alpha/reflection.pb.h"
+#include "server/builtin/reflection_answer.hpp"
+#include "server/errors.hpp"
+#include "server/service/status.hpp"
+
+namespace collided::server {
+
+namespace rpc = grpc::reflection::v1;  // v1alpha has the same messages on the wire
+
+namespace {
+
+constexpr size_t kMost = 64, kMostOfClient = 8;  // calls at once
+constexpr uint64_t kMaxQuestionBytes = 64 << 10;
+
+void check_question(uint64_t bytes) {
+  if (bytes > kMaxQuestionBytes)
+    throw LimitExceeded("", fmt::format("the question has {} bytes, more than {}", bytes, kMaxQuestionBytes));
+}
+
+Client client_of(const grpc::CallbackServerContext& context, const Authenticator& authenticator, bool is_open) {
+  if (is_open) return std::make_shared<const ClientIdentity>();
+  return identify(context, authenticator).client;
+}
+
+}  // namespace
+
+/// Reads a question, writes its answer, and so on. Always waits for one of both.
+class ReflectionCall final : public grpc::ServerGenericBidiReactor {
+ public:
+  ReflectionCall(grpc::CallbackServerContext& context, const Reflection& reflection)
+      : context_(context),
+        reflection_(reflection),
+        client_(client_of(context, reflection.calls_.authenticator, reflection.is_open_)) {
+    read();
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!wait_->over()) return;  // the call has been ended
+    if (!ok) return Finish(grpc::Status::OK);
+    try {
+      bytes_ = to_bytes(answer());
+      write();
+    } catch (...) {
+      Finish(to_status(describe_current()));
+    }
+  }
+
+  void OnWriteDone(bool ok) override {
+    if (!wait_->over()) return leave_late();
+    if (!ok) return Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone"));
+    try {
+      read();
+    } catch (...) {
+      Finish(to_status(describe_current()));
+    }
+  }
+
+  void OnDone() override { delete this; }
+
+ private:
+  void wait(const char* what, WaitingCalls::End end) {
+    const WaitRule rule{what, reflection_.host_.limits().max_silent_seconds, kMost, kMostOfClient};
+    wait_ = reflection_.waiting_.wait(rule, client_, std::move(end));
+  }
+
+  void read() {
+    wait("a question of reflection", [this](const auto& why) { Finish(to_status(describe(why))); });
+    StartRead(&bytes_);
+  }
+
+  void write() {
+    wait("a client that takes its answer of reflection", [this](const auto&) {
+      context_.TryCancel();
+      leave_late();
+    });
+    StartWrite(&bytes_);
+  }
+
+  // The answer that was not taken has failed, and the one who let it fail is done: the last of both ends the call.
+  void leave_late() {
+    if (++left_ == 2) Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the client did not take its answer"));
+  }
+
+  rpc::ServerReflectionResponse answer() {
+    check_question(bytes_.Length());
+    rpc::ServerReflectionRequest request;
+    parse_bounded(bytes_, client_, reflection_.calls_, request);
+    return answer_reflection(request, reflection_.services_);
+  }
+
+  grpc::CallbackServerContext& context_;
+  const Reflection& reflection_;
+  const Client client_;
+  grpc::ByteBuffer bytes_;  // of the question, then of the answer
+  std::unique_ptr<WaitingCalls::Wait> wait_;
+  std::atomic<int> left_ = 0;
+};
+
+void Reflection::add_to(RpcRouter& router, std::vector<std::string> services) {
+  services_ = std::move(services);
+  for (const auto* request : {rpc::ServerReflectionRequest::descriptor(),
+                              grpc::reflection::v1alpha::ServerReflectionRequest::descriptor()}) {
+    const std::string& name = request->file()->service(0)->full_name();
+    services_.push_back(name);
+    router.add("/" + name + "/ServerReflectionInfo",
+               [this](grpc::GenericCallbackServerContext& context) -> grpc::ServerGenericBidiReactor* {
+                 return new ReflectionCall(context, *this);
+               });
+  }
+}
+
+}  // namespace collided::server
