@@ -37,7 +37,7 @@ class DeviceError : public std::runtime_error {
   using runtime_error::runtime_error;
 };
 
-/// FrameInput::cancelled returned true between two stages; the scene is as it was before the frame.
+/// FrameInput::cancelled returned true; the scene is as it was before the frame.
 class Cancelled : public std::runtime_error {
  public:
   Cancelled() : std::runtime_error("the frame was cancelled") {}
@@ -155,7 +155,10 @@ struct FrameInput {
   std::optional<Accuracy> accuracy = {};  ///< for this frame alone; the scene's if absent
   std::optional<double> delta = {};
   std::optional<Report> report = {};
-  std::function<bool()> cancelled = {};  ///< asked between stages; may be empty
+  /// Whether to give the frame up; may be empty. The thread that called detect() asks, and no other: before each stage,
+  /// and after about 8 ms of work within one. If it returns true (Cancelled) or throws, the frame ends and the scene is
+  /// as it was. On CPU cores it may take its time: nothing of the frame goes on meanwhile.
+  std::function<bool()> cancelled = {};
 };
 
 /// kFlagCertified: certain in real arithmetic; kFlagNear: certain only to within delta and the working precision;
@@ -192,10 +195,12 @@ struct FrameResult {
   ContactSet triangle_triangle;  ///< elements and flags alone
   std::vector<StageTime> stages;
   FrameCounts counts;
-  uint32_t replays = 0;             ///< runs of the step that were too short of memory
-  uint32_t allocations = 0;         ///< of memory on the backend
-  uint32_t graph_launches = 0;      ///< CUDA graphs launched; 0 on the CPU
-  double step_milliseconds = 0;     ///< from resident positions to contacts in canonical order, on the backend
+  uint32_t replays = 0;         ///< runs of the step that were too short of memory
+  uint32_t allocations = 0;     ///< of memory on the backend
+  uint32_t graph_launches = 0;  ///< CUDA graphs launched; 0 on the CPU
+  /// From resident positions to contacts in canonical order, on the backend: all runs of the step, as in `stages`,
+  /// without the time spent in FrameInput::cancelled on CPU cores.
+  double step_milliseconds = 0;
   Engine engine = Engine::kOctree;  ///< that found the pairs; never kAuto
   double earliest_toi = 1;          ///< CCD; from kGuarded on no contact is earlier
   bool any_contact = false;

@@ -70,7 +70,8 @@ class NarrowPhase {
     constexpr int k = KindTraits<Kind>::kIndex;
     StepState* state = scene_.state.data();
     exec_.stage(KindTraits<Kind>::kNarrow, [&] {
-      const Counted kept{&state->kept[k], scene_.kept[k].capacity()};
+      const AppendList<uint64_t> list{scene_.kept[k].all(), &state->kept[k]};
+      const Counted kept{list.count, list.items.size(), list.most_in_vain()};
       if (needs_.is_screened())
         detect_screened(kind, kept);
       else

@@ -121,13 +121,14 @@ struct AppendList {
     const uint64_t slot = claim_slot(*count);
     if (slot < items.size()) items[slot] = value;
   }
-  /// Whether so much more was asked for than there is room, that it is better to enlarge the list before the rest is
-  /// counted: what is found in vain stays below what there has to be room for.
-  COLLIDED_HD bool is_overfull() const {
+  /// If more is asked for, it is better to enlarge the list before the rest is counted: what is found in vain stays
+  /// below what there has to be room for.
+  COLLIDED_HD uint64_t most_in_vain() const {
     constexpr uint64_t kAlways = 1u << 20;
     const uint64_t most = 4 * items.size();
-    return atomic_read(*count) > (most < kAlways ? kAlways : most);
+    return most < kAlways ? kAlways : most;
   }
+  COLLIDED_HD bool is_overfull() const { return atomic_read(*count) > most_in_vain(); }
 };
 
 }  // namespace collided

@@ -9,8 +9,13 @@ namespace collided {
 struct Counted {
   const uint64_t* counter = nullptr;  ///< null: exactly `most`
   uint64_t most = 0;
+  uint64_t in_vain = ~uint64_t{0};  ///< beyond this the step has to run again first: then nothing
 
-  COLLIDED_HD uint64_t size() const { return counter == nullptr || *counter > most ? most : *counter; }
+  COLLIDED_HD uint64_t size() const {
+    if (counter == nullptr) return most;
+    if (*counter > in_vain) return 0;
+    return *counter > most ? most : *counter;
+  }
 };
 
 /// A part of an item (for_each_part) that there is nothing to do for.

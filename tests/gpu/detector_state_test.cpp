@@ -138,7 +138,7 @@ TEST_F(DetectorState, CancellingLeavesTheSceneAsItWas) {
       EXPECT_TRUE(same_contacts(expected, kept->detect(rest)));
       done = true;
     } catch (const Cancelled&) {
-      ASSERT_LT(times_cancelled += 1 + times_cancelled / 4, 100'000);  // it is asked within stages too
+      ASSERT_LT(times_cancelled += 1 + times_cancelled / 2, 100'000);  // it is asked within stages too
     }
   }
   EXPECT_GT(times_cancelled, 2);
