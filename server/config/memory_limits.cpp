@@ -58,9 +58,10 @@ std::string describe_limits(const Limits& limits, const Memory& memory) {
          (memory.device ? ", device " + megabytes(memory.device) : "") + "; limits: all scenes " +
          megabytes(limits.max_device_bytes) + ", those of a client " + megabytes(limits.client.max_device_bytes) +
          ", one scene " + megabytes(limits.max_scene_bytes) + ", network buffers " +
-         megabytes(limits.max_network_bytes) + "; a client " + std::to_string(limits.client.max_scenes) + " of " +
-         std::to_string(limits.max_scenes) + " scenes, " + std::to_string(limits.client.max_streams) + " of " +
-         std::to_string(limits.max_streams) + " streams";
+         megabytes(limits.max_network_bytes) + ", messages in work " + megabytes(limits.max_decode_bytes) +
+         "; a client " + std::to_string(limits.client.max_scenes) + " of " + std::to_string(limits.max_scenes) +
+         " scenes, " + std::to_string(limits.client.max_streams) + " of " + std::to_string(limits.max_streams) +
+         " streams";
 }
 
 }  // namespace collided::server

@@ -39,7 +39,8 @@ Ends ends_of_silent(
 
 TEST(SilentCalls, StreamsThatDoNotOpenTakeNoPlace) {
   constexpr int kStreams = 4, kSilent = 16;
-  DaemonProcess daemon({"--max-streams", std::to_string(kStreams), "--max-silent-seconds", "2"});
+  const auto streams = std::to_string(kStreams);
+  DaemonProcess daemon({"--max-streams", streams, "--max-streams-per-client", streams, "--max-silent-seconds", "2"});
   const Probe probe(daemon);
   Aftermath aftermath(probe, daemon.address());
   auto ends = ends_of_silent(daemon, method_path("StreamFrames"), kSilent);

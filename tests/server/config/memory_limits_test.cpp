@@ -70,10 +70,17 @@ TEST(MemoryLimits, OptionsAreZeroUntilTheyAreDerived) {
   EXPECT_NE(parse({"--help"}).text.find("0: derived from the memory"), std::string::npos);
 }
 
+TEST(MemoryLimits, WhatIsOnItsWayHasAnEighthAtMost) {
+  EXPECT_EQ(derived({kGigabyte, 0}).max_network_bytes, kGigabyte / 8);
+  EXPECT_EQ(derived({kGigabyte, 0}).max_decode_bytes, kGigabyte / 8);
+  EXPECT_EQ(derived({256 * kGigabyte, 0}).max_network_bytes, kGigabyte / 2);
+  EXPECT_EQ(derived({256 * kGigabyte, 0}).max_decode_bytes, kGigabyte / 4);
+}
+
 TEST(MemoryLimits, AreToldInOneLine) {
   EXPECT_EQ(describe_limits(derived({8 * kGigabyte, 0}), {8 * kGigabyte, 0}),
-            "memory: host 8192 MiB; limits: all scenes 4096 MiB, those of a client 1024 MiB, one scene 1024 MiB; a "
-            "client 16 of 64 scenes, 64 of 256 streams");
+            "memory: host 8192 MiB; limits: all scenes 4096 MiB, those of a client 1024 MiB, one scene 1024 MiB, "
+            "network buffers 512 MiB, messages in work 256 MiB; a client 16 of 64 scenes, 64 of 256 streams");
   EXPECT_NE(describe_limits(derived({0, kGigabyte}), {0, kGigabyte}).find("host unknown, device 1024 MiB;"),
             std::string::npos);
 }
