@@ -3,6 +3,7 @@
 
 #include <grpcpp/health_check_service_interface.h>
 
+#include <chrono>
 #include <utility>
 
 #include "server/auth/credentials.hpp"
@@ -34,7 +35,9 @@ void tell(const std::string& obstacle, grpc::Server& server, Lifecycle& lifecycl
 }  // namespace
 
 Entrance::Entrance(const Config& config, Metrics& metrics) : connections_(connection_limit(config)) {
-  for (const auto& address : config.addresses) listeners_.emplace_back(address);
+  const std::chrono::duration<double> patience(config.keepalive_timeout_seconds);
+  for (const auto& address : config.addresses)
+    listeners_.emplace_back(address).set_patience(std::chrono::ceil<std::chrono::milliseconds>(patience));
   if (!config.tls.enabled()) return;
   tls_.emplace(config.tls, [&metrics](bool is_taken) { metrics.count_certificate_reload(is_taken); });
   credentials_ = make_credentials(*tls_);

@@ -92,6 +92,11 @@ void Listener::listen_on_host(const std::string& host, const std::string& port) 
   if (tcp_.empty()) throw_cannot(address_, std::strerror(error));
 }
 
+// Connections inherit it.
+void Listener::set_patience(std::chrono::milliseconds patience) const {
+  for (const auto& socket : tcp_) set(socket.get(), IPPROTO_TCP, TCP_USER_TIMEOUT, static_cast<int>(patience.count()));
+}
+
 std::vector<int> Listener::sockets() const {
   if (unix_) return {unix_->socket()};
   std::vector<int> sockets;

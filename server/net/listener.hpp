@@ -1,6 +1,7 @@
 #pragma once
 // The sockets of one address.
 
+#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ class Listener {
   bool is_unix() const { return unix_ != nullptr; }
   /// They do not block.
   std::vector<int> sockets() const;
+  /// Drops connections of TCP whose other end takes nothing for so long: no ping gets past a full window. Of those
+  /// that come from now on.
+  void set_patience(std::chrono::milliseconds patience) const;
 
  private:
   void listen_on_host(const std::string& host, const std::string& port);

@@ -46,7 +46,7 @@ def refusal_of(call):
 class Conventions(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.daemon = Daemon(DAEMON)
+        cls.daemon = Daemon(DAEMON, "--max-scenes-per-client", "64")  # one for each row of a table
         cls.addClassCleanup(cls.daemon.kill)
         channel = grpc.insecure_channel(cls.daemon.address)
         cls.addClassCleanup(channel.close)

@@ -39,7 +39,7 @@ class BadInput : public testing::Test {
     return create_scene(*stub_, request);
   }
 
-  DaemonProcess daemon_{{"--max-message-mb", "1"}};
+  DaemonProcess daemon_{{"--max-message-mb", "1", "--max-network-mb", "128"}};
   std::unique_ptr<Stub> stub_ = pb::CollisionService::NewStub(daemon_.channel());
 };
 

@@ -46,7 +46,8 @@ class UploadLimits : public testing::Test {
 TEST_F(UploadLimits, OpenUploadsStayWithinTheDaemonsBytes) {
   constexpr double kLimit = 64 * kMebi;
   constexpr uint32_t kTriangles = 200'000;  // 2.3 MiB an upload
-  start({"--max-device-mb", "64", "--max-device-mb-per-client", "64", "--max-scenes-per-client", "64"});
+  start({"--max-device-mb", "64", "--max-device-mb-per-client", "16384", "--max-scene-mb", "16384",
+         "--max-scenes-per-client", "64"});
   Aftermath aftermath(*probe_, daemon_->address());
   expect_quota(create_scene(*stub_, awaiting(36'000'000)), "max_device_bytes", "daemon");
   const double before = probe_->resident_bytes();
