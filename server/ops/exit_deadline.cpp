@@ -9,6 +9,7 @@
 #include "server/ops/log.hpp"
 
 namespace collided::server {
+
 ExitDeadline::ExitDeadline(double seconds, int code) : thread_([=, this] { wait(seconds, code); }) {}
 
 ExitDeadline::~ExitDeadline() {

@@ -11,6 +11,8 @@
 #include <string>
 #include <thread>
 
+#include "tests/integration/bound_address.hpp"
+
 namespace collided::test {
 
 /// Takes one connection.
@@ -32,12 +34,7 @@ class BreakingPeer {
     close(listener_);
   }
 
-  std::string address() const {
-    sockaddr_in bound{};
-    socklen_t size = sizeof(bound);
-    getsockname(listener_, reinterpret_cast<sockaddr*>(&bound), &size);
-    return "127.0.0.1:" + std::to_string(ntohs(bound.sin_port));
-  }
+  std::string address() const { return address_of(listener_); }
 
  private:
   using Head = std::array<unsigned char, 9>;  // of a frame: length, type, flags, stream

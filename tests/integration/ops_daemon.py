@@ -7,6 +7,7 @@ import signal
 import subprocess
 import tempfile
 import time
+import unittest
 import urllib.error
 import urllib.request
 
@@ -132,3 +133,18 @@ class Daemon:
         """GetServerInfo, as bytes; throws grpc.RpcError."""
         with self.channel(credentials) as channel:
             return channel.unary_unary(f"/{SERVICE}/GetServerInfo")(b"", timeout=30, metadata=metadata)
+
+
+class DaemonCase(unittest.TestCase):
+    """A test with a folder of its own, and daemons of `program` that are gone at its end."""
+
+    program = None
+
+    def setUp(self):
+        self.folder = Folder()
+        self.addCleanup(self.folder.cleanup)
+
+    def start(self, *options, **more):
+        daemon = Daemon(self.program, *options, **more)
+        self.addCleanup(daemon.__exit__)
+        return daemon

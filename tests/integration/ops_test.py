@@ -16,7 +16,7 @@ except ImportError:
     print("python3-grpcio is missing")
     sys.exit(77)
 
-from ops_daemon import NOT_SERVING, SERVICE, SERVING, Daemon, Folder
+from ops_daemon import NOT_SERVING, SERVICE, SERVING, Daemon, DaemonCase, Folder
 
 PROGRAM, DEPLOY = sys.argv[1:3]
 TOKEN = '[[tokens]]\nname = "a"\ntoken = "0123456789abcdef"\n'
@@ -27,15 +27,8 @@ def run(*options, **environment):
                           env={**os.environ, **environment})
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        self.folder = Folder()
-        self.addCleanup(self.folder.cleanup)
-
-    def start(self, *options, **more):
-        daemon = Daemon(PROGRAM, *options, **more)
-        self.addCleanup(daemon.__exit__)
-        return daemon
+class Case(DaemonCase):
+    program = PROGRAM
 
     def sound(self, *options, **environment):
         done = run("--check", *options, **environment)

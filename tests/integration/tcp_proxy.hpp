@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/integration/bound_address.hpp"
 #include "tests/integration/probe.hpp"
 
 namespace collided::test {
@@ -37,12 +38,7 @@ class TcpProxy {
     close(listener_);
   }
 
-  std::string address() const {
-    sockaddr_in bound{};
-    socklen_t size = sizeof(bound);
-    getsockname(listener_, reinterpret_cast<sockaddr*>(&bound), &size);
-    return "127.0.0.1:" + std::to_string(ntohs(bound.sin_port));
-  }
+  std::string address() const { return address_of(listener_); }
   /// Resets the connections, and takes no new ones.
   void cut() { become(State::kCut); }
   /// Nothing gets through any more, in either direction.
