@@ -7,6 +7,10 @@ namespace {
 
 constexpr uint64_t kAtATime = 1u << 17;  ///< contacts
 
+bool is_undecided(const ContactSet& set, size_t i) {
+  return (set.flags[i] & (kFlagCertified | kFlagCapped)) != kFlagCertified || (!set.toi.empty() && set.toi[i] == 0);
+}
+
 /// Keeps entry i of every array if keep[i].
 void filter(CpuLoops& loops, ContactSet& set, const std::vector<bool>& keep) {
   const auto filter_array = [&](auto& array) {
@@ -33,12 +37,20 @@ void keep_one(CpuLoops& loops, ContactSet& set, size_t place) {
 
 }  // namespace
 
+size_t count_undecided(CpuLoops& loops, const ContactSet& set) {
+  size_t count = 0;
+  loops.in_turn(set.size(), kAtATime, [&](uint64_t first, uint64_t end) {
+    for (size_t i = first; i < end; ++i) count += is_undecided(set, i) ? 1 : 0;
+  });
+  return count;
+}
+
 std::vector<size_t> undecided(CpuLoops& loops, const ContactSet& set) {
   std::vector<size_t> places;
+  places.reserve(count_undecided(loops, set));
   loops.in_turn(set.size(), kAtATime, [&](uint64_t first, uint64_t end) {
     for (size_t i = first; i < end; ++i)
-      if ((set.flags[i] & (kFlagCertified | kFlagCapped)) != kFlagCertified || (!set.toi.empty() && set.toi[i] == 0))
-        places.push_back(i);
+      if (is_undecided(set, i)) places.push_back(i);
   });
   return places;
 }

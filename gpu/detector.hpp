@@ -115,7 +115,7 @@ struct SceneSpec {
   bool triangle_triangle = false;
   bool weights = false;                       ///< return the closest points' weights
   uint64_t memory_budget = 0;                 ///< bytes on the backend; 0: no limit but the device's
-  std::shared_ptr<MemoryQuota> memory_quota;  ///< that counts beside the budget; may be empty
+  std::shared_ptr<MemoryQuota> memory_quota;  ///< that counts it too, and memory on the host; may be empty
   int threads = 0;                            ///< CPU threads; 0: all cores
   std::vector<MeshSpec> meshes;
 };
@@ -159,6 +159,8 @@ struct FrameInput {
   /// and after about 8 ms of work within one. If it returns true (Cancelled) or throws, the frame ends and the scene is
   /// as it was. On CPU cores it may take its time: nothing of the frame goes on meanwhile.
   std::function<bool()> cancelled = {};
+  /// Bytes that the caller will hold for each contact of the answer, beside the result's own: counted with it.
+  uint64_t bytes_beside_contact = 0;
 };
 
 /// kFlagCertified: certain in real arithmetic; kFlagNear: certain only to within delta and the working precision;
@@ -205,6 +207,8 @@ struct FrameResult {
   double earliest_toi = 1;          ///< CCD; from kGuarded on no contact is earlier
   bool any_contact = false;
   bool input_resolution = false;  ///< the input's own spacing is coarser than delta (0: than 1/1000 of most triangles)
+  /// The contacts' bytes on the host, taken from the scene's memory_quota; given back with the last copy. May be null.
+  std::shared_ptr<const MemoryHold> held = {};
 };
 
 struct MemoryPart {

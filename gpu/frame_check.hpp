@@ -10,9 +10,11 @@ struct FrameSettings {
   Accuracy accuracy;
   double delta;
   Report report;
+  uint64_t bytes_beside_contact;
 };
 inline FrameSettings settings_of(const SceneSpec& spec, const FrameInput& frame) {
-  return {frame.accuracy.value_or(spec.accuracy), frame.delta.value_or(spec.delta), frame.report.value_or(spec.report)};
+  return {frame.accuracy.value_or(spec.accuracy), frame.delta.value_or(spec.delta), frame.report.value_or(spec.report),
+          frame.bytes_beside_contact};
 }
 
 /// Throws InvalidInput for a thickness or delta that is negative or not finite, for a thickness of 0 in DCD at kFast,

@@ -2,6 +2,7 @@
 // From a step that is over to the frame's result on the host: download, exact decisions, what the report wants.
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "gpu/contact_sets.hpp"
@@ -31,6 +32,8 @@ class Results {
   }
 
  private:
+  static constexpr size_t kSettledAtATime = 1u << 14;  ///< contacts, whose points take memory
+
   void download(uint64_t count) {
     const uint64_t key_bytes = count * sizeof(uint64_t),
                    data_bytes = needs_.has_data() ? count * sizeof(ContactData<Real>) : 0;
@@ -45,9 +48,26 @@ class Results {
     };
     const uint64_t edges = below(ranks_.first_edge);
     const uint64_t triangles = spec_.triangle_triangle ? below(ranks_.first_triangle) : count;
+    hold(triangles * contact_bytes(false) + (count - triangles) * contact_bytes(true));
     take(result_->vertex_triangle, keys, data, 0, edges, 0);
     take(result_->edge_edge, keys, data, edges, triangles, ranks_.first_edge);
     take(result_->triangle_triangle, keys, data, triangles, count, ranks_.first_triangle);
+  }
+
+  /// Of one contact in the result and beside it.
+  uint64_t contact_bytes(bool is_triangles) const {
+    const uint64_t ids = sizeof(ContactSet::elements[0]) + needs_.settings.bytes_beside_contact;
+    if (is_triangles) return ids + (needs_.tests_triangles() ? sizeof(uint8_t) : 0);
+    if (!needs_.has_narrow_phase()) return ids;
+    const uint64_t toi = needs_.is_ccd ? sizeof(double) : 0, weights = spec_.weights ? 2 * sizeof(double) : 0;
+    return ids + sizeof(uint8_t) + sizeof(double) + toi + weights;
+  }
+  /// Before the memory is there.
+  void hold(uint64_t bytes) {
+    if (!spec_.memory_quota) return;
+    const auto held = std::make_shared<MemoryHold>(spec_.memory_quota);
+    held->resize(bytes);
+    result_->held = held;
   }
 
   void take(ContactSet& out, const uint64_t* keys, const ContactData<Real>* data, uint64_t from, uint64_t to,
@@ -89,18 +109,23 @@ class Results {
     settle(result_->triangle_triangle,
            [&](const auto& keys, ExactAnswer* answers) { decide_triangles(keys, answers); });
   }
+  static uint64_t settling_bytes(size_t count) {
+    constexpr size_t kPoints = 8 * (sizeof(Vec3<Real>) + sizeof(Vec3<double>)) + sizeof(uint64_t);
+    return count * (sizeof(size_t) + sizeof(ExactAnswer)) + std::min(count, kSettledAtATime) * kPoints;
+  }
   template <class Decide>
   void settle(ContactSet& set, const Decide& decide) {
     if (needs_.is_any_hit() && result_->any_contact) return;
     CpuLoops& loops = exec_.host_loops();
+    MemoryHold held(spec_.memory_quota);
+    held.resize(settling_bytes(count_undecided(loops, set)));
     const std::vector<size_t> places = undecided(loops, set);
     result_->counts.exact_decisions += places.size();
     std::vector<ExactAnswer> answers(places.size());
     std::vector<uint64_t> keys;
-    constexpr size_t kAtATime = 1u << 14;  // their points take memory
-    for (size_t first = 0; first < places.size(); first += kAtATime) {
+    for (size_t first = 0; first < places.size(); first += kSettledAtATime) {
       keys.clear();
-      for (size_t k = first; k < std::min(places.size(), first + kAtATime); ++k)
+      for (size_t k = first; k < std::min(places.size(), first + kSettledAtATime); ++k)
         keys.push_back(pack_ids(set.elements[places[k]][0], set.elements[places[k]][1]));
       decide(keys, answers.data() + first);
     }
@@ -164,6 +189,7 @@ class Results {
     if (needs_.is_earliest_only()) keep_earliest(exec_.host_loops(), r);
     if (needs_.is_any_hit()) {
       r.vertex_triangle = r.edge_edge = r.triangle_triangle = {};
+      r.held = {};
       return;
     }
     r.earliest_toi = std::min(earliest_toi(r.vertex_triangle), earliest_toi(r.edge_edge));

@@ -409,7 +409,7 @@ class CudaExec {
   Buffer<uint32_t, CudaExec> stop_;     ///< 1: the frame has ended, what takes long does no more
   Buffer<uint64_t, CudaExec> times_;    ///< at which the stages of a recorded step begin and end
   uint64_t* begin_ = nullptr;           ///< where the next kernel notes when it begins
-  PinnedMemory pinned_;
+  PinnedMemory pinned_{memory_.ledger()};
   Buffer<std::byte, PinnedMemory> host_{pinned_, "downloads"};
   Buffer<uint32_t, PinnedMemory> stop_word_{pinned_, "stop"};  ///< what stop_ is set to
   std::vector<cudaEvent_t> events_;

@@ -44,16 +44,28 @@ class DeviceMemory {
   std::shared_ptr<MemoryLedger> ledger_;
 };
 
-/// Memory of the host that the device reads and writes directly; no part of the budget, which is the device's.
+/// Memory of the host that the device reads and writes directly, booked in a scene's ledger. From any thread.
 class PinnedMemory {
  public:
+  explicit PinnedMemory(std::shared_ptr<MemoryLedger> ledger) : ledger_(std::move(ledger)) {}
+
   void* allocate(const std::string& part, uint64_t bytes) {
+    ledger_->take_pinned(bytes);
     void* memory = nullptr;
-    check_cuda(cudaHostAlloc(&memory, bytes, cudaHostAllocDefault),
-               (part + ": " + std::to_string(bytes) + " bytes of pinned host memory").c_str());
+    const cudaError_t error = cudaHostAlloc(&memory, bytes, cudaHostAllocDefault);
+    if (error != cudaSuccess) {
+      ledger_->give_back_pinned(bytes);
+      check_cuda(error, (part + ": " + std::to_string(bytes) + " bytes of pinned host memory").c_str());
+    }
     return memory;
   }
-  void deallocate(const std::string&, void* memory, uint64_t) { cudaFreeHost(memory); }
+  void deallocate(const std::string&, void* memory, uint64_t bytes) {
+    cudaFreeHost(memory);
+    ledger_->give_back_pinned(bytes);
+  }
+
+ private:
+  std::shared_ptr<MemoryLedger> ledger_;
 };
 
 /// Does not wait for the default stream, nor it for this.

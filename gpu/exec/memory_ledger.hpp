@@ -45,18 +45,33 @@ class MemoryLedger {
     if (quota_) quota_->give_back(bytes);
   }
 
+  /// Memory of the host beside that of the backend: for the quota alone, since the budget is the backend's. Throws what
+  /// the quota throws.
+  void take_pinned(uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    if (quota_) quota_->take(bytes);
+    pinned_ += bytes;
+  }
+
+  void give_back_pinned(uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    pinned_ -= bytes;
+    if (quota_) quota_->give_back(bytes);
+  }
+
   std::vector<MemoryPart> parts() const {
     const std::lock_guard lock(mutex_);
     std::vector<MemoryPart> out;
     for (const auto& [part, bytes] : parts_)
       if (bytes != 0) out.push_back({part, bytes});
+    if (pinned_ != 0) out.push_back({"pinned", pinned_});
     return out;
   }
 
  private:
   mutable std::mutex mutex_;
   std::map<std::string, uint64_t> parts_;
-  uint64_t total_ = 0;
+  uint64_t total_ = 0, pinned_ = 0;
   const uint64_t budget_;
   const std::shared_ptr<MemoryQuota> quota_;
 };

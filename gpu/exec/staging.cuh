@@ -188,7 +188,7 @@ class CudaStaging {
 
   int device_;
   DeviceMemory memory_;
-  PinnedMemory pinned_;
+  PinnedMemory pinned_{memory_.ledger()};
   CudaStream stream_;
   CudaEvent arrived_, placed_;
   Buffer<std::byte, DeviceMemory> arrival_{memory_, "staging"}, table_{memory_, "staging"};

@@ -47,6 +47,7 @@ PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) 
     frame = parse_frame(*message, incoming.placed, scene.plan().engine);
     if (frame.input.accuracy) check_most(*frame.input.accuracy, most, "frame.accuracy");
     send_positions(scene, std::move(incoming.slot), frame);
+    frame.input.bytes_beside_contact = incoming.bytes_beside_contact;
   } catch (...) {
     frame.refusal = std::current_exception();
     frame.input = {};

@@ -19,6 +19,7 @@ struct IncomingFrame {
   std::vector<PlacedPositions> placed;  ///< as for parse_frame()
   std::shared_ptr<FrameSlot> slot;      ///< taken already if `placed` lies in it; else null
   std::exception_ptr refusal;           ///< what went wrong before; may be null
+  size_t bytes_beside_contact = 0;      ///< that the transport holds for each contact until the client has taken it
 };
 
 /// Never throws: what is wrong with the frame becomes its refusal, to be told in its turn.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <deque>
 #include <utility>
 
 #include "server/convert/chunks.hpp"
@@ -70,37 +71,49 @@ class PacketWriter {
     const size_t shared = std::min<size_t>(part_.room_for(bytes), chunk.count());
     Chunk piece = chunk;
     piece.end = piece.begin + shared;
-    if (shared > 0) share_chunk(piece, topology_, part_, next());
+    pb::ContactChunk message;
+    if (shared > 0) {
+      share_chunk(piece, topology_, part_, &message);
+      add(std::move(message));
+    }
     const size_t step = std::max<size_t>(1, kInlineBytes / std::max<size_t>(1, bytes));
     for (piece.begin = piece.end; piece.begin < chunk.end; piece.begin = piece.end) {
       piece.end = std::min(piece.begin + step, chunk.end);
-      fill_chunk(piece, topology_, next());
+      message.Clear();
+      fill_chunk(piece, topology_, &message);
+      add(std::move(message));
     }
   }
   std::vector<std::string> finish(const AnsweredFrame& frame) {
-    std::vector<size_t> sizes;
-    for (const auto& piece : pieces_) sizes.push_back(piece.ByteSizeLong());
-    const size_t alone = pieces_.size() - fit_at_end(sizes, kInlineBytes);
-    std::vector<std::string> packets;
     pb::StreamFramesResponse response;
     response.set_frame_id(frame_id_);
-    for (size_t i = 0; i < alone; ++i) {
-      *response.mutable_contacts() = std::move(pieces_[i]);
-      packets.push_back(to_packet(response));
-    }
     fill_done(frame.result, frame.cost, response.mutable_done());
-    for (size_t i = alone; i < pieces_.size(); ++i) *response.mutable_done()->add_contacts() = std::move(pieces_[i]);
-    packets.push_back(to_packet(std::move(response)));
-    return packets;
+    for (auto& piece : last_) *response.mutable_done()->add_contacts() = std::move(piece);
+    packets_.push_back(to_packet(std::move(response)));
+    return std::move(packets_);
   }
 
  private:
-  pb::ContactChunk* next() { return &pieces_.emplace_back(); }
+  /// The last pieces wait for the end of the frame, which has room for some.
+  void add(pb::ContactChunk piece) {
+    last_bytes_ += piece.ByteSizeLong();
+    last_.push_back(std::move(piece));
+    while (last_bytes_ > kInlineBytes) {
+      last_bytes_ -= last_.front().ByteSizeLong();
+      pb::StreamFramesResponse response;
+      response.set_frame_id(frame_id_);
+      *response.mutable_contacts() = std::move(last_.front());
+      packets_.push_back(to_packet(std::move(response)));
+      last_.pop_front();
+    }
+  }
 
   const Topology& topology_;
   const uint64_t frame_id_;
   OutputPart part_;
-  std::vector<pb::ContactChunk> pieces_;
+  std::vector<std::string> packets_;
+  std::deque<pb::ContactChunk> last_;
+  size_t last_bytes_ = 0;
 };
 
 }  // namespace

@@ -169,6 +169,7 @@ void Connection::submit(pb::LocalRequest& request) {
   else
     throw FailedPrecondition("frame", "packets after the first must be `frame` or `shared_frame`");
   place_ranges(region, incoming);
+  incoming.bytes_beside_contact = scene.plan().fields.contact_bytes();
   PendingFrame frame = admit_frame(rules_.host, scene, std::move(incoming));
   using Kept = std::pair<std::shared_ptr<const void>, std::shared_ptr<SharedRegion>>;
   frame.memory = std::make_shared<Kept>(std::move(frame.memory), opening_.region);
@@ -185,7 +186,7 @@ void Connection::answered(const Scene& scene, AnsweredFrame frame) {
   auto packets = writer_->write(scene, frame);
   scene.observer().answered(scene, frame);
   log_frame_answered(scene.id(), frame, ids_);
-  send(std::move(packets), true);
+  send(std::move(packets), true, frame.result.held);
 }
 
 void Connection::refused(uint64_t frame_id, const std::exception_ptr& error) {
@@ -220,11 +221,11 @@ uint64_t Connection::outgoing_bytes() const {
   return outbox_.bytes();
 }
 
-void Connection::send(std::vector<std::string> packets, bool ends_frame) {
+void Connection::send(std::vector<std::string> packets, bool ends_frame, const std::shared_ptr<const void>& held) {
   const std::lock_guard lock(mutex_);
   if (closed_) return;
   const bool was_empty = outbox_.empty();
-  for (auto& packet : packets) outbox_.send(socket_.get(), std::move(packet));
+  for (auto& packet : packets) outbox_.send(socket_.get(), std::move(packet), held);
   if (ends_frame) end_frame_locked();
   if (!was_empty || outbox_.empty()) return;
   if (session_) session_->hold(true);

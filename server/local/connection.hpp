@@ -62,7 +62,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   void send_rest();
   void end_socket();
   void wake() const;
-  void send(std::vector<std::string> packets, bool ends_frame);
+  void send(std::vector<std::string> packets, bool ends_frame, const std::shared_ptr<const void>& held = {});
   void log_end() const;
 
   // `_locked`: the caller holds mutex_.

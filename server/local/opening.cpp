@@ -43,18 +43,29 @@ void check_files(const std::vector<PassedFile>& files, bool is_needed) {
                                            files.size(), wanted));
 }
 
+void check_region(const pb::LocalOpen& open, const std::vector<PassedFile>& files, const Scene& scene,
+                  const OpeningRules& rules) {
+  if (!open.cuda_ipc_handle().empty()) check_handle(open, scene, rules.cuda_ipc);
+  check_bytes("open.input_bytes", open.input_bytes(), most_input_bytes(scene, rules.host.limits().max_window));
+  check_bytes("open.output_bytes", open.output_bytes(), kMostOutputBytes);
+  check_files(files, open.input_bytes() + open.output_bytes() > 0);
+}
+
+// Pages that the daemon is the first to touch are its own memory.
+std::unique_ptr<MemoryHold> hold_region(const pb::LocalOpen& open, const Scene& scene) {
+  auto held = std::make_unique<MemoryHold>(scene.plan().quota);
+  held->resize(open.input_bytes() + open.output_bytes());
+  return held;
+}
+
 std::shared_ptr<SharedRegion> map_region(const pb::LocalOpen& open, const std::vector<PassedFile>& files,
-                                         const Scene& scene, const OpeningRules& rules) {
-  const RegionSize size{open.input_bytes(), open.output_bytes()};
-  const bool is_device = !open.cuda_ipc_handle().empty();
-  if (is_device) check_handle(open, scene, rules.cuda_ipc);
-  check_bytes("open.input_bytes", size.input, most_input_bytes(scene, rules.host.limits().max_window));
-  check_bytes("open.output_bytes", size.output, kMostOutputBytes);
-  check_files(files, size.input + size.output > 0);
+                                         const Scene& scene) {
   const Fd none;
   const Fd& file = files.empty() ? none : files.front().fd();
-  if (is_device) return SharedRegion::open(std::as_bytes(std::span(open.cuda_ipc_handle())), file, size.output);
-  return files.empty() ? nullptr : SharedRegion::map(file, size, scene.plan().engine.backend);
+  const std::string& handle = open.cuda_ipc_handle();
+  if (!handle.empty()) return SharedRegion::open(std::as_bytes(std::span(handle)), file, open.output_bytes());
+  if (files.empty()) return nullptr;
+  return SharedRegion::map(file, {open.input_bytes(), open.output_bytes()}, scene.plan().engine.backend);
 }
 
 }  // namespace
@@ -78,7 +89,9 @@ Opening check_opening(const pb::LocalOpen& open, std::vector<PassedFile> files, 
   opening.place = rules.host.usage().begin_stream(opening.client);
   opening.scene = rules.host.scenes().find(opening.client, open.open().scene_id());
   opening.stream = parse_open(open.open(), rules.host.limits());
-  opening.region = map_region(open, files, *opening.scene, rules);
+  check_region(open, files, *opening.scene, rules);
+  opening.region_bytes = hold_region(open, *opening.scene);
+  opening.region = map_region(open, files, *opening.scene);
   return opening;
 }
 

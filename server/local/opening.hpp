@@ -20,7 +20,8 @@ struct Opening {
   std::shared_ptr<void> place;  ///< among the client's streams
   SceneUse scene;
   OpenedStream stream;
-  std::shared_ptr<SharedRegion> region;  ///< null: everything is in the packets
+  std::unique_ptr<MemoryHold> region_bytes;  ///< taken from what the client's scenes may hold
+  std::shared_ptr<SharedRegion> region;      ///< null: everything is in the packets
 };
 
 /// What openings are checked against. Outlives them.

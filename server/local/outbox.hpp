@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <string>
 
 #include "server/local/packets.hpp"
@@ -14,8 +15,8 @@ class Outbox {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Sends at once if it can, else keeps the packet.
-  void send(int socket, std::string packet);
+  /// Sends at once if it can, else keeps the packet, and what it `held` of a limit.
+  void send(int socket, std::string packet, std::shared_ptr<const void> held = {});
   /// Sends what was kept, as far as the other end takes it.
   void flush(int socket);
 
@@ -28,7 +29,14 @@ class Outbox {
   void drop();
 
  private:
-  std::deque<std::string> kept_;
+  struct Kept {
+    std::string packet;
+    std::shared_ptr<const void> held;
+  };
+
+  void keep(std::string packet, std::shared_ptr<const void> held);
+
+  std::deque<Kept> kept_;
   uint64_t bytes_ = 0;
   Clock::time_point stalled_since_{};
   bool is_gone_ = false;

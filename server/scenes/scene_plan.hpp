@@ -17,8 +17,10 @@ struct OutputFields {
   bool elements = false, stencils = false, toi = false, distance = false, weights = false, flags = false;
   /// Bytes of one contact's arrays.
   size_t contact_bytes() const {
-    return elements * 8u + stencils * 16u + toi * 8u + distance * 8u + weights * 16u + flags * 1u;
+    return elements * 8u + stencil_bytes() + toi * 8u + distance * 8u + weights * 16u + flags * 1u;
   }
+  /// Those that the engine does not make.
+  size_t stencil_bytes() const { return stencils * 16u; }
 };
 
 struct MeshPlan {

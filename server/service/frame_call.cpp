@@ -155,10 +155,21 @@ void FrameCall::submit(IncomingFrame incoming) {
     const std::lock_guard lock(mutex_);
     ++in_flight_;
   }
+  incoming.bytes_beside_contact = session_->scene().plan().fields.stencil_bytes();
   session_->submit(admit_frame(host_, session_->scene(), std::move(incoming)));
 }
 
-void FrameCall::opened(const Scene& scene) { send(opened_message(scene, window_)); }
+// Of a scene of many meshes it is long, and the client need not take it.
+void FrameCall::opened(const Scene& scene) try {
+  std::vector<EncodedMessage> messages;
+  messages.push_back(encode(opened_message(scene, window_)));
+  const auto held = std::make_shared<MemoryHold>(scene.quota());
+  held->resize(messages.front().size);
+  messages.front().held = held;
+  send(std::move(messages));
+} catch (...) {
+  fail();
+}
 
 void FrameCall::answered(const Scene& scene, AnsweredFrame frame) {
   const auto kept = std::make_shared<AnsweredFrame>(std::move(frame));

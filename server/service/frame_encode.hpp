@@ -12,7 +12,8 @@ namespace collided::server {
 struct EncodedMessage {
   grpc::ByteBuffer bytes;
   size_t size = 0;
-  bool ends_frame = false;  ///< gives a credit back
+  bool ends_frame = false;                ///< gives a credit back
+  std::shared_ptr<const void> held = {};  ///< what it takes of a limit, until it is sent
 };
 
 /// Any message whose payload is small, but for the end of a frame.

@@ -69,8 +69,12 @@ void UnaryCallBase::OnReadDone(bool ok) {
   });
 }
 
+// The client takes its answer when it likes: until then there are its bytes alone.
 void UnaryCallBase::finish() {
+  auto answer_share = parts_.budget.take(caller_.client, response_message().ByteSizeLong());
   bytes_ = to_bytes(response_message());
+  forget_messages();
+  share_ = std::move(answer_share);
   StartWriteAndFinish(&bytes_, grpc::WriteOptions(), grpc::Status::OK);
 }
 

@@ -40,7 +40,8 @@ class UnaryCallBase : public grpc::ServerGenericBidiReactor {
 
   const Caller& caller() const { return caller_; }
   bool is_cancelled() const { return context_.IsCancelled(); }
-  /// Ends the call, with the response or without. It may be gone afterwards. Throws std::bad_alloc, which leaves it.
+  /// Ends the call, with the response or without. It may be gone afterwards. Throws std::bad_alloc, and LimitExceeded
+  /// where answers that are not taken leave no room: the call is there then.
   void finish();
   void finish(const grpc::Status& status) { Finish(status); }
 
@@ -56,13 +57,14 @@ class UnaryCallBase : public grpc::ServerGenericBidiReactor {
  private:
   virtual google::protobuf::Message& request_message() = 0;
   virtual const google::protobuf::Message& response_message() const = 0;
+  virtual void forget_messages() = 0;
   virtual void answer() = 0;
 
   grpc::CallbackServerContext& context_;
   const CallParts& parts_;
   Caller caller_;
+  std::shared_ptr<void> share_;  // of the budget, for what follows
   grpc::ByteBuffer bytes_;       // of the request, then of the response
-  std::shared_ptr<void> share_;  // of the budget
 };
 
 template <class Request, class Response>
@@ -77,6 +79,10 @@ class UnaryCall : public UnaryCallBase {
  private:
   google::protobuf::Message& request_message() final { return request_; }
   const google::protobuf::Message& response_message() const final { return response_; }
+  void forget_messages() final {
+    request_ = {};
+    response_ = {};
+  }
 
   Request request_;
   Response response_;

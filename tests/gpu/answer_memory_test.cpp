@@ -1,0 +1,105 @@
+// What an answer holds on the host counts in the scene's quota, from before it is there until its last copy is gone.
+
+#include "tests/gpu/backend.hpp"
+#include "tests/support/adversarial.hpp"
+#include "tests/support/digest.hpp"
+
+namespace collided::test {
+namespace {
+
+/// Lets the scene take up to `most` bytes.
+class CountedQuota final : public MemoryQuota {
+ public:
+  explicit CountedQuota(uint64_t most = ~uint64_t{0}) : most_(most) {}
+
+  void take(uint64_t bytes) override {
+    if (bytes > most_ - held_) throw ResourceExhausted("the quota is used up");
+    held_ += bytes;
+  }
+  void give_back(uint64_t bytes) noexcept override { held_ -= bytes; }
+
+  uint64_t held() const { return held_; }
+  void set_most(uint64_t most) { most_ = most; }
+
+ private:
+  uint64_t most_, held_ = 0;
+};
+
+template <class T>
+uint64_t bytes_of(const std::vector<T>& values) {
+  return values.capacity() * sizeof(T);
+}
+uint64_t bytes_of(const ContactSet& set) {
+  return bytes_of(set.elements) + bytes_of(set.toi) + bytes_of(set.distance) + bytes_of(set.weights) +
+         bytes_of(set.flags);
+}
+uint64_t bytes_of(const FrameResult& r) {
+  return bytes_of(r.vertex_triangle) + bytes_of(r.edge_edge) + bytes_of(r.triangle_triangle);
+}
+
+class AnswerMemory : public OnBackend<> {
+ protected:
+  std::unique_ptr<Detector> make(SceneSpec spec) {
+    spec.memory_quota = quota_;
+    return Detector::create(spec_for(case_, spec));
+  }
+  /// One answer and the bytes that it holds, in a scene whose buffers have grown already.
+  std::pair<FrameResult, uint64_t> warm_answer(const SceneSpec& spec, uint64_t beside = 0) {
+    const auto detector = make(spec);
+    const Frame frame(case_, spec.mode, spec.scalar);
+    FrameInput input = frame.input();
+    input.bytes_beside_contact = beside;
+    detector->detect(input);
+    const uint64_t before = quota_->held();
+    FrameResult result = detector->detect(input);
+    return {std::move(result), quota_->held() - before};
+  }
+
+  const Case case_ = soup(160, 400, 0.3, 0.2, 0.05);
+  const std::shared_ptr<CountedQuota> quota_ = std::make_shared<CountedQuota>();
+};
+
+TEST_F(AnswerMemory, CountsWhileAnAnswerLives) {
+  for (const Mode mode : {Mode::kCcd, Mode::kDcd})
+    for (const Accuracy level : {Accuracy::kCandidates, Accuracy::kCertified}) {
+      SceneSpec spec = settings(mode, level, Scalar::kF32, 0.01);
+      spec.weights = true;
+      auto [result, held] = warm_answer(spec);
+      ASSERT_GT(result.vertex_triangle.size() + result.edge_edge.size(), 100u);
+      EXPECT_EQ(held, bytes_of(result));
+      FrameResult copy = result;
+      result = {};
+      EXPECT_EQ(quota_->held(), held) << "the scene is gone, a copy is there";
+      copy = {};
+      EXPECT_EQ(quota_->held(), 0u);
+    }
+}
+
+TEST_F(AnswerMemory, CountsWhatTheCallerHoldsBeside) {
+  constexpr uint64_t kBeside = 16;
+  const SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified, Scalar::kF32);
+  const auto [result, held] = warm_answer(spec, kBeside);
+  const uint64_t contacts = result.vertex_triangle.size() + result.edge_edge.size();
+  EXPECT_EQ(held, bytes_of(result) + contacts * kBeside);
+}
+
+TEST_F(AnswerMemory, IsAskedForBeforeTheFrameCounts) {
+  const SceneSpec spec = settings(Mode::kCcd, Accuracy::kExact, Scalar::kF64);
+  const auto detector = make(spec);
+  const auto twin = Detector::create(spec_for(case_, spec));
+  const Frame frame(case_, spec.mode, spec.scalar);
+  detector->detect(frame.input());
+  twin->detect(frame.input());
+  Case back = case_;
+  std::swap(back.start, back.end);
+  const Frame refused(back, spec.mode, spec.scalar);
+  quota_->set_most(quota_->held());
+  EXPECT_THROW(detector->detect(refused.input()), ResourceExhausted);
+  quota_->set_most(~uint64_t{0});
+  FrameInput rest = frame.input();
+  for (MeshPositions& update : rest.updates) update.start = {};  // from the end of the good frame
+  EXPECT_TRUE(same_contacts(twin->detect(rest), detector->detect(rest)));
+}
+
+}  // namespace
+}  // namespace collided::test
