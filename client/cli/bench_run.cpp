@@ -30,7 +30,7 @@ BenchRun measure(Connection& connection, const BenchSettings& settings, const Be
   v1::SceneSpec spec = scene_spec(settings.server, settings.detection, format_of(settings.position_format));
   spec.set_display_name("bench");
   const SceneGuard scene = connection.create_scene(spec, mesh_inputs(input.meshes));
-  client::FrameStream stream = connection->stream(*scene, {.window = 1});
+  client::FrameStream stream = connection.stream(*scene, 1);
   BenchRun run;
   run.name = input.name;
   try {

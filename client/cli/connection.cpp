@@ -2,7 +2,12 @@
 
 #include "client/cli/connection.hpp"
 
+#include <pwd.h>
+
+#include <charconv>
 #include <fstream>
+
+#include "client/cli/errors.hpp"
 
 namespace collided::cli {
 
@@ -16,6 +21,15 @@ std::string read_token(const std::string& file) {
   return token;
 }
 
+uid_t user_of(const std::string& word) {
+  uid_t id = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), id);
+  if (error == std::errc{} && end == word.data() + word.size()) return id;
+  const passwd* known = getpwnam(word.c_str());
+  if (known == nullptr) throw UsageError("--daemon-user " + word + ": there is no such user here");
+  return known->pw_uid;
+}
+
 }  // namespace
 
 client::ConnectOptions connect_options(const ServerOptions& options) {
@@ -24,6 +38,12 @@ client::ConnectOptions connect_options(const ServerOptions& options) {
   out.tls_ca = options.tls_ca;
   out.tls_certificate = options.tls_certificate;
   out.tls_key = options.tls_key;
+  return out;
+}
+
+client::LocalOptions local_options(const ServerOptions& options) {
+  client::LocalOptions out;
+  if (!options.daemon_user.empty()) out.daemon_user = user_of(options.daemon_user);
   return out;
 }
 

@@ -39,9 +39,12 @@ class SceneGuard {
 /// Reads the token's file. Throws std::runtime_error naming it.
 client::ConnectOptions connect_options(const ServerOptions& options);
 
+/// Whom memory is shared with. Throws UsageError for a user that this host does not know.
+client::LocalOptions local_options(const ServerOptions& options);
+
 class Connection {
  public:
-  explicit Connection(const ServerOptions& options) : client_(open(options)) {}
+  explicit Connection(const ServerOptions& options) : local_(local_options(options)), client_(open(options)) {}
   client::Client& operator*() { return client_; }
   client::Client* operator->() { return &client_; }
 
@@ -52,10 +55,15 @@ class Connection {
     note_interrupts();
     return SceneGuard(client_, std::move(scene), daemon_.has_value());
   }
+  /// `window`: as client::StreamOptions has it.
+  client::FrameStream stream(const v1::Scene& scene, uint32_t window = 0) {
+    return client_.stream(scene, {.window = window, .local = local_});
+  }
 
  private:
   client::Client open(const ServerOptions& options);
 
+  const client::LocalOptions local_;
   std::optional<OwnDaemon> daemon_;  // made before the client and stopped after it
   client::Client client_;
 };

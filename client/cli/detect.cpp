@@ -111,7 +111,7 @@ void run(const DetectOptions& options) {
   Connection connection(options.server);
   const v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
   const SceneGuard scene = connection.create_scene(spec, {&mesh, 1});
-  client::FrameStream stream = connection->stream(*scene);
+  client::FrameStream stream = connection.stream(*scene);
   const client::FrameOutput output = run_frame(stream, frame);
   stream.finish();
   Json summary = {{"scene", scene_json(*scene)}};

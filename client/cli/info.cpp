@@ -26,7 +26,9 @@ Json limits_json(const v1::ServerLimits& limits) {
           {"max_scenes_per_client", limits.max_scenes_per_client()},
           {"max_device_bytes_per_client", limits.max_device_bytes_per_client()},
           {"max_streams_per_client", limits.max_streams_per_client()},
-          {"max_frames_per_second", limits.max_frames_per_second()}};
+          {"max_frames_per_second", limits.max_frames_per_second()},
+          {"max_frame_seconds", limits.max_frame_seconds()},
+          {"max_accuracy", name_of(limits.max_accuracy())}};
 }
 
 Json info_json(const v1::GetServerInfoResponse& info) {

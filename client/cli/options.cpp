@@ -64,6 +64,10 @@ void add_security_options(CLI::App& command, ServerOptions& options, CLI::Option
       command.add_option("--tls-cert", options.tls_certificate, "The client's own certificate (PEM)")->needs(ca);
   auto* key = command.add_option("--tls-key", options.tls_key, "Its private key (PEM)")->needs(certificate);
   certificate->needs(key);
+  command
+      .add_option("--daemon-user", options.daemon_user,
+                  "User, by name or id, to share memory with besides root and oneself")
+      ->needs(server);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ struct ServerOptions {
   std::string backend = "auto";
   int threads = 0;
   std::string token_file, tls_ca, tls_certificate, tls_key;  ///< for a running daemon
+  std::string daemon_user;  ///< who may listen at its local socket, by name or id, besides those whom the client trusts
 };
 
 /// What to detect.

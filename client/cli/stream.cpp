@@ -152,7 +152,7 @@ void run(const StreamOptions& options) {
   v1::SceneSpec spec = scene_spec(options.server, options.detection, format_of(options.position_format));
   spec.set_display_name(options.scene.name);
   const SceneGuard scene = connection.create_scene(spec, mesh_inputs(procedural->meshes()));
-  client::FrameStream stream = connection->stream(*scene);
+  client::FrameStream stream = connection.stream(*scene);
   play_and_tell(options, *scene, stream, *procedural);
 }
 

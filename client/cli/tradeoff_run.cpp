@@ -139,7 +139,7 @@ class Measurement {
     spec.set_display_name("tradeoff");
     const SceneGuard scene = connection_.create_scene(spec, mesh_inputs(step_.meshes));
     describe(*scene);
-    Stepper stepper(connection_->stream(*scene, {.window = 1}), step_, format_of(format));
+    Stepper stepper(connection_.stream(*scene, 1), step_, format_of(format));
     const Truth exact = is_given_valid(format) ? Truth{} : find_truth(stepper);
     const Truth& truth = is_given_valid(format) ? *given_ : exact;
     std::vector<Run> runs = planned_runs(settings_, format);

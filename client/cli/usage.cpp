@@ -54,6 +54,12 @@ std::string unknown_word(const CLI::App& app, const std::string& word) {
   return option + " is no option of " + of + suggestion(nearest(option, option_names(command)), "see '" + help + "'");
 }
 
+/// The dashes are the same in all options, and make none alike.
+std::string letters_of(const std::string& word) {
+  const auto first = word.find_first_not_of('-');
+  return first == std::string::npos ? "" : word.substr(first);
+}
+
 class UsageFormatter : public CLI::Formatter {
  public:
   std::string make_option_usage(const CLI::Option* option) const override {
@@ -83,9 +89,9 @@ size_t edit_distance(const std::string& a, const std::string& b) {
 
 std::string nearest(const std::string& word, const std::vector<std::string>& known) {
   std::string best;
-  size_t least = std::max<size_t>(2, word.size() / 2) + 1;
+  size_t least = (letters_of(word).size() + 1) / 3 + 1;  // one letter of three may be wrong
   for (const std::string& candidate : known)
-    if (const size_t distance = edit_distance(word, candidate); distance < least) {
+    if (const size_t distance = edit_distance(letters_of(word), letters_of(candidate)); distance < least) {
       least = distance;
       best = candidate;
     }

@@ -11,7 +11,7 @@ namespace collided::cli {
 /// Letters to put in, leave out or replace until `a` is `b`.
 size_t edit_distance(const std::string& a, const std::string& b);
 
-/// The one of `known` that is nearest to `word`; empty if none is near enough to have been meant.
+/// The one of `known` that is nearest to `word`, leading dashes aside; empty if none is near enough to have been meant.
 std::string nearest(const std::string& word, const std::vector<std::string>& known);
 
 /// What is wrong with a command line that `app` could not parse.

@@ -125,7 +125,8 @@ Metrics::Families::Families()
       scenes(gauge(registry, "collided_scenes", "Resident scenes")),
       streams(gauge(registry, "collided_streams", "Open streams")),
       calls_in_work(gauge(registry, "collided_calls_in_work", "Calls in work, frame streams apart")),
-      device_bytes(gauge(registry, "collided_device_bytes", "Bytes that all scenes hold, on their backends and on the host")),
+      device_bytes(
+          gauge(registry, "collided_device_bytes", "Bytes that all scenes hold, on their backends and on the host")),
       queued_frames(gauge(registry, "collided_queued_frames", "Frames that wait for their turn")),
       outgoing_bytes(gauge(registry, "collided_outgoing_bytes", "Bytes of answers that wait for their client")),
       connections(gauge(registry, "collided_connections", "Connections of gRPC")),

@@ -21,6 +21,15 @@ TEST(Nearest, IsNamedIfItIsNearEnough) {
   EXPECT_EQ(nearest("detects", known), "detect");
   EXPECT_EQ(nearest("frobnicate", known), "");
   EXPECT_EQ(nearest("x", {}), "");
+  EXPECT_EQ(nearest("x", {"f32", "ab"}), "");
+}
+
+TEST(Nearest, IsFoundByTheLettersNotTheDashes) {
+  const std::vector<std::string> known{"--report", "--threads", "--thickness", "--t0"};
+  EXPECT_EQ(nearest("--treads", known), "--threads");
+  EXPECT_EQ(nearest("-thicknes", known), "--thickness");
+  EXPECT_EQ(nearest("--treshold", known), "");
+  EXPECT_EQ(nearest("--x", known), "");
 }
 
 }  // namespace

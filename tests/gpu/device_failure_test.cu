@@ -21,7 +21,10 @@ void expect(bool condition, const char* what) {
 
 int main() {
   using namespace collided;
-  if (!cuda_available()) return 77;
+  if (!cuda_available()) {
+    std::puts("skipped: no CUDA device can be used");
+    return 77;
+  }
   SceneSpec spec;
   spec.backend = Backend::kCuda;
   MeshSpec mesh;

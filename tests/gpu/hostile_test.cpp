@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <ctime>
-#include <random>
 
 #include "tests/gpu/backend.hpp"
 #include "tests/support/adversarial.hpp"
@@ -12,22 +10,6 @@
 
 namespace collided::test {
 namespace {
-
-// Everything on one spot: all pairs of triangles are candidates many times over.
-Case crowd() { return soup(70, 3500, 0.01, 0.5, 0.3); }
-
-// A few triangles, with exponents that lie as far apart as F64 has them.
-Case far_apart() {
-  std::mt19937_64 random(71);
-  const auto number = [&] {
-    const int exponent = static_cast<int>(random() % 1900) - 1000;
-    return std::ldexp(static_cast<double>(random() % 2000) / 1000 - 1, exponent);
-  };
-  Case c = soup(71, 10, 1, 0.5, 0.3);
-  for (Positions* positions : {&c.start[0], &c.end[0]})
-    for (auto& p : *positions) p = {number(), number(), number()};
-  return c;
-}
 
 // A question that counts, measures how long the engine went without it, and says yes at last.
 class Question {

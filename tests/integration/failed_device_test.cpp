@@ -29,7 +29,7 @@ TEST(FailedDevice, EndsTheStreamsAndTheDaemon) {
   unsetenv("LD_PRELOAD");
   const Probe probe(daemon);
   const auto stub = pb::CollisionService::NewStub(daemon.channel());
-  if (!has_gpu(*stub)) GTEST_SKIP() << "there is no CUDA device";
+  if (!has_gpu(*stub)) GTEST_SKIP() << "no CUDA device can be used";
 
   auto request = tip_request();
   request.mutable_spec()->set_backend(kCuda);

@@ -105,13 +105,15 @@ class Probe {
   pid_t pid_;
 };
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kIsSanitized = true;
+#else
+constexpr bool kIsSanitized = false;
+#endif
+
 /// Bytes; sanitizers keep what is freed for a while, and shadow what is used.
 constexpr double memory_limit(double mebibytes) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  return (mebibytes * 8 + 1024) * (1 << 20);
-#else
-  return mebibytes * (1 << 20);
-#endif
+  return (kIsSanitized ? mebibytes * 8 + 1024 : mebibytes) * (1 << 20);
 }
 
 }  // namespace collided::test

@@ -4,6 +4,8 @@ import re
 import sys
 import time
 
+import names
+
 RESULT = re.compile(r"^\s*(\d+)/(\d+) Test\s+#\d+: (.+?) \.{3,}(.*)$")
 NOISE = re.compile(r"^\s*(Start\s+\d+: |Test project |Internal ctest changing into directory: |Connected to MAKE jobserver)")
 SUMMARY = re.compile(r"^\d+% tests passed")
@@ -39,7 +41,7 @@ class Progress:
         self.skipped += was_skipped
         if self.within_failure:
             self.failed += 1
-            self._print(f"FAILED {name}: {' '.join(verdict.replace('***', ' ').split())}")
+            self._print(f"FAILED {names.short(name)}: {' '.join(verdict.replace('***', ' ').split())}")
         else:  # after a failure its output comes next
             self._tell(int(number), int(total), name)
 

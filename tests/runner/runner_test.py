@@ -12,6 +12,7 @@ import sys
 import tempfile
 import unittest
 
+import names
 import progress
 import summary
 import young_clock
@@ -61,7 +62,7 @@ class Runner(unittest.TestCase):
         lines = printed.splitlines()
         at = next(i for i, line in enumerate(lines) if line.startswith("FAILED b.bad: Failed"))
         self.assertEqual(lines[at + 1], "the output of a failure")
-        for line in ("   5 skipped: no GPU here (d.gpu0, d.gpu1, d.gpu2 and 2 more)",
+        for line in ("   5 skipped: no GPU here (d: 5 cases)",
                      "   1 skipped: no promtool (c.return_code)", "   1 skipped: disabled (f.disabled)",
                      "   failed: b.bad", "   failed: e.missing"):
             self.assertEqual(lines.count(line), 1, printed)
@@ -130,6 +131,29 @@ class Parts(unittest.TestCase):
             told = summary.Summary()
             told.add(report)
         self.assertEqual(list(told.lines()), ["   1 skipped: it gave no reason (a)"])
+
+    def test_a_reason_has_one_line_that_fits_a_screen(self):
+        value = "  # GetParam() = (" + 30 * "4-byte object &lt;00-00 00-00&gt;, " + ")"
+        cases = [f"All/Suite{suite}WithALongName.Test/case{i}{value}" for suite in range(20) for i in range(suite + 1)]
+        with tempfile.TemporaryDirectory() as folder:
+            report = pathlib.Path(folder) / "report.xml"
+            report.write_text("<testsuite>" + "".join(
+                f'<testcase name="{name}" status="notrun"><skipped message="SKIP_RETURN_CODE=77"/>'
+                f"<system-out>skipped: {reason}</system-out></testcase>"
+                for name, reason in [*((case, "no GPU") for case in cases), (cases[0], "x" * 300)]) + "</testsuite>")
+            told = summary.Summary()
+            told.add(report)
+        first, second = told.lines()
+        self.assertEqual(first, "   210 skipped: no GPU (All/Suite19WithALongName: 20 cases, All/Suite18WithALongName: "
+                                "19 cases, All/Suite17WithALongName: 18 cases and 153 more)")
+        self.assertTrue(second.startswith("   1 skipped: xxx"))
+        self.assertLessEqual(max(map(len, (first, second))), 150)
+
+    def test_a_lone_case_is_named_among_suites(self):
+        skipped = ["a.one", "b/S.two/x  # GetParam() = 1", "b/S.two/y  # GetParam() = 2", "c.d.three [clock of 5 s]"]
+        self.assertEqual(names.told(skipped, 100), "b/S: 2 cases, a.one, c.d.three [clock of 5 s]")
+        self.assertEqual(names.told(skipped, 30), "b/S: 2 cases, a.one and 1 more")
+        self.assertEqual(names.told(skipped[:1], 4), "a...")
 
 
 if __name__ == "__main__":

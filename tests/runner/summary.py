@@ -5,9 +5,11 @@ import pathlib
 import re
 import xml.etree.ElementTree as xml
 
+import names
+
 # What GoogleTest (GTEST_SKIP), scripts that exit with 77, and ctest itself say.
 REASONS = (re.compile(r": Skipped\n(.+)"), re.compile(r"^skipped: (.+)", re.MULTILINE))
-NAMED = 3
+WIDTH = 150  # columns of a line
 
 
 def reason_of(case):
@@ -39,7 +41,7 @@ class Summary:
         if not pathlib.Path(report).exists():
             return
         for case in xml.parse(report).getroot().findall("testcase"):
-            name, outcome = case.get("name") + suffix, outcome_of(case)
+            name, outcome = names.short(case.get("name")) + suffix, outcome_of(case)
             if outcome == "passed":
                 self.passed += 1
             elif outcome == "failed":
@@ -48,9 +50,9 @@ class Summary:
                 self.skipped[reason_of(case)].append(name)
 
     def lines(self):
-        for reason, names in sorted(self.skipped.items(), key=lambda item: -len(item[1])):
-            more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-            yield f"   {len(names)} skipped: {reason} ({', '.join(sorted(names)[:NAMED])}{more})"
+        for reason, skipped in sorted(self.skipped.items(), key=lambda item: -len(item[1])):
+            line = names.clipped(f"   {len(skipped)} skipped: {reason}", WIDTH * 2 // 3)
+            yield f"{line} ({names.told(skipped, WIDTH - len(line) - 3)})"
         for name in sorted(self.failed):
             yield f"   failed: {name}"
 

@@ -1,6 +1,7 @@
 #include "tests/support/adversarial.hpp"
 
 #include <cmath>
+#include <random>
 
 namespace collided::test {
 namespace {
@@ -190,6 +191,20 @@ Case soup(uint32_t seed, uint32_t count, double side, double size, double step, 
     }
   }
   return one_mesh("Soup", std::move(start), std::move(end));
+}
+
+Case crowd() { return soup(70, 3500, 0.01, 0.5, 0.3); }
+
+Case far_apart() {
+  std::mt19937_64 random(71);
+  const auto number = [&] {
+    const int exponent = static_cast<int>(random() % 1900) - 1000;
+    return std::ldexp(static_cast<double>(random() % 2000) / 1000 - 1, exponent);
+  };
+  Case c = soup(71, 10, 1, 0.5, 0.3);
+  for (Positions* positions : {&c.start[0], &c.end[0]})
+    for (auto& p : *positions) p = {number(), number(), number()};
+  return c;
 }
 
 std::vector<Case> adversarial_cases() {

@@ -5,6 +5,7 @@ Usage: daemon_test.py COLLIDECTL DAEMON"""
 import glob
 import json
 import os
+import pwd
 import signal
 import subprocess
 import tempfile
@@ -26,7 +27,8 @@ class Daemon(support.CollidectlTest):
     def test_info_tells_every_limit(self):
         limits = {"max-vertices": 5, "max-triangles": 6, "max-window": 7, "max-idle-seconds": 8.5,
                   "max-lease-seconds": 90, "max-scenes": 10, "max-streams": 11, "max-scenes-per-client": 12,
-                  "max-streams-per-client": 13, "max-frames-per-second": 14.5}
+                  "max-streams-per-client": 13, "max-frames-per-second": 14.5,
+                  "max-frame-seconds": 19.5, "max-accuracy": "guarded"}
         megabytes = {"max-message-mb": ("max_message_bytes", 15), "max-scene-mb": ("max_scene_bytes", 16),
                      "max-device-mb": ("max_device_bytes", 17),
                      "max-device-mb-per-client": ("max_device_bytes_per_client", 18)}
@@ -42,6 +44,24 @@ class Daemon(support.CollidectlTest):
         self.assertEqual(info["local_socket"], local)
         for name in (*expected, "local_socket"):
             self.assertIn(name, text)
+
+    def test_a_socket_in_a_folder_of_the_user_that_is_named_is_used(self):
+        if os.geteuid() != 0:
+            self.skipTest("only root can give a folder to another user")
+        folder = os.path.join(self.folder.name, "sockets")
+        os.mkdir(folder)
+        nobody = pwd.getpwnam("nobody")
+        with self.daemon("--local-socket", os.path.join(folder, "local")) as address:
+            os.chown(folder, nobody.pw_uid, -1)
+            server = ["--server", address, "--backend", "cpu", "--json"]
+            commands = (["detect", self.frame0, self.frame1], ["stream", "--scene", "funnel", "--scale=0.2", "--frames=1"])
+            for words in commands:
+                told = json.loads(self.ok(*words, *server))
+                self.assertEqual(told["transport"], "grpc")
+                self.assertIn(f"belongs to user {nobody.pw_uid}", told["local_refusal"])
+                for user in (nobody.pw_name, str(nobody.pw_uid)):
+                    told = json.loads(self.ok(*words, *server, "--daemon-user", user))
+                    self.assertEqual((told["transport"], told.get("local_refusal")), ("shared memory", None))
 
     def test_frames_go_to_the_endpoint_that_the_daemon_tells(self):
         with self.daemon("--endpoint", "unix:/nonexistent/socket") as address:

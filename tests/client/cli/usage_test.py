@@ -52,7 +52,10 @@ class Usage(support.CollidectlTest):
         self.refused(2, "'frobnicate' is no command; there are detect, stream", "frobnicate")
         self.refused(2, "'steam' is no command; did you mean stream?", "steam", "--scene", "funnel")
         self.refused(2, "--scnee is no option of 'stream'; did you mean --scene?", "stream", "--scnee", "funnel")
-        self.refused(2, "--treshold is no option of 'detect'", "detect", *frames, "--treshold", "3")
+        self.refused(2, "--treshold is no option of 'detect'; see 'collidectl detect --help'", "detect", *frames,
+                     "--treshold", "3")
+        self.refused(2, "--treads is no option of 'detect'; did you mean --threads?", "detect", *frames, "--treads=3")
+        self.refused(2, "'detetc' is no command; did you mean detect?", "detetc", *frames)
         self.refused(2, "--thicknes is no option of 'detect'; did you mean --thickness?", "detect", *frames,
                      "--thicknes=3")
         self.refused(2, "'funnel' is one word too many for 'scenes'", "scenes", "funnel")
@@ -118,6 +121,9 @@ class Usage(support.CollidectlTest):
         self.refused(1, "holds no token", *nobody, "--token-file", self.put("empty", "\n"))
         self.refused(1, "holds no token", *nobody, "--token-file", "/nonexistent")
         self.refused(1, "in plain text", *nobody, *token)
+        self.refused(2, "--server", "stream", "--scene", "funnel", "--daemon-user", "0")
+        for user in ("no_such_user", "-1", "1x", "99999999999"):
+            self.refused(2, f"--daemon-user {user}: there is no such user here", *nobody, f"--daemon-user={user}")
         self.refused(1, "tls_ca is '/nonexistent'", *nobody, *token, "--tls-ca", "/nonexistent")
 
 

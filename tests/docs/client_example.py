@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""A program of the C++ of client/cpp/README.md and a main that calls it.
+
+usage: client_example.py REPOSITORY OUTPUT
+"""
+
+import pathlib
+import sys
+
+from markdown import Page
+
+TO_ANOTHER_HOST = 'Client::connect("gpu-host:50551", {.token = token, .tls_ca = "ca.pem"})'
+PROGRAM = """\
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <grpcpp/support/status_code_enum.h>
+
+#include "client/cpp/client.hpp"
+
+using namespace collided::client;
+using namespace std::chrono_literals;
+namespace v1 = collided::v1;
+
+const std::string address = std::getenv("COLLIDED_SERVER");
+const ConnectOptions options;
+const size_t vertices = 6;
+const std::vector<float> before = {0, 0, 0, 4, 0, 0, 0, 4, 0, 1, 1, 1, 1.25, 1, 9, 1, 1.25, 9};
+const std::vector<float> after = {0, 0, 0, 4, 0, 0, 0, 4, 0, 1, 1, -1, 1.25, 1, 7, 1, 1.25, 7};
+
+void write_positions(std::span<std::byte> room) { std::memcpy(room.data(), after.data(), room.size()); }
+
+void tell(const char* what, const FrameStream& stream, const FrameOutput& output) {
+  std::printf("%s, %s: %zu vertex-triangle contacts\\n", what, stream.is_local() ? "shared memory" : "gRPC",
+              output.vertex_triangle.count);
+}
+
+// Compiled and not run: a daemon with TLS is met by other tests.
+FrameOutput over_tls(const v1::SceneSpec& spec, std::span<const MeshInput> meshes, const std::string& token,
+                     const std::vector<float>& positions, uint64_t id) {
+@first@
+  return output;
+}
+
+v1::Scene make(const v1::SceneSpec& spec, std::span<const MeshInput> meshes, const std::vector<float>& positions,
+               uint64_t id) {
+@first here@
+  tell("first", stream, output);
+  stream.finish();
+  return scene;
+}
+
+void share(Client& client, const v1::Scene& scene, uint64_t id) {
+@second@
+  output.check();
+  tell("shared", stream, output);
+  stream.finish();
+}
+
+// The connection is lost once, after the frame was sent.
+void step(FrameStream& stream, uint64_t id) {
+  static bool was_lost = false;
+  const FrameUpdate update{.mesh = 0, .positions = std::as_bytes(std::span(id % 2 ? before : after))};
+  stream.send(id, {&update, 1});
+  const FrameOutput output = stream.receive();
+  output.check();
+  tell(("frame " + std::to_string(id)).c_str(), stream, output);
+  if (!std::exchange(was_lost, true)) throw Error(grpc::UNAVAILABLE, "the connection is lost");
+}
+
+void go_on(const v1::Scene& scene, uint64_t last) {
+@third@
+}
+
+int main(int argc, char**) {
+  const std::array<std::array<uint32_t, 3>, 2> triangles = {{{0, 1, 2}, {3, 4, 5}}};
+  const MeshInput mesh{.name = "two triangles", .vertex_count = vertices, .triangles = triangles};
+  v1::SceneSpec spec;
+  spec.set_mode(v1::DETECTION_MODE_CCD);
+  if (argc > 1) over_tls(spec, {&mesh, 1}, "", before, 1);
+  const v1::Scene scene = make(spec, {&mesh, 1}, before, 1);
+  Client client = Client::connect(address, options);
+  share(client, scene, 2);
+  go_on(scene, 5);
+}
+"""
+
+repository, output = map(pathlib.Path, sys.argv[1:])
+first, second, third = Page(repository / "client" / "cpp" / "README.md").blocks("cpp")
+if TO_ANOTHER_HOST not in first:
+    sys.exit(f"the first C++ of client/cpp/README.md lacks {TO_ANOTHER_HOST}")
+program = PROGRAM
+for name, text in (("first", first), ("second", second), ("third", third),
+                   ("first here", first.replace(TO_ANOTHER_HOST, "Client::connect(address, options)"))):
+    program = program.replace(f"@{name}@", text)
+output.write_text(program)

@@ -1,0 +1,32 @@
+"""Names of tests as people want to read them."""
+
+
+def short(name):
+    """Without the value that GoogleTest adds to the name of a parameter."""
+    return name.split("  # ")[0]
+
+
+def suite_of(name):
+    """What stands before the test's own name; of a script, its group."""
+    return short(name).rpartition(".")[0]
+
+
+def clipped(text, width):
+    return text if len(text) <= width else text[:width - 3] + "..."
+
+
+def told(names, width):
+    """The suites of many tests with their numbers of cases, largest first, as far as they fit; a lone test by its name."""
+    suites = {}
+    for name in sorted(names):
+        suites.setdefault(suite_of(name), []).append(name)
+    entries = [(cases[0] if len(cases) == 1 else f"{suite}: {len(cases)} cases", len(cases))
+               for suite, cases in sorted(suites.items(), key=lambda item: -len(item[1]))]
+    text, left = "", len(names)
+    for entry, cases in entries:
+        more = f" and {left - cases} more" if left > cases else ""
+        longer = text + (", " if text else "") + entry
+        if text and len(longer + more) > width:
+            return text + f" and {left} more"
+        text, left = longer, left - cases
+    return clipped(text, width)
