@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/integration/bystander.hpp"
+#include "tests/integration/client_channel.hpp"
 #include "tests/integration/local_daemon.hpp"
 #include "tests/integration/raw_stream.hpp"
 
@@ -63,19 +64,20 @@ class AnswerMemory : public testing::Test {
   void expect_all_given_back() {
     for (const std::string& scene : scenes_) EXPECT_TRUE(delete_scene(*stub_, scene).ok());
     stub_.reset();  // its connection is one of the descriptors
-    expect_new_client_served(daemon_.address());
-    baseline_.expect_back();
+    aftermath_.expect_unharmed();
   }
-
-  const OpenFolder folder_;
+  std::shared_ptr<grpc::Channel> hog(int connection) const { return channel_as("hog", daemon_.address(), connection); }
   double refused() const { return probe_.rejected("RESOURCE_EXHAUSTED"); }
 
-  DaemonProcess daemon_{{"--max-device-mb", std::to_string(kLimit), "--max-device-mb-per-client",
-                         std::to_string(kLimit), "--max-decode-mb", std::to_string(kDecode), "--max-network-mb",
+  const OpenFolder folder_;
+  const TokensFile tokens_{{{"hog", "max-device-mb = " + std::to_string(kLimit) + "\n"}, {"honest"}}};
+  DaemonProcess daemon_{{"--tokens-file", tokens_.path(), "--max-device-mb", std::to_string(2 * kLimit),
+                         "--max-message-mb", "4", "--max-decode-mb", std::to_string(kDecode), "--max-network-mb",
                          std::to_string(kNetwork), "--local-socket", folder_.file("local"),
-                         "--keepalive-timeout-seconds", "60", "--max-message-mb", "4"}};
+                         "--keepalive-timeout-seconds", "60"}};
   const Probe probe_{daemon_};
-  std::unique_ptr<Stub> stub_ = pb::CollisionService::NewStub(channel_to(daemon_.address(), 1));
+  Aftermath aftermath_{probe_, [this](int number) { return channel_as("honest", daemon_.address(), number); }};
+  std::unique_ptr<Stub> stub_ = pb::CollisionService::NewStub(hog(1));
   std::vector<std::string> scenes_;
 
  private:
@@ -98,10 +100,6 @@ class AnswerMemory : public testing::Test {
   }
   static constexpr std::chrono::seconds kPatience{60};
   static constexpr int kSlack = 128;
-  const Baseline baseline_ = [&] {
-    expect_new_client_served(daemon_.address());
-    return Baseline(probe_);
-  }();
   const double before_ = probe_.resident_bytes();
 };
 
@@ -121,7 +119,7 @@ TEST_F(AnswerMemory, OfStreamsThatNobodyReads) {
 
 TEST_F(AnswerMemory, OfLocalStreamsThatNobodyReads) {
   std::vector<std::unique_ptr<LocalStream>> streams;
-  const LocalSizes sizes{.output = 0};
+  const LocalSizes sizes{.output = 0, .token = token_of("hog")};
   for (int i = 0; i < kScenes; ++i) {
     scenes_.push_back(make_scene(*stub_, crowd_request()));
     streams.push_back(std::make_unique<LocalStream>(local_socket_of(*stub_), scenes_.back(), sizes));
@@ -159,8 +157,7 @@ TEST_F(AnswerMemory, OfCallsThatNobodyReads) {
   const double before = probe_.peak_resident_bytes();
   std::vector<std::unique_ptr<RawStream>> calls;
   for (int i = 0; i < kCalls; ++i) {
-    calls.push_back(std::make_unique<RawStream>(channel_to(daemon_.address(), 10 + i / kCallsOfConnection),
-                                                method_path("GetScene")));
+    calls.push_back(std::make_unique<RawStream>(hog(10 + i / kCallsOfConnection), method_path("GetScene")));
     ASSERT_TRUE(calls.back()->write(request.SerializeAsString()) && calls.back()->writes_done());
   }
   eventually("answers are refused", [&] { return refused() > 0; });
@@ -172,7 +169,7 @@ TEST_F(AnswerMemory, OfCallsThatNobodyReads) {
 // Pages that nobody has touched yet are the daemon's once it does.
 TEST_F(AnswerMemory, OfRegionsThatAreLargerThanTheClientsShare) {
   scenes_.push_back(make_scene(*stub_, crowd_request()));
-  const LocalSizes sizes{.output = size_t{kLimit + 1} << 20};
+  const LocalSizes sizes{.output = size_t{kLimit + 1} << 20, .token = token_of("hog")};
   const LocalStream stream(local_socket_of(*stub_), scenes_.back(), sizes);
   ASSERT_TRUE(stream.closed());
   EXPECT_EQ(stream.closed()->code(), grpc::RESOURCE_EXHAUSTED);

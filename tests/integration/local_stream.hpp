@@ -15,6 +15,7 @@ struct LocalSizes {
   size_t input = kInput, output = 64 << 10;  ///< bytes
   uint32_t window = 0;
   std::string resume_token = "";
+  std::string token = "";
 };
 
 class LocalStream {
@@ -23,6 +24,7 @@ class LocalStream {
       : sizes_(sizes), memory_(sizes.input + sizes.output), raw_(path) {
     auto request = open_request(scene_id, sizes.input, sizes.output, sizes.window);
     request.mutable_open()->mutable_open()->set_resume_token(sizes.resume_token);
+    request.mutable_open()->set_token(sizes.token);
     raw_.send(request, {memory_.file()});
     const auto response = raw_.receive();
     if (!response) return;
