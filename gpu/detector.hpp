@@ -207,7 +207,8 @@ struct FrameResult {
   double earliest_toi = 1;          ///< CCD; from kGuarded on no contact is earlier
   bool any_contact = false;
   bool input_resolution = false;  ///< the input's own spacing is coarser than delta (0: than 1/1000 of most triangles)
-  /// The contacts' bytes on the host, taken from the scene's memory_quota; given back with the last copy. May be null.
+  /// The contacts' bytes on the host, within what the scene took of its memory_quota for answers; given back with the
+  /// last copy. May be null.
   std::shared_ptr<const MemoryHold> held = {};
 };
 

@@ -46,6 +46,8 @@ class Pipeline {
     return std::move(result_);
   }
 
+  uint64_t answer_bytes() const { return results_.answer_bytes(); }
+
  private:
   /// In pair tests. From 0 to 4 it makes no difference to the time beyond 2 % in all (tests/bench/results, registration
   /// weight); with 0 no other cut of the same grid makes fewer tests.

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "gpu/answer_room.hpp"
 #include "gpu/contact_sets.hpp"
 #include "gpu/exact/poll.hpp"
 #include "gpu/level_needs.hpp"
@@ -17,7 +18,19 @@ template <class Exec, class Real>
 class Results {
  public:
   Results(Exec& exec, const SceneSpec& spec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
-      : exec_(exec), spec_(spec), ranks_(ranks), scene_(scene) {}
+      : exec_(exec),
+        spec_(spec),
+        ranks_(ranks),
+        scene_(scene),
+        room_(spec.memory_quota ? std::make_shared<AnswerRoom>(spec.memory_quota) : nullptr) {}
+  Results(const Results&) = delete;
+  Results& operator=(const Results&) = delete;
+  ~Results() {
+    if (room_) room_->close();
+  }
+
+  /// Bytes that are held for answers; 0 where nobody counts them.
+  uint64_t answer_bytes() const { return room_ ? room_->bytes() : 0; }
 
   void collect(const StepState& step, const LevelNeeds& needs, FrameResult& result) {
     needs_ = needs;
@@ -64,8 +77,8 @@ class Results {
   }
   /// Before the memory is there.
   void hold(uint64_t bytes) {
-    if (!spec_.memory_quota) return;
-    const auto held = std::make_shared<MemoryHold>(spec_.memory_quota);
+    if (!room_) return;
+    const auto held = std::make_shared<MemoryHold>(room_);
     held->resize(bytes);
     result_->held = held;
   }
@@ -199,6 +212,7 @@ class Results {
   const SceneSpec& spec_;
   const FeatureRanks& ranks_;
   SceneBuffers<Exec, Real>& scene_;
+  const std::shared_ptr<AnswerRoom> room_;
   LevelNeeds needs_;
   FrameResult* result_ = nullptr;
 };

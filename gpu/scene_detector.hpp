@@ -31,7 +31,11 @@ class SceneDetector final : public Detector {
 
   std::shared_ptr<FrameSlot> make_slot() override { return new_slot(); }
 
-  std::vector<MemoryPart> memory() const override { return exec_.ledger().parts(); }
+  std::vector<MemoryPart> memory() const override {
+    std::vector<MemoryPart> parts = exec_.ledger().parts();
+    if (pipeline_.answer_bytes() > 0) parts.push_back({"answers", pipeline_.answer_bytes()});
+    return parts;
+  }
   const Topology& topology() const override { return topology_; }
   DeviceInfo device() const override { return exec_.device(); }
 

@@ -37,22 +37,23 @@ uint64_t bytes_of(const FrameResult& r) {
   return bytes_of(r.vertex_triangle) + bytes_of(r.edge_edge) + bytes_of(r.triangle_triangle);
 }
 
+uint64_t answer_bytes(const Detector& detector) {
+  for (const MemoryPart& part : detector.memory())
+    if (part.part == "answers") return part.bytes;
+  return 0;
+}
+
 class AnswerMemory : public OnBackend<> {
  protected:
   std::unique_ptr<Detector> make(SceneSpec spec) {
     spec.memory_quota = quota_;
     return Detector::create(spec_for(case_, spec));
   }
-  /// One answer and the bytes that it holds, in a scene whose buffers have grown already.
-  std::pair<FrameResult, uint64_t> warm_answer(const SceneSpec& spec, uint64_t beside = 0) {
-    const auto detector = make(spec);
+  FrameResult answer(Detector& detector, const SceneSpec& spec, uint64_t beside = 0) {
     const Frame frame(case_, spec.mode, spec.scalar);
     FrameInput input = frame.input();
     input.bytes_beside_contact = beside;
-    detector->detect(input);
-    const uint64_t before = quota_->held();
-    FrameResult result = detector->detect(input);
-    return {std::move(result), quota_->held() - before};
+    return detector.detect(input);
   }
 
   const Case case_ = soup(160, 400, 0.3, 0.2, 0.05);
@@ -64,12 +65,15 @@ TEST_F(AnswerMemory, CountsWhileAnAnswerLives) {
     for (const Accuracy level : {Accuracy::kCandidates, Accuracy::kCertified}) {
       SceneSpec spec = settings(mode, level, Scalar::kF32, 0.01);
       spec.weights = true;
-      auto [result, held] = warm_answer(spec);
-      ASSERT_GT(result.vertex_triangle.size() + result.edge_edge.size(), 100u);
-      EXPECT_EQ(held, bytes_of(result));
+      auto detector = make(spec);
+      FrameResult result = answer(*detector, spec);
+      const uint64_t bytes = bytes_of(result);
+      ASSERT_GT(bytes, 1000u);
+      EXPECT_EQ(answer_bytes(*detector), bytes);
       FrameResult copy = result;
       result = {};
-      EXPECT_EQ(quota_->held(), held) << "the scene is gone, a copy is there";
+      detector = nullptr;
+      EXPECT_EQ(quota_->held(), bytes) << "the scene is gone, a copy is there";
       copy = {};
       EXPECT_EQ(quota_->held(), 0u);
     }
@@ -78,9 +82,23 @@ TEST_F(AnswerMemory, CountsWhileAnAnswerLives) {
 TEST_F(AnswerMemory, CountsWhatTheCallerHoldsBeside) {
   constexpr uint64_t kBeside = 16;
   const SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified, Scalar::kF32);
-  const auto [result, held] = warm_answer(spec, kBeside);
+  const auto detector = make(spec);
+  const FrameResult result = answer(*detector, spec, kBeside);
   const uint64_t contacts = result.vertex_triangle.size() + result.edge_edge.size();
-  EXPECT_EQ(held, bytes_of(result) + contacts * kBeside);
+  EXPECT_EQ(answer_bytes(*detector), bytes_of(result) + contacts * kBeside);
+}
+
+// Others may have taken the rest of the quota meanwhile.
+TEST_F(AnswerMemory, StaysWithTheScene) {
+  const SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified, Scalar::kF32);
+  const auto detector = make(spec);
+  const FrameResult first = answer(*detector, spec);
+  { const FrameResult second = answer(*detector, spec); }
+  EXPECT_EQ(answer_bytes(*detector), 2 * bytes_of(first));
+  quota_->set_most(quota_->held());
+  EXPECT_TRUE(same_contacts(first, answer(*detector, spec)));
+  const FrameResult second = answer(*detector, spec);
+  EXPECT_THROW(answer(*detector, spec), ResourceExhausted) << "one more than ever before";
 }
 
 TEST_F(AnswerMemory, IsAskedForBeforeTheFrameCounts) {
