@@ -23,7 +23,7 @@ constexpr int kBatch = 64;    // connections of one socket before the next socke
 // accept4() wants a descriptor before it looks whether anybody waits.
 bool is_awaited(int socket) {
   pollfd state{socket, POLLIN, 0};
-  return poll(&state, 1, 0) > 0;
+  return poll(&state, 1, 0) != 0;
 }
 
 bool is_shortage(int error) { return error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM; }
