@@ -133,7 +133,7 @@ TEST(SilentCalls, OfThoseWhoWatchHealthTheOldestGo) {
   DaemonProcess daemon;
   const Probe probe(daemon);
   Aftermath aftermath(probe, daemon.address());
-  const auto channel = channel_to(daemon.address(), 78);
+  auto channel = channel_to(daemon.address(), 78);
   std::deque<RawStream> watches;
   std::string bytes;
   for (int i = 0; i < kWatches; ++i) {
@@ -143,6 +143,7 @@ TEST(SilentCalls, OfThoseWhoWatchHealthTheOldestGo) {
   }
   for (int i = 0; i < kWatches - kMost; ++i) EXPECT_EQ(watches[i].finish().error_code(), grpc::RESOURCE_EXHAUSTED) << i;
   watches.clear();
+  channel.reset();  // its connection is one of the daemon's descriptors
   aftermath.expect_unharmed();
 }
 
