@@ -3,7 +3,6 @@
 
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
-#include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/resource_quota.h>
 
 #include <algorithm>
@@ -83,7 +82,8 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
       observer_(metrics_, lifecycle),
       host_(config, observer_),
       service_(config, host_, authenticator_),
-      reflection_(service_.parts(), host_, service_.waiting(), config.open_reflection),
+      reflection_(service_.parts(), config.open_reflection),
+      health_(service_.parts()),
       entrance_(config, metrics_) {
   if (config.backend == "cuda" && !cuda_available())
     throw std::runtime_error("--backend is cuda, but there is no usable CUDA device");
@@ -94,11 +94,11 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
     local_ = std::make_unique<LocalServer>(local_options(config), host_, authenticator_, metrics_);
   listen(config);
   metrics_.set_gauges([this] { return gauges(); });
-  server_->GetHealthCheckService()->SetServingStatus(pb::CollisionService::service_full_name(), true);
   authenticator_.watch([this](std::string_view peer, const ClientIdentity& client) {
     entrance_.connections().identified(peer, client.name);
   });
-  entrance_.open(*server_, lifecycle_);
+  health_.set_serving(true);
+  entrance_.open(lifecycle_, health_);
   lifecycle_.serve();
 }
 
@@ -116,7 +116,6 @@ Gauges Daemon::gauges() const {
 }
 
 void Daemon::listen(const Config& config) {
-  grpc::EnableDefaultHealthCheckService(true);
   grpc::ServerBuilder builder;
   set_message_limits(builder, config.limits);
   set_quota(builder, config.limits);
@@ -125,6 +124,7 @@ void Daemon::listen(const Config& config) {
   entrance_.add_to(builder);
   builder.RegisterService(&service_);
   service_.add_to(router_);
+  health_.add_to(router_, pb::CollisionService::service_full_name());
   reflection_.add_to(router_, {pb::CollisionService::service_full_name(), "grpc.health.v1.Health"});
   builder.RegisterCallbackGenericService(&router_);
   calls_ = std::make_unique<FrameCalls>(
@@ -132,7 +132,7 @@ void Daemon::listen(const Config& config) {
       FrameCallParts{host_, authenticator_, metrics_, service_.waiting(), config.limits.max_message_bytes,
                      [this](const std::string& peer) { end_flood(peer); }});
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> watches;
-  watches.push_back(std::make_unique<CallWatches>(metrics_));
+  watches.push_back(std::make_unique<CallWatches>(metrics_, [this](const std::string& peer) { end_flood(peer); }));
   builder.experimental().SetInterceptorCreators(std::move(watches));
   server_ = builder.BuildAndStart();
   if (!server_) throw std::runtime_error("gRPC does not start a server");
@@ -159,7 +159,7 @@ void Daemon::reload(const Config& config) {
 
 void Daemon::begin_stop(double grace_seconds) {
   entrance_.end_probe();
-  server_->GetHealthCheckService()->SetServingStatus(false);
+  health_.set_serving(false);
   lifecycle_.drain();
   host_.announce_stop(grace_seconds);
   calls_->announce_stop();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/auth/authenticator.hpp"
+#include "server/builtin/health.hpp"
 #include "server/builtin/reflection.hpp"
 #include "server/config/config.hpp"
 #include "server/entrance.hpp"
@@ -59,6 +60,7 @@ class Daemon {
   SceneHost host_;
   CollisionService service_;
   Reflection reflection_;
+  Health health_;
   RpcRouter router_;
   Entrance entrance_;
   std::unique_ptr<LocalServer> local_;

@@ -1,8 +1,6 @@
 // How clients get into the gRPC server.
 #include "server/entrance.hpp"
 
-#include <grpcpp/health_check_service_interface.h>
-
 #include <chrono>
 #include <utility>
 
@@ -23,9 +21,9 @@ size_t connection_limit(const Config& config) {
   return most;
 }
 
-void tell(const std::string& obstacle, grpc::Server& server, Lifecycle& lifecycle) {
+void tell(const std::string& obstacle, Lifecycle& lifecycle, Health& health) {
   lifecycle.set_obstacle(obstacle);
-  server.GetHealthCheckService()->SetServingStatus(obstacle.empty());
+  health.set_serving(obstacle.empty());
   if (obstacle.empty())
     log_event(spdlog::level::info, "new clients get in again", {});
   else
@@ -50,7 +48,7 @@ void Entrance::add_to(grpc::ServerBuilder& builder) {
   if (tls_) secure_ = builder.experimental().AddExternalConnectionAcceptor(Type::FROM_FD, credentials_);
 }
 
-void Entrance::open(grpc::Server& server, Lifecycle& lifecycle) {
+void Entrance::open(Lifecycle& lifecycle, Health& health) {
   std::vector<Door> doors;
   std::vector<int> fds;
   for (const auto& listener : listeners_)
@@ -63,7 +61,7 @@ void Entrance::open(grpc::Server& server, Lifecycle& lifecycle) {
                 [this](Fd connection, size_t place) { take(std::move(connection), place); });
   probe_.emplace(
       std::move(doors), [this] { return loop_->trouble(); },
-      [&](const std::string& obstacle) { tell(obstacle, server, lifecycle); });
+      [&](const std::string& obstacle) { tell(obstacle, lifecycle, health); });
 }
 
 // gRPC closes it from now on.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/auth/certificate_watch.hpp"
+#include "server/builtin/health.hpp"
 #include "server/config/config.hpp"
 #include "server/net/accept_loop.hpp"
 #include "server/net/admission_probe.hpp"
@@ -28,8 +29,8 @@ class Entrance {
 
   /// Before the server is built. It must be gone before the entrance is.
   void add_to(grpc::ServerBuilder& builder);
-  /// Once the server is started. `lifecycle` and the server's health are told what keeps new clients out.
-  void open(grpc::Server& server, Lifecycle& lifecycle);
+  /// Once the server is started. `lifecycle` and `health` are told what keeps new clients out.
+  void open(Lifecycle& lifecycle, Health& health);
   /// Health is not told any more. Clients still get in.
   void end_probe() { probe_.reset(); }
   /// Nobody gets in any more. Before the server's Shutdown.

@@ -140,7 +140,8 @@ std::unique_ptr<grpc::ClientContext> ChannelMaker::context(const std::string& sc
 std::unique_ptr<grpc::ClientContext> ChannelMaker::call_context(const std::string& scene_id,
                                                                 std::chrono::milliseconds more) const {
   auto context = this->context(scene_id);
-  context->set_deadline(deadline_in(options_.deadline + more));
+  const auto most = std::chrono::milliseconds::max();
+  context->set_deadline(deadline_in(options_.deadline < most - more ? options_.deadline + more : most));
   return context;
 }
 

@@ -112,7 +112,7 @@ void FrameStream::State::keep() {
   std::unique_lock lock(mutex);
   for (int quiet = 0; !ended && !is_stopping;) {
     const uint64_t seen = waits;
-    stop.wait_for(lock, setup.keeper.pause, [&] { return is_stopping; });
+    stop.wait_until(lock, after(setup.keeper.pause), [&] { return is_stopping; });
     const auto is_alone = [&] { return !ended && !is_stopping && waiting == 0 && waits == seen; };
     quiet = is_alone() ? quiet + 1 : 0;
     while (is_alone() && lead.take(lock, keepers_deadline(quiet), std::bind_front(&State::read_one, this))) continue;
@@ -123,7 +123,7 @@ void FrameStream::State::keep() {
 /// stays for as long as it takes once none has waited for a while.
 FrameTransport::Time FrameStream::State::keepers_deadline(int quiet) const {
   if (quiet >= setup.keeper.quiet_pauses) return FrameTransport::kNever;
-  return in_flight > 0 ? Clock::now() + setup.keeper.pause : Clock::now();
+  return in_flight > 0 ? after(setup.keeper.pause) : Clock::now();
 }
 
 void FrameStream::State::take(v1::StreamFramesResponse& response) {

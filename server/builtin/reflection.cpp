@@ -65,8 +65,8 @@ class ReflectionCall final : public grpc::ServerGenericBidiReactor {
 
  private:
   void wait(const char* what, WaitingCalls::End end) {
-    const WaitRule rule{what, reflection_.host_.limits().max_silent_seconds, kMost, kMostOfClient};
-    wait_ = reflection_.waiting_.wait(rule, client_, std::move(end));
+    const WaitRule rule{what, reflection_.calls_.host.limits().max_silent_seconds, kMost, kMostOfClient};
+    wait_ = reflection_.calls_.waiting.wait(rule, client_, std::move(end));
   }
 
   void read() {
@@ -104,8 +104,8 @@ class ReflectionCall final : public grpc::ServerGenericBidiReactor {
 
 void Reflection::add_to(RpcRouter& router, std::vector<std::string> services) {
   services_ = std::move(services);
-  for (const auto* request : {rpc::ServerReflectionRequest::descriptor(),
-                              grpc::reflection::v1alpha::ServerReflectionRequest::descriptor()}) {
+  for (const auto* request :
+       {rpc::ServerReflectionRequest::descriptor(), grpc::reflection::v1alpha::ServerReflectionRequest::descriptor()}) {
     const std::string& name = request->file()->service(0)->full_name();
     services_.push_back(name);
     router.add("/" + name + "/ServerReflectionInfo",

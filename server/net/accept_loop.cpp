@@ -20,6 +20,12 @@ constexpr int kRetryMs = 50;  // where the process has no descriptor left
 constexpr int kFullMs = 2;    // until connections that were ended are closed
 constexpr int kBatch = 64;    // connections of one socket before the next socket has its turn
 
+// accept4() wants a descriptor before it looks whether anybody waits.
+bool is_awaited(int socket) {
+  pollfd state{socket, POLLIN, 0};
+  return poll(&state, 1, 0) != 0;
+}
+
 bool is_shortage(int error) { return error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM; }
 
 }  // namespace
@@ -65,9 +71,10 @@ void AcceptLoop::take_some(size_t place) {
   for (int taken = 0; taken < kBatch; ++taken) {
     if (!connections_.may_accept()) return;
     Fd connection(accept4(sockets_[place], nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-    if (!connection && is_shortage(errno)) return begin_trouble(errno);
-    if (!connection && errno != EAGAIN) continue;  // one that is gone again
-    if (!connection) return end_trouble();
+    const int error = connection ? 0 : errno;
+    if (error == EAGAIN || (is_shortage(error) && !is_awaited(sockets_[place]))) return end_trouble();
+    if (is_shortage(error)) return begin_trouble(error);
+    if (!connection) continue;  // one that is gone again
     if (connections_.admit(connection.get(), peer_of(connection.get()))) take_(std::move(connection), place);
   }
 }

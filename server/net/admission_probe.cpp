@@ -30,13 +30,20 @@ struct Failure {
   std::string what;
 };
 
+struct Patience {
+  steady_clock::time_point deadline;
+  const std::function<bool()>& is_pointless;
+};
+
 [[noreturn]] void fail(const std::string& what, int error) { throw Failure{what + ": " + std::strerror(error)}; }
 
-void wait_for(int socket, short events, steady_clock::time_point deadline) {
-  pollfd state{socket, events, 0};
-  const auto left = std::chrono::ceil<milliseconds>(deadline - steady_clock::now()).count();
-  if (poll(&state, 1, static_cast<int>(std::max<int64_t>(left, 0))) <= 0)
-    throw Failure{"a new connection gets no answer"};
+void wait_for(int socket, short events, const Patience& patience) {
+  for (milliseconds left{1}; left.count() > 0 && !patience.is_pointless();) {
+    left = std::chrono::ceil<milliseconds>(patience.deadline - steady_clock::now());
+    pollfd state{socket, events, 0};
+    if (poll(&state, 1, static_cast<int>(std::clamp(left, milliseconds(0), kPeriod).count())) > 0) return;
+  }
+  throw Failure{"a new connection gets no answer"};
 }
 
 // Where to connect to reach a listening socket; one of all addresses is reached by loopback.
@@ -50,14 +57,14 @@ socklen_t address_of(int listening, sockaddr_storage& address) {
   return size;
 }
 
-Fd connect_to(int listening, steady_clock::time_point deadline) {
+Fd connect_to(int listening, const Patience& patience) {
   sockaddr_storage address{};
   const socklen_t size = address_of(listening, address);
   Fd socket(::socket(address.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!socket) fail("no socket for a new connection", errno);
   if (connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), size) == 0) return socket;
   if (errno != EINPROGRESS) fail("connecting", errno);
-  wait_for(socket.get(), POLLOUT, deadline);
+  wait_for(socket.get(), POLLOUT, patience);
   int error = 0;
   socklen_t error_size = sizeof(error);
   getsockopt(socket.get(), SOL_SOCKET, SO_ERROR, &error, &error_size);
@@ -87,12 +94,12 @@ std::string tls_greeting() {
 }
 
 // The type of its first frame or record is all that is needed.
-void expect_answer(int socket, bool is_tls, steady_clock::time_point deadline) {
+void expect_answer(int socket, bool is_tls, const Patience& patience) {
   constexpr size_t kHead = 5;
   constexpr char kSettings = 4, kHandshake = 22;
   char head[kHead] = {};
   for (size_t size = 0; size < kHead;) {
-    wait_for(socket, POLLIN, deadline);
+    wait_for(socket, POLLIN, patience);
     const ssize_t got = recv(socket, head + size, kHead - size, 0);
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) continue;
     if (got < 0) fail("a new connection is closed", errno);
@@ -105,13 +112,13 @@ void expect_answer(int socket, bool is_tls, steady_clock::time_point deadline) {
 
 }  // namespace
 
-std::string knock(const Door& door) try {
-  const auto deadline = steady_clock::now() + kPatience;
-  const Fd socket = connect_to(door.socket, deadline);
+std::string knock(const Door& door, const std::function<bool()>& is_pointless) try {
+  const Patience patience{steady_clock::now() + kPatience, is_pointless};
+  const Fd socket = connect_to(door.socket, patience);
   const std::string greeting = door.is_tls ? tls_greeting() : http2_greeting();
   if (send(socket.get(), greeting.data(), greeting.size(), MSG_NOSIGNAL) < 0)
     fail("a new connection takes nothing", errno);
-  expect_answer(socket.get(), door.is_tls, deadline);
+  expect_answer(socket.get(), door.is_tls, patience);
   return {};
 } catch (const Failure& failure) {
   return failure.what;
@@ -133,23 +140,26 @@ AdmissionProbe::~AdmissionProbe() {
 void AdmissionProbe::run() {
   do {
     const std::string now = look();
-    if (now != told_) tell_(told_ = now);
+    if (!is_stopping_ && now != told_) tell_(told_ = now);
   } while (wait(kPeriod));
 }
 
-// Knocks now and then, and all the time where something is wrong.
+// Knocks now and then, and all the time where something is wrong. Trouble that comes meanwhile is the reason of what a
+// knock meets.
 std::string AdmissionProbe::look() {
   if (auto trouble = trouble_(); !trouble.empty()) return trouble;
   if (told_.empty() && steady_clock::now() < next_) return {};
   auto obstacle = knock_everywhere();
   next_ = steady_clock::now() + kBetweenKnocks;
-  return obstacle;
+  auto trouble = trouble_();
+  return trouble.empty() ? obstacle : trouble;
 }
 
 std::string AdmissionProbe::knock_everywhere() const {
   for (const Door& door : doors_) {
     std::string what;
-    for (int tries = 0; tries < kTries && !(what = knock(door)).empty(); ++tries) continue;
+    for (int tries = 0; tries < kTries && !(what = knock(door, [this] { return is_pointless(); })).empty(); ++tries)
+      continue;
     if (!what.empty()) return "new clients do not get in by " + door.address + ": " + what;
   }
   return {};
@@ -158,7 +168,7 @@ std::string AdmissionProbe::knock_everywhere() const {
 // False: the probe ends.
 bool AdmissionProbe::wait(milliseconds time) {
   std::unique_lock lock(mutex_);
-  return !stopping_.wait_for(lock, time, [this] { return is_stopping_; });
+  return !stopping_.wait_for(lock, time, [this] { return is_stopping_.load(); });
 }
 
 }  // namespace collided::server

@@ -1,6 +1,7 @@
 #pragma once
 // Whether a new client gets in: connects to the daemon's own sockets now and then, and waits for an answer.
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
@@ -22,6 +23,7 @@ class AdmissionProbe {
  public:
   /// `trouble` (may be empty) is what is known to be wrong without trying. `tell` is called with what keeps new clients
   /// out ("" once they get in), each time that it changes. Both by the probe's thread. The sockets outlive the probe.
+  /// It waits for no answer any more once there is trouble, or once it is to end.
   AdmissionProbe(std::vector<Door> doors, std::function<std::string()> trouble,
                  std::function<void(const std::string& obstacle)> tell);
   ~AdmissionProbe();
@@ -32,6 +34,7 @@ class AdmissionProbe {
   void run();
   std::string look();
   std::string knock_everywhere() const;
+  bool is_pointless() const { return is_stopping_ || !trouble_().empty(); }
   bool wait(std::chrono::milliseconds time);
 
   const std::vector<Door> doors_;
@@ -41,12 +44,13 @@ class AdmissionProbe {
   std::chrono::steady_clock::time_point next_{};  // when it knocks again; of the thread
   std::mutex mutex_;
   std::condition_variable stopping_;
-  bool is_stopping_ = false;  // guarded by mutex_
+  std::atomic<bool> is_stopping_ = false;  // changed under mutex_
   std::thread thread_;
 };
 
 /// Connects and waits for the server's first bytes: its HTTP/2 SETTINGS, or its part of a TLS handshake. What is wrong;
-/// empty if nothing is.
-std::string knock(const Door& door);
+/// empty if nothing is. Asks `is_pointless` four times a second whether to give up.
+std::string knock(
+    const Door& door, const std::function<bool()>& is_pointless = [] { return false; });
 
 }  // namespace collided::server

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "server/net/fd.hpp"
+#include "server/net/unread_resets.hpp"
 
 namespace collided::server {
 namespace {
@@ -17,7 +18,9 @@ constexpr auto kTimeForFirstCall = std::chrono::seconds(10);
 constexpr auto kCountedTime = std::chrono::seconds(10), kRefusal = std::chrono::seconds(2);
 constexpr uint32_t kMostFruitless = 1000;  // of a source
 constexpr uint32_t kFewFruitless = 20;     // of a connection that is not to be blamed for the others of its source
-constexpr size_t kSweep = 64;              // connections between two looks at which are gone
+constexpr uint32_t kLook = 64;             // fruitless calls over Unix sockets between two looks at who makes them
+constexpr std::string_view kUnix = "unix";
+constexpr size_t kSweep = 64;  // connections between two looks at which are gone
 
 ino_t inode_of(int fd) {
   struct stat file {};
@@ -62,15 +65,43 @@ void Connections::identified(std::string_view peer, std::string_view client) {
 
 bool Connections::fruitless(std::string_view peer) {
   const std::lock_guard lock(mutex_);
+  if (peer.starts_with(kUnix)) return fruitless_over_unix_locked();
   const auto found = by_peer_.find(std::string(peer));
   if (found == by_peer_.end()) return false;
   Entry& entry = entries_.at(found->second);
-  Source& source = source_locked(entry.peer.source);
   ++entry.fruitless;
-  if (++source.fruitless < kMostFruitless || entry.fruitless < kFewFruitless || entry.is_ending) return false;
-  source.refused_until = Clock::now() + kRefusal;
-  end_locked(entry);
+  const bool is_much = ++source_locked(entry.peer.source).fruitless >= kMostFruitless;
+  if (!is_much || entry.fruitless < kFewFruitless || entry.is_ending) return false;
+  shut_out_locked(entry);
   return true;
+}
+
+// gRPC does not tell which of them it was. A flood that is no slower than the daemon shows in what is still unread.
+bool Connections::fruitless_over_unix_locked() {
+  const uint32_t count = ++source_locked(std::string(kUnix)).fruitless;
+  if (count < kMostFruitless || count % kLook != 0) return false;
+  const auto found = most_resetting_locked();
+  if (found == entries_.end()) return false;
+  shut_out_locked(found->second);
+  return true;
+}
+
+Connections::Entries::iterator Connections::most_resetting_locked() {
+  sweep_locked();
+  auto found = entries_.end();
+  size_t most = kFewFruitless - 1;
+  for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
+    if (!entry->second.peer.is_unix || entry->second.is_ending) continue;
+    const size_t resets = count_unread_resets(entry->second.socket);
+    if (resets > most) found = entry;
+    most = std::max(most, resets);
+  }
+  return found;
+}
+
+void Connections::shut_out_locked(Entry& entry) {
+  source_locked(entry.peer.source).refused_until = Clock::now() + kRefusal;
+  end_locked(entry);
 }
 
 bool Connections::is_refused_locked(const std::string& source) const {

@@ -32,7 +32,8 @@ class Connections {
   void identified(std::string_view peer, std::string_view client);
   /// A call of the connection ended before it asked for anything. gRPC keeps each such call until it is taken up,
   /// however many come: hence a connection (or all of its source together) that makes 1,000 of them within 10 s is
-  /// ended, and its source refused for 2 s. True if it was.
+  /// ended, and its source refused for 2 s. True if it was. Over Unix sockets, it is the one that has most resets
+  /// waiting to be read.
   bool fruitless(std::string_view peer);
   /// Ends `count` connections, those that a full table would end.
   void end_some(size_t count);
@@ -65,6 +66,9 @@ class Connections {
   void erase_locked(Entries::iterator entry) const;
   bool is_refused_locked(const std::string& source) const;
   Source& source_locked(const std::string& name);
+  bool fruitless_over_unix_locked();
+  Entries::iterator most_resetting_locked();
+  void shut_out_locked(Entry& entry);
   bool is_evicting_enough_locked() const;
   bool make_room_locked();
   Entries::iterator victim_locked();

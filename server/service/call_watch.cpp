@@ -31,7 +31,12 @@ std::string method_of(const std::string& path) {
 void CallWatch::Intercept(grpc::experimental::InterceptorBatchMethods* methods) {
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_INITIAL_METADATA))
     ids_ = ids_of(*methods->GetRecvInitialMetadata());
+  if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_MESSAGE) && methods->GetRecvMessage())
+    has_message_ = true;
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) ended(methods->GetSendStatus());
+  if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_CLOSE) && !has_message_ &&
+      call_.server_context()->IsCancelled())
+    fruitless_(call_.server_context()->peer());
   methods->Proceed();
 }
 
@@ -49,7 +54,7 @@ void CallWatch::ended(const grpc::Status& status) const {
 
 grpc::experimental::Interceptor* CallWatches::CreateServerInterceptor(grpc::experimental::ServerRpcInfo* info) {
   const std::string method = method_of(info->method());
-  return method == "StreamFrames" ? nullptr : new CallWatch(method, metrics_);
+  return method == "StreamFrames" ? nullptr : new CallWatch(*info, method, metrics_, fruitless_);
 }
 
 }  // namespace collided::server

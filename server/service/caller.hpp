@@ -4,6 +4,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <map>
+#include <string>
 
 #include "server/auth/authenticator.hpp"
 #include "server/ops/log.hpp"
@@ -17,6 +18,9 @@ struct Caller {
 
 /// The ids that a call's metadata give it.
 CallIds ids_of(const std::multimap<grpc::string_ref, grpc::string_ref>& metadata);
+
+/// What all connections of a host have in common: the peer, as gRPC names it, without its port.
+inline std::string source_of(const std::string& peer) { return peer.substr(0, peer.rfind(':')); }
 
 /// From the call's metadata and certificate. Throws Unauthenticated.
 Caller identify(const grpc::ServerContextBase& context, const Authenticator& authenticator);

@@ -13,17 +13,17 @@ constexpr size_t kMostUnbegun = 1024, kMostUnbegunOfClient = 256;  // uploads wi
 
 }  // namespace
 
-MeshUpload::MeshUpload(const grpc::CallbackServerContext& context, const UploadParts& parts, grpc::ByteBuffer* response,
-                       std::shared_ptr<void> held)
+MeshUpload::MeshUpload(const grpc::CallbackServerContext& context, SceneHost& host, const CallParts& parts,
+                       grpc::ByteBuffer* response, std::shared_ptr<void> held)
     : context_(context),
-      host_(parts.host),
+      host_(host),
       parts_(parts),
       response_(response),
       held_(std::move(held)),
       upload_(std::make_shared<Upload>([this](const std::exception_ptr& why) { Finish(to_status(describe(why))); },
                                        Upload::Clock::now())) {
   try {
-    caller_ = identify(context, parts_.calls.authenticator);
+    caller_ = identify(context, parts_.authenticator);
     await_first();
     host_.uploads().add(upload_);
     read();
@@ -58,7 +58,7 @@ void MeshUpload::OnReadDone(bool ok) try {
 }
 
 void MeshUpload::parse() {
-  share_ = parse_bounded(bytes_, caller_.client, parts_.calls, request_);
+  share_ = parse_bounded(bytes_, caller_.client, parts_, request_);
   bytes_.Clear();
 }
 

@@ -13,18 +13,11 @@
 
 namespace collided::server {
 
-/// What uploads work with. Outlives them.
-struct UploadParts {
-  SceneHost& host;
-  const CallParts& calls;
-  WaitingCalls& waiting;
-};
-
 class MeshUpload final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
-  /// `held` lives as long as the call.
-  MeshUpload(const grpc::CallbackServerContext& context, const UploadParts& parts, grpc::ByteBuffer* response,
-             std::shared_ptr<void> held);
+  /// `host` and `parts` outlive the call, `held` lives as long.
+  MeshUpload(const grpc::CallbackServerContext& context, SceneHost& host, const CallParts& parts,
+             grpc::ByteBuffer* response, std::shared_ptr<void> held);
 
   void OnReadDone(bool ok) override;
   void OnDone() override { delete this; }
@@ -43,7 +36,7 @@ class MeshUpload final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
 
   const grpc::CallbackServerContext& context_;
   SceneHost& host_;
-  const UploadParts parts_;
+  const CallParts& parts_;
   grpc::ByteBuffer* response_;
   const std::shared_ptr<void> held_;
   const std::shared_ptr<Upload> upload_;

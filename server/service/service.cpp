@@ -43,7 +43,7 @@ CollisionService::CollisionService(const Config& config, SceneHost& host, const 
       devices_(order_devices(list_devices(), config.backend != "cpu" && has_cuda_)),
       host_(host),
       budget_(config.limits),
-      parts_{authenticator, budget_, config.limits.max_message_bytes} {}
+      parts_{authenticator, host, budget_, waiting_, config.limits.max_message_bytes} {}
 
 template <class Request, class Response>
 void CollisionService::add(RpcRouter& router, const char* method, Body<Request, Response> body) {
@@ -80,7 +80,8 @@ void CollisionService::get_server_info(UnaryCall<pb::GetServerInfoRequest, pb::G
 }
 
 void CollisionService::create_scene(UnaryCall<pb::CreateSceneRequest, pb::CreateSceneResponse>& call) {
-  auto [scene, is_new] = host_.add_scene(call.caller().client, parse_scene(call.request(), defaults(call.caller().client)));
+  auto [scene, is_new] =
+      host_.add_scene(call.caller().client, parse_scene(call.request(), defaults(call.caller().client)));
   Scene& target = *scene;
   if (is_new)
     return target.worker().post([this, &call, scene = std::move(scene), held = calls_] { build(scene, call); });
@@ -121,7 +122,7 @@ void CollisionService::build(const SceneUse& scene, UnaryCall<pb::CreateSceneReq
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* CollisionService::UploadMesh(grpc::CallbackServerContext* context,
                                                                         grpc::ByteBuffer* response) {
-  return new MeshUpload(*context, {host_, parts_, waiting_}, response, calls_);
+  return new MeshUpload(*context, host_, parts_, response, calls_);
 }
 
 void CollisionService::get_scene(UnaryCall<pb::GetSceneRequest, pb::GetSceneResponse>& call) {

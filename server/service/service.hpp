@@ -55,8 +55,8 @@ class CollisionService final : public RawService {
   const std::vector<DeviceInfo> devices_;
   SceneHost& host_;
   DecodeBudget budget_;
-  const CallParts parts_;
   WaitingCalls waiting_;
+  const CallParts parts_;
   const std::shared_ptr<int> calls_ = std::make_shared<int>();  // each call in work holds a copy
 };
 

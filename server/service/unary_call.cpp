@@ -5,6 +5,7 @@
 #include <grpcpp/support/proto_buffer_writer.h>
 #include <spdlog/fmt/fmt.h>
 
+#include <cmath>
 #include <stdexcept>
 
 #include "server/convert/convert.hpp"
@@ -13,6 +14,10 @@
 
 namespace collided::server {
 namespace {
+
+// That have not brought their message: few enough to cost little memory, more than honest clients begin at once.
+constexpr size_t kMostSilent = 4096, kMostSilentOfClient = 1024;
+constexpr double kSlowestBytes = 1 << 20;  // a second, of a message that is on its way
 
 uint64_t count_fields(const grpc::ByteBuffer& bytes, const google::protobuf::Descriptor& type) {
   grpc::ByteBuffer copy(bytes);  // of references
@@ -55,12 +60,24 @@ grpc::ByteBuffer to_bytes(const google::protobuf::Message& message) {
 
 void UnaryCallBase::begin() try {
   caller_ = identify(context_, parts_.authenticator);
+  await_message();
   StartRead(&bytes_);
 } catch (...) {
   Finish(to_status(describe_current()));
 }
 
+// Of a message that is on its way nothing is seen until it is there: the largest has time to come over a slow network.
+void UnaryCallBase::await_message() {
+  const double seconds = parts_.host.limits().max_silent_seconds +
+                         std::floor(static_cast<double>(parts_.max_message_bytes) / kSlowestBytes);
+  const WaitRule rule{"the message of the call", seconds, kMostSilent, kMostSilentOfClient, source_of(context_.peer())};
+  message_ = parts_.waiting.wait(rule, caller_.client,
+                                 [this](const std::exception_ptr& why) { finish(to_status(describe(why))); });
+}
+
 void UnaryCallBase::OnReadDone(bool ok) {
+  if (!message_->over()) return;  // the call has been ended
+  message_.reset();
   guard(*this, [&] {
     if (!ok) throw InvalidInput("request", "request is missing: the call brought no message");
     share_ = parse_bounded(bytes_, caller_.client, parts_, request_message());

@@ -10,15 +10,19 @@
 
 #include "collided/v1/collision_service.pb.h"
 #include "server/convert/decode_budget.hpp"
+#include "server/scenes/scene_host.hpp"
 #include "server/service/caller.hpp"
 #include "server/service/status.hpp"
+#include "server/service/waiting_calls.hpp"
 
 namespace collided::server {
 
 /// What all calls work with. Outlives them.
 struct CallParts {
   const Authenticator& authenticator;
+  const SceneHost& host;
   DecodeBudget& budget;
+  WaitingCalls& waiting;
   uint64_t max_message_bytes = 0;
 };
 
@@ -59,12 +63,14 @@ class UnaryCallBase : public grpc::ServerGenericBidiReactor {
   virtual const google::protobuf::Message& response_message() const = 0;
   virtual void forget_messages() = 0;
   virtual void answer() = 0;
+  void await_message();
 
   grpc::CallbackServerContext& context_;
   const CallParts& parts_;
   Caller caller_;
-  std::shared_ptr<void> share_;  // of the budget, for what follows
-  grpc::ByteBuffer bytes_;       // of the request, then of the response
+  std::unique_ptr<WaitingCalls::Wait> message_;  // until it has come
+  std::shared_ptr<void> share_;                  // of the budget, for what follows
+  grpc::ByteBuffer bytes_;                       // of the request, then of the response
 };
 
 template <class Request, class Response>

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -30,6 +32,8 @@ struct WaitingCalls::Wait::State {
   const End end;
   const Clock::time_point deadline;
   bool is_over = false;  // guarded by shared->mutex
+
+  bool is_of_same(const State& other) const { return client == other.client && rule.source == other.rule.source; }
 };
 
 struct WaitingCalls::Shared {
@@ -48,14 +52,28 @@ struct WaitingCalls::Shared {
   // The oldest of those that `wait` has to be let in for; null if there is room.
   Waiting oldest_too_many_locked(const Wait::State& wait) const {
     size_t all = 0, own = 0;
-    Waiting oldest, oldest_own;
+    Waiting oldest_own;
     for (const auto& other : waits) {
       if (other->rule.what != wait.rule.what) continue;
-      if (!all++) oldest = other;
-      if (other->client == wait.client && !own++) oldest_own = other;
+      ++all;
+      if (other->is_of_same(wait) && !own++) oldest_own = other;
     }
     if (own >= wait.rule.most_of_client) return oldest_own;
-    return all >= wait.rule.most ? oldest : nullptr;
+    return all >= wait.rule.most ? oldest_of_largest_locked(wait.rule.what) : nullptr;
+  }
+
+  Waiting oldest_of_largest_locked(const std::string& what) const {
+    std::map<std::pair<std::string_view, std::string_view>, size_t> counts;
+    for (const auto& one : waits)
+      if (one->rule.what == what) ++counts[{one->client, one->rule.source}];
+    Waiting found;
+    for (size_t most = 0; const auto& one : waits) {
+      if (one->rule.what != what) continue;
+      const size_t count = counts[{one->client, one->rule.source}];
+      if (count > most) found = one;
+      most = std::max(most, count);
+    }
+    return found;
   }
 
   std::vector<Waiting> take_late() {

@@ -20,6 +20,7 @@ struct WaitRule {
   double seconds = 10;        ///< DeadlineExceeded after it
   size_t most = 0;            ///< that wait for this at once
   size_t most_of_client = 0;  ///< of them, of one client
+  std::string source = {};    ///< tells clients of one name apart; may be empty
 };
 
 /// Thread-safe.
@@ -48,7 +49,7 @@ class WaitingCalls {
   ~WaitingCalls();
 
   /// Where more wait than the rule allows, the one that has waited longest is ended (LimitExceeded) for the new one:
-  /// honest clients answer at once.
+  /// honest clients answer at once. Where all are too many, it is one of the client that has most.
   std::unique_ptr<Wait> wait(const WaitRule& rule, const Client& client, End end);
   size_t waiting() const;
 

@@ -7,6 +7,7 @@
 
 #include "client/cpp/channel.hpp"
 #include "client/cpp/client.hpp"
+#include "client/cpp/deadline.hpp"
 #include "collided/v1/error_details.pb.h"
 
 namespace collided::client {
@@ -21,6 +22,30 @@ TEST(Address, IsLocalIfItCannotLeaveTheHost) {
                              "10.0.0.1:50551", "0.0.0.0:50551", "[::]:50551", "[fe80::1]:1", "ipv4:8.8.8.8:1",
                              "dns://8.8.8.8/localhost:1", "[::1", "[", "xunix:/run/s"})
     EXPECT_FALSE(is_local_address(remote)) << remote;
+}
+
+using std::chrono::milliseconds;
+
+// Times that no clock holds are no deadline at all, instead of one long past.
+TEST(Deadline, MayBeAsLongAsItLikes) {
+  constexpr auto kDay = std::chrono::hours(24);
+  for (const auto& [deadline, more] : {std::pair{milliseconds::max(), milliseconds(0)},
+                                       {milliseconds::max(), milliseconds(1000)},
+                                       {milliseconds::max() - milliseconds(1), milliseconds(0)},
+                                       {milliseconds(kDay * 365 * 300), milliseconds(0)},
+                                       {milliseconds(kDay * 2), milliseconds(0)}}) {
+    const auto context = ChannelMaker("unix:/run/s", {.deadline = deadline}).call_context("", more);
+    EXPECT_GT(context->deadline(), std::chrono::system_clock::now() + kDay) << deadline.count();
+  }
+  const auto late = ChannelMaker("unix:/run/s", {.deadline = milliseconds::min()}).call_context();
+  EXPECT_LE(late->deadline(), std::chrono::system_clock::now());
+}
+
+TEST(Deadline, OfConnectingMayBeNoneOrPast) {
+  const std::string nobody = "unix:" + testing::TempDir() + "nobody-listens";
+  EXPECT_THROW(ChannelMaker(nobody, {.patience = milliseconds::min()}).connect(), Error);
+  EXPECT_EQ(gpr_time_cmp(deadline_in(milliseconds::max()), no_deadline()), 0);
+  EXPECT_EQ(gpr_time_cmp(deadline_in(std::chrono::nanoseconds::max()), no_deadline()), 0);
 }
 
 Error refusal(const std::string& address, const ConnectOptions& options) {

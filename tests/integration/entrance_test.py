@@ -1,5 +1,6 @@
 """Attacks on the ways into a real daemon, and what holds after them. Usage: entrance_test.py DAEMON DEPLOY_FOLDER"""
 
+import contextlib
 import fcntl
 import os
 import re
@@ -180,33 +181,29 @@ class Local(Case):
         near.close()
         return far
 
-    def give(self, path, files):
-        """A packet with them, whose last holder the daemon is then."""
+    def give(self, daemon, path, *packets):
+        """Packets with files, whose last holder the daemon is: it must not have closed them before their sender has."""
         with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as client:
             client.settimeout(30)
             client.connect(path)
-            socket.send_fds(client, [b"\xff"], [file.fileno() for file in files])
-            for file in files:
-                file.close()
-            while client.recv(1 << 16):
-                pass
+            daemon.halt()
+            for files in packets:
+                socket.send_fds(client, [b"\xff"], [file.fileno() for file in files])
+                for file in files:
+                    file.close()
+            daemon.go_on()
+            with contextlib.suppress(ConnectionResetError):  # a packet was not read
+                while client.recv(1 << 16):
+                    pass
 
     def test_files_that_close_slowly_hold_nothing_up(self):
         path = self.folder.path("local")
         daemon = self.start("--local-socket", path)
-        self.give(path, [self.lingering()])
-        self.give(path, [self.nested()])
-        self.give(path, [self.lingering() for _ in range(6)])
-        with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as client:  # nobody reads this packet
-            client.connect(path)
-            late = [self.lingering() for _ in range(2)]
-            for file in late:
-                try:
-                    socket.send_fds(client, [b"\xff"], [file.fileno()])
-                except BrokenPipeError:  # the daemon was quicker
-                    pass
-                file.close()
-        self.give(path, [])
+        self.give(daemon, path, [self.lingering()])
+        self.give(daemon, path, [self.nested()])
+        self.give(daemon, path, [self.lingering() for _ in range(6)])
+        self.give(daemon, path, [self.lingering()], [self.lingering()])  # nobody reads the second packet
+        self.give(daemon, path, [])
         self.assertEqual(daemon.stop(), 0)
         self.assertTrue(daemon.log().endswith(" info stopped\n"), daemon.log())
 

@@ -88,6 +88,14 @@ class Daemon:
     def signal(self, number):
         self.process.send_signal(number)
 
+    def halt(self):
+        """None of its threads runs any more, until it goes on."""
+        self.signal(signal.SIGSTOP)
+        os.waitpid(self.process.pid, os.WUNTRACED)
+
+    def go_on(self):
+        self.signal(signal.SIGCONT)
+
     def stop(self):
         self.signal(signal.SIGTERM)
         return self.process.wait(60)

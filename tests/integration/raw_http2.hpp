@@ -3,6 +3,7 @@
 
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,9 +16,22 @@
 
 namespace collided::test {
 
+/// To "unix:/path" or host:port; -1 if there is no connection.
+inline int connect_to_any(const std::string& address) {
+  constexpr std::string_view kUnix = "unix:";
+  if (!address.starts_with(kUnix)) return connect_to(address);
+  sockaddr_un to{};
+  to.sun_family = AF_UNIX;
+  address.copy(to.sun_path, sizeof(to.sun_path) - 1, kUnix.size());
+  const int socket_fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (connect(socket_fd, reinterpret_cast<const sockaddr*>(&to), sizeof(to)) == 0) return socket_fd;
+  close(socket_fd);
+  return -1;
+}
+
 class RawHttp2 {
  public:
-  explicit RawHttp2(const std::string& address) : socket_(connect_to(address)) {
+  explicit RawHttp2(const std::string& address) : socket_(connect_to_any(address)) {
     send("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + frame(kSettings, 0, 0, {}));
   }
   ~RawHttp2() { close(socket_); }

@@ -15,6 +15,8 @@ namespace {
 
 constexpr char kReflection[] = "/grpc.reflection.v1.ServerReflection/ServerReflectionInfo";
 
+constexpr char kHealthCheck[] = "/grpc.health.v1.Health/Check", kHealthWatch[] = "/grpc.health.v1.Health/Watch";
+
 std::string list_services() {
   grpc::reflection::v1::ServerReflectionRequest request;
   request.set_list_services("");
@@ -97,6 +99,51 @@ TEST(SilentCalls, OfReflectionTakeNoThreads) {
   auto ends = ends_of_silent(daemon, kReflection, kCalls, [&] { EXPECT_LT(probe.threads(), threads + 16); });
   EXPECT_EQ(ends[grpc::DEADLINE_EXCEEDED] + ends[grpc::RESOURCE_EXHAUSTED], kCalls);
   EXPECT_GT(ends[grpc::DEADLINE_EXCEEDED], 0);
+  aftermath.expect_unharmed();
+}
+
+// Of each method, whether it needs a token or not; a second for each MiB that its message may have is given.
+TEST(SilentCalls, OfOneMessageEndInTime) {
+  DaemonProcess daemon({"--max-silent-seconds", "0.1", "--max-message-mb", "1"});
+  for (const std::string& path : {method_path("GetServerInfo"), method_path("CreateScene"), method_path("DetectFrame"),
+                                  std::string(kHealthCheck), std::string(kHealthWatch)}) {
+    const auto status = RawStream(daemon.channel(), path).finish();
+    EXPECT_EQ(status.error_code(), grpc::DEADLINE_EXCEEDED) << path;
+    EXPECT_NE(status.error_message().find(" did not come within "), std::string::npos) << status.error_message();
+  }
+}
+
+TEST(SilentCalls, OfHealthAreFew) {
+  constexpr int kCalls = 400, kMost = 256;  // of one host
+  for (const auto* path : {kHealthCheck, kHealthWatch}) {
+    DaemonProcess daemon({"--max-silent-seconds", "2"});
+    const Probe probe(daemon);
+    Aftermath aftermath(probe, daemon.address());
+    const double threads = probe.threads();
+    auto ends = ends_of_silent(daemon, path, kCalls, [&] { EXPECT_LT(probe.threads(), threads + 16); });
+    EXPECT_GE(ends[grpc::RESOURCE_EXHAUSTED], kCalls - kMost);  // the oldest went for those that came
+    EXPECT_GT(ends[grpc::DEADLINE_EXCEEDED], 0);
+    EXPECT_EQ(ends[grpc::DEADLINE_EXCEEDED] + ends[grpc::RESOURCE_EXHAUSTED], kCalls);
+    aftermath.expect_unharmed();
+  }
+}
+
+TEST(SilentCalls, OfThoseWhoWatchHealthTheOldestGo) {
+  constexpr int kWatches = 80, kMost = 64;  // of one host
+  DaemonProcess daemon;
+  const Probe probe(daemon);
+  Aftermath aftermath(probe, daemon.address());
+  auto channel = channel_to(daemon.address(), 78);
+  std::deque<RawStream> watches;
+  std::string bytes;
+  for (int i = 0; i < kWatches; ++i) {
+    watches.emplace_back(channel, kHealthWatch);
+    ASSERT_TRUE(watches.back().write({}) && watches.back().read(&bytes)) << i;
+    EXPECT_EQ(bytes, std::string("\x08\x01")) << "SERVING";
+  }
+  for (int i = 0; i < kWatches - kMost; ++i) EXPECT_EQ(watches[i].finish().error_code(), grpc::RESOURCE_EXHAUSTED) << i;
+  watches.clear();
+  channel.reset();  // its connection is one of the daemon's descriptors
   aftermath.expect_unharmed();
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <atomic>
 #include <mutex>
 #include <vector>
 
@@ -55,6 +56,50 @@ TEST_F(Loop, GoesOnOnceThereIsADescriptorAgain) {
   setrlimit(RLIMIT_NOFILE, &before);
   EXPECT_TRUE(eventually([&] { return loop_.trouble().empty(); }));
   EXPECT_EQ(taken(), 2u);
+}
+
+// A process that runs out of descriptors right after the last connection that waited.
+TEST(Descriptors, OfNobodyWhoWaitsAreNotMissed) {
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit none{1, before.rlim_max};  // 0 would be too few for poll()
+  const Listener listener("127.0.0.1:0");
+  Connections connections(64);
+  const Fd client = connect_to(listener), other = connect_to(listener);
+  std::atomic<size_t> taken = 0;
+  std::vector<Fd> kept;
+  AcceptLoop loop(listener.sockets(), connections, [&](Fd connection, size_t) {
+    kept.push_back(std::move(connection));
+    if (kept.size() == 2) setrlimit(RLIMIT_NOFILE, &none);
+    taken = kept.size();
+  });
+  EXPECT_TRUE(eventually([&] { return taken == 2; }));
+  loop.stop();
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(loop.trouble(), "");
+  EXPECT_EQ(connections.size(), 2u);  // none was ended
+}
+
+TEST(Probe, TellsTroubleAtOnceThoughAKnockWaits) {
+  const Listener listener("127.0.0.1:0");  // nobody accepts
+  std::mutex mutex;
+  std::string told;
+  int asked = 0;
+  const AdmissionProbe probe(
+      {{listener.sockets().front(), false, "here"}},
+      [&] {
+        const std::lock_guard lock(mutex);
+        return ++asked < 3 ? std::string() : "no room";  // by then a knock waits for its answer
+      },
+      [&](const std::string& obstacle) {
+        const std::lock_guard lock(mutex);
+        if (told.empty()) told = obstacle;
+      });
+  EXPECT_TRUE(eventually([&] {
+    const std::lock_guard lock(mutex);
+    return !told.empty();
+  }));
+  EXPECT_EQ(told, "no room");
 }
 
 TEST(Probe, TellsThatNobodyGetsIn) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <string_view>
 
 #include "server/net/descriptors.hpp"
 #include "tests/server/net/tcp.hpp"
@@ -72,6 +73,32 @@ TEST_F(Table, AFloodOfFruitlessCallsEndsItsConnectionAndRefusesItsSource) {
   const Pair again(listener_);
   EXPECT_FALSE(connections_.admit(again.server.get(), peer_of(again.server.get())));
   EXPECT_TRUE(eventually([&] { return connections_.admit(again.server.get(), peer_of(again.server.get())); }));
+}
+
+// Nobody can tell Unix sockets apart by their calls.
+TEST(UnixTable, AFloodIsSeenInWhatIsUnread) {
+  using std::string_view_literals::operator""sv;
+  constexpr auto kReset = "\0\0\4\3\0\0\0\0\1\0\0\0\x8"sv, kSettings = "\0\0\0\4\0\0\0\0\0"sv;
+  Connections connections(8);
+  int honest[2], attacker[2];
+  for (int* const pair : {honest, attacker}) {
+    ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair), 0);
+    EXPECT_TRUE(connections.admit(pair[0], {"unix:", pair == honest ? "pid:1" : "pid:2", true}));
+  }
+  const Fd all[] = {Fd(honest[0]), Fd(honest[1]), Fd(attacker[0]), Fd(attacker[1])};
+  EXPECT_EQ(send(honest[1], kSettings.data(), kSettings.size(), 0), static_cast<ssize_t>(kSettings.size()));
+  const auto flood = [&] {
+    bool is_ended = false;
+    for (int i = 0; i < 2000; ++i) is_ended |= connections.fruitless("unix:");
+    return is_ended;
+  };
+  EXPECT_FALSE(flood());
+  for (int i = 0; i < 100; ++i) send(attacker[1], kReset.data(), kReset.size(), 0);
+  EXPECT_TRUE(flood());
+  char byte;
+  EXPECT_EQ(recv(attacker[1], &byte, 1, MSG_DONTWAIT), 0);
+  EXPECT_EQ(recv(honest[1], &byte, 1, MSG_DONTWAIT), -1);
+  EXPECT_FALSE(connections.admit(attacker[0], {"unix:", "pid:2", true}));
 }
 
 TEST(ConnectionLimit, LeavesDescriptorsForTheRest) {

@@ -56,6 +56,18 @@ TEST(WaitingCalls, TheOldestOfAClientGoesForItsNext) {
   EXPECT_TRUE(second->over() && third->over() && other->over());
 }
 
+TEST(WaitingCalls, WhereAllAreTooManyTheClientWithMostGivesOne) {
+  WaitingCalls calls;
+  WaitRule rule{"a word", kForEver, 3, 3};
+  Ended ended[4];
+  const auto honest = calls.wait(rule, client("a"), ended[0].end);
+  rule.source = "elsewhere";
+  const auto first = calls.wait(rule, client("a"), ended[1].end), second = calls.wait(rule, client("a"), ended[2].end);
+  const auto third = calls.wait(rule, client("b"), ended[3].end);
+  EXPECT_TRUE(ended[1].is_ready());
+  EXPECT_TRUE(honest->over() && second->over() && third->over());
+}
+
 TEST(WaitingCalls, TheOldestOfAllGoesWhereAllAreTooMany) {
   WaitingCalls calls;
   const WaitRule rule{"a word", kForEver, 2, 2};
