@@ -70,7 +70,7 @@ void add_limit_options(CLI::App& app, Limits& limits) {
   add<double>(*group, "--max-idle-seconds", limits.max_idle_seconds, 0.1, 1e6,
               "Seconds that a stream may stay open without a frame");
   add<double>(*group, "--max-silent-seconds", limits.max_silent_seconds, 0.1, 1e6,
-              "Seconds that a stream may take to open, and an upload or reflection to its next message");
+              "Seconds that a stream may take to open, an upload to its next chunk, a call to its message");
   add<double>(*group, "--lease-seconds", limits.lease_seconds, 0.1, 1e6,
               "Seconds that a scene which asks for none outlives its last stream or call");
   add<double>(*group, "--max-lease-seconds", limits.max_lease_seconds, 0.1, 1e6, "The longest lease to be asked for");
