@@ -126,7 +126,7 @@ class BroadPhase {
     exec_.for_each_part(
         "count_overlapped_cells", all_triangles(),
         CountOverlappedCells{{grid(), boxes()}, counts, {scene_.octree.large.all(), &scene_.state.data()->large}});
-    exec_.for_each_group("count_cells_of_large", large(plan), CountCellsOfLarge{grid(), boxes(), counts, large_list()});
+    exec_.for_each_of_many_parts("count_cells_of_large", large(plan), CountCellsOfLarge{cells_of_large(), counts});
   }
 
   void refine(const OctreePlan& plan) {
@@ -136,8 +136,8 @@ class BroadPhase {
       if (round == 0) {
         exec_.for_each("open_first_bricks", base_cells(plan), OpenFirstBricks{all});
         exec_.for_each_part("list_in_first_bricks", all_triangles(), ListInFirstBricks{list, boxes()});
-        exec_.for_each_group("list_large_in_first_bricks", large(plan),
-                             ListLargeInFirstBricks{list, boxes(), large_list()});
+        exec_.for_each_of_many_parts("list_large_in_first_bricks", large(plan),
+                                     ListLargeInFirstBricks{list, cells_of_large()});
       } else {
         exec_.for_each_group("open_bricks", bricks(round - 1), OpenBricks{all, round});
         exec_.for_each_part("list_in_next_bricks", brick_items(round - 1),
@@ -176,7 +176,8 @@ class BroadPhase {
     const Registration registration{tree(plan), octree.cursor.all(), octree.registered.all()};
     exec_.for_each_part("register_triangles", all_triangles(),
                         RegisterTriangles<CellsOfTriangles>{registration, {grid(), boxes()}});
-    exec_.for_each_group("register_large", large(plan), RegisterLarge{registration, boxes(), large_list()});
+    exec_.for_each_of_many_parts("register_large", large(plan),
+                                 RegisterTriangles<CellsOfLarge>{registration, cells_of_large()});
     for (int round = 0; round < plan.rounds; ++round)
       exec_.for_each_part("register_in_bricks", brick_items(round),
                           RegisterTriangles<CellsInBricks>{registration, {registration.tree, boxes(), round}});
@@ -216,7 +217,7 @@ class BroadPhase {
   Span<const Triangle> triangles() const { return scene_.topology.triangles.all(); }
   Span<const Triangle> edges() const { return scene_.topology.triangle_edges.all(); }
   const LevelGrid* grid() const { return &scene_.state.data()->grid.grid; }
-  Span<const uint32_t> large_list() const { return scene_.octree.large.all(); }
+  CellsOfLarge cells_of_large() const { return {grid(), boxes(), scene_.octree.large.all()}; }
 
   // Lengths, and bounds that the host knows: blocks of which most have nothing to do take their time too.
   Counted large(const OctreePlan& plan) const {

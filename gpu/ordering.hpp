@@ -177,13 +177,13 @@ void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Counted& count,
   if constexpr (SortsKeys<Exec>) {
     static_assert(sizeof(Entry) == sizeof(uint64_t));
     const Span<uint64_t> scratch{reinterpret_cast<uint64_t*>(buffers.entries.data()), buffers.entries.capacity()};
-    if (exec.sort_keys("sort_keys", count, KeyArrays<Data>{keys, data, scratch, buffers.sorted_keys.all(), sorted}))
-      return;
+    exec.sort_keys("sort_keys", count, KeyArrays<Data>{keys, data, scratch, buffers.sorted_keys.all(), sorted});
   } else if (few) {
     const Counted first{count.counter, smaller(count.most, kFewContacts)};
-    return exec.for_each_group("rank_few", first, RankFew<Data>{first, keys, data, buffers.sorted_keys.all(), sorted});
+    exec.for_each_group("rank_few", first, RankFew<Data>{first, keys, data, buffers.sorted_keys.all(), sorted});
+  } else {
+    put_in_order_by_counts(exec, buffers, count, keys, data, sorted, crowded);
   }
-  put_in_order_by_counts(exec, buffers, count, keys, data, sorted, crowded);
 }
 
 }  // namespace collided

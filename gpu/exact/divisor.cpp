@@ -1,6 +1,9 @@
 #include "gpu/exact/divisor.hpp"
 
+#include <algorithm>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "gpu/exact/poll.hpp"
 
@@ -39,6 +42,61 @@ std::pair<Form, Form> pseudo_divide(Form a, const Form& b) {
   return {std::move(quotient), std::move(a)};
 }
 
+/// Polynomials over the integers modulo a prime below 2^31; no leading zeros, empty for 0.
+namespace modular {
+
+constexpr uint64_t kPrime = 2147483647;
+using Polynomial = std::vector<uint64_t>;
+
+void trim(Polynomial& f) {
+  while (!f.empty() && f.back() == 0) f.pop_back();
+}
+Polynomial of(const Form& f) {
+  Polynomial residues;
+  for (const mpz_class& x : f.c) residues.push_back(mpz_fdiv_ui(x.get_mpz_t(), kPrime));
+  trim(residues);
+  return residues;
+}
+/// By Fermat.
+uint64_t inverse(uint64_t x) {
+  uint64_t result = 1;
+  for (uint64_t e = kPrime - 2; e != 0; e >>= 1, x = x * x % kPrime)
+    if ((e & 1) != 0) result = result * x % kPrime;
+  return result;
+}
+Polynomial remainder(Polynomial a, const Polynomial& b) {
+  const uint64_t by = inverse(b.back());
+  while (a.size() >= b.size()) {
+    const uint64_t times = kPrime - a.back() * by % kPrime;
+    const size_t shift = a.size() - b.size();
+    for (size_t k = 0; k < b.size(); ++k) a[shift + k] = (a[shift + k] + times * b[k]) % kPrime;
+    trim(a);
+  }
+  return a;
+}
+
+/// Degree of the greatest common divisor. a is not 0.
+size_t common_degree(Polynomial a, Polynomial b) {
+  while (!b.empty()) {
+    Polynomial rest = remainder(std::move(a), b);
+    a = std::move(b);
+    b = std::move(rest);
+  }
+  return a.size() - 1;
+}
+
+}  // namespace modular
+
+/// Whether a simple look shows that a and b have no common divisor but numbers; if not, they mostly have one. A
+/// divisor's leading coefficient divides that of a. If the prime does not divide the one, it does not divide the other:
+/// then the divisor, modulo the prime, is of the same degree and divides both.
+bool are_seen_coprime(const Form& a, const Form& b) {
+  const auto lead = std::find_if(a.c.rbegin(), a.c.rend(), [](const mpz_class& x) { return x != 0; });
+  const modular::Polynomial u = modular::of(a);
+  const bool keeps_degree = !u.empty() && u.size() == static_cast<size_t>(a.c.rend() - lead);
+  return keeps_degree && modular::common_degree(u, modular::of(b)) == 0;
+}
+
 Form derivative(const Form& f) {
   Form d;
   d.c.assign(f.c.begin() + 1, f.c.end());
@@ -48,8 +106,9 @@ Form derivative(const Form& f) {
 
 }  // namespace
 
-// Euclid's algorithm with primitive remainders.
+// Euclid's algorithm with primitive remainders, where there may be a divisor.
 Form common_divisor(const Form& a, const Form& b) {
+  if (are_seen_coprime(a, b)) return {{mpz_class(1)}};
   Form u = primitive(a), v = primitive(b);
   if (u.degree() < v.degree() || u.vanishes()) std::swap(u, v);
   while (!v.vanishes()) {

@@ -15,9 +15,13 @@ class Asks {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// A frame begins, whose question this is; may be empty.
-  void begin(std::function<bool()> cancelled) {
+  static constexpr std::chrono::milliseconds kUsual{8};
+
+  /// A frame begins, whose question this is; may be empty. `between`: work until it is asked again; with 0 it is asked
+  /// whenever that can be.
+  void begin(std::function<bool()> cancelled, Clock::duration between = kUsual) {
     cancelled_ = std::move(cancelled);
+    between_ = between;
     waited_ = {};
     set_due();
   }
@@ -47,11 +51,11 @@ class Asks {
   Clock::duration waited() const { return waited_; }
 
  private:
-  static constexpr std::chrono::milliseconds kBetween{8};
   static constexpr Clock::rep kNever = Clock::duration::max().count();
-  void set_due() { due_ = cancelled_ ? (Clock::now() + kBetween).time_since_epoch().count() : kNever; }
+  void set_due() { due_ = cancelled_ ? (Clock::now() + between_).time_since_epoch().count() : kNever; }
 
   std::function<bool()> cancelled_;
+  Clock::duration between_ = kUsual;
   std::atomic<Clock::rep> due_ = kNever;  ///< on the clock
   Clock::duration waited_{};
 };

@@ -28,6 +28,9 @@ COLLIDED_HD uint32_t found_in(const F& f, uint32_t part) {
   return f.find(part, f.look(part));
 }
 
+/// For groups that share nothing.
+struct Nothing {};
+
 /// The threads that work on one item: a block of a GPU, or one thread of a CPU.
 /// A functor for them has a type Shared, memory of the group, and kGroupSize, threads on a GPU.
 struct Group {
@@ -63,6 +66,28 @@ struct Group {
   }
 };
 
+/// An item of many parts for a group, whose threads share them (for_each_of_many_parts).
+template <class F>
+struct PartsOfItem {
+  using Shared = Nothing;
+  static constexpr uint32_t kGroupSize = 128;
+  F f;
+
+  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
+    const typename F::Item item = f.item(i);
+    constexpr uint32_t kAtOnce = 4;  // so that they wait for the memory together
+    for (uint32_t first = group.rank; first < item.parts; first += kAtOnce * group.size) {
+      const auto is_part = [&](uint32_t j) { return first + j * group.size < item.parts; };
+      uint32_t part[kAtOnce], seen[kAtOnce], found[kAtOnce];
+      for (uint32_t j = 0; j < kAtOnce; ++j) part[j] = is_part(j) ? item.part(first + j * group.size) : 0;
+      for (uint32_t j = 0; j < kAtOnce; ++j) seen[j] = is_part(j) ? f.look(part[j]) : 0;
+      for (uint32_t j = 0; j < kAtOnce; ++j) found[j] = is_part(j) ? f.find(part[j], seen[j]) : kNothing;
+      for (uint32_t j = 0; j < kAtOnce; ++j)
+        if (found[j] != kNothing) f.act(item, found[j]);
+    }
+  }
+};
+
 /// Adds the values of all threads of a group, each of which must call, to a sum in its shared memory.
 COLLIDED_HD inline void add_all(uint64_t& sum, uint64_t value) {
 #ifdef __CUDA_ARCH__
@@ -72,9 +97,6 @@ COLLIDED_HD inline void add_all(uint64_t& sum, uint64_t value) {
 #endif
   atomic_add(sum, value);
 }
-
-/// For groups that share nothing.
-struct Nothing {};
 
 /// For reductions that nothing follows.
 struct NothingMore {

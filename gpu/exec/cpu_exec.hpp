@@ -79,6 +79,14 @@ class CpuExec {
     });
   }
 
+  /// The same for items of many parts, where item.walk_from(k) are the parts from the k-th on.
+  template <class F>
+  void for_each_of_many_parts(const char*, const Counted& n, const F& f) {
+    loops_.share(n.size(), 1, [&](LoopTurn& turn) {
+      while (ItemRange* items = turn.next()) do_parts(f, *items);
+    });
+  }
+
   /// f.begin(i, state), then f.step(state) until state.is_over(), then f.finish(state), for i in [0, n); no step if
   /// begin() leaves the state as it was.
   template <class F>
@@ -131,11 +139,11 @@ class CpuExec {
   /// Stably by the lowest `bits` of the keys; 0 if the result is in `keys` and `values`, 1 if it is in the others.
   int sort_pairs(const char*, int bits, const SortArrays& arrays) { return RadixSort(loops_, arrays).run(bits); }
 
-  /// The first `count` keys in ascending order, with their data; false if they do not fit the way it is done.
+  /// The first `count` keys in ascending order, with their data.
   template <class Data>
-  bool sort_keys(const char*, const Counted& count, KeyArrays<Data> arrays) {
+  void sort_keys(const char*, const Counted& count, KeyArrays<Data> arrays) {
     arrays.keys.count = count.size();
-    return KeyOrder(loops_, arrays).run();
+    KeyOrder(loops_, arrays).run();
   }
   static constexpr bool kSortsKeys = true;
 
@@ -208,6 +216,18 @@ class CpuExec {
  private:
   static constexpr uint64_t kGrain = 512;
   static constexpr uint64_t kBytes = 4u << 20;  ///< that are copied at a time
+
+  /// Parts of the first item that take a bounded time.
+  template <class F>
+  static void do_parts(const F& f, ItemRange& items) {
+    constexpr uint64_t kParts = 1u << 16;
+    const typename F::Item item = f.item(items.first);
+    const uint64_t end = std::min<uint64_t>(item.parts, items.part + kParts);
+    auto walk = item.walk_from(static_cast<uint32_t>(items.part));
+    for (; items.part < end; ++items.part)
+      if (const uint32_t found = found_in(f, walk.next()); found != kNothing) f.act(item, found);
+    if (end == item.parts) ++items.first, items.part = 0;
+  }
 
   /// use(turn, taker), by several threads (pair_taker.hpp).
   template <class Sink, class Use>

@@ -20,28 +20,38 @@ namespace collided {
 struct ItemRange {
   uint64_t first = 0, end = 0, part = 0;
 
+  uint64_t size() const { return end - first; }
   bool is_over() const { return first == end; }
 };
 
-/// The items of a loop that no thread holds.
+/// The items of a loop that no thread holds. Each thread has a part of its own first: neighbours among the items have
+/// much in common (cells that they count, say), which threads that share them would fight for. Then it helps others.
 class SharedItems {
  public:
   /// `grain`: items that a thread takes at least.
-  SharedItems(uint64_t count, uint64_t grain, uint64_t threads) : count_(count), grain_(grain), threads_(threads) {}
+  SharedItems(uint64_t count, uint64_t grain, uint64_t threads) : grain_(grain) {
+    const uint64_t each = count / threads, more = count % threads;
+    for (uint64_t k = 0, first = 0; k < threads; ++k) {
+      const uint64_t end = first + each + (k < more ? 1 : 0);
+      parts_.push_back({first, end});
+      first = end;
+    }
+  }
 
-  /// False if there are none.
-  bool take(ItemRange& range) {
+  /// For thread `thread` of them; false if there are none.
+  bool take(uint64_t thread, ItemRange& range) {
     const std::lock_guard lock(mutex_);
     if (!left_.empty()) {
       range = left_.back();
       left_.pop_back();
       return true;
     }
-    constexpr uint64_t kSharesOfThread = 8, kMostGrains = 64;
-    const uint64_t share = (count_ - next_) / (kSharesOfThread * threads_);
-    const uint64_t size = std::clamp(share, grain_, kMostGrains * grain_);
-    range = {next_, std::min(count_, next_ + size), 0};
-    next_ = range.end;
+    ItemRange& part = parts_[thread];
+    if (part.is_over()) part = take_from_others();
+    constexpr uint64_t kShares = 8, kMostGrains = 64;
+    const uint64_t size = std::clamp(part.size() / kShares, grain_, kMostGrains * grain_);
+    range = {part.first, std::min(part.end, part.first + size)};
+    part.first = range.end;
     return !range.is_over();
   }
   void give_back(const ItemRange& range) {
@@ -50,13 +60,26 @@ class SharedItems {
     left_.push_back(range);
   }
   /// While no thread holds any.
-  bool are_left() const { return next_ != count_ || !left_.empty(); }
+  bool are_left() const {
+    return !left_.empty() ||
+           !std::all_of(parts_.begin(), parts_.end(), [](const auto& part) { return part.is_over(); });
+  }
 
  private:
+  /// Half of what the thread with most has, or all if that is little.
+  ItemRange take_from_others() {
+    const auto smaller = [](const ItemRange& a, const ItemRange& b) { return a.size() < b.size(); };
+    ItemRange& most = *std::max_element(parts_.begin(), parts_.end(), smaller);
+    const uint64_t kept = most.size() > grain_ ? most.size() / 2 : 0;
+    const ItemRange taken{most.first + kept, most.end};
+    most.end = taken.first;
+    return taken;
+  }
+
   std::mutex mutex_;
-  const uint64_t count_, grain_, threads_;
-  uint64_t next_ = 0;
-  std::vector<ItemRange> left_;  ///< that threads gave back
+  const uint64_t grain_;
+  std::vector<ItemRange> parts_;  ///< of each thread
+  std::vector<ItemRange> left_;   ///< that threads gave back
 };
 
 /// What a loop's threads know of each other.
@@ -72,10 +95,11 @@ struct LeftUndone {};
 /// A thread's work on a loop, until there are no more items or it is time to ask.
 class LoopTurn {
  public:
-  enum Who { kCaller, kHelper };
-  /// The calling thread has items from the beginning: what no helper can do in the time that it has, is done by it.
-  LoopTurn(LoopState& loop, Who who) : loop_(loop), is_helper_(who == kHelper) {
-    is_helper_ ? void(++loop_.helpers) : void(loop_.items.take(range_));
+  static constexpr uint64_t kCaller = 0;
+  /// `thread`: kCaller, or a helper's number. The calling thread has items from the beginning: what no helper can do in
+  /// the time that it has, is done by it.
+  LoopTurn(LoopState& loop, uint64_t thread) : loop_(loop), thread_(thread), is_helper_(thread != kCaller) {
+    is_helper_ ? void(++loop_.helpers) : void(loop_.items.take(thread_, range_));
   }
   LoopTurn(const LoopTurn&) = delete;
   LoopTurn& operator=(const LoopTurn&) = delete;
@@ -88,7 +112,7 @@ class LoopTurn {
   ItemRange* next() {
     if ((is_helper_ || has_begun_) && loop_.asks.is_due()) return nullptr;
     has_begun_ = true;
-    return range_.is_over() && !loop_.items.take(range_) ? nullptr : &range_;
+    return range_.is_over() && !loop_.items.take(thread_, range_) ? nullptr : &range_;
   }
 
   /// Within an item that takes long. When it is time to ask, a helper leaves the item (LeftUndone); the calling thread
@@ -102,6 +126,7 @@ class LoopTurn {
 
  private:
   LoopState& loop_;
+  const uint64_t thread_;
   const bool is_helper_;
   ItemRange range_;
   bool has_begun_ = false;
@@ -171,15 +196,15 @@ class CpuLoops {
 
  private:
   template <class Use>
-  static void work(LoopState& loop, LoopTurn::Who who, const Use& use) {
-    LoopTurn turn(loop, who);
+  static void work(LoopState& loop, uint64_t thread, const Use& use) {
+    LoopTurn turn(loop, thread);
     use(turn);
   }
   template <class Use>
   static void work_together(LoopState& loop, uint64_t helpers, const Use& use) {
     tbb::task_group group;
     LoopTurn turn(loop, LoopTurn::kCaller);
-    group.run([&] { tbb::parallel_for(uint64_t{0}, helpers, [&](uint64_t) { work(loop, LoopTurn::kHelper, use); }); });
+    group.run([&] { tbb::parallel_for(uint64_t{1}, helpers + 1, [&](uint64_t thread) { work(loop, thread, use); }); });
     try {
       use(turn);
     } catch (...) {

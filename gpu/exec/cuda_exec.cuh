@@ -120,6 +120,12 @@ class CudaExec {
     launch(name, for_each_part_kernel<F>, std::min(most, kBlocksPerProcessor * processors_), kPartsBlock, n, f);
   }
 
+  /// The same for items of many parts: a group works on each.
+  template <class F>
+  void for_each_of_many_parts(const char* name, const Counted& n, const F& f) {
+    for_each_group(name, n, PartsOfItem<F>{f});
+  }
+
   /// f.begin(i, state), then f.step(state) until state.is_over(), then f.finish(state), for i in [0, n); no step if
   /// begin() leaves the state as it was. `next` is a zeroed counter.
   template <class F>

@@ -1,6 +1,6 @@
 #pragma once
 // Keys in ascending order on CPU cores: dealt to buckets by their highest bits, then each bucket, which fits a cache,
-// sorted by the others, lowest digit first.
+// sorted by the others, lowest digit first. Where buckets would not do, the keys' places are sorted.
 
 #include <algorithm>
 #include <array>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gpu/exec/cpu_loops.hpp"
+#include "gpu/exec/radix_sort.hpp"
 #include "gpu/exec/sort_arrays.hpp"
 
 namespace collided {
@@ -47,19 +48,18 @@ class KeyOrder {
   KeyOrder(CpuLoops& loops, const KeyArrays<Data>& arrays)
       : loops_(loops),
         arrays_(arrays),
-        packed_(bits_of(loops, arrays.keys), arrays.keys.size(), !arrays.data.empty()),
+        all_(bits_of(loops, arrays.keys)),
+        packed_(all_, arrays.keys.size(), !arrays.data.empty()),
         bucket_bits_(std::clamp<int>(std::bit_width(arrays.keys.size() / kBucket), 0,
                                      std::min(kMostBucketBits, packed_.first_bits + packed_.second_bits))) {}
 
-  /// Sorts, unless the ids need more bits than there is room for: then false.
-  bool run() {
-    if (!packed_.fit()) return false;
+  void run() {
+    if (!packed_.fit() || !count_buckets()) return PlaceOrder(loops_, arrays_).run(all_);
     if (bits_within() <= 32)
       run_with(reinterpret_cast<uint32_t*>(arrays_.scratch.data),
                reinterpret_cast<uint32_t*>(arrays_.scratch.data) + arrays_.keys.size());
     else
       run_with(arrays_.scratch.data, arrays_.sorted_keys.data);
-    return true;
   }
 
  private:
@@ -67,6 +67,7 @@ class KeyOrder {
   static constexpr int kMostBucketBits = 11, kMostDigitBits = 9;
   static constexpr uint64_t kBlock = 1u << 18;  ///< keys that are dealt at a time
   static constexpr uint64_t kFew = 48;
+  static constexpr uint64_t kMostInBucket = 1u << 17;  ///< what one thread sorts without a look at the clock
 
   static uint64_t bits_of(CpuLoops& loops, Span<const uint64_t> keys) {
     return loops.reduce(
@@ -86,33 +87,41 @@ class KeyOrder {
   /// Bits that tell the keys of a bucket apart.
   int bits_within() const { return packed_.bits() - bucket_bits_; }
 
+  /// use(the place of the key's bucket in the key's block, packed key) for all keys.
+  template <class Use>
+  void for_each_key(const Use& use) {
+    loops_.for_each(blocks(), 1, [&](uint64_t block) {
+      // Copies: what is written in the loop might else be what it reads.
+      const uint64_t *keys = arrays_.keys.data, end = std::min<uint64_t>(arrays_.keys.size(), (block + 1) * kBlock);
+      const PackedKeys packed_keys = packed_;
+      const int within = bits_within();
+      uint64_t* place = places_.data() + block * buckets();
+      for (uint64_t i = block * kBlock; i < end; ++i) {
+        const uint64_t packed = packed_keys.pack(keys[i], i);
+        use(place[packed >> within], packed);
+      }
+    });
+  }
+  uint64_t blocks() const { return (arrays_.keys.size() + kBlock - 1) / kBlock; }
+
+  /// Finds where each bucket begins; false if one of them has too many keys.
+  bool count_buckets() {
+    places_.assign(blocks() * buckets(), 0);
+    for_each_key([](uint64_t& count, uint64_t) { ++count; });
+    ends_.resize(buckets());
+    uint64_t begin = 0, most = 0;
+    for (uint64_t bucket = 0; bucket < buckets(); ++bucket) {
+      for (uint64_t block = 0; block < blocks(); ++block)
+        begin += std::exchange(places_[block * buckets() + bucket], begin);
+      ends_[bucket] = begin;
+      most = std::max(most, begin - bucket_begin(bucket));
+    }
+    return most <= kMostInBucket;
+  }
   /// Buckets hold the keys without their highest bits.
   template <class Item>
   void deal(Item* dealt) {
-    const uint64_t n = arrays_.keys.size(), blocks = (n + kBlock - 1) / kBlock;
-    std::vector<uint64_t> places(blocks * buckets());
-    const auto for_each_block = [&](const auto& use) {
-      loops_.for_each(blocks, 1, [&](uint64_t block) {
-        // Copies: what is written in the loop might else be what it reads.
-        const uint64_t *keys = arrays_.keys.data, end = std::min(n, (block + 1) * kBlock);
-        const PackedKeys packed_keys = packed_;
-        const int within = bits_within();
-        uint64_t* place = places.data() + block * buckets();
-        for (uint64_t i = block * kBlock; i < end; ++i) {
-          const uint64_t packed = packed_keys.pack(keys[i], i);
-          use(place[packed >> within], packed);
-        }
-      });
-    };
-    for_each_block([](uint64_t& count, uint64_t) { ++count; });
-    ends_.resize(buckets());
-    uint64_t begin = 0;
-    for (uint64_t bucket = 0; bucket < buckets(); ++bucket) {
-      for (uint64_t block = 0; block < blocks; ++block)
-        begin += std::exchange(places[block * buckets() + bucket], begin);
-      ends_[bucket] = begin;
-    }
-    for_each_block([dealt](uint64_t& place, uint64_t packed) { dealt[place++] = static_cast<Item>(packed); });
+    for_each_key([dealt](uint64_t& place, uint64_t packed) { dealt[place++] = static_cast<Item>(packed); });
   }
 
   template <class Item>
@@ -170,9 +179,11 @@ class KeyOrder {
 
   CpuLoops& loops_;
   KeyArrays<Data> arrays_;
+  const uint64_t all_;  ///< bits that any key has
   PackedKeys packed_;
   int bucket_bits_;
-  std::vector<uint64_t> ends_;  ///< of the buckets
+  std::vector<uint64_t> places_;  ///< where each block's keys of each bucket go
+  std::vector<uint64_t> ends_;    ///< of the buckets
 };
 
 }  // namespace collided

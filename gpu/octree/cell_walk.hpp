@@ -80,6 +80,15 @@ class CellWalk {
     base_lo_ = code(range.lo), base_hi_ = code(range.hi);
     start_level();
   }
+  /// From the k-th cell on, which there must be.
+  COLLIDED_HD CellWalk(const LevelsOfCells& levels, uint32_t first, uint32_t k) : CellWalk(levels, first) {
+    for (uint32_t n = levels.cells_at(level_of(levels)); k >= n; n = levels.cells_at(level_of(levels))) {
+      k -= n;
+      next_level();
+    }
+    const CellRange r = levels.range(level_of(levels));
+    cell_ = code(nth_cell(k, r.lo, r.hi.x - r.lo.x + 1, r.hi.y - r.lo.y + 1));
+  }
 
   /// May be called past the end, for any number.
   COLLIDED_HD uint32_t next() {
@@ -112,11 +121,14 @@ class CellWalk {
     const uint32_t axis = in_row ? kX : in_layer ? kY : kZ;
     const uint32_t again = in_row ? 0 : in_layer ? kX : kX | kY;
     cell_ = (cell_ & ~(axis | again)) | (((cell_ & axis) - axis) & axis) | (lo_ & again);
-    if (left != 0) return;
+    if (left == 0) next_level();
+  }
+  COLLIDED_HD void next_level() {
     up_ = up_ > 3 ? up_ - 3 : 0;
     level_offset_ = 8 * level_offset_ + 1;
     start_level();
   }
+  COLLIDED_HD int level_of(const LevelsOfCells& levels) const { return levels.base() - up_ / 3; }
 };
 
 }  // namespace collided

@@ -53,18 +53,30 @@ struct CountOverlappedCells {
   COLLIDED_HD void act(const Item&, uint32_t cell) const { count_in(counts, cell); }
 };
 
-struct CountCellsOfLarge {
-  using Shared = Nothing;
-  static constexpr uint32_t kGroupSize = 128;
+/// The cells of each of some triangles that cover many.
+struct CellsOfLarge {
+  using Item = ManyCoveredCells;
   const LevelGrid* grid;
   Span<const Box<float>> boxes;
-  Span<uint32_t> counts;
   Span<const uint32_t> large;
 
-  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
+  COLLIDED_HD Item operator()(uint64_t i) const { return from_level(grid->top, i); }
+  /// Those from a level on.
+  COLLIDED_HD Item from_level(int top, uint64_t i) const {
     const LevelGrid g = *grid;
-    for_each_found(g, g.top, boxes[large[i]], group, AnyCell{}, [&](uint32_t cell) { count_in(counts, cell); });
+    return {large[i], g, g.deepest_range(boxes[large[i]]), top};
   }
+};
+
+struct CountCellsOfLarge {
+  using Item = ManyCoveredCells;
+  CellsOfLarge cells;
+  Span<uint32_t> counts;
+
+  COLLIDED_HD Item item(uint64_t i) const { return cells(i); }
+  COLLIDED_HD static uint32_t look(uint32_t cell) { return AnyCell::look(cell); }
+  COLLIDED_HD static uint32_t find(uint32_t cell, uint32_t seen) { return AnyCell::find(cell, seen); }
+  COLLIDED_HD void act(const Item&, uint32_t cell) const { count_in(counts, cell); }
 };
 
 /// Registrations that each dense level would need if all triangles were registered in it.

@@ -30,6 +30,24 @@ struct CoveredCells {
   LevelsOfCells levels_;
 };
 
+/// The same cells of a triangle that covers many.
+struct ManyCoveredCells {
+  uint32_t parts = 0;  ///< cells
+  uint32_t triangle = 0;
+
+  ManyCoveredCells() = default;
+  COLLIDED_HD ManyCoveredCells(uint32_t id, const LevelGrid& grid, const CellRange& deepest, int top)
+      : triangle(id), levels_(shifted(deepest, kDeepest - grid.base), top, grid.base) {
+    parts = levels_.cells();
+  }
+
+  COLLIDED_HD uint32_t part(uint32_t k) const { return levels_.cell(k); }
+  COLLIDED_HD CellWalk walk_from(uint32_t k) const { return {levels_, 0, k}; }
+
+ private:
+  LevelsOfCells levels_;
+};
+
 /// The cells of a brick that a triangle covers.
 struct CoveredInBrick {
   static constexpr unsigned kShared = 4;  ///< as in CoveredCells; one alone may keep a warp busy
@@ -69,30 +87,5 @@ struct AnyCell {
   COLLIDED_HD static uint32_t look(uint32_t) { return 0; }
   COLLIDED_HD static uint32_t find(uint32_t cell, uint32_t) { return cell; }
 };
-
-/// act(wanted.find(cell, wanted.look(cell))), unless it found kNothing, for the dense cells from the level `top` on
-/// that a large triangle covers; a group's threads share them.
-template <class Wanted, class Act>
-COLLIDED_HD void for_each_found(const LevelGrid& grid, int top, const Box<float>& box, const Group& group,
-                                const Wanted& wanted, const Act& act) {
-  const LevelsOfCells levels(grid.range(grid.base, box), top, grid.base);
-  const uint32_t cells = levels.cells();
-  if (group.size == 1) {
-    CellWalk walk(levels, 0);
-    for (uint32_t k = 0; k < cells; ++k)
-      if (const uint32_t found = found_in(wanted, walk.next()); found != kNothing) act(found);
-    return;
-  }
-  constexpr uint32_t kAtOnce = 4;  // so that they wait for the memory together
-  for (uint32_t first = group.rank; first < cells; first += kAtOnce * group.size) {
-    const auto is_cell = [&](uint32_t j) { return first + j * group.size < cells; };
-    uint32_t cell[kAtOnce], seen[kAtOnce], found[kAtOnce];
-    for (uint32_t j = 0; j < kAtOnce; ++j) cell[j] = is_cell(j) ? levels.cell(first + j * group.size) : 0;
-    for (uint32_t j = 0; j < kAtOnce; ++j) seen[j] = is_cell(j) ? wanted.look(cell[j]) : 0;
-    for (uint32_t j = 0; j < kAtOnce; ++j) found[j] = is_cell(j) ? wanted.find(cell[j], seen[j]) : kNothing;
-    for (uint32_t j = 0; j < kAtOnce; ++j)
-      if (found[j] != kNothing) act(found[j]);
-  }
-}
 
 }  // namespace collided

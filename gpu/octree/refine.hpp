@@ -101,17 +101,14 @@ struct ListInFirstBricks {
   COLLIDED_HD void act(const Item& item, uint32_t brick) const { list.put(item.triangle, brick); }
 };
 struct ListLargeInFirstBricks {
-  using Shared = Nothing;
-  static constexpr uint32_t kGroupSize = 128;
+  using Item = ManyCoveredCells;
   ListInBricks list;
-  Span<const Box<float>> boxes;
-  Span<const uint32_t> large;
+  CellsOfLarge cells;
 
-  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
-    const LevelGrid grid = *list.tree.grid;
-    const uint32_t triangle = large[i];
-    for_each_found(grid, grid.base, boxes[triangle], group, list, [&](uint32_t brick) { list.put(triangle, brick); });
-  }
+  COLLIDED_HD Item item(uint64_t i) const { return cells.from_level(cells.grid->base, i); }
+  COLLIDED_HD uint32_t look(uint32_t cell) const { return list.look(cell); }
+  COLLIDED_HD uint32_t find(uint32_t cell, uint32_t type) const { return list.find(cell, type); }
+  COLLIDED_HD void act(const Item& item, uint32_t brick) const { list.put(item.triangle, brick); }
 };
 
 /// The cells of a round's bricks that their triangles cover.

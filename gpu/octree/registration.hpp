@@ -19,7 +19,8 @@ struct Registration {
   COLLIDED_HD void put(uint32_t triangle, uint32_t leaf) const { registered[count_up(cursor, leaf)] = triangle; }
 };
 
-/// Into the leaves among the cells that triangles cover: those of the dense levels, or those of the bricks of a round.
+/// Into the leaves among the cells that triangles cover: those of the dense levels (of triangles that cover few, or
+/// many), or those of the bricks of a round.
 template <class Cells>
 struct RegisterTriangles {
   using Item = typename Cells::Item;
@@ -31,21 +32,6 @@ struct RegisterTriangles {
   COLLIDED_HD uint32_t look(uint32_t cell) const { return registration.look(cell); }
   COLLIDED_HD uint32_t find(uint32_t cell, uint32_t type) const { return registration.find(cell, type); }
   COLLIDED_HD void act(const Item& item, uint32_t leaf) const { registration.put(item.triangle, leaf); }
-};
-
-struct RegisterLarge {
-  using Shared = Nothing;
-  static constexpr uint32_t kGroupSize = 128;
-  Registration registration;
-  Span<const Box<float>> boxes;
-  Span<const uint32_t> large;
-
-  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
-    const LevelGrid grid = *registration.tree.grid;
-    const uint32_t triangle = large[i];
-    for_each_found(grid, grid.top, boxes[triangle], group, registration,
-                   [&](uint32_t leaf) { registration.put(triangle, leaf); });
-  }
 };
 
 }  // namespace collided

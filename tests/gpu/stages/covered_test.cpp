@@ -107,7 +107,18 @@ TEST(Covered, CellsOfABrickAreTheSameByPlaceAndByWalk) {
     }
 }
 
-TEST(Covered, EachCellOfALargeTriangleIsFoundOnceByOneThreadOrMany) {
+struct ListFound {
+  using Item = ManyCoveredCells;
+  Item large;
+  Cells& found;
+
+  Item item(uint64_t) const { return large; }
+  static uint32_t look(uint32_t) { return 0; }
+  static uint32_t find(uint32_t cell, uint32_t) { return cell; }
+  void act(const Item&, uint32_t cell) const { found.push_back(cell); }
+};
+
+TEST(Covered, EachCellOfALargeTriangleIsFoundOnceByManyThreads) {
   const LevelGrid grid = grid_over({{0, 0, 0}, {1, 1, 1}}, 2, kMaxLevel);
   for (const Box<float>& box :
        {Box<float>{{0.1f, 0.2f, 0.3f}, {0.25f, 0.21f, 0.4f}}, Box<float>{{0, 0, 0}, {1, 1, 1}}}) {
@@ -115,12 +126,31 @@ TEST(Covered, EachCellOfALargeTriangleIsFoundOnceByOneThreadOrMany) {
     std::sort(expected.begin(), expected.end());
     for (const uint32_t threads : {1u, 2u, 5u, 128u}) {
       Cells found;
-      for (uint32_t rank = 0; rank < threads; ++rank)
-        for_each_found(grid, grid.top, box, {rank, threads}, AnyCell{}, [&](uint32_t cell) { found.push_back(cell); });
+      const PartsOfItem<ListFound> work{{{3, grid, grid.deepest_range(box), grid.top}, found}};
+      Nothing nothing;
+      for (uint32_t rank = 0; rank < threads; ++rank) work(0, {rank, threads}, nothing);
       std::sort(found.begin(), found.end());
       EXPECT_EQ(found, expected) << threads;
     }
   }
+}
+
+TEST(Covered, AWalkBeginsAtAnyCell) {
+  for (int base = 0; base <= 4; ++base)
+    for (int top = 0; top <= base; ++top) {
+      Ranges ranges(base, 16);
+      for (int i = 0; i < 20; ++i) {
+        const CellRange range = ranges.next();
+        const ManyCoveredCells item(3, {{}, 1, top, base}, at_deepest(range, base), top);
+        const Cells expected = cells_of(range, top, base);
+        ASSERT_EQ(by_place(item), expected);
+        const uint32_t stride = 1 + item.parts / 50;
+        for (uint32_t from = 0; from < item.parts; from += stride) {
+          CellWalk walk = item.walk_from(from);
+          for (uint32_t k = from; k < item.parts; ++k) ASSERT_EQ(walk.next(), expected[k]) << from << " " << k;
+        }
+      }
+    }
 }
 
 }  // namespace

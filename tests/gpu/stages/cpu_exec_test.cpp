@@ -165,6 +165,37 @@ TEST_P(CpuExecTest, ItemsThatTakeLongAreEndedAllTheSame) {
   EXPECT_GE(asked, 5);
 }
 
+/// An item's parts are the numbers below `parts`; each is found.
+struct CountParts {
+  struct Walk {
+    uint32_t k;
+    uint32_t next() { return k++; }
+  };
+  struct Item {
+    uint32_t parts;
+    Walk walk_from(uint32_t k) const { return {k}; }
+  };
+  uint32_t parts;
+  Span<uint32_t> visits;
+
+  Item item(uint64_t) const { return {parts}; }
+  static uint32_t look(uint32_t) { return 0; }
+  static uint32_t find(uint32_t part, uint32_t) { return part; }
+  void act(const Item&, uint32_t part) const { atomic_add(visits[part], 1u); }
+};
+
+TEST_P(CpuExecTest, ItemsOfManyPartsAreLeftHalfDoneToLookUp) {
+  std::vector<uint32_t> visits(2'000'000, 0);
+  uint64_t asked = 0;
+  exec.asks().begin([&] { return ++asked == 0; }, {});
+  const uint64_t items = 3;
+  exec.for_each_of_many_parts("count", {&items, items},
+                              CountParts{static_cast<uint32_t>(visits.size()), {visits.data(), visits.size()}});
+  for (const uint32_t count : visits) ASSERT_EQ(count, items);
+  const uint64_t threads = static_cast<uint64_t>(GetParam());
+  EXPECT_GE(asked, items * visits.size() / (1u << 17) / threads);
+}
+
 TEST_P(CpuExecTest, WritersOfAListCountPastItsCapacity) {
   std::vector<uint64_t> items(5000, ~uint64_t{0});
   for (const uint64_t each : {uint64_t{10}, uint64_t{3000}}) {
@@ -182,6 +213,30 @@ TEST_P(CpuExecTest, WritersOfAListCountPastItsCapacity) {
     EXPECT_EQ(std::adjacent_find(written.begin(), written.end()), written.end()) << "each once";
     EXPECT_LT(written.back(), 4 * each);
   }
+}
+
+TEST(SharedItems, EachThreadHasAPartOfItsOwnAndThenHelpsOthers) {
+  constexpr uint64_t kItems = 1003, kThreads = 4;
+  SharedItems items(kItems, 10, kThreads);
+  std::vector<uint32_t> visits(kItems, 0);
+  const auto visit = [&](const ItemRange& range) {
+    for (uint64_t i = range.first; i < range.end; ++i) ++visits[i];
+  };
+  uint64_t next = 0;
+  ItemRange range;
+  for (const uint64_t thread : {uint64_t{0}, uint64_t{2}, uint64_t{0}}) {
+    ASSERT_TRUE(items.take(thread, range));
+    if (thread == 2) {
+      EXPECT_EQ(range.first, 502u) << "two parts of 251 before it";
+    } else {
+      EXPECT_EQ(range.first, next) << "goes on where it was";
+      next = range.end;
+    }
+    visit(range);
+  }
+  while (items.take(3, range)) visit(range);
+  EXPECT_FALSE(items.are_left());
+  for (const uint32_t count : visits) ASSERT_EQ(count, 1u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, CpuExecTest, testing::Values(1, 2));

@@ -134,6 +134,7 @@ class OctreeBuild {
             reach.span(), brick_cost.span(), brick_items.span(), brick_counters, brick_item_counters,
             rounds_};
   }
+  CellsOfLarge cells_of_large() { return {&grid, boxes_, large.span()}; }
   Counted large_items() const { return {&large_count, large.size()}; }
   Counted bricks_of(int round) const { return {&brick_counters[round], bricks.size()}; }
 
@@ -144,7 +145,7 @@ class OctreeBuild {
     exec_.fill_zero(counts.span().data, level_offset(grid.base + 1) * sizeof(uint32_t));
     exec_.for_each_part("count", all_boxes(),
                         CountOverlappedCells{{&grid, boxes_}, counts.span(), {large.span(), &large_count}});
-    exec_.for_each_group("count_large", large_items(), CountCellsOfLarge{&grid, boxes_, counts.span(), large.span()});
+    exec_.for_each_of_many_parts("count_large", large_items(), CountCellsOfLarge{cells_of_large(), counts.span()});
   }
   void refine() {
     for (int round = 0; round < rounds_; ++round) {
@@ -152,7 +153,7 @@ class OctreeBuild {
       if (round == 0) {
         exec_.for_each("open_first", uint64_t{1} << (3 * grid.base), OpenFirstBricks{tree()});
         exec_.for_each_part("list", all_boxes(), ListInFirstBricks{list, boxes_});
-        exec_.for_each_group("list_large", large_items(), ListLargeInFirstBricks{list, boxes_, large.span()});
+        exec_.for_each_of_many_parts("list_large", large_items(), ListLargeInFirstBricks{list, cells_of_large()});
       } else {
         exec_.for_each_group("open", bricks_of(round - 1), OpenBricks{tree(), round});
         exec_.for_each_part("list", items_of_bricks(round - 1), ListInNextBricks{list, {tree(), boxes_, round - 1}});
@@ -168,7 +169,8 @@ class OctreeBuild {
       exec_.for_each_group("place_bricks", bricks_of(round), PlaceBrickLeaves{place, round});
     const Registration registration{tree(), cursor.span(), registered.span()};
     exec_.for_each_part("register", all_boxes(), RegisterTriangles<CellsOfTriangles>{registration, {&grid, boxes_}});
-    exec_.for_each_group("register_large", large_items(), RegisterLarge{registration, boxes_, large.span()});
+    exec_.for_each_of_many_parts("register_large", large_items(),
+                                 RegisterTriangles<CellsOfLarge>{registration, cells_of_large()});
     for (int round = 0; round < rounds_; ++round)
       exec_.for_each_part("register_in_bricks", items_of_bricks(round),
                           RegisterTriangles<CellsInBricks>{registration, {tree(), boxes_, round}});
