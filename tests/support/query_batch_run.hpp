@@ -64,7 +64,7 @@ class QueryRun {
         results_(exec, spec_, ranks_, scene) {
     spec_.mode = settings.mode;
     spec_.thickness = settings.thickness;
-    needs_ = needs_of(spec_, {settings.accuracy, settings.delta, Report::kAll});
+    needs_ = needs_of(spec_, {settings.accuracy, settings.delta, Report::kAll, 0});
   }
 
   template <class Kind>
