@@ -43,7 +43,7 @@ TEST(NoThreads, ACallThatNeedsOneIsToldAndTheDaemonGoesOn) {
   const uid_t user = getuid() == 0 ? kSomebody : 0;
   DaemonProcess daemon({}, "cpu", 0, user);
   auto stub = pb::CollisionService::NewStub(daemon.channel());
-  const Bystander bystander(daemon.address());
+  const Bystander bystander(connect_by(daemon.address()));
   {
     const WithoutThreads without(daemon.pid(), user);
     for (int i = 0; i < 8; ++i) {
