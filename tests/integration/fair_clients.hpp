@@ -31,7 +31,7 @@ class NamedClients {
  protected:
   const TokensFile tokens_{
       {{"many", "max-scenes = 40\n"}, {"one"}, {"hasty", "max-frame-seconds = 0.001\n"}, {kBystander}}};
-  DaemonProcess daemon_{{"--tokens-file", tokens_.path()}, "cpu"};
+  DaemonProcess daemon_{{"--tokens-file", tokens_.path(), "--threads", "2"}, "cpu"};  // as long frames on any machine
   const Probe probe_{daemon_};
   Aftermath aftermath_{probe_, connect_as(kBystander)};
 };
