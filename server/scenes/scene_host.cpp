@@ -13,6 +13,7 @@ namespace collided::server {
 namespace {
 
 constexpr auto kWatchPeriod = std::chrono::milliseconds(250);
+constexpr uint64_t kWatchesOfMemory = 8;  // what is used again soon had better stay
 
 // On a GPU the host's part of one frame goes on beside the device's part of another; on CPU cores two keep all busy
 // while one of them is in a part that does not spread over cores. A step on a GPU gives no turn back before its end: a
@@ -103,6 +104,7 @@ void SceneHost::watch_once() {
   for (const auto& scene : scenes_.remove_expired(now_())) scene->observer().expired(*scene);
   end_idle_streams();
   end_stale_uploads();
+  if (++watches_ % kWatchesOfMemory == 0) freed_.give_back();
 }
 
 void SceneHost::end_stale_uploads() {

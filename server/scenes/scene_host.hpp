@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "server/config/config.hpp"
+#include "server/ops/freed_memory.hpp"
 #include "server/scenes/client_usage.hpp"
 #include "server/scenes/frame_session.hpp"
 #include "server/scenes/scene_store.hpp"
@@ -62,6 +63,8 @@ class SceneHost {
   ClientUsage usage_;
   OpenUploads uploads_;
   SceneStore scenes_;
+  FreedMemory freed_;  // of the watch, as what follows
+  uint64_t watches_ = 0;
   std::thread watch_;
 };
 

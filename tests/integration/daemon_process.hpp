@@ -24,14 +24,12 @@ namespace collided::test {
 
 class DaemonProcess {
  public:
-  /// `descriptors`: hard and soft limit of its file descriptors; 0: as this process has them. `user`: whose process it
-  /// becomes, which only root may ask for; 0: this one's.
+  /// `descriptors`: hard and soft limit of its file descriptors; 0: as this process has them.
   explicit DaemonProcess(std::vector<std::string> more = {}, const std::string& backend = test_backend(),
-                         rlim_t descriptors = 0, uid_t user = 0)
-      : descriptors_(descriptors), user_(user) {
+                         rlim_t descriptors = 0)
+      : descriptors_(descriptors) {
     std::string pattern = (std::filesystem::temp_directory_path() / "collided-XXXXXX").string();
     folder_ = mkdtemp(pattern.data());
-    if (user_ && chown(folder_.c_str(), user_, user_) != 0) throw std::runtime_error("chown " + folder_);
     std::vector<std::string> arguments = {setting("COLLIDED_DAEMON", COLLIDED_DAEMON),
                                           "--address",
                                           address(),
@@ -117,9 +115,7 @@ class DaemonProcess {
       dup2(log, STDERR_FILENO);
       const rlimit limit{descriptors_, descriptors_};
       if (descriptors_) setrlimit(RLIMIT_NOFILE, &limit);
-      const int program = open(argv[0], O_RDONLY | O_CLOEXEC);  // the user may not see its folder
-      if (user_ && (setgid(user_) != 0 || setuid(user_) != 0)) _exit(126);
-      fexecve(program, argv.data(), environ);
+      execv(argv[0], argv.data());
       _exit(127);
     }
     close(log);
@@ -132,7 +128,6 @@ class DaemonProcess {
   }
 
   const rlim_t descriptors_;
-  const uid_t user_;
   std::string folder_;
   pid_t pid_ = -1;
 };
