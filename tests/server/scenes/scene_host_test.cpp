@@ -208,7 +208,7 @@ TEST(SceneHost, ManyThreadsAtOnceAndTheStopAmongThem) {
   std::atomic<int> made = 0;
   for (int t = 0; t < 4; ++t)
     threads.emplace_back([&, owner = client("c" + std::to_string(t % 2))] {
-      for (int i = 0; i < 10; ++i) try {
+      for (int i = 0; i < 8; ++i) try {  // as many scenes as a client may have
           const auto scene = make_scene(host, owner, 1e-3);
           const auto place = host.usage().begin_stream(owner);
           const Stream stream(scene);
