@@ -45,9 +45,9 @@ size_t count_undecided(CpuLoops& loops, const ContactSet& set) {
   return count;
 }
 
-std::vector<size_t> undecided(CpuLoops& loops, const ContactSet& set) {
+std::vector<size_t> undecided(CpuLoops& loops, const ContactSet& set, size_t count) {
   std::vector<size_t> places;
-  places.reserve(count_undecided(loops, set));
+  places.reserve(count);
   loops.in_turn(set.size(), kAtATime, [&](uint64_t first, uint64_t end) {
     for (size_t i = first; i < end; ++i)
       if (is_undecided(set, i)) places.push_back(i);

@@ -9,8 +9,9 @@ namespace collided {
 
 /// Contacts that only exact arithmetic can decide: those that are not certain, those whose time of impact is 0, which
 /// tells nothing of whether they touch at the start, and those whose time was left far off by the limit of looks.
-std::vector<size_t> undecided(CpuLoops& loops, const ContactSet& set);
 size_t count_undecided(CpuLoops& loops, const ContactSet& set);
+/// Their places; `count`: of them.
+std::vector<size_t> undecided(CpuLoops& loops, const ContactSet& set, size_t count);
 
 /// Takes the answers for the contacts at `places`: what is no contact goes, the rest is certain.
 void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places,

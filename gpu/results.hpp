@@ -131,9 +131,10 @@ class Results {
     if (needs_.is_any_hit() && result_->any_contact) return;
     CpuLoops& loops = exec_.host_loops();
     MemoryHold held(spec_.memory_quota);
-    held.resize(settling_bytes(count_undecided(loops, set)));
-    const std::vector<size_t> places = undecided(loops, set);
-    result_->counts.exact_decisions += places.size();
+    const size_t count = count_undecided(loops, set);
+    held.resize(settling_bytes(count));
+    const std::vector<size_t> places = undecided(loops, set, count);
+    result_->counts.exact_decisions += count;
     std::vector<ExactAnswer> answers(places.size());
     std::vector<uint64_t> keys;
     for (size_t first = 0; first < places.size(); first += kSettledAtATime) {

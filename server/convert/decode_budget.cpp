@@ -1,7 +1,6 @@
 // Memory for the messages of all calls.
 #include "server/convert/decode_budget.hpp"
 
-#include <malloc.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -15,7 +14,6 @@
 namespace collided::server {
 namespace {
 
-constexpr uint64_t kMany = uint64_t{16} << 20;
 constexpr double kRetrySeconds = 0.1;  // most messages are worked off by then
 
 [[noreturn]] void throw_used_up(const std::string& subject, uint64_t most, uint64_t taken, uint64_t bytes) {
@@ -63,20 +61,13 @@ void DecodeBudget::reserve(const std::string& name, uint64_t bytes) {
   if (taken_ + bytes > most_) throw_used_up("daemon", most_, taken_, bytes);
   clients_[name] += bytes;
   taken_ += bytes;
-  peak_ = std::max(peak_, taken_);
 }
 
-// By itself the allocator keeps what many small pieces took, for each of its arenas.
 void DecodeBudget::give_back(const std::string& name, uint64_t bytes) {
-  if (is_last_of_many(name, bytes)) malloc_trim(0);
-}
-
-bool DecodeBudget::is_last_of_many(const std::string& name, uint64_t bytes) {
   const std::lock_guard lock(mutex_);
   taken_ -= bytes;
   const auto client = clients_.find(name);
   if ((client->second -= bytes) == 0) clients_.erase(client);
-  return taken_ == 0 && std::exchange(peak_, 0) >= kMany;
 }
 
 }  // namespace collided::server

@@ -27,11 +27,10 @@ class DecodeBudget {
 
   void reserve(const std::string& name, uint64_t bytes);
   void give_back(const std::string& name, uint64_t bytes);
-  bool is_last_of_many(const std::string& name, uint64_t bytes);
 
   const uint64_t most_;
   std::mutex mutex_;
-  uint64_t taken_ = 0, peak_ = 0;            // guarded by mutex_; peak_: since nothing was taken
+  uint64_t taken_ = 0;                       // guarded by mutex_
   std::map<std::string, uint64_t> clients_;  // guarded by mutex_; of those that have taken some
 };
 

@@ -1,7 +1,6 @@
 // A resident scene: its plan, its detector, its worker, and what others may see of it.
 #include "server/scenes/scene.hpp"
 
-#include <malloc.h>
 #include <openssl/crypto.h>
 #include <spdlog/fmt/fmt.h>
 
@@ -224,7 +223,6 @@ void Scene::release() {
   detector_.reset();
   pending_ = {};
   held_.resize(0);
-  malloc_trim(0);  // by itself the allocator keeps it, for each of its arenas
 }
 
 void Scene::build_if_complete() {

@@ -1,7 +1,6 @@
 // Triangles of one mesh on their way into a scene.
 #include "server/scenes/upload.hpp"
 
-#include <malloc.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <utility>
@@ -10,14 +9,6 @@
 #include "server/scenes/scene.hpp"
 
 namespace collided::server {
-
-ReceivedTriangles::~ReceivedTriangles() {
-  constexpr size_t kMany = (size_t{4} << 20) / sizeof(TriangleCorners);
-  const bool many = triangles_.size() > kMany;
-  triangles_.clear();
-  triangles_.shrink_to_fit();
-  if (many) malloc_trim(0);  // by itself the allocator keeps them
-}
 
 void ReceivedTriangles::move_to(std::vector<TriangleCorners>& mesh, MemoryHold& held) {
   mesh.reserve(mesh.size() + triangles_.size());

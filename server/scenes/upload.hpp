@@ -25,7 +25,6 @@ using TriangleCorners = std::array<uint32_t, 3>;
 class ReceivedTriangles {
  public:
   explicit ReceivedTriangles(std::shared_ptr<MemoryQuota> quota) : held_(std::move(quota)) {}
-  ~ReceivedTriangles();
 
   /// Counts `count` more, which push() brings. Throws LimitExceeded.
   void expect(uint64_t count) { held_.resize(held_.bytes() + count * sizeof(TriangleCorners)); }

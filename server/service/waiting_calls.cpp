@@ -3,10 +3,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
 #include <chrono>
+#include <list>
 #include <map>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,6 +15,7 @@ namespace collided::server {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using Source = std::pair<std::string, std::string>;  // a client's name, and what tells clients of one name apart
 
 constexpr auto kPeriod = std::chrono::milliseconds(100);
 
@@ -28,60 +28,78 @@ Clock::time_point after(double seconds) {
 struct WaitingCalls::Wait::State {
   const std::shared_ptr<Shared> shared;
   const WaitRule rule;
-  const std::string client;
+  const Source source;
   const End end;
   const Clock::time_point deadline;
-  bool is_over = false;  // guarded by shared->mutex
-
-  bool is_of_same(const State& other) const { return client == other.client && rule.source == other.rule.source; }
+  // Guarded by shared->mutex:
+  bool is_over = false;
+  uint64_t number = 0;                                     // the lower, the older
+  std::list<std::shared_ptr<State>>::iterator place = {};  // until it is over
 };
 
 struct WaitingCalls::Shared {
   using Waiting = std::shared_ptr<Wait::State>;
+  using Waits = std::list<Waiting>;  // the oldest first
+
+  // Those that wait for the same.
+  struct Line {
+    std::map<Source, Waits> of_source;  // none is empty
+    size_t size = 0;
+
+    // The oldest of those that `wait` has to be let in for; null if there is room.
+    Waiting oldest_too_many(const Wait::State& wait) const {
+      const auto own = of_source.find(wait.source);
+      const size_t count = own == of_source.end() ? 0 : own->second.size();
+      if (count > 0 && count >= wait.rule.most_of_client) return own->second.front();
+      return size >= wait.rule.most ? oldest_of_largest() : nullptr;
+    }
+
+    Waiting oldest_of_largest() const {
+      const Waits* found = nullptr;
+      for (const auto& [source, waits] : of_source)
+        if (!found || waits.size() > found->size() ||
+            (waits.size() == found->size() && waits.front()->number < found->front()->number))
+          found = &waits;
+      return found ? found->front() : nullptr;
+    }
+  };
 
   std::mutex mutex;
   std::condition_variable changed;
   bool is_stopping = false;
-  std::list<Waiting> waits;  // the oldest first
+  uint64_t next_number = 0;
+  std::map<std::string, Line> lines;  // by what is awaited; none is empty
+
+  void put_in_locked(const Waiting& wait) {
+    Line& line = lines[wait->rule.what];
+    Waits& waits = line.of_source[wait->source];
+    wait->number = next_number++;
+    wait->place = waits.insert(waits.end(), wait);
+    ++line.size;
+  }
 
   void take_out_locked(const Waiting& wait) {
     wait->is_over = true;
-    waits.remove(wait);
+    const auto line = lines.find(wait->rule.what);
+    const auto waits = line->second.of_source.find(wait->source);
+    waits->second.erase(wait->place);
+    if (waits->second.empty()) line->second.of_source.erase(waits);
+    if (--line->second.size == 0) lines.erase(line);
   }
 
-  // The oldest of those that `wait` has to be let in for; null if there is room.
   Waiting oldest_too_many_locked(const Wait::State& wait) const {
-    size_t all = 0, own = 0;
-    Waiting oldest_own;
-    for (const auto& other : waits) {
-      if (other->rule.what != wait.rule.what) continue;
-      ++all;
-      if (other->is_of_same(wait) && !own++) oldest_own = other;
-    }
-    if (own >= wait.rule.most_of_client) return oldest_own;
-    return all >= wait.rule.most ? oldest_of_largest_locked(wait.rule.what) : nullptr;
-  }
-
-  Waiting oldest_of_largest_locked(const std::string& what) const {
-    std::map<std::pair<std::string_view, std::string_view>, size_t> counts;
-    for (const auto& one : waits)
-      if (one->rule.what == what) ++counts[{one->client, one->rule.source}];
-    Waiting found;
-    for (size_t most = 0; const auto& one : waits) {
-      if (one->rule.what != what) continue;
-      const size_t count = counts[{one->client, one->rule.source}];
-      if (count > most) found = one;
-      most = std::max(most, count);
-    }
-    return found;
+    const auto line = lines.find(wait.rule.what);
+    return line == lines.end() ? nullptr : line->second.oldest_too_many(wait);
   }
 
   std::vector<Waiting> take_late() {
     const std::lock_guard lock(mutex);
     const auto now = Clock::now();
     std::vector<Waiting> late;
-    for (const auto& wait : waits)
-      if (now >= wait->deadline) late.push_back(wait);
+    for (const auto& [what, line] : lines)
+      for (const auto& [source, waits] : line.of_source)
+        for (const auto& wait : waits)
+          if (now >= wait->deadline) late.push_back(wait);
     for (const auto& wait : late) take_out_locked(wait);
     return late;
   }
@@ -106,18 +124,18 @@ WaitingCalls::~WaitingCalls() {
 }
 
 std::unique_ptr<WaitingCalls::Wait> WaitingCalls::wait(const WaitRule& rule, const Client& client, End end) {
-  std::unique_ptr<Wait> wait(new Wait(
-      std::make_shared<Wait::State>(Wait::State{shared_, rule, client->name, std::move(end), after(rule.seconds)})));
+  std::unique_ptr<Wait> wait(new Wait(std::make_shared<Wait::State>(
+      Wait::State{shared_, rule, {client->name, rule.source}, std::move(end), after(rule.seconds)})));
   Shared::Waiting pushed_out;
   {
     const std::lock_guard lock(shared_->mutex);
     pushed_out = shared_->oldest_too_many_locked(*wait->state_);
     if (pushed_out) shared_->take_out_locked(pushed_out);
-    shared_->waits.push_back(wait->state_);
+    shared_->put_in_locked(wait->state_);
   }
   if (pushed_out)
     pushed_out->end(std::make_exception_ptr(LimitExceeded::quota(
-        "client:" + pushed_out->client,
+        "client:" + pushed_out->source.first,
         fmt::format("{} calls of a client, and {} in all, may wait for {}; more came, and the oldest goes first",
                     rule.most_of_client, rule.most, rule.what))));
   return wait;
@@ -125,7 +143,9 @@ std::unique_ptr<WaitingCalls::Wait> WaitingCalls::wait(const WaitRule& rule, con
 
 size_t WaitingCalls::waiting() const {
   const std::lock_guard lock(shared_->mutex);
-  return shared_->waits.size();
+  size_t count = 0;
+  for (const auto& [what, line] : shared_->lines) count += line.size;
+  return count;
 }
 
 void WaitingCalls::run() {

@@ -10,20 +10,30 @@ constexpr std::chrono::seconds kPatience(50);
 
 class FairClients : public NamedClients, public testing::Test {};
 
+/// Loads of two clients beside each other.
+struct TwoLoads {
+  const FrameLoad many, one;
+
+  void wait_until_on() const {
+    eventually(
+        "the loads are on", [this] { return many.is_on() && one.is_on(); }, kPatience);
+  }
+  uint64_t refused() const { return many.refused() + one.refused(); }
+};
+
 // Equal frames, and both clients have some waiting at any time: by scenes, one would have a frame in forty. Half would
 // be just; the margin is for machines where the one thread of a client does not always get to run.
 TEST_F(FairClients, FortyScenesOfOneDoNotStopTheSceneOfAnother) {
   constexpr int kScenes = 40;
   constexpr uint64_t kFrames = 40, kMost = kFrames * kScenes / 4;
   {
-    const FrameLoad greedy(stubs("many", kScenes), layers_work(40, 4)), modest(stubs("one", 1), layers_work(40, 4));
+    const TwoLoads loads{{stubs("many", kScenes), layers_work(40, 4)}, {stubs("one", 1), layers_work(40, 4)}};
+    loads.wait_until_on();
+    const uint64_t of_one = loads.one.frames(), of_many = loads.many.frames();
     eventually(
-        "the loads are on", [&] { return greedy.is_on() && modest.is_on(); }, kPatience);
-    const uint64_t of_modest = modest.frames(), of_greedy = greedy.frames();
-    eventually(
-        "the modest client is served", [&] { return modest.frames() >= of_modest + kFrames; }, kPatience);
-    EXPECT_LE(greedy.frames() - of_greedy, kMost);
-    EXPECT_EQ(greedy.refused() + modest.refused(), 0u);
+        "the modest client is served", [&] { return loads.one.frames() >= of_one + kFrames; }, kPatience);
+    EXPECT_LE(loads.many.frames() - of_many, kMost);
+    EXPECT_EQ(loads.refused(), 0u);
   }
   aftermath_.expect_unharmed();
 }
@@ -32,14 +42,13 @@ TEST_F(FairClients, FortyScenesOfOneDoNotStopTheSceneOfAnother) {
 TEST_F(FairClients, LongFramesGiveWayToShortOnes) {
   constexpr uint64_t kLong = 4, kLeastShort = 3 * kLong;
   {
-    const FrameLoad slow(stubs("many", 4), layers_work(200, 2)), quick(stubs("one", 1), layers_work(4, 1));
+    const TwoLoads loads{{stubs("many", 4), layers_work(200, 2)}, {stubs("one", 1), layers_work(4, 1)}};
+    loads.wait_until_on();
+    const uint64_t of_many = loads.many.frames(), of_one = loads.one.frames();
     eventually(
-        "the loads are on", [&] { return slow.is_on() && quick.is_on(); }, kPatience);
-    const uint64_t of_slow = slow.frames(), of_quick = quick.frames();
-    eventually(
-        "long frames are answered", [&] { return slow.frames() >= of_slow + kLong; }, kPatience);
-    EXPECT_GE(quick.frames() - of_quick, kLeastShort);
-    EXPECT_EQ(slow.refused() + quick.refused(), 0u);
+        "long frames are answered", [&] { return loads.many.frames() >= of_many + kLong; }, kPatience);
+    EXPECT_GE(loads.one.frames() - of_one, kLeastShort);
+    EXPECT_EQ(loads.refused(), 0u);
   }
   aftermath_.expect_unharmed();
 }

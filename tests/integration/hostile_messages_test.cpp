@@ -6,13 +6,13 @@
 #include <thread>
 
 #include "tests/integration/bystander.hpp"
+#include "tests/integration/client_channel.hpp"
 #include "tests/integration/raw_stream.hpp"
 
 namespace collided::test {
 namespace {
 
 constexpr size_t kLarge = size_t{63} << 20;
-constexpr char kToken[] = "a-token-of-the-tests";
 
 std::string varint(uint64_t value) {
   std::string out;
@@ -49,21 +49,10 @@ class PeakLimit {
   const double limit_;
 };
 
-class TokensFile {
- public:
-  TokensFile() { std::ofstream(path_) << "[[tokens]]\nname = \"alice\"\ntoken = \"" << kToken << "\"\n"; }
-  ~TokensFile() { std::filesystem::remove(path_); }
-  const std::string& path() const { return path_; }
-
- private:
-  const std::string path_ =
-      (std::filesystem::temp_directory_path() / ("collided-tokens-" + std::to_string(getpid()))).string();
-};
-
-const RawStream::Metadata kAlice = {{"authorization", std::string("Bearer ") + kToken}};
+const RawStream::Metadata kAlice = {{"authorization", "Bearer " + token_of("alice")}};
 
 TEST(HostileMessages, NothingIsReadOfACallerWithoutAToken) {
-  const TokensFile tokens;
+  const TokensFile tokens({{"alice"}});
   DaemonProcess daemon({"--tokens-file", tokens.path()});
   const Probe probe(daemon);
   const auto channel = daemon.channel();
@@ -245,7 +234,7 @@ TEST(HostileMessages, TheLargestFrameIdLeavesTheSceneAsItWas) {
 
 TEST(HostileMessages, RefusedCallersDoNotFillTheLog) {
   constexpr int kCalls = 1000;
-  const TokensFile tokens;
+  const TokensFile tokens({{"alice"}});
   DaemonProcess daemon({"--tokens-file", tokens.path()});
   const Probe probe(daemon);
   const auto channel = daemon.channel();
