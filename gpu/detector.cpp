@@ -1,8 +1,8 @@
 #include "gpu/detector.hpp"
 
-#include "gpu/backends.hpp"
-#include "gpu/frame_check.hpp"
-#include "gpu/memory_need.hpp"
+#include "gpu/scene/backends.hpp"
+#include "gpu/scene/memory_need.hpp"
+#include "gpu/scene/rules.hpp"
 
 namespace collided {
 namespace {

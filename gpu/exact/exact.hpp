@@ -3,7 +3,7 @@
 // only; no state, so any number of threads may call at once. Degenerate features (zero-length edges, zero-area
 // triangles, coplanar and parallel motion) are ordinary input.
 
-#include "gpu/math/vec3.hpp"
+#include "gpu/base/vec3.hpp"
 
 namespace collided {
 

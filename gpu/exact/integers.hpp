@@ -3,8 +3,8 @@
 
 #include <array>
 
+#include "gpu/base/vec3.hpp"
 #include "gpu/exact/form.hpp"
-#include "gpu/math/vec3.hpp"
 
 namespace collided::exact {
 

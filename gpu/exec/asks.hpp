@@ -1,13 +1,13 @@
 #pragma once
 // When the thread that a frame belongs to asks whether the frame goes on. All others that work on it come to rest
-// before (exec/cpu_loops.hpp): the answer may take its time, and then nothing of the frame goes on meanwhile.
+// before (exec/cpu/cpu_loops.hpp): the answer may take its time, and then nothing of the frame goes on meanwhile.
 
 #include <atomic>
 #include <chrono>
 #include <functional>
 #include <utility>
 
-#include "gpu/detector.hpp"
+#include "gpu/types.hpp"
 
 namespace collided {
 

@@ -5,7 +5,7 @@
 #include <atomic>
 #endif
 
-#include "gpu/exec/host_device.hpp"
+#include "gpu/base/host_device.hpp"
 
 namespace collided {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "gpu/exec/host_device.hpp"
+#include "gpu/base/host_device.hpp"
 
 namespace collided {
 

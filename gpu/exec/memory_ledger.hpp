@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "gpu/detector.hpp"
+#include "gpu/types.hpp"
 
 namespace collided {
 

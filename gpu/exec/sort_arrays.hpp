@@ -1,7 +1,7 @@
 #pragma once
 // What the verbs sort_pairs and sort_keys work on.
 
-#include "gpu/exec/host_device.hpp"
+#include "gpu/base/host_device.hpp"
 
 namespace collided {
 

@@ -9,7 +9,7 @@
 namespace collided {
 
 /// Looks after the first one, after which a query is reported as a contact at the time that was reached (kFlagCapped).
-constexpr int kMostLooks = 64;
+constexpr int kMaxIterations = 64;
 
 template <class Work>
 struct Tolerance {
@@ -25,13 +25,13 @@ struct Progress {
 
 /// How the features face each other at one time: nearly, for it is only a guess at good directions.
 template <class Work, int N>
-struct Facing {
+struct ClosestFeatures {
   Vec3<Work> closest;  ///< between the closest points
   Vec3<Work> normal;   ///< of the triangle, or of both edges, to the first feature's side
   bool inside;         ///< the closest points are inside the features, so that both are the same direction
   Work gap, speed;     ///< between the closest points, and how fast it grows
 
-  COLLIDED_HD Facing(const Differences<Work, N>& d, Work t) {
+  COLLIDED_HD ClosestFeatures(const Differences<Work, N>& d, Work t) {
     Vec3<Work> x[N];
     differences_at(d, t, x);
     normal = common_normal(x);
@@ -53,13 +53,13 @@ struct Facing {
 /// does.
 template <class Work, int N>
 struct View {
-  Work gap, speed;  ///< as in Facing
+  Work gap, speed;  ///< as in ClosestFeatures
   Along<Work, N> directed;
 
   COLLIDED_HD static View at(const Differences<Work, N>& d, Work t, Work thickness) {
-    const Facing<Work, N> facing(d, t);
-    View view{facing.gap, facing.speed, along(d, facing.best(), thickness, t)};
-    if (!view.directed.is_apart()) view.directed = along(d, facing.other(), thickness, t);
+    const ClosestFeatures<Work, N> closest_features(d, t);
+    View view{closest_features.gap, closest_features.speed, along(d, closest_features.best(), thickness, t)};
+    if (!view.directed.is_apart()) view.directed = along(d, closest_features.other(), thickness, t);
     return view;
   }
 };
@@ -70,12 +70,12 @@ class Advancement {
  public:
   Differences<Work, N> d;  ///< to be loaded before begin()
 
-  COLLIDED_HD void begin(const Tolerance<Work>& tolerance, const Progress& from, int most_looks) {
+  COLLIDED_HD void begin(const Tolerance<Work>& tolerance, const Progress& from, int max_iterations) {
     tolerance_ = tolerance;
     pace_ = from.pace;
     t_ = next_ = from.t;
-    looks_ = 0;
-    most_looks_ = most_looks;
+    iterations_ = 0;
+    max_iterations_ = max_iterations;
     outcome_ = Outcome::kOpen;
   }
   COLLIDED_HD bool is_over() const { return outcome_ != Outcome::kOpen; }
@@ -89,9 +89,9 @@ class Advancement {
 
   /// Looks at the features at the time that was chosen for it. A contact that is certain to be reported after `last`
   /// may count as a miss; `last` never changes the time of a hit, for what it is depends on the order of the queries.
-  COLLIDED_HD void look(Work last) {
+  COLLIDED_HD void iterate(Work last) {
     const View<Work, N> then = View<Work, N>::at(d, next_, tolerance_.thickness);
-    if (looks_++ == 0)
+    if (iterations_++ == 0)
       now_ = then;
     else
       outcome_ = arrive(then);
@@ -122,7 +122,7 @@ class Advancement {
     if (reach.until > 1) return Outcome::kApart;
     if (!(reach.until > t_) || !(reach.separation > tolerance_.delta)) return Outcome::kContact;
     if (reach.until > last) return Outcome::kApart;
-    if (looks_ > most_looks_) return Outcome::kCapped;
+    if (iterations_ > max_iterations_) return Outcome::kCapped;
     // Features that turn need many fixed directions, but few turning ones.
     const Work rounding = 32 * Precision<Work>::kUnit * d.extent;
     const Work ahead = pace_.ahead_of(t_, now_.gap - tolerance_.thickness, now_.speed, rounding);
@@ -135,7 +135,7 @@ class Advancement {
   Pace pace_;
   Work t_, next_;
   View<Work, N> now_;
-  int looks_, most_looks_;
+  int iterations_, max_iterations_;
   bool turns_;
   Outcome outcome_ = Outcome::kOver;
 };

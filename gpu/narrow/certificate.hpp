@@ -24,19 +24,19 @@ template <class Work>
 COLLIDED_HD Work least_condition(const Vec3<Work> (&d)[3]) {
   const Vec3<Work> ab = cross(d[0], d[1]), bc = cross(d[1], d[2]), ca = cross(d[2], d[0]);
   const Vec3<Work> n = ab + bc + ca;
-  return smaller(dot(ab, n), smaller(dot(bc, n), dot(ca, n)));
+  return min(dot(ab, n), min(dot(bc, n), dot(ca, n)));
 }
 template <class Work>
 COLLIDED_HD Work least_condition(const Vec3<Work> (&d)[4]) {
   const Vec3<Work> n = common_normal(d);
-  return smaller(smaller(dot(cross(d[0], d[1]), n), dot(cross(d[3], d[2]), n)),
-                 smaller(dot(cross(d[2], d[0]), n), dot(cross(d[1], d[3]), n)));
+  return min(min(dot(cross(d[0], d[1]), n), dot(cross(d[3], d[2]), n)),
+             min(dot(cross(d[2], d[0]), n), dot(cross(d[1], d[3]), n)));
 }
 
 template <class Work, int N>
 COLLIDED_HD Work largest_motion(const Differences<Work, N>& d) {
   Work v = 0;
-  for (int k = 0; k < N; ++k) v = larger(v, largest_component(d.end[k] - d.start[k]));
+  for (int k = 0; k < N; ++k) v = max(v, largest_component(d.end[k] - d.start[k]));
   return v + 16 * Precision<Work>::kUnit * (v + d.extent);
 }
 
@@ -80,7 +80,7 @@ COLLIDED_HD bool is_certain(const Differences<Work, N>& d, Work t, Work thicknes
   // Wide enough for f to leave its rounding errors behind, narrow enough for the conditions to hold still.
   Work width = sizeof(Work) == 8 ? Work(1e-10) : Work(1e-5);
   for (int i = 0; i < kWidths; ++i, width = width * (sizeof(Work) == 8 ? 100 : 10)) {
-    const Work from = larger(t - width, Work(0)), to = smaller(t + width, Work(1));
+    const Work from = max(t - width, Work(0)), to = min(t + width, Work(1));
     if (thickness > 0 ? touches_at(d, to, thickness) : crosses_between(d, from, to)) return true;
   }
   return false;

@@ -20,20 +20,20 @@ COLLIDED_HD ContactData<Real> contact_at(const Differences<Work, N>& d, Work t, 
 }
 
 /// A candidate that float could not tell apart yet, and how far it came.
-struct Suspect {
+struct ResumableQuery {
   uint64_t key;
   Progress progress;
 };
 
 COLLIDED_HD inline uint64_t key_of(uint64_t candidate) { return candidate; }
-COLLIDED_HD inline uint64_t key_of(const Suspect& candidate) { return candidate.key; }
+COLLIDED_HD inline uint64_t key_of(const ResumableQuery& candidate) { return candidate.key; }
 COLLIDED_HD inline Progress progress_of(uint64_t) { return {}; }
-COLLIDED_HD inline Progress progress_of(const Suspect& candidate) { return candidate.progress; }
+COLLIDED_HD inline Progress progress_of(const ResumableQuery& candidate) { return candidate.progress; }
 
 template <class Work, class Kind>
 using AdvancementOf = Advancement<Work, DifferenceOf<Kind>::kCount>;
 
-/// What the stages of the narrow phase look at. Candidate: uint64_t or Suspect.
+/// What the stages of the narrow phase look at. Candidate: uint64_t or ResumableQuery.
 template <class Real, class Kind, class Candidate>
 struct CcdQueries {
   const Vec3<Real>* start;
@@ -51,7 +51,7 @@ struct CcdQueries {
   }
 };
 
-/// One query on its way (for_each_in_steps).
+/// One query on its way (for_each_resumable).
 template <class Work, class Kind>
 struct CcdState {
   AdvancementOf<Work, Kind> features;
@@ -86,25 +86,25 @@ template <class Real, class Kind>
 struct ApproachCcd {
   using State = CcdState<float, Kind>;
   CcdQueries<Real, Kind, uint64_t> queries;
-  AppendList<Suspect> suspects;
+  AppendList<ResumableQuery> resumable;
 
   COLLIDED_HD void begin(uint64_t i, State& state) const {
     state.key = queries.key(i);
     DifferencesOf<float, Kind>& d = state.features.d;
-    if (!queries.load(i, d)) return suspects.push(Suspect{state.key, Progress{}});
+    if (!queries.load(i, d)) return resumable.push(ResumableQuery{state.key, Progress{}});
     constexpr float kNear = 0x1p-16f;  // of the extent: where float comes near its limits
     state.features.begin({scaled_thickness<float>(queries.thickness, d.scale),
-                          larger(kNear * d.extent, float_above(queries.delta * d.scale))},
-                         queries.progress(i), kLooksInFloat);
+                          max(kNear * d.extent, float_above(queries.delta * d.scale))},
+                         queries.progress(i), kIterationsInFloat);
   }
-  COLLIDED_HD void step(State& state) const { state.features.look(1.0f); }
+  COLLIDED_HD void step(State& state) const { state.features.iterate(1.0f); }
   COLLIDED_HD void finish(const State& state) const {
     if (state.features.is_hit())
-      suspects.push(Suspect{state.key, Progress{state.features.time(), state.features.pace()}});
+      resumable.push(ResumableQuery{state.key, Progress{state.features.time(), state.features.pace()}});
   }
 
  private:
-  static constexpr int kLooksInFloat = 8;
+  static constexpr int kIterationsInFloat = 8;
 };
 
 /// Advances to the end, and reports contacts.
@@ -115,16 +115,17 @@ struct AdvanceCcd {
   ContactSink<Real> contacts;
 
   COLLIDED_HD void begin(uint64_t i, State& state) const {
-    if (contacts.hurry.is_over()) return;
+    if (contacts.early_exit.is_over()) return;
     state.key = queries.key(i);
     DifferencesOf<Work, Kind>& d = state.features.d;
     if (!queries.load(i, d))
       return contacts.report(state.key, {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified | kFlagInitial}});
     const Work delta =
         queries.delta > 0 ? static_cast<Work>(queries.delta * d.scale) : default_delta(Work(0)) * d.extent;
-    state.features.begin({scaled_thickness<Work>(queries.thickness, d.scale), delta}, queries.progress(i), kMostLooks);
+    state.features.begin({scaled_thickness<Work>(queries.thickness, d.scale), delta}, queries.progress(i),
+                         kMaxIterations);
   }
-  COLLIDED_HD void step(State& state) const { state.features.look(static_cast<Work>(contacts.hurry.last())); }
+  COLLIDED_HD void step(State& state) const { state.features.iterate(static_cast<Work>(contacts.early_exit.last())); }
   COLLIDED_HD void finish(const State& state) const {
     const AdvancementOf<Work, Kind>& features = state.features;
     if (features.is_hit())

@@ -33,7 +33,7 @@ struct CertifyProximity {
   ContactSink<Real> contacts;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    if (contacts.hurry.is_over()) return;
+    if (contacts.early_exit.is_over()) return;
     DifferencesOf<Work, Kind> d;
     if (!load_differences<Kind, Work>(points_of(kind.stencil(candidates[i]), positions, positions), d))
       return contacts.report(candidates[i], {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified}});

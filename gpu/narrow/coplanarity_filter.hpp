@@ -13,9 +13,9 @@
 // multiplied by at most two components: with components below 2^8 all of it together stays below kTiny. Larger ones,
 // which a scene near 1 does not have, are not decided.
 
-#include "gpu/math/cubic.hpp"
-#include "gpu/math/precision.hpp"
-#include "gpu/narrow/contact.hpp"
+#include "gpu/base/precision.hpp"
+#include "gpu/contacts/contact.hpp"
+#include "gpu/narrow/cubic.hpp"
 #include "gpu/narrow/spanning.hpp"
 
 namespace collided {
@@ -26,7 +26,7 @@ struct NeverCoplanar {
   COLLIDED_HD bool operator()(const Vec3<float> (&x)[3], const Vec3<float> (&y)[3]) const {
     const Vec3<float> d{largest_of(&Vec3<float>::x, x, y), largest_of(&Vec3<float>::y, x, y),
                         largest_of(&Vec3<float>::z, x, y)};
-    if (!(larger(d.x, larger(d.y, d.z)) < kLargest)) return false;
+    if (!(max(d.x, max(d.y, d.z)) < kLargest)) return false;
     const float volume = d.x * d.y * d.z;
     constexpr float u = Precision<float>::kUnit;
     float e = 96 * u * volume + Precision<float>::kTiny;
@@ -41,12 +41,12 @@ struct NeverCoplanar {
 
   COLLIDED_HD static float largest_of(float Vec3<float>::*axis, const Vec3<float> (&x)[3], const Vec3<float> (&y)[3]) {
     float m = 0;
-    for (int k = 0; k < 3; ++k) m = larger(m, larger(magnitude(x[k].*axis), magnitude(y[k].*axis)));
+    for (int k = 0; k < 3; ++k) m = max(m, max(magnitude(x[k].*axis), magnitude(y[k].*axis)));
     return m;
   }
   COLLIDED_HD static float longer(const Vec3<float>& a, const Vec3<float>& b) {
     constexpr float kUnderflow = 0x1p-70f;  // what the squares can lose
-    return std::sqrt(larger(dot(a, a), dot(b, b))) + kUnderflow;
+    return std::sqrt(max(dot(a, a), dot(b, b))) + kUnderflow;
   }
 };
 
@@ -56,8 +56,8 @@ struct FilterScale {
 };
 /// `extent`: largest of the scene's bounds.
 COLLIDED_HD inline FilterScale filter_scale(float extent, double thickness) {
-  constexpr float kMost = 0x1p124f;
-  const float scale = extent > 0 && extent < kMost ? unit_scale(extent) : 1.0f;
+  constexpr float kMax = 0x1p124f;
+  const float scale = extent > 0 && extent < kMax ? unit_scale(extent) : 1.0f;
   return {scale, scaled_thickness<float>(thickness, static_cast<double>(scale))};
 }
 

@@ -7,9 +7,9 @@
 // Each component is the true difference times the scale, within one rounding error of the working precision
 // (two for double positions in float, which 8u below covers too).
 
-#include "gpu/math/distance.hpp"
-#include "gpu/math/precision.hpp"
-#include "gpu/narrow/contact.hpp"
+#include "gpu/base/precision.hpp"
+#include "gpu/contacts/contact.hpp"
+#include "gpu/narrow/distance.hpp"
 
 namespace collided {
 
@@ -54,7 +54,7 @@ COLLIDED_HD bool load_differences(const FeaturePoints<Real>& p, DifferencesOf<Wo
     const int i = DifferenceOf<Kind>::minuend(k), j = DifferenceOf<Kind>::subtrahend(k);
     x[k] = convert<Wide>(p.start[i]) - convert<Wide>(p.start[j]);
     y[k] = convert<Wide>(p.end[i]) - convert<Wide>(p.end[j]);
-    extent = larger(extent, larger(largest_component(x[k]), largest_component(y[k])));
+    extent = max(extent, max(largest_component(x[k]), largest_component(y[k])));
   }
   if (extent == 0) return false;
   const Wide scale = unit_scale(extent);
@@ -71,7 +71,7 @@ COLLIDED_HD bool load_differences(const FeaturePoints<Real>& p, DifferencesOf<Wo
 /// feature's point to the first's. Weights as in Closest.
 template <class Work>
 COLLIDED_HD Vec3<Work> between_points(const Vec3<Work> (&d)[3], Work w0, Work w1) {
-  return larger(1 - w0 - w1, Work(0)) * d[0] + w0 * d[1] + w1 * d[2];
+  return max(1 - w0 - w1, Work(0)) * d[0] + w0 * d[1] + w1 * d[2];
 }
 template <class Work>
 COLLIDED_HD Vec3<Work> between_points(const Vec3<Work> (&d)[4], Work w0, Work w1) {

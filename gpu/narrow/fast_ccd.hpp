@@ -3,8 +3,8 @@
 // are roots of a cubic; the first of them at which the features are in proximity is the time of impact. Both ends
 // of the step are looked at too. Working precision, no guarantee: degenerate motions can be missed.
 
-#include "gpu/math/cubic.hpp"
-#include "gpu/math/distance.hpp"
+#include "gpu/narrow/cubic.hpp"
+#include "gpu/narrow/distance.hpp"
 #include "gpu/narrow/proximity.hpp"
 #include "gpu/narrow/spanning.hpp"
 
@@ -24,7 +24,7 @@ struct SolveCubicCcd {
   ContactSink<Real> contacts;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    if (contacts.hurry.is_over()) return;
+    if (contacts.early_exit.is_over()) return;
     const Query q(kind.stencil(candidates[i]), start, end);
     const Cubic<Real> f = cubic(q);
     if (thickness == 0 && f.one_sided()) return;
@@ -50,7 +50,7 @@ struct SolveCubicCcd {
     }
     COLLIDED_HD Real extent() const {
       Real m = 0;
-      for (int k = 0; k < 4; ++k) m = larger(m, larger(largest_component(x[k]), largest_component(y[k])));
+      for (int k = 0; k < 4; ++k) m = max(m, max(largest_component(x[k]), largest_component(y[k])));
       return m;
     }
     COLLIDED_HD Vec3<Real> at(int k, Real t) const { return t == 1 ? y[k] : x[k] + t * (y[k] - x[k]); }

@@ -1,7 +1,7 @@
 #pragma once
 // Contacts and their vertices brought together.
 
-#include "gpu/narrow/contact.hpp"
+#include "gpu/contacts/contact.hpp"
 
 namespace collided {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "gpu/math/vec3.hpp"
+#include "gpu/base/vec3.hpp"
 
 namespace collided {
 
@@ -19,12 +19,12 @@ struct Pace {
   /// A time after t at which the features should still be apart; 1 if they do not come closer, t if there is no room.
   template <class Work>
   COLLIDED_HD Work ahead_of(Work t, Work gap, Work speed, Work least_gap) const {
-    const Work most = smaller(Work(1), t + static_cast<Work>(limit));
-    const Work room = gap - larger(static_cast<Work>(share) * gap, least_gap);
+    const Work most = min(Work(1), t + static_cast<Work>(limit));
+    const Work room = gap - max(static_cast<Work>(share) * gap, least_gap);
     if (!(room > 0)) return t;
     const Work curve = static_cast<Work>(bend);
     const Work closing = std::sqrt(speed * speed - 4 * curve * room) - speed;
-    return closing > 0 ? smaller(most, t + 2 * room / closing) : most;
+    return closing > 0 ? min(most, t + 2 * room / closing) : most;
   }
   /// After a step on which the features were apart; gap and speed are those before it.
   template <class Work>
@@ -32,8 +32,8 @@ struct Pace {
     constexpr float kLeastShare = 1e-6f;
     const Work off = gap_then - (gap + step * speed);
     bend = off < 0 ? static_cast<float>(2 * off / (step * step)) : 0;  // twice: it may bend more further on
-    share = larger(share * share, kLeastShare);
-    limit = growth * larger(limit, static_cast<float>(step));
+    share = max(share * share, kLeastShare);
+    limit = growth * max(limit, static_cast<float>(step));
     shrink = kShrink;
   }
   template <class Work>

@@ -1,8 +1,8 @@
 #pragma once
 // DCD: features of one frame that are at most `thickness` apart. Level FAST: working precision, no guarantee.
 
-#include "gpu/math/distance.hpp"
-#include "gpu/narrow/contact.hpp"
+#include "gpu/contacts/contact.hpp"
+#include "gpu/narrow/distance.hpp"
 
 namespace collided {
 
@@ -24,7 +24,7 @@ struct TestProximity {
   ContactSink<Real> contacts;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    if (contacts.hurry.is_over()) return;
+    if (contacts.early_exit.is_over()) return;
     const Stencil s = kind.stencil(candidates[i]);
     // Differences to one vertex keep digits that coordinates far from the origin would waste.
     const Vec3<Real> o = positions[s.v[0]];

@@ -93,7 +93,7 @@ struct Along {
     for (int k = 0; k < N; ++k) {
       if (end[k] > 0) continue;
       const Work root = start[k] / (start[k] - end[k]);
-      until = smaller(until, root - 8 * u * root);
+      until = min(until, root - 8 * u * root);
     }
     return {until, least / length};
   }
@@ -113,7 +113,7 @@ COLLIDED_HD Along<Work, N> along(const Differences<Work, N>& d, const Direction<
     out.end[k] = lower_bound_along(direction.n, d.end[k], offset);
     const Work now = lower_bound_at(out.start[k], out.end[k], t);
     apart = apart & (now > 0);
-    out.least = smaller(out.least, now);
+    out.least = min(out.least, now);
   }
   if (!apart) out.least = -1;
   return out;

@@ -1,7 +1,7 @@
 #pragma once
 // Coplanarity of a candidate's four vertices.
 
-#include "gpu/narrow/contact.hpp"
+#include "gpu/contacts/contact.hpp"
 
 namespace collided {
 

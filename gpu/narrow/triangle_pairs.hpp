@@ -26,7 +26,7 @@ COLLIDED_HD bool load_differences(const Vec3<uint32_t>& a, const Vec3<uint32_t>&
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       d[i][j] = convert<Wide>(positions[first[i]]) - convert<Wide>(positions[second[j]]);
-      extent = larger(extent, largest_component(d[i][j]));
+      extent = max(extent, largest_component(d[i][j]));
     }
   if (extent == 0) return false;
   const Wide scale = unit_scale(extent);
@@ -97,7 +97,7 @@ struct TestTriangles {
   ContactSink<Real> contacts;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    if (contacts.hurry.is_over()) return;
+    if (contacts.early_exit.is_over()) return;
     const uint64_t key = pairs[i];
     const Vec3<uint32_t> a = triangles[key >> 32], b = triangles[static_cast<uint32_t>(key)];
     TriangleDifferences<Work> pair;

@@ -20,6 +20,8 @@ struct CutCost {
   CutRule rule = CutRule::kTwoStage;
   float per_registration = 0;  ///< in pair tests
 
+  bool operator==(const CutCost&) const = default;
+
   COLLIDED_HD float of_leaf(uint32_t triangles) const {
     if (triangles < 2) return 0;
     const float n = static_cast<float>(triangles);

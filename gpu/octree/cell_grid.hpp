@@ -3,7 +3,7 @@
 // or two, where crowded cells of the upper one are divided (Fan et al. 2011). They use the octree's arrays and stages;
 // only the grid and the cut are their own.
 
-#include "gpu/math/extent.hpp"
+#include "gpu/base/extent.hpp"
 #include "gpu/octree/levels.hpp"
 #include "gpu/octree/top_down.hpp"
 
@@ -22,7 +22,7 @@ struct SpanCells {
 
   COLLIDED_HD void operator()(uint64_t) const {
     const double side = largest_side(*bounds);
-    double cell = larger(cell_per_mean * mean(), side / (1 << kMaxLevel));
+    double cell = max(cell_per_mean * mean(), side / (1 << kMaxLevel));
     int base = 0;
     for (double covered = cell; covered < side && base < kMaxLevel; covered *= 2) ++base;
     *grid = grid_over(*bounds, 0, base);
@@ -62,13 +62,13 @@ struct ChooseCells {
 /// Every base cell is a leaf below a crowded cell of the top level, any other such cell is one itself; `i` is the
 /// number of a top cell.
 struct CutCrowded {
-  static constexpr uint32_t kMostMembers = 32;  ///< one tile of pair tests
+  static constexpr uint32_t kMaxMembers = 32;  ///< one tile of pair tests
   Tree tree;
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const LevelGrid grid = *tree.grid;
     const uint32_t number = static_cast<uint32_t>(i);
-    const bool divided = grid.top < grid.base && tree.counts[level_offset(grid.top) + number] > kMostMembers;
+    const bool divided = grid.top < grid.base && tree.counts[level_offset(grid.top) + number] > kMaxMembers;
     set(level_offset(grid.top) + number, !divided);
     if (!divided) return;
     for (int level = grid.top + 1; level <= grid.base; ++level) {

@@ -3,7 +3,7 @@
 // The coarsest level comes first: its few cells are the same for many boxes, and threads that begin with them together
 // share their atomics.
 
-#include "gpu/math/lattice.hpp"
+#include "gpu/base/lattice.hpp"
 
 namespace collided {
 

@@ -21,7 +21,7 @@ struct CellSlice {
 
   COLLIDED_HD CellSlice(const LevelGrid& grid, uint64_t i)
       : first(level_offset(grid.top) + static_cast<uint32_t>(i) * kCellsOfGroup),
-        count(smaller(kCellsOfGroup, level_offset(grid.base + 1) - first)) {}
+        count(min(kCellsOfGroup, level_offset(grid.base + 1) - first)) {}
 };
 
 /// The cells of each triangle; none of a triangle that covers many.

@@ -8,7 +8,7 @@ namespace collided {
 
 /// The cells of all active dense levels that a triangle covers.
 struct CoveredCells {
-  static constexpr uint32_t kMostBase = 48;  ///< base cells; triangles with more are left to groups of threads
+  static constexpr uint32_t kMaxBase = 48;  ///< base cells; triangles with more are left to groups of threads
   /// Triangles whose cells a warp shares: with more of them at once, neighbours would be registered far apart, and the
   /// search for pairs is faster where they are together.
   static constexpr unsigned kShared = 8;
@@ -19,7 +19,7 @@ struct CoveredCells {
   /// From the level `top` on, down to the base.
   COLLIDED_HD CoveredCells(uint32_t id, const LevelGrid& grid, const CellRange& deepest, int top)
       : triangle(id), levels_(shifted(deepest, kDeepest - grid.base), top, grid.base) {
-    if (levels_.cells_at(grid.base) <= kMostBase) parts = levels_.cells();
+    if (levels_.cells_at(grid.base) <= kMaxBase) parts = levels_.cells();
   }
 
   /// Index of the k-th cell.
@@ -78,7 +78,7 @@ struct CoveredInBrick {
   }
   COLLIDED_HD static uint32_t offset(uint32_t cell, uint32_t root) {
     const uint32_t first = root << kBrickLevels;
-    return cell < first ? 0 : smaller(cell - first, (1u << kBrickLevels) - 1u);
+    return cell < first ? 0 : min(cell - first, (1u << kBrickLevels) - 1u);
   }
 };
 

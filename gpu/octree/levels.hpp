@@ -14,9 +14,9 @@ struct ActiveLevels {
 
 /// Levels for this frame; `triangles` > 0.
 COLLIDED_HD inline ActiveLevels clamp_levels(ActiveLevels wanted, const LevelTotals& totals, uint64_t triangles) {
-  constexpr uint64_t kFirstPerTriangle = 6, kMostPerTriangle = 24;
+  constexpr uint64_t kFirstPerTriangle = 6, kMaxPerTriangle = 24;
   const bool first_frame = wanted.base < 0;
-  const uint64_t most = triangles * (first_frame ? kFirstPerTriangle : kMostPerTriangle);
+  const uint64_t most = triangles * (first_frame ? kFirstPerTriangle : kMaxPerTriangle);
   int base = first_frame ? kMaxLevel : wanted.base;
   while (base > 0 && totals.cells[base] > most) --base;
   // Coarse levels are wanted only where many registrations were in them; counting them is slow, for few cells take

@@ -7,8 +7,8 @@
 
 namespace collided {
 
-constexpr uint32_t kCrowded = 64;    ///< triangles of a cell that is worth a brick
-constexpr uint32_t kMostSpread = 4;  ///< bottom cells a triangle may cover on average, or the brick is a dead end
+constexpr uint32_t kCrowded = 64;   ///< triangles of a cell that is worth a brick
+constexpr uint32_t kMaxSpread = 4;  ///< bottom cells a triangle may cover on average, or the brick is a dead end
 
 /// Opens bricks for the crowded cells of the base level.
 struct OpenFirstBricks {
@@ -44,7 +44,7 @@ struct OpenBricks {
     const uint32_t parent = static_cast<uint32_t>(tree.first_brick(round - 1) + i);
     if (parent >= tree.bricks.size()) return;
     const Brick root = tree.bricks[parent];
-    const bool fans_out = tree.reach[parent] > kMostSpread * uint64_t{tree.counts[root.parent]};
+    const bool fans_out = tree.reach[parent] > kMaxSpread * uint64_t{tree.counts[root.parent]};
     constexpr uint32_t kBottom = 1u << (3 * kBrickLevels);
     for (uint32_t k = group.rank; k < kBottom; k += group.size) {
       const uint32_t cell = brick_cell(parent, level_offset(kBrickLevels) + k);

@@ -6,7 +6,7 @@
 
 #include <cstddef>
 
-#include "gpu/math/tiles.hpp"
+#include "gpu/base/tiles.hpp"
 #include "gpu/octree/bottom_up.hpp"
 
 namespace collided {
@@ -28,7 +28,7 @@ COLLIDED_HD inline bool is_real_leaf(const Tree& tree, uint32_t cell) {
 
 /// Places the leaves among the cells of a group.
 struct PlaceLeaves {
-  static constexpr uint32_t kMostCells = kCellsOfGroup < kBrickCells ? kBrickCells : kCellsOfGroup;
+  static constexpr uint32_t kMaxCells = kCellsOfGroup < kBrickCells ? kBrickCells : kCellsOfGroup;
   static constexpr uint32_t kManyRows = 3;  ///< of tiles: a leaf whose items several threads write
   struct Shared {
     LeafTotals totals;
@@ -38,9 +38,9 @@ struct PlaceLeaves {
     uint32_t level_low[kMaxLevel + 2], level_high[kMaxLevel + 2];
     // Of the group alone. Numbers that do not fit 32 bits are more than any list takes, so that nothing is written.
     uint32_t leaves, registrations, items, long_leaves;
-    uint32_t registration[kMostCells], item[kMostCells];  ///< of each leaf
-    uint32_t long_leaf[kMostCells];                       ///< numbers of leaves with many rows
-    uint32_t members[kMostCells];                         ///< of each leaf
+    uint32_t registration[kMaxCells], item[kMaxCells];  ///< of each leaf
+    uint32_t long_leaf[kMaxCells];                      ///< numbers of leaves with many rows
+    uint32_t members[kMaxCells];                        ///< of each leaf
   };
   struct Place {
     int level;
@@ -54,7 +54,7 @@ struct PlaceLeaves {
   Span<PairItem> items;
   LeafTotals* totals;
 
-  /// index_of(k) is the cell's index, place_of(k) its place, k < count <= kMostCells.
+  /// index_of(k) is the cell's index, place_of(k) its place, k < count <= kMaxCells.
   template <class IndexOf, class PlaceOf>
   COLLIDED_HD void run(uint32_t count, const Group& group, Shared& shared, const IndexOf& index_of,
                        const PlaceOf& place_of) const {
@@ -186,7 +186,7 @@ struct PlaceLeaves {
   }
 };
 
-/// Leaves of the dense levels; one item for each kMostCells cells.
+/// Leaves of the dense levels; one item for each kMaxCells cells.
 struct PlaceDenseLeaves {
   using Shared = PlaceLeaves::Shared;
   static constexpr uint32_t kGroupSize = 256;

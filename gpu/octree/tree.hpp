@@ -1,9 +1,9 @@
 #pragma once
 // What the stages of the octree grid share: per-cell arrays and bricks.
 
+#include "gpu/base/lattice.hpp"
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/counted.hpp"
-#include "gpu/math/lattice.hpp"
 
 namespace collided {
 

@@ -1,6 +1,6 @@
 // Benchmarks of what comes first and last in a frame: its positions, and the order of what was found.
 
-#include "gpu/frame_slot.hpp"
+#include "gpu/positions/slot.hpp"
 #include "tests/bench/stage_bench.hpp"
 #include "tests/bench/stage_bench_functors.hpp"
 

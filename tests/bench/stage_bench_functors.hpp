@@ -36,7 +36,7 @@ class Found {
 class FoundContacts {
  public:
   explicit FoundContacts(uint64_t most) : keys_(most), data_(most) {}
-  ContactSink<float> sink() { return {{keys_.list(), span_of(data_)}, Hurry{}, 0}; }
+  ContactSink<float> sink() { return {{keys_.list(), span_of(data_)}, EarlyExit{}, 0}; }
   void clear() { keys_.clear(); }
   uint64_t count() const { return keys_.count(); }
 
@@ -67,7 +67,7 @@ FeatureSink<float, Keep> feature_sink(const StageScene& s, const Keep& keep, Fou
           vertex_triangle.list(),
           edge_edge.list(),
           0,
-          Hurry{},
+          EarlyExit{},
           {&state.pairs, &state.candidates[0], &state.candidates[1]}};
 }
 
@@ -121,7 +121,8 @@ ScreenCcd<float, Kind> screen(const StageScene& s, const std::vector<uint64_t>& 
   return {queries<Kind>(s, candidates), found.list()};
 }
 template <class Kind>
-ApproachCcd<float, Kind> approach(const StageScene& s, const std::vector<uint64_t>& candidates, Found<Suspect>& found) {
+ApproachCcd<float, Kind> approach(const StageScene& s, const std::vector<uint64_t>& candidates,
+                                  Found<ResumableQuery>& found) {
   return {queries<Kind>(s, candidates), found.list()};
 }
 template <class Work, class Kind, class Candidate>
@@ -141,8 +142,8 @@ struct QueryFromStart {
     std::pair<AdvancementOf<double, Kind>, int> out;
     auto& [features, looks] = out;
     features.d = d;
-    features.begin({0, default_delta(0.0) * d.extent}, {}, kMostLooks);
-    for (looks = 0; !features.is_over(); ++looks) features.look(1.0);
+    features.begin({0, default_delta(0.0) * d.extent}, {}, kMaxIterations);
+    for (looks = 0; !features.is_over(); ++looks) features.iterate(1.0);
     return out;
   }
   bool is_certain_at(double t) const { return is_certain(d, t, 0.0); }
@@ -189,7 +190,7 @@ template <class F>
 void run_all(uint64_t n, const F& f) {
   for (uint64_t i = 0; i < n; ++i) {
     if constexpr (requires { typename F::State; })
-      do_in_steps(f, i);
+      do_resumable(f, i);
     else
       f(i);
   }

@@ -10,7 +10,7 @@ namespace collided::test {
 namespace {
 
 void bench_boxes(StageScene& s, benchmark::State& state) {
-  measure(state, s.triangles(), kNoPreparation, [&] { s.octree.box_triangles({{0, s.triangles()}}); });
+  measure(state, s.triangles(), kNoPreparation, [&] { s.octree.box_triangles(true); });
 }
 
 void bench_levels(StageScene& s, benchmark::State& state) {

@@ -48,7 +48,7 @@ void bench_screen(const StageScene& s, benchmark::State& state) {
 template <class Kind>
 void bench_approach(const StageScene& s, benchmark::State& state) {
   const std::vector<uint64_t>& screened = s.lists<Kind>().screened;
-  Found<Suspect> found(screened.size());
+  Found<ResumableQuery> found(screened.size());
   measure_functor(state, screened.size(), approach<Kind>(s, screened, found), found);
 }
 
@@ -135,7 +135,7 @@ ExactImpact decide(const EdgeEdge&, const FeaturePoints<double>& p) { return exa
 template <class Kind>
 void bench_exact(const StageScene& s, benchmark::State& state) {
   std::vector<FeaturePoints<double>> points;
-  for (const Suspect& suspect : spread(s.lists<Kind>().near, 256)) {
+  for (const ResumableQuery& suspect : spread(s.lists<Kind>().near, 256)) {
     const FeaturePoints<float> p = points_of_key<Kind>(s, suspect.key);
     FeaturePoints<double>& wide = points.emplace_back();
     for (int k = 0; k < 4; ++k) wide.start[k] = convert<double>(p.start[k]), wide.end[k] = convert<double>(p.end[k]);

@@ -36,7 +36,7 @@ struct ListPairs {
 class PairLister {
  public:
   explicit PairLister(const ListPairs& sink) : pairs_(*sink.pairs) {}
-  void expect(uint32_t) const {}
+  void prefetch(uint32_t) const {}
   void take(uint32_t a, uint32_t b) { pairs_.emplace_back(a, b); }
   void finish() const {}
 
@@ -102,7 +102,7 @@ void StageScene::run_step() {
   Pipeline<CpuExec, float> pipeline(exec, spec, features.topology, buffers);
   for (int i = 0; i < kSteps; ++i) {
     exec.begin_frame();
-    pipeline.detect_contacts({{0, triangles()}}, true, settings_of(spec, {}));
+    pipeline.detect_contacts(true, settings_of(spec, {}), 0);
   }
   step = state();
   plan.levels = step.grid.grid.base - step.grid.grid.top + 1;
@@ -124,7 +124,7 @@ void StageScene::find_queries(QueryLists& lists) const {
   Found<uint64_t> screened(lists.kept.size());
   run_all(lists.kept.size(), screen<Kind>(*this, lists.kept, screened));
   lists.screened = screened.take();
-  Found<Suspect> near(lists.screened.size());
+  Found<ResumableQuery> near(lists.screened.size());
   run_all(lists.screened.size(), approach<Kind>(*this, lists.screened, near));
   lists.near = near.take();
 }

@@ -6,9 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "gpu/exec/cpu_exec.hpp"
-#include "gpu/pipeline.hpp"
-#include "gpu/topology.hpp"
+#include "gpu/exec/cpu/cpu_exec.hpp"
+#include "gpu/search/cpu/searcher.hpp"
+#include "gpu/scene/topology.hpp"
+#include "gpu/step/pipeline.hpp"
 #include "tests/support/case.hpp"
 
 namespace collided::test {
@@ -18,7 +19,7 @@ struct QueryLists {
   std::vector<uint64_t> candidates;  ///< their boxes overlap
   std::vector<uint64_t> kept;        ///< by the coplanarity filter
   std::vector<uint64_t> screened;    ///< no fixed direction keeps them apart
-  std::vector<Suspect> near;         ///< nor can float tell them apart
+  std::vector<ResumableQuery> near;  ///< nor can float tell them apart
 };
 
 class StageScene {
@@ -44,8 +45,9 @@ class StageScene {
   Frame frame;
   CpuExec exec{1, 0};  ///< one thread: figures are those of one core
   SceneBuffers<CpuExec, float> buffers{exec};
-  BroadPhase<CpuExec, float> octree{exec, spec, features.topology, buffers};
-  LbvhPhase<CpuExec, float> hierarchy{exec, spec, features.topology, buffers};
+  Searcher<CpuExec> searcher{exec};
+  OctreePhase<CpuExec, float> octree{exec, searcher, spec, features.topology, buffers};
+  LbvhPhase<CpuExec, float> hierarchy{exec, searcher, spec, features.topology, buffers};
   OctreePlan plan;                                   ///< of the step
   StepState step{};                                  ///< as the step left it
   std::vector<std::pair<uint32_t, uint32_t>> pairs;  ///< of triangles whose boxes overlap

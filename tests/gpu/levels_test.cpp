@@ -123,11 +123,11 @@ INSTANTIATE_TEST_SUITE_P(
 // On scenes too large to judge every candidate: EXACT's contacts are judged and looked for at the other levels.
 class LevelsOfScenes : public OnBackend<::testing::TestWithParam<std::tuple<std::string, Scalar>>> {
  protected:
-  static constexpr size_t kMostJudged = 300;
+  static constexpr size_t kMaxJudged = 300;
 
   // Evenly chosen ones of many.
   static std::vector<std::array<uint32_t, 2>> sample(const std::vector<std::array<uint32_t, 2>>& pairs) {
-    const size_t step = pairs.size() / kMostJudged + 1;
+    const size_t step = pairs.size() / kMaxJudged + 1;
     std::vector<std::array<uint32_t, 2>> some;
     for (size_t i = 0; i < pairs.size(); i += step) some.push_back(pairs[i]);
     return some;

@@ -28,14 +28,14 @@ class Player {
     EXPECT_EQ(result.graph_launches, kBackend == Backend::kCuda ? 1 + result.replays : 0);
     EXPECT_GT(result.step_milliseconds, 0);
     EXPECT_LE(result.step_milliseconds, wall.count());
-    EXPECT_LE(result.replays, kMostReplays) << "lists grow to what was asked for, not bit by bit";
+    EXPECT_LE(result.replays, kMaxReplays) << "lists grow to what was asked for, not bit by bit";
     is_first_ = false;
     return result;
   }
 
  private:
   // Each list's need is known once those before it had room; bricks are found round by round.
-  static constexpr uint32_t kMostReplays = 8;
+  static constexpr uint32_t kMaxReplays = 8;
   SceneSpec spec_;
   std::unique_ptr<Detector> detector_;
   bool is_first_ = true;

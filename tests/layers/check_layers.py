@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Who may include whom, and whether each header compiles alone.
+"""Who may include whom, whether each header compiles alone, and whether folders stay small.
 
 usage: check_layers.py includes ROOT
+       check_layers.py folders ROOT
        check_layers.py headers ROOT COMPILER INCLUDE_DIR...
 """
 
@@ -16,6 +17,8 @@ SOURCES = {".hpp", ".cpp", ".cuh", ".cu"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 CUDA = re.compile(r"^(cuda|cub/|thrust/|nvtx3/|nvToolsExt|device_launch_parameters|cooperative_groups|curand|nvml)")
 STANDARD = re.compile(r"^(c?[a-z_0-9]+|(math|stdint|stddef|string|float|immintrin)\.h)$")
+MAX_FILES = 20  # in a folder
+NO_SOURCE = {"results", "data", "node_modules", "__pycache__"}
 MESSAGES = re.compile(r"\.pb\.h$")
 
 
@@ -23,20 +26,46 @@ def may_see_messages(path):
     return path.startswith("client/") or re.match(r"server/(service|convert|builtin|local)/", path)
 
 
-def engine_part(path):
-    """octree, broad, narrow, exec, math or exact for a file of that folder, pipeline for gpu/pipeline*, else none."""
-    match = re.match(r"gpu/(octree|broad|narrow|exec|math|exact)/|gpu/(pipeline)", path)
-    return match and (match[1] or match[2])
+# The engine's rooms, and those that each may include besides itself: data flows from the later to the earlier.
+ROOMS = {"base": set(), "exact": {"base"}, "exec": {"base"}, "contacts": {"base", "exec"}}
+ROOMS |= {room: {"base", "exec", "contacts"} for room in ("positions", "octree", "lbvh", "search", "narrow")}
+ROOMS["step"] = {"base", "exec", "contacts", "octree", "lbvh", "search", "narrow", "exact"}
+ROOMS["scene"] = ROOMS["step"] | {"positions", "step"}
+# What a scene is specified with, and the roof.
+TYPES, ROOF = "gpu/types.hpp", "gpu/detector.hpp"
+UNDER_THE_ROOF = {"gpu/detector.cpp"}
 
 
-# What each part of the engine must not include.
-STAGES = {"octree", "broad", "narrow"}
-FORBIDDEN = {part: STAGES - {part} | {"pipeline", "exact"} for part in STAGES}
-FORBIDDEN |= {part: STAGES | {"pipeline", "exact"} for part in ("exec", "math")}
-FORBIDDEN["exact"] = STAGES | {"pipeline"}
+def room_of(path):
+    """The engine's room that a file is in; None for those at its root."""
+    match = re.match(r"gpu/([^/]+)/", path)
+    return match and match[1]
+
+
+def engine_complaint(path, target):
+    """Why a file of the engine may not include another one of it."""
+    room, other = room_of(path), room_of(target)
+    if target == ROOF:
+        known = room == "scene" or path in UNDER_THE_ROOF
+        return None if known else "gpu/detector.hpp is the roof: what is below knows gpu/types.hpp"
+    if target == TYPES:
+        return f"{room} knows no scene" if room in ("base", "exact") else None
+    if room is None:
+        return None
+    if room not in ROOMS:
+        return f"{room} is no room that tests/layers knows"
+    if other != room and other not in ROOMS[room]:
+        return f"{room} must not know {other}"
+    if room == "exact" and other == "base" and target not in EXACT_BASE:
+        return "of base, the exact decisions know host_device.hpp and vec3.hpp alone"
+    if other == "exact" and room != "exact" and target not in EXACT_API:
+        return "of gpu/exact, others know exact.hpp, decision.hpp and poll.hpp alone"
+    return None
+
 
 # What the rest of the engine may see of gpu/exact; GMP stays behind these headers.
 EXACT_API = {"gpu/exact/exact.hpp", "gpu/exact/decision.hpp", "gpu/exact/poll.hpp"}
+EXACT_BASE = {"gpu/base/host_device.hpp", "gpu/base/vec3.hpp"}
 
 
 def complaint(path, quote, target):
@@ -49,20 +78,16 @@ def complaint(path, quote, target):
     if MESSAGES.search(target) and not may_see_messages(path):
         return "protocol messages belong to client, server/service, server/convert, server/builtin and server/local"
     if CUDA.match(target) and quote == "<":
-        if not re.match(r"gpu/(exec/.*\.cuh|.*\.cu)$", path):
-            return "CUDA headers belong to gpu/exec/*.cuh and *.cu"
+        if not re.match(r"gpu/((exec|search)/cuda/.*\.cuh|.*\.cu)$", path):
+            return "CUDA headers belong to gpu/exec/cuda, gpu/search/cuda and *.cu"
         return None
     if layer == "gpu":
         if quote == '"' and not target.startswith("gpu/"):
             return "the engine includes only itself, rooted at the repository"
         if quote == "<" and not (STANDARD.match(target) or target.startswith(("tbb/", "oneapi/tbb/"))):
             return "the engine uses only the standard library, TBB and CUDA"
-        if engine_part(target) in FORBIDDEN.get(engine_part(path), ()):
-            return f"{engine_part(path)} must not know {engine_part(target)}"
-        if engine_part(path) == "exact" and engine_part(target) == "exec" and target != "gpu/exec/host_device.hpp":
-            return "of exec, the exact decisions know host_device.hpp alone"
-        if engine_part(target) == "exact" and engine_part(path) != "exact" and target not in EXACT_API:
-            return "of gpu/exact, others know exact.hpp, decision.hpp and poll.hpp alone"
+        if quote == '"':
+            return engine_complaint(path, target)
     if layer == "server":
         if target.startswith("gpu/") and target != "gpu/detector.hpp":
             return "the server knows the engine by gpu/detector.hpp alone"
@@ -92,6 +117,19 @@ def bad_includes(root):
     return found
 
 
+def crowded_folders(root):
+    """Folders with more files than one looks through at a glance; those of figures and data aside."""
+    found, folders = [], 0
+    for layer in ("proto", "gpu", "server", "client", "tests", "deploy"):
+        for folder, subfolders, files in os.walk(root / layer):
+            subfolders[:] = [name for name in subfolders if name not in NO_SOURCE]
+            folders += 1
+            if len(files) > MAX_FILES:
+                name = pathlib.Path(folder).relative_to(root).as_posix()
+                found.append(f"{name}: {len(files)} files, the limit is {MAX_FILES}")
+    return sorted(found), folders
+
+
 def bad_headers(root, compiler, include_dirs):
     """Headers that do not compile as the only include of a file."""
     options = ["-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-x", "c++", '-DCOLLIDED_VERSION="0"',
@@ -111,12 +149,14 @@ def main(arguments):
     if len(arguments) == 2 and arguments[0] == "includes":
         root = pathlib.Path(arguments[1])
         problems, count = bad_includes(root), len(list(sources(root)))
+    elif len(arguments) == 2 and arguments[0] == "folders":
+        problems, count = crowded_folders(pathlib.Path(arguments[1]))
     elif len(arguments) >= 3 and arguments[0] == "headers":
         problems, count = bad_headers(pathlib.Path(arguments[1]), arguments[2], arguments[3:])
     else:
         sys.exit(__doc__)
     print("\n".join(problems))
-    print(f"{count} files, {len(problems)} problems")
+    print(f"{count} {'folders' if arguments[0] == 'folders' else 'files'}, {len(problems)} problems")
     return 1 if problems or not count else 0
 
 

@@ -8,39 +8,51 @@ import unittest
 import check_layers
 
 GOOD = {
-    "gpu/detector.hpp": "#pragma once\n#include <vector>\n",
-    "gpu/pipeline.hpp": '#include "gpu/octree/count.hpp"\n#include "gpu/narrow/ccd.hpp"\n',
-    "gpu/list.hpp": '#include "gpu/exact/exact.hpp"\n',
-    "gpu/octree/count.hpp": '#include "gpu/exec/cpu.hpp"\n#include "gpu/math/box.hpp"\n#include <cmath>\n',
-    "gpu/narrow/ccd.hpp": '#include "gpu/math/box.hpp"\n',
+    "gpu/types.hpp": "#pragma once\n#include <vector>\n",
+    "gpu/detector.hpp": '#pragma once\n#include "gpu/types.hpp"\n',
+    "gpu/detector.cpp": '#include "gpu/detector.hpp"\n#include "gpu/scene/rules.hpp"\n',
+    "gpu/scene/rules.hpp": '#include "gpu/step/pipeline.hpp"\n#include "gpu/detector.hpp"\n',
+    "gpu/scene/backend.cu": "#include <cuda_runtime.h>\n",
+    "gpu/step/pipeline.hpp": '#include "gpu/octree/count.hpp"\n#include "gpu/narrow/ccd.hpp"\n',
+    "gpu/step/list.hpp": '#include "gpu/exact/exact.hpp"\n',
+    "gpu/octree/count.hpp": '#include "gpu/exec/cpu.hpp"\n#include "gpu/base/box.hpp"\n#include <cmath>\n',
+    "gpu/narrow/ccd.hpp": '#include "gpu/base/box.hpp"\n',
     "gpu/exec/cpu.hpp": "#include <oneapi/tbb/parallel_for.h>\n",
-    "gpu/exec/cuda.cuh": "#include <cub/cub.cuh>\n#include <cuda_runtime.h>\n",
-    "gpu/detector_cuda.cu": "#include <cuda_runtime.h>\n",
-    "gpu/math/box.hpp": "#include <array>\n",
-    "gpu/exact/exact.hpp": '#include "gpu/math/box.hpp"\n',
-    "gpu/exact/polynomial.hpp": '#include <gmpxx.h>\n#include "gpu/exec/host_device.hpp"\n',
+    "gpu/exec/cuda/cuda.cuh": "#include <cub/cub.cuh>\n#include <cuda_runtime.h>\n",
+    "gpu/base/box.hpp": "#include <array>\n",
+    "gpu/base/vec3.hpp": "#include <cstddef>\n",
+    "gpu/base/host_device.hpp": "#include <cstddef>\n",
+    "gpu/exact/exact.hpp": '#include "gpu/base/vec3.hpp"\n',
+    "gpu/exact/polynomial.hpp": '#include <gmpxx.h>\n#include "gpu/base/host_device.hpp"\n',
     "gpu/exact/ccd.cpp": '#include "gpu/exact/polynomial.hpp"\n#include <gmp.h>\n',
-    "gpu/exec/host_device.hpp": "#include <cstddef>\n",
     "server/service/service.cpp": '#include "collided/v1/frame.pb.h"\n#include "gpu/detector.hpp"\n',
     "client/cpp/client.hpp": '#include "collided/v1/collision_service.grpc.pb.h"\n',
 }
 BAD = [
-    ("gpu/octree/bad.hpp", '#include "gpu/broad/pairs.hpp"'),
-    ("gpu/broad/bad.hpp", '#include "gpu/narrow/ccd.hpp"'),
+    ("gpu/octree/bad.hpp", '#include "gpu/search/pairs.hpp"'),
+    ("gpu/search/bad.hpp", '#include "gpu/narrow/ccd.hpp"'),
     ("gpu/narrow/bad.cu", '#include "gpu/octree/count.hpp"'),
-    ("gpu/octree/bad.hpp", '#include "gpu/pipeline.hpp"'),
-    ("gpu/math/bad.hpp", '#include "gpu/octree/count.hpp"'),
-    ("gpu/math/bad.hpp", '#include "server/convert.hpp"'),
-    ("gpu/math/bad.hpp", '#include "math/box.hpp"'),
+    ("gpu/octree/bad.hpp", '#include "gpu/step/pipeline.hpp"'),
+    ("gpu/step/bad.hpp", '#include "gpu/scene/rules.hpp"'),
+    ("gpu/step/bad.hpp", '#include "gpu/positions/slot.hpp"'),
+    ("gpu/step/bad.hpp", '#include "gpu/detector.hpp"'),
+    ("gpu/types.hpp", '#include "gpu/detector.hpp"'),
+    ("gpu/attic/bad.hpp", '#include "gpu/base/box.hpp"'),
+    ("gpu/exec/bad.hpp", '#include "gpu/contacts/contact.hpp"'),
+    ("gpu/base/bad.hpp", '#include "gpu/octree/count.hpp"'),
+    ("gpu/base/bad.hpp", '#include "gpu/types.hpp"'),
+    ("gpu/base/bad.hpp", '#include "server/convert.hpp"'),
+    ("gpu/base/bad.hpp", '#include "base/box.hpp"'),
     ("gpu/narrow/bad.hpp", '#include "gpu/exact/exact.hpp"'),
-    ("gpu/math/bad.hpp", '#include "gpu/exact/exact.hpp"'),
+    ("gpu/base/bad.hpp", '#include "gpu/exact/exact.hpp"'),
     ("gpu/exact/bad.hpp", '#include "gpu/narrow/ccd.hpp"'),
-    ("gpu/exact/bad.hpp", '#include "gpu/pipeline.hpp"'),
+    ("gpu/exact/bad.hpp", '#include "gpu/step/pipeline.hpp"'),
     ("gpu/exact/bad.hpp", '#include "gpu/exec/cpu.hpp"'),
+    ("gpu/exact/bad.hpp", '#include "gpu/base/box.hpp"'),
     ("gpu/exact/exact.hpp", "#include <gmpxx.h>"),
     ("gpu/exact/decision.hpp", "#include <gmp.h>"),
     ("gpu/detector.cpp", "#include <gmpxx.h>"),
-    ("gpu/backend_cpu.cpp", '#include "gpu/exact/polynomial.hpp"'),
+    ("gpu/scene/backend_cpu.cpp", '#include "gpu/exact/polynomial.hpp"'),
     ("server/worker.cpp", "#include <gmpxx.h>"),
     ("server/worker.cpp", '#include "gpu/exact/exact.hpp"'),
     ("gpu/exec/bad.hpp", "#include <cuda_runtime.h>"),
@@ -49,7 +61,7 @@ BAD = [
     ("gpu/detector.cpp", "#include <grpcpp/grpcpp.h>"),
     ("gpu/detector.cpp", "#include <collided/v1/frame.pb.h>"),
     ("server/store.cpp", '#include "collided/v1/frame.pb.h"'),
-    ("server/worker.cpp", '#  include "gpu/pipeline.hpp"'),
+    ("server/worker.cpp", '#  include "gpu/step/pipeline.hpp"'),
     ("server/worker.cpp", "#include <cuda_runtime.h>"),
     ("server/service/service.cpp", '#include "client/cpp/client.hpp"'),
     ("client/cli/main.cpp", '#include "gpu/detector.hpp"'),
@@ -85,15 +97,24 @@ class CheckLayers(unittest.TestCase):
                 if before is not None:
                     self.write(path, before)
 
+    def test_a_crowded_folder_is_found(self):
+        for i in range(check_layers.MAX_FILES):
+            self.write(f"tests/many/test_{i}.cpp", "")
+            self.write(f"tests/many/results/figure_{i}.json", "")
+        self.write("tests/many/results/figure.json", "")
+        self.assertEqual(check_layers.crowded_folders(self.root)[0], [])
+        self.write("tests/many/README.md", "")
+        self.assertEqual(check_layers.crowded_folders(self.root)[0], ["tests/many: 21 files, the limit is 20"])
+
     def test_a_header_that_needs_another_is_found(self):
         self.write("gpu/exec/cpu.hpp", "#include <cstddef>\n")
         (self.root / "client/cpp/client.hpp").unlink()  # needs generated code
         self.assertEqual(check_layers.bad_headers(self.root, "c++", [])[0], [])
-        self.write("gpu/math/lonely.hpp", "#pragma once\ninline std::vector<int> f() { return {}; }\n")
+        self.write("gpu/base/lonely.hpp", "#pragma once\ninline std::vector<int> f() { return {}; }\n")
         errors, count = check_layers.bad_headers(self.root, "c++", [])
         self.assertEqual(len(errors), 1)
         self.assertIn("lonely.hpp", "".join(errors))
-        self.assertEqual(count, 11)
+        self.assertEqual(count, 14)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 #include "tests/support/query_batch.hpp"
 
-#include "gpu/exec/cpu_exec.hpp"
+#include "gpu/exec/cpu/cpu_exec.hpp"
 #include "tests/support/query_batch_run.hpp"
 
 namespace collided::test {

@@ -1,4 +1,4 @@
-#include "gpu/exec/cuda_exec.cuh"
+#include "gpu/exec/cuda/cuda_exec.cuh"
 #include "tests/support/query_batch_run.hpp"
 
 namespace collided::test {

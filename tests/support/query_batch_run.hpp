@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "gpu/narrow_phase.hpp"
-#include "gpu/results.hpp"
-#include "gpu/sinks.hpp"
+#include "gpu/step/narrow_phase.hpp"
+#include "gpu/step/results.hpp"
+#include "gpu/step/sinks.hpp"
 #include "tests/support/query_batch.hpp"
 
 namespace collided::test {
@@ -26,7 +26,7 @@ float batch_extent(const std::vector<Vec3<Real>>& start, const std::vector<Vec3<
   Real extent = 0;
   for (size_t i = 0; i < start.size(); ++i) {
     const Vec3<Real> origin = start[i / 4 * 4];
-    extent = larger(extent, larger(largest_component(start[i] - origin), largest_component(end[i] - origin)));
+    extent = max(extent, max(largest_component(start[i] - origin), largest_component(end[i] - origin)));
   }
   return static_cast<float>(extent);
 }
@@ -64,20 +64,21 @@ class QueryRun {
         results_(exec, spec_, ranks_, scene) {
     spec_.mode = settings.mode;
     spec_.thickness = settings.thickness;
-    needs_ = needs_of(spec_, {settings.accuracy, settings.delta, Report::kAll, 0});
+    needs_ = needs_of(spec_, {settings.accuracy, settings.delta, Report::kAll});
   }
 
   template <class Kind>
   FrameResult run(const Kind& kind, Span<const uint64_t> keys, float extent) {
     FrameResult result;
     exec_.begin_frame();
-    narrow_.begin(needs_);
     for (;;) {
+      const StepPlan plan{.needs = needs_, .has_many_contacts = narrow_.expects_many()};
+      narrow_.begin(plan);
       narrow_.reserve();
-      const StepKey key{narrow_.expects_many() ? 1.0 : 0.0};
+      const uint64_t key = plan.has_many_contacts ? 1 : 0;
       const StepState state = exec_.step(key, scene_.state.data(), [&] { enqueue(kind, keys, extent); });
       if (narrow_.grow(state)) continue;
-      results_.collect(state, needs_, result);
+      results_.collect(state, needs_, 0, result);
       return result;
     }
   }

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "gpu/exact/exact.hpp"
-#include "gpu/math/distance.hpp"
+#include "gpu/narrow/distance.hpp"
 #include "tests/gpu/exact/queries.hpp"
 
 namespace collided::test {

@@ -52,8 +52,8 @@ TEST(CellGrid, OnlyCrowdedCellsAreDivided) {
   TestOctree octree;
   octree.grid.top = 1, octree.grid.base = 3;
   const uint32_t few = level_offset(1), many = few + 1, below = level_offset(3) + 64;
-  octree.counts[few] = CutCrowded::kMostMembers;
-  octree.counts[many] = CutCrowded::kMostMembers + 1;
+  octree.counts[few] = CutCrowded::kMaxMembers;
+  octree.counts[many] = CutCrowded::kMaxMembers + 1;
   octree.counts[level_offset(2) + 8] = octree.counts[many];
   octree.counts[below] = octree.counts[below + 7] = 20;
   octree.counts[level_offset(3) + 1] = 5;  // below the cell with few

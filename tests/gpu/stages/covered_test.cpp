@@ -76,7 +76,7 @@ TEST(Covered, DenseCellsAreTheSameByPlaceAndByWalk) {
       for (int i = 0; i < 300; ++i) {
         const CellRange range = ranges.next();
         const CoveredCells item(3, {{}, 1, top, base}, at_deepest(range, base), top);
-        const bool large = range.size() > CoveredCells::kMostBase;
+        const bool large = range.size() > CoveredCells::kMaxBase;
         const Cells expected = large ? Cells{} : cells_of(range, top, base);
         ASSERT_EQ(by_place(item), expected) << top << " to " << base;
         ASSERT_EQ(by_walk(item), expected) << top << " to " << base;

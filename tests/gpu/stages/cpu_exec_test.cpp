@@ -1,6 +1,6 @@
 // The verbs of the CPU backend against plain loops, with one thread and with two.
 
-#include "gpu/exec/cpu_exec.hpp"
+#include "gpu/exec/cpu/cpu_exec.hpp"
 
 #include <gtest/gtest.h>
 
@@ -106,7 +106,7 @@ TEST_P(CpuExecTest, ReduceOfNothingIsTheIdentity) {
 
 TEST_P(CpuExecTest, StepReturnsWhatItLeft) {
   uint64_t value = 0;
-  EXPECT_EQ(exec.step(StepKey{}, &value, [&] { value = 5; }), 5u);
+  EXPECT_EQ(exec.step(0, &value, [&] { value = 5; }), 5u);
   EXPECT_GE(exec.step_milliseconds(), 0);
 }
 

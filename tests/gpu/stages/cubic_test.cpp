@@ -1,6 +1,6 @@
 // Roots of the coplanarity cubic against polynomials with known roots.
 
-#include "gpu/math/cubic.hpp"
+#include "gpu/narrow/cubic.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Which engine a scene uses that leaves the choice open.
 
-#include "gpu/engine_choice.hpp"
+#include "gpu/step/engine_choice.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The elementary tests of a pair, four boxes at a time, against one box after the other.
 
-#include "gpu/exec/feature_tests.hpp"
+#include "gpu/search/cpu/feature_tests.hpp"
 
 #include <gtest/gtest.h>
 

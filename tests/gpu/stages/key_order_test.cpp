@@ -1,6 +1,6 @@
 // Keys sorted on CPU cores against the standard library's sort.
 
-#include "gpu/exec/key_order.hpp"
+#include "gpu/exec/cpu/key_order.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Cells, their numbers (paper Fig. 6) and the monotone map from positions.
 
-#include "gpu/math/lattice.hpp"
+#include "gpu/base/lattice.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The linear bounding volume hierarchy: the tree, its ropes, and the pairs that its walks find.
 
-#include "gpu/broad/lbvh.hpp"
+#include "gpu/lbvh/lbvh.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-#include "gpu/exec/cpu_exec.hpp"
+#include "gpu/exec/cpu/cpu_exec.hpp"
 
 namespace collided::test {
 namespace {
@@ -28,7 +28,7 @@ struct TestHierarchy {
   uint64_t extents = 0;
   CpuExec exec{2, 0};
 
-  explicit TestHierarchy(std::vector<Box<float>> of, int axis_bits = MortonKeys::kMostAxisBits)
+  explicit TestHierarchy(std::vector<Box<float>> of, int axis_bits = MortonKeys::kMaxAxisBits)
       : boxes(std::move(of)),
         keys(boxes.size()),
         other_keys(boxes.size()),

@@ -5,7 +5,7 @@
 #include <array>
 #include <utility>
 
-#include "gpu/broad/pair_tests.hpp"
+#include "gpu/octree/leaf_pairs.hpp"
 #include "gpu/octree/levels.hpp"
 #include "tests/gpu/stages/octree_fixture.hpp"
 
@@ -79,12 +79,12 @@ class OctreeBuild {
   }
   /// Whether all that a search would read is there, if it took place.
   bool items_are_sound() {
-    if (pairs_source().is_put_off()) return true;
+    if (pairs_source().must_rerun()) return true;
     for (uint64_t i = 0; i < totals.items; ++i)
       if (items[i].leaf >= totals.leaves || !holds_boxes(leaves[items[i].leaf])) return false;
     return true;
   }
-  bool is_put_off() { return pairs_source().is_put_off(); }
+  bool must_rerun() { return pairs_source().must_rerun(); }
   /// Of all items, with repeats if there are any; sorted.
   BoxPairs pairs() {
     const LeafPairs source = pairs_source();

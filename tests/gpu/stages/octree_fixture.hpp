@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "gpu/exec/cpu_exec.hpp"
+#include "gpu/exec/cpu/cpu_exec.hpp"
 #include "gpu/octree/refine.hpp"
 #include "gpu/octree/registration.hpp"
 

@@ -1,14 +1,13 @@
 // Canonical order against the standard library's sort.
 
-#include "gpu/ordering.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 #include <vector>
 
-#include "gpu/exec/cpu_exec.hpp"
+#include "gpu/contacts/order.hpp"
+#include "gpu/exec/cpu/cpu_exec.hpp"
 
 namespace collided::test {
 namespace {

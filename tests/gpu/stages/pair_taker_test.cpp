@@ -1,6 +1,6 @@
 // What becomes of pairs on CPU cores, by sinks that write down what they are asked.
 
-#include "gpu/exec/pair_taker.hpp"
+#include "gpu/search/cpu/pair_taker.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,5 @@
 // The tiles of a leaf meet each pair once, whatever the leaf's size.
 
-#include "gpu/broad/pair_tests.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "gpu/octree/leaf_pairs.hpp"
 #include "tests/gpu/stages/octree_fixture.hpp"
 
 namespace collided::test {

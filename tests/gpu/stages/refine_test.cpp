@@ -207,7 +207,7 @@ TEST_P(Refine, ItemsAreSoundWhereListsAreTooShort) {
     const bool is_of_leaves =
         list == &ListLengths::leaves || list == &ListLengths::registrations || list == &ListLengths::items;
     if (is_of_leaves && need.*list > 0) {
-      EXPECT_TRUE(octree.is_put_off());
+      EXPECT_TRUE(octree.must_rerun());
     }
   }
 }

@@ -1,0 +1,60 @@
+#pragma once
+// Axis-aligned boxes, closed on every side.
+
+#include "gpu/base/rounding.hpp"
+#include "gpu/base/vec3.hpp"
+
+namespace collided {
+
+template <class Real>
+struct Box {
+  Vec3<Real> lo, hi;
+};
+
+template <class Real>
+COLLIDED_HD Box<Real> join(const Box<Real>& a, const Box<Real>& b) {
+  return {{min(a.lo.x, b.lo.x), min(a.lo.y, b.lo.y), min(a.lo.z, b.lo.z)},
+          {max(a.hi.x, b.hi.x), max(a.hi.y, b.hi.y), max(a.hi.z, b.hi.z)}};
+}
+
+template <class Real>
+COLLIDED_HD bool overlap(const Box<Real>& a, const Box<Real>& b) {
+  return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y && a.lo.z <= b.hi.z &&
+         b.lo.z <= a.hi.z;
+}
+
+/// Grown by r >= 0 on every side, rounded outward; exact for r = 0.
+template <class Real>
+COLLIDED_HD Box<Real> inflate(const Box<Real>& b, Real r) {
+  if (r == 0) return b;
+  return {{next_down(b.lo.x - r), next_down(b.lo.y - r), next_down(b.lo.z - r)},
+          {next_up(b.hi.x + r), next_up(b.hi.y + r), next_up(b.hi.z + r)}};
+}
+
+/// The least float box that contains b.
+template <class Real>
+COLLIDED_HD Box<float> outward_float(const Box<Real>& b) {
+  return {{float_below(b.lo.x), float_below(b.lo.y), float_below(b.lo.z)},
+          {float_above(b.hi.x), float_above(b.hi.y), float_above(b.hi.z)}};
+}
+
+/// Positions at both ends of the step. For DCD both name the same array.
+template <class Real>
+struct Motion {
+  const Vec3<Real>* start;
+  const Vec3<Real>* end;
+  Real inflation;  ///< half the thickness
+
+  /// Box of the vertex's straight path.
+  COLLIDED_HD Box<Real> swept(uint32_t v) const {
+    const Box<Real> a{start[v], start[v]}, b{end[v], end[v]};
+    return join(a, b);
+  }
+  COLLIDED_HD Box<Real> vertex_box(uint32_t v) const { return inflate(swept(v), inflation); }
+  COLLIDED_HD Box<Real> edge_box(uint32_t a, uint32_t b) const { return inflate(join(swept(a), swept(b)), inflation); }
+  COLLIDED_HD Box<Real> triangle_box(uint32_t a, uint32_t b, uint32_t c) const {
+    return inflate(join(swept(a), join(swept(b), swept(c))), inflation);
+  }
+};
+
+}  // namespace collided

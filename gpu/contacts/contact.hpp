@@ -1,0 +1,109 @@
+#pragma once
+// What the narrow phase writes, and how it reads a candidate's four vertices.
+
+#include "gpu/base/box.hpp"
+#include "gpu/base/points.hpp"
+#include "gpu/exec/atomic.hpp"
+#include "gpu/types.hpp"
+
+namespace collided {
+
+template <class Real>
+struct ContactData {
+  double toi;
+  Real distance;
+  Real w0, w1;
+  uint8_t flags;
+};
+
+/// Contacts in two lists that share their slots: keys to sort by, and the rest.
+template <class Real>
+struct ContactList {
+  AppendList<uint64_t> keys;
+  Span<ContactData<Real>> data;
+
+  COLLIDED_HD void push(uint64_t key, const ContactData<Real>& contact) const {
+    const uint64_t slot = claim_slot(*keys.count);
+    if (slot >= keys.items.size()) return;
+    keys.items[slot] = key;
+    data[slot] = contact;
+  }
+};
+
+/// Four vertex ids of a candidate.
+struct Stencil {
+  uint32_t v[4];
+};
+
+template <class Real>
+COLLIDED_HD FeaturePoints<Real> points_of(const Stencil& s, const Vec3<Real>* start, const Vec3<Real>* end) {
+  FeaturePoints<Real> points;
+  for (int k = 0; k < 4; ++k) points.start[k] = start[s.v[k]], points.end[k] = end[s.v[k]];
+  return points;
+}
+
+struct VertexTriangle {
+  Span<const Vec3<uint32_t>> triangles;
+
+  COLLIDED_HD Stencil stencil(uint64_t key) const {
+    const Vec3<uint32_t> t = triangles[static_cast<uint32_t>(key)];
+    return {{static_cast<uint32_t>(key >> 32), t.x, t.y, t.z}};
+  }
+};
+
+struct EdgePair {
+  uint32_t from, to;
+};
+struct EdgeEdge {
+  Span<const EdgePair> edges;
+
+  COLLIDED_HD Stencil stencil(uint64_t key) const {
+    const EdgePair a = edges[key >> 32], b = edges[static_cast<uint32_t>(key)];
+    return {{a.from, a.to, b.from, b.to}};
+  }
+};
+
+/// What the queries of a frame know of each other, so that those that no longer matter end early.
+struct Shortcut {
+  uint64_t earliest_bits;  ///< of the earliest time of a contact that counts; doubles >= 0 order like their bits
+  uint32_t has_contact;    ///< whether there is a contact that counts
+};
+
+/// How the queries of a frame use it. Which queries end early depends on their order; the earliest time does not: a
+/// query ends only when its contact is certain to be later than one that was found.
+struct EarlyExit {
+  Shortcut* shortcut = nullptr;  ///< null: every contact is wanted
+  Report report = Report::kAll;
+  bool only_certain = false;  ///< only certain contacts with final times count; the others are decided later
+
+  COLLIDED_HD bool is_over() const { return report == Report::kAnyHit && atomic_read(shortcut->has_contact) != 0; }
+  /// Contacts after this time do not matter.
+  COLLIDED_HD double last() const {
+    if (report != Report::kEarliestOnly) return 1;
+    return detail::bit_copy<double>(atomic_read(shortcut->earliest_bits));
+  }
+  COLLIDED_HD void found(double toi, uint8_t flags) const {
+    if (report == Report::kAll || (only_certain && (flags & kFlagCertified) == 0)) return;
+    if (report == Report::kAnyHit) atomic_write(shortcut->has_contact, uint32_t{1});
+    const bool is_open = (flags & kFlagCapped) != 0 || (toi == 0 && (flags & kFlagInitial) == 0);
+    const bool is_final = !only_certain || !is_open;
+    if (report == Report::kEarliestOnly && is_final)
+      atomic_min(shortcut->earliest_bits, detail::bit_copy<uint64_t>(toi));
+  }
+};
+
+/// Where a query tells of its contact: the list, and the other queries of the frame. All kinds share the list, in the
+/// order of their first features' ranks: those of vertices, of edges, of triangles.
+template <class Real>
+struct ContactSink {
+  ContactList<Real> list;
+  EarlyExit early_exit;
+  uint32_t first_rank;  ///< of the kind's first features
+
+  COLLIDED_HD void report(uint64_t key, const ContactData<Real>& contact) const {
+    list.push(key + (uint64_t{first_rank} << 32), contact);
+    early_exit.found(contact.toi, contact.flags);
+  }
+};
+
+}  // namespace collided

@@ -1,0 +1,189 @@
+#pragma once
+// Contacts in canonical order, whatever order they were found in: by first id, then by second id.
+// The first ids are few, so that they are counted and the contacts placed, as in the octree; the few contacts of one
+// first id are then ranked against each other. Where they are many, a group sorts them.
+
+#include "gpu/base/vec3.hpp"
+#include "gpu/exec/atomic.hpp"
+#include "gpu/exec/buffer.hpp"
+#include "gpu/exec/counted.hpp"
+#include "gpu/exec/sort_arrays.hpp"
+
+namespace collided {
+
+/// More entries than this of one first id are sorted by a group.
+constexpr uint32_t kManyEntries = 256;
+
+/// place[i] = how many entries with the same first id came before.
+struct CountFirstIds {
+  Span<const uint64_t> keys;
+  Span<uint32_t> counts;  ///< of each first id, zeroed
+  Span<uint32_t> place;
+  AppendList<uint32_t> crowded;  ///< first ids with many entries
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const uint32_t first = static_cast<uint32_t>(keys[i] >> 32);
+    place[i] = count_up(counts, first);
+    if (place[i] == kManyEntries) crowded.push(first);
+  }
+};
+
+/// An entry while it is sorted: its second id, and where it was found.
+struct Entry {
+  uint32_t second, index;
+};
+
+struct PlaceEntries {
+  Span<const uint64_t> keys;
+  Span<const uint32_t> begin;  ///< of each first id
+  Span<const uint32_t> place;
+  Span<Entry> entries;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const uint64_t key = keys[i];
+    entries[begin[key >> 32] + place[i]] = {static_cast<uint32_t>(key), static_cast<uint32_t>(i)};
+  }
+};
+
+/// Bitonic sort of the entries of one crowded first id; any length.
+struct SortCrowded {
+  using Shared = Nothing;
+  static constexpr uint32_t kGroupSize = 1024;
+  Span<const uint32_t> crowded, begin;
+  Span<Entry> entries;
+
+  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
+    Entry* first = entries.data + begin[crowded[i]];
+    const uint64_t n = begin[uint64_t{crowded[i]} + 1] - begin[crowded[i]];
+    for (uint64_t width = 2; width / 2 < n; width *= 2) {
+      // Each block of `width` is the join of two sorted halves: the second is met in reverse.
+      pass(first, n, width, true, group);
+      for (uint64_t step = width / 2; step >= 2; step /= 2) pass(first, n, step, false, group);
+    }
+  }
+
+ private:
+  COLLIDED_HD static void pass(Entry* entries, uint64_t n, uint64_t width, bool reverse, const Group& group) {
+    const uint64_t half = width / 2;
+    for (uint64_t k = group.rank; k < (n + width - 1) / width * half; k += group.size) {
+      const uint64_t block = k / half * width, offset = k % half;
+      const uint64_t low = block + offset, high = reverse ? block + width - 1 - offset : low + half;
+      if (high < n && entries[high].second < entries[low].second) {
+        const Entry swapped = entries[low];
+        entries[low] = entries[high];
+        entries[high] = swapped;
+      }
+    }
+    group.sync();
+  }
+};
+
+/// Ranks the entries of a first id against each other, and writes keys and data in order.
+template <class Data>
+struct WriteInOrder {
+  Span<const uint64_t> keys;
+  Span<const Data> data;  ///< empty: there are only keys
+  Span<const uint32_t> begin;
+  Span<const Entry> entries;
+  Span<uint64_t> sorted_keys;
+  Span<Data> sorted;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const Entry mine = entries[i];
+    const uint64_t key = keys[mine.index], first = key >> 32;
+    const uint32_t from = begin[first], to = begin[first + 1];
+    uint64_t place = i;
+    if (to - from <= kManyEntries) {
+      place = from;
+      for (uint32_t k = from; k < to; ++k) place += entries[k].second < mine.second ? 1 : 0;
+    }
+    sorted_keys[place] = key;
+    if (!data.empty()) sorted[place] = data[mine.index];
+  }
+};
+
+/// Contacts that are ordered in one launch, each against all others.
+constexpr uint64_t kFewContacts = 512;
+
+template <class Data>
+struct RankFew {
+  struct Shared {
+    uint32_t below;  ///< keys
+  };
+  static constexpr uint32_t kGroupSize = 64;
+  Counted count;
+  Span<const uint64_t> keys;
+  Span<const Data> data;  ///< empty: there are only keys
+  Span<uint64_t> sorted_keys;
+  Span<Data> sorted;
+
+  COLLIDED_HD void operator()(uint64_t i, const Group& group, Shared& shared) const {
+    if (group.rank == 0) shared.below = 0;
+    group.sync();
+    const uint64_t key = keys[i], n = count.size();
+    uint32_t below = 0;
+    for (uint64_t k = group.rank; k < n; k += group.size) below += keys[k] < key ? 1 : 0;
+    atomic_add(shared.below, below);
+    group.sync();
+    if (group.rank != 0) return;
+    sorted_keys[shared.below] = key;
+    if (!data.empty()) sorted[shared.below] = data[i];
+  }
+};
+
+template <class Exec>
+struct OrderBuffers {
+  explicit OrderBuffers(Exec& exec)
+      : counts(exec, "order"),
+        place(exec, "order"),
+        crowded(exec, "order"),
+        entries(exec, "order"),
+        sorted_keys(exec, "keys") {}
+
+  /// For lists of up to `capacity` entries with first ids below `first_ids`.
+  void reserve(uint64_t first_ids, uint64_t capacity) {
+    counts.allocate(first_ids + 1);
+    place.allocate(capacity);
+    crowded.allocate(capacity / kManyEntries + 1);
+    entries.allocate(capacity);
+    sorted_keys.allocate(capacity);
+  }
+
+  Buffer<uint32_t, Exec> counts, place, crowded;
+  Buffer<Entry, Exec> entries;
+  Buffer<uint64_t, Exec> sorted_keys;
+};
+
+/// Sorts a list by key into buffers.sorted_keys and `sorted`. `crowded` is a zeroed counter.
+template <class Exec, class Data>
+void put_in_order_by_counts(Exec& exec, OrderBuffers<Exec>& buffers, const Counted& count, Span<const uint64_t> keys,
+                            Span<const Data> data, Span<Data> sorted, uint64_t* crowded) {
+  const Span<uint32_t> counts = buffers.counts.all();
+  const Counted crowded_count{crowded, buffers.crowded.capacity()};
+  exec.fill_zero(counts.data, counts.size() * sizeof(uint32_t));
+  exec.for_each("count_first_ids", count,
+                CountFirstIds{keys, counts, buffers.place.all(), {buffers.crowded.all(), crowded}});
+  exec.exclusive_scan("scan_first_ids", counts);
+  exec.for_each("place_entries", count, PlaceEntries{keys, counts, buffers.place.all(), buffers.entries.all()});
+  exec.for_each_group("sort_crowded", crowded_count, SortCrowded{buffers.crowded.all(), counts, buffers.entries.all()});
+  exec.for_each("write_in_order", count,
+                WriteInOrder<Data>{keys, data, counts, buffers.entries.all(), buffers.sorted_keys.all(), sorted});
+}
+
+/// The same in whatever way is the backend's fastest. `few`: no more than kFewContacts.
+template <class Exec, class Data>
+void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Counted& count, bool few, Span<const uint64_t> keys,
+                  Span<const Data> data, Span<Data> sorted, uint64_t* crowded) {
+  if constexpr (SortsKeys<Exec>) {
+    static_assert(sizeof(Entry) == sizeof(uint64_t));
+    const Span<uint64_t> scratch{reinterpret_cast<uint64_t*>(buffers.entries.data()), buffers.entries.capacity()};
+    exec.sort_keys("sort_keys", count, KeyArrays<Data>{keys, data, scratch, buffers.sorted_keys.all(), sorted});
+  } else if (few) {
+    const Counted first{count.counter, min(count.most, kFewContacts)};
+    exec.for_each_group("rank_few", first, RankFew<Data>{first, keys, data, buffers.sorted_keys.all(), sorted});
+  } else {
+    put_in_order_by_counts(exec, buffers, count, keys, data, sorted, crowded);
+  }
+}
+
+}  // namespace collided

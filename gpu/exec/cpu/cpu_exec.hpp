@@ -1,0 +1,212 @@
+#pragma once
+// The verbs of the engine on CPU cores (oneTBB). Same meaning as CudaExec, verb by verb.
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gpu/exec/atomic.hpp"
+#include "gpu/exec/buffer.hpp"
+#include "gpu/exec/counted.hpp"
+#include "gpu/exec/cpu/cpu_loops.hpp"
+#include "gpu/exec/cpu/host_memory.hpp"
+#include "gpu/exec/cpu/key_order.hpp"
+#include "gpu/exec/cpu/radix_sort.hpp"
+#include "gpu/exec/cpu/resumable.hpp"
+#include "gpu/exec/cpu/staging.hpp"
+
+namespace collided {
+
+class CpuExec {
+ public:
+  CpuExec(int threads, MemoryLimits memory)
+      : memory_(std::make_shared<MemoryLedger>(std::move(memory))), loops_(threads) {}
+
+  DeviceInfo device() const { return {Backend::kCpu, "CPU, " + std::to_string(loops_.threads()) + " threads", 0}; }
+
+  void* allocate(const std::string& part, uint64_t bytes) {
+    ++allocations_;
+    return memory_.allocate(part, bytes);
+  }
+  void deallocate(const std::string& part, void* memory, uint64_t bytes) { memory_.deallocate(part, memory, bytes); }
+  /// Whether a verb takes its time even where there is nothing to do.
+  static constexpr bool kLaunchesCost = false;
+  const MemoryLedger& ledger() const { return *memory_.ledger(); }
+
+  /// For positions on their way; from any thread. May outlive this.
+  using Staging = HostStaging;
+  Staging make_staging() const { return Staging(memory_.ledger()); }
+  /// What was put in line so far is the last that reads what the staging brought.
+  void done_with(Staging&) {}
+
+  /// f(i) for i in [0, n).
+  template <class F>
+  void for_each(const char*, uint64_t n, const F& f) {
+    loops_.for_each(n, kGrain, f);
+  }
+
+  template <class F>
+  void for_each(const char* name, const Counted& n, const F& f) {
+    for_each(name, n.size(), f);
+  }
+
+  /// f(i, group, shared) for i in [0, n): groups of threads that share memory (Group).
+  template <class F>
+  void for_each_group(const char*, const Counted& n, const F& f) {
+    loops_.share(n.size(), 1, [&](LoopTurn& turn) {
+      const auto shared = std::make_unique<typename F::Shared>();
+      while (ItemRange* items = turn.next()) f(items->first++, Group{0, 1}, *shared);
+    });
+  }
+
+  /// For i in [0, n), item = f.item(i), part = item.part(k), k in [0, item.parts): f.act(item, found), where found is
+  /// f.find(part, f.look(part)) and not kNothing. item.walk().next() are the same parts in turn.
+  template <class F>
+  void for_each_part(const char* name, const Counted& n, const F& f) {
+    for_each(name, n.size(), [&](uint64_t i) {
+      const typename F::Item item = f.item(i);
+      auto walk = item.walk();
+      for (uint32_t k = 0; k < item.parts; ++k)
+        if (const uint32_t found = found_in(f, walk.next()); found != kNothing) f.act(item, found);
+    });
+  }
+
+  /// The same for items of many parts, where item.walk_from(k) are the parts from the k-th on.
+  template <class F>
+  void for_each_of_many_parts(const char*, const Counted& n, const F& f) {
+    loops_.share(n.size(), 1, [&](LoopTurn& turn) {
+      while (ItemRange* items = turn.next()) do_parts(f, *items);
+    });
+  }
+
+  /// f.begin(i, state), then f.step(state) until state.is_over(), then f.finish(state), for i in [0, n); no step if
+  /// begin() leaves the state as it was.
+  template <class F>
+  void for_each_resumable(const char*, const Counted& n, uint64_t*, const F& f) {
+    constexpr uint64_t kQueries = 32;  // of up to 64 looks each
+    loops_.for_each(n.size(), kQueries, [&](uint64_t i) { do_resumable(f, i); });
+  }
+
+  /// *result = op over transform(i), i in [0, n); op must not depend on the order. Then then(0).
+  template <class T, class F, class Op, class Then = NothingMore>
+  void reduce_into(const char*, uint64_t n, const F& transform, const T& identity, const Op& op, T* result,
+                   const Then& then = {}) {
+    *result = loops_.reduce(n, kGrain, transform, identity, op);
+    then(0);
+  }
+
+  /// In place.
+  template <class T>
+  void exclusive_scan(const char*, Span<T> values) {
+    T sum = 0;
+    loops_.in_turn(values.size(), 1u << 18, [&](uint64_t first, uint64_t end) {
+      for (uint64_t i = first; i < end; ++i) sum += std::exchange(values[i], sum);
+    });
+  }
+
+  /// Stably by the lowest `bits` of the keys; 0 if the result is in `keys` and `values`, 1 if it is in the others.
+  int sort_pairs(const char*, int bits, const SortArrays& arrays) { return RadixSort(loops_, arrays).run(bits); }
+
+  /// The first `count` keys in ascending order, with their data.
+  template <class Data>
+  void sort_keys(const char*, const Counted& count, KeyArrays<Data> arrays) {
+    arrays.keys.count = count.size();
+    KeyOrder(loops_, arrays).run();
+  }
+  static constexpr bool kSortsKeys = true;
+
+  /// Runs a step, stages named within, and returns what it left at `result`.
+  template <class F, class T>
+  T step(uint64_t, const T* result, const F& enqueue) {
+    const WorkTime time(loops_.asks);
+    enqueue();
+    step_milliseconds_ += time.milliseconds();
+    return *result;
+  }
+  /// Of all steps of the frame.
+  double step_milliseconds() const { return step_milliseconds_; }
+  uint32_t graph_launches() const { return 0; }
+
+  void upload(void* to, const void* from, uint64_t bytes) { copy(to, from, bytes); }
+  void download(void* to, const void* from, uint64_t bytes) { copy(to, from, bytes); }
+  void download_async(void* to, const void* from, uint64_t bytes) { copy(to, from, bytes); }
+  void wait() {}
+  /// Memory of the host for downloads, until the next call.
+  std::byte* host_memory(uint64_t bytes) {
+    host_.ensure(bytes);
+    return host_.data();
+  }
+  void copy(void* to, const void* from, uint64_t bytes) {
+    loops_.in_turn(bytes, kBytes, [&](uint64_t first, uint64_t end) {
+      std::memcpy(static_cast<std::byte*>(to) + first, static_cast<const std::byte*>(from) + first, end - first);
+    });
+  }
+  void fill_zero(void* memory, uint64_t bytes) {
+    loops_.in_turn(bytes, kBytes, [&](uint64_t first, uint64_t end) {
+      std::memset(static_cast<std::byte*>(memory) + first, 0, end - first);
+    });
+  }
+
+  /// Two things that do not depend on each other.
+  template <class F, class G>
+  void concurrently(const F& f, const G& g) {
+    f();
+    g();
+  }
+
+  /// Runs one stage of the pipeline: cancellation before it, its time after it.
+  template <class F>
+  void stage(const char* name, const F& f) {
+    loops_.asks.ask();
+    const WorkTime time(loops_.asks);
+    f();
+    stages_.push_back({name, time.milliseconds()});
+  }
+  void begin_frame() {
+    stages_.clear();
+    allocations_ = 0;
+    step_milliseconds_ = 0;
+  }
+  /// Runs one frame: begin_frame(), then f().
+  template <class F>
+  auto frame(const F& f) {
+    begin_frame();
+    return f();
+  }
+  uint32_t allocations() const { return allocations_; }
+  std::vector<StageTime> stage_times() { return stages_; }
+
+  /// When the frame's question is asked: before each stage, and within it.
+  Asks& asks() { return loops_.asks; }
+  /// Loops of the host, which ask too.
+  CpuLoops& host_loops() { return loops_; }
+
+ private:
+  static constexpr uint64_t kGrain = 512;
+  static constexpr uint64_t kBytes = 4u << 20;  ///< that are copied at a time
+
+  /// Parts of the first item that take a bounded time.
+  template <class F>
+  static void do_parts(const F& f, ItemRange& items) {
+    constexpr uint64_t kParts = 1u << 16;
+    const typename F::Item item = f.item(items.first);
+    const uint64_t end = std::min<uint64_t>(item.parts, items.part + kParts);
+    auto walk = item.walk_from(static_cast<uint32_t>(items.part));
+    for (; items.part < end; ++items.part)
+      if (const uint32_t found = found_in(f, walk.next()); found != kNothing) f.act(item, found);
+    if (end == item.parts) ++items.first, items.part = 0;
+  }
+
+  HostMemory memory_;
+  CpuLoops loops_;
+  std::vector<StageTime> stages_;
+  Buffer<std::byte, CpuExec> host_{*this, "downloads"};
+  double step_milliseconds_ = 0;
+  uint32_t allocations_ = 0;
+};
+
+}  // namespace collided

@@ -1,0 +1,96 @@
+#pragma once
+// Bytes on their way to CPU cores: what others might still change is copied, what is the slot's own is used in place.
+
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "gpu/exec/buffer.hpp"
+#include "gpu/exec/cpu/host_memory.hpp"
+
+namespace collided {
+
+/// Nothing that a check found wrong.
+constexpr uint64_t kNoBadPlace = ~uint64_t{0};
+
+/// Bytes that lie anywhere the backend can read.
+using Source = std::span<const std::byte>;
+
+/// Where bytes of `alignment` may begin that come after `offset` others.
+constexpr uint64_t aligned(uint64_t offset, uint64_t alignment) {
+  return (offset + alignment - 1) / alignment * alignment;
+}
+
+/// A span of bytes that lies in `[begin, begin + bytes)` as a whole.
+inline bool lies_within(const Source& source, const std::byte* begin, uint64_t bytes) {
+  const std::less_equal<const std::byte*> not_after;
+  return begin != nullptr && not_after(begin, source.data()) && not_after(source.data() + source.size(), begin + bytes);
+}
+
+/// Same meaning as CudaStaging. One thread at a time, which need not be the scene's.
+class HostStaging {
+ public:
+  explicit HostStaging(std::shared_ptr<MemoryLedger> ledger) : memory_(std::move(ledger)) {}
+
+  /// Memory to fill; what was there before is lost.
+  std::span<std::byte> room(uint64_t bytes) {
+    room_.ensure(bytes);
+    return {room_.data(), room_.capacity()};
+  }
+
+  /// Where the sources' bytes lie until the next call, null for those without any. Those that lie elsewhere than in
+  /// room() are read here, once.
+  std::vector<const std::byte*> bring(const std::vector<Source>& sources, uint64_t alignment) {
+    uint64_t bytes = 0;
+    for (const Source& source : sources)
+      if (!is_in_place(source, alignment)) bytes += aligned(source.size(), alignment);
+    arrival_.ensure(bytes);
+    std::vector<const std::byte*> places;
+    std::byte* next = arrival_.data();
+    for (const Source& source : sources) {
+      const bool stays = is_in_place(source, alignment);
+      places.push_back(source.empty() ? nullptr : stays ? source.data() : next);
+      if (stays || source.empty()) continue;
+      std::memcpy(next, source.data(), source.size());
+      next += aligned(source.size(), alignment);
+    }
+    return places;
+  }
+
+  /// The same for a table of the slot's own.
+  template <class T>
+  const T* bring(const std::vector<T>& table) {
+    return table.data();
+  }
+
+  /// check(i, first_bad) for i in [0, n), unless check.is_clean() knows that there is no need.
+  template <class Check>
+  void check(uint64_t n, const Check& check) {
+    first_bad_ = kNoBadPlace;
+    if (check.is_clean()) return;
+    for (uint64_t i = 0; i < n && first_bad_ == kNoBadPlace; ++i) check(i, first_bad_);
+  }
+
+  /// What the check found, of the lowest number.
+  uint64_t first_bad() const { return first_bad_; }
+
+  template <class T>
+  T read(const T* place) const {
+    return *place;
+  }
+
+ private:
+  bool is_in_place(const Source& source, uint64_t alignment) const {
+    return lies_within(source, room_.data(), room_.capacity()) &&
+           reinterpret_cast<uintptr_t>(source.data()) % alignment == 0;
+  }
+
+  HostMemory memory_;
+  Buffer<std::byte, HostMemory> room_{memory_, "staging"}, arrival_{memory_, "staging"};
+  uint64_t first_bad_ = kNoBadPlace;
+};
+
+}  // namespace collided

@@ -1,0 +1,420 @@
+#pragma once
+// The verbs of the engine on a CUDA GPU (CUB). Same meaning as CpuExec, verb by verb.
+
+#include <cuda_runtime.h>
+
+#include <algorithm>
+#include <cstring>
+#include <cub/cub.cuh>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gpu/exec/atomic.hpp"
+#include "gpu/exec/buffer.hpp"
+#include "gpu/exec/cpu/cpu_loops.hpp"
+#include "gpu/exec/cuda/cuda_memory.cuh"
+#include "gpu/exec/cuda/for_each.cuh"
+#include "gpu/exec/cuda/in_parts.cuh"
+#include "gpu/exec/cuda/nvtx.cuh"
+#include "gpu/exec/cuda/reduce.cuh"
+#include "gpu/exec/cuda/resumable.cuh"
+#include "gpu/exec/cuda/staging.cuh"
+#include "gpu/exec/cuda/step_graph.cuh"
+#include "gpu/exec/sort_arrays.hpp"
+
+namespace collided {
+
+class CudaExec {
+ public:
+  /// `threads`: of the host, for what is done there; 0: all cores.
+  CudaExec(int device, int threads, MemoryLimits memory)
+      : device_(device),
+        memory_(std::make_shared<MemoryLedger>(std::move(memory))),
+        loops_(threads),
+        scratch_(*this, "scratch"),
+        arrived_(*this, "counters"),
+        stop_(*this, "counters"),
+        times_(*this, "counters") {
+    check_cuda(cudaSetDevice(device), "cudaSetDevice");
+    check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate");
+    check_cuda(cudaStreamCreateWithFlags(&side_, cudaStreamNonBlocking), "cudaStreamCreate");
+    check_cuda(cudaStreamCreateWithFlags(&stopper_, cudaStreamNonBlocking), "cudaStreamCreate");
+    cudaDeviceProp properties{};
+    check_cuda(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
+    info_ = {Backend::kCuda, properties.name, properties.totalGlobalMem};
+    processors_ = static_cast<unsigned>(properties.multiProcessorCount);
+    times_.allocate(StepGraph::kMaxTimes);
+    arrived_.allocate(1);
+    check_cuda(cudaMemsetAsync(arrived_.data(), 0, sizeof(unsigned), stream_), "cudaMemset");
+    stop_.allocate(1);
+    check_cuda(cudaMemsetAsync(stop_.data(), 0, sizeof(uint32_t), stream_), "cudaMemset");
+    stop_word_.allocate(1);
+    *stop_word_.data() = 1;
+  }
+  CudaExec(const CudaExec&) = delete;
+  CudaExec& operator=(const CudaExec&) = delete;
+  ~CudaExec() {
+    for (cudaEvent_t event : events_) cudaEventDestroy(event);
+    cudaStreamDestroy(stream_);
+    cudaStreamDestroy(side_);
+    cudaStreamDestroy(stopper_);
+    cudaEventDestroy(fork_);
+    cudaEventDestroy(join_);
+  }
+
+  const DeviceInfo& device() const { return info_; }
+
+  void* allocate(const std::string& part, uint64_t bytes) {
+    ++generation_;
+    ++allocations_;
+    return memory_.allocate(part, bytes);
+  }
+  void deallocate(const std::string& part, void* memory, uint64_t bytes) {
+    ++generation_;
+    memory_.deallocate(part, memory, bytes);
+  }
+  /// As in CpuExec.
+  static constexpr bool kLaunchesCost = true;
+  const MemoryLedger& ledger() const { return *memory_.ledger(); }
+
+  /// For positions on their way; from any thread. May outlive this.
+  using Staging = CudaStaging;
+  Staging make_staging() const { return Staging(device_, memory_.ledger()); }
+  /// What was put in line so far is the last that reads what the staging brought.
+  void done_with(Staging& staging) { staging.read_last_by(stream_); }
+
+  /// f(i) for i in [0, n).
+  template <class F>
+  void for_each(const char* name, uint64_t n, const F& f) {
+    if (n == 0) return;
+    launch(name, for_each_kernel<F>, blocks_for(n, kBlock), kBlock, n, f);
+  }
+  template <class F>
+  void for_each(const char* name, const Counted& n, const F& f) {
+    if (n.most == 0) return;
+    constexpr unsigned kBlocksPerProcessor = 16;
+    const unsigned blocks = std::min(blocks_for(n.most, kCountedBlock), kBlocksPerProcessor * processors_);
+    launch(name, for_each_counted_kernel<F>, blocks, kCountedBlock, n, f);
+  }
+
+  /// f(i, group, shared) for i in [0, n): groups of threads that share memory (Group).
+  template <class F>
+  void for_each_group(const char* name, const Counted& n, const F& f) {
+    if (n.most == 0) return;
+    const unsigned resident = 2048 / F::kGroupSize;
+    const unsigned blocks = static_cast<unsigned>(std::min<uint64_t>(n.most, 2 * resident * processors_));
+    launch(name, for_each_group_kernel<F>, blocks, F::kGroupSize, n, f);
+  }
+
+  /// For i in [0, n), item = f.item(i), part = item.part(k), k in [0, item.parts): f.act(item, found), where found is
+  /// f.find(part, f.look(part)) and not kNothing. item.walk().next() are the same parts in turn.
+  template <class F>
+  void for_each_part(const char* name, const Counted& n, const F& f) {
+    if (n.most == 0) return;
+    constexpr unsigned kBlocksPerProcessor = F::kWalks ? 16 : 64;
+    const unsigned most = blocks_for(n.most, kPartsBlock / 32 * kLeastItems<F>);
+    launch(name, for_each_part_kernel<F>, std::min(most, kBlocksPerProcessor * processors_), kPartsBlock, n, f);
+  }
+
+  /// The same for items of many parts: a group works on each.
+  template <class F>
+  void for_each_of_many_parts(const char* name, const Counted& n, const F& f) {
+    for_each_group(name, n, PartsOfItem<F>{f});
+  }
+
+  /// f.begin(i, state), then f.step(state) until state.is_over(), then f.finish(state), for i in [0, n); no step if
+  /// begin() leaves the state as it was. `next` is a zeroed counter.
+  template <class F>
+  void for_each_resumable(const char* name, const Counted& n, uint64_t* next, const F& f) {
+    if (n.most == 0) return;
+    const unsigned most = blocks_for(n.most, kResumableBlock / 32);  // a warp may take as little as one
+    const unsigned blocks = std::min(most, resident_blocks(name, for_each_resumable_kernel<F>, kResumableBlock));
+    launch(name, for_each_resumable_kernel<F>, blocks, kResumableBlock, n, next, stop_.data(), f);
+  }
+
+  /// *result = op over transform(i), i in [0, n); op must not depend on the order. Then then(0).
+  template <class T, class F, class Op, class Then = NothingMore>
+  void reduce_into(const char* name, uint64_t n, const F& transform, const T& identity, const Op& op, T* result,
+                   const Then& then = {}) {
+    constexpr unsigned kBlocksPerProcessor = 4;
+    const unsigned blocks = std::max(1u, std::min(blocks_for(n, kReduceBlock), kBlocksPerProcessor * processors_));
+    scratch_.ensure(blocks * sizeof(T));
+    const Partial<T> partial{reinterpret_cast<T*>(scratch_.data()), arrived_.data()};
+    launch(name, reduce_kernel<T, F, Op, Then>, blocks, kReduceBlock, n, transform, identity, op, partial, result,
+           then);
+  }
+
+  /// In place.
+  template <class T>
+  void exclusive_scan(const char* name, Span<T> values) {
+    with_scratch(name, [&](void* memory, size_t& bytes) {
+      return cub::DeviceScan::ExclusiveSum(memory, bytes, values.data, values.data, values.size(), stream_);
+    });
+  }
+
+  /// Stably by the lowest `bits` of the keys; 0 if the result is in `keys` and `values`, 1 if it is in the others.
+  int sort_pairs(const char* name, int bits, const SortArrays& arrays) {
+    cub::DoubleBuffer<uint64_t> keys(arrays.keys.data, arrays.other_keys.data);
+    cub::DoubleBuffer<uint32_t> values(arrays.values.data, arrays.other_values.data);
+    const int count = static_cast<int>(arrays.keys.size());
+    with_scratch(name, [&](void* memory, size_t& bytes) {
+      return cub::DeviceRadixSort::SortPairs(memory, bytes, keys, values, count, 0, bits, stream_);
+    });
+    return keys.selector;
+  }
+
+  /// Runs a step, stages named within, and returns what it left at `result`. Steps of one key put the same work in
+  /// line: the first is recorded as a graph, and replayed as long as all buffers are the same: one launch, whatever the
+  /// number of stages.
+  template <class F, class T>
+  T step(uint64_t key, const T* result, const F& enqueue) {
+    asks().ask();
+    StepGraph* graph = graphs_.find(key, generation_);
+    if (graph == nullptr) {
+      reserving_ = true;
+      enqueue();
+      reserving_ = false;
+      graph = &graphs_.record(key, generation_, stream_, [&] {
+        enqueue();
+        note_now(graphs_.recording().end());
+      });
+    }
+    const NvtxRange range("step");
+    T host;
+    constexpr uint64_t kTimes = StepGraph::kMaxTimes * sizeof(uint64_t);
+    graph->launch(stream_, result, sizeof(T), host_memory(sizeof(T) + kTimes), times_.data());
+    ++graph_launches_;
+    wait_for_step();
+    graph->keep_times(host_.data() + sizeof(T));
+    std::memcpy(&host, host_.data(), sizeof(T));
+    step_milliseconds_ += graph->milliseconds();
+    graph->add_stage_times(step_stages_);
+    return host;
+  }
+  /// Of all steps of the frame.
+  double step_milliseconds() const { return step_milliseconds_; }
+  uint32_t graph_launches() const { return graph_launches_; }
+  uint32_t allocations() const { return allocations_; }
+
+  void upload(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyHostToDevice); }
+  /// Waits for the device.
+  void download(void* to, const void* from, uint64_t bytes) {
+    download_async(to, from, bytes);
+    wait();
+  }
+  /// Done after wait().
+  void download_async(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyDeviceToHost); }
+  void wait() { check_cuda(cudaStreamSynchronize(stream_), "wait"); }
+  /// Pinned memory of the host for downloads, until the next call.
+  std::byte* host_memory(uint64_t bytes) {
+    host_.ensure(bytes);
+    return host_.data();
+  }
+  void copy(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyDeviceToDevice); }
+  void fill_zero(void* memory, uint64_t bytes) {
+    if (bytes == 0) return;
+    begin_now();
+    put_in_line("fill_zero", [&] { return cudaMemsetAsync(memory, 0, bytes, stream_); });
+  }
+
+  /// Two things that do not depend on each other, within a step: the second goes on beside the first. The second may
+  /// not use reduce_into, exclusive_scan or sort_pairs, whose scratch memory is one.
+  template <class F, class G>
+  void concurrently(const F& f, const G& g) {
+    if (!graphs_.is_recording()) {
+      f();
+      g();
+      return;
+    }
+    check_cuda(cudaEventRecord(fork_, stream_), "fork");
+    check_cuda(cudaStreamWaitEvent(side_, fork_), "fork");
+    StepGraph& graph = graphs_.recording();
+    const size_t before = graph.stages();
+    f();
+    begin_now();
+    const size_t first_of_g = graph.stages();
+    {
+      const OnSideStream on_side(*this);
+      g();
+      begin_now();
+      if (graph.stages() > first_of_g) note_now(graph.end_stage(graph.stages() - 1));
+      check_cuda(cudaEventRecord(join_, stream_), "join");
+    }
+    if (graph.stages() > first_of_g && first_of_g > before) note_now(graph.end_stage(first_of_g - 1));
+    check_cuda(cudaStreamWaitEvent(stream_, join_), "join");
+  }
+
+  /// Runs one stage: within a step its name, and the time it begins at, become part of the recording; elsewhere
+  /// cancellation before it, events around it.
+  template <class F>
+  void stage(const char* name, const F& f) {
+    const NvtxRange range(name);
+    if (graphs_.is_recording()) {
+      note_next(graphs_.recording().begin_stage(name));
+      f();
+      return;
+    }
+    if (reserving_) return f();
+    asks().ask();
+    const size_t first = 2 * names_.size();
+    while (events_.size() < first + 2) events_.push_back(make_event());
+    names_.push_back({name, step_stages_.size()});
+    check_cuda(cudaEventRecord(events_[first], stream_), name);
+    f();
+    check_cuda(cudaEventRecord(events_[first + 1], stream_), name);
+  }
+  void begin_frame() {
+    check_cuda(cudaSetDevice(device_), "cudaSetDevice");  // the calling thread may be a new one
+    names_.clear();
+    step_stages_.clear();
+    allocations_ = 0;
+    graph_launches_ = 0;
+    step_milliseconds_ = 0;
+    reserving_ = false;  // a frame may have ended with a throw
+    begin_ = nullptr;
+  }
+  /// Runs one frame: begin_frame(), then f().
+  template <class F>
+  auto frame(const F& f) {
+    const NvtxRange range("frame");
+    begin_frame();
+    return f();
+  }
+  /// Of the frame, in the order that the stages ran.
+  std::vector<StageTime> stage_times() {
+    wait();
+    std::vector<StageTime> times;
+    size_t of_steps = 0;
+    for (size_t i = 0; i < names_.size(); ++i) {
+      for (; of_steps < names_[i].after; ++of_steps) times.push_back(step_stages_[of_steps]);
+      times.push_back({names_[i].name, milliseconds_between(events_[2 * i], events_[2 * i + 1])});
+    }
+    times.insert(times.end(), step_stages_.begin() + static_cast<std::ptrdiff_t>(of_steps), step_stages_.end());
+    return times;
+  }
+
+  // For kernels of others.
+
+  /// The next kernel in line; it notes when the stage that it is the first of begins.
+  template <class... Parameters, class... Arguments>
+  void launch(const char* name, void (*kernel)(uint64_t*, Parameters...), unsigned blocks, unsigned block,
+              const Arguments&... arguments) {
+    put_in_line(name, [&] {
+      kernel<<<blocks, block, 0, stream_>>>(std::exchange(begin_, nullptr), arguments...);
+      return cudaGetLastError();
+    });
+  }
+  static unsigned blocks_for(uint64_t n, unsigned block) {
+    return static_cast<unsigned>(std::min<uint64_t>((n + block - 1) / block, 1u << 30));
+  }
+  /// As many as the device holds at once.
+  template <class Kernel>
+  unsigned resident_blocks(const char* name, Kernel* kernel, unsigned block) const {
+    int resident = 0;
+    check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&resident, kernel, static_cast<int>(block), 0), name);
+    return static_cast<unsigned>(std::max(resident, 1)) * processors_;
+  }
+  /// 1 on the device: the frame has ended, loops that take long do no more.
+  const uint32_t* stop() const { return stop_.data(); }
+
+  /// When the frame's question is asked: before each stage, and while a step runs.
+  Asks& asks() { return loops_.asks; }
+  /// Loops of the host, which ask too.
+  CpuLoops& host_loops() { return loops_; }
+
+ private:
+  static constexpr unsigned kBlock = 256;
+  struct NamedStage {
+    const char* name;
+    size_t after;  ///< stages of steps before it
+  };
+
+  /// While it lives, what is put in line goes to the side stream; also if it ends with a throw.
+  class OnSideStream {
+   public:
+    explicit OnSideStream(CudaExec& exec) : exec_(exec) { std::swap(exec_.stream_, exec_.side_); }
+    OnSideStream(const OnSideStream&) = delete;
+    OnSideStream& operator=(const OnSideStream&) = delete;
+    ~OnSideStream() { std::swap(exec_.stream_, exec_.side_); }
+
+   private:
+    CudaExec& exec_;
+  };
+
+  /// All work goes to the device through here, so that a step can be gone through for its memory alone.
+  template <class Call>
+  void put_in_line(const char* name, const Call& call) {
+    if (!reserving_) check_cuda(call(), name);
+  }
+  /// For what cannot note by itself when its stage begins.
+  void begin_now() {
+    if (begin_ != nullptr) launch("time", note_time_kernel, 1, 1);
+  }
+  /// A time that the next kernel begins at, and one that is passed before it.
+  void note_next(size_t time) {
+    begin_now();
+    begin_ = times_.data() + time;
+  }
+  void note_now(size_t time) {
+    note_next(time);
+    begin_now();
+  }
+
+  /// Asks while the device works. If that ends the frame, what is in line drains: the loops that take long see stop_.
+  void wait_for_step() {
+    try {
+      for (cudaError_t state; (state = cudaStreamQuery(stream_)) != cudaSuccess; asks().ask_if_due())
+        if (state != cudaErrorNotReady) check_cuda(state, "step");
+    } catch (const DeviceError&) {
+      throw;
+    } catch (...) {
+      check_cuda(cudaMemcpyAsync(stop_.data(), stop_word_.data(), sizeof(uint32_t), cudaMemcpyHostToDevice, stopper_),
+                 "stop");
+      check_cuda(cudaStreamSynchronize(stopper_), "stop");
+      wait();
+      check_cuda(cudaMemsetAsync(stop_.data(), 0, sizeof(uint32_t), stream_), "stop");
+      throw;
+    }
+  }
+
+  /// Calls a CUB function with the memory that it asks for.
+  template <class Call>
+  void with_scratch(const char* name, const Call& call) {
+    size_t bytes = 0;
+    check_cuda(call(nullptr, bytes), name);
+    scratch_.ensure(bytes);
+    begin_now();
+    put_in_line(name, [&] { return call(scratch_.data(), bytes); });
+  }
+  void transfer(void* to, const void* from, uint64_t bytes, cudaMemcpyKind kind) {
+    if (bytes != 0) put_in_line("copy", [&] { return cudaMemcpyAsync(to, from, bytes, kind, stream_); });
+  }
+
+  int device_;
+  unsigned processors_ = 1;
+  DeviceInfo info_;
+  DeviceMemory memory_;
+  CpuLoops loops_;
+  cudaStream_t stream_ = nullptr, side_ = nullptr, stopper_ = nullptr;
+  cudaEvent_t fork_ = make_event(), join_ = make_event();
+  uint64_t generation_ = 0;  ///< of the buffers: changes whenever one does
+  StepGraphs graphs_;
+  bool reserving_ = false;  ///< a step is gone through for its memory alone
+  Buffer<char, CudaExec> scratch_;
+  Buffer<unsigned, CudaExec> arrived_;  ///< of a reduction's blocks
+  Buffer<uint32_t, CudaExec> stop_;     ///< 1: the frame has ended, what takes long does no more
+  Buffer<uint64_t, CudaExec> times_;    ///< at which the stages of a recorded step begin and end
+  uint64_t* begin_ = nullptr;           ///< where the next kernel notes when it begins
+  PinnedMemory pinned_{memory_.ledger()};
+  Buffer<std::byte, PinnedMemory> host_{pinned_, "downloads"};
+  Buffer<uint32_t, PinnedMemory> stop_word_{pinned_, "stop"};  ///< what stop_ is set to
+  std::vector<cudaEvent_t> events_;
+  std::vector<NamedStage> names_;
+  std::vector<StageTime> step_stages_;
+  double step_milliseconds_ = 0;
+  uint32_t allocations_ = 0, graph_launches_ = 0;
+};
+
+}  // namespace collided

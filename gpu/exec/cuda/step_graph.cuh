@@ -1,0 +1,150 @@
+#pragma once
+// A step as a CUDA graph: recorded once for each configuration, then launched as a whole.
+
+#include <cuda_runtime.h>
+
+#include <cstddef>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gpu/exec/cuda/cuda_memory.cuh"
+
+namespace collided {
+
+inline cudaEvent_t make_event() {
+  cudaEvent_t event = nullptr;
+  check_cuda(cudaEventCreate(&event), "cudaEventCreate");
+  return event;
+}
+inline double milliseconds_between(cudaEvent_t from, cudaEvent_t to) {
+  float milliseconds = 0;
+  check_cuda(cudaEventElapsedTime(&milliseconds, from, to), "cudaEventElapsedTime");
+  return milliseconds;
+}
+
+class StepGraph {
+ public:
+  static constexpr size_t kMaxTimes = 64;
+
+  StepGraph(uint64_t key, uint64_t generation)
+      : key_(key), generation_(generation), begin_(make_event()), end_(make_event()) {}
+  StepGraph(const StepGraph&) = delete;
+  StepGraph& operator=(const StepGraph&) = delete;
+  ~StepGraph() {
+    if (executable_ != nullptr) cudaGraphExecDestroy(executable_);
+    cudaEventDestroy(begin_);
+    cudaEventDestroy(end_);
+  }
+
+  bool fits(uint64_t key, uint64_t generation) const { return key_ == key && generation_ == generation; }
+  uint64_t generation() const { return generation_; }
+
+  template <class F>
+  void record(cudaStream_t stream, const F& enqueue) {
+    check_cuda(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), "begin of a recording");
+    cudaGraph_t graph = nullptr;
+    try {
+      enqueue();
+    } catch (...) {
+      cudaStreamEndCapture(stream, &graph);
+      if (graph != nullptr) cudaGraphDestroy(graph);
+      cudaGetLastError();
+      throw;
+    }
+    check_cuda(cudaStreamEndCapture(stream, &graph), "end of a recording");
+    const cudaError_t error = cudaGraphInstantiate(&executable_, graph, 0);
+    cudaGraphDestroy(graph);
+    check_cuda(error, "cudaGraphInstantiate");
+  }
+
+  // While it is recorded: which of its times a stage begins or ends at. A stage ends where the next begins, unless it
+  // is told where.
+  size_t begin_stage(const char* name) {
+    stages_.push_back({name, new_time(), kNoTime});
+    return stages_.back().begin;
+  }
+  size_t end_stage(size_t stage) { return stages_[stage].end = new_time(); }
+  size_t stages() const { return stages_.size(); }
+  size_t end() { return last_ = new_time(); }
+
+  /// Puts the graph in line, then to bring `bytes` from the device to pinned memory of the host, and the times, which
+  /// it has room for too.
+  void launch(cudaStream_t stream, const void* result, uint64_t bytes, std::byte* host, const uint64_t* times) {
+    check_cuda(cudaEventRecord(begin_, stream), "step");
+    check_cuda(cudaGraphLaunch(executable_, stream), "step");
+    check_cuda(cudaEventRecord(end_, stream), "step");
+    check_cuda(cudaMemcpyAsync(host, result, bytes, cudaMemcpyDeviceToHost, stream), "step");
+    check_cuda(cudaMemcpyAsync(host + bytes, times, sizeof(times_), cudaMemcpyDeviceToHost, stream), "step");
+  }
+  /// Once they have come.
+  void keep_times(const std::byte* times) { std::memcpy(times_, times, sizeof(times_)); }
+
+  // Of the last launch.
+  double milliseconds() const { return milliseconds_between(begin_, end_); }
+  void add_stage_times(std::vector<StageTime>& times) const {
+    constexpr double kMillisecond = 1e6;
+    for (size_t i = 0; i < stages_.size(); ++i)
+      times.push_back({stages_[i].name, static_cast<double>(end_of(i) - times_[stages_[i].begin]) / kMillisecond});
+  }
+
+ private:
+  static constexpr size_t kNoTime = kMaxTimes;
+  struct Stage {
+    const char* name;
+    size_t begin, end;  ///< times; kNoTime: where the next one begins
+  };
+  size_t new_time() {
+    if (times_used_ == kMaxTimes) throw DeviceError("a step has too many stages");
+    return times_used_++;
+  }
+  uint64_t end_of(size_t i) const {
+    if (stages_[i].end != kNoTime) return times_[stages_[i].end];
+    return times_[i + 1 < stages_.size() ? stages_[i + 1].begin : last_];
+  }
+  uint64_t key_;
+  uint64_t generation_;  ///< of the buffers that the recording holds addresses of
+  cudaGraphExec_t executable_ = nullptr;
+  cudaEvent_t begin_, end_;
+  std::vector<Stage> stages_;
+  size_t times_used_ = 0, last_ = 0;
+  uint64_t times_[kMaxTimes] = {};  ///< in nanoseconds, of the last launch
+};
+
+/// The recordings of a scene; those of old buffers go.
+class StepGraphs {
+ public:
+  StepGraph* find(uint64_t key, uint64_t generation) {
+    for (const auto& graph : graphs_)
+      if (graph->fits(key, generation)) return graph.get();
+    return nullptr;
+  }
+
+  template <class F>
+  StepGraph& record(uint64_t key, uint64_t generation, cudaStream_t stream, const F& enqueue) {
+    constexpr size_t kMax = 16;
+    std::erase_if(graphs_, [&](const auto& graph) { return graph->generation() != generation; });
+    if (graphs_.size() == kMax) graphs_.erase(graphs_.begin());
+    auto graph = std::make_unique<StepGraph>(key, generation);
+    recording_ = graph.get();
+    try {
+      graph->record(stream, enqueue);
+    } catch (...) {
+      recording_ = nullptr;
+      throw;
+    }
+    recording_ = nullptr;
+    graphs_.push_back(std::move(graph));
+    return *graphs_.back();
+  }
+
+  bool is_recording() const { return recording_ != nullptr; }
+  StepGraph& recording() { return *recording_; }
+
+ private:
+  std::vector<std::unique_ptr<StepGraph>> graphs_;
+  StepGraph* recording_ = nullptr;
+};
+
+}  // namespace collided

@@ -1,0 +1,52 @@
+#pragma once
+// Section 3.3: box tests between the triangles of a leaf, as balanced items of tiles (base/tiles.hpp).
+// Token rule: of the leaves that both triangles are in, only the one that holds the larger of the lower corners
+// reports the pair; over any partition into leaves that is exactly one (reference point method).
+
+#include "gpu/base/lattice.hpp"
+#include "gpu/base/mesh_filter.hpp"
+#include "gpu/base/tiles.hpp"
+
+namespace collided {
+
+/// A source of pairs: members of leaves whose boxes overlap.
+struct LeafPairs {
+  const LevelGrid* grid;
+  PairFilter filter;
+  Span<const Box<float>> boxes;
+  Span<const Leaf> leaves;
+  Span<const uint32_t> registered;
+  Span<const PairItem> items;
+  const LeafTotals* totals;
+  uint64_t registration_capacity;
+  uint64_t max_crowded_tests;  ///< beyond this the octree has to be refined first
+
+  /// Whether the step will run again anyway, so that the search would be in vain: what does not fit was not written.
+  COLLIDED_HD bool must_rerun() const {
+    return totals->leaves > leaves.size() || totals->registrations > registration_capacity ||
+           totals->items > items.size() || totals->crowded_tests > max_crowded_tests;
+  }
+
+  /// One item, ready to be worked on.
+  struct Work {
+    Leaf leaf;
+    const uint32_t* members;
+    uint32_t row, first_column, end_column;  ///< members
+  };
+  COLLIDED_HD Work work(uint64_t i) const {
+    const PairItem item = items[i];
+    const Leaf leaf = leaves[item.leaf];
+    return {leaf, registered.data + leaf.offset, item.row * kTile, item.column * kTile,
+            min((item.column + tiles_of_item(leaf.count)) * kTile, leaf.count)};
+  }
+  /// Bit k: whether the box starts in the leaf's cell on axis k.
+  COLLIDED_HD uint32_t axes_of_start(const Work& work, const Box<float>& box) const {
+    const Coords start = shifted(grid->deepest_cell(box.lo), kDeepest - work.leaf.level), cell = work.leaf.cell;
+    return (start.x == cell.x ? 1u : 0u) | (start.y == cell.y ? 2u : 0u) | (start.z == cell.z ? 4u : 0u);
+  }
+  /// Whether a pair whose boxes overlap is this leaf's to report: on each axis one of them starts in the cell, for
+  /// neither starts behind it.
+  COLLIDED_HD static bool reports(uint32_t axes_a, uint32_t axes_b) { return (axes_a | axes_b) == 7u; }
+};
+
+}  // namespace collided

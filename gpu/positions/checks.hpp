@@ -1,0 +1,45 @@
+#pragma once
+// Refuses positions that cannot be used before anything of the scene changes.
+
+#include "gpu/types.hpp"
+
+namespace collided {
+
+/// Throws InvalidInput naming the update that does not fit the meshes, whatever frames were before it. Values are not
+/// looked at.
+void check_updates(const SceneSpec& spec, const std::vector<MeshPositions>& updates);
+
+/// A mesh that a frame has positions for.
+struct SentMesh {
+  uint32_t mesh;
+  bool is_sparse;
+};
+
+/// Throws InvalidInput for what only the first frame may bring, and for what it has to. `first`: no frame was applied
+/// yet, so every mesh must be named, and whole.
+void check_turn(const SceneSpec& spec, const std::vector<SentMesh>& meshes, bool first);
+
+/// A position: the update's number in the frame, its mesh, and the number in the update.
+struct UpdatePlace {
+  size_t update;
+  uint32_t mesh;
+  uint64_t position;
+};
+
+/// Throws InvalidInput for an index that does not ascend or is not below the mesh's number of vertices.
+[[noreturn]] void refuse_index(const UpdatePlace& place, uint32_t index, uint32_t vertex_count);
+
+/// A coordinate (0 to 2) of a vertex of the mesh that is not finite or past the limit.
+struct BadCoordinate {
+  uint32_t vertex, coordinate;
+  double value, limit;
+};
+/// Throws InvalidInput.
+[[noreturn]] void refuse_coordinate(const UpdatePlace& place, bool is_end, const BadCoordinate& bad);
+
+/// Largest magnitude of a coordinate: an eighth of the largest number, so that sums and differences stay finite.
+double coordinate_limit(Scalar scalar);
+
+inline size_t bytes_per_vertex(Scalar scalar) { return scalar == Scalar::kF64 ? 24 : 12; }
+
+}  // namespace collided

@@ -1,0 +1,97 @@
+#pragma once
+// A frame's positions on their way to a scene: checked against its meshes, brought to the backend, checked there.
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "gpu/exec/cpu/staging.hpp"
+#include "gpu/positions/checks.hpp"
+#include "gpu/positions/runs.hpp"
+
+namespace collided {
+
+/// What a slot has to know of its scene, which it may outlive.
+struct SceneShape {
+  SceneSpec spec;  ///< meshes without their triangles
+  std::vector<uint32_t> vertex_offset;
+};
+
+template <class Exec, class Real>
+class SceneSlot final : public FrameSlot {
+ public:
+  SceneSlot(std::shared_ptr<const SceneShape> shape, const Exec& exec)
+      : shape_(std::move(shape)), staging_(exec.make_staging()) {}
+
+  std::span<std::byte> room(uint64_t bytes) override {
+    is_sent_ = false;
+    return staging_.room(bytes);
+  }
+
+  void send(const std::vector<MeshPositions>& updates) override {
+    is_sent_ = false;
+    check_updates(shape_->spec, updates);
+    bring(updates);
+    staging_.check(positions_.count,
+                   CheckPositions<Real>{positions_, static_cast<Real>(coordinate_limit(shape_->spec.scalar))});
+    is_sent_ = true;
+  }
+
+  bool is_of(const std::shared_ptr<const SceneShape>& shape) const { return shape_ == shape; }
+
+  /// Waits for what was sent. Throws InvalidInput where the scene cannot take it. `first`: no frame was applied yet.
+  void arrive(bool first) {
+    if (!is_sent_) throw InvalidInput("slot", "slot brings no positions, they have to be sent first");
+    check_turn(shape_->spec, meshes_, first);
+    if (const uint64_t bad = staging_.first_bad(); bad != kNoBadPlace) refuse(BadPosition::of(bad));
+  }
+
+  /// Puts in line that they go where they belong; `start` may be null.
+  void place(Exec& exec, Vec3<Real>* start, Vec3<Real>* end, bool start_is_end) {
+    exec.for_each("place_positions", positions_.count, PlacePositions<Real>{positions_, start, end, start_is_end});
+    exec.done_with(staging_);
+  }
+
+ private:
+  void bring(const std::vector<MeshPositions>& updates) {
+    std::vector<Source> sources;
+    for (const MeshPositions& update : updates)
+      sources.insert(sources.end(), {update.indices, update.start, update.end});
+    const std::vector<const std::byte*> places = staging_.bring(sources, alignof(Real));
+    meshes_.clear();
+    runs_.clear();
+    uint64_t count = 0;
+    for (size_t i = 0; i < updates.size(); ++i) {
+      const MeshPositions& update = updates[i];
+      meshes_.push_back({update.mesh, update.is_sparse});
+      runs_.push_back({count, shape_->vertex_offset[update.mesh], shape_->spec.meshes[update.mesh].vertex_count,
+                       reinterpret_cast<const uint32_t*>(places[3 * i]),
+                       reinterpret_cast<const Vec3<Real>*>(places[3 * i + 1]),
+                       reinterpret_cast<const Vec3<Real>*>(places[3 * i + 2])});
+      count += update.end.size() / sizeof(Vec3<Real>);
+    }
+    positions_ = {{staging_.bring(runs_), runs_.size()}, count};
+  }
+
+  [[noreturn]] void refuse(const BadPosition& bad) {
+    const size_t update = PositionRuns<Real>{{runs_.data(), runs_.size()}, positions_.count}.run_of(bad.position);
+    const PositionRun<Real>& run = runs_[update];
+    const uint64_t k = bad.position - run.first;
+    const uint32_t index = run.indices != nullptr ? staging_.read(run.indices + k) : static_cast<uint32_t>(k);
+    const UpdatePlace place{update, meshes_[update].mesh, k};
+    if (bad.what == BadPosition::kIndex) refuse_index(place, index, run.vertex_count);
+    const bool is_end = bad.what == BadPosition::kEnd;
+    const Vec3<Real> p = staging_.read((is_end ? run.end : run.start) + k);
+    const Real value = bad.coordinate == 0 ? p.x : bad.coordinate == 1 ? p.y : p.z;
+    refuse_coordinate(place, is_end, {index, bad.coordinate, value, coordinate_limit(shape_->spec.scalar)});
+  }
+
+  std::shared_ptr<const SceneShape> shape_;
+  typename Exec::Staging staging_;
+  bool is_sent_ = false;
+  std::vector<SentMesh> meshes_;
+  std::vector<PositionRun<Real>> runs_;  ///< of each update
+  PositionRuns<Real> positions_;         ///< the same on the backend
+};
+
+}  // namespace collided

@@ -1,0 +1,16 @@
+#include "gpu/exec/cpu/cpu_exec.hpp"
+#include "gpu/scene/backends.hpp"
+#include "gpu/scene/scene_detector.hpp"
+#include "gpu/search/cpu/searcher.hpp"
+
+namespace collided {
+
+std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables features) {
+  const int threads = spec.threads;
+  const MemoryLimits memory(spec.memory_budget, spec.memory_quota);
+  return make_scene_detector<CpuExec>(std::move(spec), std::move(features), threads, memory);
+}
+
+DeviceInfo cpu_device() { return CpuExec(0, 0).device(); }
+
+}  // namespace collided

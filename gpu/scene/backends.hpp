@@ -1,0 +1,22 @@
+#pragma once
+// The backends that this build has; one source file makes each.
+
+#include "gpu/detector.hpp"
+#include "gpu/scene/topology.hpp"
+
+namespace collided {
+
+std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables features);
+
+/// Throws DeviceError where there is no usable device, or the build has no CUDA.
+std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features);
+
+DeviceInfo cpu_device();
+std::vector<DeviceInfo> cuda_devices();
+
+// As in detector.hpp, on CUDA.
+bool cuda_works();
+std::unique_ptr<SharedMemory> register_cuda_memory(std::span<std::byte> memory);
+std::unique_ptr<SharedMemory> open_cuda_memory(std::span<const std::byte> handle);
+
+}  // namespace collided

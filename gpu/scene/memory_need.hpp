@@ -1,0 +1,16 @@
+#pragma once
+// What scenes need of memory, known before it is taken.
+
+#include <cstdint>
+
+#include "gpu/scene/topology.hpp"
+
+namespace collided {
+
+/// Bytes of host memory that make_features() takes at most for so many triangles, its result included.
+uint64_t max_making_bytes(uint64_t triangles);
+
+/// Bytes of host memory that the tables hold.
+uint64_t bytes_of(const FeatureTables& features);
+
+}  // namespace collided

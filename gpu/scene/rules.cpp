@@ -1,0 +1,41 @@
+#include "gpu/scene/rules.hpp"
+
+#include "gpu/base/text.hpp"
+#include "gpu/positions/checks.hpp"
+
+namespace collided {
+namespace {
+
+void check_length(const std::string& field, double value, double limit) {
+  if (!(value >= 0 && value <= limit))
+    throw InvalidInput(field, field + " is " + text(value) + "; it must be from 0 to " + text(limit));
+}
+
+}  // namespace
+
+void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
+  if (spec.triangle_triangle && spec.mode == Mode::kCcd && settings.accuracy != Accuracy::kCandidates)
+    throw InvalidInput(
+        "triangle_triangle",
+        "triangle_triangle is on, but only DCD tests triangle pairs; CCD lists them at CANDIDATES alone");
+  check_length("delta", settings.delta, coordinate_limit(spec.scalar));
+  const bool finds_features = spec.vertex_triangle || spec.edge_edge;
+  if (spec.mode == Mode::kDcd && settings.accuracy == Accuracy::kFast && spec.thickness == 0 && finds_features)
+    throw InvalidInput("thickness", "thickness is 0; discrete detection at FAST needs a distance > 0");
+  if (settings.report == Report::kEarliestOnly && (spec.mode != Mode::kCcd || settings.accuracy < Accuracy::kGuarded))
+    throw InvalidInput("report", "report is EARLIEST_ONLY, which needs CCD at GUARDED or above");
+  if (settings.report == Report::kAnyHit && settings.accuracy < Accuracy::kFast)
+    throw InvalidInput("report", "report is ANY_HIT, which needs FAST or above");
+}
+
+void check_spec(const SceneSpec& spec) {
+  check_length("thickness", spec.thickness, coordinate_limit(spec.scalar));
+  if (!spec.vertex_triangle && !spec.edge_edge && !spec.triangle_triangle)
+    throw InvalidInput("vertex_triangle",
+                       "vertex_triangle, edge_edge and triangle_triangle are all off, nothing would be detected");
+  if (spec.threads < 0)
+    throw InvalidInput("threads", "threads is " + text(spec.threads) + ", the least is 0 (all cores)");
+  check_settings(spec, settings_of(spec, {}));
+}
+
+}  // namespace collided

@@ -1,0 +1,72 @@
+#pragma once
+// The search for pairs on CPU cores: pair_search.hpp and tree_walk.hpp find them, pair_taker.hpp takes them.
+
+#include <new>
+
+#include "gpu/exec/cpu/cpu_exec.hpp"
+#include "gpu/search/cpu/pair_search.hpp"
+#include "gpu/search/cpu/pair_taker.hpp"
+#include "gpu/search/cpu/tree_walk.hpp"
+#include "gpu/search/searcher.hpp"
+
+namespace collided {
+
+template <>
+class Searcher<CpuExec> {
+ public:
+  explicit Searcher(CpuExec& exec) : exec_(exec) {}
+
+  template <class Source, class Sink>
+  void search(const char*, const Counted& items, uint64_t*, const Source& source, const Sink& sink) {
+    if (source.must_rerun()) return;
+    share_among_takers(items.size(), 8, sink, source.boxes.size(), [&](LoopTurn& turn, auto& taker) {
+      LeafTiles tiles;
+      while (ItemRange* left = turn.next())
+        visit_some(
+            source, sink, *left, tiles, [&](uint32_t a, uint32_t b) { taker.take(a, b); },
+            [&](uint32_t triangle) { taker.prefetch(triangle); });
+    });
+  }
+
+  template <class Source, class Sink>
+  void walk(const char*, uint64_t items, uint64_t*, const Source& source, const Sink& sink) {
+    share_among_takers(items, 64, sink, items, [&](LoopTurn& turn, auto& taker) {
+      uint64_t steps = 0;
+      while (ItemRange* left = turn.next())
+        steps += walk_some(source, sink, *left, [&](uint32_t a, uint32_t b) { taker.take(a, b); });
+      source.add_tests(steps);
+    });
+  }
+
+ private:
+  /// use(turn, taker), by several threads (pair_taker.hpp).
+  template <class Sink, class Use>
+  void share_among_takers(uint64_t items, uint64_t grain, const Sink& sink, uint64_t triangles, const Use& use) {
+    const auto run = [&](const auto&... features) {
+      exec_.host_loops().share(items, grain, [&](LoopTurn& turn) {
+        Taker<Sink> taker(sink, features...);
+        use(turn, taker);
+        taker.finish();
+      });
+    };
+    if constexpr (Sink::kTakesPairs)
+      run();
+    else
+      run(prepare_features(sink, triangles));
+  }
+  template <class Sink>
+  auto prepare_features(const Sink& sink, uint64_t triangles) {
+    using Features = typename Taker<Sink>::Features;
+    features_.ensure(triangles * sizeof(Features));
+    Features* features = reinterpret_cast<Features*>(features_.data());
+    exec_.for_each("prepare_features", triangles, [&](uint64_t i) {
+      new (&features[i]) Features(feature_boxes_of(sink.tests, static_cast<uint32_t>(i)));
+    });
+    return features;
+  }
+
+  CpuExec& exec_;
+  Buffer<std::byte, CpuExec> features_{exec_, "features"};  ///< FeatureBoxes of each triangle
+};
+
+}  // namespace collided

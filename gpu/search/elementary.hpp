@@ -1,0 +1,108 @@
+#pragma once
+// Section 3.3: vertex-triangle and edge-edge candidates of a triangle pair.
+// R-triangles (Curtis, Tamstorf and Manocha 2008): each vertex and edge belongs to the triangle of lowest id that
+// has it, and only its owner's pairs test it, so that every candidate comes up exactly once. Triangles that share a
+// vertex are not skipped: their other features may touch. Features that share a vertex are no pair.
+
+#include "gpu/base/points.hpp"
+#include "gpu/search/boxes.hpp"
+#include "gpu/search/elementary_numbers.hpp"
+
+namespace collided {
+
+COLLIDED_HD inline uint64_t pack_ids(uint32_t first, uint32_t second) { return uint64_t{first} << 32 | second; }
+COLLIDED_HD inline uint32_t first_id(uint64_t key) { return static_cast<uint32_t>(key >> 32); }
+COLLIDED_HD inline uint32_t second_id(uint64_t key) { return static_cast<uint32_t>(key); }
+
+/// A candidate's key and its points, in the order of Stencil.
+template <class Real>
+struct CandidatePoints {
+  uint64_t key;  ///< vertex, triangle; or lower edge, higher edge
+  FeaturePoints<Real> points;
+};
+
+template <class Real>
+struct ElementaryTests {
+  Span<const TriangleRecord<Real>> records;
+  Span<const uint8_t> owned;  ///< bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0
+  Real inflation;             ///< half the thickness
+  bool vertex_triangle, edge_edge;
+
+  /// One bit for each test (search/elementary_numbers.hpp) that is this pair's to make.
+  COLLIDED_HD uint32_t tests_of(uint32_t a, uint32_t b) const {
+    const uint32_t p = owned[a], q = owned[b];
+    uint32_t tests = 0;
+    if (vertex_triangle) tests = (p & 7u) | (q & 7u) << 3;
+    if (edge_edge) {
+      const uint32_t edges = q >> 3;
+      for (int k = 0; k < 3; ++k) tests |= (p >> (3 + k) & 1u) * edges << edge_edge_test(k, 0);
+    }
+    return tests;
+  }
+
+  /// Which corners and edges of a triangle are to be tested; bits as in `owned`.
+  COLLIDED_HD uint32_t tested_of(uint32_t triangle) const {
+    return owned[triangle] & ((vertex_triangle ? 7u : 0u) | (edge_edge ? 7u << 3 : 0u));
+  }
+  /// Box of a corner's path; those of edges and triangles are joined from them.
+  COLLIDED_HD Box<Real> corner_box(uint32_t triangle, int k) const {
+    return inflate(records[triangle].corner[k].swept(), inflation);
+  }
+  COLLIDED_HD Triangle vertices_of(uint32_t triangle) const {
+    const TriangleRecord<Real>& t = records[triangle];
+    return {t.corner[0].vertex_id(), t.corner[1].vertex_id(), t.corner[2].vertex_id()};
+  }
+  COLLIDED_HD Triangle edges_of(uint32_t triangle) const {
+    const TriangleRecord<Real>& t = records[triangle];
+    return {t.corner[0].edge_id(), t.corner[1].edge_id(), t.corner[2].edge_id()};
+  }
+
+  /// Whether the features share no vertex and their boxes overlap.
+  COLLIDED_HD bool vertex_triangle_overlap(uint32_t a, uint32_t b, int test) const {
+    const CornerRecord<Real> v = vertex_corner(a, b, test);
+    const TriangleRecord<Real>& t = records[test < 3 ? b : a];
+    const EdgeRecord<Real> e = t.edge[0], f = t.edge[1];
+    const uint32_t id = v.vertex_id();
+    if (id == e.from || id == f.from || id == f.to) return false;
+    return overlap_inflated(v.swept(), join(e.swept(), f.swept()));
+  }
+  COLLIDED_HD bool edge_edge_overlap(uint32_t a, uint32_t b, int test) const {
+    const EdgeRecord<Real> e = records[a].edge[first_edge_of(test)], f = records[b].edge[second_edge_of(test)];
+    if (e.from == f.from || e.from == f.to || e.to == f.from || e.to == f.to) return false;
+    return overlap_inflated(e.swept(), f.swept());
+  }
+
+  COLLIDED_HD CandidatePoints<Real> vertex_triangle_points(uint32_t a, uint32_t b, int test) const {
+    const uint32_t triangle = test < 3 ? b : a;
+    const CornerRecord<Real> v = vertex_corner(a, b, test);
+    const TriangleRecord<Real>& t = records[triangle];
+    const CornerRecord<Real> c0 = t.corner[0], c1 = t.corner[1], c2 = t.corner[2];
+    return {pack_ids(v.vertex_id(), triangle),
+            {{v.start, c0.start, c1.start, c2.start}, {v.end, c0.end, c1.end, c2.end}}};
+  }
+  COLLIDED_HD CandidatePoints<Real> edge_edge_points(uint32_t a, uint32_t b, int test) const {
+    const EdgeCorners e(*this, a, b, test);
+    const uint32_t f = e.a0.edge_id(), g = e.b0.edge_id();
+    return {pack_ids(min(f, g), max(f, g)),
+            {{e.a0.start, e.a1.start, e.b0.start, e.b1.start}, {e.a0.end, e.a1.end, e.b0.end, e.b1.end}}};
+  }
+
+ private:
+  COLLIDED_HD CornerRecord<Real> vertex_corner(uint32_t a, uint32_t b, int test) const {
+    return records[test < 3 ? a : b].corner[test < 3 ? test : test - 3];
+  }
+  COLLIDED_HD static int next(int k) { return k == 2 ? 0 : k + 1; }
+  struct EdgeCorners {
+    CornerRecord<Real> a0, a1, b0, b1;
+    COLLIDED_HD EdgeCorners(const ElementaryTests& scene, uint32_t a, uint32_t b, int test) {
+      const int k = first_edge_of(test), m = second_edge_of(test);
+      const TriangleRecord<Real>&p = scene.records[a], &q = scene.records[b];
+      a0 = p.corner[k], a1 = p.corner[next(k)], b0 = q.corner[m], b1 = q.corner[next(m)];
+    }
+  };
+  COLLIDED_HD bool overlap_inflated(const Box<Real>& p, const Box<Real>& q) const {
+    return overlap(inflate(p, inflation), inflate(q, inflation));
+  }
+};
+
+}  // namespace collided

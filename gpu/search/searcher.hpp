@@ -1,0 +1,14 @@
+#pragma once
+// The search for pairs of triangles, on a backend: a source finds them, a sink takes them.
+
+namespace collided {
+
+/// Of one scene. Each backend has its own, with the same two verbs:
+/// - search(name, items, next, source, sink): the pairs of a source's items, member against member
+/// (octree/leaf_pairs.hpp);
+/// - walk(name, items, next, source, sink): the pairs that the walks of a source's items find (lbvh/lbvh.hpp).
+/// `next` is a zeroed counter on the backend.
+template <class Exec>
+class Searcher;
+
+}  // namespace collided

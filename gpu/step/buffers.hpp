@@ -1,0 +1,147 @@
+#pragma once
+// Everything that a scene keeps on its backend. Arrays of stages that the scene does not have stay empty.
+
+#include "gpu/contacts/contact.hpp"
+#include "gpu/contacts/order.hpp"
+#include "gpu/exec/buffer.hpp"
+#include "gpu/lbvh/lbvh.hpp"
+#include "gpu/narrow/certified_ccd.hpp"
+#include "gpu/octree/leaf_pairs.hpp"
+#include "gpu/search/elementary.hpp"
+#include "gpu/step/state.hpp"
+
+namespace collided {
+
+/// Topology, as resident arrays.
+template <class Exec>
+struct ResidentTopology {
+  explicit ResidentTopology(Exec& exec)
+      : triangles(exec, "triangles"),
+        triangle_edges(exec, "edges"),
+        edges(exec, "edges"),
+        owned(exec, "ownership"),
+        mesh_of_triangle(exec, "pair_filter"),
+        rules(exec, "pair_filter") {}
+
+  Buffer<Triangle, Exec> triangles;
+  Buffer<Triangle, Exec> triangle_edges;
+  Buffer<EdgePair, Exec> edges;
+  Buffer<uint8_t, Exec> owned;
+  Buffer<uint32_t, Exec> mesh_of_triangle;
+  Buffer<MeshRule, Exec> rules;
+};
+
+/// The octree grid of one frame.
+template <class Exec>
+struct OctreeBuffers {
+  explicit OctreeBuffers(Exec& exec)
+      : wanted(exec, "octree"),
+        counts(exec, "octree"),
+        type(exec, "octree"),
+        slot(exec, "octree"),
+        root_cost(exec, "octree"),
+        large(exec, "octree"),
+        bricks(exec, "bricks"),
+        reach(exec, "bricks"),
+        brick_cost(exec, "bricks"),
+        brick_items(exec, "bricks"),
+        leaves(exec, "octree"),
+        cursor(exec, "octree"),
+        registered(exec, "registrations"),
+        items(exec, "octree") {}
+
+  Buffer<ActiveLevels, Exec> wanted;
+  Buffer<uint32_t, Exec> counts;
+  Buffer<uint8_t, Exec> type;
+  Buffer<uint32_t, Exec> slot;
+  Buffer<float, Exec> root_cost;
+  Buffer<uint32_t, Exec> large;  ///< triangles with many cells
+  Buffer<Brick, Exec> bricks;
+  Buffer<uint32_t, Exec> reach;
+  Buffer<float, Exec> brick_cost;
+  Buffer<BrickItem, Exec> brick_items;
+  Buffer<Leaf, Exec> leaves;
+  Buffer<uint32_t, Exec> cursor;
+  Buffer<uint32_t, Exec> registered;
+  Buffer<PairItem, Exec> items;
+};
+
+/// The bounding volume hierarchy of one frame.
+template <class Exec>
+struct BvhBuffers {
+  explicit BvhBuffers(Exec& exec)
+      : keys{{exec, "bvh"}, {exec, "bvh"}},
+        triangles{{exec, "bvh"}, {exec, "bvh"}},
+        meeting(exec, "bvh"),
+        nodes(exec, "bvh") {}
+
+  void reserve(uint64_t leaves) {
+    for (auto& buffer : keys) buffer.allocate(leaves);
+    for (auto& buffer : triangles) buffer.allocate(leaves);
+    meeting.allocate(leaves);
+    nodes.allocate(2 * leaves - 2);
+  }
+
+  Buffer<uint64_t, Exec> keys[2];  ///< the second is room to sort in
+  Buffer<uint32_t, Exec> triangles[2];
+  Buffer<uint32_t, Exec> meeting;
+  Buffer<BvhNode, Exec> nodes;
+};
+
+/// Contacts of all kinds as they are found. Candidates at kCandidates have keys alone.
+template <class Exec, class Real>
+struct ContactBuffers {
+  explicit ContactBuffers(Exec& exec) : keys(exec, "keys"), data(exec, "contacts") {}
+
+  Buffer<uint64_t, Exec> keys;
+  Buffer<ContactData<Real>, Exec> data;
+};
+
+template <class Exec, class Real>
+struct SceneBuffers {
+  explicit SceneBuffers(Exec& exec)
+      : topology(exec),
+        start(exec, "start_positions"),
+        end(exec, "positions"),
+        last_good(exec, "last_good"),
+        boxes(exec, "boxes"),
+        records(exec, "records"),
+        state(exec, "counters"),
+        octree(exec),
+        bvh(exec),
+        triangle_pairs(exec, "pairs"),
+        kept{{exec, "candidates"}, {exec, "candidates"}},
+        screened{{exec, "candidates"}, {exec, "candidates"}},
+        resumable{{exec, "candidates"}, {exec, "candidates"}},
+        contacts(exec),
+        earliest(exec),
+        sorted(exec, "contacts"),
+        order(exec),
+        exact_keys(exec, "exact"),
+        exact_points(exec, "exact") {}
+
+  /// At t = 0; in DCD the frame's own.
+  const Vec3<Real>* positions_at_start() const { return start.capacity() > 0 ? start.data() : end.data(); }
+
+  ResidentTopology<Exec> topology;
+  Buffer<Vec3<Real>, Exec> start;  ///< CCD only
+  Buffer<Vec3<Real>, Exec> end;
+  Buffer<Vec3<Real>, Exec> last_good;  ///< `end` of the last frame that succeeded
+  Buffer<Box<float>, Exec> boxes;
+  Buffer<TriangleRecord<Real>, Exec> records;
+  Buffer<StepState, Exec> state;
+  OctreeBuffers<Exec> octree;
+  BvhBuffers<Exec> bvh;
+  Buffer<uint64_t, Exec> triangle_pairs;
+  Buffer<uint64_t, Exec> kept[2];             ///< candidates of each kind that the filter keeps
+  Buffer<uint64_t, Exec> screened[2];         ///< those of them that no fixed direction keeps apart
+  Buffer<ResumableQuery, Exec> resumable[2];  ///< those of them that float has not told apart
+  ContactBuffers<Exec, Real> contacts;
+  ContactBuffers<Exec, Real> earliest;  ///< EARLIEST_ONLY
+  Buffer<ContactData<Real>, Exec> sorted;
+  OrderBuffers<Exec> order;
+  Buffer<uint64_t, Exec> exact_keys;
+  Buffer<Vec3<Real>, Exec> exact_points;
+};
+
+}  // namespace collided

@@ -1,0 +1,25 @@
+#pragma once
+// What happens to contacts once they are on the host. Lists may be long: the loops ask whether the frame goes on.
+
+#include "gpu/exact/decision.hpp"
+#include "gpu/exec/cpu/cpu_loops.hpp"
+#include "gpu/types.hpp"
+
+namespace collided {
+
+/// Contacts that only exact arithmetic can decide: those that are not certain, those whose time of impact is 0, which
+/// tells nothing of whether they touch at the start, and those whose time was left far off by the limit of looks.
+size_t count_undecided(CpuLoops& loops, const ContactSet& set);
+/// Their places; `count`: of them.
+std::vector<size_t> undecided(CpuLoops& loops, const ContactSet& set, size_t count);
+
+/// Takes the answers for the contacts at `places`: what is no contact goes, the rest is certain.
+void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places,
+           const std::vector<ExactAnswer>& answers);
+
+/// Leaves one contact in all: the earliest; of several the first, vertex-triangle before edge-edge.
+void keep_earliest(CpuLoops& loops, FrameResult& result);
+
+double earliest_toi(const ContactSet& set);
+
+}  // namespace collided

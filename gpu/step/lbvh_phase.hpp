@@ -1,0 +1,85 @@
+#pragma once
+// The stages of the linear bounding volume hierarchy (lbvh/lbvh.hpp), from boxes to pairs: the other broad phase.
+
+#include "gpu/search/boxes.hpp"
+#include "gpu/search/searcher.hpp"
+#include "gpu/step/buffers.hpp"
+
+namespace collided {
+
+template <class Exec, class Real>
+class LbvhPhase {
+ public:
+  LbvhPhase(Exec& exec, Searcher<Exec>& searcher, const SceneSpec& spec, const Topology& topology,
+            SceneBuffers<Exec, Real>& scene)
+      : exec_(exec), searcher_(searcher), spec_(spec), topology_(topology), scene_(scene) {}
+
+  void reserve() { scene_.bvh.reserve(leaves()); }
+
+  /// How large the scene and its triangles are.
+  void measure() {
+    StepState* state = scene_.state.data();
+    exec_.reduce_into("bounds", leaves(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
+    exec_.reduce_into("extents", leaves(), ExtentOf{&state->bounds, boxes()}, uint64_t{0}, AddExtents{},
+                      &state->extents, PrepareNarrow{state, spec_.thickness});
+  }
+
+  /// The leaves in order.
+  void sort() {
+    const StepState* state = scene_.state.data();
+    BvhBuffers<Exec>& bvh = scene_.bvh;
+    const MortonKeys keys{&state->bounds,
+                          {&state->bounds, &state->extents, leaves()},
+                          boxes(),
+                          bvh.keys[0].all(),
+                          bvh.triangles[0].all(),
+                          bvh.meeting.all(),
+                          MortonKeys::axis_bits_for(leaves())};
+    exec_.for_each("morton_keys", leaves(), keys);
+    sorted_ = exec_.sort_pairs("sort_leaves", keys.bits(),
+                               {bvh.keys[0].all(), bvh.keys[1].all(), bvh.triangles[0].all(), bvh.triangles[1].all()});
+    is_counted_ = false;
+  }
+
+  void build() {
+    BvhBuffers<Exec>& bvh = scene_.bvh;
+    exec_.for_each("build_hierarchy", leaves(),
+                   BuildHierarchy{{bvh.keys[sorted_].all(), static_cast<uint32_t>(leaves())},
+                                  bvh.triangles[sorted_].all(),
+                                  boxes(),
+                                  bvh.meeting.all(),
+                                  bvh.nodes.all()});
+  }
+
+  /// What the walks of all leaves find goes to the sink. The first search of a step counts the tests.
+  template <class Sink>
+  void search(const char* name, const Sink& sink, uint64_t* next_item) {
+    StepState* state = scene_.state.data();
+    const BvhPairs source{scene_.bvh.nodes.all(),
+                          static_cast<uint32_t>(leaves()),
+                          {scene_.topology.mesh_of_triangle.data(), scene_.topology.rules.data()},
+                          is_counted_ ? nullptr : &state->leaves.tests};
+    is_counted_ = true;
+    searcher_.walk(name, leaves(), next_item, source, sink);
+  }
+
+  /// Nodes take the place of cells; nothing is registered.
+  void describe(FrameCounts& counts) const {
+    counts.cells = 2 * leaves() - 1;
+    counts.leaves = leaves();
+  }
+
+ private:
+  uint64_t leaves() const { return topology_.triangles.size(); }
+  Span<const Box<float>> boxes() const { return scene_.boxes.span(leaves()); }
+
+  Exec& exec_;
+  Searcher<Exec>& searcher_;
+  const SceneSpec& spec_;
+  const Topology& topology_;
+  SceneBuffers<Exec, Real>& scene_;
+  int sorted_ = 0;           ///< which of the buffers holds the leaves in order
+  bool is_counted_ = false;  ///< a search of the step has counted its tests
+};
+
+}  // namespace collided

@@ -1,0 +1,299 @@
+#pragma once
+// Steps 1 to 7 of Fig. 7: from resident positions to pairs of triangles whose boxes overlap. Everything is put in line
+// for the backend; no length is read back.
+
+#include <string>
+#include <vector>
+
+#include "gpu/octree/cell_grid.hpp"
+#include "gpu/octree/refine.hpp"
+#include "gpu/octree/registration.hpp"
+#include "gpu/search/resolution.hpp"
+#include "gpu/search/searcher.hpp"
+#include "gpu/step/buffers.hpp"
+#include "gpu/step/plan.hpp"
+
+namespace collided {
+
+/// Side of a uniform grid's cell, and of a small cell of a two-level grid, in mean triangles. Of 1, 1.5 and 2, 1 makes
+/// the fewest tests in all scenes, and the least work with them and the registrations in most.
+constexpr double kCellPerMean = 1;
+
+template <class Exec, class Real>
+class OctreePhase {
+ public:
+  OctreePhase(Exec& exec, Searcher<Exec>& searcher, const SceneSpec& spec, const Topology& topology,
+              SceneBuffers<Exec, Real>& scene)
+      : exec_(exec), searcher_(searcher), spec_(spec), topology_(topology), scene_(scene) {}
+
+  /// Lists start at what most scenes need.
+  void reserve(const OctreePlan& plan) {
+    const uint64_t n = triangle_count();
+    OctreeBuffers<Exec>& tree = scene_.octree;
+    tree.wanted.allocate(1);
+    if (plan.rounds > 0 && tree.bricks.capacity() == 0) {
+      reserve_bricks(256);
+      tree.brick_items.allocate(n + 1024);
+    }
+    reserve_cells();
+    tree.root_cost.allocate(level_offset(kMaxLevel - kBrickLevels + 1));
+    if (tree.large.capacity() == 0) tree.large.allocate(256);
+    if (tree.leaves.capacity() == 0) reserve_leaves(n / 2 + 1024);
+    if (tree.registered.capacity() == 0) tree.registered.allocate(6 * n + 1024);
+    if (tree.items.capacity() == 0) tree.items.allocate(n + 1024);
+  }
+
+  /// Makes room for what a step asked for; whether it has to run again.
+  bool grow(const StepState& need) {
+    OctreeBuffers<Exec>& tree = scene_.octree;
+    check_length("registrations", need.leaves.registrations);
+    check_length("items of pair tests", need.leaves.items);
+    uint64_t bricks = 0, brick_items = 0;
+    for (const uint64_t n : need.bricks) bricks += n;
+    for (const uint64_t n : need.brick_items) brick_items += n;
+    bool short_of_room = false;
+    const auto check = [&](const auto& buffer, uint64_t count, const auto& enlarge) {
+      if (count <= buffer.capacity()) return;
+      short_of_room = true;
+      enlarge(count);
+    };
+    check(tree.large, need.large, [&](uint64_t n) { tree.large.ensure(n); });
+    check(tree.bricks, bricks, [&](uint64_t n) { reserve_bricks(n + n / 4); });
+    check(tree.brick_items, brick_items, [&](uint64_t n) { tree.brick_items.ensure(n); });
+    check(tree.leaves, need.leaves.leaves, [&](uint64_t n) { reserve_leaves(n + n / 4); });
+    check(tree.registered, need.leaves.registrations, [&](uint64_t n) { tree.registered.ensure(n); });
+    check(tree.items, need.leaves.items, [&](uint64_t n) { tree.items.ensure(n); });
+    return short_of_room;
+  }
+
+  /// Makes the lists of a step empty.
+  void clear(const OctreePlan& plan) {
+    exec_.fill_zero(scene_.state.data(), sizeof(StepState));
+    if (plan.engine != Engine::kLbvh)
+      exec_.fill_zero(scene_.octree.counts.data(), level_offset(plan.base + 1) * sizeof(uint32_t));
+  }
+
+  // 1. Bounding boxes: of all triangles, or of those of meshes that move.
+  void box_triangles(bool all) {
+    using Work = BoxTriangles<Real>;
+    for (const TriangleRun& run : runs(all))
+      exec_.for_each_group("box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
+                           Work{motion(), triangles(), edges(), scene_.topology.owned.all(), run.first, run.count,
+                                scene_.boxes.all(), scene_.records.all()});
+  }
+
+  // Section 3.2: number of levels.
+  void choose_levels() {
+    StepState* state = scene_.state.data();
+    exec_.reduce_into("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
+    exec_.reduce_into(
+        "covered_per_level", triangle_count(), CoveredPerLevel{&state->bounds, boxes()}, LevelTotals{}, AddTotals{},
+        &state->totals,
+        PrepareStep{{&state->bounds, &state->totals, scene_.octree.wanted.data(), triangle_count(), &state->grid},
+                    {state, spec_.thickness}});
+  }
+
+  // The same for grids whose cells are as large as the triangles.
+  void choose_cells(const OctreePlan& plan) {
+    const bool uniform = plan.engine == Engine::kUniformGrid;
+    StepState* state = scene_.state.data();
+    const MeanExtent mean{&state->bounds, &state->extents, triangle_count()};
+    LevelGrid* grid = &state->grid.grid;
+    exec_.reduce_into("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
+    exec_.reduce_into("extents", triangle_count(), ExtentOf{&state->bounds, boxes()}, uint64_t{0}, AddExtents{},
+                      &state->extents, SpanCells{&state->bounds, mean, kCellPerMean, grid});
+    exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevelOf{grid, boxes()}, LevelTotals{},
+                      AddTotals{}, &state->totals,
+                      ChooseCells{&state->totals, triangle_count(), uniform ? 0 : kLevelsOfCrowdedCell, &state->grid});
+    exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, spec_.thickness});
+  }
+
+  // 2. Counter octree.
+  void count_overlapped_cells(const OctreePlan& plan) {
+    const Span<uint32_t> counts = scene_.octree.counts.all();
+    exec_.for_each_part(
+        "count_overlapped_cells", all_triangles(),
+        CountOverlappedCells{{grid(), boxes()}, counts, {scene_.octree.large.all(), &scene_.state.data()->large}});
+    exec_.for_each_of_many_parts("count_cells_of_large", large(plan), CountCellsOfLarge{cells_of_large(), counts});
+  }
+
+  void refine(const OctreePlan& plan) {
+    const Tree all = tree(plan);
+    for (int round = 0; round < plan.rounds; ++round) {
+      const ListInBricks list{all, round};
+      if (round == 0) {
+        exec_.for_each("open_first_bricks", base_cells(plan), OpenFirstBricks{all});
+        exec_.for_each_part("list_in_first_bricks", all_triangles(), ListInFirstBricks{list, boxes()});
+        exec_.for_each_of_many_parts("list_large_in_first_bricks", large(plan),
+                                     ListLargeInFirstBricks{list, cells_of_large()});
+      } else {
+        exec_.for_each_group("open_bricks", bricks(round - 1), OpenBricks{all, round});
+        exec_.for_each_part("list_in_next_bricks", brick_items(round - 1),
+                            ListInNextBricks{list, {all, boxes(), round - 1}});
+      }
+      exec_.for_each_group("clear_bricks", bricks(round), ClearBricks{all, round});
+      exec_.for_each_part("count_in_bricks", brick_items(round), CountInBricks{{all, boxes(), round}});
+    }
+  }
+
+  // 3. Bottom-up stage.
+  void cut(const OctreePlan& plan) {
+    const Tree all = tree(plan);
+    if (plan.engine == Engine::kTwoLevelGrid) return exec_.for_each("cut_crowded", top_cells(), CutCrowded{all});
+    for (int round = plan.rounds - 1; round >= 0; --round)
+      exec_.for_each_group("cut_bricks", bricks(round), CutBricks{all, plan.cost, round});
+    for (int step = 0; step * kBrickLevels < max(1, plan.levels - 1); ++step)
+      exec_.for_each_group("cut_dense", roots(plan, step),
+                           CutDense{all, plan.cost, scene_.octree.root_cost.all(), step});
+  }
+
+  // 4. Top-down stage: the leaves of the cut and their places.
+  void place_leaves(const OctreePlan& plan) {
+    OctreeBuffers<Exec>& octree = scene_.octree;
+    const PlaceLeaves place{tree(plan),          octree.leaves.all(),
+                            octree.cursor.all(), octree.registered.capacity(),
+                            octree.items.all(),  &scene_.state.data()->leaves};
+    exec_.for_each_group("place_dense_leaves", cell_groups(plan), PlaceDenseLeaves{place});
+    for (int round = 0; round < plan.rounds; ++round)
+      exec_.for_each_group("place_brick_leaves", bricks(round), PlaceBrickLeaves{place, round});
+  }
+
+  // 5. Cell-triangle pairs.
+  void register_triangles(const OctreePlan& plan) {
+    OctreeBuffers<Exec>& octree = scene_.octree;
+    const Registration registration{tree(plan), octree.cursor.all(), octree.registered.all()};
+    exec_.for_each_part("register_triangles", all_triangles(),
+                        RegisterTriangles<CellsOfTriangles>{registration, {grid(), boxes()}});
+    exec_.for_each_of_many_parts("register_large", large(plan),
+                                 RegisterTriangles<CellsOfLarge>{registration, cells_of_large()});
+    for (int round = 0; round < plan.rounds; ++round)
+      exec_.for_each_part("register_in_bricks", brick_items(round),
+                          RegisterTriangles<CellsInBricks>{registration, {registration.tree, boxes(), round}});
+  }
+
+  // 6.-7. Broad-phase tests, spread evenly; what they find goes to the sink.
+  template <class Sink>
+  void search(const char* name, const OctreePlan& plan, const Sink& sink, uint64_t* next_item) {
+    StepState* state = scene_.state.data();
+    const OctreeBuffers<Exec>& octree = scene_.octree;
+    const LeafPairs source{grid(),
+                           {scene_.topology.mesh_of_triangle.data(), scene_.topology.rules.data()},
+                           boxes(),
+                           octree.leaves.all(),
+                           octree.registered.all(),
+                           octree.items.all(),
+                           &state->leaves,
+                           octree.registered.capacity(),
+                           plan.max_crowded_tests};
+    searcher_.search(name, Counted{&state->leaves.items, octree.items.capacity()}, next_item, source, sink);
+  }
+
+  /// Counts the triangles that the spacing of the positions' numbers is too coarse for.
+  void count_small_triangles() {
+    exec_.for_each(
+        "count_small_triangles", triangle_count(),
+        CountSmall<Real>{&scene_.state.data()->bounds, scene_.records.all(), &scene_.state.data()->small_triangles});
+  }
+
+  ElementaryTests<Real> elementary(bool vertex_triangle, bool edge_edge) const {
+    return {scene_.records.all(), scene_.topology.owned.all(), motion().inflation, vertex_triangle, edge_edge};
+  }
+
+ private:
+  uint64_t triangle_count() const { return topology_.triangles.size(); }
+  Span<const Box<float>> boxes() const { return scene_.boxes.span(triangle_count()); }
+  Span<const Triangle> triangles() const { return scene_.topology.triangles.all(); }
+  Span<const Triangle> edges() const { return scene_.topology.triangle_edges.all(); }
+  const LevelGrid* grid() const { return &scene_.state.data()->grid.grid; }
+  CellsOfLarge cells_of_large() const { return {grid(), boxes(), scene_.octree.large.all()}; }
+
+  /// Triangles [first, first + count).
+  struct TriangleRun {
+    uint64_t first, count;
+  };
+  std::vector<TriangleRun> runs(bool all) const {
+    std::vector<TriangleRun> runs;
+    for (uint32_t mesh = 0; mesh < spec_.meshes.size(); ++mesh) {
+      if (!all && spec_.meshes[mesh].is_static) continue;
+      const uint64_t first = topology_.triangle_offset[mesh], end = topology_.triangle_offset[mesh + 1];
+      if (!runs.empty() && runs.back().first + runs.back().count == first)
+        runs.back().count += end - first;
+      else
+        runs.push_back({first, end - first});
+    }
+    return runs;
+  }
+
+  // Lengths, and bounds that the host knows: blocks of which most have nothing to do take their time too.
+  Counted large(const OctreePlan& plan) const {
+    return {&scene_.state.data()->large, plan.has_large ? scene_.octree.large.capacity() : 0};
+  }
+  Counted base_cells(const OctreePlan& plan) const {
+    return {&scene_.state.data()->grid.base_cells, uint64_t{1} << (3 * plan.base)};
+  }
+  Counted top_cells() const { return {&scene_.state.data()->grid.top_cells, kDenseCells}; }
+  Counted cell_groups(const OctreePlan& plan) const {
+    return {&scene_.state.data()->grid.cell_groups, groups_of_cells({{}, 0, 0, plan.base})};
+  }
+  Counted roots(const OctreePlan& plan, int step) const {
+    return {&scene_.state.data()->grid.roots[step], roots_of_step({{}, 0, 0, plan.base}, step)};
+  }
+  Counted bricks(int round) const { return {&scene_.state.data()->bricks[round], scene_.octree.bricks.capacity()}; }
+
+  Counted brick_items(int round) const {
+    return {&scene_.state.data()->brick_items[round], scene_.octree.brick_items.capacity()};
+  }
+  Counted all_triangles() const { return {nullptr, triangle_count()}; }
+
+  Tree tree(const OctreePlan& plan) const {
+    OctreeBuffers<Exec>& octree = scene_.octree;
+    return {grid(),
+            octree.counts.all(),
+            octree.type.all(),
+            octree.slot.all(),
+            octree.bricks.all(),
+            octree.reach.all(),
+            octree.brick_cost.all(),
+            octree.brick_items.all(),
+            scene_.state.data()->bricks,
+            scene_.state.data()->brick_items,
+            plan.rounds};
+  }
+
+  Motion<Real> motion() const {
+    const Real half = static_cast<Real>(spec_.thickness) / 2;
+    return {scene_.positions_at_start(), scene_.end.data(), half == 0 ? half : next_up(half)};
+  }
+
+  static void check_length(const std::string& list, uint64_t need) {
+    if (need >= ~0u)
+      throw ResourceExhausted("the octree needs " + std::to_string(need) + " " + list + ", the limit is " +
+                              std::to_string(~0u - 1));
+  }
+  void reserve_leaves(uint64_t count) {
+    scene_.octree.leaves.allocate(count);
+    scene_.octree.cursor.allocate(count);
+  }
+  void reserve_bricks(uint64_t count) {
+    OctreeBuffers<Exec>& tree = scene_.octree;
+    tree.bricks.allocate(count);
+    tree.reach.allocate(count);
+    tree.brick_cost.allocate(count);
+    reserve_cells();
+  }
+  void reserve_cells() {
+    OctreeBuffers<Exec>& tree = scene_.octree;
+    const uint64_t cells = kDenseCells + tree.bricks.capacity() * kBrickCells;
+    tree.counts.allocate(cells);
+    tree.type.allocate(cells);
+    tree.slot.allocate(cells);
+  }
+
+  Exec& exec_;
+  Searcher<Exec>& searcher_;
+  const SceneSpec& spec_;
+  const Topology& topology_;
+  SceneBuffers<Exec, Real>& scene_;
+};
+
+}  // namespace collided

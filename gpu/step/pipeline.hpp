@@ -1,0 +1,265 @@
+#pragma once
+// The paper's Fig. 7 for one frame: positions that are resident in, contacts in canonical order out.
+// enqueue() names the steps in their order; a scene runs those that its spec requires. The backend runs them without
+// asking the host; lists that turn out too short are enlarged to the need and the step runs again.
+
+#include <utility>
+
+#include "gpu/step/engine_choice.hpp"
+#include "gpu/step/lbvh_phase.hpp"
+#include "gpu/step/narrow_phase.hpp"
+#include "gpu/step/octree_phase.hpp"
+#include "gpu/step/plan.hpp"
+#include "gpu/step/refinement.hpp"
+#include "gpu/step/results.hpp"
+#include "gpu/step/sinks.hpp"
+#include "gpu/step/usage_predictor.hpp"
+
+namespace collided {
+
+template <class Exec, class Real>
+class Pipeline {
+ public:
+  Pipeline(Exec& exec, const SceneSpec& spec, const Topology& topology, SceneBuffers<Exec, Real>& scene)
+      : exec_(exec),
+        spec_(spec),
+        topology_(topology),
+        ranks_(ranks_of(spec, topology)),
+        scene_(scene),
+        searcher_(exec),
+        octree_(exec, searcher_, spec, topology, scene),
+        lbvh_(exec, searcher_, spec, topology, scene),
+        narrow_(exec, spec, ranks_, scene),
+        results_(exec, spec, ranks_, scene),
+        choice_(spec.engine) {}
+
+  /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`: as in FrameInput.
+  FrameResult detect_contacts(bool boxes_static, const FrameSettings& settings, uint64_t bytes_beside_contact) {
+    result_ = {};
+    run_step(needs_of(spec_, settings), boxes_static);
+    describe();
+    results_.collect(state_, needs(), bytes_beside_contact, result_);
+    result_.stages = exec_.stage_times();
+    result_.allocations = exec_.allocations();
+    return std::move(result_);
+  }
+
+  uint64_t answer_bytes() const { return results_.answer_bytes(); }
+
+ private:
+  /// In pair tests. From 0 to 4 it makes no difference to the time beyond 2 % in all (tests/bench/results, registration
+  /// weight); with 0 no other cut of the same grid makes fewer tests.
+  static constexpr float kRegistrationCost = 0;
+
+  static FeatureRanks ranks_of(const SceneSpec& spec, const Topology& topology) {
+    const uint64_t vertices = topology.vertex_count, edges = topology.edges.size();
+    const uint64_t count = vertices + edges + (spec.triangle_triangle ? topology.triangles.size() : 0);
+    if (count >= ~0u)
+      throw InvalidInput("meshes", "meshes have " + std::to_string(count) +
+                                       " vertices, edges and triangles, the limit is " + std::to_string(~0u - 1));
+    return {static_cast<uint32_t>(vertices), static_cast<uint32_t>(vertices + edges), static_cast<uint32_t>(count)};
+  }
+
+  const LevelNeeds& needs() const { return plan_.needs; }
+
+  /// Runs the step until everything it found had room.
+  void run_step(const LevelNeeds& needs, bool boxes_static) {
+    scene_.state.allocate(1);
+    for (;;) {
+      plan_ = {needs, plan_octree(), boxes_static, narrow_.expects_many()};
+      narrow_.begin(plan_);
+      reserve();
+      state_ = exec_.step(numbers_.number_of(plan_), scene_.state.data(), [&] { enqueue(); });
+      if (!must_rerun()) return;
+      ++result_.replays;
+    }
+  }
+
+  /// Makes room for what the step asked for.
+  bool must_rerun() {
+    const bool octree_grew = octree_.grow(state_), narrow_grew = narrow_.grow(state_),
+               missed_large = large_.observe(state_.large > 0) && !plan_.octree.has_large;
+    // A step that was short of room tells nothing of what refinement is good for.
+    return octree_grew || narrow_grew || missed_large || needs_refinement();
+  }
+  bool needs_refinement() {
+    return plan_.octree.engine == Engine::kOctree && refinement_.observe(state_, topology_.triangles.size());
+  }
+
+  void reserve() {
+    narrow_.reserve();
+    if (is_lbvh()) return lbvh_.reserve();
+    octree_.reserve(plan_.octree);
+    exec_.upload(scene_.octree.wanted.data(), &levels_, sizeof(levels_));
+  }
+  bool is_lbvh() const { return plan_.octree.engine == Engine::kLbvh; }
+
+  /// Fig. 7.
+  void enqueue() {
+    exec_.stage("boxes", [&] {
+      exec_.concurrently([&] { octree_.box_triangles(plan_.boxes_static); }, [&] { octree_.clear(plan_.octree); });
+    });
+    exec_.stage("levels", [&] { choose_levels(plan_.octree); });
+    const auto build = [&] { is_lbvh() ? build_hierarchy() : build_octree(plan_.octree); };
+    if (needs().judges_resolution() && needs().settings.delta == 0)
+      exec_.concurrently(build, [&] { octree_.count_small_triangles(); });
+    else
+      build();
+    if (spec_.vertex_triangle || spec_.edge_edge) detect_features();
+    if (spec_.triangle_triangle) detect_triangles();
+    narrow_.order();
+  }
+
+  void build_octree(const OctreePlan& plan) {
+    exec_.stage("count", [&] { octree_.count_overlapped_cells(plan); });
+    if (plan.rounds > 0) exec_.stage("refine", [&] { octree_.refine(plan); });
+    exec_.stage("bottom_up", [&] { octree_.cut(plan); });
+    exec_.stage("top_down", [&] { octree_.place_leaves(plan); });
+    exec_.stage("registration", [&] { octree_.register_triangles(plan); });
+  }
+  void build_hierarchy() {
+    exec_.stage("sort", [&] { lbvh_.sort(); });
+    exec_.stage("hierarchy", [&] { lbvh_.build(); });
+  }
+
+  void choose_levels(const OctreePlan& plan) {
+    if (plan.engine == Engine::kLbvh)
+      lbvh_.measure();
+    else if (has_cells_of_triangles(plan.engine))
+      octree_.choose_cells(plan);
+    else
+      octree_.choose_levels();
+  }
+  /// Whether the spacing of the positions' numbers, at the largest of them, is coarser than delta; without a delta,
+  /// than a thousandth of most triangles.
+  bool is_coarse() const {
+    if (needs().settings.delta > 0) return spacing_at<Real>(state_.bounds) > needs().settings.delta;
+    return 2 * state_.small_triangles > topology_.triangles.size();
+  }
+
+  void detect_features() {
+    const auto narrow_vt = [&] { narrow_.detect(VertexTriangle{scene_.topology.triangles.all()}); };
+    const auto narrow_ee = [&] { narrow_.detect(EdgeEdge{scene_.topology.edges.all()}); };
+    const bool vt = spec_.vertex_triangle, ee = spec_.edge_edge;
+    if (!needs().has_narrow_phase()) return search(vt, ee);
+    if (vt && ee && needs().is_any_hit()) {  // one kind may answer for both
+      search(true, false);
+      narrow_vt();
+      search(false, true);
+      narrow_ee();
+      return;
+    }
+    search(vt, ee);
+    if (vt && ee)
+      exec_.concurrently(narrow_vt, narrow_ee);
+    else
+      vt ? narrow_vt() : narrow_ee();
+  }
+
+  /// 6.-8. Pairs, their features' boxes, and the filter of the level.
+  void search(bool vertex_triangle, bool edge_edge) {
+    exec_.stage("pairs", [&] {
+      with_filter<Real>(needs(), spec_.thickness, scene_.state.data(),
+                        [&](const auto& keep) { search_for(keep, vertex_triangle, edge_edge); });
+    });
+  }
+  template <class Keep>
+  void search_for(const Keep& keep, bool vertex_triangle, bool edge_edge) {
+    StepState* state = scene_.state.data();
+    const auto list = [&](int kind) -> AppendList<uint64_t> {
+      if (!needs().has_narrow_phase()) return {scene_.contacts.keys.all(), &state->contacts};
+      return {scene_.kept[kind].all(), &state->kept[kind]};
+    };
+    const uint32_t edge_rank = needs().has_narrow_phase() ? 0 : ranks_.first_edge;
+    find_pairs("find_candidates",
+               FeatureSink<Real, Keep>{octree_.elementary(vertex_triangle, edge_edge),
+                                       keep,
+                                       list(kVertexTriangleKind),
+                                       list(kEdgeEdgeKind),
+                                       edge_rank,
+                                       narrow_.early_exit(),
+                                       {vertex_triangle || !spec_.vertex_triangle ? &state->pairs : nullptr,
+                                        &state->candidates[0], &state->candidates[1]}},
+               vertex_triangle || !spec_.vertex_triangle ? Search::kFeatures : Search::kEdges);
+  }
+
+  void detect_triangles() {
+    StepState* state = scene_.state.data();
+    const bool narrow = needs().tests_triangles(), counts = !spec_.vertex_triangle && !spec_.edge_edge;
+    exec_.stage("pairs_tt", [&] {
+      const AppendList<uint64_t> list = narrow
+                                            ? AppendList<uint64_t>{scene_.triangle_pairs.all(), &state->triangle_pairs}
+                                            : AppendList<uint64_t>{scene_.contacts.keys.all(), &state->contacts};
+      find_pairs("find_triangle_pairs",
+                 TrianglePairSink{scene_.topology.triangles.all(),
+                                  list,
+                                  narrow ? 0 : ranks_.first_triangle,
+                                  narrow_.early_exit(),
+                                  {counts ? &state->pairs : nullptr, nullptr, nullptr}},
+                 Search::kTriangles);
+    });
+    if (narrow) narrow_.detect_triangles();
+  }
+
+  template <class Sink>
+  void find_pairs(const char* name, const Sink& sink, Search search) {
+    uint64_t* next_item = &scene_.state.data()->next_item[static_cast<int>(search)];
+    is_lbvh() ? lbvh_.search(name, sink, next_item) : octree_.search(name, plan_.octree, sink, next_item);
+  }
+
+  OctreePlan plan_octree() const {
+    const Engine engine = choice_.engine();
+    OctreePlan plan{engine, {cut_rule_of(engine), kRegistrationCost}};
+    if (has_cells_of_triangles(engine))
+      plan.levels = engine == Engine::kUniformGrid ? 1 : kLevelsOfCrowdedCell + 1;
+    else if (levels_.base >= 0)
+      plan.levels = levels_.base - levels_.top + 1, plan.base = levels_.base;
+    plan.has_large = large_.is_expected() || !Exec::kLaunchesCost;
+    if (engine != Engine::kOctree) return plan;
+    plan.rounds = refinement_.rounds();
+    plan.max_crowded_tests = refinement_.limit(topology_.triangles.size());
+    return plan;
+  }
+  /// Counts of the step, and what follows from them for the next.
+  void describe() {
+    FrameCounts& c = result_.counts;
+    const LeafTotals& leaves = state_.leaves;
+    c.cells = leaves.cells, c.leaves = leaves.leaves, c.registrations = leaves.registrations, c.tests = leaves.tests;
+    c.top_level = static_cast<uint32_t>(state_.grid.grid.top);
+    c.base_level = static_cast<uint32_t>(state_.grid.grid.base);
+    c.pairs = state_.pairs;
+    c.candidates_vt = state_.candidates[0], c.candidates_ee = state_.candidates[1];
+    if (needs().has_filter()) c.survivors_vt = state_.kept[0], c.survivors_ee = state_.kept[1];
+    result_.engine = choice_.engine();
+    if (result_.engine == Engine::kLbvh)
+      lbvh_.describe(c);
+    else if (!has_cells_of_triangles(result_.engine))
+      levels_ = next_levels({state_.grid.grid.top, state_.grid.grid.base}, leaves.level_registrations);
+    if (needs().settings.report != Report::kAnyHit)
+      choice_.observe(c, topology_.triangles.size(), state_.bricks[0] > 0);
+    result_.input_resolution = needs().judges_resolution() && is_coarse();
+    result_.step_milliseconds = exec_.step_milliseconds();
+    result_.graph_launches = exec_.graph_launches();
+  }
+
+  Exec& exec_;
+  const SceneSpec& spec_;
+  const Topology& topology_;
+  const FeatureRanks ranks_;
+  SceneBuffers<Exec, Real>& scene_;
+  Searcher<Exec> searcher_;
+  OctreePhase<Exec, Real> octree_;
+  LbvhPhase<Exec, Real> lbvh_;
+  NarrowPhase<Exec, Real> narrow_;
+  Results<Exec, Real> results_;
+  EngineChoice choice_;
+  Refinement refinement_;
+  ActiveLevels levels_;
+  UsagePredictor large_;  ///< triangles that cover many cells
+  StepPlan plan_;         ///< of the last step
+  PlanNumbers numbers_;
+  StepState state_{};
+  FrameResult result_;
+};
+
+}  // namespace collided

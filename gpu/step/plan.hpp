@@ -1,0 +1,56 @@
+#pragma once
+// What is decided for a step before it starts. Steps of equal plans put the same work in line.
+
+#include <cstdint>
+#include <deque>
+
+#include "gpu/octree/bottom_up.hpp"
+#include "gpu/octree/tree.hpp"
+#include "gpu/step/level_needs.hpp"
+
+namespace collided {
+
+/// Of the octree grid.
+struct OctreePlan {
+  Engine engine = Engine::kOctree;
+  CutCost cost;
+  int rounds = 0;                             ///< of refinement below the dense levels
+  int levels = kMaxLevel + 1;                 ///< dense levels, at most
+  int base = kMaxLevel;                       ///< lowest dense level, at most
+  bool has_large = true;                      ///< there may be triangles that cover many cells
+  uint64_t max_crowded_tests = ~uint64_t{0};  ///< beyond this the step runs again
+
+  bool operator==(const OctreePlan&) const = default;
+};
+
+struct StepPlan {
+  LevelNeeds needs = {};
+  OctreePlan octree = {};
+  bool boxes_static = true;       ///< meshes that never move are boxed too
+  bool has_many_contacts = true;  ///< there may be more than are put in order in one launch
+
+  bool operator==(const StepPlan&) const = default;
+};
+
+/// Numbers for the plans of a scene: two steps have the same number only if their plans are equal.
+class PlanNumbers {
+ public:
+  uint64_t number_of(const StepPlan& plan) {
+    for (const Numbered& known : known_)
+      if (known.plan == plan) return known.number;
+    if (known_.size() == kMaxKnown) known_.pop_front();
+    known_.push_back({plan, next_});
+    return next_++;
+  }
+
+ private:
+  static constexpr size_t kMaxKnown = 32;
+  struct Numbered {
+    StepPlan plan;
+    uint64_t number;
+  };
+  std::deque<Numbered> known_;
+  uint64_t next_ = 0;
+};
+
+}  // namespace collided

@@ -1,0 +1,224 @@
+#pragma once
+// From a step that is over to the frame's result on the host: download, exact decisions, what the report wants.
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "gpu/exact/poll.hpp"
+#include "gpu/narrow/gather.hpp"
+#include "gpu/step/answer_room.hpp"
+#include "gpu/step/buffers.hpp"
+#include "gpu/step/contact_sets.hpp"
+#include "gpu/step/level_needs.hpp"
+
+namespace collided {
+
+template <class Exec, class Real>
+class Results {
+ public:
+  Results(Exec& exec, const SceneSpec& spec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
+      : exec_(exec),
+        spec_(spec),
+        ranks_(ranks),
+        scene_(scene),
+        room_(spec.memory_quota ? std::make_shared<AnswerRoom>(spec.memory_quota) : nullptr) {}
+  Results(const Results&) = delete;
+  Results& operator=(const Results&) = delete;
+  ~Results() {
+    if (room_) room_->close();
+  }
+
+  /// Bytes that are held for answers; 0 where nobody counts them.
+  uint64_t answer_bytes() const { return room_ ? room_->bytes() : 0; }
+
+  /// `bytes_beside_contact`: as in FrameInput.
+  void collect(const StepState& step, const LevelNeeds& needs, uint64_t bytes_beside_contact, FrameResult& result) {
+    needs_ = needs;
+    bytes_beside_contact_ = bytes_beside_contact;
+    result_ = &result;
+    if (needs_.is_any_hit() && (!needs_.is_exact() || step.shortcut.has_contact != 0)) {
+      result.any_contact = step.shortcut.has_contact != 0;
+      return;
+    }
+    exec_.stage("download", [&] { download(needs_.is_earliest_only() ? step.earliest : step.contacts); });
+    if (needs_.is_exact()) exec_.stage("exact", [&] { settle_all(); });
+    report();
+  }
+
+ private:
+  static constexpr size_t kSettledAtATime = 1u << 14;  ///< contacts, whose points take memory
+
+  void download(uint64_t count) {
+    const uint64_t key_bytes = count * sizeof(uint64_t),
+                   data_bytes = needs_.has_data() ? count * sizeof(ContactData<Real>) : 0;
+    std::byte* host = exec_.host_memory(key_bytes + data_bytes);
+    exec_.download_async(host, scene_.order.sorted_keys.data(), key_bytes);
+    exec_.download_async(host + key_bytes, scene_.sorted.data(), data_bytes);
+    exec_.wait();
+    const auto* keys = reinterpret_cast<const uint64_t*>(host);
+    const auto* data = reinterpret_cast<const ContactData<Real>*>(host + key_bytes);
+    const auto below = [&](uint32_t rank) {
+      return static_cast<uint64_t>(std::lower_bound(keys, keys + count, uint64_t{rank} << 32) - keys);
+    };
+    const uint64_t edges = below(ranks_.first_edge);
+    const uint64_t triangles = spec_.triangle_triangle ? below(ranks_.first_triangle) : count;
+    hold(triangles * contact_bytes(false) + (count - triangles) * contact_bytes(true));
+    take(result_->vertex_triangle, keys, data, 0, edges, 0);
+    take(result_->edge_edge, keys, data, edges, triangles, ranks_.first_edge);
+    take(result_->triangle_triangle, keys, data, triangles, count, ranks_.first_triangle);
+  }
+
+  /// Of one contact in the result and beside it.
+  uint64_t contact_bytes(bool is_triangles) const {
+    const uint64_t ids = sizeof(ContactSet::elements[0]) + bytes_beside_contact_;
+    if (is_triangles) return ids + (needs_.tests_triangles() ? sizeof(uint8_t) : 0);
+    if (!needs_.has_narrow_phase()) return ids;
+    const uint64_t toi = needs_.is_ccd ? sizeof(double) : 0, weights = spec_.weights ? 2 * sizeof(double) : 0;
+    return ids + sizeof(uint8_t) + sizeof(double) + toi + weights;
+  }
+  /// Before the memory is there.
+  void hold(uint64_t bytes) {
+    if (!room_) return;
+    const auto held = std::make_shared<MemoryHold>(room_);
+    held->resize(bytes);
+    result_->held = held;
+  }
+
+  void take(ContactSet& out, const uint64_t* keys, const ContactData<Real>* data, uint64_t from, uint64_t to,
+            uint32_t first_rank) {
+    const bool is_triangles = &out == &result_->triangle_triangle;
+    const bool has_data = is_triangles ? needs_.tests_triangles() : needs_.has_narrow_phase();
+    const uint64_t n = to - from;
+    keys += from, data += from;
+    fill(out.elements, n, [&](uint64_t i) -> std::array<uint32_t, 2> {
+      return {first_id(keys[i]) - first_rank, second_id(keys[i])};
+    });
+    if (!has_data) return;
+    fill(out.flags, n, [&](uint64_t i) { return data[i].flags; });
+    if (is_triangles) return;
+    fill(out.distance, n, [&](uint64_t i) { return data[i].distance; });
+    if (needs_.is_ccd) fill(out.toi, n, [&](uint64_t i) { return data[i].toi; });
+    if (spec_.weights) fill(out.weights, n, [&](uint64_t i) { return std::array<double, 2>{data[i].w0, data[i].w1}; });
+  }
+
+  /// Some at a time: lists may be long.
+  template <class T, class F>
+  void fill(std::vector<T>& out, uint64_t n, const F& value) {
+    constexpr uint64_t kAtATime = 1u << 17;
+    out.reserve(n);
+    exec_.host_loops().in_turn(n, kAtATime, [&](uint64_t first, uint64_t end) {
+      out.resize(end);
+      for (uint64_t i = first; i < end; ++i) out[i] = value(i);
+    });
+  }
+
+  // EXACT: what is left open goes to the host's exact arithmetic.
+  void settle_all() {
+    settle(result_->vertex_triangle, [&](const auto& keys, ExactAnswer* answers) {
+      decide_features(VertexTriangle{scene_.topology.triangles.all()}, true, keys, answers);
+    });
+    settle(result_->edge_edge, [&](const auto& keys, ExactAnswer* answers) {
+      decide_features(EdgeEdge{scene_.topology.edges.all()}, false, keys, answers);
+    });
+    settle(result_->triangle_triangle,
+           [&](const auto& keys, ExactAnswer* answers) { decide_triangles(keys, answers); });
+  }
+  static uint64_t settling_bytes(size_t count) {
+    constexpr size_t kPoints = 8 * (sizeof(Vec3<Real>) + sizeof(Vec3<double>)) + sizeof(uint64_t);
+    return count * (sizeof(size_t) + sizeof(ExactAnswer)) + std::min(count, kSettledAtATime) * kPoints;
+  }
+  template <class Decide>
+  void settle(ContactSet& set, const Decide& decide) {
+    if (needs_.is_any_hit() && result_->any_contact) return;
+    CpuLoops& loops = exec_.host_loops();
+    MemoryHold held(spec_.memory_quota);
+    const size_t count = count_undecided(loops, set);
+    held.resize(settling_bytes(count));
+    const std::vector<size_t> places = undecided(loops, set, count);
+    result_->counts.exact_decisions += count;
+    std::vector<ExactAnswer> answers(places.size());
+    std::vector<uint64_t> keys;
+    for (size_t first = 0; first < places.size(); first += kSettledAtATime) {
+      keys.clear();
+      for (size_t k = first; k < std::min(places.size(), first + kSettledAtATime); ++k)
+        keys.push_back(pack_ids(set.elements[places[k]][0], set.elements[places[k]][1]));
+      decide(keys, answers.data() + first);
+    }
+    if (!places.empty()) apply(loops, set, places, answers);
+    result_->any_contact = result_->any_contact || set.size() > 0;
+  }
+
+  template <class Kind>
+  void decide_features(const Kind& kind, bool vertex_triangle, const std::vector<uint64_t>& keys,
+                       ExactAnswer* answers) {
+    const auto points = gather<8>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
+      exec_.for_each("gather_points", keys.size(),
+                     GatherPoints<Real, Kind>{scene_.positions_at_start(), scene_.end.data(), kind, resident, out});
+    });
+    const ExactQuestion question{vertex_triangle, needs_.is_ccd, spec_.thickness};
+    decide_all(keys.size(), [&](uint64_t i) { answers[i] = decide_exactly(question, points[i]); });
+  }
+  void decide_triangles(const std::vector<uint64_t>& keys, ExactAnswer* answers) {
+    const auto corners = gather<6>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
+      exec_.for_each("gather_corners", keys.size(),
+                     GatherCorners<Real>{scene_.end.data(), scene_.topology.triangles.all(), resident, out});
+    });
+    decide_all(keys.size(), [&](uint64_t i) { answers[i] = decide_triangles_exactly(corners[i]); });
+  }
+  /// decide(i) for i in [0, count): each takes microseconds, or much longer where exponents lie far apart.
+  template <class Decide>
+  void decide_all(uint64_t count, const Decide& decide) {
+    exec_.host_loops().share(count, 1, [&](LoopTurn& turn) {
+      const exact::PollScope poll([&] { turn.look_up(); });
+      try {
+        while (ItemRange* left = turn.next()) {
+          decide(left->first);
+          ++left->first;
+        }
+      } catch (const LeftUndone&) {
+      }
+    });
+  }
+
+  /// Brings the points of some pairs, n each, to the host.
+  template <size_t n, class Run>
+  std::vector<std::array<Vec3<double>, n>> gather(const std::vector<uint64_t>& keys, const Run& run) {
+    scene_.exact_keys.ensure(keys.size());
+    scene_.exact_points.ensure(n * keys.size());
+    exec_.upload(scene_.exact_keys.data(), keys.data(), keys.size() * sizeof(uint64_t));
+    run(scene_.exact_keys.span(keys.size()), scene_.exact_points.span(n * keys.size()));
+    std::vector<Vec3<Real>> host(n * keys.size());
+    exec_.download(host.data(), scene_.exact_points.data(), host.size() * sizeof(Vec3<Real>));
+    std::vector<std::array<Vec3<double>, n>> out(keys.size());
+    for (size_t i = 0; i < host.size(); ++i) out[i / n][i % n] = convert<double>(host[i]);
+    return out;
+  }
+
+  void report() {
+    FrameResult& r = *result_;
+    const uint64_t features = r.vertex_triangle.size() + r.edge_edge.size();
+    if (needs_.has_narrow_phase())
+      r.counts.contacts_vt = r.vertex_triangle.size(), r.counts.contacts_ee = r.edge_edge.size();
+    if (needs_.tests_triangles()) r.counts.contacts_tt = r.triangle_triangle.size();
+    r.any_contact = r.counts.contacts_tt > 0 || (needs_.has_narrow_phase() && features > 0);
+    if (needs_.is_earliest_only()) keep_earliest(exec_.host_loops(), r);
+    if (needs_.is_any_hit()) {
+      r.vertex_triangle = r.edge_edge = r.triangle_triangle = {};
+      r.held = {};
+      return;
+    }
+    r.earliest_toi = std::min(earliest_toi(r.vertex_triangle), earliest_toi(r.edge_edge));
+  }
+
+  Exec& exec_;
+  const SceneSpec& spec_;
+  const FeatureRanks& ranks_;
+  SceneBuffers<Exec, Real>& scene_;
+  const std::shared_ptr<AnswerRoom> room_;
+  LevelNeeds needs_;
+  uint64_t bytes_beside_contact_ = 0;
+  FrameResult* result_ = nullptr;
+};
+
+}  // namespace collided

@@ -1,0 +1,114 @@
+#pragma once
+// What becomes of the pairs of triangles that the broad phase finds.
+
+#include "gpu/narrow/certified_proximity.hpp"
+#include "gpu/narrow/coplanarity_filter.hpp"
+#include "gpu/search/elementary.hpp"
+#include "gpu/step/level_needs.hpp"
+#include "gpu/step/state.hpp"
+
+namespace collided {
+
+struct KeepAll {
+  template <class Kind, class Real>
+  COLLIDED_HD bool operator()(const Kind &, const FeaturePoints<Real> &) const {
+    return true;
+  }
+};
+
+/// use(keep) with the filter of the level.
+template <class Real, class Use>
+void with_filter(const LevelNeeds &needs, double thickness, const StepState *state, const Use &use) {
+  if (!needs.has_filter())
+    use(KeepAll{});
+  else if (needs.is_ccd)
+    use(MaybeCoplanar<Real>{&state->filter});
+  else
+    use(NearInFloat<Real>{thickness});
+}
+
+/// Where a search adds what it counted.
+struct PairTotals {
+  uint64_t *pairs;  ///< null: counted by another search
+  uint64_t *first, *second;
+
+  COLLIDED_HD void operator()(uint64_t all, uint64_t of_first, uint64_t of_second) const {
+    if (pairs != nullptr && all != 0) atomic_add(*pairs, all);
+    if (of_first != 0) atomic_add(*first, of_first);
+    if (of_second != 0) atomic_add(*second, of_second);
+  }
+};
+
+/// Pairs become candidates of features, and those that a filter keeps go to the lists of their kinds.
+template <class Real, class Keep>
+struct FeatureSink {
+  static constexpr bool kTakesPairs = false;
+  static constexpr int kFirstOfSecondKind = kFirstEdgeEdge;
+  static constexpr bool kKeepsAll = std::is_same_v<Keep, KeepAll>;
+  using Number = Real;
+
+  ElementaryTests<Real> tests;
+  Keep keep;
+  AppendList<uint64_t> vertex_triangle, edge_edge;
+  uint32_t edge_rank;  ///< added to the first edge, where both kinds share a list
+  EarlyExit early_exit;
+  PairTotals totals;
+
+  COLLIDED_HD uint32_t tests_of(uint32_t a, uint32_t b) const { return tests.tests_of(a, b); }
+  COLLIDED_HD bool is_first(uint32_t a, uint32_t b, int test) const {
+    return tests.vertex_triangle_overlap(a, b, test);
+  }
+  COLLIDED_HD bool is_second(uint32_t a, uint32_t b, int test) const { return tests.edge_edge_overlap(a, b, test); }
+  COLLIDED_HD void take_first(uint32_t a, uint32_t b, int test) const {
+    const CandidatePoints<Real> candidate = tests.vertex_triangle_points(a, b, test);
+    if (keep(VertexTriangle{}, candidate.points)) vertex_triangle.push(candidate.key);
+  }
+  COLLIDED_HD void take_second(uint32_t a, uint32_t b, int test) const {
+    const CandidatePoints<Real> candidate = tests.edge_edge_points(a, b, test);
+    if (keep(EdgeEdge{}, candidate.points)) edge_edge.push(candidate.key + (uint64_t{edge_rank} << 32));
+  }
+  /// The same in two parts: whether the filter keeps a candidate, and its key.
+  COLLIDED_HD bool keeps_first(uint32_t a, uint32_t b, int test) const {
+    return kKeepsAll || keep(VertexTriangle{}, tests.vertex_triangle_points(a, b, test).points);
+  }
+  COLLIDED_HD bool keeps_second(uint32_t a, uint32_t b, int test) const {
+    return kKeepsAll || keep(EdgeEdge{}, tests.edge_edge_points(a, b, test).points);
+  }
+  COLLIDED_HD uint64_t first_key(uint32_t vertex, uint32_t triangle) const { return pack_ids(vertex, triangle); }
+  COLLIDED_HD uint64_t second_key(uint32_t edge, uint32_t other) const {
+    return pack_ids(min(edge, other), max(edge, other)) + (uint64_t{edge_rank} << 32);
+  }
+  COLLIDED_HD bool is_over() const {
+    return early_exit.is_over() || vertex_triangle.is_overfull() || edge_edge.is_overfull();
+  }
+  COLLIDED_HD void add(uint64_t pairs, uint64_t first, uint64_t second) const { totals(pairs, first, second); }
+};
+
+/// Pairs of triangles that share no vertex are wanted as they are.
+struct TrianglePairSink {
+  static constexpr bool kTakesPairs = true;
+
+  Span<const Triangle> triangles;
+  AppendList<uint64_t> pairs;
+  uint32_t rank;  ///< added to the first triangle
+  EarlyExit early_exit;
+  PairTotals totals;
+
+  COLLIDED_HD void take(uint32_t a, uint32_t b) const {
+    uint64_t key;
+    if (keeps(a, b, key)) pairs.push(key);
+  }
+  /// Whether a pair is wanted, whose key that is.
+  COLLIDED_HD bool keeps(uint32_t a, uint32_t b, uint64_t &key) const {
+    const Triangle p = triangles[a], q = triangles[b];
+    key = pack_ids(a, b) + (uint64_t{rank} << 32);
+    return !has(p, q.x) && !has(p, q.y) && !has(p, q.z);
+  }
+  COLLIDED_HD bool is_over() const { return early_exit.is_over() || pairs.is_overfull(); }
+  COLLIDED_HD void add(uint64_t all, uint64_t, uint64_t) const { totals(all, 0, 0); }
+
+ private:
+  COLLIDED_HD static bool has(const Triangle &t, uint32_t v) { return t.x == v || t.y == v || t.z == v; }
+};
+
+}  // namespace collided

@@ -1,0 +1,55 @@
+#pragma once
+// What one step finds out about itself while it runs: the grid, the lengths of all lists, and what is reported of it.
+// It lives on the backend and is read once, when the step is over.
+
+#include "gpu/contacts/kinds.hpp"
+#include "gpu/narrow/coplanarity_filter.hpp"
+#include "gpu/octree/levels.hpp"
+
+namespace collided {
+
+/// What a search for pairs is for: features of both kinds or of the first, edges alone, triangles.
+enum class Search { kFeatures, kEdges, kTriangles };
+
+struct StepState {
+  // Lengths that were asked for, whatever the lists' capacities.
+  LeafTotals leaves;
+  uint64_t large, bricks[kMaxRounds], brick_items[kMaxRounds];
+  uint64_t pairs, candidates[2];
+  uint64_t triangle_pairs, kept[2], screened[2], resumable[2], contacts, earliest, crowded_ranks;
+
+  uint64_t next_item[3];      ///< of the searches for pairs (Search)
+  uint64_t next_query[2][2];  ///< of the narrow phase, in float and in double
+  uint64_t small_triangles;
+  Box<float> bounds;
+  LevelTotals totals;
+  uint64_t extents;  ///< of all triangles, for engines that need their mean
+  GridState grid;
+  FilterScale filter;
+  Shortcut shortcut;
+};
+
+/// Set up before the narrow phase: what depends on the scene's bounds.
+struct PrepareNarrow {
+  StepState* state;
+  double thickness;
+
+  COLLIDED_HD void operator()(uint64_t) const {
+    const Vec3<float> extent = state->bounds.hi - state->bounds.lo;
+    state->filter = filter_scale(max(extent.x, max(extent.y, extent.z)), thickness);
+    state->shortcut = {detail::bit_copy<uint64_t>(1.0), 0};
+  }
+};
+
+/// All that is decided for a step from the bounds and the counts of its triangles.
+struct PrepareStep {
+  ChooseGrid grid;
+  PrepareNarrow narrow;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    grid(i);
+    narrow(i);
+  }
+};
+
+}  // namespace collided

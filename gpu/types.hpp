@@ -1,0 +1,237 @@
+#pragma once
+// What a scene is specified with, what a frame brings and what it answers with. No CUDA type appears here.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace collided {
+
+/// A field of the input has a value that cannot be used. `field` is its path within the input.
+class InvalidInput : public std::invalid_argument {
+ public:
+  InvalidInput(std::string field, const std::string& what) : std::invalid_argument(what), field_(std::move(field)) {}
+  const std::string& field() const { return field_; }
+
+ private:
+  std::string field_;
+};
+
+/// The scene would need more memory than its budget or the device has.
+class ResourceExhausted : public std::runtime_error {
+  using runtime_error::runtime_error;
+};
+
+/// The device failed; the scene, and perhaps the device, cannot be used any more.
+class DeviceError : public std::runtime_error {
+  using runtime_error::runtime_error;
+};
+
+/// FrameInput::cancelled returned true; the scene is as it was before the frame.
+class Cancelled : public std::runtime_error {
+ public:
+  Cancelled() : std::runtime_error("the frame was cancelled") {}
+};
+
+/// A limit that several scenes share. Thread-safe.
+class MemoryQuota {
+ public:
+  virtual ~MemoryQuota() = default;
+  /// Throws if `bytes` more would pass it; what it throws is what the frame or scene that asked is refused with.
+  virtual void take(uint64_t bytes) = 0;
+  virtual void give_back(uint64_t bytes) noexcept = 0;
+};
+
+/// Bytes taken from a quota; what is held at the end is given back. One thread at a time.
+class MemoryHold {
+ public:
+  /// `quota` may be null: then nothing is counted.
+  explicit MemoryHold(std::shared_ptr<MemoryQuota> quota) : quota_(std::move(quota)) {}
+  MemoryHold(const MemoryHold&) = delete;
+  MemoryHold& operator=(const MemoryHold&) = delete;
+  ~MemoryHold() { resize(0); }
+
+  uint64_t bytes() const { return bytes_; }
+  /// Throws what the quota throws, and holds what it held then; never for fewer bytes.
+  void resize(uint64_t bytes) {
+    if (quota_ && bytes > bytes_) quota_->take(bytes - bytes_);
+    if (quota_ && bytes < bytes_) quota_->give_back(bytes_ - bytes);
+    bytes_ = bytes;
+  }
+  /// Takes over what `other` holds of the same quota.
+  void absorb(MemoryHold& other) { bytes_ += std::exchange(other.bytes_, 0); }
+
+ private:
+  const std::shared_ptr<MemoryQuota> quota_;
+  uint64_t bytes_ = 0;
+};
+
+enum class Backend { kCpu, kCuda };
+enum class Mode { kDcd, kCcd };
+/// From kGuarded on no contact of the given positions is missed and no time of impact is late.
+enum class Accuracy { kCandidates, kFast, kGuarded, kCertified, kExact };
+/// What a frame answers with: every contact; the earliest one (CCD from kGuarded on); whether there is one (from
+/// kFast on).
+enum class Report { kAll, kEarliestOnly, kAnyHit };
+enum class Scalar { kF32, kF64 };
+/// Broad phase: which triangle pairs are tested at all. The pairs found are the same. kAuto lets the scene choose from
+/// what the last frames cost; kOctree is the two-stage adaptive octree grid of the paper, kTopDown and kBottomUp its
+/// one-stage forms.
+enum class Engine { kAuto, kOctree, kTopDown, kBottomUp, kUniformGrid, kTwoLevelGrid, kLbvh };
+
+struct MeshSpec {
+  uint32_t vertex_count = 0;
+  std::vector<std::array<uint32_t, 3>> triangles;  ///< vertex indices counted in the mesh
+  bool is_static = false;                          ///< positions never change after the first frame
+  uint32_t groups = 1;                             ///< bits
+  uint32_t collide_mask = ~0u;                     ///< bits of groups it can touch
+  bool self_contacts = true;
+};
+
+/// What a scene needs; stages and buffers exist only for what is asked for here.
+struct SceneSpec {
+  Backend backend = Backend::kCpu;
+  Mode mode = Mode::kCcd;
+  Accuracy accuracy = Accuracy::kCertified;
+  Scalar scalar = Scalar::kF32;
+  Engine engine = Engine::kAuto;
+  double thickness = 0;  ///< >= 0, finite, unit of the positions
+  double delta = 0;      ///< tolerance of CCD from kGuarded on, unit of the positions; 0: relative to each pair's size
+  Report report = Report::kAll;
+  bool vertex_triangle = true;
+  bool edge_edge = true;
+  /// DCD: triangles of the frame that intersect; thickness plays no part. CCD, at kCandidates alone: triangles whose
+  /// boxes overlap.
+  bool triangle_triangle = false;
+  bool weights = false;                       ///< return the closest points' weights
+  uint64_t memory_budget = 0;                 ///< bytes on the backend; 0: no limit but the device's
+  std::shared_ptr<MemoryQuota> memory_quota;  ///< that counts it too, and memory on the host; may be empty
+  int threads = 0;                            ///< CPU threads; 0: all cores
+  std::vector<MeshSpec> meshes;
+};
+
+/// New positions of one mesh: packed xyz of the scene's scalar type, of all its vertices, or of those in `indices`.
+/// The bytes may lie in any memory that the backend reads: host memory (a slot's own is the fastest), registered host
+/// memory, or, on CUDA, that of the device.
+struct MeshPositions {
+  uint32_t mesh = 0;
+  std::span<const std::byte> start;         ///< t = 0 (CCD); empty: where the last frame left the mesh
+  std::span<const std::byte> end;           ///< t = 1
+  bool is_sparse = false;                   ///< only the vertices of `indices` change
+  std::span<const std::byte> indices = {};  ///< uint32 each, strictly ascending, counted in the mesh
+};
+
+/// Room for the positions of one frame on their way to the backend. A scene makes as many as it has frames in flight.
+/// Filling and sending one goes on while another frame is in work; one thread at a time.
+class FrameSlot {
+ public:
+  virtual ~FrameSlot() = default;
+  /// Host memory of at least `bytes`, aligned to 64, that the backend reads directly (pinned on CUDA). What was there
+  /// before is lost. Throws ResourceExhausted.
+  virtual std::span<std::byte> room(uint64_t bytes) = 0;
+  /// Starts to bring the updates' bytes to the backend; they must stay as they are until the frame has been applied
+  /// or the slot is sent anew. What the backend reads is what was there when it did: nothing is read twice. Throws
+  /// InvalidInput where sizes do not fit the meshes, ResourceExhausted, DeviceError.
+  virtual void send(const std::vector<MeshPositions>& updates) = 0;
+};
+
+struct FrameInput {
+  std::vector<MeshPositions> updates;     ///< the first frame must name every mesh; empty if `slot` brings them
+  std::shared_ptr<FrameSlot> slot = {};   ///< of the same scene, with positions that were sent; may be empty
+  std::optional<Accuracy> accuracy = {};  ///< for this frame alone; the scene's if absent
+  std::optional<double> delta = {};
+  std::optional<Report> report = {};
+  /// Whether to give the frame up; may be empty. The thread that called detect() asks, and no other: before each stage,
+  /// and after about 8 ms of work within one. If it returns true (Cancelled) or throws, the frame ends and the scene is
+  /// as it was. On CPU cores it may take its time: nothing of the frame goes on meanwhile.
+  std::function<bool()> cancelled = {};
+  /// Bytes that the caller will hold for each contact of the answer, beside the result's own: counted with it.
+  uint64_t bytes_beside_contact = 0;
+};
+
+/// kFlagCertified: certain in real arithmetic; kFlagNear: certain only to within delta and the working precision;
+/// kFlagCapped: the limit of looks was met; kFlagInitial: in contact at t = 0 (with kFlagNear, to within delta).
+enum ContactFlags : uint8_t { kFlagCertified = 1, kFlagNear = 2, kFlagCapped = 4, kFlagInitial = 8 };
+
+/// Contacts of one kind, sorted by (first id, second id). Arrays that the level does not compute are empty.
+struct ContactSet {
+  std::vector<std::array<uint32_t, 2>> elements;  ///< vertex, triangle; or two edges or triangles (first < second)
+  std::vector<double> toi;                        ///< [0, 1]; CCD from kFast on
+  std::vector<double> distance;                   ///< >= 0; from kFast on
+  std::vector<std::array<double, 2>> weights;     ///< triangle's 2nd and 3rd corner, or along each edge; if asked for
+  std::vector<uint8_t> flags;                     ///< ContactFlags; from kFast on
+  size_t size() const { return elements.size(); }
+};
+
+struct StageTime {
+  std::string stage;
+  double milliseconds = 0;
+};
+
+struct FrameCounts {
+  uint64_t cells = 0, leaves = 0;
+  uint32_t top_level = 0, base_level = 0;
+  uint64_t registrations = 0, tests = 0, pairs = 0;
+  uint64_t candidates_vt = 0, candidates_ee = 0, contacts_vt = 0, contacts_ee = 0, contacts_tt = 0;
+  uint64_t survivors_vt = 0, survivors_ee = 0;  ///< left by the coplanarity filter (from kGuarded on)
+  uint64_t exact_decisions = 0;
+};
+
+struct FrameResult {
+  ContactSet vertex_triangle;
+  ContactSet edge_edge;
+  ContactSet triangle_triangle;  ///< elements and flags alone
+  std::vector<StageTime> stages;
+  FrameCounts counts;
+  uint32_t replays = 0;         ///< runs of the step that were too short of memory
+  uint32_t allocations = 0;     ///< of memory on the backend
+  uint32_t graph_launches = 0;  ///< CUDA graphs launched; 0 on the CPU
+  /// From resident positions to contacts in canonical order, on the backend: all runs of the step, as in `stages`,
+  /// without the time spent in FrameInput::cancelled on CPU cores.
+  double step_milliseconds = 0;
+  Engine engine = Engine::kOctree;  ///< that found the pairs; never kAuto
+  double earliest_toi = 1;          ///< CCD; from kGuarded on no contact is earlier
+  bool any_contact = false;
+  bool input_resolution = false;  ///< the input's own spacing is coarser than delta (0: than 1/1000 of most triangles)
+  /// The contacts' bytes on the host, within what the scene took of its memory_quota for answers; given back with the
+  /// last copy. May be null.
+  std::shared_ptr<const MemoryHold> held = {};
+};
+
+struct MemoryPart {
+  std::string part;
+  uint64_t bytes = 0;
+};
+
+/// Scene-wide features: the vertices and triangles of each mesh follow those of the meshes before it.
+struct Topology {
+  uint32_t vertex_count = 0;
+  std::vector<std::array<uint32_t, 3>> triangles;
+  std::vector<std::array<uint32_t, 2>> edges;  ///< lower vertex first, sorted; the index is the edge's id
+  std::vector<uint32_t> vertex_offset;         ///< of each mesh; one more entry at the end
+  std::vector<uint32_t> triangle_offset;
+};
+
+struct DeviceInfo {
+  Backend backend = Backend::kCpu;
+  std::string name;
+  uint64_t memory_bytes = 0;  ///< 0 for the CPU, which shares the host's
+};
+
+/// Memory of others that a backend may read directly while this lives.
+class SharedMemory {
+ public:
+  virtual ~SharedMemory() = default;
+  virtual std::span<std::byte> bytes() const = 0;
+};
+
+}  // namespace collided
