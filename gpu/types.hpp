@@ -1,10 +1,12 @@
 #pragma once
 // What a scene is specified with, what a frame brings and what it answers with. No CUDA type appears here.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -162,13 +164,45 @@ struct FrameInput {
 /// kFlagCapped: the limit of looks was met; kFlagInitial: in contact at t = 0 (with kFlagNear, to within delta).
 enum ContactFlags : uint8_t { kFlagCertified = 1, kFlagNear = 2, kFlagCapped = 4, kFlagInitial = 8 };
 
-/// Contacts of one kind, sorted by (first id, second id). Arrays that the level does not compute are empty.
+/// Values of a result, in memory that all copies share.
+template <class T>
+class Column {
+ public:
+  Column() = default;
+  /// `values` keeps the memory that they lie in.
+  Column(std::shared_ptr<T> values, size_t size) : values_(std::move(values)), size_(size) {}
+  Column(std::vector<T> values) : size_(values.size()) {
+    const auto owner = std::make_shared<std::vector<T>>(std::move(values));
+    values_ = std::shared_ptr<T>(owner, owner->data());
+  }
+  Column(std::initializer_list<T> values) : Column(std::vector<T>(values)) {}
+
+  size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  T* data() { return values_.get(); }
+  const T* data() const { return values_.get(); }
+  T& operator[](size_t i) { return values_.get()[i]; }
+  const T& operator[](size_t i) const { return values_.get()[i]; }
+  const T* begin() const { return data(); }
+  const T* end() const { return data() + size_; }
+  /// Only the first `size` of them stay.
+  void truncate(size_t size) { size_ = std::min(size_, size); }
+
+  bool operator==(const Column& other) const { return std::equal(begin(), end(), other.begin(), other.end()); }
+
+ private:
+  std::shared_ptr<T> values_;
+  size_t size_ = 0;
+};
+
+/// Contacts of one kind, sorted by (first id, second id). Columns that the level does not compute are empty. All have
+/// the layout of the wire: little-endian, packed.
 struct ContactSet {
-  std::vector<std::array<uint32_t, 2>> elements;  ///< vertex, triangle; or two edges or triangles (first < second)
-  std::vector<double> toi;                        ///< [0, 1]; CCD from kFast on
-  std::vector<double> distance;                   ///< >= 0; from kFast on
-  std::vector<std::array<double, 2>> weights;     ///< triangle's 2nd and 3rd corner, or along each edge; if asked for
-  std::vector<uint8_t> flags;                     ///< ContactFlags; from kFast on
+  Column<std::array<uint32_t, 2>> elements;  ///< vertex, triangle; or two edges or triangles (first < second)
+  Column<double> toi;                        ///< [0, 1]; CCD from kFast on
+  Column<double> distance;                   ///< >= 0; from kFast on
+  Column<std::array<double, 2>> weights;     ///< triangle's 2nd and 3rd corner, or along each edge; if asked for
+  Column<uint8_t> flags;                     ///< ContactFlags; from kFast on
   size_t size() const { return elements.size(); }
 };
 
@@ -202,9 +236,9 @@ struct FrameResult {
   double earliest_toi = 1;          ///< CCD; from kGuarded on no contact is earlier
   bool any_contact = false;
   bool input_resolution = false;  ///< the input's own spacing is coarser than delta (0: than 1/1000 of most triangles)
-  /// The contacts' bytes on the host, within what the scene took of its memory_quota for answers; given back with the
-  /// last copy. May be null.
-  std::shared_ptr<const MemoryHold> held = {};
+  /// The contacts' memory, within what the scene took of its memory_quota for answers; given back with the last copy.
+  /// May be null.
+  std::shared_ptr<const void> held = {};
 };
 
 struct MemoryPart {

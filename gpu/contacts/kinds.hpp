@@ -24,6 +24,16 @@ struct KindTraits<EdgeEdge> {
 /// Contacts of all kinds are sorted together, by the rank of their first feature: vertices, then edges, then triangles.
 struct FeatureRanks {
   uint32_t first_edge, first_triangle, count;
+
+  /// Rank of the first feature of the kind that the feature of this rank has.
+  COLLIDED_HD uint32_t first_of_kind(uint32_t rank) const {
+    return rank >= first_triangle ? first_triangle : rank >= first_edge ? first_edge : 0;
+  }
+};
+
+/// Where the kinds begin in a sorted list.
+struct KindBegins {
+  uint64_t edges, triangles;
 };
 
 }  // namespace collided

@@ -4,6 +4,8 @@
 // first id are then ranked against each other. Where they are many, a group sorts them.
 
 #include "gpu/base/vec3.hpp"
+#include "gpu/contacts/keys.hpp"
+#include "gpu/contacts/kinds.hpp"
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/counted.hpp"
@@ -78,15 +80,13 @@ struct SortCrowded {
   }
 };
 
-/// Ranks the entries of a first id against each other, and writes keys and data in order.
-template <class Data>
+/// Ranks the entries of a first id against each other, and writes them in order.
+template <class Write>
 struct WriteInOrder {
   Span<const uint64_t> keys;
-  Span<const Data> data;  ///< empty: there are only keys
-  Span<const uint32_t> begin;
+  Span<const uint32_t> begin;  ///< of each first id
   Span<const Entry> entries;
-  Span<uint64_t> sorted_keys;
-  Span<Data> sorted;
+  Write write;
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const Entry mine = entries[i];
@@ -97,15 +97,39 @@ struct WriteInOrder {
       place = from;
       for (uint32_t k = from; k < to; ++k) place += entries[k].second < mine.second ? 1 : 0;
     }
-    sorted_keys[place] = key;
-    if (!data.empty()) sorted[place] = data[mine.index];
+    write(place, key, mine.index);
+  }
+};
+
+/// Where the kinds begin, from where each first id does.
+struct FindKindBegins {
+  FeatureRanks ranks;
+  Span<const uint32_t> begin;
+  KindBegins* kinds;
+
+  COLLIDED_HD void operator()(uint64_t) const { *kinds = {begin[ranks.first_edge], begin[ranks.first_triangle]}; }
+};
+
+/// How many keys are of kinds before the edges', and before the triangles'.
+struct CountKinds {
+  FeatureRanks ranks;
+  Span<const uint64_t> keys;
+
+  COLLIDED_HD KindBegins operator()(uint64_t i) const {
+    const uint32_t rank = first_id(keys[i]);
+    return {rank < ranks.first_edge ? 1u : 0u, rank < ranks.first_triangle ? 1u : 0u};
+  }
+};
+struct AddKinds {
+  COLLIDED_HD KindBegins operator()(const KindBegins& a, const KindBegins& b) const {
+    return {a.edges + b.edges, a.triangles + b.triangles};
   }
 };
 
 /// Contacts that are ordered in one launch, each against all others.
 constexpr uint64_t kFewContacts = 512;
 
-template <class Data>
+template <class Write>
 struct RankFew {
   struct Shared {
     uint32_t below;  ///< keys
@@ -113,9 +137,9 @@ struct RankFew {
   static constexpr uint32_t kGroupSize = 64;
   Counted count;
   Span<const uint64_t> keys;
-  Span<const Data> data;  ///< empty: there are only keys
-  Span<uint64_t> sorted_keys;
-  Span<Data> sorted;
+  CountKinds kinds;
+  KindBegins* begins;  ///< zeroed
+  Write write;
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Shared& shared) const {
     if (group.rank == 0) shared.below = 0;
@@ -126,19 +150,18 @@ struct RankFew {
     atomic_add(shared.below, below);
     group.sync();
     if (group.rank != 0) return;
-    sorted_keys[shared.below] = key;
-    if (!data.empty()) sorted[shared.below] = data[i];
+    const KindBegins before = kinds(i);
+    if (before.edges != 0) atomic_add(begins->edges, before.edges);
+    if (before.triangles != 0) atomic_add(begins->triangles, before.triangles);
+    write(shared.below, key, i);
   }
 };
 
+/// Room to count and place contacts in.
 template <class Exec>
-struct OrderBuffers {
-  explicit OrderBuffers(Exec& exec)
-      : counts(exec, "order"),
-        place(exec, "order"),
-        crowded(exec, "order"),
-        entries(exec, "order"),
-        sorted_keys(exec, "keys") {}
+struct CountingBuffers {
+  explicit CountingBuffers(Exec& exec)
+      : counts(exec, "order"), place(exec, "order"), crowded(exec, "order"), entries(exec, "order") {}
 
   /// For lists of up to `capacity` entries with first ids below `first_ids`.
   void reserve(uint64_t first_ids, uint64_t capacity) {
@@ -146,43 +169,70 @@ struct OrderBuffers {
     place.allocate(capacity);
     crowded.allocate(capacity / kManyEntries + 1);
     entries.allocate(capacity);
-    sorted_keys.allocate(capacity);
   }
 
   Buffer<uint32_t, Exec> counts, place, crowded;
   Buffer<Entry, Exec> entries;
-  Buffer<uint64_t, Exec> sorted_keys;
 };
 
-/// Sorts a list by key into buffers.sorted_keys and `sorted`. `crowded` is a zeroed counter.
-template <class Exec, class Data>
-void put_in_order_by_counts(Exec& exec, OrderBuffers<Exec>& buffers, const Counted& count, Span<const uint64_t> keys,
-                            Span<const Data> data, Span<Data> sorted, uint64_t* crowded) {
+/// Room for a backend's own sort.
+template <class Exec>
+struct KeyBuffers {
+  explicit KeyBuffers(Exec& exec) : scratch(exec, "order"), other(exec, "order") {}
+
+  void reserve(uint64_t, uint64_t capacity) {
+    scratch.allocate(capacity);
+    other.allocate(capacity);
+  }
+
+  Buffer<uint64_t, Exec> scratch, other;
+};
+
+template <class Exec>
+using OrderBuffers = std::conditional_t<SortsKeys<Exec>, KeyBuffers<Exec>, CountingBuffers<Exec>>;
+
+/// A list whose contacts are to be put in order.
+template <class Write>
+struct Unordered {
+  Counted count;
+  Span<const uint64_t> keys;
+  FeatureRanks ranks;
+  KindBegins* kinds;  ///< zeroed; where they begin in order
+  Write write;
+};
+
+/// `crowded` is a zeroed counter.
+template <class Exec, class Write>
+void put_in_order_by_counts(Exec& exec, CountingBuffers<Exec>& buffers, const Unordered<Write>& list,
+                            uint64_t* crowded) {
   const Span<uint32_t> counts = buffers.counts.all();
   const Counted crowded_count{crowded, buffers.crowded.capacity()};
   exec.fill_zero(counts.data, counts.size() * sizeof(uint32_t));
-  exec.for_each("count_first_ids", count,
-                CountFirstIds{keys, counts, buffers.place.all(), {buffers.crowded.all(), crowded}});
+  exec.for_each("count_first_ids", list.count,
+                CountFirstIds{list.keys, counts, buffers.place.all(), {buffers.crowded.all(), crowded}});
   exec.exclusive_scan("scan_first_ids", counts);
-  exec.for_each("place_entries", count, PlaceEntries{keys, counts, buffers.place.all(), buffers.entries.all()});
+  exec.for_each("find_kind_begins", 1, FindKindBegins{list.ranks, counts, list.kinds});
+  exec.for_each("place_entries", list.count,
+                PlaceEntries{list.keys, counts, buffers.place.all(), buffers.entries.all()});
   exec.for_each_group("sort_crowded", crowded_count, SortCrowded{buffers.crowded.all(), counts, buffers.entries.all()});
-  exec.for_each("write_in_order", count,
-                WriteInOrder<Data>{keys, data, counts, buffers.entries.all(), buffers.sorted_keys.all(), sorted});
+  exec.for_each("write_in_order", list.count,
+                WriteInOrder<Write>{list.keys, counts, buffers.entries.all(), list.write});
 }
 
 /// The same in whatever way is the backend's fastest. `few`: no more than kFewContacts.
-template <class Exec, class Data>
-void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Counted& count, bool few, Span<const uint64_t> keys,
-                  Span<const Data> data, Span<Data> sorted, uint64_t* crowded) {
+template <class Exec, class Write>
+void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Unordered<Write>& list, bool few, uint64_t* crowded) {
   if constexpr (SortsKeys<Exec>) {
-    static_assert(sizeof(Entry) == sizeof(uint64_t));
-    const Span<uint64_t> scratch{reinterpret_cast<uint64_t*>(buffers.entries.data()), buffers.entries.capacity()};
-    exec.sort_keys("sort_keys", count, KeyArrays<Data>{keys, data, scratch, buffers.sorted_keys.all(), sorted});
+    exec.reduce_into("kind_begins", list.count.size(), CountKinds{list.ranks, list.keys}, KindBegins{}, AddKinds{},
+                     list.kinds);
+    exec.sort_keys("sort_keys", list.count,
+                   KeyArrays<Write>{list.keys, buffers.scratch.all(), buffers.other.all(), list.write});
   } else if (few) {
-    const Counted first{count.counter, min(count.most, kFewContacts)};
-    exec.for_each_group("rank_few", first, RankFew<Data>{first, keys, data, buffers.sorted_keys.all(), sorted});
+    const Counted first{list.count.counter, min(list.count.most, kFewContacts)};
+    exec.for_each_group("rank_few", first,
+                        RankFew<Write>{first, list.keys, CountKinds{list.ranks, list.keys}, list.kinds, list.write});
   } else {
-    put_in_order_by_counts(exec, buffers, count, keys, data, sorted, crowded);
+    put_in_order_by_counts(exec, buffers, list, crowded);
   }
 }
 

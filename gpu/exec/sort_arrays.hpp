@@ -11,13 +11,13 @@ struct SortArrays {
   Span<uint32_t> values, other_values;
 };
 
-/// Keys of two 32-bit ids, each with an entry of `data` or none at all, and where they go.
-template <class Data>
+/// Keys of two 32-bit ids, and what is done with each in ascending order: write(its place, key, its place in `keys`);
+/// the last is of no matter unless write.has_data().
+template <class Write>
 struct KeyArrays {
   Span<const uint64_t> keys;
-  Span<const Data> data;
-  Span<uint64_t> scratch, sorted_keys;
-  Span<Data> sorted;
+  Span<uint64_t> scratch, other;  ///< room for as many again, each
+  Write write;
 };
 
 /// A backend with a verb sort_keys.

@@ -5,14 +5,11 @@
 // vertex are not skipped: their other features may touch. Features that share a vertex are no pair.
 
 #include "gpu/base/points.hpp"
+#include "gpu/contacts/keys.hpp"
 #include "gpu/search/boxes.hpp"
 #include "gpu/search/elementary_numbers.hpp"
 
 namespace collided {
-
-COLLIDED_HD inline uint64_t pack_ids(uint32_t first, uint32_t second) { return uint64_t{first} << 32 | second; }
-COLLIDED_HD inline uint32_t first_id(uint64_t key) { return static_cast<uint32_t>(key >> 32); }
-COLLIDED_HD inline uint32_t second_id(uint64_t key) { return static_cast<uint32_t>(key); }
 
 /// A candidate's key and its points, in the order of Stencil.
 template <class Real>

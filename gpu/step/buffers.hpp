@@ -1,6 +1,7 @@
 #pragma once
 // Everything that a scene keeps on its backend. Arrays of stages that the scene does not have stay empty.
 
+#include "gpu/contacts/columns.hpp"
 #include "gpu/contacts/contact.hpp"
 #include "gpu/contacts/order.hpp"
 #include "gpu/exec/buffer.hpp"
@@ -115,7 +116,7 @@ struct SceneBuffers {
         resumable{{exec, "candidates"}, {exec, "candidates"}},
         contacts(exec),
         earliest(exec),
-        sorted(exec, "contacts"),
+        columns(exec),
         order(exec),
         exact_keys(exec, "exact"),
         exact_points(exec, "exact") {}
@@ -138,7 +139,7 @@ struct SceneBuffers {
   Buffer<ResumableQuery, Exec> resumable[2];  ///< those of them that float has not told apart
   ContactBuffers<Exec, Real> contacts;
   ContactBuffers<Exec, Real> earliest;  ///< EARLIEST_ONLY
-  Buffer<ContactData<Real>, Exec> sorted;
+  ColumnBuffers<Exec> columns;          ///< in canonical order
   OrderBuffers<Exec> order;
   Buffer<uint64_t, Exec> exact_keys;
   Buffer<Vec3<Real>, Exec> exact_points;

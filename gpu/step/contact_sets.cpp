@@ -20,7 +20,7 @@ void filter(CpuLoops& loops, ContactSet& set, const std::vector<bool>& keep) {
       for (size_t i = first; i < end; ++i)
         if (keep[i]) array[n++] = array[i];
     });
-    array.resize(n);
+    array.truncate(n);
   };
   filter_array(set.toi);
   filter_array(set.distance);

@@ -1,6 +1,7 @@
 #pragma once
 // What a frame's level and report need: which lists, stages and filters there are at all.
 
+#include "gpu/contacts/columns.hpp"
 #include "gpu/step/settings.hpp"
 
 namespace collided {
@@ -8,7 +9,7 @@ namespace collided {
 struct LevelNeeds {
   FrameSettings settings{};
   bool is_ccd = true;
-  bool triangle_triangle = false;
+  bool finds_features = true, triangle_triangle = false, weights = false;
 
   bool operator==(const LevelNeeds&) const = default;
 
@@ -23,6 +24,15 @@ struct LevelNeeds {
   /// Contacts have more than their ids.
   bool has_data() const { return has_narrow_phase() || tests_triangles(); }
 
+  /// What is told of contacts beside their ids.
+  ColumnsWanted columns() const {
+    const bool features = finds_features && has_narrow_phase();
+    return {.flags = features || tests_triangles(),
+            .distance = features,
+            .toi = features && is_ccd,
+            .weights = features && weights};
+  }
+
   /// A filter in float rules candidates out before they are stored.
   bool has_filter() const { return settings.accuracy >= (is_ccd ? Accuracy::kGuarded : Accuracy::kCertified); }
   /// CCD tries a fixed direction before it follows the features, and float goes ahead of double.
@@ -33,7 +43,8 @@ struct LevelNeeds {
 };
 
 inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings) {
-  return {settings, spec.mode == Mode::kCcd, spec.triangle_triangle};
+  return {settings, spec.mode == Mode::kCcd, spec.vertex_triangle || spec.edge_edge, spec.triangle_triangle,
+          spec.weights};
 }
 
 }  // namespace collided

@@ -29,7 +29,7 @@ class NarrowPhase {
     if (needs().is_earliest_only()) reserve(scene_.earliest, kFirst);
     const uint64_t most = max(scene_.contacts.keys.capacity(), scene_.earliest.keys.capacity());
     scene_.order.reserve(ranks_.count, most);
-    if (needs().has_data()) scene_.sorted.allocate(most);
+    scene_.columns.reserve(most, needs().columns());
     if (needs().tests_triangles() && scene_.triangle_pairs.capacity() == 0) scene_.triangle_pairs.allocate(kFirst);
     if (!needs().has_narrow_phase()) return;
     for (int kind = 0; kind < 2; ++kind) {
@@ -95,8 +95,10 @@ class NarrowPhase {
       const Counted count{needs().is_earliest_only() ? &state->earliest : &state->contacts, contacts.keys.capacity()};
       Span<const ContactData<Real>> data;
       if (needs().has_data()) data = contacts.data.all();
-      put_in_order(exec_, scene_.order, count, !plan_.has_many_contacts, contacts.keys.all(), data, scene_.sorted.all(),
-                   &state->crowded_ranks);
+      const WriteContact<Real> write{data, ranks_, scene_.columns.columns(needs().columns())};
+      put_in_order(exec_, scene_.order,
+                   Unordered<WriteContact<Real>>{count, contacts.keys.all(), ranks_, &state->kinds, write},
+                   !plan_.has_many_contacts, &state->crowded_ranks);
     });
   }
 

@@ -9,6 +9,7 @@
 #include "gpu/narrow/gather.hpp"
 #include "gpu/step/answer_room.hpp"
 #include "gpu/step/buffers.hpp"
+#include "gpu/step/columns_on_host.hpp"
 #include "gpu/step/contact_sets.hpp"
 #include "gpu/step/level_needs.hpp"
 
@@ -22,15 +23,13 @@ class Results {
         spec_(spec),
         ranks_(ranks),
         scene_(scene),
-        room_(spec.memory_quota ? std::make_shared<AnswerRoom>(spec.memory_quota) : nullptr) {}
+        room_(std::make_shared<AnswerRoom>(spec.memory_quota, &Exec::host_block)) {}
   Results(const Results&) = delete;
   Results& operator=(const Results&) = delete;
-  ~Results() {
-    if (room_) room_->close();
-  }
+  ~Results() { room_->close(); }
 
-  /// Bytes that are held for answers; 0 where nobody counts them.
-  uint64_t answer_bytes() const { return room_ ? room_->bytes() : 0; }
+  /// Bytes of the host that are held for answers.
+  uint64_t answer_bytes() const { return room_->bytes(); }
 
   /// `bytes_beside_contact`: as in FrameInput.
   void collect(const StepState& step, const LevelNeeds& needs, uint64_t bytes_beside_contact, FrameResult& result) {
@@ -41,7 +40,7 @@ class Results {
       result.any_contact = step.shortcut.has_contact != 0;
       return;
     }
-    exec_.stage("download", [&] { download(needs_.is_earliest_only() ? step.earliest : step.contacts); });
+    exec_.stage("download", [&] { download(needs_.is_earliest_only() ? step.earliest : step.contacts, step.kinds); });
     if (needs_.is_exact()) exec_.stage("exact", [&] { settle_all(); });
     report();
   }
@@ -49,68 +48,18 @@ class Results {
  private:
   static constexpr size_t kSettledAtATime = 1u << 14;  ///< contacts, whose points take memory
 
-  void download(uint64_t count) {
-    const uint64_t key_bytes = count * sizeof(uint64_t),
-                   data_bytes = needs_.has_data() ? count * sizeof(ContactData<Real>) : 0;
-    std::byte* host = exec_.host_memory(key_bytes + data_bytes);
-    exec_.download_async(host, scene_.order.sorted_keys.data(), key_bytes);
-    exec_.download_async(host + key_bytes, scene_.sorted.data(), data_bytes);
+  void download(uint64_t count, const KindBegins& kinds) {
+    const ContactColumns columns = scene_.columns.columns(needs_.columns());
+    if (count == 0) return;
+    ColumnsOnHost host(columns, count);
+    host.take(*room_, count * bytes_beside_contact_);
+    host.for_each([&](std::byte* to, const void* from, uint64_t bytes) { exec_.download_async(to, from, bytes); });
     exec_.wait();
-    const auto* keys = reinterpret_cast<const uint64_t*>(host);
-    const auto* data = reinterpret_cast<const ContactData<Real>*>(host + key_bytes);
-    const auto below = [&](uint32_t rank) {
-      return static_cast<uint64_t>(std::lower_bound(keys, keys + count, uint64_t{rank} << 32) - keys);
-    };
-    const uint64_t edges = below(ranks_.first_edge);
-    const uint64_t triangles = spec_.triangle_triangle ? below(ranks_.first_triangle) : count;
-    hold(triangles * contact_bytes(false) + (count - triangles) * contact_bytes(true));
-    take(result_->vertex_triangle, keys, data, 0, edges, 0);
-    take(result_->edge_edge, keys, data, edges, triangles, ranks_.first_edge);
-    take(result_->triangle_triangle, keys, data, triangles, count, ranks_.first_triangle);
-  }
-
-  /// Of one contact in the result and beside it.
-  uint64_t contact_bytes(bool is_triangles) const {
-    const uint64_t ids = sizeof(ContactSet::elements[0]) + bytes_beside_contact_;
-    if (is_triangles) return ids + (needs_.tests_triangles() ? sizeof(uint8_t) : 0);
-    if (!needs_.has_narrow_phase()) return ids;
-    const uint64_t toi = needs_.is_ccd ? sizeof(double) : 0, weights = spec_.weights ? 2 * sizeof(double) : 0;
-    return ids + sizeof(uint8_t) + sizeof(double) + toi + weights;
-  }
-  /// Before the memory is there.
-  void hold(uint64_t bytes) {
-    if (!room_) return;
-    const auto held = std::make_shared<MemoryHold>(room_);
-    held->resize(bytes);
-    result_->held = held;
-  }
-
-  void take(ContactSet& out, const uint64_t* keys, const ContactData<Real>* data, uint64_t from, uint64_t to,
-            uint32_t first_rank) {
-    const bool is_triangles = &out == &result_->triangle_triangle;
-    const bool has_data = is_triangles ? needs_.tests_triangles() : needs_.has_narrow_phase();
-    const uint64_t n = to - from;
-    keys += from, data += from;
-    fill(out.elements, n, [&](uint64_t i) -> std::array<uint32_t, 2> {
-      return {first_id(keys[i]) - first_rank, second_id(keys[i])};
-    });
-    if (!has_data) return;
-    fill(out.flags, n, [&](uint64_t i) { return data[i].flags; });
-    if (is_triangles) return;
-    fill(out.distance, n, [&](uint64_t i) { return data[i].distance; });
-    if (needs_.is_ccd) fill(out.toi, n, [&](uint64_t i) { return data[i].toi; });
-    if (spec_.weights) fill(out.weights, n, [&](uint64_t i) { return std::array<double, 2>{data[i].w0, data[i].w1}; });
-  }
-
-  /// Some at a time: lists may be long.
-  template <class T, class F>
-  void fill(std::vector<T>& out, uint64_t n, const F& value) {
-    constexpr uint64_t kAtATime = 1u << 17;
-    out.reserve(n);
-    exec_.host_loops().in_turn(n, kAtATime, [&](uint64_t first, uint64_t end) {
-      out.resize(end);
-      for (uint64_t i = first; i < end; ++i) out[i] = value(i);
-    });
+    result_->held = host.memory();
+    const bool features = needs_.has_narrow_phase();
+    result_->vertex_triangle = host.contacts(0, kinds.edges, features);
+    result_->edge_edge = host.contacts(kinds.edges, kinds.triangles, features);
+    result_->triangle_triangle = host.triangle_pairs(kinds.triangles, count, needs_.tests_triangles());
   }
 
   // EXACT: what is left open goes to the host's exact arithmetic.
@@ -205,7 +154,7 @@ class Results {
     if (needs_.is_earliest_only()) keep_earliest(exec_.host_loops(), r);
     if (needs_.is_any_hit()) {
       r.vertex_triangle = r.edge_edge = r.triangle_triangle = {};
-      r.held = {};
+      r.held = nullptr;
       return;
     }
     r.earliest_toi = std::min(earliest_toi(r.vertex_triangle), earliest_toi(r.edge_edge));

@@ -17,6 +17,7 @@ struct StepState {
   uint64_t large, bricks[kMaxRounds], brick_items[kMaxRounds];
   uint64_t pairs, candidates[2];
   uint64_t triangle_pairs, kept[2], screened[2], resumable[2], contacts, earliest, crowded_ranks;
+  KindBegins kinds;  ///< in the sorted list
 
   uint64_t next_item[3];      ///< of the searches for pairs (Search)
   uint64_t next_query[2][2];  ///< of the narrow phase, in float and in double

@@ -24,15 +24,16 @@ void bench_order(StageScene& s, Span<const uint64_t> keys, Span<const ContactDat
   const uint64_t first_ids = s.features.topology.vertex_count + s.features.topology.edges.size(), count = keys.size();
   OrderBuffers<CpuExec> buffers(s.exec);
   buffers.reserve(first_ids, count);
-  std::vector<ContactData<float>> sorted(data.size());
-  uint64_t crowded = 0;
-  measure(
-      state, count, [&] { crowded = 0; },
-      [&] {
-        put_in_order(s.exec, buffers, {&count, count}, false, keys, data, span_of(sorted), &crowded);
-      });
+  const ColumnsWanted wanted{.flags = !data.empty(), .distance = !data.empty(), .toi = !data.empty()};
+  ColumnBuffers<CpuExec> columns(s.exec);
+  columns.reserve(count, wanted);
+  const FeatureRanks ranks{s.features.topology.vertex_count, static_cast<uint32_t>(first_ids),
+                           static_cast<uint32_t>(first_ids)};
+  KindBegins kinds{};
+  const Unordered<WriteContact<float>> list{
+      {&count, count}, keys, ranks, &kinds, {data, ranks, columns.columns(wanted)}};
+  measure(state, count, kNoPreparation, [&] { put_in_order(s.exec, buffers, list, false, nullptr); });
   state.counters["first_ids"] = static_cast<double>(first_ids);
-  state.counters["crowded_ids"] = static_cast<double>(crowded);
 }
 
 void bench_order_of_contacts(StageScene& s, benchmark::State& state) {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "gpu/exec/cpu/cpu_exec.hpp"
-#include "gpu/search/cpu/searcher.hpp"
 #include "gpu/scene/topology.hpp"
+#include "gpu/search/cpu/searcher.hpp"
 #include "gpu/step/pipeline.hpp"
 #include "tests/support/case.hpp"
 

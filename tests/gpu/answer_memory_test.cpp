@@ -26,8 +26,8 @@ class CountedQuota final : public MemoryQuota {
 };
 
 template <class T>
-uint64_t bytes_of(const std::vector<T>& values) {
-  return values.capacity() * sizeof(T);
+uint64_t bytes_of(const Column<T>& values) {
+  return values.size() * sizeof(T);
 }
 uint64_t bytes_of(const ContactSet& set) {
   return bytes_of(set.elements) + bytes_of(set.toi) + bytes_of(set.distance) + bytes_of(set.weights) +
@@ -45,6 +45,13 @@ uint64_t answer_bytes(const Detector& detector) {
 
 class AnswerMemory : public OnBackend<> {
  protected:
+  /// Held for answers of so many bytes: with head-room of a quarter, and columns aligned.
+  static void expect_held(uint64_t held, uint64_t bytes, uint64_t answers = 1) {
+    constexpr uint64_t kColumns = 5, kAlignment = 64;
+    EXPECT_GE(held, bytes);
+    EXPECT_LE(held, bytes / 4 * 5 + answers * 2 * kColumns * kAlignment);
+  }
+
   std::unique_ptr<Detector> make(SceneSpec spec) {
     spec.memory_quota = quota_;
     return Detector::create(spec_for(case_, spec));
@@ -69,11 +76,11 @@ TEST_F(AnswerMemory, CountsWhileAnAnswerLives) {
       FrameResult result = answer(*detector, spec);
       const uint64_t bytes = bytes_of(result);
       ASSERT_GT(bytes, 1000u);
-      EXPECT_EQ(answer_bytes(*detector), bytes);
+      expect_held(answer_bytes(*detector), bytes);
       FrameResult copy = result;
       result = {};
       detector = nullptr;
-      EXPECT_EQ(quota_->held(), bytes) << "the scene is gone, a copy is there";
+      expect_held(quota_->held(), bytes);  // the scene is gone, a copy is there
       copy = {};
       EXPECT_EQ(quota_->held(), 0u);
     }
@@ -84,8 +91,11 @@ TEST_F(AnswerMemory, CountsWhatTheCallerHoldsBeside) {
   const SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified, Scalar::kF32);
   const auto detector = make(spec);
   const FrameResult result = answer(*detector, spec, kBeside);
+  const auto plain = make(spec);
+  answer(*plain, spec);
   const uint64_t contacts = result.vertex_triangle.size() + result.edge_edge.size();
-  EXPECT_EQ(answer_bytes(*detector), bytes_of(result) + contacts * kBeside);
+  expect_held(answer_bytes(*detector), bytes_of(result) + contacts * kBeside);
+  EXPECT_GE(answer_bytes(*detector) - answer_bytes(*plain), contacts * kBeside);
 }
 
 // Others may have taken the rest of the quota meanwhile.
@@ -94,7 +104,7 @@ TEST_F(AnswerMemory, StaysWithTheScene) {
   const auto detector = make(spec);
   const FrameResult first = answer(*detector, spec);
   { const FrameResult second = answer(*detector, spec); }
-  EXPECT_EQ(answer_bytes(*detector), 2 * bytes_of(first));
+  expect_held(answer_bytes(*detector), 2 * bytes_of(first), 2);
   quota_->set_most(quota_->held());
   EXPECT_TRUE(same_contacts(first, answer(*detector, spec)));
   const FrameResult second = answer(*detector, spec);

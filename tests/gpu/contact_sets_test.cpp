@@ -13,12 +13,18 @@ CpuLoops loops(1);
 
 // Contacts (i, i + 100) with all arrays, entry i marked by i in each.
 ContactSet contacts(const std::vector<double>& toi, const std::vector<uint8_t>& flags) {
-  ContactSet set;
+  std::vector<std::array<uint32_t, 2>> elements;
+  std::vector<double> distance;
+  std::vector<std::array<double, 2>> weights;
   for (uint32_t i = 0; i < toi.size(); ++i) {
-    set.elements.push_back({i, i + 100});
-    set.distance.push_back(i);
-    set.weights.push_back({0.5 * i, 0.25 * i});
+    elements.push_back({i, i + 100});
+    distance.push_back(i);
+    weights.push_back({0.5 * i, 0.25 * i});
   }
+  ContactSet set;
+  set.elements = elements;
+  set.distance = distance;
+  set.weights = weights;
   set.toi = toi;
   set.flags = flags;
   return set;
@@ -50,7 +56,7 @@ TEST(ContactSets, UndecidedIsWhatIsNotCertainOrAtTimeZero) {
 
 TEST(ContactSets, WithoutTimesOnlyCertaintyDecides) {
   ContactSet set = contacts({0, 0, 0}, {kSure, kFlagNear, kSure});
-  set.toi.clear();
+  set.toi = {};
   EXPECT_EQ(undecided_places(set), (std::vector<size_t>{1}));
 }
 
@@ -60,8 +66,8 @@ TEST(ContactSets, AnswersSetTimesAndFlagsAndRemoveWhatIsNoContact) {
   ContactSet set = contacts({0.1, 0.2, 0, 0.4}, {kFlagNear, kFlagNear | kFlagCapped, kFlagNear | kFlagInitial, kSure});
   apply(loops, set, {0, 1, 2}, {{false, 0, false}, {true, 0.25, false}, {true, 0, true}});
   expect_are(set, {1, 2, 3});
-  EXPECT_EQ(set.toi, (std::vector<double>{0.25, 0, 0.4}));
-  EXPECT_EQ(set.flags, (std::vector<uint8_t>{kSure, kSureInitial, kSure}));
+  EXPECT_EQ(set.toi, (Column<double>{0.25, 0, 0.4}));
+  EXPECT_EQ(set.flags, (Column<uint8_t>{kSure, kSureInitial, kSure}));
 }
 
 TEST(ContactSets, EveryContactMayGo) {
@@ -75,8 +81,8 @@ TEST(ContactSets, ArraysThatAreNotThereStayEmpty) {
   set.elements = {{1, 2}, {3, 4}};
   set.flags = {kFlagNear, kFlagNear};
   apply(loops, set, {0, 1}, {{false, 0, false}, {true, 0, false}});
-  EXPECT_EQ(set.elements, (std::vector<std::array<uint32_t, 2>>{{3, 4}}));
-  EXPECT_EQ(set.flags, (std::vector<uint8_t>{kSure}));
+  EXPECT_EQ(set.elements, (Column<std::array<uint32_t, 2>>{{3, 4}}));
+  EXPECT_EQ(set.flags, (Column<uint8_t>{kSure}));
   EXPECT_TRUE(set.toi.empty() && set.distance.empty() && set.weights.empty());
 }
 

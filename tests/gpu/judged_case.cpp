@@ -34,7 +34,7 @@ ExactImpact CaseJudge::judge(QueryKind kind, const std::array<uint32_t, 4>& vert
   return judge_ccd(query, thickness_);
 }
 
-Truth CaseJudge::vertex_triangle(const std::vector<std::array<uint32_t, 2>>& pairs) const {
+Truth CaseJudge::vertex_triangle(std::span<const std::array<uint32_t, 2>> pairs) const {
   Truth truth;
   for (const auto& [v, t] : pairs) {
     const auto& c = features_.triangles[t];
@@ -44,7 +44,7 @@ Truth CaseJudge::vertex_triangle(const std::vector<std::array<uint32_t, 2>>& pai
   return truth;
 }
 
-Truth CaseJudge::edge_edge(const std::vector<std::array<uint32_t, 2>>& pairs) const {
+Truth CaseJudge::edge_edge(std::span<const std::array<uint32_t, 2>> pairs) const {
   Truth truth;
   for (const auto& [i, j] : pairs) {
     const auto &e = features_.edges[i], &f = features_.edges[j];

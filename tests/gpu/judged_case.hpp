@@ -16,8 +16,8 @@ class CaseJudge {
   /// The case has to be rounded to the scene's scalar type already.
   CaseJudge(const Case& c, Mode mode, double thickness);
 
-  Truth vertex_triangle(const std::vector<std::array<uint32_t, 2>>& pairs) const;
-  Truth edge_edge(const std::vector<std::array<uint32_t, 2>>& pairs) const;
+  Truth vertex_triangle(std::span<const std::array<uint32_t, 2>> pairs) const;
+  Truth edge_edge(std::span<const std::array<uint32_t, 2>> pairs) const;
   /// Of all pairs of triangles that have no vertex in common: those that share a point at t = 1; ascending.
   std::vector<PairKey> triangles() const;
 

@@ -126,7 +126,7 @@ class LevelsOfScenes : public OnBackend<::testing::TestWithParam<std::tuple<std:
   static constexpr size_t kMaxJudged = 300;
 
   // Evenly chosen ones of many.
-  static std::vector<std::array<uint32_t, 2>> sample(const std::vector<std::array<uint32_t, 2>>& pairs) {
+  static std::vector<std::array<uint32_t, 2>> sample(std::span<const std::array<uint32_t, 2>> pairs) {
     const size_t step = pairs.size() / kMaxJudged + 1;
     std::vector<std::array<uint32_t, 2>> some;
     for (size_t i = 0; i < pairs.size(); i += step) some.push_back(pairs[i]);

@@ -117,17 +117,16 @@ Case copies_of(const Case& one) {
 
 /// The contacts of all copies; `first` and `second`: how many ids of each kind a copy has.
 ContactSet copies_of(const ContactSet& one, size_t first, size_t second) {
-  ContactSet all;
-  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-  for (uint32_t copy = 0; copy < kCopies; ++copy) {
+  std::vector<std::array<uint32_t, 2>> elements;
+  for (uint32_t copy = 0; copy < kCopies; ++copy)
     for (const auto& [a, b] : one.elements)
-      all.elements.push_back({a + copy * static_cast<uint32_t>(first), b + copy * static_cast<uint32_t>(second)});
-    append(all.toi, one.toi);
-    append(all.distance, one.distance);
-    append(all.weights, one.weights);
-    append(all.flags, one.flags);
-  }
-  return all;
+      elements.push_back({a + copy * static_cast<uint32_t>(first), b + copy * static_cast<uint32_t>(second)});
+  const auto repeated = [](const auto& column) {
+    std::vector<std::decay_t<decltype(column[0])>> all;
+    for (uint32_t copy = 0; copy < kCopies; ++copy) all.insert(all.end(), column.begin(), column.end());
+    return all;
+  };
+  return {elements, repeated(one.toi), repeated(one.distance), repeated(one.weights), repeated(one.flags)};
 }
 
 // Where everything stands still, many contacts are the earliest: all are at t = 0.

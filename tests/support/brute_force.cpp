@@ -246,7 +246,7 @@ ExpectedPairs brute_force(const Case& c, Mode mode, Scalar scalar, double thickn
   return {finder.vertex_triangle(), finder.edge_edge()};
 }
 
-std::string compare(const std::vector<std::array<uint32_t, 2>>& found, const PairSet& expected) {
+std::string compare(std::span<const std::array<uint32_t, 2>> found, const PairSet& expected) {
   std::vector<PairKey> keys, missing, extra, repeated;
   for (const auto& pair : found) keys.push_back(key_of(pair[0], pair[1]));
   std::ostringstream out;

@@ -37,6 +37,6 @@ Features features_of(const Case& c);
 ExpectedPairs brute_force(const Case& c, Mode mode, Scalar scalar, double thickness);
 
 /// What is wrong with the engine's list; empty if nothing: order, repeats, misses, pairs too many.
-std::string compare(const std::vector<std::array<uint32_t, 2>>& found, const PairSet& expected);
+std::string compare(std::span<const std::array<uint32_t, 2>> found, const PairSet& expected);
 
 }  // namespace collided::test

@@ -16,14 +16,14 @@ uint64_t mix(uint64_t hash, const void* data, size_t size) {
 
 // The length goes in too: two arrays must not pass for one.
 template <class T>
-uint64_t mix(uint64_t hash, const std::vector<T>& values) {
+uint64_t mix(uint64_t hash, const Column<T>& values) {
   const uint64_t size = values.size();
   hash = mix(hash, &size, sizeof size);
   return values.empty() ? hash : mix(hash, values.data(), size * sizeof(T));
 }
 
 template <class T>
-bool same(const std::vector<T>& a, const std::vector<T>& b) {
+bool same(const Column<T>& a, const Column<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 

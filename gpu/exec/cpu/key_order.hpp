@@ -42,14 +42,14 @@ struct PackedKeys {
 };
 
 /// Puts the keys of some arrays in order, once.
-template <class Data>
+template <class Write>
 class KeyOrder {
  public:
-  KeyOrder(CpuLoops& loops, const KeyArrays<Data>& arrays)
+  KeyOrder(CpuLoops& loops, const KeyArrays<Write>& arrays)
       : loops_(loops),
         arrays_(arrays),
         all_(bits_of(loops, arrays.keys)),
-        packed_(all_, arrays.keys.size(), !arrays.data.empty()),
+        packed_(all_, arrays.keys.size(), arrays.write.has_data()),
         bucket_bits_(std::clamp<int>(std::bit_width(arrays.keys.size() / kBucket), 0,
                                      std::min(kMaxBucketBits, packed_.first_bits + packed_.second_bits))) {}
 
@@ -59,7 +59,7 @@ class KeyOrder {
       run_with(reinterpret_cast<uint32_t*>(arrays_.scratch.data),
                reinterpret_cast<uint32_t*>(arrays_.scratch.data) + arrays_.keys.size());
     else
-      run_with(arrays_.scratch.data, arrays_.sorted_keys.data);
+      run_with(arrays_.scratch.data, arrays_.other.data);
   }
 
  private:
@@ -142,7 +142,7 @@ class KeyOrder {
       for (int pass = 0; pass < passes; ++pass, std::swap(from, to), places = next, next.fill(0))
         sort_by_digit(from, to, n, digit(pass), places, digit(pass + 1 < passes ? pass + 1 : pass), next);
     }
-    arrays_.data.empty() ? write<false>(from, bucket, begin, n) : write<true>(from, bucket, begin, n);
+    write(from, bucket, begin, n);
   }
 
   struct Digit {
@@ -164,21 +164,20 @@ class KeyOrder {
       to[counts[digit.of(item)]++] = item;
     }
   }
-  /// `from` may be where the keys go.
-  template <bool kHasData, class Item>
+  template <class Item>
   void write(const Item* from, uint64_t bucket, uint64_t begin, uint64_t n) const {
     const uint64_t high = bucket << bits_within(), low = (uint64_t{1} << bits_within()) - 1;
+    // Copies: what is written in the loop might else be what it reads.
     const PackedKeys packed_keys = packed_;
-    uint64_t* keys = arrays_.sorted_keys.data + begin;
+    const Write write = arrays_.write;
     for (uint64_t i = 0; i < n; ++i) {
       const uint64_t packed = high | (from[i] & low);
-      if constexpr (kHasData) arrays_.sorted[begin + i] = arrays_.data[packed_keys.place(packed)];
-      keys[i] = packed_keys.key(packed);
+      write(begin + i, packed_keys.key(packed), packed_keys.place(packed));
     }
   }
 
   CpuLoops& loops_;
-  KeyArrays<Data> arrays_;
+  KeyArrays<Write> arrays_;
   const uint64_t all_;  ///< bits that any key has
   PackedKeys packed_;
   int bucket_bits_;

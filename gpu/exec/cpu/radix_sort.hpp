@@ -81,12 +81,12 @@ class RadixSort {
   SortArrays arrays_;
 };
 
-/// Keys of any bits, however many of them are alike, in ascending order with their data: their places are sorted, which
+/// Keys of any bits, however many of them are alike, in ascending order: their places are sorted, which
 /// takes longer than to sort the keys (KeyOrder), but never long without a look whether the frame goes on.
-template <class Data>
+template <class Write>
 class PlaceOrder {
  public:
-  PlaceOrder(CpuLoops& loops, const KeyArrays<Data>& arrays)
+  PlaceOrder(CpuLoops& loops, const KeyArrays<Write>& arrays)
       : loops_(loops),
         arrays_(arrays),
         from_(reinterpret_cast<uint32_t*>(arrays.scratch.data)),
@@ -105,17 +105,15 @@ class PlaceOrder {
           [from = from_, places = to_](uint64_t i, uint64_t to) { places[to] = from[i]; });
       std::swap(from_, to_);
     }
-    loops_.for_each(n, kGrain, [arrays = arrays_, from = from_](uint64_t i) {
-      arrays.sorted_keys[i] = arrays.keys[from[i]];
-      if (!arrays.data.empty()) arrays.sorted[i] = arrays.data[from[i]];
-    });
+    loops_.for_each(n, kGrain,
+                    [arrays = arrays_, from = from_](uint64_t i) { arrays.write(i, arrays.keys[from[i]], from[i]); });
   }
 
  private:
   static constexpr uint64_t kGrain = 1u << 15;
 
   CpuLoops& loops_;
-  const KeyArrays<Data> arrays_;
+  const KeyArrays<Write> arrays_;
   uint32_t *from_, *to_;
 };
 

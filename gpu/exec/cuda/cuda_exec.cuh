@@ -212,6 +212,13 @@ class CudaExec {
     host_.ensure(bytes);
     return host_.data();
   }
+  /// Pinned memory of the host, aligned to 64 bytes; booked nowhere. From any thread.
+  static std::shared_ptr<std::byte> host_block(uint64_t bytes) {
+    void* memory = nullptr;
+    check_cuda(cudaHostAlloc(&memory, bytes, cudaHostAllocDefault),
+               ("answer: " + std::to_string(bytes) + " bytes of pinned host memory").c_str());
+    return {static_cast<std::byte*>(memory), [](std::byte* block) { cudaFreeHost(block); }};
+  }
   void copy(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyDeviceToDevice); }
   void fill_zero(void* memory, uint64_t bytes) {
     if (bytes == 0) return;

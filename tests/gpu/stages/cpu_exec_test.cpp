@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gpu/exec/buffer.hpp"
+#include "gpu/search/cpu/list_writer.hpp"
 
 namespace collided::test {
 namespace {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gpu/exec/cpu/cpu_exec.hpp"
+#include "gpu/search/cpu/tree_walk.hpp"
 
 namespace collided::test {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "gpu/octree/leaf_pairs.hpp"
 #include "gpu/octree/levels.hpp"
+#include "gpu/search/cpu/pair_search.hpp"
 #include "tests/gpu/stages/octree_fixture.hpp"
 
 namespace collided::test {

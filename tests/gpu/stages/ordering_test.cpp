@@ -18,6 +18,35 @@ struct Shape {
   double crowding;  ///< share of the entries that have the same first id
 };
 
+struct WriteKeys {
+  Span<const uint64_t> data;
+  Span<uint64_t> keys, along;
+  void operator()(uint64_t place, uint64_t key, uint64_t from) const { keys[place] = key, along[place] = data[from]; }
+};
+
+/// What was written in order.
+struct Written {
+  explicit Written(uint64_t count) : keys(count), data(count) {}
+  WriteKeys write(const std::vector<uint64_t>& from) {
+    return {{from.data(), from.size()}, {keys.data(), keys.size()}, {data.data(), data.size()}};
+  }
+  std::vector<uint64_t> keys, data;
+};
+
+/// Three kinds.
+FeatureRanks thirds_of(uint64_t first_ids) {
+  const auto third = static_cast<uint32_t>(first_ids / 3);
+  return {third, 2 * third, static_cast<uint32_t>(first_ids)};
+}
+
+void expect_begins(const KindBegins& kinds, const std::vector<uint64_t>& sorted, const FeatureRanks& ranks) {
+  const auto below = [&](uint32_t rank) {
+    return static_cast<uint64_t>(std::lower_bound(sorted.begin(), sorted.end(), uint64_t{rank} << 32) - sorted.begin());
+  };
+  EXPECT_EQ(kinds.edges, below(ranks.first_edge));
+  EXPECT_EQ(kinds.triangles, below(ranks.first_triangle));
+}
+
 class Ordering : public testing::TestWithParam<Shape> {};
 
 TEST_P(Ordering, EqualsAPlainSort) {
@@ -33,18 +62,21 @@ TEST_P(Ordering, EqualsAPlainSort) {
   std::vector<uint64_t> data = keys, expected = keys;
   std::sort(expected.begin(), expected.end());
 
-  OrderBuffers<CpuExec> buffers(exec);
+  CountingBuffers<CpuExec> buffers(exec);
   buffers.reserve(shape.first_ids, keys.size() + 10);
-  std::vector<uint64_t> sorted(keys.size() + 10, 0);
+  Written written(keys.size() + 10);
   const uint64_t count = keys.size();
   uint64_t crowded = 0;
-  put_in_order_by_counts(exec, buffers, {&count, count}, Span<const uint64_t>{keys.data(), count},
-                         Span<const uint64_t>{data.data(), count}, Span<uint64_t>{sorted.data(), sorted.size()},
-                         &crowded);
+  KindBegins kinds{};
+  const FeatureRanks ranks = thirds_of(shape.first_ids);
+  put_in_order_by_counts(
+      exec, buffers, Unordered<WriteKeys>{{&count, count}, {keys.data(), count}, ranks, &kinds, written.write(data)},
+      &crowded);
   for (uint64_t i = 0; i < count; ++i) {
-    ASSERT_EQ(buffers.sorted_keys.data()[i], expected[i]) << i;
-    ASSERT_EQ(sorted[i], expected[i]) << "data went elsewhere, " << i;
+    ASSERT_EQ(written.keys[i], expected[i]) << i;
+    ASSERT_EQ(written.data[i], expected[i]) << "data went elsewhere, " << i;
   }
+  expect_begins(kinds, expected, ranks);
   EXPECT_EQ(crowded > 0, shape.crowding > 0);
 }
 
@@ -52,17 +84,20 @@ TEST(RankFew, EqualsAPlainSort) {
   std::mt19937_64 random(7);
   CpuExec exec(1, 0);
   for (const uint64_t count : {uint64_t{0}, uint64_t{1}, uint64_t{2}, uint64_t{33}, kFewContacts}) {
-    std::vector<uint64_t> keys(count), sorted_keys(count), sorted(count);
+    std::vector<uint64_t> keys(count);
     for (uint64_t i = 0; i < count; ++i) keys[i] = random() % 16 << 32 | i;
     std::shuffle(keys.begin(), keys.end(), random);
     std::vector<uint64_t> expected = keys;
     std::sort(expected.begin(), expected.end());
     const Span<const uint64_t> given{keys.data(), count};
-    exec.for_each_group(
-        "rank_few", {&count, count},
-        RankFew<uint64_t>{{&count, count}, given, given, {sorted_keys.data(), count}, {sorted.data(), count}});
-    EXPECT_EQ(sorted_keys, expected);
-    EXPECT_EQ(sorted, expected);
+    Written written(count);
+    KindBegins kinds{};
+    const FeatureRanks ranks = thirds_of(16);
+    exec.for_each_group("rank_few", {&count, count},
+                        RankFew<WriteKeys>{{&count, count}, given, {ranks, given}, &kinds, written.write(keys)});
+    EXPECT_EQ(written.keys, expected);
+    EXPECT_EQ(written.data, expected);
+    expect_begins(kinds, expected, ranks);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gpu/octree/leaf_pairs.hpp"
+#include "gpu/search/cpu/pair_search.hpp"
 #include "tests/gpu/stages/octree_fixture.hpp"
 
 namespace collided::test {

@@ -25,7 +25,7 @@ TEST(ConvertResult, ChunksAreBoundedAndCarryTheFieldsAskedFor) {
   Topology topology;
   topology.triangles = {{0, 1, 2}};
   topology.edges = {{0, 1}, {3, 4}};
-  for (uint32_t i = 0; i < 5; ++i) result.vertex_triangle.elements.push_back({3 + i, 0});
+  result.vertex_triangle.elements = {{3, 0}, {4, 0}, {5, 0}, {6, 0}, {7, 0}};
   result.vertex_triangle.toi = {0, 0.1, 0.2, 0.3, 0.4};
   result.edge_edge.elements = {{0, 1}};
   result.edge_edge.toi = {0.5};

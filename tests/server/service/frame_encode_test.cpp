@@ -54,15 +54,18 @@ class FrameEncode : public testing::Test {
   }
   // Contacts that are all different; ids are those of the tip scene.
   static ContactSet contacts(uint32_t count, uint32_t firsts, uint32_t seconds) {
-    ContactSet set;
+    std::vector<std::array<uint32_t, 2>> elements;
+    std::vector<double> toi, distance;
+    std::vector<std::array<double, 2>> weights;
+    std::vector<uint8_t> flags;
     for (uint32_t i = 0; i < count; ++i) {
-      set.elements.push_back({i % firsts, i / firsts % seconds});
-      set.toi.push_back(1.0 / (i + 1));
-      set.distance.push_back(0.5 * i);
-      set.weights.push_back({0.25 * i, 0.125 * i});
-      set.flags.push_back(static_cast<uint8_t>(i % 16));
+      elements.push_back({i % firsts, i / firsts % seconds});
+      toi.push_back(1.0 / (i + 1));
+      distance.push_back(0.5 * i);
+      weights.push_back({0.25 * i, 0.125 * i});
+      flags.push_back(static_cast<uint8_t>(i % 16));
     }
-    return set;
+    return {elements, toi, distance, weights, flags};
   }
   static std::shared_ptr<AnsweredFrame> frame(uint32_t vertex_triangle, uint32_t edge_edge,
                                               uint32_t triangle_triangle) {
