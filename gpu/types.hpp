@@ -161,7 +161,7 @@ struct FrameInput {
 };
 
 /// kFlagCertified: certain in real arithmetic; kFlagNear: certain only to within delta and the working precision;
-/// kFlagCapped: the limit of looks was met; kFlagInitial: in contact at t = 0 (with kFlagNear, to within delta).
+/// kFlagCapped: the limit of iterations was met; kFlagInitial: in contact at t = 0 (with kFlagNear, to within delta).
 enum ContactFlags : uint8_t { kFlagCertified = 1, kFlagNear = 2, kFlagCapped = 4, kFlagInitial = 8 };
 
 /// Values of a result, in memory that all copies share.

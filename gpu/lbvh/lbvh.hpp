@@ -3,7 +3,7 @@
 // (Karras 2012), ranges and boxes in one pass from the leaves up (Apetrei 2014), ropes instead of a stack for the walk
 // (Prokopenko and Lebrun-Grandie 2024).
 // - Node 2s is the left child of the split between leaves s and s + 1, node 2s + 1 the right one: they lie side by
-//   side, for who meets one mostly meets both. The root has no number: nobody has to meet it.
+//   side, since a traversal that tests one usually tests both. The root has no number: no traversal tests it.
 // - A node's rope leads to the first node of the depth-first order that is not below it, which is a right child: that
 //   of the split behind the node's last leaf. A walk that starts at a leaf's rope therefore meets later leaves alone:
 //   each pair once.

@@ -1,14 +1,16 @@
 #pragma once
 // Certified separating-axis advancement: the step is covered from t = 0 on by intervals on which one direction, fixed
 // or turning, keeps the features apart (separation.hpp). [0, t) is certified free at every moment, so that a miss is
-// a miss and the time that is reported is never late, whatever the directions were; good directions only save looks.
+// a miss and the time that is reported is never late, whatever the directions were; good directions only save
+// iterations.
 
 #include "gpu/narrow/pace.hpp"
 #include "gpu/narrow/separation.hpp"
 
 namespace collided {
 
-/// Looks after the first one, after which a query is reported as a contact at the time that was reached (kFlagCapped).
+/// Iterations after the first one, after which a query is reported as a contact at the time that was reached
+/// (kFlagCapped).
 constexpr int kMaxIterations = 64;
 
 template <class Work>
@@ -64,7 +66,7 @@ struct View {
   }
 };
 
-/// Looks for contact of two features in [0, 1], a look at a time, from where an earlier search left off.
+/// Searches for contact of two features in [0, 1], an iteration at a time, from where an earlier search left off.
 template <class Work, int N>
 class Advancement {
  public:
@@ -79,7 +81,7 @@ class Advancement {
     outcome_ = Outcome::kOpen;
   }
   COLLIDED_HD bool is_over() const { return outcome_ != Outcome::kOpen; }
-  /// After the last look: whether they meet, as far as that is known.
+  /// After the last iteration: whether they meet, as far as that is known.
   COLLIDED_HD bool is_hit() const { return outcome_ == Outcome::kContact || is_capped(); }
   COLLIDED_HD bool is_capped() const { return outcome_ == Outcome::kCapped; }
   /// Apart on [0, t) for certain.

@@ -6,7 +6,7 @@
 
 namespace collided {
 
-/// Tolerance in units of the query's extent where none is given: what a few more looks cannot improve.
+/// Tolerance in units of the query's extent where none is given: what a few more iterations cannot improve.
 COLLIDED_HD inline float default_delta(float) { return 0x1p-20f; }
 COLLIDED_HD inline double default_delta(double) { return 0x1p-48; }
 
@@ -19,7 +19,7 @@ COLLIDED_HD ContactData<Real> contact_at(const Differences<Work, N>& d, Work t, 
           static_cast<Real>(gap.points.w1), flags};
 }
 
-/// A candidate that float could not tell apart yet, and how far it came.
+/// A candidate that float could not tell apart, and how far it came: double precision resumes there.
 struct ResumableQuery {
   uint64_t key;
   Progress progress;
@@ -80,8 +80,8 @@ struct ScreenCcd {
   }
 };
 
-/// Advances in float for a few looks: what is apart until then is as certain as it would be in double precision, which
-/// has only the rest to do.
+/// Advances in float for a few iterations: what is apart until then is as certain as it would be in double precision,
+/// which has only the rest to do.
 template <class Real, class Kind>
 struct ApproachCcd {
   using State = CcdState<float, Kind>;

@@ -1,5 +1,5 @@
 #pragma once
-// How far ahead to look next for features that come closer: a guess that costs no guarantee, only looks.
+// How far ahead to look next for features that come closer: a guess that costs no guarantee, only iterations.
 
 #include <cmath>
 

@@ -30,7 +30,7 @@ class Pipeline {
         octree_(exec, searcher_, spec, topology, scene),
         lbvh_(exec, searcher_, spec, topology, scene),
         narrow_(exec, spec, ranks_, scene),
-        results_(exec, spec, ranks_, scene),
+        results_(exec, spec, scene),
         choice_(spec.engine) {}
 
   /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`: as in FrameInput.

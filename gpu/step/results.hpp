@@ -18,10 +18,9 @@ namespace collided {
 template <class Exec, class Real>
 class Results {
  public:
-  Results(Exec& exec, const SceneSpec& spec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
+  Results(Exec& exec, const SceneSpec& spec, SceneBuffers<Exec, Real>& scene)
       : exec_(exec),
         spec_(spec),
-        ranks_(ranks),
         scene_(scene),
         room_(std::make_shared<AnswerRoom>(spec.memory_quota, &Exec::host_block)) {}
   Results(const Results&) = delete;
@@ -162,7 +161,6 @@ class Results {
 
   Exec& exec_;
   const SceneSpec& spec_;
-  const FeatureRanks& ranks_;
   SceneBuffers<Exec, Real>& scene_;
   const std::shared_ptr<AnswerRoom> room_;
   LevelNeeds needs_;

@@ -61,7 +61,7 @@ class QueryRun {
         ranks_(ranks),
         scene_(scene),
         narrow_(exec, spec_, ranks_, scene),
-        results_(exec, spec_, ranks_, scene) {
+        results_(exec, spec_, scene) {
     spec_.mode = settings.mode;
     spec_.thickness = settings.thickness;
     needs_ = needs_of(spec_, {settings.accuracy, settings.delta, Report::kAll});

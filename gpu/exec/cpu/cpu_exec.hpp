@@ -88,7 +88,7 @@ class CpuExec {
   /// begin() leaves the state as it was.
   template <class F>
   void for_each_resumable(const char*, const Counted& n, uint64_t*, const F& f) {
-    constexpr uint64_t kQueries = 32;  // of up to 64 looks each
+    constexpr uint64_t kQueries = 32;  // of up to 64 iterations each
     loops_.for_each(n.size(), kQueries, [&](uint64_t i) { do_resumable(f, i); });
   }
 
