@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tests/support/data_folder.hpp"
+#include "tests/support/frames/real_frames.hpp"
 
 namespace collided::test {
 namespace {
@@ -15,8 +15,8 @@ BenchInput procedural(const std::string& name, double scale) {
           }};
 }
 
-BenchInput real(const std::filesystem::path& data, const RealFrames& frames) {
-  auto loaded = std::make_shared<Case>(load(data, frames));
+BenchInput real(const RealFrames& frames) {
+  auto loaded = std::make_shared<Case>(load(frames));
   return {frames.name, [loaded](int, int) { return *loaded; }};
 }
 
@@ -28,9 +28,8 @@ std::vector<BenchInput> bench_inputs(const std::string& only, double scale) {
     if (only.empty() || only == info.name) inputs.push_back(procedural(info.name, scale));
   for (const scenes::SceneInfo& info : scenes::list_variants())
     if (only == info.name) inputs.push_back(procedural(info.name, scale));
-  if (const auto data = data_folder())
-    for (const RealFrames& frames : {kFunnelFrames, kBallFrames})
-      if (only.empty() || only == frames.name) inputs.push_back(real(*data, frames));
+  for (const RealFrames& frames : {kFunnelFrames, kBallFrames})
+    if (are_here(frames) && (only.empty() || only == frames.name)) inputs.push_back(real(frames));
   return inputs;
 }
 

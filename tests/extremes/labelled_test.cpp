@@ -1,15 +1,17 @@
 // Queries and pairs of real frames that others labelled, and our own: what the levels make of them, and that CERTIFIED
 // reports fewer false contacts than is usual.
 
-#include "tests/support/labelled.hpp"
+#include "tests/support/labelled/labelled.hpp"
 
 #include <cmath>
 #include <cstdio>
 #include <limits>
 
 #include "tests/gpu/backend.hpp"
-#include "tests/support/query_families.hpp"
-#include "tests/support/verdict_score.hpp"
+#include "tests/support/data_folder.hpp"
+#include "tests/support/families/query_families.hpp"
+#include "tests/support/frames/frame_truth.hpp"
+#include "tests/support/verdicts/verdict_score.hpp"
 
 namespace collided::test {
 namespace {
@@ -65,7 +67,7 @@ TEST_P(Labelled, OurOwnSet) { expect_promises("own set", read_labelled_set(label
 
 TEST_P(Labelled, HandMadeQueries) {
   const auto data = data_folder();
-  if (!data) GTEST_SKIP() << "the data folder is not here; set COLLIDED_DATA";
+  if (!data) GTEST_SKIP() << kNoDataFolder;
   std::vector<LabelledQuery> all;
   for (const std::string& set : query_sets(*data)) {
     const auto queries = read_query_set(*data, set);
@@ -76,11 +78,12 @@ TEST_P(Labelled, HandMadeQueries) {
   EXPECT_TRUE(GetParam() == Scalar::kF32 || false_hits <= 222);
 }
 
+TEST_P(Labelled, PairsOfOurOwnFrames) { expect_promises(kDrapeFrames.name, read_frame_queries(kDrapeFrames)); }
+
 TEST_P(Labelled, PairsOfRealFrames) {
-  const auto data = data_folder();
-  if (!data) GTEST_SKIP() << "the data folder is not here; set COLLIDED_DATA";
+  if (!data_folder()) GTEST_SKIP() << kNoDataFolder;
   for (const RealFrames& frames : {kFunnelFrames, kBallFrames})
-    expect_promises(frames.name, read_frame_queries(*data, frames));
+    expect_promises(frames.name, read_frame_queries(frames));
 }
 
 INSTANTIATE_TEST_SUITE_P(Scalars, Labelled, ::testing::Values(Scalar::kF32, Scalar::kF64),

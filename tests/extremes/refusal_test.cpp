@@ -9,7 +9,7 @@
 #include "tests/gpu/backend.hpp"
 #include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
-#include "tests/support/verdict_score_checks.hpp"
+#include "tests/support/verdicts/verdict_score_checks.hpp"
 
 namespace collided::test {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <functional>
 
-#include "tests/support/query_families_shapes.hpp"
-#include "tests/support/verdict_score_checks.hpp"
+#include "tests/support/families/query_families_shapes.hpp"
+#include "tests/support/verdicts/verdict_score_checks.hpp"
 
 namespace collided::test {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tests/support/verdict_score_checks.hpp"
+#include "tests/support/verdicts/verdict_score_checks.hpp"
 
 namespace collided::test {
 namespace {

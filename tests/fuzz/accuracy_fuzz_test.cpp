@@ -1,6 +1,6 @@
 // Queries in large numbers: the levels' promises hold, in CCD, with a thickness, and in DCD.
 
-#include "tests/support/verdict_score_checks.hpp"
+#include "tests/support/verdicts/verdict_score_checks.hpp"
 
 namespace collided::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "gpu/exact/exact.hpp"
-#include "tests/support/verdict_score_question.hpp"
+#include "tests/support/verdicts/verdict_score_question.hpp"
 
 namespace collided::test {
 namespace {

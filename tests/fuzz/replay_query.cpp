@@ -4,8 +4,8 @@
 #include <iostream>
 #include <string_view>
 
-#include "tests/support/query_families.hpp"
-#include "tests/support/verdict_score.hpp"
+#include "tests/support/families/query_families.hpp"
+#include "tests/support/verdicts/verdict_score.hpp"
 
 namespace collided::test {
 namespace {

@@ -8,62 +8,42 @@
 namespace collided::test {
 namespace {
 
-Positions joined(const std::vector<Positions>& parts) {
-  Positions all;
-  for (const Positions& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
-}
-
 bool share_a_vertex(const std::array<uint32_t, 3>& a, const std::array<uint32_t, 3>& b) {
   return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
 }
 
 }  // namespace
 
-CaseJudge::CaseJudge(const Case& c, Mode mode, double thickness)
-    : features_(features_of(c)), mode_(mode), thickness_(thickness), start_(joined(c.start)), end_(joined(c.end)) {}
+CaseJudge::CaseJudge(const Case& c, Mode mode, double thickness) : queries_(c), mode_(mode), thickness_(thickness) {}
 
-ExactImpact CaseJudge::judge(QueryKind kind, const std::array<uint32_t, 4>& vertices) const {
-  std::array<Vec3d, 4> at_end;
-  Query query{kind, {}};
-  for (size_t k = 0; k < 4; ++k) {
-    query.p[k] = start_[vertices[k]];
-    query.p[k + 4] = at_end[k] = end_[vertices[k]];
-  }
-  if (mode_ == Mode::kDcd) return {judge_proximity(kind, at_end, thickness_), 0, 0};
-  return judge_ccd(query, thickness_);
+ExactImpact CaseJudge::judge(const Query& query) const {
+  if (mode_ == Mode::kCcd) return judge_ccd(query, thickness_);
+  const std::array<Vec3d, 4> at_end{query.p[4], query.p[5], query.p[6], query.p[7]};
+  return {judge_proximity(query.kind, at_end, thickness_), 0, 0};
 }
 
-Truth CaseJudge::vertex_triangle(std::span<const std::array<uint32_t, 2>> pairs) const {
+Truth CaseJudge::judge(QueryKind kind, const Pairs& pairs) const {
   Truth truth;
-  for (const auto& [v, t] : pairs) {
-    const auto& c = features_.triangles[t];
-    ExactImpact impact = judge(QueryKind::kVertexTriangle, {v, c[0], c[1], c[2]});
-    if (impact.hit) truth.emplace(key_of(v, t), std::move(impact));
-  }
-  return truth;
-}
-
-Truth CaseJudge::edge_edge(std::span<const std::array<uint32_t, 2>> pairs) const {
-  Truth truth;
-  for (const auto& [i, j] : pairs) {
-    const auto &e = features_.edges[i], &f = features_.edges[j];
-    ExactImpact impact = judge(QueryKind::kEdgeEdge, {e[0], e[1], f[0], f[1]});
-    if (impact.hit) truth.emplace(key_of(i, j), std::move(impact));
+  for (const auto& [first, second] : pairs) {
+    const PairKey key = key_of(first, second);
+    ExactImpact impact = judge(queries_.of_pair(kind, key));
+    if (impact.hit) truth.emplace(key, std::move(impact));
   }
   return truth;
 }
 
 std::vector<PairKey> CaseJudge::triangles() const {
   std::vector<PairKey> keys;
+  const auto& triangles = queries_.features().triangles;
+  const Positions& end = queries_.end();
   const auto corners = [&](uint32_t t) {
-    const auto& c = features_.triangles[t];
-    return std::array<Vec3d, 3>{end_[c[0]], end_[c[1]], end_[c[2]]};
+    const auto& c = triangles[t];
+    return std::array<Vec3d, 3>{end[c[0]], end[c[1]], end[c[2]]};
   };
-  const auto count = static_cast<uint32_t>(features_.triangles.size());
+  const auto count = static_cast<uint32_t>(triangles.size());
   for (uint32_t i = 0; i < count; ++i)
     for (uint32_t j = i + 1; j < count; ++j)
-      if (!share_a_vertex(features_.triangles[i], features_.triangles[j]) && judge_triangles(corners(i), corners(j)))
+      if (!share_a_vertex(triangles[i], triangles[j]) && judge_triangles(corners(i), corners(j)))
         keys.push_back(key_of(i, j));
   return keys;
 }

@@ -3,8 +3,7 @@
 
 #include <map>
 
-#include "tests/support/brute_force.hpp"
-#include "tests/support/exact_judge.hpp"
+#include "tests/support/case_queries.hpp"
 
 namespace collided::test {
 
@@ -16,18 +15,19 @@ class CaseJudge {
   /// The case has to be rounded to the scene's scalar type already.
   CaseJudge(const Case& c, Mode mode, double thickness);
 
-  Truth vertex_triangle(std::span<const std::array<uint32_t, 2>> pairs) const;
-  Truth edge_edge(std::span<const std::array<uint32_t, 2>> pairs) const;
+  using Pairs = std::span<const std::array<uint32_t, 2>>;
+  Truth vertex_triangle(const Pairs& pairs) const { return judge(QueryKind::kVertexTriangle, pairs); }
+  Truth edge_edge(const Pairs& pairs) const { return judge(QueryKind::kEdgeEdge, pairs); }
   /// Of all pairs of triangles that have no vertex in common: those that share a point at t = 1; ascending.
   std::vector<PairKey> triangles() const;
 
  private:
-  ExactImpact judge(QueryKind kind, const std::array<uint32_t, 4>& vertices) const;
+  Truth judge(QueryKind kind, const Pairs& pairs) const;
+  ExactImpact judge(const Query& query) const;
 
-  Features features_;
+  CaseQueries queries_;
   Mode mode_;
   double thickness_;
-  Positions start_, end_;
 };
 
 std::vector<PairKey> keys_of(const ContactSet& contacts);

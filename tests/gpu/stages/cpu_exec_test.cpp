@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <ctime>
 #include <thread>
 #include <vector>
@@ -106,9 +107,14 @@ TEST_P(CpuExecTest, ReduceOfNothingIsTheIdentity) {
 }
 
 TEST_P(CpuExecTest, StepReturnsWhatItLeft) {
+  constexpr std::chrono::milliseconds kPause(2);
   uint64_t value = 0;
-  EXPECT_EQ(exec.step(0, &value, [&] { value = 5; }), 5u);
-  EXPECT_GE(exec.step_milliseconds(), 0);
+  const auto work = [&] {
+    std::this_thread::sleep_for(kPause);
+    value = 5;
+  };
+  EXPECT_EQ(exec.step(0, &value, work), 5u);
+  EXPECT_GE(exec.step_milliseconds(), kPause.count());
 }
 
 TEST_P(CpuExecTest, CancellationStopsBeforeTheStage) {

@@ -11,8 +11,8 @@
 #include "server/local/local_server.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/service/observer.hpp"
-#include "tests/integration/local_stream.hpp"
-#include "tests/integration/tip_scene.hpp"
+#include "tests/integration/local/local_stream.hpp"
+#include "tests/integration/support/tip_scene.hpp"
 
 namespace collided::server {
 

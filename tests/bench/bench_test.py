@@ -1,0 +1,75 @@
+"""What the benchmarks print is complete and agrees with itself. Usage: bench_test.py CHECK PROGRAM
+
+CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench) or embree (collided_embree_bench).
+"""
+
+import json
+import subprocess
+import sys
+import unittest
+
+CHECK, PROGRAM = sys.argv[1:3]
+SMALL = ["--scene", "one_cell", "--scale", "0.2"]
+STEPS = 2
+
+
+def printed(*options):
+    return subprocess.run([PROGRAM, *options], stdout=subprocess.PIPE, text=True, check=True).stdout
+
+
+def parsed(*options):
+    return json.loads(printed(*options))
+
+
+class Bench(unittest.TestCase):
+    def run_of(self, *options):
+        (scene,) = parsed(*SMALL, "--steps", str(STEPS), *options)["scenes"]
+        return scene
+
+    def check_run(self):
+        one, other = self.run_of("--threads", "1"), self.run_of("--threads", "2")
+        self.assertEqual((one["scene"], one["steps"]), ("one_cell", STEPS))
+        self.assertGreater(one["counts"]["contacts_vt"] + one["counts"]["contacts_ee"], 0)
+        self.assertGreater(one["device_bytes"], 0)
+        self.assertLess(0, sum(one["stage_ms"].values()))
+        self.assertEqual(one["digest"], other["digest"])
+        self.assertNotEqual(one["digest"], self.run_of("--accuracy", "fast", "--scalar", "f64")["digest"])
+        same = printed(*SMALL, "--check-same", "--threads", "1")
+        self.assertEqual(len(same.splitlines()), 4)  # modes and number formats
+        self.assertEqual(same, printed(*SMALL, "--check-same", "--threads", "2"))
+
+    def check_levels(self):
+        (scene,) = parsed(*SMALL, "--steps", str(STEPS), "--compare-levels")["scenes"]
+        contacts = {run["level"]: run["contacts"] for run in scene["levels"]}
+        self.assertEqual(list(contacts),
+                         ["fast", "guarded", "certified", "exact", "certified earliest", "certified any"])
+        self.assertGreaterEqual(contacts["guarded"], contacts["certified"])
+        self.assertGreaterEqual(contacts["certified"], contacts["exact"])
+        self.assertGreater(contacts["exact"], 0)
+        self.assertEqual((contacts["certified earliest"], contacts["certified any"]), (STEPS, 0))
+
+    def check_engines(self):
+        runs = parsed(*SMALL, "--steps", str(STEPS), "--compare-engines")["runs"]
+        self.assertEqual([run["engine"] for run in runs],
+                         ["octree", "top-down", "bottom-up", "uniform-grid", "two-level-grid", "lbvh"])
+        for run in runs:
+            self.assertEqual(run["pairs_by_step"], runs[0]["pairs_by_step"], run["engine"])
+            self.assertEqual(len(run["tests_by_step"]), STEPS)
+            self.assertGreaterEqual(run["counts"]["tests"], run["counts"]["pairs"])
+
+    def check_stages(self):
+        ran = parsed("--scene", "flamenco", "--scale", "0.3", "--benchmark_min_time=0.001", "--benchmark_format=json")
+        self.assertTrue(ran["context"]["scene"].startswith("flamenco, "))
+        groups = {run["name"].split("/")[0] for run in ran["benchmarks"] if not run.get("error_occurred")}
+        self.assertEqual(groups, {"boxes", "exact", "fast", "filter", "frame", "hierarchy", "octree", "order", "pairs",
+                                  "proximity", "separation"})
+
+    def check_embree(self):
+        """Exits with 1 where Embree and the engine find different numbers of pairs."""
+        match = parsed("--scene", "funnel", "--scale", "0.2", "--rounds", "1", "--json")
+        self.assertTrue(match["agree"])
+        self.assertGreater(match["pairs"]["engine"], 0)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], f"Bench.check_{CHECK}"])

@@ -1,0 +1,145 @@
+// A scene holds and computes only what its spec asks for.
+
+#include <algorithm>
+#include <set>
+
+#include "tests/gpu/backend.hpp"
+#include "tests/support/adversarial.hpp"
+#include "tests/support/digest.hpp"
+
+namespace collided::test {
+namespace {
+
+struct Footprint {
+  std::set<std::string> parts, stages;
+  uint64_t bytes = 0;
+  FrameResult result;
+};
+
+Case small_case() { return soup(70, 400, 1, 0.2, 0.05); }
+
+Footprint footprint(const Case& c, const SceneSpec& settings) {
+  auto detector = Detector::create(spec_for(c, settings));
+  Footprint f;
+  f.result = detector->detect(Frame(c, settings.mode, settings.scalar).input());
+  for (const StageTime& stage : f.result.stages) f.stages.insert(stage.stage);
+  for (const MemoryPart& part : detector->memory()) {
+    EXPECT_TRUE(f.parts.insert(part.part).second) << "twice: " << part.part;
+    f.bytes += part.bytes;
+  }
+  return f;
+}
+
+std::string text(const std::set<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) all += name + " ";
+  return all;
+}
+
+// `less` has strictly fewer stages than `more`, and no part that `more` lacks. Lists hold one kind at a time, so that
+// the kind with fewer candidates may add no bytes.
+void expect_fewer(const Footprint& less, const Footprint& more) {
+  EXPECT_TRUE(std::includes(more.parts.begin(), more.parts.end(), less.parts.begin(), less.parts.end()))
+      << text(less.parts) << "| " << text(more.parts);
+  EXPECT_TRUE(std::includes(more.stages.begin(), more.stages.end(), less.stages.begin(), less.stages.end()))
+      << text(less.stages) << "| " << text(more.stages);
+  EXPECT_LT(less.stages.size(), more.stages.size()) << text(more.stages);
+  EXPECT_LE(less.bytes, more.bytes);
+}
+
+using DetectorParts = OnBackend<>;
+
+TEST_F(DetectorParts, VertexTriangleAlone) {
+  SceneSpec spec = settings(Mode::kCcd, Accuracy::kFast);
+  const Footprint both = footprint(small_case(), spec);
+  spec.edge_edge = false;
+  const Footprint alone = footprint(small_case(), spec);
+  expect_fewer(alone, both);
+  EXPECT_LT(alone.bytes, both.bytes);
+  EXPECT_EQ(alone.result.edge_edge.size(), 0u);
+  EXPECT_EQ(alone.result.counts.candidates_ee, 0u);
+  EXPECT_TRUE(same_bytes(alone.result.vertex_triangle, both.result.vertex_triangle));
+}
+
+TEST_F(DetectorParts, EdgeEdgeAlone) {
+  SceneSpec spec = settings(Mode::kCcd, Accuracy::kFast);
+  const Footprint both = footprint(small_case(), spec);
+  spec.vertex_triangle = false;
+  const Footprint alone = footprint(small_case(), spec);
+  expect_fewer(alone, both);
+  EXPECT_EQ(alone.result.vertex_triangle.size(), 0u);
+  EXPECT_EQ(alone.result.counts.candidates_vt, 0u);
+  EXPECT_TRUE(same_bytes(alone.result.edge_edge, both.result.edge_edge));
+}
+
+TEST_F(DetectorParts, CandidatesHaveNoNarrowPhase) {
+  const Footprint fast = footprint(small_case(), settings(Mode::kCcd, Accuracy::kFast));
+  const Footprint candidates = footprint(small_case(), settings(Mode::kCcd, Accuracy::kCandidates));
+  EXPECT_LT(candidates.stages.size(), fast.stages.size()) << text(fast.stages);
+  EXPECT_EQ(candidates.result.counts.contacts_vt + candidates.result.counts.contacts_ee, 0u);
+  EXPECT_EQ(candidates.result.counts.candidates_vt, fast.result.counts.candidates_vt);
+  EXPECT_EQ(candidates.result.counts.candidates_ee, fast.result.counts.candidates_ee);
+}
+
+TEST_F(DetectorParts, DiscreteScenesKeepNoPreviousPositions) {
+  const Footprint continuous = footprint(small_case(), settings(Mode::kCcd, Accuracy::kCandidates));
+  const Footprint discrete = footprint(small_case(), settings(Mode::kDcd, Accuracy::kCandidates));
+  EXPECT_TRUE(
+      std::includes(continuous.parts.begin(), continuous.parts.end(), discrete.parts.begin(), discrete.parts.end()))
+      << text(discrete.parts);
+  EXPECT_LT(discrete.parts.size(), continuous.parts.size()) << text(continuous.parts);
+}
+
+TEST_F(DetectorParts, MemoryOfFloatsIsLess) {
+  EXPECT_LT(footprint(small_case(), settings(Mode::kCcd, Accuracy::kCandidates, Scalar::kF32)).bytes,
+            footprint(small_case(), settings(Mode::kCcd, Accuracy::kCandidates, Scalar::kF64)).bytes);
+}
+
+TEST_F(DetectorParts, StaticMeshesAreNotTestedWithEachOther) {
+  Case c;
+  for (uint32_t seed : {71u, 72u}) {
+    const Case part = soup(seed, 200, 1, 0.2, 0);
+    add_mesh(c, part.meshes[0].triangles, part.start[0], {}, true);
+  }
+  const FrameResult r = run_case(c, settings(Mode::kDcd, Accuracy::kCandidates));
+  EXPECT_EQ(r.vertex_triangle.size() + r.edge_edge.size(), 0u);
+}
+
+// A static mesh gives the contacts that it would give as a mesh that stands still, less those with itself.
+TEST_F(DetectorParts, StaticMeshEqualsAMeshThatStandsStill) {
+  Case c = soup(73, 300, 1, 0.2, 0.1);
+  const Case wall = soup(74, 200, 1, 0.2, 0);
+  add_mesh(c, wall.meshes[0].triangles, wall.start[0], {}, true);
+  Case still = c;
+  still.meshes[1].is_static = false;
+  still.meshes[1].self_contacts = false;
+  const SceneSpec spec = settings(Mode::kCcd, Accuracy::kFast);
+  EXPECT_TRUE(same_contacts(run_case(c, spec), run_case(still, spec)));
+}
+
+TEST_F(DetectorParts, StaticMeshesStayOverManyFrames) {
+  Case c = soup(75, 300, 1, 0.2, 0.1);
+  const Case wall = soup(76, 200, 1, 0.2, 0);
+  add_mesh(c, wall.meshes[0].triangles, wall.start[0], {}, true);
+  const SceneSpec spec = settings(Mode::kCcd, Accuracy::kFast);
+  auto kept = Detector::create(spec_for(c, spec));
+  for (int step = 0; step < 5; ++step) {
+    EXPECT_TRUE(same_contacts(run_case(c, spec), kept->detect(Frame(c, spec.mode, spec.scalar, step == 0).input())));
+    c.start[0] = c.end[0];
+    for (Vec3d& p : c.end[0]) p[step % 3] += 0.07;  // also out of the first frame's domain
+  }
+}
+
+TEST_F(DetectorParts, StageNamesAndDeviceAreGiven) {
+  const Case c = small_case();
+  auto detector = Detector::create(spec_for(c, settings(Mode::kCcd, Accuracy::kFast)));
+  EXPECT_EQ(detector->device().backend, kBackend);
+  EXPECT_FALSE(detector->device().name.empty());
+  const std::vector<DeviceInfo> devices = list_devices();
+  ASSERT_FALSE(devices.empty());
+  EXPECT_EQ(devices[0].backend, Backend::kCpu);
+  EXPECT_EQ(devices.size() > 1, cuda_available());
+}
+
+}  // namespace
+}  // namespace collided::test

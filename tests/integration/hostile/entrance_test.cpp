@@ -1,0 +1,69 @@
+// Attacks on the way in: connections, and calls that ask for nothing.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <vector>
+
+#include "tests/integration/support/bystander.hpp"
+#include "tests/integration/support/peers/raw_http2.hpp"
+#include "tests/integration/support/peers/raw_stream.hpp"
+
+namespace collided::test {
+namespace {
+
+constexpr auto kReflection = "/grpc.reflection.v1.ServerReflection/ServerReflectionInfo";
+
+// More than the process has descriptors for, without a word, held and closed again.
+TEST(Entrance, SilentConnectionsKeepNobodyOut) {
+  constexpr int kConnections = 1224;
+  DaemonProcess daemon({"--address", "127.0.0.1:0"}, test_backend(), 1024);
+  const Probe probe(daemon);
+  Aftermath aftermath(probe, daemon.tcp_address());
+  std::vector<int> silent;
+  for (int i = 0; i < kConnections; ++i) silent.push_back(connect_to(daemon.tcp_address()));
+  expect_new_client_served(daemon.tcp_address());
+  aftermath.bystander().expect_served();
+  EXPECT_TRUE(probe.is_ready());
+  for (const int connection : silent)
+    if (connection >= 0) close(connection);
+  aftermath.expect_unharmed();
+}
+
+/// What is reset, and by which way it comes. The honest clients come by the other way.
+struct Flood {
+  std::string path;
+  bool is_unix = false;
+};
+
+class Resets : public testing::TestWithParam<Flood> {};
+
+// gRPC keeps each call until it is taken up, however fast they come and go.
+TEST_P(Resets, TakeLittleMemory) {
+  constexpr int kBatch = 1000, kBatches = 1000;
+  DaemonProcess daemon({"--address", "127.0.0.1:0"});
+  const Probe probe(daemon);
+  const auto& [path, is_unix] = GetParam();
+  Aftermath aftermath(probe, is_unix ? daemon.tcp_address() : daemon.address());
+  const double before = probe.resident_bytes();
+  RawHttp2 attacker(is_unix ? daemon.address() : daemon.tcp_address());
+  int sent = 0;
+  while (sent < kBatches && attacker.reset_calls(path, kBatch)) ++sent;
+  EXPECT_LT(sent, kBatches) << "the connection was not ended";
+  EXPECT_LT(probe.peak_resident_bytes() - before, memory_limit(256));
+  aftermath.expect_unharmed();
+  EXPECT_GE(probe.metric("collided_reset_floods_total"), 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Entrance, Resets,
+                         testing::Values(Flood{method_path("StreamFrames")}, Flood{method_path("StreamFrames"), true},
+                                         Flood{method_path("GetScene")}, Flood{method_path("GetScene"), true},
+                                         Flood{method_path("UploadMesh")}, Flood{"/grpc.health.v1.Health/Check"},
+                                         Flood{kReflection}, Flood{"/no.Service/Method"}),
+                         [](const auto& info) {
+                           const std::string& path = info.param.path;
+                           return "Of" + path.substr(path.rfind('/') + 1) +
+                                  (info.param.is_unix ? "OverUnix" : "OverTcp");
+                         });
+
+}  // namespace
+}  // namespace collided::test

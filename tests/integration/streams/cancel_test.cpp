@@ -1,0 +1,75 @@
+// Calls that are given up stop their work, and leave the scene with its last good state.
+#include <gtest/gtest.h>
+
+#include "tests/integration/support/layers.hpp"
+#include "tests/integration/support/probe.hpp"
+#include "tests/integration/support/tip_scene.hpp"
+
+namespace collided::test {
+namespace {
+
+constexpr uint32_t kSide = 250;
+
+class Cancel : public testing::Test {
+ protected:
+  static pb::Frame frame(uint64_t id, double gap) { return layers_frame(id, pack_points(layer_points(kSide, gap))); }
+
+  DaemonProcess daemon_;
+  Probe probe_{daemon_};
+  std::unique_ptr<Stub> stub_ = pb::CollisionService::NewStub(daemon_.channel());
+};
+
+TEST_F(Cancel, ADeadlineEndsTheCallAndStopsTheWork) {
+  if (test_backend() == "cuda") GTEST_SKIP() << "a GPU is done with the frame before the deadline";
+  const auto id = make_scene(*stub_, layers_request(kSide));
+  ASSERT_TRUE(detect(*stub_, id, frame(1, kLayersApart)).ok());
+  const auto late = detect(*stub_, id, frame(2, kLayersApart), nullptr, std::chrono::milliseconds(30));
+  EXPECT_EQ(late.error_code(), grpc::DEADLINE_EXCEEDED) << late.error_message();
+  eventually("the frame is given up", [&] { return probe_.rejected("CANCELLED") == 1; });
+  EXPECT_EQ(probe_.metric("collided_frames_total"), 1);
+  pb::Scene scene;
+  ASSERT_TRUE(get_scene(*stub_, id, &scene).ok());
+  EXPECT_EQ(scene.last_frame_id(), 1u);
+  pb::DetectFrameResponse response;
+  ASSERT_TRUE(detect(*stub_, id, frame(2, kLayersApart), &response).ok());
+  EXPECT_EQ(response.done().contact_count(), 0u);
+}
+
+TEST_F(Cancel, ACancelledStreamStopsTheWork) {
+  const auto id = make_scene(*stub_, layers_request(kSide));
+  Stream stream(*stub_, id, 4);
+  ASSERT_TRUE(stream.ask(frame(1, kLayersApart)).done);
+  for (uint64_t frame_id = 2; frame_id <= 5; ++frame_id) stream.send(frame(frame_id, kLayersApart));
+  stream.cancel();
+  EXPECT_EQ(stream.finish().error_code(), grpc::CANCELLED);
+  EXPECT_TRUE(probe_.streams_become(0));
+  pb::Scene scene;
+  ASSERT_TRUE(get_scene(*stub_, id, &scene).ok());
+  EXPECT_LT(scene.last_frame_id(), 5u);
+  EXPECT_TRUE(detect(*stub_, id, frame(6, kLayersApart)).ok());
+}
+
+// The frame in work is given up, too: the memory is free once the call returns.
+TEST_F(Cancel, ASceneThatIsDeletedWithinAFrameIsFreed) {
+  const auto id = make_scene(*stub_, layers_request(kSide));
+  Stream stream(*stub_, id, 4);
+  for (uint64_t frame_id = 1; frame_id <= 4; ++frame_id) stream.send(frame(frame_id, kLayersApart));
+  ASSERT_TRUE(stream.receive(1).done);
+  EXPECT_GT(probe_.device_bytes(), 1e6);
+  EXPECT_TRUE(delete_scene(*stub_, id).ok());
+  EXPECT_EQ(probe_.device_bytes(), 0);
+  EXPECT_EQ(stream.wait_end().error_code(), grpc::NOT_FOUND);
+}
+
+TEST_F(Cancel, AnAnswerThatIsTooLargeForOneMessageIsRefused) {
+  const auto id = make_scene(*stub_, layers_request(120));
+  const auto status = detect(*stub_, id, layers_frame(1, pack_points(layer_points(120))));
+  expect_field(status, grpc::RESOURCE_EXHAUSTED, "frame");
+  Stream stream(*stub_, id);
+  ASSERT_TRUE(stream.opened());
+  EXPECT_EQ(stream.opened()->scene().last_frame_id(), 1u);  // it was applied, as the message says
+  EXPECT_GT(stream.ask(layers_frame(2, pack_points(layer_points(120)))).chunks.size(), 2u);
+}
+
+}  // namespace
+}  // namespace collided::test
