@@ -1,6 +1,7 @@
 #pragma once
 // A frame's positions on their way to a scene: checked against its meshes, brought to the backend, checked there.
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -35,6 +36,11 @@ class SceneSlot final : public FrameSlot {
     staging_.check(positions_.count,
                    CheckPositions<Real>{positions_, static_cast<Real>(coordinate_limit(shape_->spec.scalar))});
     is_sent_ = true;
+  }
+
+  /// Whether some mesh has positions at t = 0.
+  bool brings_starts() const {
+    return std::any_of(runs_.begin(), runs_.end(), [](const auto& run) { return run.start != nullptr; });
   }
 
   bool is_of(const std::shared_ptr<const SceneShape>& shape) const { return shape_ == shape; }

@@ -15,7 +15,7 @@ template <class Real>
 uint64_t min_device_bytes(const SceneSpec& spec, uint64_t vertices, uint64_t triangles) {
   const uint64_t tables = sizeof(Triangle) + sizeof(uint8_t) + (spec.edge_edge ? sizeof(Triangle) : 0);
   const uint64_t of_triangle = tables + sizeof(Box<float>) + sizeof(TriangleRecord<Real>);
-  const uint64_t of_vertex = (spec.mode == Mode::kCcd ? 3 : 2) * sizeof(Vec3<Real>);
+  const uint64_t of_vertex = 2 * sizeof(Vec3<Real>);
   return vertices * of_vertex + triangles * of_triangle;
 }
 

@@ -69,8 +69,10 @@ class SceneDetector final : public Detector {
   /// Not before the first frame, which brings all positions: a number of vertices alone holds no memory.
   void require_positions() {
     scene_.end.allocate(topology_.vertex_count);
-    scene_.last_good.allocate(topology_.vertex_count);
-    if (spec_.mode == Mode::kCcd) scene_.start.allocate(topology_.vertex_count);
+    if (spec_.mode == Mode::kCcd)
+      scene_.start.allocate(topology_.vertex_count);
+    else
+      scene_.last_good.allocate(topology_.vertex_count);
   }
 
   /// A frame may ask for more accuracy than the scene.
@@ -101,7 +103,7 @@ class SceneDetector final : public Detector {
 
   FrameResult detect(const FrameInput& frame, const FrameSettings& settings) {
     if (spec_.edge_edge && settings.accuracy != Accuracy::kCandidates) require_edges();
-    const bool boxes_static = stale_ || !has_frame_;
+    const bool boxes_static = good_ != Good::kEnd || !has_frame_;
     Slot* slot = nullptr;
     exec_.stage("upload", [&] {
       slot = &sent_slot(frame);
@@ -130,22 +132,40 @@ class SceneDetector final : public Detector {
     return *slot;
   }
 
-  /// From here until commit() the scene's positions are not those of the last good frame.
+  /// From here until commit() the frame's positions are in `end`, and those of the last good frame elsewhere. A throw
+  /// at any point of it leaves them where good_ says.
   void place(Slot& slot) {
-    const uint64_t bytes = uint64_t{topology_.vertex_count} * sizeof(Vec3<Real>);
-    const bool restores = stale_ && has_frame_;
-    stale_ = true;
-    if (restores) exec_.copy(scene_.end.data(), scene_.last_good.data(), bytes);
-    if (spec_.mode == Mode::kCcd && has_frame_) exec_.copy(scene_.start.data(), scene_.end.data(), bytes);
+    if (has_frame_) {
+      restore();
+      if (spec_.mode == Mode::kCcd) begin_at_end(slot.brings_starts());
+      if (spec_.mode == Mode::kDcd) good_ = Good::kSaved;
+    }
     slot.place(exec_, scene_.start.data(), scene_.end.data(), !has_frame_);
+  }
+  void restore() {
+    if (good_ != Good::kEnd) copy(scene_.end, good_ == Good::kStart ? scene_.start : scene_.last_good);
+    good_ = Good::kEnd;
+  }
+  /// CCD: a step begins where the last one ended, unless the frame `brings_starts`, which must not overwrite the only
+  /// copy of the last good frame.
+  void begin_at_end(bool brings_starts) {
+    if (brings_starts) {
+      scene_.last_good.allocate(topology_.vertex_count);
+      copy(scene_.last_good, scene_.end);
+    }
+    copy(scene_.start, scene_.end);
+    good_ = brings_starts ? Good::kSaved : Good::kStart;
+  }
+  void copy(Buffer<Vec3<Real>, Exec>& to, const Buffer<Vec3<Real>, Exec>& from) {
+    exec_.copy(to.data(), from.data(), uint64_t{topology_.vertex_count} * sizeof(Vec3<Real>));
   }
 
   /// The frame counts from here on; its positions are what a later failure falls back to.
   void commit(Slot& slot) {
     exec_.asks().no_more();
-    slot.place(exec_, nullptr, scene_.last_good.data(), false);
+    if (spec_.mode == Mode::kDcd) slot.place(exec_, nullptr, scene_.last_good.data(), false);
     has_frame_ = true;
-    stale_ = false;
+    good_ = Good::kEnd;
   }
 
   Topology topology_;
@@ -156,7 +176,8 @@ class SceneDetector final : public Detector {
   Pipeline<Exec, Real> pipeline_;
   std::shared_ptr<Slot> own_slot_;
   bool has_frame_ = false;
-  bool stale_ = false;  ///< a frame failed after it had touched the positions
+  enum class Good { kEnd, kStart, kSaved };
+  Good good_ = Good::kEnd;  ///< which buffer has the last good frame's positions: `end`, `start` or `last_good`
 };
 
 template <class Exec, class... ExecArgs>

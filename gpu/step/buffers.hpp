@@ -127,7 +127,7 @@ struct SceneBuffers {
   ResidentTopology<Exec> topology;
   Buffer<Vec3<Real>, Exec> start;  ///< CCD only
   Buffer<Vec3<Real>, Exec> end;
-  Buffer<Vec3<Real>, Exec> last_good;  ///< `end` of the last frame that succeeded
+  Buffer<Vec3<Real>, Exec> last_good;  ///< `end` of the last good frame: DCD, and CCD with starts of the frames' own
   Buffer<Box<float>, Exec> boxes;
   Buffer<TriangleRecord<Real>, Exec> records;
   Buffer<StepState, Exec> state;
