@@ -5,26 +5,33 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <cstddef>
+
+#include "server/ops/process.hpp"
 
 namespace collided::server {
 
 /// One thread at a time.
 class FreedMemory {
  public:
-  /// Does nothing unless much has been freed since the last time. Takes milliseconds where it does.
+  /// Does nothing unless much that is resident is not in use, beyond what was left the last time. Takes milliseconds
+  /// where it does.
   void give_back() {
-    const size_t free = mallinfo2().fordblks;  // with what was given back
-    given_ = std::min(given_, free);
-    if (free - given_ < kMuch) return;
+    left_ = std::min(left_, unused_bytes());
+    if (unused_bytes() - left_ < kMuch) return;
     malloc_trim(0);
-    given_ = free;
+    left_ = unused_bytes();
   }
 
  private:
-  static constexpr size_t kMuch = size_t{16} << 20;
+  static constexpr double kMuch = 8 << 20;
 
-  size_t given_ = 0;  // bytes that are free, but the system's already
+  /// With memory that was never the allocator's, such as stacks, which changes little.
+  static double unused_bytes() {
+    const auto used = mallinfo2();
+    return process_private_bytes() - static_cast<double>(used.uordblks + used.hblkhd);
+  }
+
+  double left_ = unused_bytes();
 };
 
 }  // namespace collided::server

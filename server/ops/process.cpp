@@ -16,10 +16,27 @@ double process_start_seconds() {
   return start;
 }
 
-double process_resident_bytes() {
-  double total = 0, resident = 0;
-  std::ifstream("/proc/self/statm") >> total >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+namespace {
+
+struct Pages {
+  double total = 0, resident = 0, shared = 0;
+};
+
+Pages process_pages() {
+  Pages pages;
+  std::ifstream("/proc/self/statm") >> pages.total >> pages.resident >> pages.shared;
+  return pages;
+}
+
+double bytes_of(double pages) { return pages * static_cast<double>(sysconf(_SC_PAGESIZE)); }
+
+}  // namespace
+
+double process_resident_bytes() { return bytes_of(process_pages().resident); }
+
+double process_private_bytes() {
+  const Pages pages = process_pages();
+  return bytes_of(pages.resident - pages.shared);
 }
 
 double process_open_files() {

@@ -56,11 +56,11 @@ void FrameCall::on_accepted(bool ok) {
   read_locked();
 }
 
-// As many may wait as may be open: whoever opens at once is never pushed out by those who never do.
+// As many may wait as may be open, of each connection: whoever opens at once is never pushed out by those who never do.
 void FrameCall::await_opening() {
   const Limits limits = host_.limits();
   const WaitRule rule{"the opening of a stream", limits.max_silent_seconds, limits.max_streams,
-                      caller_.client->limits.max_streams};
+                      caller_.client->limits.max_streams, context_.peer()};
   auto wait = calls_.parts_.waiting.wait(rule, caller_.client, [weak = weak_from_this()](const auto& why) {
     if (const auto call = weak.lock()) call->ended(why);
   });

@@ -35,7 +35,7 @@ MeshUpload::MeshUpload(const grpc::CallbackServerContext& context, SceneHost& ho
 // Until it has begun an upload has no place among its client's streams: only so many may be without one.
 void MeshUpload::await_first() {
   const WaitRule rule{"the first chunk of the upload", host_.limits().max_silent_seconds, kMostUnbegun,
-                      kMostUnbegunOfClient};
+                      kMostUnbegunOfClient, context_.peer()};
   first_chunk_ = parts_.waiting.wait(rule, caller_.client,
                                      [this](const std::exception_ptr& why) { finish(to_status(describe(why))); });
 }
