@@ -141,7 +141,7 @@ TEST_P(RealFramesTest, FastFindsNearlyAll) {
 
 TEST_P(RealFramesTest, CertifiedLevelsMissNothing) {
   for (Scalar scalar : {Scalar::kF32, Scalar::kF64}) {
-    const FrameTruth truth = truth_of(scalar);
+    const FrameTimes truth = truth_of(scalar);
     for (Accuracy accuracy : {Accuracy::kGuarded, Accuracy::kCertified, Accuracy::kExact}) {
       const Score score = run(accuracy, scalar, truth);
       EXPECT_EQ(score.missed(), 0u);

@@ -55,17 +55,6 @@ inline FrameInput sent(const std::shared_ptr<FrameSlot>& slot, const std::vector
   return input;
 }
 
-/// The path that InvalidInput names; "" if nothing was thrown.
-template <class Action>
-std::string refused_field(Action&& action) {
-  try {
-    action();
-  } catch (const InvalidInput& e) {
-    return e.field();
-  }
-  return "";
-}
-
 inline uint64_t staging_bytes(const Detector& detector) {
   for (const MemoryPart& part : detector.memory())
     if (part.part == "staging") return part.bytes;

@@ -6,6 +6,7 @@
 
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/positions/owned_updates.hpp"
+#include "tests/gpu/refused_field.hpp"
 #include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
 

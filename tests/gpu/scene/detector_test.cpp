@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tests/gpu/backend.hpp"
+#include "tests/gpu/refused_field.hpp"
 #include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
 
@@ -17,19 +18,6 @@ Case small_case() {
 }
 
 SceneSpec valid_spec() { return spec_for(small_case(), settings(Mode::kCcd, Accuracy::kFast, Scalar::kF32)); }
-
-// The path that InvalidInput names; "" if nothing was thrown.
-template <class Action>
-std::string refused_field(Action&& action) {
-  try {
-    action();
-  } catch (const InvalidInput& e) {
-    EXPECT_STRNE("", e.what());
-    EXPECT_FALSE(e.field().empty());
-    return e.field();
-  }
-  return "";
-}
 
 using SpecValidation = OnBackend<>;
 

@@ -4,6 +4,7 @@
 
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/judged_case.hpp"
+#include "tests/gpu/refused_field.hpp"
 #include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
 
@@ -137,18 +138,6 @@ TEST_F(FrameOptions, TakeNoMemoryBeforeTheyAreUsed) {
   EXPECT_EQ(bytes_of(*scene, "exact"), 0u);
   scene->detect(with(frame.input(), {Accuracy::kExact}));
   EXPECT_GT(bytes_of(*scene, "exact"), 0u);
-}
-
-// The field that is refused; "" if none is.
-template <class Action>
-std::string refused_field(Action&& action) {
-  try {
-    action();
-  } catch (const InvalidInput& e) {
-    EXPECT_STRNE("", e.what());
-    return e.field();
-  }
-  return "";
 }
 
 struct Refusal {
