@@ -57,7 +57,7 @@ struct WriteContact {
 template <class Exec>
 struct ColumnBuffers {
   explicit ColumnBuffers(Exec& exec)
-      : elements(exec, "contacts"),
+      : elements(exec, "keys"),
         toi(exec, "contacts"),
         distance(exec, "contacts"),
         weights(exec, "contacts"),

@@ -67,12 +67,11 @@ class SceneDetector final : public Detector {
   }
 
   /// Not before the first frame, which brings all positions: a number of vertices alone holds no memory.
-  void require_positions() {
+  void require_positions(const Slot& slot) {
+    const bool is_ccd = spec_.mode == Mode::kCcd;
     scene_.end.allocate(topology_.vertex_count);
-    if (spec_.mode == Mode::kCcd)
-      scene_.start.allocate(topology_.vertex_count);
-    else
-      scene_.last_good.allocate(topology_.vertex_count);
+    if (is_ccd) scene_.start.allocate(topology_.vertex_count);
+    if (!is_ccd || slot.brings_starts()) scene_.last_good.allocate(topology_.vertex_count);
   }
 
   /// A frame may ask for more accuracy than the scene.
@@ -108,7 +107,7 @@ class SceneDetector final : public Detector {
     exec_.stage("upload", [&] {
       slot = &sent_slot(frame);
       slot->arrive(!has_frame_);
-      require_positions();
+      require_positions(*slot);
       place(*slot);
     });
     FrameResult result = pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact);
@@ -149,10 +148,7 @@ class SceneDetector final : public Detector {
   /// CCD: a step begins where the last one ended, unless the frame `brings_starts`, which must not overwrite the only
   /// copy of the last good frame.
   void begin_at_end(bool brings_starts) {
-    if (brings_starts) {
-      scene_.last_good.allocate(topology_.vertex_count);
-      copy(scene_.last_good, scene_.end);
-    }
+    if (brings_starts) copy(scene_.last_good, scene_.end);
     copy(scene_.start, scene_.end);
     good_ = brings_starts ? Good::kSaved : Good::kStart;
   }
