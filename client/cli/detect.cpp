@@ -5,14 +5,14 @@
 #include <memory>
 
 #include "client/cli/commands.hpp"
-#include "client/cli/connection.hpp"
-#include "client/cli/contact_report.hpp"
-#include "client/cli/csv.hpp"
-#include "client/cli/errors.hpp"
-#include "client/cli/output.hpp"
-#include "client/cli/report.hpp"
-#include "client/cli/report_text.hpp"
-#include "client/scenes/mesh_file.hpp"
+#include "client/cli/daemon/connection.hpp"
+#include "client/cli/options/usage_error.hpp"
+#include "client/cli/output/csv.hpp"
+#include "client/cli/output/output.hpp"
+#include "client/cli/report/contacts.hpp"
+#include "client/cli/report/json.hpp"
+#include "client/cli/report/text.hpp"
+#include "client/scenes/mesh_files/mesh_file.hpp"
 
 namespace collided::cli {
 

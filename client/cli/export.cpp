@@ -5,11 +5,11 @@
 #include <memory>
 
 #include "client/cli/commands.hpp"
-#include "client/cli/interrupt.hpp"
-#include "client/cli/output.hpp"
-#include "client/cli/progress.hpp"
-#include "client/cli/scene_options.hpp"
-#include "client/scenes/mesh_file.hpp"
+#include "client/cli/daemon/interrupt.hpp"
+#include "client/cli/options/scene_options.hpp"
+#include "client/cli/output/output.hpp"
+#include "client/cli/output/progress.hpp"
+#include "client/scenes/mesh_files/mesh_file.hpp"
 
 namespace collided::cli {
 

@@ -10,8 +10,10 @@
 #include <iostream>
 
 #include "client/cli/commands.hpp"
-#include "client/cli/errors.hpp"
-#include "client/cli/usage.hpp"
+#include "client/cli/daemon/interrupt.hpp"
+#include "client/cli/options/usage.hpp"
+#include "client/cli/options/usage_error.hpp"
+#include "client/cli/output/output.hpp"
 
 namespace {
 

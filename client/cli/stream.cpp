@@ -7,15 +7,16 @@
 #include <optional>
 
 #include "client/cli/commands.hpp"
-#include "client/cli/connection.hpp"
-#include "client/cli/contact_report.hpp"
-#include "client/cli/interrupt.hpp"
-#include "client/cli/mesh_input.hpp"
-#include "client/cli/progress.hpp"
-#include "client/cli/report.hpp"
-#include "client/cli/report_text.hpp"
-#include "client/cli/scene_options.hpp"
-#include "client/cli/statistics.hpp"
+#include "client/cli/daemon/connection.hpp"
+#include "client/cli/daemon/interrupt.hpp"
+#include "client/cli/input/mesh_input.hpp"
+#include "client/cli/options/scene_options.hpp"
+#include "client/cli/output/progress.hpp"
+#include "client/cli/report/contacts.hpp"
+#include "client/cli/report/json.hpp"
+#include "client/cli/report/text.hpp"
+#include "client/measure/stage_medians.hpp"
+#include "client/measure/statistics.hpp"
 #include "client/scenes/scene.hpp"
 
 namespace collided::cli {

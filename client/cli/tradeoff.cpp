@@ -6,12 +6,13 @@
 #include <memory>
 
 #include "client/cli/commands.hpp"
-#include "client/cli/errors.hpp"
-#include "client/cli/finite.hpp"
-#include "client/cli/output.hpp"
+#include "client/cli/daemon/interrupt.hpp"
+#include "client/cli/options/finite.hpp"
+#include "client/cli/options/usage_error.hpp"
+#include "client/cli/output/output.hpp"
 #include "client/cli/tradeoff_plot.hpp"
-#include "client/cli/tradeoff_report.hpp"
-#include "client/cli/tradeoff_run.hpp"
+#include "client/measure/tradeoff/report.hpp"
+#include "client/measure/tradeoff/run.hpp"
 
 namespace collided::cli {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "client/cli/plot.hpp"
-#include "client/cli/tradeoff_report.hpp"
+#include "client/measure/tradeoff/report.hpp"
 
 namespace collided::cli {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <span>
 
-#include "client/cli/tradeoff_result.hpp"
+#include "client/measure/tradeoff/result.hpp"
 
 namespace collided::cli {
 

@@ -7,10 +7,10 @@
 #include <random>
 #include <thread>
 
-#include "client/cpp/channel.hpp"
-#include "client/cpp/grpc_transport.hpp"
-#include "client/cpp/local_peer.hpp"
-#include "client/cpp/local_transport.hpp"
+#include "client/cpp/transport/grpc/channel.hpp"
+#include "client/cpp/transport/grpc/grpc_transport.hpp"
+#include "client/cpp/transport/local/local_peer.hpp"
+#include "client/cpp/transport/local/local_transport.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
 
 namespace collided::client {

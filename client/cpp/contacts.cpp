@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string>
 
-#include "client/cpp/frame_transport.hpp"
+#include "client/cpp/transport/frame_transport.hpp"
 
 namespace collided::client {
 

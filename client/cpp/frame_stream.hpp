@@ -8,12 +8,16 @@
 #include <string>
 
 #include "client/cpp/contacts.hpp"
-#include "client/cpp/frame_transport.hpp"
+#include "client/cpp/error.hpp"
+#include "client/cpp/frame_update.hpp"
 #include "client/cpp/positions.hpp"
+#include "collided/v1/collision_service.pb.h"
 #include "collided/v1/frame.pb.h"
 #include "collided/v1/scene.pb.h"
 
 namespace collided::client {
+
+class FrameTransport;
 
 /// All that the daemon answered to one frame.
 struct FrameOutput {

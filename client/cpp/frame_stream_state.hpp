@@ -4,14 +4,19 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <thread>
 
 #include "client/cpp/frame_stream.hpp"
-#include "client/cpp/lead.hpp"
+#include "client/cpp/transport/frame_transport.hpp"
+#include "client/cpp/transport/leader_followers.hpp"
 
 namespace collided::client {
+
+/// So long from now; at once for negative times. What overflows the clock is cut short.
+FrameTransport::Time time_after(std::chrono::duration<double> time);
 
 struct FrameStream::State {
   State(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open, StreamSetup setup);
@@ -61,5 +66,15 @@ struct FrameStream::State {
   std::condition_variable stop;
   std::thread keeper;
 };
+
+template <class Done>
+bool FrameStream::State::await(std::unique_lock<std::mutex>& lock, const Done& done, FrameTransport::Time deadline) {
+  if (done()) return true;
+  ++waits;
+  ++waiting;
+  const bool is_done = lead.await(lock, done, deadline, std::bind_front(&State::read_one, this));
+  --waiting;
+  return is_done;
+}
 
 }  // namespace collided::client

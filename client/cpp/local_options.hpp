@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <string>
 
-#include "collided/v1/scene.pb.h"
-
 namespace collided::client {
 
 enum class Local {
@@ -25,15 +23,5 @@ struct LocalOptions {
   /// listens there. -1: nobody else's socket is used.
   int64_t daemon_user = -1;
 };
-
-/// How the memory of a stream is divided.
-struct LocalLayout {
-  uint32_t window = 2;
-  uint64_t frame_bytes = 0;   ///< of input, for each frame in flight; a multiple of 4096
-  uint64_t output_bytes = 0;  ///< of contacts, for all of them; a multiple of 4096
-};
-
-/// Room for whatever a frame of the scene can bring.
-LocalLayout local_layout(const v1::SceneSpec& scene, uint32_t window, const LocalOptions& options);
 
 }  // namespace collided::client

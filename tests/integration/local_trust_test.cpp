@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "client/cpp/local_peer.hpp"
+#include "client/cpp/transport/local/local_peer.hpp"
 #include "tests/integration/client_layers.hpp"
 #include "tests/integration/local_daemon.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "client/scenes/mesh_file.hpp"
+#include "client/scenes/mesh_files/mesh_file.hpp"
 
 namespace collided::test {
 
