@@ -1,9 +1,11 @@
-// A tradeoff as a Markdown table, and in short.
+// What 'collidectl tradeoff' found, for people.
 
 #include "client/measure/tradeoff/report.hpp"
 
 #include <cmath>
 #include <cstdio>
+
+#include "client/cli/report/numbers.hpp"
 
 namespace collided::cli {
 
@@ -117,23 +119,6 @@ std::string tradeoff_markdown(const Tradeoff& result) {
               3);
   for (const Run& run : result.runs) out += cost_row(run, fast_run(result, run.format));
   return out;
-}
-
-Json tradeoff_summary(const Tradeoff& result) {
-  Json runs = Json::array();
-  for (const Run& run : result.runs) {
-    const KindScore score = sum(run.score);
-    runs.push_back({{"position_format", run.format},
-                    {"level", run.level},
-                    {"delta", run.delta ? Json(*run.delta) : Json(nullptr)},
-                    {"contact_count", score.reported},
-                    {"missed", score.missed},
-                    {"false", score.wrong},
-                    {"late", score.late},
-                    {"narrow_ms", run.times.narrow},
-                    {"total_ms", run.times.total}});
-  }
-  return {{"name", result.name}, {"device", result.device}, {"triangles", result.triangles}, {"runs", runs}};
 }
 
 std::string tradeoff_text(const Tradeoff& result) {

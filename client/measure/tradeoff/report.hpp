@@ -1,23 +1,16 @@
 #pragma once
-// What 'collidectl tradeoff' found, as JSON, as a Markdown table, and in short.
+// What 'collidectl tradeoff' found, for people.
 
-#include <filesystem>
+#include <string>
 
-#include "client/cli/report/json.hpp"
-#include "client/cli/report/numbers.hpp"
 #include "client/measure/tradeoff/result.hpp"
 
 namespace collided::cli {
 
-Json tradeoff_json(const Tradeoff& result);
-/// Reads back what tradeoff_json wrote to a file. Throws std::runtime_error naming the file and what is wrong.
-Tradeoff read_tradeoff(const std::filesystem::path& file);
-
-/// One section: how it was measured, the answers against the truth, what they cost.
+/// A section of Markdown: how it was measured, then two tables: the answers against the truth, and what they cost.
 std::string tradeoff_markdown(const Tradeoff& result);
 
-/// Misses, false contacts and the time of each run: as JSON, and as a line each.
-Json tradeoff_summary(const Tradeoff& result);
+/// A line for each run: contacts, missed, false and late ones, and the time of the narrow phase.
 std::string tradeoff_text(const Tradeoff& result);
 
 /// A delta as people write it, such as "1e-6"; the daemon's own choice is "auto".

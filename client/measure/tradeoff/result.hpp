@@ -43,13 +43,11 @@ struct Times {
   double stages = 0;  ///< all stages
   double total = 0;   ///< from the arrival of the frame to the end of its work
   std::map<std::string, double> stage;
-  bool operator==(const Times&) const = default;
 };
 
 struct Work {
   uint64_t survivors_vertex_triangle = 0, survivors_edge_edge = 0, exact_decisions = 0;
   uint64_t certified = 0, near = 0, capped = 0;  ///< contacts with that flag
-  bool operator==(const Work&) const = default;
 };
 
 struct Run {
@@ -59,7 +57,6 @@ struct Run {
   Score score = {};
   Times times = {};
   Work work = {};
-  bool operator==(const Run&) const = default;
 };
 
 /// What the runs of one position format were judged by.
@@ -68,7 +65,6 @@ struct TruthUsed {
   std::string source;  ///< "exact" (the level EXACT on the same positions) or the folder that was given
   uint64_t vertex_triangle = 0, edge_edge = 0;
   uint64_t bounded = 0;  ///< contacts whose time of impact is not exact, but at most 1e-9 early
-  bool operator==(const TruthUsed&) const = default;
 };
 
 struct Tradeoff {
@@ -79,7 +75,6 @@ struct Tradeoff {
   int repeats = 0;
   std::vector<TruthUsed> truths;
   std::vector<Run> runs;
-  bool operator==(const Tradeoff&) const = default;
 };
 
 }  // namespace collided::cli

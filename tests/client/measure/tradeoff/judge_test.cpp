@@ -1,4 +1,4 @@
-// The judge of 'collidectl tradeoff' on hand-made lists, truths read from files, results written and read back.
+// The judge of 'collidectl tradeoff' on hand-made lists, and truths read from files.
 
 #include "client/measure/tradeoff/judge.hpp"
 
@@ -9,12 +9,13 @@
 #include <fstream>
 
 #include "client/cli/output/output.hpp"
+#include "client/measure/tradeoff/judge.hpp"
 #include "client/measure/tradeoff/report.hpp"
 
 namespace collided::cli {
 namespace {
 
-class Tradeoffs : public testing::Test {
+class TruthFiles : public testing::Test {
  protected:
   void SetUp() override {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
@@ -135,7 +136,7 @@ TEST(Judge, ContactsThatCannotBeJudgedAreRefused) {
   EXPECT_THROW(judge({}, output), std::runtime_error);
 }
 
-TEST_F(Tradeoffs, ATruthIsReadWithWhatItsLastDigitAllows) {
+TEST_F(TruthFiles, ATruthIsReadWithWhatItsLastDigitAllows) {
   put("vf.csv", "vertex,triangle,collides,toi\r\n7,3,1,0.25\r\n6,3,0,\r\n5,3,1,7.5e-06\n4,3,1,1\n");
   put("ee.csv", "a0,a1,b0,b1,collides,toi\n9,8,2,7,1,0.125\n");
   const Truth truth = read_truth(folder_);
@@ -153,7 +154,7 @@ TEST_F(Tradeoffs, ATruthIsReadWithWhatItsLastDigitAllows) {
   EXPECT_EQ(score.edge_edge, (KindScore{.reported = 1, .right = 1, .missed = 0, .wrong = 0, .late = 1}));
 }
 
-TEST_F(Tradeoffs, BadTruthsAreRefusedByLine) {
+TEST_F(TruthFiles, BadTruthsAreRefusedByLine) {
   const std::string head = "vertex,triangle,collides,toi\n";
   EXPECT_EQ(error_of(head + "1,2,1,0.5\n"), "");
   EXPECT_NE(error_of("").find("vf.csv: cannot be read"), std::string::npos);
@@ -164,87 +165,6 @@ TEST_F(Tradeoffs, BadTruthsAreRefusedByLine) {
   for (const char* toi : {"", "soon", "1.5", "-0.1", "nan", "0.5x", "1e"})
     EXPECT_NE(error_of(head + "1,2,1," + toi + "\n").find("must be in [0, 1]"), std::string::npos) << toi;
   EXPECT_NE(error_of(head, "a0,a1,b0,b1,collides,toi\n1,2,3,1,0.5\n").find("ee.csv:2"), std::string::npos);
-}
-
-Tradeoff sample() {
-  Run fast{.format = "f32", .level = "fast"};
-  fast.score.vertex_triangle = {.reported = 1200, .right = 1190, .missed = 3, .wrong = 10, .late = 2};
-  fast.score.edge_edge = {.reported = 40, .right = 40, .missed = 0, .wrong = 0, .late = 0};
-  fast.score.gap = Gap{1e-9, 0.1, 1.0 / 3};
-  fast.score.latest = 2e-7;
-  fast.times = {.narrow = 0.5, .stages = 2, .total = 4, .stage = {{"narrow_vt", 0.2}, {"narrow_ee", 0.3}}};
-  Run guarded = fast;
-  guarded.level = "guarded";
-  guarded.delta = 1e-3;
-  guarded.score.gap = std::nullopt;
-  guarded.times.narrow = 0.25;
-  guarded.work = {1, 2, 3, 4, 5, 6};
-  return {.name = "funnel",
-          .input = "scene funnel",
-          .date = "2026-11-21",
-          .commit = "abc",
-          .version = "0.1.0",
-          .backend = "cpu",
-          .device = "CPU, 1 thread",
-          .vertices = 10,
-          .edges = 20,
-          .triangles = 12345,
-          .thickness = 0.1,
-          .repeats = 3,
-          .truths = {{"f32", "exact", 1193, 40, 7}},
-          .runs = {fast, guarded}};
-}
-
-TEST_F(Tradeoffs, AResultIsReadBackAsItWas) {
-  EXPECT_EQ(read_tradeoff(put("t.json", tradeoff_json(sample()).dump(2))), sample());
-}
-
-TEST_F(Tradeoffs, OtherFilesAreNoResults) {
-  const auto error = [&](const Json& json) -> std::string {
-    try {
-      read_tradeoff(put("t.json", json.is_string() ? json.get<std::string>() : json.dump()));
-    } catch (const std::runtime_error& e) {
-      return e.what();
-    }
-    return "";
-  };
-  EXPECT_NE(error("{").find("t.json: is no result of 'collidectl tradeoff'"), std::string::npos);
-  EXPECT_NE(error("[]").find("is no result"), std::string::npos);
-  EXPECT_NE(error(Json{{"format", "other"}}).find("format"), std::string::npos);
-  Json json = tradeoff_json(sample());
-  json["runs"][1]["level"] = "perfect";
-  EXPECT_NE(error(json).find("'perfect' is not known"), std::string::npos);
-  json = tradeoff_json(sample());
-  json["runs"][0].erase("median_ms");
-  EXPECT_NE(error(json).find("median_ms"), std::string::npos);
-  json = tradeoff_json(sample());
-  json["runs"] = Json::array();
-  EXPECT_NE(error(json).find("no runs"), std::string::npos);
-  json["triangles"] = "many";
-  EXPECT_NE(error(json).find("is no result"), std::string::npos);
-  EXPECT_THROW(read_tradeoff(folder_ / "none.json"), std::runtime_error);
-}
-
-TEST(Report, TheTableHasARowForEachRun) {
-  const std::string table = tradeoff_markdown(sample());
-  EXPECT_NE(table.find("| f32 | fast | - | 1,240 (1,200 + 40) | 1,230 (1,190 + 40) | 3 (3 + 0) | 10 (10 + 0) | 2 (2 + "
-                       "0) | 2.0e-07 | 1.0e-09 | 1.0e-01 | 3.3e-01 |"),
-            std::string::npos)
-      << table;
-  EXPECT_NE(table.find("| f32 | guarded | 1e-3 | 0.25 | 0.50 | 2 | 1.00 | 4 | 1.00 | 1 | 2 | 4 | 5 | 6 | 3 |"),
-            std::string::npos)
-      << table;
-  EXPECT_NE(table.find("f32: the level `EXACT` on the same positions; 1,193 vertex-triangle and 40 edge-edge"),
-            std::string::npos);
-}
-
-TEST(Report, DeltasAreShort) {
-  EXPECT_EQ(delta_text(0), "auto");
-  EXPECT_EQ(delta_text(1e-3), "1e-3");
-  EXPECT_EQ(delta_text(2.5e-7), "2.5e-7");
-  EXPECT_EQ(delta_text(1e-12), "1e-12");
-  EXPECT_EQ(delta_text(0.1), "0.1");
-  EXPECT_EQ(delta_text(100), "100");
 }
 
 }  // namespace

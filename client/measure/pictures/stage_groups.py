@@ -1,4 +1,4 @@
-"""Which stages one reads as one step of the pipeline."""
+"""Which stages belong to one step of the pipeline."""
 
 GROUPS = {
     "upload": ["upload"],
@@ -19,12 +19,12 @@ def without_kind(stage):
     return stage[:-3] if stage[-3:] in ("_vt", "_ee", "_tt") else stage
 
 
-def grouped(stage_ms, kinds_beside=False):
-    """Time of each group, from that of each stage. kinds_beside: of the two narrow phases of features, which then run
-    at the same time, the longer one counts."""
+def grouped(stage_ms, concurrent_kinds=False):
+    """Time of each group, from that of each stage. concurrent_kinds: the narrow phases of vertex-triangle and edge-edge
+    pairs run at the same time, so that only the longer one counts."""
     out = dict.fromkeys(GROUPS, 0.0)
     for stage, ms in stage_ms.items():
         out[GROUP_OF.get(without_kind(stage), "other")] += ms
-    if kinds_beside:
+    if concurrent_kinds:
         out["narrow phase"] -= min(stage_ms.get("narrow_vt", 0), stage_ms.get("narrow_ee", 0))
     return out
