@@ -59,7 +59,7 @@ std::vector<scenes::MeshFile> read_frames(const DetectOptions& options) {
   return frames;
 }
 
-/// auto: F64 if some position is not exactly a float, so that nothing is rounded.
+/// auto: F64 if a position is not exactly a float, so that nothing is rounded.
 v1::PositionFormat choose_format(const std::string& wanted, const std::vector<scenes::MeshFile>& frames) {
   if (wanted == "f32") return v1::POSITION_FORMAT_F32;
   if (wanted == "f64") return v1::POSITION_FORMAT_F64;
@@ -85,7 +85,7 @@ void print(const DetectOptions& options, const Json& summary) {
     print_summary(options.out, report_text(summary));
 }
 
-/// The result is printed even if its file cannot be written.
+/// Prints the result even if its file cannot be written.
 void report(const DetectOptions& options, Json summary, const client::FrameOutput& output) {
   std::exception_ptr failure;
   if (!options.out.empty()) try {

@@ -34,7 +34,7 @@ std::vector<std::array<uint32_t, 3>> all_triangles(const scenes::Scene& scene) {
 void run(const ExportOptions& options) {
   make_folder("--out", options.out);
   const auto scene = scenes::make_scene(options.scene.name, options.scene.scale);
-  note_interrupts();
+  defer_interrupts();
   scenes::MeshFile mesh{{}, all_triangles(*scene), true};
   Progress progress;
   for (int frame = 0; frame < options.scene.frames; ++frame) {

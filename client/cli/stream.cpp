@@ -1,4 +1,4 @@
-// collidectl stream: plays a procedural scene through a daemon and tells what its frames cost.
+// collidectl stream: plays a procedural scene through a daemon and reports what its frames cost.
 
 #include <chrono>
 #include <cstdio>
@@ -31,7 +31,7 @@ struct StreamOptions {
   bool json = false;
 };
 
-/// What is kept of the frames: the contacts themselves are counted and let go, but for the earliest.
+/// Sums over the frames. Contacts are counted and dropped, except the earliest.
 struct Totals {
   std::vector<v1::FrameMetrics> metrics;
   uint64_t contacts = 0, vertex_triangle = 0, edge_edge = 0, triangle_triangle = 0;
@@ -63,7 +63,7 @@ struct Totals {
   }
 };
 
-/// Adds to the totals frame by frame, so that they are of use however this ends.
+/// Adds to the totals frame by frame, so that they are valid however this ends.
 void play(client::FrameStream& stream, const scenes::Scene& scene, const SceneOptions& options,
           v1::PositionFormat format, Totals& totals) {
   Progress progress;
@@ -110,7 +110,7 @@ Json times_json(const std::vector<v1::FrameMetrics>& frames) {
 Json summary_json(const StreamOptions& options, const v1::Scene& scene, const Totals& totals, double seconds) {
   const v1::FrameMetrics& last = totals.metrics.back();
   Json counts = counts_json(last.counts());
-  if (options.detection.report == "any") forget_contacts(counts);
+  if (options.detection.report == "any") clear_contact_counts(counts);
   Json out = {{"name", options.scene.name},
               {"scale", options.scene.scale},
               {"scene", scene_json(scene)},
@@ -126,9 +126,9 @@ Json summary_json(const StreamOptions& options, const v1::Scene& scene, const To
   return out;
 }
 
-/// Plays and tells; what ends it early leaves a summary of the frames so far.
-void play_and_tell(const StreamOptions& options, const v1::Scene& scene, client::FrameStream& stream,
-                   const scenes::Scene& procedural) {
+/// If something ends it early, reports the frames so far.
+void play_and_report(const StreamOptions& options, const v1::Scene& scene, client::FrameStream& stream,
+                     const scenes::Scene& procedural) {
   const auto start = std::chrono::steady_clock::now();
   Totals totals;
   std::exception_ptr failure;
@@ -154,7 +154,7 @@ void run(const StreamOptions& options) {
   spec.set_display_name(options.scene.name);
   const SceneGuard scene = connection.create_scene(spec, mesh_inputs(procedural->meshes()));
   client::FrameStream stream = connection.stream(*scene);
-  play_and_tell(options, *scene, stream, *procedural);
+  play_and_report(options, *scene, stream, *procedural);
 }
 
 }  // namespace

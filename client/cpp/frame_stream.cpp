@@ -66,9 +66,9 @@ FrameOutput FrameStream::receive() {
   return state_->take_ready();
 }
 
-std::optional<FrameOutput> FrameStream::receive_within(std::chrono::milliseconds patience) {
+std::optional<FrameOutput> FrameStream::receive_within(std::chrono::milliseconds timeout) {
   std::unique_lock lock(state_->mutex);
-  const auto deadline = time_after(patience);
+  const auto deadline = time_after(timeout);
   if (!state_->await(
           lock, [&] { return state_->has_news(); }, deadline))
     return std::nullopt;

@@ -1,5 +1,5 @@
-// Reads, keeps the credits and puts the chunks of each frame together. The thread that waits for an answer reads it
-// itself: on an idle processor, waking another one up for it costs as much as the transport.
+// Reads answers, assembles each frame's chunks and counts credits. The thread that waits for an answer reads it itself:
+// on an idle CPU, waking another thread for it costs as much as the transport.
 
 #include "client/cpp/frame_stream_state.hpp"
 
@@ -15,7 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kLongest(1'000'000'000);  // larger durations overflow the clock
+constexpr std::chrono::seconds kMaxTime(1'000'000'000);  // longer ones overflow the clock
 
 Contacts& contacts_of(FrameOutput& output, v1::ContactKind kind) {
   switch (kind) {
@@ -33,12 +33,12 @@ Contacts& contacts_of(FrameOutput& output, v1::ContactKind kind) {
 }  // namespace
 
 FrameTransport::Time time_after(std::chrono::duration<double> time) {
-  const double kept = time.count() > 0 ? std::min<double>(time.count(), kLongest.count()) : 0;
+  const double kept = time.count() > 0 ? std::min<double>(time.count(), kMaxTime.count()) : 0;
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kept));
 }
 
-FrameStream::State::State(std::unique_ptr<FrameTransport> way, const v1::OpenStream& open, StreamSetup told)
-    : setup(std::move(told)), transport(std::move(way)) {
+FrameStream::State::State(std::unique_ptr<FrameTransport> fresh, const v1::OpenStream& open, StreamSetup of_stream)
+    : setup(std::move(of_stream)), transport(std::move(fresh)) {
   v1::StreamFramesResponse response;
   const bool is_answered =
       transport->open(open) && transport->read(response, FrameTransport::kNever) == FrameTransport::Arrival::kMessage;
@@ -49,7 +49,7 @@ FrameStream::State::State(std::unique_ptr<FrameTransport> way, const v1::OpenStr
     throw Error(grpc::INTERNAL, "the daemon's first answer does not open the stream");
   }
   opened = std::move(*response.mutable_opened());
-  keeper = std::thread([this] { keep(); });
+  keeper = std::thread([this] { run_keeper(); });
 }
 
 FrameStream::State::~State() {
@@ -73,7 +73,7 @@ bool FrameStream::State::read_one(std::unique_lock<std::mutex>& lock, FrameTrans
   try {
     arrival = transport->read(response, deadline);
     if (arrival == Arrival::kMessage) take(response);
-  } catch (const Error& e) {  // the stream can't be trusted any more
+  } catch (const Error& e) {  // the stream can no longer be trusted
     malformed = e;
   } catch (const std::exception& e) {
     malformed = Error(grpc::INTERNAL, std::string("an answer could not be taken: ") + e.what());
@@ -89,21 +89,23 @@ bool FrameStream::State::read_one(std::unique_lock<std::mutex>& lock, FrameTrans
   return is_end || arrival == Arrival::kMessage;
 }
 
-void FrameStream::State::keep() {
+void FrameStream::State::run_keeper() {
   std::unique_lock lock(mutex);
-  for (int quiet = 0; !ended && !is_stopping;) {
+  for (int quiet_pauses = 0; !ended && !is_stopping;) {
     const uint64_t seen = waits;
     stop.wait_until(lock, time_after(setup.keeper.pause), [&] { return is_stopping; });
     const auto is_alone = [&] { return !ended && !is_stopping && waiting == 0 && waits == seen; };
-    quiet = is_alone() ? quiet + 1 : 0;
-    while (is_alone() && lead.take(lock, keepers_deadline(quiet), std::bind_front(&State::read_one, this))) continue;
+    quiet_pauses = is_alone() ? quiet_pauses + 1 : 0;
+    while (is_alone() &&
+           reading.lead_once(lock, keeper_deadline(quiet_pauses), std::bind_front(&State::read_one, this)))
+      continue;
   }
 }
 
-/// A caller that comes while the keeper reads has to be woken by it. So it only looks while callers come and go, and
-/// stays for as long as it takes once none has waited for a while.
-FrameTransport::Time FrameStream::State::keepers_deadline(int quiet) const {
-  if (quiet >= setup.keeper.quiet_pauses) return FrameTransport::kNever;
+/// A caller that comes while the keeper reads must be woken by it. So the keeper reads only briefly while callers come
+/// and go, and without a deadline once none has waited for a while.
+FrameTransport::Time FrameStream::State::keeper_deadline(int quiet_pauses) const {
+  if (quiet_pauses >= setup.keeper.quiet_pauses) return FrameTransport::kNever;
   return in_flight > 0 ? time_after(setup.keeper.pause) : Clock::now();
 }
 
@@ -127,7 +129,7 @@ void FrameStream::State::take(v1::StreamFramesResponse& response) {
     case v1::StreamFramesResponse::kDraining: {
       const std::lock_guard lock(mutex);
       draining = time_after(std::chrono::duration<double>(response.draining().deadline_seconds()));
-      return;  // the frames in flight are still answered
+      return;  // frames in flight are still answered
     }
     default:
       return;
@@ -143,7 +145,7 @@ void FrameStream::State::complete(uint64_t frame_id) {
     ready.push_back(std::move(output));
     if (in_flight > 0) --in_flight;
   }
-  lead.notify();
+  reading.notify();
 }
 
 void FrameStream::State::throw_ended() const {
@@ -173,7 +175,7 @@ void FrameStream::State::take_credit() {
 void FrameStream::State::give_credit() {
   const std::lock_guard lock(mutex);
   --in_flight;
-  lead.notify();
+  reading.notify();
 }
 
 void FrameStream::State::send(const v1::Frame& frame, std::span<const FrameUpdate> updates) {
@@ -185,7 +187,7 @@ void FrameStream::State::send(const v1::Frame& frame, std::span<const FrameUpdat
     throw;
   }
   std::unique_lock lock(mutex);
-  await(lock, [&] { return ended; });  // the end brings the reason
+  await(lock, [&] { return ended; });  // then its reason is known
   throw_ended();
 }
 

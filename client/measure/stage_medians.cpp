@@ -1,4 +1,4 @@
-// What the stages of several frames took.
+// Median times of stages over several frames.
 
 #include "client/measure/stage_medians.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the stages of several frames took.
+// Median times of stages over several frames.
 
 #include <vector>
 
@@ -7,7 +7,7 @@
 
 namespace collided::cli {
 
-/// Medians, over the frames, of every stage and of the total ("total").
+/// Milliseconds of every stage, and of the whole frame ("total").
 Json median_stages(const std::vector<v1::FrameMetrics>& frames);
 
 }  // namespace collided::cli

@@ -1,4 +1,4 @@
-// A client of the daemon that the options name, or of one started for it.
+// A client of the daemon that the options name, or of one that is started for it.
 
 #include "client/cli/daemon/connection.hpp"
 

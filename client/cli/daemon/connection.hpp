@@ -1,5 +1,5 @@
 #pragma once
-// A client of the daemon that the options name, or of one started for it.
+// A client of the daemon that the options name, or of one that is started for it.
 
 #include <chrono>
 #include <optional>
@@ -12,16 +12,16 @@
 
 namespace collided::cli {
 
-/// A scene that is deleted at the end of its scope, also when an error ends it.
+/// Deletes a scene at the end of its scope.
 class SceneGuard {
  public:
-  /// `goes_with_daemon`: an interrupted collidectl need not wait until it is deleted.
-  SceneGuard(client::Client& client, v1::Scene scene, bool goes_with_daemon = false)
-      : client_(client), scene_(std::move(scene)), goes_with_daemon_(goes_with_daemon) {}
+  /// `dies_with_daemon`: an interrupted collidectl need not delete it.
+  SceneGuard(client::Client& client, v1::Scene scene, bool dies_with_daemon = false)
+      : client_(client), scene_(std::move(scene)), dies_with_daemon_(dies_with_daemon) {}
   SceneGuard(const SceneGuard&) = delete;
   SceneGuard& operator=(const SceneGuard&) = delete;
   ~SceneGuard() {
-    if (goes_with_daemon_ && is_interrupted()) return;
+    if (dies_with_daemon_ && is_interrupted()) return;
     try {
       client_.delete_scene(scene_.scene_id());
     } catch (const client::Error&) {  // the daemon is gone, and the scene with it
@@ -33,13 +33,13 @@ class SceneGuard {
  private:
   client::Client& client_;
   v1::Scene scene_;
-  bool goes_with_daemon_;
+  bool dies_with_daemon_;
 };
 
-/// Reads the token's file. Throws std::runtime_error naming it.
+/// Reads the token file. Throws std::runtime_error naming it.
 client::ConnectOptions connect_options(const ServerOptions& options);
 
-/// Whom memory is shared with. Throws UsageError for a user that this host does not know.
+/// Throws UsageError for a daemon user that this host does not know.
 client::LocalOptions local_options(const ServerOptions& options);
 
 class Connection {
@@ -48,14 +48,14 @@ class Connection {
   client::Client& operator*() { return client_; }
   client::Client* operator->() { return &client_; }
 
-  /// Interrupts are noted once there is a scene; if the daemon is one of others, even before.
+  /// Defers interrupts: on a foreign daemon before it creates the scene, which must be deleted; else once it exists.
   SceneGuard create_scene(const v1::SceneSpec& spec, std::span<const client::MeshInput> meshes) {
-    if (!daemon_) note_interrupts();
+    if (!daemon_) defer_interrupts();
     v1::Scene scene = client_.create_scene(spec, meshes);
-    note_interrupts();
+    defer_interrupts();
     return SceneGuard(client_, std::move(scene), daemon_.has_value());
   }
-  /// `window`: as client::StreamOptions has it.
+  /// `window` as in client::StreamOptions.
   client::FrameStream stream(const v1::Scene& scene, uint32_t window = 0) {
     return client_.stream(scene, {.window = window, .local = local_});
   }
@@ -68,16 +68,16 @@ class Connection {
   client::Client client_;
 };
 
-/// The next answer. Throws Interrupted.
+/// The next output. Throws Interrupted.
 inline client::FrameOutput receive(client::FrameStream& stream) {
-  constexpr std::chrono::milliseconds kPatience(50);
+  constexpr std::chrono::milliseconds kPollInterval(50);
   for (;;) {
     check_interrupt();
-    if (auto output = stream.receive_within(kPatience)) return std::move(*output);
+    if (auto output = stream.receive_within(kPollInterval)) return std::move(*output);
   }
 }
 
-/// One frame, with none other in flight. Throws its refusal, and Interrupted.
+/// Sends one frame and waits for its output, with no other in flight. Throws Error if it is refused, and Interrupted.
 inline client::FrameOutput run_frame(client::FrameStream& stream, const v1::Frame& frame) {
   check_interrupt();
   stream.send(frame);

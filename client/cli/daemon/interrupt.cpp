@@ -1,4 +1,5 @@
-// What an interrupted collidectl still does. A handler may use async-signal-safe calls only: the paths are made before.
+// What collidectl still does when it is interrupted. Signal handlers may make async-signal-safe calls only, so the
+// paths are prepared in advance.
 
 #include "client/cli/daemon/interrupt.hpp"
 
@@ -31,11 +32,11 @@ void stop_all(int signal_number) {
   _exit(128 + signal_number);
 }
 
-std::atomic<int> noted_signal = 0;
+std::atomic<int> deferred_signal = 0;
 static_assert(std::atomic<int>::is_always_lock_free);
 
-void note(int signal_number) {
-  if (noted_signal.exchange(signal_number) != 0) stop_all(signal_number);
+void defer(int signal_number) {
+  if (deferred_signal.exchange(signal_number) != 0) stop_all(signal_number);
 }
 
 void handle_interrupts(void (*handler)(int), int flags) {
@@ -59,12 +60,12 @@ void clean_up_on_interrupt(pid_t daemon, const std::string& folder) {
 
 void no_clean_up_on_interrupt() noexcept { daemon_pid = 0; }
 
-void note_interrupts() { handle_interrupts(note, SA_RESTART); }
+void defer_interrupts() { handle_interrupts(defer, SA_RESTART); }
 
-bool is_interrupted() { return noted_signal != 0; }
+bool is_interrupted() { return deferred_signal != 0; }
 
 void check_interrupt() {
-  if (const int signal_number = noted_signal) throw Interrupted(signal_number);
+  if (const int signal_number = deferred_signal) throw Interrupted(signal_number);
 }
 
 void set_open_line(bool is_open) { has_open_line = is_open; }

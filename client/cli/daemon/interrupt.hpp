@@ -1,6 +1,6 @@
 #pragma once
-// What an interrupted collidectl (SIGINT, SIGTERM, SIGHUP) still does: stop its daemon and remove its folder, delete
-// its scene on a daemon of others, and tell what it has found so far.
+// What collidectl still does when it is interrupted (SIGINT, SIGTERM, SIGHUP): stop its daemon and remove its folder,
+// delete its scene on a foreign daemon, and report what it has found so far.
 
 #include <sys/types.h>
 
@@ -16,19 +16,19 @@ struct Interrupted : std::runtime_error {
   int signal_number;
 };
 
-/// From now on an interrupt ends the daemon and collidectl, and removes the daemon's files in `folder`, and `folder`.
+/// From now on an interrupt ends the daemon and collidectl, and removes `folder` with the daemon's files.
 void clean_up_on_interrupt(pid_t daemon, const std::string& folder);
-/// The daemon has been stopped: an interrupt has nothing to do any more.
+/// The daemon has been stopped: there is nothing left to clean up.
 void no_clean_up_on_interrupt() noexcept;
 
-/// From now on the first interrupt is only noted, so that a scene can be deleted and what was found be told; a second
-/// one ends collidectl at once.
-void note_interrupts();
+/// From now on the first interrupt only shows in is_interrupted() and check_interrupt(), so that the scene can be
+/// deleted and the results so far reported; a second one ends collidectl at once.
+void defer_interrupts();
 bool is_interrupted();
-/// Throws Interrupted if an interrupt was noted.
+/// Throws Interrupted after an interrupt.
 void check_interrupt();
 
-/// Whether standard error stands in the middle of a line, which an interrupt then ends.
+/// Whether standard error is in the middle of a line, which an interrupt then ends.
 void set_open_line(bool is_open);
 
 }  // namespace collided::cli

@@ -1,4 +1,4 @@
-// A daemon of collidectl's own on a Unix socket.
+// A daemon that collidectl starts for itself, on a Unix socket.
 
 #include "client/cli/daemon/own_daemon.hpp"
 
@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr std::chrono::milliseconds kReadyPatience = 60s, kStopPatience = 10s, kInterruptedPatience = 1s, kPoll = 5ms;
+constexpr std::chrono::milliseconds kReadyTimeout = 60s, kStopTimeout = 10s, kInterruptedTimeout = 1s, kPoll = 5ms;
 
 bool is_program(const fs::path& path) {
   std::error_code error;
@@ -34,15 +34,15 @@ bool is_program(const fs::path& path) {
 
 fs::path make_directory() {
   std::string name = (fs::temp_directory_path() / "collidectl-XXXXXX").string();
-  if (name.size() > 90) name = "/tmp/collidectl-XXXXXX";  // a socket's path holds at most 107 bytes
+  if (name.size() > 90) name = "/tmp/collidectl-XXXXXX";  // the path of a socket has at most 107 bytes
   if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary directory " + name + " can be made");
   return name;
 }
 
-/// All but the address of the Unix socket.
+/// Without the address of the Unix socket.
 std::vector<std::string> command_line(const fs::path& program, const fs::path& directory,
                                       const DaemonOptions& options) {
-  // A missing GPU shall be refused per scene, in one clear message, and not keep the daemon from starting.
+  // So that a missing GPU is reported for the scene, in one clear message, instead of by a daemon that does not start.
   const std::string backend = options.backend == "cuda" ? "auto" : options.backend;
   std::vector<std::string> words{program.string(),
                                  "--backend",
@@ -55,7 +55,7 @@ std::vector<std::string> command_line(const fs::path& program, const fs::path& d
                                  "warning",
                                  "--max-message-mb",
                                  "2047"};
-  // It has one client, which may have all that there is.
+  // Its only client may use everything.
   words.insert(words.end(), {"--max-scenes-per-client", "1000000", "--max-streams-per-client", "1000000",
                              "--max-device-mb-per-client", "16777216", "--max-frame-seconds", "1000000"});
   if (!options.all_transports) return words;
@@ -63,8 +63,8 @@ std::vector<std::string> command_line(const fs::path& program, const fs::path& d
   return words;
 }
 
-/// What a daemon said last, after ": "; empty if it said nothing.
-std::string last_words(const fs::path& log) {
+/// The last line of a daemon's log, after ": "; empty if there is none.
+std::string last_log_line(const fs::path& log) {
   std::ifstream in(log);
   std::string last;
   for (std::string line; std::getline(in, line);)
@@ -72,7 +72,8 @@ std::string last_words(const fs::path& log) {
   return last.empty() ? "" : ": " + last;
 }
 
-/// The child's own process group, so that the terminal's interrupts are collidectl's alone; its output in a file.
+/// Gives the child a process group of its own, so that only collidectl gets the terminal's interrupts, and logs its
+/// output.
 void detach(const fs::path& log) {
   setpgid(0, 0);
   signal(SIGPIPE, SIG_DFL);
@@ -117,7 +118,7 @@ OwnDaemon::OwnDaemon(const DaemonOptions& options) {
 OwnDaemon::~OwnDaemon() {
   if (has_ended())
     std::fprintf(stderr, "collidectl: its daemon ended with %s%s\n", describe(status_).c_str(),
-                 last_words(directory_ / "log").c_str());
+                 last_log_line(directory_ / "log").c_str());
   stop();
 }
 
@@ -138,7 +139,7 @@ void OwnDaemon::start(const fs::path& program, const DaemonOptions& options) {
   pid_ = fork();
   if (pid_ < 0) throw std::runtime_error("no process can be started");
   if (pid_ > 0) return clean_up_on_interrupt(pid_, directory_.string());
-  prctl(PR_SET_PDEATHSIG, SIGTERM);  // if collidectl is killed, its daemon goes too
+  prctl(PR_SET_PDEATHSIG, SIGTERM);  // if collidectl is killed, so is its daemon
   if (getppid() != parent) _exit(126);
   detach(directory_ / "log");
   execv(argv[0], argv.data());
@@ -146,12 +147,12 @@ void OwnDaemon::start(const fs::path& program, const DaemonOptions& options) {
 }
 
 void OwnDaemon::wait_until_ready(const fs::path& program) {
-  const auto deadline = std::chrono::steady_clock::now() + kReadyPatience;
+  const auto deadline = std::chrono::steady_clock::now() + kReadyTimeout;
   std::error_code error;
   while (!(fs::exists(directory_ / "ready", error) && fs::file_size(directory_ / "ready", error) > 0)) {
     if (has_ended())
       throw std::runtime_error("daemon " + program.string() + " ended with " + describe(status_) +
-                               " before it was ready" + last_words(directory_ / "log"));
+                               " before it was ready" + last_log_line(directory_ / "log"));
     if (std::chrono::steady_clock::now() > deadline)
       throw std::runtime_error("daemon " + program.string() + " was not ready after 60 seconds");
     std::this_thread::sleep_for(kPoll);
@@ -164,9 +165,9 @@ bool OwnDaemon::has_ended() {
 }
 
 void OwnDaemon::stop() noexcept {
-  const auto patience = is_interrupted() ? kInterruptedPatience : kStopPatience;
+  const auto timeout = is_interrupted() ? kInterruptedTimeout : kStopTimeout;
   if (pid_ > 0) kill(pid_, SIGTERM);
-  for (auto waited = 0ms; !has_ended() && waited < patience; waited += kPoll) std::this_thread::sleep_for(kPoll);
+  for (auto waited = 0ms; !has_ended() && waited < timeout; waited += kPoll) std::this_thread::sleep_for(kPoll);
   if (pid_ > 0) {
     kill(pid_, SIGKILL);
     waitpid(pid_, &status_, 0);

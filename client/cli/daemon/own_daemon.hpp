@@ -1,5 +1,5 @@
 #pragma once
-// A daemon of collidectl's own on a Unix socket, for as long as the object lives.
+// A daemon that collidectl starts for itself, on a Unix socket, for as long as the object lives.
 
 #include <sys/types.h>
 
@@ -11,19 +11,19 @@ namespace collided::cli {
 struct DaemonOptions {
   std::string backend = "auto";
   int threads = 0;              ///< 0: all cores
-  bool all_transports = false;  ///< loopback TCP and shared memory, too
+  bool all_transports = false;  ///< loopback TCP and shared memory as well
 };
 
 class OwnDaemon {
  public:
-  /// Finds the daemon, starts it and waits until it serves. Throws std::runtime_error.
+  /// Finds the program, starts it and waits until it serves. Throws std::runtime_error.
   explicit OwnDaemon(const DaemonOptions& options);
   OwnDaemon(const OwnDaemon&) = delete;
   OwnDaemon& operator=(const OwnDaemon&) = delete;
-  /// SIGTERM, then SIGKILL if it does not end.
+  /// Sends SIGTERM, then SIGKILL if the daemon does not end.
   ~OwnDaemon();
   std::string address() const { return "unix:" + (directory_ / "socket").string(); }
-  /// host:port, with all transports; else empty.
+  /// host:port if all transports were started, else empty.
   std::string tcp_address() const;
 
  private:
@@ -34,10 +34,10 @@ class OwnDaemon {
 
   std::filesystem::path directory_;
   pid_t pid_ = -1;
-  int status_ = 0;  ///< of waitpid, once it has ended
+  int status_ = 0;  ///< from waitpid, once the daemon has ended
 };
 
-/// $COLLIDED_DAEMON, else `collided` beside this program, in ../bin, in the build tree or on PATH.
+/// $COLLIDED_DAEMON, else `collided` next to this program, in ../bin, in the build tree or on PATH.
 std::filesystem::path find_daemon();
 
 }  // namespace collided::cli

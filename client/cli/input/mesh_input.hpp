@@ -1,5 +1,5 @@
 #pragma once
-// Meshes of a scene and their positions as a daemon takes them.
+// Meshes of a scene and their positions, as a daemon takes them.
 
 #include <vector>
 
@@ -11,8 +11,8 @@ namespace collided::cli {
 /// The inputs borrow the meshes' triangles.
 std::vector<client::MeshInput> mesh_inputs(const std::vector<scenes::Mesh>& meshes);
 
-/// All that moves, in one frame; the frame of id 1 brings the static meshes, too. Positions are those of all meshes, in
-/// their order. Without `start` the meshes come from where the last frame left them.
+/// One frame of all moving meshes; the frame of id 1 has the static ones as well. Positions are those of all meshes, in
+/// their order. Without `start` the meshes start where the last frame ended.
 v1::Frame make_frame(const std::vector<scenes::Mesh>& meshes, uint64_t id, v1::PositionFormat format,
                      client::Positions end, client::Positions start = {});
 

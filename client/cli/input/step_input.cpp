@@ -1,4 +1,4 @@
-// One step to measure, of a procedural scene or between two mesh files.
+// One step of a procedural scene or between two mesh files.
 
 #include "client/cli/input/step_input.hpp"
 

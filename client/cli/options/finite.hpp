@@ -1,5 +1,5 @@
 #pragma once
-// The check of options that are real numbers.
+// Checks of options that are real numbers.
 
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -17,7 +17,7 @@ inline CLI::Validator finite() {
   return CLI::Validator(check, "");
 }
 
-/// Refuses what is below 0; CLI11's own check names the largest double in full.
+/// Refuses negative numbers; CLI11's own check would print the largest double in full.
 inline CLI::Validator at_least_zero() {
   const auto check = [](std::string& word) {
     double x = 0;

@@ -11,7 +11,7 @@ namespace collided::cli {
 
 namespace {
 
-// Words of the options and what they mean in the protocol.
+// The options' words for values of the protocol.
 template <class T>
 using Words = std::vector<std::pair<std::string, T>>;
 

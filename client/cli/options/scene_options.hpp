@@ -16,7 +16,7 @@ struct SceneOptions {
   double t0 = 0;
   double dt = 1.0 / 60;
 
-  /// Time of a frame; a scene ends at 1 and stands still from there on.
+  /// Time of a frame; a scene ends at 1 and stands still from then on.
   double time(int frame) const { return std::min(1.0, t0 + dt * frame); }
 };
 

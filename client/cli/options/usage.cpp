@@ -1,4 +1,4 @@
-// Bad usage in words.
+// What is wrong with a command line, and what may have been meant.
 
 #include "client/cli/options/usage.hpp"
 
@@ -54,7 +54,7 @@ std::string unknown_word(const CLI::App& app, const std::string& word) {
   return option + " is no option of " + of + suggestion(nearest(option, option_names(command)), "see '" + help + "'");
 }
 
-/// The dashes are the same in all options, and make none alike.
+/// Without the leading dashes, which would make all options look alike.
 std::string letters_of(const std::string& word) {
   const auto first = word.find_first_not_of('-');
   return first == std::string::npos ? "" : word.substr(first);
@@ -89,10 +89,10 @@ size_t edit_distance(const std::string& a, const std::string& b) {
 
 std::string nearest(const std::string& word, const std::vector<std::string>& known) {
   std::string best;
-  size_t least = (letters_of(word).size() + 1) / 3 + 1;  // one letter of three may be wrong
+  size_t best_distance = (letters_of(word).size() + 1) / 3 + 1;  // one letter in three may be wrong
   for (const std::string& candidate : known)
-    if (const size_t distance = edit_distance(letters_of(word), letters_of(candidate)); distance < least) {
-      least = distance;
+    if (const size_t distance = edit_distance(letters_of(word), letters_of(candidate)); distance < best_distance) {
+      best_distance = distance;
       best = candidate;
     }
   return best;

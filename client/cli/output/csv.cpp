@@ -1,4 +1,4 @@
-// Contacts as CSV. A frame may have millions of rows: they are formatted into one buffer and written in large pieces.
+// Contacts as CSV. A frame may have millions of rows: they are formatted in a buffer and written in large pieces.
 
 #include "client/cli/output/csv.hpp"
 
@@ -40,7 +40,7 @@ class Rows {
   size_t at_ = 0;
 };
 
-/// A value of each entry, or nothing but the commas where the field was not computed.
+/// The values of entry `i`, or only the commas if the field was not computed.
 template <class T, size_t N>
 void cells(Rows& rows, const std::vector<std::array<T, N>>& values, uint64_t i) {
   for (size_t k = 0; k < N; ++k) {

@@ -1,5 +1,5 @@
 #pragma once
-// Contacts as CSV: vertex-triangle, edge-edge, then triangle-triangle rows, in the order of the daemon. Flags are
+// Contacts as CSV: vertex-triangle, edge-edge, then triangle-triangle rows, each in the daemon's order. Flags are
 // words, such as "certified|initial".
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace collided::cli {
 
-/// To a file or, under the name "-", to standard output. Throws std::runtime_error if that cannot be written. Doubles
-/// are the shortest that read back the same.
+/// Writes to a file, or to standard output if its name is "-". Doubles are written in the fewest digits that read back
+/// the same. Throws std::runtime_error if the file cannot be written.
 void write_csv(const std::string& file, const client::FrameOutput& output);
 
 }  // namespace collided::cli

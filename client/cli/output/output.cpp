@@ -22,11 +22,12 @@ std::string cannot_be_written(const std::string& file, int error) {
   return file + ": cannot be written: " + std::strerror(error);
 }
 
-/// 0, or what errno says of opening it to write.
+/// 0, or errno from opening it for writing.
 int try_to_open(const std::string& file) {
   struct stat about {};
   const bool is_there = stat(file.c_str(), &about) == 0;
-  if (is_there && !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode))  // opening a pipe may wait for its reader
+  if (is_there && !S_ISREG(about.st_mode) &&
+      !S_ISDIR(about.st_mode))  // opening a pipe could block until it has a reader
     return access(file.c_str(), W_OK) == 0 ? 0 : errno;
   const int opened = open(file.c_str(), O_WRONLY | O_CLOEXEC | (is_there ? 0 : O_CREAT), 0666);
   if (opened < 0) return errno;

@@ -1,6 +1,5 @@
 #pragma once
-// Where results go: files, or standard output under the name "-". What is for people to read then goes to standard
-// error.
+// Where results go: to a file, or to standard output, named "-"; messages for people then go to standard error.
 
 #include <cstdio>
 #include <stdexcept>
@@ -17,20 +16,20 @@ struct OutputClosed : std::runtime_error {
 /// Whether `out` names standard output.
 inline bool is_standard_output(const std::string& out) { return out == "-"; }
 
-/// Before any work, so that none is lost: throws std::runtime_error naming `option`, the file and the reason if it
-/// cannot be written. Leaves an old file as it is, and makes no new one.
+/// Called before the work, so that none is lost. Throws std::runtime_error naming `option`, the file and the reason if
+/// the file cannot be written. Neither changes nor creates it.
 void check_writable(const std::string& option, const std::string& file);
 
-/// The same for a folder, which is made if it is not there. Throws UsageError for "-", which is none.
+/// The same for a folder, which is created if necessary. Throws UsageError for "-".
 void make_folder(const std::string& option, const std::string& folder);
 
 /// Throws UsageError if --json and --out both ask for standard output.
 void check_one_output(const std::string& out, bool json);
 
-/// A summary for people: to standard output, or to standard error while results go there.
+/// Prints a summary for people: to standard output, or to standard error if `out` is standard output.
 void print_summary(const std::string& out, const std::string& text);
 
-/// A file or standard output, in large pieces. Throws std::runtime_error naming the file and the reason.
+/// A file or standard output. Throws std::runtime_error naming the file and the reason.
 class OutputFile {
  public:
   explicit OutputFile(const std::string& name);
@@ -38,7 +37,7 @@ class OutputFile {
   OutputFile& operator=(const OutputFile&) = delete;
   ~OutputFile();
   void write(const char* data, size_t bytes);
-  /// Has everything written; nothing can be written after it.
+  /// Flushes; nothing can be written afterwards.
   void finish();
 
  private:
@@ -48,7 +47,7 @@ class OutputFile {
   std::FILE* file_;
 };
 
-/// All of it at once. Throws as OutputFile does.
+/// Writes a whole file. Throws as OutputFile does.
 void write_text(const std::string& file, const std::string& text);
 
 }  // namespace collided::cli

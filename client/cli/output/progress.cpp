@@ -19,9 +19,9 @@ Progress::~Progress() {
 }
 
 void Progress::show(const std::string& what, int done, int total) {
-  constexpr std::chrono::milliseconds kTerminalPause(100), kLinePause(1000);
+  constexpr std::chrono::milliseconds kTerminalInterval(100), kLineInterval(1000);
   const auto now = Clock::now();
-  if (now - last_ < (is_terminal_ ? kTerminalPause : kLinePause)) return;
+  if (now - last_ < (is_terminal_ ? kTerminalInterval : kLineInterval)) return;
   last_ = now;
   is_shown_ = true;
   set_open_line(is_terminal_);

@@ -9,7 +9,7 @@ namespace collided::cli {
 class Progress {
  public:
   Progress();
-  /// Shows "what: done of total", if it is time to.
+  /// Shows "what: done of total", unless the last line is too recent.
   void show(const std::string& what, int done, int total);
   ~Progress();
 

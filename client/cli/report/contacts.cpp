@@ -1,4 +1,4 @@
-// One contact in words.
+// One contact for people and as JSON.
 
 #include "client/cli/report/contacts.hpp"
 
@@ -35,12 +35,12 @@ std::vector<std::string_view> flag_words(uint8_t flags) {
 
 std::optional<Json> earliest_contact(const client::FrameOutput& output) {
   std::optional<Json> earliest;
-  double least = std::numeric_limits<double>::infinity();
+  double earliest_toi = std::numeric_limits<double>::infinity();
   for (const auto& [kind, contacts] :
        {std::pair{"vertex_triangle", &output.vertex_triangle}, std::pair{"edge_edge", &output.edge_edge}}) {
     const auto at = std::min_element(contacts->toi.begin(), contacts->toi.end());
-    if (at == contacts->toi.end() || *at >= least) continue;
-    least = *at;
+    if (at == contacts->toi.end() || *at >= earliest_toi) continue;
+    earliest_toi = *at;
     earliest = contact_json(kind, *contacts, static_cast<size_t>(at - contacts->toi.begin()));
   }
   return earliest;

@@ -1,5 +1,5 @@
 #pragma once
-// One contact in words.
+// One contact for people and as JSON.
 
 #include <optional>
 #include <string_view>
@@ -9,11 +9,11 @@
 
 namespace collided::cli {
 
-/// "certified", "near", "capped", "initial": those that are set.
+/// Those of "certified", "near", "capped" and "initial" whose flag is set.
 std::vector<std::string_view> flag_words(uint8_t flags);
 
-/// The contact of the earliest time of impact, the first one of several: kind, elements, stencil, toi, distance and
-/// flags, as far as there are. Nothing if no contact has a time.
+/// The contact with the earliest time of impact (the first of several): kind, elements, stencil, toi, distance and
+/// flags, as far as they were computed. Nothing if no contact has a time.
 std::optional<Json> earliest_contact(const client::FrameOutput& output);
 
 }  // namespace collided::cli

@@ -1,4 +1,4 @@
-// What is told about a scene and its frames.
+// A scene and its frames as JSON.
 
 #include "client/cli/report/json.hpp"
 
@@ -68,11 +68,11 @@ Json frame_json(const v1::FrameDone& done, v1::Report report) {
               {"bytes_in", m.bytes_in()},
               {"bytes_out", m.bytes_out()},
               {"warnings", warnings_json({m})}};
-  if (report == v1::REPORT_ANY_HIT) forget_contacts(out["counts"]);
+  if (report == v1::REPORT_ANY_HIT) clear_contact_counts(out["counts"]);
   return out;
 }
 
-void forget_contacts(Json& counts) {
+void clear_contact_counts(Json& counts) {
   for (const char* name : {"contacts_vertex_triangle", "contacts_edge_edge", "contacts_triangle_triangle"})
     counts[name] = nullptr;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What is told about a scene and its frames, as JSON. Names are those of the protocol; milliseconds are _ms.
+// A scene and its frames as JSON, under the protocol's names; milliseconds end in _ms.
 
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -12,16 +12,16 @@ namespace collided::cli {
 using Json = nlohmann::ordered_json;
 
 Json scene_json(const v1::Scene& scene);
-/// Stages by name in milliseconds, in their order; a stage that ran twice is summed.
+/// Milliseconds of each stage by name, in their order; a stage that ran twice is summed.
 Json stages_json(const v1::FrameMetrics& metrics);
 Json counts_json(const v1::FrameCounts& counts);
-/// What a frame cost, and how much there was to do.
+/// What a frame cost, and the work that it was.
 Json frame_json(const v1::FrameDone& done, v1::Report report);
-/// Whether there is one is all that REPORT_ANY_HIT finds out: the numbers of contacts become null.
-void forget_contacts(Json& counts);
-/// How a stream's frames travel and, if not through shared memory that the daemon offers, why.
+/// Sets the numbers of contacts to null: REPORT_ANY_HIT only finds out whether there is one.
+void clear_contact_counts(Json& counts);
+/// The transport of a stream and, if the daemon offers shared memory that it does not use, why not.
 Json transport_json(const client::FrameStream& stream);
-/// The warnings of frames, each once.
+/// The warnings of all frames, each once.
 Json warnings_json(const std::vector<v1::FrameMetrics>& frames);
 
 }  // namespace collided::cli

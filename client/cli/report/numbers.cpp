@@ -1,4 +1,4 @@
-// Numbers as people read them.
+// Numbers for people.
 
 #include "client/cli/report/numbers.hpp"
 

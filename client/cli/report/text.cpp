@@ -14,7 +14,7 @@ constexpr std::string_view kMilliseconds = "_ms";
 
 bool is_milliseconds(const std::string& name) { return name.ends_with(kMilliseconds); }
 
-/// Without the unit, which the value has.
+/// Without the unit, which goes to the value.
 std::string label_of(const std::string& name) {
   return is_milliseconds(name) ? name.substr(0, name.size() - kMilliseconds.size()) : name;
 }
@@ -48,7 +48,7 @@ std::string line(const std::string& label, size_t width, const std::string& valu
   return label + std::string(width - label.size() + 2, ' ') + value + "\n";
 }
 
-/// Of stages: each name is one.
+/// Times of stages by name.
 std::string times_text(const Json& times, size_t indent) {
   size_t width = 0;
   for (const auto& [name, ms] : times.items()) width = std::max(width, name.size());

@@ -1,5 +1,5 @@
 #pragma once
-// Reports for people: aligned lines, numbers with their units, three or four digits of what was measured.
+// Reports for people: aligned lines, numbers with units, measured values in three or four digits.
 
 #include <string>
 
@@ -7,8 +7,8 @@
 
 namespace collided::cli {
 
-/// An object as aligned lines "name  value"; nested objects are indented. The name tells the unit: "step_ms" becomes
-/// "step  12.3 ms". What is null was not counted.
+/// An object as aligned lines "name  value", nested objects indented. The name gives the unit: "step_ms" becomes
+/// "step  12.3 ms". null means that something was not counted.
 std::string report_text(const Json& object, size_t indent = 0);
 
 }  // namespace collided::cli

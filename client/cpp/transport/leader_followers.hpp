@@ -1,6 +1,6 @@
 #pragma once
-// Threads that wait for what only one of them can fetch at a time: whoever waits first fetches, for all. A thread that
-// gets what it waits for by itself need not be woken up for it.
+// Threads that wait for what only one of them can fetch at a time. One waiter fetches for everyone (leader/followers):
+// a thread that fetches its own answer need not be woken for it.
 
 #include <chrono>
 #include <condition_variable>
@@ -8,37 +8,37 @@
 
 namespace collided::client {
 
-/// Guarded by the mutex of the lock that is passed, as everything that the threads wait for.
-class Lead {
+/// Guarded by the mutex of the lock that is passed, like everything that the threads wait for.
+class LeaderFollowers {
  public:
   using Lock = std::unique_lock<std::mutex>;
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Waits until `done()`, but not past `deadline`; whether it is done. `fetch(lock, deadline)` gives the lock away
-  /// while it waits, and is false if nothing came until the deadline.
+  /// Waits until `done()`, but not past `deadline`; returns whether it is done. `fetch(lock, deadline)` releases the
+  /// lock while it waits, and returns false if nothing came by the deadline.
   template <class Done, class Fetch>
   bool await(Lock& lock, const Done& done, Time deadline, const Fetch& fetch) {
     bool is_in_time = true;
     while (!done() && is_in_time)
-      is_in_time =
-          is_taken_ ? changed_.wait_until(lock, deadline) == std::cv_status::no_timeout : take(lock, deadline, fetch);
+      is_in_time = has_leader_ ? changed_.wait_until(lock, deadline) == std::cv_status::no_timeout
+                               : lead_once(lock, deadline, fetch);
     return done();
   }
-  /// Fetches once, while nobody else does.
+  /// Fetches once. There must be no leader.
   template <class Fetch>
-  bool take(Lock& lock, Time deadline, const Fetch& fetch) {
-    is_taken_ = true;
+  bool lead_once(Lock& lock, Time deadline, const Fetch& fetch) {
+    has_leader_ = true;
     const bool is_fetched = fetch(lock, deadline);
-    is_taken_ = false;
+    has_leader_ = false;
     notify();
     return is_fetched;
   }
-  /// What threads wait for may have come in another way.
+  /// Wakes the followers: what they wait for may have come by other means than a fetch.
   void notify() { changed_.notify_all(); }
 
  private:
   std::condition_variable changed_;
-  bool is_taken_ = false;
+  bool has_leader_ = false;
 };
 
 }  // namespace collided::client

@@ -36,9 +36,9 @@ std::vector<int> planned_steps(int steps, int warm_up) {
 v1::Frame planned_frame(const BenchInput& input, const std::vector<int>& plan, size_t at, int steps,
                         const v1::SceneSpec& spec) {
   const int step = plan[at];
-  const bool goes_on = input.is_motion && at > 0 && plan[at - 1] + 1 == step;
+  const bool continues = input.is_motion && at > 0 && plan[at - 1] + 1 == step;
   std::vector<scenes::Vec3d> start;
-  if (spec.mode() == v1::DETECTION_MODE_CCD && !goes_on) start = input.start(step, steps);
+  if (spec.mode() == v1::DETECTION_MODE_CCD && !continues) start = input.start(step, steps);
   return make_frame(input.meshes, at + 1, spec.position_format(), input.end(step, steps), start);
 }
 

@@ -10,25 +10,25 @@
 
 namespace collided::cli {
 
-/// Meshes, and a motion of `steps` steps that are counted from 1.
+/// Meshes and their motion in `steps` steps, counted from 1.
 struct BenchInput {
   using PositionsOf = std::function<std::vector<scenes::Vec3d>(int step, int steps)>;
   std::string name;
   std::vector<scenes::Mesh> meshes;
-  PositionsOf start, end;  ///< of a step, of all meshes in their order
-  bool is_motion = true;   ///< a step starts where the one before it ended
+  PositionsOf start, end;  ///< of a step: positions of all meshes, in their order
+  bool is_motion = true;   ///< each step starts where the one before ended
 };
 
-/// A procedural scene from t = 0 to t = 1. Throws std::invalid_argument if there is none of that name and scale.
+/// A procedural scene from t = 0 to t = 1. Throws std::invalid_argument for an unknown name or a bad scale.
 BenchInput scene_input(const std::string& name, double scale);
-/// The step between two mesh files, or the one frame (DCD), again and again. Throws std::runtime_error naming the file.
+/// The step between two mesh files, or one frame (DCD), repeated. Throws std::runtime_error naming the file.
 BenchInput file_input(const std::vector<std::string>& files);
 
-/// The steps of the warm-up, then all of them in order. Those of the warm-up are spread evenly over the motion and end
-/// with its last, so that buffers have grown to about what the motion needs.
+/// The steps of the warm-up, then all steps in order. The warm-up is spread evenly over the motion and ends with its
+/// last step, so that buffers grow to about what the motion needs.
 std::vector<int> planned_steps(int steps, int warm_up);
 
-/// Frame `at` (from 0) of a plan. A CCD frame tells where it starts if it does not go on from the one before it.
+/// Frame `at`, counted from 0, of a plan. A CCD frame has its start unless it continues the frame before.
 v1::Frame planned_frame(const BenchInput& input, const std::vector<int>& plan, size_t at, int steps,
                         const v1::SceneSpec& spec);
 

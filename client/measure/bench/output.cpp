@@ -1,4 +1,4 @@
-// Where 'collidectl bench' tells what it finds.
+// Where the results of 'collidectl bench' go.
 
 #include "client/measure/bench/output.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
-// Where 'collidectl bench' tells what it finds: a table run by run, and one JSON object in a file, which always holds
-// the runs so far, or on standard output at the end.
+// Where the results of 'collidectl bench' go: a table, printed run by run, and one JSON object: in a file, which always
+// holds the runs so far, or on standard output at the end.
 
 #include <string>
 
@@ -10,13 +10,13 @@ namespace collided::cli {
 
 class BenchOutput {
  public:
-  /// `json`: the object goes to standard output, instead of the table. `out`: also to that file, if it is not empty.
+  /// `json`: print the object instead of the table. `out`: a file for the object; empty: none.
   BenchOutput(std::string out, bool json) : out_(std::move(out)), json_(json) {}
-  /// Lines of the table.
+  /// Prints lines of the table.
   void show(const std::string& lines) const;
-  /// The object of all runs so far.
+  /// Takes the object of all runs so far, and writes it to the file.
   void keep(const Json& object);
-  /// Prints the object, if it is to go to standard output and there is one.
+  /// Prints the object, if there is one and it goes to standard output.
   void finish() const;
 
  private:

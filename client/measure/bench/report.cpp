@@ -1,4 +1,4 @@
-// What 'collidectl bench' found, as JSON and as a table.
+// Results of 'collidectl bench' as JSON and as a table.
 
 #include "client/measure/bench/report.hpp"
 
@@ -21,7 +21,7 @@ Json step_times(const std::vector<v1::FrameMetrics>& steps) {
 
 Json stage_times(const std::vector<v1::FrameMetrics>& steps) {
   Json stages = median_stages(steps);
-  stages.erase("total");  // the daemon's time, waiting included
+  stages.erase("total");  // no stage: the daemon's time, waiting included
   return stages;
 }
 
@@ -51,7 +51,7 @@ uint64_t device_bytes(const v1::Scene& scene) {
   return bytes;
 }
 
-/// The engine asked for and, if that is not one, those that found the pairs: "auto (octree, lbvh)".
+/// The engine that was requested and, if others found the pairs, those: "auto (octree, lbvh)".
 std::string engine_text(const Json& run) {
   std::string text = run.at("engine"), found;
   for (const auto& [name, steps] : run.at("counts").at("steps_by_engine").items())

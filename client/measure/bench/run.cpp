@@ -1,4 +1,4 @@
-// Plays inputs on a daemon, engine by engine, and keeps what the frames cost.
+// Plays an input on a daemon and records what the frames cost.
 
 #include "client/measure/bench/run.hpp"
 
@@ -9,7 +9,7 @@ namespace collided::cli {
 
 namespace {
 
-/// Adds what the steps after the warm-up cost.
+/// Appends the metrics of the steps after the warm-up.
 void play(client::FrameStream& stream, const BenchSettings& settings, const BenchInput& input,
           const v1::SceneSpec& spec, std::vector<v1::FrameMetrics>& metrics) {
   const std::vector<int> plan = planned_steps(settings.steps, settings.warm_up);

@@ -1,5 +1,5 @@
 #pragma once
-// Plays inputs on a daemon, engine by engine, and keeps what the frames cost.
+// Plays an input on a daemon and records what the frames cost.
 
 #include "client/cli/daemon/connection.hpp"
 #include "client/measure/bench/input.hpp"
@@ -8,8 +8,8 @@
 
 namespace collided::cli {
 
-/// One input with the engine of the settings, on a scene of its own, one frame in flight: a frame's time is not to
-/// depend on its neighbours. An interrupt leaves a run of the steps so far, and itself in it.
+/// Plays one input with the settings' engine, on a scene of its own, with one frame in flight so that no frame's time
+/// depends on its neighbours. After an interrupt the run has the steps so far and the interrupt.
 BenchRun measure(Connection& connection, const BenchSettings& settings, const BenchInput& input);
 
 }  // namespace collided::cli

@@ -1,5 +1,5 @@
 #pragma once
-// How much 'collidectl bench' runs, and on which daemon.
+// What 'collidectl bench' measures, and on which daemon.
 
 #include <string>
 
@@ -12,7 +12,7 @@ struct BenchSettings {
   DetectionOptions detection;
   std::string position_format = "f32";
   int steps = 50;
-  int warm_up = 10;  ///< steps before those that count
+  int warm_up = 10;  ///< steps before the measured ones
 };
 
 }  // namespace collided::cli

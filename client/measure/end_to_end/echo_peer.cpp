@@ -1,4 +1,4 @@
-// What the sockets alone cost: a child process that takes bytes and gives bytes back.
+// What sockets alone cost: a child process that receives bytes and sends bytes back.
 
 #include "client/measure/end_to_end/echo_peer.hpp"
 
@@ -25,7 +25,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-constexpr size_t kHead = sizeof(double);  // of an answer: milliseconds that the peer slept
+constexpr size_t kHead = sizeof(double);  // of an answer: the peer's sleep in milliseconds
 
 [[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
 
@@ -93,7 +93,7 @@ std::array<int, 2> tcp_pair() {
   return {ours, theirs};
 }
 
-/// The child's whole life: until this process closes its ends.
+/// The child's main loop, until the parent closes its sockets.
 [[noreturn]] void serve(int tcp, int unix_stream) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   std::array<pollfd, 2> sockets{{{tcp, POLLIN, 0}, {unix_stream, POLLIN, 0}}};

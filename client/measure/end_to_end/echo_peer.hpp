@@ -1,6 +1,6 @@
 #pragma once
-// What the sockets alone cost: a child process that takes bytes, waits for as long as it is told, and gives bytes back,
-// over loopback TCP (TCP_NODELAY) and over a Unix stream.
+// What sockets alone cost: a child process that receives bytes, waits as long as it is told and sends bytes back, over
+// loopback TCP (TCP_NODELAY) and a Unix stream.
 
 #include <sys/types.h>
 
@@ -12,19 +12,18 @@ namespace collided::cli {
 
 struct Exchange {
   size_t up = 0, down = 0;  ///< bytes
-  double hold_ms = 0;       ///< the peer sleeps so long before it answers
+  double hold_ms = 0;       ///< how long the peer sleeps before it answers
 };
 
 class EchoPeer {
  public:
-  /// Starts the child; before any thread, because it is a copy of this process. Throws std::system_error.
+  /// Forks the child, so there must be no other thread yet. Throws std::system_error.
   EchoPeer();
   EchoPeer(const EchoPeer&) = delete;
   EchoPeer& operator=(const EchoPeer&) = delete;
   ~EchoPeer();
 
-  /// Milliseconds from the first byte up to the last byte down, less those that the peer slept. Throws
-  /// std::system_error.
+  /// Milliseconds from the first byte sent to the last byte received, less the peer's sleep. Throws std::system_error.
   double tcp_ms(const Exchange& what) { return exchange(tcp_, what); }
   double unix_ms(const Exchange& what) { return exchange(unix_, what); }
 

@@ -1,4 +1,4 @@
-// What 'collidectl bench --end-to-end' found, as JSON and as a table.
+// Results of 'collidectl bench --end-to-end' as JSON and as a table.
 
 #include "client/measure/end_to_end/report.hpp"
 
@@ -84,7 +84,7 @@ Json end_to_end_json(const EndToEndRun& run) {
                 {"tcp, held", times_json(run.held.tcp)},
                 {"unix", times_json(run.bare.unix_stream)},
                 {"unix, held", times_json(run.held.unix_stream)},
-                {"few bytes, held", times_json(run.held_few)}}},
+                {"few bytes, held", times_json(run.held_control)}}},
               {"transports", Json::array()}};
   for (const TransportTimes& transport : run.transports)
     out["transports"].push_back(transport_times_json(transport, run));

@@ -1,5 +1,5 @@
 #pragma once
-// What 'collidectl bench --end-to-end' found, as JSON and as a table.
+// Results of 'collidectl bench --end-to-end' as JSON and as a table.
 
 #include <string>
 #include <vector>
@@ -10,8 +10,8 @@ namespace collided::cli {
 
 /// One frame over one transport; times in milliseconds.
 struct FrameTime {
-  double latency = 0;  ///< from send to the complete answer
-  double engine = 0;   ///< of it, the daemon's engine
+  double latency = 0;  ///< from sending the frame to its complete answer
+  double engine = 0;   ///< the engine's part of it
   double decode = 0, encode = 0, queue = 0;
 };
 
@@ -21,13 +21,13 @@ struct TransportTimes {
   std::vector<FrameTime> frames;
 };
 
-/// A frame's bytes over bare sockets; milliseconds, a value for each frame.
+/// The same bytes over bare sockets, milliseconds for each frame.
 struct BareTimes {
   std::vector<double> tcp, unix_stream;
 };
 
-/// A control message's, as shared memory needs one each way.
-constexpr size_t kFewBytes = 64;
+/// About the size of a control message, one of which shared memory needs each way.
+constexpr size_t kControlBytes = 64;
 
 /// One size of one scene.
 struct EndToEndRun {
@@ -35,20 +35,20 @@ struct EndToEndRun {
   double scale = 1;
   v1::Scene scene;
   std::vector<TransportTimes> transports;
-  BareTimes bare;                            ///< of sockets that answer at once
-  BareTimes held;                            ///< of sockets that answer after the engine's time, as a frame is answered
-  std::vector<double> held_few;              ///< the same for kFewBytes to and fro over the Unix socket
-  std::vector<double> bytes_up, bytes_down;  ///< of positions and of contacts, a value for each frame
+  BareTimes bare;                            ///< sockets answer at once
+  BareTimes held;                            ///< sockets answer after the engine's time, as for a real frame
+  std::vector<double> held_control;          ///< the same for kControlBytes each way over the Unix socket
+  std::vector<double> bytes_up, bytes_down;  ///< positions and contacts of each frame
 };
 
-/// The engine's time as the daemon tells it; for one that does not, the sum of the stages.
+/// The engine's time is the daemon's or, if it sends none, the sum of the stages.
 FrameTime frame_time(double latency, const v1::FrameMetrics& metrics);
 
-/// Overhead is a frame's latency without the engine's time, and its ratios those of medians.
+/// Overhead is a frame's latency less the engine's time; its ratios are ratios of medians.
 Json end_to_end_json(const EndToEndRun& run);
 /// The whole file: {"device", "settings", "runs"}.
 Json end_to_end_file(const std::vector<EndToEndRun>& runs, int warm_up);
-/// A table of what end_to_end_json gave.
+/// The table of an end_to_end_json().
 std::string end_to_end_lines(const Json& run);
 
 }  // namespace collided::cli

@@ -115,13 +115,13 @@ void EndToEnd::compare(EndToEndRun& run, const Exchange& bytes, bool counts) {
   const Exchange held{bytes.up, bytes.down, hold_ms};
   const double held_tcp = after_pause([&] { return echo_.tcp_ms(held); });
   const double held_unix = after_pause([&] { return echo_.unix_ms(held); });
-  const double few = after_pause([&] { return echo_.unix_ms({kFewBytes, kFewBytes, hold_ms}); });
+  const double control = after_pause([&] { return echo_.unix_ms({kControlBytes, kControlBytes, hold_ms}); });
   if (!counts) return;
   run.bare.tcp.push_back(tcp);
   run.bare.unix_stream.push_back(unix_stream);
   run.held.tcp.push_back(held_tcp);
   run.held.unix_stream.push_back(held_unix);
-  run.held_few.push_back(few);
+  run.held_control.push_back(control);
 }
 
 EndToEndRun EndToEnd::run(double scale) {
@@ -164,7 +164,7 @@ void run_end_to_end(const EndToEndOptions& options) {
   const ServerOptions& server = options.settings.server;
   const OwnDaemon daemon({.backend = server.backend, .threads = server.threads, .all_transports = true});
   EndToEnd bench(echo, daemon, options);
-  note_interrupts();
+  defer_interrupts();
   BenchOutput output(options.out, options.json);
   try {
     run_scales(bench, scales, options.settings.warm_up, output);

@@ -13,7 +13,7 @@ struct EndToEndOptions {
   BenchSettings settings;
   std::string scene = "cloth_ball";
   double scale = 1;
-  std::vector<double> megabytes{1, 5};  ///< one more run each, at the scale with about so much of positions a frame
+  std::vector<double> megabytes{1, 5};  ///< one more run each, at the scale with about that much a frame
   std::string out;                      ///< JSON file of all runs; empty: none; "-": standard output
   bool json = false;                    ///< print the JSON instead of the table
 };

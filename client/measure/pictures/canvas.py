@@ -1,4 +1,4 @@
-"""What all pictures share: matplotlib without a display, its fonts and colours, and files that only the data changes."""
+"""What all pictures share: matplotlib without a display, fonts, colours, and files that depend on the data alone."""
 
 import matplotlib
 

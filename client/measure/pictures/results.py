@@ -40,10 +40,17 @@ class Results:
     runs: list[dict]  # of `collidectl bench` and `collided_bench --compare-engines`, each with its device
 
 
+def finite(value):
+    """`value`, if it is a finite number."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise ValueError(f"{value!r} is not a finite number")
+    return value
+
+
 def number(value):
     """`value`, if it is a finite number of at least 0."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value) or value < 0:
-        raise ValueError(f"{value!r} is not a finite number of at least 0")
+    if finite(value) < 0:
+        raise ValueError(f"{value!r} is less than 0")
     return value
 
 
@@ -60,7 +67,7 @@ def tradeoff_run(run):
                delta=None if run["delta"] is None else number(run["delta"]),
                narrow_ms=number(run["median_ms"]["narrow"]), missed=number(contacts["sum"]["missed"]),
                false=number(contacts["sum"]["false"]), late=number(contacts["sum"]["late"]),
-               gap={part: max(0.0, float(gap[part])) for part in ("median", "p99", "worst")})
+               gap={part: max(0.0, finite(gap[part])) for part in ("median", "p99", "worst")})
 
 
 def tradeoff(result):

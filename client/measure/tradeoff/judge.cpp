@@ -1,4 +1,4 @@
-// Reported contacts against the truth: both are lists in the order of their pairs, walked side by side.
+// Merges the reported contacts and the true ones, both sorted by pair.
 
 #include "client/measure/tradeoff/judge.hpp"
 
@@ -12,7 +12,7 @@ namespace collided::cli {
 
 namespace {
 
-constexpr double kExactBracket = 0x1p-60;  // exact arithmetic is at most this much early, and then rounds toward 0
+constexpr double kExactBracket = 0x1p-60;  // exact times are at most this early, before they are rounded towards 0
 
 struct Reported {
   PairKey pair;
@@ -37,7 +37,7 @@ PairKey edge_edge_key(const client::Contacts& contacts, size_t i) {
   return edge_pair({s[0], s[1]}, {s[2], s[3]});
 }
 
-/// The gaps and the lateness of all kinds, put together.
+/// Gaps, and the worst lateness, of contacts of all kinds.
 struct Gaps {
   std::vector<double> values;
   double latest = 0;
@@ -56,7 +56,7 @@ KindScore judge_kind(const std::vector<TrueContact>& truth, const std::vector<Re
       ++score.late;
       gaps.latest = std::max(gaps.latest, r.toi - contact->toi);
     }
-    ++contact;  // a pair that is reported twice is right once
+    ++contact;  // a pair reported twice is right once
   }
   score.missed = truth.size() - score.right;
   score.wrong = score.reported - score.right;

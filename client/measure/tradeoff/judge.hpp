@@ -7,16 +7,17 @@
 
 namespace collided::cli {
 
-/// What EXACT's time of impact of a contact that it was certain of without exact arithmetic may be early by.
+/// How early EXACT's time of impact may be for a contact that it decided without exact arithmetic.
 inline constexpr double kBoundedTime = 1e-9;
-/// A delta that makes EXACT decide in exact arithmetic all that it is not certain of from t = 0 on.
+/// A delta that makes EXACT decide everything in exact arithmetic unless it is certain at t = 0.
 inline constexpr double kWideDelta = 1e30;
 
-/// The answers of the level EXACT with the daemon's own delta and with kWideDelta as truth: the first has a close lower
-/// bound of every time of impact, the second exact ones (within 2^-60) wherever it gives any but 0. Throws
-/// std::runtime_error if they contradict each other.
+/// The truth from two answers of the level EXACT: with the daemon's own delta it gives close lower bounds of the times
+/// of impact, with kWideDelta exact ones (within 2^-60) wherever they are not 0. Throws std::runtime_error if the
+/// answers contradict each other.
 Truth exact_truth(const client::FrameOutput& close, const client::FrameOutput& wide);
 
+/// Throws std::runtime_error if the contacts lack times of impact or stencils.
 Score judge(const Truth& truth, const client::FrameOutput& output);
 
 }  // namespace collided::cli

@@ -1,4 +1,4 @@
-// What 'collidectl tradeoff' found, for people.
+// Results of 'collidectl tradeoff' for people.
 
 #include "client/measure/tradeoff/report.hpp"
 
@@ -56,7 +56,7 @@ const Run* fast_run(const Tradeoff& result, const std::string& format) {
   return nullptr;
 }
 
-/// Each time and its ratio to that of the level fast.
+/// Each time, and its ratio to the level fast.
 std::string cost_row(const Run& run, const Run* fast) {
   Cells cells = key_cells(run);
   for (const auto part : {&Times::narrow, &Times::stages, &Times::total}) {

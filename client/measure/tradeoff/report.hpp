@@ -1,5 +1,5 @@
 #pragma once
-// What 'collidectl tradeoff' found, for people.
+// Results of 'collidectl tradeoff' for people.
 
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace collided::cli {
 
-/// A section of Markdown: how it was measured, then two tables: the answers against the truth, and what they cost.
+/// A section of Markdown: how it was measured, then a table of the answers against the truth and one of their cost.
 std::string tradeoff_markdown(const Tradeoff& result);
 
 /// A line for each run: contacts, missed, false and late ones, and the time of the narrow phase.

@@ -1,5 +1,5 @@
 #pragma once
-// What 'collidectl tradeoff' finds: runs of accuracy levels, deltas and position formats, judged and timed.
+// Results of 'collidectl tradeoff': runs of accuracy levels, deltas and position formats, judged and timed.
 
 #include <cstdint>
 #include <map>
@@ -28,7 +28,7 @@ struct Gap {
 struct Score {
   KindScore vertex_triangle, edge_edge;
   std::optional<Gap> gap;  ///< none if no contact is right
-  double latest = 0;       ///< by how much the latest of the late ones is late
+  double latest = 0;       ///< how late the latest contact is
   bool operator==(const Score&) const = default;
 };
 
@@ -39,9 +39,9 @@ inline KindScore sum(const Score& score) {
 
 /// Medians over the repeats, in milliseconds.
 struct Times {
-  double narrow = 0;  ///< narrow phase and exact decisions; the filter is part of the search for pairs
+  double narrow = 0;  ///< narrow phase and exact decisions, without the filter, which is part of finding pairs
   double stages = 0;  ///< all stages
-  double total = 0;   ///< from the arrival of the frame to the end of its work
+  double total = 0;   ///< from the frame's arrival to the end of its work
   std::map<std::string, double> stage;
 };
 
@@ -53,7 +53,7 @@ struct Work {
 struct Run {
   std::string format;                ///< f32 or f64
   std::string level;                 ///< fast, guarded, certified or exact
-  std::optional<double> delta = {};  ///< none for a level without; 0 is the daemon's own choice
+  std::optional<double> delta = {};  ///< none for levels that take none; 0: the daemon chooses
   Score score = {};
   Times times = {};
   Work work = {};
@@ -68,7 +68,7 @@ struct TruthUsed {
 };
 
 struct Tradeoff {
-  std::string name, input;  ///< what was run: in a word, and all that is needed to run it again
+  std::string name, input;  ///< what was run: its name, and all that is needed to run it again
   std::string date, commit, version, backend, device;
   uint64_t vertices = 0, edges = 0, triangles = 0;
   double thickness = 0;

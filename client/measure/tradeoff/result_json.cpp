@@ -1,4 +1,4 @@
-// A tradeoff as JSON.
+// Results of 'collidectl tradeoff' as JSON.
 
 #include "client/measure/tradeoff/result_json.hpp"
 

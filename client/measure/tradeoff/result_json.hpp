@@ -1,12 +1,12 @@
 #pragma once
-// What 'collidectl tradeoff' found, as JSON.
+// Results of 'collidectl tradeoff' as JSON.
 
 #include "client/cli/report/json.hpp"
 #include "client/measure/tradeoff/result.hpp"
 
 namespace collided::cli {
 
-/// All of it, with "format": "collided tradeoff 1". client/measure/plot draws it.
+/// The whole file, which client/measure/plot draws. Its "format" is "collided tradeoff 1".
 Json tradeoff_json(const Tradeoff& result);
 
 /// Missed and false contacts and the times of each run.

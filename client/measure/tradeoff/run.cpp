@@ -1,5 +1,5 @@
-// Runs levels, deltas and position formats over one step. A scene a format stays on the daemon; its frames are the same
-// step again and again, and each names its own level and delta. The levels take turns, so that noise hits all alike.
+// Runs levels, deltas and position formats over one step. Each format has one scene on the daemon; its frames repeat
+// the step, and each has its own level and delta. The levels take turns, so that noise affects all of them alike.
 
 #include "client/measure/tradeoff/run.hpp"
 
@@ -34,7 +34,7 @@ std::vector<Run> planned_runs(const TradeoffSettings& settings, const std::strin
   return runs;
 }
 
-/// Sends the step, one frame in flight: a frame's time is not to depend on its neighbours.
+/// Sends the step, with one frame in flight so that no frame's time depends on its neighbours.
 class Stepper {
  public:
   Stepper(client::FrameStream stream, const StepInput& step, v1::PositionFormat format)
@@ -74,7 +74,7 @@ Work work_of(const client::FrameOutput& output) {
 
 bool is_narrow(const std::string& stage) { return stage.starts_with("narrow_") || stage == "exact"; }
 
-/// The frame with two stages more: sums, which have medians of their own.
+/// Adds two sums as stages, so that medians of the sums are taken as well.
 v1::FrameMetrics with_sums(v1::FrameMetrics metrics) {
   double narrow = 0, stages = 0;
   for (const v1::StageTime& stage : metrics.stages()) {
@@ -92,14 +92,14 @@ v1::FrameMetrics with_sums(v1::FrameMetrics metrics) {
 Times median_times(const std::vector<v1::FrameMetrics>& frames) {
   Times times;
   times.stage = median_stages(frames).get<std::map<std::string, double>>();
-  const auto take = [&](const char* name) { return times.stage.extract(name).mapped(); };
-  times.narrow = take("sum of narrow");
-  times.stages = take("sum of stages");
-  times.total = take("total");
+  const auto extract = [&](const char* name) { return times.stage.extract(name).mapped(); };
+  times.narrow = extract("sum of narrow");
+  times.stages = extract("sum of stages");
+  times.total = extract("total");
   return times;
 }
 
-/// The first round warms up: buffers grow, and what the contacts are is judged, outside of the times.
+/// The first round, which is not timed, warms up and judges the contacts.
 void run_rounds(const TradeoffSettings& settings, Stepper& stepper, const Truth& truth, std::vector<Run>& runs) {
   std::vector<std::vector<v1::FrameMetrics>> metrics(runs.size());
   Progress progress;
@@ -141,19 +141,19 @@ class Measurement {
     const SceneGuard scene = connection_.create_scene(spec, mesh_inputs(step_.meshes));
     describe(*scene);
     Stepper stepper(connection_.stream(*scene, 1), step_, format_of(format));
-    const Truth exact = is_given_valid(format) ? Truth{} : find_truth(stepper);
-    const Truth& truth = is_given_valid(format) ? *given_ : exact;
+    const Truth exact = uses_given_truth(format) ? Truth{} : find_truth(stepper);
+    const Truth& truth = uses_given_truth(format) ? *given_ : exact;
     std::vector<Run> runs = planned_runs(settings_, format);
     run_rounds(settings_, stepper, truth, runs);
     stepper.finish();
-    result_.truths.push_back({format, is_given_valid(format) ? settings_.truth : "exact", truth.vertex_triangle.size(),
-                              truth.edge_edge.size(), truth.bounded});
+    result_.truths.push_back({format, uses_given_truth(format) ? settings_.truth : "exact",
+                              truth.vertex_triangle.size(), truth.edge_edge.size(), truth.bounded});
     result_.runs.insert(result_.runs.end(), runs.begin(), runs.end());
   }
 
  private:
-  /// A given truth is that of the positions as they were given: rounded to floats, they may meet elsewhere.
-  bool is_given_valid(const std::string& format) const { return given_ && (format == "f64" || !step_.is_double); }
+  /// A given truth holds for the given positions: rounded to floats, they may touch elsewhere.
+  bool uses_given_truth(const std::string& format) const { return given_ && (format == "f64" || !step_.is_double); }
 
   void describe(const v1::Scene& scene) {
     result_.backend = name_of(scene.spec().backend());

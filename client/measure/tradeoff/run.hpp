@@ -17,7 +17,7 @@ struct TradeoffSettings {
   std::string truth;  ///< folder; empty: the level exact
 };
 
-/// Fills in all but date and commit. If it throws, `result` has the position formats that were done.
+/// Fills in everything but date and commit. If it throws, `result` has the position formats that were completed.
 void measure(const TradeoffSettings& settings, const StepInput& step, Tradeoff& result);
 
 }  // namespace collided::cli

@@ -37,7 +37,7 @@ bool parse(const std::string& text, T& value) {
   return error == std::errc() && stop == end;
 }
 
-/// The value of one unit of the last digit of a decimal such as 7.49e-06.
+/// One unit in the last digit of a decimal such as 7.49e-06.
 double last_digit(const std::string& decimal) {
   const size_t e = std::min(decimal.find_first_of("eE"), decimal.size());
   const size_t point = decimal.find('.');

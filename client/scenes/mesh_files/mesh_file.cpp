@@ -1,4 +1,4 @@
-// Mesh files in and out: picks the format and checks what was read.
+// Reads and writes mesh files: picks the format and checks what was read.
 
 #include "client/scenes/mesh_files/mesh_file.hpp"
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint64_t kMaxFileBytes = uint64_t{8} << 30;
 
-/// The file's ending in lower case.
+/// The file's extension in lower case.
 std::string ending_of(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });

@@ -1,5 +1,5 @@
 #pragma once
-// Mesh files in and out: OBJ and PLY (ascii, binary of either byte order, float or double positions).
+// Reads and writes mesh files: OBJ and PLY (ASCII, binary of either byte order, float or double positions).
 
 #include <filesystem>
 #include <vector>
@@ -11,13 +11,14 @@ namespace collided::scenes {
 struct MeshFile {
   std::vector<Vec3d> positions;
   std::vector<std::array<uint32_t, 3>> triangles;
-  bool is_double = false;  ///< some position is not exactly a float
+  bool is_double = false;  ///< a position is not exactly a float
 };
 
-/// Reads by the file's ending. Throws std::runtime_error naming the file, the place and what is wrong.
+/// Reads the format that the file's extension names. Throws std::runtime_error naming the file, the place and what is
+/// wrong.
 MeshFile read_mesh(const std::filesystem::path& file);
 
-/// Writes OBJ (17 digits) or binary little-endian double PLY, by the file's ending.
+/// Writes OBJ (17 digits) or binary little-endian double PLY, as the file's extension says.
 void write_mesh(const std::filesystem::path& file, const MeshFile& mesh);
 
 }  // namespace collided::scenes

@@ -1,8 +1,8 @@
 #pragma once
 // Shared by the mesh readers and writers: whole files in memory, words of a line, exact numbers.
 //
-// The readers are our own: general importers read positions to float and merge or reorder vertices, and here every
-// vertex must keep its index and every position its exact double.
+// These readers exist because general importers round positions to float and merge or reorder vertices: here every
+// vertex keeps its index and every position its exact double.
 
 #include <charconv>
 #include <concepts>
@@ -28,7 +28,7 @@ template <std::invocable Place>
 std::string read_file(const std::filesystem::path& file);
 void write_file(const std::filesystem::path& file, const std::string& text);
 
-/// Takes the next word (separated by blanks) off the front of `line`; empty at its end.
+/// Removes the next word (separated by blanks) from the front of `line`; empty at its end.
 inline std::string_view next_word(std::string_view& line) {
   const size_t from = line.find_first_not_of(" \t\r");
   if (from == std::string_view::npos) return line = {};
@@ -38,7 +38,7 @@ inline std::string_view next_word(std::string_view& line) {
   return word;
 }
 
-/// Takes the next line off the front of `text`, without its end.
+/// Removes the next line from the front of `text`, and returns it without its line break.
 inline std::string_view next_line(std::string_view& text) {
   const size_t end = std::min(text.find('\n'), text.size());
   std::string_view line = text.substr(0, end);
@@ -47,7 +47,7 @@ inline std::string_view next_line(std::string_view& text) {
   return line;
 }
 
-/// The number that `word` spells, rounded once to T. `place`, or what it returns, names it in errors.
+/// The number that `word` spells, rounded once, to T. `place`, or what it returns, locates it in errors.
 template <class T, class Place>
 T parse_number(std::string_view word, const Place& place) {
   if (word.empty()) fail(place, "a number is missing");

@@ -1,4 +1,4 @@
-// OBJ: lines "v x y z" and "f a b c ..." (also a/b/c, and negative indices that count back); the rest is passed over.
+// OBJ: lines "v x y z" and "f a b c ..." (also a/b/c, and negative indices, which count back); others are skipped.
 
 #include <cmath>
 
@@ -18,12 +18,12 @@ Vec3d parse_vertex(std::string_view line, const std::string& place) {
   return p;
 }
 
-/// The highest corner of all faces and the line that has it: faces may come before their vertices.
-struct Highest {
+/// The largest vertex index of all faces and its line: faces may come before their vertices.
+struct MaxCorner {
   uint32_t corner = 0;
   size_t line = 0;
 
-  void look_at(const std::vector<uint32_t>& corners, size_t number) {
+  void include(const std::vector<uint32_t>& corners, size_t number) {
     for (const uint32_t c : corners)
       if (line == 0 || c > corner) *this = {c, number};
   }
@@ -47,7 +47,7 @@ void append_number(std::string& out, double x) {
 MeshFile read_obj(std::string_view text, const std::string& file) {
   MeshFile mesh;
   std::vector<uint32_t> corners;
-  Highest highest;
+  MaxCorner max;
   for (size_t number = 1; !text.empty(); ++number) {
     std::string_view line = next_line(text);
     const std::string_view key = next_word(line);
@@ -61,12 +61,12 @@ MeshFile read_obj(std::string_view text, const std::string& file) {
     for (std::string_view word = next_word(line); !word.empty(); word = next_word(line))
       corners.push_back(parse_corner(word, mesh.positions.size(), place));
     add_fan(corners, mesh, place);
-    highest.look_at(corners, number);
+    max.include(corners, number);
   }
-  if (highest.line > 0 && highest.corner >= mesh.positions.size())
-    fail(file + ":" + std::to_string(highest.line), "vertex index " + std::to_string(uint64_t{highest.corner} + 1) +
-                                                        " is out of range; there are " +
-                                                        std::to_string(mesh.positions.size()) + " vertices");
+  if (max.line > 0 && max.corner >= mesh.positions.size())
+    fail(file + ":" + std::to_string(max.line), "vertex index " + std::to_string(uint64_t{max.corner} + 1) +
+                                                    " is out of range; there are " +
+                                                    std::to_string(mesh.positions.size()) + " vertices");
   return mesh;
 }
 

@@ -54,8 +54,8 @@ PlyProperty parse_property(std::string_view line, const std::string& place) {
   return property;
 }
 
-/// The least bytes that one such element takes in the file.
-uint64_t least_bytes(const PlyElement& element, PlyFormat format) {
+/// The minimum size of one element in the file.
+uint64_t min_bytes(const PlyElement& element, PlyFormat format) {
   uint64_t bytes = 0;
   for (const PlyProperty& p : element.properties)
     bytes += format == PlyFormat::kAscii ? 1 : size_of(p.is_list ? p.count_type : p.type);
@@ -64,7 +64,7 @@ uint64_t least_bytes(const PlyElement& element, PlyFormat format) {
 
 void check_counts(const PlyHeader& header, uint64_t left, const std::string& file) {
   for (const PlyElement& element : header.elements) {
-    const uint64_t each = least_bytes(element, header.format);
+    const uint64_t each = min_bytes(element, header.format);
     if (element.count == 0) continue;
     if (each == 0) fail(file, "element " + element.name + " has no properties");
     if (element.count > left / each)

@@ -31,8 +31,8 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
 };
 
-/// Takes the header off the front of `text`. Counts are checked against the bytes that follow, so that nothing is
-/// allocated on the word of a hostile header.
+/// Removes the header from the front of `text`. Checks counts against the bytes that follow, so that a hostile header
+/// cannot make the reader allocate memory.
 PlyHeader read_ply_header(std::string_view& text, const std::string& file);
 
 }  // namespace collided::scenes

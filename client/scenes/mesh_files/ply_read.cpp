@@ -1,4 +1,4 @@
-// PLY in: positions of "vertex" and corners of "face"; other elements and properties are stepped over.
+// Reads PLY: positions of "vertex" and corners of "face"; other elements and properties are skipped.
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@ namespace collided::scenes {
 
 namespace {
 
-/// Takes numbers off the body, whatever their encoding. A double holds every PLY type exactly.
+/// Reads numbers from the body, whatever their encoding. A double holds every PLY type exactly.
 class Body {
  public:
   /// `text` begins on line `line` of the file.
@@ -42,7 +42,7 @@ class Body {
     return binary<double, uint64_t>();
   }
 
-  /// Length of a list, checked against the bytes that are left.
+  /// The length of a list, checked against the bytes that are left.
   uint64_t list_length(const PlyProperty& property, const std::string& place) {
     const double length = number(property.count_type);
     const uint64_t each = format_ == PlyFormat::kAscii ? 1 : size_of(property.type);
@@ -61,7 +61,7 @@ class Body {
     line_ += static_cast<size_t>(std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(from), '\n'));
     text_.remove_prefix(to);
     const auto place = [this] { return file_ + ":" + std::to_string(line_); };
-    // Decimal text is taken at double precision, whatever type the header names: nothing is rounded twice.
+    // Decimal text is read at double precision, whatever type the header names, so that nothing is rounded twice.
     if (type >= PlyType::kFloat) return parse_number<double>(word, place);
     return static_cast<double>(parse_number<int64_t>(word, place));
   }

@@ -1,4 +1,4 @@
-// PLY out: binary little-endian, double positions, so that every position is kept bit for bit.
+// Writes PLY: binary little-endian with double positions, so that every position is kept bit for bit.
 
 #include <bit>
 

@@ -34,23 +34,23 @@ TEST(Deadline, MayBeAsLongAsItLikes) {
                                        {milliseconds::max() - milliseconds(1), milliseconds(0)},
                                        {milliseconds(kDay * 365 * 300), milliseconds(0)},
                                        {milliseconds(kDay * 2), milliseconds(0)}}) {
-    const auto context = ChannelMaker("unix:/run/s", {.deadline = deadline}).call_context("", more);
+    const auto context = ChannelFactory("unix:/run/s", {.deadline = deadline}).call_context("", more);
     EXPECT_GT(context->deadline(), std::chrono::system_clock::now() + kDay) << deadline.count();
   }
-  const auto late = ChannelMaker("unix:/run/s", {.deadline = milliseconds::min()}).call_context();
+  const auto late = ChannelFactory("unix:/run/s", {.deadline = milliseconds::min()}).call_context();
   EXPECT_LE(late->deadline(), std::chrono::system_clock::now());
 }
 
 TEST(Deadline, OfConnectingMayBeNoneOrPast) {
   const std::string nobody = "unix:" + testing::TempDir() + "nobody-listens";
-  EXPECT_THROW(ChannelMaker(nobody, {.patience = milliseconds::min()}).connect(), Error);
+  EXPECT_THROW(ChannelFactory(nobody, {.patience = milliseconds::min()}).connect(), Error);
   EXPECT_EQ(gpr_time_cmp(deadline_in(milliseconds::max()), no_deadline()), 0);
   EXPECT_EQ(gpr_time_cmp(deadline_in(std::chrono::nanoseconds::max()), no_deadline()), 0);
 }
 
 Error refusal(const std::string& address, const ConnectOptions& options) {
   try {
-    ChannelMaker(address, options);
+    ChannelFactory(address, options);
   } catch (const Error& e) {
     return e;
   }

@@ -116,7 +116,7 @@ class Tradeoffs(PlotTest):
                     self.assertTrue(all(zero > y for zero in zeros for _, y, _, v in points if v > 0))
 
     def check_on_logarithm(self, places, sign):
-        """Each place is a linear function of its value's logarithm, that grows with it or falls (sign)."""
+        """Places are a linear function of their values' logarithms, rising or falling by `sign`."""
         values = sorted(places, key=lambda place: place[1])
         if len({value for _, value in values}) < 2:
             return
@@ -128,8 +128,9 @@ class Tradeoffs(PlotTest):
 
     def test_its_words_are_those_of_the_data(self):
         texts = self.svg.texts()
-        for text in ("funnel: 18,504 triangles, NVIDIA H200", "nbody: 146,000 triangles, NVIDIA H200", "fast", "guarded",
-                     "certified", "exact", "1e-3", "1e-5", "auto", "78 late", "51 late", "1,572 late", "675 late"):
+        for text in ("funnel: 18,504 triangles, NVIDIA H200", "nbody: 146,000 triangles, NVIDIA H200",
+                     "fast", "guarded", "certified", "exact", "1e-3", "1e-5", "auto",
+                     "78 late", "51 late", "1,572 late", "675 late"):
             self.assertIn(text, texts)
         self.assertEqual(texts.count("Missed contacts"), 2)
 
@@ -166,15 +167,16 @@ class Steps(PlotTest):
 
     def test_files_of_one_kind_go_into_one_picture(self):
         runs = json.loads((RESULTS / "2026-11-21-h200-steps.json").read_text())
-        halves = [self.put(f"{half}.json", {"device": runs["device"], "runs": runs["runs"][half::2]}) for half in (0, 1)]
+        halves = [self.put(f"{half}.json", {"device": runs["device"], "runs": runs["runs"][half::2]})
+                  for half in (0, 1)]
         texts = Svg(self.draw(*halves, FUNNEL)["tests"]).texts()
         for scene in {run["scene"] for run in runs["runs"]}:
             self.assertIn(scene, texts)
         self.assertTrue((self.folder / "pictures" / "tradeoff.svg").exists())
 
     def test_one_picture_shows_one_device(self):
-        other = self.put("other.json", {"device": "CPU", "runs": [{"scene": "funnel", "engine": "octree", "triangles": 1,
-                                                                   "counts": {"tests": 1}}]})
+        run = {"scene": "funnel", "engine": "octree", "triangles": 1, "counts": {"tests": 1}}
+        other = self.put("other.json", {"device": "CPU", "runs": [run]})
         self.refused(1, "the results are of CPU and NVIDIA H200", other, RESULTS / "2026-11-21-h200-steps.json")
 
 
@@ -191,14 +193,17 @@ class Files(PlotTest):
         self.refused(1, "a.json: is not JSON", self.put("a.json", "{"))
         for content in ([], {}, 3, {"scenes": []}):
             self.refused(1, "b.json: is no result of a measurement: it has no 'runs'", self.put("b.json", content))
-        self.refused(1, "'collided tradeoff 2' is not one of", self.put("c.json", {"format": "collided tradeoff 2", "runs": []}))
+        other_format = self.put("c.json", {"format": "collided tradeoff 2", "runs": []})
+        self.refused(1, "'collided tradeoff 2' is not one of", other_format)
         self.refused(1, "the results hold nothing", self.put("d.json", {"device": "CPU", "runs": []}))
 
     def test_a_bad_field_is_named(self):
         for change, part in ((lambda run: run.pop("median_ms"), "'median_ms' is missing"),
                              (lambda run: run.update(level="perfect"), "'perfect' is not one of fast, guarded"),
-                             (lambda run: run["contacts"]["sum"].update(missed="many"), "'many' is not a finite number"),
+                             (lambda run: run["contacts"]["sum"].update(missed="many"), "'many' is not a finite"),
                              (lambda run: run["median_ms"].update(narrow=math.nan), "nan is not a finite number"),
+                             (lambda run: run["median_ms"].update(narrow=-1), "-1 is less than 0"),
+                             (lambda run: run["contacts"]["toi_gap"].update(worst=math.inf), "inf is not a finite"),
                              (lambda run: run.update(contacts=None), "is no result of a measurement")):
             result = json.loads(FUNNEL.read_text())
             change(result["runs"][2])

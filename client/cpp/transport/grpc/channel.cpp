@@ -1,4 +1,4 @@
-// Connections to one address, with its credentials.
+// Connections to one address with its credentials.
 
 #include "client/cpp/transport/grpc/channel.hpp"
 
@@ -19,7 +19,7 @@ namespace collided::client {
 
 namespace {
 
-constexpr int kMaxReceiveBytes = 4 << 20;  // the protocol's limit for every answer
+constexpr int kMaxReceiveBytes = 4 << 20;  // the protocol's limit for any answer
 constexpr int kKeepaliveMs = 10'000, kKeepaliveTimeoutMs = 5'000;
 
 std::string read_file(const char* option, const std::string& name) {
@@ -30,7 +30,7 @@ std::string read_file(const char* option, const std::string& name) {
   return text;
 }
 
-/// Why a channel did not connect, as far as gRPC tells; else empty. Only a call is told.
+/// Why a channel did not connect, if gRPC says so; else empty. gRPC tells only calls, so this makes one.
 std::string reason_of(const std::shared_ptr<grpc::Channel>& channel) {
   grpc::ClientContext context;
   context.set_deadline(deadline_in(std::chrono::seconds(1)));
@@ -40,7 +40,7 @@ std::string reason_of(const std::shared_ptr<grpc::Channel>& channel) {
   const std::string text = status.error_message(), before = "last error: ";
   const size_t last = text.find(before);
   if (last == std::string::npos) return ": " + text;
-  return text.substr(text.find(": ", last + before.size()));  // without the name of a code
+  return text.substr(text.find(": ", last + before.size()));  // drops the name of the status code
 }
 
 /// "[::1]:50051" to "::1", "localhost:50051" to "localhost".
@@ -56,7 +56,7 @@ std::string host_of(std::string address) {
   return address.substr(0, address.find(':'));
 }
 
-/// Whether it is ASCII that metadata can carry.
+/// Whether gRPC metadata can carry it: visible ASCII.
 bool is_visible(const std::string& text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
 }
@@ -101,47 +101,47 @@ bool is_local_address(const std::string& address) {
   return host == "localhost";
 }
 
-ChannelMaker::ChannelMaker(std::string address, ConnectOptions options)
+ChannelFactory::ChannelFactory(std::string address, ConnectOptions options)
     : address_(std::move(address)), options_(std::move(options)) {
   check_options(options_);
   check_token(options_, address_);
   credentials_ = credentials_of(options_);
 }
 
-std::shared_ptr<grpc::Channel> ChannelMaker::make() const {
+std::shared_ptr<grpc::Channel> ChannelFactory::make() const {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxReceiveBytes);
-  // Two connections of one process shall not become one, nor one's failed attempts delay the other's.
+  // Else gRPC merges connections of one process, and failed attempts of one delay the others.
   arguments.SetInt("grpc.use_local_subchannel_pool", 1);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
-  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);  // no limit: an idle stream is watched, too
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);  // no limit: idle streams are watched as well
   if (is_local_address(address_)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   if (!options_.tls_server_name.empty()) arguments.SetSslTargetNameOverride(options_.tls_server_name);
   return grpc::CreateCustomChannel(address_, credentials_, arguments);
 }
 
-std::shared_ptr<grpc::Channel> ChannelMaker::connect() const {
+std::shared_ptr<grpc::Channel> ChannelFactory::connect() const {
   auto channel = make();
   if (!channel->WaitForConnected(deadline_in(options_.patience)))
     throw Error(grpc::UNAVAILABLE, "no daemon answers at " + address_ + reason_of(channel));
   return channel;
 }
 
-std::unique_ptr<grpc::ClientContext> ChannelMaker::context(const std::string& scene_id) const {
+std::unique_ptr<grpc::ClientContext> ChannelFactory::context(const std::string& scene_id) const {
   auto context = std::make_unique<grpc::ClientContext>();
-  // As metadata, since gRPC's call credentials refuse plain-text channels, Unix sockets among them.
+  // Not as call credentials, which gRPC refuses on plain-text channels, Unix sockets included.
   if (!options_.token.empty()) context->AddMetadata("authorization", "Bearer " + options_.token);
   if (!scene_id.empty() && is_visible(scene_id)) context->AddMetadata("scene-id", scene_id);
   return context;
 }
 
-std::unique_ptr<grpc::ClientContext> ChannelMaker::call_context(const std::string& scene_id,
-                                                                std::chrono::milliseconds more) const {
+std::unique_ptr<grpc::ClientContext> ChannelFactory::call_context(const std::string& scene_id,
+                                                                  std::chrono::milliseconds more) const {
   auto context = this->context(scene_id);
-  const auto most = std::chrono::milliseconds::max();
-  context->set_deadline(deadline_in(options_.deadline < most - more ? options_.deadline + more : most));
+  const auto max = std::chrono::milliseconds::max();
+  context->set_deadline(deadline_in(options_.deadline < max - more ? options_.deadline + more : max));
   return context;
 }
 

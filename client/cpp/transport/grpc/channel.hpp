@@ -1,5 +1,5 @@
 #pragma once
-// Connections to one address, with its credentials, and what every call on them carries.
+// Connections to one address with its credentials, and the metadata of calls.
 
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
@@ -12,24 +12,24 @@
 
 namespace collided::client {
 
-/// Whether what is sent to a gRPC address cannot leave this host: unix:..., localhost or a loopback IP.
+/// Whether a gRPC address is on this host for certain: unix:..., localhost or a loopback IP.
 bool is_local_address(const std::string& address);
 
-class ChannelMaker {
+class ChannelFactory {
  public:
-  /// Reads the files. Throws Error (INVALID_ARGUMENT) for options that cannot go together, a file that cannot be read,
-  /// or a token that would go to another host in plain text.
-  ChannelMaker(std::string address, ConnectOptions options);
+  /// Reads the files. Throws Error (INVALID_ARGUMENT) for options that contradict each other, a file that cannot be
+  /// read, or a token that would go to another host in plain text.
+  ChannelFactory(std::string address, ConnectOptions options);
 
   const std::string& address() const { return address_; }
   const ConnectOptions& options() const { return options_; }
-  /// A connection of its own, not yet tried.
+  /// A channel with a connection of its own, not yet connected.
   std::shared_ptr<grpc::Channel> make() const;
-  /// Waits for it. Throws Error (UNAVAILABLE) after the patience of the options.
+  /// The same, connected. Throws Error (UNAVAILABLE) after options().patience.
   std::shared_ptr<grpc::Channel> connect() const;
-  /// With the token and, for a call about a scene, metadata `scene-id`, by which proxies choose its daemon.
+  /// Has the token and, for a call about a scene, the metadata `scene-id`, by which proxies find its daemon.
   std::unique_ptr<grpc::ClientContext> context(const std::string& scene_id = "") const;
-  /// The same with a deadline: that of the options, and `more`.
+  /// The same with a deadline: that of the options plus `more`.
   std::unique_ptr<grpc::ClientContext> call_context(const std::string& scene_id = "",
                                                     std::chrono::milliseconds more = {}) const;
 

@@ -1,4 +1,4 @@
-// A frame as the bytes of a StreamFramesRequest. Plain protobuf, written by hand because its own writer copies.
+// A frame as the bytes of a StreamFramesRequest: protobuf, encoded by hand because its own encoder copies.
 
 #include "client/cpp/transport/grpc/frame_wire.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedOutputStream;
 
-constexpr size_t kWorthBorrowing = 4096;  // below, a copy is cheaper than a piece of its own
+constexpr size_t kMinBorrowedBytes = 4096;  // copying less is cheaper than another piece
 
 class Writer {
  public:
@@ -24,7 +24,7 @@ class Writer {
     parts_.back().head.append(reinterpret_cast<const char*>(bytes), static_cast<size_t>(end - bytes));
   }
   void tag(int field, WireFormatLite::WireType type) { varint(WireFormatLite::MakeTag(field, type)); }
-  /// Starts a field of `size` bytes.
+  /// The head of a field of `size` bytes.
   void field(int number, size_t size) {
     tag(number, WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
     varint(size);
@@ -32,7 +32,7 @@ class Writer {
   void bytes_field(int number, std::span<const std::byte> bytes) {
     if (bytes.empty()) return;
     field(number, bytes.size());
-    if (bytes.size() < kWorthBorrowing) {
+    if (bytes.size() < kMinBorrowedBytes) {
       parts_.back().head.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
       return;
     }
@@ -73,7 +73,7 @@ void write_update(Writer& out, const FrameUpdate& update) {
 
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
 
-/// Whether a FrameUpdate can stand for it.
+/// Whether a FrameUpdate can express it.
 bool is_plain(const v1::MeshUpdate& update) {
   const bool plain_indices =
       !update.has_sparse() || (!update.sparse().indices().empty() && !update.sparse().has_shared_indices());
@@ -87,7 +87,7 @@ FrameUpdate view_of(const v1::MeshUpdate& update) {
           .indices = bytes_of(update.sparse().indices())};
 }
 
-/// All of a frame but its plain updates.
+/// The frame without its plain updates.
 v1::Frame head_of(const v1::Frame& frame) {
   v1::Frame head;
   head.set_frame_id(frame.frame_id());

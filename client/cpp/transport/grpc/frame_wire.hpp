@@ -10,14 +10,14 @@
 
 namespace collided::client {
 
-/// A piece of a message: bytes of its own, then borrowed ones.
+/// A piece of a message: its own bytes, then borrowed ones.
 struct WirePart {
   std::string head;
   std::span<const std::byte> borrowed;
 };
 
-/// The parts, one after the other, are the request's wire format: `frame` with `updates` after its own ones. They
-/// borrow the large arrays of both.
+/// The concatenated parts are the request in wire format: `frame` with `updates` after its own. They borrow the large
+/// arrays of both.
 std::vector<WirePart> encode_frame(const v1::Frame& frame, std::span<const FrameUpdate> updates);
 
 /// Bytes of all parts.

@@ -1,5 +1,5 @@
-// A frame stream over one gRPC call. All events come through one queue, from which any thread that waits takes them; a
-// writer waits until its write has ended and gRPC has let go of the memory that it lent.
+// A frame stream over one gRPC call. All events arrive in one queue, which any waiting thread may poll; a writer waits
+// until its write has ended and gRPC has released the memory that it borrowed.
 
 #include "client/cpp/transport/grpc/grpc_transport.hpp"
 
@@ -20,7 +20,7 @@ constexpr std::chrono::milliseconds kPoll(1);
 
 using Clock = std::chrono::steady_clock;
 
-gpr_timespec of_queue(FrameTransport::Time deadline) {
+gpr_timespec queue_deadline(FrameTransport::Time deadline) {
   return deadline == FrameTransport::kNever ? no_deadline() : deadline_in(deadline - Clock::now());
 }
 
@@ -44,7 +44,7 @@ void GrpcTransport::release(void* transport) {
   auto& self = *static_cast<GrpcTransport*>(transport);
   const std::lock_guard lock(self.mutex_);
   --self.borrowed_;
-  self.lead_.notify();
+  self.polling_.notify();
 }
 
 grpc::ByteBuffer GrpcTransport::buffer_of(const std::vector<WirePart>& parts) {
@@ -52,7 +52,7 @@ grpc::ByteBuffer GrpcTransport::buffer_of(const std::vector<WirePart>& parts) {
   for (const WirePart& part : parts) {
     if (!part.head.empty()) slices.emplace_back(part.head);
     if (part.borrowed.empty()) continue;
-    // gRPC reads the memory only, though its slices are not const.
+    // gRPC only reads the memory, although its slices are not const.
     void* bytes = const_cast<std::byte*>(part.borrowed.data());
     slices.emplace_back(bytes, part.borrowed.size(), &GrpcTransport::release, this);
     const std::lock_guard lock(mutex_);
@@ -61,41 +61,42 @@ grpc::ByteBuffer GrpcTransport::buffer_of(const std::vector<WirePart>& parts) {
   return grpc::ByteBuffer(slices.data(), slices.size());
 }
 
-/// Waits until `done`, with the lock; false if that is not so at the deadline.
+/// Waits, with the lock, until `done`; false if it is not by the deadline.
 template <class Done>
-bool GrpcTransport::await(Lead::Lock& lock, const Done& done, Time deadline) {
-  return lead_.await(lock, done, deadline, std::bind_front(&GrpcTransport::take_event, this));
+bool GrpcTransport::await(LeaderFollowers::Lock& lock, const Done& done, Time deadline) {
+  return polling_.await(lock, done, deadline, std::bind_front(&GrpcTransport::take_event, this));
 }
 
-/// False if none has come until the deadline.
-bool GrpcTransport::take_event(Lead::Lock& lock, Time deadline) {
+/// Handles one event of the queue; false if none came by the deadline.
+bool GrpcTransport::take_event(LeaderFollowers::Lock& lock, Time deadline) {
   lock.unlock();
   void* tag = nullptr;
   bool ok = false;
-  const auto got = queue_.AsyncNext(&tag, &ok, of_queue(deadline));
+  const auto got = queue_.AsyncNext(&tag, &ok, queue_deadline(deadline));
   lock.lock();
-  if (got == grpc::CompletionQueue::GOT_EVENT) *static_cast<Operation*>(tag) = {.is_begun = false, .is_good = ok};
+  if (got == grpc::CompletionQueue::GOT_EVENT) *static_cast<Operation*>(tag) = {.is_pending = false, .is_ok = ok};
   return got != grpc::CompletionQueue::TIMEOUT;
 }
 
-/// Waits until no write is under way, and gRPC has let go of what it was lent: soon after the write, without an event.
-void GrpcTransport::await_written(Lead::Lock& lock) {
-  await(lock, [&] { return !write_.is_begun; });
+/// Waits until no write is pending and gRPC has released what it borrowed, which it does soon after the write, without
+/// an event.
+void GrpcTransport::await_written(LeaderFollowers::Lock& lock) {
+  await(lock, [&] { return !write_.is_pending; });
   while (!await(
       lock, [&] { return borrowed_ == 0; }, Clock::now() + kPoll))
     continue;
 }
 
-/// Begins a write once the one before has ended. False if there can be none any more, as after the last one.
+/// Starts a write once the one before has ended. False if there may be none, as after the last.
 template <class Start>
 bool GrpcTransport::write(const Start& start, bool is_last) {
-  Lead::Lock lock(mutex_);
-  await(lock, [&] { return !write_.is_begun; });
+  LeaderFollowers::Lock lock(mutex_);
+  await(lock, [&] { return !write_.is_pending; });
   if (is_closed_) return false;
   is_closed_ = is_last;
-  write_.is_begun = true;
+  write_.is_pending = true;
   lock.unlock();
-  start();  // without the lock: gRPC may let go of the memory before this returns
+  start();  // unlocked: gRPC may call release(), which locks, before this returns
   return true;
 }
 
@@ -114,27 +115,27 @@ bool GrpcTransport::send(const v1::Frame& frame, std::span<const FrameUpdate> up
     throw Error(grpc::RESOURCE_EXHAUSTED, "frame is " + std::to_string(bytes) + " bytes; the daemon's limit is " +
                                               std::to_string(max_message_bytes_) + " (--max-message-mb)");
   grpc::ByteBuffer buffer = buffer_of(parts);
-  const bool is_begun = write([&] { call_->Write(buffer, grpc::WriteOptions().set_write_through(), &write_); });
+  const bool is_started = write([&] { call_->Write(buffer, grpc::WriteOptions().set_write_through(), &write_); });
   buffer.Clear();
-  Lead::Lock lock(mutex_);
+  LeaderFollowers::Lock lock(mutex_);
   await_written(lock);
-  return is_begun && write_.is_good;
+  return is_started && write_.is_ok;
 }
 
 FrameTransport::Arrival GrpcTransport::read(v1::StreamFramesResponse& response, Time deadline) {
-  Lead::Lock lock(mutex_);
+  LeaderFollowers::Lock lock(mutex_);
   if (!std::exchange(is_reading_, true)) {
-    read_.is_begun = true;
+    read_.is_pending = true;
     lock.unlock();
     call_->Read(&incoming_, &read_);
     lock.lock();
   }
   if (!await(
-          lock, [&] { return !read_.is_begun; }, deadline))
+          lock, [&] { return !read_.is_pending; }, deadline))
     return Arrival::kNothing;
   is_reading_ = false;
   lock.unlock();
-  if (!read_.is_good) return Arrival::kEnd;
+  if (!read_.is_ok) return Arrival::kEnd;
   if (!grpc::SerializationTraits<v1::StreamFramesResponse>::Deserialize(&incoming_, &response).ok())
     throw Error(grpc::DATA_LOSS, "the daemon's message is no StreamFramesResponse");
   return Arrival::kMessage;
@@ -148,22 +149,22 @@ std::span<const std::byte> GrpcTransport::shared(const v1::SharedRange& range) c
 void GrpcTransport::half_close() {
   constexpr bool kLast = true;
   if (!write([&] { call_->WritesDone(&write_); }, kLast)) return;
-  Lead::Lock lock(mutex_);
-  await(lock, [&] { return !write_.is_begun; });
+  LeaderFollowers::Lock lock(mutex_);
+  await(lock, [&] { return !write_.is_pending; });
 }
 
 void GrpcTransport::cancel() { context_->TryCancel(); }
 
 std::optional<Error> GrpcTransport::finish() {
-  Lead::Lock lock(mutex_);
+  LeaderFollowers::Lock lock(mutex_);
   is_closed_ = true;
-  finish_.is_begun = true;
+  finish_.is_pending = true;
   lock.unlock();
   grpc::Status status;
   call_->Finish(&status, &finish_);
   lock.lock();
-  await(lock, [&] { return !finish_.is_begun; });
-  await_written(lock);  // another thread's
+  await(lock, [&] { return !finish_.is_pending; });
+  await_written(lock);  // a write of another thread
   return error_of(status);
 }
 

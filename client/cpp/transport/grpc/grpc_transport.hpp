@@ -1,5 +1,5 @@
 #pragma once
-// A frame stream over one gRPC call. Messages go and come as raw buffers: positions are sent from where they lie.
+// A frame stream over one gRPC call. Messages are raw buffers: positions are sent from where they are.
 
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
@@ -18,7 +18,7 @@ namespace collided::client {
 class GrpcTransport final : public FrameTransport {
  public:
   /// The channel should be this stream's own: on a shared one, large frames hold up other calls. `context` has the
-  /// call's metadata; messages above `max_message_bytes` are refused before they are sent.
+  /// call's metadata; frames of more than `max_message_bytes` are refused before they are sent.
   GrpcTransport(std::shared_ptr<grpc::Channel> channel, std::unique_ptr<grpc::ClientContext> context,
                 uint64_t max_message_bytes);
   ~GrpcTransport() override;
@@ -32,10 +32,10 @@ class GrpcTransport final : public FrameTransport {
   std::optional<Error> finish() override;
 
  private:
-  /// One of the three operations that can be under way, each once.
+  /// A write, a read or the finish; at most one of each is pending.
   struct Operation {
-    bool is_begun = false;
-    bool is_good = false;  ///< how it ended the last time
+    bool is_pending = false;
+    bool is_ok = false;  ///< how the last one ended
   };
 
   static void release(void* transport);
@@ -43,21 +43,21 @@ class GrpcTransport final : public FrameTransport {
   template <class Start>
   bool write(const Start& start, bool is_last = false);
   template <class Done>
-  bool await(Lead::Lock& lock, const Done& done, Time deadline = kNever);
-  bool take_event(Lead::Lock& lock, Time deadline);
-  void await_written(Lead::Lock& lock);
+  bool await(LeaderFollowers::Lock& lock, const Done& done, Time deadline = kNever);
+  bool take_event(LeaderFollowers::Lock& lock, Time deadline);
+  void await_written(LeaderFollowers::Lock& lock);
 
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<grpc::ClientContext> context_;
   uint64_t max_message_bytes_;
   grpc::CompletionQueue queue_;
   std::unique_ptr<grpc::GenericClientAsyncReaderWriter> call_;
-  grpc::ByteBuffer incoming_;  ///< the reader's, or gRPC's while a read is under way
+  grpc::ByteBuffer incoming_;  ///< the reader's; gRPC's while a read is pending
   std::mutex mutex_;           // guards what follows
-  Lead lead_;                  ///< at the queue
+  LeaderFollowers polling_;    ///< of the queue
   Operation write_, read_, finish_;
-  bool is_reading_ = false;  ///< a read is under way, or its message not taken
-  bool is_closed_ = false;   ///< no write may begin any more
+  bool is_reading_ = false;  ///< a read is pending, or its message has not been taken
+  bool is_closed_ = false;   ///< there may be no further write
   int borrowed_ = 0;         ///< pieces of the caller's memory that gRPC still holds
 };
 

@@ -8,14 +8,13 @@
 
 namespace collided::client {
 
-/// How the memory of a stream is divided.
 struct LocalLayout {
   uint32_t window = 2;
-  uint64_t frame_bytes = 0;   ///< of input, for each frame in flight; a multiple of 4096
-  uint64_t output_bytes = 0;  ///< of contacts, for all of them; a multiple of 4096
+  uint64_t frame_bytes = 0;   ///< of input for each frame in flight; a multiple of 4096
+  uint64_t output_bytes = 0;  ///< of contacts for all frames in flight; a multiple of 4096
 };
 
-/// Room for whatever a frame of the scene can bring.
+/// Room for any frame of the scene.
 LocalLayout local_layout(const v1::SceneSpec& scene, uint32_t window, const LocalOptions& options);
 
 }  // namespace collided::client

@@ -77,7 +77,7 @@ bool TrustedUsers::contains(uid_t user) {
   const std::string path = socket_path(std::exchange(grpc_address_, ""));
   if (!path.empty()) try {
       users_.push_back(user_at(connect_to_socket(path, SOCK_STREAM)));
-    } catch (const Error&) {  // a path that only gRPC can follow tells of nobody
+    } catch (const Error&) {  // nobody is trusted by an address that only gRPC can follow
     }
   return is_known();
 }

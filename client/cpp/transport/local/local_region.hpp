@@ -22,15 +22,14 @@ class LocalFd {
 
 class LocalRegion {
  public:
-  /// Memory that neither side can take away. Pages are provided when they are first touched. Throws Error
-  /// (RESOURCE_EXHAUSTED).
+  /// Neither side can shrink or grow it. Pages are allocated on first touch. Throws Error (RESOURCE_EXHAUSTED).
   explicit LocalRegion(uint64_t bytes);
   ~LocalRegion();
   LocalRegion(const LocalRegion&) = delete;
   LocalRegion& operator=(const LocalRegion&) = delete;
 
   std::span<std::byte> bytes() const { return bytes_; }
-  /// To hand over; -1 if there are no bytes.
+  /// The descriptor to hand over; -1 if there are no bytes.
   int file() const { return file_.get(); }
 
  private:

@@ -17,7 +17,7 @@ namespace {
 constexpr uint32_t kVersion = 1;
 constexpr size_t kMaxPacketBytes = size_t{64} << 10;
 constexpr uint64_t kAlignment = 64;
-constexpr size_t kFewBytes = 64;  // are sent with the packet
+constexpr size_t kMaxInlineBytes = 64;  // so few go into the packet itself
 
 LocalFd connect_to(const LocalPeer& peer) {
   LocalFd socket = connect_to_socket(peer.path, SOCK_SEQPACKET);
@@ -25,7 +25,7 @@ LocalFd connect_to(const LocalPeer& peer) {
   return socket;
 }
 
-// `file`: goes with it; -1: none.
+// Hands `file` over with the packet; -1: none.
 bool send_with_file(int socket, const std::string& packet, int file) {
   alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))] = {};
   iovec bytes{const_cast<char*>(packet.data()), packet.size()};
@@ -47,7 +47,7 @@ bool send_with_file(int socket, const std::string& packet, int file) {
   return sent >= 0;
 }
 
-// Its size; 0 or less at the end. That the daemon has closed the socket can be told before its last packets.
+// The packet's size; 0 or less at the end. A reset may be reported before the daemon's last packets.
 ssize_t receive(int socket, std::string& packet) {
   constexpr int kTries = 2;
   packet.resize(kMaxPacketBytes);
@@ -57,14 +57,14 @@ ssize_t receive(int socket, std::string& packet) {
   }
 }
 
-// Whether there is something to receive, the end of the stream as well.
+// Whether there is something to receive, be it the end of the stream.
 bool has_arrived(int socket, FrameTransport::Time deadline) {
   using std::chrono::nanoseconds;
   pollfd state{socket, POLLIN, 0};
   for (;;) {
     const auto left = std::max(nanoseconds(0), nanoseconds(deadline - std::chrono::steady_clock::now()));
-    const timespec patience{left.count() / std::nano::den, left.count() % std::nano::den};
-    const int ready = ppoll(&state, 1, &patience, nullptr);
+    const timespec timeout{left.count() / std::nano::den, left.count() % std::nano::den};
+    const int ready = ppoll(&state, 1, &timeout, nullptr);
     if (ready >= 0 || errno != EINTR) return ready != 0;
   }
 }
@@ -86,7 +86,8 @@ bool LocalTransport::open(const v1::OpenStream& open) {
   *opening_.mutable_open() = open;
   opening_.mutable_open()->set_window(layout_.window);
   *request.mutable_open() = opening_;
-  // A daemon that refuses the connection has closed it already: what it says is still to be read.
+  // A daemon that refuses the connection has closed it by now, and its answer can still be read: a failure to send
+  // does not matter.
   send_with_file(socket_.get(), request.SerializeAsString(), region_.file());
   return true;
 }
@@ -99,7 +100,7 @@ std::span<std::byte> LocalTransport::input(uint64_t bytes) {
                                             std::to_string(layout_.frame_bytes) + " for one frame are left");
 }
 
-/// From the part of the next frame; none if it does not have so much.
+/// From the next frame's part of the input; empty if there is not enough left.
 std::span<std::byte> LocalTransport::take_room(uint64_t bytes) {
   if (bytes > layout_.frame_bytes - used_) return {};
   const uint64_t start = frames_ % layout_.window * layout_.frame_bytes + used_;
@@ -107,14 +108,14 @@ std::span<std::byte> LocalTransport::take_room(uint64_t bytes) {
   return region_.bytes().subspan(start, bytes);
 }
 
-/// Where the bytes are in the input region, and if they are elsewhere, brings them there. Nothing if they are so few
-/// that the packet may take them, or if there is no room.
+/// The range of the bytes in the input region, where they are copied unless they are there already. Nothing if they
+/// are few enough for the packet, or if there is no room.
 std::optional<v1::SharedRange> LocalTransport::place(Bytes bytes) {
   constexpr uint64_t kRangeAlignment = 8;
   const auto region = region_.bytes();
   uint64_t offset = reinterpret_cast<uintptr_t>(bytes.data()) - reinterpret_cast<uintptr_t>(region.data());
   if (offset >= layout_.window * layout_.frame_bytes || offset % kRangeAlignment != 0) {
-    if (bytes.size() <= kFewBytes) return std::nullopt;
+    if (bytes.size() <= kMaxInlineBytes) return std::nullopt;
     const auto room = take_room(bytes.size());
     if (room.size() != bytes.size()) return std::nullopt;
     std::memcpy(room.data(), bytes.data(), bytes.size());
@@ -145,7 +146,7 @@ void LocalTransport::add(const FrameUpdate& update, v1::MeshUpdate& out) {
       [&] { return out.mutable_sparse()->mutable_indices(); });
 }
 
-/// What a message brings itself is placed; ranges that it names stay.
+/// Arrays in the message are placed; ranges that it names are kept.
 void LocalTransport::add(const v1::MeshUpdate& update, v1::MeshUpdate& out) {
   if (update.has_sparse()) *out.mutable_sparse() = v1::SparseIndices();
   if (update.sparse().has_shared_indices())
@@ -179,11 +180,11 @@ bool LocalTransport::send(const v1::Frame& frame, std::span<const FrameUpdate> u
   return send_packet(request);
 }
 
-/// Where the message is in the input region if a packet does not hold it.
+/// The range of the message in the input region, if it is too long for a packet; else an empty one.
 v1::SharedRange LocalTransport::place_if_long(const v1::Frame& frame) {
-  constexpr size_t kAround = 8;  // the packet's own field
+  constexpr size_t kEnvelopeBytes = 8;  // the packet's own field
   const size_t bytes = frame.ByteSizeLong();
-  if (bytes + kAround <= kMaxPacketBytes) return {};
+  if (bytes + kEnvelopeBytes <= kMaxPacketBytes) return {};
   const std::string message = frame.SerializeAsString();
   if (const auto range = place(std::as_bytes(std::span(message)))) return *range;
   used_ = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// A frame stream over the daemon's local socket (collided/v1/local.proto): positions and contacts are in memory that
-// both share, and only small packets travel.
+// A frame stream over the daemon's local socket (collided/v1/local.proto): positions and contacts are in shared memory,
+// and only small packets travel.
 
 #include <atomic>
 #include <cstdint>
@@ -23,8 +23,7 @@ struct LocalPeer {
 
 class LocalTransport final : public FrameTransport {
  public:
-  /// Connects. Throws Error: UNAVAILABLE if nobody listens there, PERMISSION_DENIED if somebody does who is not
-  /// trusted.
+  /// Connects. Throws Error: UNAVAILABLE if nobody listens there, PERMISSION_DENIED if an untrusted user does.
   LocalTransport(const LocalPeer& peer, const LocalLayout& layout, const std::string& token,
                  const std::string& cuda_ipc_handle);
 
@@ -51,11 +50,11 @@ class LocalTransport final : public FrameTransport {
   LocalFd socket_;
   LocalRegion region_;
   v1::LocalOpen opening_;
-  v1::LocalRequest outgoing_;  ///< the sender's, used again and again
-  std::string packet_;         ///< the same
+  v1::LocalRequest outgoing_;  ///< the sender's, reused
+  std::string packet_;         ///< the sender's, reused
   std::string incoming_;       ///< the reader's
-  uint64_t frames_ = 0;        ///< sent so far: the next one's part of the input is that of its number
-  uint64_t used_ = 0;          ///< bytes of that part
+  uint64_t frames_ = 0;        ///< sent so far; the next one's part of the input follows from it
+  uint64_t used_ = 0;          ///< bytes of that part that are taken
   std::atomic<bool> is_cancelled_ = false;
   std::optional<v1::LocalClosed> closed_;
 };

@@ -20,7 +20,7 @@ EndToEndRun sample() {
     run.bare.unix_stream.push_back(i * 0.01);
     run.held.tcp.push_back(2.5);
     run.held.unix_stream.push_back(0.7);
-    run.held_few.push_back(0.1);
+    run.held_control.push_back(0.1);
     run.bytes_up.push_back(1200);
     run.bytes_down.push_back(i);
   }
