@@ -4,13 +4,13 @@
 #include <exception>
 #include <memory>
 
-#include "client/cli/bench_output.hpp"
-#include "client/cli/bench_run.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/end_to_end.hpp"
-#include "client/cli/errors.hpp"
-#include "client/cli/output.hpp"
-#include "client/cli/scene_options.hpp"
+#include "client/cli/options/scene_options.hpp"
+#include "client/cli/options/usage_error.hpp"
+#include "client/cli/output/output.hpp"
+#include "client/measure/bench/output.hpp"
+#include "client/measure/bench/run.hpp"
+#include "client/measure/end_to_end/run.hpp"
 
 namespace collided::cli {
 

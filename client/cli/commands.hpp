@@ -1,5 +1,5 @@
 #pragma once
-// The subcommands of collidectl, one file each; every function adds its subcommand, whose callback does the work.
+// The subcommands of collidectl, one file each. Every function adds its subcommand, whose callback does the work.
 
 #include <CLI/CLI.hpp>
 

@@ -5,14 +5,14 @@
 #include <memory>
 
 #include "client/cli/commands.hpp"
-#include "client/cli/connection.hpp"
-#include "client/cli/contact_report.hpp"
-#include "client/cli/csv.hpp"
-#include "client/cli/errors.hpp"
-#include "client/cli/output.hpp"
-#include "client/cli/report.hpp"
-#include "client/cli/report_text.hpp"
-#include "client/scenes/mesh_file.hpp"
+#include "client/cli/daemon/connection.hpp"
+#include "client/cli/options/usage_error.hpp"
+#include "client/cli/output/csv.hpp"
+#include "client/cli/output/output.hpp"
+#include "client/cli/report/contacts.hpp"
+#include "client/cli/report/json.hpp"
+#include "client/cli/report/text.hpp"
+#include "client/scenes/mesh_files/mesh_file.hpp"
 
 namespace collided::cli {
 
@@ -59,7 +59,7 @@ std::vector<scenes::MeshFile> read_frames(const DetectOptions& options) {
   return frames;
 }
 
-/// auto: F64 if some position is not exactly a float, so that nothing is rounded.
+/// auto: F64 if a position is not exactly a float, so that nothing is rounded.
 v1::PositionFormat choose_format(const std::string& wanted, const std::vector<scenes::MeshFile>& frames) {
   if (wanted == "f32") return v1::POSITION_FORMAT_F32;
   if (wanted == "f64") return v1::POSITION_FORMAT_F64;
@@ -85,7 +85,7 @@ void print(const DetectOptions& options, const Json& summary) {
     print_summary(options.out, report_text(summary));
 }
 
-/// The result is printed even if its file cannot be written.
+/// Prints the result even if its file cannot be written.
 void report(const DetectOptions& options, Json summary, const client::FrameOutput& output) {
   std::exception_ptr failure;
   if (!options.out.empty()) try {

@@ -5,11 +5,11 @@
 #include <memory>
 
 #include "client/cli/commands.hpp"
-#include "client/cli/interrupt.hpp"
-#include "client/cli/output.hpp"
-#include "client/cli/progress.hpp"
-#include "client/cli/scene_options.hpp"
-#include "client/scenes/mesh_file.hpp"
+#include "client/cli/daemon/interrupt.hpp"
+#include "client/cli/options/scene_options.hpp"
+#include "client/cli/output/output.hpp"
+#include "client/cli/output/progress.hpp"
+#include "client/scenes/mesh_files/mesh_file.hpp"
 
 namespace collided::cli {
 
@@ -34,7 +34,7 @@ std::vector<std::array<uint32_t, 3>> all_triangles(const scenes::Scene& scene) {
 void run(const ExportOptions& options) {
   make_folder("--out", options.out);
   const auto scene = scenes::make_scene(options.scene.name, options.scene.scale);
-  note_interrupts();
+  defer_interrupts();
   scenes::MeshFile mesh{{}, all_triangles(*scene), true};
   Progress progress;
   for (int frame = 0; frame < options.scene.frames; ++frame) {

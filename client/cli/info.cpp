@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "client/cli/commands.hpp"
-#include "client/cli/connection.hpp"
-#include "client/cli/report.hpp"
-#include "client/cli/report_text.hpp"
+#include "client/cli/daemon/connection.hpp"
+#include "client/cli/report/json.hpp"
+#include "client/cli/report/text.hpp"
 
 namespace collided::cli {
 

@@ -10,8 +10,10 @@
 #include <iostream>
 
 #include "client/cli/commands.hpp"
-#include "client/cli/errors.hpp"
-#include "client/cli/usage.hpp"
+#include "client/cli/daemon/interrupt.hpp"
+#include "client/cli/options/usage.hpp"
+#include "client/cli/options/usage_error.hpp"
+#include "client/cli/output/output.hpp"
 
 namespace {
 
@@ -20,22 +22,22 @@ int fail(int exit_code, const std::string& what) {
   return exit_code;
 }
 
-/// gRPC's own lines would come before the one that tells what is wrong; GRPC_VERBOSITY brings them back.
+/// Keeps gRPC's log from hiding collidectl's one line of error; GRPC_VERBOSITY brings it back.
 void silence_grpc() {
   if (std::getenv("GRPC_VERBOSITY") == nullptr) gpr_set_log_function([](gpr_log_func_args*) {});
 }
 
-/// A reader that has gone, as `head` does, wants no more and no message.
+/// A reader that has closed the pipe, such as `head`, wants no message.
 int fail(const collided::cli::OutputClosed& e) { return e.error_number == EPIPE ? 128 + SIGPIPE : fail(1, e.what()); }
 
-/// `exit_code`, unless what was printed did not arrive.
+/// `exit_code`, unless the output could not be written.
 int finish(int exit_code) {
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
   return fail(collided::cli::OutputClosed(errno));
 }
 
-/// What was printed before the error stays, and comes first.
+/// Writes what was printed before the error first.
 int fail_after_output(int exit_code, const std::string& what) {
   std::fflush(stdout);
   return fail(exit_code, what);
@@ -46,7 +48,7 @@ int fail_after_output(int exit_code, const std::string& what) {
 int main(int argc, char** argv) {
   using namespace collided::cli;
   silence_grpc();
-  signal(SIGPIPE, SIG_IGN);  // told by what is written, so that a daemon and a scene are not left behind
+  signal(SIGPIPE, SIG_IGN);  // writing fails instead, so that no daemon and no scene is left behind
   CLI::App app{"Collision detection with a collided daemon, its own or a running one"};
   app.set_version_flag("--version", std::string("collidectl " COLLIDED_VERSION));
   app.require_subcommand(1);

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "client/cli/commands.hpp"
-#include "client/cli/report.hpp"
+#include "client/cli/report/json.hpp"
 #include "client/scenes/scene.hpp"
 
 namespace collided::cli {

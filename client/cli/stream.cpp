@@ -1,4 +1,4 @@
-// collidectl stream: plays a procedural scene through a daemon and tells what its frames cost.
+// collidectl stream: plays a procedural scene through a daemon and reports what its frames cost.
 
 #include <chrono>
 #include <cstdio>
@@ -7,15 +7,16 @@
 #include <optional>
 
 #include "client/cli/commands.hpp"
-#include "client/cli/connection.hpp"
-#include "client/cli/contact_report.hpp"
-#include "client/cli/interrupt.hpp"
-#include "client/cli/mesh_input.hpp"
-#include "client/cli/progress.hpp"
-#include "client/cli/report.hpp"
-#include "client/cli/report_text.hpp"
-#include "client/cli/scene_options.hpp"
-#include "client/cli/statistics.hpp"
+#include "client/cli/daemon/connection.hpp"
+#include "client/cli/daemon/interrupt.hpp"
+#include "client/cli/input/mesh_input.hpp"
+#include "client/cli/options/scene_options.hpp"
+#include "client/cli/output/progress.hpp"
+#include "client/cli/report/contacts.hpp"
+#include "client/cli/report/json.hpp"
+#include "client/cli/report/text.hpp"
+#include "client/measure/stage_medians.hpp"
+#include "client/measure/statistics.hpp"
 #include "client/scenes/scene.hpp"
 
 namespace collided::cli {
@@ -30,7 +31,7 @@ struct StreamOptions {
   bool json = false;
 };
 
-/// What is kept of the frames: the contacts themselves are counted and let go, but for the earliest.
+/// Sums over the frames. Contacts are counted and dropped, except the earliest.
 struct Totals {
   std::vector<v1::FrameMetrics> metrics;
   uint64_t contacts = 0, vertex_triangle = 0, edge_edge = 0, triangle_triangle = 0;
@@ -62,7 +63,7 @@ struct Totals {
   }
 };
 
-/// Adds to the totals frame by frame, so that they are of use however this ends.
+/// Adds to the totals frame by frame, so that they are valid however this ends.
 void play(client::FrameStream& stream, const scenes::Scene& scene, const SceneOptions& options,
           v1::PositionFormat format, Totals& totals) {
   Progress progress;
@@ -109,7 +110,7 @@ Json times_json(const std::vector<v1::FrameMetrics>& frames) {
 Json summary_json(const StreamOptions& options, const v1::Scene& scene, const Totals& totals, double seconds) {
   const v1::FrameMetrics& last = totals.metrics.back();
   Json counts = counts_json(last.counts());
-  if (options.detection.report == "any") forget_contacts(counts);
+  if (options.detection.report == "any") clear_contact_counts(counts);
   Json out = {{"name", options.scene.name},
               {"scale", options.scene.scale},
               {"scene", scene_json(scene)},
@@ -125,9 +126,9 @@ Json summary_json(const StreamOptions& options, const v1::Scene& scene, const To
   return out;
 }
 
-/// Plays and tells; what ends it early leaves a summary of the frames so far.
-void play_and_tell(const StreamOptions& options, const v1::Scene& scene, client::FrameStream& stream,
-                   const scenes::Scene& procedural) {
+/// If something ends it early, reports the frames so far.
+void play_and_report(const StreamOptions& options, const v1::Scene& scene, client::FrameStream& stream,
+                     const scenes::Scene& procedural) {
   const auto start = std::chrono::steady_clock::now();
   Totals totals;
   std::exception_ptr failure;
@@ -153,7 +154,7 @@ void run(const StreamOptions& options) {
   spec.set_display_name(options.scene.name);
   const SceneGuard scene = connection.create_scene(spec, mesh_inputs(procedural->meshes()));
   client::FrameStream stream = connection.stream(*scene);
-  play_and_tell(options, *scene, stream, *procedural);
+  play_and_report(options, *scene, stream, *procedural);
 }
 
 }  // namespace

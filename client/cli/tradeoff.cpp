@@ -2,34 +2,32 @@
 
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <memory>
 
 #include "client/cli/commands.hpp"
-#include "client/cli/errors.hpp"
-#include "client/cli/finite.hpp"
-#include "client/cli/output.hpp"
-#include "client/cli/tradeoff_plot.hpp"
-#include "client/cli/tradeoff_report.hpp"
-#include "client/cli/tradeoff_run.hpp"
+#include "client/cli/daemon/interrupt.hpp"
+#include "client/cli/options/finite.hpp"
+#include "client/cli/options/usage_error.hpp"
+#include "client/cli/output/output.hpp"
+#include "client/measure/tradeoff/report.hpp"
+#include "client/measure/tradeoff/result_json.hpp"
+#include "client/measure/tradeoff/run.hpp"
 
 namespace collided::cli {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 struct TradeoffOptions {
   TradeoffSettings settings;
   SceneOptions scene;
-  std::vector<std::string> frames, from;
+  std::vector<std::string> frames;
   std::string out, date, commit;
   bool json = false;
 };
 
 void check_usage(const TradeoffOptions& options) {
-  const int inputs = !options.scene.name.empty() + !options.frames.empty() + !options.from.empty();
-  if (inputs != 1) throw UsageError("tradeoff needs one of FRAME0 FRAME1, --scene and --from");
+  if (options.scene.name.empty() == options.frames.empty())
+    throw UsageError("tradeoff needs one of FRAME0 FRAME1 and --scene");
   if (options.frames.size() == 1) throw UsageError("tradeoff needs two frames, FRAME0 and FRAME1; 1 was given");
   if (!options.settings.truth.empty() && options.frames.empty())
     throw UsageError("--truth is for FRAME0 FRAME1 alone: the truth of their positions");
@@ -37,58 +35,34 @@ void check_usage(const TradeoffOptions& options) {
     throw UsageError("--truth is of thickness 0; it cannot judge --thickness");
 }
 
-struct Results {
-  std::vector<Tradeoff> all;
-  std::exception_ptr interrupted = nullptr;  ///< what has been measured till then is there
-};
-
-Results read_results(const std::vector<std::string>& files) {
-  Results results;
-  for (const std::string& file : files) results.all.push_back(read_tradeoff(file));
-  return results;
+void print_report(const TradeoffOptions& options, const Tradeoff& result) {
+  const Json summary = {{"out", options.out}, {"results", Json::array({tradeoff_summary(result)})}};
+  if (options.json)
+    std::printf("%s\n", summary.dump().c_str());
+  else
+    std::printf("%sResult and table: %s\n", tradeoff_text(result).c_str(), options.out.c_str());
 }
 
-Results measure_results(const TradeoffOptions& options) {
+/// What an interrupt ends early leaves the position formats that were done.
+void run(const TradeoffOptions& options) {
+  check_usage(options);
+  make_folder("--out", options.out);
   const StepInput step =
       options.frames.empty() ? scene_step(options.scene) : file_step(options.frames[0], options.frames[1]);
-  Results results;
   Tradeoff result;
   result.date = options.date;
   result.commit = options.commit;
+  std::exception_ptr interrupted;
   try {
     measure(options.settings, step, result);
   } catch (const Interrupted&) {
     if (result.runs.empty()) throw;
-    results.interrupted = std::current_exception();
+    interrupted = std::current_exception();
   }
   write_text(options.out + "/tradeoff.json", tradeoff_json(result).dump(2) + "\n");
-  results.all.push_back(std::move(result));
-  return results;
-}
-
-void write_report(const std::vector<Tradeoff>& results, const fs::path& folder) {
-  std::string table;
-  for (const Tradeoff& result : results) table += (table.empty() ? "" : "\n") + tradeoff_markdown(result);
-  write_text((folder / "tradeoff.md").string(), table);
-  plot_tradeoffs(results, folder / "tradeoff.svg", folder / "tradeoff.png");
-}
-
-void print_summary(const TradeoffOptions& options, const std::vector<Tradeoff>& results) {
-  Json summary = {{"out", options.out}, {"results", Json::array()}};
-  for (const Tradeoff& result : results) {
-    if (!options.json) std::printf("%s", tradeoff_text(result).c_str());
-    summary["results"].push_back(tradeoff_summary(result));
-  }
-  std::printf("%s\n", options.json ? summary.dump().c_str() : ("Table and plot: " + options.out).c_str());
-}
-
-void run(const TradeoffOptions& options) {
-  check_usage(options);
-  make_folder("--out", options.out);
-  const Results results = options.from.empty() ? measure_results(options) : read_results(options.from);
-  write_report(results.all, options.out);
-  print_summary(options, results.all);
-  if (results.interrupted) std::rethrow_exception(results.interrupted);
+  write_text(options.out + "/tradeoff.md", tradeoff_markdown(result));
+  print_report(options, result);
+  if (interrupted) std::rethrow_exception(interrupted);
 }
 
 void add_input_options(CLI::App& command, TradeoffOptions& options) {
@@ -139,14 +113,11 @@ void add_tradeoff(CLI::App& app) {
   auto options = std::make_shared<TradeoffOptions>();
   CLI::App& command = *app.add_subcommand("tradeoff", "Measure time against accuracy: levels, deltas, formats");
   command.footer(
-      "Writes tradeoff.json, tradeoff.md, tradeoff.svg and tradeoff.png. Without --truth the level\n"
-      "exact is the judge: it decides in exact arithmetic on the very positions of each format.");
+      "Writes tradeoff.json and tradeoff.md; client/measure/plot, in the sources, draws tradeoff.json. Without\n"
+      "--truth the level exact is the judge: it decides in exact arithmetic on the very positions of each format.");
   add_input_options(command, *options);
   add_run_options(command, options->settings);
   add_server_options(command, options->settings.server);
-  command.add_option("--from", options->from, "Draw results again, one row each; repeat it for several")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_option("--out", options->out, "Folder; made if it is not there")->required();
   command.add_option("--date", options->date, "Recorded in the result");
   command.add_option("--commit", options->commit, "Recorded in the result");

@@ -7,10 +7,10 @@
 #include <random>
 #include <thread>
 
-#include "client/cpp/channel.hpp"
-#include "client/cpp/grpc_transport.hpp"
-#include "client/cpp/local_peer.hpp"
-#include "client/cpp/local_transport.hpp"
+#include "client/cpp/transport/grpc/channel.hpp"
+#include "client/cpp/transport/grpc/grpc_transport.hpp"
+#include "client/cpp/transport/local/local_peer.hpp"
+#include "client/cpp/transport/local/local_transport.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
 
 namespace collided::client {
@@ -19,7 +19,7 @@ namespace {
 
 using Service = v1::CollisionService::Stub;
 
-constexpr size_t kTrianglesPerChunk = (1 << 20) / 12;  // 1 MiB, well below any daemon's limit
+constexpr size_t kTrianglesPerChunk = (1 << 20) / 12;  // 1 MiB, well below the limit of any daemon
 constexpr int kCreateTries = 3;
 constexpr std::chrono::milliseconds kRetryPause(200);
 
@@ -46,7 +46,7 @@ void add_mesh(v1::SceneSpec& spec, const MeshInput& mesh) {
 }  // namespace
 
 struct Client::State {
-  explicit State(ChannelMaker maker) : channels(std::move(maker)) {
+  explicit State(ChannelFactory maker) : channels(std::move(maker)) {
     stub = v1::CollisionService::NewStub(channels.connect());
     info = call(&Service::GetServerInfo, v1::GetServerInfoRequest());
   }
@@ -65,7 +65,7 @@ struct Client::State {
   bool has_local(const v1::Scene& scene) const { return scene.endpoint().empty() && !info.local_socket().empty(); }
   FrameStream stream_locally(const v1::Scene& scene, const v1::OpenStream& open, const StreamOptions& stream);
 
-  ChannelMaker channels;
+  ChannelFactory channels;
   std::unique_ptr<Service> stub;
   v1::GetServerInfoResponse info;
 };
@@ -90,14 +90,14 @@ v1::Scene Client::State::upload(const std::string& scene_id, uint32_t index, con
     request.set_scene_id(scene_id);
     request.set_mesh(index);
     request.set_triangles(chunk.data(), chunk.size_bytes());
-    if (!writer->Write(request)) break;  // the daemon refused: Finish() says why
+    if (!writer->Write(request)) break;  // refused: Finish() says why
   }
   writer->WritesDone();
   check(writer->Finish());
   return std::move(*response.mutable_scene());
 }
 
-/// For a scene whose upload failed: the upload's error is the one to tell, not this one's.
+/// Ignores errors: it cleans up after a failed upload, whose error is the one to report.
 void Client::State::try_delete(const std::string& scene_id) {
   v1::DeleteSceneRequest request;
   request.set_scene_id(scene_id);
@@ -105,7 +105,7 @@ void Client::State::try_delete(const std::string& scene_id) {
   stub->DeleteScene(channels.call_context(scene_id).get(), request, &ignored);
 }
 
-/// What the scene needs of memory is told by its spec, which the caller's copy may lack.
+/// Asks for the scene's spec, which says how much memory it needs and which the caller's copy may lack.
 FrameStream Client::State::stream_locally(const v1::Scene& scene, const v1::OpenStream& open,
                                           const StreamOptions& stream) {
   const LocalOptions& options = stream.local;
@@ -135,7 +135,7 @@ Client& Client::operator=(Client&&) noexcept = default;
 Client::~Client() = default;
 
 Client Client::connect(const std::string& address, const ConnectOptions& options) {
-  return Client(std::make_unique<State>(ChannelMaker(address, options)));
+  return Client(std::make_unique<State>(ChannelFactory(address, options)));
 }
 
 const v1::GetServerInfoResponse& Client::server_info() const { return state_->info; }
@@ -175,15 +175,15 @@ FrameStream Client::stream(const v1::Scene& scene, const StreamOptions& options)
   open.set_window(options.window);
   open.set_delivery(options.delivery);
   open.set_resume_token(options.resume_token);
-  const ChannelMaker& own = state_->channels;
+  const ChannelFactory& own = state_->channels;
   std::string local_refusal;
   if (options.local.use == Local::kOn) return state_->stream_locally(scene, open, options);
   if (options.local.use == Local::kAutomatic && is_local_address(own.address()) && state_->has_local(scene)) try {
       return state_->stream_locally(scene, open, options);
-    } catch (const Error& e) {  // what also holds over gRPC is told by that
+    } catch (const Error& e) {  // if gRPC fails as well, its error is thrown
       local_refusal = e.message();
     }
-  const ChannelMaker channels = scene.endpoint().empty() ? own : ChannelMaker(scene.endpoint(), own.options());
+  const ChannelFactory channels = scene.endpoint().empty() ? own : ChannelFactory(scene.endpoint(), own.options());
   return FrameStream::open(std::make_unique<GrpcTransport>(channels.connect(), channels.context(scene.scene_id()),
                                                            state_->info.limits().max_message_bytes()),
                            open, {.local_refusal = std::move(local_refusal), .keeper = options.keeper});

@@ -14,7 +14,7 @@
 
 namespace collided::client {
 
-/// A mesh of a scene to make. Its triangles are uploaded in chunks, however many there are.
+/// A mesh of a new scene. Its triangles are borrowed, and uploaded in chunks, so that there may be any number.
 struct MeshInput {
   std::string name;
   uint32_t vertex_count = 0;
@@ -24,33 +24,34 @@ struct MeshInput {
 
 /// How a stream is opened.
 struct StreamOptions {
-  uint32_t window = 0;  ///< frames in flight, 0 to the daemon's limit; 0: the daemon's choice
+  uint32_t window = 0;  ///< frames in flight, up to the daemon's limit; 0: the daemon chooses
   v1::DeliveryPolicy delivery = v1::DELIVERY_POLICY_UNSPECIFIED;
-  std::string resume_token = "";  ///< of the scene, to take it over from a stream that may still be open
+  std::string resume_token = "";  ///< the scene's; takes it over from a stream that may still be open
   LocalOptions local = {};        ///< memory shared with a daemon on this host
-  KeeperPace keeper = {};         ///< of the thread that reads while nobody waits
+  KeeperPace keeper = {};         ///< of the thread that reads while no caller waits
 };
 
 class Client {
  public:
-  /// `address` is host:port or unix:/path. Waits for the connection. Throws Error: UNAVAILABLE if nobody answers in
-  /// time, INVALID_ARGUMENT for options that cannot be used.
+  /// `address` is host:port or unix:/path. Waits for the connection. Throws Error: UNAVAILABLE if no daemon answers in
+  /// time, INVALID_ARGUMENT for bad options.
   static Client connect(const std::string& address, const ConnectOptions& options = {});
   Client(Client&&) noexcept;
   Client& operator=(Client&&) noexcept;
   ~Client();
 
   const v1::GetServerInfoResponse& server_info() const;
-  /// Makes a scene of `spec` (whose own meshes must be empty) and the meshes, ready for frames. A creation whose answer
-  /// is lost is asked for again; never are there two scenes. `lease_seconds` without a stream or a call, and the scene
-  /// is deleted; 0: the daemon's default.
+  /// Creates a scene of `spec` (without meshes of its own) and `meshes`, ready for frames. Retries if the answer is
+  /// lost, without ever creating two scenes. The scene is deleted after `lease_seconds` without a stream or a call; 0:
+  /// the daemon's default.
   v1::Scene create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds = 0);
   v1::Scene get_scene(const std::string& scene_id);
   void delete_scene(const std::string& scene_id);
-  /// Opens a stream on a connection of its own, to the scene's endpoint; or over shared memory, if `options` say so.
+  /// Opens a stream: over shared memory if options.local allows it, else on a connection of its own to the scene's
+  /// endpoint.
   FrameStream stream(const v1::Scene& scene, const StreamOptions& options = {});
-  /// Goes on with a scene whose stream broke, with `options` but for the token: frames after the stream's
-  /// scene().last_frame_id() are to be sent again.
+  /// Resumes a scene whose stream broke: send the frames after the new stream's scene().last_frame_id() again. Takes
+  /// all of `options` but the token, which is the scene's.
   FrameStream resume(const v1::Scene& scene, StreamOptions options = {});
 
  private:

@@ -6,18 +6,18 @@
 #include <cstring>
 #include <string>
 
-#include "client/cpp/frame_transport.hpp"
+#include "client/cpp/transport/frame_transport.hpp"
 
 namespace collided::client {
 
-// The wire is little-endian, and so is every machine that this library is built for: arrays are copied as they are.
+// The wire is little-endian like every machine that this library is built for, so that arrays are copied as they are.
 static_assert(std::endian::native == std::endian::little);
 
 namespace {
 
 constexpr int kDataLoss = 15;
 
-/// Arrays of one chunk: in the message, or in shared memory.
+/// Arrays of one chunk, in the message or in shared memory.
 class Arrays {
  public:
   Arrays(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport& transport)

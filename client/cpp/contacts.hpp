@@ -1,5 +1,5 @@
 #pragma once
-// The contacts of one kind of one frame, put together from the daemon's chunks.
+// The contacts of one kind of one frame, assembled from the daemon's chunks.
 
 #include <array>
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace collided::client {
 
 class FrameTransport;
 
-/// One entry a contact in every array; an array that was not asked for or not computed is empty.
+/// Each array has one entry per contact, or is empty if it was not requested or not computed.
 struct Contacts {
   uint64_t count = 0;
   std::vector<std::array<uint32_t, 2>> elements;
@@ -22,8 +22,8 @@ struct Contacts {
   std::vector<uint8_t> flags;
 };
 
-/// Adds a chunk; arrays in shared memory are read through the transport that brought it. Throws Error (DATA_LOSS) if
-/// one of its arrays has not `count` entries.
+/// Appends a chunk; arrays in shared memory are read through the transport that it came by. Throws Error (DATA_LOSS) if
+/// the length of an array is not the chunk's `count`.
 void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport& transport);
 
 }  // namespace collided::client

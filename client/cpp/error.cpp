@@ -1,4 +1,4 @@
-// The one exception of the client library.
+// The client library's only exception.
 
 #include "client/cpp/error.hpp"
 
@@ -16,7 +16,7 @@ bool unpack(const v1::PackedDetail& detail, const char* name, T& out) {
   return detail.type_url().ends_with(std::string("/google.rpc.") + name) && out.ParseFromString(detail.value());
 }
 
-/// Of `grpc-status-details-bin`; what is no such thing has no details.
+/// From the bytes of `grpc-status-details-bin`; anything else has no details.
 ErrorDetails details_of(const std::string& bytes) {
   ErrorDetails out;
   v1::RpcStatus status;

@@ -1,5 +1,5 @@
 #pragma once
-// The one exception of the client library: a gRPC code, its message and the details that came with it.
+// The client library's only exception: a gRPC code, a message and the details that came with them.
 
 #include <optional>
 #include <stdexcept>
@@ -11,20 +11,20 @@ class Status;
 
 namespace collided::client {
 
-/// What a refusal tells besides its message.
+/// What a refusal says besides its message.
 struct ErrorDetails {
   std::string field = "";                          ///< path of the refused field, such as "frame.updates[0].positions"
-  std::string quota = "";                          ///< the limit that was met, its value and what was asked
-  std::optional<double> retry_after_seconds = {};  ///< when the same request may be answered
+  std::string quota = "";                          ///< the limit that was reached, its value and what was requested
+  std::optional<double> retry_after_seconds = {};  ///< when the same request may succeed
 };
 
 class Error : public std::runtime_error {
  public:
   Error(int code, const std::string& message, std::string field = "");
   Error(int code, const std::string& message, ErrorDetails details);
-  /// google.rpc.Code, such as 3 for INVALID_ARGUMENT.
+  /// A google.rpc.Code, such as 3 for INVALID_ARGUMENT.
   int code() const { return code_; }
-  /// The message alone; what() has the code's name before it.
+  /// The message alone; what() begins with the code's name.
   const std::string& message() const { return message_; }
   const std::string& field() const { return details_.field; }
   const std::string& quota() const { return details_.quota; }
@@ -39,8 +39,8 @@ class Error : public std::runtime_error {
 /// Name of a google.rpc.Code, such as "INVALID_ARGUMENT".
 std::string code_name(int code);
 
-/// Whether the connection or the daemon was lost (UNAVAILABLE, CANCELLED, INTERNAL), rather than a request refused:
-/// connect again and resume the scene.
+/// Whether the connection or the daemon was lost (UNAVAILABLE, CANCELLED, INTERNAL) rather than a request refused:
+/// reconnect and resume the scene.
 bool is_connection_lost(const Error& error);
 
 /// The error of a status with its details; nothing if it is OK.

@@ -1,211 +1,21 @@
-// Frames in, contacts out. The thread that waits for an answer reads it itself: on an idle processor, waking up another
-// one for it costs as much as the transport.
+// Frames in, contacts out: what callers do with a stream.
 
 #include "client/cpp/frame_stream.hpp"
 
 #include <grpcpp/support/status_code_enum.h>
 
 #include <algorithm>
-#include <functional>
 #include <utility>
 
 #include "client/cpp/frame_stream_state.hpp"
 
 namespace collided::client {
 
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-constexpr std::chrono::seconds kLongest(1'000'000'000);  // larger durations overflow the clock
-
-Contacts& contacts_of(FrameOutput& output, v1::ContactKind kind) {
-  switch (kind) {
-    case v1::CONTACT_KIND_VERTEX_TRIANGLE:
-      return output.vertex_triangle;
-    case v1::CONTACT_KIND_EDGE_EDGE:
-      return output.edge_edge;
-    case v1::CONTACT_KIND_TRIANGLE_TRIANGLE:
-      return output.triangle_triangle;
-    default:
-      throw Error(grpc::DATA_LOSS, "contacts.kind is " + std::to_string(kind) + ", which this client does not know");
-  }
-}
-
-Clock::time_point after(std::chrono::duration<double> time) {
-  const double kept = time.count() > 0 ? std::min<double>(time.count(), kLongest.count()) : 0;
-  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kept));
-}
-
-}  // namespace
-
 void FrameOutput::check() const {
   if (!error) return;
   ErrorDetails details{.field = error->field()};
   if (error->retry_after_seconds() > 0) details.retry_after_seconds = error->retry_after_seconds();
   throw Error(error->code(), error->message(), std::move(details));
-}
-
-FrameStream::State::State(std::unique_ptr<FrameTransport> way, const v1::OpenStream& open, StreamSetup told)
-    : setup(std::move(told)), transport(std::move(way)) {
-  v1::StreamFramesResponse response;
-  const bool is_answered =
-      transport->open(open) && transport->read(response, FrameTransport::kNever) == FrameTransport::Arrival::kMessage;
-  if (!is_answered || !response.has_opened()) {
-    if (is_answered) transport->cancel();
-    const std::optional<Error> end = transport->finish();
-    if (!is_answered && end) throw *end;
-    throw Error(grpc::INTERNAL, "the daemon's first answer does not open the stream");
-  }
-  opened = std::move(*response.mutable_opened());
-  keeper = std::thread([this] { keep(); });
-}
-
-FrameStream::State::~State() {
-  {
-    const std::lock_guard lock(mutex);
-    is_stopping = true;
-    if (!ended) transport->cancel();
-  }
-  stop.notify_one();
-  keeper.join();
-  std::unique_lock lock(mutex);
-  await(lock, [&] { return ended; });
-}
-
-template <class Done>
-bool FrameStream::State::await(std::unique_lock<std::mutex>& lock, const Done& done, FrameTransport::Time deadline) {
-  if (done()) return true;
-  ++waits;
-  ++waiting;
-  const bool is_done = lead.await(lock, done, deadline, std::bind_front(&State::read_one, this));
-  --waiting;
-  return is_done;
-}
-
-bool FrameStream::State::read_one(std::unique_lock<std::mutex>& lock, FrameTransport::Time deadline) {
-  using Arrival = FrameTransport::Arrival;
-  lock.unlock();
-  v1::StreamFramesResponse response;
-  auto arrival = Arrival::kNothing;
-  std::optional<Error> malformed;
-  try {
-    arrival = transport->read(response, deadline);
-    if (arrival == Arrival::kMessage) take(response);
-  } catch (const Error& e) {  // the stream can't be trusted any more
-    malformed = e;
-  } catch (const std::exception& e) {
-    malformed = Error(grpc::INTERNAL, std::string("an answer could not be taken: ") + e.what());
-  }
-  if (malformed) transport->cancel();
-  const bool is_end = malformed || arrival == Arrival::kEnd;
-  std::optional<Error> why = is_end ? transport->finish() : std::nullopt;
-  lock.lock();
-  if (is_end) {
-    failure = malformed ? std::move(malformed) : std::move(why);
-    ended = true;
-  }
-  return is_end || arrival == Arrival::kMessage;
-}
-
-void FrameStream::State::keep() {
-  std::unique_lock lock(mutex);
-  for (int quiet = 0; !ended && !is_stopping;) {
-    const uint64_t seen = waits;
-    stop.wait_until(lock, after(setup.keeper.pause), [&] { return is_stopping; });
-    const auto is_alone = [&] { return !ended && !is_stopping && waiting == 0 && waits == seen; };
-    quiet = is_alone() ? quiet + 1 : 0;
-    while (is_alone() && lead.take(lock, keepers_deadline(quiet), std::bind_front(&State::read_one, this))) continue;
-  }
-}
-
-/// A caller that comes while the keeper reads has to be woken by it. So it only looks while callers come and go, and
-/// stays for as long as it takes once none has waited for a while.
-FrameTransport::Time FrameStream::State::keepers_deadline(int quiet) const {
-  if (quiet >= setup.keeper.quiet_pauses) return FrameTransport::kNever;
-  return in_flight > 0 ? after(setup.keeper.pause) : Clock::now();
-}
-
-void FrameStream::State::take(v1::StreamFramesResponse& response) {
-  const uint64_t id = response.frame_id();
-  switch (response.response_case()) {
-    case v1::StreamFramesResponse::kContacts:
-      return append(contacts_of(partial[id], response.contacts().kind()), response.contacts(), *transport);
-    case v1::StreamFramesResponse::kDone:
-      for (const v1::ContactChunk& chunk : response.done().contacts())
-        append(contacts_of(partial[id], chunk.kind()), chunk, *transport);
-      response.mutable_done()->clear_contacts();
-      partial[id].done = std::move(*response.mutable_done());
-      return complete(id);
-    case v1::StreamFramesResponse::kError:
-      partial[id].error = std::move(*response.mutable_error());
-      return complete(id);
-    case v1::StreamFramesResponse::kSkipped:
-      partial[id].skipped = true;
-      return complete(id);
-    case v1::StreamFramesResponse::kDraining: {
-      const std::lock_guard lock(mutex);
-      draining = after(std::chrono::duration<double>(response.draining().deadline_seconds()));
-      return;  // the frames in flight are still answered
-    }
-    default:
-      return;
-  }
-}
-
-void FrameStream::State::complete(uint64_t frame_id) {
-  FrameOutput output = std::move(partial[frame_id]);
-  partial.erase(frame_id);
-  output.frame_id = frame_id;
-  {
-    const std::lock_guard lock(mutex);
-    ready.push_back(std::move(output));
-    if (in_flight > 0) --in_flight;
-  }
-  lead.notify();
-}
-
-void FrameStream::State::throw_ended() const {
-  if (failure) throw *failure;
-  if (half_closed) throw Error(grpc::FAILED_PRECONDITION, "the stream has ended, as finish() asked for");
-  throw Error(grpc::UNAVAILABLE, "the stream has ended");
-}
-
-FrameOutput FrameStream::State::take_ready() {
-  if (ready.empty()) throw_ended();
-  FrameOutput output = std::move(ready.front());
-  ready.pop_front();
-  return output;
-}
-
-void FrameStream::State::await_credit(std::unique_lock<std::mutex>& lock) {
-  await(lock, [&] { return ended || in_flight < opened.window(); });
-  if (ended) throw_ended();
-}
-
-void FrameStream::State::take_credit() {
-  std::unique_lock lock(mutex);
-  await_credit(lock);
-  ++in_flight;
-}
-
-void FrameStream::State::give_credit() {
-  const std::lock_guard lock(mutex);
-  --in_flight;
-  lead.notify();
-}
-
-void FrameStream::State::send(const v1::Frame& frame, std::span<const FrameUpdate> updates) {
-  take_credit();
-  try {
-    if (transport->send(frame, updates)) return;
-  } catch (const Error&) {  // nothing was sent
-    give_credit();
-    throw;
-  }
-  std::unique_lock lock(mutex);
-  await(lock, [&] { return ended; });  // the end brings the reason
-  throw_ended();
 }
 
 FrameStream::FrameStream(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -226,7 +36,7 @@ uint32_t FrameStream::window() const { return state_->opened.window(); }
 std::optional<double> FrameStream::draining_deadline() const {
   const std::lock_guard lock(state_->mutex);
   if (!state_->draining) return std::nullopt;
-  return std::max(0.0, std::chrono::duration<double>(*state_->draining - Clock::now()).count());
+  return std::max(0.0, std::chrono::duration<double>(*state_->draining - std::chrono::steady_clock::now()).count());
 }
 
 std::span<std::byte> FrameStream::input(uint64_t bytes) {
@@ -256,9 +66,9 @@ FrameOutput FrameStream::receive() {
   return state_->take_ready();
 }
 
-std::optional<FrameOutput> FrameStream::receive_within(std::chrono::milliseconds patience) {
+std::optional<FrameOutput> FrameStream::receive_within(std::chrono::milliseconds timeout) {
   std::unique_lock lock(state_->mutex);
-  const auto deadline = patience < kLongest ? after(patience) : FrameTransport::kNever;
+  const auto deadline = time_after(timeout);
   if (!state_->await(
           lock, [&] { return state_->has_news(); }, deadline))
     return std::nullopt;

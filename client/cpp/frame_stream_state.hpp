@@ -1,44 +1,49 @@
 #pragma once
-// What a FrameStream holds: its credits, and the answers that are put together and wait to be received.
+// Inside a FrameStream: its credits, and answers that are being assembled or wait to be received.
 
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <thread>
 
 #include "client/cpp/frame_stream.hpp"
-#include "client/cpp/lead.hpp"
+#include "client/cpp/transport/frame_transport.hpp"
+#include "client/cpp/transport/leader_followers.hpp"
 
 namespace collided::client {
+
+/// `time` from now: now for negative times, about 30 years for longer ones, which would overflow the clock.
+FrameTransport::Time time_after(std::chrono::duration<double> time);
 
 struct FrameStream::State {
   State(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open, StreamSetup setup);
   ~State();
-  /// With the mutex: waits until `done`, or the deadline; whether it is done.
+  /// Needs the mutex. Waits until `done` or the deadline; returns whether it is done.
   template <class Done>
   bool await(std::unique_lock<std::mutex>& lock, const Done& done, FrameTransport::Time deadline);
   template <class Done>
   void await(std::unique_lock<std::mutex>& lock, const Done& done) {
     await(lock, done, FrameTransport::kNever);
   }
-  /// With the mutex, in the lead. False if nothing came until the deadline.
+  /// Needs the mutex, and to lead. False if nothing came by the deadline.
   bool read_one(std::unique_lock<std::mutex>& lock, FrameTransport::Time deadline);
-  /// The keeper's whole life: reads while nobody waits, so that answers move and pings are answered.
-  void keep();
-  /// Needs the mutex. `quiet`: pauses of the keeper in a row in which nobody waited.
-  FrameTransport::Time keepers_deadline(int quiet) const;
+  /// The keeper's thread.
+  void run_keeper();
+  /// Needs the mutex. `quiet_pauses`: of the keeper, in a row, in which no caller waited.
+  FrameTransport::Time keeper_deadline(int quiet_pauses) const;
   void take(v1::StreamFramesResponse& response);
   void complete(uint64_t frame_id);
   void send(const v1::Frame& frame, std::span<const FrameUpdate> updates);
   void take_credit();
-  /// With the mutex. Throws Error once the stream has ended.
+  /// Needs the mutex. Throws Error once the stream has ended.
   void await_credit(std::unique_lock<std::mutex>& lock);
   void give_credit();
-  /// Needs the mutex. Whether an output or the end is there to be received.
+  /// Needs the mutex. Whether there is an output, or the end, to receive.
   bool has_news() const { return ended || !ready.empty(); }
-  /// Needs the mutex, and news. Throws Error at the end.
+  /// Needs the mutex and has_news(). Throws Error at the end.
   FrameOutput take_ready();
   /// Needs the mutex. Why the stream ended, as an Error.
   [[noreturn]] void throw_ended() const;
@@ -47,10 +52,10 @@ struct FrameStream::State {
   std::unique_ptr<FrameTransport> transport;
   v1::StreamOpened opened;
   std::mutex mutex;
-  Lead lead;                                ///< in reading
-  uint64_t waits = 0;                       ///< of callers so far
+  LeaderFollowers reading;                  ///< one waiting caller reads for all
+  uint64_t waits = 0;                       ///< how often callers have waited
   int waiting = 0;                          ///< callers that wait now
-  std::map<uint64_t, FrameOutput> partial;  ///< the reading thread's alone
+  std::map<uint64_t, FrameOutput> partial;  ///< used by the reading thread only
   std::deque<FrameOutput> ready;
   uint64_t in_flight = 0;
   bool ended = false;
@@ -61,5 +66,15 @@ struct FrameStream::State {
   std::condition_variable stop;
   std::thread keeper;
 };
+
+template <class Done>
+bool FrameStream::State::await(std::unique_lock<std::mutex>& lock, const Done& done, FrameTransport::Time deadline) {
+  if (done()) return true;
+  ++waits;
+  ++waiting;
+  const bool is_done = reading.await(lock, done, deadline, std::bind_front(&State::read_one, this));
+  --waiting;
+  return is_done;
+}
 
 }  // namespace collided::client

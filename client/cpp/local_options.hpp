@@ -4,36 +4,24 @@
 #include <cstdint>
 #include <string>
 
-#include "collided/v1/scene.pb.h"
-
 namespace collided::client {
 
 enum class Local {
   kAutomatic,  ///< if the daemon is on this host and offers it; else gRPC
-  kOff,        ///< gRPC
-  kOn,         ///< or the stream is not opened
+  kOff,        ///< never: gRPC
+  kOn,         ///< always: else opening the stream fails
 };
 
 struct LocalOptions {
   Local use = Local::kAutomatic;
-  /// Room for each frame's contacts, at most 1 GiB for the window. Contacts beyond it come by the socket, slower.
-  /// Memory is provided when it is first touched.
+  /// Room for each frame's contacts, at most 1 GiB for the whole window. Contacts beyond it come over the socket, which
+  /// is slower. Memory is allocated on first touch.
   uint64_t output_bytes = uint64_t{8} << 20;
-  /// cudaIpcMemHandle_t (64 bytes) of memory on the scene's GPU: updates then name shared ranges in it. Needs kOn.
+  /// A cudaIpcMemHandle_t (64 bytes) of memory on the scene's GPU, in which updates then name ranges. Needs kOn.
   std::string cuda_ipc_handle = "";
-  /// User id that the daemon may run as besides root, this process's own user and, with a unix:... address, whoever
-  /// listens there. -1: nobody else's socket is used.
+  /// Another user id that the daemon may run as, besides root, this process's own user and whoever listens at a
+  /// unix:... address. -1: none.
   int64_t daemon_user = -1;
 };
-
-/// How the memory of a stream is divided.
-struct LocalLayout {
-  uint32_t window = 2;
-  uint64_t frame_bytes = 0;   ///< of input, for each frame in flight; a multiple of 4096
-  uint64_t output_bytes = 0;  ///< of contacts, for all of them; a multiple of 4096
-};
-
-/// Room for whatever a frame of the scene can bring.
-LocalLayout local_layout(const v1::SceneSpec& scene, uint32_t window, const LocalOptions& options);
 
 }  // namespace collided::client

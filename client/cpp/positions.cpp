@@ -1,4 +1,4 @@
-// Positions to the bytes of the wire.
+// Positions as they go on the wire.
 
 #include "client/cpp/positions.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// Positions to the bytes of the wire.
+// Positions as they go on the wire.
 
 #include <array>
 #include <span>

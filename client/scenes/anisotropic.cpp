@@ -7,7 +7,8 @@ namespace collided::scenes {
 
 namespace {
 
-/// Slivers side by side along one axis; `cross` lays them along the other and lets them sink through the first family.
+/// Parallel slivers along one axis; `cross` lays them along the other axis and makes them sink through the first
+/// family.
 Part slivers(std::string name, uint32_t count, bool cross) {
   Part part;
   part.mesh.name = std::move(name);

@@ -24,7 +24,7 @@ std::vector<Vec3d> FormulaScene::positions(double t) const {
   for (const Rule& rule : rules_) count += rule.params.size();
   std::vector<Vec3d> out(count);
   Vec3d* first = out.data();
-  for (const Rule& rule : rules_) {  // each vertex by itself, so that the number of threads changes no bit
+  for (const Rule& rule : rules_) {  // vertices are independent: the number of threads changes no bit
     tbb::parallel_for(size_t{0}, rule.params.size(), [&](size_t i) { first[i] = rule.formula(rule.params[i], t); });
     first += rule.params.size();
   }
@@ -34,7 +34,7 @@ std::vector<Vec3d> FormulaScene::positions(double t) const {
 namespace {
 
 double value_at(const Range& range, uint32_t i) {
-  if (i == range.quads) return range.last;  // the far border exactly, not to within rounding
+  if (i == range.quads) return range.last;  // the far border exactly, without rounding
   return range.first + (range.last - range.first) * i / range.quads;
 }
 
@@ -79,8 +79,8 @@ void append(Part& part, const Part& other) {
   for (const auto& t : other.mesh.triangles) part.mesh.triangles.push_back({base + t[0], base + t[1], base + t[2]});
 }
 
-uint32_t refine(uint32_t n, double scale, uint32_t least) {
-  return std::max(least, static_cast<uint32_t>(std::lround(n * scale)));
+uint32_t refine(uint32_t n, double scale, uint32_t min) {
+  return std::max(min, static_cast<uint32_t>(std::lround(n * scale)));
 }
 
 }  // namespace collided::scenes

@@ -9,7 +9,7 @@ namespace collided::scenes {
 
 using Param = std::array<double, 2>;
 
-/// One mesh with the parameters of its vertices and the formula that places them, which several threads call at once.
+/// One mesh, its vertices' parameters and the formula that places them, which several threads may call at once.
 struct Part {
   Mesh mesh;
   std::vector<Param> params;
@@ -31,23 +31,25 @@ class FormulaScene : public Scene {
   std::vector<Rule> rules_;
 };
 
-/// A range of parameters: first value, last value, number of quads between them.
+/// A range of parameters, divided into quads.
 struct Range {
   double first;
   double last;
   uint32_t quads;
 };
 
-/// nu x nv quads with alternating diagonals: 2 nu nv triangles. A wrapped grid joins its last column to its first.
+/// u.quads x v.quads quads with alternating diagonals, two triangles each. A wrapped grid joins its last column to its
+/// first.
 Part grid(std::string name, Range u, Range v, bool wrap_u = false);
 
-/// Sphere parameters (longitude, angle from the north pole), one vertex a pole: 2 lon (lat - 1) triangles.
+/// A sphere's parameters (longitude, angle from the north pole), with one vertex at each pole: 2 lon (lat - 1)
+/// triangles.
 Part uv_sphere(std::string name, uint32_t lon, uint32_t lat);
 
-/// Adds `other` to `part` as a copy whose parameters are kept; the formula stays that of `part`.
+/// Appends the vertices and triangles of `other`, which `part`'s formula then places.
 void append(Part& part, const Part& other);
 
-/// n quads refined by `scale`, at least `least`.
-uint32_t refine(uint32_t n, double scale, uint32_t least = 1);
+/// n times `scale`, rounded, but at least `min`.
+uint32_t refine(uint32_t n, double scale, uint32_t min = 1);
 
 }  // namespace collided::scenes

@@ -1,5 +1,5 @@
-// Scene multiscale_knots: four reef knots side by side, each a fixed ratio smaller than the one before (an eighth,
-// unless the name says otherwise): no single cell size fits.
+// Scene multiscale_knots: four reef knots in a row, each smaller than the one before by a fixed ratio (8 unless the
+// name says otherwise): no single cell size fits.
 
 #include "client/scenes/families.hpp"
 
@@ -11,7 +11,7 @@ ScenePtr make_multiscale_knots(double scale, double ratio) {
   for (int knot = 0; knot < 4; ++knot) {
     for (Part& ribbon : reef_knot_ribbons("knot" + std::to_string(knot), scale, size, {0, y, 0}))
       parts.push_back(std::move(ribbon));
-    y += 1.3 * size;  // beside the knot just made, so that the next one brushes it
+    y += 1.3 * size;  // next to this knot, so that the following one brushes it
     size /= ratio;
     y += 1.3 * size;
   }

@@ -22,7 +22,7 @@ Vec3d centre_of(uint32_t n, double t) {
   return out;
 }
 
-/// All spheres have the same grid: the first parameter counts spheres in whole turns.
+/// All spheres share a grid: the first parameter is the angle plus 8 times the sphere's number.
 Vec3d spheres(Param at, double t) {
   const auto n = static_cast<uint32_t>(at[0] / 8);
   const double angle = at[0] - 8.0 * n, r = 0.16 * std::pow(3.2, hash01(n, 1));
@@ -36,7 +36,7 @@ Vec3d cones(Param at, double) {
   return {d[0] + 2.2 * (n - 2.0), d[1] + 1.1 * ((n % 2) - 0.5), d[2]};
 }
 
-/// Copies of one grid; copy n has 8 n (more than a turn, exact in binary) added to its first parameter.
+/// Copies of a grid: copy n adds 8 n (more than a turn, and exact in binary) to the first parameter.
 Part copies(const Part& one, uint32_t count) {
   Part all = one;
   for (uint32_t n = 1; n < count; ++n) {

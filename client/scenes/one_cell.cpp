@@ -1,5 +1,5 @@
-// Scene one_cell: a swarm a thousandth of the domain wide; four far triangles stretch the domain, so that the swarm
-// falls into one cell of a uniform grid.
+// Scene one_cell: four distant triangles stretch the domain to a thousand times the width of a swarm, which falls into
+// one cell of a uniform grid.
 
 #include "client/scenes/families.hpp"
 #include "client/scenes/math.hpp"

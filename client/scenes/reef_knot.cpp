@@ -1,4 +1,4 @@
-// Scene reef_knot: two ribbons, each bent to a bight through the other's, pulled tight until they crumple.
+// Scene reef_knot: two ribbons, each bent into a bight through the other's, pulled tight until they crumple.
 
 #include "client/scenes/families.hpp"
 #include "client/scenes/math.hpp"
@@ -10,7 +10,7 @@ namespace {
 constexpr double kEnd = 3, kTail = 9, kBend = 0.9, kWidth = 0.36;
 constexpr double kLeg = kEnd + kTail, kLength = 2 * kLeg + kPi * kBend;
 
-/// Half the distance of a bight's two legs at x: narrower where the other ribbon's bight goes round them.
+/// Half the distance between a bight's legs at x: narrower where the other ribbon's bight goes round them.
 double leg_offset(double x) { return 0.5 + 0.4 * smooth(-2, 2, x); }
 
 /// Centre line at arc length s: tail, straight leg, semicircle round (3, 0), straight leg, tail.
@@ -28,7 +28,7 @@ std::array<double, 2> across(double s) {
   return {-dy / length, dx / length};
 }
 
-/// The ribbon shrinks by g = 1 .. 0.25, its material does not: pleats of the lost length fill the knot.
+/// The ribbon's path shrinks by g = 1 to 0.25, but its material does not: pleats take up the lost length.
 Vec3d ribbon(Param at, double t) {
   const auto [s, w] = at;
   const double g = 1 - 0.75 * smooth(0, 1, t), inside = smooth(-1, 1, 6 - std::abs(s - kLength / 2));
@@ -48,7 +48,7 @@ std::vector<Part> reef_knot_ribbons(const std::string& name, double scale, doubl
   const Range along{0, kLength, refine(833, scale)}, over{-kWidth / 2, kWidth / 2, refine(6, scale)};
   std::vector<Part> parts{grid(name + "_a", along, over), grid(name + "_b", along, over)};
   for (int i = 0; i < 2; ++i) {
-    const double sign = i == 0 ? size : -size;  // the second ribbon is the first turned round: (-x, y, -z)
+    const double sign = i == 0 ? size : -size;  // the second ribbon is the first one rotated: (-x, y, -z)
     parts[i].formula = [=](Param at, double t) -> Vec3d {
       const Vec3d p = ribbon(at, t);
       return {centre[0] + sign * p[0], centre[1] + size * p[1], centre[2] + sign * p[2]};

@@ -1,5 +1,5 @@
 #pragma once
-// Procedural scenes: deterministic meshes whose vertices move by a formula of time t in [0, 1].
+// Procedural scenes: deterministic meshes whose vertices move by a formula of the time t in [0, 1].
 
 #include <array>
 #include <cstdint>
@@ -15,7 +15,7 @@ using Vec3d = std::array<double, 3>;
 struct Mesh {
   std::string name;
   uint32_t vertex_count = 0;
-  std::vector<std::array<uint32_t, 3>> triangles;  ///< counted in the mesh
+  std::vector<std::array<uint32_t, 3>> triangles;  ///< vertices counted from 0 in the mesh
   bool is_static = false;
 };
 
@@ -41,16 +41,15 @@ struct SceneInfo {
 /// The scenes that make_scene knows, in the order of the documentation.
 std::vector<SceneInfo> list_scenes();
 
-/// Scenes that differ from one of list_scenes by a number alone. make_scene knows them too; they are apart so that
-/// whoever goes through all scenes does not do nearly the same work again.
+/// Scenes that make_scene also knows, but that differ from one of list_scenes in a single number. They are listed apart
+/// so that going through all scenes does not repeat nearly the same work.
 std::vector<SceneInfo> list_variants();
 
 /// Throws std::invalid_argument naming the known scenes, or the limits of `scale`.
 void check_scene(const std::string& name, double scale);
-/// Throws what check_scene throws. `scale` refines the grids: triangles grow by about scale^2.
+/// Throws what check_scene throws. `scale` refines the grids: the number of triangles grows with about scale^2.
 /// cloth_ball has 1 M triangles at 3.302 (a cloth of 700 x 700 quads) and 9.9 M at 10.377 (2200 x 2200), nbody 1 M at
-/// 2.57. Refined spheres stay the same bodies on the same paths, so that sizes can be compared; more of them would be
-/// another scene.
+/// 2.57. Refining keeps the same bodies on the same paths, so that sizes can be compared.
 std::unique_ptr<Scene> make_scene(const std::string& name, double scale = 1.0);
 
 }  // namespace collided::scenes

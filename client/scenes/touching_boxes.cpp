@@ -1,4 +1,4 @@
-// Scene touching_boxes: unit cubes of a lattice that share whole faces exactly: every box test is decided by equality.
+// Scene touching_boxes: a lattice of unit cubes that share whole faces exactly, so that equality decides box tests.
 
 #include "client/scenes/families.hpp"
 #include "client/scenes/math.hpp"
@@ -30,7 +30,7 @@ ScenePtr make_touching_boxes(double scale) {
     for (uint32_t corner = 0; corner < 8; ++corner) boxes.params.push_back({double(box), double(corner)});
     for (const auto& t : kCube) boxes.mesh.triangles.push_back({8 * box + t[0], 8 * box + t[1], 8 * box + t[2]});
   }
-  // Layers slide along each other by whole and part cells; their faces stay in the same planes.
+  // Every second layer slides along by t of a cell; faces stay in the same planes.
   boxes.formula = [n](Param at, double t) -> Vec3d {
     const auto box = static_cast<uint32_t>(at[0]), corner = static_cast<uint32_t>(at[1]);
     const uint32_t x = box % n, y = box / n % n, z = box / (n * n);

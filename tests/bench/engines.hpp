@@ -23,7 +23,7 @@ using NamedEngine = std::pair<std::string, Engine>;
 std::vector<EngineRun> compare_engines(const BenchInput& input, SceneSpec spec, const std::vector<NamedEngine>& engines,
                                        int steps, int warm_up);
 
-/// As `figure` reads them: `counts` are means over the steps.
+/// As client/measure/plot reads them: `counts` are means over the steps.
 void write_engines(std::ostream& out, const std::vector<EngineRun>& runs);
 
 }  // namespace collided::test

@@ -90,12 +90,16 @@ class CommandLines(WithDaemon):
         for name, frame in zip(("before", "after"), sorted(frames.glob("*.ply"))):
             shutil.copy(frame, cls.folder / f"{name}.ply")
         shutil.copy(cls.folder / "before.ply", cls.folder / "mesh.ply")
+        (cls.folder / "client").symlink_to(REPOSITORY / "client")
 
-    def collidectl_lines(self):
+    def lines(self, program):
         for block in README.blocks():
             for line in block.splitlines():
-                if line.startswith("collidectl "):
+                if line.startswith(f"{program} "):
                     yield line.split(" #")[0].split("   ")[0].strip()
+
+    def collidectl_lines(self):
+        return self.lines("collidectl")
 
     def test_every_line_of_collidectl_runs(self):
         lines = list(self.collidectl_lines())
@@ -107,6 +111,17 @@ class CommandLines(WithDaemon):
             more = next((options for start, options in SMALLER.items() if rest.startswith(start)), "")
             with self.subTest(line):
                 self.assertTrue(self.run_line(f"{line} {more}".replace(README_SOCKET, self.daemon.address)))
+
+    def test_the_picture_is_drawn_from_what_tradeoff_wrote(self):
+        try:
+            import matplotlib  # noqa: F401
+        except ImportError as missing:
+            self.skipTest(f"{missing} (Debian: python3-matplotlib)")
+        (measure,) = (line for line in self.collidectl_lines() if "tradeoff before.ply" in line)
+        (plot,) = self.lines("client/measure/plot")
+        self.run_line(f"{measure} {SMALLER['tradeoff before.ply']}")
+        (picture,) = self.run_line(f"{sys.executable} {plot}").splitlines()
+        self.assertTrue((self.folder / picture).exists())
 
     def test_each_exception_has_its_line(self):
         rests = [line.removeprefix("collidectl ") for line in self.collidectl_lines()]

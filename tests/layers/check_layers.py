@@ -67,6 +67,16 @@ def engine_complaint(path, target):
 EXACT_API = {"gpu/exact/exact.hpp", "gpu/exact/decision.hpp", "gpu/exact/poll.hpp"}
 EXACT_BASE = {"gpu/base/host_device.hpp", "gpu/base/vec3.hpp"}
 
+# Inside the client: who must not include what, and why.
+CLIENT_RULES = [
+    (r"client/scenes/", r"client/(?!scenes/)", "scenes know only themselves"),
+    (r"client/cpp/", r"client/(?!cpp/)", "the C++ library knows only itself and the protocol"),
+    (r"client/cpp/(?!frame_stream_state)\w+\.hpp$", r"client/cpp/transport/", "public headers show no transport"),
+    (r"client/cpp/transport/", r"client/cpp/(client|frame_stream)", "transports know no stream"),
+    (r"client/cli/\w+/", r"client/(cli/\w+\.hpp$|measure/)", "what commands share knows no command and no measurement"),
+    (r"client/measure/", r"client/cli/\w+\.hpp$", "measurements know no command"),
+]
+
 
 def complaint(path, quote, target):
     """Why the file at `path` may not include `target`; None if it may."""
@@ -95,6 +105,9 @@ def complaint(path, quote, target):
             return "the server must not know the client"
     if layer == "client" and target.startswith(("gpu/", "server/")):
         return "the client knows the protocol alone"
+    for includer, included, why in CLIENT_RULES:
+        if re.match(includer, path) and re.match(included, target):
+            return why
     return None
 
 

@@ -66,6 +66,13 @@ BAD = [
     ("server/service/service.cpp", '#include "client/cpp/client.hpp"'),
     ("client/cli/main.cpp", '#include "gpu/detector.hpp"'),
     ("client/cli/main.cpp", '#include "server/config.hpp"'),
+    ("client/scenes/bad.cpp", '#include "client/cpp/client.hpp"'),
+    ("client/cpp/bad.cpp", '#include "client/scenes/scene.hpp"'),
+    ("client/cpp/frame_stream.hpp", '#include "client/cpp/transport/frame_transport.hpp"'),
+    ("client/cpp/transport/grpc/bad.cpp", '#include "client/cpp/frame_stream.hpp"'),
+    ("client/cli/report/bad.cpp", '#include "client/cli/commands.hpp"'),
+    ("client/cli/report/bad.cpp", '#include "client/measure/statistics.hpp"'),
+    ("client/measure/bench/bad.cpp", '#include "client/cli/commands.hpp"'),
 ]
 
 

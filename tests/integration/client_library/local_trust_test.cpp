@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "client/cpp/local_peer.hpp"
+#include "client/cpp/transport/local/local_peer.hpp"
 #include "tests/integration/client_library/client_layers.hpp"
 #include "tests/integration/local/local_daemon.hpp"
 

@@ -1,0 +1,34 @@
+#pragma once
+// What collidectl still does when it is interrupted (SIGINT, SIGTERM, SIGHUP): stop its daemon and remove its folder,
+// delete its scene on a foreign daemon, and report what it has found so far.
+
+#include <sys/types.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace collided::cli {
+
+/// Ends collidectl with 128 + the signal's number.
+struct Interrupted : std::runtime_error {
+  explicit Interrupted(int number)
+      : std::runtime_error("interrupted by signal " + std::to_string(number)), signal_number(number) {}
+  int signal_number;
+};
+
+/// From now on an interrupt ends the daemon and collidectl, and removes `folder` with the daemon's files.
+void clean_up_on_interrupt(pid_t daemon, const std::string& folder);
+/// The daemon has been stopped: there is nothing left to clean up.
+void no_clean_up_on_interrupt() noexcept;
+
+/// From now on the first interrupt only shows in is_interrupted() and check_interrupt(), so that the scene can be
+/// deleted and the results so far reported; a second one ends collidectl at once.
+void defer_interrupts();
+bool is_interrupted();
+/// Throws Interrupted after an interrupt.
+void check_interrupt();
+
+/// Whether standard error is in the middle of a line, which an interrupt then ends.
+void set_open_line(bool is_open);
+
+}  // namespace collided::cli

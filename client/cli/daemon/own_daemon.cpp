@@ -1,0 +1,181 @@
+// A daemon that collidectl starts for itself, on a Unix socket.
+
+#include "client/cli/daemon/own_daemon.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "client/cli/daemon/interrupt.hpp"
+
+namespace collided::cli {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr std::chrono::milliseconds kReadyTimeout = 60s, kStopTimeout = 10s, kInterruptedTimeout = 1s, kPoll = 5ms;
+
+bool is_program(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) && access(path.c_str(), X_OK) == 0;
+}
+
+fs::path make_directory() {
+  std::string name = (fs::temp_directory_path() / "collidectl-XXXXXX").string();
+  if (name.size() > 90) name = "/tmp/collidectl-XXXXXX";  // the path of a socket has at most 107 bytes
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary directory " + name + " can be made");
+  return name;
+}
+
+/// Without the address of the Unix socket.
+std::vector<std::string> command_line(const fs::path& program, const fs::path& directory,
+                                      const DaemonOptions& options) {
+  // So that a missing GPU is reported for the scene, in one clear message, instead of by a daemon that does not start.
+  const std::string backend = options.backend == "cuda" ? "auto" : options.backend;
+  std::vector<std::string> words{program.string(),
+                                 "--backend",
+                                 backend,
+                                 "--threads",
+                                 std::to_string(options.threads),
+                                 "--ready-file",
+                                 (directory / "ready").string(),
+                                 "--log-level",
+                                 "warning",
+                                 "--max-message-mb",
+                                 "2047"};
+  // Its only client may use everything.
+  words.insert(words.end(), {"--max-scenes-per-client", "1000000", "--max-streams-per-client", "1000000",
+                             "--max-device-mb-per-client", "16777216", "--max-frame-seconds", "1000000"});
+  if (!options.all_transports) return words;
+  words.insert(words.end(), {"--address", "127.0.0.1:0", "--local-socket", (directory / "local").string()});
+  return words;
+}
+
+/// The last line of a daemon's log, after ": "; empty if there is none.
+std::string last_log_line(const fs::path& log) {
+  std::ifstream in(log);
+  std::string last;
+  for (std::string line; std::getline(in, line);)
+    if (!line.empty()) last = line;
+  return last.empty() ? "" : ": " + last;
+}
+
+/// Gives the child a process group of its own, so that only collidectl gets the terminal's interrupts, and logs its
+/// output.
+void detach(const fs::path& log) {
+  setpgid(0, 0);
+  signal(SIGPIPE, SIG_DFL);
+  const int out = open(log.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC, 0600);
+  dup2(out, STDOUT_FILENO);
+  dup2(out, STDERR_FILENO);
+}
+
+std::string describe(int status) {
+  if (WIFSIGNALED(status)) return "signal " + std::to_string(WTERMSIG(status));
+  return "exit code " + std::to_string(WEXITSTATUS(status));
+}
+
+}  // namespace
+
+fs::path find_daemon() {
+  if (const char* named = std::getenv("COLLIDED_DAEMON")) {
+    if (is_program(named)) return named;
+    throw std::runtime_error(std::string("COLLIDED_DAEMON is '") + named + "', which is no program");
+  }
+  const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
+  std::vector<fs::path> places{here, here / "../bin", here / "../../server"};
+  std::istringstream path(std::getenv("PATH") ? std::getenv("PATH") : "");
+  for (std::string place; std::getline(path, place, ':');) places.push_back(place);
+  for (const fs::path& place : places)
+    if (is_program(place / "collided")) return place / "collided";
+  throw std::runtime_error("no daemon 'collided' was found; set COLLIDED_DAEMON or use --server");
+}
+
+OwnDaemon::OwnDaemon(const DaemonOptions& options) {
+  const fs::path program = find_daemon();
+  directory_ = make_directory();
+  try {
+    start(program, options);
+    wait_until_ready(program);
+  } catch (...) {
+    stop();
+    throw;
+  }
+}
+
+OwnDaemon::~OwnDaemon() {
+  if (has_ended())
+    std::fprintf(stderr, "collidectl: its daemon ended with %s%s\n", describe(status_).c_str(),
+                 last_log_line(directory_ / "log").c_str());
+  stop();
+}
+
+std::string OwnDaemon::tcp_address() const {
+  std::ifstream in(directory_ / "ready");
+  for (std::string line; std::getline(in, line);)
+    if (!line.starts_with("unix:")) return line;
+  return "";
+}
+
+void OwnDaemon::start(const fs::path& program, const DaemonOptions& options) {
+  std::vector<std::string> words = command_line(program, directory_, options);
+  words.insert(words.begin() + 1, {"--address", address()});
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const pid_t parent = getpid();
+  pid_ = fork();
+  if (pid_ < 0) throw std::runtime_error("no process can be started");
+  if (pid_ > 0) return clean_up_on_interrupt(pid_, directory_.string());
+  prctl(PR_SET_PDEATHSIG, SIGTERM);  // if collidectl is killed, so is its daemon
+  if (getppid() != parent) _exit(126);
+  detach(directory_ / "log");
+  execv(argv[0], argv.data());
+  _exit(127);
+}
+
+void OwnDaemon::wait_until_ready(const fs::path& program) {
+  const auto deadline = std::chrono::steady_clock::now() + kReadyTimeout;
+  std::error_code error;
+  while (!(fs::exists(directory_ / "ready", error) && fs::file_size(directory_ / "ready", error) > 0)) {
+    if (has_ended())
+      throw std::runtime_error("daemon " + program.string() + " ended with " + describe(status_) +
+                               " before it was ready" + last_log_line(directory_ / "log"));
+    if (std::chrono::steady_clock::now() > deadline)
+      throw std::runtime_error("daemon " + program.string() + " was not ready after 60 seconds");
+    std::this_thread::sleep_for(kPoll);
+  }
+}
+
+bool OwnDaemon::has_ended() {
+  if (pid_ > 0 && waitpid(pid_, &status_, WNOHANG) == pid_) pid_ = -1;
+  return pid_ <= 0;
+}
+
+void OwnDaemon::stop() noexcept {
+  const auto timeout = is_interrupted() ? kInterruptedTimeout : kStopTimeout;
+  if (pid_ > 0) kill(pid_, SIGTERM);
+  for (auto waited = 0ms; !has_ended() && waited < timeout; waited += kPoll) std::this_thread::sleep_for(kPoll);
+  if (pid_ > 0) {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, &status_, 0);
+    pid_ = -1;
+  }
+  no_clean_up_on_interrupt();
+  std::error_code error;
+  if (!directory_.empty()) fs::remove_all(directory_, error);
+}
+
+}  // namespace collided::cli

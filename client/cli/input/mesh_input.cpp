@@ -1,0 +1,29 @@
+// Meshes of a scene and their positions, as a daemon takes them.
+
+#include "client/cli/input/mesh_input.hpp"
+
+namespace collided::cli {
+
+std::vector<client::MeshInput> mesh_inputs(const std::vector<scenes::Mesh>& meshes) {
+  std::vector<client::MeshInput> out;
+  for (const scenes::Mesh& mesh : meshes) out.push_back({mesh.name, mesh.vertex_count, mesh.triangles, mesh.is_static});
+  return out;
+}
+
+v1::Frame make_frame(const std::vector<scenes::Mesh>& meshes, uint64_t id, v1::PositionFormat format,
+                     client::Positions end, client::Positions start) {
+  v1::Frame frame;
+  frame.set_frame_id(id);
+  size_t at = 0;
+  for (uint32_t i = 0; i < meshes.size(); ++i) {
+    const scenes::Mesh& mesh = meshes[i];
+    const bool has_start = !start.empty() && !mesh.is_static;
+    const client::Positions own_start = has_start ? start.subspan(at, mesh.vertex_count) : client::Positions();
+    if (id == 1 || !mesh.is_static)
+      *frame.add_updates() = client::mesh_update(i, format, end.subspan(at, mesh.vertex_count), own_start);
+    at += mesh.vertex_count;
+  }
+  return frame;
+}
+
+}  // namespace collided::cli

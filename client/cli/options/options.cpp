@@ -1,0 +1,182 @@
+// Options that several subcommands share.
+
+#include "client/cli/options/options.hpp"
+
+#include <algorithm>
+
+#include "client/cli/options/finite.hpp"
+#include "client/cli/options/usage_error.hpp"
+
+namespace collided::cli {
+
+namespace {
+
+// The options' words for values of the protocol.
+template <class T>
+using Words = std::vector<std::pair<std::string, T>>;
+
+const Words<v1::Accuracy> kAccuracies{{"candidates", v1::ACCURACY_CANDIDATES},
+                                      {"fast", v1::ACCURACY_FAST},
+                                      {"guarded", v1::ACCURACY_GUARDED},
+                                      {"certified", v1::ACCURACY_CERTIFIED},
+                                      {"exact", v1::ACCURACY_EXACT}};
+const Words<v1::Report> kReports{
+    {"all", v1::REPORT_ALL}, {"earliest", v1::REPORT_EARLIEST_ONLY}, {"any", v1::REPORT_ANY_HIT}};
+const Words<v1::ContactKind> kKinds{{"vt", v1::CONTACT_KIND_VERTEX_TRIANGLE},
+                                    {"ee", v1::CONTACT_KIND_EDGE_EDGE},
+                                    {"tt", v1::CONTACT_KIND_TRIANGLE_TRIANGLE}};
+
+const Words<v1::BroadPhaseEngine> kEngines{{"auto", v1::BROAD_PHASE_ENGINE_UNSPECIFIED},
+                                           {"octree", v1::BROAD_PHASE_ENGINE_OCTREE},
+                                           {"top-down", v1::BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE},
+                                           {"bottom-up", v1::BROAD_PHASE_ENGINE_BOTTOM_UP_OCTREE},
+                                           {"uniform-grid", v1::BROAD_PHASE_ENGINE_UNIFORM_GRID},
+                                           {"two-level-grid", v1::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID},
+                                           {"lbvh", v1::BROAD_PHASE_ENGINE_LBVH}};
+
+template <class T>
+CLI::IsMember one_of(const Words<T>& words) {
+  std::vector<std::string> out;
+  for (const auto& [word, value] : words) out.push_back(word);
+  return CLI::IsMember(out);
+}
+
+template <class T>
+T value_of(const Words<T>& words, const std::string& wanted) {
+  return std::find_if(words.begin(), words.end(), [&](const auto& pair) { return pair.first == wanted; })->second;
+}
+
+template <class T>
+std::string word_of(const Words<T>& words, T wanted) {
+  const auto at = std::find_if(words.begin(), words.end(), [&](const auto& pair) { return pair.second == wanted; });
+  return at == words.end() ? std::to_string(wanted) : at->first;
+}
+
+bool wants(const DetectionOptions& options, const char* kind) {
+  return std::count(options.kinds.begin(), options.kinds.end(), kind) > 0;
+}
+
+void add_security_options(CLI::App& command, ServerOptions& options, CLI::Option* server) {
+  command.add_option("--token-file", options.token_file, "File with the bearer token")->needs(server);
+  auto* ca = command.add_option("--tls-ca", options.tls_ca, "Certificates to trust (PEM); with it, TLS is used")
+                 ->needs(server);
+  auto* certificate =
+      command.add_option("--tls-cert", options.tls_certificate, "The client's own certificate (PEM)")->needs(ca);
+  auto* key = command.add_option("--tls-key", options.tls_key, "Its private key (PEM)")->needs(certificate);
+  certificate->needs(key);
+  command
+      .add_option("--daemon-user", options.daemon_user,
+                  "User, by name or id, to share memory with besides root and oneself")
+      ->needs(server);
+}
+
+}  // namespace
+
+void add_server_options(CLI::App& command, ServerOptions& options) {
+  auto* server = command.add_option("--server", options.server, "Address of a running daemon; default: start one");
+  command.add_option("--backend", options.backend, "Where the scene lives: auto, cpu or cuda")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+      ->capture_default_str();
+  command.add_option("--threads", options.threads, "CPU threads of the own daemon; 0: all cores")
+      ->check(CLI::Range(0, 4096))
+      ->excludes(server);
+  add_security_options(command, options, server);
+}
+
+void add_detection_options(CLI::App& command, DetectionOptions& options) {
+  command.add_option("--mode", options.mode, "ccd: between two frames; dcd: in one frame")
+      ->check(CLI::IsMember({"ccd", "dcd"}))
+      ->capture_default_str();
+  command.add_option("--accuracy", options.accuracy, "How surely contacts are found, from fastest to exact")
+      ->check(one_of(kAccuracies))
+      ->capture_default_str();
+  command.add_option("--thickness", options.thickness, "Contact distance, in the unit of the positions")
+      ->check(finite())
+      ->check(at_least_zero())
+      ->capture_default_str();
+  command
+      .add_option("--delta", options.delta, "Tolerance of ccd, in the unit of the positions; 0: by each pair's size")
+      ->check(finite())
+      ->check(at_least_zero())
+      ->capture_default_str();
+  command.add_option("--report", options.report, "all contacts, the earliest one, or only whether there is any")
+      ->check(one_of(kReports))
+      ->capture_default_str();
+  command
+      .add_option("--kinds", options.kinds,
+                  "Vertex-triangle, edge-edge, triangle-triangle (dcd, or candidates), such as vt,tt")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(one_of(kKinds))
+      ->default_str("vt,ee");
+  command.add_option("--engine", options.engine, "How pairs of triangles are found; auto: the daemon chooses")
+      ->check(one_of(kEngines))
+      ->capture_default_str();
+}
+
+void add_engines_option(CLI::App& command, std::vector<std::string>& engines) {
+  command.add_option("--engine", engines, "How pairs of triangles are found, one run each, such as octree,lbvh")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(one_of(kEngines))
+      ->default_str("auto");
+}
+
+void add_position_format_option(CLI::App& command, std::string& format) {
+  command.add_option("--position-format", format, "Positions on the wire")
+      ->check(CLI::IsMember({"f32", "f64"}))
+      ->capture_default_str();
+}
+
+void check_usage(const DetectionOptions& options) {
+  const v1::Accuracy accuracy = value_of(kAccuracies, options.accuracy);
+  const bool dcd = options.mode == "dcd";
+  if (options.report == "earliest" && (dcd || accuracy < v1::ACCURACY_GUARDED))
+    throw UsageError("--report earliest needs --mode ccd and --accuracy guarded, certified or exact");
+  if (options.report == "any" && accuracy < v1::ACCURACY_FAST)
+    throw UsageError("--report any needs --accuracy fast, guarded, certified or exact");
+  if (wants(options, "tt") && !dcd && accuracy != v1::ACCURACY_CANDIDATES)
+    throw UsageError("--kinds tt needs --mode dcd or --accuracy candidates");
+  const bool by_distance = wants(options, "vt") || wants(options, "ee");
+  if (dcd && by_distance && accuracy == v1::ACCURACY_FAST && options.thickness == 0)
+    throw UsageError("--mode dcd with --accuracy fast needs a --thickness greater than 0 for the kinds vt and ee");
+}
+
+v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format) {
+  v1::SceneSpec spec;
+  spec.set_backend(server.backend == "cpu"    ? v1::BACKEND_CPU
+                   : server.backend == "cuda" ? v1::BACKEND_CUDA
+                                              : v1::BACKEND_AUTO);
+  spec.set_mode(detection.mode == "dcd" ? v1::DETECTION_MODE_DCD : v1::DETECTION_MODE_CCD);
+  spec.set_accuracy(value_of(kAccuracies, detection.accuracy));
+  spec.set_thickness(detection.thickness);
+  spec.set_delta(detection.delta);
+  spec.set_report(value_of(kReports, detection.report));
+  spec.set_broad_phase_engine(value_of(kEngines, detection.engine));
+  for (const std::string& kind : detection.kinds) spec.add_kinds(value_of(kKinds, kind));
+  spec.set_position_format(format);
+  return spec;
+}
+
+v1::PositionFormat format_of(const std::string& name) {
+  return name == "f64" ? v1::POSITION_FORMAT_F64 : v1::POSITION_FORMAT_F32;
+}
+
+std::string name_of(v1::Backend backend) {
+  switch (backend) {
+    case v1::BACKEND_CPU:
+      return "cpu";
+    case v1::BACKEND_CUDA:
+      return "cuda";
+    default:
+      return "auto";
+  }
+}
+
+std::string name_of(v1::PositionFormat format) { return format == v1::POSITION_FORMAT_F64 ? "f64" : "f32"; }
+std::string name_of(v1::Accuracy accuracy) { return word_of(kAccuracies, accuracy); }
+std::string name_of(v1::Report report) { return word_of(kReports, report); }
+std::string name_of(v1::ContactKind kind) { return word_of(kKinds, kind); }
+std::string name_of(v1::BroadPhaseEngine engine) { return word_of(kEngines, engine); }
+
+}  // namespace collided::cli

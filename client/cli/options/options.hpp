@@ -1,0 +1,57 @@
+#pragma once
+// Options that several subcommands share.
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "collided/v1/scene.pb.h"
+
+namespace collided::cli {
+
+/// Which daemon to work with.
+struct ServerOptions {
+  std::string server;  ///< empty: start one
+  std::string backend = "auto";
+  int threads = 0;
+  std::string token_file, tls_ca, tls_certificate, tls_key;  ///< for a running daemon
+  std::string daemon_user;  ///< name or id of another user who may listen at the local socket
+};
+
+/// What to detect.
+struct DetectionOptions {
+  std::string mode = "ccd";
+  std::string accuracy = "certified";
+  double thickness = 0;
+  double delta = 0;
+  std::string report = "all";
+  std::vector<std::string> kinds{"vt", "ee"};
+  std::string engine = "auto";
+};
+
+void add_server_options(CLI::App& command, ServerOptions& options);
+void add_detection_options(CLI::App& command, DetectionOptions& options);
+
+/// Replaces --engine of add_detection_options by one that takes several engines.
+void add_engines_option(CLI::App& command, std::vector<std::string>& engines);
+/// --position-format, f32 or f64.
+void add_position_format_option(CLI::App& command, std::string& format);
+
+/// Throws UsageError for options that contradict each other.
+void check_usage(const DetectionOptions& options);
+
+/// A spec without meshes.
+v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);
+
+/// `name` is "f32" or "f64".
+v1::PositionFormat format_of(const std::string& name);
+
+/// The protocol's values in the options' spelling.
+std::string name_of(v1::Backend backend);
+std::string name_of(v1::PositionFormat format);
+std::string name_of(v1::Accuracy accuracy);
+std::string name_of(v1::Report report);
+std::string name_of(v1::ContactKind kind);
+std::string name_of(v1::BroadPhaseEngine engine);
+
+}  // namespace collided::cli

@@ -1,0 +1,43 @@
+#pragma once
+// The procedural scene that a subcommand plays.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <string>
+
+#include "client/cli/options/finite.hpp"
+
+namespace collided::cli {
+
+struct SceneOptions {
+  std::string name;
+  double scale = 1;
+  int frames = 60;
+  double t0 = 0;
+  double dt = 1.0 / 60;
+
+  /// Time of a frame; a scene ends at 1 and stands still from then on.
+  double time(int frame) const { return std::min(1.0, t0 + dt * frame); }
+};
+
+inline void add_scale_option(CLI::App& command, double& scale) {
+  command.add_option("--scale", scale, "Refines the grids: triangles grow by about its square")->capture_default_str();
+}
+
+inline void add_scene_options(CLI::App& command, SceneOptions& options) {
+  command.add_option("--scene", options.name, "Name of the scene, see 'collidectl scenes'")->required();
+  command.add_option("--frames", options.frames, "Number of frames")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command.add_option("--t0", options.t0, "Time of the first frame; a scene goes from 0 to 1")
+      ->check(finite())
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command.add_option("--dt", options.dt, "Time from one frame to the next")
+      ->check(finite())
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  add_scale_option(command, options.scale);
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,111 @@
+// What is wrong with a command line, and what may have been meant.
+
+#include "client/cli/options/usage.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace collided::cli {
+
+namespace {
+
+/// The subcommand that was given, or collidectl itself.
+const CLI::App& command_of(const CLI::App& app) {
+  const auto given = app.get_subcommands();
+  return given.empty() ? app : *given.front();
+}
+
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  return names;
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+std::string suggestion(const std::string& meant, const std::string& otherwise) {
+  return meant.empty() ? "; " + otherwise : "; did you mean " + meant + "?";
+}
+
+std::string unknown_word(const CLI::App& app, const std::string& word) {
+  const CLI::App& command = command_of(app);
+  const bool is_option = word.starts_with("-") && word.size() > 1;
+  const bool is_command = &command == &app && !is_option;
+  if (is_command)
+    return "'" + word + "' is no command" +
+           suggestion(nearest(word, command_names(app)), "there are " + joined(command_names(app)));
+  const std::string of = &command == &app ? "collidectl" : "'" + command.get_name() + "'";
+  const std::string help = "collidectl " + (&command == &app ? "" : command.get_name() + " ") + "--help";
+  const std::string option = word.substr(0, word.find('='));
+  if (!is_option) return "'" + word + "' is one word too many for " + of + "; see '" + help + "'";
+  return option + " is no option of " + of + suggestion(nearest(option, option_names(command)), "see '" + help + "'");
+}
+
+/// Without the leading dashes, which would make all options look alike.
+std::string letters_of(const std::string& word) {
+  const auto first = word.find_first_not_of('-');
+  return first == std::string::npos ? "" : word.substr(first);
+}
+
+class UsageFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_usage(const CLI::Option* option) const override {
+    const std::string name = make_option_name(option, true);
+    std::string usage = name;
+    for (int i = 1; i < option->get_expected_max(); ++i)
+      usage += i < option->get_expected_min() ? " " + name : " [" + name + "]";
+    return option->get_required() ? usage : "[" + usage + "]";
+  }
+};
+
+}  // namespace
+
+size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = std::exchange(row[0], i);
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string nearest(const std::string& word, const std::vector<std::string>& known) {
+  std::string best;
+  size_t best_distance = (letters_of(word).size() + 1) / 3 + 1;  // one letter in three may be wrong
+  for (const std::string& candidate : known)
+    if (const size_t distance = edit_distance(letters_of(word), letters_of(candidate)); distance < best_distance) {
+      best_distance = distance;
+      best = candidate;
+    }
+  return best;
+}
+
+std::string usage_message(const CLI::App& app, const CLI::Error& error) {
+  const std::vector<std::string> unknown = app.remaining(true);
+  if (!unknown.empty()) return unknown_word(app, unknown.front());
+  if (command_of(app).get_name() == app.get_name())
+    return "a command is needed: " + joined(command_names(app)) + "; see 'collidectl --help'";
+  return error.what();
+}
+
+std::shared_ptr<CLI::FormatterBase> usage_formatter() { return std::make_shared<UsageFormatter>(); }
+
+}  // namespace collided::cli

@@ -1,0 +1,95 @@
+// Where results go: files, or standard output.
+
+#include "client/cli/output/output.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+#include "client/cli/options/usage_error.hpp"
+
+namespace collided::cli {
+
+namespace {
+
+std::string cannot_be_written(const std::string& file, int error) {
+  return file + ": cannot be written: " + std::strerror(error);
+}
+
+/// 0, or errno from opening it for writing.
+int try_to_open(const std::string& file) {
+  struct stat about {};
+  const bool is_there = stat(file.c_str(), &about) == 0;
+  if (is_there && !S_ISREG(about.st_mode) &&
+      !S_ISDIR(about.st_mode))  // opening a pipe could block until it has a reader
+    return access(file.c_str(), W_OK) == 0 ? 0 : errno;
+  const int opened = open(file.c_str(), O_WRONLY | O_CLOEXEC | (is_there ? 0 : O_CREAT), 0666);
+  if (opened < 0) return errno;
+  close(opened);
+  if (!is_there) unlink(file.c_str());
+  return 0;
+}
+
+}  // namespace
+
+void check_writable(const std::string& option, const std::string& file) {
+  if (file.empty() || is_standard_output(file)) return;
+  if (const int error = try_to_open(file)) throw std::runtime_error(option + " " + cannot_be_written(file, error));
+}
+
+void make_folder(const std::string& option, const std::string& folder) {
+  if (is_standard_output(folder)) throw UsageError(option + " is a folder here; standard output (-) is none");
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder) || access(folder.c_str(), W_OK) != 0)
+    throw std::runtime_error(option + " " + folder + ": is no folder that can be written to");
+}
+
+void check_one_output(const std::string& out, bool json) {
+  if (json && is_standard_output(out)) throw UsageError("--json and --out - both want standard output");
+}
+
+void print_summary(const std::string& out, const std::string& text) {
+  std::FILE* const to = is_standard_output(out) ? stderr : stdout;
+  std::fputs(text.c_str(), to);
+  std::fflush(to);
+}
+
+OutputFile::OutputFile(const std::string& name)
+    : name_(name), file_(is_standard_output(name) ? stdout : std::fopen(name.c_str(), "wb")) {
+  if (file_ == nullptr) fail();
+}
+
+OutputFile::~OutputFile() {
+  if (file_ != nullptr && file_ != stdout) std::fclose(file_);
+}
+
+void OutputFile::write(const char* data, size_t bytes) {
+  if (std::fwrite(data, 1, bytes, file_) != bytes) fail();
+}
+
+void OutputFile::finish() {
+  if (std::fflush(file_) != 0) fail();
+  if (file_ == stdout) return;
+  if (std::fclose(std::exchange(file_, nullptr)) != 0) fail();
+}
+
+void OutputFile::fail() const {
+  const int error = errno;
+  if (file_ == stdout) throw OutputClosed(error);
+  throw std::runtime_error(cannot_be_written(name_, error));
+}
+
+void write_text(const std::string& file, const std::string& text) {
+  OutputFile out(file);
+  out.write(text.data(), text.size());
+  out.finish();
+}
+
+}  // namespace collided::cli

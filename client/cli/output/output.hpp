@@ -1,0 +1,53 @@
+#pragma once
+// Where results go: to a file, or to standard output, named "-"; messages for people then go to standard error.
+
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+namespace collided::cli {
+
+/// Standard output cannot be written; `error_number` is EPIPE if its reader has gone.
+struct OutputClosed : std::runtime_error {
+  explicit OutputClosed(int error) : std::runtime_error("standard output cannot be written"), error_number(error) {}
+  int error_number;
+};
+
+/// Whether `out` names standard output.
+inline bool is_standard_output(const std::string& out) { return out == "-"; }
+
+/// Called before the work, so that none is lost. Throws std::runtime_error naming `option`, the file and the reason if
+/// the file cannot be written. Neither changes nor creates it.
+void check_writable(const std::string& option, const std::string& file);
+
+/// The same for a folder, which is created if necessary. Throws UsageError for "-".
+void make_folder(const std::string& option, const std::string& folder);
+
+/// Throws UsageError if --json and --out both ask for standard output.
+void check_one_output(const std::string& out, bool json);
+
+/// Prints a summary for people: to standard output, or to standard error if `out` is standard output.
+void print_summary(const std::string& out, const std::string& text);
+
+/// A file or standard output. Throws std::runtime_error naming the file and the reason.
+class OutputFile {
+ public:
+  explicit OutputFile(const std::string& name);
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+  ~OutputFile();
+  void write(const char* data, size_t bytes);
+  /// Flushes; nothing can be written afterwards.
+  void finish();
+
+ private:
+  [[noreturn]] void fail() const;
+
+  std::string name_;
+  std::FILE* file_;
+};
+
+/// Writes a whole file. Throws as OutputFile does.
+void write_text(const std::string& file, const std::string& text);
+
+}  // namespace collided::cli

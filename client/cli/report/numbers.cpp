@@ -1,0 +1,25 @@
+// Numbers for people.
+
+#include "client/cli/report/numbers.hpp"
+
+#include <cstdio>
+
+namespace collided::cli {
+
+std::string format_double(const char* format, double x) {
+  char text[48];
+  std::snprintf(text, sizeof text, format, x);
+  return text;
+}
+
+std::string count_text(uint64_t n) {
+  std::string text = std::to_string(n);
+  for (size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, ",");
+  return text;
+}
+
+std::string milliseconds_text(double ms) {
+  return ms >= 1000 ? count_text(static_cast<uint64_t>(ms + 0.5)) : format_double(ms >= 100 ? "%.0f" : "%.3g", ms);
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,14 @@
+#pragma once
+// Reports for people: aligned lines, numbers with units, measured values in three or four digits.
+
+#include <string>
+
+#include "client/cli/report/json.hpp"
+
+namespace collided::cli {
+
+/// An object as aligned lines "name  value", nested objects indented. The name gives the unit: "step_ms" becomes
+/// "step  12.3 ms". null means that something was not counted.
+std::string report_text(const Json& object, size_t indent = 0);
+
+}  // namespace collided::cli

@@ -1,0 +1,148 @@
+// Connections to one address with its credentials.
+
+#include "client/cpp/transport/grpc/channel.hpp"
+
+#include <arpa/inet.h>
+#include <grpcpp/create_channel.h>
+#include <grpcpp/support/channel_arguments.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <iterator>
+
+#include "client/cpp/error.hpp"
+#include "client/cpp/transport/grpc/deadline.hpp"
+#include "collided/v1/collision_service.grpc.pb.h"
+
+namespace collided::client {
+
+namespace {
+
+constexpr int kMaxReceiveBytes = 4 << 20;  // the protocol's limit for any answer
+constexpr int kKeepaliveMs = 10'000, kKeepaliveTimeoutMs = 5'000;
+
+std::string read_file(const char* option, const std::string& name) {
+  std::ifstream in(name, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (!in || text.empty())
+    throw Error(grpc::INVALID_ARGUMENT, std::string(option) + " is '" + name + "', which cannot be read", option);
+  return text;
+}
+
+/// Why a channel did not connect, if gRPC says so; else empty. gRPC tells only calls, so this makes one.
+std::string reason_of(const std::shared_ptr<grpc::Channel>& channel) {
+  grpc::ClientContext context;
+  context.set_deadline(deadline_in(std::chrono::seconds(1)));
+  v1::GetServerInfoResponse response;
+  const grpc::Status status = v1::CollisionService::NewStub(channel)->GetServerInfo(&context, {}, &response);
+  if (status.error_code() != grpc::UNAVAILABLE) return "";
+  const std::string text = status.error_message(), before = "last error: ";
+  const size_t last = text.find(before);
+  if (last == std::string::npos) return ": " + text;
+  return text.substr(text.find(": ", last + before.size()));  // drops the name of the status code
+}
+
+/// "[::1]:50051" to "::1", "localhost:50051" to "localhost".
+std::string host_of(std::string address) {
+  for (const std::string scheme : {"dns:", "ipv4:", "ipv6:"})
+    if (address.starts_with(scheme)) {
+      address.erase(0, scheme.size());
+      address.erase(0, address.find_first_not_of('/'));
+    }
+  if (const size_t end = address.find(']'); address.starts_with('[') && end != std::string::npos)
+    return address.substr(1, end - 1);
+  if (std::count(address.begin(), address.end(), ':') > 1) return address;  // a bare IPv6 address
+  return address.substr(0, address.find(':'));
+}
+
+/// Whether gRPC metadata can carry it: visible ASCII.
+bool is_visible(const std::string& text) {
+  return std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
+}
+
+void check_token(const ConnectOptions& options, const std::string& address) {
+  if (!is_visible(options.token))
+    throw Error(grpc::INVALID_ARGUMENT, "token has a character that is no visible ASCII one", "token");
+  if (options.token.empty() || !options.tls_ca.empty() || options.allow_insecure_token || is_local_address(address))
+    return;
+  throw Error(grpc::INVALID_ARGUMENT,
+              "token is not sent to '" + address + "' in plain text; use TLS (tls_ca) or allow_insecure_token",
+              "token");
+}
+
+void check_options(const ConnectOptions& options) {
+  if (options.tls_certificate.empty() != options.tls_key.empty())
+    throw Error(grpc::INVALID_ARGUMENT, "tls_certificate and tls_key go together; only one is set", "tls_key");
+  if (options.tls_ca.empty() && !(options.tls_certificate + options.tls_server_name).empty())
+    throw Error(grpc::INVALID_ARGUMENT, "tls_ca is empty; tls_certificate and tls_server_name need it", "tls_ca");
+}
+
+std::shared_ptr<grpc::ChannelCredentials> credentials_of(const ConnectOptions& options) {
+  if (options.tls_ca.empty()) return grpc::InsecureChannelCredentials();
+  grpc::SslCredentialsOptions tls;
+  tls.pem_root_certs = read_file("tls_ca", options.tls_ca);
+  if (!options.tls_key.empty()) {
+    tls.pem_cert_chain = read_file("tls_certificate", options.tls_certificate);
+    tls.pem_private_key = read_file("tls_key", options.tls_key);
+  }
+  return grpc::SslCredentials(tls);
+}
+
+}  // namespace
+
+bool is_local_address(const std::string& address) {
+  if (address.starts_with("unix:") || address.starts_with("unix-abstract:")) return true;
+  const std::string host = host_of(address);
+  in_addr ipv4;
+  in6_addr ipv6;
+  if (inet_pton(AF_INET, host.c_str(), &ipv4) == 1) return ntohl(ipv4.s_addr) >> 24 == 127;
+  if (inet_pton(AF_INET6, host.c_str(), &ipv6) == 1) return IN6_IS_ADDR_LOOPBACK(&ipv6);
+  return host == "localhost";
+}
+
+ChannelFactory::ChannelFactory(std::string address, ConnectOptions options)
+    : address_(std::move(address)), options_(std::move(options)) {
+  check_options(options_);
+  check_token(options_, address_);
+  credentials_ = credentials_of(options_);
+}
+
+std::shared_ptr<grpc::Channel> ChannelFactory::make() const {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(kMaxReceiveBytes);
+  // Else gRPC merges connections of one process, and failed attempts of one delay the others.
+  arguments.SetInt("grpc.use_local_subchannel_pool", 1);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);  // no limit: idle streams are watched as well
+  if (is_local_address(address_)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  if (!options_.tls_server_name.empty()) arguments.SetSslTargetNameOverride(options_.tls_server_name);
+  return grpc::CreateCustomChannel(address_, credentials_, arguments);
+}
+
+std::shared_ptr<grpc::Channel> ChannelFactory::connect() const {
+  auto channel = make();
+  if (!channel->WaitForConnected(deadline_in(options_.patience)))
+    throw Error(grpc::UNAVAILABLE, "no daemon answers at " + address_ + reason_of(channel));
+  return channel;
+}
+
+std::unique_ptr<grpc::ClientContext> ChannelFactory::context(const std::string& scene_id) const {
+  auto context = std::make_unique<grpc::ClientContext>();
+  // Not as call credentials, which gRPC refuses on plain-text channels, Unix sockets included.
+  if (!options_.token.empty()) context->AddMetadata("authorization", "Bearer " + options_.token);
+  if (!scene_id.empty() && is_visible(scene_id)) context->AddMetadata("scene-id", scene_id);
+  return context;
+}
+
+std::unique_ptr<grpc::ClientContext> ChannelFactory::call_context(const std::string& scene_id,
+                                                                  std::chrono::milliseconds more) const {
+  auto context = this->context(scene_id);
+  const auto max = std::chrono::milliseconds::max();
+  context->set_deadline(deadline_in(options_.deadline < max - more ? options_.deadline + more : max));
+  return context;
+}
+
+}  // namespace collided::client

@@ -1,0 +1,42 @@
+#pragma once
+// Connections to one address with its credentials, and the metadata of calls.
+
+#include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
+#include <grpcpp/security/credentials.h>
+
+#include <memory>
+#include <string>
+
+#include "client/cpp/connect_options.hpp"
+
+namespace collided::client {
+
+/// Whether a gRPC address is on this host for certain: unix:..., localhost or a loopback IP.
+bool is_local_address(const std::string& address);
+
+class ChannelFactory {
+ public:
+  /// Reads the files. Throws Error (INVALID_ARGUMENT) for options that contradict each other, a file that cannot be
+  /// read, or a token that would go to another host in plain text.
+  ChannelFactory(std::string address, ConnectOptions options);
+
+  const std::string& address() const { return address_; }
+  const ConnectOptions& options() const { return options_; }
+  /// A channel with a connection of its own, not yet connected.
+  std::shared_ptr<grpc::Channel> make() const;
+  /// The same, connected. Throws Error (UNAVAILABLE) after options().patience.
+  std::shared_ptr<grpc::Channel> connect() const;
+  /// Has the token and, for a call about a scene, the metadata `scene-id`, by which proxies find its daemon.
+  std::unique_ptr<grpc::ClientContext> context(const std::string& scene_id = "") const;
+  /// The same with a deadline: that of the options plus `more`.
+  std::unique_ptr<grpc::ClientContext> call_context(const std::string& scene_id = "",
+                                                    std::chrono::milliseconds more = {}) const;
+
+ private:
+  std::string address_;
+  ConnectOptions options_;
+  std::shared_ptr<grpc::ChannelCredentials> credentials_;
+};
+
+}  // namespace collided::client

@@ -1,0 +1,20 @@
+#pragma once
+// How the memory that a stream shares with the daemon is divided.
+
+#include <cstdint>
+
+#include "client/cpp/local_options.hpp"
+#include "collided/v1/scene.pb.h"
+
+namespace collided::client {
+
+struct LocalLayout {
+  uint32_t window = 2;
+  uint64_t frame_bytes = 0;   ///< of input for each frame in flight; a multiple of 4096
+  uint64_t output_bytes = 0;  ///< of contacts for all frames in flight; a multiple of 4096
+};
+
+/// Room for any frame of the scene.
+LocalLayout local_layout(const v1::SceneSpec& scene, uint32_t window, const LocalOptions& options);
+
+}  // namespace collided::client

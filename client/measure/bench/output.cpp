@@ -1,0 +1,22 @@
+// Where the results of 'collidectl bench' go.
+
+#include "client/measure/bench/output.hpp"
+
+#include "client/cli/output/output.hpp"
+
+namespace collided::cli {
+
+void BenchOutput::show(const std::string& lines) const {
+  if (!json_) print_summary(out_, lines);
+}
+
+void BenchOutput::keep(const Json& object) {
+  object_ = object;
+  if (!out_.empty() && !is_standard_output(out_)) write_text(out_, object_.dump(2) + "\n");
+}
+
+void BenchOutput::finish() const {
+  if (!object_.is_null() && (json_ || is_standard_output(out_))) write_text("-", object_.dump(2) + "\n");
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,124 @@
+"""Result files, read and checked."""
+
+import dataclasses
+import json
+import math
+
+TRADEOFF_FORMAT = "collided tradeoff 1"
+LEVELS = ("fast", "guarded", "certified", "exact")
+POSITION_FORMATS = ("f32", "f64")
+
+
+class BadResult(Exception):
+    """Names the file and what is wrong with it."""
+
+
+@dataclasses.dataclass
+class Run:
+    """One level, delta and position format of a tradeoff."""
+    level: str
+    position_format: str
+    delta: float | None  # none for a level without; 0: the daemon's own choice
+    narrow_ms: float
+    missed: int
+    false: int
+    late: int
+    gap: dict  # how early times of impact are, as fractions of the step: median, p99, worst; 0 for times that are late
+
+
+@dataclasses.dataclass
+class Tradeoff:
+    name: str
+    device: str
+    triangles: int
+    runs: list[Run]
+
+
+@dataclasses.dataclass
+class Results:
+    tradeoffs: list[Tradeoff]
+    runs: list[dict]  # of `collidectl bench` and `collided_bench --compare-engines`, each with its device
+
+
+def finite(value):
+    """`value`, if it is a finite number."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise ValueError(f"{value!r} is not a finite number")
+    return value
+
+
+def number(value):
+    """`value`, if it is a finite number of at least 0."""
+    if finite(value) < 0:
+        raise ValueError(f"{value!r} is less than 0")
+    return value
+
+
+def known(word, words):
+    if word not in words:
+        raise ValueError(f"{word!r} is not one of {', '.join(words)}")
+    return word
+
+
+def tradeoff_run(run):
+    contacts = run["contacts"]
+    gap = contacts["toi_gap"] or dict.fromkeys(("median", "p99", "worst"), 0.0)
+    return Run(level=known(run["level"], LEVELS), position_format=known(run["position_format"], POSITION_FORMATS),
+               delta=None if run["delta"] is None else number(run["delta"]),
+               narrow_ms=number(run["median_ms"]["narrow"]), missed=number(contacts["sum"]["missed"]),
+               false=number(contacts["sum"]["false"]), late=number(contacts["sum"]["late"]),
+               gap={part: max(0.0, finite(gap[part])) for part in ("median", "p99", "worst")})
+
+
+def tradeoff(result):
+    runs = [tradeoff_run(run) for run in result["runs"]]
+    if not runs:
+        raise ValueError("it has no runs")
+    return Tradeoff(str(result["name"]), str(result["device"]), number(result["triangles"]), runs)
+
+
+def step_run(run, device):
+    """The run with its device, checked: not all runs have stages, times and memory."""
+    for name in ("scene", "engine"):
+        if not isinstance(run[name], str):
+            raise ValueError(f"{name} is {run[name]!r}, not a name")
+    number(run["triangles"])
+    number(run["counts"]["tests"])
+    for ms in [*run.get("stage_ms", {}).values(), *run.get("step_ms", {}).values(), run.get("device_bytes", 0)]:
+        number(ms)
+    return {"device": device, **run}
+
+
+def parse(text, path):
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError as error:
+        raise BadResult(f"{path}: is not JSON: {error}") from None
+
+
+def add_file(path, results):
+    with open(path, encoding="utf-8") as file:
+        result = parse(file.read(), path)
+    if not isinstance(result, dict) or "runs" not in result:
+        raise BadResult(f"{path}: is no result of a measurement: it has no 'runs'")
+    is_tradeoff = "format" in result
+    try:
+        if is_tradeoff:
+            known(result["format"], [TRADEOFF_FORMAT])
+            results.tradeoffs.append(tradeoff(result))
+        else:
+            results.runs += [step_run(run, result["device"]) for run in result["runs"]]
+    except KeyError as missing:
+        raise BadResult(f"{path}: is no result of a measurement: {missing} is missing") from None
+    except (AttributeError, TypeError, ValueError) as error:
+        raise BadResult(f"{path}: is no result of a measurement: {error}") from None
+
+
+def read_results(paths):
+    """Throws BadResult, and OSError for a file that cannot be read."""
+    results = Results([], [])
+    for path in paths:
+        add_file(path, results)
+    if len(devices := sorted({run["device"] for run in results.runs})) > 1:
+        raise BadResult(f"one picture shows one device; the results are of {' and '.join(devices)}")
+    return results

@@ -1,0 +1,24 @@
+#pragma once
+// Reads and writes mesh files: OBJ and PLY (ASCII, binary of either byte order, float or double positions).
+
+#include <filesystem>
+#include <vector>
+
+#include "client/scenes/scene.hpp"
+
+namespace collided::scenes {
+
+struct MeshFile {
+  std::vector<Vec3d> positions;
+  std::vector<std::array<uint32_t, 3>> triangles;
+  bool is_double = false;  ///< a position is not exactly a float
+};
+
+/// Reads the format that the file's extension names. Throws std::runtime_error naming the file, the place and what is
+/// wrong.
+MeshFile read_mesh(const std::filesystem::path& file);
+
+/// Writes OBJ (17 digits) or binary little-endian double PLY, as the file's extension says.
+void write_mesh(const std::filesystem::path& file, const MeshFile& mesh);
+
+}  // namespace collided::scenes

@@ -1,0 +1,88 @@
+// OBJ: lines "v x y z" and "f a b c ..." (also a/b/c, and negative indices, which count back); others are skipped.
+
+#include <cmath>
+
+#include "client/scenes/mesh_files/mesh_text.hpp"
+
+namespace collided::scenes {
+
+namespace {
+
+Vec3d parse_vertex(std::string_view line, const std::string& place) {
+  Vec3d p;
+  for (double& x : p) {
+    const std::string_view word = next_word(line);
+    x = parse_number<double>(word, place);
+    if (!std::isfinite(x)) fail(place, "position " + std::string(word.substr(0, 40)) + " is not finite");
+  }
+  return p;
+}
+
+/// The largest vertex index of all faces and its line: faces may come before their vertices.
+struct MaxCorner {
+  uint32_t corner = 0;
+  size_t line = 0;
+
+  void include(const std::vector<uint32_t>& corners, size_t number) {
+    for (const uint32_t c : corners)
+      if (line == 0 || c > corner) *this = {c, number};
+  }
+};
+
+uint32_t parse_corner(std::string_view word, size_t vertices, const std::string& place) {
+  const auto index = parse_number<int64_t>(word.substr(0, word.find('/')), place);
+  const int64_t from_zero = index < 0 ? static_cast<int64_t>(vertices) + index : index - 1;
+  if (index == 0 || from_zero < 0 || from_zero > int64_t{UINT32_MAX})
+    fail(place, "vertex index " + std::to_string(index) + " is out of range");
+  return static_cast<uint32_t>(from_zero);
+}
+
+void append_number(std::string& out, double x) {
+  char buffer[40];
+  out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, x, std::chars_format::general, 17).ptr);
+}
+
+}  // namespace
+
+MeshFile read_obj(std::string_view text, const std::string& file) {
+  MeshFile mesh;
+  std::vector<uint32_t> corners;
+  MaxCorner max;
+  for (size_t number = 1; !text.empty(); ++number) {
+    std::string_view line = next_line(text);
+    const std::string_view key = next_word(line);
+    if (key != "v" && key != "f") continue;
+    const std::string place = file + ":" + std::to_string(number);
+    if (key == "v") {
+      mesh.positions.push_back(parse_vertex(line, place));
+      continue;
+    }
+    corners.clear();
+    for (std::string_view word = next_word(line); !word.empty(); word = next_word(line))
+      corners.push_back(parse_corner(word, mesh.positions.size(), place));
+    add_fan(corners, mesh, place);
+    max.include(corners, number);
+  }
+  if (max.line > 0 && max.corner >= mesh.positions.size())
+    fail(file + ":" + std::to_string(max.line), "vertex index " + std::to_string(uint64_t{max.corner} + 1) +
+                                                    " is out of range; there are " +
+                                                    std::to_string(mesh.positions.size()) + " vertices");
+  return mesh;
+}
+
+std::string write_obj(const MeshFile& mesh) {
+  std::string out;
+  for (const Vec3d& p : mesh.positions) {
+    out += 'v';
+    for (const double x : p) append_number(out += ' ', x);
+    out += '\n';
+  }
+  for (const auto& t : mesh.triangles) {
+    out += 'f';
+    for (const uint32_t v : t) out += ' ' + std::to_string(uint64_t{v} + 1);
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace collided::scenes

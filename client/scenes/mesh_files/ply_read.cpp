@@ -1,0 +1,155 @@
+// Reads PLY: positions of "vertex" and corners of "face"; other elements and properties are skipped.
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+
+#include "client/scenes/mesh_files/mesh_text.hpp"
+#include "client/scenes/mesh_files/ply_header.hpp"
+
+namespace collided::scenes {
+
+namespace {
+
+/// Reads numbers from the body, whatever their encoding. A double holds every PLY type exactly.
+class Body {
+ public:
+  /// `text` begins on line `line` of the file.
+  Body(std::string_view text, size_t line, PlyFormat format, std::string file)
+      : text_(text), line_(line), format_(format), file_(std::move(file)) {}
+
+  double number(PlyType type) {
+    if (format_ == PlyFormat::kAscii) return ascii_number(type);
+    switch (type) {
+      case PlyType::kInt8:
+        return binary<int8_t, uint8_t>();
+      case PlyType::kUint8:
+        return binary<uint8_t, uint8_t>();
+      case PlyType::kInt16:
+        return binary<int16_t, uint16_t>();
+      case PlyType::kUint16:
+        return binary<uint16_t, uint16_t>();
+      case PlyType::kInt32:
+        return binary<int32_t, uint32_t>();
+      case PlyType::kUint32:
+        return binary<uint32_t, uint32_t>();
+      case PlyType::kFloat:
+        return binary<float, uint32_t>();
+      case PlyType::kDouble:
+        break;
+    }
+    return binary<double, uint64_t>();
+  }
+
+  /// The length of a list, checked against the bytes that are left.
+  uint64_t list_length(const PlyProperty& property, const std::string& place) {
+    const double length = number(property.count_type);
+    const uint64_t each = format_ == PlyFormat::kAscii ? 1 : size_of(property.type);
+    if (!(length >= 0) || length > static_cast<double>(text_.size() / each))
+      fail(place, "a list of " + std::to_string(static_cast<int64_t>(length)) + " does not fit in the " +
+                      std::to_string(text_.size()) + " bytes that are left");
+    return static_cast<uint64_t>(length);
+  }
+
+ private:
+  double ascii_number(PlyType type) {
+    const size_t from = text_.find_first_not_of(" \t\r\n");
+    if (from == std::string_view::npos) fail(file_, "is cut off");
+    const size_t to = std::min(text_.find_first_of(" \t\r\n", from), text_.size());
+    const std::string_view word = text_.substr(from, to - from);
+    line_ += static_cast<size_t>(std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(from), '\n'));
+    text_.remove_prefix(to);
+    const auto place = [this] { return file_ + ":" + std::to_string(line_); };
+    // Decimal text is read at double precision, whatever type the header names, so that nothing is rounded twice.
+    if (type >= PlyType::kFloat) return parse_number<double>(word, place);
+    return static_cast<double>(parse_number<int64_t>(word, place));
+  }
+
+  template <class T, class Bits>
+  double binary() {
+    if (text_.size() < sizeof(Bits)) fail(file_, "is cut off");
+    Bits bits = 0;
+    for (size_t i = 0; i < sizeof(Bits); ++i) {
+      const size_t shift = 8 * (format_ == PlyFormat::kLittleEndian ? i : sizeof(Bits) - 1 - i);
+      bits = static_cast<Bits>(bits | static_cast<Bits>(Bits{static_cast<unsigned char>(text_[i])} << shift));
+    }
+    text_.remove_prefix(sizeof(Bits));
+    return static_cast<double>(std::bit_cast<T>(bits));
+  }
+
+  std::string_view text_;
+  size_t line_;  ///< of ascii text
+  PlyFormat format_;
+  std::string file_;
+};
+
+void skip(Body& body, const PlyProperty& property, const std::string& place) {
+  const uint64_t n = property.is_list ? body.list_length(property, place) : 1;
+  for (uint64_t i = 0; i < n; ++i) body.number(property.type);
+}
+
+void read_vertices(Body& body, const PlyElement& element, MeshFile& mesh, const std::string& file) {
+  std::vector<int> axis_of;
+  int found = 0;
+  for (const PlyProperty& p : element.properties) {
+    const bool is_axis = !p.is_list && p.name.size() == 1 && p.name[0] >= 'x' && p.name[0] <= 'z';
+    axis_of.push_back(is_axis ? p.name[0] - 'x' : -1);
+    if (is_axis) found |= 1 << axis_of.back();
+  }
+  if (found != 7) fail(file, "element vertex lacks one of the properties x, y, z");
+  mesh.positions.resize(element.count);
+  for (uint64_t v = 0; v < element.count; ++v)
+    for (size_t i = 0; i < axis_of.size(); ++i) {
+      if (axis_of[i] < 0)
+        skip(body, element.properties[i], file + ": vertex " + std::to_string(v));
+      else
+        mesh.positions[v][static_cast<size_t>(axis_of[i])] = body.number(element.properties[i].type);
+    }
+}
+
+bool is_corners(const PlyProperty& p) { return p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index"); }
+
+void read_face(Body& body, const PlyElement& element, MeshFile& mesh, const std::string& place) {
+  std::vector<uint32_t> corners;
+  for (const PlyProperty& p : element.properties) {
+    if (!is_corners(p)) {
+      skip(body, p, place);
+      continue;
+    }
+    for (uint64_t n = body.list_length(p, place); n > 0; --n) {
+      const double index = body.number(p.type);
+      if (!(index >= 0 && index < static_cast<double>(mesh.positions.size())))
+        fail(place, "vertex index " + std::to_string(static_cast<int64_t>(index)) + " is out of range; there are " +
+                        std::to_string(mesh.positions.size()) + " vertices");
+      corners.push_back(static_cast<uint32_t>(index));
+    }
+  }
+  add_fan(corners, mesh, place);
+}
+
+}  // namespace
+
+MeshFile read_ply(std::string_view text, const std::string& file) {
+  const std::string_view whole = text;
+  const PlyHeader header = read_ply_header(text, file);
+  const auto header_end = whole.begin() + static_cast<std::ptrdiff_t>(whole.size() - text.size());
+  Body body(text, 1 + static_cast<size_t>(std::count(whole.begin(), header_end, '\n')), header.format, file);
+  MeshFile mesh;
+  for (const PlyElement& element : header.elements) {
+    if (element.name == "vertex") {
+      read_vertices(body, element, mesh, file);
+      continue;
+    }
+    for (uint64_t i = 0; i < element.count; ++i) {
+      const std::string place = file + ": " + element.name + " " + std::to_string(i);
+      if (element.name == "face")
+        read_face(body, element, mesh, place);
+      else
+        for (const PlyProperty& p : element.properties) skip(body, p, place);
+    }
+  }
+  return mesh;
+}
+
+}  // namespace collided::scenes

@@ -1,0 +1,199 @@
+// The client library against a daemon of its own.
+
+#include <grpcpp/create_channel.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "client/cli/daemon/own_daemon.hpp"
+#include "client/cpp/client.hpp"
+#include "client/cpp/transport/grpc/grpc_transport.hpp"
+
+namespace collided::client {
+namespace {
+
+using Triangles = std::vector<std::array<uint32_t, 3>>;
+
+const Triangles kTriangles{{0, 1, 2}, {3, 4, 5}};
+
+/// A triangle that lies still, and one whose corner is `height` above its inside.
+std::vector<std::array<double, 3>> positions_at(double height) {
+  return {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, height}, {1.5, 1, height + 2}, {1, 1.5, height + 2}};
+}
+
+class ClientAndDaemon : public testing::Test {
+ protected:
+  ClientAndDaemon() : daemon(std::in_place, cli::DaemonOptions{.backend = "cpu", .threads = 1}) {}
+
+  v1::Scene make_scene() {
+    v1::SceneSpec spec;
+    spec.set_mode(v1::DETECTION_MODE_CCD);
+    spec.set_position_format(v1::POSITION_FORMAT_F64);
+    const MeshInput mesh{.name = "two", .vertex_count = 6, .triangles = kTriangles};
+    return client.create_scene(spec, {&mesh, 1});
+  }
+  /// Opens a stream whose messages are at most so large.
+  FrameStream stream_of(const v1::Scene& scene, uint64_t max_message_bytes) {
+    const auto channel = grpc::CreateChannel(daemon->address(), grpc::InsecureChannelCredentials());
+    v1::OpenStream open;
+    open.set_scene_id(scene.scene_id());
+    return FrameStream::open(
+        std::make_unique<GrpcTransport>(channel, std::make_unique<grpc::ClientContext>(), max_message_bytes), open);
+  }
+  static FrameOutput run(FrameStream& stream, uint64_t id, const std::vector<std::array<double, 3>>& positions) {
+    const FrameUpdate update{.positions = std::as_bytes(std::span(positions))};
+    stream.send(id, {&update, 1});
+    return stream.receive();
+  }
+
+  std::optional<cli::OwnDaemon> daemon;
+  Client client = Client::connect(daemon->address());
+};
+
+TEST_F(ClientAndDaemon, PositionsInTheCallersMemoryGiveTheContactsOfAFrame) {
+  const v1::Scene light = make_scene(), whole = make_scene();
+  FrameStream a = client.stream(light), b = client.stream(whole);
+  for (uint64_t id = 1; id <= 4; ++id) {
+    const auto positions = positions_at(id % 2 ? 1 : -1);
+    v1::Frame frame;
+    frame.set_frame_id(id);
+    *frame.add_updates() = mesh_update(0, v1::POSITION_FORMAT_F64, positions);
+    b.send(frame);
+    const FrameOutput expected = b.receive(), found = run(a, id, positions);
+    EXPECT_NO_THROW(found.check());
+    EXPECT_EQ(found.frame_id, id);
+    EXPECT_EQ(found.vertex_triangle.count, id == 1 ? 0u : 1u);
+    EXPECT_EQ(found.vertex_triangle.toi, expected.vertex_triangle.toi);
+    EXPECT_EQ(found.edge_edge.stencils, expected.edge_edge.stencils);
+  }
+  EXPECT_FALSE(a.draining_deadline());
+  a.finish();
+  b.finish();
+}
+
+TEST_F(ClientAndDaemon, ARefusedFrameIsAnAnswerAndTheStreamGoesOn) {
+  const v1::Scene scene = make_scene();
+  FrameStream stream = client.stream(scene, {.window = 1});
+  run(stream, 1, positions_at(1)).check();
+  auto bad = positions_at(-1);
+  bad[3][2] = NAN;
+  const FrameOutput refused = run(stream, 2, bad);
+  EXPECT_THROW(refused.check(), Error);
+  EXPECT_EQ(run(stream, 3, positions_at(-1)).vertex_triangle.count, 1u);
+  stream.finish();
+}
+
+/// The flags of the one vertex-triangle contact from a start at which the corner is `height` above.
+uint8_t flags_from(Client& client, const v1::Scene& scene, double height) {
+  FrameStream stream = client.stream(scene);
+  v1::Frame frame;
+  frame.set_frame_id(stream.scene().last_frame_id() + 1);
+  *frame.add_updates() = mesh_update(0, v1::POSITION_FORMAT_F64, positions_at(-1), positions_at(height));
+  stream.send(frame);
+  const FrameOutput output = stream.receive();
+  output.check();
+  stream.finish();
+  return output.vertex_triangle.flags.at(0);
+}
+
+TEST_F(ClientAndDaemon, TheFlagsOfAContactAreMasks) {
+  const v1::Scene scene = make_scene();
+  const uint8_t touching = flags_from(client, scene, 0), apart = flags_from(client, scene, 1);
+  EXPECT_TRUE(touching & v1::CONTACT_FLAG_INITIAL);
+  EXPECT_FALSE(apart & v1::CONTACT_FLAG_INITIAL);
+  EXPECT_TRUE(apart & v1::CONTACT_FLAG_CERTIFIED);
+  EXPECT_FALSE((apart | touching) & v1::CONTACT_FLAG_CAPPED);
+}
+
+TEST_F(ClientAndDaemon, AThreadCanReceiveBeforeTheFirstFrameIsSent) {
+  FrameStream stream = client.stream(make_scene());
+  EXPECT_THROW(stream.receive(), Error);
+  EXPECT_FALSE(stream.receive_within(std::chrono::milliseconds(0)));
+  std::vector<uint64_t> received;
+  std::optional<Error> end;
+  std::thread receiver([&] {
+    try {
+      for (;;)
+        if (const auto output = stream.receive_within(std::chrono::milliseconds(10)))
+          received.push_back(output->frame_id);
+    } catch (const Error& e) {
+      end = e;
+    }
+  });
+  for (uint64_t id = 1; id <= 5; ++id) {
+    const auto positions = positions_at(1);
+    const FrameUpdate update{.positions = std::as_bytes(std::span(positions))};
+    stream.send(id, {&update, 1});
+  }
+  stream.finish();
+  receiver.join();
+  EXPECT_EQ(received, (std::vector<uint64_t>{1, 2, 3, 4, 5}));
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->code(), grpc::FAILED_PRECONDITION) << end->what();
+}
+
+TEST_F(ClientAndDaemon, AMessageAboveTheLimitIsNotSentAndCostsNoCredit) {
+  FrameStream stream = stream_of(make_scene(), 200);
+  const std::vector<std::array<double, 3>> many(100);
+  for (int i = 0; i < 5; ++i) {
+    try {
+      run(stream, 1, many);
+      FAIL();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), grpc::RESOURCE_EXHAUSTED);
+      EXPECT_NE(e.message().find("limit is 200"), std::string::npos);
+    }
+  }
+  run(stream, 1, positions_at(1)).check();
+  stream.finish();
+}
+
+TEST_F(ClientAndDaemon, AFrameOfManyMegabytesIsSentWhole) {
+  const uint32_t count = 500'000;
+  v1::SceneSpec spec;
+  spec.set_mode(v1::DETECTION_MODE_DCD);
+  spec.set_thickness(0.1);
+  spec.set_position_format(v1::POSITION_FORMAT_F64);
+  const MeshInput mesh{.name = "two of many", .vertex_count = count, .triangles = kTriangles};
+  const v1::Scene scene = client.create_scene(spec, {&mesh, 1});
+  FrameStream stream = client.stream(scene);
+  std::vector<std::array<double, 3>> positions(count, {9, 9, 9});
+  const auto near = positions_at(0.05);
+  std::copy(near.begin(), near.end(), positions.begin());
+  EXPECT_EQ(run(stream, 1, positions).vertex_triangle.count, 1u);
+  positions.back()[1] = INFINITY;  // the last bytes arrive, too
+  EXPECT_THROW(run(stream, 2, positions).check(), Error);
+  stream.finish();
+}
+
+TEST_F(ClientAndDaemon, AStreamThatIsLetGoOfIsCancelled) {
+  const v1::Scene scene = make_scene();
+  {
+    FrameStream stream = client.stream(scene);
+    run(stream, 1, positions_at(1));
+  }
+  client.delete_scene(scene.scene_id());
+  try {
+    client.stream(scene);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), grpc::NOT_FOUND);
+  }
+}
+
+TEST_F(ClientAndDaemon, AStoppingDaemonSaysSoBeforeTheConnectionIsLost) {
+  FrameStream stream = client.stream(make_scene());
+  run(stream, 1, positions_at(1)).check();
+  std::thread stop([&] { daemon.reset(); });
+  while (!stream.draining_deadline()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  try {
+    for (uint64_t id = 2;; ++id) run(stream, id, positions_at(1)).check();
+  } catch (const Error& e) {
+    EXPECT_TRUE(is_connection_lost(e)) << e.what();
+  }
+  stop.join();
+  EXPECT_THROW(stream.finish(), Error);
+}
+
+}  // namespace
+}  // namespace collided::client
