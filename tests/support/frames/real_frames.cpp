@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "client/scenes/mesh_file.hpp"
+#include "client/scenes/mesh_files/mesh_file.hpp"
 #include "tests/support/data_folder.hpp"
 
 namespace collided::test {
