@@ -253,6 +253,10 @@ class Detector {
   virtual DeviceInfo device() const = 0;
 };
 
+/// Throws InvalidInput, naming the option, for options of a scene, or of one frame of it, that cannot be used or do not
+/// go together. Reads no mesh and no update.
+void check_options(const SceneSpec& spec, const FrameInput& frame = {});
+
 /// Devices that scenes can live on: the CPU, then every usable CUDA device.
 std::vector<DeviceInfo> list_devices();
 

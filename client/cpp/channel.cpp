@@ -14,12 +14,12 @@
 #include "client/cpp/deadline.hpp"
 #include "client/cpp/error.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
+#include "proto/constants.hpp"
 
 namespace collided::client {
 
 namespace {
 
-constexpr int kMaxReceiveBytes = 4 << 20;  // the protocol's limit for every answer
 constexpr int kKeepaliveMs = 10'000, kKeepaliveTimeoutMs = 5'000;
 
 std::string read_file(const char* option, const std::string& name) {
@@ -110,7 +110,7 @@ ChannelMaker::ChannelMaker(std::string address, ConnectOptions options)
 
 std::shared_ptr<grpc::Channel> ChannelMaker::make() const {
   grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(kMaxReceiveBytes);
+  arguments.SetMaxReceiveMessageSize(v1::kMaxAnswerBytes);
   // Two connections of one process shall not become one, nor one's failed attempts delay the other's.
   arguments.SetInt("grpc.use_local_subchannel_pool", 1);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);

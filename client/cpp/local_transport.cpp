@@ -10,12 +10,12 @@
 #include <cerrno>
 #include <cstring>
 
+#include "proto/constants.hpp"
+
 namespace collided::client {
 
 namespace {
 
-constexpr uint32_t kVersion = 1;
-constexpr size_t kMaxPacketBytes = size_t{64} << 10;
 constexpr uint64_t kAlignment = 64;
 constexpr size_t kFewBytes = 64;  // are sent with the packet
 
@@ -50,7 +50,7 @@ bool send_with_file(int socket, const std::string& packet, int file) {
 // Its size; 0 or less at the end. That the daemon has closed the socket can be told before its last packets.
 ssize_t receive(int socket, std::string& packet) {
   constexpr int kTries = 2;
-  packet.resize(kMaxPacketBytes);
+  packet.resize(v1::kMaxPacketBytes);
   for (int reset = 0;;) {
     const ssize_t size = recv(socket, packet.data(), packet.size(), 0);
     if (size >= 0 || (errno != EINTR && (errno != ECONNRESET || ++reset == kTries))) return size;
@@ -74,7 +74,7 @@ bool has_arrived(int socket, FrameTransport::Time deadline) {
 LocalTransport::LocalTransport(const LocalPeer& peer, const LocalLayout& layout, const std::string& token,
                                const std::string& cuda_ipc_handle)
     : layout_(layout), socket_(connect_to(peer)), region_(layout.window * layout.frame_bytes + layout.output_bytes) {
-  opening_.set_version(kVersion);
+  opening_.set_version(v1::kLocalVersion);
   opening_.set_token(token);
   opening_.set_input_bytes(layout.window * layout.frame_bytes);
   opening_.set_output_bytes(layout.output_bytes);
@@ -110,10 +110,9 @@ std::span<std::byte> LocalTransport::take_room(uint64_t bytes) {
 /// Where the bytes are in the input region, and if they are elsewhere, brings them there. Nothing if they are so few
 /// that the packet may take them, or if there is no room.
 std::optional<v1::SharedRange> LocalTransport::place(Bytes bytes) {
-  constexpr uint64_t kRangeAlignment = 8;
   const auto region = region_.bytes();
   uint64_t offset = reinterpret_cast<uintptr_t>(bytes.data()) - reinterpret_cast<uintptr_t>(region.data());
-  if (offset >= layout_.window * layout_.frame_bytes || offset % kRangeAlignment != 0) {
+  if (offset >= layout_.window * layout_.frame_bytes || offset % v1::kRangeAlignment != 0) {
     if (bytes.size() <= kFewBytes) return std::nullopt;
     const auto room = take_room(bytes.size());
     if (room.size() != bytes.size()) return std::nullopt;
@@ -183,7 +182,7 @@ bool LocalTransport::send(const v1::Frame& frame, std::span<const FrameUpdate> u
 v1::SharedRange LocalTransport::place_if_long(const v1::Frame& frame) {
   constexpr size_t kAround = 8;  // the packet's own field
   const size_t bytes = frame.ByteSizeLong();
-  if (bytes + kAround <= kMaxPacketBytes) return {};
+  if (bytes + kAround <= v1::kMaxPacketBytes) return {};
   const std::string message = frame.SerializeAsString();
   if (const auto range = place(std::as_bytes(std::span(message)))) return *range;
   used_ = 0;
