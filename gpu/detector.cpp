@@ -35,6 +35,11 @@ std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
                                         : make_cpu_detector(std::move(spec), std::move(features));
 }
 
+void check_options(const SceneSpec& spec, const FrameInput& frame) {
+  check_spec(spec);
+  check_settings(spec, settings_of(spec, frame));
+}
+
 std::vector<DeviceInfo> list_devices() {
   std::vector<DeviceInfo> devices{cpu_device()};
   for (DeviceInfo& device : cuda_devices()) devices.push_back(std::move(device));

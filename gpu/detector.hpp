@@ -31,6 +31,10 @@ class Detector {
 /// for its topology on the host. What a frame needs on top of it depends on the positions. Reads no mesh of the spec.
 uint64_t min_scene_bytes(const SceneSpec& spec, uint64_t vertices, uint64_t triangles);
 
+/// Throws InvalidInput, naming the option, for options of a scene, or of one frame of it, that cannot be used or do not
+/// go together. Reads no mesh and no update.
+void check_options(const SceneSpec& spec, const FrameInput& frame = {});
+
 /// Devices that scenes can live on: the CPU, then every usable CUDA device.
 std::vector<DeviceInfo> list_devices();
 

@@ -1,4 +1,4 @@
-// The gRPC server around the service, and HTTP beside it.
+// The gRPC server around the service, the local socket and HTTP.
 #include "server/daemon.hpp"
 
 #include <google/protobuf/stubs/logging.h>
@@ -13,7 +13,7 @@
 
 #include "gpu/detector.hpp"
 #include "server/ops/log.hpp"
-#include "server/service/call_watch.hpp"
+#include "server/transport/grpc/call_watch.hpp"
 
 namespace collided::server {
 namespace {
@@ -29,37 +29,37 @@ void log_grpc(gpr_log_func_args* line) {
             {{"source", "grpc"}});
 }
 
-// gRPC takes a message in as a whole before it looks at its size. Beyond the quota it ends calls instead
-// (RESOURCE_EXHAUSTED); two of the largest messages must fit.
+// gRPC reads a whole message before it checks its size. Beyond the quota it ends calls instead (RESOURCE_EXHAUSTED);
+// two of the largest messages must fit.
 void set_quota(grpc::ServerBuilder& builder, const Limits& limits) {
   grpc::ResourceQuota quota("collided");
   quota.Resize(std::max(limits.max_network_bytes, 2 * limits.max_message_bytes));
   builder.SetResourceQuota(quota);
 }
 
-// Of one connection; a client that opens more waits until some have ended. All of a client's streams may be on one,
-// besides its other calls.
+// Per connection; a client that opens more calls waits until some have ended. All streams of a client, and its other
+// calls, may be on one connection.
 void set_concurrent_calls(grpc::ServerBuilder& builder, const Limits& limits) {
-  constexpr uint32_t kLeast = 256, kMost = 1'000'000;
+  constexpr uint32_t kMin = 256, kMax = 1'000'000;
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
-                             static_cast<int>(std::clamp(2 * limits.max_streams, kLeast, kMost)));
+                             static_cast<int>(std::clamp(2 * limits.max_streams, kMin, kMax)));
 }
 
-// Our own refusal names the option, and comes first for what is not far above the limit. Compressed messages could
-// unfold to a thousand times their bytes within gRPC, which knows no limit for that.
+// Our own refusal names the option, and comes first for messages not far above the limit. Compressed messages could
+// expand a thousandfold within gRPC, which has no limit for that.
 void set_message_limits(grpc::ServerBuilder& builder, const Limits& limits) {
-  constexpr uint64_t kAbove = uint64_t{1} << 20;
-  builder.SetMaxReceiveMessageSize(static_cast<int>(std::min<uint64_t>(limits.max_message_bytes + kAbove, INT_MAX)));
+  constexpr uint64_t kSlack = uint64_t{1} << 20;
+  builder.SetMaxReceiveMessageSize(static_cast<int>(std::min<uint64_t>(limits.max_message_bytes + kSlack, INT_MAX)));
   for (const auto algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP})
     builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
 }
 
-// Text that is no UTF-8, and the like: the client is told, too.
+// Such as text that is not UTF-8; the client is told, too.
 void log_protobuf(google::protobuf::LogLevel, const char*, int, const std::string& message) {
   log_event(spdlog::level::debug, message, {{"source", "protobuf"}});
 }
 
-// A killed peer is seen at once, a cut-off one only by pings; clients may ping on idle streams, too.
+// A killed peer is noticed at once, one that is cut off only by pings; clients may ping on idle streams, too.
 void set_keepalive(grpc::ServerBuilder& builder, const Config& config) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, milliseconds(config.keepalive_seconds));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, milliseconds(config.keepalive_timeout_seconds));
@@ -70,7 +70,7 @@ void set_keepalive(grpc::ServerBuilder& builder, const Config& config) {
 
 LocalOptions local_options(const Config& config) {
   LocalOptions options{config.local_socket, config.allowed_uids, config.cuda_ipc, {}};
-  options.patience.take_seconds = config.keepalive_timeout_seconds;
+  options.timeouts.take_seconds = config.keepalive_timeout_seconds;
   return options;
 }
 
@@ -140,7 +140,7 @@ void Daemon::listen(const Config& config) {
 }
 
 void Daemon::end_flood(const std::string& peer) {
-  if (!entrance_.connections().fruitless(peer)) return;
+  if (!entrance_.connections().abandoned(peer)) return;
   metrics_.count_reset_flood();
   log_event(spdlog::level::warn, "connection ended: its client opens and resets streams without end", {{"peer", peer}});
 }

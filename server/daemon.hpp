@@ -1,5 +1,6 @@
 #pragma once
-// The gRPC server around the service, and HTTP beside it: addresses, credentials, limits, keepalive, health, stop.
+// The gRPC server around the service, the local socket and HTTP: addresses, credentials, limits, keepalive, health,
+// stop.
 
 #include <grpcpp/grpcpp.h>
 
@@ -13,14 +14,14 @@
 #include "server/builtin/reflection.hpp"
 #include "server/config/config.hpp"
 #include "server/entrance.hpp"
-#include "server/local/local_server.hpp"
+#include "server/frames/observer.hpp"
 #include "server/ops/http_server.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/metrics.hpp"
 #include "server/scenes/scene_host.hpp"
-#include "server/service/frame_calls.hpp"
-#include "server/service/observer.hpp"
 #include "server/service/service.hpp"
+#include "server/transport/grpc/frame_calls.hpp"
+#include "server/transport/local/local_server.hpp"
 
 namespace collided::server {
 
@@ -31,19 +32,18 @@ class Daemon {
   Daemon(const Config& config, Lifecycle& lifecycle);
   ~Daemon();
 
-  /// Takes up what may change while it runs. Throws ConfigError if the tokens file is not sound; nothing has changed
-  /// then.
+  /// Applies the options that may change while the daemon runs. If the tokens file is not sound, throws ConfigError and
+  /// changes nothing.
   void reload(const Config& config);
 
-  /// Says NOT_SERVING, refuses what is new, and tells the streams that they have `grace_seconds`.
+  /// Says NOT_SERVING, refuses new scenes and streams, and tells open streams that they have `grace_seconds`.
   void begin_stop(double grace_seconds);
-  /// Waits until no call is in work; false if `deadline` came first.
+  /// Waits until no call is in work; false after `deadline`.
   bool wait_idle(std::chrono::steady_clock::time_point deadline) const;
-  /// Cancels what is left, frees the scenes. Takes for ever where a client neither reads nor closes a Unix socket that
-  /// is full.
+  /// Cancels what is left and frees the scenes. Never returns if a client neither reads nor closes a full Unix socket.
   void stop();
 
-  /// With the ports that were given out.
+  /// With the ports that the system assigned.
   std::vector<std::string> addresses() const { return entrance_.addresses(); }
   /// Of metrics and health; empty if they are off.
   std::string http_address() const { return http_ ? http_->address() : ""; }

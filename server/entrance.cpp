@@ -14,14 +14,14 @@ namespace {
 constexpr int kHandshakeMs = 10'000;  // of TLS, and until a client's first HTTP/2 frame
 
 size_t connection_limit(const Config& config) {
-  const size_t wanted = config.limits.max_connections, most = connections_for(descriptor_limit(), wanted);
-  if (wanted > most)
+  const size_t wanted = config.limits.max_connections, max = connections_for(descriptor_limit(), wanted);
+  if (wanted > max)
     log_event(spdlog::level::warn, "max-connections is more than the limit of file descriptors allows",
-              {{"wanted", wanted}, {"connections", most}, {"descriptors", descriptor_limit()}});
-  return most;
+              {{"wanted", wanted}, {"connections", max}, {"descriptors", descriptor_limit()}});
+  return max;
 }
 
-void tell(const std::string& obstacle, Lifecycle& lifecycle, Health& health) {
+void report(const std::string& obstacle, Lifecycle& lifecycle, Health& health) {
   lifecycle.set_obstacle(obstacle);
   health.set_serving(obstacle.empty());
   if (obstacle.empty())
@@ -33,9 +33,9 @@ void tell(const std::string& obstacle, Lifecycle& lifecycle, Health& health) {
 }  // namespace
 
 Entrance::Entrance(const Config& config, Metrics& metrics) : connections_(connection_limit(config)) {
-  const std::chrono::duration<double> patience(config.keepalive_timeout_seconds);
+  const std::chrono::duration<double> timeout(config.keepalive_timeout_seconds);
   for (const auto& address : config.addresses)
-    listeners_.emplace_back(address).set_patience(std::chrono::ceil<std::chrono::milliseconds>(patience));
+    listeners_.emplace_back(address).set_user_timeout(std::chrono::ceil<std::chrono::milliseconds>(timeout));
   if (!config.tls.enabled()) return;
   tls_.emplace(config.tls, [&metrics](bool is_taken) { metrics.count_certificate_reload(is_taken); });
   credentials_ = make_credentials(*tls_);
@@ -49,22 +49,22 @@ void Entrance::add_to(grpc::ServerBuilder& builder) {
 }
 
 void Entrance::open(Lifecycle& lifecycle, Health& health) {
-  std::vector<Door> doors;
+  std::vector<ProbeTarget> targets;
   std::vector<int> fds;
   for (const auto& listener : listeners_)
     for (const int fd : listener.sockets()) {
       sockets_.push_back({fd, is_tls(listener)});
-      doors.push_back({fd, is_tls(listener), listener.address()});
+      targets.push_back({fd, is_tls(listener), listener.address()});
       fds.push_back(fd);
     }
   loop_.emplace(std::move(fds), connections_,
                 [this](Fd connection, size_t place) { take(std::move(connection), place); });
   probe_.emplace(
-      std::move(doors), [this] { return loop_->trouble(); },
-      [&](const std::string& obstacle) { tell(obstacle, lifecycle, health); });
+      std::move(targets), [this] { return loop_->shortage(); },
+      [&](const std::string& obstacle) { report(obstacle, lifecycle, health); });
 }
 
-// gRPC closes it from now on.
+// From now on the connection is gRPC's to close.
 void Entrance::take(Fd connection, size_t place) const {
   grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
   parameters.listener_fd = sockets_[place].fd;

@@ -1,6 +1,6 @@
 #pragma once
-// How clients get into the gRPC server: our own sockets, whose connections are handed to it. Its own listener would end
-// for good where accept() fails once for want of a descriptor, and bounds neither connections nor their silence.
+// How clients reach the gRPC server: through our own sockets, whose connections are handed to it. gRPC's own listener
+// stops for good once accept() fails for lack of a descriptor, and limits neither connections nor their silence.
 
 #include <grpcpp/grpcpp.h>
 
@@ -27,19 +27,19 @@ class Entrance {
   /// address and the reason. `metrics` outlives it.
   Entrance(const Config& config, Metrics& metrics);
 
-  /// Before the server is built. It must be gone before the entrance is.
+  /// Before the server is built. The server must be destroyed before the entrance is.
   void add_to(grpc::ServerBuilder& builder);
-  /// Once the server is started. `lifecycle` and `health` are told what keeps new clients out.
+  /// Once the server has started. `lifecycle` and `health` are told what keeps new clients out.
   void open(Lifecycle& lifecycle, Health& health);
-  /// Health is not told any more. Clients still get in.
+  /// Stops telling health. Clients still get in.
   void end_probe() { probe_.reset(); }
-  /// Nobody gets in any more. Before the server's Shutdown.
+  /// Accepts no more connections. Before the server's Shutdown.
   void close();
 
   void set_limit(const Config& config);
   Connections& connections() { return connections_; }
   const Connections& connections() const { return connections_; }
-  /// With the ports that were given out.
+  /// With the ports that the system assigned.
   std::vector<std::string> addresses() const;
 
  private:

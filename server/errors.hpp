@@ -1,5 +1,5 @@
 #pragma once
-// The daemon's own refusals; the engine's are in gpu/detector.hpp. service/status.cpp maps both to gRPC codes.
+// The daemon's own refusals; the engine's are in gpu/detector.hpp. convert/status.cpp maps both to gRPC codes.
 
 #include <stdexcept>
 #include <string>
@@ -17,22 +17,22 @@ class FieldError : public std::runtime_error {
   std::string field_;
 };
 
-/// The scene does not exist (any more), or belongs to another client.
+/// The scene does not exist, or no longer, or belongs to another client.
 class NotFound : public FieldError {
   using FieldError::FieldError;
 };
 
-/// The request is sound, but not in the present state.
+/// The request is valid, but not in the current state.
 class FailedPrecondition : public FieldError {
   using FieldError::FieldError;
 };
 
-/// Something else has that id already.
+/// The id is in use already.
 class AlreadyExists : public FieldError {
   using FieldError::FieldError;
 };
 
-/// A secret that is wrong.
+/// A wrong secret.
 class PermissionDenied : public FieldError {
   using FieldError::FieldError;
 };
@@ -47,17 +47,17 @@ class TimedOut : public FieldError {
   using FieldError::FieldError;
 };
 
-/// A field of the protocol that the daemon does not serve.
+/// A field of the protocol that is not served.
 class Unimplemented : public FieldError {
   using FieldError::FieldError;
 };
 
-/// The request passes a limit of the daemon.
+/// The request exceeds a limit of the daemon.
 class LimitExceeded : public FieldError {
  public:
   using FieldError::FieldError;
-  /// A limit that more than one request counts for: `subject` is "client:NAME", "scene:ID" or "daemon"; after
-  /// `retry_after_seconds` the same request may pass (0: that alone does not help).
+  /// A limit that several requests share: `subject` is "client:NAME", "scene:ID" or "daemon"; after
+  /// `retry_after_seconds` the same request may succeed (0: waiting alone does not help).
   static LimitExceeded quota(std::string subject, const std::string& what, double retry_after_seconds = 0) {
     LimitExceeded error("", what);
     error.subject_ = std::move(subject);
@@ -72,7 +72,7 @@ class LimitExceeded : public FieldError {
   double retry_after_seconds_ = 0;
 };
 
-/// The caller did not show who it is. Never tells what it showed.
+/// The caller did not prove who it is. Never contains its credentials.
 class Unauthenticated : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -82,7 +82,7 @@ class DeadlineExceeded : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The daemon is about to stop and takes nothing new.
+/// The daemon is about to stop and accepts nothing new.
 class Stopping : public std::runtime_error {
  public:
   Stopping() : std::runtime_error("the daemon is stopping") {}

@@ -39,14 +39,14 @@ using collided::server::Memory;
 constexpr double kSecondsToStop = 5;   // after the grace
 constexpr double kGraceOfFailure = 1;  // seconds for the answers that tell of a failed device
 
-/// What the configuration is made from, again at each reload.
+/// What the configuration is read from, at the start and at each reload.
 struct Origin {
   int argc;
   const char* const* argv;
   Memory memory;
 };
 
-// Signals are blocked before any thread exists, so that all threads inherit the mask and only main takes them.
+// Before any thread exists, so that all threads inherit the mask and only main takes signals.
 sigset_t block_signals() {
   signal(SIGPIPE, SIG_IGN);
   sigset_t signals;
@@ -58,21 +58,21 @@ sigset_t block_signals() {
   return signals;
 }
 
-// gRPC's buffers of a frame, up to 4 MiB each, come and go all the time. Kept, they need not be given back, mapped and
-// faulted in anew for each one, which takes longer than to fill them.
+// gRPC allocates and frees buffers of up to 4 MiB for every frame. Kept in the heap, they need not be mapped and
+// faulted in each time, which takes longer than filling them.
 void keep_memory() {
   mallopt(M_MMAP_THRESHOLD, 4 << 20);
   mallopt(M_TRIM_THRESHOLD, 16 << 20);
   mallopt(M_ARENA_MAX, 4);  // each keeps up to 64 MiB, and there would be eight for each core
 }
 
-// Each connection takes a descriptor, and many a system starts its services with no more than 1,024.
+// Each connection takes a descriptor, and many systems start services with a limit of 1,024.
 void raise_limit() {
   const auto [before, now] = collided::server::raise_descriptor_limit();
   spdlog::info("at most {} file descriptors (soft limit was {})", now, before);
 }
 
-// Shutting gRPC down as well can wait 10 s for a poll of its own that nothing wakes: it is left to the process's end.
+// gRPC's own shutdown can wait 10 s for a poll that nothing wakes: it is left to the end of the process.
 void keep_grpc() { grpc_init(); }
 
 // Scenes live on a CUDA device where there is one, unless --backend is cpu.
@@ -85,7 +85,7 @@ Memory usable_memory(const Config& config) {
   return memory;
 }
 
-// Renamed into place, so that whoever waits for the file never reads half of it.
+// Renamed into place, so that nobody reads half of it.
 void write_ready_file(const std::string& path, const std::vector<std::string>& addresses) {
   if (path.empty()) return;
   const std::string part = path + ".part";
@@ -101,7 +101,7 @@ void warn_of_exposure(const Config& config) {
   for (const auto& warning : exposure_warnings(config)) spdlog::warn("{}", warning);
 }
 
-// The configuration changes as a whole, or, if anything in it is not sound, not at all.
+// The configuration changes as a whole, or not at all if any part of it is not sound.
 void reload(const Origin& origin, Config& config, Daemon& daemon) try {
   auto [next, restart] = collided::server::reload_config(origin.argc, origin.argv, config);
   derive_limits(next.limits, origin.memory);
@@ -115,7 +115,7 @@ void reload(const Origin& origin, Config& config, Daemon& daemon) try {
   spdlog::error("configuration not read again, the one before stays: {}", error.what());
 }
 
-// Until a signal asks the daemon to stop, or a failure does; that signal.
+// Waits until a signal or a failure asks the daemon to stop; returns the signal.
 int wait_for_end(const Origin& origin, const sigset_t& signals, Config& config, Daemon& daemon) {
   for (int signal = 0;;) {
     sigwait(&signals, &signal);
@@ -153,13 +153,13 @@ int serve(const Origin& origin, Config config, const sigset_t& signals) {
   Daemon daemon(config, lifecycle);
   for (const auto& address : daemon.addresses()) spdlog::info("collided {} serves on {}", COLLIDED_VERSION, address);
   if (const auto address = daemon.http_address(); !address.empty()) spdlog::info("metrics and health on {}", address);
-  collided::server::flush_log();  // who waits for the ready file may read the lines above
+  collided::server::flush_log();  // a process that waits for the ready file may read the lines above
   write_ready_file(config.ready_file, daemon.addresses());
   const int signal = wait_for_end(origin, signals, config, daemon);
   const int code = lifecycle.failed() ? 1 : 0;
   const double grace_seconds = code ? std::min(config.grace_seconds, kGraceOfFailure) : config.grace_seconds;
   const collided::server::ExitDeadline deadline(grace_seconds + kSecondsToStop, code);
-  // Not before: whoever takes the log may have stopped to.
+  // Only under the deadline: the reader of the log may have stopped.
   if (code) spdlog::critical("{}", lifecycle.status().text());
   spdlog::info("SIG{}: stopping, at most {} s", sigabbrev_np(signal), grace_seconds);
   drain(daemon, grace_seconds, signals);
@@ -167,7 +167,7 @@ int serve(const Origin& origin, Config config, const sigset_t& signals) {
   return code;
 }
 
-// What parsing cannot tell: whether the files that options name can be used.
+// What parsing cannot tell: whether the files that options name are usable.
 int check(const Config& config, const Memory& memory) {
   const collided::server::Authenticator authenticator(config);
   collided::server::sound_tls_files(config.tls);

@@ -1,12 +1,12 @@
 #pragma once
-// Text of clients in messages of the daemon.
+// Clients' text in the daemon's messages.
 
 #include <cstddef>
 #include <string>
 
 namespace collided::server {
 
-/// At most `bytes` of a UTF-8 text, without a character that is cut in two: a gRPC message must be UTF-8.
+/// At most `bytes` of a UTF-8 text, not cut within a character: a gRPC message must be UTF-8.
 inline std::string shorten(const std::string& text, size_t bytes) {
   if (text.size() <= bytes) return text;
   while (bytes > 0 && (static_cast<unsigned char>(text[bytes]) & 0xC0) == 0x80) --bytes;

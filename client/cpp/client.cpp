@@ -12,6 +12,7 @@
 #include "client/cpp/transport/local/local_peer.hpp"
 #include "client/cpp/transport/local/local_transport.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
+#include "proto/constants.hpp"
 
 namespace collided::client {
 
@@ -109,7 +110,6 @@ void Client::State::try_delete(const std::string& scene_id) {
 FrameStream Client::State::stream_locally(const v1::Scene& scene, const v1::OpenStream& open,
                                           const StreamOptions& stream) {
   const LocalOptions& options = stream.local;
-  constexpr uint32_t kDefaultWindow = 2;
   if (!has_local(scene))
     throw Error(grpc::FAILED_PRECONDITION,
                 "options.local is on, but the daemon has no socket for that (--local-socket)");
@@ -117,7 +117,7 @@ FrameStream Client::State::stream_locally(const v1::Scene& scene, const v1::Open
   request.set_scene_id(scene.scene_id());
   const v1::Scene known = call(&Service::GetScene, request, scene.scene_id()).scene();
   const uint32_t limit = info.limits().max_window(),
-                 window = open.window() ? open.window() : std::min(kDefaultWindow, limit);
+                 window = open.window() ? open.window() : std::min(v1::kDefaultWindow, limit);
   if (window == 0 || window > limit)
     throw Error(grpc::RESOURCE_EXHAUSTED,
                 "window is " + std::to_string(window) + "; the daemon's limit is " + std::to_string(limit),

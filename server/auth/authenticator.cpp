@@ -1,4 +1,4 @@
-// From the credentials of a call to the client that it belongs to.
+// Finds the client of a call by its credentials.
 #include "server/auth/authenticator.hpp"
 
 #include <openssl/crypto.h>
@@ -14,7 +14,7 @@
 namespace collided::server {
 
 struct ClientTable {
-  std::vector<Token> tokens;  ///< empty: none are asked for
+  std::vector<Token> tokens;  ///< empty: none is required
   bool certificates = false;  ///< the name of the certificate is the client
   ClientLimits limits;
   Client anonymous;
@@ -42,7 +42,7 @@ std::string_view token_of(std::string_view authorization) {
   return authorization.substr(start);
 }
 
-// Takes as long for the first token as for the last, and for none.
+// In constant time: for the first token, the last, and none.
 Client find(const std::vector<Token>& tokens, std::string_view token) {
   const auto digest = digest_of(token);
   const Token* found = nullptr;

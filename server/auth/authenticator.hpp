@@ -1,5 +1,5 @@
 #pragma once
-// From the credentials of a call to the client that it belongs to.
+// Finds the client of a call by its credentials.
 
 #include <functional>
 #include <memory>
@@ -21,20 +21,20 @@ class Authenticator {
   explicit Authenticator(const Config& config);
   ~Authenticator();
 
-  /// `authorization`: the header as it came ("Bearer <token>"), `certificate_name`: of the verified certificate of the
-  /// client; each empty if there is none. With a tokens file a valid token is needed; without one, but with a CA for
-  /// clients, a certificate is; without both everybody is "anonymous". Throws Unauthenticated, which never tells the
-  /// token.
+  /// `authorization`: the header as it came ("Bearer <token>"); `certificate_name`: of the client's verified
+  /// certificate; each empty if there is none. With a tokens file a valid token is required; without one, but with a CA
+  /// for clients, a certificate is; without both everybody is "anonymous". Throws Unauthenticated, which never contains
+  /// the token.
   Client identify(std::string_view authorization, std::string_view certificate_name) const;
 
-  /// `hook` is called with each call that was let in: its peer as gRPC names it, and its client. Before the first call.
+  /// `hook` is called for each call that is admitted, with its peer as gRPC names it and its client. Before the first
+  /// call.
   void watch(std::function<void(std::string_view peer, const ClientIdentity& client)> hook) { hook_ = std::move(hook); }
-  void let_in(std::string_view peer, const ClientIdentity& client) const {
+  void admit(std::string_view peer, const ClientIdentity& client) const {
     if (hook_) hook_(peer, client);
   }
 
-  /// Reads the tokens file again. If it throws ConfigError, the clients stay as they were. Calls in work keep the
-  /// identity that they began with.
+  /// Reads the tokens file again. If that throws ConfigError, nothing changes. Calls in work keep their identity.
   void reload(const Config& config);
 
  private:

@@ -1,4 +1,4 @@
-// The files for TLS while the daemon runs.
+// Watches the TLS files while the daemon runs.
 #include "server/auth/certificate_watch.hpp"
 
 #include <chrono>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr auto kPeriod = std::chrono::milliseconds(500);
 
-// One that is gone reads as empty, which is as bad.
+// A missing file reads as empty, which is as bad.
 TlsFiles read_or_empty(const Tls& tls) try { return read_tls_files(tls); } catch (const ConfigError&) {
   return {};
 }
@@ -44,12 +44,12 @@ void CertificateWatch::run() {
   std::unique_lock lock(mutex_);
   while (!stopping_.wait_for(lock, kPeriod, [this] { return is_stopping_; })) {
     lock.unlock();
-    look();
+    check();
     lock.lock();
   }
 }
 
-void CertificateWatch::look() {
+void CertificateWatch::check() {
   TlsFiles found = read_or_empty(tls_);
   const bool is_settled = found == seen_;
   seen_ = std::move(found);
@@ -59,7 +59,7 @@ void CertificateWatch::look() {
 }
 
 void CertificateWatch::judge(const TlsFiles& found) try {
-  if (found == *files()) return;  // back to the good ones
+  if (found == *files()) return;  // the previous files are back
   auto files = std::make_shared<const TlsFiles>(found == TlsFiles() ? read_tls_files(tls_) : found);
   check_tls_files(tls_, *files);
   {

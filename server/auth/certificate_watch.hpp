@@ -1,5 +1,5 @@
 #pragma once
-// The files for TLS while the daemon runs: renewed ones are taken up, those that cannot be used are not.
+// Watches the TLS files while the daemon runs: renewed ones are loaded unless they are unusable.
 
 #include <condition_variable>
 #include <functional>
@@ -11,29 +11,29 @@
 
 namespace collided::server {
 
-/// Thread-safe. Looks at the files twice a second; what it finds counts once it has been there at two looks, so that no
-/// file is judged while it is written.
+/// Thread-safe. Reads the files twice a second; a change counts once two readings agree, so that no file is judged
+/// while it is being written.
 class CertificateWatch {
  public:
-  /// `tell` is called for each change of the files: whether they were taken. Throws ConfigError if they cannot be used
-  /// to begin with.
+  /// `tell` is called for each change of the files with whether they were loaded. Throws ConfigError if the files are
+  /// unusable at the start.
   CertificateWatch(const Tls& tls, std::function<void(bool is_taken)> tell);
   ~CertificateWatch();
   CertificateWatch(const CertificateWatch&) = delete;
   CertificateWatch& operator=(const CertificateWatch&) = delete;
 
-  /// The last ones that can be used.
+  /// The last usable ones.
   std::shared_ptr<const TlsFiles> files() const;
   bool asks_clients() const { return !tls_.client_ca.empty(); }
 
  private:
   void run();
-  void look();
+  void check();
   void judge(const TlsFiles& found);
 
   const Tls tls_;
   const std::function<void(bool)> tell_;
-  TlsFiles seen_, judged_;  // of the thread
+  TlsFiles seen_, judged_;  // the thread's
   mutable std::mutex mutex_;
   std::condition_variable stopping_;
   std::shared_ptr<const TlsFiles> files_;  // guarded by mutex_

@@ -1,5 +1,5 @@
 #pragma once
-// Who calls, and what it may have.
+// Who calls, and with which limits.
 
 #include <memory>
 #include <string>
@@ -9,7 +9,7 @@
 namespace collided::server {
 
 struct ClientIdentity {
-  std::string name = "anonymous";  ///< of its token or its certificate; scenes and limits are counted by it
+  std::string name = "anonymous";  ///< of its token or certificate; scenes and limits are counted by name
   ClientLimits limits;
 };
 

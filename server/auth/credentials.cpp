@@ -1,5 +1,5 @@
-// TLS for the gRPC server. Its C++ API has nothing that takes checked certificates while it runs: its own watcher of
-// files ends the process where it meets one that is empty. Its C API has.
+// TLS for the gRPC server. gRPC's C++ API cannot replace certificates by checked ones while it runs: its own file
+// watcher ends the process if it finds an empty file. So its C API is used.
 #include "server/auth/credentials.hpp"
 
 #include <grpc/grpc.h>
@@ -17,7 +17,7 @@ class WatchedCredentials final : public grpc::ServerCredentials {
   void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>&) override {}
 
  private:
-  /// What one port has been given.
+  /// The files that a port uses.
   struct Port {
     const CertificateWatch& watch;
     std::shared_ptr<const TlsFiles> given;
@@ -35,12 +35,12 @@ class WatchedCredentials final : public grpc::ServerCredentials {
     return port;
   }
 
-  // Before each handshake; of one port, one at a time.
+  // Before each handshake; one at a time for each port.
   static grpc_ssl_certificate_config_reload_status fetch(void* user_data, grpc_ssl_server_certificate_config** config) {
     Port& port = *static_cast<Port*>(user_data);
     const auto files = port.watch.files();
     if (files == port.given) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
-    // gRPC insists on CAs, also where it asks no client for a certificate.
+    // gRPC insists on CAs even if it asks no client for a certificate.
     const std::string& ca = files->client_ca.empty() ? files->certificate : files->client_ca;
     const grpc_ssl_pem_key_cert_pair pair{files->key.c_str(), files->certificate.c_str()};
     *config = grpc_ssl_server_certificate_config_create(ca.c_str(), &pair, 1);

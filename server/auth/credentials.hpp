@@ -11,13 +11,12 @@
 
 namespace collided::server {
 
-/// Each handshake uses the watch's files of that time; where it asks clients, they must show a certificate. Hold them
-/// until the server is gone; the watch outlives them.
+/// Each handshake uses the watch's current files; if it has a CA for clients, they must show a certificate. Keep the
+/// credentials until the server is gone; the watch outlives them.
 std::shared_ptr<grpc::ServerCredentials> make_credentials(const CertificateWatch& watch);
 
-/// Of the verified certificate of a client: its common name, else "san:" and its first alternative name; empty without
-/// one. No two certificates whose names differ have the same: a common name that begins with "san:" or "cn:" gets "cn:"
-/// before it.
+/// Name of a client's verified certificate: its common name, else "san:" and its first alternative name; empty without
+/// a certificate. Different names stay different: a common name that begins with "san:" or "cn:" is prefixed by "cn:".
 std::string certificate_name(const grpc::AuthContext& context);
 
 }  // namespace collided::server

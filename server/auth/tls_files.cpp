@@ -1,4 +1,4 @@
-// The files for TLS, and whether they can be used.
+// The TLS files, and whether they are usable.
 #include "server/auth/tls_files.hpp"
 
 #include <openssl/err.h>
@@ -24,7 +24,7 @@ Source source_of(const std::string& text) {
   return {BIO_new_mem_buf(text.data(), static_cast<int>(text.size())), BIO_free};
 }
 
-// Of OpenSSL's last error; empties its queue.
+// The reason of OpenSSL's last error; empties its queue.
 std::string reason() {
   const auto code = ERR_peek_last_error();
   ERR_clear_error();
@@ -32,10 +32,10 @@ std::string reason() {
   return text ? text : "unknown error";
 }
 
-// Without it, OpenSSL would ask the terminal for the password.
+// Without it OpenSSL would ask for the password at the terminal.
 int no_password(char*, int, int, void*) { return 0; }
 
-// That nothing more begins is the end; anything else is a file that was cut off.
+// At the end no further block begins; any other error means that the file was cut off.
 bool is_end() { return ERR_GET_REASON(ERR_peek_last_error()) == PEM_R_NO_START_LINE; }
 
 Certificate next_certificate(BIO* source) {

@@ -1,5 +1,5 @@
 #pragma once
-// The files for TLS, and whether they can be used.
+// The TLS files, and whether they are usable.
 
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace collided::server {
 
-/// What is in them; empty for those that are not given.
+/// Their contents; empty for files that are not configured.
 struct TlsFiles {
   std::string certificate, key, client_ca;
 
@@ -17,8 +17,8 @@ struct TlsFiles {
 /// Throws ConfigError that names the file that cannot be read.
 TlsFiles read_tls_files(const Tls& tls);
 
-/// Throws ConfigError that names the file if it is not PEM or cut off, the key is of another certificate, or the
-/// certificate is not valid now.
+/// Throws ConfigError that names the file if it is not PEM or cut off, if the key belongs to another certificate, or if
+/// the certificate is not valid now.
 void check_tls_files(const Tls& tls, const TlsFiles& files);
 
 /// Reads and checks them. Logs a warning if others can read the key.

@@ -11,7 +11,7 @@
 
 #include "server/auth/secret_file.hpp"
 #include "server/config/accuracy_names.hpp"
-#include "server/config/toml_text.hpp"
+#include "server/config/text_file.hpp"
 
 namespace collided::server {
 namespace {
@@ -20,7 +20,7 @@ constexpr uint64_t kMaxFileBytes = 4 << 20;
 constexpr size_t kMaxTokens = 1'000, kMaxName = 64, kMinToken = 16, kMaxToken = 512;
 constexpr double kMaxCount = 1'000'000, kMaxMegabytes = 1 << 24, kMaxRate = 1e9, kMaxFrameSeconds = 1e6;
 
-// One [[tokens]], with the place for its errors.
+// One [[tokens]], with its line for error messages.
 class Entry {
  public:
   Entry(const std::string& path, const toml::value& value)
@@ -52,12 +52,12 @@ class Entry {
 
   bool has(const char* key) const { return value_.contains(key); }
 
-  std::string text(const char* key, size_t least, size_t most) const {
+  std::string text(const char* key, size_t min, size_t max) const {
     if (!has(key) || !value_.at(key).is_string()) refuse(std::string(key) + " is not a text");
     const std::string text = value_.at(key).as_string().str;
-    if (text.size() < least || text.size() > most)
-      refuse(std::string(key) + " has " + std::to_string(text.size()) + " bytes, not " + std::to_string(least) +
-             " to " + std::to_string(most));
+    if (text.size() < min || text.size() > max)
+      refuse(std::string(key) + " has " + std::to_string(text.size()) + " bytes, not " + std::to_string(min) + " to " +
+             std::to_string(max));
     if (!std::ranges::all_of(text, [](char c) { return c > ' ' && c < 0x7f; }))
       refuse(std::string(key) + " has other than printable ASCII characters without blanks");
     return text;
@@ -76,13 +76,13 @@ class Entry {
     return digest;
   }
 
-  double number(const char* key, double least, double most) const {
+  double number(const char* key, double min, double max) const {
     const auto& value = value_.at(key);
     if (!value.is_integer() && !value.is_floating()) refuse(std::string(key) + " is not a number");
     const double number = value.is_integer() ? static_cast<double>(value.as_integer()) : value.as_floating();
-    if (number >= least && number <= most) return number;
+    if (number >= min && number <= max) return number;
     std::ostringstream what;
-    what << key << " is " << number << ", not " << least << " to " << most;
+    what << key << " is " << number << ", not " << min << " to " << max;
     refuse(what.str());
   }
 
@@ -92,8 +92,8 @@ class Entry {
     return *named;
   }
 
-  uint64_t count(const char* key, double most) const {
-    const double number = this->number(key, 1, most);
+  uint64_t count(const char* key, double max) const {
+    const double number = this->number(key, 1, max);
     if (number != std::floor(number)) refuse(std::string(key) + " is not a whole number");
     return static_cast<uint64_t>(number);
   }
@@ -135,7 +135,7 @@ const toml::array& entries_of(const toml::value& root, const std::string& path) 
   return entries;
 }
 
-// A name may come again, so that its token can be exchanged without a gap, but not with other limits.
+// A name may occur again, so that its token can be replaced without a gap, but not with other limits.
 void check_new(const Token& token, const std::vector<Token>& before, const Entry& entry) {
   for (const auto& other : before) {
     if (other.digest == token.digest) entry.refuse("the token of " + token.client->name + " is there twice");

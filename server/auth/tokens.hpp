@@ -22,7 +22,7 @@ struct Token {
 
 /// From TOML: [[tokens]] with name (1 to 64 printable characters), either token (16 to 512 printable characters) or
 /// sha256 (64 hexadecimal digits), and limits of the client where they differ from `defaults`. Throws ConfigError that
-/// names file, line and key, and never tells a token.
+/// names file, line and key, and never contains a token.
 std::vector<Token> read_tokens(const std::string& path, const ClientLimits& defaults);
 
 }  // namespace collided::server

@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "server/convert/status.hpp"
 #include "server/errors.hpp"
-#include "server/service/status.hpp"
 #include "server/shorten.hpp"
 
 namespace collided::server {
@@ -17,14 +17,14 @@ namespace rpc = grpc::health::v1;
 
 namespace {
 
-constexpr size_t kMostSilent = 1024, kMostSilentOfSource = 256;  // that have not asked yet
-constexpr size_t kMostWatches = 1024, kMostWatchesOfSource = 64;
-constexpr double kForEver = 1e9;  // seconds
-constexpr uint64_t kMaxQuestionBytes = 4 << 10;
+constexpr size_t kMaxSilent = 1024, kMaxSilentOfSource = 256;  // that have not asked yet
+constexpr size_t kMaxWatches = 1024, kMaxWatchesOfSource = 64;
+constexpr double kForever = 1e9;  // seconds
+constexpr uint64_t kMaxRequestBytes = 4 << 10;
 
-std::string parse_question(const grpc::ByteBuffer& bytes) {
-  if (bytes.Length() > kMaxQuestionBytes)
-    throw LimitExceeded("", fmt::format("the question has {} bytes, more than {}", bytes.Length(), kMaxQuestionBytes));
+std::string parse_request(const grpc::ByteBuffer& bytes) {
+  if (bytes.Length() > kMaxRequestBytes)
+    throw LimitExceeded("", fmt::format("the question has {} bytes, more than {}", bytes.Length(), kMaxRequestBytes));
   grpc::ByteBuffer copy(bytes);  // of references
   grpc::ProtoBufferReader reader(&copy);
   rpc::HealthCheckRequest request;
@@ -41,23 +41,23 @@ grpc::ByteBuffer answer_of(rpc::HealthCheckResponse::ServingStatus status) {
 
 }  // namespace
 
-/// Check: waits for its question, and answers it. Watch: tells every change after that, too.
+/// Check: waits for its request and answers it. Watch: reports every change after that, too.
 class HealthCall final : public grpc::ServerGenericBidiReactor {
  public:
   HealthCall(grpc::CallbackServerContext& context, Health& health, bool is_watch)
       : context_(context), health_(health), is_watch_(is_watch), source_(source_of(context.peer())) {
-    const WaitRule rule{"the question about health", health.calls_.host.limits().max_silent_seconds, kMostSilent,
-                        kMostSilentOfSource, source_};
-    question_ = wait(rule, [this](const auto& why) { Finish(to_status(describe(why))); });
+    const WaitRule rule{"the question about health", health.calls_.host.limits().max_silent_seconds, kMaxSilent,
+                        kMaxSilentOfSource, source_};
+    request_wait_ = wait(rule, [this](const auto& why) { Finish(to_status(describe(why))); });
     StartRead(&bytes_);
   }
 
   void OnReadDone(bool ok) override {
-    if (!question_->over()) return;  // the call has been ended
-    question_.reset();
+    if (!request_wait_->finish()) return;  // the call has been ended
+    request_wait_.reset();
     try {
       if (!ok) throw InvalidInput("request", "request is missing: the call brought no message");
-      service_ = parse_question(bytes_);
+      service_ = parse_request(bytes_);
       is_watch_ ? watch() : check();
     } catch (...) {
       Finish(to_status(describe_current()));
@@ -68,7 +68,7 @@ class HealthCall final : public grpc::ServerGenericBidiReactor {
     const std::lock_guard lock(mutex_);
     is_writing_ = false;
     if (!ok && !end_) end_ = gone();
-    go_on_locked();
+    write_or_end_locked();
   }
 
   void OnCancel() override { end(gone()); }
@@ -79,9 +79,9 @@ class HealthCall final : public grpc::ServerGenericBidiReactor {
   }
 
   /// The status may have changed.
-  void look() {
+  void update() {
     const std::lock_guard lock(mutex_);
-    go_on_locked();
+    write_or_end_locked();
   }
 
  private:
@@ -100,23 +100,23 @@ class HealthCall final : public grpc::ServerGenericBidiReactor {
   }
 
   void watch() {
-    const WaitRule rule{"a change of health", kForEver, kMostWatches, kMostWatchesOfSource, source_};
+    const WaitRule rule{"a change of health", kForever, kMaxWatches, kMaxWatchesOfSource, source_};
     auto place = wait(rule, [this](const auto& why) { end(to_status(describe(why))); });
     health_.join(*this);
     const std::lock_guard lock(mutex_);
     place_ = std::move(place);
-    go_on_locked();
+    write_or_end_locked();
   }
 
   void end(const grpc::Status& status) {
     const std::lock_guard lock(mutex_);
     if (!end_) end_ = status;
     if (is_writing_) context_.TryCancel();  // the answer may never be taken
-    go_on_locked();
+    write_or_end_locked();
   }
 
-  // Without its place it still waits for its question, whose end is the call's.
-  void go_on_locked() {
+  // Without its place it still waits for its request; the end of that wait ends the call.
+  void write_or_end_locked() {
     if (!place_ || is_writing_ || is_over_) return;
     if (end_) {
       is_over_ = true;
@@ -134,12 +134,12 @@ class HealthCall final : public grpc::ServerGenericBidiReactor {
   Health& health_;
   const bool is_watch_;
   const std::string source_;
-  std::unique_ptr<WaitingCalls::Wait> question_;
-  std::string service_;     // set by the question
-  grpc::ByteBuffer bytes_;  // of the question, then of the answer
+  std::unique_ptr<WaitingCalls::Wait> request_wait_;
+  std::string service_;     // set by the request
+  grpc::ByteBuffer bytes_;  // of the request, then of the answer
 
   std::mutex mutex_;                           // guards what follows
-  std::unique_ptr<WaitingCalls::Wait> place_;  // among those who watch
+  std::unique_ptr<WaitingCalls::Wait> place_;  // among the watchers
   std::optional<rpc::HealthCheckResponse::ServingStatus> told_;
   std::optional<grpc::Status> end_;
   bool is_writing_ = false, is_over_ = false;
@@ -157,7 +157,7 @@ void Health::add_to(RpcRouter& router, std::string service) {
 void Health::set_serving(bool is_serving) {
   is_serving_ = is_serving;
   const std::lock_guard lock(mutex_);
-  for (HealthCall* call : watches_) call->look();
+  for (HealthCall* call : watches_) call->update();
 }
 
 Health::Status Health::status_of(const std::string& service) const {

@@ -1,6 +1,6 @@
 #pragma once
-// gRPC's health service, by callbacks, for callers without a token, too: a call takes no thread, has to ask in time,
-// and those who watch are one of few.
+// gRPC's health service, by callbacks and without a token: a call takes no thread, its request has to come in time, and
+// the number of watchers is limited.
 
 #include <grpcpp/support/status.h>
 
@@ -10,8 +10,8 @@
 #include <string>
 
 #include "grpc/health/v1/health.pb.h"
-#include "server/service/rpc_router.hpp"
-#include "server/service/unary_call.hpp"
+#include "server/transport/grpc/rpc_router.hpp"
+#include "server/transport/grpc/unary_call.hpp"
 
 namespace collided::server {
 
@@ -23,16 +23,17 @@ class Health {
   /// `calls` outlives it.
   explicit Health(const CallParts& calls) : calls_(calls) {}
 
-  /// Before the server is built; it outlives it. `service`: full name of the one that is told of, besides the whole.
+  /// Before the server is built; this object outlives it. `service`: full name of the service whose health is told,
+  /// besides the daemon's ("").
   void add_to(RpcRouter& router, std::string service);
-  /// Tells those who watch. At first it is not serving.
+  /// Tells the watchers. Not serving at first.
   void set_serving(bool is_serving);
 
  private:
   friend class HealthCall;
   using Status = grpc::health::v1::HealthCheckResponse::ServingStatus;
 
-  /// SERVICE_UNKNOWN for others than the one and the whole ("").
+  /// SERVICE_UNKNOWN for any other service.
   Status status_of(const std::string& service) const;
   void join(HealthCall& call);
   void leave(HealthCall& call);
@@ -41,7 +42,7 @@ class Health {
   std::string service_;
   std::atomic<bool> is_serving_ = false;
   std::mutex mutex_;
-  std::set<HealthCall*> watches_;  // guarded by mutex_, which comes before theirs
+  std::set<HealthCall*> watches_;  // guarded by mutex_, which is locked before theirs
 };
 
 }  // namespace collided::server

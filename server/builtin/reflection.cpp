@@ -6,8 +6,8 @@
 
 #include "grpc/reflection/v1alpha/reflection.pb.h"
 #include "server/builtin/reflection_answer.hpp"
+#include "server/convert/status.hpp"
 #include "server/errors.hpp"
-#include "server/service/status.hpp"
 
 namespace collided::server {
 
@@ -15,12 +15,12 @@ namespace rpc = grpc::reflection::v1;  // v1alpha has the same messages on the w
 
 namespace {
 
-constexpr size_t kMost = 64, kMostOfClient = 8;  // calls at once
-constexpr uint64_t kMaxQuestionBytes = 64 << 10;
+constexpr size_t kMaxCalls = 64, kMaxCallsOfClient = 8;  // calls at once
+constexpr uint64_t kMaxRequestBytes = 64 << 10;
 
-void check_question(uint64_t bytes) {
-  if (bytes > kMaxQuestionBytes)
-    throw LimitExceeded("", fmt::format("the question has {} bytes, more than {}", bytes, kMaxQuestionBytes));
+void check_request(uint64_t bytes) {
+  if (bytes > kMaxRequestBytes)
+    throw LimitExceeded("", fmt::format("the question has {} bytes, more than {}", bytes, kMaxRequestBytes));
 }
 
 Client client_of(const grpc::CallbackServerContext& context, const Authenticator& authenticator, bool is_open) {
@@ -30,7 +30,7 @@ Client client_of(const grpc::CallbackServerContext& context, const Authenticator
 
 }  // namespace
 
-/// Reads a question, writes its answer, and so on. Always waits for one of both.
+/// Reads a request, writes its answer, and so on. One of both is always under way.
 class ReflectionCall final : public grpc::ServerGenericBidiReactor {
  public:
   ReflectionCall(grpc::CallbackServerContext& context, const Reflection& reflection)
@@ -41,7 +41,7 @@ class ReflectionCall final : public grpc::ServerGenericBidiReactor {
   }
 
   void OnReadDone(bool ok) override {
-    if (!wait_->over()) return;  // the call has been ended
+    if (!wait_->finish()) return;  // the call has been ended
     if (!ok) return Finish(grpc::Status::OK);
     try {
       bytes_ = to_bytes(answer());
@@ -52,7 +52,7 @@ class ReflectionCall final : public grpc::ServerGenericBidiReactor {
   }
 
   void OnWriteDone(bool ok) override {
-    if (!wait_->over()) return leave_late();
+    if (!wait_->finish()) return end_late();
     if (!ok) return Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone"));
     try {
       read();
@@ -65,7 +65,7 @@ class ReflectionCall final : public grpc::ServerGenericBidiReactor {
 
  private:
   void wait(const char* what, WaitingCalls::End end) {
-    const WaitRule rule{what, reflection_.calls_.host.limits().max_silent_seconds, kMost, kMostOfClient};
+    const WaitRule rule{what, reflection_.calls_.host.limits().max_silent_seconds, kMaxCalls, kMaxCallsOfClient};
     wait_ = reflection_.calls_.waiting.wait(rule, client_, std::move(end));
   }
 
@@ -77,18 +77,18 @@ class ReflectionCall final : public grpc::ServerGenericBidiReactor {
   void write() {
     wait("a client that takes its answer of reflection", [this](const auto&) {
       context_.TryCancel();
-      leave_late();
+      end_late();
     });
     StartWrite(&bytes_);
   }
 
-  // The answer that was not taken has failed, and the one who let it fail is done: the last of both ends the call.
-  void leave_late() {
+  // Called twice: when the write has failed, and by the wait that cancelled it. The second call ends the call.
+  void end_late() {
     if (++left_ == 2) Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the client did not take its answer"));
   }
 
   rpc::ServerReflectionResponse answer() {
-    check_question(bytes_.Length());
+    check_request(bytes_.Length());
     rpc::ServerReflectionRequest request;
     parse_bounded(bytes_, client_, reflection_.calls_, request);
     return answer_reflection(request, reflection_.services_);
@@ -97,7 +97,7 @@ class ReflectionCall final : public grpc::ServerGenericBidiReactor {
   grpc::CallbackServerContext& context_;
   const Reflection& reflection_;
   const Client client_;
-  grpc::ByteBuffer bytes_;  // of the question, then of the answer
+  grpc::ByteBuffer bytes_;  // of the request, then of the answer
   std::unique_ptr<WaitingCalls::Wait> wait_;
   std::atomic<int> left_ = 0;
 };

@@ -1,20 +1,21 @@
 #pragma once
-// gRPC's reflection, v1 and v1alpha, by callbacks: a call takes no thread, has to ask in time, and is one of few.
+// gRPC's reflection, v1 and v1alpha, by callbacks: a call takes no thread, its requests have to come in time, and the
+// number of calls is limited.
 
 #include <string>
 #include <vector>
 
-#include "server/service/rpc_router.hpp"
-#include "server/service/unary_call.hpp"
+#include "server/transport/grpc/rpc_router.hpp"
+#include "server/transport/grpc/unary_call.hpp"
 
 namespace collided::server {
 
 class Reflection {
  public:
-  /// `calls` outlives it. `is_open`: callers without a token or certificate are answered, too.
+  /// `calls` outlives this object. `is_open`: callers without a token or certificate are answered, too.
   Reflection(const CallParts& calls, bool is_open) : calls_(calls), is_open_(is_open) {}
 
-  /// Before the server is built; it outlives it. `services`: full names of the others that are served.
+  /// Before the server is built; this object outlives it. `services`: full names of the other services.
   void add_to(RpcRouter& router, std::vector<std::string> services);
 
  private:

@@ -1,4 +1,4 @@
-// What one question of gRPC's reflection is answered with.
+// Answers one request of gRPC's reflection.
 #include "server/builtin/reflection_answer.hpp"
 
 #include <google/protobuf/descriptor.h>

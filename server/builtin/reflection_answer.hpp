@@ -1,5 +1,5 @@
 #pragma once
-// What one question of gRPC's reflection is answered with.
+// Answers one request of gRPC's reflection.
 
 #include <string>
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace collided::server {
 
-/// From the descriptors that are built in. `services`: full names of those that are served. What is not known is an
-/// error within the answer (NOT_FOUND), as is a question that is none (INVALID_ARGUMENT).
+/// From the descriptors that are built in. `services`: full names of those that are served. For an unknown name the
+/// answer is an error (NOT_FOUND), as for a request without a question (INVALID_ARGUMENT).
 grpc::reflection::v1::ServerReflectionResponse answer_reflection(
     const grpc::reflection::v1::ServerReflectionRequest& request, const std::vector<std::string>& services);
 

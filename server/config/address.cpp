@@ -1,4 +1,4 @@
-// What an address is, and who can reach it.
+// Whether an address is valid, and who can reach it.
 #include "server/config/address.hpp"
 
 #include <arpa/inet.h>
@@ -9,7 +9,7 @@
 namespace collided::server {
 namespace {
 
-constexpr size_t kMaxUnixPath = 107;  // sockaddr_un::sun_path without its end
+constexpr size_t kMaxUnixPath = 107;  // sockaddr_un::sun_path without the final 0
 
 // Without the brackets of IPv6.
 std::string host_of(const std::string& address) {

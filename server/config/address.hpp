@@ -1,5 +1,5 @@
 #pragma once
-// What an address is, and who can reach it.
+// Whether an address is valid, and who can reach it.
 
 #include <string>
 
@@ -12,8 +12,8 @@ std::string check_http_address(const std::string& address);
 /// Empty if the path is absolute and fits into a Unix socket's address, else what is wrong with it.
 std::string check_socket_path(const std::string& path);
 
-/// Whether other hosts can reach a valid address: neither a Unix socket nor a loopback address. Names other than
-/// "localhost" count as reachable.
+/// Whether other hosts can reach a valid address, that is, whether it is neither a Unix socket nor a loopback address.
+/// Names other than "localhost" count as reachable.
 bool is_public(const std::string& address);
 
 }  // namespace collided::server

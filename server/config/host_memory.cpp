@@ -21,7 +21,7 @@ uint64_t memory_total(const std::string& path) {
   return kNoLimit;
 }
 
-// "max", or a file that is not there, is no limit.
+// "max", or a missing file, means no limit.
 uint64_t number_in(const std::string& path) {
   std::ifstream file(path);
   std::string text;
@@ -31,12 +31,12 @@ uint64_t number_in(const std::string& path) {
   return error == std::errc() && end == text.data() + text.size() ? number : kNoLimit;
 }
 
-// Of the group at `path` below `mount` and all groups around it. In a container the path may lead to nowhere: what is
-// mounted is then the container's own group.
-uint64_t least_along(const std::string& mount, std::string path, const std::string& file) {
-  uint64_t least = number_in(mount + "/" + file);
-  for (; path.size() > 1; path.resize(path.rfind('/'))) least = std::min(least, number_in(mount + path + "/" + file));
-  return least;
+// The minimum for the group at `path` below `mount` and all its parents. In a container the path may not exist: then
+// the container's own group is mounted there.
+uint64_t min_along(const std::string& mount, std::string path, const std::string& file) {
+  uint64_t min = number_in(mount + "/" + file);
+  for (; path.size() > 1; path.resize(path.rfind('/'))) min = std::min(min, number_in(mount + path + "/" + file));
+  return min;
 }
 
 bool has_memory(const std::string& controllers) {
@@ -47,16 +47,16 @@ bool has_memory(const std::string& controllers) {
 uint64_t group_limit(const std::string& root) {
   const std::string mount = root + "/sys/fs/cgroup";
   std::ifstream file(root + "/proc/self/cgroup");
-  uint64_t least = kNoLimit;
+  uint64_t min = kNoLimit;
   for (std::string line; std::getline(file, line);) {
     std::istringstream parts(line);
     std::string id, controllers, path;
     std::getline(std::getline(std::getline(parts, id, ':'), controllers, ':'), path);
     if (!path.starts_with('/')) continue;
-    if (controllers.empty()) least = std::min(least, least_along(mount, path, "memory.max"));
-    if (has_memory(controllers)) least = std::min(least, least_along(mount + "/memory", path, "memory.limit_in_bytes"));
+    if (controllers.empty()) min = std::min(min, min_along(mount, path, "memory.max"));
+    if (has_memory(controllers)) min = std::min(min, min_along(mount + "/memory", path, "memory.limit_in_bytes"));
   }
-  return least;
+  return min;
 }
 
 uint64_t address_space() {
@@ -67,9 +67,9 @@ uint64_t address_space() {
 }  // namespace
 
 uint64_t host_memory(const std::string& root) {
-  const uint64_t least =
+  const uint64_t min =
       std::min({memory_total(root + "/proc/meminfo"), group_limit(root), root.empty() ? address_space() : kNoLimit});
-  return least == kNoLimit ? 0 : least;
+  return min == kNoLimit ? 0 : min;
 }
 
 }  // namespace collided::server

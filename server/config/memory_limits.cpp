@@ -1,4 +1,4 @@
-// Limits that nobody set, from the memory that there is and from other limits.
+// Limits that nobody has set, derived from the available memory and from other limits.
 #include "server/config/memory_limits.hpp"
 
 #include <algorithm>
@@ -19,10 +19,8 @@ uint64_t scene_memory(const Memory& memory) {
   return memory.device ? std::min(of_host, memory.device / 10 * 9) : of_host;
 }
 
-// What is on its way in or out is soon gone: more than `most` serves nobody faster.
-uint64_t on_its_way(const Memory& memory, uint64_t most) {
-  return std::min(most, at_least_one(host_memory(memory) / 8));
-}
+// Messages on their way in or out are soon gone: more than `max` would make nothing faster.
+uint64_t on_its_way(const Memory& memory, uint64_t max) { return std::min(max, at_least_one(host_memory(memory) / 8)); }
 
 uint32_t quarter(uint32_t all) { return (all + 3) / 4; }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Limits that nobody set, from the memory that there is and from other limits.
+// Limits that nobody has set, derived from the available memory and from other limits.
 
 #include <cstdint>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace collided::server {
 
-/// Bytes. What is not known is 0.
+/// Bytes; 0 if not known.
 struct Memory {
   uint64_t host = 0;    ///< that the process may use
   uint64_t device = 0;  ///< of the CUDA device that scenes live on; 0: they live on the host alone
@@ -17,12 +17,12 @@ struct Memory {
 /// The limits that derive_limits() fills, all 0.
 Limits underived_limits();
 
-/// Fills the limits that are 0; the others stay. Of the host's memory half is for scenes (or, if that is less, nine
-/// tenths of the device's), at most a quarter for everything on its way in and out, and the rest for all else. One
-/// client may have a quarter of what all may, one scene as much as one client. At least 1 MiB, 1 scene and 1 stream.
+/// Sets the limits that are 0; the others stay. Half of the host's memory is for scenes (or nine tenths of the
+/// device's, if that is less), at most a quarter for messages on their way in and out. One client may have a quarter of
+/// what all may, one scene as much as one client. At least 1 MiB, 1 scene and 1 stream.
 void derive_limits(Limits& limits, const Memory& memory);
 
-/// One line for people: the memory, and the limits made of it.
+/// One line for people: the memory, and the limits derived from it.
 std::string describe_limits(const Limits& limits, const Memory& memory);
 
 }  // namespace collided::server

@@ -1,4 +1,4 @@
-// What the daemon is told at its start.
+// The command line.
 #include "server/config/options.hpp"
 
 #include <algorithm>

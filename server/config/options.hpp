@@ -11,27 +11,27 @@
 
 namespace collided::server {
 
-/// Addresses, security, engine, time and log; all but the limits.
+/// Addresses, security, engine, time and log: all but the limits.
 void add_serve_options(CLI::App& app, Config& config);
 void add_limit_options(CLI::App& app, Limits& limits);
 
-/// Sets the options that neither flags nor environment gave from a TOML file. Throws ConfigError that names the file
+/// Sets options that neither flags nor environment have set from a TOML file. Throws ConfigError that names the file
 /// and the key.
 void take_file(CLI::App& app, const std::string& path);
 
 /// --max-scenes is COLLIDED_MAX_SCENES.
 std::string variable_of(const std::string& flag);
 
-/// Decimal numbers in the range, and nothing else: no NaN, no octal, no sign that wraps around.
+/// Only decimal numbers in the range: no NaN, no octal numbers, no negative numbers that wrap around.
 template <class T>
-requires std::is_arithmetic_v<T> CLI::Validator number(T least, T most) {
-  const auto range = "from " + CLI::detail::to_string(least) + " to " + CLI::detail::to_string(most);
+requires std::is_arithmetic_v<T> CLI::Validator number(T min, T max) {
+  const auto range = "from " + CLI::detail::to_string(min) + " to " + CLI::detail::to_string(max);
   const auto check = [=](std::string& text) -> std::string {
     T value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool sound = error == std::errc() && end == text.data() + text.size() && value >= least && value <= most;
+    const bool sound = error == std::errc() && end == text.data() + text.size() && value >= min && value <= max;
     if (!sound) return "\"" + text + "\" is not a number " + range;
-    if constexpr (std::integral<T>) text = std::to_string(value);  // CLI11 would take a leading 0 for octal
+    if constexpr (std::integral<T>) text = std::to_string(value);  // CLI11 would read a leading 0 as octal
     return {};
   };
   return CLI::Validator(check, range);
@@ -43,7 +43,7 @@ CLI::Option* add(CLI::App& app, const std::string& flag, T& value, const std::st
   return app.add_option(flag, value, help)->envname(variable_of(flag))->capture_default_str();
 }
 
-/// A flag alone, or with =true or =false; as a variable or key it needs one of them.
+/// A flag by itself, or with =true or =false; a variable or key needs one of them.
 inline CLI::Option* add_switch(CLI::App& app, const std::string& flag, bool& value, const std::string& help) {
   return app.add_flag(flag, value, help)
       ->envname(variable_of(flag))
@@ -54,8 +54,8 @@ inline CLI::Option* add_switch(CLI::App& app, const std::string& flag, bool& val
 
 /// A number with its range.
 template <class T>
-CLI::Option* add(CLI::App& app, const std::string& flag, T& value, T least, T most, const std::string& help) {
-  return add(app, flag, value, help)->transform(number(least, most));
+CLI::Option* add(CLI::App& app, const std::string& flag, T& value, T min, T max, const std::string& help) {
+  return add(app, flag, value, help)->transform(number(min, max));
 }
 
 }  // namespace collided::server

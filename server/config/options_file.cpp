@@ -4,14 +4,14 @@
 #include <toml.hpp>
 
 #include "server/config/options.hpp"
-#include "server/config/toml_text.hpp"
+#include "server/config/text_file.hpp"
 
 namespace collided::server {
 namespace {
 
 constexpr uint64_t kMaxFileBytes = 1 << 20;
 
-// As a flag or variable would hold it.
+// As in a flag or variable.
 std::string text_of(const toml::value& value, const std::string& where) {
   if (value.is_string()) return value.as_string().str;
   if (value.is_boolean()) return value.as_boolean() ? "true" : "false";
@@ -29,11 +29,11 @@ std::vector<std::string> texts_of(const toml::value& value, const std::string& w
   } else {
     texts.push_back(text_of(value, where));
   }
-  std::erase(texts, "");  // not given, as for a variable
+  std::erase(texts, "");  // an empty value means that the option is not set, as for a variable
   return texts;
 }
 
-void take(CLI::App& app, const std::string& path, const std::string& key, const toml::value& value) {
+void set_option(CLI::App& app, const std::string& path, const std::string& key, const toml::value& value) {
   const auto where = path + ":" + std::to_string(value.location().line()) + ": " + key;
   auto* option = app.get_option_no_throw("--" + key);
   if (!option || !option->get_configurable()) throw ConfigError(where + " is not an option");
@@ -47,7 +47,7 @@ void take(CLI::App& app, const std::string& path, const std::string& key, const 
   }
 }
 
-// The first line of what toml11 says; the others draw the place.
+// With the first line of toml11's message; the others draw the place.
 toml::value parse_toml(const std::string& path) try {
   std::istringstream text(read_toml_text(path, kMaxFileBytes));
   return toml::parse(text, path);
@@ -59,7 +59,8 @@ toml::value parse_toml(const std::string& path) try {
 }  // namespace
 
 void take_file(CLI::App& app, const std::string& path) {
-  for (const auto root = parse_toml(path); const auto& [key, value] : root.as_table()) take(app, path, key, value);
+  for (const auto root = parse_toml(path); const auto& [key, value] : root.as_table())
+    set_option(app, path, key, value);
 }
 
 }  // namespace collided::server

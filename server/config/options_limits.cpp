@@ -6,7 +6,7 @@ namespace collided::server {
 namespace {
 
 struct Range {
-  uint64_t least, most;
+  uint64_t min, max;
 };
 
 // An option in MiB for a value in bytes.
@@ -14,7 +14,7 @@ void add_megabytes(CLI::App& app, const std::string& flag, uint64_t& bytes, Rang
   app.add_option_function<uint64_t>(
          flag, [&bytes](uint64_t megabytes) { bytes = megabytes << 20; }, help)
       ->envname(variable_of(flag))
-      ->transform(number<uint64_t>(range.least, range.most))
+      ->transform(number<uint64_t>(range.min, range.max))
       ->default_str(std::to_string(bytes >> 20));
 }
 

@@ -21,7 +21,7 @@ void add_addresses(CLI::App& app, Config& config) {
   add(app, "--local-socket", config.local_socket, "Path of the socket for clients that share memory; empty: off")
       ->check(or_empty(check_socket_path));
   add(app, "--allow-uid", config.allowed_uids,
-      "User that may use the local socket beside the daemon's own; may be repeated")
+      "User that may use the local socket besides the daemon's own; may be repeated")
       ->delimiter(',')
       ->transform(number<uint32_t>(0, 4'294'967'294));
   add_switch(app, "--cuda-ipc", config.cuda_ipc, "Take device memory of clients on the same host");

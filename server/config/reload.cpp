@@ -1,10 +1,10 @@
-// What may change while the daemon runs.
+// Which options may change while the daemon runs.
 #include "server/config/config.hpp"
 
 namespace collided::server {
 namespace {
 
-// Takes back what only counts after a restart, and notes its name.
+// Undoes changes that need a restart, and collects the names of the options.
 class Keeper {
  public:
   explicit Keeper(std::vector<std::string>& names) : names_(names) {}

@@ -1,4 +1,4 @@
-// What options must fulfil together.
+// Which options go together.
 #include "server/config/rules.hpp"
 
 #include <algorithm>

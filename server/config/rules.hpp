@@ -1,5 +1,5 @@
 #pragma once
-// What options must fulfil together.
+// Which options go together.
 
 #include <string>
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace collided::server {
 
-/// Throws ConfigError if options contradict each other, or would put plain text on a network unasked.
+/// Throws ConfigError if options contradict each other, or expose plain text to a network without --allow-insecure.
 void check_rules(const Config& config);
 
-/// What is allowed, but should be known: who can reach the daemon without TLS or without showing who he is.
+/// Warnings about allowed exposure: addresses that others can reach without TLS or without proof of identity.
 std::vector<std::string> exposure_warnings(const Config& config);
 
 }  // namespace collided::server

@@ -1,4 +1,4 @@
-// Contacts of a frame cut into runs that fit a message.
+// Cuts a frame's contacts into chunks that fit a message.
 #include "server/convert/chunks.hpp"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ Stencil stencil(pb::ContactKind kind, std::array<uint32_t, 2> pair, const Topolo
   return {a[0], a[1], b[0], b[1]};
 }
 
-// Those of the fields asked for that there are of this kind, at the level of this frame.
+// The wanted fields that exist for this kind at the frame's accuracy.
 OutputFields available(OutputFields fields, pb::ContactKind kind, const ContactSet& set) {
   fields.stencils &= kind != pb::CONTACT_KIND_TRIANGLE_TRIANGLE;
   fields.toi &= !set.toi.empty();

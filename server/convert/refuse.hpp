@@ -1,5 +1,5 @@
 #pragma once
-// How the conversions refuse a value: the message begins with the path of its field.
+// Refusals of values: the message begins with the path of the field.
 
 #include <google/protobuf/generated_enum_reflection.h>
 #include <spdlog/fmt/fmt.h>
@@ -13,8 +13,8 @@
 
 namespace collided::server {
 
-[[noreturn]] inline void throw_invalid(const std::string& field, const std::string& rest) {
-  throw InvalidInput(field, field + " " + rest);
+[[noreturn]] inline void throw_invalid(const std::string& field, const std::string& what) {
+  throw InvalidInput(field, field + " " + what);
 }
 
 [[noreturn]] inline void throw_not_served(const std::string& field, const std::string& value) {
@@ -28,7 +28,7 @@ inline std::string list_choices(const std::vector<std::string>& names) {
   return list;
 }
 
-/// A value of an enum that cannot be used, with the names of those that can.
+/// Refuses a value of an enum, with the names of the usable ones.
 template <class Enum>
 [[noreturn]] void throw_unknown(const std::string& field, Enum value, const std::vector<Enum>& usable) {
   const auto* type = google::protobuf::GetEnumDescriptor<Enum>();

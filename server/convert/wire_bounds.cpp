@@ -1,4 +1,4 @@
-// What a message would unfold to.
+// What a message would take in memory.
 #include "server/convert/wire_bounds.hpp"
 
 #include <google/protobuf/wire_format_lite.h>
@@ -92,7 +92,7 @@ void FieldCount::throw_malformed() const {
 }
 
 void FieldCount::throw_too_many() const {
-  throw LimitExceeded(what_, fmt::format("{} has more than {} fields, the most that one may have here", what_, most_));
+  throw LimitExceeded(what_, fmt::format("{} has more than {} fields, the most that one may have here", what_, max_));
 }
 
 }  // namespace collided::server

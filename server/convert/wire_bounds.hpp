@@ -1,6 +1,6 @@
 #pragma once
-// What a message would unfold to, counted on its bytes before anything of it is parsed: two bytes on the wire can take
-// a hundred in memory.
+// What a message would take in memory, counted on its bytes before it is parsed: two bytes on the wire can take a
+// hundred in memory.
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/coded_stream.h>
@@ -11,26 +11,31 @@
 
 namespace collided::server {
 
-/// Memory that a field takes at most beside its own bytes: an empty MeshUpdate, or an unknown field.
+/// Largest memory of a field besides its own bytes: an empty MeshUpdate, or an unknown field.
 constexpr uint64_t kFieldBytes = 128;
 
-/// Fields of a message for so many meshes at most, with room for those of later versions.
-constexpr uint64_t most_fields(uint64_t meshes) { return 64 + 16 * meshes; }
+/// Largest number of fields of a message for so many meshes, with room for those of later versions.
+constexpr uint64_t max_fields(uint64_t meshes) { return 64 + 16 * meshes; }
 
-/// Counts the fields of a message on all its levels, unknown ones and the elements of packed arrays among them. Strings
-/// and bytes are skipped, not copied.
+/// Largest memory of a parsed message of so many bytes, for so many meshes.
+constexpr uint64_t max_parsed_bytes(uint64_t message_bytes, uint64_t meshes) {
+  return message_bytes + max_fields(meshes) * kFieldBytes;
+}
+
+/// Counts the fields of a message at all levels, including unknown ones and the elements of packed arrays. Strings and
+/// bytes are skipped, not copied.
 class FieldCount {
  public:
   /// `what` names the message in refusals.
-  FieldCount(std::string what, uint64_t most) : what_(std::move(what)), most_(most) {}
+  FieldCount(std::string what, uint64_t max) : what_(std::move(what)), max_(max) {}
 
-  /// Throws LimitExceeded past the most.
+  /// Throws LimitExceeded past the maximum.
   void add(uint64_t fields = 1) {
     count_ += fields;
-    if (count_ > most_) throw_too_many();
+    if (count_ > max_) throw_too_many();
   }
-  /// All of a message up to the limit of `in`, which must have one. Throws InvalidInput for bytes that are no such
-  /// message, and for one that nests too deeply, with its path, which begins with `path`; LimitExceeded past the most.
+  /// A whole message, up to the limit of `in`, which must have one. Throws InvalidInput for bytes that are no such
+  /// message or that nest too deeply, with a path that begins with `path`; LimitExceeded past the maximum.
   void add_message(google::protobuf::io::CodedInputStream& in, const google::protobuf::Descriptor& type,
                    std::string path);
   /// The same for bytes in memory.
@@ -51,7 +56,7 @@ class FieldCount {
 
   std::string path_;
   const std::string what_;
-  const uint64_t most_;
+  const uint64_t max_;
   uint64_t count_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Accepts connections, on a thread of its own, and hands them on.
+// Accepts connections on a thread of its own and hands them on.
 #include "server/net/accept_loop.hpp"
 
 #include <fcntl.h>
@@ -16,12 +16,12 @@ namespace collided::server {
 namespace {
 
 constexpr size_t kReserve = 16;
-constexpr int kRetryMs = 50;  // where the process has no descriptor left
-constexpr int kFullMs = 2;    // until connections that were ended are closed
-constexpr int kBatch = 64;    // connections of one socket before the next socket has its turn
+constexpr int kRetryMs = 50;  // while the process has no descriptor left
+constexpr int kFullMs = 2;    // while evicted connections are being closed
+constexpr int kBatch = 64;    // connections from one socket before the next socket has its turn
 
-// accept4() wants a descriptor before it looks whether anybody waits.
-bool is_awaited(int socket) {
+// accept4() takes a descriptor before it checks whether a connection is waiting.
+bool has_waiting(int socket) {
   pollfd state{socket, POLLIN, 0};
   return poll(&state, 1, 0) != 0;
 }
@@ -46,9 +46,9 @@ void AcceptLoop::stop() {
   thread_.join();
 }
 
-std::string AcceptLoop::trouble() const {
+std::string AcceptLoop::shortage() const {
   const std::lock_guard lock(mutex_);
-  return trouble_;
+  return shortage_;
 }
 
 void AcceptLoop::run() {
@@ -56,45 +56,45 @@ void AcceptLoop::run() {
   for (const int socket : sockets_) states.push_back({socket, POLLIN, 0});
   states.push_back({wake_.get(), POLLIN, 0});
   while (!is_stopping_) {
-    const bool is_short = !trouble().empty(), is_full = !connections_.may_accept();
-    // Where none can be taken, the sockets stay readable: only being stopped is worth waking up for.
+    const bool is_short = !shortage().empty(), is_full = !connections_.may_accept();
+    // While none can be accepted the sockets stay readable, so wait for the stop alone.
     if (is_short || is_full)
       poll(&states.back(), 1, is_short ? kRetryMs : kFullMs);
     else
       poll(states.data(), states.size(), -1);
     for (size_t i = 0; i < sockets_.size() && !is_stopping_; ++i)
-      if (is_short || is_full || states[i].revents) take_some(i);
+      if (is_short || is_full || states[i].revents) accept_batch(i);
   }
 }
 
-void AcceptLoop::take_some(size_t place) {
+void AcceptLoop::accept_batch(size_t place) {
   for (int taken = 0; taken < kBatch; ++taken) {
     if (!connections_.may_accept()) return;
     Fd connection(accept4(sockets_[place], nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     const int error = connection ? 0 : errno;
-    if (error == EAGAIN || (is_shortage(error) && !is_awaited(sockets_[place]))) return end_trouble();
-    if (is_shortage(error)) return begin_trouble(error);
-    if (!connection) continue;  // one that is gone again
+    if (error == EAGAIN || (is_shortage(error) && !has_waiting(sockets_[place]))) return on_recovery();
+    if (is_shortage(error)) return on_shortage(error);
+    if (!connection) continue;  // the client has given up already
     if (connections_.admit(connection.get(), peer_of(connection.get()))) take_(std::move(connection), place);
   }
 }
 
-// The reserve serves whoever waits now; those that are ended make up for it.
-void AcceptLoop::begin_trouble(int error) {
+// The reserve serves the clients that wait now; evicted connections make up for it.
+void AcceptLoop::on_shortage(int error) {
   reserve_.clear();
-  connections_.end_some(kReserve);
+  connections_.evict(kReserve);
   const std::lock_guard lock(mutex_);
-  if (!trouble_.empty()) return;
-  trouble_ = std::string("cannot accept connections: ") + std::strerror(error);
-  spdlog::error("{}; those that made no call are ended", trouble_);
+  if (!shortage_.empty()) return;
+  shortage_ = std::string("cannot accept connections: ") + std::strerror(error);
+  spdlog::error("{}; those that made no call are ended", shortage_);
 }
 
-// Nobody waits any more, and a descriptor was there for whoever would.
-void AcceptLoop::end_trouble() {
+// Nobody waits any more, and there was a descriptor for the next one.
+void AcceptLoop::on_recovery() {
   fill_reserve();
   const std::lock_guard lock(mutex_);
-  if (trouble_.empty() || reserve_.size() < kReserve) return;
-  trouble_.clear();
+  if (shortage_.empty() || reserve_.size() < kReserve) return;
+  shortage_.clear();
   spdlog::info("connections are accepted again");
 }
 

@@ -22,31 +22,32 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kPeriod{250}, kBetweenKnocks{5'000};
-constexpr milliseconds kPatience{5'000};  // of one try: a host may be busy
-constexpr int kTries = 3;                 // a table that is full may end a probe, too
+constexpr milliseconds kPeriod{250}, kProbePeriod{5'000};
+constexpr milliseconds kTimeout{5'000};  // for one attempt: a host may be busy
+constexpr int kTries = 3;                // a full table may evict a probe, too
 
 struct Failure {
   std::string what;
 };
 
-struct Patience {
+/// How long an attempt may wait.
+struct Wait {
   steady_clock::time_point deadline;
-  const std::function<bool()>& is_pointless;
+  const std::function<bool()>& should_stop;
 };
 
 [[noreturn]] void fail(const std::string& what, int error) { throw Failure{what + ": " + std::strerror(error)}; }
 
-void wait_for(int socket, short events, const Patience& patience) {
-  for (milliseconds left{1}; left.count() > 0 && !patience.is_pointless();) {
-    left = std::chrono::ceil<milliseconds>(patience.deadline - steady_clock::now());
+void wait_for(int socket, short events, const Wait& wait) {
+  for (milliseconds left{1}; left.count() > 0 && !wait.should_stop();) {
+    left = std::chrono::ceil<milliseconds>(wait.deadline - steady_clock::now());
     pollfd state{socket, events, 0};
     if (poll(&state, 1, static_cast<int>(std::clamp(left, milliseconds(0), kPeriod).count())) > 0) return;
   }
   throw Failure{"a new connection gets no answer"};
 }
 
-// Where to connect to reach a listening socket; one of all addresses is reached by loopback.
+// The address at which a listening socket is reached: by loopback if it listens on all addresses.
 socklen_t address_of(int listening, sockaddr_storage& address) {
   socklen_t size = sizeof(address);
   if (getsockname(listening, reinterpret_cast<sockaddr*>(&address), &size) != 0) fail("getsockname", errno);
@@ -57,14 +58,14 @@ socklen_t address_of(int listening, sockaddr_storage& address) {
   return size;
 }
 
-Fd connect_to(int listening, const Patience& patience) {
+Fd connect_to(int listening, const Wait& wait) {
   sockaddr_storage address{};
   const socklen_t size = address_of(listening, address);
   Fd socket(::socket(address.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!socket) fail("no socket for a new connection", errno);
   if (connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), size) == 0) return socket;
   if (errno != EINPROGRESS) fail("connecting", errno);
-  wait_for(socket.get(), POLLOUT, patience);
+  wait_for(socket.get(), POLLOUT, wait);
   int error = 0;
   socklen_t error_size = sizeof(error);
   getsockopt(socket.get(), SOL_SOCKET, SO_ERROR, &error, &error_size);
@@ -87,19 +88,19 @@ std::string tls_greeting() {
   SSL_set_alpn_protos(tls.get(), kProtocols, sizeof(kProtocols));
   BIO* const out = BIO_new(BIO_s_mem());
   SSL_set_bio(tls.get(), BIO_new(BIO_s_mem()), out);
-  SSL_connect(tls.get());  // wants to read by now
+  SSL_connect(tls.get());  // has written its ClientHello, and waits for the answer
   char* bytes = nullptr;
   const long size = BIO_get_mem_data(out, &bytes);
   return {bytes, static_cast<size_t>(size)};
 }
 
-// The type of its first frame or record is all that is needed.
-void expect_answer(int socket, bool is_tls, const Patience& patience) {
+// The type of the first frame or record is enough.
+void expect_answer(int socket, bool is_tls, const Wait& wait) {
   constexpr size_t kHead = 5;
   constexpr char kSettings = 4, kHandshake = 22;
   char head[kHead] = {};
   for (size_t size = 0; size < kHead;) {
-    wait_for(socket, POLLIN, patience);
+    wait_for(socket, POLLIN, wait);
     const ssize_t got = recv(socket, head + size, kHead - size, 0);
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) continue;
     if (got < 0) fail("a new connection is closed", errno);
@@ -112,21 +113,24 @@ void expect_answer(int socket, bool is_tls, const Patience& patience) {
 
 }  // namespace
 
-std::string knock(const Door& door, const std::function<bool()>& is_pointless) try {
-  const Patience patience{steady_clock::now() + kPatience, is_pointless};
-  const Fd socket = connect_to(door.socket, patience);
-  const std::string greeting = door.is_tls ? tls_greeting() : http2_greeting();
+std::string probe(const ProbeTarget& target, const std::function<bool()>& should_stop) try {
+  const Wait wait{steady_clock::now() + kTimeout, should_stop};
+  const Fd socket = connect_to(target.socket, wait);
+  const std::string greeting = target.is_tls ? tls_greeting() : http2_greeting();
   if (send(socket.get(), greeting.data(), greeting.size(), MSG_NOSIGNAL) < 0)
     fail("a new connection takes nothing", errno);
-  expect_answer(socket.get(), door.is_tls, patience);
+  expect_answer(socket.get(), target.is_tls, wait);
   return {};
 } catch (const Failure& failure) {
   return failure.what;
 }
 
-AdmissionProbe::AdmissionProbe(std::vector<Door> doors, std::function<std::string()> trouble,
-                               std::function<void(const std::string&)> tell)
-    : doors_(std::move(doors)), trouble_(std::move(trouble)), tell_(std::move(tell)), thread_([this] { run(); }) {}
+AdmissionProbe::AdmissionProbe(std::vector<ProbeTarget> targets, std::function<std::string()> shortage,
+                               std::function<void(const std::string&)> report)
+    : targets_(std::move(targets)),
+      shortage_(std::move(shortage)),
+      report_(std::move(report)),
+      thread_([this] { run(); }) {}
 
 AdmissionProbe::~AdmissionProbe() {
   {
@@ -139,33 +143,33 @@ AdmissionProbe::~AdmissionProbe() {
 
 void AdmissionProbe::run() {
   do {
-    const std::string now = look();
-    if (!is_stopping_ && now != told_) tell_(told_ = now);
+    const std::string now = check();
+    if (!is_stopping_ && now != reported_) report_(reported_ = now);
   } while (wait(kPeriod));
 }
 
-// Knocks now and then, and all the time where something is wrong. Trouble that comes meanwhile is the reason of what a
-// knock meets.
-std::string AdmissionProbe::look() {
-  if (auto trouble = trouble_(); !trouble.empty()) return trouble;
-  if (told_.empty() && steady_clock::now() < next_) return {};
-  auto obstacle = knock_everywhere();
-  next_ = steady_clock::now() + kBetweenKnocks;
-  auto trouble = trouble_();
-  return trouble.empty() ? obstacle : trouble;
+// Probes now and then, and continuously while something is wrong. A shortage that sets in meanwhile is the reason for
+// what the probe sees.
+std::string AdmissionProbe::check() {
+  if (auto shortage = shortage_(); !shortage.empty()) return shortage;
+  if (reported_.empty() && steady_clock::now() < next_) return {};
+  auto obstacle = probe_all();
+  next_ = steady_clock::now() + kProbePeriod;
+  auto shortage = shortage_();
+  return shortage.empty() ? obstacle : shortage;
 }
 
-std::string AdmissionProbe::knock_everywhere() const {
-  for (const Door& door : doors_) {
+std::string AdmissionProbe::probe_all() const {
+  for (const ProbeTarget& target : targets_) {
     std::string what;
-    for (int tries = 0; tries < kTries && !(what = knock(door, [this] { return is_pointless(); })).empty(); ++tries)
+    for (int tries = 0; tries < kTries && !(what = probe(target, [this] { return should_stop(); })).empty(); ++tries)
       continue;
-    if (!what.empty()) return "new clients do not get in by " + door.address + ": " + what;
+    if (!what.empty()) return "new clients do not get in by " + target.address + ": " + what;
   }
   return {};
 }
 
-// False: the probe ends.
+// False at the end of the probe.
 bool AdmissionProbe::wait(milliseconds time) {
   std::unique_lock lock(mutex_);
   return !stopping_.wait_for(lock, time, [this] { return is_stopping_.load(); });

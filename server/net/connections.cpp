@@ -1,4 +1,4 @@
-// The connections that the process has accepted and somebody else closes.
+// The connections that the process has accepted and that others close.
 #include "server/net/connections.hpp"
 
 #include <fcntl.h>
@@ -13,14 +13,14 @@
 namespace collided::server {
 namespace {
 
-// A client that has something to ask does so at once; gRPC gives it as long for its handshake.
+// An honest client makes its first call at once; gRPC allows as long for the handshake.
 constexpr auto kTimeForFirstCall = std::chrono::seconds(10);
 constexpr auto kCountedTime = std::chrono::seconds(10), kRefusal = std::chrono::seconds(2);
-constexpr uint32_t kMostFruitless = 1000;  // of a source
-constexpr uint32_t kFewFruitless = 20;     // of a connection that is not to be blamed for the others of its source
-constexpr uint32_t kLook = 64;             // fruitless calls over Unix sockets between two looks at who makes them
+constexpr uint32_t kMaxAbandoned = 1000;  // of a source
+constexpr uint32_t kMinAbandoned = 20;    // of a connection, before it is blamed for its source
+constexpr uint32_t kCheckEvery = 64;      // abandoned calls over Unix sockets between two searches for who makes them
 constexpr std::string_view kUnix = "unix";
-constexpr size_t kSweep = 64;  // connections between two looks at which are gone
+constexpr size_t kSweepEvery = 64;  // connections between two sweeps
 
 ino_t inode_of(int fd) {
   struct stat file {};
@@ -29,23 +29,23 @@ ino_t inode_of(int fd) {
 
 }  // namespace
 
-void Connections::set_limit(size_t most) {
+void Connections::set_limit(size_t max) {
   const std::lock_guard lock(mutex_);
-  most_ = most;
+  max_ = max;
 }
 
 bool Connections::may_accept() {
   const std::lock_guard lock(mutex_);
-  if (open_locked() < most_ || !is_evicting_enough_locked()) return true;
+  if (open_locked() < max_ || !is_evicting_enough_locked()) return true;
   sweep_locked();
-  return open_locked() < most_ || !is_evicting_enough_locked();
+  return open_locked() < max_ || !is_evicting_enough_locked();
 }
 
 bool Connections::admit(int socket, const Peer& peer) {
   const std::lock_guard lock(mutex_);
   if (is_refused_locked(peer.source)) return false;
-  if (next_ % kSweep == 0 || open_locked() >= most_) sweep_locked();
-  while (open_locked() >= most_ && make_room_locked()) continue;
+  if (next_ % kSweepEvery == 0 || open_locked() >= max_) sweep_locked();
+  while (open_locked() >= max_ && make_room_locked()) continue;
   const uint64_t id = next_++;
   Entry& entry = entries_[id];
   entry.socket = socket;
@@ -63,23 +63,23 @@ void Connections::identified(std::string_view peer, std::string_view client) {
   if (known != client) known = client;
 }
 
-bool Connections::fruitless(std::string_view peer) {
+bool Connections::abandoned(std::string_view peer) {
   const std::lock_guard lock(mutex_);
-  if (peer.starts_with(kUnix)) return fruitless_over_unix_locked();
+  if (peer.starts_with(kUnix)) return abandoned_over_unix_locked();
   const auto found = by_peer_.find(std::string(peer));
   if (found == by_peer_.end()) return false;
   Entry& entry = entries_.at(found->second);
-  ++entry.fruitless;
-  const bool is_much = ++source_locked(entry.peer.source).fruitless >= kMostFruitless;
-  if (!is_much || entry.fruitless < kFewFruitless || entry.is_ending) return false;
+  ++entry.abandoned;
+  const bool is_flood = ++source_locked(entry.peer.source).abandoned >= kMaxAbandoned;
+  if (!is_flood || entry.abandoned < kMinAbandoned || entry.is_ending) return false;
   shut_out_locked(entry);
   return true;
 }
 
-// gRPC does not tell which of them it was. A flood that is no slower than the daemon shows in what is still unread.
-bool Connections::fruitless_over_unix_locked() {
-  const uint32_t count = ++source_locked(std::string(kUnix)).fruitless;
-  if (count < kMostFruitless || count % kLook != 0) return false;
+// gRPC does not tell which connection it was. A flood that is faster than the daemon shows in the unread bytes.
+bool Connections::abandoned_over_unix_locked() {
+  const uint32_t count = ++source_locked(std::string(kUnix)).abandoned;
+  if (count < kMaxAbandoned || count % kCheckEvery != 0) return false;
   const auto found = most_resetting_locked();
   if (found == entries_.end()) return false;
   shut_out_locked(found->second);
@@ -89,12 +89,12 @@ bool Connections::fruitless_over_unix_locked() {
 Connections::Entries::iterator Connections::most_resetting_locked() {
   sweep_locked();
   auto found = entries_.end();
-  size_t most = kFewFruitless - 1;
+  size_t max = kMinAbandoned - 1;
   for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
     if (!entry->second.peer.is_unix || entry->second.is_ending) continue;
     const size_t resets = count_unread_resets(entry->second.socket);
-    if (resets > most) found = entry;
-    most = std::max(most, resets);
+    if (resets > max) found = entry;
+    max = std::max(max, resets);
   }
   return found;
 }
@@ -109,7 +109,7 @@ bool Connections::is_refused_locked(const std::string& source) const {
   return found != sources_.end() && Clock::now() < found->second.refused_until;
 }
 
-// Those that have been quiet are forgotten.
+// Forgets sources that have been quiet.
 Connections::Source& Connections::source_locked(const std::string& name) {
   const auto now = Clock::now();
   Source& source = sources_[name];
@@ -118,7 +118,7 @@ Connections::Source& Connections::source_locked(const std::string& name) {
   return sources_[name];
 }
 
-void Connections::end_some(size_t count) {
+void Connections::evict(size_t count) {
   const std::lock_guard lock(mutex_);
   sweep_locked();
   while (count-- > 0 && make_room_locked()) continue;
@@ -149,10 +149,10 @@ void Connections::erase_locked(Entries::iterator entry) const {
   entries_.erase(entry);
 }
 
-// Those that were ended hold their descriptors until their owner has noticed: there must not be too many.
+// An evicted connection keeps its descriptor until its owner has noticed: there must not be too many of them.
 bool Connections::is_evicting_enough_locked() const {
-  constexpr size_t kLeast = 16;
-  return ending_ >= std::max(kLeast, most_ / 4);
+  constexpr size_t kMin = 16;
+  return ending_ >= std::max(kMin, max_ / 4);
 }
 
 bool Connections::make_room_locked() {
@@ -164,8 +164,9 @@ bool Connections::make_room_locked() {
   return true;
 }
 
-// First the oldest that never made a call in all its time. Then, of TCP and Unix sockets, whichever has more: the
-// oldest without a call, or, where all have made one (or cannot be told apart), the oldest of the client that has most.
+// First the oldest that has made no call in the time that it had. Then, of TCP and Unix sockets, whichever has more:
+// the oldest without a call, or, if all have made one (or cannot be told apart), the oldest of the client with the
+// most.
 Connections::Entries::iterator Connections::victim_locked() {
   const auto now = Clock::now();
   size_t unix_count = 0;
@@ -198,13 +199,13 @@ Connections::Entries::iterator Connections::oldest_of_largest_group_locked(bool 
   return largest ? largest->oldest : entries_.end();
 }
 
-// By a duplicate, which still means the same socket if its owner closes it right now and the number is given out again.
+// Through a duplicate, which still refers to the same socket if its owner closes it now and the number is reused.
 void Connections::end_locked(Entry& entry) const {
   if (entry.is_ending) return;
   entry.is_ending = true;
   ++ending_;
   const Fd same(fcntl(entry.socket, F_DUPFD_CLOEXEC, 0));
-  const int fd = same ? same.get() : entry.socket;  // no descriptor left
+  const int fd = same ? same.get() : entry.socket;  // if no descriptor is left
   if (inode_of(fd) == entry.inode) shutdown(fd, SHUT_RDWR);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// The connections that the process has accepted and somebody else closes: how many there may be, and which one goes
-// when there is no room for a new one.
+// The connections that the process has accepted and that others close: how many there may be, and which one is evicted
+// to make room for a new one.
 
 #include <sys/types.h>
 
@@ -16,31 +16,31 @@
 
 namespace collided::server {
 
-/// Thread-safe. A connection is known by its descriptor and the inode of its socket, which no other socket has again:
-/// whoever owns it may close it at any time.
+/// Thread-safe. A connection is known by its descriptor and the inode of its socket, which is never reused: its owner
+/// may close it at any time.
 class Connections {
  public:
-  explicit Connections(size_t most) : most_(most) {}
+  explicit Connections(size_t max) : max_(max) {}
 
-  void set_limit(size_t most);
-  /// False while there is no room and enough connections have been ended whose owner still has to close them.
+  void set_limit(size_t max);
+  /// False while there is no room and enough evicted connections are still to be closed by their owner.
   bool may_accept();
-  /// Counts a connection that was just accepted; where there is no room, another one is ended. False if its source is
+  /// Counts a connection that was just accepted; evicts another one if there is no room. False if its source is
   /// refused: then it is not counted and must be closed.
   bool admit(int socket, const Peer& peer);
-  /// The connection made a call as this client. Connections over Unix sockets cannot be told apart by their calls.
+  /// The connection made a call as this client. Unix sockets cannot be told apart by their calls.
   void identified(std::string_view peer, std::string_view client);
-  /// A call of the connection ended before it asked for anything. gRPC keeps each such call until it is taken up,
-  /// however many come: hence a connection (or all of its source together) that makes 1,000 of them within 10 s is
-  /// ended, and its source refused for 2 s. True if it was. Over Unix sockets, it is the one that has most resets
-  /// waiting to be read.
-  bool fruitless(std::string_view peer);
-  /// Ends `count` connections, those that a full table would end.
-  void end_some(size_t count);
+  /// A call of the connection was abandoned before it asked for anything. gRPC keeps each such call until it is
+  /// accepted, however many there are: so a connection (or all of its source together) that makes 1,000 of them within
+  /// 10 s is ended, and its source refused for 2 s. True if it was. Over Unix sockets it is the connection with the
+  /// most unread resets.
+  bool abandoned(std::string_view peer);
+  /// Evicts `count` connections, as a full table would.
+  void evict(size_t count);
 
-  /// Open ones.
+  /// Open connections.
   size_t size() const;
-  /// Ended to make room, so far.
+  /// Connections evicted so far.
   uint64_t evicted() const;
 
  private:
@@ -51,12 +51,12 @@ class Connections {
     Peer peer;
     Clock::time_point begin = Clock::now();
     std::string client;      ///< empty: made no call
-    uint32_t fruitless = 0;  ///< calls
+    uint32_t abandoned = 0;  ///< calls
     bool is_ending = false;
   };
   struct Source {
-    Clock::time_point begin = Clock::now();  // of the time in which they are counted
-    uint32_t fruitless = 0;
+    Clock::time_point begin = Clock::now();  // of the period in which calls are counted
+    uint32_t abandoned = 0;
     Clock::time_point refused_until{};
   };
   using Entries = std::map<uint64_t, Entry>;  // by age
@@ -66,7 +66,7 @@ class Connections {
   void erase_locked(Entries::iterator entry) const;
   bool is_refused_locked(const std::string& source) const;
   Source& source_locked(const std::string& name);
-  bool fruitless_over_unix_locked();
+  bool abandoned_over_unix_locked();
   Entries::iterator most_resetting_locked();
   void shut_out_locked(Entry& entry);
   bool is_evicting_enough_locked() const;
@@ -77,10 +77,10 @@ class Connections {
   size_t open_locked() const { return entries_.size() - ending_; }
 
   mutable std::mutex mutex_;  // guards what follows
-  size_t most_;
-  std::unordered_map<std::string, Source> sources_;  // those with fruitless calls
+  size_t max_;
+  std::unordered_map<std::string, Source> sources_;  // with abandoned calls
   mutable Entries entries_;
-  mutable std::unordered_map<std::string, uint64_t> by_peer_;  // but for Unix sockets
+  mutable std::unordered_map<std::string, uint64_t> by_peer_;  // without Unix sockets
   mutable size_t ending_ = 0;
   uint64_t next_ = 0, evicted_ = 0;
 };

@@ -23,9 +23,9 @@ size_t descriptor_limit() {
 }
 
 size_t connections_for(size_t descriptors, size_t wanted) {
-  constexpr size_t kEnough = 1024, kLeast = 8;
-  const size_t most = std::max(kLeast, descriptors - descriptors / 4);
-  return wanted ? std::min(wanted, most) : std::max(kLeast, std::min(kEnough, descriptors / 2));
+  constexpr size_t kDefaultMax = 1024, kMin = 8;
+  const size_t max = std::max(kMin, descriptors - descriptors / 4);
+  return wanted ? std::min(wanted, max) : std::max(kMin, std::min(kDefaultMax, descriptors / 2));
 }
 
 }  // namespace collided::server

@@ -10,14 +10,14 @@ struct DescriptorLimit {
   size_t now = 0;
 };
 
-/// Raises the soft limit of file descriptors to the hard one. Where the system refuses, it stays.
+/// Raises the soft limit of file descriptors to the hard one, unless the system refuses.
 DescriptorLimit raise_descriptor_limit();
 
 /// The soft limit.
 size_t descriptor_limit();
 
-/// The most connections of gRPC that such a limit leaves room for: half of it, at most 1,024 unless `wanted` (0: as
-/// many as that) asks for more, and never more than all but a quarter of it.
+/// Maximum number of gRPC connections for a limit of `descriptors`: half of it, at most 1,024, unless `wanted` (0: no
+/// wish) asks for another number; never more than three quarters of it.
 size_t connections_for(size_t descriptors, size_t wanted);
 
 }  // namespace collided::server

@@ -51,7 +51,7 @@ Fd listen_on(const addrinfo& to) {
   if (!socket) return socket;
   set(socket.get(), SOL_SOCKET, SO_REUSEADDR, 1);
   set(socket.get(), IPPROTO_TCP, TCP_NODELAY, 1);  // connections inherit it
-  // [::] takes IPv4, too; localhost and names have a socket of their own for it.
+  // [::] accepts IPv4, too; localhost and names have a separate socket for it.
   const auto& v6 = *reinterpret_cast<const sockaddr_in6*>(to.ai_addr);
   if (to.ai_family == AF_INET6)
     set(socket.get(), IPPROTO_IPV6, IPV6_V6ONLY, IN6_IS_ADDR_UNSPECIFIED(&v6.sin6_addr) ? 0 : 1);
@@ -75,7 +75,7 @@ Listener::Listener(const std::string& address) : address_(address) {
   address_ = address.substr(0, colon + 1) + std::to_string(bound_port(tcp_.front().get()));
 }
 
-// All addresses of the host that this machine has; the first failure is told if it has none.
+// All addresses of the host that this machine has; if it has none, the last failure is the reason.
 void Listener::listen_on_host(const std::string& host, const std::string& port) {
   const AddressList found = resolve(host, port, address_);
   int error = 0;
@@ -93,8 +93,8 @@ void Listener::listen_on_host(const std::string& host, const std::string& port) 
 }
 
 // Connections inherit it.
-void Listener::set_patience(std::chrono::milliseconds patience) const {
-  for (const auto& socket : tcp_) set(socket.get(), IPPROTO_TCP, TCP_USER_TIMEOUT, static_cast<int>(patience.count()));
+void Listener::set_user_timeout(std::chrono::milliseconds timeout) const {
+  for (const auto& socket : tcp_) set(socket.get(), IPPROTO_TCP, TCP_USER_TIMEOUT, static_cast<int>(timeout.count()));
 }
 
 std::vector<int> Listener::sockets() const {

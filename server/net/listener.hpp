@@ -17,14 +17,14 @@ class Listener {
   /// std::runtime_error, "cannot listen on ADDRESS: why".
   explicit Listener(const std::string& address);
 
-  /// As it was asked for, with the port that was given out.
+  /// As it was asked for, with the port that the system assigned.
   const std::string& address() const { return address_; }
   bool is_unix() const { return unix_ != nullptr; }
-  /// They do not block.
+  /// Non-blocking.
   std::vector<int> sockets() const;
-  /// Drops connections of TCP whose other end takes nothing for so long: no ping gets past a full window. Of those
-  /// that come from now on.
-  void set_patience(std::chrono::milliseconds patience) const;
+  /// Drops TCP connections whose peer takes nothing for so long: no ping gets past a full window. For connections from
+  /// now on.
+  void set_user_timeout(std::chrono::milliseconds timeout) const;
 
  private:
   void listen_on_host(const std::string& host, const std::string& port);

@@ -5,7 +5,9 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <cerrno>
 #include <cstring>
+#include <system_error>
 
 namespace collided::server {
 namespace {
@@ -45,6 +47,14 @@ Peer peer_of(int socket) {
   if (address.ss_family == AF_INET6) return of_v6(reinterpret_cast<const sockaddr_in6&>(address));
   const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
   return of_v4(v4.sin_addr, v4.sin_port);
+}
+
+uid_t peer_uid(int socket) {
+  ucred peer{};
+  socklen_t size = sizeof(peer);
+  if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0)
+    throw std::system_error(errno, std::generic_category(), "SO_PEERCRED");
+  return peer.uid;
 }
 
 }  // namespace collided::server

@@ -1,6 +1,8 @@
 #pragma once
 // Who is at the other end of a connection.
 
+#include <sys/types.h>
+
 #include <string>
 
 namespace collided::server {
@@ -11,7 +13,10 @@ struct Peer {
   bool is_unix = false;
 };
 
-/// Of a connected socket. Empty texts if the connection is already gone.
+/// Of a connected socket. Empty strings if the connection is already closed.
 Peer peer_of(int socket);
+
+/// User of the process at the other end of a Unix socket, at the time it connected. Throws std::system_error.
+uid_t peer_uid(int socket);
 
 }  // namespace collided::server

@@ -44,8 +44,8 @@ std::string folder_of(const std::string& path) {
   return slash == 0 ? "/" : path.substr(0, slash);
 }
 
-// To see that a socket is stale, to remove it and to bind another is one step, or two daemons could both do it: the
-// second would remove the socket of the first. The lock is of the folder, so that no file of its own is left behind.
+// Finding a socket stale, removing it and binding another must be one step: otherwise two daemons could both do it, and
+// the second would remove the socket of the first. The folder is locked, so that no lock file is left behind.
 Fd lock_folder_of(const std::string& path) {
   constexpr std::chrono::milliseconds kPatience{5000}, kPoll{5};
   const std::string folder = folder_of(path);
@@ -75,7 +75,7 @@ bool is_served(const std::string& path) {
   const sockaddr_un address = address_of(path);
   const Fd probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!probe) return false;
-  // A full backlog (EAGAIN) is an answer, too, and so is that the socket is of another type.
+  // A full backlog (EAGAIN) counts as served, and so does a socket of another type.
   return connect(probe.get(), generic(address), sizeof(address)) == 0 || errno == EAGAIN || errno == EPROTOTYPE;
 }
 
@@ -91,7 +91,7 @@ void UnixListener::bind_and_listen(const Options& options) {
   const sockaddr_un address = address_of(path_);
   if (!socket_ || bind(socket_.get(), generic(address), sizeof(address)) != 0)
     throw_cannot(path_, std::strerror(errno));
-  // Nobody can connect before listen(): by then the mode holds.
+  // Nobody can connect before listen(), and the mode is set by then.
   struct stat file {};
   const bool has_mode = !options.mode || chmod(path_.c_str(), *options.mode) == 0;
   if (!has_mode || listen(socket_.get(), SOMAXCONN) != 0 || lstat(path_.c_str(), &file) != 0) {
@@ -102,6 +102,8 @@ void UnixListener::bind_and_listen(const Options& options) {
   device_ = file.st_dev;
   inode_ = file.st_ino;
 }
+
+Fd UnixListener::accept() const { return Fd(accept4(socket(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC)); }
 
 UnixListener::~UnixListener() {
   struct stat file {};

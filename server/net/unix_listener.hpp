@@ -10,33 +10,35 @@
 
 namespace collided::server {
 
-/// Whether a process has a socket of any type bound to the path. Does not wait.
+/// Whether a process has a socket of any type bound to the path. Does not block.
 bool is_served(const std::string& path);
 
-/// Listens on a path, and removes the path at its end. Of several processes that want the same path, one gets it.
+/// Listens on a path, and removes it at the end. If several processes want the same path, one gets it.
 class UnixListener {
  public:
   struct Options {
     int type = 0;                ///< SOCK_STREAM or SOCK_SEQPACKET
-    std::optional<mode_t> mode;  ///< of the socket's file; none: as the umask has it
+    std::optional<mode_t> mode;  ///< of the socket's file; none: by the umask
   };
 
-  /// Takes the place of a socket that nobody serves. Throws std::runtime_error ("cannot listen on PATH: why") if the
+  /// Replaces a socket that nobody serves. Throws std::runtime_error ("cannot listen on PATH: why") if the
   /// path is too long, another process serves there, another kind of file is there, or the system refuses.
   UnixListener(const std::string& path, const Options& options);
   ~UnixListener();
   UnixListener(const UnixListener&) = delete;
   UnixListener& operator=(const UnixListener&) = delete;
 
-  /// Does not block.
+  /// Non-blocking.
   int socket() const { return socket_.get(); }
+  /// The next connection, non-blocking; none, with errno, if there is none.
+  Fd accept() const;
 
  private:
   void bind_and_listen(const Options& options);
 
   const std::string path_;
   Fd socket_;
-  dev_t device_ = 0;  // with inode_: the file that is ours to remove
+  dev_t device_ = 0;  // with inode_: the file to remove
   ino_t inode_ = 0;
 };
 

@@ -12,11 +12,11 @@ namespace collided::server {
 
 size_t count_unread_resets(int socket) {
   using std::string_view_literals::operator""sv;
-  constexpr size_t kMost = 64 << 10;
+  constexpr size_t kMaxBytes = 64 << 10;
   // A frame of 4 bytes, RST_STREAM, no flags; its stream; an error code, which is a small number.
   constexpr auto kHead = "\0\0\4\3\0"sv, kCode = "\0\0\0"sv;
   constexpr size_t kCodeAt = 9;
-  std::vector<char> bytes(kMost);
+  std::vector<char> bytes(kMaxBytes);
   const ssize_t size = recv(socket, bytes.data(), bytes.size(), MSG_PEEK | MSG_DONTWAIT);
   const std::string_view unread(bytes.data(), static_cast<size_t>(std::max<ssize_t>(size, 0)));
   size_t count = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// The time that leases, idle limits, rates and turns are counted in. Its epoch means nothing: it may be the machine's
-// start, seconds ago.
+// The clock of leases, idle limits, rates and turns. Its epoch is arbitrary: it may be the machine's start, seconds
+// ago.
 
 #include <chrono>
 #include <functional>
@@ -9,11 +9,13 @@ namespace collided::server {
 
 using Clock = std::chrono::steady_clock;
 
-/// Tells the time, from any thread. A test has its own, which it moves by hand.
+/// Returns the time; thread-safe. Tests have their own, which they move by hand.
 using Now = std::function<Clock::time_point()>;
 
 inline double seconds_between(Clock::time_point begin, Clock::time_point end) {
   return std::chrono::duration<double>(end - begin).count();
 }
+
+inline double milliseconds_since(Clock::time_point begin) { return 1000 * seconds_between(begin, Clock::now()); }
 
 }  // namespace collided::server

@@ -1,4 +1,4 @@
-// The end of a process that cannot stop by itself.
+// Ends a process that cannot stop by itself.
 #include "server/ops/exit_deadline.hpp"
 
 #include <spdlog/spdlog.h>

@@ -1,6 +1,6 @@
 #pragma once
-// The end of a process that cannot stop by itself: gRPC closes no connection before its last write is through, and a
-// full Unix socket whose client neither reads nor closes has no timeout.
+// Ends a process that cannot stop by itself: gRPC closes no connection before its last write has finished, and a full
+// Unix socket whose client neither reads nor closes has no timeout.
 
 #include <condition_variable>
 #include <mutex>
@@ -10,7 +10,7 @@ namespace collided::server {
 
 class ExitDeadline {
  public:
-  /// Unless it is destroyed within `seconds`, the process exits with `code`, after a line in the log.
+  /// Unless this object is destroyed within `seconds`, logs a line and exits with `code`.
   ExitDeadline(double seconds, int code);
   ~ExitDeadline();
   ExitDeadline(const ExitDeadline&) = delete;

@@ -1,5 +1,5 @@
 #pragma once
-// What was freed, back to the system: by itself the allocator keeps what many small pieces took, for each of its
+// Gives freed memory back to the system: by itself the allocator keeps the memory of many small pieces, in each of its
 // arenas.
 
 #include <malloc.h>
@@ -17,13 +17,13 @@ class FreedMemory {
   /// where it does.
   void give_back() {
     left_ = std::min(left_, unused_bytes());
-    if (unused_bytes() - left_ < kMuch) return;
+    if (unused_bytes() - left_ < kThreshold) return;
     malloc_trim(0);
     left_ = unused_bytes();
   }
 
  private:
-  static constexpr double kMuch = 8 << 20;
+  static constexpr double kThreshold = 8 << 20;
 
   /// With memory that was never the allocator's, such as stacks, which changes little.
   static double unused_bytes() {

@@ -1,5 +1,5 @@
-// Metrics and health over plain HTTP. Requests are libmicrohttpd's, on one thread that waits for none of its clients;
-// which connections there may be is ours.
+// Metrics and health over plain HTTP. libmicrohttpd serves the requests on one thread that blocks on no client; which
+// connections there are is decided here.
 #include "server/ops/http_server.hpp"
 
 #include <microhttpd.h>
@@ -19,7 +19,7 @@
 namespace collided::server {
 namespace {
 
-constexpr size_t kConnections = 128;  // a new one ends the oldest
+constexpr size_t kMaxConnections = 128;  // a new one evicts the oldest
 constexpr unsigned kSilentSeconds = 3;
 constexpr size_t kConnectionBytes = 16 << 10;
 
@@ -68,7 +68,7 @@ struct HttpServer::Parts {
     return answer(path);
   }
 
-  // What it throws would end the library's C thread, and with it the daemon.
+  // An exception would end the library's C thread, and with it the daemon.
   static MHD_Result handle(void* self, MHD_Connection* connection, const char* path, const char* method,
                            const char* version, const char*, size_t*, void**) try {
     return send(connection, static_cast<const Parts*>(self)->answer(path, method, version));
@@ -78,12 +78,12 @@ struct HttpServer::Parts {
 
   MHD_Daemon* start() {
     return MHD_start_daemon(MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_NO_LISTEN_SOCKET | MHD_USE_ITC, 0, nullptr, nullptr,
-                            handle, this, MHD_OPTION_CONNECTION_LIMIT, static_cast<unsigned>(2 * kConnections),
+                            handle, this, MHD_OPTION_CONNECTION_LIMIT, static_cast<unsigned>(2 * kMaxConnections),
                             MHD_OPTION_CONNECTION_TIMEOUT, kSilentSeconds, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
                             kConnectionBytes, MHD_OPTION_END);
   }
 
-  // The library closes it in any case.
+  // The library closes the socket in any case.
   void take(Fd socket) {
     sockaddr_storage address{};
     socklen_t size = sizeof(address);
@@ -94,7 +94,7 @@ struct HttpServer::Parts {
   const Metrics& metrics;
   const Lifecycle& lifecycle;
   const Listener listener;
-  Connections connections{kConnections};
+  Connections connections{kMaxConnections};
   const std::unique_ptr<MHD_Daemon, decltype(&MHD_stop_daemon)> http;
   std::optional<AcceptLoop> loop;
 };

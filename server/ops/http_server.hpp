@@ -9,8 +9,8 @@ namespace collided::server {
 class Lifecycle;
 class Metrics;
 
-/// A client that is slow, or many of them, keep no other waiting: past 128 connections a new one ends the oldest.
-/// Serves GET and HEAD of /metrics, /readyz (200, or 503 with the reason) and /healthz (200 while the process runs).
+/// Slow clients, however many, keep no other client waiting: past 128 connections a new one evicts the oldest. Serves
+/// GET and HEAD of /metrics, /readyz (200, or 503 with the reason) and /healthz (200 while the process runs).
 class HttpServer {
  public:
   /// `address` is host:port with a numeric host; port 0: any free one. Throws std::runtime_error if it cannot be bound.
@@ -18,7 +18,7 @@ class HttpServer {
   HttpServer(const std::string& address, const Metrics& metrics, const Lifecycle& lifecycle);
   ~HttpServer();
 
-  /// With the port that was given out.
+  /// With the port that the system assigned.
   const std::string& address() const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// Whether the daemon serves, and why not: asked by health checks and calls, changed by main and by a failed device.
+// Whether the daemon serves, and if not, why: read by health checks and calls, changed by main and by a failed device.
 
 #include <functional>
 #include <mutex>
@@ -7,14 +7,14 @@
 
 namespace collided::server {
 
-/// Thread-safe. A failure is final: neither serve() nor drain() takes it back.
+/// Thread-safe. A failure is final: neither serve() nor drain() undoes it.
 class Lifecycle {
  public:
   enum class State { kStarting, kServing, kDraining, kFailed };
   struct Status {
     State state = State::kStarting;
     std::string reason;    ///< of a failure
-    std::string obstacle;  ///< what keeps new clients out at present; empty: nothing
+    std::string obstacle;  ///< what keeps new clients out now; empty: nothing
 
     /// Whether new clients should come.
     bool ready() const { return state == State::kServing && obstacle.empty(); }
@@ -32,7 +32,7 @@ class Lifecycle {
   /// The daemon cannot go on (a device failed for good); the first reason is kept.
   void fail(const std::string& reason);
 
-  /// What keeps new clients out, until it is called with an empty text; those that are in are served.
+  /// Sets what keeps new clients out; "" once nothing does. Clients that are in are served meanwhile.
   void set_obstacle(const std::string& obstacle);
 
   Status status() const;

@@ -1,4 +1,4 @@
-// Lines on their way to a file descriptor.
+// Writes lines to a file descriptor that may block.
 #include "server/ops/line_writer.hpp"
 
 #include <poll.h>
@@ -12,14 +12,14 @@
 namespace collided::server {
 namespace {
 
-// False if it cannot be written, ever.
+// False if the descriptor cannot be written to any more.
 bool write_all(int fd, const char* data, size_t size) {
   while (size > 0) {
     const ssize_t written = ::write(fd, data, size);
     if (written >= 0) {
       data += written;
       size -= static_cast<size_t>(written);
-    } else if (errno == EAGAIN) {  // others share the descriptor, and let it not block
+    } else if (errno == EAGAIN) {  // another process has made the descriptor non-blocking
       pollfd room{fd, POLLOUT, 0};
       poll(&room, 1, -1);
     } else if (errno != EINTR) {
@@ -32,7 +32,7 @@ bool write_all(int fd, const char* data, size_t size) {
 }  // namespace
 
 LineWriter& LineWriter::make(int fd, Report report) {
-  auto* writer = new LineWriter(fd, std::move(report));  // for the thread, which nobody can join
+  auto* writer = new LineWriter(fd, std::move(report));  // the thread's, which nobody can join
   std::thread([writer] { writer->run(); }).detach();
   return *writer;
 }
@@ -46,31 +46,31 @@ void LineWriter::write(std::string line) {
   ++left_;
   bytes_ += line.size();
   lines_.push_back(std::move(line));
-  come_.notify_one();
+  arrived_.notify_one();
 }
 
-bool LineWriter::drain(std::chrono::milliseconds most) {
+bool LineWriter::drain(std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
-  return gone_.wait_for(lock, most, [this] { return left_ == 0; });
+  return written_.wait_for(lock, timeout, [this] { return left_ == 0; });
 }
 
-void LineWriter::drain_in_signal(std::chrono::milliseconds most) const noexcept {
+void LineWriter::drain_in_signal(std::chrono::milliseconds timeout) const noexcept {
   const timespec millisecond{0, 1'000'000};
-  for (auto left = most.count(); left > 0 && left_ > 0; --left) nanosleep(&millisecond, nullptr);
+  for (auto left = timeout.count(); left > 0 && left_ > 0; --left) nanosleep(&millisecond, nullptr);
 }
 
 void LineWriter::run() {
   for (;;) {
     put(next());
-    tell_dropped();
+    report_dropped();
     const std::lock_guard lock(mutex_);
-    if (--left_ == 0) gone_.notify_all();
+    if (--left_ == 0) written_.notify_all();
   }
 }
 
 std::string LineWriter::next() {
   std::unique_lock lock(mutex_);
-  come_.wait(lock, [this] { return !lines_.empty(); });
+  arrived_.wait(lock, [this] { return !lines_.empty(); });
   std::string line = std::move(lines_.front());
   lines_.pop_front();
   bytes_ -= line.size();
@@ -81,11 +81,11 @@ void LineWriter::put(const std::string& line) {
   if (!write_all(fd_, line.data(), line.size())) ++dropped_;
 }
 
-// It has just taken a line, or never will again.
-void LineWriter::tell_dropped() {
+// The descriptor has just taken a line, or never will again.
+void LineWriter::report_dropped() {
   const uint64_t dropped = dropped_;
-  if (dropped == told_) return;
-  const std::string line = report_(dropped - std::exchange(told_, dropped));
+  if (dropped == reported_) return;
+  const std::string line = report_(dropped - std::exchange(reported_, dropped));
   write_all(fd_, line.data(), line.size());
 }
 

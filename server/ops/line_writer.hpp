@@ -1,6 +1,5 @@
 #pragma once
-// Lines on their way to a file descriptor, which may take none for a while, or for ever: nobody waits for it but a
-// thread of its own.
+// Writes lines to a file descriptor that may block for a while, or forever: only a thread of its own waits for it.
 
 #include <atomic>
 #include <chrono>
@@ -13,23 +12,23 @@
 
 namespace collided::server {
 
-/// Lives until the process ends: its thread may never come back from a write. Hence only make() makes one.
+/// Lives until the process ends, as its thread may never return from a write: so only make() creates one.
 class LineWriter {
  public:
-  /// Bytes that wait at most.
+  /// Maximum number of bytes that wait.
   static constexpr size_t kMaxBytes = size_t{1} << 20;
   /// Makes the line that tells how many were dropped.
   using Report = std::function<std::string(uint64_t dropped)>;
 
   static LineWriter& make(int fd, Report report);
 
-  /// Takes a line, or drops it where too much waits already. Never waits.
+  /// Queues a line, or drops it if too much waits already. Never blocks.
   void write(std::string line);
-  /// Waits until all that came before is written; false after `most`.
-  bool drain(std::chrono::milliseconds most);
-  /// As drain(), but safe within a signal handler.
-  void drain_in_signal(std::chrono::milliseconds most) const noexcept;
-  /// Lines that were dropped since the beginning: too much waited, or they could not be written.
+  /// Waits until all lines so far are written; false after `timeout`.
+  bool drain(std::chrono::milliseconds timeout);
+  /// As drain(), but safe in a signal handler.
+  void drain_in_signal(std::chrono::milliseconds timeout) const noexcept;
+  /// Lines dropped so far: because too much waited, or because they could not be written.
   uint64_t dropped() const { return dropped_; }
 
  private:
@@ -38,15 +37,15 @@ class LineWriter {
   [[noreturn]] void run();
   std::string next();
   void put(const std::string& line);
-  void tell_dropped();
+  void report_dropped();
 
   const int fd_;
   const Report report_;
   std::atomic<uint64_t> dropped_ = 0;
   std::atomic<size_t> left_ = 0;  // lines that wait or are being written
-  uint64_t told_ = 0;             // of dropped_; of the writing thread alone
+  uint64_t reported_ = 0;         // of dropped_; the writing thread's
   std::mutex mutex_;              // guards what follows
-  std::condition_variable come_, gone_;
+  std::condition_variable arrived_, written_;
   std::deque<std::string> lines_;
   size_t bytes_ = 0;
 };

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The fields of the line that this thread is writing; the sink formats in the thread that logs.
+// The fields of the line that this thread is logging; the sink formats in the same thread.
 thread_local std::span<const LogField> fields_of_line;
 
 std::string dump(const Json& json) { return json.dump(-1, ' ', true, Json::error_handler_t::replace); }
@@ -29,14 +29,14 @@ bool is_plain(std::string_view text) {
   return !text.empty() && std::ranges::all_of(text, [](char c) { return c > ' ' && c < 0x7f && c != '"' && c != '='; });
 }
 
-// A value of a text line: quoted and escaped where it could be taken for something else.
+// A value of a text line: quoted and escaped if it could be misread.
 std::string quote(const Json& value) {
   if (!value.is_string()) return dump(value);
   const auto& text = value.get_ref<const std::string&>();
   return is_plain(text) ? text : dump(value);
 }
 
-// What is not ASCII or not printable could forge a line, or change the terminal of who reads it.
+// Characters that are not printable ASCII could forge a line, or control the reader's terminal.
 std::string escape(std::string_view text) {
   const auto quoted = dump(Json(text));
   std::string escaped;
@@ -103,7 +103,7 @@ LineWriter& the_writer() {
   return writer;
 }
 
-// Formats in the thread that logs; writes in none that anybody waits for.
+// Formats in the thread that logs; writes in a thread that nobody waits for.
 class WriterSink final : public spdlog::sinks::base_sink<std::mutex> {
  public:
   std::string format(const spdlog::details::log_msg& line) {
@@ -123,19 +123,20 @@ class WriterSink final : public spdlog::sinks::base_sink<std::mutex> {
 };
 
 WriterSink& the_sink() {
-  static const auto sink = new std::shared_ptr<WriterSink>(std::make_shared<WriterSink>());  // for the writer's thread
+  static const auto sink =
+      new std::shared_ptr<WriterSink>(std::make_shared<WriterSink>());  // never destroyed: the writer's thread uses it
   return **sink;
 }
 
 std::string report_of(uint64_t dropped) { return the_sink().report(dropped); }
 
-// Made once: other threads may log while main changes format and level.
+// Created once: other threads may log while main changes format and level.
 spdlog::logger& the_logger() {
   static const auto logger = [] {
-    // Not owned: as the sink, it stays until the process ends.
+    // Not owned: it lives until the process ends, as the sink does.
     const std::shared_ptr<WriterSink> sink(&the_sink(), [](auto*) {});
     auto made = std::make_shared<spdlog::logger>("collided", sink);
-    made->set_error_handler([](const std::string&) {});  // spdlog's own writes to stderr, and waits for it
+    made->set_error_handler([](const std::string&) {});  // spdlog's own blocks on stderr
     spdlog::set_default_logger(made);
     std::atexit([] { flush_log(); });
     return made;
@@ -147,7 +148,7 @@ constexpr auto kMoment = std::chrono::milliseconds(500);
 
 extern "C" void flush_and_die(int signal) {
   the_writer().drain_in_signal(kMoment);
-  raise(signal);  // for which the default is set again
+  raise(signal);  // whose default action is restored by now
 }
 
 }  // namespace
@@ -172,7 +173,7 @@ void flush_log_at_crash() {
 }
 
 void write_line(const std::string& text) {
-  the_logger();  // which writes out what is left when the process exits
+  the_logger();  // registers the flush at exit
   the_writer().write(text + "\n");
 }
 

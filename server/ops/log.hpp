@@ -12,18 +12,18 @@
 
 namespace collided::server {
 
-/// Log lines go to stderr, in the order in which they were logged. Nobody waits for it: where it takes nothing, lines
-/// are dropped and counted once 1 MiB waits, and a line tells how many once it flows again. `format`: text or json;
-/// `level`: as spdlog names them. Callable again at any time.
+/// Log lines go to stderr in the order in which they were logged. Nobody waits for stderr: if it blocks, lines are
+/// dropped and counted once 1 MiB waits, and a line tells how many once it accepts data again. `format`: text or json;
+/// `level`: as spdlog names them. May be called again at any time.
 void set_up_log(const std::string& format, const std::string& level);
 
-/// Waits until all lines are written, but only for a moment: half a second. A process that exits does so by itself.
+/// Waits until all lines are written, for at most half a second. Happens by itself when the process exits.
 void flush_log();
-/// From now on, a process that dies of a fault or of abort() writes out its lines before, within the same moment.
+/// From now on, a process that dies of a fault or of abort() first writes its lines, in the same half second.
 void flush_log_at_crash();
-/// A line as it is, without time and level, among the others.
+/// Writes a line as it is, without time and level, in order with the others.
 void write_line(const std::string& text);
-/// Lines that were dropped since the start.
+/// Lines dropped since the start.
 uint64_t dropped_log_lines();
 
 /// The ids of one call. All are empty or printable ASCII without blanks.
@@ -33,11 +33,11 @@ struct CallIds {
   std::string parent_id;   ///< 16 hexadecimal digits; else empty
 };
 
-/// From the headers `x-request-id` and `traceparent` (W3C Trace Context); empty: not sent. What is not valid is
-/// dropped, and a random request id made where none is left.
+/// From the headers `x-request-id` and `traceparent` (W3C Trace Context); empty: not sent. Invalid ids are dropped, and
+/// a missing request id is replaced by a random one.
 CallIds parse_ids(std::string_view request_id_header, std::string_view traceparent_header);
 
-/// A named value of a log line. Does not own its text.
+/// A named value of a log line. Does not own its string.
 struct LogField {
   template <std::signed_integral T>
   LogField(std::string_view key, T number) : name(key), value(int64_t{number}) {}
@@ -52,7 +52,7 @@ struct LogField {
   std::variant<int64_t, uint64_t, double, std::string_view> value;
 };
 
-/// One line: `message scene=.. frame=..`, or one JSON object. Empty texts are left out. The usual names are scene,
+/// One line: `message scene=.. frame=..`, or one JSON object. Empty strings are left out. The usual names are scene,
 /// frame, request, trace, client.
 void log_event(spdlog::level::level_enum level, std::string_view message, std::initializer_list<LogField> fields);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Log lines that callers cause are written at a bounded rate; the metrics count all.
+// Log lines that callers cause are rate-limited; the metrics count everything.
 
 #include <chrono>
 #include <cstdint>
@@ -11,13 +11,14 @@
 
 namespace collided::server {
 
-/// Which of many events of a kind get a line: the first few of each second. Thread-safe. There must be few kinds.
+/// Decides which of many events of a kind are logged: the first few of each second. Thread-safe. There must be few
+/// kinds.
 class LogRate {
  public:
   using Clock = std::chrono::steady_clock;
 
-  explicit LogRate(uint64_t most_a_second) : most_(most_a_second) {}
-  /// How many of the kind got none since the last line; nothing if this one gets none, too.
+  explicit LogRate(uint64_t max_per_second) : max_(max_per_second) {}
+  /// Number of events of the kind that were left out since the last line; nothing if this one is left out, too.
   std::optional<uint64_t> admit(const std::string& kind, Clock::time_point now = Clock::now());
 
  private:
@@ -26,13 +27,13 @@ class LogRate {
     uint64_t events = 0, left_out = 0;
   };
 
-  const uint64_t most_;
+  const uint64_t max_;
   std::mutex mutex_;
   std::map<std::string, Second> seconds_;  // guarded by mutex_; of each kind
 };
 
-/// Whether a refusal of `what` (a method, or "frame") with this code gets a line. Tells first, in a line of its own,
-/// how many before it got none.
+/// Whether to log a refusal of `what` (a method, or "frame") with this code. First logs, in a line of its own, how many
+/// were left out before it.
 bool admit_refusal(std::string_view what, std::string_view code);
 
 }  // namespace collided::server

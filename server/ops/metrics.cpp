@@ -50,13 +50,13 @@ Gauge& gauge(Registry& registry, const char* name, const char* help, const Label
   return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add(labels);
 }
 
-// Metrics of one family by the values of their labels. Past `most` of them, further ones share one, so that no caller
-// can make them without end.
+// Metrics of one family by the values of their labels. Past `max` of them, all others share one, so that callers cannot
+// create any number of them.
 template <class Metric>
 class ByLabel {
  public:
   using Make = std::function<Metric&(std::string_view)>;
-  ByLabel(size_t most, Make make) : most_(most), make_(std::move(make)) {}
+  ByLabel(size_t max, Make make) : max_(max), make_(std::move(make)) {}
 
   Metric& at(std::string_view key) {
     {
@@ -66,7 +66,7 @@ class ByLabel {
     std::unique_lock lock(mutex_);
     const auto known = metrics_.find(key);
     if (known != metrics_.end()) return *known->second;
-    return metrics_.size() < most_ ? add(key) : shared();
+    return metrics_.size() < max_ ? add(key) : shared();
   }
 
  private:
@@ -76,7 +76,7 @@ class ByLabel {
     return found != metrics_.end() ? *found->second : add(kOther);
   }
 
-  const size_t most_;
+  const size_t max_;
   const Make make_;
   std::shared_mutex mutex_;
   std::map<std::string, Metric*, std::less<>> metrics_;  // guarded by mutex_

@@ -21,44 +21,44 @@ struct FrameTotals {
   uint64_t replays = 0;    ///< runs again because a buffer was too small
 };
 
-/// What is so at the time of a scrape.
+/// State at the time of a scrape.
 struct Gauges {
   uint64_t scenes = 0;
   uint64_t streams = 0;
-  uint64_t calls = 0;  ///< in work, frame streams apart
+  uint64_t calls = 0;  ///< in work, without frame streams
   uint64_t device_bytes = 0;
   uint64_t queued_frames = 0;
-  uint64_t outgoing_bytes = 0;  ///< answers that wait for their client
+  uint64_t outgoing_bytes = 0;  ///< of answers that wait for their client
   uint64_t connections = 0;     ///< of gRPC
-  uint64_t evicted = 0;         ///< connections that were ended to make room, since the start
+  uint64_t evicted = 0;         ///< connections ended to make room, since the start
 };
 
-/// Thread-safe. Counting takes no lock that a scrape holds for long, and allocates only for names not seen before.
+/// Thread-safe. Counting takes no lock that a scrape holds for long, and allocates only for new names.
 class Metrics {
  public:
   Metrics();
   ~Metrics();
 
   void observe_phase(Phase phase, double seconds);
-  /// A stage of the engine. At most 64 names are told apart; the others count as "other".
+  /// A stage of the engine. At most 64 names are distinguished; the others count as "other".
   void observe_stage(std::string_view stage, double seconds);
   void count_frame(const FrameTotals& frame);
-  /// Frames passed over by LATEST_WINS.
+  /// Frames skipped by LATEST_WINS.
   void count_skipped(uint64_t frames = 1);
   /// A refused frame or call; `reason` is the name of its gRPC code, as RESOURCE_EXHAUSTED.
   void count_rejected(std::string_view reason);
-  /// A stream that took up a scene where a broken one left it.
+  /// A stream that resumed a scene.
   void count_reconnect();
-  /// Files for TLS that have changed: whether they were taken, or the ones before stay.
+  /// Changed TLS files: whether they were loaded, or the previous ones kept.
   void count_certificate_reload(bool is_taken);
-  /// A connection that was ended because its client reset too many calls.
+  /// A connection ended because its client reset too many calls.
   void count_reset_flood();
-  /// An ended call: its method without the service, and the name of its gRPC code; other than OK and CANCELLED it is
-  /// rejected, too.
+  /// An ended call: its method without the service, and the name of its gRPC code. Any code but OK and CANCELLED counts
+  /// as a rejection, too.
   void count_call(std::string_view method, std::string_view code);
 
-  /// Called at each scrape, by the thread of the scrape. An empty function: no scene and no stream; once it is set, the
-  /// one before is not running any more.
+  /// `gauges` is called at each scrape, by its thread; an empty function stands for no scene and no stream. After the
+  /// call the previous function is no longer running.
   void set_gauges(std::function<Gauges()> gauges);
 
   /// Prometheus text format 0.0.4.

@@ -1,4 +1,4 @@
-// Scenes that are gone, remembered for a while.
+// Scenes that have ended, remembered for a while.
 #include "server/scenes/ended_scenes.hpp"
 
 #include <spdlog/fmt/fmt.h>

@@ -1,5 +1,5 @@
 #pragma once
-// The engine names fields by its own structs; clients know those of the protocol.
+// From the fields of the engine's structs to those of the protocol, which clients know. No gRPC here.
 
 #include <string>
 #include <string_view>
@@ -9,7 +9,7 @@
 
 namespace collided::server {
 
-// A path with its last part renamed, if that is `from`.
+/// The path with its last part renamed, if that is `from`.
 inline std::string with_last_part(const std::string& path, std::string_view from, std::string_view to) {
   const bool whole = path == from;
   const bool last = path.size() > from.size() && path.ends_with(from) && path[path.size() - from.size() - 1] == '.';
@@ -31,15 +31,21 @@ inline std::string spec_path(const std::string& engine_path) {
   return "spec." + with_last_part(path, "scalar", "position_format");
 }
 
-/// The engine's refusal with the path that the client knows, in its message, too.
-inline InvalidInput with_path(const InvalidInput& error, std::string (*path)(const std::string&)) {
-  const std::string ours = path(error.field()), message = error.what();
+/// The engine's message, with `name` where it names its field.
+inline std::string renamed(const InvalidInput& error, const std::string& name) {
+  const std::string message = error.what();
   const auto at = error.field().empty() ? std::string::npos : message.find(error.field());
-  if (at == std::string::npos) return {ours, ours + ": " + message};
-  return {ours, message.substr(0, at) + ours + message.substr(at + error.field().size())};
+  if (at == std::string::npos) return name + ": " + message;
+  return message.substr(0, at) + name + message.substr(at + error.field().size());
 }
 
-/// Throws the engine's refusal with the path of the budget, if it is about that.
+/// The engine's refusal, which names the path that the client knows.
+inline InvalidInput with_path(const InvalidInput& error, std::string (*path)(const std::string&)) {
+  const std::string field = path(error.field());
+  return {field, renamed(error, field)};
+}
+
+/// Throws the refusal that names the budget's path, if the engine's is about the scene's budget.
 inline void throw_if_budget(const ResourceExhausted& error) {
   constexpr std::string_view kEngine = "memory_budget";
   const std::string field = "spec.memory_budget_bytes", message = error.what();

@@ -9,13 +9,12 @@
 
 #include "server/errors.hpp"
 #include "server/scenes/field_path.hpp"
-#include "server/scenes/frame_session.hpp"
 
 namespace collided::server {
 
 namespace {
 
-// In the same time, whatever they have in common.
+// In constant time.
 bool is_equal_secret(const std::string& a, const std::string& b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
@@ -40,7 +39,7 @@ uint64_t topology_bytes(const Topology& topology) {
          topology.edges.capacity() * sizeof(topology.edges[0]);
 }
 
-// The plan, its copies in `pending_` and in the detector, and what is kept of each mesh beside them.
+// The plan, its copies in `pending_` and in the detector, and what is kept for each mesh besides.
 uint64_t plan_bytes(const ScenePlan& plan) {
   constexpr uint64_t kOfMesh = sizeof(MeshPlan) + 3 * sizeof(MeshSpec) + 4 * sizeof(uint64_t);
   uint64_t bytes = plan.meshes.size() * kOfMesh;
@@ -79,7 +78,7 @@ Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
 SceneSnapshot Scene::snapshot() const {
   std::lock_guard lock(mutex_);
   SceneSnapshot now = shown_;
-  if (!now.ready) now.memory = {{"host", quota_->held()}};  // with what uploads have brought so far
+  if (!now.ready) now.memory = {{"host", quota_->held()}};  // includes what uploads have brought so far
   return now;
 }
 
@@ -147,22 +146,21 @@ void Scene::check_token(const std::string& token, bool has_stream) const {
     throw PermissionDenied("open.resume_token", fmt::format("open.resume_token is not that of scene {}", id()));
 }
 
-std::shared_ptr<FrameSession> Scene::begin_stream(const std::shared_ptr<FrameSession>& session,
-                                                  const std::string& token) {
+std::shared_ptr<SceneStream> Scene::begin_stream(const std::shared_ptr<SceneStream>& stream, const std::string& token) {
   const std::lock_guard lock(mutex_);
   check_open();
   if (!shown_.ready) throw_awaits("open.scene_id");
   check_token(token, stream_ != nullptr);
-  return std::exchange(stream_, session);
+  return std::exchange(stream_, stream);
 }
 
-void Scene::end_stream(const FrameSession& session) {
-  std::shared_ptr<FrameSession> ended;
+void Scene::end_stream(const SceneStream& stream) {
+  std::shared_ptr<SceneStream> ended;
   const std::lock_guard lock(mutex_);
-  if (stream_.get() == &session) ended.swap(stream_);
+  if (stream_.get() == &stream) ended.swap(stream_);
 }
 
-std::shared_ptr<FrameSession> Scene::stream() const {
+std::shared_ptr<SceneStream> Scene::stream() const {
   const std::lock_guard lock(mutex_);
   return stream_;
 }
@@ -171,7 +169,7 @@ void Scene::close(const SceneEnd& end) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return;
-    end_ = end;  // read without the lock once it is closed
+    end_ = end;  // read without the lock once closed_ is set
     closed_ = true;
   }
   if (const auto open = stream())
@@ -190,12 +188,7 @@ std::shared_ptr<FrameSlot> Scene::take_slot() {
   throw_awaits("scene_id");
 }
 
-uint64_t Scene::most_position_bytes() const {
-  const uint64_t vertex_bytes = plan_.engine.scalar == Scalar::kF64 ? 24 : 12;
-  uint64_t vertices = 0;
-  for (const auto& mesh : plan_.engine.meshes) vertices += mesh.vertex_count;
-  return vertices * vertex_bytes * (plan_.engine.mode == Mode::kCcd ? 2 : 1);
-}
+uint64_t Scene::max_position_bytes() const { return count_vertices(plan_.engine) * max_vertex_bytes(plan_.engine); }
 
 void Scene::begin_use() {
   const std::lock_guard lock(mutex_);
@@ -227,7 +220,7 @@ void Scene::release() {
 
 void Scene::build_if_complete() {
   check_open();
-  if (awaits_triangles()) return;  // this thread alone writes what it reads
+  if (awaits_triangles()) return;  // only this thread writes what is read here
   make_detector();
   {
     const std::lock_guard lock(mutex_);
@@ -258,7 +251,7 @@ void Scene::add_triangles(uint32_t mesh, ReceivedTriangles& triangles) {
   if (triangles.size() != wanted)
     throw InvalidInput("triangles", fmt::format("triangles is incomplete: the upload ended after {} of {} triangles",
                                                 triangles.size(), wanted));
-  triangles.move_to(pending_.meshes[mesh].triangles, held_);  // may throw, so the mesh is complete only after it
+  triangles.move_to(pending_.meshes[mesh].triangles, held_);  // may throw, so the mesh is complete only afterwards
   {
     std::lock_guard lock(mutex_);
     awaited_[mesh] = 0;
@@ -268,7 +261,7 @@ void Scene::add_triangles(uint32_t mesh, ReceivedTriangles& triangles) {
 
 FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame) {
   check_open();
-  if (!detector_) throw_awaits("scene_id");    // this thread alone writes what it reads
+  if (!detector_) throw_awaits("scene_id");    // only this thread writes what is read here
   const uint64_t last = shown_.last_frame_id;  // written by this thread only
   check_frame_id(frame_id, last);
   FrameResult result;

@@ -12,19 +12,20 @@
 
 #include "gpu/detector.hpp"
 #include "server/auth/client.hpp"
-#include "server/scenes/device_bytes.hpp"
+#include "server/limits/device_bytes.hpp"
+#include "server/limits/turns.hpp"
+#include "server/ops/clock.hpp"
 #include "server/scenes/ended_scenes.hpp"
-#include "server/scenes/frame_run.hpp"
+#include "server/scenes/scene_observer.hpp"
 #include "server/scenes/scene_plan.hpp"
+#include "server/scenes/scene_stream.hpp"
 #include "server/scenes/scene_worker.hpp"
 #include "server/scenes/slot_pool.hpp"
 #include "server/scenes/upload.hpp"
 
 namespace collided::server {
 
-class FrameSession;
-
-/// What a scene shows of itself at one moment.
+/// The state of a scene that others may see, at one moment.
 struct SceneSnapshot {
   bool ready = false;
   std::string device;
@@ -33,20 +34,28 @@ struct SceneSnapshot {
   uint64_t last_frame_id = 0;
 };
 
-/// What is settled when a scene is made.
+/// What is fixed when a scene is created.
 struct SceneFacts {
   std::string id;
   std::string resume_token;  ///< a secret
-  std::string request_id;    ///< of the request that made it; may be empty
+  std::string request_id;    ///< of the request that created it; may be empty
   uint64_t fingerprint = 0;  ///< of that request
   Client owner;
   double lease_seconds = 0;
-  size_t queue_capacity = 0;  ///< frames of unary calls that wait at most, at first
+  size_t queue_capacity = 0;  ///< maximum number of frames of unary calls that wait, at first
+};
+
+/// What all scenes share. What it refers to outlives them.
+struct SceneSurroundings {
+  Turns& turns;
+  SceneObserver& observer;
+  std::string endpoint = {};  ///< address that clients are told to stream to; empty: the one they used
+  Now now = Clock::now;       ///< of leases and idle streams
 };
 
 class Scene {
  public:
-  /// Throws LimitExceeded if its triangles and meshes alone are too much.
+  /// Throws LimitExceeded if its triangles and meshes alone pass a limit.
   Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings);
 
   const std::string& id() const { return facts_.id; }
@@ -58,47 +67,48 @@ class Scene {
   Clock::time_point now() const { return surroundings_.now(); }
   const std::string& endpoint() const { return surroundings_.endpoint; }
   SceneSnapshot snapshot() const;
-  /// Of the snapshot's memory, without a copy of it.
+  /// Sum of the snapshot's memory, without a copy of it.
   uint64_t device_bytes() const;
-  /// What everything that the scene holds counts in, within its budget and its client's limits.
+  /// The quota of everything that the scene holds, within its budget and its client's limits.
   const std::shared_ptr<DeviceBytes>& quota() const { return quota_; }
-  /// Triangles of a mesh that are still to come.
+  /// Number of triangles that a mesh still awaits.
   uint64_t awaited(uint32_t mesh) const;
-  /// Keeps a mesh for one upload, so that open uploads hold no more than the scene awaits. Throws FailedPrecondition.
+  /// Reserves a mesh for one upload, so that open uploads hold no more than the scene awaits. Throws
+  /// FailedPrecondition.
   void begin_upload(uint32_t mesh);
   void end_upload(uint32_t mesh);
-  /// Whether all triangles came and still made no detector.
+  /// Whether all triangles have come and still no detector could be made.
   bool unusable() const;
 
-  /// Makes a session the scene's one stream. Returns the one it takes over, or null. Throws PermissionDenied for a
+  /// Makes `stream` the scene's one stream. Returns the one that it takes over, or null. Throws PermissionDenied for a
   /// wrong token, FailedPrecondition if there is a stream and no token, or triangles are awaited.
-  std::shared_ptr<FrameSession> begin_stream(const std::shared_ptr<FrameSession>& session, const std::string& token);
-  /// Does nothing if another session is the scene's stream.
-  void end_stream(const FrameSession& session);
-  std::shared_ptr<FrameSession> stream() const;
+  std::shared_ptr<SceneStream> begin_stream(const std::shared_ptr<SceneStream>& stream, const std::string& token);
+  /// Does nothing if another one is the scene's stream.
+  void end_stream(const SceneStream& stream);
+  std::shared_ptr<SceneStream> stream() const;
   /// Throws NotFound once it is closed.
   void check_open() const;
-  /// Frames and uploads that come after this are answered with NotFound, and its stream ends.
+  /// Answers later frames and uploads with NotFound, and ends the stream.
   void close(const SceneEnd& end);
 
-  /// A slot for one frame, of those that are free, or a new one; it comes back by itself. From any thread. Throws
-  /// NotFound once the scene is deleted.
+  /// A free slot for one frame, or a new one; it returns to the scene by itself. From any thread. Throws NotFound once
+  /// the scene is deleted.
   std::shared_ptr<FrameSlot> take_slot();
-  /// Bytes of positions that a frame can bring at most.
-  uint64_t most_position_bytes() const;
-  /// Waits until it is this scene's turn on its device.
+  /// Largest number of bytes of positions that a frame can have.
+  uint64_t max_position_bytes() const;
+  /// Waits for this scene's turn on its device.
   Turns::Turn take_turn(const std::function<bool()>& cancelled) {
     return surroundings_.turns.take(account_, cancelled);
   }
 
-  /// Whether its lease has run out: nobody uses it, and nobody has for so long.
+  /// Whether nobody has used the scene for longer than its lease.
   bool is_expired(std::chrono::steady_clock::time_point now) const;
 
   // On the worker's thread only:
 
   /// Makes the detector if no triangles are awaited.
   void build_if_complete();
-  /// Adds all triangles that a mesh awaits, and makes the detector with the last ones.
+  /// Adds all triangles that a mesh awaits, and makes the detector once no mesh awaits any.
   void add_triangles(uint32_t mesh, ReceivedTriangles& triangles);
   /// Checks and applies a frame; a throw leaves the scene as it was.
   FrameResult apply(uint64_t frame_id, const FrameInput& frame);
@@ -120,7 +130,7 @@ class Scene {
   const SceneFacts facts_;
   const SceneSurroundings surroundings_;
   const std::shared_ptr<DeviceBytes> quota_;
-  MemoryHold held_;  // for the plan, triangles and topology; the worker's own, once the scene is made
+  MemoryHold held_;  // for plan, triangles and topology; the worker's once the scene is constructed
   ScenePlan plan_;
   SceneSpec pending_;  // the spec with its triangles, until the detector takes it
   std::shared_ptr<Detector> detector_;
@@ -128,17 +138,17 @@ class Scene {
   std::atomic<bool> closed_ = false;
   mutable std::mutex mutex_;  // guards what follows
   SceneSnapshot shown_;
-  SceneEnd end_;  // of a scene that is closed
+  SceneEnd end_;  // once closed
   std::vector<uint64_t> awaited_;
   std::vector<bool> uploading_;
-  std::shared_ptr<FrameSession> stream_;
+  std::shared_ptr<SceneStream> stream_;
   std::shared_ptr<SlotPool> slots_;  // null until there is a detector
   unsigned uses_ = 0;
   Clock::time_point last_use_ = now();
-  SceneWorker worker_;  // last: its thread ends before the rest goes
+  SceneWorker worker_;  // last, so that its thread ends before the other members are destroyed
 };
 
-/// A scene in use by a call or a stream: its lease does not run meanwhile, and begins anew afterwards.
+/// A scene in use by a call or a stream: its lease does not run meanwhile and starts again afterwards.
 class SceneUse {
  public:
   SceneUse() = default;

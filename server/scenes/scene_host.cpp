@@ -13,16 +13,16 @@ namespace collided::server {
 namespace {
 
 constexpr auto kWatchPeriod = std::chrono::milliseconds(250);
-constexpr uint64_t kWatchesOfMemory = 8;  // what is used again soon had better stay
+constexpr uint64_t kWatchesPerTrim = 8;  // freed memory that is soon used again had better stay
 
-// On a GPU the host's part of one frame goes on beside the device's part of another; on CPU cores two keep all busy
-// while one of them is in a part that does not spread over cores. A step on a GPU gives no turn back before its end: a
-// client that could hold all turns would stop the others for that long.
+// On a GPU the host's part of one frame overlaps with the device's part of another; on CPU cores a second frame keeps
+// all cores busy while the first is in a part that does not spread over them. A step on a GPU cannot yield before its
+// end: a client that held all turns would block the others for that long.
 Turns::Options turn_options(const Config& config, const Now& now) {
   constexpr unsigned kOnGpu = 4, kOnCpu = 2;
   const bool on_gpu = config.backend != "cpu" && cuda_available();
-  const unsigned by_itself = on_gpu ? kOnGpu : kOnCpu, asked = static_cast<unsigned>(config.concurrent_frames);
-  return {.at_once = asked > 0 ? asked : by_itself, .keeps_one_free = on_gpu, .now = now};
+  const unsigned by_default = on_gpu ? kOnGpu : kOnCpu, asked = static_cast<unsigned>(config.concurrent_frames);
+  return {.concurrent = asked > 0 ? asked : by_default, .reserves_one = on_gpu, .now = now};
 }
 
 }  // namespace
@@ -104,21 +104,22 @@ void SceneHost::watch_once() {
   for (const auto& scene : scenes_.remove_expired(now_())) scene->observer().expired(*scene);
   end_idle_streams();
   end_stale_uploads();
-  if (++watches_ % kWatchesOfMemory == 0) freed_.give_back();
+  if (++watches_ % kWatchesPerTrim == 0) freed_.give_back();
 }
 
 void SceneHost::end_stale_uploads() {
   const Limits now = limits();
-  const std::chrono::duration<double> most(std::min(now.max_silent_seconds, now.max_idle_seconds));
-  uploads_.end_stale(Upload::Clock::now(), most);
+  const std::chrono::duration<double> limit(std::min(now.max_silent_seconds, now.max_idle_seconds));
+  uploads_.end_stale(Upload::Clock::now(), limit);
 }
 
 void SceneHost::end_idle_streams() const {
-  const double most = limits().max_idle_seconds;
+  const double limit = limits().max_idle_seconds;
   for (const auto& scene : scenes_.all()) {
     const auto stream = scene->stream();
-    if (!stream || stream->idle_seconds() <= most) continue;
-    const auto what = fmt::format("max_idle_seconds is {}, and for longer no frame came, or no answer was taken", most);
+    if (!stream || stream->idle_seconds() <= limit) continue;
+    const auto what =
+        fmt::format("max_idle_seconds is {}, and for longer no frame came, or no answer was taken", limit);
     stream->end(std::make_exception_ptr(LimitExceeded::quota("scene:" + scene->id(), what)));
   }
 }

@@ -7,11 +7,10 @@
 #include <thread>
 
 #include "server/config/config.hpp"
+#include "server/limits/client_usage.hpp"
+#include "server/limits/turns.hpp"
 #include "server/ops/freed_memory.hpp"
-#include "server/scenes/client_usage.hpp"
-#include "server/scenes/frame_session.hpp"
 #include "server/scenes/scene_store.hpp"
-#include "server/scenes/turns.hpp"
 
 namespace collided::server {
 
@@ -29,24 +28,24 @@ class SceneHost {
   SceneHost& operator=(const SceneHost&) = delete;
 
   SceneStore& scenes() { return scenes_; }
-  /// Within the limits of its owner. Throws Stopping, LimitExceeded, AlreadyExists.
+  /// Within the owner's limits. Throws Stopping, LimitExceeded, AlreadyExists.
   SceneStore::Added add_scene(const Client& owner, SceneRequest request);
   ClientUsage& usage() { return usage_; }
   OpenUploads& uploads() { return uploads_; }
-  /// Ends uploads that are silent for too long, and those whose scenes are gone.
+  /// Ends uploads that have been silent for too long, and those whose scenes are gone.
   void end_stale_uploads();
   Limits limits() const;
-  /// For requests from now on; scenes and streams that are there stay.
+  /// For requests from now on; existing scenes and streams stay.
   void set_limits(const Limits& limits);
 
-  /// Throws Stopping once announce_stop() was called.
+  /// Throws Stopping after announce_stop().
   void check_serving() const;
   /// Refuses new scenes and streams, and tells every open stream that the daemon stops.
   void announce_stop(double seconds);
   /// Ends all streams with Stopping.
   void end_streams() const;
   HostTotals totals() const;
-  /// Ends what has been idle for too long. The host does so by itself four times a second.
+  /// Ends what has been idle for too long. The host does this by itself four times per second.
   void watch_once();
 
  private:
@@ -63,7 +62,7 @@ class SceneHost {
   ClientUsage usage_;
   OpenUploads uploads_;
   SceneStore scenes_;
-  FreedMemory freed_;  // of the watch, as what follows
+  FreedMemory freed_;  // the watch thread's, like what follows
   uint64_t watches_ = 0;
   std::thread watch_;
 };

@@ -12,7 +12,7 @@
 namespace collided::server {
 namespace {
 
-// 128 random bits: an id is never met twice, and none can be guessed from another.
+// 128 random bits: ids never repeat, and none can be guessed from another.
 std::string random_id() {
   std::random_device random;
   std::string id;
@@ -30,12 +30,12 @@ SceneStore::Added SceneStore::add(const Client& owner, SceneRequest request) {
     check_room_locked(owner);
     facts.queue_capacity = queue_capacity_;
   }
-  // Copies much: not under the lock, so that all is looked at again.
+  // Copies much, so not under the lock: everything is checked again afterwards.
   auto scene = std::make_shared<Scene>(std::move(facts), std::move(request.plan), surroundings_);
   const std::lock_guard lock(mutex_);
   if (SceneUse before = repeated_locked(owner, request)) return {std::move(before), false};
   check_room_locked(owner);
-  scene->worker().set_capacity(queue_capacity_);  // which may have changed in between
+  scene->worker().set_capacity(queue_capacity_);  // which may have changed meanwhile
   SceneUse use(scene);
   scenes_.emplace(scene->id(), scene);
   if (!request.request_id.empty()) requests_.emplace(RequestKey{owner->name, request.request_id}, scene);

@@ -30,23 +30,23 @@ class SceneStore {
 
   struct Added {
     SceneUse scene;
-    bool is_new = true;  ///< false: an earlier request with the same id made it
+    bool is_new = true;  ///< false: an earlier request with the same id created it
   };
   /// Throws LimitExceeded, AlreadyExists.
   Added add(const Client& owner, SceneRequest request);
-  /// Throws NotFound, also for a scene of another client; one's own that ended lately is told how it did.
+  /// Throws NotFound, also for a scene of another client; for a scene of this client that ended recently it tells how.
   SceneUse find(const Client& owner, const std::string& id) const;
-  /// Takes a scene out and closes it; frames in its queue are answered with NotFound. Throws NotFound.
+  /// Removes a scene and closes it; queued frames are answered with NotFound. Throws NotFound.
   std::shared_ptr<Scene> remove(const Client& owner, const std::string& id);
-  /// At most `count` scenes of a client in the order of their ids, from the first id after `after`.
+  /// At most `count` scenes of a client in the order of their ids, starting with the first id after `after`.
   std::vector<std::shared_ptr<Scene>> page(const Client& owner, const std::string& after, size_t count) const;
   std::vector<std::shared_ptr<Scene>> all() const;
-  /// Takes out and closes the scenes whose lease has run out, and frees their memory once their workers are done.
+  /// Removes and closes the scenes whose lease has run out, and frees their memory once their workers are done.
   std::vector<std::shared_ptr<Scene>> remove_expired(std::chrono::steady_clock::time_point now);
   void set_max_scenes(size_t max_scenes);
-  /// Frames of unary calls that wait for a scene at most, for the scenes that are there, too.
+  /// Maximum number of frames of unary calls that wait for a scene; also for existing scenes.
   void set_queue_capacity(size_t queue_capacity);
-  /// Removes all scenes and waits for the work that they have in hand.
+  /// Removes all scenes and waits for the work that is under way.
   void clear();
 
  private:

@@ -14,8 +14,8 @@ namespace collided::server {
 
 namespace {
 
-// About what it takes to read a frame of some MiB; an idle processor needs a tenth of it to wake up.
-constexpr auto kPatience = std::chrono::microseconds(500);
+// About the time to read a frame of some MiB; an idle processor takes a tenth of it to wake up.
+constexpr auto kAwake = std::chrono::microseconds(500);
 
 }  // namespace
 
@@ -36,7 +36,7 @@ SceneWorker::SceneWorker(size_t capacity) : state_(std::make_shared<State>()) {
 }
 
 // The last job of a deleted scene may hold the scene's last reference, so the destructor can run on the
-// worker's own thread: that thread cannot join itself, and ends on its own right after.
+// worker's own thread, which cannot join itself and ends right afterwards.
 SceneWorker::~SceneWorker() {
   {
     std::lock_guard lock(state_->mutex);
@@ -73,11 +73,11 @@ void SceneWorker::post(Job job) {
   state_->changed.notify_one();
 }
 
-void SceneWorker::expect() {
+void SceneWorker::wake_early() {
   {
     std::lock_guard lock(state_->mutex);
     if (state_->has_work()) return;
-    state_->awake_until = Clock::now() + kPatience;
+    state_->awake_until = Clock::now() + kAwake;
   }
   state_->changed.notify_one();
 }
@@ -89,8 +89,8 @@ void SceneWorker::flush() {
   future.wait();
 }
 
-// False if no work is expected.
-bool SceneWorker::wait_awake(State& state, std::unique_lock<std::mutex>& lock) {
+// False once the early wake-up is over.
+bool SceneWorker::poll_awake(State& state, std::unique_lock<std::mutex>& lock) {
   if (Clock::now() >= state.awake_until) return false;
   lock.unlock();
   std::this_thread::yield();
@@ -102,7 +102,7 @@ void SceneWorker::run(const std::shared_ptr<State>& state) {
   for (;;) {
     std::unique_lock lock(state->mutex);
     while (!state->has_work())
-      if (!wait_awake(*state, lock)) state->changed.wait(lock);
+      if (!poll_awake(*state, lock)) state->changed.wait(lock);
     if (state->jobs.empty()) return;
     Job job = std::move(state->jobs.front());
     state->jobs.pop_front();

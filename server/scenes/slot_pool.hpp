@@ -1,5 +1,5 @@
 #pragma once
-// The slots of a scene's frames in flight, used again and again: pinned memory is dear to get. No gRPC here.
+// The slots of a scene's frames in flight, reused because pinned memory is expensive to allocate. No gRPC here.
 
 #include <memory>
 #include <mutex>
@@ -13,14 +13,14 @@ class SlotPool : public std::enable_shared_from_this<SlotPool> {
  public:
   explicit SlotPool(std::shared_ptr<Detector> maker) : maker_(std::move(maker)) {}
 
-  /// Comes back to the pool when it is let go. Null once closed.
+  /// A slot that returns to the pool with its last reference. Null once the pool is closed.
   std::shared_ptr<FrameSlot> take() {
     std::shared_ptr<FrameSlot> slot = take_free();
     if (!slot) slot = make();
     if (!slot) return nullptr;
     return {slot.get(), [pool = shared_from_this(), slot](FrameSlot*) { pool->give_back(slot); }};
   }
-  /// Frees what is free now, and takes nothing back any more.
+  /// Frees the free slots, and from now on those that are returned.
   void close() {
     std::vector<std::shared_ptr<FrameSlot>> freed;
     std::shared_ptr<Detector> maker;

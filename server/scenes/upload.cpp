@@ -1,4 +1,4 @@
-// Triangles of one mesh on their way into a scene.
+// An upload of one mesh's triangles.
 #include "server/scenes/upload.hpp"
 
 #include <spdlog/fmt/fmt.h>
@@ -38,7 +38,7 @@ bool Upload::receive(Clock::time_point now) {
 bool Upload::end() {
   const std::lock_guard lock(mutex_);
   if (std::exchange(state_, State::kOver) == State::kOver) return false;
-  let_go();
+  release();
   return true;
 }
 
@@ -49,7 +49,7 @@ void Upload::end_if_stale(Clock::time_point now, std::chrono::duration<double> l
     if (state_ == State::kWaiting) why = stale_reason(now, limit);
     if (!why) return;
     state_ = State::kOver;
-    let_go();
+    release();
   }
   fail_(why);
 }
@@ -67,15 +67,15 @@ std::exception_ptr Upload::stale_reason(Clock::time_point now, std::chrono::dura
   return nullptr;
 }
 
-// The mesh is free again, and the memory given back, before the client knows and may try anew.
-void Upload::let_go() {
+// The mesh is free again, and the memory given back, before the client knows and can try again.
+void Upload::release() {
   triangles_.reset();
   if (scene_) (*scene_)->end_upload(mesh_);
   scene_.reset();
-  place_.reset();
+  ticket_.reset();
 }
 
-void Upload::begin(const SceneUse& scene, uint32_t mesh, std::shared_ptr<void> place) {
+void Upload::begin(const SceneUse& scene, uint32_t mesh, std::shared_ptr<void> ticket) {
   const auto& meshes = scene->plan().meshes;
   if (mesh >= meshes.size())
     throw InvalidInput("mesh", fmt::format("mesh is {}, but the scene has {} meshes", mesh, meshes.size()));
@@ -83,17 +83,17 @@ void Upload::begin(const SceneUse& scene, uint32_t mesh, std::shared_ptr<void> p
   mesh_ = mesh;
   triangles_ = std::make_unique<ReceivedTriangles>(scene->quota());
   scene_ = std::make_unique<SceneUse>(scene);
-  place_ = std::move(place);
+  ticket_ = std::move(ticket);
 }
 
 Scene* Upload::scene() const { return scene_ ? &**scene_ : nullptr; }
 
-void Upload::expect(uint64_t count) {
+void Upload::reserve(uint64_t count) {
   const uint64_t awaited = (*scene_)->awaited(mesh_), come = triangles_->size() + count;
   if (come > awaited)
     throw InvalidInput("triangles", fmt::format("triangles brings {} or more, but mesh {} (\"{}\") awaits {}", come,
                                                 mesh_, (*scene_)->plan().meshes[mesh_].name, awaited));
-  triangles_->expect(count);
+  triangles_->reserve(count);
 }
 
 void OpenUploads::add(const std::shared_ptr<Upload>& upload) {

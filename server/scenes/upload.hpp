@@ -1,6 +1,6 @@
 #pragma once
-// Triangles of one mesh on their way into a scene. What has come counts against the scene's memory, what was only
-// announced does not. No gRPC here.
+// An upload of one mesh's triangles. Triangles count against the scene's memory once they have come, not when they are
+// announced. No gRPC here.
 
 #include <array>
 #include <chrono>
@@ -21,13 +21,13 @@ class SceneUse;
 
 using TriangleCorners = std::array<uint32_t, 3>;
 
-/// Triangles that came so far.
+/// Triangles that have come so far.
 class ReceivedTriangles {
  public:
   explicit ReceivedTriangles(std::shared_ptr<MemoryQuota> quota) : held_(std::move(quota)) {}
 
-  /// Counts `count` more, which push() brings. Throws LimitExceeded.
-  void expect(uint64_t count) { held_.resize(held_.bytes() + count * sizeof(TriangleCorners)); }
+  /// Counts `count` more, for push(). Throws LimitExceeded.
+  void reserve(uint64_t count) { held_.resize(held_.bytes() + count * sizeof(TriangleCorners)); }
   void push(const TriangleCorners& triangle) { triangles_.push_back(triangle); }
   uint64_t size() const { return triangles_.size(); }
   /// Appends them; `held` holds their bytes from then on.
@@ -38,8 +38,8 @@ class ReceivedTriangles {
   MemoryHold held_;
 };
 
-/// One call that brings a mesh. The call's own thread and the one that watches over all uploads meet here: either of
-/// them ends it, and one only.
+/// One call that uploads a mesh. The call's own thread and the thread that watches over all uploads meet here: only one
+/// of them ends it.
 class Upload {
  public:
   using Clock = std::chrono::steady_clock;
@@ -50,42 +50,42 @@ class Upload {
 
   /// Waits for the next chunk, which `read` asks for.
   void wait(const std::function<void()>& read);
-  /// A chunk came; false if the upload was ended.
+  /// A chunk has come; false if the upload has been ended.
   bool receive(Clock::time_point now);
-  /// False if it was ended already.
+  /// False if it has been ended already.
   bool end();
-  /// Ends one that has waited for longer than `limit` (TimedOut), or whose scene is gone (NotFound).
+  /// Ends the upload if it has waited for longer than `limit` (TimedOut), or if its scene is gone (NotFound).
   void end_if_stale(Clock::time_point now, std::chrono::duration<double> limit);
 
   // By the call's own thread, between receive() and wait() or end():
 
-  /// Keeps the mesh for this upload; `place` is its place among its client's streams. Throws InvalidInput,
+  /// Reserves the mesh for this upload; `ticket` is its client's, for an open stream. Throws InvalidInput,
   /// FailedPrecondition.
-  void begin(const SceneUse& scene, uint32_t mesh, std::shared_ptr<void> place);
+  void begin(const SceneUse& scene, uint32_t mesh, std::shared_ptr<void> ticket);
   /// Null before begin().
   Scene* scene() const;
   uint32_t mesh() const { return mesh_; }
   ReceivedTriangles& triangles() { return *triangles_; }
   /// Counts `count` more triangles. Throws InvalidInput for more than the mesh awaits, LimitExceeded.
-  void expect(uint64_t count);
+  void reserve(uint64_t count);
 
  private:
   enum class State { kWorking, kWaiting, kOver };
 
   std::exception_ptr stale_reason(Clock::time_point now, std::chrono::duration<double> limit) const;
-  void let_go();
+  void release();
 
   const std::function<void(const std::exception_ptr&)> fail_;
-  std::mutex mutex_;  // guards what follows; what the call works on is its own until it waits
+  std::mutex mutex_;  // guards what follows; while the call works, its data are its own
   State state_ = State::kWorking;
   Clock::time_point last_chunk_;
-  std::shared_ptr<void> place_;
+  std::shared_ptr<void> ticket_;
   std::unique_ptr<SceneUse> scene_;
   uint32_t mesh_ = 0;
   std::unique_ptr<ReceivedTriangles> triangles_;
 };
 
-/// Every upload that is open.
+/// All open uploads.
 class OpenUploads {
  public:
   void add(const std::shared_ptr<Upload>& upload);

@@ -3,13 +3,15 @@
 
 #include <utility>
 
+#include "server/convert/facts.hpp"
+#include "server/convert/meshes.hpp"
+#include "server/convert/status.hpp"
 #include "server/errors.hpp"
-#include "server/service/status.hpp"
 
 namespace collided::server {
 namespace {
 
-constexpr size_t kMostUnbegun = 1024, kMostUnbegunOfClient = 256;  // uploads without a chunk
+constexpr size_t kMaxUnstarted = 1024, kMaxUnstartedOfClient = 256;  // uploads without a chunk so far
 
 }  // namespace
 
@@ -32,10 +34,10 @@ MeshUpload::MeshUpload(const grpc::CallbackServerContext& context, SceneHost& ho
   }
 }
 
-// Until it has begun an upload has no place among its client's streams: only so many may be without one.
+// An upload counts as a stream of its client once it has begun: only so many may not have begun.
 void MeshUpload::await_first() {
-  const WaitRule rule{"the first chunk of the upload", host_.limits().max_silent_seconds, kMostUnbegun,
-                      kMostUnbegunOfClient, context_.peer()};
+  const WaitRule rule{"the first chunk of the upload", host_.limits().max_silent_seconds, kMaxUnstarted,
+                      kMaxUnstartedOfClient, context_.peer()};
   first_chunk_ = parts_.waiting.wait(rule, caller_.client,
                                      [this](const std::exception_ptr& why) { finish(to_status(describe(why))); });
 }
@@ -50,7 +52,7 @@ void MeshUpload::OnReadDone(bool ok) try {
   parse();
   if (!upload_->scene()) begin();
   take();
-  request_ = {};  // its memory, too: a call may wait for long
+  request_ = {};  // frees its memory: the next chunk may take long to come
   share_.reset();
   read();
 } catch (...) {
@@ -64,8 +66,8 @@ void MeshUpload::parse() {
 
 void MeshUpload::begin() {
   first_chunk_.reset();
-  auto place = host_.usage().begin_stream(caller_.client);
-  upload_->begin(host_.scenes().find(caller_.client, request_.scene_id()), request_.mesh(), std::move(place));
+  auto ticket = host_.usage().begin_stream(caller_.client);
+  upload_->begin(host_.scenes().find(caller_.client, request_.scene_id()), request_.mesh(), std::move(ticket));
 }
 
 void MeshUpload::finish(const grpc::Status& status) {
@@ -76,17 +78,17 @@ void MeshUpload::take() {
   const uint32_t vertices = upload_->scene()->plan().engine.meshes[upload_->mesh()].vertex_count;
   ReceivedTriangles& triangles = upload_->triangles();
   const std::string& bytes = request_.triangles();
-  upload_->expect(bytes.size() / sizeof(TriangleCorners));
+  upload_->reserve(bytes.size() / sizeof(TriangleCorners));
   for_each_triangle(bytes, vertices, {"triangles", triangles.size()},
                     [&](const TriangleCorners& triangle) { triangles.push(triangle); });
 }
 
-// A call that was cancelled ends its reads just as one that is complete.
+// The reads of a cancelled call end just as those of a complete one.
 void MeshUpload::check_cancelled() const {
   if (context_.IsCancelled()) throw Cancelled();
 }
 
-// Its triangles are spent, so no other upload could make it ready.
+// Its triangles are used up, so no other upload could complete it.
 void MeshUpload::delete_if_unusable() {
   const Scene& scene = *upload_->scene();
   if (!scene.unusable()) return;
@@ -95,7 +97,7 @@ void MeshUpload::delete_if_unusable() {
     removed->release();
     log_event(spdlog::level::info, "scene deleted: its meshes make no scene",
               {{"scene", scene.id()}, {"request", caller_.ids.request_id}, {"trace", caller_.ids.trace_id}});
-  } catch (const NotFound&) {  // a client was faster
+  } catch (const NotFound&) {  // a client has deleted it already
   }
 }
 

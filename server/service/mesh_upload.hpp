@@ -1,21 +1,20 @@
 #pragma once
-// One UploadMesh call: gathers the chunks of one mesh and hands them to the scene's worker at the end.
+// One UploadMesh call: collects the chunks of one mesh and hands them to the scene's worker at the end.
 
 #include <grpcpp/grpcpp.h>
 
 #include <memory>
 
-#include "server/convert/convert.hpp"
+#include "server/limits/waiting_calls.hpp"
 #include "server/scenes/scene_host.hpp"
-#include "server/service/caller.hpp"
-#include "server/service/unary_call.hpp"
-#include "server/service/waiting_calls.hpp"
+#include "server/transport/grpc/caller.hpp"
+#include "server/transport/grpc/unary_call.hpp"
 
 namespace collided::server {
 
 class MeshUpload final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
-  /// `host` and `parts` outlive the call, `held` lives as long.
+  /// `host` and `parts` outlive the call, which keeps `held` alive.
   MeshUpload(const grpc::CallbackServerContext& context, SceneHost& host, const CallParts& parts,
              grpc::ByteBuffer* response, std::shared_ptr<void> held);
 
@@ -41,9 +40,9 @@ class MeshUpload final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   const std::shared_ptr<void> held_;
   const std::shared_ptr<Upload> upload_;
   Caller caller_;
-  grpc::ByteBuffer bytes_;  // of the chunk that is awaited
+  grpc::ByteBuffer bytes_;  // of the awaited chunk
   pb::UploadMeshRequest request_;
-  std::shared_ptr<void> share_;  // of the decode budget, for the chunk at hand
+  std::shared_ptr<void> share_;  // of the decode budget, for the current chunk
   std::unique_ptr<WaitingCalls::Wait> first_chunk_;
 };
 

@@ -1,19 +1,20 @@
-// The RPCs of CollisionService but for StreamFrames.
+// The RPCs of CollisionService but StreamFrames.
 #include "server/service/service.hpp"
 
 #include <algorithm>
 #include <utility>
 
+#include "server/convert/facts.hpp"
 #include "server/errors.hpp"
-#include "server/service/detect_frame.hpp"
 #include "server/service/mesh_upload.hpp"
 #include "server/shorten.hpp"
+#include "server/transport/grpc/detect_frame.hpp"
 
 namespace collided::server {
 namespace {
 
 constexpr uint32_t kMaxPage = 1000, kDefaultPage = 100;
-constexpr size_t kFullPageBytes = size_t{1} << 20;  // a page may pass it by one scene
+constexpr size_t kFullPageBytes = size_t{1} << 20;  // which a page may exceed by one scene
 
 // The default backend's devices come first.
 std::vector<DeviceInfo> order_devices(std::vector<DeviceInfo> devices, bool cuda_first) {
@@ -22,7 +23,7 @@ std::vector<DeviceInfo> order_devices(std::vector<DeviceInfo> devices, bool cuda
   return devices;
 }
 
-// Tokens are ids of scenes, which may be gone by now.
+// Tokens are ids of scenes, which may be deleted by now.
 void check_page_token(const std::string& token) {
   constexpr size_t kDigits = 32;
   const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
@@ -42,7 +43,7 @@ CollisionService::CollisionService(const Config& config, SceneHost& host, const 
       has_cuda_(cuda_available()),
       devices_(order_devices(list_devices(), config.backend != "cpu" && has_cuda_)),
       host_(host),
-      budget_(config.limits),
+      budget_(decode_budget_bytes(config.limits)),
       parts_{authenticator, host, budget_, waiting_, config.limits.max_message_bytes} {}
 
 template <class Request, class Response>
@@ -85,7 +86,7 @@ void CollisionService::create_scene(UnaryCall<pb::CreateSceneRequest, pb::Create
   Scene& target = *scene;
   if (is_new)
     return target.worker().post([this, &call, scene = std::move(scene), held = calls_] { build(scene, call); });
-  target.worker().post([&call, scene = std::move(scene), held = calls_] {  // once the first request has made it
+  target.worker().post([&call, scene = std::move(scene), held = calls_] {  // once the first request has created it
     guard(call, [&] {
       scene->check_open();
       fill_scene(*scene, call.response().mutable_scene());
@@ -136,7 +137,7 @@ void CollisionService::list_scenes(UnaryCall<pb::ListScenesRequest, pb::ListScen
   const uint32_t size = request.page_size() ? request.page_size() : kDefaultPage;
   if (size > kMaxPage) throw InvalidInput("page_size", fmt::format("page_size is {}, more than {}", size, kMaxPage));
   check_page_token(request.page_token());
-  // One more tells whether a page follows.
+  // One more, to see whether another page follows.
   auto page = host_.scenes().page(call.caller().client, request.page_token(), size + 1);
   size_t shown = 0;
   for (size_t bytes = 0; shown < std::min<size_t>(page.size(), size) && bytes < kFullPageBytes; ++shown) {
@@ -165,15 +166,7 @@ void CollisionService::delete_scene(UnaryCall<pb::DeleteSceneRequest, pb::Delete
 }
 
 void CollisionService::detect_frame(UnaryCall<pb::DetectFrameRequest, pb::DetectFrameResponse>& call) {
-  const SceneUse scene = host_.scenes().find(call.caller().client, call.request().scene_id());
-  IncomingFrame incoming;
-  incoming.message = std::move(*call.request().mutable_frame());
-  auto frame = std::make_shared<PendingFrame>(admit_frame(host_, *scene, std::move(incoming)));
-  const auto job = [&call, scene, frame, held = calls_] { server::detect_frame(call, *scene, std::move(*frame)); };
-  if (!scene->worker().try_post(job))
-    throw LimitExceeded::quota(
-        "scene:" + scene->id(),
-        fmt::format("max_window is {}, and as many frames wait for scene {}", host_.limits().max_window, scene->id()));
+  server::detect_frame(call, host_, calls_);
 }
 
 }  // namespace collided::server

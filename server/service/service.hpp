@@ -1,6 +1,6 @@
 #pragma once
-// The RPCs of CollisionService but for StreamFrames (frame_calls.hpp). No body does engine work: that goes to the
-// scene's worker.
+// The RPCs of CollisionService but StreamFrames (transport/grpc/frame_calls.hpp). None does engine work itself: that is
+// the scene's worker's.
 
 #include <grpcpp/grpcpp.h>
 
@@ -11,13 +11,14 @@
 
 #include "server/auth/authenticator.hpp"
 #include "server/config/config.hpp"
-#include "server/convert/convert.hpp"
+#include "server/convert/scene.hpp"
+#include "server/limits/decode_budget.hpp"
+#include "server/limits/waiting_calls.hpp"
 #include "server/scenes/scene_host.hpp"
-#include "server/service/caller.hpp"
-#include "server/service/raw_service.hpp"
-#include "server/service/rpc_router.hpp"
-#include "server/service/unary_call.hpp"
-#include "server/service/waiting_calls.hpp"
+#include "server/transport/grpc/caller.hpp"
+#include "server/transport/grpc/raw_service.hpp"
+#include "server/transport/grpc/rpc_router.hpp"
+#include "server/transport/grpc/unary_call.hpp"
 
 namespace collided::server {
 
@@ -26,9 +27,9 @@ class CollisionService final : public RawService {
   /// `host` and `authenticator` outlive the service.
   CollisionService(const Config& config, SceneHost& host, const Authenticator& authenticator);
 
-  /// Serves all methods but StreamFrames. Before the server is built; the service outlives it.
+  /// Adds all methods but StreamFrames. Before the server is built; the service outlives it.
   void add_to(RpcRouter& router);
-  /// Calls in work.
+  /// Number of calls in work.
   uint64_t in_work() const { return static_cast<uint64_t>(calls_.use_count() - 1); }
   WaitingCalls& waiting() { return waiting_; }
   const CallParts& parts() const { return parts_; }

@@ -22,8 +22,56 @@ NO_SOURCE = {"results", "data", "node_modules", "__pycache__"}
 MESSAGES = re.compile(r"\.pb\.h$")
 
 
+GRPC = re.compile(r"^(grpc|grpcpp|google/protobuf)/")
+
+# The server's rooms, from the bottom up, and those that each may include besides itself. What is at the server's root
+# includes them all; of that, they know only SERVER_COMMON.
+SERVER_COMMON = {"server/errors.hpp", "server/shorten.hpp"}
+SERVER_ROOMS = {
+    "config": set(),
+    "net": set(),
+    "ops": {"net"},
+    "auth": {"config", "ops"},
+    "limits": {"ops", "auth"},
+    "scenes": {"config", "ops", "auth", "limits"},
+    "convert": {"config", "auth", "scenes"},
+    "frames": {"config", "ops", "limits", "scenes", "convert"},
+    "transport/local": {"net", "ops", "auth", "scenes", "convert", "frames"},
+    "transport/grpc": {"ops", "auth", "limits", "scenes", "convert", "frames"},
+    "service": {"config", "ops", "auth", "limits", "scenes", "convert", "transport/grpc"},
+    "builtin": {"ops", "auth", "limits", "convert", "transport/grpc"},
+}
+SPEAKS_MESSAGES = re.compile(r"(convert|transport|service|builtin)/|frames/(answer|decode|intake|messages)\.")
+SPEAKS_GRPC = re.compile(r"(convert|frames|transport|service|builtin)/|auth/credentials\.|[^/]+$")
+
+
 def may_see_messages(path):
-    return path.startswith("client/") or re.match(r"server/(service|convert|builtin|local)/", path)
+    return path.startswith("client/") or SPEAKS_MESSAGES.match(path.removeprefix("server/"))
+
+
+def server_room(path):
+    """The room of a file of the server; none for its root."""
+    room = path.removeprefix("server/").rpartition("/")[0]
+    return room if room else None
+
+
+def server_complaint(path, target):
+    """Why the file of the server at `path` may not include `target`."""
+    room = server_room(path)
+    if GRPC.match(target) and not SPEAKS_GRPC.match(path.removeprefix("server/")):
+        return "gRPC and protobuf begin at server/convert, but for server/auth/credentials"
+    if target.startswith("gpu/") and target not in ("gpu/detector.hpp", "gpu/types.hpp"):
+        return "the server knows the engine by gpu/detector.hpp alone"
+    if target.startswith("client/"):
+        return "the server must not know the client"
+    if room is None or not target.startswith("server/") or target in SERVER_COMMON:
+        return None
+    if room not in SERVER_ROOMS:
+        return f"server/{room} is no room that tests/layers knows"
+    other = server_room(target)
+    if other != room and other not in SERVER_ROOMS[room]:
+        return f"server/{room} must not know server/{other or ''}"
+    return None
 
 
 # The engine's rooms, and those that each may include besides itself: data flows from the later to the earlier.
@@ -85,8 +133,8 @@ def complaint(path, quote, target):
         if not path.startswith("gpu/exact/") or path in EXACT_API:
             return "GMP belongs to gpu/exact, but not to what others include of it"
         return None
-    if MESSAGES.search(target) and not may_see_messages(path):
-        return "protocol messages belong to client, server/service, server/convert, server/builtin and server/local"
+    if (MESSAGES.search(target) or target.startswith("proto/")) and not may_see_messages(path):
+        return "the protocol belongs to client and to where the server converts or speaks it"
     if CUDA.match(target) and quote == "<":
         if not re.match(r"gpu/((exec|search)/cuda/.*\.cuh|.*\.cu)$", path):
             return "CUDA headers belong to gpu/exec/cuda, gpu/search/cuda and *.cu"
@@ -99,10 +147,9 @@ def complaint(path, quote, target):
         if quote == '"':
             return engine_complaint(path, target)
     if layer == "server":
-        if target.startswith("gpu/") and target != "gpu/detector.hpp":
-            return "the server knows the engine by gpu/detector.hpp alone"
-        if target.startswith("client/"):
-            return "the server must not know the client"
+        return server_complaint(path, target)
+    if layer == "proto" and not STANDARD.match(target):
+        return "the protocol's constants need the standard library alone"
     if layer == "client" and target.startswith(("gpu/", "server/")):
         return "the client knows the protocol alone"
     for includer, included, why in CLIENT_RULES:
@@ -112,7 +159,7 @@ def complaint(path, quote, target):
 
 
 def sources(root):
-    for layer in ("gpu", "server", "client"):
+    for layer in ("gpu", "proto", "server", "client"):
         for file in sorted((root / layer).rglob("*")):
             if file.suffix in SOURCES and "node_modules" not in file.parts:
                 yield file

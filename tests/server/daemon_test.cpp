@@ -12,7 +12,7 @@
 
 #include "server/ops/log.hpp"
 #include "tests/server/config/parse.hpp"
-#include "tests/server/local/serving.hpp"
+#include "tests/server/transport/local/serving.hpp"
 
 namespace collided::server {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "server/auth/credentials.hpp"
 #include "server/auth/tls_files.hpp"
-#include "server/service/caller.hpp"
+#include "server/transport/grpc/caller.hpp"
 #include "tests/server/auth/certificates.hpp"
 
 namespace collided::server {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "server/convert/convert.hpp"
+#include "server/convert/scene.hpp"
 
 namespace collided::server {
 

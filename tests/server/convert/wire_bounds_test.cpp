@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/errors.hpp"
-#include "tests/server/convert/wire_request.hpp"
+#include "tests/server/frames/wire_request.hpp"
 
 namespace collided::server {
 namespace {

@@ -35,7 +35,7 @@ TEST_F(Loop, TakesThoseWhoCome) {
   const Fd one = connect_to(listener_), two = connect_to(listener_);
   EXPECT_TRUE(eventually([&] { return taken() == 2; }));
   EXPECT_EQ(connections_.size(), 2u);
-  EXPECT_EQ(loop_.trouble(), "");
+  EXPECT_EQ(loop_.shortage(), "");
 }
 
 TEST_F(Loop, GoesOnOnceThereIsADescriptorAgain) {
@@ -50,11 +50,11 @@ TEST_F(Loop, GoesOnOnceThereIsADescriptorAgain) {
   const rlimit none{0, before.rlim_max};
   setrlimit(RLIMIT_NOFILE, &none);
   EXPECT_EQ(connect(late.get(), reinterpret_cast<const sockaddr*>(&to), sizeof(to)), 0);
-  EXPECT_TRUE(eventually([&] { return !loop_.trouble().empty(); }));
-  EXPECT_NE(loop_.trouble().find("Too many open files"), std::string::npos) << loop_.trouble();
+  EXPECT_TRUE(eventually([&] { return !loop_.shortage().empty(); }));
+  EXPECT_NE(loop_.shortage().find("Too many open files"), std::string::npos) << loop_.shortage();
   EXPECT_EQ(taken(), 1u);
   setrlimit(RLIMIT_NOFILE, &before);
-  EXPECT_TRUE(eventually([&] { return loop_.trouble().empty(); }));
+  EXPECT_TRUE(eventually([&] { return loop_.shortage().empty(); }));
   EXPECT_EQ(taken(), 2u);
 }
 
@@ -76,7 +76,7 @@ TEST(Descriptors, OfNobodyWhoWaitsAreNotMissed) {
   EXPECT_TRUE(eventually([&] { return taken == 2; }));
   loop.stop();
   setrlimit(RLIMIT_NOFILE, &before);
-  EXPECT_EQ(loop.trouble(), "");
+  EXPECT_EQ(loop.shortage(), "");
   EXPECT_EQ(connections.size(), 2u);  // none was ended
 }
 
@@ -89,7 +89,7 @@ TEST(Probe, TellsTroubleAtOnceThoughAKnockWaits) {
       {{listener.sockets().front(), false, "here"}},
       [&] {
         const std::lock_guard lock(mutex);
-        return ++asked < 3 ? std::string() : "no room";  // by then a knock waits for its answer
+        return ++asked < 3 ? std::string() : "no room";  // by then a probe waits for its answer
       },
       [&](const std::string& obstacle) {
         const std::lock_guard lock(mutex);
@@ -106,7 +106,7 @@ TEST(Probe, TellsThatNobodyGetsIn) {
   const Listener listener("127.0.0.1:0");
   Connections connections(64);
   AcceptLoop closing(listener.sockets(), connections, [](Fd connection, size_t) { connection = Fd(); });
-  EXPECT_NE(knock({listener.sockets().front(), false, "here"}), "");
+  EXPECT_NE(probe({listener.sockets().front(), false, "here"}), "");
 }
 
 TEST(Listening, TellsTheReason) {

@@ -54,7 +54,7 @@ TEST_F(Table, TheOwnerMayCloseAtAnyTime) {
   for (int i = 0; i < 3; ++i) add();
   const Pair other(listener_);  // not of the table, but with the number of one that was
   dup2(other.server.get(), pairs_[0].server.get());
-  connections_.end_some(3);
+  connections_.evict(3);
   EXPECT_FALSE(other.is_ended());
   EXPECT_TRUE(pairs_[1].is_ended());
   EXPECT_EQ(connections_.size(), 0u);
@@ -65,10 +65,10 @@ TEST_F(Table, AFloodOfFruitlessCallsEndsItsConnectionAndRefusesItsSource) {
   Pair& attacker = add();
   const std::string name = peer_of(attacker.server.get()).name;
   int calls = 1;
-  while (!connections_.fruitless(name) && calls < 100'000) ++calls;
+  while (!connections_.abandoned(name) && calls < 100'000) ++calls;
   EXPECT_EQ(calls, 1000);
   EXPECT_TRUE(attacker.is_ended());
-  EXPECT_FALSE(connections_.fruitless(peer_of(honest.server.get()).name));
+  EXPECT_FALSE(connections_.abandoned(peer_of(honest.server.get()).name));
   EXPECT_FALSE(honest.is_ended());
   const Pair again(listener_);
   EXPECT_FALSE(connections_.admit(again.server.get(), peer_of(again.server.get())));
@@ -89,7 +89,7 @@ TEST(UnixTable, AFloodIsSeenInWhatIsUnread) {
   EXPECT_EQ(send(honest[1], kSettings.data(), kSettings.size(), 0), static_cast<ssize_t>(kSettings.size()));
   const auto flood = [&] {
     bool is_ended = false;
-    for (int i = 0; i < 2000; ++i) is_ended |= connections.fruitless("unix:");
+    for (int i = 0; i < 2000; ++i) is_ended |= connections.abandoned("unix:");
     return is_ended;
   };
   EXPECT_FALSE(flood());

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "tests/server/scenes/session_test.hpp"
+#include "tests/server/frames/session_test.hpp"
 
 namespace collided::server {
 namespace {
@@ -87,11 +87,11 @@ TEST(SceneHost, AFramePastTheClientsBytesIsRefusedAndTheSceneGoesOn) {
   SceneHost host(config_with({}), observer);
   const auto scene = make_scene(host);
   const auto bytes = host.usage().device_bytes(client());
-  bytes->set_most(bytes->held());
+  bytes->set_max(bytes->held());
   const Stream stream(scene);
   stream.session->submit(tip_frame(1, 2));
-  EXPECT_EQ(stream.sink->wait_for(2).back(), "refused 1: LimitExceeded");
-  bytes->set_most(ClientLimits{}.max_device_bytes);
+  EXPECT_EQ(stream.sink->wait_for(2).back(), "refused 1: RESOURCE_EXHAUSTED");
+  bytes->set_max(ClientLimits{}.max_device_bytes);
   stream.session->submit(tip_frame(1, 2));
   EXPECT_EQ(stream.sink->wait_for(3).back(), "answered 1");
 }

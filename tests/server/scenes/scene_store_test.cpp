@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "server/errors.hpp"
-#include "server/scenes/device_bytes.hpp"
-#include "tests/server/scenes/session_test.hpp"
+#include "server/limits/device_bytes.hpp"
+#include "tests/server/frames/session_test.hpp"
 
 namespace collided::server {
 namespace {

@@ -38,7 +38,7 @@ std::string refusal(const Body& body) {
 
 void add(Scene& scene, const std::vector<TriangleCorners>& triangles) {
   ReceivedTriangles received(scene.quota());
-  received.expect(triangles.size());
+  received.reserve(triangles.size());
   for (const auto& triangle : triangles) received.push(triangle);
   scene.add_triangles(1, received);
 }

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <thread>
 
-#include "server/scenes/device_bytes.hpp"
+#include "server/limits/device_bytes.hpp"
 #include "tests/server/scenes/tiny_scene.hpp"
 
 namespace collided::server {

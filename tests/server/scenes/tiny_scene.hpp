@@ -12,9 +12,10 @@
 #include <string>
 #include <utility>
 
+#include "server/frames/frame.hpp"
+#include "server/limits/turns.hpp"
 #include "server/scenes/scene.hpp"
 #include "server/scenes/scene_store.hpp"
-#include "server/scenes/turns.hpp"
 
 namespace collided::server {
 
@@ -23,10 +24,11 @@ class CountingObserver : public SceneObserver {
   void answered(const Scene&, const AnsweredFrame&) override { ++answers; }
   void refused(const Scene&, uint64_t, const std::exception_ptr&) override { ++refusals; }
   void skipped(const Scene&, uint64_t) override { ++skips; }
+  void resumed(const Scene&) override { ++resumptions; }
   void expired(const Scene&) override { ++expiries; }
   void device_failed(const Scene&, const std::string&) override { ++failures; }
 
-  std::atomic<int> answers = 0, refusals = 0, skips = 0, expiries = 0, failures = 0;
+  std::atomic<int> answers = 0, refusals = 0, skips = 0, resumptions = 0, expiries = 0, failures = 0;
 };
 
 inline Client client(std::string name = "anonymous", ClientLimits limits = {}) {
@@ -65,15 +67,15 @@ inline PendingFrame tip_frame(uint64_t id, float depth) {
   PendingFrame frame;
   frame.frame_id = id;
   frame.input.updates = {{0, {}, bytes(memory->floor), false}, {1, bytes(memory->start), bytes(memory->end), false}};
-  frame.brings = {{0, true}, {1, true}};
+  frame.meshes = {{0, true}, {1, true}};
   frame.memory = memory;
   return frame;
 }
 
 /// Scenes and what they share.
 struct SceneBench {
-  explicit SceneBench(size_t max_scenes = 64, unsigned at_once = 2)
-      : SceneBench(max_scenes, Turns::Options{.at_once = at_once}) {}
+  explicit SceneBench(size_t max_scenes = 64, unsigned concurrent = 2)
+      : SceneBench(max_scenes, Turns::Options{.concurrent = concurrent}) {}
   /// All with the clock of the turns.
   SceneBench(size_t max_scenes, const Turns::Options& options)
       : turns(options), scenes(max_scenes, 16, {turns, observer, "", options.now}) {}

@@ -46,7 +46,7 @@ class UploadTest : public testing::Test {
     return upload;
   }
   static void bring(Upload& upload, uint64_t count) {
-    upload.expect(count);
+    upload.reserve(count);
     for (uint64_t i = 0; i < count; ++i) upload.triangles().push({0, 1, 2});
   }
 
@@ -66,7 +66,7 @@ TEST_F(UploadTest, WhatCameCountsAndWhatWasAnnouncedDoesNot) {
   ASSERT_TRUE(upload->receive(start_));
   bring(*upload, 90);
   EXPECT_EQ(held_->held(), before_ + 100 * 12);
-  EXPECT_THROW(upload->expect(1), InvalidInput);
+  EXPECT_THROW(upload->reserve(1), InvalidInput);
   EXPECT_TRUE(upload->end());
   EXPECT_EQ(held_->held(), before_);
 }
@@ -74,8 +74,8 @@ TEST_F(UploadTest, WhatCameCountsAndWhatWasAnnouncedDoesNot) {
 TEST_F(UploadTest, MoreThanTheLimitIsRefused) {
   const auto upload = make_upload();
   upload->begin(scene_, 1, nullptr);
-  held_->set_most(before_ + 100);
-  EXPECT_THROW(upload->expect(10), LimitExceeded);
+  held_->set_max(before_ + 100);
+  EXPECT_THROW(upload->reserve(10), LimitExceeded);
   EXPECT_EQ(held_->held(), before_);
 }
 

@@ -14,12 +14,12 @@
 #include "client/cpp/error.hpp"
 #include "client/cpp/transport/grpc/deadline.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
+#include "proto/constants.hpp"
 
 namespace collided::client {
 
 namespace {
 
-constexpr int kMaxReceiveBytes = 4 << 20;  // the protocol's limit for any answer
 constexpr int kKeepaliveMs = 10'000, kKeepaliveTimeoutMs = 5'000;
 
 std::string read_file(const char* option, const std::string& name) {
@@ -110,7 +110,7 @@ ChannelFactory::ChannelFactory(std::string address, ConnectOptions options)
 
 std::shared_ptr<grpc::Channel> ChannelFactory::make() const {
   grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(kMaxReceiveBytes);
+  arguments.SetMaxReceiveMessageSize(v1::kMaxAnswerBytes);
   // Else gRPC merges connections of one process, and failed attempts of one delay the others.
   arguments.SetInt("grpc.use_local_subchannel_pool", 1);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);

@@ -10,12 +10,12 @@
 #include <cerrno>
 #include <cstring>
 
+#include "proto/constants.hpp"
+
 namespace collided::client {
 
 namespace {
 
-constexpr uint32_t kVersion = 1;
-constexpr size_t kMaxPacketBytes = size_t{64} << 10;
 constexpr uint64_t kAlignment = 64;
 constexpr size_t kMaxInlineBytes = 64;  // so few go into the packet itself
 
@@ -50,7 +50,7 @@ bool send_with_file(int socket, const std::string& packet, int file) {
 // The packet's size; 0 or less at the end. A reset may be reported before the daemon's last packets.
 ssize_t receive(int socket, std::string& packet) {
   constexpr int kTries = 2;
-  packet.resize(kMaxPacketBytes);
+  packet.resize(v1::kMaxPacketBytes);
   for (int reset = 0;;) {
     const ssize_t size = recv(socket, packet.data(), packet.size(), 0);
     if (size >= 0 || (errno != EINTR && (errno != ECONNRESET || ++reset == kTries))) return size;
@@ -74,7 +74,7 @@ bool has_arrived(int socket, FrameTransport::Time deadline) {
 LocalTransport::LocalTransport(const LocalPeer& peer, const LocalLayout& layout, const std::string& token,
                                const std::string& cuda_ipc_handle)
     : layout_(layout), socket_(connect_to(peer)), region_(layout.window * layout.frame_bytes + layout.output_bytes) {
-  opening_.set_version(kVersion);
+  opening_.set_version(v1::kLocalVersion);
   opening_.set_token(token);
   opening_.set_input_bytes(layout.window * layout.frame_bytes);
   opening_.set_output_bytes(layout.output_bytes);
@@ -111,10 +111,9 @@ std::span<std::byte> LocalTransport::take_room(uint64_t bytes) {
 /// The range of the bytes in the input region, where they are copied unless they are there already. Nothing if they
 /// are few enough for the packet, or if there is no room.
 std::optional<v1::SharedRange> LocalTransport::place(Bytes bytes) {
-  constexpr uint64_t kRangeAlignment = 8;
   const auto region = region_.bytes();
   uint64_t offset = reinterpret_cast<uintptr_t>(bytes.data()) - reinterpret_cast<uintptr_t>(region.data());
-  if (offset >= layout_.window * layout_.frame_bytes || offset % kRangeAlignment != 0) {
+  if (offset >= layout_.window * layout_.frame_bytes || offset % v1::kRangeAlignment != 0) {
     if (bytes.size() <= kMaxInlineBytes) return std::nullopt;
     const auto room = take_room(bytes.size());
     if (room.size() != bytes.size()) return std::nullopt;
@@ -184,7 +183,7 @@ bool LocalTransport::send(const v1::Frame& frame, std::span<const FrameUpdate> u
 v1::SharedRange LocalTransport::place_if_long(const v1::Frame& frame) {
   constexpr size_t kEnvelopeBytes = 8;  // the packet's own field
   const size_t bytes = frame.ByteSizeLong();
-  if (bytes + kEnvelopeBytes <= kMaxPacketBytes) return {};
+  if (bytes + kEnvelopeBytes <= v1::kMaxPacketBytes) return {};
   const std::string message = frame.SerializeAsString();
   if (const auto range = place(std::as_bytes(std::span(message)))) return *range;
   used_ = 0;

@@ -1,0 +1,86 @@
+// Frames between the protocol and the engine.
+#include "server/convert/frame.hpp"
+
+#include "server/convert/options.hpp"
+#include "server/convert/refuse.hpp"
+
+namespace collided::server {
+namespace {
+
+std::span<const std::byte> either(std::span<const std::byte> placed, const std::string& bytes) {
+  return placed.empty() ? std::as_bytes(std::span(bytes)) : placed;
+}
+
+void check_served(const pb::MeshUpdate& update, int index) {
+  const auto path = [&](const char* field) { return fmt::format("frame.updates[{}].{}", index, field); };
+  if (update.has_rigid()) throw_not_served(path("rigid"), "set");
+  const char* why = "is set, but there is no shared memory on this stream";
+  if (update.has_shared_positions()) throw_invalid(path("shared_positions"), why);
+  if (update.has_shared_start_positions()) throw_invalid(path("shared_start_positions"), why);
+  if (update.sparse().has_shared_indices()) throw_invalid(path("sparse.shared_indices"), why);
+}
+
+MeshPositions parse_update(const pb::MeshUpdate& update, const PlacedPositions& placed) {
+  MeshPositions positions;
+  positions.mesh = update.mesh();
+  positions.start = either(placed.start, update.start_positions());
+  positions.end = either(placed.end, update.positions());
+  positions.is_sparse = update.has_sparse();
+  positions.indices = either(placed.indices, update.sparse().indices());
+  return positions;
+}
+
+void fill_counts(const FrameCounts& counts, pb::FrameCounts* out) {
+  out->set_cells(counts.cells);
+  out->set_leaves(counts.leaves);
+  out->set_top_level(counts.top_level);
+  out->set_base_level(counts.base_level);
+  out->set_registrations(counts.registrations);
+  out->set_tests(counts.tests);
+  out->set_pairs(counts.pairs);
+  out->set_candidates_vertex_triangle(counts.candidates_vt);
+  out->set_candidates_edge_edge(counts.candidates_ee);
+  out->set_contacts_vertex_triangle(counts.contacts_vt);
+  out->set_contacts_edge_edge(counts.contacts_ee);
+  out->set_contacts_triangle_triangle(counts.contacts_tt);
+  out->set_survivors_vertex_triangle(counts.survivors_vt);
+  out->set_survivors_edge_edge(counts.survivors_ee);
+  out->set_exact_decisions(counts.exact_decisions);
+}
+
+}  // namespace
+
+FrameInput parse_frame(const pb::Frame& frame, std::span<const PlacedPositions> placed, const SceneSpec& scene) {
+  FrameInput input;
+  input.accuracy = parse_accuracy(frame.accuracy(), "frame.accuracy");
+  if (frame.has_delta()) input.delta = frame.delta();
+  input.report = parse_report(frame.report(), "frame.report");
+  check_frame_options(scene, input);
+  for (int i = 0; i < frame.updates_size(); ++i) {
+    check_served(frame.updates(i), i);
+    const auto index = static_cast<size_t>(i);
+    input.updates.push_back(parse_update(frame.updates(i), index < placed.size() ? placed[index] : PlacedPositions{}));
+  }
+  return input;
+}
+
+void fill_result(const FrameResult& result, pb::FrameDone* out) {
+  auto* metrics = out->mutable_metrics();
+  for (const auto& stage : result.stages) {
+    auto* added = metrics->add_stages();
+    added->set_stage(stage.stage);
+    added->set_milliseconds(stage.milliseconds);
+  }
+  fill_counts(result.counts, metrics->mutable_counts());
+  metrics->set_replays(result.replays);
+  metrics->set_allocations(result.allocations);
+  metrics->set_graph_launches(result.graph_launches);
+  metrics->set_step_milliseconds(result.step_milliseconds);
+  metrics->set_broad_phase_engine(to_message(result.engine));
+  if (result.input_resolution) metrics->add_warnings(pb::FRAME_WARNING_INPUT_RESOLUTION);
+  out->set_contact_count(result.vertex_triangle.size() + result.edge_edge.size() + result.triangle_triangle.size());
+  out->set_earliest_toi(result.earliest_toi);
+  out->set_any_contact(result.any_contact);
+}
+
+}  // namespace collided::server

@@ -1,0 +1,113 @@
+// The meshes of a scene, and their triangles, from the protocol to the engine.
+#include "server/convert/meshes.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <set>
+
+#include "server/convert/refuse.hpp"
+
+namespace collided::server {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the wire is little-endian and is copied as it is");
+
+constexpr size_t kTriangleBytes = sizeof(TriangleCorners);
+
+// What is wrong with a triangle; empty if nothing is.
+std::string check_triangle(const TriangleCorners& t, uint32_t vertex_count) {
+  for (const uint32_t vertex : t)
+    if (vertex >= vertex_count) return fmt::format("has vertex {}, but the mesh has {} vertices", vertex, vertex_count);
+  if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
+    return fmt::format("has a corner twice: {} {} {}", t[0], t[1], t[2]);
+  return {};
+}
+
+bool parse_static(pb::MeshMotion motion, const std::string& field) {
+  if (motion == pb::MESH_MOTION_UNSPECIFIED || motion == pb::MESH_MOTION_DEFORMABLE) return false;
+  if (motion == pb::MESH_MOTION_STATIC) return true;
+  if (motion == pb::MESH_MOTION_RIGID) throw_not_served(field, "MESH_MOTION_RIGID");
+  throw_unknown(field, motion, {pb::MESH_MOTION_DEFORMABLE, pb::MESH_MOTION_STATIC});
+}
+
+uint64_t inline_triangles(const pb::MeshSpec& mesh) { return mesh.triangles().size() / kTriangleBytes; }
+
+uint64_t total_triangles(const pb::MeshSpec& mesh) {
+  return std::max<uint64_t>(mesh.triangle_count(), inline_triangles(mesh));
+}
+
+MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
+  if (mesh.name().empty() || mesh.name().size() > kMaxNameBytes)
+    throw_invalid(path + ".name",
+                  fmt::format("has {} bytes, but must have 1 to {}", mesh.name().size(), kMaxNameBytes));
+  if (mesh.vertex_count() < 3)
+    throw_invalid(path + ".vertex_count", fmt::format("is {}, but must be at least 3", mesh.vertex_count()));
+  MeshSpec out;
+  out.vertex_count = mesh.vertex_count();
+  out.is_static = parse_static(mesh.motion(), path + ".motion");
+  out.groups = mesh.groups() ? mesh.groups() : 1;
+  out.collide_mask = mesh.collide_mask() ? mesh.collide_mask() : ~0u;
+  out.self_contacts = !mesh.no_self_contacts();
+  out.triangles.reserve(inline_triangles(mesh));
+  for_each_triangle(mesh.triangles(), out.vertex_count, {path + ".triangles"},
+                    [&](const TriangleCorners& triangle) { out.triangles.push_back(triangle); });
+  if (total_triangles(mesh) == 0)
+    throw_invalid(path + ".triangles", "is empty and triangle_count is 0, but a mesh needs a triangle");
+  if (mesh.triangle_count() > 0 && mesh.triangle_count() < out.triangles.size())
+    throw_invalid(
+        path + ".triangle_count",
+        fmt::format("is {}, but {}.triangles already has {}: it is the total, with those that UploadMesh brings",
+                    mesh.triangle_count(), path, out.triangles.size()));
+  return out;
+}
+
+void check_total(const char* what, uint64_t total, uint64_t limit) {
+  if (total > limit)
+    throw LimitExceeded("spec.meshes",
+                        fmt::format("spec.meshes has {} {} in all, more than max_{}, {}", total, what, what, limit));
+}
+
+}  // namespace
+
+void for_each_triangle(std::string_view bytes, uint32_t vertex_count, const TrianglePath& path,
+                       const std::function<void(const TriangleCorners&)>& take) {
+  if (bytes.size() % kTriangleBytes)
+    throw_invalid(path.field, fmt::format("has {} bytes, which is no multiple of {}", bytes.size(), kTriangleBytes));
+  for (size_t i = 0; i < bytes.size() / kTriangleBytes; ++i) {
+    TriangleCorners triangle;
+    std::memcpy(triangle.data(), bytes.data() + i * kTriangleBytes, kTriangleBytes);
+    if (const auto wrong = check_triangle(triangle, vertex_count); !wrong.empty())
+      throw_invalid(fmt::format("{}[{}]", path.field, path.first + i), wrong);
+    take(triangle);
+  }
+}
+
+SceneSize check_sizes(const pb::SceneSpec& spec, const Limits& limits) {
+  if (spec.meshes().empty()) throw_invalid("spec.meshes", "is empty, but a scene needs a mesh");
+  if (spec.meshes_size() > kMaxMeshes)
+    throw LimitExceeded("spec.meshes", fmt::format("spec.meshes has {} meshes, more than the limit of {}",
+                                                   spec.meshes_size(), kMaxMeshes));
+  SceneSize size;
+  for (const auto& mesh : spec.meshes()) {
+    size.vertices += mesh.vertex_count();
+    size.triangles += total_triangles(mesh);
+  }
+  check_total("vertices", size.vertices, limits.max_vertices);
+  check_total("triangles", size.triangles, limits.max_triangles);
+  return size;
+}
+
+void parse_meshes(const pb::SceneSpec& spec, ScenePlan& plan) {
+  std::set<std::string> names;
+  for (int i = 0; i < spec.meshes_size(); ++i) {
+    const auto& mesh = spec.meshes(i);
+    const std::string path = fmt::format("spec.meshes[{}]", i);
+    plan.engine.meshes.push_back(parse_mesh(mesh, path));
+    plan.meshes.push_back({mesh.name(), total_triangles(mesh), total_triangles(mesh) - inline_triangles(mesh)});
+    if (!names.insert(mesh.name()).second)
+      throw_invalid(path + ".name", fmt::format("is \"{}\", which an earlier mesh has", mesh.name()));
+  }
+}
+
+}  // namespace collided::server

@@ -1,0 +1,42 @@
+#pragma once
+// The meshes of a scene, and their triangles, from the protocol to the engine.
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "collided/v1/scene.pb.h"
+#include "server/config/config.hpp"
+#include "server/scenes/scene_plan.hpp"
+#include "server/scenes/upload.hpp"
+
+namespace collided::server {
+
+namespace pb = collided::v1;
+
+/// Meshes of one scene. With the longest names such a scene still fits one message of gRPC's default size.
+constexpr int kMaxMeshes = 16384;
+constexpr size_t kMaxNameBytes = 128;
+
+/// Where triangles are, in messages.
+struct TrianglePath {
+  std::string field;
+  uint64_t first = 0;  ///< number of triangles that came before
+};
+
+/// Checks each triangle of a packed uint32[n][3] array and hands it to `take`. Throws InvalidInput.
+void for_each_triangle(std::string_view bytes, uint32_t vertex_count, const TrianglePath& path,
+                       const std::function<void(const TriangleCorners&)>& take);
+
+struct SceneSize {
+  uint64_t vertices = 0, triangles = 0;
+};
+
+/// Sums up the meshes before any array is copied. Throws InvalidInput without a mesh, LimitExceeded.
+SceneSize check_sizes(const pb::SceneSpec& spec, const Limits& limits);
+
+/// Adds the meshes to the plan. Throws InvalidInput, Unimplemented.
+void parse_meshes(const pb::SceneSpec& spec, ScenePlan& plan);
+
+}  // namespace collided::server

@@ -1,0 +1,165 @@
+// What is detected, how exactly, how much of it is reported and by which engine.
+#include "server/convert/options.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "server/convert/refuse.hpp"
+#include "server/scenes/field_path.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr std::pair<pb::Accuracy, Accuracy> kAccuracies[] = {{pb::ACCURACY_CANDIDATES, Accuracy::kCandidates},
+                                                             {pb::ACCURACY_FAST, Accuracy::kFast},
+                                                             {pb::ACCURACY_GUARDED, Accuracy::kGuarded},
+                                                             {pb::ACCURACY_CERTIFIED, Accuracy::kCertified},
+                                                             {pb::ACCURACY_EXACT, Accuracy::kExact}};
+
+constexpr std::pair<pb::Report, Report> kReports[] = {{pb::REPORT_ALL, Report::kAll},
+                                                      {pb::REPORT_EARLIEST_ONLY, Report::kEarliestOnly},
+                                                      {pb::REPORT_ANY_HIT, Report::kAnyHit}};
+
+constexpr std::pair<pb::BroadPhaseEngine, Engine> kEngines[] = {
+    {pb::BROAD_PHASE_ENGINE_OCTREE, Engine::kOctree},
+    {pb::BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE, Engine::kTopDown},
+    {pb::BROAD_PHASE_ENGINE_BOTTOM_UP_OCTREE, Engine::kBottomUp},
+    {pb::BROAD_PHASE_ENGINE_UNIFORM_GRID, Engine::kUniformGrid},
+    {pb::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, Engine::kTwoLevelGrid},
+    {pb::BROAD_PHASE_ENGINE_LBVH, Engine::kLbvh}};
+
+constexpr std::pair<pb::ContactKind, bool SceneSpec::*> kKinds[] = {
+    {pb::CONTACT_KIND_VERTEX_TRIANGLE, &SceneSpec::vertex_triangle},
+    {pb::CONTACT_KIND_EDGE_EDGE, &SceneSpec::edge_edge},
+    {pb::CONTACT_KIND_TRIANGLE_TRIANGLE, &SceneSpec::triangle_triangle}};
+
+constexpr std::pair<pb::ContactField, bool OutputFields::*> kFields[] = {
+    {pb::CONTACT_FIELD_ELEMENTS, &OutputFields::elements}, {pb::CONTACT_FIELD_STENCIL, &OutputFields::stencils},
+    {pb::CONTACT_FIELD_TOI, &OutputFields::toi},           {pb::CONTACT_FIELD_DISTANCE, &OutputFields::distance},
+    {pb::CONTACT_FIELD_WEIGHTS, &OutputFields::weights},   {pb::CONTACT_FIELD_FLAGS, &OutputFields::flags}};
+
+template <class Message, class Value, size_t N>
+Value find_in(const std::pair<Message, Value> (&values)[N], Message wanted, const std::string& field) {
+  for (const auto& [message, value] : values)
+    if (message == wanted) return value;
+  std::vector<Message> usable;
+  for (const auto& [message, value] : values) usable.push_back(message);
+  throw_unknown(field, wanted, usable);
+}
+
+template <class Message, class Value, size_t N>
+std::optional<Value> to_engine(const std::pair<Message, Value> (&values)[N], Message wanted, const std::string& field) {
+  if (wanted == Message{}) return {};
+  return find_in(values, wanted, field);
+}
+
+template <class Message, class Value, size_t N>
+Message from_engine(const std::pair<Message, Value> (&values)[N], Value wanted) {
+  for (const auto& [message, value] : values)
+    if (value == wanted) return message;
+  return {};
+}
+
+std::string name_of(Accuracy accuracy) { return pb::Accuracy_Name(to_message(accuracy)); }
+std::string name_of(Mode mode) {
+  return pb::DetectionMode_Name(mode == Mode::kCcd ? pb::DETECTION_MODE_CCD : pb::DETECTION_MODE_DCD);
+}
+
+// Where clients set an option of the scene that the engine names, and how messages call it.
+struct OptionPath {
+  std::string field, shown;
+};
+
+OptionPath path_in(const pb::SceneSpec& spec, const std::string& option) {
+  if (option != "triangle_triangle") return {spec_path(option), spec_path(option)};
+  const auto& kinds = spec.kinds();
+  const auto found = std::find(kinds.begin(), kinds.end(), pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
+  const std::string field = fmt::format("spec.kinds[{}]", std::distance(kinds.begin(), found));
+  return {field, field + ", CONTACT_KIND_TRIANGLE_TRIANGLE,"};
+}
+
+// A report or a kind is refused for the mode or the accuracy, whose values the engine does not tell.
+std::string context_of(const std::string& option, Mode mode, const std::string& accuracy) {
+  if (option != "report" && option != "triangle_triangle") return {};
+  return fmt::format("; spec.mode is {} and {}", name_of(mode), accuracy);
+}
+
+}  // namespace
+
+std::optional<Accuracy> parse_accuracy(pb::Accuracy accuracy, const std::string& field) {
+  return to_engine(kAccuracies, accuracy, field);
+}
+
+void check_max_accuracy(Accuracy accuracy, Accuracy max, const std::string& field) {
+  if (accuracy <= max) return;
+  throw LimitExceeded(field, fmt::format("{} is {}, above max_accuracy, {}", field, name_of(accuracy), name_of(max)));
+}
+
+std::optional<Report> parse_report(pb::Report report, const std::string& field) {
+  return to_engine(kReports, report, field);
+}
+
+Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field) {
+  return to_engine(kEngines, engine, field).value_or(Engine::kAuto);
+}
+
+void parse_kinds(const pb::SceneSpec& spec, SceneSpec& engine) {
+  if (spec.kinds().empty()) return;
+  for (const auto& [kind, member] : kKinds) engine.*member = false;
+  for (int i = 0; i < spec.kinds_size(); ++i)
+    engine.*find_in(kKinds, spec.kinds(i), fmt::format("spec.kinds[{}]", i)) = true;
+}
+
+// What the level does not compute is left out of each answer: a frame may override the level, but not the mode.
+OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode) {
+  OutputFields fields;
+  for (int i = 0; i < spec.fields_size(); ++i) {
+    const std::string path = fmt::format("spec.fields[{}]", i);
+    if (spec.fields(i) == pb::CONTACT_FIELD_NORMAL) throw_not_served(path, "CONTACT_FIELD_NORMAL");
+    fields.*find_in(kFields, spec.fields(i), path) = true;
+  }
+  if (spec.fields().empty())
+    fields = {.elements = true, .stencils = true, .toi = true, .distance = true, .flags = true};
+  fields.toi &= mode == Mode::kCcd;
+  return fields;
+}
+
+pb::Accuracy to_message(Accuracy accuracy) { return from_engine(kAccuracies, accuracy); }
+pb::Report to_message(Report report) { return from_engine(kReports, report); }
+pb::BroadPhaseEngine to_message(Engine engine) { return from_engine(kEngines, engine); }
+
+void fill_kinds(const SceneSpec& engine, pb::SceneSpec* out) {
+  for (const auto& [kind, member] : kKinds)
+    if (engine.*member) out->add_kinds(kind);
+}
+
+void fill_fields(const OutputFields& fields, pb::SceneSpec* out) {
+  for (const auto& [field, member] : kFields)
+    if (fields.*member) out->add_fields(field);
+}
+
+void check_scene_options(const SceneSpec& engine, const pb::SceneSpec& spec) try {
+  check_options(engine);
+} catch (const InvalidInput& e) {
+  const OptionPath path = path_in(spec, e.field());
+  const std::string accuracy = "spec.accuracy is " + name_of(engine.accuracy);
+  throw InvalidInput(path.field, renamed(e, path.shown) + context_of(e.field(), engine.mode, accuracy));
+}
+
+// The scene's own options are sound: unless the frame overrides the refused one, its accuracy is what does not fit.
+void check_frame_options(const SceneSpec& scene, const FrameInput& frame) try {
+  check_options(scene, frame);
+} catch (const InvalidInput& e) {
+  const bool is_own = (e.field() == "report" && frame.report) || (e.field() == "delta" && frame.delta);
+  const std::string field = is_own ? frame_path(e.field()) : "frame.accuracy";
+  const std::string value = name_of(frame.accuracy.value_or(scene.accuracy));
+  const std::string option =
+      e.field() == "triangle_triangle" ? "CONTACT_KIND_TRIANGLE_TRIANGLE of spec.kinds" : spec_path(e.field());
+  if (!is_own) throw InvalidInput(field, fmt::format("{} is {}: {}", field, value, renamed(e, option)));
+  const std::string accuracy = fmt::format("{}.accuracy is {}", frame.accuracy ? "frame" : "spec", value);
+  throw InvalidInput(field, renamed(e, field) + context_of(e.field(), scene.mode, accuracy));
+}
+
+}  // namespace collided::server

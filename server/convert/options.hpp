@@ -1,0 +1,43 @@
+#pragma once
+// What is detected, how exactly, how much of it is reported and by which engine. A scene has these options; a frame may
+// override accuracy, delta and report. Which of them go together is the engine's to say.
+
+#include <optional>
+#include <string>
+
+#include "collided/v1/scene.pb.h"
+#include "gpu/detector.hpp"
+#include "server/scenes/scene_plan.hpp"
+
+namespace collided::server {
+
+namespace pb = collided::v1;
+
+/// Nothing for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
+std::optional<Accuracy> parse_accuracy(pb::Accuracy accuracy, const std::string& field);
+std::optional<Report> parse_report(pb::Report report, const std::string& field);
+
+/// Throws LimitExceeded, naming `field`, for an accuracy above the highest that a client may ask for.
+void check_max_accuracy(Accuracy accuracy, Accuracy max, const std::string& field);
+
+/// kAuto for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
+Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field);
+
+/// Sets the kinds that the scene asks for; the engine's own if it asks for none. Throws InvalidInput.
+void parse_kinds(const pb::SceneSpec& spec, SceneSpec& engine);
+/// The fields that the scene asks for, or those that it gets if it asks for none. Throws InvalidInput, Unimplemented.
+OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode);
+
+pb::Accuracy to_message(Accuracy accuracy);
+pb::Report to_message(Report report);
+/// kAuto is the unspecified value.
+pb::BroadPhaseEngine to_message(Engine engine);
+void fill_kinds(const SceneSpec& engine, pb::SceneSpec* out);
+void fill_fields(const OutputFields& fields, pb::SceneSpec* out);
+
+/// Throws the engine's refusal of a scene's options, with the path of the field of `spec` that they come from.
+void check_scene_options(const SceneSpec& engine, const pb::SceneSpec& spec);
+/// The same for what a frame of a sound scene overrides. The field is the frame's.
+void check_frame_options(const SceneSpec& scene, const FrameInput& frame);
+
+}  // namespace collided::server

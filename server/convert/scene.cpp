@@ -1,0 +1,155 @@
+// Scenes from the protocol to the engine.
+#include "server/convert/scene.hpp"
+
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+
+#include <algorithm>
+#include <functional>
+#include <string_view>
+
+#include "server/convert/meshes.hpp"
+#include "server/convert/options.hpp"
+#include "server/convert/refuse.hpp"
+
+namespace collided::server {
+namespace {
+
+Backend parse_backend(pb::Backend wanted, const SceneDefaults& defaults) {
+  if (wanted == pb::BACKEND_UNSPECIFIED)
+    wanted = defaults.backend == "cpu"    ? pb::BACKEND_CPU
+             : defaults.backend == "cuda" ? pb::BACKEND_CUDA
+                                          : pb::BACKEND_AUTO;
+  if (wanted == pb::BACKEND_AUTO) return defaults.cuda ? Backend::kCuda : Backend::kCpu;
+  if (wanted == pb::BACKEND_CPU) return Backend::kCpu;
+  if (wanted != pb::BACKEND_CUDA)
+    throw_unknown("spec.backend", wanted, {pb::BACKEND_AUTO, pb::BACKEND_CPU, pb::BACKEND_CUDA});
+  if (!defaults.cuda)
+    throw FailedPrecondition("spec.backend", "spec.backend is BACKEND_CUDA, but this daemon has no usable CUDA device");
+  return Backend::kCuda;
+}
+
+Mode parse_mode(pb::DetectionMode mode) {
+  if (mode == pb::DETECTION_MODE_DCD) return Mode::kDcd;
+  if (mode == pb::DETECTION_MODE_CCD) return Mode::kCcd;
+  throw_unknown("spec.mode", mode, {pb::DETECTION_MODE_DCD, pb::DETECTION_MODE_CCD});
+}
+
+Scalar parse_format(pb::PositionFormat format) {
+  if (format == pb::POSITION_FORMAT_UNSPECIFIED || format == pb::POSITION_FORMAT_F32) return Scalar::kF32;
+  if (format == pb::POSITION_FORMAT_F64) return Scalar::kF64;
+  if (format == pb::POSITION_FORMAT_Q16) throw_not_served("spec.position_format", "POSITION_FORMAT_Q16");
+  throw_unknown("spec.position_format", format, {pb::POSITION_FORMAT_F32, pb::POSITION_FORMAT_F64});
+}
+
+// A scene's first frame brings all its positions at once, and a frame is one message.
+void check_first_frame(uint64_t vertices, Scalar scalar, const SceneDefaults& defaults) {
+  const uint64_t bytes = vertices * position_bytes(scalar), limit = defaults.limits.max_message_bytes;
+  if (defaults.local_socket || bytes < limit) return;
+  throw LimitExceeded(
+      "spec.meshes", fmt::format("spec.meshes has {} vertices, whose positions, {} bytes, come with the first frame in "
+                                 "one message, but max_message_bytes (max-message-mb) is {}, and this daemon has no "
+                                 "local socket",
+                                 vertices, bytes, limit));
+}
+
+// The least memory that the scene will hold, so that none is created that can never have a frame.
+uint64_t check_budget(const SceneSpec& engine, const SceneSize& size, bool is_asked) {
+  const uint64_t need = min_scene_bytes(engine, size.vertices, size.triangles);
+  if (need > engine.memory_budget)
+    throw LimitExceeded(
+        "spec.memory_budget_bytes",
+        fmt::format("spec.memory_budget_bytes is {}{}, but the {} vertices and {} triangles of spec.meshes need at "
+                    "least {} bytes",
+                    engine.memory_budget, is_asked ? "" : " (max_scene_bytes)", size.vertices, size.triangles, need));
+  return need;
+}
+
+uint64_t parse_budget(uint64_t budget, uint64_t limit) {
+  if (budget > limit)
+    throw LimitExceeded("spec.memory_budget_bytes",
+                        fmt::format("spec.memory_budget_bytes is {}, more than max_scene_bytes, {}", budget, limit));
+  return budget ? budget : limit;
+}
+
+// Hashes a stream block by block, without a copy of the whole.
+class HashOfBytes final : public google::protobuf::io::CopyingOutputStream {
+ public:
+  bool Write(const void* bytes, int size) override {
+    const std::string_view block(static_cast<const char*>(bytes), static_cast<size_t>(size));
+    hash_ = hash_ * 0x9e3779b97f4a7c15u + std::hash<std::string_view>{}(block);
+    return true;
+  }
+  uint64_t hash() const { return hash_; }
+
+ private:
+  uint64_t hash_ = 0;
+};
+
+// Equal for repeated requests, whose leases may differ.
+uint64_t fingerprint(const pb::SceneSpec& spec) {
+  HashOfBytes hash;
+  {
+    google::protobuf::io::CopyingOutputStreamAdaptor blocks(&hash);
+    google::protobuf::io::CodedOutputStream coded(&blocks);
+    coded.SetSerializationDeterministic(true);
+    spec.SerializeToCodedStream(&coded);
+  }
+  return hash.hash();
+}
+
+double parse_lease(double seconds, const Limits& limits) {
+  if (!(seconds >= 0)) throw_invalid("lease_seconds", fmt::format("is {}, but must be 0 or more", seconds));
+  if (seconds > limits.max_lease_seconds)
+    throw LimitExceeded("lease_seconds", fmt::format("lease_seconds is {}, more than max_lease_seconds, {}", seconds,
+                                                     limits.max_lease_seconds));
+  return seconds > 0 ? seconds : limits.lease_seconds;
+}
+
+// Unless the client asks for one: CERTIFIED, or the highest that it may have.
+Accuracy parse_scene_accuracy(pb::Accuracy wanted, Accuracy max) {
+  const auto asked = parse_accuracy(wanted, "spec.accuracy");
+  if (asked) check_max_accuracy(*asked, max, "spec.accuracy");
+  return asked.value_or(std::min(Accuracy::kCertified, max));
+}
+
+ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
+  if (spec.display_name().size() > kMaxNameBytes)
+    throw_invalid("spec.display_name",
+                  fmt::format("has {} bytes, more than {}", spec.display_name().size(), kMaxNameBytes));
+  ScenePlan plan;
+  plan.display_name = spec.display_name();
+  SceneSpec& engine = plan.engine;
+  engine.mode = parse_mode(spec.mode());
+  engine.accuracy = parse_scene_accuracy(spec.accuracy(), defaults.limits.client.max_accuracy);
+  engine.scalar = parse_format(spec.position_format());
+  engine.thickness = spec.thickness();
+  engine.delta = spec.delta();
+  engine.report = parse_report(spec.report(), "spec.report").value_or(Report::kAll);
+  engine.engine = parse_engine(spec.broad_phase_engine(), "spec.broad_phase_engine");
+  parse_kinds(spec, engine);
+  check_scene_options(engine, spec);
+  plan.fields = parse_fields(spec, engine.mode);
+  engine.weights = plan.fields.weights;
+  engine.memory_budget = parse_budget(spec.memory_budget_bytes(), defaults.limits.max_scene_bytes);
+  engine.threads = defaults.threads;
+  const SceneSize size = check_sizes(spec, defaults.limits);
+  check_first_frame(size.vertices, engine.scalar, defaults);
+  plan.min_bytes = check_budget(engine, size, spec.memory_budget_bytes() > 0);
+  parse_meshes(spec, plan);
+  engine.backend = parse_backend(spec.backend(), defaults);
+  return plan;
+}
+
+}  // namespace
+
+SceneRequest parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults) {
+  constexpr size_t kMaxRequestIdBytes = 64;
+  if (request.request_id().size() > kMaxRequestIdBytes)
+    throw_invalid("request_id",
+                  fmt::format("has {} bytes, more than {}", request.request_id().size(), kMaxRequestIdBytes));
+  const double lease = parse_lease(request.lease_seconds(), defaults.limits);
+  return {parse_plan(request.spec(), defaults), request.request_id(), fingerprint(request.spec()), lease};
+}
+
+}  // namespace collided::server

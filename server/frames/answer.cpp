@@ -1,0 +1,34 @@
+// A frame's answer: its contacts in chunks, its cost, its last message.
+#include "server/frames/answer.hpp"
+
+#include "server/convert/frame.hpp"
+
+namespace collided::server {
+
+void encode_contacts(const Scene& scene, AnsweredFrame& frame, size_t max_chunk_bytes,
+                     const std::function<void(std::span<const Chunk>)>& encode) {
+  const auto begin = Clock::now();
+  const auto chunks = cut_into_chunks(frame.result, scene.plan().fields, max_chunk_bytes);
+  for (const Chunk& chunk : chunks) frame.cost.bytes_out += chunk.array_bytes();
+  encode(chunks);
+  frame.cost.encode_milliseconds = milliseconds_since(begin);
+  frame.cost.total_milliseconds = milliseconds_since(frame.arrival);
+}
+
+pb::FrameDone done_message(const AnsweredFrame& frame) {
+  pb::FrameDone done;
+  fill_result(frame.result, &done);
+  pb::FrameMetrics& metrics = *done.mutable_metrics();
+  const FrameCost& cost = frame.cost;
+  metrics.set_total_milliseconds(cost.total_milliseconds);
+  metrics.set_queue_milliseconds(cost.queue_milliseconds);
+  metrics.set_decode_milliseconds(cost.decode_milliseconds);
+  metrics.set_engine_milliseconds(cost.engine_milliseconds);
+  metrics.set_encode_milliseconds(cost.encode_milliseconds);
+  metrics.set_device_bytes(cost.device_bytes);
+  metrics.set_bytes_in(cost.bytes_in);
+  metrics.set_bytes_out(cost.bytes_out);
+  return done;
+}
+
+}  // namespace collided::server

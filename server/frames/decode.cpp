@@ -1,0 +1,205 @@
+// A request of the frame stream from the wire.
+#include "server/frames/decode.hpp"
+
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/wire_format_lite.h>
+
+#include <algorithm>
+#include <climits>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "gpu/detector.hpp"
+#include "server/convert/refuse.hpp"
+#include "server/convert/wire_bounds.hpp"
+#include "server/errors.hpp"
+
+namespace collided::server {
+namespace {
+
+using google::protobuf::internal::WireFormatLite;
+using google::protobuf::io::CodedInputStream;
+using google::protobuf::io::CodedOutputStream;
+using google::protobuf::io::StringOutputStream;
+
+constexpr size_t kAlignment = 16;
+constexpr uint32_t kFewBytes = 64;  // stay in the message
+
+constexpr uint32_t tag_of(int field) {
+  return WireFormatLite::MakeTag(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
+}
+
+[[noreturn]] void throw_malformed(const char* what) {
+  throw InvalidInput(what, std::string(what) + " is cut off or malformed: its bytes are no such message");
+}
+
+// Refuses lengths that the generated code refuses; SkipField() alone would cut them to 32 bits.
+bool copy_field(CodedInputStream& in, uint32_t tag, CodedOutputStream& out) {
+  if (WireFormatLite::GetTagWireType(tag) != WireFormatLite::WIRETYPE_LENGTH_DELIMITED)
+    return WireFormatLite::SkipField(&in, tag, &out);
+  int size = 0;
+  std::string bytes;
+  if (WireFormatLite::GetTagFieldNumber(tag) == 0 || !in.ReadVarintSizeAsInt(&size) || !in.ReadString(&bytes, size))
+    return false;
+  out.WriteTag(tag);
+  out.WriteVarint32(static_cast<uint32_t>(size));
+  out.WriteString(bytes);
+  return true;
+}
+
+[[noreturn]] void throw_too_many_updates(const std::string& path, size_t meshes) {
+  throw InvalidInput(
+      path + ".updates",
+      fmt::format("{}.updates has more than {} entries, the number of the scene's meshes", path, meshes));
+}
+
+// A nested message, read by `decode` up to its end.
+template <class Decode>
+void read_nested(CodedInputStream& in, const char* what, const Decode& decode) {
+  int size = 0;
+  if (!in.ReadVarintSizeAsInt(&size)) throw_malformed(what);
+  if (in.BytesUntilLimit() < size) throw_malformed(what);
+  const auto limit = in.PushLimit(size);
+  decode();
+  in.PopLimit(limit);
+}
+
+// No more of the frame is read; its refusal is told by its id.
+struct Stopped {};
+
+class Decoder {
+ public:
+  Decoder(CodedInputStream& in, const Expected& expected, const std::function<std::span<std::byte>()>& room)
+      : in_(in), meshes_(expected.meshes), count_("request", max_fields(meshes_.value_or(0))), ask_for_room_(room) {}
+
+  DecodedRequest decode() try {
+    const std::string remaining = remaining_fields("request", [&](uint32_t tag) {
+      if (tag != tag_of(pb::StreamFramesRequest::kFrameFieldNumber)) return false;
+      if (!meshes_) throw FailedPrecondition("open", "the first request of a stream must be `open`");
+      read_nested(in_, "frame", [&] { decode_frame(*out_.message.mutable_frame()); });
+      return true;
+    });
+    pb::StreamFramesRequest others;
+    merge(others, remaining, "request");
+    if (!out_.message.has_frame())
+      out_.message = std::move(others);
+    else if (others.request_case() != pb::StreamFramesRequest::REQUEST_NOT_SET)
+      throw InvalidInput("request", "request has `open` and `frame`, but must have one of them");
+    return std::move(out_);
+  } catch (const Stopped&) {
+    return std::move(out_);
+  }
+
+ private:
+  // The fields of a message that `take` does not consume, as the bytes of a message of their own.
+  template <class Take>
+  std::string remaining_fields(const char* what, const Take& take) {
+    std::string bytes;
+    {
+      StringOutputStream stream(&bytes);
+      CodedOutputStream out(&stream);
+      while (const uint32_t tag = in_.ReadTag()) {
+        count_.add();
+        if (!take(tag) && !copy_field(in_, tag, out)) throw_malformed(what);
+        if (out_.refusal) break;
+      }
+      out.Trim();
+    }
+    if (!out_.refusal && !in_.ConsumedEntireMessage()) throw_malformed(what);
+    return bytes;
+  }
+
+  void merge(google::protobuf::Message& message, const std::string& bytes, const char* what) {
+    count_.add_message(bytes, *message.GetDescriptor(), what);
+    if (!message.MergeFromString(bytes)) throw_malformed(what);
+  }
+
+  void decode_frame(pb::Frame& frame) {
+    const std::string remaining = remaining_fields("frame", [&](uint32_t tag) {
+      if (tag != tag_of(pb::Frame::kUpdatesFieldNumber)) return false;
+      if (static_cast<size_t>(frame.updates_size()) == *meshes_) {
+        out_.refusal = too_many_updates();
+        return true;
+      }
+      read_nested(in_, "frame.updates", [&] { decode_update(*frame.add_updates()); });
+      return true;
+    });
+    merge(frame, remaining, "frame");
+    if (!out_.refusal) return;
+    if (frame.frame_id() == 0) std::rethrow_exception(out_.refusal);  // there is no frame yet to answer
+    throw Stopped();
+  }
+
+  std::exception_ptr too_many_updates() const {
+    try {
+      throw_too_many_updates("frame", *meshes_);
+    } catch (...) {
+      return std::current_exception();
+    }
+  }
+
+  void decode_update(pb::MeshUpdate& update) {
+    PlacedPositions placed;
+    const std::string remaining = remaining_fields("frame.updates", [&](uint32_t tag) {
+      if (tag == tag_of(pb::MeshUpdate::kPositionsFieldNumber))
+        return read_bytes(placed.end, *update.mutable_positions());
+      if (tag == tag_of(pb::MeshUpdate::kStartPositionsFieldNumber))
+        return read_bytes(placed.start, *update.mutable_start_positions());
+      return false;
+    });
+    merge(update, remaining, "frame.updates");
+    out_.placed.push_back(placed);
+  }
+
+  // Of a field that comes twice the last one counts, as everywhere in the format.
+  bool read_bytes(std::span<const std::byte>& placed, std::string& otherwise) {
+    int size = 0;
+    if (!in_.ReadVarintSizeAsInt(&size) || in_.BytesUntilLimit() < size) throw_malformed("frame.updates");
+    placed = {};
+    otherwise.clear();
+    const auto bytes = static_cast<size_t>(size);
+    if (bytes <= kFewBytes || !fits(bytes)) {
+      if (!in_.ReadString(&otherwise, size)) throw_malformed("frame.updates");
+      return true;
+    }
+    const auto to = room_->subspan(used_, bytes);
+    if (!in_.ReadRaw(to.data(), size)) throw_malformed("frame.updates");
+    used_ += (bytes + kAlignment - 1) / kAlignment * kAlignment;
+    placed = to;
+    return true;
+  }
+
+  bool fits(size_t bytes) {
+    if (!room_) room_ = ask_for_room_();
+    return used_ <= room_->size() && bytes <= room_->size() - used_;
+  }
+
+  CodedInputStream& in_;
+  const std::optional<size_t> meshes_;
+  FieldCount count_;
+  const std::function<std::span<std::byte>()>& ask_for_room_;
+  std::optional<std::span<std::byte>> room_;
+  size_t used_ = 0;
+  DecodedRequest out_;
+};
+
+}  // namespace
+
+DecodedRequest decode_request(google::protobuf::io::ZeroCopyInputStream& wire, size_t bytes, const Expected& expected,
+                              const std::function<std::span<std::byte>()>& room) {
+  CodedInputStream in(&wire);
+  in.PushLimit(static_cast<int>(std::min<size_t>(bytes, INT_MAX)));  // sizes that lie are found before they are used
+  return Decoder(in, expected, room).decode();
+}
+
+pb::Frame parse_bounded_frame(const std::string& bytes, size_t meshes, const char* path) {
+  FieldCount(path, max_fields(meshes)).add_message(bytes, *pb::Frame::descriptor(), path);
+  pb::Frame frame;
+  if (!frame.ParseFromString(bytes)) throw_malformed(path);
+  if (static_cast<size_t>(frame.updates_size()) > meshes) throw_too_many_updates(path, meshes);
+  return frame;
+}
+
+}  // namespace collided::server

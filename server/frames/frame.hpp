@@ -1,0 +1,46 @@
+#pragma once
+// A frame before and after the engine.
+
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <vector>
+
+#include "gpu/detector.hpp"
+#include "server/ops/clock.hpp"
+
+namespace collided::server {
+
+/// A mesh that a frame has positions for.
+struct UpdatedMesh {
+  uint32_t mesh = 0;
+  bool is_whole = true;  ///< positions of all its vertices
+};
+
+/// A frame on its way to the engine.
+struct PendingFrame {
+  uint64_t frame_id = 0;
+  FrameInput input;
+  std::vector<UpdatedMesh> meshes;
+  std::exception_ptr refusal = {};          ///< why it cannot be applied; null: nothing is known to be wrong
+  std::shared_ptr<const void> memory = {};  ///< keeps alive what `input` refers to
+  Clock::time_point arrival = Clock::now();
+  double decode_milliseconds = 0;
+  uint64_t bytes_in = 0;  ///< of positions and indices
+};
+
+/// What a frame cost outside the engine's stages.
+struct FrameCost {
+  double total_milliseconds = 0, queue_milliseconds = 0, decode_milliseconds = 0, engine_milliseconds = 0,
+         encode_milliseconds = 0;
+  uint64_t device_bytes = 0, bytes_in = 0, bytes_out = 0;
+};
+
+struct AnsweredFrame {
+  uint64_t frame_id = 0;
+  Clock::time_point arrival;
+  FrameResult result;
+  FrameCost cost;  ///< encode_contacts() adds encode_milliseconds, total_milliseconds and bytes_out
+};
+
+}  // namespace collided::server

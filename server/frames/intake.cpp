@@ -1,0 +1,74 @@
+// A frame of a client on its way into the daemon.
+#include "server/frames/intake.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <limits>
+#include <utility>
+
+#include "server/convert/options.hpp"
+#include "server/errors.hpp"
+#include "server/scenes/field_path.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr uint64_t kMaxFrameId = std::numeric_limits<int64_t>::max();
+
+// The slot reads from the message, or from where it was placed, until the frame has been applied.
+void send_positions(Scene& scene, std::shared_ptr<FrameSlot> slot, PendingFrame& frame) {
+  if (!slot) slot = scene.take_slot();
+  try {
+    slot->send(frame.input.updates);
+  } catch (const InvalidInput& e) {
+    throw with_path(e, frame_path);
+  } catch (const ResourceExhausted& e) {
+    throw_if_budget(e);
+    throw;
+  }
+  frame.input.updates.clear();
+  frame.input.slot = std::move(slot);
+}
+
+// Ids only rise: after the largest one the scene would take no frame any more. Negative numbers lie beyond the limit.
+void check_frame_id(uint64_t id) {
+  if (id > kMaxFrameId)
+    throw InvalidInput("frame.frame_id", fmt::format("frame.frame_id is {}, more than {}", id, kMaxFrameId));
+}
+
+void note_updates(PendingFrame& frame) {
+  for (const MeshPositions& update : frame.input.updates) {
+    frame.meshes.push_back({update.mesh, !update.is_sparse});
+    frame.bytes_in += update.start.size() + update.end.size() + update.indices.size();
+  }
+}
+
+}  // namespace
+
+PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) {
+  using Kept = std::pair<pb::Frame, std::shared_ptr<const void>>;
+  const auto kept = std::make_shared<const Kept>(std::move(incoming.message), std::move(incoming.memory));
+  const pb::Frame& message = kept->first;
+  PendingFrame frame;
+  try {
+    if (incoming.refusal) std::rethrow_exception(incoming.refusal);
+    check_frame_id(message.frame_id());
+    host.usage().count_frame(scene.facts().owner);
+    frame.input = parse_frame(message, incoming.placed, scene.plan().engine);
+    const Accuracy max = scene.facts().owner->limits.max_accuracy;
+    if (frame.input.accuracy) check_max_accuracy(*frame.input.accuracy, max, "frame.accuracy");
+    note_updates(frame);
+    send_positions(scene, std::move(incoming.slot), frame);
+    frame.input.bytes_beside_contact = incoming.answer_bytes_per_contact;
+  } catch (...) {
+    frame.refusal = std::current_exception();
+    frame.input = {};
+  }
+  frame.frame_id = message.frame_id();
+  frame.memory = kept;
+  frame.arrival = incoming.arrival;
+  frame.decode_milliseconds = milliseconds_since(incoming.arrival);
+  return frame;
+}
+
+}  // namespace collided::server

@@ -1,0 +1,41 @@
+#pragma once
+// What is told of streams and their frames, whichever way they came: to the scene's observer, which counts them, and in
+// the log. Ids that are empty are left out.
+
+#include <spdlog/common.h>
+
+#include <exception>
+#include <string_view>
+
+#include "server/convert/status.hpp"
+#include "server/frames/frame.hpp"
+#include "server/ops/log.hpp"
+#include "server/ops/metrics.hpp"
+#include "server/scenes/scene.hpp"
+
+namespace collided::server {
+
+/// Its cost is complete.
+void tell_answered(const Scene& scene, const AnsweredFrame& frame, const CallIds& ids);
+/// What the client is to be told.
+Failure tell_refused(const Scene& scene, uint64_t frame_id, const std::exception_ptr& error, const CallIds& ids);
+void tell_skipped(const Scene& scene, uint64_t frame_id, const CallIds& ids);
+
+/// How the log and the metrics name the streams of a transport.
+struct StreamKind {
+  std::string_view name;    ///< "stream" or "local stream"
+  std::string_view method;  ///< as the counted calls name it
+};
+
+void log_stream_opened(const StreamKind& kind, const Scene& scene, uint32_t window, const CallIds& ids);
+
+struct StreamEnd {
+  spdlog::level::level_enum level = spdlog::level::info;
+  std::string_view scene;  ///< that the client asked for
+  grpc::StatusCode code = grpc::StatusCode::OK;
+  std::string_view reason;
+};
+/// Counts the stream as an ended call, and logs why it ended.
+void tell_stream_ended(const StreamKind& kind, const StreamEnd& end, const CallIds& ids, Metrics& metrics);
+
+}  // namespace collided::server

@@ -1,0 +1,69 @@
+// What the messages of a frame stream mean on every transport.
+#include "server/frames/messages.hpp"
+
+#include <algorithm>
+
+#include "proto/constants.hpp"
+#include "server/convert/facts.hpp"
+#include "server/convert/refuse.hpp"
+#include "server/errors.hpp"
+
+namespace collided::server {
+namespace {
+
+uint32_t grant_window(uint32_t wanted, uint32_t limit) {
+  if (wanted > limit)
+    throw LimitExceeded("open.window", fmt::format("open.window is {}, more than max_window, {}", wanted, limit));
+  return wanted ? wanted : std::min(pb::kDefaultWindow, limit);
+}
+
+Delivery parse_delivery(pb::DeliveryPolicy delivery) {
+  switch (delivery) {
+    case pb::DELIVERY_POLICY_UNSPECIFIED:
+    case pb::DELIVERY_POLICY_LOSSLESS:
+      return Delivery::kLossless;
+    case pb::DELIVERY_POLICY_LATEST_WINS:
+      return Delivery::kLatestWins;
+    default:
+      throw_unknown("open.delivery", delivery, {pb::DELIVERY_POLICY_LOSSLESS, pb::DELIVERY_POLICY_LATEST_WINS});
+  }
+}
+
+}  // namespace
+
+StreamTerms parse_open(const pb::OpenStream& open, const Limits& limits) {
+  return {grant_window(open.window(), limits.max_window), parse_delivery(open.delivery())};
+}
+
+pb::StreamFramesResponse opened_message(const Scene& scene, uint32_t window) {
+  pb::StreamFramesResponse response;
+  fill_scene(scene, response.mutable_opened()->mutable_scene());
+  response.mutable_opened()->set_window(window);
+  return response;
+}
+
+pb::StreamFramesResponse skipped_message(uint64_t frame_id) {
+  pb::StreamFramesResponse response;
+  response.set_frame_id(frame_id);
+  response.mutable_skipped();
+  return response;
+}
+
+pb::StreamFramesResponse draining_message(double seconds) {
+  pb::StreamFramesResponse response;
+  response.mutable_draining()->set_deadline_seconds(seconds);
+  return response;
+}
+
+pb::StreamFramesResponse refusal_message(uint64_t frame_id, const Failure& failure) {
+  pb::StreamFramesResponse response;
+  response.set_frame_id(frame_id);
+  auto* error = response.mutable_error();
+  error->set_code(failure.code);
+  error->set_message(failure.message);
+  error->set_field(failure.field);
+  error->set_retry_after_seconds(failure.retry_after_seconds);
+  return response;
+}
+
+}  // namespace collided::server

@@ -1,0 +1,27 @@
+#pragma once
+// What the messages of a frame stream mean on every transport.
+
+#include "collided/v1/collision_service.pb.h"
+#include "server/config/config.hpp"
+#include "server/convert/status.hpp"
+#include "server/frames/session.hpp"
+
+namespace collided::server {
+
+namespace pb = collided::v1;
+
+/// What an opening asks for, checked.
+struct StreamTerms {
+  uint32_t window = 2;
+  Delivery delivery = Delivery::kLossless;
+};
+
+/// Throws InvalidInput, LimitExceeded.
+StreamTerms parse_open(const pb::OpenStream& open, const Limits& limits);
+
+pb::StreamFramesResponse opened_message(const Scene& scene, uint32_t window);
+pb::StreamFramesResponse skipped_message(uint64_t frame_id);
+pb::StreamFramesResponse draining_message(double seconds);
+pb::StreamFramesResponse refusal_message(uint64_t frame_id, const Failure& failure);
+
+}  // namespace collided::server

@@ -1,0 +1,65 @@
+// What happens to scenes and frames, as metrics, log lines and the daemon's state.
+#include "server/frames/observer.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "server/convert/status.hpp"
+#include "server/ops/log.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr double kSecond = 1000;  // milliseconds
+constexpr std::string_view kUpload = "upload", kDownload = "download";
+
+uint64_t contacts_of(const FrameResult& result) {
+  return result.vertex_triangle.size() + result.edge_edge.size() + result.triangle_triangle.size();
+}
+
+double stage_milliseconds(const FrameResult& result, std::string_view name) {
+  double milliseconds = 0;
+  for (const auto& stage : result.stages)
+    if (stage.stage == name) milliseconds += stage.milliseconds;
+  return milliseconds;
+}
+
+}  // namespace
+
+void ServiceObserver::answered(const Scene&, const AnsweredFrame& frame) {
+  const FrameCost& cost = frame.cost;
+  metrics_.observe_phase(Phase::kQueue, cost.queue_milliseconds / kSecond);
+  metrics_.observe_phase(Phase::kDecode, cost.decode_milliseconds / kSecond);
+  metrics_.observe_phase(Phase::kEncode, cost.encode_milliseconds / kSecond);
+  // Not the step's own time, which is that of its last run alone, and leaves out exact arithmetic.
+  const double upload = stage_milliseconds(frame.result, kUpload),
+               download = stage_milliseconds(frame.result, kDownload);
+  metrics_.observe_phase(Phase::kUpload, upload / kSecond);
+  metrics_.observe_phase(Phase::kCompute, std::max(0.0, cost.engine_milliseconds - upload - download) / kSecond);
+  metrics_.observe_phase(Phase::kDownload, download / kSecond);
+  for (const auto& stage : frame.result.stages)
+    if (stage.stage != kUpload && stage.stage != kDownload)
+      metrics_.observe_stage(stage.stage, stage.milliseconds / kSecond);
+  metrics_.count_frame({cost.total_milliseconds / kSecond, contacts_of(frame.result), cost.bytes_in, cost.bytes_out,
+                        frame.result.replays});
+}
+
+void ServiceObserver::refused(const Scene&, uint64_t, const std::exception_ptr& error) {
+  metrics_.count_rejected(code_name(describe(error).code));
+}
+
+void ServiceObserver::skipped(const Scene&, uint64_t) { metrics_.count_skipped(); }
+
+void ServiceObserver::resumed(const Scene&) { metrics_.count_reconnect(); }
+
+void ServiceObserver::expired(const Scene& scene) {
+  log_event(spdlog::level::info, "scene deleted: its lease ran out",
+            {{"scene", scene.id()}, {"lease_seconds", scene.facts().lease_seconds}});
+}
+
+void ServiceObserver::device_failed(const Scene& scene, const std::string& why) {
+  log_event(spdlog::level::err, "device error", {{"scene", scene.id()}, {"reason", why}});
+  if (!device_works(scene.plan().engine.backend)) lifecycle_.fail("a device does not answer any more: " + why);
+}
+
+}  // namespace collided::server

@@ -1,0 +1,52 @@
+// One frame from its positions to its contacts.
+#include "server/frames/run.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "server/errors.hpp"
+
+namespace collided::server {
+namespace {
+
+// Asked at each checkpoint of the engine: whether to give the frame up. Others may have their turns meanwhile.
+bool should_stop(const Scene& scene, uint64_t frame_id, Turns::Turn& turn, const std::function<bool()>& cancelled) {
+  if (cancelled && cancelled()) return true;
+  const ClientIdentity& owner = *scene.facts().owner;
+  const double seconds = turn.seconds(), limit = owner.limits.max_frame_seconds;
+  if (seconds > limit)
+    throw LimitExceeded::quota(
+        "client:" + owner.name,
+        fmt::format("max_frame_seconds is {}, and frame {} has run for {:.3f} s", limit, frame_id, seconds));
+  if (scene.plan().engine.backend == Backend::kCpu) turn.yield_turn(cancelled);
+  return false;
+}
+
+FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, const std::function<bool()>& cancelled, FrameCost& cost) {
+  auto turn = scene.take_turn(cancelled);
+  frame.input.cancelled = [&] { return should_stop(scene, frame.frame_id, turn, cancelled); };
+  FrameResult result;
+  try {
+    result = scene.apply(frame.frame_id, frame.input);
+  } catch (const DeviceError& e) {
+    scene.observer().device_failed(scene, e.what());
+    throw;
+  }
+  cost.engine_milliseconds = turn.seconds() * 1000;
+  cost.queue_milliseconds = milliseconds_since(frame.arrival) - frame.decode_milliseconds - cost.engine_milliseconds;
+  return result;
+}
+
+}  // namespace
+
+AnsweredFrame run_frame(Scene& scene, PendingFrame& frame, const std::function<bool()>& cancelled) {
+  if (frame.refusal) std::rethrow_exception(frame.refusal);
+  if (cancelled && cancelled()) throw Cancelled();
+  AnsweredFrame answered{frame.frame_id, frame.arrival, {}, {}};
+  answered.cost.decode_milliseconds = frame.decode_milliseconds;
+  answered.cost.bytes_in = frame.bytes_in;
+  answered.result = apply_in_turn(scene, frame, cancelled, answered.cost);
+  answered.cost.device_bytes = scene.device_bytes();
+  return answered;
+}
+
+}  // namespace collided::server

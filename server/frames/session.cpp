@@ -1,0 +1,167 @@
+// One stream of frames to one scene.
+#include "server/frames/session.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/errors.hpp"
+#include "server/frames/log.hpp"
+
+namespace collided::server {
+namespace {
+
+// Whether `latest` has whole positions for every mesh that `older` updates.
+bool covers(const PendingFrame& latest, const PendingFrame& older) {
+  return std::ranges::all_of(older.meshes, [&](const UpdatedMesh& old) {
+    return std::ranges::any_of(latest.meshes,
+                               [&](const UpdatedMesh& mesh) { return mesh.mesh == old.mesh && mesh.is_whole; });
+  });
+}
+
+// Whether no later frame of the stream can be answered either.
+bool is_fatal(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const NotFound&) {
+    return true;
+  } catch (const DeviceError&) {
+    return true;
+  } catch (const Cancelled&) {
+    return true;
+  } catch (...) {
+    return false;
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<FrameSession> FrameSession::open(SceneUse scene, const std::string& resume_token, Delivery delivery,
+                                                 std::shared_ptr<FrameSink> sink, CallIds ids) {
+  std::shared_ptr<FrameSession> session(new FrameSession(std::move(scene), delivery, std::move(sink), std::move(ids)));
+  const auto before = session->scene().begin_stream(session, resume_token);
+  if (before)
+    before->end(std::make_exception_ptr(
+        TakenOver("open.scene_id", "open.scene_id: another stream took over scene " + session->scene().id())));
+  if (!resume_token.empty()) session->scene().observer().resumed(session->scene());
+  session->scene().worker().post([session] {
+    if (const auto sink = session->sink()) sink->opened(session->scene());
+  });
+  return session;
+}
+
+void FrameSession::submit(PendingFrame frame) {
+  const std::lock_guard lock(mutex_);
+  if (closed_) return;
+  if (delivery_ == Delivery::kLatestWins && !frame.refusal) skip_older_locked(frame);
+  waiting_.push_back({std::move(frame)});
+  start_next_locked();
+}
+
+// A frame that is refused anyway stays, for its error to be told.
+void FrameSession::skip_older_locked(const PendingFrame& latest) {
+  for (Waiting& older : waiting_) {
+    if (older.is_skipped || older.frame.refusal || !covers(latest, older.frame)) continue;
+    older.is_skipped = true;
+    older.frame.input = {};
+    older.frame.memory.reset();
+  }
+}
+
+void FrameSession::start_next_locked() {
+  last_active_ = scene_->now();
+  if (is_working_ || is_held_ || waiting_.empty()) return;
+  is_working_ = true;
+  scene_->worker().post([self = shared_from_this()] { self->work(); });
+}
+
+// One frame a job, so that other work of the scene gets its turn between two.
+void FrameSession::work() {
+  Waiting next;
+  std::shared_ptr<FrameSink> sink;
+  {
+    const std::lock_guard lock(mutex_);
+    is_working_ = false;
+    if (is_held_ || waiting_.empty()) return;
+    is_working_ = true;
+    next = std::move(waiting_.front());
+    waiting_.pop_front();
+    sink = sink_;
+  }
+  if (sink) run(next, *sink);
+  const std::lock_guard lock(mutex_);
+  is_working_ = false;
+  start_next_locked();
+}
+
+void FrameSession::run(Waiting& next, FrameSink& sink) {
+  PendingFrame& frame = next.frame;
+  if (next.is_skipped) {
+    tell_skipped(*scene_, frame.frame_id, ids_);
+    return sink.skipped(frame.frame_id);
+  }
+  try {
+    const auto answered = std::make_shared<AnsweredFrame>(run_frame(*scene_, frame, [this] { return closed_.load(); }));
+    sink.answered(*scene_, answered);
+    tell_answered(*scene_, *answered, ids_);
+  } catch (...) {
+    fail(frame.frame_id, std::current_exception(), sink);
+  }
+}
+
+void FrameSession::fail(uint64_t frame_id, const std::exception_ptr& error, FrameSink& sink) {
+  if (closed_) return;
+  if (!is_fatal(error)) return sink.refused(frame_id, tell_refused(*scene_, frame_id, error, ids_));
+  scene_->observer().refused(*scene_, frame_id, error);
+  end(error);
+}
+
+void FrameSession::hold(bool is_held) {
+  const std::lock_guard lock(mutex_);
+  is_held_ = is_held;
+  last_active_ = scene_->now();
+  if (!is_held && !closed_) start_next_locked();
+}
+
+void FrameSession::close() {
+  std::deque<Waiting> dropped;
+  std::shared_ptr<FrameSink> sink;
+  SceneUse use;
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    use = std::move(use_);
+    dropped.swap(waiting_);
+    sink.swap(sink_);
+  }
+  scene_->end_stream(*this);
+}
+
+void FrameSession::end(const std::exception_ptr& why) {
+  const auto last = sink();
+  close();
+  if (last) last->ended(why);
+}
+
+void FrameSession::announce_stop(double seconds) {
+  scene_->worker().post([self = shared_from_this(), seconds] {
+    if (const auto open = self->sink()) open->draining(seconds);
+  });
+}
+
+std::shared_ptr<FrameSink> FrameSession::sink() const {
+  const std::lock_guard lock(mutex_);
+  return sink_;
+}
+
+double FrameSession::idle_seconds() const {
+  const std::lock_guard lock(mutex_);
+  if (is_working_ || (!waiting_.empty() && !is_held_)) return 0;
+  return seconds_between(last_active_, scene_->now());
+}
+
+size_t FrameSession::waiting() const {
+  const std::lock_guard lock(mutex_);
+  return waiting_.size();
+}
+
+}  // namespace collided::server

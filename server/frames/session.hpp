@@ -1,0 +1,96 @@
+#pragma once
+// One stream of frames to one scene, whatever it travels on: order, delivery policy, take-over, end. No gRPC here.
+
+#include <atomic>
+#include <deque>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "server/convert/status.hpp"
+#include "server/frames/run.hpp"
+#include "server/ops/log.hpp"
+#include "server/scenes/scene.hpp"
+#include "server/scenes/scene_stream.hpp"
+
+namespace collided::server {
+
+/// Every frame is answered, or older ones that wait give way to later ones.
+enum class Delivery { kLossless, kLatestWins };
+
+/// Where a session's answers go: the transport. All calls but the last come one at a time from the scene's worker,
+/// `opened` first, answers in the order of the frames.
+class FrameSink {
+ public:
+  virtual ~FrameSink() = default;
+  /// No frame of an earlier stream is applied any more; snapshot() has the last one that was.
+  virtual void opened(const Scene& scene) = 0;
+  /// Sends the frame's contacts, and completes its cost by encode_contacts().
+  virtual void answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) = 0;
+  virtual void refused(uint64_t frame_id, const Failure& failure) = 0;
+  virtual void skipped(uint64_t frame_id) = 0;
+  /// The daemon is about to stop.
+  virtual void draining(double seconds) = 0;
+  /// From any thread, perhaps twice. What the worker is sending at that moment may still come, and counts no more.
+  virtual void ended(const std::exception_ptr& why) = 0;
+};
+
+class FrameSession final : public SceneStream, public std::enable_shared_from_this<FrameSession> {
+ public:
+  /// Becomes the stream of the scene, and posts its opening to the worker. An empty token does not take over a scene
+  /// that has a stream. `ids` go into the log lines of its frames. Throws FailedPrecondition, PermissionDenied.
+  static std::shared_ptr<FrameSession> open(SceneUse scene, const std::string& resume_token, Delivery delivery,
+                                            std::shared_ptr<FrameSink> sink, CallIds ids = {});
+
+  Scene& scene() const { return *scene_; }
+  /// Takes a frame; it is answered after all before it.
+  void submit(PendingFrame frame);
+  /// While the client does not take its answers, no waiting frame is started: hold(true). Called again with each answer
+  /// that it takes.
+  void hold(bool is_held);
+  /// The transport is gone: drops what waits, cancels what runs, and leaves the scene. The sink hears no more of it.
+  void close();
+  bool is_closed() const { return closed_; }
+
+  void end(const std::exception_ptr& why) override;
+  void announce_stop(double seconds) override;
+  /// A frame that waits for the client to take the answers before it counts as idle.
+  double idle_seconds() const override;
+  size_t waiting() const override;
+
+ private:
+  struct Waiting {
+    PendingFrame frame;
+    bool is_skipped = false;
+  };
+
+  FrameSession(SceneUse scene, Delivery delivery, std::shared_ptr<FrameSink> sink, CallIds ids)
+      : scene_(scene.scene()),
+        delivery_(delivery),
+        ids_(std::move(ids)),
+        use_(std::move(scene)),
+        sink_(std::move(sink)) {}
+
+  // `_locked`: the caller holds mutex_.
+  void skip_older_locked(const PendingFrame& latest);
+  void start_next_locked();
+  std::shared_ptr<FrameSink> sink() const;
+  void work();
+  void run(Waiting& next, FrameSink& sink);
+  void fail(uint64_t frame_id, const std::exception_ptr& error, FrameSink& sink);
+
+  const std::shared_ptr<Scene> scene_;
+  const Delivery delivery_;
+  const CallIds ids_;
+  std::atomic<bool> closed_ = false;
+  mutable std::mutex mutex_;  // guards what follows
+  SceneUse use_;              // until it is closed: a transport may keep its session for longer
+  std::shared_ptr<FrameSink> sink_;
+  std::deque<Waiting> waiting_;
+  Clock::time_point last_active_ = scene_->now();
+  bool is_held_ = false;
+  bool is_working_ = false;
+};
+
+}  // namespace collided::server

@@ -1,0 +1,61 @@
+#pragma once
+// What each client uses of the limits that count over all its calls and scenes: open streams, frames per second, bytes
+// on devices. No gRPC here.
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "server/auth/client.hpp"
+#include "server/limits/device_bytes.hpp"
+#include "server/ops/clock.hpp"
+
+namespace collided::server {
+
+class ClientUsage {
+ public:
+  explicit ClientUsage(const Limits& limits, Now now = Clock::now)
+      : now_(std::move(now)),
+        max_streams_(limits.max_streams),
+        device_bytes_(std::make_shared<DeviceBytes>("daemon", "max_device_bytes", limits.max_device_bytes)) {}
+
+  /// Counts a stream for as long as the result lives. Throws LimitExceeded.
+  std::shared_ptr<void> begin_stream(const Client& client);
+  /// Counts a frame against a token bucket of one second's frames. Throws LimitExceeded with the time after which the
+  /// frame would pass.
+  void count_frame(const Client& client);
+  /// What the client's scenes may hold together, within what all scenes may.
+  std::shared_ptr<DeviceBytes> device_bytes(const Client& client);
+  /// Bytes that all scenes hold.
+  uint64_t held_device_bytes() const { return device_bytes_->held(); }
+  size_t streams() const;
+  /// For requests from now on.
+  void set_limits(const Limits& limits);
+
+ private:
+  /// A token bucket.
+  struct Bucket {
+    double frames = 0;
+    Clock::time_point filled;
+  };
+  struct Entry {
+    size_t streams = 0;
+    std::optional<Bucket> bucket;  // none before the first frame
+    std::shared_ptr<DeviceBytes> device_bytes;
+  };
+
+  void end_stream(const std::string& name);
+
+  const Now now_;
+  mutable std::mutex mutex_;
+  size_t max_streams_;
+  size_t streams_ = 0;
+  const std::shared_ptr<DeviceBytes> device_bytes_;  // of all clients
+  std::map<std::string, Entry> clients_;
+};
+
+}  // namespace collided::server

@@ -1,0 +1,63 @@
+// The bytes that scenes hold.
+#include "server/limits/device_bytes.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <limits>
+
+#include "server/errors.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr const char* kSceneLimit = "spec.memory_budget_bytes";
+
+}  // namespace
+
+std::shared_ptr<DeviceBytes> DeviceBytes::of_scene(uint64_t budget, std::shared_ptr<DeviceBytes> parent) {
+  constexpr uint64_t kNoLimit = std::numeric_limits<uint64_t>::max();
+  return std::make_shared<DeviceBytes>("scene", kSceneLimit, budget > 0 ? budget : kNoLimit, std::move(parent));
+}
+
+// A refused request is never counted, not even for a moment: it would get in the way of others.
+void DeviceBytes::take(uint64_t bytes) {
+  for (uint64_t before = held_;;) {
+    const uint64_t max = max_;
+    if (before > max || bytes > max - before)
+      refuse(fmt::format("{} bytes; {} {} of them, and {} more are needed", max, holder(), before, bytes));
+    if (held_.compare_exchange_weak(before, before + bytes)) break;
+  }
+  if (!parent_) return;
+  try {
+    parent_->take(bytes);
+  } catch (...) {
+    held_ -= bytes;
+    throw;
+  }
+}
+
+void DeviceBytes::give_back(uint64_t bytes) noexcept {
+  held_ -= bytes;
+  if (parent_) parent_->give_back(bytes);
+}
+
+void DeviceBytes::check_could_hold(uint64_t bytes, const std::string& what) const {
+  const uint64_t max = max_;
+  if (bytes > max) refuse(fmt::format("{} bytes, but {} need at least {}", max, what, bytes));
+  if (parent_) parent_->check_could_hold(bytes, what);
+}
+
+// A scene's budget is a field of its request.
+void DeviceBytes::refuse(const std::string& why) const {
+  const std::string message = limit_name_ + " is " + why;
+  if (limit_name_ == kSceneLimit) throw LimitExceeded(kSceneLimit, message);
+  throw LimitExceeded::quota(subject_, message);
+}
+
+std::string DeviceBytes::holder() const {
+  if (subject_ == "daemon") return "all scenes of this daemon hold";
+  if (limit_name_ == kSceneLimit) return "the scene holds";
+  return "the scenes of " + subject_ + " hold";
+}
+
+}  // namespace collided::server

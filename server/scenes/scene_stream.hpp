@@ -1,0 +1,23 @@
+#pragma once
+// A scene's one stream of frames, as far as the scene and its host need to know it. No gRPC here.
+
+#include <cstddef>
+#include <exception>
+
+namespace collided::server {
+
+/// Thread-safe.
+class SceneStream {
+ public:
+  virtual ~SceneStream() = default;
+  /// Ends the stream; its client is told why.
+  virtual void end(const std::exception_ptr& why) = 0;
+  /// Tells the client that the daemon stops in so many seconds.
+  virtual void announce_stop(double seconds) = 0;
+  /// Seconds since the last frame arrived or was started; 0 while one runs or waits for its turn.
+  virtual double idle_seconds() const = 0;
+  /// Number of frames that wait.
+  virtual size_t waiting() const = 0;
+};
+
+}  // namespace collided::server

@@ -1,0 +1,72 @@
+// DetectFrame: a frame and its answer in one message each.
+#include "server/transport/grpc/detect_frame.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <utility>
+
+#include "proto/constants.hpp"
+#include "server/errors.hpp"
+#include "server/frames/answer.hpp"
+#include "server/frames/intake.hpp"
+#include "server/frames/log.hpp"
+#include "server/frames/run.hpp"
+
+namespace collided::server {
+namespace {
+
+using Call = UnaryCall<pb::DetectFrameRequest, pb::DetectFrameResponse>;
+
+constexpr size_t kMaxContactBytes = pb::kMaxAnswerBytes - (size_t{64} << 10);  // leaves room for framing and metrics
+
+void check_no_stream(const Scene& scene) {
+  if (scene.stream())
+    throw FailedPrecondition(
+        "scene_id", fmt::format("scene_id: scene {} has an open stream, which alone brings its frames", scene.id()));
+}
+
+void check_size(const AnsweredFrame& frame) {
+  if (frame.cost.bytes_out <= kMaxContactBytes) return;
+  throw LimitExceeded("frame", fmt::format("frame {} was applied, but its contacts take {} bytes, and one answer holds "
+                                           "at most {}; use StreamFrames, which sends them in chunks",
+                                           frame.frame_id, frame.cost.bytes_out, kMaxContactBytes));
+}
+
+void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameResponse& response) {
+  encode_contacts(scene, frame, kMaxChunkBytes, [&](std::span<const Chunk> chunks) {
+    check_size(frame);
+    for (const Chunk& chunk : chunks) fill_chunk(chunk, scene.topology(), response.add_contacts());
+  });
+  *response.mutable_done() = done_message(frame);
+}
+
+// On the scene's worker thread. Why a frame was refused is logged with its call.
+void answer(Call& call, Scene& scene, PendingFrame& frame) {
+  guard(call, [&] {
+    try {
+      check_no_stream(scene);
+      auto answered = run_frame(scene, frame, [&call] { return call.is_cancelled(); });
+      fill_answer(scene, answered, call.response());
+      tell_answered(scene, answered, call.caller().ids);
+    } catch (...) {
+      scene.observer().refused(scene, frame.frame_id, std::current_exception());
+      throw;
+    }
+    call.finish();
+  });
+}
+
+}  // namespace
+
+void detect_frame(Call& call, SceneHost& host, const std::shared_ptr<void>& held) {
+  const SceneUse scene = host.scenes().find(call.caller().client, call.request().scene_id());
+  IncomingFrame incoming;
+  incoming.message = std::move(*call.request().mutable_frame());
+  auto frame = std::make_shared<PendingFrame>(admit_frame(host, *scene, std::move(incoming)));
+  if (!scene->worker().try_post([&call, scene, frame, held] { answer(call, *scene, *frame); }))
+    throw LimitExceeded::quota(
+        "scene:" + scene->id(),
+        fmt::format("max_window is {}, and as many frames wait for scene {}", host.limits().max_window, scene->id()));
+}
+
+}  // namespace collided::server

@@ -1,0 +1,162 @@
+// Answers of the frame stream to the wire.
+#include "server/transport/grpc/encode.hpp"
+
+#include <google/protobuf/wire_format_lite.h>
+
+#include <array>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "server/frames/answer.hpp"
+
+namespace collided::server {
+namespace {
+
+using google::protobuf::internal::WireFormatLite;
+using google::protobuf::io::CodedOutputStream;
+
+constexpr size_t kFewBytes = 1024;  // are copied into the head rather than sent as a slice of their own
+
+uint32_t tag_of(int field, WireFormatLite::WireType type) { return WireFormatLite::MakeTag(field, type); }
+
+void put_varint(std::string& out, uint64_t value) {
+  std::array<uint8_t, 10> bytes{};
+  const uint8_t* end = CodedOutputStream::WriteVarint64ToArray(value, bytes.data());
+  out.append(reinterpret_cast<const char*>(bytes.data()), static_cast<size_t>(end - bytes.data()));
+}
+
+void put_number(std::string& out, int field, uint64_t value) {
+  put_varint(out, tag_of(field, WireFormatLite::WIRETYPE_VARINT));
+  put_varint(out, value);
+}
+
+void put_length(std::string& out, int field, size_t bytes) {
+  put_varint(out, tag_of(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED));
+  put_varint(out, bytes);
+}
+
+size_t length_of(int field, size_t bytes) {
+  return CodedOutputStream::VarintSize32(tag_of(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED)) +
+         CodedOutputStream::VarintSize64(bytes) + bytes;
+}
+
+// A slice of memory that `owner` keeps.
+grpc::Slice borrow(std::span<const std::byte> bytes, std::shared_ptr<const void> owner) {
+  auto* held = new std::shared_ptr<const void>(std::move(owner));
+  return {const_cast<std::byte*>(bytes.data()), bytes.size(),
+          [](void* user) { delete static_cast<std::shared_ptr<const void>*>(user); }, held};
+}
+
+// The slices of one message: heads in between arrays.
+class SliceWriter {
+ public:
+  std::string& head() { return head_; }
+
+  void put(std::span<const std::byte> bytes, const std::shared_ptr<const void>& owner) {
+    if (bytes.size() <= kFewBytes) {
+      head_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+      return;
+    }
+    flush();
+    slices_.push_back(borrow(bytes, owner));
+  }
+  EncodedMessage finish() {
+    flush();
+    EncodedMessage message{grpc::ByteBuffer(slices_.data(), slices_.size()), 0, false};
+    message.size = message.bytes.Length();
+    return message;
+  }
+
+ private:
+  void flush() {
+    if (head_.empty()) return;
+    slices_.emplace_back(head_);
+    head_.clear();
+  }
+
+  std::string head_;
+  std::vector<grpc::Slice> slices_;
+};
+
+// A ContactChunk before it is written.
+struct ChunkPiece {
+  std::string facts;
+  std::vector<ChunkArray> arrays;
+  std::shared_ptr<std::vector<std::array<uint32_t, 4>>> stencils;
+  size_t size = 0;  ///< of the message
+};
+
+ChunkPiece make_piece(const Chunk& chunk, const Topology& topology) {
+  ChunkPiece piece;
+  piece.stencils = std::make_shared<std::vector<std::array<uint32_t, 4>>>(chunk.stencils(topology));
+  piece.arrays = chunk.arrays();
+  if (!piece.stencils->empty())
+    piece.arrays.push_back({pb::ContactChunk::kStencilsFieldNumber, std::as_bytes(std::span(*piece.stencils))});
+  put_number(piece.facts, pb::ContactChunk::kKindFieldNumber, static_cast<uint64_t>(chunk.kind));
+  put_number(piece.facts, pb::ContactChunk::kCountFieldNumber, chunk.count());
+  piece.size = piece.facts.size();
+  for (const auto& array : piece.arrays) piece.size += length_of(array.field, array.bytes.size());
+  return piece;
+}
+
+void put_piece(SliceWriter& out, int field, const ChunkPiece& piece, const std::shared_ptr<AnsweredFrame>& frame) {
+  put_length(out.head(), field, piece.size);
+  out.head() += piece.facts;
+  for (const auto& array : piece.arrays) {
+    put_length(out.head(), array.field, array.bytes.size());
+    const bool is_stencils = array.field == pb::ContactChunk::kStencilsFieldNumber;
+    out.put(array.bytes, is_stencils ? std::shared_ptr<const void>(piece.stencils) : frame);
+  }
+}
+
+EncodedMessage encode_piece(const ChunkPiece& piece, const std::shared_ptr<AnsweredFrame>& frame) {
+  SliceWriter out;
+  put_number(out.head(), pb::StreamFramesResponse::kFrameIdFieldNumber, frame->frame_id);
+  put_piece(out, pb::StreamFramesResponse::kContactsFieldNumber, piece, frame);
+  return out.finish();
+}
+
+EncodedMessage encode_done(std::span<const ChunkPiece> pieces, const std::shared_ptr<AnsweredFrame>& frame) {
+  const pb::FrameDone done = done_message(*frame);
+  size_t size = done.ByteSizeLong();
+  for (const auto& piece : pieces) size += length_of(pb::FrameDone::kContactsFieldNumber, piece.size);
+
+  SliceWriter out;
+  put_number(out.head(), pb::StreamFramesResponse::kFrameIdFieldNumber, frame->frame_id);
+  put_length(out.head(), pb::StreamFramesResponse::kDoneFieldNumber, size);
+  done.AppendToString(&out.head());
+  for (const auto& piece : pieces) put_piece(out, pb::FrameDone::kContactsFieldNumber, piece, frame);
+  EncodedMessage message = out.finish();
+  message.ends_frame = true;
+  return message;
+}
+
+}  // namespace
+
+EncodedMessage encode(const pb::StreamFramesResponse& response) {
+  SliceWriter out;
+  response.AppendToString(&out.head());
+  EncodedMessage message = out.finish();
+  message.ends_frame = response.has_error() || response.has_skipped();
+  return message;
+}
+
+std::vector<EncodedMessage> encode_answer(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame,
+                                          size_t max_chunk_bytes) {
+  std::vector<EncodedMessage> messages;
+  std::vector<ChunkPiece> pieces;
+  encode_contacts(scene, *frame, max_chunk_bytes, [&](std::span<const Chunk> chunks) {
+    std::vector<size_t> sizes;
+    for (const Chunk& chunk : chunks) {
+      pieces.push_back(make_piece(chunk, scene.topology()));
+      sizes.push_back(chunk.array_bytes());
+    }
+    const size_t alone = pieces.size() - fit_at_end(sizes, max_chunk_bytes);
+    for (size_t i = 0; i < alone; ++i) messages.push_back(encode_piece(pieces[i], frame));
+  });
+  messages.push_back(encode_done(std::span(pieces).subspan(messages.size()), frame));
+  return messages;
+}
+
+}  // namespace collided::server

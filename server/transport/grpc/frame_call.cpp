@@ -1,0 +1,300 @@
+// One StreamFrames call.
+#include "server/transport/grpc/frame_call.hpp"
+
+#include <grpcpp/support/proto_buffer_reader.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "server/errors.hpp"
+#include "server/frames/answer.hpp"
+#include "server/frames/log.hpp"
+#include "server/frames/messages.hpp"
+#include "server/transport/grpc/unary_call.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr StreamKind kKind{"stream", "StreamFrames"};
+constexpr size_t kMaxOutgoing = size_t{16} << 20;   // bytes of answers past which no frame is started
+constexpr auto kLinger = std::chrono::seconds(10);  // for a last message that the client does not take
+constexpr size_t kAlignmentBytes = 4096;            // for the alignment of each update's positions
+
+}  // namespace
+
+FrameCall::Tag* FrameCall::Tag::send() {
+  alive_ = call_.shared_from_this();
+  return this;
+}
+
+void FrameCall::Tag::arrive(bool ok) {
+  const auto alive = std::exchange(alive_, nullptr);
+  (call_.*arrival_)(ok);
+}
+
+void FrameCall::Tag::drop() { alive_.reset(); }
+
+void FrameCall::accept(FrameCalls& calls) {
+  const std::shared_ptr<FrameCall> call(new FrameCall(calls));
+  call->context_.AsyncNotifyWhenDone(call->gone_.send());
+  calls.service_.RequestStreamFrames(&call->context_, &call->stream_, calls.queue_.get(), calls.queue_.get(),
+                                     call->accepted_.send());
+}
+
+void FrameCall::on_accepted(bool ok) {
+  if (!ok) return gone_.drop();  // the server shuts down, and its tag will not arrive
+  accept(calls_);
+  caller_.ids = ids_of(context_.client_metadata());  // also for a call that is refused
+  calls_.add(shared_from_this());
+  try {
+    caller_.client = identify(context_, calls_.parts_.authenticator).client;
+    host_.check_serving();
+    await_opening();
+  } catch (...) {
+    return fail();
+  }
+  const std::lock_guard lock(mutex_);
+  read_locked();
+}
+
+// As many may wait as may be open, of each connection: a client that opens at once is never evicted by those that never
+// open.
+void FrameCall::await_opening() {
+  const Limits limits = host_.limits();
+  const WaitRule rule{"the opening of a stream", limits.max_silent_seconds, limits.max_streams,
+                      caller_.client->limits.max_streams, context_.peer()};
+  auto wait = calls_.parts_.waiting.wait(rule, caller_.client, [weak = weak_from_this()](const auto& why) {
+    if (const auto call = weak.lock()) call->ended(why);
+  });
+  const std::lock_guard lock(mutex_);
+  opening_ = std::move(wait);
+}
+
+void FrameCall::on_read(bool ok) {
+  grpc::ByteBuffer bytes;
+  {
+    const std::lock_guard lock(mutex_);
+    if (status_) return;
+    if (!ok) {
+      has_read_all_ = true;
+      return end_if_idle_locked();
+    }
+    bytes.Swap(&incoming_);
+  }
+  try {
+    take(bytes);
+  } catch (...) {
+    return fail();
+  }
+  const std::lock_guard lock(mutex_);
+  is_reading_ = false;  // only now: messages are taken one after another
+  read_locked();
+}
+
+void FrameCall::take(const grpc::ByteBuffer& bytes) {
+  check_message_size(bytes.Length(), calls_.parts_.max_message_bytes);
+  if (session_) session_->scene().worker().wake_early();
+  IncomingFrame incoming;
+  auto request = decode(bytes, incoming);
+  if (!session_) {
+    if (!request.message.has_open()) throw FailedPrecondition("open", "the first request of a stream must be `open`");
+    return open(request.message.open());
+  }
+  if (!request.message.has_frame()) throw FailedPrecondition("frame", "requests after the first must be `frame`");
+  incoming.message = std::move(*request.message.mutable_frame());
+  incoming.placed = std::move(request.placed);
+  if (request.refusal) incoming.refusal = request.refusal;
+  submit(std::move(incoming));
+}
+
+Expected FrameCall::expected() const {
+  if (!session_) return {};
+  return {session_->scene().plan().meshes.size()};
+}
+
+// Positions go straight to a slot. Without one the frame is still read, so that it can be refused by its id.
+DecodedRequest FrameCall::decode(const grpc::ByteBuffer& bytes, IncomingFrame& incoming) const {
+  grpc::ByteBuffer copy(bytes);  // of references
+  grpc::ProtoBufferReader reader(&copy);
+  return decode_request(reader, bytes.Length(), expected(), [&]() -> std::span<std::byte> {
+    try {
+      incoming.slot = session_->scene().take_slot();
+      const uint64_t max = session_->scene().max_position_bytes();
+      return incoming.slot->room(std::min<uint64_t>(bytes.Length(), max) + kAlignmentBytes);
+    } catch (...) {
+      incoming.refusal = std::current_exception();
+      return {};
+    }
+  });
+}
+
+void FrameCall::open(const pb::OpenStream& open) {
+  const StreamTerms terms = parse_open(open, host_.limits());
+  window_ = terms.window;
+  auto scene = host_.scenes().find(caller_.client, open.scene_id());
+  take_ticket();
+  auto session =
+      FrameSession::open(std::move(scene), open.resume_token(), terms.delivery, shared_from_this(), caller_.ids);
+  {
+    const std::lock_guard lock(mutex_);
+    session_ = session;
+    if (status_) session->close();  // ended meanwhile
+  }
+  host_.check_serving();  // the stop may have been announced before there was a session to tell
+  log_stream_opened(kKind, session->scene(), window_, caller_.ids);
+}
+
+// From now on the call counts among the client's streams, no longer among the waiting ones.
+void FrameCall::take_ticket() {
+  auto ticket = host_.usage().begin_stream(caller_.client);
+  const std::lock_guard lock(mutex_);
+  opening_.reset();
+  if (!status_) ticket_ = std::move(ticket);
+}
+
+void FrameCall::submit(IncomingFrame incoming) {
+  {
+    const std::lock_guard lock(mutex_);
+    ++in_flight_;
+  }
+  incoming.answer_bytes_per_contact = session_->scene().plan().fields.stencil_bytes();
+  session_->submit(admit_frame(host_, session_->scene(), std::move(incoming)));
+}
+
+// For a scene of many meshes it is long, and the client may not take it.
+void FrameCall::opened(const Scene& scene) try {
+  std::vector<EncodedMessage> messages;
+  messages.push_back(encode(opened_message(scene, window_)));
+  const auto held = std::make_shared<MemoryHold>(scene.quota());
+  held->resize(messages.front().size);
+  messages.front().held = held;
+  send(std::move(messages));
+} catch (...) {
+  fail();
+}
+
+void FrameCall::answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) {
+  send(encode_answer(scene, frame, kMaxChunkBytes));
+}
+
+void FrameCall::refused(uint64_t frame_id, const Failure& failure) { send(refusal_message(frame_id, failure)); }
+
+void FrameCall::skipped(uint64_t frame_id) { send(skipped_message(frame_id)); }
+
+void FrameCall::draining(double seconds) { send(draining_message(seconds)); }
+
+void FrameCall::ended(const std::exception_ptr& why) {
+  const std::lock_guard lock(mutex_);
+  end_locked(to_status(describe(why)));
+}
+
+void FrameCall::fail() { ended(std::current_exception()); }
+
+void FrameCall::end_unopened() {
+  const std::lock_guard lock(mutex_);
+  if (!session_) end_locked(to_status(describe(std::make_exception_ptr(Stopping()))));
+}
+
+uint64_t FrameCall::outgoing_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return outgoing_bytes_;
+}
+
+void FrameCall::read_locked() {
+  if (is_reading_ || has_read_all_ || status_ || (session_ && in_flight_ >= window_)) return;
+  is_reading_ = true;
+  stream_.Read(&incoming_, read_.send());
+}
+
+void FrameCall::send(const pb::StreamFramesResponse& response) {
+  std::vector<EncodedMessage> messages;
+  messages.push_back(encode(response));
+  send(std::move(messages));
+}
+
+void FrameCall::send(std::vector<EncodedMessage> messages) {
+  const std::lock_guard lock(mutex_);
+  if (status_) return;
+  for (auto& message : messages) {
+    outgoing_bytes_ += message.size;
+    outgoing_.push_back(std::move(message));
+  }
+  if (session_ && outgoing_bytes_ > kMaxOutgoing) session_->hold(true);
+  write_locked();
+}
+
+void FrameCall::write_locked() {
+  if (is_writing_ || outgoing_.empty()) return;
+  is_writing_ = true;
+  grpc::WriteOptions options;
+  if (outgoing_.size() > 1) options.set_buffer_hint();
+  stream_.Write(outgoing_.front().bytes, options, written_.send());
+}
+
+void FrameCall::on_written(bool ok) {
+  const std::lock_guard lock(mutex_);
+  is_writing_ = false;
+  if (status_) return finish_locked();
+  if (!ok) return end_locked(grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone"));
+  if (outgoing_.front().ends_frame) --in_flight_;
+  outgoing_bytes_ -= outgoing_.front().size;
+  outgoing_.pop_front();
+  if (session_) session_->hold(outgoing_bytes_ > kMaxOutgoing);
+  write_locked();
+  read_locked();
+  end_if_idle_locked();
+}
+
+// Waiting and running frames notice and stop.
+void FrameCall::on_gone(bool) {
+  const std::lock_guard lock(mutex_);
+  if (context_.IsCancelled()) end_locked(grpc::Status(grpc::StatusCode::CANCELLED, "the call was cancelled"));
+}
+
+void FrameCall::end_if_idle_locked() {
+  if (has_read_all_ && in_flight_ == 0 && outgoing_.empty()) end_locked(grpc::Status::OK);
+}
+
+// Drops unsent messages: a client that resumes is told the last frame that was applied.
+void FrameCall::end_locked(const grpc::Status& status) {
+  if (status_) return;
+  status_ = status;
+  tell_end(status);
+  if (session_)
+    session_->close();
+  else
+    calls_.parts_.on_abandoned(context_.peer());
+  opening_.reset();
+  ticket_.reset();
+  finish_locked();
+}
+
+// A write under way has to succeed or fail before the status is sent.
+void FrameCall::finish_locked() {
+  drop_outgoing_locked();
+  if (is_writing_)
+    return linger_.Set(calls_.queue_.get(), std::chrono::system_clock::now() + kLinger, lingered_.send());
+  if (std::exchange(is_finishing_, true)) return;
+  linger_.Cancel();
+  stream_.Finish(*status_, finished_.send());
+}
+
+// Except the message whose write is under way.
+void FrameCall::drop_outgoing_locked() {
+  outgoing_.erase(outgoing_.begin() + (is_writing_ ? 1 : 0), outgoing_.end());
+  outgoing_bytes_ = is_writing_ ? outgoing_.front().size : 0;
+}
+
+void FrameCall::on_linger(bool ok) {
+  if (ok) context_.TryCancel();
+}
+
+void FrameCall::tell_end(const grpc::Status& status) const {
+  tell_stream_ended(kKind,
+                    {.scene = session_ ? session_->scene().id() : std::string_view(),
+                     .code = status.error_code(),
+                     .reason = status.error_message()},
+                    caller_.ids, calls_.parts_.metrics);
+}
+
+}  // namespace collided::server

@@ -1,0 +1,105 @@
+#pragma once
+// One StreamFrames call: reads a frame only while credits are left, and answers in the order of the frames.
+
+#include <grpcpp/alarm.h>
+
+#include <deque>
+#include <optional>
+
+#include "server/convert/status.hpp"
+#include "server/frames/decode.hpp"
+#include "server/frames/intake.hpp"
+#include "server/frames/session.hpp"
+#include "server/transport/grpc/caller.hpp"
+#include "server/transport/grpc/encode.hpp"
+#include "server/transport/grpc/frame_calls.hpp"
+
+namespace collided::server {
+
+class FrameCall final : public FrameSink, public std::enable_shared_from_this<FrameCall> {
+ public:
+  /// What the completion queue returns. Keeps the call alive until it arrives.
+  class Tag {
+   public:
+    using Arrival = void (FrameCall::*)(bool ok);
+    Tag(FrameCall& call, Arrival arrival) : call_(call), arrival_(arrival) {}
+    /// Called when the operation is started.
+    Tag* send();
+    void arrive(bool ok);
+    /// The tag will not arrive.
+    void drop();
+
+   private:
+    FrameCall& call_;
+    const Arrival arrival_;
+    std::shared_ptr<FrameCall> alive_;
+  };
+
+  /// Waits for the next call.
+  static void accept(FrameCalls& calls);
+
+  void end_unopened();
+  uint64_t outgoing_bytes() const;
+
+  void opened(const Scene& scene) override;
+  void answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) override;
+  void refused(uint64_t frame_id, const Failure& failure) override;
+  void skipped(uint64_t frame_id) override;
+  void draining(double seconds) override;
+  void ended(const std::exception_ptr& why) override;
+
+ private:
+  explicit FrameCall(FrameCalls& calls) : calls_(calls), host_(calls.parts_.host), stream_(&context_) {}
+
+  void on_accepted(bool ok);
+  void on_read(bool ok);
+  void on_written(bool ok);
+  void on_finished(bool) {}
+  void on_gone(bool);
+  void on_linger(bool ok);
+
+  void await_opening();
+  void take(const grpc::ByteBuffer& bytes);
+  Expected expected() const;
+  DecodedRequest decode(const grpc::ByteBuffer& bytes, IncomingFrame& incoming) const;
+  void open(const pb::OpenStream& open);
+  void take_ticket();
+  void submit(IncomingFrame incoming);
+  void fail();
+  void send(const pb::StreamFramesResponse& response);
+  void send(std::vector<EncodedMessage> messages);
+  void tell_end(const grpc::Status& status) const;
+
+  // `_locked`: the caller holds mutex_.
+  void read_locked();
+  void write_locked();
+  void end_locked(const grpc::Status& status);
+  void finish_locked();
+  void drop_outgoing_locked();
+  void end_if_idle_locked();
+
+  FrameCalls& calls_;
+  SceneHost& host_;
+  grpc::ServerContext context_;
+  grpc::ServerAsyncReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer> stream_;
+  grpc::ByteBuffer incoming_;  // of the read under way
+  grpc::Alarm linger_;
+  Tag accepted_{*this, &FrameCall::on_accepted}, read_{*this, &FrameCall::on_read},
+      written_{*this, &FrameCall::on_written}, finished_{*this, &FrameCall::on_finished},
+      gone_{*this, &FrameCall::on_gone}, lingered_{*this, &FrameCall::on_linger};
+
+  Caller caller_;        // set before the first read
+  uint32_t window_ = 0;  // set by the opening
+
+  mutable std::mutex mutex_;  // guards what follows
+  std::shared_ptr<FrameSession> session_;
+  std::unique_ptr<WaitingCalls::Wait> opening_;  // until the opening has come
+  std::shared_ptr<void> ticket_;                 // for an open stream of the client
+  std::deque<EncodedMessage> outgoing_;
+  size_t outgoing_bytes_ = 0;
+  uint32_t in_flight_ = 0;              // frames whose answer has not been written to its end
+  std::optional<grpc::Status> status_;  // of the call, once decided
+  bool is_reading_ = false, is_writing_ = false, has_read_all_ = false, is_finishing_ = false;
+};
+
+}  // namespace collided::server

@@ -1,0 +1,287 @@
+// One local stream.
+#include "server/transport/local/connection.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "proto/constants.hpp"
+#include "server/errors.hpp"
+#include "server/frames/log.hpp"
+#include "server/frames/messages.hpp"
+#include "server/shorten.hpp"
+#include "server/transport/local/shared_frame.hpp"
+
+namespace collided::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr StreamKind kKind{"local stream", "LocalStream"};
+constexpr double kLastPacketSeconds = 0.2;  // for unsent packets when the daemon stops
+
+Clock::time_point after(Clock::time_point start, double seconds) {
+  return start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+// Rounded up, so that the time has passed when poll() returns.
+int milliseconds_until(const std::optional<Clock::time_point>& time) {
+  if (!time) return -1;
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(*time - Clock::now()).count();
+  return static_cast<int>(std::clamp<int64_t>(left, 0, 3'600'000));
+}
+
+}  // namespace
+
+Connection::Connection(Fd socket, const OpeningRules& rules, Metrics& metrics, LocalTimeouts timeouts)
+    : rules_(rules),
+      metrics_(metrics),
+      timeouts_(timeouts),
+      socket_(std::move(socket)),
+      wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  if (!wake_) throw std::system_error(errno, std::generic_category(), "eventfd");
+}
+
+void Connection::serve() {
+  try {
+    PacketReceiver receiver(socket_.get());
+    while (poll_once()) {
+      const bool may_read = [this] {
+        const std::lock_guard lock(mutex_);
+        return may_read_locked();
+      }();
+      if (may_read) take(receiver.receive());
+    }
+  } catch (...) {
+    ended(std::current_exception());
+  }
+  if (session_) session_->close();
+  flush_outbox();
+  tell_end();
+  end_socket();
+}
+
+// Waits for an event and handles it. False at the end of the stream.
+bool Connection::poll_once() {
+  Wait next;
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return false;
+    next = next_wait_locked();
+  }
+  const short events = wait(next);
+  if (events & (POLLHUP | POLLERR)) {
+    const std::lock_guard lock(mutex_);
+    outbox_.drop();
+    close_locked({grpc::StatusCode::CANCELLED, "the client is gone"});
+  }
+  if (events & POLLOUT) {
+    const std::lock_guard lock(mutex_);
+    flush_locked();
+  }
+  check_timeouts();
+  return true;
+}
+
+Connection::Wait Connection::next_wait_locked() const {
+  Wait wait;
+  if (may_read_locked()) wait.events |= POLLIN;
+  if (!session_) wait.until = after(begin_, timeouts_.open_seconds);
+  if (outbox_.empty()) return wait;
+  wait.events |= POLLOUT;
+  const auto until = after(outbox_.stalled_since(), timeouts_.take_seconds);
+  wait.until = wait.until ? std::min(*wait.until, until) : until;
+  return wait;
+}
+
+bool Connection::may_read_locked() const {
+  return !closed_ && !read_all_ && (!session_ || in_flight_ < opening_.terms.window);
+}
+
+short Connection::wait(const Wait& wait) const {
+  pollfd states[] = {{socket_.get(), wait.events, 0}, {wake_.get(), POLLIN, 0}};
+  if (poll(states, 2, milliseconds_until(wait.until)) < 0) return 0;
+  if (states[1].revents & POLLIN) {
+    eventfd_t count = 0;
+    eventfd_read(wake_.get(), &count);
+  }
+  return states[0].revents;
+}
+
+void Connection::check_timeouts() {
+  const std::lock_guard lock(mutex_);
+  const auto now = Clock::now();
+  if (!session_ && now >= after(begin_, timeouts_.open_seconds))
+    close_locked({grpc::StatusCode::DEADLINE_EXCEEDED,
+                  fmt::format("the client did not open its stream within {} s", timeouts_.open_seconds)});
+  if (!outbox_.empty() && now >= after(outbox_.stalled_since(), timeouts_.take_seconds))
+    close_locked({grpc::StatusCode::DEADLINE_EXCEEDED,
+                  fmt::format("the client took none of its answers for {} s", timeouts_.take_seconds)});
+}
+
+void Connection::take(Packet packet) {
+  if (packet.arrival == Arrival::kNothing) return;
+  if (packet.arrival == Arrival::kEnd) {
+    const std::lock_guard lock(mutex_);
+    read_all_ = true;
+    return end_if_idle_locked();
+  }
+  pb::LocalRequest request;
+  if (!request.ParseFromArray(packet.bytes.data(), static_cast<int>(packet.bytes.size())))
+    throw InvalidInput("packet", "packet is cut off or malformed: its bytes are no LocalRequest");
+  if (!session_) {
+    if (!request.has_open()) throw FailedPrecondition("open", "the first packet of a stream must be `open`");
+    return open(request.open(), std::move(packet.files));
+  }
+  if (!packet.files.empty()) throw InvalidInput("packet", "packet brings a file, which only the first one may");
+  session_->scene().worker().wake_early();
+  submit(request);
+}
+
+void Connection::open(const pb::LocalOpen& open, std::vector<PassedFile> files) {
+  requested_scene_id_ = shorten(open.open().scene_id(), 64);
+  opening_ = check_opening(open, std::move(files), rules_);
+  writer_ = std::make_unique<AnswerWriter>(opening_.region, opening_.terms.window);
+  auto session =
+      FrameSession::open(opening_.scene, open.open().resume_token(), opening_.terms.delivery, shared_from_this(), ids_);
+  {
+    const std::lock_guard lock(mutex_);
+    session_ = session;
+    if (!outbox_.empty()) session->hold(true);
+  }
+  rules_.host.check_serving();  // the stop may have been announced before there was a session to tell
+  log_stream_opened(kKind, *opening_.scene, opening_.terms.window, ids_);
+}
+
+void Connection::submit(pb::LocalRequest& request) {
+  Scene& scene = session_->scene();
+  const SharedRegion* const region = opening_.region.get();
+  IncomingFrame incoming;
+  if (request.has_shared_frame())
+    incoming.message = read_frame(region, request.shared_frame(), scene.plan().meshes.size(),
+                                  pb::max_frame_message_bytes(scene.plan().meshes.size()));
+  else if (request.has_frame())
+    incoming.message = std::move(*request.mutable_frame());
+  else
+    throw FailedPrecondition("frame", "packets after the first must be `frame` or `shared_frame`");
+  place_ranges(region, incoming);
+  incoming.memory = opening_.region;
+  incoming.answer_bytes_per_contact = scene.plan().fields.contact_bytes();
+  PendingFrame frame = admit_frame(rules_.host, scene, std::move(incoming));
+  {
+    const std::lock_guard lock(mutex_);
+    ++in_flight_;
+  }
+  session_->submit(std::move(frame));
+}
+
+void Connection::opened(const Scene& scene) { send({opened_packet(scene, opening_.terms.window)}, false); }
+
+void Connection::answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) {
+  send(writer_->write(scene, *frame), true, frame->result.held);
+}
+
+void Connection::refused(uint64_t frame_id, const Failure& failure) {
+  writer_->skip();
+  send({to_packet(refusal_message(frame_id, failure))}, true);
+}
+
+void Connection::skipped(uint64_t frame_id) {
+  writer_->skip();
+  send({to_packet(skipped_message(frame_id))}, true);
+}
+
+void Connection::draining(double seconds) { send({to_packet(draining_message(seconds))}, false); }
+
+void Connection::ended(const std::exception_ptr& why) {
+  const std::lock_guard lock(mutex_);
+  close_locked(describe(why));
+}
+
+void Connection::stop() {
+  const std::lock_guard lock(mutex_);
+  is_stopping_ = true;
+  close_locked(describe(std::make_exception_ptr(Stopping())));
+  wake();
+}
+
+uint64_t Connection::outgoing_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return outbox_.bytes();
+}
+
+void Connection::send(std::vector<std::string> packets, bool ends_frame, const std::shared_ptr<const void>& held) {
+  const std::lock_guard lock(mutex_);
+  if (closed_) return;
+  const bool was_empty = outbox_.empty();
+  for (auto& packet : packets) outbox_.send(socket_.get(), std::move(packet), held);
+  if (ends_frame) end_frame_locked();
+  if (!was_empty || outbox_.empty()) return;
+  if (session_) session_->hold(true);
+  wake();
+}
+
+// The thread does not read the socket while the window is used up.
+void Connection::end_frame_locked() {
+  if (in_flight_-- == opening_.terms.window) wake();
+  end_if_idle_locked();
+}
+
+void Connection::flush_locked() {
+  outbox_.flush(socket_.get());
+  if (session_) session_->hold(!outbox_.empty());
+}
+
+void Connection::end_if_idle_locked() {
+  if (read_all_ && in_flight_ == 0) close_locked({});
+}
+
+void Connection::close_locked(const Failure& why) {
+  if (closed_) return;
+  closed_ = why;
+  outbox_.send(socket_.get(), closed_packet(why));
+  wake();
+}
+
+// Until the client has taken everything, is gone, or has had its time.
+void Connection::flush_outbox() {
+  const auto begin = Clock::now();
+  for (;;) {
+    Wait wanted{POLLOUT, {}};
+    {
+      const std::lock_guard lock(mutex_);
+      flush_locked();
+      wanted.until = after(is_stopping_ ? begin : outbox_.stalled_since(),
+                           is_stopping_ ? kLastPacketSeconds : timeouts_.take_seconds);
+      if (outbox_.empty() || Clock::now() >= *wanted.until) return;
+    }
+    if (wait(wanted) & (POLLHUP | POLLERR)) return;
+  }
+}
+
+// With the lock, as the worker may be about to send.
+void Connection::end_socket() {
+  const std::lock_guard lock(mutex_);
+  outbox_.drop();
+  end_connection(std::exchange(socket_, Fd()));
+  opening_.ticket.reset();
+}
+
+void Connection::wake() const { eventfd_write(wake_.get(), 1); }
+
+void Connection::tell_end() const {
+  const std::lock_guard lock(mutex_);
+  if (!closed_) return;
+  tell_stream_ended(kKind,
+                    {.level = session_ || closed_->code ? spdlog::level::info : spdlog::level::debug,
+                     .scene = requested_scene_id_,
+                     .code = closed_->code,
+                     .reason = closed_->message},
+                    ids_, metrics_);
+}
+
+}  // namespace collided::server

@@ -1,0 +1,95 @@
+#pragma once
+// One local stream: a thread of its own reads the socket and takes frames in; answers are sent by the scene's worker,
+// or, if the client does not take them at once, by that thread.
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/convert/status.hpp"
+#include "server/frames/session.hpp"
+#include "server/ops/log.hpp"
+#include "server/ops/metrics.hpp"
+#include "server/transport/local/encode.hpp"
+#include "server/transport/local/opening.hpp"
+#include "server/transport/local/outbox.hpp"
+
+namespace collided::server {
+
+/// How long a client may take.
+struct LocalTimeouts {
+  double open_seconds = 10;  ///< until it opens its stream
+  double take_seconds = 5;   ///< to take an answer that waits
+};
+
+class Connection final : public FrameSink, public std::enable_shared_from_this<Connection> {
+ public:
+  /// `rules` and `metrics` outlive it. Throws std::system_error.
+  Connection(Fd socket, const OpeningRules& rules, Metrics& metrics, LocalTimeouts timeouts);
+
+  /// Serves the stream to its end, on the calling thread.
+  void serve();
+  /// Ends the stream soon. Thread-safe.
+  void stop();
+  /// Bytes of answers that the client has not taken.
+  uint64_t outgoing_bytes() const;
+
+  void opened(const Scene& scene) override;
+  void answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) override;
+  void refused(uint64_t frame_id, const Failure& failure) override;
+  void skipped(uint64_t frame_id) override;
+  void draining(double seconds) override;
+  void ended(const std::exception_ptr& why) override;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// What the thread waits for.
+  struct Wait {
+    short events = 0;  ///< of the socket
+    std::optional<Clock::time_point> until;
+  };
+
+  bool poll_once();
+  short wait(const Wait& wait) const;
+  void check_timeouts();
+  void take(Packet packet);
+  void open(const pb::LocalOpen& open, std::vector<PassedFile> files);
+  void submit(pb::LocalRequest& request);
+  void flush_outbox();
+  void end_socket();
+  void wake() const;
+  void send(std::vector<std::string> packets, bool ends_frame, const std::shared_ptr<const void>& held = {});
+  void tell_end() const;
+
+  // `_locked`: the caller holds mutex_.
+  Wait next_wait_locked() const;
+  bool may_read_locked() const;
+  void flush_locked();
+  void end_frame_locked();
+  void end_if_idle_locked();
+  void close_locked(const Failure& why);
+
+  const OpeningRules& rules_;
+  Metrics& metrics_;
+  const LocalTimeouts timeouts_;
+  const Clock::time_point begin_ = Clock::now();
+  Fd socket_;  // closed by the thread, with mutex_ held
+  Fd wake_;
+  const CallIds ids_ = parse_ids({}, {});  // the protocol has none
+  std::string requested_scene_id_;         // by the opening; this thread's
+  Opening opening_;                        // set before the session
+  std::unique_ptr<AnswerWriter> writer_;   // set before the session; then the worker's
+
+  mutable std::mutex mutex_;  // guards what follows
+  std::shared_ptr<FrameSession> session_;
+  Outbox outbox_;
+  uint32_t in_flight_ = 0;         // frames that are not answered
+  std::optional<Failure> closed_;  // why the stream ends, once decided
+  bool read_all_ = false, is_stopping_ = false;
+};
+
+}  // namespace collided::server

@@ -1,0 +1,138 @@
+// Answers of a local stream as packets and shared memory.
+#include "server/transport/local/encode.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "proto/constants.hpp"
+#include "server/frames/answer.hpp"
+#include "server/frames/messages.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr size_t kMaxArrays = 7;                   // of a chunk
+constexpr size_t kInlineBytes = size_t{48} << 10;  // of arrays in one packet
+constexpr size_t kNoCut = size_t{1} << 31;         // so that a chunk's count fits its field
+
+// The numbers of SharedArrays' fields are those of ContactChunk's, less those of kind and count.
+constexpr int kFieldShift = 2;
+static_assert(int{pb::ContactChunk::kElementsFieldNumber} == pb::SharedArrays::kElementsFieldNumber + kFieldShift);
+static_assert(int{pb::ContactChunk::kFlagsFieldNumber} == pb::SharedArrays::kFlagsFieldNumber + kFieldShift);
+
+// Contacts go here until there is no room.
+class OutputPart {
+ public:
+  /// `base`: of the output region.
+  OutputPart(std::span<std::byte> part, const std::byte* base) : part_(part), base_(base) {}
+
+  size_t room_for(size_t contact_bytes) const {
+    const size_t used = used_ + kMaxArrays * pb::kRangeAlignment;
+    return used >= part_.size() ? 0 : (part_.size() - used) / std::max<size_t>(1, contact_bytes);
+  }
+
+  void put(std::span<const std::byte> bytes, pb::SharedRange* range) {
+    std::memcpy(part_.data() + used_, bytes.data(), bytes.size());
+    range->set_offset(static_cast<uint64_t>(part_.data() + used_ - base_));
+    range->set_size(bytes.size());
+    used_ += (bytes.size() + pb::kRangeAlignment - 1) / pb::kRangeAlignment * pb::kRangeAlignment;
+  }
+
+ private:
+  std::span<std::byte> part_;
+  const std::byte* base_;
+  size_t used_ = 0;
+};
+
+void share_chunk(const Chunk& chunk, const Topology& topology, OutputPart& part, pb::ContactChunk* out) {
+  out->set_kind(chunk.kind);
+  out->set_count(chunk.count());
+  pb::SharedArrays* const shared = out->mutable_shared();
+  const auto put = [&](int field, std::span<const std::byte> bytes) {
+    const auto* range = pb::SharedArrays::descriptor()->FindFieldByNumber(field - kFieldShift);
+    part.put(bytes, static_cast<pb::SharedRange*>(shared->GetReflection()->MutableMessage(shared, range)));
+  };
+  for (const ChunkArray& array : chunk.arrays()) put(array.field, array.bytes);
+  const auto stencils = chunk.stencils(topology);
+  if (!stencils.empty()) put(pb::ContactChunk::kStencilsFieldNumber, std::as_bytes(std::span(stencils)));
+}
+
+// Shares as many contacts of the chunk as there is room for; the others are in pieces of their own.
+void put_chunk(const Chunk& chunk, const Topology& topology, OutputPart& part, std::vector<pb::ContactChunk>& pieces) {
+  const size_t bytes = chunk.fields.contact_bytes();
+  Chunk piece = chunk;
+  piece.end = piece.begin + std::min<size_t>(part.room_for(bytes), chunk.count());
+  if (piece.count() > 0) share_chunk(piece, topology, part, &pieces.emplace_back());
+  const size_t step = std::max<size_t>(1, kInlineBytes / std::max<size_t>(1, bytes));
+  for (piece.begin = piece.end; piece.begin < chunk.end; piece.begin = piece.end) {
+    piece.end = std::min(piece.begin + step, chunk.end);
+    fill_chunk(piece, topology, &pieces.emplace_back());
+  }
+}
+
+std::string contacts_packet(uint64_t frame_id, pb::ContactChunk piece) {
+  pb::StreamFramesResponse response;
+  response.set_frame_id(frame_id);
+  *response.mutable_contacts() = std::move(piece);
+  return to_packet(std::move(response));
+}
+
+std::string done_packet(const AnsweredFrame& frame, std::span<pb::ContactChunk> pieces) {
+  pb::StreamFramesResponse response;
+  response.set_frame_id(frame.frame_id);
+  *response.mutable_done() = done_message(frame);
+  for (auto& piece : pieces) *response.mutable_done()->add_contacts() = std::move(piece);
+  return to_packet(std::move(response));
+}
+
+}  // namespace
+
+std::string to_packet(pb::StreamFramesResponse response) {
+  pb::LocalResponse packet;
+  *packet.mutable_frame() = std::move(response);
+  return packet.SerializeAsString();
+}
+
+std::string closed_packet(const Failure& why) {
+  pb::LocalResponse packet;
+  packet.mutable_closed()->set_code(why.code);
+  packet.mutable_closed()->set_message(why.message);
+  packet.mutable_closed()->set_field(why.field);
+  return packet.SerializeAsString();
+}
+
+std::string opened_packet(const Scene& scene, uint32_t window) {
+  pb::StreamFramesResponse response = opened_message(scene, window);
+  std::string packet = to_packet(response);
+  if (packet.size() <= pb::kMaxPacketBytes) return packet;
+  response.mutable_opened()->mutable_scene()->mutable_spec()->clear_meshes();
+  return to_packet(std::move(response));
+}
+
+AnswerWriter::AnswerWriter(std::shared_ptr<SharedRegion> region, uint32_t window)
+    : region_(std::move(region)), window_(window) {}
+
+std::span<std::byte> AnswerWriter::next_part() {
+  const uint64_t frame = frames_++;
+  if (!region_) return {};
+  const size_t bytes = region_->output().size() / window_ / pb::kPageBytes * pb::kPageBytes;
+  return region_->output().subspan(frame % window_ * bytes, bytes);
+}
+
+std::vector<std::string> AnswerWriter::write(const Scene& scene, AnsweredFrame& frame) {
+  OutputPart part(next_part(), region_ ? region_->output().data() : nullptr);
+  std::vector<std::string> packets;
+  std::vector<pb::ContactChunk> pieces;
+  encode_contacts(scene, frame, kNoCut, [&](std::span<const Chunk> chunks) {
+    for (const Chunk& chunk : chunks) put_chunk(chunk, scene.topology(), part, pieces);
+    std::vector<size_t> sizes;
+    for (const auto& piece : pieces) sizes.push_back(piece.ByteSizeLong());
+    const size_t alone = pieces.size() - fit_at_end(sizes, kInlineBytes);
+    for (size_t i = 0; i < alone; ++i) packets.push_back(contacts_packet(frame.frame_id, std::move(pieces[i])));
+  });
+  packets.push_back(done_packet(frame, std::span(pieces).subspan(packets.size())));
+  return packets;
+}
+
+}  // namespace collided::server

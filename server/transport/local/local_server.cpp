@@ -1,0 +1,161 @@
+// The Unix socket for clients on the daemon's host.
+#include "server/transport/local/local_server.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "server/errors.hpp"
+#include "server/net/peer.hpp"
+#include "server/ops/log.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr mode_t kOwnUser = 0600, kAnyUser = 0666;  // of the socket's file; who is at the other end is checked, too
+constexpr size_t kMaxClosing = 64;                  // descriptors: files that clients sent, and connections
+constexpr int kRetryMs = 100;                       // while the process has no file descriptor left
+
+// A client can give pages of the shared memory back, which the system allocates again when they are touched. Under
+// strict overcommit it may have none left by then, and would kill the daemon with SIGBUS.
+void check_memory_policy() {
+  constexpr auto kFile = "/proc/sys/vm/overcommit_memory";
+  constexpr int kStrict = 2;
+  int policy = 0;
+  std::ifstream(kFile) >> policy;
+  if (policy == kStrict)
+    throw std::runtime_error(
+        "cannot serve --local-socket: vm.overcommit_memory is 2, but must be 0 or 1 for memory that "
+        "clients share");
+}
+
+void refuse(Fd socket, const Failure& why) {
+  log_event(spdlog::level::warn, "local connection refused", {{"code", code_name(why.code)}, {"reason", why.message}});
+  send_packet(socket.get(), closed_packet(why));
+  end_connection(std::move(socket));
+}
+
+}  // namespace
+
+LocalServer::LocalServer(const LocalOptions& options, SceneHost& host, const Authenticator& authenticator,
+                         Metrics& metrics)
+    : options_(options), metrics_(metrics), rules_{host, authenticator, options.cuda_ipc} {
+  check_memory_policy();
+  const mode_t mode = options.allowed_uids.empty() ? kOwnUser : kAnyUser;
+  listener_ = std::make_unique<UnixListener>(options.path, UnixListener::Options{SOCK_SEQPACKET, mode});
+  wake_ = Fd(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
+  if (!wake_) throw std::system_error(errno, std::generic_category(), "eventfd");
+  thread_ = std::thread([this] { run(); });
+}
+
+LocalServer::~LocalServer() { stop(); }
+
+void LocalServer::stop() {
+  if (is_stopping_.exchange(true)) return;
+  wake();
+  thread_.join();
+  listener_.reset();
+  const std::lock_guard lock(mutex_);
+  for (auto& served : served_) served.connection->stop();
+  for (auto& served : served_) served.thread.join();
+  served_.clear();
+}
+
+void LocalServer::run() {
+  pollfd states[] = {{listener_->socket(), POLLIN, 0}, {wake_.get(), POLLIN, 0}};
+  while (!is_stopping_) {
+    poll(states, 2, -1);
+    eventfd_t count = 0;
+    eventfd_read(wake_.get(), &count);
+    join_ended();
+    take_connections();
+  }
+}
+
+void LocalServer::take_connections() {
+  while (Fd socket = listener_->accept()) {
+    try {
+      check_peer(socket.get());
+      check_room();
+    } catch (...) {
+      refuse(std::move(socket), describe_current());
+      continue;
+    }
+    serve(std::move(socket));
+  }
+  pollfd state{wake_.get(), POLLIN, 0};
+  if (errno == EMFILE || errno == ENFILE || errno == ENOMEM) poll(&state, 1, kRetryMs);
+}
+
+void LocalServer::check_peer(int socket) const {
+  const uid_t uid = peer_uid(socket);
+  const auto& allowed = options_.allowed_uids;
+  if (uid == geteuid() || std::find(allowed.begin(), allowed.end(), uid) != allowed.end()) return;
+  throw PermissionDenied(
+      "", fmt::format("user {} may not use {}: it is neither the daemon's own nor in --allow-uid", uid, options_.path));
+}
+
+void LocalServer::check_room() const {
+  const size_t max = rules_.host.limits().max_streams, open = connections();
+  if (open >= max)
+    throw LimitExceeded::quota(
+        "daemon", fmt::format("max_streams is {}, and {} connections are open on {}", max, open, options_.path));
+  if (closing() > kMaxClosing)
+    throw LimitExceeded::quota(
+        "daemon", fmt::format("{} files that clients sent over {} are still being closed", closing(), options_.path));
+}
+
+void LocalServer::serve(Fd socket) try {
+  auto connection = std::make_shared<Connection>(std::move(socket), rules_, metrics_, options_.timeouts);
+  const std::lock_guard lock(mutex_);
+  Served& served = served_.emplace_back();
+  served.connection = std::move(connection);
+  try {
+    served.thread = std::thread([this, &served] {
+      served.connection->serve();
+      served.is_over = true;
+      wake();
+    });
+  } catch (...) {
+    served_.pop_back();
+    throw;
+  }
+} catch (const std::system_error& e) {
+  log_event(spdlog::level::err, "local connection dropped", {{"reason", e.what()}});
+}
+
+void LocalServer::join_ended() {
+  std::list<Served> ended;
+  {
+    const std::lock_guard lock(mutex_);
+    for (auto next = served_.begin(); next != served_.end();) {
+      const auto served = next++;
+      if (served->is_over) ended.splice(ended.end(), served_, served);
+    }
+  }
+  for (auto& served : ended) served.thread.join();
+}
+
+size_t LocalServer::connections() const {
+  const std::lock_guard lock(mutex_);
+  return served_.size();
+}
+
+uint64_t LocalServer::outgoing_bytes() const {
+  uint64_t bytes = 0;
+  const std::lock_guard lock(mutex_);
+  for (const auto& served : served_) bytes += served.connection->outgoing_bytes();
+  return bytes;
+}
+
+void LocalServer::wake() const { eventfd_write(wake_.get(), 1); }
+
+}  // namespace collided::server

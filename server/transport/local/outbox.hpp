@@ -1,0 +1,45 @@
+#pragma once
+// Packets to be sent over a non-blocking socket. Not thread-safe.
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+
+#include "server/transport/local/packets.hpp"
+
+namespace collided::server {
+
+class Outbox {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Sends at once if possible; otherwise keeps the packet, and with it what it `held` of a limit.
+  void send(int socket, std::string packet, std::shared_ptr<const void> held = {});
+  /// Sends kept packets, as far as the other end takes them.
+  void flush(int socket);
+
+  bool empty() const { return kept_.empty(); }
+  uint64_t bytes() const { return bytes_; }
+  /// Since when the other end has taken nothing, if a packet is kept.
+  Clock::time_point stalled_since() const { return stalled_since_; }
+  /// Whether the other end is gone; kept packets are dropped then.
+  bool is_gone() const { return is_gone_; }
+  void drop();
+
+ private:
+  struct Kept {
+    std::string packet;
+    std::shared_ptr<const void> held;
+  };
+
+  void keep(std::string packet, std::shared_ptr<const void> held);
+
+  std::deque<Kept> kept_;
+  uint64_t bytes_ = 0;
+  Clock::time_point stalled_since_{};
+  bool is_gone_ = false;
+};
+
+}  // namespace collided::server

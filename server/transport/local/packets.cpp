@@ -1,0 +1,77 @@
+// Packets of a SOCK_SEQPACKET socket, and the files that come with them.
+#include "server/transport/local/packets.hpp"
+
+#include <poll.h>
+#include <spdlog/fmt/fmt.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "gpu/detector.hpp"
+#include "server/errors.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr size_t kMaxFiles =
+    253;  // that the kernel sends at once; files that do not fit, it would close on this thread
+constexpr size_t kExpectedFiles = 4;  // with some leniency: one is right
+
+std::vector<PassedFile> files_of(msghdr& message) {
+  std::vector<PassedFile> files;
+  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part; part = CMSG_NXTHDR(&message, part)) {
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_RIGHTS) continue;
+    const size_t count = (part->cmsg_len - CMSG_LEN(0)) / sizeof(int);
+    for (size_t i = 0; i < count; ++i) {
+      int fd = -1;
+      std::memcpy(&fd, CMSG_DATA(part) + i * sizeof(int), sizeof(int));
+      files.emplace_back(fd);
+    }
+  }
+  return files;
+}
+
+// An empty packet looks like the end of the connection.
+bool is_end(int socket) {
+  pollfd state{socket, POLLRDHUP, 0};
+  return poll(&state, 1, 0) > 0;
+}
+
+}  // namespace
+
+Packet PacketReceiver::receive() {
+  alignas(cmsghdr) char control[CMSG_SPACE(kMaxFiles * sizeof(int))];
+  iovec bytes{buffer_.data(), buffer_.size()};
+  msghdr message{};
+  message.msg_iov = &bytes;
+  message.msg_iovlen = 1;
+  message.msg_control = control;
+  message.msg_controllen = sizeof(control);
+  const ssize_t size = recvmsg(socket_, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  if (size < 0) return {errno == EAGAIN || errno == EINTR ? Arrival::kNothing : Arrival::kEnd, {}, {}};
+  Packet packet{Arrival::kPacket, {buffer_.data(), static_cast<size_t>(size)}, files_of(message)};
+  if (message.msg_flags & MSG_CTRUNC)
+    throw LimitExceeded("packet", "packet comes with more files than the daemon has file descriptors left for");
+  if (packet.files.size() > kExpectedFiles)
+    throw LimitExceeded("packet",
+                        fmt::format("packet comes with more than {} files, but one is the most", kExpectedFiles));
+  if (message.msg_flags & MSG_TRUNC)
+    throw LimitExceeded("packet", fmt::format("packet is longer than {} bytes, the limit", v1::kMaxPacketBytes));
+  if (size > 0) return packet;
+  if (!is_end(socket_)) throw InvalidInput("packet", "packet is empty, but each is one message");
+  return {Arrival::kEnd, {}, {}};
+}
+
+Sent send_packet(int socket, std::string_view packet) {
+  if (send(socket, packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL) >= 0) return Sent::kYes;
+  return errno == EAGAIN || errno == EINTR ? Sent::kFull : Sent::kGone;
+}
+
+void end_connection(Fd socket) {
+  if (!socket) return;
+  shutdown(socket.get(), SHUT_RDWR);  // the other end sees it now, whenever it is closed
+  close_in_background(std::move(socket));
+}
+
+}  // namespace collided::server

@@ -1,0 +1,46 @@
+#pragma once
+// Packets of a SOCK_SEQPACKET socket, and the files that come with them. Nothing here blocks.
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "proto/constants.hpp"
+#include "server/transport/local/disposal.hpp"
+
+namespace collided::server {
+
+/// What receive() found.
+enum class Arrival { kPacket, kNothing, kEnd };
+
+struct Packet {
+  Arrival arrival = Arrival::kNothing;
+  std::string_view bytes;  ///< until the next packet is received
+  std::vector<PassedFile> files;
+};
+
+class PacketReceiver {
+ public:
+  /// The socket outlives the receiver.
+  explicit PacketReceiver(int socket) : socket_(socket), buffer_(v1::kMaxPacketBytes, '\0') {}
+
+  /// kEnd: the other end sends nothing any more, or is gone. Throws LimitExceeded for a packet that is too long or has
+  /// too many files, which are all closed by then, InvalidInput for an empty one.
+  Packet receive();
+
+ private:
+  const int socket_;
+  std::string buffer_;
+};
+
+/// What became of a packet.
+enum class Sent { kYes, kFull, kGone };
+
+Sent send_packet(int socket, std::string_view packet);
+
+/// Closes the socket without waiting. The other end can still read what was sent, which it could not if a socket with
+/// unread data were closed at once.
+void end_connection(Fd socket);
+
+}  // namespace collided::server

@@ -1,0 +1,18 @@
+#pragma once
+// A frame whose positions are in shared memory.
+
+#include "collided/v1/local.pb.h"
+#include "server/frames/intake.hpp"
+#include "server/transport/local/shared_region.hpp"
+
+namespace collided::server {
+
+/// Resolves the ranges of a frame to memory, for admit_frame(), and removes them from the message. `region` may be
+/// null. An invalid range becomes the frame's refusal.
+void place_ranges(const SharedRegion* region, IncomingFrame& frame);
+
+/// A frame whose message is in the region, too, for a scene of so many meshes; at most `max` bytes. Throws
+/// InvalidInput, LimitExceeded.
+pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, size_t meshes, uint64_t max);
+
+}  // namespace collided::server

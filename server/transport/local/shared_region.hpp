@@ -1,0 +1,51 @@
+#pragma once
+// Memory that a client shares with the daemon: positions in, contacts out.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "gpu/detector.hpp"
+#include "server/net/fd.hpp"
+
+namespace collided::server {
+
+/// Bytes of the two parts of a region, input first.
+struct RegionSize {
+  uint64_t input = 0, output = 0;
+};
+
+/// The client can change the memory at any time, so that readers copy it first and check the copy. It cannot take the
+/// memory away.
+class SharedRegion {
+ public:
+  /// Maps a memfd that the client has sealed against shrinking. Throws InvalidInput for another file, a missing seal or
+  /// one that is too small, LimitExceeded if there is not so much memory, DeviceError.
+  static std::shared_ptr<SharedRegion> map(const Fd& file, const RegionSize& size, Backend backend);
+  /// As map(), but the input is device memory of a cudaIpcMemHandle_t, and the file (may be none if `output` is 0) has
+  /// the output alone. Throws InvalidInput for a bad handle, DeviceError.
+  static std::shared_ptr<SharedRegion> open(std::span<const std::byte> handle, const Fd& file, uint64_t output);
+  ~SharedRegion();
+  SharedRegion(const SharedRegion&) = delete;
+  SharedRegion& operator=(const SharedRegion&) = delete;
+
+  /// A range of the input, as the backend reads it. Throws InvalidInput, naming `path`, if it does not lie in the
+  /// input.
+  std::span<const std::byte> input(uint64_t offset, uint64_t size, const std::string& path) const;
+  /// Whether the host can read the input.
+  bool is_host() const { return is_host_; }
+  std::span<std::byte> output() const { return output_; }
+
+ private:
+  SharedRegion() = default;
+  void map_file(const Fd& file, const RegionSize& size);
+
+  std::span<std::byte> mapped_, output_;
+  std::span<const std::byte> input_;
+  std::unique_ptr<SharedMemory> registered_;
+  bool is_host_ = true;
+};
+
+}  // namespace collided::server

@@ -1,0 +1,71 @@
+// Contacts cut into chunks, and the chunks as messages.
+#include "server/convert/chunks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace collided::server {
+namespace {
+
+std::vector<pb::ContactChunk> messages(const FrameResult& result, const Topology& topology, const OutputFields& fields,
+                                       size_t max_bytes) {
+  std::vector<pb::ContactChunk> out;
+  for (const Chunk& chunk : cut_into_chunks(result, fields, max_bytes))
+    fill_chunk(chunk, topology, &out.emplace_back());
+  return out;
+}
+
+size_t array_bytes(const pb::ContactChunk& chunk) {
+  return chunk.elements().size() + chunk.stencils().size() + chunk.toi().size() + chunk.distance().size() +
+         chunk.weights().size() + chunk.flags().size();
+}
+
+TEST(Chunks, ChunksAreBoundedAndCarryTheFieldsAskedFor) {
+  FrameResult result;
+  Topology topology;
+  topology.triangles = {{0, 1, 2}};
+  topology.edges = {{0, 1}, {3, 4}};
+  result.vertex_triangle.elements = {{3, 0}, {4, 0}, {5, 0}, {6, 0}, {7, 0}};
+  result.vertex_triangle.toi = {0, 0.1, 0.2, 0.3, 0.4};
+  result.edge_edge.elements = {{0, 1}};
+  result.edge_edge.toi = {0.5};
+  const OutputFields fields{.stencils = true, .toi = true};
+  const auto chunks = messages(result, topology, fields, 2 * fields.contact_bytes());
+  ASSERT_EQ(chunks.size(), 4u);
+  EXPECT_EQ(chunks[0].count(), 2u);
+  EXPECT_EQ(chunks[2].count(), 1u);
+  EXPECT_EQ(chunks[3].kind(), pb::CONTACT_KIND_EDGE_EDGE);
+  EXPECT_TRUE(chunks[0].elements().empty());
+  size_t bytes = 0;
+  for (const auto& chunk : chunks) bytes += array_bytes(chunk);
+  EXPECT_EQ(bytes, 6 * fields.contact_bytes());
+  double toi = 0;
+  std::memcpy(&toi, chunks[2].toi().data(), 8);
+  EXPECT_EQ(toi, 0.4);
+  std::array<uint32_t, 4> stencil{};
+  std::memcpy(stencil.data(), chunks[2].stencils().data(), 16);
+  EXPECT_EQ(stencil, (std::array<uint32_t, 4>{7, 0, 1, 2}));
+  std::memcpy(stencil.data(), chunks[3].stencils().data(), 16);
+  EXPECT_EQ(stencil, (std::array<uint32_t, 4>{0, 1, 3, 4}));
+}
+
+TEST(Chunks, WhatWasNotComputedIsLeftOut) {
+  FrameResult result;
+  Topology topology;
+  topology.triangles = {{0, 1, 2}, {3, 4, 5}};
+  result.vertex_triangle.elements = {{3, 0}};
+  result.triangle_triangle.elements = {{0, 1}};
+  result.triangle_triangle.flags = {kFlagCertified};
+  const OutputFields fields{
+      .elements = true, .stencils = true, .toi = true, .distance = true, .weights = true, .flags = true};
+  const auto chunks = messages(result, topology, fields, 1000);
+  ASSERT_EQ(chunks.size(), 2u);
+  EXPECT_EQ(array_bytes(chunks[0]), 8u + 16);
+  EXPECT_EQ(chunks[1].kind(), pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
+  EXPECT_EQ(array_bytes(chunks[1]), 8u + 1);
+  EXPECT_EQ(chunks[1].flags(), "\1");
+}
+
+}  // namespace
+}  // namespace collided::server

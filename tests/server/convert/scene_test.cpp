@@ -1,0 +1,346 @@
+// Scenes from the protocol to the engine, and what is refused on the way.
+#include "server/convert/scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include "server/convert/facts.hpp"
+#include "server/convert/meshes.hpp"
+#include "server/errors.hpp"
+#include "tests/server/convert/scene_request.hpp"
+#include "tests/server/scenes/tiny_scene.hpp"
+
+namespace collided::server {
+namespace {
+
+template <class Error>
+void expect_refused(const std::string& field, const std::function<void(pb::CreateSceneRequest&)>& change) {
+  auto bad = request();
+  change(bad);
+  try {
+    parse_scene(bad, {});
+    ADD_FAILURE() << "accepted: " << field;
+  } catch (const Error& e) {
+    EXPECT_EQ(e.field(), field) << e.what();
+    EXPECT_NE(std::string(e.what()).find(field), std::string::npos) << e.what();
+  }
+}
+
+// What a scene that nobody sends frames to tells of itself.
+pb::Scene shown(const pb::CreateSceneRequest& wanted) {
+  Turns turns(1);
+  CountingObserver observer;
+  const SceneFacts facts{"id", "token", "", 0, std::make_shared<ClientIdentity>(), 7.5, 1};
+  pb::Scene message;
+  fill_scene(Scene(facts, parse_scene(wanted, {}).plan, {turns, observer}), &message);
+  return message;
+}
+
+TEST(ConvertScene, FillsDefaults) {
+  const auto plan = parse_scene(request(), {}).plan;
+  EXPECT_EQ(plan.engine.accuracy, Accuracy::kCertified);
+  EXPECT_EQ(plan.engine.report, Report::kAll);
+  EXPECT_EQ(plan.engine.delta, 0);
+  EXPECT_EQ(plan.engine.scalar, Scalar::kF32);
+  EXPECT_EQ(plan.engine.backend, Backend::kCpu);
+  EXPECT_TRUE(plan.engine.vertex_triangle && plan.engine.edge_edge);
+  EXPECT_TRUE(!plan.engine.triangle_triangle && !plan.engine.weights);
+  EXPECT_EQ(plan.engine.memory_budget, Limits().max_scene_bytes);
+  ASSERT_EQ(plan.engine.meshes.size(), 1u);
+  EXPECT_EQ(plan.engine.meshes[0].triangles, (std::vector<TriangleCorners>{{0, 1, 2}, {0, 2, 3}}));
+  EXPECT_EQ(plan.engine.meshes[0].collide_mask, ~0u);
+  EXPECT_EQ(plan.fields.contact_bytes(), 8u + 16 + 8 + 8 + 1);
+}
+
+TEST(ConvertScene, TakesEveryLevelReportAndKind) {
+  using Spec = pb::SceneSpec;
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_accuracy(pb::ACCURACY_CANDIDATES); }).accuracy, Accuracy::kCandidates);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_accuracy(pb::ACCURACY_FAST); }).accuracy, Accuracy::kFast);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_accuracy(pb::ACCURACY_GUARDED); }).accuracy, Accuracy::kGuarded);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_accuracy(pb::ACCURACY_CERTIFIED); }).accuracy, Accuracy::kCertified);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_accuracy(pb::ACCURACY_EXACT); }).accuracy, Accuracy::kExact);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_report(pb::REPORT_EARLIEST_ONLY); }).report, Report::kEarliestOnly);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_report(pb::REPORT_ANY_HIT); }).report, Report::kAnyHit);
+  EXPECT_EQ(scene_with([](Spec& s) { s.set_delta(1e-6); }).delta, 1e-6);
+  const auto triangles = scene_with([](Spec& s) {
+    s.set_mode(pb::DETECTION_MODE_DCD);
+    s.add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
+  });
+  EXPECT_TRUE(triangles.triangle_triangle && !triangles.vertex_triangle && !triangles.edge_edge);
+}
+
+TEST(ConvertScene, TakesEveryEngine) {
+  EXPECT_EQ(std::size(kEngines), static_cast<size_t>(pb::BroadPhaseEngine_ARRAYSIZE));
+  for (const auto& [message, engine] : kEngines) {
+    const auto wanted = request_with([m = message](pb::SceneSpec& s) { s.set_broad_phase_engine(m); });
+    EXPECT_EQ(parse_scene(wanted, {}).plan.engine.engine, engine) << message;
+    EXPECT_EQ(shown(wanted).spec().broad_phase_engine(), message);
+  }
+}
+
+TEST(ConvertScene, AnUnknownEngineIsRefusedWithItsValueAndTheLimit) {
+  for (const int value : {-1, 7, 1000}) {
+    const auto bad =
+        request_with([&](pb::SceneSpec& s) { s.set_broad_phase_engine(static_cast<pb::BroadPhaseEngine>(value)); });
+    try {
+      parse_scene(bad, {});
+      ADD_FAILURE() << "accepted: " << value;
+    } catch (const InvalidInput& e) {
+      EXPECT_EQ(e.field(), "spec.broad_phase_engine");
+      EXPECT_EQ(e.what(), "spec.broad_phase_engine is " + std::to_string(value) +
+                              ", but must be BROAD_PHASE_ENGINE_OCTREE, BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE, "
+                              "BROAD_PHASE_ENGINE_BOTTOM_UP_OCTREE, "
+                              "BROAD_PHASE_ENGINE_UNIFORM_GRID, "
+                              "BROAD_PHASE_ENGINE_TWO_LEVEL_GRID or "
+                              "BROAD_PHASE_ENGINE_LBVH");
+    }
+  }
+}
+
+TEST(ConvertScene, RequestIdAndLeaseAreTakenAndTold) {
+  auto wanted = request();
+  EXPECT_EQ(parse_scene(wanted, {}).lease_seconds, Limits().lease_seconds);
+  wanted.set_request_id("mine");
+  wanted.set_lease_seconds(3600);
+  const auto parsed = parse_scene(wanted, {});
+  EXPECT_EQ(parsed.request_id, "mine");
+  EXPECT_EQ(parsed.lease_seconds, 3600);
+  const auto told = shown(wanted);
+  EXPECT_EQ(told.scene_id(), "id");
+  EXPECT_EQ(told.resume_token(), "token");
+  EXPECT_EQ(told.lease_seconds(), 7.5);
+  EXPECT_EQ(told.state(), pb::SCENE_STATE_AWAITING_MESHES);
+}
+
+// A repeated request may ask for another lease, but for the same scene.
+TEST(ConvertScene, TheFingerprintIsThatOfTheSpec) {
+  auto same = request();
+  same.set_lease_seconds(1);
+  const uint64_t first = parse_scene(request(), {}).fingerprint;
+  EXPECT_EQ(parse_scene(same, {}).fingerprint, first);
+  EXPECT_NE(parse_scene(request_with([](pb::SceneSpec& s) { s.set_delta(1e-6); }), {}).fingerprint, first);
+  const auto other = request_with([](pb::SceneSpec& s) { s.mutable_meshes(0)->set_triangles(triangle({0, 2, 1})); });
+  EXPECT_NE(parse_scene(other, {}).fingerprint, first);
+}
+
+std::string refusal_of(const pb::CreateSceneRequest& request, const SceneDefaults& defaults = {}) {
+  try {
+    parse_scene(request, defaults);
+  } catch (const InvalidInput& e) {
+    return e.what();
+  } catch (const LimitExceeded& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+TEST(ConvertScene, TriangleCountIsTheWholeMesh) {
+  const auto plan_with = [](uint32_t count) {
+    return parse_scene(request_with([&](pb::SceneSpec& s) { s.mutable_meshes(0)->set_triangle_count(count); }), {})
+        .plan;
+  };
+  for (const uint32_t all : {0u, 2u}) {
+    EXPECT_EQ(plan_with(all).meshes[0].triangles, 2u);
+    EXPECT_EQ(plan_with(all).meshes[0].awaited, 0u);
+  }
+  EXPECT_EQ(plan_with(5).meshes[0].triangles, 5u);
+  EXPECT_EQ(plan_with(5).meshes[0].awaited, 3u);
+  EXPECT_EQ(
+      refusal_of(request_with([](pb::SceneSpec& s) { s.mutable_meshes(0)->set_triangle_count(1); })),
+      "spec.meshes[0].triangle_count is 1, but spec.meshes[0].triangles already has 2: it is the total, with those "
+      "that UploadMesh brings");
+}
+
+TEST(ConvertScene, ARefusedEnumNamesWhatCanBeUsed) {
+  EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) { s.clear_mode(); })),
+            "spec.mode is DETECTION_MODE_UNSPECIFIED, but must be DETECTION_MODE_DCD or DETECTION_MODE_CCD");
+  EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) { s.set_mode(static_cast<pb::DetectionMode>(77)); })),
+            "spec.mode is 77, but must be DETECTION_MODE_DCD or DETECTION_MODE_CCD");
+  EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) { s.set_report(static_cast<pb::Report>(-1)); })),
+            "spec.report is -1, but must be REPORT_ALL, REPORT_EARLIEST_ONLY or REPORT_ANY_HIT");
+  EXPECT_EQ(refusal_of(request_with(
+                [](pb::SceneSpec& s) { s.mutable_meshes(0)->set_motion(static_cast<pb::MeshMotion>(9)); })),
+            "spec.meshes[0].motion is 9, but must be MESH_MOTION_DEFORMABLE or MESH_MOTION_STATIC");
+}
+
+TEST(ConvertScene, WhatCanNeverFitIsRefusedWithNeedAndBudget) {
+  SceneDefaults defaults;
+  defaults.limits.max_scene_bytes = 1 << 20;
+  const auto many = request_with([](pb::SceneSpec& s) { s.mutable_meshes(0)->set_triangle_count(100'000); });
+  const auto why = refusal_of(many, defaults);
+  const uint64_t need = min_scene_bytes(parse_scene(request(), {}).plan.engine, 4, 100'000);
+  EXPECT_EQ(why,
+            "spec.memory_budget_bytes is 1048576 (max_scene_bytes), but the 4 vertices and 100000 triangles of "
+            "spec.meshes need at least " +
+                std::to_string(need) + " bytes");
+  std::string bytes;
+  for (int i = 0; i < 100'000; ++i) bytes += triangle({0, 1, 2});
+  EXPECT_EQ(refusal_of(request_with([&](pb::SceneSpec& s) { s.mutable_meshes(0)->set_triangles(bytes); }), defaults),
+            why);
+  defaults.limits.max_scene_bytes = need;
+  EXPECT_EQ(parse_scene(many, defaults).plan.min_bytes, need);
+}
+
+// 64 MiB of positions leave no room for the rest of the frame.
+TEST(ConvertScene, AFirstFrameMustFitAMessageUnlessThereIsALocalSocket) {
+  SceneDefaults defaults;
+  defaults.limits.max_message_bytes = 12'000;
+  const auto with_vertices = [](uint32_t count) {
+    return request_with([&](pb::SceneSpec& s) { s.mutable_meshes(0)->set_vertex_count(count); });
+  };
+  EXPECT_EQ(refusal_of(with_vertices(999), defaults), "accepted");
+  const auto why = refusal_of(with_vertices(1000), defaults);
+  EXPECT_TRUE(why.starts_with("spec.meshes has 1000 vertices, whose positions, 12000 bytes,")) << why;
+  EXPECT_NE(why.find("max-message-mb) is 12000"), std::string::npos) << why;
+  defaults.local_socket = true;
+  EXPECT_EQ(refusal_of(with_vertices(1000), defaults), "accepted");
+}
+
+// Between two frames triangles have no verdict, only boxes that overlap.
+TEST(ConvertScene, ContinuousTrianglePairsAreCandidates) {
+  const auto with_triangles = [](pb::Accuracy accuracy) {
+    return request_with([&](pb::SceneSpec& s) {
+      s.set_accuracy(accuracy);
+      s.add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
+    });
+  };
+  const auto plan = parse_scene(with_triangles(pb::ACCURACY_CANDIDATES), {}).plan;
+  EXPECT_TRUE(plan.engine.triangle_triangle && plan.engine.mode == Mode::kCcd);
+  for (const auto accuracy : {pb::ACCURACY_UNSPECIFIED, pb::ACCURACY_FAST, pb::ACCURACY_EXACT})
+    EXPECT_THROW(parse_scene(with_triangles(accuracy), {}), InvalidInput) << accuracy;
+}
+
+// A frame may override the level, so that what the scene's own does not compute is wanted all the same.
+TEST(ConvertScene, FieldsDependOnTheModeAlone) {
+  const auto bytes = [](pb::DetectionMode mode) {
+    const auto wanted = request_with([&](pb::SceneSpec& spec) {
+      spec.set_accuracy(pb::ACCURACY_CANDIDATES);
+      spec.set_mode(mode);
+    });
+    return parse_scene(wanted, {}).plan.fields.contact_bytes();
+  };
+  EXPECT_EQ(bytes(pb::DETECTION_MODE_CCD), 8u + 16 + 8 + 8 + 1);
+  EXPECT_EQ(bytes(pb::DETECTION_MODE_DCD), 8u + 16 + 8 + 1);
+}
+
+// From GUARDED on a thickness of 0 means touching, and triangle-triangle contacts have no distance.
+TEST(ConvertScene, DiscreteScenesMayHaveNoThickness) {
+  const auto thickness = [](pb::Accuracy accuracy, pb::ContactKind kind) {
+    return scene_with([&](pb::SceneSpec& spec) {
+             spec.set_mode(pb::DETECTION_MODE_DCD);
+             spec.set_accuracy(accuracy);
+             spec.add_kinds(kind);
+           })
+        .thickness;
+  };
+  EXPECT_EQ(thickness(pb::ACCURACY_GUARDED, pb::CONTACT_KIND_VERTEX_TRIANGLE), 0);
+  EXPECT_EQ(thickness(pb::ACCURACY_EXACT, pb::CONTACT_KIND_EDGE_EDGE), 0);
+  EXPECT_EQ(thickness(pb::ACCURACY_FAST, pb::CONTACT_KIND_TRIANGLE_TRIANGLE), 0);
+  EXPECT_THROW(thickness(pb::ACCURACY_FAST, pb::CONTACT_KIND_EDGE_EDGE), InvalidInput);
+}
+
+TEST(ConvertScene, RefusesBadValues) {
+  using Request = pb::CreateSceneRequest;
+  const auto refuse = expect_refused<InvalidInput>;
+  refuse("spec.mode", [](Request& r) { r.mutable_spec()->clear_mode(); });
+  refuse("spec.thickness", [](Request& r) { r.mutable_spec()->set_thickness(-1); });
+  refuse("spec.thickness", [](Request& r) { r.mutable_spec()->set_thickness(kNan); });
+  for (const double delta : {-1.0, kNan, kInfinity})
+    refuse("spec.delta", [&](Request& r) { r.mutable_spec()->set_delta(delta); });
+  refuse("spec.accuracy", [](Request& r) { r.mutable_spec()->set_accuracy(static_cast<pb::Accuracy>(9)); });
+  refuse("spec.report", [](Request& r) { r.mutable_spec()->set_report(static_cast<pb::Report>(-1)); });
+  refuse("spec.meshes", [](Request& r) { r.mutable_spec()->clear_meshes(); });
+  refuse("spec.meshes[0].name", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->clear_name(); });
+  refuse("spec.meshes[1].name", [](Request& r) { *r.mutable_spec()->add_meshes() = r.spec().meshes(0); });
+  refuse("spec.meshes[0].triangles[1]", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_vertex_count(3); });
+  refuse("spec.meshes[0].triangles[0]", [](Request& r) {
+    r.mutable_spec()->mutable_meshes(0)->set_triangles(triangle({0, 1, 1}));
+  });
+  refuse("spec.meshes[0].triangles", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_triangles("12345"); });
+  refuse("spec.meshes[0].triangles", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->clear_triangles(); });
+  refuse("spec.kinds[0]", [](Request& r) { r.mutable_spec()->add_kinds(pb::CONTACT_KIND_UNSPECIFIED); });
+  refuse("request_id", [](Request& r) { r.set_request_id(std::string(65, 'x')); });
+  for (const double lease : {-1.0, kNan}) refuse("lease_seconds", [&](Request& r) { r.set_lease_seconds(lease); });
+}
+
+TEST(ConvertScene, RefusesWhatDoesNotGoTogether) {
+  using Request = pb::CreateSceneRequest;
+  const auto refuse = expect_refused<InvalidInput>;
+  refuse("spec.thickness", [](Request& r) {
+    r.mutable_spec()->set_mode(pb::DETECTION_MODE_DCD);
+    r.mutable_spec()->set_accuracy(pb::ACCURACY_FAST);
+  });
+  refuse("spec.kinds[1]", [](Request& r) {
+    r.mutable_spec()->add_kinds(pb::CONTACT_KIND_EDGE_EDGE);
+    r.mutable_spec()->add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
+  });
+  refuse("spec.report", [](Request& r) {
+    r.mutable_spec()->set_mode(pb::DETECTION_MODE_DCD);
+    r.mutable_spec()->set_report(pb::REPORT_EARLIEST_ONLY);
+  });
+  refuse("spec.report", [](Request& r) {
+    r.mutable_spec()->set_accuracy(pb::ACCURACY_FAST);
+    r.mutable_spec()->set_report(pb::REPORT_EARLIEST_ONLY);
+  });
+  refuse("spec.report", [](Request& r) {
+    r.mutable_spec()->set_accuracy(pb::ACCURACY_CANDIDATES);
+    r.mutable_spec()->set_report(pb::REPORT_ANY_HIT);
+  });
+}
+
+// The rule is the engine's; the fields, and the values that it is about, are told as the client knows them.
+TEST(ConvertScene, ARefusedOptionTellsWhatItDoesNotGoWith) {
+  EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) {
+              s.set_mode(pb::DETECTION_MODE_DCD);
+              s.set_report(pb::REPORT_EARLIEST_ONLY);
+            })),
+            "spec.report is EARLIEST_ONLY, which needs CCD at GUARDED or above; spec.mode is DETECTION_MODE_DCD and "
+            "spec.accuracy is ACCURACY_CERTIFIED");
+  EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) {
+              s.set_accuracy(pb::ACCURACY_CANDIDATES);
+              s.set_report(pb::REPORT_ANY_HIT);
+            })),
+            "spec.report is ANY_HIT, which needs FAST or above; spec.mode is DETECTION_MODE_CCD and spec.accuracy is "
+            "ACCURACY_CANDIDATES");
+  EXPECT_EQ(
+      refusal_of(request_with([](pb::SceneSpec& s) {
+        s.add_kinds(pb::CONTACT_KIND_EDGE_EDGE);
+        s.add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
+      })),
+      "spec.kinds[1], CONTACT_KIND_TRIANGLE_TRIANGLE, is on, but only DCD tests triangle pairs; CCD lists them at "
+      "CANDIDATES alone; spec.mode is DETECTION_MODE_CCD and spec.accuracy is ACCURACY_CERTIFIED");
+  EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) {
+              s.set_mode(pb::DETECTION_MODE_DCD);
+              s.set_accuracy(pb::ACCURACY_FAST);
+            })),
+            "spec.thickness is 0; discrete detection at FAST needs a distance > 0");
+  EXPECT_TRUE(refusal_of(request_with([](pb::SceneSpec& s) {
+                s.set_thickness(-1);
+              })).starts_with("spec.thickness is -1; it must be from 0 to "));
+}
+
+TEST(ConvertScene, NamesWhatIsNotServed) {
+  using Request = pb::CreateSceneRequest;
+  const auto refuse = expect_refused<Unimplemented>;
+  refuse("spec.position_format", [](Request& r) { r.mutable_spec()->set_position_format(pb::POSITION_FORMAT_Q16); });
+  refuse("spec.fields[0]", [](Request& r) { r.mutable_spec()->add_fields(pb::CONTACT_FIELD_NORMAL); });
+  refuse("spec.meshes[0].motion",
+         [](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_motion(pb::MESH_MOTION_RIGID); });
+}
+
+TEST(ConvertScene, HoldsTheLimitsAndTheBackend) {
+  using Request = pb::CreateSceneRequest;
+  expect_refused<LimitExceeded>("spec.meshes",
+                                [](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_vertex_count(~0u); });
+  expect_refused<LimitExceeded>("spec.meshes", [](Request& r) {
+    for (int i = 0; i < 16384; ++i) r.mutable_spec()->add_meshes()->set_name(std::to_string(i));
+  });
+  expect_refused<LimitExceeded>("spec.memory_budget_bytes",
+                                [](Request& r) { r.mutable_spec()->set_memory_budget_bytes(~uint64_t{0}); });
+  for (const double lease : {3601.0, kInfinity})
+    expect_refused<LimitExceeded>("lease_seconds", [&](Request& r) { r.set_lease_seconds(lease); });
+  expect_refused<FailedPrecondition>("spec.backend",
+                                     [](Request& r) { r.mutable_spec()->set_backend(pb::BACKEND_CUDA); });
+}
+
+}  // namespace
+}  // namespace collided::server

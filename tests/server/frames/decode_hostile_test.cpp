@@ -1,0 +1,139 @@
+// Requests of the frame stream that are cut off, damaged, or lie about their lengths.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "server/errors.hpp"
+#include "tests/server/frames/wire_request.hpp"
+
+namespace collided::server {
+namespace {
+
+TEST(FrameDecodeHostile, EveryTruncationIsReadAsByTheGeneratedParser) {
+  for (const FrameShape shape : {FrameShape{.start = true}, FrameShape{.value_bytes = 8, .sparse = true}}) {
+    const std::string wire = frame_request(shape).SerializeAsString();
+    size_t refused = 0;
+    for (size_t bytes = 0; bytes < wire.size(); ++bytes)
+      refused += expect_same(wire.substr(0, bytes)) == Verdict::kRefused;
+    EXPECT_EQ(refused, wire.size() - 1);  // all but the empty one
+  }
+}
+
+TEST(FrameDecodeHostile, EveryTruncationWithinTheLengthsIsReadAsByTheGeneratedParser) {
+  const std::string update = frame_request({.start = true}).frame().updates(0).SerializeAsString();
+  for (size_t bytes = 0; bytes <= update.size(); ++bytes) expect_same(field(2, field(3, update.substr(0, bytes))));
+}
+
+TEST(FrameDecodeHostile, SmallPiecesMakeNoDifference) {
+  for (const FrameShape shape : {FrameShape{.start = true}, FrameShape{.value_bytes = 8, .sparse = true}}) {
+    const std::string wire = frame_request(shape).SerializeAsString();
+    for (int block = 1; block <= 7; ++block) {
+      EXPECT_EQ(expect_same(wire, block), Verdict::kSame);
+      for (size_t bytes = 1; bytes < wire.size(); bytes += 3)
+        EXPECT_EQ(expect_same(wire.substr(0, bytes), block), Verdict::kRefused);
+    }
+  }
+}
+
+TEST(FrameDecodeHostile, DamagedBytesAreReadAsByTheGeneratedParser) {
+  constexpr int kTries = 20'000;
+  std::mt19937 random(1);
+  const auto below = [&](size_t n) { return std::uniform_int_distribution<size_t>(0, n - 1)(random); };
+  const std::string wires[] = {frame_request({.start = true}).SerializeAsString(),
+                               frame_request({.value_bytes = 8, .sparse = true}).SerializeAsString(),
+                               field(1, field(1, "scene") + varint(2 << 3) + varint(4) + field(4, "token"))};
+  size_t same = 0, refused = 0;
+  for (int i = 0; i < kTries; ++i) {
+    std::string wire = wires[below(std::size(wires))];
+    // Most bytes are positions, where nothing can go wrong: the heads are hit more often.
+    const size_t place = i % 2 == 0 ? below(wire.size()) : below(std::min<size_t>(wire.size(), 32));
+    wire[place] = static_cast<char>(below(256));
+    const Verdict verdict = expect_same(wire, static_cast<int>(below(8)));
+    same += verdict == Verdict::kSame;
+    refused += verdict == Verdict::kRefused;
+    if (testing::Test::HasFailure()) FAIL() << "try " << i << ", byte " << place;
+  }
+  EXPECT_GT(same, 1000u);
+  EXPECT_GT(refused, 1000u);
+}
+
+TEST(FrameDecodeHostile, LengthsThatLieAreRefused) {
+  const std::string positions(100, 'p');
+  const uint64_t k31 = uint64_t{1} << 31, k32 = uint64_t{1} << 32, k63 = uint64_t{1} << 63;
+  for (const uint64_t length : {uint64_t{101}, k31 - 1, k31, k31 + 100, k32 - 1, k32, k32 + 100, k63, k63 + 100,
+                                ~uint64_t{0} - 1, ~uint64_t{0}}) {
+    const std::string update = field(5, positions, length);
+    const std::string wires[] = {field(2, field(3, update)),
+                                 field(2, field(3, field(4, positions, length))),  // positions
+                                 field(2, field(3, field(5, positions), length)),  // an update
+                                 field(2, field(3, field(5, positions)), length),  // a frame
+                                 field(1, positions, length),
+                                 field(1, field(1, positions, length)),  // an opening and its scene id
+                                 field(9, positions, length),
+                                 field(2, field(9, positions, length)),  // unknown fields
+                                 field(2, field(3, field(9, positions, length))),
+                                 field(2, field(3, field(2, positions, length)))};
+    for (const std::string& wire : wires) EXPECT_EQ(expect_same(wire), Verdict::kRefused) << length;
+  }
+}
+
+// What asks for much memory has to bring it.
+TEST(FrameDecodeHostile, ALengthThatLiesAsksForNoRoom) {
+  Room room(4096);
+  const std::string wire = field(2, field(3, field(5, std::string(10, 'p'), 1 << 30)));
+  EXPECT_THROW(decode(wire, room), InvalidInput);
+  EXPECT_EQ(room.asked(), 0);
+}
+
+TEST(FrameDecodeHostile, MoreUpdatesThanMeshesAreNotRead) {
+  std::string updates;
+  for (int i = 0; i < 1000; ++i) updates += field(3, "");
+  Room room(4096);
+  const auto decoded = decode(field(2, varint(1 << 3) + varint(7) + updates), room, 0, 3);
+  EXPECT_EQ(decoded.message.frame().frame_id(), 7u);
+  EXPECT_EQ(decoded.message.frame().updates_size(), 3);
+  EXPECT_THROW(std::rethrow_exception(decoded.refusal), InvalidInput);
+  EXPECT_FALSE(decode(field(2, varint(1 << 3) + varint(7) + updates.substr(0, 6)), room, 0, 3).refusal);
+  // Without an id before them there is no frame to answer.
+  EXPECT_THROW(decode(field(2, updates + varint(1 << 3) + varint(7)), room, 0, 3), InvalidInput);
+}
+
+TEST(FrameDecodeHostile, ManyFieldsAreNotRead) {
+  std::string unknown;
+  for (int i = 0; i < 1000; ++i) unknown += varint(500 << 3) + '\1';
+  Room room(4096);
+  for (const std::string& wire : {unknown, field(1, unknown), field(2, unknown), field(2, field(3, unknown)),
+                                  field(2, field(3, field(2, unknown)))})
+    EXPECT_THROW(decode(wire, room, 0, 3), LimitExceeded);
+}
+
+TEST(FrameDecodeHostile, BeforeTheOpeningNoFrameIsRead) {
+  Room room(4096);
+  const std::string wire = frame_request({}).SerializeAsString();
+  EXPECT_THROW(decode(wire, room, 0, std::nullopt), FailedPrecondition);
+  EXPECT_EQ(room.asked(), 0);
+  EXPECT_TRUE(decode(field(1, field(1, "scene")), room, 0, std::nullopt).message.has_open());
+}
+
+TEST(FrameDecodeHostile, RefusalsNameTheMessage) {
+  const auto field_of = [](const std::string& wire) -> std::string {
+    Room room(4096);
+    try {
+      decode(wire, room);
+    } catch (const InvalidInput& e) {
+      EXPECT_EQ(e.what(), e.field() + " is cut off or malformed: its bytes are no such message");
+      return e.field();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(field_of("x"), "request");
+  EXPECT_EQ(field_of(field(1, "x")), "request.open");
+  EXPECT_EQ(field_of(field(2, "x")), "frame");
+  EXPECT_EQ(field_of(field(2, "", 5)), "frame");
+  EXPECT_EQ(field_of(field(2, field(3, "x"))), "frame.updates");
+  EXPECT_EQ(field_of(field(2, field(3, field(5, "", 99)))), "frame.updates");
+  EXPECT_EQ(field_of(std::string(1, '\0')), "request");
+}
+
+}  // namespace
+}  // namespace collided::server

@@ -1,0 +1,162 @@
+// Openings that are refused: the client is told why, and nothing of it stays.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/server/transport/local/serving.hpp"
+
+namespace collided::server {
+namespace {
+
+constexpr uint64_t kPage = 4096;
+
+class LocalOpening : public testing::Test {
+ protected:
+  pb::LocalClosed refusal(const pb::LocalRequest& request, const std::vector<int>& files = {}) {
+    const RawLocal raw(serving_.path());
+    raw.send(request, files);
+    return raw.closed();
+  }
+  pb::LocalRequest good() const { return test::open_request(scene_, kPage, kPage); }
+  void TearDown() override {
+    EXPECT_TRUE(eventually([&] { return serving_.server().connections() == 0; }));
+    EXPECT_EQ(serving_.host().usage().streams(), 0u);
+    EXPECT_TRUE(eventually([&] { return open_files() == files_; })) << open_files() << " " << files_;
+  }
+
+  Serving serving_;
+  std::string scene_ = serving_.make_scene();
+  size_t files_ = open_files();
+};
+
+TEST_F(LocalOpening, GoodOne) {
+  const Memory memory(2 * kPage);
+  const RawLocal raw(serving_.path());
+  raw.send(good(), {memory.file()});
+  const auto response = raw.receive();
+  ASSERT_TRUE(response && response->frame().has_opened());
+  EXPECT_EQ(response->frame().opened().window(), 2u);
+  EXPECT_EQ(response->frame().opened().scene().scene_id(), scene_);
+  raw.half_close();
+  EXPECT_EQ(raw.closed().code(), 0);
+}
+
+TEST_F(LocalOpening, NamesWhatIsWrong) {
+  struct Case {
+    const char* field;
+    int code;
+    std::function<void(pb::LocalOpen&)> spoil;
+  };
+  const Case cases[] = {
+      {"open.version", 3, [](auto& open) { open.set_version(2); }},
+      {"open.version", 3, [](auto& open) { open.clear_version(); }},
+      {"scene_id", 5, [](auto& open) { open.mutable_open()->set_scene_id("none"); }},
+      {"open.window", 8, [](auto& open) { open.mutable_open()->set_window(17); }},
+      {"open.delivery", 3, [](auto& open) { open.mutable_open()->set_delivery(pb::DeliveryPolicy(9)); }},
+      {"open.resume_token", 7, [](auto& open) { open.mutable_open()->set_resume_token("guess"); }},
+      {"open.input_bytes", 3, [](auto& open) { open.set_input_bytes(kPage + 1); }},
+      {"open.input_bytes", 8, [](auto& open) { open.set_input_bytes(uint64_t{1} << 40); }},
+      {"open.input_bytes", 8, [](auto& open) { open.set_input_bytes(~uint64_t{0} / kPage * kPage); }},
+      {"open.output_bytes", 3, [](auto& open) { open.set_output_bytes(1); }},
+      {"open.output_bytes", 8, [](auto& open) { open.set_output_bytes((uint64_t{1} << 30) + kPage); }},
+      {"open.file", 3, [](auto& open) { open.set_input_bytes(2 * kPage); }},
+      {"open.cuda_ipc_handle", 9, [](auto& open) { open.set_cuda_ipc_handle(std::string(64, 'h')); }},
+  };
+  const Memory memory(2 * kPage);
+  for (const auto& one : cases) {
+    auto request = good();
+    one.spoil(*request.mutable_open());
+    const auto closed = refusal(request, {memory.file()});
+    EXPECT_EQ(closed.code(), one.code) << closed.message();
+    EXPECT_TRUE(closed.field().ends_with(one.field)) << closed.field() << " is not " << one.field;
+    EXPECT_FALSE(closed.message().empty());
+  }
+}
+
+TEST_F(LocalOpening, OneFileOfTheRightKind) {
+  const Memory memory(2 * kPage), unsealed(2 * kPage, 0);
+  EXPECT_EQ(refusal(good(), {unsealed.file()}).field(), "open.file");
+  EXPECT_EQ(refusal(good()).field(), "open.file");
+  EXPECT_EQ(refusal(good(), {memory.file(), memory.file()}).field(), "open.file");
+  EXPECT_EQ(refusal(good(), {memory.file(), memory.file(), memory.file(), memory.file()}).code(), 3);
+  EXPECT_EQ(refusal(good(), std::vector<int>(100, memory.file())).code(), 8);
+  EXPECT_EQ(refusal(good(), std::vector<int>(253, memory.file())).code(), 8);
+  EXPECT_EQ(refusal(test::open_request(scene_, 0, 0), {memory.file()}).field(), "open.file");
+}
+
+TEST_F(LocalOpening, NothingThatIsNoOpening) {
+  pb::LocalRequest frame, shared;
+  frame.mutable_frame()->set_frame_id(1);
+  shared.mutable_shared_frame()->set_size(1 << 20);
+  EXPECT_EQ(refusal(frame).code(), 9);
+  EXPECT_EQ(refusal(shared).code(), 9);
+  const Memory memory(kPage);
+  for (const std::string& packet : {std::string("\xff\xff\xff garbage"), std::string(64 << 10, '\x0a')}) {
+    const RawLocal raw(serving_.path());
+    ASSERT_TRUE(raw.send(packet, {memory.file()}));
+    EXPECT_EQ(raw.closed().code(), 3) << packet.size();
+  }
+  const RawLocal empty(serving_.path());
+  ASSERT_TRUE(empty.send(std::string_view()));
+  EXPECT_EQ(empty.closed().code(), 3);
+  const RawLocal long_one(serving_.path());
+  ASSERT_TRUE(long_one.send(std::string((64 << 10) + 1, '\0')));
+  EXPECT_EQ(long_one.closed().code(), 8);
+}
+
+TEST_F(LocalOpening, AnotherStreamIsTakenOverWithTheTokenAlone) {
+  LocalStream first(serving_.path(), scene_);
+  ASSERT_TRUE(first.opened());
+  const auto request = test::open_request(scene_, 0, 0);
+  EXPECT_EQ(refusal(request).code(), 9);
+  auto resuming = request;
+  resuming.mutable_open()->mutable_open()->set_resume_token(first.opened()->scene().resume_token());
+  const RawLocal second(serving_.path());
+  second.send(resuming);
+  const auto response = second.receive();
+  EXPECT_TRUE(response && response->frame().has_opened());
+  EXPECT_EQ(first.raw().closed().code(), 10);
+}
+
+TEST_F(LocalOpening, TokensAreAskedFor) {
+  const Folder folder;
+  std::ofstream(folder.file("tokens"))
+      << "[[tokens]]\nname = \"robot\"\ntoken = \"0123456789abcdef0123456789abcdef\"\n";
+  std::filesystem::permissions(folder.file("tokens"), std::filesystem::perms(0600));
+  Config config = Serving::cpu_config();
+  config.tokens_file = folder.file("tokens");
+  std::unique_ptr<Serving> guarded;
+  ASSERT_NO_THROW(guarded = std::make_unique<Serving>(LocalTimeouts{}, config));
+  for (const auto& [token, code] : {std::pair("", 16), {"wrong", 16}, {"0123456789abcdef0123456789abcdef", 5}}) {
+    auto request = test::open_request("none", 0, 0);
+    request.mutable_open()->set_token(token);
+    const RawLocal raw(guarded->path());
+    raw.send(request);
+    EXPECT_EQ(raw.closed().code(), code) << token;
+  }
+}
+
+TEST_F(LocalOpening, ConnectionsAreLimited) {
+  Config config = Serving::cpu_config();
+  config.limits.max_streams = 3;
+  Serving narrow({}, config);
+  std::vector<std::unique_ptr<RawLocal>> waiting;
+  for (int i = 0; i < 3; ++i) waiting.push_back(std::make_unique<RawLocal>(narrow.path()));
+  ASSERT_TRUE(eventually([&] { return narrow.server().connections() == 3; }));
+  EXPECT_EQ(RawLocal(narrow.path()).closed().code(), 8);
+  waiting.clear();
+  ASSERT_TRUE(eventually([&] { return narrow.server().connections() == 0; }));
+  LocalStream stream(narrow.path(), narrow.make_scene());
+  EXPECT_TRUE(stream.opened());
+}
+
+TEST(LocalTimeoutsTest, ClientsThatNeverOpenAreEnded) {
+  Serving serving({.open_seconds = 0.05});
+  const RawLocal silent(serving.path());
+  const auto closed = silent.closed();
+  EXPECT_EQ(closed.code(), 4) << closed.message();
+  EXPECT_TRUE(eventually([&] { return serving.server().connections() == 0; }));
+}
+
+}  // namespace
+}  // namespace collided::server
