@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A program of README.md's C++ and a main that calls it.
+"""A program of the C++ of README.md and client/EXAMPLES.md, and a main that calls it.
 
 usage: cpp_example.py REPOSITORY OUTPUT
 """
@@ -15,6 +15,11 @@ PROGRAM = """\
 std::string address();
 
 {first}
+// Compiled and not run: the same in few lines.
+void first_frame(const v1::SceneSpec& spec, const MeshInput& mesh, const FrameUpdate& update, uint64_t id) {{
+{few}
+}}
+
 void go_on(Client& client, const v1::Scene& scene, const Points& moved, const std::vector<uint32_t>& indices) {{
 {second}
   again.send(again.scene().last_frame_id() + 1, {{&sparse, 1}});
@@ -53,7 +58,10 @@ int main() {
 """
 
 repository, output = map(pathlib.Path, sys.argv[1:])
-first, second = Page(repository / "README.md").blocks("cpp")
-if f'"{README_SOCKET}"' not in first:
-    sys.exit(f"README.md's C++ does not connect to {README_SOCKET}")
-output.write_text(PROGRAM.format(first=first.replace(f'"{README_SOCKET}"', "address()"), second=second, main=MAIN))
+(few,) = Page(repository / "README.md").blocks("cpp")
+first, second = Page(repository / "client" / "EXAMPLES.md").blocks("cpp")
+for page, code in (("README.md", few), ("client/EXAMPLES.md", first)):
+    if f'"{README_SOCKET}"' not in code:
+        sys.exit(f"the C++ of {page} does not connect to {README_SOCKET}")
+few, first = (code.replace(f'"{README_SOCKET}"', "address()") for code in (few, first))
+output.write_text(PROGRAM.format(few=few, first=first, second=second, main=MAIN))

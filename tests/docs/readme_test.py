@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""README.md, as a new user reads it: its programs and command lines are run against a real daemon.
+"""README.md and the pages it leads to, as a new user reads them: programs and command lines are run against a daemon.
 
 usage: readme_test.py DAEMON COLLIDECTL CPP_EXAMPLE REPOSITORY
 """
@@ -21,7 +21,7 @@ from daemon import Daemon  # noqa: E402
 from markdown import Page  # noqa: E402
 from run_page import README_SOCKET, run_python  # noqa: E402
 
-README = Page(REPOSITORY / "README.md")
+README, EXAMPLES, ACCURACY = (Page(REPOSITORY / page) for page in ("README.md", "client/EXAMPLES.md", "proto/ACCURACY.md"))
 # Smaller than a new user's, for a test is to be quick: what a command line ends in.
 SMALLER = {
     "tradeoff --scene": "--scale 0.2 --repeats 1 --levels fast,exact --formats f32",
@@ -61,12 +61,12 @@ class Python(WithDaemon):
         except ImportError as missing:
             self.skipTest(f"{missing} (Debian: python3-grpcio, python3-numpy)")
         (self.folder / "proto").symlink_to(REPOSITORY / "proto")
-        install, *lines, run = README.blocks(after="Python, with nothing but stubs")[0].splitlines()
+        install, *lines, run = EXAMPLES.blocks(after="Python, with nothing but stubs")[0].splitlines()
         self.assertTrue(install.startswith("apt-get install "))
         self.assertEqual(run, "PYTHONPATH=stubs python3 example.py")
         for line in lines:
             self.run_line(line)
-        (program,) = README.blocks("python")
+        (program,) = EXAMPLES.blocks("python")
         printed = run_python(program, self.daemon.address, self.folder / "stubs")
         self.assertEqual(printed, "vertex 3, triangle 0, t = 0.500000000\n")
         self.assertIn(f"# {printed}", program)
@@ -93,10 +93,10 @@ class CommandLines(WithDaemon):
         (cls.folder / "client").symlink_to(REPOSITORY / "client")
 
     def lines(self, program):
-        for block in README.blocks():
-            for line in block.splitlines():
-                if line.startswith(f"{program} "):
-                    yield line.split(" #")[0].split("   ")[0].strip()
+        blocks = (block for page in (README, EXAMPLES, ACCURACY) for block in page.blocks())
+        for line in (line for block in blocks for line in block.splitlines()):
+            if line.startswith(f"{program} "):
+                yield line.split(" #")[0].split("   ")[0].strip()
 
     def collidectl_lines(self):
         return self.lines("collidectl")

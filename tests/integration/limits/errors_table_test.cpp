@@ -1,4 +1,4 @@
-// README's table of errors, read and provoked: each code in the situations that its row names.
+// The table of proto/ERRORS.md, read and provoked: each code in the situations that its row names.
 #include <absl/status/status.h>
 #include <gtest/gtest.h>
 
@@ -17,14 +17,12 @@
 namespace collided::test {
 namespace {
 
-// What stands in the row of each code under "when", from the section "Errors" on.
+// What stands in the row of each code under "when".
 std::map<std::string, std::string> read_table() {
-  std::ifstream file(setting("COLLIDED_README", COLLIDED_README));
+  std::ifstream file(setting("COLLIDED_ERRORS_PAGE", COLLIDED_ERRORS_PAGE));
   std::map<std::string, std::string> rows;
-  bool is_here = false;
   for (std::string line; std::getline(file, line);) {
-    if (line.starts_with("## ")) is_here = line == "## Errors";
-    if (!is_here || !line.starts_with("| ") || line.starts_with("| code |")) continue;
+    if (!line.starts_with("| ") || line.starts_with("| code |")) continue;
     const auto end = line.find(" | ", 2), next = line.find(" | ", end + 3);
     rows[line.substr(2, end - 2)] = line.substr(end + 3, next - end - 3);
   }
