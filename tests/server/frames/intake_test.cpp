@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/convert/status.hpp"
 #include "server/errors.hpp"
 #include "tests/server/scenes/tiny_scene.hpp"
 

@@ -47,7 +47,7 @@ void stream_on(const SceneUse& scene, std::vector<Stream>& streams, std::atomic<
 // What the daemon's other threads do to a scene's stream.
 void look_on(const SceneUse& scene, const std::atomic<bool>& stop) {
   for (bool is_held = false; !stop; is_held = !is_held) {
-    const auto stream = scene->stream();
+    const auto stream = std::dynamic_pointer_cast<FrameSession>(scene->stream());
     if (!stream) continue;
     stream->hold(is_held);
     stream->announce_stop(1);

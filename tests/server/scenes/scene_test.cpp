@@ -139,7 +139,7 @@ TEST_F(SceneTest, ShowsWhatItHolds) {
   EXPECT_EQ(shown.vertices, 6u);
   EXPECT_EQ(shown.triangles, 2u);
   EXPECT_EQ(shown.edges, 6u);
-  EXPECT_EQ(scene->most_position_bytes(), 6u * 12 * 2);
+  EXPECT_EQ(scene->max_position_bytes(), 6u * 12 * 2);
   EXPECT_TRUE(scene->plan().engine.meshes[0].triangles.empty());
 }
 

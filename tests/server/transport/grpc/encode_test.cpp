@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/convert/chunks.hpp"
+#include "server/frames/answer.hpp"
 #include "tests/server/scenes/tiny_scene.hpp"
 
 namespace collided::server {
@@ -98,7 +99,7 @@ TEST_F(FrameEncode, TheGeneratedParserReadsWhatFillChunkWrites) {
     }
     pb::StreamFramesResponse end, sent_end = parse(messages.back());
     end.set_frame_id(answer->frame_id);
-    fill_done(answer->result, answer->cost, end.mutable_done());
+    *end.mutable_done() = done_message(*answer);
     sent_end.mutable_done()->clear_contacts();
     EXPECT_EQ(sent_end.SerializeAsString(), end.SerializeAsString());
   }

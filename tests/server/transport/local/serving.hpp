@@ -8,6 +8,7 @@
 #include <string>
 
 #include "server/auth/authenticator.hpp"
+#include "server/convert/scene.hpp"
 #include "server/frames/observer.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/transport/local/local_server.hpp"
