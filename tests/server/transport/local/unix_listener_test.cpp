@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/net/peer.hpp"
 #include "tests/server/transport/local/serving.hpp"
 
 namespace collided::server {
