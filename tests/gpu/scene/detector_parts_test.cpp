@@ -85,8 +85,9 @@ TEST_F(DetectorParts, CandidatesHaveNoNarrowPhase) {
 TEST_F(DetectorParts, ScenesKeepThePreviousPositionsOnce) {
   const auto parts = [](Mode mode) {
     const Case c = small_case();
-    const auto detector = Detector::create(spec_for(c, settings(mode, Accuracy::kCandidates)));
-    const Frame frame(c, mode, Scalar::kF32);
+    const SceneSpec spec = settings(mode, Accuracy::kCandidates);
+    const auto detector = Detector::create(spec_for(c, spec));
+    const Frame frame(c, mode, spec.scalar);
     FrameInput input = frame.input();
     for (MeshPositions& update : input.updates) update.start = {};
     for (int i = 0; i < 2; ++i) detector->detect(input);

@@ -42,9 +42,9 @@ void PrintTo(const Hostile& hostile, std::ostream* out) { *out << hostile.name; 
 
 class HostileFrame : public OnBackend<testing::TestWithParam<Hostile>> {
  protected:
-  /// A GPU is soon done with the crowd, and asks little before its one launch.
+  /// A GPU is soon done with the crowd, and asks little before and after its one launch.
   static int patience() {
-    constexpr int kOnCuda = 20;
+    constexpr int kOnCuda = 3;
     return kBackend == Backend::kCuda ? std::min(kOnCuda, GetParam().patience) : GetParam().patience;
   }
 };
