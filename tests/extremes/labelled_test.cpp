@@ -18,28 +18,34 @@ namespace {
 
 class Labelled : public OnBackend<::testing::TestWithParam<Scalar>> {
  protected:
-  /// The score of a level on all queries. Rounded to float, they are judged anew: labels hold for double.
-  static Score score_of(const std::vector<LabelledQuery>& labelled, Accuracy accuracy) {
-    Score sum;
+  /// The queries of each kind with their truth. Rounded to float, they are judged anew: labels hold for double.
+  static std::vector<Judged> judged(const std::vector<LabelledQuery>& labelled) {
+    std::vector<Judged> kinds;
     for (QueryKind kind : {QueryKind::kVertexTriangle, QueryKind::kEdgeEdge}) {
       std::vector<Query> queries;
       for (const LabelledQuery& l : labelled)
         if (l.query.kind == kind && fits(l.query)) queries.push_back(rounded(l.query, GetParam()));
-      const Judged judged = judge(std::move(queries), Mode::kCcd, 0);
-      BatchSettings settings;
-      settings.backend = kBackend;
-      settings.scalar = GetParam();
-      settings.accuracy = accuracy;
-      sum += score(judged, run_queries(judged.queries, settings), accuracy);
+      kinds.push_back(judge(std::move(queries), Mode::kCcd, 0));
     }
+    return kinds;
+  }
+
+  static Score score_of(const std::vector<Judged>& kinds, Accuracy accuracy) {
+    BatchSettings settings;
+    settings.backend = kBackend;
+    settings.scalar = GetParam();
+    settings.accuracy = accuracy;
+    Score sum;
+    for (const Judged& kind : kinds) sum += score(kind, run_queries(kind.queries, settings), accuracy);
     return sum;
   }
 
   /// Checks every level; returns the false contacts of CERTIFIED.
   static uint64_t expect_promises(const char* what, const std::vector<LabelledQuery>& labelled) {
+    const std::vector<Judged> kinds = judged(labelled);
     uint64_t false_at_certified = 0;
     for (Accuracy accuracy : {Accuracy::kFast, Accuracy::kGuarded, Accuracy::kCertified, Accuracy::kExact}) {
-      const Score s = score_of(labelled, accuracy);
+      const Score s = score_of(kinds, accuracy);
       std::printf("%s, %s, %s: %llu queries, %llu hits, %llu missed, %llu late, %llu false, %llu certified\n", what,
                   name_of(GetParam()).c_str(), name_of(accuracy).c_str(), number(s.queries), number(s.hits),
                   number(s.missed), number(s.late), number(s.false_hits), number(s.certified));
