@@ -82,11 +82,17 @@ SceneUse SceneStore::find(const Client& owner, const std::string& id) const {
   return SceneUse(find_locked(owner, id)->second);
 }
 
+void SceneStore::note_removed_locked(const std::shared_ptr<Scene>& scene) {
+  std::erase_if(removed_, [](const auto& removed) { return removed.expired(); });
+  removed_.push_back(scene);
+}
+
 std::shared_ptr<Scene> SceneStore::take_out_locked(Scenes::const_iterator found, const SceneEnd& end) {
   auto scene = found->second;
   ended_.add(scene->facts().owner->name, scene->id(), end);
   scenes_.erase(found);
   requests_.erase({scene->facts().owner->name, scene->facts().request_id});
+  note_removed_locked(scene);
   return scene;
 }
 
@@ -146,13 +152,17 @@ void SceneStore::set_queue_capacity(size_t queue_capacity) {
 
 void SceneStore::clear() {
   Scenes scenes;
+  std::vector<std::weak_ptr<Scene>> removed;
   {
     const std::lock_guard lock(mutex_);
     scenes.swap(scenes_);
+    removed.swap(removed_);
     requests_.clear();
   }
   for (auto& [id, scene] : scenes) scene->close({.when = std::chrono::steady_clock::now()});
   for (auto& [id, scene] : scenes) scene->worker().flush();
+  for (const auto& weak : removed)
+    if (const auto scene = weak.lock()) scene->worker().flush();
 }
 
 }  // namespace collided::server

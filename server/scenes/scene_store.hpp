@@ -46,7 +46,7 @@ class SceneStore {
   void set_max_scenes(size_t max_scenes);
   /// Maximum number of frames of unary calls that wait for a scene; also for existing scenes.
   void set_queue_capacity(size_t queue_capacity);
-  /// Removes all scenes and waits for the work that is under way.
+  /// Removes all scenes and waits for the work that is under way, also of scenes that were removed before.
   void clear();
 
  private:
@@ -58,6 +58,7 @@ class SceneStore {
   void check_room_locked(const Client& owner) const;
   Scenes::const_iterator find_locked(const Client& owner, const std::string& id) const;
   [[noreturn]] void throw_not_found_locked(const Client& owner, const std::string& id) const;
+  void note_removed_locked(const std::shared_ptr<Scene>& scene);
   std::shared_ptr<Scene> take_out_locked(Scenes::const_iterator found, const SceneEnd& end);
 
   const SceneSurroundings surroundings_;
@@ -66,6 +67,7 @@ class SceneStore {
   size_t queue_capacity_;
   Scenes scenes_;
   std::map<RequestKey, std::shared_ptr<Scene>> requests_;
+  std::vector<std::weak_ptr<Scene>> removed_;  // whose workers may still have jobs
   EndedScenes ended_;
 };
 

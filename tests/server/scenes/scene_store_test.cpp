@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <set>
 #include <thread>
@@ -225,6 +226,24 @@ TEST_F(SceneStoreTest, ClearFreesAllScenes) {
   EXPECT_TRUE(store_.all().empty());
   EXPECT_THROW(use->check_open(), NotFound);
   EXPECT_TRUE(store_.add(ann_, request("mine", 2)).is_new);
+}
+
+// Its jobs use what the daemon destroys next.
+TEST_F(SceneStoreTest, ClearWaitsForTheWorkOfRemovedScenesToo) {
+  std::atomic<int> done = 0;
+  const auto add_busy = [&](double lease_seconds) {
+    const auto scene = store_.add(ann_, request("", 1, lease_seconds)).scene.scene();
+    scene->worker().post([scene, &done] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      ++done;
+    });
+    return scene->id();
+  };
+  add_busy(1);
+  store_.remove_expired(Clock::now() + seconds(5));
+  store_.remove(ann_, add_busy(30));
+  store_.clear();
+  EXPECT_EQ(done, 2);
 }
 
 TEST_F(SceneStoreTest, OfRequestsAtOnceOneMakesTheScene) {
