@@ -7,11 +7,8 @@
 
 namespace collided::test {
 
-#ifdef COLLIDED_TEST_CUDA
-inline constexpr Backend kBackend = Backend::kCuda;
-#else
-inline constexpr Backend kBackend = Backend::kCpu;
-#endif
+/// Given by the library that is linked: collided_tests_on_cpu or collided_tests_on_cuda.
+extern const Backend kBackend;
 
 template <class Base = ::testing::Test>
 class OnBackend : public Base {

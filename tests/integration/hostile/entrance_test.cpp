@@ -35,6 +35,8 @@ struct Flood {
   bool is_unix = false;
 };
 
+void PrintTo(const Flood& flood, std::ostream* out) { *out << flood.path << (flood.is_unix ? " over Unix sockets" : ""); }
+
 class Resets : public testing::TestWithParam<Flood> {};
 
 // gRPC keeps each call until it is taken up, however fast they come and go.

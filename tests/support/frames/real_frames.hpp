@@ -2,6 +2,7 @@
 // Pairs of consecutive frames of simulations, with the exact truth of every pair of features that collides.
 
 #include <filesystem>
+#include <ostream>
 #include <vector>
 
 #include "tests/support/case.hpp"
@@ -25,6 +26,9 @@ inline constexpr RealFrames kFunnelFrames{"cloth_funnel_227_228", FrameSource::k
                                           "227.ply", "228.ply"};
 inline constexpr RealFrames kBallFrames{"cloth_ball_92_93", FrameSource::kDataFolder, "ccd-frames/cloth-ball",
                                         "cloth_ball92.ply", "cloth_ball93.ply"};
+
+/// How GoogleTest names them.
+inline void PrintTo(const RealFrames& frames, std::ostream* out) { *out << frames.name; }
 
 /// Whether load() can read them: false for those of an absent data folder.
 bool are_here(const RealFrames& frames);

@@ -1,0 +1,1 @@
+// Empty: its target has the precompiled headers of the daemon's tests.
