@@ -16,6 +16,8 @@
 #include <utility>
 #include <vector>
 
+#include "gpu/contact_set.hpp"
+
 namespace collided {
 
 /// A field of the input has a value that cannot be used. `field` is its path within the input.
@@ -114,7 +116,8 @@ struct SceneSpec {
   /// DCD: triangles of the frame that intersect; thickness plays no part. CCD, at kCandidates alone: triangles whose
   /// boxes overlap.
   bool triangle_triangle = false;
-  bool weights = false;                       ///< return the closest points' weights
+  /// What contacts are to have, where the level computes it. Elements, toi and flags are always there.
+  FieldSet fields = {ContactField::kElements, ContactField::kToi, ContactField::kDistance, ContactField::kFlags};
   uint64_t memory_budget = 0;                 ///< bytes on the backend; 0: no limit but the device's
   std::shared_ptr<MemoryQuota> memory_quota;  ///< that counts it too, and memory on the host; may be empty
   int threads = 0;                            ///< CPU threads; 0: all cores
@@ -160,52 +163,6 @@ struct FrameInput {
   uint64_t bytes_beside_contact = 0;
 };
 
-/// kFlagCertified: certain in real arithmetic; kFlagNear: certain only to within delta and the working precision;
-/// kFlagCapped: the limit of iterations was met; kFlagInitial: in contact at t = 0 (with kFlagNear, to within delta).
-enum ContactFlags : uint8_t { kFlagCertified = 1, kFlagNear = 2, kFlagCapped = 4, kFlagInitial = 8 };
-
-/// Values of a result, in memory that all copies share.
-template <class T>
-class Column {
- public:
-  Column() = default;
-  /// `values` keeps the memory that they lie in.
-  Column(std::shared_ptr<T> values, size_t size) : values_(std::move(values)), size_(size) {}
-  Column(std::vector<T> values) : size_(values.size()) {
-    const auto owner = std::make_shared<std::vector<T>>(std::move(values));
-    values_ = std::shared_ptr<T>(owner, owner->data());
-  }
-  Column(std::initializer_list<T> values) : Column(std::vector<T>(values)) {}
-
-  size_t size() const { return size_; }
-  bool empty() const { return size_ == 0; }
-  T* data() { return values_.get(); }
-  const T* data() const { return values_.get(); }
-  T& operator[](size_t i) { return values_.get()[i]; }
-  const T& operator[](size_t i) const { return values_.get()[i]; }
-  const T* begin() const { return data(); }
-  const T* end() const { return data() + size_; }
-  /// Only the first `size` of them stay.
-  void truncate(size_t size) { size_ = std::min(size_, size); }
-
-  bool operator==(const Column& other) const { return std::equal(begin(), end(), other.begin(), other.end()); }
-
- private:
-  std::shared_ptr<T> values_;
-  size_t size_ = 0;
-};
-
-/// Contacts of one kind, sorted by (first id, second id). Columns that the level does not compute are empty. All have
-/// the layout of the wire: little-endian, packed.
-struct ContactSet {
-  Column<std::array<uint32_t, 2>> elements;  ///< vertex, triangle; or two edges or triangles (first < second)
-  Column<double> toi;                        ///< [0, 1]; CCD from kFast on
-  Column<double> distance;                   ///< >= 0; from kFast on
-  Column<std::array<double, 2>> weights;     ///< triangle's 2nd and 3rd corner, or along each edge; if asked for
-  Column<uint8_t> flags;                     ///< ContactFlags; from kFast on
-  size_t size() const { return elements.size(); }
-};
-
 struct StageTime {
   std::string stage;
   double milliseconds = 0;
@@ -215,15 +172,13 @@ struct FrameCounts {
   uint64_t cells = 0, leaves = 0;
   uint32_t top_level = 0, base_level = 0;
   uint64_t registrations = 0, tests = 0, pairs = 0;
-  uint64_t candidates_vt = 0, candidates_ee = 0, contacts_vt = 0, contacts_ee = 0, contacts_tt = 0;
-  uint64_t survivors_vt = 0, survivors_ee = 0;  ///< left by the coplanarity filter (from kGuarded on)
+  PerKind<uint64_t> candidates, contacts;
+  PerKind<uint64_t> survivors;  ///< left by the coplanarity filter (from kGuarded on)
   uint64_t exact_decisions = 0;
 };
 
-struct FrameResult {
-  ContactSet vertex_triangle;
-  ContactSet edge_edge;
-  ContactSet triangle_triangle;  ///< elements and flags alone
+/// Of triangle pairs it has elements and flags alone.
+struct FrameResult : PerKind<ContactSet> {
   std::vector<StageTime> stages;
   FrameCounts counts;
   uint32_t replays = 0;         ///< runs of the step that were too short of memory

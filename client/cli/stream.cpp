@@ -34,7 +34,8 @@ struct StreamOptions {
 /// Sums over the frames. Contacts are counted and dropped, except the earliest.
 struct Totals {
   std::vector<v1::FrameMetrics> metrics;
-  uint64_t contacts = 0, vertex_triangle = 0, edge_edge = 0, triangle_triangle = 0;
+  uint64_t contacts = 0;
+  client::PerKind<uint64_t> of_kind;
   uint64_t bytes_in = 0, bytes_out = 0, replays = 0;
   bool any_contact = false;
   std::optional<Json> earliest;
@@ -43,9 +44,8 @@ struct Totals {
     output.check();
     const v1::FrameMetrics& m = output.done.metrics();
     contacts += output.done.contact_count();
-    vertex_triangle += output.vertex_triangle.count;
-    edge_edge += output.edge_edge.count;
-    triangle_triangle += output.triangle_triangle.count;
+    for_each_kind([](v1::ContactKind, uint64_t& sum, const client::Contacts& found) { sum += found.count; }, of_kind,
+                  output);
     any_contact |= output.done.any_contact();
     bytes_in += m.bytes_in();
     bytes_out += m.bytes_out();
@@ -83,11 +83,9 @@ void play(client::FrameStream& stream, const scenes::Scene& scene, const SceneOp
 
 Json contacts_json(const StreamOptions& options, const Totals& totals) {
   if (options.detection.report == "any") return {{"contact_count", nullptr}, {"any_contact", totals.any_contact}};
-  Json out = {{"contact_count", totals.contacts},
-              {"contacts_vertex_triangle", totals.vertex_triangle},
-              {"contacts_edge_edge", totals.edge_edge},
-              {"contacts_triangle_triangle", totals.triangle_triangle},
-              {"any_contact", totals.any_contact}};
+  Json out = {{"contact_count", totals.contacts}};
+  out.update(contact_counts_json(totals.of_kind));
+  out["any_contact"] = totals.any_contact;
   if (totals.earliest) out["earliest"] = *totals.earliest;
   return out;
 }

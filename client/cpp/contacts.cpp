@@ -52,6 +52,7 @@ void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransp
   arrays.append(contacts.toi, chunk.toi(), shared.toi(), "toi");
   arrays.append(contacts.distance, chunk.distance(), shared.distance(), "distance");
   arrays.append(contacts.weights, chunk.weights(), shared.weights(), "weights");
+  arrays.append(contacts.normals, chunk.normals(), shared.normals(), "normals");
   arrays.append(contacts.flags, chunk.flags(), shared.flags(), "flags");
   contacts.count += chunk.count();
 }

@@ -19,8 +19,23 @@ struct Contacts {
   std::vector<double> toi;
   std::vector<double> distance;
   std::vector<std::array<double, 2>> weights;
+  std::vector<std::array<float, 3>> normals;
   std::vector<uint8_t> flags;
 };
+
+/// One value for each kind of contact.
+template <class T>
+struct PerKind {
+  T vertex_triangle{}, edge_edge{}, triangle_triangle{};
+};
+
+/// visit(kind, value of each of `structs`) for each kind, in the order of answers.
+template <class Visit, class... PerKinds>
+void for_each_kind(const Visit& visit, PerKinds&&... structs) {
+  visit(v1::CONTACT_KIND_VERTEX_TRIANGLE, structs.vertex_triangle...);
+  visit(v1::CONTACT_KIND_EDGE_EDGE, structs.edge_edge...);
+  visit(v1::CONTACT_KIND_TRIANGLE_TRIANGLE, structs.triangle_triangle...);
+}
 
 /// Appends a chunk; arrays in shared memory are read through the transport that it came by. Throws Error (DATA_LOSS) if
 /// the length of an array is not the chunk's `count`.

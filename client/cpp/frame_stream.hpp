@@ -19,12 +19,9 @@ namespace collided::client {
 
 class FrameTransport;
 
-/// The daemon's whole answer to one frame.
-struct FrameOutput {
+/// The daemon's whole answer to one frame. Triangle pairs have elements and flags only.
+struct FrameOutput : PerKind<Contacts> {
   uint64_t frame_id = 0;
-  Contacts vertex_triangle;
-  Contacts edge_edge;
-  Contacts triangle_triangle;           ///< elements and flags only
   v1::FrameDone done;                   ///< metrics and totals
   std::optional<v1::FrameError> error;  ///< the frame was refused; the stream goes on
   bool skipped = false;                 ///< a later frame replaced it (LATEST_WINS)

@@ -17,17 +17,15 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kMaxTime(1'000'000'000);  // longer ones overflow the clock
 
-Contacts& contacts_of(FrameOutput& output, v1::ContactKind kind) {
-  switch (kind) {
-    case v1::CONTACT_KIND_VERTEX_TRIANGLE:
-      return output.vertex_triangle;
-    case v1::CONTACT_KIND_EDGE_EDGE:
-      return output.edge_edge;
-    case v1::CONTACT_KIND_TRIANGLE_TRIANGLE:
-      return output.triangle_triangle;
-    default:
-      throw Error(grpc::DATA_LOSS, "contacts.kind is " + std::to_string(kind) + ", which this client does not know");
-  }
+Contacts& contacts_of(FrameOutput& output, v1::ContactKind wanted) {
+  Contacts* found = nullptr;
+  for_each_kind(
+      [&](v1::ContactKind kind, Contacts& contacts) {
+        if (kind == wanted) found = &contacts;
+      },
+      output);
+  if (found) return *found;
+  throw Error(grpc::DATA_LOSS, "contacts.kind is " + std::to_string(wanted) + ", which this client does not know");
 }
 
 }  // namespace

@@ -7,27 +7,8 @@
 
 namespace collided {
 
-struct IdPair {
-  uint32_t first, second;
-};
-struct WeightPair {
-  double first, second;
-};
-
-/// Those of a list's values that are wanted.
-struct ColumnsWanted {
-  bool flags = false, distance = false, toi = false, weights = false;
-
-  bool operator==(const ColumnsWanted&) const = default;
-};
-
 /// Contacts of all kinds. Columns that are not wanted are empty.
-struct ContactColumns {
-  Span<IdPair> elements;
-  Span<double> toi, distance;
-  Span<WeightPair> weights;
-  Span<uint8_t> flags;
-
+struct ContactColumns : PerField<Span> {
   template <class Real>
   COLLIDED_HD void put(uint64_t place, const ContactData<Real>& contact) const {
     if (!flags.empty()) flags[place] = contact.flags;
@@ -41,6 +22,7 @@ struct ContactColumns {
 template <class Real>
 struct WriteContact {
   Span<const ContactData<Real>> data;  ///< of the list; empty: there are only keys
+  Span<const Normal> normals;          ///< of the list; empty if they are not wanted
   FeatureRanks ranks;
   ContactColumns columns;
 
@@ -51,38 +33,38 @@ struct WriteContact {
     const uint32_t rank = first_id(key);
     columns.elements[place] = {rank - ranks.first_of_kind(rank), second_id(key)};
     if (has_data()) columns.put(place, data[from]);
+    if (!normals.empty()) columns.normals[place] = normals[from];
   }
 };
 
 template <class Exec>
-struct ColumnBuffers {
-  explicit ColumnBuffers(Exec& exec)
-      : elements(exec, "keys"),
-        toi(exec, "contacts"),
-        distance(exec, "contacts"),
-        weights(exec, "contacts"),
-        flags(exec, "contacts") {}
+struct BufferOn {
+  template <class T>
+  using Type = Buffer<T, Exec>;
+};
 
-  void reserve(uint64_t count, const ColumnsWanted& wanted) {
-    elements.allocate(count);
-    if (wanted.toi) toi.allocate(count);
-    if (wanted.distance) distance.allocate(count);
-    if (wanted.weights) weights.allocate(count);
-    if (wanted.flags) flags.allocate(count);
+template <class Exec>
+struct ColumnBuffers : PerField<BufferOn<Exec>::template Type> {
+  explicit ColumnBuffers(Exec& exec)
+      : PerField<BufferOn<Exec>::template Type>{{exec, "keys"},     {exec, "contacts"}, {exec, "contacts"},
+                                                {exec, "contacts"}, {exec, "contacts"}, {exec, "contacts"}} {}
+
+  void reserve(uint64_t count, FieldSet wanted) {
+    for_each_field(
+        [&](ContactField field, auto& buffer) {
+          if (wanted.has(field)) buffer.allocate(count);
+        },
+        *this);
   }
-  ContactColumns columns(const ColumnsWanted& wanted) const {
-    ContactColumns out{elements.all(), {}, {}, {}, {}};
-    if (wanted.toi) out.toi = toi.all();
-    if (wanted.distance) out.distance = distance.all();
-    if (wanted.weights) out.weights = weights.all();
-    if (wanted.flags) out.flags = flags.all();
+  ContactColumns columns(FieldSet wanted) const {
+    ContactColumns out;
+    for_each_field(
+        [&](ContactField field, const auto& buffer, auto& column) {
+          if (wanted.has(field)) column = buffer.all();
+        },
+        *this, out);
     return out;
   }
-
-  Buffer<IdPair, Exec> elements;
-  Buffer<double, Exec> toi, distance;
-  Buffer<WeightPair, Exec> weights;
-  Buffer<uint8_t, Exec> flags;
 };
 
 }  // namespace collided

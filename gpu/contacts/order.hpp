@@ -6,6 +6,8 @@
 #include "gpu/base/vec3.hpp"
 #include "gpu/contacts/keys.hpp"
 #include "gpu/contacts/kinds.hpp"
+#include "gpu/contacts/radix_order.hpp"
+#include "gpu/contacts/unordered.hpp"
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/counted.hpp"
@@ -107,22 +109,26 @@ struct FindKindBegins {
   Span<const uint32_t> begin;
   KindBegins* kinds;
 
-  COLLIDED_HD void operator()(uint64_t) const { *kinds = {begin[ranks.first_edge], begin[ranks.first_triangle]}; }
+  COLLIDED_HD void operator()(uint64_t kind) const { kinds->at[kind] = begin[ranks.begin[kind]]; }
 };
 
-/// How many keys are of kinds before the edges', and before the triangles'.
-struct CountKinds {
+/// How many keys are of earlier kinds, for each kind.
+struct CountEarlierKinds {
   FeatureRanks ranks;
   Span<const uint64_t> keys;
 
   COLLIDED_HD KindBegins operator()(uint64_t i) const {
     const uint32_t rank = first_id(keys[i]);
-    return {rank < ranks.first_edge ? 1u : 0u, rank < ranks.first_triangle ? 1u : 0u};
+    KindBegins earlier;
+    for (size_t kind = 0; kind < kContactKinds; ++kind) earlier.at[kind] = rank < ranks.begin[kind] ? 1 : 0;
+    return earlier;
   }
 };
 struct AddKinds {
   COLLIDED_HD KindBegins operator()(const KindBegins& a, const KindBegins& b) const {
-    return {a.edges + b.edges, a.triangles + b.triangles};
+    KindBegins sum;
+    for (size_t kind = 0; kind < kContactKinds; ++kind) sum.at[kind] = a.at[kind] + b.at[kind];
+    return sum;
   }
 };
 
@@ -137,7 +143,7 @@ struct RankFew {
   static constexpr uint32_t kGroupSize = 64;
   Counted count;
   Span<const uint64_t> keys;
-  CountKinds kinds;
+  CountEarlierKinds kinds;
   KindBegins* begins;  ///< zeroed
   Write write;
 
@@ -150,9 +156,9 @@ struct RankFew {
     atomic_add(shared.below, below);
     group.sync();
     if (group.rank != 0) return;
-    const KindBegins before = kinds(i);
-    if (before.edges != 0) atomic_add(begins->edges, before.edges);
-    if (before.triangles != 0) atomic_add(begins->triangles, before.triangles);
+    const KindBegins earlier = kinds(i);
+    for (size_t kind = 0; kind < kContactKinds; ++kind)
+      if (earlier.at[kind] != 0) atomic_add(begins->at[kind], earlier.at[kind]);
     write(shared.below, key, i);
   }
 };
@@ -188,18 +194,42 @@ struct KeyBuffers {
   Buffer<uint64_t, Exec> scratch, other;
 };
 
+/// Of a backend without one, which sorts very many by its radix sort.
 template <class Exec>
-using OrderBuffers = std::conditional_t<SortsKeys<Exec>, KeyBuffers<Exec>, CountingBuffers<Exec>>;
+struct CountingOrRadixBuffers {
+  explicit CountingOrRadixBuffers(Exec& exec) : counting(exec), radix(exec) {}
 
-/// A list whose contacts are to be put in order.
-template <class Write>
-struct Unordered {
-  Counted count;
-  Span<const uint64_t> keys;
-  FeatureRanks ranks;
-  KindBegins* kinds;  ///< zeroed; where they begin in order
-  Write write;
+  CountingBuffers<Exec> counting;
+  RadixBuffers<Exec> radix;
 };
+
+template <class Exec>
+using OrderBuffers = std::conditional_t<SortsKeys<Exec>, KeyBuffers<Exec>, CountingOrRadixBuffers<Exec>>;
+
+/// How a list is put in order, decided before its length is known.
+struct OrderPlan {
+  bool has_many = true;       ///< there may be more than kFewContacts
+  uint64_t radix_length = 0;  ///< that a radix sort has room for; 0: the list is shorter than is worth one
+
+  bool operator==(const OrderPlan&) const = default;
+};
+
+/// Ids of a scene's features.
+struct IdCounts {
+  uint64_t first, second;  ///< first: ranks
+};
+
+/// For lists of up to `capacity` contacts, of which all have more than keys or none.
+template <class Exec>
+void reserve_order(OrderBuffers<Exec>& buffers, const OrderPlan& plan, const IdCounts& ids, uint64_t capacity,
+                   bool has_data) {
+  if constexpr (SortsKeys<Exec>)
+    buffers.reserve(ids.first, capacity);
+  else if (plan.radix_length > 0)
+    buffers.radix.reserve(plan.radix_length, has_data);
+  else
+    buffers.counting.reserve(ids.first, capacity);
+}
 
 /// `crowded` is a zeroed counter.
 template <class Exec, class Write>
@@ -211,7 +241,7 @@ void put_in_order_by_counts(Exec& exec, CountingBuffers<Exec>& buffers, const Un
   exec.for_each("count_first_ids", list.count,
                 CountFirstIds{list.keys, counts, buffers.place.all(), {buffers.crowded.all(), crowded}});
   exec.exclusive_scan("scan_first_ids", counts);
-  exec.for_each("find_kind_begins", 1, FindKindBegins{list.ranks, counts, list.kinds});
+  exec.for_each("find_kind_begins", kContactKinds, FindKindBegins{list.ranks, counts, list.kinds});
   exec.for_each("place_entries", list.count,
                 PlaceEntries{list.keys, counts, buffers.place.all(), buffers.entries.all()});
   exec.for_each_group("sort_crowded", crowded_count, SortCrowded{buffers.crowded.all(), counts, buffers.entries.all()});
@@ -219,20 +249,24 @@ void put_in_order_by_counts(Exec& exec, CountingBuffers<Exec>& buffers, const Un
                 WriteInOrder<Write>{list.keys, counts, buffers.entries.all(), list.write});
 }
 
-/// The same in whatever way is the backend's fastest. `few`: no more than kFewContacts.
+/// The same in whatever way is the backend's fastest.
 template <class Exec, class Write>
-void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Unordered<Write>& list, bool few, uint64_t* crowded) {
+void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Unordered<Write>& list, const OrderPlan& plan,
+                  const IdCounts& ids, uint64_t* crowded) {
   if constexpr (SortsKeys<Exec>) {
-    exec.reduce_into("kind_begins", list.count.size(), CountKinds{list.ranks, list.keys}, KindBegins{}, AddKinds{},
-                     list.kinds);
+    exec.reduce_into("kind_begins", list.count.size(), CountEarlierKinds{list.ranks, list.keys}, KindBegins{},
+                     AddKinds{}, list.kinds);
     exec.sort_keys("sort_keys", list.count,
                    KeyArrays<Write>{list.keys, buffers.scratch.all(), buffers.other.all(), list.write});
-  } else if (few) {
+  } else if (plan.radix_length > 0) {
+    put_in_order_by_radix(exec, buffers.radix, list, plan.radix_length, KeyPacking::of(ids.first, ids.second));
+  } else if (!plan.has_many) {
     const Counted first{list.count.counter, min(list.count.most, kFewContacts)};
-    exec.for_each_group("rank_few", first,
-                        RankFew<Write>{first, list.keys, CountKinds{list.ranks, list.keys}, list.kinds, list.write});
+    exec.for_each_group(
+        "rank_few", first,
+        RankFew<Write>{first, list.keys, CountEarlierKinds{list.ranks, list.keys}, list.kinds, list.write});
   } else {
-    put_in_order_by_counts(exec, buffers, list, crowded);
+    put_in_order_by_counts(exec, buffers.counting, list, crowded);
   }
 }
 

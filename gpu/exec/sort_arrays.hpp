@@ -5,7 +5,7 @@
 
 namespace collided {
 
-/// Keys with a value each, and room for as many again.
+/// Keys with a value each, or without (values is empty), and room for as many again.
 struct SortArrays {
   Span<uint64_t> keys, other_keys;
   Span<uint32_t> values, other_values;

@@ -116,6 +116,7 @@ struct SceneBuffers {
         resumable{{exec, "candidates"}, {exec, "candidates"}},
         contacts(exec),
         earliest(exec),
+        normals(exec, "contacts"),
         columns(exec),
         order(exec),
         exact_keys(exec, "exact"),
@@ -139,6 +140,7 @@ struct SceneBuffers {
   Buffer<ResumableQuery, Exec> resumable[2];  ///< those of them that float has not told apart
   ContactBuffers<Exec, Real> contacts;
   ContactBuffers<Exec, Real> earliest;  ///< EARLIEST_ONLY
+  Buffer<Normal, Exec> normals;         ///< of the contacts as they were found
   ColumnBuffers<Exec> columns;          ///< in canonical order
   OrderBuffers<Exec> order;
   Buffer<uint64_t, Exec> exact_keys;

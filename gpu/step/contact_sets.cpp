@@ -22,11 +22,19 @@ void filter(CpuLoops& loops, ContactSet& set, const std::vector<bool>& keep) {
     });
     array.truncate(n);
   };
-  filter_array(set.toi);
-  filter_array(set.distance);
-  filter_array(set.weights);
-  filter_array(set.flags);
-  filter_array(set.elements);
+  for_each_field([&](ContactField, auto& column) { filter_array(column); }, set);
+}
+
+/// At most 1. In lanes, as each comparison would else wait for the last.
+double least_of(const double* times, uint64_t count) {
+  constexpr uint64_t kLanes = 16;
+  double least[kLanes];
+  std::fill_n(least, kLanes, 1.0);
+  uint64_t i = 0;
+  for (; i + kLanes <= count; i += kLanes)
+    for (uint64_t k = 0; k < kLanes; ++k) least[k] = times[i + k] < least[k] ? times[i + k] : least[k];
+  for (; i < count; ++i) least[0] = std::min(least[0], times[i]);
+  return *std::min_element(least, least + kLanes);
 }
 
 void keep_one(CpuLoops& loops, ContactSet& set, size_t place) {
@@ -55,8 +63,8 @@ std::vector<size_t> undecided(CpuLoops& loops, const ContactSet& set, size_t cou
   return places;
 }
 
-void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places,
-           const std::vector<ExactAnswer>& answers) {
+void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places, const std::vector<ExactAnswer>& answers,
+           const std::vector<Normal>& normals) {
   std::vector<bool> keep(set.size(), true);
   loops.in_turn(places.size(), kAtATime, [&](uint64_t first, uint64_t end) {
     for (size_t k = first; k < end; ++k) {
@@ -64,24 +72,36 @@ void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places,
       keep[i] = answers[k].hit;
       set.flags[i] = kFlagCertified | (answers[k].initial ? kFlagInitial : 0);
       if (!set.toi.empty()) set.toi[i] = answers[k].toi;
+      if (!normals.empty()) set.normals[i] = normals[k];
     }
   });
   filter(loops, set, keep);
 }
 
-void keep_earliest(CpuLoops& loops, FrameResult& result) {
-  ContactSet &vt = result.vertex_triangle, &ee = result.edge_edge;
-  const auto first_of = [&](const ContactSet& set) {
-    return static_cast<size_t>(std::min_element(set.toi.begin(), set.toi.end()) - set.toi.begin());
-  };
-  const size_t v = first_of(vt), e = first_of(ee);
-  const bool vt_wins = v < vt.size() && (e == ee.size() || vt.toi[v] <= ee.toi[e]);
-  keep_one(loops, vt, vt_wins ? v : vt.size());
-  keep_one(loops, ee, vt_wins ? ee.size() : e);
+void keep_earliest(CpuLoops& loops, PerKind<ContactSet>& contacts) {
+  const ContactSet* winner = nullptr;
+  size_t place = 0;
+  for_each_kind(
+      [&](ContactKind, const ContactSet& set) {
+        const size_t first = static_cast<size_t>(std::min_element(set.toi.begin(), set.toi.end()) - set.toi.begin());
+        if (first < set.toi.size() && (winner == nullptr || set.toi[first] < winner->toi[place]))
+          winner = &set, place = first;
+      },
+      contacts);
+  for_each_kind([&](ContactKind, ContactSet& set) { keep_one(loops, set, &set == winner ? place : set.size()); },
+                contacts);
 }
 
-double earliest_toi(const ContactSet& set) {
-  return set.toi.empty() ? 1 : *std::min_element(set.toi.begin(), set.toi.end());
+double earliest_toi(CpuLoops& loops, const PerKind<ContactSet>& contacts) {
+  double earliest = 1;
+  for_each_kind(
+      [&](ContactKind, const ContactSet& set) {
+        loops.in_turn(set.toi.size(), kAtATime, [&](uint64_t first, uint64_t end) {
+          earliest = std::min(earliest, least_of(set.toi.data() + first, end - first));
+        });
+      },
+      contacts);
+  return earliest;
 }
 
 }  // namespace collided

@@ -13,13 +13,15 @@ size_t count_undecided(CpuLoops& loops, const ContactSet& set);
 /// Their places; `count`: of them.
 std::vector<size_t> undecided(CpuLoops& loops, const ContactSet& set, size_t count);
 
-/// Takes the answers for the contacts at `places`: what is no contact goes, the rest is certain.
-void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places,
-           const std::vector<ExactAnswer>& answers);
+/// Takes the answers for the contacts at `places`: what is no contact goes, the rest is certain. `normals`: empty if
+/// the set has none.
+void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places, const std::vector<ExactAnswer>& answers,
+           const std::vector<Normal>& normals);
 
-/// Leaves one contact in all: the earliest; of several the first, vertex-triangle before edge-edge.
-void keep_earliest(CpuLoops& loops, FrameResult& result);
+/// Leaves one contact in all: the earliest; of several the first of the first kind.
+void keep_earliest(CpuLoops& loops, PerKind<ContactSet>& contacts);
 
-double earliest_toi(const ContactSet& set);
+/// 1 if there is none, or no time.
+double earliest_toi(CpuLoops& loops, const PerKind<ContactSet>& contacts);
 
 }  // namespace collided

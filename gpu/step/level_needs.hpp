@@ -9,7 +9,8 @@ namespace collided {
 struct LevelNeeds {
   FrameSettings settings{};
   bool is_ccd = true;
-  bool finds_features = true, triangle_triangle = false, weights = false;
+  bool finds_features = true, triangle_triangle = false;
+  FieldSet fields = {};  ///< that are asked for
 
   bool operator==(const LevelNeeds&) const = default;
 
@@ -21,16 +22,29 @@ struct LevelNeeds {
   bool has_narrow_phase() const { return settings.accuracy != Accuracy::kCandidates; }
   /// Triangles of a frame are tested at every level; in CCD their boxes are all there is.
   bool tests_triangles() const { return triangle_triangle && !is_ccd; }
+  /// What is reported of a kind is a contact, not just a candidate.
+  bool tests(ContactKind kind) const {
+    return kind == ContactKind::kTriangleTriangle ? tests_triangles() : has_narrow_phase();
+  }
   /// Contacts have more than their ids.
   bool has_data() const { return has_narrow_phase() || tests_triangles(); }
 
-  /// What is told of contacts beside their ids.
-  ColumnsWanted columns() const {
-    const bool features = finds_features && has_narrow_phase();
-    return {.flags = features || tests_triangles(),
-            .distance = features,
-            .toi = features && is_ccd,
-            .weights = features && weights};
+  /// What contacts of a kind have.
+  FieldSet fields_of(ContactKind kind) const {
+    FieldSet present = {ContactField::kElements};
+    if (!tests(kind)) return present;
+    present = present.with(ContactField::kFlags);
+    if (kind == ContactKind::kTriangleTriangle) return present;
+    if (is_ccd) present = present.with(ContactField::kToi);
+    if (is_any_hit()) return present;  // no contact is returned
+    for (const ContactField field : {ContactField::kDistance, ContactField::kWeights, ContactField::kNormals})
+      if (fields.has(field)) present = present.with(field);
+    return present;
+  }
+  /// What any of them has.
+  FieldSet columns() const {
+    return (finds_features ? fields_of(ContactKind::kVertexTriangle) : FieldSet{}) |
+           (triangle_triangle ? fields_of(ContactKind::kTriangleTriangle) : FieldSet{});
   }
 
   /// A filter in float rules candidates out before they are stored.
@@ -44,7 +58,7 @@ struct LevelNeeds {
 
 inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings) {
   return {settings, spec.mode == Mode::kCcd, spec.vertex_triangle || spec.edge_edge, spec.triangle_triangle,
-          spec.weights};
+          spec.fields};
 }
 
 }  // namespace collided

@@ -5,11 +5,12 @@
 #include "gpu/narrow/certified_proximity.hpp"
 #include "gpu/narrow/fast_ccd.hpp"
 #include "gpu/narrow/gather.hpp"
+#include "gpu/narrow/normal.hpp"
 #include "gpu/narrow/proximity.hpp"
 #include "gpu/narrow/triangle_pairs.hpp"
 #include "gpu/step/buffers.hpp"
+#include "gpu/step/order_predictor.hpp"
 #include "gpu/step/plan.hpp"
-#include "gpu/step/usage_predictor.hpp"
 
 namespace collided {
 
@@ -28,8 +29,9 @@ class NarrowPhase {
     reserve(scene_.contacts, kFirst);
     if (needs().is_earliest_only()) reserve(scene_.earliest, kFirst);
     const uint64_t most = max(scene_.contacts.keys.capacity(), scene_.earliest.keys.capacity());
-    scene_.order.reserve(ranks_.count, most);
+    reserve_order<Exec>(scene_.order, plan_.order, id_counts(), most, needs().has_data());
     scene_.columns.reserve(most, needs().columns());
+    if (needs().columns().has(ContactField::kNormals)) scene_.normals.allocate(most);
     if (needs().tests_triangles() && scene_.triangle_pairs.capacity() == 0) scene_.triangle_pairs.allocate(kFirst);
     if (!needs().has_narrow_phase()) return;
     for (int kind = 0; kind < 2; ++kind) {
@@ -59,16 +61,15 @@ class NarrowPhase {
       short_of_room = true;
       reserve(*buffers, count + count / 4);
     }
-    const bool many = (needs().is_earliest_only() ? need.earliest : need.contacts) > kFewContacts;
-    return (many_.observe(many) && Exec::kLaunchesCost) || short_of_room;
+    const bool reorder = order_.observe(needs().is_earliest_only() ? need.earliest : need.contacts);
+    return (reorder && Exec::kLaunchesCost) || short_of_room;
   }
-  /// More contacts than are put in order in one launch.
-  bool expects_many() const { return many_.is_expected(); }
+  OrderPlan plan_order() const { return order_.plan(); }
 
   /// From kFast on: the narrow phase of one kind of features, over what the filter kept.
   template <class Kind>
   void detect(const Kind& kind) {
-    constexpr int k = KindTraits<Kind>::kIndex;
+    constexpr int k = kIndexOf<Kind>;
     StepState* state = scene_.state.data();
     exec_.stage(KindTraits<Kind>::kNarrow, [&] {
       const AppendList<uint64_t> list{scene_.kept[k].all(), &state->kept[k]};
@@ -85,37 +86,30 @@ class NarrowPhase {
     });
   }
 
-  /// After the last kind: contacts that the report does not want go, the others are put in order.
-  void order() {
+  /// After the last kind: contacts that the report does not want go, the others are completed and put in order.
+  void finish() {
     if (needs().is_any_hit() && !needs().is_exact()) return;
-    exec_.stage("order", [&] {
-      if (needs().is_earliest_only()) keep_earliest();
-      ContactBuffers<Exec, Real>& contacts = wanted();
-      StepState* state = scene_.state.data();
-      const Counted count{needs().is_earliest_only() ? &state->earliest : &state->contacts, contacts.keys.capacity()};
-      Span<const ContactData<Real>> data;
-      if (needs().has_data()) data = contacts.data.all();
-      const WriteContact<Real> write{data, ranks_, scene_.columns.columns(needs().columns())};
-      put_in_order(exec_, scene_.order,
-                   Unordered<WriteContact<Real>>{count, contacts.keys.all(), ranks_, &state->kinds, write},
-                   !plan_.has_many_contacts, &state->crowded_ranks);
-    });
+    if (needs().is_earliest_only()) exec_.stage("earliest", [&] { keep_earliest(); });
+    if (needs().columns().has(ContactField::kNormals)) exec_.stage("normals", [&] { write_normals(); });
+    exec_.stage("order", [&] { order(); });
   }
 
-  bool has_kind(int kind) const { return kind == kVertexTriangleKind ? spec_.vertex_triangle : spec_.edge_edge; }
+  bool has_kind(int kind) const { return kind == kIndexOf<EdgeEdge> ? spec_.edge_edge : spec_.vertex_triangle; }
   EarlyExit early_exit() const { return {&scene_.state.data()->shortcut, needs().settings.report, needs().is_exact()}; }
 
  private:
   const LevelNeeds& needs() const { return plan_.needs; }
+  IdCounts id_counts() const {
+    const uint64_t edges = ranks_.begin[index_of(ContactKind::kTriangleTriangle)] - ranks_.begin[kIndexOf<EdgeEdge>];
+    return {ranks_.count(), max(edges, scene_.topology.triangles.capacity())};
+  }
   ContactBuffers<Exec, Real>& wanted() { return needs().is_earliest_only() ? scene_.earliest : scene_.contacts; }
 
-  uint32_t first_rank(const VertexTriangle&) const { return 0; }
-  uint32_t first_rank(const EdgeEdge&) const { return ranks_.first_edge; }
   ContactList<Real> list(ContactBuffers<Exec, Real>& contacts, uint64_t* count) const {
     return {{contacts.keys.all(), count}, contacts.data.all()};
   }
-  ContactSink<Real> sink(uint32_t first_rank) {
-    return {list(scene_.contacts, &scene_.state.data()->contacts), early_exit(), first_rank};
+  ContactSink<Real> sink(ContactKind kind) {
+    return {list(scene_.contacts, &scene_.state.data()->contacts), early_exit(), ranks_.begin[index_of(kind)]};
   }
 
   void reserve(ContactBuffers<Exec, Real>& contacts, uint64_t count) {
@@ -135,7 +129,7 @@ class NarrowPhase {
   }
   template <class Kind>
   void detect_screened(const Kind& kind, const Counted& kept) {
-    constexpr int k = KindTraits<Kind>::kIndex;
+    constexpr int k = kIndexOf<Kind>;
     StepState* state = scene_.state.data();
     const Counted screened{&state->screened[k], scene_.screened[k].capacity()};
     exec_.for_each(
@@ -151,8 +145,8 @@ class NarrowPhase {
   template <class Work, class Kind, class Candidate>
   void advance_ccd(const Kind& kind, const Counted& count, const Buffer<Candidate, Exec>& candidates) {
     exec_.for_each_resumable(
-        "advance_ccd", count, &scene_.state.data()->next_query[KindTraits<Kind>::kIndex][1],
-        AdvanceCcd<Work, Real, Kind, Candidate>{queries(kind, candidates), sink(first_rank(kind))});
+        "advance_ccd", count, &scene_.state.data()->next_query[kIndexOf<Kind>][1],
+        AdvanceCcd<Work, Real, Kind, Candidate>{queries(kind, candidates), sink(KindTraits<Kind>::kKind)});
   }
   template <class Kind>
   void run(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
@@ -160,11 +154,11 @@ class NarrowPhase {
     exec_.for_each(
         "solve_cubic_ccd", count,
         SolveCubicCcd<Real, Kind>{scene_.positions_at_start(), scene_.end.data(), static_cast<Real>(spec_.thickness),
-                                  kind, candidates, sink(first_rank(kind))});
+                                  kind, candidates, sink(KindTraits<Kind>::kKind)});
   }
   template <class Kind>
   void run_proximity(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
-    const ContactSink<Real> contacts = sink(first_rank(kind));
+    const ContactSink<Real> contacts = sink(KindTraits<Kind>::kKind);
     if (needs().settings.accuracy == Accuracy::kFast)
       exec_.for_each(
           "test_proximity", count,
@@ -184,7 +178,30 @@ class NarrowPhase {
   void run_triangles() {
     exec_.for_each("test_triangles", Counted{&scene_.state.data()->triangle_pairs, scene_.triangle_pairs.capacity()},
                    TestTriangles<Work, Real>{scene_.end.data(), scene_.topology.triangles.all(),
-                                             scene_.triangle_pairs.all(), sink(ranks_.first_triangle)});
+                                             scene_.triangle_pairs.all(), sink(ContactKind::kTriangleTriangle)});
+  }
+
+  Counted wanted_count() {
+    StepState* state = scene_.state.data();
+    return {needs().is_earliest_only() ? &state->earliest : &state->contacts, wanted().keys.capacity()};
+  }
+  void write_normals() {
+    const bool has_float_times = std::is_same_v<Real, float> && needs().settings.accuracy == Accuracy::kFast;
+    exec_.for_each("write_normals", wanted_count(),
+                   WriteNormals<Real>{
+                       scene_.positions_at_start(), scene_.end.data(), VertexTriangle{scene_.topology.triangles.all()},
+                       EdgeEdge{scene_.topology.edges.all()}, ranks_, has_float_times ? kClearInFloat : kClear,
+                       wanted().keys.all(), wanted().data.all(), scene_.normals.all()});
+  }
+  void order() {
+    StepState* state = scene_.state.data();
+    const FieldSet columns = needs().columns();
+    WriteContact<Real> write{{}, {}, ranks_, scene_.columns.columns(columns)};
+    if (needs().has_data()) write.data = wanted().data.all();
+    if (columns.has(ContactField::kNormals)) write.normals = scene_.normals.all();
+    put_in_order(exec_, scene_.order,
+                 Unordered<WriteContact<Real>>{wanted_count(), wanted().keys.all(), ranks_, &state->kinds, write},
+                 plan_.order, id_counts(), &state->crowded_ranks);
   }
 
   void keep_earliest() {
@@ -199,7 +216,7 @@ class NarrowPhase {
   const FeatureRanks& ranks_;
   SceneBuffers<Exec, Real>& scene_;
   StepPlan plan_;
-  UsagePredictor many_;
+  OrderPredictor order_;
 };
 
 }  // namespace collided

@@ -57,7 +57,8 @@ class Pipeline {
     if (count >= ~0u)
       throw InvalidInput("meshes", "meshes have " + std::to_string(count) +
                                        " vertices, edges and triangles, the limit is " + std::to_string(~0u - 1));
-    return {static_cast<uint32_t>(vertices), static_cast<uint32_t>(vertices + edges), static_cast<uint32_t>(count)};
+    return {
+        {0, static_cast<uint32_t>(vertices), static_cast<uint32_t>(vertices + edges), static_cast<uint32_t>(count)}};
   }
 
   const LevelNeeds& needs() const { return plan_.needs; }
@@ -66,7 +67,7 @@ class Pipeline {
   void run_step(const LevelNeeds& needs, bool boxes_static) {
     scene_.state.allocate(1);
     for (;;) {
-      plan_ = {needs, plan_octree(), boxes_static, narrow_.expects_many()};
+      plan_ = {needs, plan_octree(), boxes_static, narrow_.plan_order()};
       narrow_.begin(plan_);
       reserve();
       state_ = exec_.step(numbers_.number_of(plan_), scene_.state.data(), [&] { enqueue(); });
@@ -107,7 +108,7 @@ class Pipeline {
       build();
     if (spec_.vertex_triangle || spec_.edge_edge) detect_features();
     if (spec_.triangle_triangle) detect_triangles();
-    narrow_.order();
+    narrow_.finish();
   }
 
   void build_octree(const OctreePlan& plan) {
@@ -166,16 +167,16 @@ class Pipeline {
   template <class Keep>
   void search_for(const Keep& keep, bool vertex_triangle, bool edge_edge) {
     StepState* state = scene_.state.data();
-    const auto list = [&](int kind) -> AppendList<uint64_t> {
+    const auto list = [&](ContactKind kind) -> AppendList<uint64_t> {
       if (!needs().has_narrow_phase()) return {scene_.contacts.keys.all(), &state->contacts};
-      return {scene_.kept[kind].all(), &state->kept[kind]};
+      return {scene_.kept[index_of(kind)].all(), &state->kept[index_of(kind)]};
     };
-    const uint32_t edge_rank = needs().has_narrow_phase() ? 0 : ranks_.first_edge;
+    const uint32_t edge_rank = needs().has_narrow_phase() ? 0 : ranks_.begin[kIndexOf<EdgeEdge>];
     find_pairs("find_candidates",
                FeatureSink<Real, Keep>{octree_.elementary(vertex_triangle, edge_edge),
                                        keep,
-                                       list(kVertexTriangleKind),
-                                       list(kEdgeEdgeKind),
+                                       list(ContactKind::kVertexTriangle),
+                                       list(ContactKind::kEdgeEdge),
                                        edge_rank,
                                        narrow_.early_exit(),
                                        {vertex_triangle || !spec_.vertex_triangle ? &state->pairs : nullptr,
@@ -193,7 +194,7 @@ class Pipeline {
       find_pairs("find_triangle_pairs",
                  TrianglePairSink{scene_.topology.triangles.all(),
                                   list,
-                                  narrow ? 0 : ranks_.first_triangle,
+                                  narrow ? 0 : ranks_.begin[index_of(ContactKind::kTriangleTriangle)],
                                   narrow_.early_exit(),
                                   {counts ? &state->pairs : nullptr, nullptr, nullptr}},
                  Search::kTriangles);
@@ -228,8 +229,8 @@ class Pipeline {
     c.top_level = static_cast<uint32_t>(state_.grid.grid.top);
     c.base_level = static_cast<uint32_t>(state_.grid.grid.base);
     c.pairs = state_.pairs;
-    c.candidates_vt = state_.candidates[0], c.candidates_ee = state_.candidates[1];
-    if (needs().has_filter()) c.survivors_vt = state_.kept[0], c.survivors_ee = state_.kept[1];
+    c.candidates = {state_.candidates[0], state_.candidates[1], 0};
+    if (needs().has_filter()) c.survivors = {state_.kept[0], state_.kept[1], 0};
     result_.engine = choice_.engine();
     if (result_.engine == Engine::kLbvh)
       lbvh_.describe(c);

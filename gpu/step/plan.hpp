@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 
+#include "gpu/contacts/order.hpp"
 #include "gpu/octree/bottom_up.hpp"
 #include "gpu/octree/tree.hpp"
 #include "gpu/step/level_needs.hpp"
@@ -26,8 +27,8 @@ struct OctreePlan {
 struct StepPlan {
   LevelNeeds needs = {};
   OctreePlan octree = {};
-  bool boxes_static = true;       ///< meshes that never move are boxed too
-  bool has_many_contacts = true;  ///< there may be more than are put in order in one launch
+  bool boxes_static = true;  ///< meshes that never move are boxed too
+  OrderPlan order = {};
 
   bool operator==(const StepPlan&) const = default;
 };

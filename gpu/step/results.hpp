@@ -7,6 +7,7 @@
 
 #include "gpu/exact/poll.hpp"
 #include "gpu/narrow/gather.hpp"
+#include "gpu/narrow/normal.hpp"
 #include "gpu/step/answer_room.hpp"
 #include "gpu/step/buffers.hpp"
 #include "gpu/step/columns_on_host.hpp"
@@ -55,26 +56,30 @@ class Results {
     host.for_each([&](std::byte* to, const void* from, uint64_t bytes) { exec_.download_async(to, from, bytes); });
     exec_.wait();
     result_->held = host.memory();
-    const bool features = needs_.has_narrow_phase();
-    result_->vertex_triangle = host.contacts(0, kinds.edges, features);
-    result_->edge_edge = host.contacts(kinds.edges, kinds.triangles, features);
-    result_->triangle_triangle = host.triangle_pairs(kinds.triangles, count, needs_.tests_triangles());
+    for_each_kind(
+        [&](ContactKind kind, ContactSet& set) {
+          const int k = index_of(kind);
+          const uint64_t end = k + 1 < static_cast<int>(kContactKinds) ? kinds.at[k + 1] : count;
+          set = host.contacts(kinds.at[k], end, needs_.fields_of(kind));
+        },
+        contacts());
   }
+  PerKind<ContactSet>& contacts() { return *result_; }
 
   // EXACT: what is left open goes to the host's exact arithmetic.
   void settle_all() {
-    settle(result_->vertex_triangle, [&](const auto& keys, ExactAnswer* answers) {
-      decide_features(VertexTriangle{scene_.topology.triangles.all()}, true, keys, answers);
+    settle(result_->vertex_triangle, [&](const auto& keys, ExactAnswer* answers, Normal* normals) {
+      decide_features(VertexTriangle{scene_.topology.triangles.all()}, keys, answers, normals);
     });
-    settle(result_->edge_edge, [&](const auto& keys, ExactAnswer* answers) {
-      decide_features(EdgeEdge{scene_.topology.edges.all()}, false, keys, answers);
+    settle(result_->edge_edge, [&](const auto& keys, ExactAnswer* answers, Normal* normals) {
+      decide_features(EdgeEdge{scene_.topology.edges.all()}, keys, answers, normals);
     });
     settle(result_->triangle_triangle,
-           [&](const auto& keys, ExactAnswer* answers) { decide_triangles(keys, answers); });
+           [&](const auto& keys, ExactAnswer* answers, Normal*) { decide_triangles(keys, answers); });
   }
   static uint64_t settling_bytes(size_t count) {
     constexpr size_t kPoints = 8 * (sizeof(Vec3<Real>) + sizeof(Vec3<double>)) + sizeof(uint64_t);
-    return count * (sizeof(size_t) + sizeof(ExactAnswer)) + std::min(count, kSettledAtATime) * kPoints;
+    return count * (sizeof(size_t) + sizeof(ExactAnswer) + sizeof(Normal)) + std::min(count, kSettledAtATime) * kPoints;
   }
   template <class Decide>
   void settle(ContactSet& set, const Decide& decide) {
@@ -86,26 +91,34 @@ class Results {
     const std::vector<size_t> places = undecided(loops, set, count);
     result_->counts.exact_decisions += count;
     std::vector<ExactAnswer> answers(places.size());
+    std::vector<Normal> normals(set.normals.empty() ? 0 : places.size());
     std::vector<uint64_t> keys;
     for (size_t first = 0; first < places.size(); first += kSettledAtATime) {
       keys.clear();
       for (size_t k = first; k < std::min(places.size(), first + kSettledAtATime); ++k)
         keys.push_back(pack_ids(set.elements[places[k]][0], set.elements[places[k]][1]));
-      decide(keys, answers.data() + first);
+      decide(keys, answers.data() + first, normals.empty() ? nullptr : normals.data() + first);
     }
-    if (!places.empty()) apply(loops, set, places, answers);
+    if (!places.empty()) apply(loops, set, places, answers, normals);
     result_->any_contact = result_->any_contact || set.size() > 0;
   }
 
   template <class Kind>
-  void decide_features(const Kind& kind, bool vertex_triangle, const std::vector<uint64_t>& keys,
-                       ExactAnswer* answers) {
+  void decide_features(const Kind& kind, const std::vector<uint64_t>& keys, ExactAnswer* answers, Normal* normals) {
     const auto points = gather<8>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
       exec_.for_each("gather_points", keys.size(),
                      GatherPoints<Real, Kind>{scene_.positions_at_start(), scene_.end.data(), kind, resident, out});
     });
-    const ExactQuestion question{vertex_triangle, needs_.is_ccd, spec_.thickness};
-    decide_all(keys.size(), [&](uint64_t i) { answers[i] = decide_exactly(question, points[i]); });
+    constexpr bool kIsVertexTriangle = KindTraits<Kind>::kKind == ContactKind::kVertexTriangle;
+    const ExactQuestion question{kIsVertexTriangle, needs_.is_ccd, spec_.thickness};
+    decide_all(keys.size(), [&](uint64_t i) {
+      answers[i] = decide_exactly(question, points[i]);
+      if (normals != nullptr) normals[i] = normal_at<Kind>(points[i], answers[i].toi);
+    });
+  }
+  template <class Kind>
+  static Normal normal_at(const ExactPoints& p, double toi) {
+    return contact_normal<Kind>(FeaturePoints<double>{{p[0], p[1], p[2], p[3]}, {p[4], p[5], p[6], p[7]}}, toi, kClear);
   }
   void decide_triangles(const std::vector<uint64_t>& keys, ExactAnswer* answers) {
     const auto corners = gather<6>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
@@ -145,18 +158,19 @@ class Results {
 
   void report() {
     FrameResult& r = *result_;
-    const uint64_t features = r.vertex_triangle.size() + r.edge_edge.size();
-    if (needs_.has_narrow_phase())
-      r.counts.contacts_vt = r.vertex_triangle.size(), r.counts.contacts_ee = r.edge_edge.size();
-    if (needs_.tests_triangles()) r.counts.contacts_tt = r.triangle_triangle.size();
-    r.any_contact = r.counts.contacts_tt > 0 || (needs_.has_narrow_phase() && features > 0);
-    if (needs_.is_earliest_only()) keep_earliest(exec_.host_loops(), r);
+    for_each_kind(
+        [&](ContactKind kind, const ContactSet& set, uint64_t& count) {
+          if (needs_.tests(kind)) count = set.size();
+          r.any_contact = r.any_contact || count > 0;
+        },
+        contacts(), r.counts.contacts);
+    if (needs_.is_earliest_only()) keep_earliest(exec_.host_loops(), contacts());
     if (needs_.is_any_hit()) {
-      r.vertex_triangle = r.edge_edge = r.triangle_triangle = {};
+      contacts() = {};
       r.held = nullptr;
       return;
     }
-    r.earliest_toi = std::min(earliest_toi(r.vertex_triangle), earliest_toi(r.edge_edge));
+    r.earliest_toi = earliest_toi(exec_.host_loops(), contacts());
   }
 
   Exec& exec_;

@@ -22,13 +22,38 @@ Stencil stencil(pb::ContactKind kind, std::array<uint32_t, 2> pair, const Topolo
   return {a[0], a[1], b[0], b[1]};
 }
 
+pb::ContactKind to_message(ContactKind kind) {
+  constexpr pb::ContactKind kKinds[kContactKinds] = {pb::CONTACT_KIND_VERTEX_TRIANGLE, pb::CONTACT_KIND_EDGE_EDGE,
+                                                     pb::CONTACT_KIND_TRIANGLE_TRIANGLE};
+  return kKinds[static_cast<size_t>(kind)];
+}
+
+int field_number(ContactField field) {
+  switch (field) {
+    case ContactField::kElements:
+      return pb::ContactChunk::kElementsFieldNumber;
+    case ContactField::kToi:
+      return pb::ContactChunk::kToiFieldNumber;
+    case ContactField::kDistance:
+      return pb::ContactChunk::kDistanceFieldNumber;
+    case ContactField::kWeights:
+      return pb::ContactChunk::kWeightsFieldNumber;
+    case ContactField::kNormals:
+      return pb::ContactChunk::kNormalsFieldNumber;
+    case ContactField::kFlags:
+      return pb::ContactChunk::kFlagsFieldNumber;
+  }
+  return 0;
+}
+
 // The wanted fields that exist for this kind at the frame's accuracy.
-OutputFields available(OutputFields fields, pb::ContactKind kind, const ContactSet& set) {
-  fields.stencils &= kind != pb::CONTACT_KIND_TRIANGLE_TRIANGLE;
-  fields.toi &= !set.toi.empty();
-  fields.distance &= !set.distance.empty();
-  fields.weights &= !set.weights.empty();
-  fields.flags &= !set.flags.empty();
+OutputFields available(OutputFields fields, ContactKind kind, const ContactSet& set) {
+  fields.stencils &= kind != ContactKind::kTriangleTriangle;
+  for_each_field(
+      [&](ContactField field, const auto& column) {
+        if (column.empty()) fields.columns = fields.columns.without(field);
+      },
+      set);
   return fields;
 }
 
@@ -36,15 +61,12 @@ OutputFields available(OutputFields fields, pb::ContactKind kind, const ContactS
 
 std::vector<ChunkArray> Chunk::arrays() const {
   std::vector<ChunkArray> out;
-  // The engine's arrays have the wire's layout.
-  const auto add = [&](bool wanted, int field, const auto& values) {
-    if (wanted) out.push_back({field, std::as_bytes(std::span(values).subspan(begin, end - begin))});
-  };
-  add(fields.elements, pb::ContactChunk::kElementsFieldNumber, set->elements);
-  add(fields.toi, pb::ContactChunk::kToiFieldNumber, set->toi);
-  add(fields.distance, pb::ContactChunk::kDistanceFieldNumber, set->distance);
-  add(fields.weights, pb::ContactChunk::kWeightsFieldNumber, set->weights);
-  add(fields.flags, pb::ContactChunk::kFlagsFieldNumber, set->flags);
+  for_each_field(
+      [&](ContactField field, const auto& column) {
+        if (!fields.columns.has(field)) return;
+        out.push_back({field_number(field), std::as_bytes(std::span(column).subspan(begin, end - begin))});
+      },
+      *set);
   return out;
 }
 
@@ -67,15 +89,13 @@ size_t fit_at_end(std::span<const size_t> sizes, size_t max_bytes) {
 
 std::vector<Chunk> cut_into_chunks(const FrameResult& result, const OutputFields& fields, size_t max_bytes) {
   std::vector<Chunk> chunks;
-  const auto cut = [&](pb::ContactKind kind, const ContactSet& set) {
+  const auto cut = [&](ContactKind kind, const ContactSet& set) {
     const OutputFields present = available(fields, kind, set);
     const size_t step = std::max<size_t>(1, max_bytes / std::max<size_t>(1, present.contact_bytes()));
     for (size_t begin = 0; begin < set.size(); begin += step)
-      chunks.push_back({kind, &set, begin, std::min(begin + step, set.size()), present});
+      chunks.push_back({to_message(kind), &set, begin, std::min(begin + step, set.size()), present});
   };
-  cut(pb::CONTACT_KIND_VERTEX_TRIANGLE, result.vertex_triangle);
-  cut(pb::CONTACT_KIND_EDGE_EDGE, result.edge_edge);
-  cut(pb::CONTACT_KIND_TRIANGLE_TRIANGLE, result.triangle_triangle);
+  for_each_kind(cut, static_cast<const PerKind<ContactSet>&>(result));
   return chunks;
 }
 

@@ -38,13 +38,13 @@ void fill_counts(const FrameCounts& counts, pb::FrameCounts* out) {
   out->set_registrations(counts.registrations);
   out->set_tests(counts.tests);
   out->set_pairs(counts.pairs);
-  out->set_candidates_vertex_triangle(counts.candidates_vt);
-  out->set_candidates_edge_edge(counts.candidates_ee);
-  out->set_contacts_vertex_triangle(counts.contacts_vt);
-  out->set_contacts_edge_edge(counts.contacts_ee);
-  out->set_contacts_triangle_triangle(counts.contacts_tt);
-  out->set_survivors_vertex_triangle(counts.survivors_vt);
-  out->set_survivors_edge_edge(counts.survivors_ee);
+  out->set_candidates_vertex_triangle(counts.candidates.vertex_triangle);
+  out->set_candidates_edge_edge(counts.candidates.edge_edge);
+  out->set_contacts_vertex_triangle(counts.contacts.vertex_triangle);
+  out->set_contacts_edge_edge(counts.contacts.edge_edge);
+  out->set_contacts_triangle_triangle(counts.contacts.triangle_triangle);
+  out->set_survivors_vertex_triangle(counts.survivors.vertex_triangle);
+  out->set_survivors_edge_edge(counts.survivors.edge_edge);
   out->set_exact_decisions(counts.exact_decisions);
 }
 
@@ -78,7 +78,7 @@ void fill_result(const FrameResult& result, pb::FrameDone* out) {
   metrics->set_step_milliseconds(result.step_milliseconds);
   metrics->set_broad_phase_engine(to_message(result.engine));
   if (result.input_resolution) metrics->add_warnings(pb::FRAME_WARNING_INPUT_RESOLUTION);
-  out->set_contact_count(result.vertex_triangle.size() + result.edge_edge.size() + result.triangle_triangle.size());
+  out->set_contact_count(count_contacts(result));
   out->set_earliest_toi(result.earliest_toi);
   out->set_any_contact(result.any_contact);
 }

@@ -35,10 +35,10 @@ constexpr std::pair<pb::ContactKind, bool SceneSpec::*> kKinds[] = {
     {pb::CONTACT_KIND_EDGE_EDGE, &SceneSpec::edge_edge},
     {pb::CONTACT_KIND_TRIANGLE_TRIANGLE, &SceneSpec::triangle_triangle}};
 
-constexpr std::pair<pb::ContactField, bool OutputFields::*> kFields[] = {
-    {pb::CONTACT_FIELD_ELEMENTS, &OutputFields::elements}, {pb::CONTACT_FIELD_STENCIL, &OutputFields::stencils},
-    {pb::CONTACT_FIELD_TOI, &OutputFields::toi},           {pb::CONTACT_FIELD_DISTANCE, &OutputFields::distance},
-    {pb::CONTACT_FIELD_WEIGHTS, &OutputFields::weights},   {pb::CONTACT_FIELD_FLAGS, &OutputFields::flags}};
+constexpr std::pair<pb::ContactField, ContactField> kColumns[] = {
+    {pb::CONTACT_FIELD_ELEMENTS, ContactField::kElements}, {pb::CONTACT_FIELD_TOI, ContactField::kToi},
+    {pb::CONTACT_FIELD_DISTANCE, ContactField::kDistance}, {pb::CONTACT_FIELD_WEIGHTS, ContactField::kWeights},
+    {pb::CONTACT_FIELD_NORMAL, ContactField::kNormals},    {pb::CONTACT_FIELD_FLAGS, ContactField::kFlags}};
 
 template <class Message, class Value, size_t N>
 Value find_in(const std::pair<Message, Value> (&values)[N], Message wanted, const std::string& field) {
@@ -114,15 +114,16 @@ void parse_kinds(const pb::SceneSpec& spec, SceneSpec& engine) {
 
 // What the level does not compute is left out of each answer: a frame may override the level, but not the mode.
 OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode) {
-  OutputFields fields;
+  OutputFields fields{{ContactField::kElements, ContactField::kToi, ContactField::kDistance, ContactField::kFlags},
+                      true};
+  if (!spec.fields().empty()) fields = {};
   for (int i = 0; i < spec.fields_size(); ++i) {
-    const std::string path = fmt::format("spec.fields[{}]", i);
-    if (spec.fields(i) == pb::CONTACT_FIELD_NORMAL) throw_not_served(path, "CONTACT_FIELD_NORMAL");
-    fields.*find_in(kFields, spec.fields(i), path) = true;
+    if (spec.fields(i) == pb::CONTACT_FIELD_STENCIL)
+      fields.stencils = true;
+    else
+      fields.columns = fields.columns.with(find_in(kColumns, spec.fields(i), fmt::format("spec.fields[{}]", i)));
   }
-  if (spec.fields().empty())
-    fields = {.elements = true, .stencils = true, .toi = true, .distance = true, .flags = true};
-  fields.toi &= mode == Mode::kCcd;
+  if (mode != Mode::kCcd) fields.columns = fields.columns.without(ContactField::kToi);
   return fields;
 }
 
@@ -136,8 +137,10 @@ void fill_kinds(const SceneSpec& engine, pb::SceneSpec* out) {
 }
 
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out) {
-  for (const auto& [field, member] : kFields)
-    if (fields.*member) out->add_fields(field);
+  for (const auto& [field, column] : kColumns) {
+    if (fields.columns.has(column)) out->add_fields(field);
+    if (field == pb::CONTACT_FIELD_ELEMENTS && fields.stencils) out->add_fields(pb::CONTACT_FIELD_STENCIL);
+  }
 }
 
 void check_scene_options(const SceneSpec& engine, const pb::SceneSpec& spec) try {

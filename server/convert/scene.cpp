@@ -130,7 +130,7 @@ ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   parse_kinds(spec, engine);
   check_scene_options(engine, spec);
   plan.fields = parse_fields(spec, engine.mode);
-  engine.weights = plan.fields.weights;
+  engine.fields = plan.fields.columns;
   engine.memory_budget = parse_budget(spec.memory_budget_bytes(), defaults.limits.max_scene_bytes);
   engine.threads = defaults.threads;
   const SceneSize size = check_sizes(spec, defaults.limits);

@@ -13,10 +13,6 @@ namespace {
 constexpr double kSecond = 1000;  // milliseconds
 constexpr std::string_view kUpload = "upload", kDownload = "download";
 
-uint64_t contacts_of(const FrameResult& result) {
-  return result.vertex_triangle.size() + result.edge_edge.size() + result.triangle_triangle.size();
-}
-
 double stage_milliseconds(const FrameResult& result, std::string_view name) {
   double milliseconds = 0;
   for (const auto& stage : result.stages)
@@ -40,7 +36,7 @@ void ServiceObserver::answered(const Scene&, const AnsweredFrame& frame) {
   for (const auto& stage : frame.result.stages)
     if (stage.stage != kUpload && stage.stage != kDownload)
       metrics_.observe_stage(stage.stage, stage.milliseconds / kSecond);
-  metrics_.count_frame({cost.total_milliseconds / kSecond, contacts_of(frame.result), cost.bytes_in, cost.bytes_out,
+  metrics_.count_frame({cost.total_milliseconds / kSecond, count_contacts(frame.result), cost.bytes_in, cost.bytes_out,
                         frame.result.replays});
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // A checked request for a scene, in the engine's terms. No gRPC here.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -28,13 +29,12 @@ inline uint64_t count_vertices(const SceneSpec& spec) {
 
 /// Contact fields that the client wants.
 struct OutputFields {
-  bool elements = false, stencils = false, toi = false, distance = false, weights = false, flags = false;
+  FieldSet columns;       ///< that the engine makes
+  bool stencils = false;  ///< made from the elements
+
   /// Bytes of one contact's arrays.
-  size_t contact_bytes() const {
-    return elements * 8u + stencil_bytes() + toi * 8u + distance * 8u + weights * 16u + flags * 1u;
-  }
-  /// Bytes of the array that the engine does not make.
-  size_t stencil_bytes() const { return stencils * 16u; }
+  size_t contact_bytes() const { return collided::contact_bytes(columns) + stencil_bytes(); }
+  size_t stencil_bytes() const { return stencils ? sizeof(std::array<uint32_t, 4>) : 0; }
 };
 
 struct MeshPlan {

@@ -39,6 +39,7 @@ struct Options {
   std::string date, commit, scene;
   double scale = 1;
   int steps = 20, warm_up = 2;
+  bool in_slot = false, normals = false;
   bool check_same = false, compare_levels = false, compare_engines = false;
 };
 
@@ -65,9 +66,12 @@ void add_options(CLI::App& app, Options& o) {
   add_choice(app, "--scalar", o.spec.scalar, kScalars, "f32 or f64");
   add_choice(app, "--engine", o.spec.engine, kEngines,
              "auto, octree, top-down, bottom-up, uniform-grid, two-level-grid or lbvh");
+  app.add_flag("--normals", o.normals, "Contacts have normals too");
   app.add_option("--thickness", o.spec.thickness, "Contact distance")->capture_default_str();
   app.add_option("--threads", o.spec.threads, "CPU threads; 0: all cores")->capture_default_str();
   app.add_option("--steps", o.steps, "Steps that count")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_flag("--in-slot", o.in_slot,
+               "Positions lie in a slot's memory before a step, where the daemon decodes them to");
   app.add_option("--warm-up", o.warm_up, "Steps before")->check(CLI::NonNegativeNumber)->capture_default_str();
   app.add_option("--scene", o.scene, "One scene; default: all");
   app.add_option("--scale", o.scale, "Refines the grids")->check(CLI::PositiveNumber)->capture_default_str();
@@ -124,7 +128,7 @@ SceneReport run_scene(const BenchInput& input, const Options& o) {
   report.steps = o.steps;
   Stages stages;
   std::vector<double> wall;
-  play_steps(*detector, input, o.spec, o.steps, o.warm_up, [&](const auto& play) {
+  play_steps(*detector, input, o.spec, {o.steps, o.warm_up, o.in_slot}, [&](const auto& play) {
     const auto begin = std::chrono::steady_clock::now();
     const FrameResult result = play();
     wall.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
@@ -154,6 +158,7 @@ RunReport run_all(const Options& o) {
                    .accuracy = name_of(kLevels, o.spec.accuracy),
                    .scalar = name_of(kScalars, o.spec.scalar),
                    .thickness = o.spec.thickness,
+                   .positions = o.in_slot ? "in a slot" : "in pageable memory",
                    .scenes = {}};
   for (const BenchInput& input : bench_inputs(o.scene, o.scale)) {
     std::cerr << input.name << "\n";
@@ -201,7 +206,7 @@ void check_same(const Options& o) {
         spec.mode = mode;
         spec.scalar = scalar;
         spec.thickness = mode == Mode::kDcd ? dcd_thickness(input.name) : 0;
-        spec.weights = true;
+        spec.fields = spec.fields.with(ContactField::kWeights);
         const FrameResult r = run_case(c, spec);
         std::cout << input.name << (mode == Mode::kCcd ? " ccd" : " dcd")
                   << (scalar == Scalar::kF32 ? " f32 " : " f64 ") << std::hex << digest(r) << std::dec << " "
@@ -220,6 +225,7 @@ int main(int argc, char** argv) {
   Options options;
   add_options(app, options);
   CLI11_PARSE(app, argc, argv);
+  if (options.normals) options.spec.fields = options.spec.fields.with(collided::ContactField::kNormals);
   try {
     if (options.check_same)
       check_same(options);

@@ -14,7 +14,7 @@ constexpr std::pair<const char*, Count> kCounts[] = {
 EngineRun run_engine(const BenchInput& input, const SceneSpec& spec, const std::string& name, int steps, int warm_up) {
   const auto detector = Detector::create(spec_for(input.at(0, steps), spec));
   EngineRun run{input.name, name, detector->topology().triangles.size(), {}};
-  play_steps(*detector, input, spec, steps, warm_up, [&](const auto& play) { run.steps.push_back(play().counts); });
+  play_steps(*detector, input, spec, {steps, warm_up}, [&](const auto& play) { run.steps.push_back(play().counts); });
   return run;
 }
 

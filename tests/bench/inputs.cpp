@@ -22,6 +22,22 @@ BenchInput real(const RealFrames& frames) {
 
 }  // namespace
 
+FrameInput moved_to_slot(const FrameInput& frame, FrameSlot& slot) {
+  uint64_t bytes = 0;
+  for (const MeshPositions& update : frame.updates) bytes += update.start.size() + update.end.size();
+  std::span<std::byte> room = slot.room(bytes);
+  const auto move = [&](std::span<const std::byte>& values) {
+    std::copy(values.begin(), values.end(), room.begin());
+    values = std::exchange(room, room.subspan(values.size())).first(values.size());
+  };
+  FrameInput moved = frame;
+  for (MeshPositions& update : moved.updates) {
+    move(update.start);
+    move(update.end);
+  }
+  return moved;
+}
+
 std::vector<BenchInput> bench_inputs(const std::string& only, double scale) {
   std::vector<BenchInput> inputs;
   for (const scenes::SceneInfo& info : scenes::list_scenes())

@@ -2,6 +2,7 @@
 // What the benchmark runs: procedural scenes stepping through time, and pairs of real frames again and again.
 
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "tests/support/case.hpp"
@@ -13,16 +14,30 @@ struct BenchInput {
   std::function<Case(int step, int steps)> at;  ///< meshes and positions of one step
 };
 
-/// Plays the steps of an input to a detector, after `warm_up` of them, in which buffers grow to the size of the hardest
+struct Play {
+  int steps = 20, warm_up = 2;
+  bool in_slot = false;  ///< positions lie in a slot's memory before a step begins, where the daemon decodes them to
+};
+
+/// The frame with its positions in the slot's memory.
+FrameInput moved_to_slot(const FrameInput& frame, FrameSlot& slot);
+
+/// Plays the steps of an input to a detector, after those to warm up, in which buffers grow to the size of the hardest
 /// step. use(play): each step, where play() has the detector answer and returns its result.
 template <class Use>
-void play_steps(Detector& detector, const BenchInput& input, const SceneSpec& spec, int steps, int warm_up,
-                const Use& use) {
+void play_steps(Detector& detector, const BenchInput& input, const SceneSpec& spec, const Play& how, const Use& use) {
+  const auto slot = how.in_slot ? detector.make_slot() : nullptr;
+  const auto [steps, warm_up] = std::pair(how.steps, how.warm_up);
   for (int i = -warm_up; i < steps; ++i) {
     const bool is_first = i == -warm_up;
     const Case c = input.at(i >= 0 ? i : is_first ? 0 : steps - 1, steps);
     const Frame frame(c, spec.mode, spec.scalar, is_first);
-    const auto play = [&] { return detector.detect(frame.input()); };
+    const FrameInput ready = slot ? moved_to_slot(frame.input(), *slot) : frame.input();
+    const auto play = [&] {
+      if (!slot) return detector.detect(ready);
+      slot->send(ready.updates);
+      return detector.detect({.updates = {}, .slot = slot});
+    };
     i < 0 ? static_cast<void>(play()) : use(play);
   }
 }

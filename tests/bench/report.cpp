@@ -23,11 +23,11 @@ std::string hex(uint64_t value) {
 }
 
 void write_counts(std::ostream& out, const FrameCounts& c) {
-  out << "{\"tests\": " << c.tests << ", \"pairs\": " << c.pairs << ", \"candidates_vt\": " << c.candidates_vt
-      << ", \"candidates_ee\": " << c.candidates_ee << ", \"contacts_vt\": " << c.contacts_vt
-      << ", \"contacts_ee\": " << c.contacts_ee << ", \"cells\": " << c.cells << ", \"leaves\": " << c.leaves
-      << ", \"registrations\": " << c.registrations << ", \"top_level\": " << c.top_level
-      << ", \"base_level\": " << c.base_level << "}";
+  out << "{\"tests\": " << c.tests << ", \"pairs\": " << c.pairs
+      << ", \"candidates_vt\": " << c.candidates.vertex_triangle << ", \"candidates_ee\": " << c.candidates.edge_edge
+      << ", \"contacts_vt\": " << c.contacts.vertex_triangle << ", \"contacts_ee\": " << c.contacts.edge_edge
+      << ", \"cells\": " << c.cells << ", \"leaves\": " << c.leaves << ", \"registrations\": " << c.registrations
+      << ", \"top_level\": " << c.top_level << ", \"base_level\": " << c.base_level << "}";
 }
 
 void write_scene(std::ostream& out, const SceneReport& s) {
@@ -54,7 +54,7 @@ void write_json(std::ostream& out, const RunReport& r) {
   out << "{\n  \"date\": " << quoted(r.date) << ", \"commit\": " << quoted(r.commit)
       << ", \"device\": " << quoted(r.device) << ",\n  \"mode\": " << quoted(r.mode)
       << ", \"accuracy\": " << quoted(r.accuracy) << ", \"scalar\": " << quoted(r.scalar)
-      << ", \"thickness\": " << r.thickness << ",\n  \"scenes\": [\n";
+      << ", \"thickness\": " << r.thickness << ", \"positions\": \"" << r.positions << "\",\n  \"scenes\": [\n";
   for (size_t i = 0; i < r.scenes.size(); ++i) {
     write_scene(out, r.scenes[i]);
     out << (i + 1 < r.scenes.size() ? ",\n" : "\n");

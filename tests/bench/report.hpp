@@ -21,6 +21,7 @@ struct SceneReport {
 struct RunReport {
   std::string date, commit, device, mode, accuracy, scalar;
   double thickness = 0;
+  std::string positions;  ///< where they lie before a step
   std::vector<SceneReport> scenes;
 };
 

@@ -26,7 +26,8 @@ from run_page import run_python  # noqa: E402
 
 PAGE = Page(REPOSITORY / "proto" / "CONVENTIONS.md")
 FIELDS = [contact_pb2.CONTACT_FIELD_ELEMENTS, contact_pb2.CONTACT_FIELD_STENCIL, contact_pb2.CONTACT_FIELD_TOI,
-          contact_pb2.CONTACT_FIELD_DISTANCE, contact_pb2.CONTACT_FIELD_WEIGHTS, contact_pb2.CONTACT_FIELD_FLAGS]
+          contact_pb2.CONTACT_FIELD_DISTANCE, contact_pb2.CONTACT_FIELD_WEIGHTS, contact_pb2.CONTACT_FIELD_NORMAL,
+          contact_pb2.CONTACT_FIELD_FLAGS]
 TRIANGLE = np.array([[0, 1, 2]], "<u4").tobytes()
 FLOOR = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0]], "<f4")
 # Two tips, whose contacts come one after the other.
@@ -110,7 +111,7 @@ class Conventions(unittest.TestCase):
         self.assertEqual(has("toi"), end.earliest_toi < 1)
         contacts = {0: "none", 1: "one"}.get(count, "all")
         return [contacts, *("yes" if it else "no" for it in (
-            has("toi"), has("distance", "weights", "flags"), end.any_contact))]
+            has("toi"), has("distance", "weights", "normals", "flags"), end.any_contact))]
 
     def test_the_table_of_flags_has_their_masks(self):
         told = {name.strip("`"): int(mask) for name, mask, _ in PAGE.table(after="## Flags")[1:]}
@@ -138,7 +139,7 @@ class Conventions(unittest.TestCase):
             (chunk,) = self.stub.DetectFrame(request, timeout=30).contacts
             self.assertEqual(np.frombuffer(chunk.elements, "<u4").tolist(), [0, 1])
             self.assertEqual(list(chunk.flags), [1] if mode == "DCD" else [])
-            self.assertFalse(chunk.stencils or chunk.toi or chunk.distance or chunk.weights)
+            self.assertFalse(chunk.stencils or chunk.toi or chunk.distance or chunk.weights or chunk.normals)
         self.assertEqual(refusal_of(lambda: self.make("CCD", "FAST", kinds=kinds)), "INVALID_ARGUMENT")
 
     def test_thickness_is_the_distance_between_the_features(self):
@@ -163,14 +164,14 @@ class Conventions(unittest.TestCase):
         risen_at = np.frombuffer(chunk.toi, "<f8")[elements.index([3, 0])]
         np.testing.assert_allclose(risen_at, (FALLS[0] - 1) / FALLS[0], atol=1e-6)  # it was below the floor
 
-    def test_weights_come_only_if_asked_for(self):
+    def test_weights_and_normals_come_only_if_asked_for(self):
         meshes = self.make().spec.meshes
         spec = scene_pb2.SceneSpec(mode="DETECTION_MODE_CCD", meshes=[
             scene_pb2.MeshSpec(name=mesh.name, vertex_count=3, triangles=TRIANGLE) for mesh in meshes])
         scene = self.stub.CreateScene(api.CreateSceneRequest(spec=spec), timeout=30).scene
         for chunk in self.fall(scene).contacts:
             self.assertTrue(chunk.elements and chunk.stencils and chunk.toi and chunk.distance and chunk.flags)
-            self.assertFalse(chunk.weights)
+            self.assertFalse(chunk.weights or chunk.normals)
 
     def test_the_id_of_a_refused_frame_may_be_used_again(self):
         scene = self.make()

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <utility>
 
+#include "client/cli/options/options.hpp"
 #include "client/cli/output/output.hpp"
 #include "client/cli/report/contacts.hpp"
 
@@ -88,9 +89,9 @@ void write_csv(const std::string& file, const client::FrameOutput& output) {
   Rows rows(file);
   rows.text("kind,element_a,element_b,v0,v1,v2,v3,toi,distance,flags");
   rows.end_row();
-  write_kind(rows, "vt", output.vertex_triangle);
-  write_kind(rows, "ee", output.edge_edge);
-  write_kind(rows, "tt", output.triangle_triangle);
+  for_each_kind(
+      [&](v1::ContactKind kind, const client::Contacts& contacts) { write_kind(rows, name_of(kind), contacts); },
+      output);
   rows.finish();
 }
 

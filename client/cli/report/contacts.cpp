@@ -14,7 +14,7 @@ constexpr std::pair<v1::ContactFlag, std::string_view> kFlagWords[] = {{v1::CONT
                                                                        {v1::CONTACT_FLAG_CAPPED, "capped"},
                                                                        {v1::CONTACT_FLAG_INITIAL, "initial"}};
 
-Json contact_json(const char* kind, const client::Contacts& contacts, size_t i) {
+Json contact_json(const std::string& kind, const client::Contacts& contacts, size_t i) {
   Json out = {{"kind", kind}};
   if (!contacts.elements.empty()) out["elements"] = contacts.elements[i];
   if (!contacts.stencils.empty()) out["stencil"] = contacts.stencils[i];
@@ -36,13 +36,14 @@ std::vector<std::string_view> flag_words(uint8_t flags) {
 std::optional<Json> earliest_contact(const client::FrameOutput& output) {
   std::optional<Json> earliest;
   double earliest_toi = std::numeric_limits<double>::infinity();
-  for (const auto& [kind, contacts] :
-       {std::pair{"vertex_triangle", &output.vertex_triangle}, std::pair{"edge_edge", &output.edge_edge}}) {
-    const auto at = std::min_element(contacts->toi.begin(), contacts->toi.end());
-    if (at == contacts->toi.end() || *at >= earliest_toi) continue;
-    earliest_toi = *at;
-    earliest = contact_json(kind, *contacts, static_cast<size_t>(at - contacts->toi.begin()));
-  }
+  for_each_kind(
+      [&](v1::ContactKind kind, const client::Contacts& contacts) {
+        const auto at = std::min_element(contacts.toi.begin(), contacts.toi.end());
+        if (at == contacts.toi.end() || *at >= earliest_toi) return;
+        earliest_toi = *at;
+        earliest = contact_json(long_name_of(kind), contacts, static_cast<size_t>(at - contacts.toi.begin()));
+      },
+      output);
   return earliest;
 }
 

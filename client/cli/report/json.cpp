@@ -2,7 +2,9 @@
 
 #include "client/cli/report/json.hpp"
 
+#include <algorithm>
 #include <set>
+#include <string_view>
 
 #include "client/cli/options/options.hpp"
 
@@ -35,22 +37,20 @@ Json stages_json(const v1::FrameMetrics& metrics) {
   return out;
 }
 
-Json counts_json(const v1::FrameCounts& c) {
-  return {{"cells", c.cells()},
-          {"leaves", c.leaves()},
-          {"top_level", c.top_level()},
-          {"base_level", c.base_level()},
-          {"registrations", c.registrations()},
-          {"tests", c.tests()},
-          {"pairs", c.pairs()},
-          {"candidates_vertex_triangle", c.candidates_vertex_triangle()},
-          {"candidates_edge_edge", c.candidates_edge_edge()},
-          {"contacts_vertex_triangle", c.contacts_vertex_triangle()},
-          {"contacts_edge_edge", c.contacts_edge_edge()},
-          {"contacts_triangle_triangle", c.contacts_triangle_triangle()},
-          {"survivors_vertex_triangle", c.survivors_vertex_triangle()},
-          {"survivors_edge_edge", c.survivors_edge_edge()},
-          {"exact_decisions", c.exact_decisions()}};
+// Every count, under the name that the protocol gives it.
+Json counts_json(const v1::FrameCounts& counts) {
+  using google::protobuf::FieldDescriptor;
+  const auto& type = *v1::FrameCounts::descriptor();
+  const auto& values = *v1::FrameCounts::GetReflection();
+  Json out = Json::object();
+  for (int i = 0; i < type.field_count(); ++i) {
+    const FieldDescriptor* field = type.field(i);
+    if (field->cpp_type() == FieldDescriptor::CPPTYPE_UINT32)
+      out[field->name()] = values.GetUInt32(counts, field);
+    else
+      out[field->name()] = values.GetUInt64(counts, field);
+  }
+  return out;
 }
 
 Json frame_json(const v1::FrameDone& done, v1::Report report) {
@@ -72,9 +72,20 @@ Json frame_json(const v1::FrameDone& done, v1::Report report) {
   return out;
 }
 
+std::string long_name_of(v1::ContactKind kind) {
+  std::string name = v1::ContactKind_Name(kind).substr(std::string_view("CONTACT_KIND_").size());
+  std::transform(name.begin(), name.end(), name.begin(), [](char c) { return c == '_' ? c : char(c - 'A' + 'a'); });
+  return name;
+}
+
+Json contact_counts_json(const client::PerKind<uint64_t>& counts) {
+  Json out = Json::object();
+  for_each_kind([&](v1::ContactKind kind, uint64_t count) { out["contacts_" + long_name_of(kind)] = count; }, counts);
+  return out;
+}
+
 void clear_contact_counts(Json& counts) {
-  for (const char* name : {"contacts_vertex_triangle", "contacts_edge_edge", "contacts_triangle_triangle"})
-    counts[name] = nullptr;
+  for (const auto& [name, count] : contact_counts_json({}).items()) counts[name] = nullptr;
 }
 
 Json transport_json(const client::FrameStream& stream) {

@@ -2,6 +2,7 @@
 // A scene and its frames as JSON, under the protocol's names; milliseconds end in _ms.
 
 #include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
 #include "client/cpp/frame_stream.hpp"
@@ -17,6 +18,10 @@ Json stages_json(const v1::FrameMetrics& metrics);
 Json counts_json(const v1::FrameCounts& counts);
 /// What a frame cost, and the work that it was.
 Json frame_json(const v1::FrameDone& done, v1::Report report);
+/// "vertex_triangle" and so on.
+std::string long_name_of(v1::ContactKind kind);
+/// "contacts_vertex_triangle" and so on.
+Json contact_counts_json(const client::PerKind<uint64_t>& counts);
 /// Sets the numbers of contacts to null: REPORT_ANY_HIT only finds out whether there is one.
 void clear_contact_counts(Json& counts);
 /// The transport of a stream and, if the daemon offers shared memory that it does not use, why not.

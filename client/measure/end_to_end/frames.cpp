@@ -30,7 +30,7 @@ double time_of(int frame) {
 double bytes_of(const client::Contacts& contacts) {
   const auto bytes = [](const auto& values) { return static_cast<double>(std::span(values).size_bytes()); };
   return bytes(contacts.elements) + bytes(contacts.stencils) + bytes(contacts.toi) + bytes(contacts.distance) +
-         bytes(contacts.weights) + bytes(contacts.flags);
+         bytes(contacts.weights) + bytes(contacts.normals) + bytes(contacts.flags);
 }
 
 }  // namespace
@@ -83,7 +83,9 @@ double bytes_of(const std::vector<client::FrameUpdate>& updates) {
 }
 
 double bytes_of(const client::FrameOutput& output) {
-  return bytes_of(output.vertex_triangle) + bytes_of(output.edge_edge) + bytes_of(output.triangle_triangle);
+  double bytes = 0;
+  for_each_kind([&](v1::ContactKind, const client::Contacts& contacts) { bytes += bytes_of(contacts); }, output);
+  return bytes;
 }
 
 }  // namespace collided::cli

@@ -73,7 +73,7 @@ class RadixSort {
         shift, bits, [arrays](uint64_t i) { return arrays.keys[i]; },
         [arrays](uint64_t i, uint64_t to) {
           arrays.other_keys[to] = arrays.keys[i];
-          arrays.other_values[to] = arrays.values[i];
+          if (!arrays.values.empty()) arrays.other_values[to] = arrays.values[i];
         });
   }
 

@@ -157,6 +157,12 @@ class CudaExec {
   /// Stably by the lowest `bits` of the keys; 0 if the result is in `keys` and `values`, 1 if it is in the others.
   int sort_pairs(const char* name, int bits, const SortArrays& arrays) {
     cub::DoubleBuffer<uint64_t> keys(arrays.keys.data, arrays.other_keys.data);
+    if (arrays.values.empty()) {
+      with_scratch(name, [&](void* memory, size_t& bytes) {
+        return cub::DeviceRadixSort::SortKeys(memory, bytes, keys, arrays.keys.size(), 0, bits, stream_);
+      });
+      return keys.selector;
+    }
     cub::DoubleBuffer<uint32_t> values(arrays.values.data, arrays.other_values.data);
     const int count = static_cast<int>(arrays.keys.size());
     with_scratch(name, [&](void* memory, size_t& bytes) {

@@ -119,8 +119,8 @@ void compare_counts(Match& match, EmbreeCollider& collider, const EngineSide& ca
   match.embree_pairs_apart =
       collider.collide([&](uint32_t a, uint32_t b) { return rules.may_touch(a, b) && rules.are_apart(a, b); });
   match.engine_pairs = candidates.result().counts.pairs;
-  match.candidates_vt = candidates.result().counts.candidates_vt;
-  match.candidates_ee = candidates.result().counts.candidates_ee;
+  match.candidates_vt = candidates.result().counts.candidates.vertex_triangle;
+  match.candidates_ee = candidates.result().counts.candidates.edge_edge;
   match.lists_pairs = pairs != nullptr;
   if (pairs != nullptr) match.listed_pairs = pairs->result().triangle_triangle.size();
 }

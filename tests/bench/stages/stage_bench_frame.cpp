@@ -23,16 +23,18 @@ void bench_order(StageScene& s, Span<const uint64_t> keys, Span<const ContactDat
                  benchmark::State& state) {
   const uint64_t first_ids = s.features.topology.vertex_count + s.features.topology.edges.size(), count = keys.size();
   OrderBuffers<CpuExec> buffers(s.exec);
-  buffers.reserve(first_ids, count);
-  const ColumnsWanted wanted{.flags = !data.empty(), .distance = !data.empty(), .toi = !data.empty()};
+  const IdCounts ids{first_ids, first_ids};
+  reserve_order<CpuExec>(buffers, {}, ids, count, !data.empty());
+  FieldSet wanted = {ContactField::kElements};
+  if (!data.empty()) wanted = wanted | FieldSet{ContactField::kToi, ContactField::kDistance, ContactField::kFlags};
   ColumnBuffers<CpuExec> columns(s.exec);
   columns.reserve(count, wanted);
-  const FeatureRanks ranks{s.features.topology.vertex_count, static_cast<uint32_t>(first_ids),
-                           static_cast<uint32_t>(first_ids)};
+  const auto features = static_cast<uint32_t>(first_ids);
+  const FeatureRanks ranks{{0, s.features.topology.vertex_count, features, features}};
   KindBegins kinds{};
   const Unordered<WriteContact<float>> list{
       {&count, count}, keys, ranks, &kinds, {data, ranks, columns.columns(wanted)}};
-  measure(state, count, kNoPreparation, [&] { put_in_order(s.exec, buffers, list, false, nullptr); });
+  measure(state, count, kNoPreparation, [&] { put_in_order(s.exec, buffers, list, {}, ids, nullptr); });
   state.counters["first_ids"] = static_cast<double>(first_ids);
 }
 

@@ -71,7 +71,7 @@ TEST_F(AnswerMemory, CountsWhileAnAnswerLives) {
   for (const Mode mode : {Mode::kCcd, Mode::kDcd})
     for (const Accuracy level : {Accuracy::kCandidates, Accuracy::kCertified}) {
       SceneSpec spec = settings(mode, level, Scalar::kF32, 0.01);
-      spec.weights = true;
+      spec.fields = spec.fields.with(ContactField::kWeights);
       auto detector = make(spec);
       FrameResult result = answer(*detector, spec);
       const uint64_t bytes = bytes_of(result);

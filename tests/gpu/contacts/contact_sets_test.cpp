@@ -16,15 +16,18 @@ ContactSet contacts(const std::vector<double>& toi, const std::vector<uint8_t>& 
   std::vector<std::array<uint32_t, 2>> elements;
   std::vector<double> distance;
   std::vector<std::array<double, 2>> weights;
+  std::vector<Normal> normals;
   for (uint32_t i = 0; i < toi.size(); ++i) {
     elements.push_back({i, i + 100});
     distance.push_back(i);
     weights.push_back({0.5 * i, 0.25 * i});
+    normals.push_back({1.0f * i, 0, 0});
   }
   ContactSet set;
   set.elements = elements;
   set.distance = distance;
   set.weights = weights;
+  set.normals = normals;
   set.toi = toi;
   set.flags = flags;
   return set;
@@ -40,6 +43,7 @@ void expect_are(const ContactSet& set, const std::vector<uint32_t>& marks) {
   ASSERT_EQ(set.toi.size(), marks.size());
   ASSERT_EQ(set.distance.size(), marks.size());
   ASSERT_EQ(set.weights.size(), marks.size());
+  ASSERT_EQ(set.normals.size(), marks.size());
   ASSERT_EQ(set.flags.size(), marks.size());
   for (size_t i = 0; i < marks.size(); ++i) {
     EXPECT_EQ(set.elements[i], (std::array<uint32_t, 2>{marks[i], marks[i] + 100}));
@@ -64,15 +68,16 @@ TEST(ContactSets, NothingIsUndecidedInAnEmptySet) { EXPECT_TRUE(undecided_places
 
 TEST(ContactSets, AnswersSetTimesAndFlagsAndRemoveWhatIsNoContact) {
   ContactSet set = contacts({0.1, 0.2, 0, 0.4}, {kFlagNear, kFlagNear | kFlagCapped, kFlagNear | kFlagInitial, kSure});
-  apply(loops, set, {0, 1, 2}, {{false, 0, false}, {true, 0.25, false}, {true, 0, true}});
+  apply(loops, set, {0, 1, 2}, {{false, 0, false}, {true, 0.25, false}, {true, 0, true}}, {{}, {0, 1, 0}, {0, 0, 1}});
   expect_are(set, {1, 2, 3});
+  EXPECT_EQ(set.normals, (Column<Normal>{{0, 1, 0}, {0, 0, 1}, {3, 0, 0}}));
   EXPECT_EQ(set.toi, (Column<double>{0.25, 0, 0.4}));
   EXPECT_EQ(set.flags, (Column<uint8_t>{kSure, kSureInitial, kSure}));
 }
 
 TEST(ContactSets, EveryContactMayGo) {
   ContactSet set = contacts({0.1, 0.2}, {kFlagNear, kFlagNear});
-  apply(loops, set, {0, 1}, {{}, {}});
+  apply(loops, set, {0, 1}, {{}, {}}, {{}, {}});
   expect_are(set, {});
 }
 
@@ -80,7 +85,7 @@ TEST(ContactSets, ArraysThatAreNotThereStayEmpty) {
   ContactSet set;
   set.elements = {{1, 2}, {3, 4}};
   set.flags = {kFlagNear, kFlagNear};
-  apply(loops, set, {0, 1}, {{false, 0, false}, {true, 0, false}});
+  apply(loops, set, {0, 1}, {{false, 0, false}, {true, 0, false}}, {});
   EXPECT_EQ(set.elements, (Column<std::array<uint32_t, 2>>{{3, 4}}));
   EXPECT_EQ(set.flags, (Column<uint8_t>{kSure}));
   EXPECT_TRUE(set.toi.empty() && set.distance.empty() && set.weights.empty());
@@ -116,8 +121,16 @@ TEST(ContactSets, OfSeveralEarliestVertexTriangleComesFirstThenTheLowestIds) {
 }
 
 TEST(ContactSets, EarliestTimeIsOneWithoutContacts) {
-  EXPECT_EQ(earliest_toi({}), 1);
-  EXPECT_EQ(earliest_toi(contacts({0.5, 0.25, 0.75}, {kSure, kSure, kSure})), 0.25);
+  EXPECT_EQ(earliest_toi(loops, {}), 1);
+  const ContactSet some = contacts({0.5, 0.25, 0.75}, {kSure, kSure, kSure}), later = contacts({0.5}, {kSure});
+  EXPECT_EQ(earliest_toi(loops, {.vertex_triangle = some, .edge_edge = later}), 0.25);
+  EXPECT_EQ(earliest_toi(loops, {.vertex_triangle = later, .edge_edge = some}), 0.25);
+  for (size_t place = 0; place < 40; ++place) {
+    std::vector<double> toi(40, 0.5);
+    toi[place] = 0.125;
+    const ContactSet one = contacts(toi, std::vector<uint8_t>(40, kSure));
+    EXPECT_EQ(earliest_toi(loops, {.vertex_triangle = one, .edge_edge = {}}), 0.125) << place;
+  }
 }
 
 }  // namespace

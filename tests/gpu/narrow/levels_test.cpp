@@ -101,8 +101,8 @@ TEST_P(Levels, KeepTheirPromises) {
       const FrameResult r = run_case(c, spec);
       expect_promises(r.vertex_triangle, vt, question.mode);
       expect_promises(r.edge_edge, ee, question.mode);
-      EXPECT_EQ(r.counts.contacts_vt, r.vertex_triangle.size());
-      EXPECT_EQ(r.counts.contacts_ee, r.edge_edge.size());
+      EXPECT_EQ(r.counts.contacts.vertex_triangle, r.vertex_triangle.size());
+      EXPECT_EQ(r.counts.contacts.edge_edge, r.edge_edge.size());
       EXPECT_EQ(r.any_contact, r.vertex_triangle.size() + r.edge_edge.size() > 0);
       if (accuracy != Accuracy::kExact) {
         EXPECT_EQ(r.counts.exact_decisions, 0u);

@@ -39,7 +39,7 @@ Case crossing_blades(double from, double to) {
 
 SceneSpec fast(Mode mode, Scalar scalar, double thickness = 0) {
   SceneSpec spec = settings(mode, Accuracy::kFast, scalar, thickness);
-  spec.weights = true;
+  spec.fields = spec.fields.with(ContactField::kWeights);
   return spec;
 }
 
@@ -79,7 +79,7 @@ TEST_P(NarrowPhase, NoContactBeforeTheTouch) {
     const FrameResult r = run_case(c, fast(Mode::kCcd, GetParam()));
     EXPECT_EQ(r.vertex_triangle.size() + r.edge_edge.size(), 0u);
     EXPECT_EQ(r.earliest_toi, 1);
-    EXPECT_EQ(r.counts.contacts_vt + r.counts.contacts_ee, 0u);
+    EXPECT_EQ(r.counts.contacts.vertex_triangle + r.counts.contacts.edge_edge, 0u);
   }
 }
 
@@ -141,7 +141,7 @@ TEST_P(NarrowPhase, DiscreteDistanceOfCrossingEdges) {
 
 TEST_P(NarrowPhase, WeightsComeOnlyIfAskedFor) {
   SceneSpec spec = fast(Mode::kCcd, GetParam());
-  spec.weights = false;
+  spec.fields = spec.fields.without(ContactField::kWeights);
   const FrameResult r = run_case(spike_over_floor(1, -1), spec);
   ASSERT_EQ(r.vertex_triangle.size(), 1u);
   EXPECT_TRUE(r.vertex_triangle.weights.empty());

@@ -44,7 +44,7 @@ class Geometry {
 
 SceneSpec fast(Mode mode, Scalar scalar, double thickness = 0) {
   SceneSpec spec = settings(mode, Accuracy::kFast, scalar, thickness);
-  spec.weights = true;
+  spec.fields = spec.fields.with(ContactField::kWeights);
   return spec;
 }
 

@@ -15,7 +15,7 @@ constexpr Accuracy kLevels[] = {Accuracy::kGuarded, Accuracy::kCertified, Accura
 SceneSpec ccd(Accuracy accuracy, double delta = 0) {
   SceneSpec spec = settings(Mode::kCcd, accuracy);
   spec.delta = delta;
-  spec.weights = true;
+  spec.fields = spec.fields.with(ContactField::kWeights);
   return spec;
 }
 
@@ -26,7 +26,13 @@ FrameResult run_report(const Case& c, SceneSpec spec, Report report) {
 
 // Entry i alone.
 ContactSet only(const ContactSet& set, size_t i) {
-  return {{set.elements[i]}, {set.toi[i]}, {set.distance[i]}, {set.weights[i]}, {set.flags[i]}};
+  ContactSet one;
+  for_each_field(
+      [&](ContactField, auto& column, const auto& all) {
+        if (!all.empty()) column = {all[i]};
+      },
+      one, set);
+  return one;
 }
 
 // The contact that EARLIEST_ONLY has to answer with: vertex-triangle first, then the lowest ids.

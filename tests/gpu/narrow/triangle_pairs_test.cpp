@@ -43,7 +43,7 @@ void expect_judged(const Case& c, Scalar scalar, size_t least) {
     const FrameResult r = run_case(c, triangles_alone(accuracy, scalar));
     expect_promises(r.triangle_triangle, truth);
     EXPECT_EQ(r.vertex_triangle.size() + r.edge_edge.size(), 0u);
-    EXPECT_EQ(r.counts.contacts_tt, r.triangle_triangle.size());
+    EXPECT_EQ(r.counts.contacts.triangle_triangle, r.triangle_triangle.size());
     EXPECT_EQ(r.any_contact, r.triangle_triangle.size() > 0);
     EXPECT_EQ(r.earliest_toi, 1);
     if (accuracy != Accuracy::kExact) continue;
@@ -258,7 +258,7 @@ class TriangleCandidates : public OnBackend<::testing::TestWithParam<Scalar>> {
       EXPECT_EQ(keys_of(found), expected);
       EXPECT_TRUE(found.flags.empty() && found.toi.empty() && found.distance.empty() && found.weights.empty());
       EXPECT_FALSE(result->any_contact) << "boxes that overlap are no contact";
-      EXPECT_EQ(result->counts.contacts_tt, 0u);
+      EXPECT_EQ(result->counts.contacts.triangle_triangle, 0u);
     }
     EXPECT_TRUE(same_contacts(run_case(c, settings(Mode::kCcd, Accuracy::kCandidates, GetParam())), with_features));
   }

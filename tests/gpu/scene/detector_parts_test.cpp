@@ -57,7 +57,7 @@ TEST_F(DetectorParts, VertexTriangleAlone) {
   expect_fewer(alone, both);
   EXPECT_LT(alone.bytes, both.bytes);
   EXPECT_EQ(alone.result.edge_edge.size(), 0u);
-  EXPECT_EQ(alone.result.counts.candidates_ee, 0u);
+  EXPECT_EQ(alone.result.counts.candidates.edge_edge, 0u);
   EXPECT_TRUE(same_bytes(alone.result.vertex_triangle, both.result.vertex_triangle));
 }
 
@@ -68,7 +68,7 @@ TEST_F(DetectorParts, EdgeEdgeAlone) {
   const Footprint alone = footprint(small_case(), spec);
   expect_fewer(alone, both);
   EXPECT_EQ(alone.result.vertex_triangle.size(), 0u);
-  EXPECT_EQ(alone.result.counts.candidates_vt, 0u);
+  EXPECT_EQ(alone.result.counts.candidates.vertex_triangle, 0u);
   EXPECT_TRUE(same_bytes(alone.result.edge_edge, both.result.edge_edge));
 }
 
@@ -76,9 +76,9 @@ TEST_F(DetectorParts, CandidatesHaveNoNarrowPhase) {
   const Footprint fast = footprint(small_case(), settings(Mode::kCcd, Accuracy::kFast));
   const Footprint candidates = footprint(small_case(), settings(Mode::kCcd, Accuracy::kCandidates));
   EXPECT_LT(candidates.stages.size(), fast.stages.size()) << text(fast.stages);
-  EXPECT_EQ(candidates.result.counts.contacts_vt + candidates.result.counts.contacts_ee, 0u);
-  EXPECT_EQ(candidates.result.counts.candidates_vt, fast.result.counts.candidates_vt);
-  EXPECT_EQ(candidates.result.counts.candidates_ee, fast.result.counts.candidates_ee);
+  EXPECT_EQ(candidates.result.counts.contacts.vertex_triangle + candidates.result.counts.contacts.edge_edge, 0u);
+  EXPECT_EQ(candidates.result.counts.candidates.vertex_triangle, fast.result.counts.candidates.vertex_triangle);
+  EXPECT_EQ(candidates.result.counts.candidates.edge_edge, fast.result.counts.candidates.edge_edge);
 }
 
 // The last good frame's positions are where a continuous step begins: such scenes need no copy of them.

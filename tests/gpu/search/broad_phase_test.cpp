@@ -14,8 +14,8 @@ void expect_brute_force(const Case& exact, Mode mode, Scalar scalar, double thic
   const ExpectedPairs expected = brute_force(c, mode, scalar, thickness);
   EXPECT_EQ("", compare(result.vertex_triangle.elements, expected.vertex_triangle)) << "vertex-triangle";
   EXPECT_EQ("", compare(result.edge_edge.elements, expected.edge_edge)) << "edge-edge";
-  EXPECT_EQ(result.counts.candidates_vt, result.vertex_triangle.size());
-  EXPECT_EQ(result.counts.candidates_ee, result.edge_edge.size());
+  EXPECT_EQ(result.counts.candidates.vertex_triangle, result.vertex_triangle.size());
+  EXPECT_EQ(result.counts.candidates.edge_edge, result.edge_edge.size());
 }
 
 class BroadPhaseScene : public OnBackend<::testing::TestWithParam<std::string>> {};

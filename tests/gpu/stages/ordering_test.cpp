@@ -8,6 +8,7 @@
 
 #include "gpu/contacts/order.hpp"
 #include "gpu/exec/cpu/cpu_exec.hpp"
+#include "gpu/step/order_predictor.hpp"
 
 namespace collided::test {
 namespace {
@@ -19,9 +20,13 @@ struct Shape {
 };
 
 struct WriteKeys {
-  Span<const uint64_t> data;
+  Span<const uint64_t> data;  ///< empty: there are only keys
   Span<uint64_t> keys, along;
-  void operator()(uint64_t place, uint64_t key, uint64_t from) const { keys[place] = key, along[place] = data[from]; }
+  bool has_data() const { return !data.empty(); }
+  void operator()(uint64_t place, uint64_t key, uint64_t from) const {
+    keys[place] = key;
+    if (has_data()) along[place] = data[from];
+  }
 };
 
 /// What was written in order.
@@ -36,22 +41,19 @@ struct Written {
 /// Three kinds.
 FeatureRanks thirds_of(uint64_t first_ids) {
   const auto third = static_cast<uint32_t>(first_ids / 3);
-  return {third, 2 * third, static_cast<uint32_t>(first_ids)};
+  return {{0, third, 2 * third, static_cast<uint32_t>(first_ids)}};
 }
 
 void expect_begins(const KindBegins& kinds, const std::vector<uint64_t>& sorted, const FeatureRanks& ranks) {
   const auto below = [&](uint32_t rank) {
     return static_cast<uint64_t>(std::lower_bound(sorted.begin(), sorted.end(), uint64_t{rank} << 32) - sorted.begin());
   };
-  EXPECT_EQ(kinds.edges, below(ranks.first_edge));
-  EXPECT_EQ(kinds.triangles, below(ranks.first_triangle));
+  for (size_t kind = 0; kind < kContactKinds; ++kind) EXPECT_EQ(kinds.at[kind], below(ranks.begin[kind])) << kind;
 }
 
-class Ordering : public testing::TestWithParam<Shape> {};
+constexpr uint64_t kSecondIds = uint64_t{1} << 32;
 
-TEST_P(Ordering, EqualsAPlainSort) {
-  const Shape shape = GetParam();
-  CpuExec exec(2, 0);
+std::vector<uint64_t> keys_of(const Shape& shape) {
   std::mt19937_64 random(shape.entries);
   std::vector<uint64_t> keys(shape.entries);
   for (uint64_t i = 0; i < keys.size(); ++i) {
@@ -59,6 +61,15 @@ TEST_P(Ordering, EqualsAPlainSort) {
     const uint64_t first = crowded ? shape.first_ids / 2 : random() % shape.first_ids;
     keys[i] = first << 32 | (i * 2654435761u & 0xffffffffu);  // second ids differ
   }
+  return keys;
+}
+
+class Ordering : public testing::TestWithParam<Shape> {};
+
+TEST_P(Ordering, EqualsAPlainSort) {
+  const Shape shape = GetParam();
+  CpuExec exec(2, 0);
+  const std::vector<uint64_t> keys = keys_of(shape);
   std::vector<uint64_t> data = keys, expected = keys;
   std::sort(expected.begin(), expected.end());
 
@@ -78,6 +89,50 @@ TEST_P(Ordering, EqualsAPlainSort) {
   }
   expect_begins(kinds, expected, ranks);
   EXPECT_EQ(crowded > 0, shape.crowding > 0);
+}
+
+// What is beyond the list, up to the length of the sort, stays behind it.
+TEST_P(Ordering, ByRadixEqualsAPlainSort) {
+  const Shape shape = GetParam();
+  CpuExec exec(2, 0);
+  const std::vector<uint64_t> keys = keys_of(shape);
+  std::vector<uint64_t> expected = keys;
+  std::sort(expected.begin(), expected.end());
+  const uint64_t count = keys.size();
+  const FeatureRanks ranks = thirds_of(shape.first_ids);
+  for (const uint64_t length : {count, count + 1000})
+    for (const bool has_data : {true, false}) {
+      RadixBuffers<CpuExec> buffers(exec);
+      buffers.reserve(length, has_data);
+      Written written(count);
+      KindBegins kinds{};
+      put_in_order_by_radix(exec, buffers,
+                            Unordered<WriteKeys>{{&count, count},
+                                                 {keys.data(), count},
+                                                 ranks,
+                                                 &kinds,
+                                                 written.write(has_data ? keys : std::vector<uint64_t>{})},
+                            length, KeyPacking::of(shape.first_ids, kSecondIds));
+      EXPECT_EQ(written.keys, expected);
+      EXPECT_EQ(written.data, has_data ? expected : std::vector<uint64_t>(count));
+      expect_begins(kinds, expected, ranks);
+    }
+}
+
+TEST(OrderPredictor, PlansForWhatTheLastStepsHad) {
+  OrderPredictor order;
+  EXPECT_EQ(order.plan().radix_length, 0u);
+  EXPECT_FALSE(order.observe(1 << 17));
+  EXPECT_EQ(order.plan().radix_length, 0u);
+  EXPECT_FALSE(order.observe(1'000'000)) << "a step without a radix sort had them in order";
+  const uint64_t length = order.plan().radix_length;
+  EXPECT_GE(length, 1'000'000u);
+  EXPECT_LE(length, 1'250'000u);
+  EXPECT_FALSE(order.observe(length));
+  EXPECT_TRUE(order.observe(order.plan().radix_length + 1));
+  EXPECT_GT(order.plan().radix_length, length);
+  for (int step = 0; step < 1000; ++step) EXPECT_FALSE(order.observe(10));
+  EXPECT_EQ(order.plan().radix_length, 0u);
 }
 
 TEST(RankFew, EqualsAPlainSort) {

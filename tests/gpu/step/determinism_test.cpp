@@ -27,8 +27,8 @@ void expect_same(const FrameResult& one, const FrameResult& other) {
   EXPECT_EQ(one.any_contact, other.any_contact);
   EXPECT_EQ(one.counts.tests, other.counts.tests);
   EXPECT_EQ(one.counts.pairs, other.counts.pairs);
-  EXPECT_EQ(one.counts.survivors_vt, other.counts.survivors_vt);
-  EXPECT_EQ(one.counts.survivors_ee, other.counts.survivors_ee);
+  EXPECT_EQ(one.counts.survivors.vertex_triangle, other.counts.survivors.vertex_triangle);
+  EXPECT_EQ(one.counts.survivors.edge_edge, other.counts.survivors.edge_edge);
   EXPECT_EQ(one.counts.exact_decisions, other.counts.exact_decisions);
 }
 
@@ -36,7 +36,7 @@ void expect_same_everywhere(const std::string& name, Mode mode, Scalar scalar, d
   const auto scene = scenes::make_scene(name, scale_for(name));
   const Case c = case_of(*scene, mode == Mode::kCcd ? 0.8 - 1.0 / 60 : 0.8, 0.8);
   SceneSpec spec = settings(mode, Accuracy::kFast, scalar, thickness);
-  spec.weights = true;
+  spec.fields = spec.fields.with(ContactField::kWeights);
   expect_same(run_with(c, spec, Backend::kCpu, 1), run_with(c, spec, kBackend, 2));
 }
 
@@ -75,7 +75,7 @@ TEST_P(DeterminismOfLevels, Continuous) {
     for (Report report : {Report::kAll, Report::kEarliestOnly, Report::kAnyHit})
       for (double delta : {0.0, 0.05}) {
         SceneSpec spec = settings(Mode::kCcd, GetParam(), scalar);
-        spec.weights = true;
+        spec.fields = spec.fields.with(ContactField::kWeights);
         spec.report = report;
         spec.delta = delta;
         expect_same_runs(spec);
@@ -85,7 +85,8 @@ TEST_P(DeterminismOfLevels, Continuous) {
 TEST_P(DeterminismOfLevels, Discrete) {
   for (Scalar scalar : {Scalar::kF32, Scalar::kF64}) {
     SceneSpec spec = settings(Mode::kDcd, GetParam(), scalar, 0x1p-5);
-    spec.weights = spec.triangle_triangle = true;
+    spec.fields = spec.fields.with(ContactField::kWeights);
+    spec.triangle_triangle = true;
     expect_same_runs(spec);
   }
 }

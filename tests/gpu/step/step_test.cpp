@@ -70,7 +70,7 @@ SceneSpec spec_of(const Setting& setting) {
   SceneSpec spec = settings(setting.mode, setting.accuracy, Scalar::kF32, setting.mode == Mode::kDcd ? 0x1p-6 : 0);
   spec.report = setting.report;
   spec.triangle_triangle = setting.triangles;
-  spec.weights = true;
+  spec.fields = spec.fields.with(ContactField::kWeights);
   return spec;
 }
 
@@ -126,7 +126,10 @@ ContactSet copies_of(const ContactSet& one, size_t first, size_t second) {
     for (uint32_t copy = 0; copy < kCopies; ++copy) all.insert(all.end(), column.begin(), column.end());
     return all;
   };
-  return {elements, repeated(one.toi), repeated(one.distance), repeated(one.weights), repeated(one.flags)};
+  ContactSet all;
+  for_each_field([&](ContactField, auto& column, const auto& of_one) { column = repeated(of_one); }, all, one);
+  all.elements = elements;
+  return all;
 }
 
 // Where everything stands still, many contacts are the earliest: all are at t = 0.

@@ -184,6 +184,7 @@ inline pb::ContactChunk own_arrays(pb::ContactChunk chunk, const Memory& memory,
   chunk.set_toi(memory.get(shared.toi(), base));
   chunk.set_distance(memory.get(shared.distance(), base));
   chunk.set_weights(memory.get(shared.weights(), base));
+  chunk.set_normals(memory.get(shared.normals(), base));
   chunk.set_flags(memory.get(shared.flags(), base));
   return chunk;
 }

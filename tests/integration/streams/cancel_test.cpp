@@ -19,19 +19,30 @@ class Cancel : public testing::Test {
   std::unique_ptr<Stub> stub_ = pb::CollisionService::NewStub(daemon_.channel());
 };
 
+// How long a frame takes depends on what else the machine does: the deadline is half of that, and where a call comes
+// too late to be begun at all, or is done in time, the next one is given longer, or less.
 TEST_F(Cancel, ADeadlineEndsTheCallAndStopsTheWork) {
   if (test_backend() == "cuda") GTEST_SKIP() << "a GPU is done with the frame before the deadline";
-  const auto id = make_scene(*stub_, layers_request(kSide));
-  ASSERT_TRUE(detect(*stub_, id, frame(1, kLayersApart)).ok());
-  const auto late = detect(*stub_, id, frame(2, kLayersApart), nullptr, std::chrono::milliseconds(30));
-  EXPECT_EQ(late.error_code(), grpc::DEADLINE_EXCEEDED) << late.error_message();
-  eventually("the frame is given up", [&] { return probe_.rejected("CANCELLED") == 1; });
-  EXPECT_EQ(probe_.metric("collided_frames_total"), 1);
+  constexpr uint64_t kMaxTries = 20;
+  const auto scene_id = make_scene(*stub_, layers_request(kSide));
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_TRUE(detect(*stub_, scene_id, frame(1, kLayersApart)).ok());
+  auto deadline = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begin) / 2;
+  uint64_t id = 1, answered = 1;
+  while (probe_.rejected("CANCELLED") == 0 && ++id <= kMaxTries) {
+    const auto late = detect(*stub_, scene_id, frame(id, kLayersApart), nullptr, deadline);
+    if (late.ok()) answered = id;
+    if (!late.ok()) ASSERT_EQ(late.error_code(), grpc::DEADLINE_EXCEEDED) << late.error_message();
+    const bool is_given_up = holds_within(std::chrono::seconds(3), [&] { return probe_.rejected("CANCELLED") == 1; });
+    if (!is_given_up) deadline = late.ok() ? deadline / 2 : deadline * 3 / 2;
+  }
+  ASSERT_EQ(probe_.rejected("CANCELLED"), 1) << "no frame was given up in " << kMaxTries << " tries";
   pb::Scene scene;
-  ASSERT_TRUE(get_scene(*stub_, id, &scene).ok());
-  EXPECT_EQ(scene.last_frame_id(), 1u);
+  ASSERT_TRUE(get_scene(*stub_, scene_id, &scene).ok());
+  EXPECT_LT(scene.last_frame_id(), id);
+  EXPECT_GE(scene.last_frame_id(), answered);
   pb::DetectFrameResponse response;
-  ASSERT_TRUE(detect(*stub_, id, frame(2, kLayersApart), &response).ok());
+  ASSERT_TRUE(detect(*stub_, scene_id, frame(id, kLayersApart), &response).ok());
   EXPECT_EQ(response.done().contact_count(), 0u);
 }
 

@@ -46,19 +46,24 @@ inline std::string http_get(const std::string& address, const std::string& path)
   return answer;
 }
 
-/// Waits until `condition` holds; a failure of the test if that takes too long.
+/// Waits until `condition` holds; false if that takes too long.
 template <class Condition>
-bool eventually(const std::string& what, const Condition& condition,
-                std::chrono::seconds most = std::chrono::seconds(20)) {
+bool holds_within(std::chrono::seconds most, const Condition& condition) {
   const auto deadline = std::chrono::steady_clock::now() + most;
   while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) {
-      ADD_FAILURE() << what << ": not within " << most.count() << " s";
-      return false;
-    }
+    if (std::chrono::steady_clock::now() > deadline) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   return true;
+}
+
+/// The same; a failure of the test if that takes too long.
+template <class Condition>
+bool eventually(const std::string& what, const Condition& condition,
+                std::chrono::seconds most = std::chrono::seconds(20)) {
+  if (holds_within(most, condition)) return true;
+  ADD_FAILURE() << what << ": not within " << most.count() << " s";
+  return false;
 }
 
 class Probe {

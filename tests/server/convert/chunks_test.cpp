@@ -18,7 +18,7 @@ std::vector<pb::ContactChunk> messages(const FrameResult& result, const Topology
 
 size_t array_bytes(const pb::ContactChunk& chunk) {
   return chunk.elements().size() + chunk.stencils().size() + chunk.toi().size() + chunk.distance().size() +
-         chunk.weights().size() + chunk.flags().size();
+         chunk.weights().size() + chunk.normals().size() + chunk.flags().size();
 }
 
 TEST(Chunks, ChunksAreBoundedAndCarryTheFieldsAskedFor) {
@@ -30,7 +30,7 @@ TEST(Chunks, ChunksAreBoundedAndCarryTheFieldsAskedFor) {
   result.vertex_triangle.toi = {0, 0.1, 0.2, 0.3, 0.4};
   result.edge_edge.elements = {{0, 1}};
   result.edge_edge.toi = {0.5};
-  const OutputFields fields{.stencils = true, .toi = true};
+  const OutputFields fields{{ContactField::kToi}, true};
   const auto chunks = messages(result, topology, fields, 2 * fields.contact_bytes());
   ASSERT_EQ(chunks.size(), 4u);
   EXPECT_EQ(chunks[0].count(), 2u);
@@ -57,8 +57,7 @@ TEST(Chunks, WhatWasNotComputedIsLeftOut) {
   result.vertex_triangle.elements = {{3, 0}};
   result.triangle_triangle.elements = {{0, 1}};
   result.triangle_triangle.flags = {kFlagCertified};
-  const OutputFields fields{
-      .elements = true, .stencils = true, .toi = true, .distance = true, .weights = true, .flags = true};
+  const OutputFields fields{kEveryField, true};
   const auto chunks = messages(result, topology, fields, 1000);
   ASSERT_EQ(chunks.size(), 2u);
   EXPECT_EQ(array_bytes(chunks[0]), 8u + 16);

@@ -43,7 +43,7 @@ TEST(ConvertScene, FillsDefaults) {
   EXPECT_EQ(plan.engine.scalar, Scalar::kF32);
   EXPECT_EQ(plan.engine.backend, Backend::kCpu);
   EXPECT_TRUE(plan.engine.vertex_triangle && plan.engine.edge_edge);
-  EXPECT_TRUE(!plan.engine.triangle_triangle && !plan.engine.weights);
+  EXPECT_TRUE(!plan.engine.triangle_triangle && !plan.engine.fields.has(ContactField::kWeights));
   EXPECT_EQ(plan.engine.memory_budget, Limits().max_scene_bytes);
   ASSERT_EQ(plan.engine.meshes.size(), 1u);
   EXPECT_EQ(plan.engine.meshes[0].triangles, (std::vector<TriangleCorners>{{0, 1, 2}, {0, 2, 3}}));
@@ -322,7 +322,6 @@ TEST(ConvertScene, NamesWhatIsNotServed) {
   using Request = pb::CreateSceneRequest;
   const auto refuse = expect_refused<Unimplemented>;
   refuse("spec.position_format", [](Request& r) { r.mutable_spec()->set_position_format(pb::POSITION_FORMAT_Q16); });
-  refuse("spec.fields[0]", [](Request& r) { r.mutable_spec()->add_fields(pb::CONTACT_FIELD_NORMAL); });
   refuse("spec.meshes[0].motion",
          [](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_motion(pb::MESH_MOTION_RIGID); });
 }

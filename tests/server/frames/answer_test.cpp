@@ -48,9 +48,9 @@ TEST(FrameAnswer, DoneTellsTotalsCountsAndWarnings) {
   FrameResult& result = frame.result;
   result.vertex_triangle.elements = {{3, 0}};
   result.triangle_triangle.elements = {{0, 1}, {0, 2}};
-  result.counts.contacts_tt = 2;
-  result.counts.survivors_vt = 3;
-  result.counts.survivors_ee = 4;
+  result.counts.contacts.triangle_triangle = 2;
+  result.counts.survivors.vertex_triangle = 3;
+  result.counts.survivors.edge_edge = 4;
   result.counts.exact_decisions = 5;
   result.earliest_toi = 0.5;
   result.any_contact = true;

@@ -38,7 +38,7 @@ inline Client client(std::string name = "anonymous", ClientLimits limits = {}) {
 /// `awaited`: triangles of the tip that are still to come; 0: it has its one.
 inline ScenePlan tip_plan(uint64_t awaited = 0) {
   ScenePlan plan;
-  plan.fields = {.elements = true, .stencils = true, .toi = true, .distance = true, .flags = true};
+  plan.fields = {plan.engine.fields, true};
   plan.meshes = {{"floor", 1, 0}, {"tip", std::max<uint64_t>(1, awaited), awaited}};
   plan.engine.meshes.resize(2);
   for (auto& mesh : plan.engine.meshes) {

@@ -142,8 +142,8 @@ ContactSet run_batch(Exec& exec, std::span<const Query> queries, const BatchSett
   send(scene.topology.edges, edges);
 
   const uint32_t vertices = static_cast<uint32_t>(4 * queries.size());
-  const FeatureRanks ranks{vertices, vertices + static_cast<uint32_t>(edges.size()),
-                           vertices + static_cast<uint32_t>(edges.size())};
+  const uint32_t features = vertices + static_cast<uint32_t>(edges.size());
+  const FeatureRanks ranks{{0, vertices, features, features}};
   QueryRun<Exec, Real> run(exec, settings, ranks, scene);
   const float extent = batch_extent(start, end);
   if (is_vt) return run.run(VertexTriangle{scene.topology.triangles.all()}, resident.all(), extent).vertex_triangle;

@@ -11,8 +11,7 @@
 namespace collided::server {
 namespace {
 
-constexpr OutputFields kAllFields{
-    .elements = true, .stencils = true, .toi = true, .distance = true, .weights = true, .flags = true};
+constexpr OutputFields kAllFields{kEveryField, true};
 
 std::string text(const grpc::ByteBuffer& bytes) {
   std::vector<grpc::Slice> slices;
@@ -43,7 +42,7 @@ std::vector<pb::ContactChunk> chunks_of(const std::vector<EncodedMessage>& messa
 
 size_t array_bytes(const pb::ContactChunk& chunk) {
   return chunk.elements().size() + chunk.stencils().size() + chunk.toi().size() + chunk.distance().size() +
-         chunk.weights().size() + chunk.flags().size();
+         chunk.weights().size() + chunk.normals().size() + chunk.flags().size();
 }
 
 class FrameEncode : public testing::Test {
@@ -58,15 +57,17 @@ class FrameEncode : public testing::Test {
     std::vector<std::array<uint32_t, 2>> elements;
     std::vector<double> toi, distance;
     std::vector<std::array<double, 2>> weights;
+    std::vector<Normal> normals;
     std::vector<uint8_t> flags;
     for (uint32_t i = 0; i < count; ++i) {
       elements.push_back({i % firsts, i / firsts % seconds});
       toi.push_back(1.0 / (i + 1));
       distance.push_back(0.5 * i);
       weights.push_back({0.25 * i, 0.125 * i});
+      normals.push_back({0.5f * static_cast<float>(i), 1, 2});
       flags.push_back(static_cast<uint8_t>(i % 16));
     }
-    return {elements, toi, distance, weights, flags};
+    return {{elements, toi, distance, weights, normals, flags}};
   }
   static std::shared_ptr<AnsweredFrame> frame(uint32_t vertex_triangle, uint32_t edge_edge,
                                               uint32_t triangle_triangle) {
@@ -76,7 +77,7 @@ class FrameEncode : public testing::Test {
     frame->result.vertex_triangle = contacts(vertex_triangle, 6, 2);
     frame->result.edge_edge = contacts(edge_edge, 6, 6);
     auto& pairs = frame->result.triangle_triangle = contacts(triangle_triangle, 1, 2);
-    pairs.toi = {}, pairs.distance = {}, pairs.weights = {};
+    pairs.toi = {}, pairs.distance = {}, pairs.weights = {}, pairs.normals = {};
     frame->result.any_contact = true;
     return frame;
   }
@@ -150,7 +151,7 @@ TEST_F(FrameEncode, TheLastMessageAloneEndsTheFrame) {
 }
 
 TEST_F(FrameEncode, FieldsThatWereNotAskedForStayAway) {
-  const auto scene = scene_with({.toi = true});
+  const auto scene = scene_with({{ContactField::kToi}, false});
   const auto messages = encode_answer(*scene, frame(400, 0, 0), 1 << 20);
   const auto chunk = chunks_of(messages).at(0);
   EXPECT_EQ(chunk.count(), 400u);
