@@ -18,7 +18,7 @@ class LogRate {
   using Clock = std::chrono::steady_clock;
 
   explicit LogRate(uint64_t max_per_second) : max_(max_per_second) {}
-  /// Number of events of the kind that were left out since the last line; nothing if this one is left out, too.
+  /// Number of events of the kind left out since the last line; nullopt if this one is left out, too.
   std::optional<uint64_t> admit(const std::string& kind, Clock::time_point now = Clock::now());
 
  private:

@@ -107,7 +107,7 @@ TEST_F(UploadLimits, ASilentUploadEndsAndThenItsSceneDoes) {
   Upload silent(*stub_, id, many_triangles(1));
   const auto status = silent.wait_end();
   EXPECT_EQ(status.error_code(), grpc::DEADLINE_EXCEEDED);
-  EXPECT_NE(status.error_message().find("no chunk of the upload came for 0.5 s"), std::string::npos)
+  EXPECT_NE(status.error_message().find("no chunk of the upload arrived for 0.5 s"), std::string::npos)
       << status.error_message();
   EXPECT_TRUE(probe_->scenes_become(0));
   EXPECT_TRUE(probe_->becomes("collided_device_bytes", 0));
@@ -183,7 +183,7 @@ TEST_F(UploadLimits, TriangleCountIsThatOfTheWholeMesh) {
   EXPECT_EQ(rest.triangle_count(), 4u);
   const auto early = detect(*stub_, rest.scene_id(), first_frame(2));
   EXPECT_EQ(early.error_code(), grpc::FAILED_PRECONDITION);
-  EXPECT_NE(early.error_message().find("mesh 0 (\"floor\") awaits 2 of its 3 triangles; bring them with UploadMesh"),
+  EXPECT_NE(early.error_message().find("mesh 0 (\"floor\") awaits 2 of its 3 triangles; send them with UploadMesh"),
             std::string::npos)
       << early.error_message();
   EXPECT_TRUE(Upload(*stub_, rest.scene_id(), many_triangles(2)).finish().ok());

@@ -146,8 +146,8 @@ TEST(ConvertScene, TriangleCountIsTheWholeMesh) {
   EXPECT_EQ(plan_with(5).meshes[0].awaited, 3u);
   EXPECT_EQ(
       refusal_of(request_with([](pb::SceneSpec& s) { s.mutable_meshes(0)->set_triangle_count(1); })),
-      "spec.meshes[0].triangle_count is 1, but spec.meshes[0].triangles already has 2: it is the total, with those "
-      "that UploadMesh brings");
+      "spec.meshes[0].triangle_count is 1, but spec.meshes[0].triangles already has 2: it is the total, including "
+      "those that UploadMesh sends");
 }
 
 TEST(ConvertScene, ARefusedEnumNamesWhatCanBeUsed) {

@@ -121,7 +121,7 @@ TEST(FrameDecodeHostile, RefusalsNameTheMessage) {
     try {
       decode(wire, room);
     } catch (const InvalidInput& e) {
-      EXPECT_EQ(e.what(), e.field() + " is cut off or malformed: its bytes are no such message");
+      EXPECT_EQ(e.what(), e.field() + " is cut off or malformed: its bytes are not such a message");
       return e.field();
     }
     return "accepted";
