@@ -22,7 +22,7 @@ struct Contacts {
   std::vector<uint8_t> flags;
 };
 
-/// Appends a chunk; arrays in shared memory are read through the transport that it came by. Throws Error (DATA_LOSS) if
+/// Appends a chunk; arrays in shared memory are read through `transport`. Throws Error (DATA_LOSS) if
 /// the length of an array is not the chunk's `count`.
 void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport& transport);
 
