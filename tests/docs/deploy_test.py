@@ -91,7 +91,7 @@ class Files(unittest.TestCase):
     def test_the_tokens_file_is_sound(self):
         (tokens,) = README.blocks("toml")
         code, said = self.check("--tokens-file", self.put("tokens.toml", tokens))
-        self.assertEqual((code, said.splitlines()[-1]), (0, "collided: the configuration is sound"))
+        self.assertEqual((code, said.splitlines()[-1]), (0, "collided: the configuration is valid"))
 
     def test_the_rules_are_prometheus_rules(self):
         promtool = shutil.which("promtool")
