@@ -1,4 +1,4 @@
-"""How a real daemon is configured, watched, secured and stopped. Usage: ops_test.py DAEMON DEPLOY_FOLDER"""
+"""A real daemon's configuration, monitoring, security and shutdown. Usage: ops_test.py DAEMON DEPLOY_FOLDER"""
 
 import json
 import os

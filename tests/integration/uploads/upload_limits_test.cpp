@@ -1,4 +1,4 @@
-// What uploads and declared sizes may hold: nothing past the limits, nothing for a number alone, nothing for ever.
+// Memory of uploads and declared sizes: nothing past the limits, nothing for a declared number, nothing forever.
 #include <gtest/gtest.h>
 
 #include <list>
@@ -45,7 +45,7 @@ class UploadLimits : public testing::Test {
 
 TEST_F(UploadLimits, OpenUploadsStayWithinTheDaemonsBytes) {
   constexpr double kLimit = 64 * kMebi;
-  constexpr uint32_t kTriangles = 200'000;  // 2.3 MiB an upload
+  constexpr uint32_t kTriangles = 200'000;  // 2.3 MiB per upload
   start({"--max-device-mb", "64", "--max-device-mb-per-client", "16384", "--max-scene-mb", "16384",
          "--max-scenes-per-client", "64"});
   Aftermath aftermath(*probe_, daemon_->address());
@@ -145,7 +145,7 @@ TEST_F(UploadLimits, WhatCanNeverFitIsRefusedWithNeedAndBudgetHoweverItComes) {
   EXPECT_EQ(probe_->device_bytes(), 0);
 }
 
-// Frames could come by shared memory here; over gRPC alone the requests are refused.
+// Frames could use shared memory here; with gRPC only, the requests are refused.
 TEST_F(UploadLimits, DeclaredVerticesReserveNothing) {
   const std::string socket = testing::TempDir() + "collided-declared-" + std::to_string(getpid());
   start({"--local-socket", socket, "--max-scene-mb", "16384", "--max-device-mb", "65536", "--max-device-mb-per-client",

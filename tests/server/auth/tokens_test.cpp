@@ -96,7 +96,7 @@ TEST(Tokens, RefusesFilesThatCannotBeRead) {
   EXPECT_THROW(read(many), ConfigError);
 }
 
-// The parser calls itself for each level.
+// The parser recurses for each level.
 TEST(Tokens, RefusesWhatNestsTooDeep) {
   for (const std::string& deep : {std::string(100'000, '['), "x = " + std::string(100'000, '{')}) try {
       read(std::string(kHeader) + kToken + deep);

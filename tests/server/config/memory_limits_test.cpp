@@ -1,4 +1,4 @@
-// Limits that nobody set, from the memory of the host and the device.
+// Unset limits, derived from the memory of the host and the device.
 #include "server/config/memory_limits.hpp"
 
 #include <gtest/gtest.h>

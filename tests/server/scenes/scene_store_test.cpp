@@ -1,4 +1,4 @@
-// All resident scenes: owners, request ids, limits, leases, and memory that comes back.
+// All resident scenes: owners, request ids, limits, leases, and returned memory.
 #include "server/scenes/scene_store.hpp"
 
 #include <gtest/gtest.h>
@@ -261,7 +261,7 @@ TEST_F(SceneStoreTest, OfRequestsAtOnceOneMakesTheScene) {
   EXPECT_EQ(std::set(made.begin(), made.end()).size(), 1u);
 }
 
-// As the daemon does it: what makes the detector finds a scene that was deleted meanwhile.
+// As in the daemon: the job that builds the detector finds a scene that was deleted meanwhile.
 void build(const SceneUse& scene) {
   scene->worker().post([scene] {
     try {
