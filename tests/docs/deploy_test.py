@@ -54,7 +54,7 @@ class Limits(unittest.TestCase):
 
 class Metrics(unittest.TestCase):
     def serve(self):
-        """Where a daemon of the test's own has its metrics."""
+        """The metrics address of the test's own daemon."""
         daemon = subprocess.Popen([DAEMON, "--address", "127.0.0.1:0", "--http-address", "127.0.0.1:0"], text=True,
                                   stderr=subprocess.PIPE)
         self.addCleanup(daemon.stderr.close)

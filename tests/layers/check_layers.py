@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Who may include whom, whether each header compiles alone, and whether folders stay small.
+"""Checks include dependencies, that each header compiles alone, and that folders stay small.
 
 usage: check_layers.py includes ROOT
        check_layers.py folders ROOT
@@ -26,8 +26,8 @@ MESSAGES = re.compile(r"\.pb\.h$")
 
 GRPC = re.compile(r"^(grpc|grpcpp|google/protobuf)/")
 
-# The server's rooms, from the bottom up, and those that each may include besides itself. What is at the server's root
-# includes them all; of that, they know only SERVER_COMMON.
+# The server's folders, from the bottom up, and those that each may include besides itself. Files at the server's root
+# include them all; of these, the folders know only SERVER_COMMON.
 SERVER_COMMON = {"server/errors.hpp", "server/shorten.hpp"}
 SERVER_ROOMS = {
     "config": set(),
@@ -52,7 +52,7 @@ def may_see_messages(path):
 
 
 def server_room(path):
-    """The room of a file of the server; none for its root."""
+    """The folder of a file of the server; none for its root."""
     room = path.removeprefix("server/").rpartition("/")[0]
     return room if room else None
 
@@ -76,18 +76,18 @@ def server_complaint(path, target):
     return None
 
 
-# The engine's rooms, and those that each may include besides itself: data flows from the later to the earlier.
+# The engine's folders, and those that each may include besides itself: data flows from the later to the earlier.
 ROOMS = {"base": set(), "exact": {"base"}, "exec": {"base"}, "contacts": {"base", "exec"}}
 ROOMS |= {room: {"base", "exec", "contacts"} for room in ("positions", "octree", "lbvh", "search", "narrow")}
 ROOMS["step"] = {"base", "exec", "contacts", "octree", "lbvh", "search", "narrow", "exact"}
 ROOMS["scene"] = ROOMS["step"] | {"positions", "step"}
-# What a scene is specified with, and the roof.
+# The specification of a scene, and the top.
 TYPES, ROOF = "gpu/types.hpp", "gpu/detector.hpp"
 UNDER_THE_ROOF = {"gpu/detector.cpp"}
 
 
 def room_of(path):
-    """The engine's room that a file is in; None for those at its root."""
+    """The engine's folder that a file is in; None for those at its root."""
     match = re.match(r"gpu/([^/]+)/", path)
     return match and match[1]
 
@@ -180,7 +180,7 @@ def bad_includes(root):
 
 
 def crowded_folders(root):
-    """Folders with more files than one looks through at a glance; those of figures and data aside."""
+    """Folders with too many files to survey, except those of figures and data."""
     found, folders = [], 0
     for layer in ("proto", "gpu", "server", "client", "tests", "deploy"):
         for folder, subfolders, files in os.walk(root / layer):

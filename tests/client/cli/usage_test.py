@@ -1,4 +1,4 @@
-"""collidectl: lists, bad usage and errors in the work.
+"""collidectl: lists, bad usage and failures.
 
 Usage: usage_test.py COLLIDECTL DAEMON"""
 

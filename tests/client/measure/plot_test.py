@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""client/measure/plot: its pictures show the data, and what cannot be drawn is told.
+"""client/measure/plot: its pictures show the data, and data that cannot be drawn are reported.
 
 usage: plot_test.py REPOSITORY
 """
