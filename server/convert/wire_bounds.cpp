@@ -92,7 +92,7 @@ void FieldCount::throw_malformed() const {
 }
 
 void FieldCount::throw_too_many() const {
-  throw LimitExceeded(what_, fmt::format("{} has more than {} fields, the most that one may have here", what_, max_));
+  throw LimitExceeded(what_, fmt::format("{} has more than {} fields, the maximum here", what_, max_));
 }
 
 }  // namespace collided::server

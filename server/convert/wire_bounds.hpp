@@ -13,10 +13,10 @@ namespace collided::server {
 /// Maximum memory of a field besides its own bytes: an empty MeshUpdate, or an unknown field.
 constexpr uint64_t kFieldBytes = 128;
 
-/// Maximum number of fields of a message for so many meshes, with room for those of later versions.
+/// Maximum number of fields of a message for `meshes`, with room for those of later versions.
 constexpr uint64_t max_fields(uint64_t meshes) { return 64 + 16 * meshes; }
 
-/// Maximum memory of a parsed message of so many bytes, for so many meshes.
+/// Maximum memory of a parsed message of `message_bytes`, for `meshes`.
 constexpr uint64_t max_parsed_bytes(uint64_t message_bytes, uint64_t meshes) {
   return message_bytes + max_fields(meshes) * kFieldBytes;
 }

@@ -93,7 +93,7 @@ class Decoder {
   }
 
  private:
-  // The fields of a message that `take` does not consume, serialized as a message of their own.
+  // The fields of a message that `take` does not consume, serialized as a separate message.
   template <class Take>
   std::string remaining_fields(const char* what, const Take& take) {
     std::string bytes;

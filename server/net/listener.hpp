@@ -22,8 +22,8 @@ class Listener {
   bool is_unix() const { return unix_ != nullptr; }
   /// Non-blocking.
   std::vector<int> sockets() const;
-  /// Drops TCP connections whose peer takes no data for so long: keepalive pings do not get past a full window. Applies
-  /// to new connections.
+  /// Drops TCP connections whose peer takes no data for `timeout`: keepalive pings do not get past a full window.
+  /// Applies to new connections.
   void set_user_timeout(std::chrono::milliseconds timeout) const;
 
  private:

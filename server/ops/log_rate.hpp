@@ -32,7 +32,7 @@ class LogRate {
   std::map<std::string, Second> seconds_;  // guarded by mutex_; of each kind
 };
 
-/// Whether to log a refusal of `what` (a method, or "frame") with this code. First logs, in a line of its own, how many
+/// Whether to log a refusal of `what` (a method, or "frame") with this code. First logs, in a separate line, how many
 /// were left out before it.
 bool admit_refusal(std::string_view what, std::string_view code);
 

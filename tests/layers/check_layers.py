@@ -61,7 +61,7 @@ def server_complaint(path, target):
     """Why the file of the server at `path` may not include `target`."""
     room = server_room(path)
     if GRPC.match(target) and not SPEAKS_GRPC.match(path.removeprefix("server/")):
-        return "gRPC and protobuf begin at server/convert, but for server/auth/credentials"
+        return "gRPC and protobuf begin at server/convert, except for server/auth/credentials"
     if target.startswith("gpu/") and target not in ("gpu/detector.hpp", "gpu/types.hpp"):
         return "the server knows the engine by gpu/detector.hpp alone"
     if target.startswith("client/"):
@@ -69,7 +69,7 @@ def server_complaint(path, target):
     if room is None or not target.startswith("server/") or target in SERVER_COMMON:
         return None
     if room not in SERVER_ROOMS:
-        return f"server/{room} is no room that tests/layers knows"
+        return f"server/{room} is not a folder that tests/layers knows"
     other = server_room(target)
     if other != room and other not in SERVER_ROOMS[room]:
         return f"server/{room} must not know server/{other or ''}"
@@ -103,7 +103,7 @@ def engine_complaint(path, target):
     if room is None:
         return None
     if room not in ROOMS:
-        return f"{room} is no room that tests/layers knows"
+        return f"{room} is not a folder that tests/layers knows"
     if other != room and other not in ROOMS[room]:
         return f"{room} must not know {other}"
     if room == "exact" and other == "base" and target not in EXACT_BASE:

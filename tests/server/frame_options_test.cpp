@@ -213,7 +213,7 @@ TEST(FrameOptionsProbes, ThereIsOneForEachField) {
   for (const auto& field : fields)
     EXPECT_TRUE(kProbes.contains(field) || kParts.contains(field))
         << field << " is new: add a probe that shows it to arrive on every way to the daemon";
-  for (const auto& [field, probe] : kProbes) EXPECT_TRUE(fields.contains(field)) << field << " is no field any more";
+  for (const auto& [field, probe] : kProbes) EXPECT_TRUE(fields.contains(field)) << field << " is no longer a field";
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ TEST_P(FairLatency, IsAtMostThreeTimesThatAloneAndATenthOfASecond) {
     probe_.scenes_become(1);
     const double after = p99(kAlone);
     const auto [least, most] = std::minmax(before, after);
-    std::printf("p99 in ms: %.1f alone, %.1f beside the attack, %.1f alone again\n", before, beside, after);
+    std::printf("p99 in ms: %.1f alone, %.1f during the attack, %.1f alone again\n", before, beside, after);
     if (beside <= bound(most)) break;
     if (i < kMostTries && bound(most) > kSteady * bound(least)) continue;
     ADD_FAILURE() << "99 of 100 frames took up to " << beside << " ms; " << bound(most) << " would be fair";

@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint32_t kSide = 20;
 
-// Some vertices, chosen anew for each frame, and where they are in it.
+// Some vertices, chosen at random for each frame, and their positions in it.
 struct Moved {
   std::vector<uint32_t> indices;
   Points starts, ends;
