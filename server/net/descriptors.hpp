@@ -17,7 +17,7 @@ DescriptorLimit raise_descriptor_limit();
 size_t descriptor_limit();
 
 /// Maximum number of gRPC connections for a limit of `descriptors`: `wanted`, but at most three quarters of the limit;
-/// if `wanted` is 0, half of the limit, at most 1,024. Never less than 8.
+/// if `wanted` is 0, half of the limit, at least 8 and at most 1,024.
 size_t connections_for(size_t descriptors, size_t wanted);
 
 }  // namespace collided::server
