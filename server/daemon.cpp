@@ -19,34 +19,34 @@ namespace collided::server {
 namespace {
 
 constexpr int kMinPingIntervalMs = 5'000;
-constexpr auto kLastAnswers = std::chrono::milliseconds(100);  // for answers on their way out
+constexpr auto kLastAnswers = std::chrono::milliseconds(100);  // for answers in transit
 
 int milliseconds(double seconds) { return static_cast<int>(seconds * 1000); }
 
-// gRPC's errors are mostly those of its peers: handshakes that fail, connections that break.
+// gRPC's errors are mostly its peers': failed handshakes, broken connections.
 void log_grpc(gpr_log_func_args* line) {
   log_event(line->severity == GPR_LOG_SEVERITY_ERROR ? spdlog::level::warn : spdlog::level::debug, line->message,
             {{"source", "grpc"}});
 }
 
-// gRPC reads a whole message before it checks its size. Beyond the quota it ends calls instead (RESOURCE_EXHAUSTED);
-// two of the largest messages must fit.
+// gRPC reads a whole message before it checks its size. Beyond the quota it ends calls (RESOURCE_EXHAUSTED), so two of
+// the largest messages must fit.
 void set_quota(grpc::ServerBuilder& builder, const Limits& limits) {
   grpc::ResourceQuota quota("collided");
   quota.Resize(std::max(limits.max_network_bytes, 2 * limits.max_message_bytes));
   builder.SetResourceQuota(quota);
 }
 
-// Per connection; a client that opens more calls waits until some have ended. All streams of a client, and its other
-// calls, may be on one connection.
+// Per connection; further calls wait until some have ended. All streams of a client, and its other calls, may share one
+// connection.
 void set_concurrent_calls(grpc::ServerBuilder& builder, const Limits& limits) {
   constexpr uint32_t kMin = 256, kMax = 1'000'000;
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
                              static_cast<int>(std::clamp(2 * limits.max_streams, kMin, kMax)));
 }
 
-// Our own refusal names the option, and comes first for messages not far above the limit. Compressed messages could
-// expand a thousandfold within gRPC, which has no limit for that.
+// The slack lets our own refusal, which names the option, come first for messages not far above the limit. Compressed
+// messages could expand a thousandfold within gRPC, which does not limit that.
 void set_message_limits(grpc::ServerBuilder& builder, const Limits& limits) {
   constexpr uint64_t kSlack = uint64_t{1} << 20;
   builder.SetMaxReceiveMessageSize(static_cast<int>(std::min<uint64_t>(limits.max_message_bytes + kSlack, INT_MAX)));
@@ -54,12 +54,12 @@ void set_message_limits(grpc::ServerBuilder& builder, const Limits& limits) {
     builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
 }
 
-// Such as text that is not UTF-8; the client is told, too.
+// Such as invalid UTF-8; the client is told, too.
 void log_protobuf(google::protobuf::LogLevel, const char*, int, const std::string& message) {
   log_event(spdlog::level::debug, message, {{"source", "protobuf"}});
 }
 
-// A killed peer is noticed at once, one that is cut off only by pings; clients may ping on idle streams, too.
+// A killed peer is noticed at once, an unreachable one only by pings; clients may ping on idle streams, too.
 void set_keepalive(grpc::ServerBuilder& builder, const Config& config) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, milliseconds(config.keepalive_seconds));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, milliseconds(config.keepalive_timeout_seconds));
@@ -135,14 +135,14 @@ void Daemon::listen(const Config& config) {
   watches.push_back(std::make_unique<CallWatches>(metrics_, [this](const std::string& peer) { end_flood(peer); }));
   builder.experimental().SetInterceptorCreators(std::move(watches));
   server_ = builder.BuildAndStart();
-  if (!server_) throw std::runtime_error("gRPC does not start a server");
+  if (!server_) throw std::runtime_error("gRPC cannot start the server");
   calls_->start();
 }
 
 void Daemon::end_flood(const std::string& peer) {
   if (!entrance_.connections().abandoned(peer)) return;
   metrics_.count_reset_flood();
-  log_event(spdlog::level::warn, "connection ended: its client opens and resets streams without end", {{"peer", peer}});
+  log_event(spdlog::level::warn, "connection ended: its client keeps opening and resetting streams", {{"peer", peer}});
 }
 
 Daemon::~Daemon() {
@@ -177,7 +177,8 @@ void Daemon::stop() {
   host_.end_streams();
   const bool idle = wait_idle(std::chrono::steady_clock::now() + kLastAnswers);
   entrance_.close();
-  // Shutdown also waits for idle connections, which some clients never close: hence no longer than for last answers.
+  // Shutdown also waits for idle connections, which some clients never close, hence no longer than for the last
+  // answers.
   server_->Shutdown(std::chrono::system_clock::now() + (idle ? kLastAnswers : std::chrono::milliseconds(0)));
   calls_->stop();
   if (local_) local_->stop();

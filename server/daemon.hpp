@@ -1,6 +1,6 @@
 #pragma once
 // The gRPC server around the service, the local socket and HTTP: addresses, credentials, limits, keepalive, health,
-// stop.
+// shutdown.
 
 #include <grpcpp/grpcpp.h>
 
@@ -32,13 +32,13 @@ class Daemon {
   Daemon(const Config& config, Lifecycle& lifecycle);
   ~Daemon();
 
-  /// Applies the options that may change while the daemon runs. If the tokens file is not sound, throws ConfigError and
+  /// Applies the options that may change while the daemon runs. If the tokens file is invalid, throws ConfigError and
   /// changes nothing.
   void reload(const Config& config);
 
-  /// Says NOT_SERVING, refuses new scenes and streams, and tells open streams that they have `grace_seconds`.
+  /// Reports NOT_SERVING, refuses new scenes and streams, and tells open streams that they have `grace_seconds`.
   void begin_stop(double grace_seconds);
-  /// Waits until no call is in work; false after `deadline`.
+  /// Waits until no call is open; false after `deadline`.
   bool wait_idle(std::chrono::steady_clock::time_point deadline) const;
   /// Cancels what is left and frees the scenes. Never returns if a client neither reads nor closes a full Unix socket.
   void stop();

@@ -1,4 +1,4 @@
-// How clients get into the gRPC server.
+// How clients reach the gRPC server.
 #include "server/entrance.hpp"
 
 #include <chrono>
@@ -16,7 +16,7 @@ constexpr int kHandshakeMs = 10'000;  // of TLS, and until a client's first HTTP
 size_t connection_limit(const Config& config) {
   const size_t wanted = config.limits.max_connections, max = connections_for(descriptor_limit(), wanted);
   if (wanted > max)
-    log_event(spdlog::level::warn, "max-connections is more than the limit of file descriptors allows",
+    log_event(spdlog::level::warn, "max-connections exceeds what the limit of file descriptors allows",
               {{"wanted", wanted}, {"connections", max}, {"descriptors", descriptor_limit()}});
   return max;
 }
@@ -25,7 +25,7 @@ void report(const std::string& obstacle, Lifecycle& lifecycle, Health& health) {
   lifecycle.set_obstacle(obstacle);
   health.set_serving(obstacle.empty());
   if (obstacle.empty())
-    log_event(spdlog::level::info, "new clients get in again", {});
+    log_event(spdlog::level::info, "new clients can connect again", {});
   else
     log_event(spdlog::level::err, "not ready", {{"reason", obstacle}});
 }

@@ -23,15 +23,15 @@ namespace collided::server {
 
 class Entrance {
  public:
-  /// Binds the addresses. Throws ConfigError for TLS files that cannot be used, std::runtime_error that names the
-  /// address and the reason. `metrics` outlives it.
+  /// Binds the addresses. Throws ConfigError for unusable TLS files, std::runtime_error that names the address and the
+  /// reason. `metrics` must outlive it.
   Entrance(const Config& config, Metrics& metrics);
 
   /// Before the server is built. The server must be destroyed before the entrance is.
   void add_to(grpc::ServerBuilder& builder);
-  /// Once the server has started. `lifecycle` and `health` are told what keeps new clients out.
+  /// Once the server has started. Reports to `lifecycle` and `health` whatever keeps new clients out.
   void open(Lifecycle& lifecycle, Health& health);
-  /// Stops telling health. Clients still get in.
+  /// Stops reporting. Clients can still connect.
   void end_probe() { probe_.reset(); }
   /// Accepts no more connections. Before the server's Shutdown.
   void close();

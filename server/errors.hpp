@@ -17,7 +17,7 @@ class FieldError : public std::runtime_error {
   std::string field_;
 };
 
-/// The scene does not exist, or no longer, or belongs to another client.
+/// The scene does not exist, no longer exists, or belongs to another client.
 class NotFound : public FieldError {
   using FieldError::FieldError;
 };
@@ -42,12 +42,12 @@ class TakenOver : public FieldError {
   using FieldError::FieldError;
 };
 
-/// The client did not do its part in time.
+/// The client did not act in time; names a field.
 class TimedOut : public FieldError {
   using FieldError::FieldError;
 };
 
-/// A field of the protocol that is not served.
+/// A part of the protocol that is not served.
 class Unimplemented : public FieldError {
   using FieldError::FieldError;
 };
@@ -77,7 +77,7 @@ class Unauthenticated : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The client took too long.
+/// The client did not act in time.
 class DeadlineExceeded : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -1,5 +1,5 @@
-// The daemon `collided`: reads its configuration, again at SIGHUP; serves; stops cleanly at SIGTERM or SIGINT, at once
-// if asked a second time.
+// The daemon `collided`: reads its configuration, and again at SIGHUP; serves; stops cleanly at SIGTERM or SIGINT, at
+// once at a second one.
 #include <grpc/grpc.h>
 #include <malloc.h>
 #include <pthread.h>
@@ -37,9 +37,9 @@ using collided::server::Lifecycle;
 using collided::server::Memory;
 
 constexpr double kSecondsToStop = 5;   // after the grace
-constexpr double kGraceOfFailure = 1;  // seconds for the answers that tell of a failed device
+constexpr double kGraceOfFailure = 1;  // seconds to report a failed device
 
-/// What the configuration is read from, at the start and at each reload.
+/// Sources of the configuration, at the start and at each reload.
 struct Origin {
   int argc;
   const char* const* argv;
@@ -58,12 +58,12 @@ sigset_t block_signals() {
   return signals;
 }
 
-// gRPC allocates and frees buffers of up to 4 MiB for every frame. Kept in the heap, they need not be mapped and
-// faulted in each time, which takes longer than filling them.
+// gRPC allocates and frees buffers of up to 4 MiB for every frame. Kept in the heap, they are not mapped and faulted in
+// each time, which takes longer than filling them.
 void keep_memory() {
   mallopt(M_MMAP_THRESHOLD, 4 << 20);
   mallopt(M_TRIM_THRESHOLD, 16 << 20);
-  mallopt(M_ARENA_MAX, 4);  // each keeps up to 64 MiB, and there would be eight for each core
+  mallopt(M_ARENA_MAX, 4);  // each keeps up to 64 MiB; the default is eight per core
 }
 
 // Each connection takes a descriptor, and many systems start services with a limit of 1,024.
@@ -72,7 +72,7 @@ void raise_limit() {
   spdlog::info("at most {} file descriptors (soft limit was {})", now, before);
 }
 
-// gRPC's own shutdown can wait 10 s for a poll that nothing wakes: it is left to the end of the process.
+// gRPC's own shutdown can wait 10 s for a poll that nothing wakes, so it is left to the end of the process.
 void keep_grpc() { grpc_init(); }
 
 // Scenes live on a CUDA device where there is one, unless --backend is cpu.
@@ -85,7 +85,7 @@ Memory usable_memory(const Config& config) {
   return memory;
 }
 
-// Renamed into place, so that nobody reads half of it.
+// Renamed into place, so that no reader sees a partial file.
 void write_ready_file(const std::string& path, const std::vector<std::string>& addresses) {
   if (path.empty()) return;
   const std::string part = path + ".part";
@@ -101,7 +101,7 @@ void warn_of_exposure(const Config& config) {
   for (const auto& warning : exposure_warnings(config)) spdlog::warn("{}", warning);
 }
 
-// The configuration changes as a whole, or not at all if any part of it is not sound.
+// The configuration changes as a whole, or not at all if any part of it is invalid.
 void reload(const Origin& origin, Config& config, Daemon& daemon) try {
   auto [next, restart] = collided::server::reload_config(origin.argc, origin.argv, config);
   derive_limits(next.limits, origin.memory);
@@ -109,10 +109,10 @@ void reload(const Origin& origin, Config& config, Daemon& daemon) try {
   collided::server::set_up_log(next.log_format, next.log_level);
   config = next;
   spdlog::info("configuration read again");
-  for (const auto& name : restart) spdlog::warn("{} has changed, which only counts after a restart", name);
+  for (const auto& name : restart) spdlog::warn("{} has changed, which takes effect only after a restart", name);
   warn_of_exposure(config);
 } catch (const ConfigError& error) {
-  spdlog::error("configuration not read again, the one before stays: {}", error.what());
+  spdlog::error("configuration not read again, the previous one stays in effect: {}", error.what());
 }
 
 // Waits until a signal or a failure asks the daemon to stop; returns the signal.
@@ -153,7 +153,7 @@ int serve(const Origin& origin, Config config, const sigset_t& signals) {
   Daemon daemon(config, lifecycle);
   for (const auto& address : daemon.addresses()) spdlog::info("collided {} serves on {}", COLLIDED_VERSION, address);
   if (const auto address = daemon.http_address(); !address.empty()) spdlog::info("metrics and health on {}", address);
-  collided::server::flush_log();  // a process that waits for the ready file may read the lines above
+  collided::server::flush_log();  // whoever waits for the ready file may read the lines above
   write_ready_file(config.ready_file, daemon.addresses());
   const int signal = wait_for_end(origin, signals, config, daemon);
   const int code = lifecycle.failed() ? 1 : 0;
@@ -167,12 +167,12 @@ int serve(const Origin& origin, Config config, const sigset_t& signals) {
   return code;
 }
 
-// What parsing cannot tell: whether the files that options name are usable.
+// Checks what parsing does not: whether the files that options name are usable.
 int check(const Config& config, const Memory& memory) {
   const collided::server::Authenticator authenticator(config);
   collided::server::sound_tls_files(config.tls);
   warn_of_exposure(config);
-  std::printf("%s\ncollided: the configuration is sound\n", describe_limits(config.limits, memory).c_str());
+  std::printf("%s\ncollided: the configuration is valid\n", describe_limits(config.limits, memory).c_str());
   return 0;
 }
 

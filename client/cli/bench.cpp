@@ -1,5 +1,5 @@
-// collidectl bench: the engine's time for the steps of scenes, without network, upload and download; or, end to end,
-// that of whole frames.
+// collidectl bench: the engine's time for the steps of scenes, without network, upload and download; or, with
+// --end-to-end, the time of whole frames.
 
 #include <exception>
 #include <memory>
@@ -92,7 +92,7 @@ void run_whole_frames(const BenchOptions& options) {
   run_end_to_end(out);
 }
 
-/// What ends it early leaves the runs so far.
+/// If it ends early, the runs so far are kept.
 void run_steps(const BenchOptions& options) {
   std::optional<BenchInput> files;
   if (!options.frames.empty()) files = file_input(options.frames);
@@ -125,19 +125,21 @@ void add_input_options(CLI::App& command, BenchOptions& options) {
 }
 
 void add_step_options(CLI::App& command, BenchSettings& settings) {
-  command.add_option("--steps", settings.steps, "Steps that count; a scene goes from t = 0 to 1 in as many")
+  command.add_option("--steps", settings.steps, "Measured steps; a scene goes from t = 0 to 1 in that many")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command.add_option("--warm-up", settings.warm_up, "Steps before, spread over the motion, while buffers grow")
+  command.add_option("--warm-up", settings.warm_up, "Steps before these, spread over the motion, while buffers grow")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
 }
 
 void add_end_to_end_options(CLI::App& command, BenchOptions& options) {
   CLI::Option* whole = command.add_flag("--end-to-end", options.end_to_end,
-                                        "Whole frames instead, over every transport of an own daemon (cloth_ball)");
+                                        "Whole frames instead, over every transport of its own daemon (cloth_ball)");
   whole->excludes(command.get_option("--server"))->excludes(command.get_option("--frames"));
-  command.add_option("--megabytes", options.megabytes, "More scales, whose positions are about as many MB a frame")
+  command
+      .add_option("--megabytes", options.megabytes,
+                  "Further scales, each with about this many MB of positions per frame")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(finite())
@@ -155,9 +157,9 @@ void add_bench(CLI::App& app) {
       "Times are the engine's own, from positions on the backend to contacts in canonical order there: no network,\n"
       "upload or download. Counts are those of the last step. With --end-to-end a frame's time runs from positions in "
       "the\n"
-      "client's memory to contacts there, in turns with the same bytes over bare sockets; overhead is what the "
-      "engine's\n"
-      "time leaves of it, and 'to bare' its ratio to loopback TCP; 'to held': in the rhythm of the frames.");
+      "client's memory to contacts there, alternating with the same bytes over bare sockets; overhead is that time "
+      "less the\n"
+      "engine's, 'to bare' its ratio to loopback TCP, 'to held' the same at the pace of the frames.");
   add_input_options(command, *options);
   add_step_options(command, options->settings);
   add_detection_options(command, options->settings.detection);

@@ -1,4 +1,4 @@
-// collidectl: collision detection from the command line. Exit codes: 0 done, 1 error in the work, 2 bad usage,
+// collidectl: collision detection from the command line. Exit codes: 0 done, 1 failure, 2 bad usage,
 // 128 + n interrupted by signal n.
 
 #include <grpc/support/log.h>
@@ -22,12 +22,12 @@ int fail(int exit_code, const std::string& what) {
   return exit_code;
 }
 
-/// Keeps gRPC's log from hiding collidectl's one line of error; GRPC_VERBOSITY brings it back.
+/// Keeps gRPC's log from hiding collidectl's one-line error; GRPC_VERBOSITY brings it back.
 void silence_grpc() {
   if (std::getenv("GRPC_VERBOSITY") == nullptr) gpr_set_log_function([](gpr_log_func_args*) {});
 }
 
-/// A reader that has closed the pipe, such as `head`, wants no message.
+/// No message if the reader, such as `head`, has closed the pipe.
 int fail(const collided::cli::OutputClosed& e) { return e.error_number == EPIPE ? 128 + SIGPIPE : fail(1, e.what()); }
 
 /// `exit_code`, unless the output could not be written.
@@ -37,7 +37,7 @@ int finish(int exit_code) {
   return fail(collided::cli::OutputClosed(errno));
 }
 
-/// Writes what was printed before the error first.
+/// Flushes earlier output before the error.
 int fail_after_output(int exit_code, const std::string& what) {
   std::fflush(stdout);
   return fail(exit_code, what);

@@ -1,4 +1,4 @@
-// collidectl tradeoff: the trade between time and accuracy, measured on one step and judged by the truth.
+// collidectl tradeoff: time against accuracy, measured on one step against ground truth.
 
 #include <cstdio>
 #include <exception>
@@ -30,9 +30,9 @@ void check_usage(const TradeoffOptions& options) {
     throw UsageError("tradeoff needs one of FRAME0 FRAME1 and --scene");
   if (options.frames.size() == 1) throw UsageError("tradeoff needs two frames, FRAME0 and FRAME1; 1 was given");
   if (!options.settings.truth.empty() && options.frames.empty())
-    throw UsageError("--truth is for FRAME0 FRAME1 alone: the truth of their positions");
+    throw UsageError("--truth needs FRAME0 FRAME1, whose positions it is the truth of");
   if (!options.settings.truth.empty() && options.settings.detection.thickness != 0)
-    throw UsageError("--truth is of thickness 0; it cannot judge --thickness");
+    throw UsageError("--truth is for thickness 0 and cannot judge --thickness");
 }
 
 void print_report(const TradeoffOptions& options, const Tradeoff& result) {
@@ -43,7 +43,7 @@ void print_report(const TradeoffOptions& options, const Tradeoff& result) {
     std::printf("%sResult and table: %s\n", tradeoff_text(result).c_str(), options.out.c_str());
 }
 
-/// What an interrupt ends early leaves the position formats that were done.
+/// After an interrupt the position formats finished so far are reported.
 void run(const TradeoffOptions& options) {
   check_usage(options);
   make_folder("--out", options.out);
@@ -95,7 +95,7 @@ void add_run_options(CLI::App& command, TradeoffSettings& settings) {
       ->allow_extra_args(false)
       ->check(CLI::IsMember({"f32", "f64"}))
       ->capture_default_str();
-  command.add_option("--repeats", settings.repeats, "Steps whose median counts, after one that warms up")
+  command.add_option("--repeats", settings.repeats, "Measured steps, whose median counts, after one warm-up step")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command.add_option("--mode", settings.detection.mode, "ccd: between two frames")
@@ -114,11 +114,11 @@ void add_tradeoff(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("tradeoff", "Measure time against accuracy: levels, deltas, formats");
   command.footer(
       "Writes tradeoff.json and tradeoff.md; client/measure/plot, in the sources, draws tradeoff.json. Without\n"
-      "--truth the level exact is the judge: it decides in exact arithmetic on the very positions of each format.");
+      "--truth the level exact is the judge: it decides in exact arithmetic on each format's own positions.");
   add_input_options(command, *options);
   add_run_options(command, options->settings);
   add_server_options(command, options->settings.server);
-  command.add_option("--out", options->out, "Folder; made if it is not there")->required();
+  command.add_option("--out", options->out, "Folder; created if missing")->required();
   command.add_option("--date", options->date, "Recorded in the result");
   command.add_option("--commit", options->commit, "Recorded in the result");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");

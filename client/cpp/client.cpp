@@ -106,13 +106,12 @@ void Client::State::try_delete(const std::string& scene_id) {
   stub->DeleteScene(channels.call_context(scene_id).get(), request, &ignored);
 }
 
-/// Asks for the scene's spec, which says how much memory it needs and which the caller's copy may lack.
+/// Fetches the scene's spec, which determines the memory needed and which the caller's copy may lack.
 FrameStream Client::State::stream_locally(const v1::Scene& scene, const v1::OpenStream& open,
                                           const StreamOptions& stream) {
   const LocalOptions& options = stream.local;
   if (!has_local(scene))
-    throw Error(grpc::FAILED_PRECONDITION,
-                "options.local is on, but the daemon has no socket for that (--local-socket)");
+    throw Error(grpc::FAILED_PRECONDITION, "options.local is on, but the daemon has no local socket (--local-socket)");
   v1::GetSceneRequest request;
   request.set_scene_id(scene.scene_id());
   const v1::Scene known = call(&Service::GetScene, request, scene.scene_id()).scene();

@@ -41,13 +41,13 @@ class Client {
   ~Client();
 
   const v1::GetServerInfoResponse& server_info() const;
-  /// Creates a scene of `spec` (without meshes of its own) and `meshes`, ready for frames. Retries if the answer is
+  /// Creates a scene of `spec` (which must have no meshes) and `meshes`, ready for frames. Retries if the answer is
   /// lost, without ever creating two scenes. The scene is deleted after `lease_seconds` without a stream or a call; 0:
   /// the daemon's default.
   v1::Scene create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds = 0);
   v1::Scene get_scene(const std::string& scene_id);
   void delete_scene(const std::string& scene_id);
-  /// Opens a stream: over shared memory if options.local allows it, else on a connection of its own to the scene's
+  /// Opens a stream: over shared memory if options.local allows it, else on a separate connection to the scene's
   /// endpoint.
   FrameStream stream(const v1::Scene& scene, const StreamOptions& options = {});
   /// Resumes a scene whose stream broke: send the frames after the new stream's scene().last_frame_id() again. Takes

@@ -10,7 +10,7 @@
 
 namespace collided::client {
 
-// The wire is little-endian like every machine that this library is built for, so that arrays are copied as they are.
+// The wire is little-endian, like every machine that this library is built for, so arrays are copied as they are.
 static_assert(std::endian::native == std::endian::little);
 
 namespace {

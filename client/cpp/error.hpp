@@ -43,7 +43,7 @@ std::string code_name(int code);
 /// reconnect and resume the scene.
 bool is_connection_lost(const Error& error);
 
-/// The error of a status with its details; nothing if it is OK.
+/// The error of a status with its details; nullopt if it is OK.
 std::optional<Error> error_of(const grpc::Status& status);
 
 /// Throws an Error unless the status is OK.

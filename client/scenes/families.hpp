@@ -12,7 +12,7 @@ ScenePtr make_cloth_ball(double scale);
 ScenePtr make_flamenco(double scale);
 ScenePtr make_nbody(double scale);
 ScenePtr make_reef_knot(double scale);
-/// Each knot is `ratio` times smaller than the one before.
+/// Each knot is `ratio` times smaller than the previous one.
 ScenePtr make_multiscale_knots(double scale, double ratio);
 ScenePtr make_graded_sheets(double scale);
 ScenePtr make_touching_boxes(double scale);

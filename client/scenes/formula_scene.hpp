@@ -9,7 +9,7 @@ namespace collided::scenes {
 
 using Param = std::array<double, 2>;
 
-/// One mesh, its vertices' parameters and the formula that places them, which several threads may call at once.
+/// One mesh, its vertices' parameters and the formula that places them, which must be thread-safe.
 struct Part {
   Mesh mesh;
   std::vector<Param> params;

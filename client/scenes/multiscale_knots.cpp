@@ -1,4 +1,4 @@
-// Scene multiscale_knots: four reef knots in a row, each smaller than the one before by a fixed ratio (8 unless the
+// Scene multiscale_knots: four reef knots in a row, each smaller than the previous one by a fixed ratio (8 unless the
 // name says otherwise): no single cell size fits.
 
 #include "client/scenes/families.hpp"

@@ -34,7 +34,7 @@ std::shared_ptr<const ClientTable> read_table(const Config& config) {
 
 std::string_view token_of(std::string_view authorization) {
   constexpr std::string_view kScheme = "bearer ";
-  if (authorization.empty()) throw Unauthenticated("authorization is missing: the daemon asks for a bearer token");
+  if (authorization.empty()) throw Unauthenticated("authorization is missing: the daemon requires a bearer token");
   if (authorization.size() < kScheme.size() || strncasecmp(authorization.data(), kScheme.data(), kScheme.size()) != 0)
     throw Unauthenticated("authorization is not \"Bearer\" and a token");
   const auto start = authorization.find_first_not_of(' ', kScheme.size());
@@ -42,7 +42,7 @@ std::string_view token_of(std::string_view authorization) {
   return authorization.substr(start);
 }
 
-// In constant time: for the first token, the last, and none.
+// In constant time, whichever token matches, or none.
 Client find(const std::vector<Token>& tokens, std::string_view token) {
   const auto digest = digest_of(token);
   const Token* found = nullptr;
@@ -61,7 +61,7 @@ Client Authenticator::identify(std::string_view authorization, std::string_view 
   const auto now = table();
   if (!now->tokens.empty()) return find(now->tokens, token_of(authorization));
   if (!now->certificates) return now->anonymous;
-  if (certificate_name.empty()) throw Unauthenticated("the daemon asks for a certificate with a name");
+  if (certificate_name.empty()) throw Unauthenticated("the daemon requires a certificate with a name");
   return std::make_shared<const ClientIdentity>(ClientIdentity{std::string(certificate_name), now->limits});
 }
 

@@ -21,20 +21,20 @@ class Authenticator {
   explicit Authenticator(const Config& config);
   ~Authenticator();
 
-  /// `authorization`: the header as it came ("Bearer <token>"); `certificate_name`: of the client's verified
+  /// `authorization`: the header as received ("Bearer <token>"); `certificate_name`: of the client's verified
   /// certificate; each empty if there is none. With a tokens file a valid token is required; without one, but with a CA
-  /// for clients, a certificate is; without both everybody is "anonymous". Throws Unauthenticated, which never contains
-  /// the token.
+  /// for clients, a certificate is; without both every caller is "anonymous". Throws Unauthenticated, which never
+  /// contains the token.
   Client identify(std::string_view authorization, std::string_view certificate_name) const;
 
-  /// `hook` is called for each call that is admitted, with its peer as gRPC names it and its client. Before the first
+  /// `hook` is called for each admitted call, with gRPC's name of its peer and its client. Must be set before the first
   /// call.
   void watch(std::function<void(std::string_view peer, const ClientIdentity& client)> hook) { hook_ = std::move(hook); }
   void admit(std::string_view peer, const ClientIdentity& client) const {
     if (hook_) hook_(peer, client);
   }
 
-  /// Reads the tokens file again. If that throws ConfigError, nothing changes. Calls in work keep their identity.
+  /// Reads the tokens file again. If that throws ConfigError, nothing changes. Open calls keep their identity.
   void reload(const Config& config);
 
  private:

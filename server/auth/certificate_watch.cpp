@@ -11,7 +11,7 @@ namespace {
 
 constexpr auto kPeriod = std::chrono::milliseconds(500);
 
-// A missing file reads as empty, which is as bad.
+// A missing file reads as empty, which is equally unusable.
 TlsFiles read_or_empty(const Tls& tls) try { return read_tls_files(tls); } catch (const ConfigError&) {
   return {};
 }
@@ -66,10 +66,10 @@ void CertificateWatch::judge(const TlsFiles& found) try {
     const std::lock_guard lock(mutex_);
     files_ = std::move(files);
   }
-  log_event(spdlog::level::info, "renewed TLS files are taken up", {{"certificate", tls_.certificate}});
+  log_event(spdlog::level::info, "renewed TLS files loaded", {{"certificate", tls_.certificate}});
   tell_(true);
 } catch (const ConfigError& error) {
-  log_event(spdlog::level::warn, "TLS files cannot be used, the ones before stay", {{"reason", error.what()}});
+  log_event(spdlog::level::warn, "TLS files cannot be used, keeping the previous ones", {{"reason", error.what()}});
   tell_(false);
 }
 

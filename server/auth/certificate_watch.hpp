@@ -11,11 +11,11 @@
 
 namespace collided::server {
 
-/// Thread-safe. Reads the files twice a second; a change counts once two readings agree, so that no file is judged
-/// while it is being written.
+/// Thread-safe. Reads the files twice a second; a change counts once two readings agree, so that half-written files are
+/// not judged.
 class CertificateWatch {
  public:
-  /// `tell` is called for each change of the files with whether they were loaded. Throws ConfigError if the files are
+  /// `tell` is called at each change of the files, with whether they were loaded. Throws ConfigError if the files are
   /// unusable at the start.
   CertificateWatch(const Tls& tls, std::function<void(bool is_taken)> tell);
   ~CertificateWatch();
@@ -33,7 +33,7 @@ class CertificateWatch {
 
   const Tls tls_;
   const std::function<void(bool)> tell_;
-  TlsFiles seen_, judged_;  // the thread's
+  TlsFiles seen_, judged_;  // owned by the thread
   mutable std::mutex mutex_;
   std::condition_variable stopping_;
   std::shared_ptr<const TlsFiles> files_;  // guarded by mutex_

@@ -1,5 +1,5 @@
 #pragma once
-// Who calls, and with which limits.
+// The identity of a caller, and its limits.
 
 #include <memory>
 #include <string>

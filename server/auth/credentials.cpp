@@ -1,5 +1,5 @@
-// TLS for the gRPC server. gRPC's C++ API cannot replace certificates by checked ones while it runs: its own file
-// watcher ends the process if it finds an empty file. So its C API is used.
+// TLS for the gRPC server. gRPC's C++ API cannot swap in checked certificates at run time: its own file watcher ends
+// the process if it finds an empty file. Hence the C API.
 #include "server/auth/credentials.hpp"
 
 #include <grpc/grpc.h>
@@ -40,7 +40,7 @@ class WatchedCredentials final : public grpc::ServerCredentials {
     Port& port = *static_cast<Port*>(user_data);
     const auto files = port.watch.files();
     if (files == port.given) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
-    // gRPC insists on CAs even if it asks no client for a certificate.
+    // gRPC insists on CAs even if it requests no client certificates.
     const std::string& ca = files->client_ca.empty() ? files->certificate : files->client_ca;
     const grpc_ssl_pem_key_cert_pair pair{files->key.c_str(), files->certificate.c_str()};
     *config = grpc_ssl_server_certificate_config_create(ca.c_str(), &pair, 1);

@@ -11,12 +11,12 @@
 
 namespace collided::server {
 
-/// Each handshake uses the watch's current files; if it has a CA for clients, they must show a certificate. Keep the
-/// credentials until the server is gone; the watch outlives them.
+/// Each handshake uses the watch's current files; with a CA for clients, they must present a certificate. The
+/// credentials must outlive the server, and the watch must outlive them.
 std::shared_ptr<grpc::ServerCredentials> make_credentials(const CertificateWatch& watch);
 
 /// Name of a client's verified certificate: its common name, else "san:" and its first alternative name; empty without
-/// a certificate. Different names stay different: a common name that begins with "san:" or "cn:" is prefixed by "cn:".
+/// a certificate. To keep names distinct, a common name that begins with "san:" or "cn:" is prefixed with "cn:".
 std::string certificate_name(const grpc::AuthContext& context);
 
 }  // namespace collided::server

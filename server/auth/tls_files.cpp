@@ -1,4 +1,4 @@
-// The TLS files, and whether they are usable.
+// Reads and checks the TLS files.
 #include "server/auth/tls_files.hpp"
 
 #include <openssl/err.h>
@@ -35,7 +35,7 @@ std::string reason() {
 // Without it OpenSSL would ask for the password at the terminal.
 int no_password(char*, int, int, void*) { return 0; }
 
-// At the end no further block begins; any other error means that the file was cut off.
+// At the end no further block begins; any other error means that the file is truncated.
 bool is_end() { return ERR_GET_REASON(ERR_peek_last_error()) == PEM_R_NO_START_LINE; }
 
 Certificate next_certificate(BIO* source) {

@@ -1,5 +1,5 @@
 #pragma once
-// The TLS files, and whether they are usable.
+// Reads and checks the TLS files.
 
 #include <string>
 
@@ -14,10 +14,10 @@ struct TlsFiles {
   bool operator==(const TlsFiles&) const = default;
 };
 
-/// Throws ConfigError that names the file that cannot be read.
+/// Throws ConfigError, naming the file that cannot be read.
 TlsFiles read_tls_files(const Tls& tls);
 
-/// Throws ConfigError that names the file if it is not PEM or cut off, if the key belongs to another certificate, or if
+/// Throws ConfigError, naming the file, if it is not PEM or truncated, if the key belongs to another certificate, or if
 /// the certificate is not valid now.
 void check_tls_files(const Tls& tls, const TlsFiles& files);
 

@@ -25,14 +25,15 @@ class Entry {
  public:
   Entry(const std::string& path, const toml::value& value)
       : where_(path + ":" + std::to_string(value.location().line()) + ": "), value_(value) {
-    if (!value.is_table()) refuse("tokens must be tables, as [[tokens]]");
+    if (!value.is_table()) refuse("tokens must be tables: [[tokens]]");
     for (const auto& [key, unused] : value.as_table())
       if (std::ranges::find(kKeys, key) == std::end(kKeys)) refuse(key + " is not a key of a token");
   }
 
   Token read(const ClientLimits& defaults) const {
     ClientIdentity client{text("name", 1, kMaxName), defaults};
-    if (client.name == ClientIdentity().name) refuse("name is \"anonymous\", which is kept for callers without one");
+    if (client.name == ClientIdentity().name)
+      refuse("name is \"anonymous\", which is reserved for callers without one");
     set_limits(client.limits);
     return {digest(), std::make_shared<const ClientIdentity>(std::move(client))};
   }
@@ -53,13 +54,13 @@ class Entry {
   bool has(const char* key) const { return value_.contains(key); }
 
   std::string text(const char* key, size_t min, size_t max) const {
-    if (!has(key) || !value_.at(key).is_string()) refuse(std::string(key) + " is not a text");
+    if (!has(key) || !value_.at(key).is_string()) refuse(std::string(key) + " is not a string");
     const std::string text = value_.at(key).as_string().str;
     if (text.size() < min || text.size() > max)
       refuse(std::string(key) + " has " + std::to_string(text.size()) + " bytes, not " + std::to_string(min) + " to " +
              std::to_string(max));
     if (!std::ranges::all_of(text, [](char c) { return c > ' ' && c < 0x7f; }))
-      refuse(std::string(key) + " has other than printable ASCII characters without blanks");
+      refuse(std::string(key) + " must have printable ASCII characters only, and no blanks");
     return text;
   }
 
@@ -68,11 +69,11 @@ class Entry {
     if (has("token")) return digest_of(text("token", kMinToken, kMaxToken));
     const auto digits = text("sha256", 64, 64);
     if (digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
-      refuse("sha256 has other than hexadecimal digits");
+      refuse("sha256 must have hexadecimal digits only");
     Digest digest;
     for (size_t i = 0; i < digest.size(); ++i)
       digest[i] = static_cast<unsigned char>(std::stoul(digits.substr(2 * i, 2), nullptr, 16));
-    if (digest == digest_of("")) refuse("sha256 is that of an empty text, which is no token");
+    if (digest == digest_of("")) refuse("sha256 is that of an empty string, which is no token");
     return digest;
   }
 
@@ -88,7 +89,7 @@ class Entry {
 
   Accuracy accuracy() const {
     const auto named = accuracy_named(text("max-accuracy", 1, kMaxName));
-    if (!named) refuse("max-accuracy is none of candidates, fast, guarded, certified and exact");
+    if (!named) refuse("max-accuracy must be candidates, fast, guarded, certified or exact");
     return *named;
   }
 
@@ -111,7 +112,7 @@ class Entry {
   const toml::value& value_;
 };
 
-// toml11's own messages quote the line, and with it perhaps a token.
+// toml11's own messages quote the line, which may contain a token.
 toml::value parse_toml(const std::string& path) try {
   std::istringstream text(read_toml_text(path, kMaxFileBytes));
   return toml::parse(text, path);
@@ -138,7 +139,7 @@ const toml::array& entries_of(const toml::value& root, const std::string& path) 
 // A name may occur again, so that its token can be replaced without a gap, but not with other limits.
 void check_new(const Token& token, const std::vector<Token>& before, const Entry& entry) {
   for (const auto& other : before) {
-    if (other.digest == token.digest) entry.refuse("the token of " + token.client->name + " is there twice");
+    if (other.digest == token.digest) entry.refuse("the token of " + token.client->name + " appears twice");
     if (other.client->name == token.client->name && other.client->limits != token.client->limits)
       entry.refuse("the tokens of " + token.client->name + " have different limits");
   }

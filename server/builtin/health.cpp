@@ -17,19 +17,19 @@ namespace rpc = grpc::health::v1;
 
 namespace {
 
-constexpr size_t kMaxSilent = 1024, kMaxSilentOfSource = 256;  // that have not asked yet
+constexpr size_t kMaxSilent = 1024, kMaxSilentOfSource = 256;  // that have sent no request yet
 constexpr size_t kMaxWatches = 1024, kMaxWatchesOfSource = 64;
 constexpr double kForever = 1e9;  // seconds
 constexpr uint64_t kMaxRequestBytes = 4 << 10;
 
 std::string parse_request(const grpc::ByteBuffer& bytes) {
   if (bytes.Length() > kMaxRequestBytes)
-    throw LimitExceeded("", fmt::format("the question has {} bytes, more than {}", bytes.Length(), kMaxRequestBytes));
-  grpc::ByteBuffer copy(bytes);  // of references
+    throw LimitExceeded("", fmt::format("the request has {} bytes, more than {}", bytes.Length(), kMaxRequestBytes));
+  grpc::ByteBuffer copy(bytes);  // copies references only
   grpc::ProtoBufferReader reader(&copy);
   rpc::HealthCheckRequest request;
   if (!request.ParseFromZeroCopyStream(&reader))
-    throw InvalidInput("HealthCheckRequest", "HealthCheckRequest is malformed: its bytes are no such message");
+    throw InvalidInput("HealthCheckRequest", "HealthCheckRequest is malformed: its bytes are not such a message");
   return request.service();
 }
 
@@ -41,12 +41,12 @@ grpc::ByteBuffer answer_of(rpc::HealthCheckResponse::ServingStatus status) {
 
 }  // namespace
 
-/// Check: waits for its request and answers it. Watch: reports every change after that, too.
+/// Check: waits for its request and answers it. Watch: then also reports every change.
 class HealthCall final : public grpc::ServerGenericBidiReactor {
  public:
   HealthCall(grpc::CallbackServerContext& context, Health& health, bool is_watch)
       : context_(context), health_(health), is_watch_(is_watch), source_(source_of(context.peer())) {
-    const WaitRule rule{"the question about health", health.calls_.host.limits().max_silent_seconds, kMaxSilent,
+    const WaitRule rule{"the health request", health.calls_.host.limits().max_silent_seconds, kMaxSilent,
                         kMaxSilentOfSource, source_};
     request_wait_ = wait(rule, [this](const auto& why) { Finish(to_status(describe(why))); });
     StartRead(&bytes_);
@@ -56,7 +56,7 @@ class HealthCall final : public grpc::ServerGenericBidiReactor {
     if (!request_wait_->finish()) return;  // the call has been ended
     request_wait_.reset();
     try {
-      if (!ok) throw InvalidInput("request", "request is missing: the call brought no message");
+      if (!ok) throw InvalidInput("request", "request is missing: the call had no message");
       service_ = parse_request(bytes_);
       is_watch_ ? watch() : check();
     } catch (...) {
@@ -111,11 +111,11 @@ class HealthCall final : public grpc::ServerGenericBidiReactor {
   void end(const grpc::Status& status) {
     const std::lock_guard lock(mutex_);
     if (!end_) end_ = status;
-    if (is_writing_) context_.TryCancel();  // the answer may never be taken
+    if (is_writing_) context_.TryCancel();  // the pending write may never complete
     write_or_end_locked();
   }
 
-  // Without its place it still waits for its request; the end of that wait ends the call.
+  // Without a place the call still waits for its request, and the end of that wait ends it.
   void write_or_end_locked() {
     if (!place_ || is_writing_ || is_over_) return;
     if (end_) {

@@ -1,5 +1,5 @@
 #pragma once
-// gRPC's health service, by callbacks and without a token: a call takes no thread, its request has to come in time, and
+// gRPC's health service, by callbacks and without a token: a call takes no thread, its request must arrive in time, and
 // the number of watchers is limited.
 
 #include <grpcpp/support/status.h>
@@ -20,13 +20,13 @@ class HealthCall;
 /// Thread-safe once it is added.
 class Health {
  public:
-  /// `calls` outlives it.
+  /// `calls` must outlive it.
   explicit Health(const CallParts& calls) : calls_(calls) {}
 
-  /// Before the server is built; this object outlives it. `service`: full name of the service whose health is told,
-  /// besides the daemon's ("").
+  /// Before the server is built; this object must outlive it. `service`: full name of the service whose health is
+  /// reported, besides the daemon's ("").
   void add_to(RpcRouter& router, std::string service);
-  /// Tells the watchers. Not serving at first.
+  /// Notifies the watchers. Initially not serving.
   void set_serving(bool is_serving);
 
  private:

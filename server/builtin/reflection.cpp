@@ -20,7 +20,7 @@ constexpr uint64_t kMaxRequestBytes = 64 << 10;
 
 void check_request(uint64_t bytes) {
   if (bytes > kMaxRequestBytes)
-    throw LimitExceeded("", fmt::format("the question has {} bytes, more than {}", bytes, kMaxRequestBytes));
+    throw LimitExceeded("", fmt::format("the request has {} bytes, more than {}", bytes, kMaxRequestBytes));
 }
 
 Client client_of(const grpc::CallbackServerContext& context, const Authenticator& authenticator, bool is_open) {
@@ -30,7 +30,7 @@ Client client_of(const grpc::CallbackServerContext& context, const Authenticator
 
 }  // namespace
 
-/// Reads a request, writes its answer, and so on. One of both is always under way.
+/// Reads a request, writes its answer, and so on. One of the two is always pending.
 class ReflectionCall final : public grpc::ServerGenericBidiReactor {
  public:
   ReflectionCall(grpc::CallbackServerContext& context, const Reflection& reflection)
@@ -70,19 +70,19 @@ class ReflectionCall final : public grpc::ServerGenericBidiReactor {
   }
 
   void read() {
-    wait("a question of reflection", [this](const auto& why) { Finish(to_status(describe(why))); });
+    wait("a reflection request", [this](const auto& why) { Finish(to_status(describe(why))); });
     StartRead(&bytes_);
   }
 
   void write() {
-    wait("a client that takes its answer of reflection", [this](const auto&) {
+    wait("a client to take its reflection answer", [this](const auto&) {
       context_.TryCancel();
       end_late();
     });
     StartWrite(&bytes_);
   }
 
-  // Called twice: when the write has failed, and by the wait that cancelled it. The second call ends the call.
+  // Called twice: when the write has failed, and by the wait that cancelled it. The second time ends the call.
   void end_late() {
     if (++left_ == 2) Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the client did not take its answer"));
   }

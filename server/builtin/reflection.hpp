@@ -1,5 +1,5 @@
 #pragma once
-// gRPC's reflection, v1 and v1alpha, by callbacks: a call takes no thread, its requests have to come in time, and the
+// gRPC's reflection, v1 and v1alpha, by callbacks: a call takes no thread, its requests must arrive in time, and the
 // number of calls is limited.
 
 #include <string>
@@ -12,10 +12,10 @@ namespace collided::server {
 
 class Reflection {
  public:
-  /// `calls` outlives this object. `is_open`: callers without a token or certificate are answered, too.
+  /// `calls` must outlive this object. `is_open`: callers without a token or certificate are answered, too.
   Reflection(const CallParts& calls, bool is_open) : calls_(calls), is_open_(is_open) {}
 
-  /// Before the server is built; this object outlives it. `services`: full names of the other services.
+  /// Before the server is built; this object must outlive it. `services`: full names of the other services.
   void add_to(RpcRouter& router, std::vector<std::string> services);
 
  private:

@@ -8,8 +8,8 @@
 
 namespace collided::server {
 
-/// From the descriptors that are built in. `services`: full names of those that are served. For an unknown name the
-/// answer is an error (NOT_FOUND), as for a request without a question (INVALID_ARGUMENT).
+/// From the built-in descriptors. `services`: full names of those that are served. The answer to an unknown name is an
+/// error (NOT_FOUND), and so is that to an empty request (INVALID_ARGUMENT).
 grpc::reflection::v1::ServerReflectionResponse answer_reflection(
     const grpc::reflection::v1::ServerReflectionRequest& request, const std::vector<std::string>& services);
 

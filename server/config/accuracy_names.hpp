@@ -20,7 +20,7 @@ inline std::vector<std::string> accuracy_names() { return {kAccuracyNames.begin(
 
 inline std::string name_of(Accuracy accuracy) { return std::string(kAccuracyNames.at(static_cast<size_t>(accuracy))); }
 
-/// Nothing for an unknown name.
+/// nullopt for an unknown name.
 inline std::optional<Accuracy> accuracy_named(std::string_view name) {
   const auto found = std::ranges::find(kAccuracyNames, name);
   if (found == kAccuracyNames.end()) return {};

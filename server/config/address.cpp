@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t kMaxUnixPath = 107;  // sockaddr_un::sun_path without the final 0
 
-// Without the brackets of IPv6.
+// The host without IPv6 brackets.
 std::string host_of(const std::string& address) {
   const auto host = address.substr(0, address.rfind(':'));
   return host.starts_with('[') && host.ends_with(']') ? host.substr(1, host.size() - 2) : host;
@@ -57,7 +57,7 @@ std::string check_address(const std::string& address) {
 }
 
 std::string check_http_address(const std::string& address) {
-  if (!is_numeric(host_of(address))) return "\"" + address + "\" is not a numeric host:port, as 127.0.0.1:9464";
+  if (!is_numeric(host_of(address))) return "\"" + address + "\" is not a numeric host:port, such as 127.0.0.1:9464";
   return check_host_port(address);
 }
 

@@ -31,8 +31,8 @@ uint64_t number_in(const std::string& path) {
   return error == std::errc() && end == text.data() + text.size() ? number : kNoLimit;
 }
 
-// The minimum for the group at `path` below `mount` and all its parents. In a container the path may not exist: then
-// the container's own group is mounted there.
+// The minimum over the cgroup at `path` below `mount` and its parents. In a container the path may not exist: then the
+// container's own cgroup is mounted at `mount`.
 uint64_t min_along(const std::string& mount, std::string path, const std::string& file) {
   uint64_t min = number_in(mount + "/" + file);
   for (; path.size() > 1; path.resize(path.rfind('/'))) min = std::min(min, number_in(mount + path + "/" + file));
@@ -43,7 +43,7 @@ bool has_memory(const std::string& controllers) {
   return ("," + controllers + ",").find(",memory,") != std::string::npos;
 }
 
-// Lines of /proc/self/cgroup: 0::/path of the unified hierarchy, 4:memory:/path of the old one.
+// Lines of /proc/self/cgroup: 0::/path (cgroup v2), 4:memory:/path (v1).
 uint64_t group_limit(const std::string& root) {
   const std::string mount = root + "/sys/fs/cgroup";
   std::ifstream file(root + "/proc/self/cgroup");

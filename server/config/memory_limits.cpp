@@ -1,4 +1,4 @@
-// Limits that nobody has set, derived from the available memory and from other limits.
+// Limits left unset, derived from the available memory and from other limits.
 #include "server/config/memory_limits.hpp"
 
 #include <algorithm>
@@ -9,8 +9,8 @@ namespace {
 constexpr uint64_t kMegabyte = uint64_t{1} << 20, kGigabyte = uint64_t{1} << 30;
 constexpr uint64_t kUnknownHost = 8 * kGigabyte;
 
-// Whole MiB, as the options count them.
-uint64_t at_least_one(uint64_t bytes) { return std::max(kMegabyte, bytes / kMegabyte * kMegabyte); }
+// At least one, as the options count in MiB.
+uint64_t whole_megabytes(uint64_t bytes) { return std::max(kMegabyte, bytes / kMegabyte * kMegabyte); }
 
 uint64_t host_memory(const Memory& memory) { return memory.host ? memory.host : kUnknownHost; }
 
@@ -19,8 +19,10 @@ uint64_t scene_memory(const Memory& memory) {
   return memory.device ? std::min(of_host, memory.device / 10 * 9) : of_host;
 }
 
-// Messages on their way in or out are soon gone: more than `max` would make nothing faster.
-uint64_t on_its_way(const Memory& memory, uint64_t max) { return std::min(max, at_least_one(host_memory(memory) / 8)); }
+// Messages in transit are short-lived: more than `max` would make nothing faster.
+uint64_t in_transit(const Memory& memory, uint64_t max) {
+  return std::min(max, whole_megabytes(host_memory(memory) / 8));
+}
 
 uint32_t quarter(uint32_t all) { return (all + 3) / 4; }
 
@@ -42,11 +44,11 @@ Limits underived_limits() {
 }
 
 void derive_limits(Limits& limits, const Memory& memory) {
-  fill(limits.max_device_bytes, at_least_one(scene_memory(memory)));
-  fill(limits.client.max_device_bytes, at_least_one(limits.max_device_bytes / 4));
+  fill(limits.max_device_bytes, whole_megabytes(scene_memory(memory)));
+  fill(limits.client.max_device_bytes, whole_megabytes(limits.max_device_bytes / 4));
   fill(limits.max_scene_bytes, limits.client.max_device_bytes);
-  fill(limits.max_decode_bytes, on_its_way(memory, 256 * kMegabyte));
-  fill(limits.max_network_bytes, on_its_way(memory, 512 * kMegabyte));
+  fill(limits.max_decode_bytes, in_transit(memory, 256 * kMegabyte));
+  fill(limits.max_network_bytes, in_transit(memory, 512 * kMegabyte));
   fill(limits.client.max_scenes, quarter(limits.max_scenes));
   fill(limits.client.max_streams, quarter(limits.max_streams));
 }
@@ -56,7 +58,7 @@ std::string describe_limits(const Limits& limits, const Memory& memory) {
          (memory.device ? ", device " + megabytes(memory.device) : "") + "; limits: all scenes " +
          megabytes(limits.max_device_bytes) + ", those of a client " + megabytes(limits.client.max_device_bytes) +
          ", one scene " + megabytes(limits.max_scene_bytes) + ", network buffers " +
-         megabytes(limits.max_network_bytes) + ", messages in work " + megabytes(limits.max_decode_bytes) +
+         megabytes(limits.max_network_bytes) + ", decoded messages " + megabytes(limits.max_decode_bytes) +
          "; a client " + std::to_string(limits.client.max_scenes) + " of " + std::to_string(limits.max_scenes) +
          " scenes, " + std::to_string(limits.client.max_streams) + " of " + std::to_string(limits.max_streams) +
          " streams";

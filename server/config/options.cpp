@@ -22,11 +22,11 @@ void define(CLI::App& app, Config& config, Switches& switches) {
   app.set_version_flag("--version", std::string("collided " COLLIDED_VERSION))->configurable(false);
   app.get_help_ptr()->configurable(false);
   app.footer(
-      "An option comes from its flag, else from the environment (--max-scenes is COLLIDED_MAX_SCENES), else from the\n"
-      "file of --config (key max-scenes), else it has its default. SIGHUP reads them again.");
+      "Each option comes from its flag, else the environment (--max-scenes is COLLIDED_MAX_SCENES), else the --config\n"
+      "file (key max-scenes), else its default. SIGHUP reads them again.");
   add(app, "--config", switches.config_file, "TOML file with options; deploy/collided.toml documents it")
       ->configurable(false);
-  app.add_flag("--check", switches.check, "Only tell whether the configuration is sound")->configurable(false);
+  app.add_flag("--check", switches.check, "Check the configuration and exit")->configurable(false);
   add_serve_options(app, config);
   add_limit_options(app, config.limits);
 }
@@ -64,7 +64,7 @@ ParsedConfig parse_config(int argc, const char* const* argv) {
   define(app, parsed.config, switches);
   try {
     app.parse(argc, argv);
-    // Not by CLI11's own set_config, which lets the file win over the environment.
+    // Not by CLI11's own set_config, which lets the file override the environment.
     if (!switches.config_file.empty()) take_file(app, switches.config_file);
     check_rules(parsed.config);
   } catch (const CLI::ParseError& error) {

@@ -15,8 +15,8 @@ namespace collided::server {
 void add_serve_options(CLI::App& app, Config& config);
 void add_limit_options(CLI::App& app, Limits& limits);
 
-/// Sets options that neither flags nor environment have set from a TOML file. Throws ConfigError that names the file
-/// and the key.
+/// Sets options from a TOML file, where neither a flag nor the environment has set them. Throws ConfigError that names
+/// the file and the key.
 void take_file(CLI::App& app, const std::string& path);
 
 /// --max-scenes is COLLIDED_MAX_SCENES.
@@ -29,8 +29,8 @@ requires std::is_arithmetic_v<T> CLI::Validator number(T min, T max) {
   const auto check = [=](std::string& text) -> std::string {
     T value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool sound = error == std::errc() && end == text.data() + text.size() && value >= min && value <= max;
-    if (!sound) return "\"" + text + "\" is not a number " + range;
+    const bool valid = error == std::errc() && end == text.data() + text.size() && value >= min && value <= max;
+    if (!valid) return "\"" + text + "\" is not a number " + range;
     if constexpr (std::integral<T>) text = std::to_string(value);  // CLI11 would read a leading 0 as octal
     return {};
   };
@@ -43,7 +43,7 @@ CLI::Option* add(CLI::App& app, const std::string& flag, T& value, const std::st
   return app.add_option(flag, value, help)->envname(variable_of(flag))->capture_default_str();
 }
 
-/// A flag by itself, or with =true or =false; a variable or key needs one of them.
+/// A flag by itself, or with =true or =false; a variable or key needs the value.
 inline CLI::Option* add_switch(CLI::App& app, const std::string& flag, bool& value, const std::string& help) {
   return app.add_flag(flag, value, help)
       ->envname(variable_of(flag))

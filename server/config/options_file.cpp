@@ -16,7 +16,7 @@ std::string text_of(const toml::value& value, const std::string& where) {
   if (value.is_string()) return value.as_string().str;
   if (value.is_boolean()) return value.as_boolean() ? "true" : "false";
   if (value.is_integer()) return std::to_string(value.as_integer());
-  if (!value.is_floating()) throw ConfigError(where + " is neither text, number, true nor false");
+  if (!value.is_floating()) throw ConfigError(where + " is neither a string nor a number nor a boolean");
   std::ostringstream text;
   text << std::setprecision(17) << value.as_floating();
   return text.str();
@@ -29,7 +29,7 @@ std::vector<std::string> texts_of(const toml::value& value, const std::string& w
   } else {
     texts.push_back(text_of(value, where));
   }
-  std::erase(texts, "");  // an empty value means that the option is not set, as for a variable
+  std::erase(texts, "");  // an empty value leaves the option unset, as for a variable
   return texts;
 }
 
@@ -47,7 +47,7 @@ void set_option(CLI::App& app, const std::string& path, const std::string& key, 
   }
 }
 
-// With the first line of toml11's message; the others draw the place.
+// With the first line of toml11's message; the others quote the source.
 toml::value parse_toml(const std::string& path) try {
   std::istringstream text(read_toml_text(path, kMaxFileBytes));
   return toml::parse(text, path);

@@ -22,7 +22,7 @@ constexpr Range kDerivedMegabytes{0, 1 << 24};
 
 void add_accuracy(CLI::App& app, Accuracy& accuracy) {
   const auto set = [&accuracy](const std::string& name) { accuracy = accuracy_named(name).value(); };
-  app.add_option_function<std::string>("--max-accuracy", set, "The highest accuracy of scenes and frames")
+  app.add_option_function<std::string>("--max-accuracy", set, "Highest accuracy of scenes and frames")
       ->envname(variable_of("--max-accuracy"))
       ->check(CLI::IsMember(accuracy_names()))
       ->default_str(name_of(accuracy));
@@ -36,27 +36,25 @@ void add_client_options(CLI::App& app, ClientLimits& limits) {
   add<uint32_t>(app, "--max-streams-per-client", limits.max_streams, 0, 1'000'000,
                 "Streams of one client at once; 0: a quarter of --max-streams");
   add<double>(app, "--max-frames-per-second", limits.max_frames_per_second, 0.01, 1e9,
-              "Frames of one client in a second");
+              "Frames of one client per second");
   add<double>(app, "--max-frame-seconds", limits.max_frame_seconds, 0.001, 1e6,
-              "Seconds that a frame may run, without the wait for its turn");
+              "Seconds that a frame may run, not counting the wait for its turn");
   add_accuracy(app, limits.max_accuracy);
 }
 
 }  // namespace
 
 void add_limit_options(CLI::App& app, Limits& limits) {
-  auto* group = app.add_option_group("Limits", "What passes them is refused");
+  auto* group = app.add_option_group("Limits", "Requests that exceed them are refused");
   add_megabytes(*group, "--max-message-mb", limits.max_message_bytes, {1, 2047}, "MiB of one received message");
-  add_megabytes(
-      *group, "--max-network-mb", limits.max_network_bytes, kDerivedMegabytes,
-      "MiB that messages may take on their way in and out, of all connections; 0: an eighth of the memory, at "
-      "most 512");
+  add_megabytes(*group, "--max-network-mb", limits.max_network_bytes, kDerivedMegabytes,
+                "MiB of network buffers, of all connections; 0: an eighth of the memory, at most 512");
   add<uint32_t>(*group, "--max-connections", limits.max_connections, 0, 1'000'000,
                 "Connections at once; 0: half of the file descriptors, at most 1024");
   add_megabytes(
       *group, "--max-decode-mb", limits.max_decode_bytes, kDerivedMegabytes,
-      "MiB that the messages of all calls in work may take, but always enough for the largest; 0: an eighth of "
-      "the memory, at most 256");
+      "MiB of decoded messages, of all open calls, but always enough for the largest message; 0: an eighth of the "
+      "memory, at most 256");
   add<uint64_t>(*group, "--max-vertices", limits.max_vertices, 3, 4'294'967'294, "Vertices of one scene");
   add<uint64_t>(*group, "--max-triangles", limits.max_triangles, 1, 1'431'655'764, "Triangles of one scene");
   add<uint32_t>(*group, "--max-scenes", limits.max_scenes, 1, 1'000'000, "Scenes at once");
@@ -72,8 +70,9 @@ void add_limit_options(CLI::App& app, Limits& limits) {
   add<double>(*group, "--max-silent-seconds", limits.max_silent_seconds, 0.1, 1e6,
               "Seconds that a stream may take to open, an upload to its next chunk, a call to its message");
   add<double>(*group, "--lease-seconds", limits.lease_seconds, 0.1, 1e6,
-              "Seconds that a scene which asks for none outlives its last stream or call");
-  add<double>(*group, "--max-lease-seconds", limits.max_lease_seconds, 0.1, 1e6, "The longest lease to be asked for");
+              "Default lease: seconds that a scene outlives its last stream or call");
+  add<double>(*group, "--max-lease-seconds", limits.max_lease_seconds, 0.1, 1e6,
+              "Longest lease that a scene may request");
   add_client_options(*group, limits.client);
 }
 

@@ -5,7 +5,7 @@
 namespace collided::server {
 namespace {
 
-// Empty switches the option off.
+// An empty value turns the option off.
 CLI::Validator or_empty(std::string (*check)(const std::string&)) {
   return CLI::Validator([check](std::string& text) { return text.empty() ? std::string() : check(text); }, "");
 }
@@ -14,28 +14,32 @@ void add_addresses(CLI::App& app, Config& config) {
   add(app, "--address", config.addresses, "host:port (port 0: any free one) or unix:/path; may be repeated")
       ->delimiter(',')
       ->check(CLI::Validator(check_address, ""));
-  add(app, "--endpoint", config.endpoint, "Address that clients are told to stream to; empty: the one they used")
+  add(app, "--endpoint", config.endpoint, "Address advertised to clients for streaming; empty: the one they used")
       ->check(or_empty(check_address));
   add(app, "--http-address", config.http_address, "host:port of /metrics, /readyz and /healthz; empty: off")
       ->check(or_empty(check_http_address));
-  add(app, "--local-socket", config.local_socket, "Path of the socket for clients that share memory; empty: off")
+  add(app, "--local-socket", config.local_socket,
+      "Path of the socket for clients on this host that share memory; empty: off")
       ->check(or_empty(check_socket_path));
   add(app, "--allow-uid", config.allowed_uids,
       "User that may use the local socket besides the daemon's own; may be repeated")
       ->delimiter(',')
       ->transform(number<uint32_t>(0, 4'294'967'294));
-  add_switch(app, "--cuda-ipc", config.cuda_ipc, "Take device memory of clients on the same host");
-  add(app, "--ready-file", config.ready_file, "File that gets the bound addresses once the daemon serves; empty: none");
+  add_switch(app, "--cuda-ipc", config.cuda_ipc, "Accept device memory of clients on the same GPU");
+  add(app, "--ready-file", config.ready_file,
+      "File that receives the bound addresses once the daemon serves; empty: none");
 }
 
 void add_security(CLI::App& app, Config& config) {
   add(app, "--tls-certificate", config.tls.certificate, "PEM file of the certificate chain; empty: plain text");
   add(app, "--tls-key", config.tls.key, "PEM file of its private key");
-  add(app, "--tls-client-ca", config.tls.client_ca, "PEM file of the CAs of clients, which then need a certificate");
-  add(app, "--tokens-file", config.tokens_file, "TOML file of the bearer tokens of clients; empty: none");
+  add(app, "--tls-client-ca", config.tls.client_ca,
+      "PEM file of the CAs that sign client certificates, which are then required");
+  add(app, "--tokens-file", config.tokens_file, "TOML file of clients' bearer tokens; empty: none");
   add_switch(app, "--open-reflection", config.open_reflection,
-             "Describe the services to callers without a token or certificate, too");
-  add_switch(app, "--allow-insecure", config.allow_insecure, "Plain text on addresses that other hosts can reach");
+             "Serve reflection to callers without a token or certificate, too");
+  add_switch(app, "--allow-insecure", config.allow_insecure,
+             "Allow plain text on addresses that other hosts can reach");
 }
 
 void add_engine(CLI::App& app, Config& config) {
@@ -43,21 +47,22 @@ void add_engine(CLI::App& app, Config& config) {
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}));
   add<int>(app, "--threads", config.threads, 0, 4096, "CPU threads of a scene; 0: all cores");
   add<int>(app, "--concurrent-frames", config.concurrent_frames, 0, 4096,
-           "Frames computed at once; 0: as the devices allow");
+           "Frames of different scenes computed at once; 0: 4 with a GPU, else 2");
 }
 
 void add_times(CLI::App& app, Config& config) {
-  add<double>(app, "--grace-seconds", config.grace_seconds, 0, 3600, "Seconds for open streams when the daemon stops");
+  add<double>(app, "--grace-seconds", config.grace_seconds, 0, 3600,
+              "Seconds that open streams have left when the daemon stops");
   add<double>(app, "--keepalive-seconds", config.keepalive_seconds, 1, 7200,
               "Seconds between pings to a silent client");
   add<double>(app, "--keepalive-timeout-seconds", config.keepalive_timeout_seconds, 0.1, 600,
-              "Seconds until a client that does not answer them is dropped");
+              "Seconds until a client that does not answer a ping is dropped");
 }
 
 void add_log(CLI::App& app, Config& config) {
-  add(app, "--log-level", config.log_level, "Least severe messages that are logged")
+  add(app, "--log-level", config.log_level, "Minimum severity of log lines")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "critical", "off"}));
-  add(app, "--log-format", config.log_format, "Lines of text, or one JSON object a line: text or json")
+  add(app, "--log-format", config.log_format, "text, or json: one object per line")
       ->check(CLI::IsMember({"text", "json"}));
 }
 

@@ -4,7 +4,7 @@
 namespace collided::server {
 namespace {
 
-// Undoes changes that need a restart, and collects the names of the options.
+// Undoes changes that need a restart, and collects the options' names.
 class Keeper {
  public:
   explicit Keeper(std::vector<std::string>& names) : names_(names) {}

@@ -12,7 +12,7 @@ namespace {
 void check_tls(const Config& config) {
   const Tls& tls = config.tls;
   if (tls.certificate.empty() != tls.key.empty())
-    throw ConfigError("--tls-certificate and --tls-key are only of use together");
+    throw ConfigError("--tls-certificate and --tls-key must be set together");
   if (!tls.client_ca.empty() && !tls.enabled()) throw ConfigError("--tls-client-ca needs --tls-certificate");
   if (tls.client_ca.empty() || !config.tokens_file.empty()) return;
   constexpr auto kNeedsTokens = ": with --tls-client-ca, a Unix socket needs --tokens-file, too";
@@ -52,7 +52,7 @@ std::vector<std::string> exposure_warnings(const Config& config) {
     if (!config.tls.enabled())
       warnings.push_back(address + " is open to other hosts without TLS: frames and tokens can be read on the way");
     if (config.tokens_file.empty() && config.tls.client_ca.empty())
-      warnings.push_back(address + " is open to other hosts, and nobody there must show who he is");
+      warnings.push_back(address + " is open to other hosts, and clients need not authenticate");
   }
   if (!config.http_address.empty() && is_public(config.http_address))
     warnings.push_back("metrics on " + config.http_address + " are open to other hosts without TLS");

@@ -11,7 +11,7 @@ namespace collided::server {
 /// Throws ConfigError if options contradict each other, or expose plain text to a network without --allow-insecure.
 void check_rules(const Config& config);
 
-/// Warnings about allowed exposure: addresses that others can reach without TLS or without proof of identity.
+/// Warnings about allowed exposure: addresses that other hosts can reach without TLS or without authentication.
 std::vector<std::string> exposure_warnings(const Config& config);
 
 }  // namespace collided::server

@@ -45,7 +45,7 @@ class Depth {
 std::string read_text_file(const std::string& path, uint64_t max_bytes) {
   std::error_code error;
   // Devices and pipes could be endless, or block.
-  if (!std::filesystem::is_regular_file(path, error)) throw ConfigError(path + ": is not a file that can be read");
+  if (!std::filesystem::is_regular_file(path, error)) throw ConfigError(path + ": is not a readable file");
   std::ifstream file(path, std::ios::binary);
   std::string text(max_bytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));

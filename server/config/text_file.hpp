@@ -10,13 +10,13 @@ namespace collided::server {
 /// The whole file. Throws ConfigError that names the path if it cannot be read or has more than `max_bytes`.
 std::string read_text_file(const std::string& path, uint64_t max_bytes);
 
-/// Largest depth of nested brackets, and largest number of parts of a dotted key: the parser recurses for each.
+/// Maximum depth of brackets, and maximum number of parts of a dotted key: the parser recurses for each.
 constexpr int kMaxTomlNesting = 16;
 
 /// The line in which the text nests deeper than kMaxTomlNesting; 0 if it does not.
 int too_deep_line(std::string_view text);
 
-/// As read_text_file(). Throws ConfigError that names path and line, too, if the text nests too deep.
+/// As read_text_file(). Throws ConfigError that names path and line, too, if the text nests too deeply.
 std::string read_toml_text(const std::string& path, uint64_t max_bytes);
 
 }  // namespace collided::server

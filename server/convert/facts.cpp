@@ -1,4 +1,4 @@
-// What scenes, devices and limits tell of themselves.
+// Facts about scenes, devices and limits.
 #include "server/convert/facts.hpp"
 
 #include "server/convert/options.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// What scenes, devices and limits tell of themselves, from the engine to the protocol.
+// Facts about scenes, devices and limits, from the engine to the protocol.
 
 #include "collided/v1/collision_service.pb.h"
 #include "server/config/config.hpp"
@@ -11,7 +11,7 @@ namespace pb = collided::v1;
 
 void fill_scene(const Scene& scene, pb::Scene* out);
 void fill_device(const DeviceInfo& device, pb::Device* out);
-/// The daemon's limits, and those of the client that asks.
+/// The daemon's limits, and those of the calling client.
 void fill_limits(const Limits& limits, const ClientLimits& client, pb::ServerLimits* out);
 
 }  // namespace collided::server

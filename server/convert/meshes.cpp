@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little, "the wire is little-en
 
 constexpr size_t kTriangleBytes = sizeof(TriangleCorners);
 
-// What is wrong with a triangle; empty if nothing is.
+// What is wrong with a triangle, or empty.
 std::string check_triangle(const TriangleCorners& t, uint32_t vertex_count) {
   for (const uint32_t vertex : t)
     if (vertex >= vertex_count) return fmt::format("has vertex {}, but the mesh has {} vertices", vertex, vertex_count);
@@ -57,7 +57,7 @@ MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
   if (mesh.triangle_count() > 0 && mesh.triangle_count() < out.triangles.size())
     throw_invalid(
         path + ".triangle_count",
-        fmt::format("is {}, but {}.triangles already has {}: it is the total, with those that UploadMesh brings",
+        fmt::format("is {}, but {}.triangles already has {}: it is the total, including those that UploadMesh sends",
                     mesh.triangle_count(), path, out.triangles.size()));
   return out;
 }
@@ -73,7 +73,7 @@ void check_total(const char* what, uint64_t total, uint64_t limit) {
 void for_each_triangle(std::string_view bytes, uint32_t vertex_count, const TrianglePath& path,
                        const std::function<void(const TriangleCorners&)>& take) {
   if (bytes.size() % kTriangleBytes)
-    throw_invalid(path.field, fmt::format("has {} bytes, which is no multiple of {}", bytes.size(), kTriangleBytes));
+    throw_invalid(path.field, fmt::format("has {} bytes, which is not a multiple of {}", bytes.size(), kTriangleBytes));
   for (size_t i = 0; i < bytes.size() / kTriangleBytes; ++i) {
     TriangleCorners triangle;
     std::memcpy(triangle.data(), bytes.data() + i * kTriangleBytes, kTriangleBytes);
@@ -106,7 +106,7 @@ void parse_meshes(const pb::SceneSpec& spec, ScenePlan& plan) {
     plan.engine.meshes.push_back(parse_mesh(mesh, path));
     plan.meshes.push_back({mesh.name(), total_triangles(mesh), total_triangles(mesh) - inline_triangles(mesh)});
     if (!names.insert(mesh.name()).second)
-      throw_invalid(path + ".name", fmt::format("is \"{}\", which an earlier mesh has", mesh.name()));
+      throw_invalid(path + ".name", fmt::format("is \"{}\", which an earlier mesh already has", mesh.name()));
   }
 }
 

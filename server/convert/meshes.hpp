@@ -19,10 +19,10 @@ namespace pb = collided::v1;
 constexpr int kMaxMeshes = 16384;
 constexpr size_t kMaxNameBytes = 128;
 
-/// Where triangles are, in messages.
+/// Names triangles in messages.
 struct TrianglePath {
   std::string field;
-  uint64_t first = 0;  ///< number of triangles that came before
+  uint64_t first = 0;  ///< number of triangles before these
 };
 
 /// Checks each triangle of a packed uint32[n][3] array and hands it to `take`. Throws InvalidInput.

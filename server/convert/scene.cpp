@@ -42,7 +42,7 @@ Scalar parse_format(pb::PositionFormat format) {
   throw_unknown("spec.position_format", format, {pb::POSITION_FORMAT_F32, pb::POSITION_FORMAT_F64});
 }
 
-// A scene's first frame brings all its positions at once, and a frame is one message.
+// A scene's first frame has all its positions, and a frame is one message.
 void check_first_frame(uint64_t vertices, Scalar scalar, const SceneDefaults& defaults) {
   const uint64_t bytes = vertices * position_bytes(scalar), limit = defaults.limits.max_message_bytes;
   if (defaults.local_socket || bytes < limit) return;
@@ -53,7 +53,7 @@ void check_first_frame(uint64_t vertices, Scalar scalar, const SceneDefaults& de
                                  vertices, bytes, limit));
 }
 
-// The least memory that the scene will hold, so that none is created that can never have a frame.
+// The minimum memory of the scene; refuses a scene that could never hold a frame.
 uint64_t check_budget(const SceneSpec& engine, const SceneSize& size, bool is_asked) {
   const uint64_t need = min_scene_bytes(engine, size.vertices, size.triangles);
   if (need > engine.memory_budget)
@@ -106,7 +106,7 @@ double parse_lease(double seconds, const Limits& limits) {
   return seconds > 0 ? seconds : limits.lease_seconds;
 }
 
-// Unless the client asks for one: CERTIFIED, or the highest that it may have.
+// By default CERTIFIED, or the highest that the client may have.
 Accuracy parse_scene_accuracy(pb::Accuracy wanted, Accuracy max) {
   const auto asked = parse_accuracy(wanted, "spec.accuracy");
   if (asked) check_max_accuracy(*asked, max, "spec.accuracy");

@@ -11,13 +11,13 @@ namespace collided::server {
 
 namespace pb = collided::v1;
 
-/// What the parsing of a scene needs to know of the daemon.
+/// The daemon's settings that parsing a scene depends on.
 struct SceneDefaults {
   std::string backend = "auto";
   int threads = 0;
-  Limits limits;              ///< with those of the client that asks
+  Limits limits;              ///< including those of the calling client
   bool cuda = false;          ///< whether a CUDA device can be used
-  bool local_socket = false;  ///< whether frames may come by shared memory, past the limit of a message
+  bool local_socket = false;  ///< whether frames can use shared memory, beyond the message limit
 };
 
 /// Checks a request for a scene. Throws InvalidInput, Unimplemented, LimitExceeded, FailedPrecondition.

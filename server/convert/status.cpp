@@ -18,7 +18,7 @@ namespace {
 namespace pb = collided::v1;
 using grpc::StatusCode;
 
-constexpr double kRetrySeconds = 1;  // for what the host lacks at the moment
+constexpr double kRetrySeconds = 1;  // when the host is temporarily short of something
 
 void pack(const char* name, const google::protobuf::Message& detail, pb::RpcStatus& status) {
   pb::PackedDetail* packed = status.add_details();

@@ -8,12 +8,12 @@
 
 namespace collided::server {
 
-/// What a caller is told about an exception.
+/// What to tell the caller about an exception.
 struct Failure {
   grpc::StatusCode code = grpc::StatusCode::OK;
   std::string message;
   std::string field = {};          ///< path of the field; may be empty
-  std::string subject = {};        ///< of the limit that was met, such as "client:NAME"; may be empty
+  std::string subject = {};        ///< of the limit that was reached, such as "client:NAME"; may be empty
   double retry_after_seconds = 0;  ///< 0: the same request would fail again
 };
 
@@ -22,7 +22,7 @@ Failure describe(const std::exception_ptr& error);
 /// The exception being handled.
 inline Failure describe_current() { return describe(std::current_exception()); }
 
-/// Status whose details are a serialized RpcStatus (error_details.proto) with what the failure knows.
+/// Status whose details are a serialized RpcStatus (error_details.proto) with what is known of the failure.
 grpc::Status to_status(const Failure& failure);
 
 /// Name of a code, such as "NOT_FOUND".

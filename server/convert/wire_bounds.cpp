@@ -1,4 +1,4 @@
-// What a message would take in memory.
+// Bounds a message's memory before it is parsed.
 #include "server/convert/wire_bounds.hpp"
 
 #include <google/protobuf/wire_format_lite.h>
@@ -88,11 +88,11 @@ void FieldCount::add_group(Input& in, uint32_t start, int depth) {
 }
 
 void FieldCount::throw_malformed() const {
-  throw InvalidInput(path_, path_ + " is cut off or malformed: its bytes are no such message");
+  throw InvalidInput(path_, path_ + " is cut off or malformed: its bytes are not such a message");
 }
 
 void FieldCount::throw_too_many() const {
-  throw LimitExceeded(what_, fmt::format("{} has more than {} fields, the most that one may have here", what_, max_));
+  throw LimitExceeded(what_, fmt::format("{} has more than {} fields, the maximum here", what_, max_));
 }
 
 }  // namespace collided::server

@@ -1,6 +1,5 @@
 #pragma once
-// What a message would take in memory, counted on its bytes before it is parsed: two bytes on the wire can take a
-// hundred in memory.
+// Bounds a message's memory from its bytes, before it is parsed: two bytes on the wire can take a hundred in memory.
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/coded_stream.h>
@@ -11,13 +10,13 @@
 
 namespace collided::server {
 
-/// Largest memory of a field besides its own bytes: an empty MeshUpdate, or an unknown field.
+/// Maximum memory of a field besides its own bytes: an empty MeshUpdate, or an unknown field.
 constexpr uint64_t kFieldBytes = 128;
 
-/// Largest number of fields of a message for so many meshes, with room for those of later versions.
+/// Maximum number of fields of a message for `meshes`, with room for those of later versions.
 constexpr uint64_t max_fields(uint64_t meshes) { return 64 + 16 * meshes; }
 
-/// Largest memory of a parsed message of so many bytes, for so many meshes.
+/// Maximum memory of a parsed message of `message_bytes`, for `meshes`.
 constexpr uint64_t max_parsed_bytes(uint64_t message_bytes, uint64_t meshes) {
   return message_bytes + max_fields(meshes) * kFieldBytes;
 }
@@ -34,8 +33,8 @@ class FieldCount {
     count_ += fields;
     if (count_ > max_) throw_too_many();
   }
-  /// A whole message, up to the limit of `in`, which must have one. Throws InvalidInput for bytes that are no such
-  /// message or that nest too deeply, with a path that begins with `path`; LimitExceeded past the maximum.
+  /// A whole message, up to the limit of `in`, which must have one. Throws InvalidInput for malformed bytes or
+  /// nesting that is too deep, with a path that begins with `path`; LimitExceeded past the maximum.
   void add_message(google::protobuf::io::CodedInputStream& in, const google::protobuf::Descriptor& type,
                    std::string path);
   /// The same for bytes in memory.

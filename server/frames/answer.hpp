@@ -1,5 +1,5 @@
 #pragma once
-// A frame's answer, whichever way it goes: its contacts in chunks, its cost, its last message.
+// A frame's answer on any transport: its contacts in chunks, its cost, its last message.
 
 #include <cstddef>
 #include <functional>
@@ -18,12 +18,12 @@ namespace pb = collided::v1;
 /// Bytes of arrays in one message of an answer over gRPC.
 constexpr size_t kMaxChunkBytes = pb::kMaxAnswerBytes / 2;
 
-/// Cuts the frame's contacts into chunks of at most `max_chunk_bytes` of arrays, has `encode` make messages of them,
-/// and completes the frame's cost: `bytes_out` before, the times after it.
+/// Cuts the frame's contacts into chunks of at most `max_chunk_bytes` of arrays, passes them to `encode`, and completes
+/// the frame's cost: `bytes_out` before that call, the times after it.
 void encode_contacts(const Scene& scene, AnsweredFrame& frame, size_t max_chunk_bytes,
                      const std::function<void(std::span<const Chunk>)>& encode);
 
-/// The end of the answer, without contacts. The frame's cost is complete.
+/// The end of the answer, without contacts. The frame's cost must be complete.
 pb::FrameDone done_message(const AnsweredFrame& frame);
 
 }  // namespace collided::server

@@ -1,4 +1,4 @@
-// A request of the frame stream from the wire.
+// Decodes a request of the frame stream.
 #include "server/frames/decode.hpp"
 
 #include <google/protobuf/io/coded_stream.h>
@@ -32,10 +32,10 @@ constexpr uint32_t tag_of(int field) {
 }
 
 [[noreturn]] void throw_malformed(const char* what) {
-  throw InvalidInput(what, std::string(what) + " is cut off or malformed: its bytes are no such message");
+  throw InvalidInput(what, std::string(what) + " is cut off or malformed: its bytes are not such a message");
 }
 
-// Refuses lengths that the generated code refuses; SkipField() alone would cut them to 32 bits.
+// Refuses lengths that the generated code refuses; SkipField() alone would truncate them to 32 bits.
 bool copy_field(CodedInputStream& in, uint32_t tag, CodedOutputStream& out) {
   if (WireFormatLite::GetTagWireType(tag) != WireFormatLite::WIRETYPE_LENGTH_DELIMITED)
     return WireFormatLite::SkipField(&in, tag, &out);
@@ -55,7 +55,7 @@ bool copy_field(CodedInputStream& in, uint32_t tag, CodedOutputStream& out) {
       fmt::format("{}.updates has more than {} entries, the number of the scene's meshes", path, meshes));
 }
 
-// A nested message, read by `decode` up to its end.
+// Reads a nested message to its end with `decode`.
 template <class Decode>
 void read_nested(CodedInputStream& in, const char* what, const Decode& decode) {
   int size = 0;
@@ -66,7 +66,7 @@ void read_nested(CodedInputStream& in, const char* what, const Decode& decode) {
   in.PopLimit(limit);
 }
 
-// No more of the frame is read; its refusal is told by its id.
+// Stops reading a frame that is refused, now that its id is known.
 struct Stopped {};
 
 class Decoder {
@@ -93,7 +93,7 @@ class Decoder {
   }
 
  private:
-  // The fields of a message that `take` does not consume, as the bytes of a message of their own.
+  // The fields of a message that `take` does not consume, serialized as a separate message.
   template <class Take>
   std::string remaining_fields(const char* what, const Take& take) {
     std::string bytes;
@@ -128,7 +128,7 @@ class Decoder {
     });
     merge(frame, remaining, "frame");
     if (!out_.refusal) return;
-    if (frame.frame_id() == 0) std::rethrow_exception(out_.refusal);  // there is no frame yet to answer
+    if (frame.frame_id() == 0) std::rethrow_exception(out_.refusal);  // no id to answer under
     throw Stopped();
   }
 
@@ -153,7 +153,7 @@ class Decoder {
     out_.placed.push_back(placed);
   }
 
-  // Of a field that comes twice the last one counts, as everywhere in the format.
+  // Of a repeated occurrence the last one counts, as protobuf requires.
   bool read_bytes(std::span<const std::byte>& placed, std::string& otherwise) {
     int size = 0;
     if (!in_.ReadVarintSizeAsInt(&size) || in_.BytesUntilLimit() < size) throw_malformed("frame.updates");
@@ -190,7 +190,7 @@ class Decoder {
 DecodedRequest decode_request(google::protobuf::io::ZeroCopyInputStream& wire, size_t bytes, const Expected& expected,
                               const std::function<std::span<std::byte>()>& room) {
   CodedInputStream in(&wire);
-  in.PushLimit(static_cast<int>(std::min<size_t>(bytes, INT_MAX)));  // sizes that lie are found before they are used
+  in.PushLimit(static_cast<int>(std::min<size_t>(bytes, INT_MAX)));  // false sizes are detected before they are used
   return Decoder(in, expected, room).decode();
 }
 

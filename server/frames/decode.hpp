@@ -1,6 +1,6 @@
 #pragma once
-// A request of the frame stream from the wire: its positions go straight to where the backend reads them, the other
-// fields are parsed by the generated code.
+// Decodes a request of the frame stream: positions go straight to where the backend reads them, the other fields are
+// parsed by the generated code.
 
 #include <google/protobuf/io/zero_copy_stream.h>
 
@@ -20,23 +20,23 @@ namespace collided::server {
 struct DecodedRequest {
   pb::StreamFramesRequest message;
   std::vector<PlacedPositions> placed;  ///< one for each update of the frame
-  std::exception_ptr refusal;           ///< of a frame that was not read to its end; null if it was
+  std::exception_ptr refusal;           ///< of a frame that was not read to its end; else null
 };
 
-/// What a stream may bring at this point.
+/// What a stream may send at this point.
 struct Expected {
   /// Of the scene; a frame with more updates is refused. None: the stream is not open yet, and only `open` is read.
   std::optional<size_t> meshes;
 };
 
-/// `bytes`: of the whole message. `room` is asked once, before the first positions are read, for memory to put them in;
-/// what does not fit stays in the message. Whatever the message holds, memory and work are proportional to the scene's
-/// meshes and to the positions. Throws InvalidInput for bytes that are no message, LimitExceeded for one with too many
-/// fields, FailedPrecondition for one that is not expected.
+/// `bytes`: of the whole message. `room` is called once, before the first positions are read, for memory to put them
+/// in; positions that do not fit stay in the message. Whatever the message holds, memory and work are proportional to
+/// the scene's meshes and to the positions. Throws InvalidInput for malformed bytes, LimitExceeded for too many fields,
+/// FailedPrecondition for a message that is not expected.
 DecodedRequest decode_request(google::protobuf::io::ZeroCopyInputStream& wire, size_t bytes, const Expected& expected,
                               const std::function<std::span<std::byte>()>& room);
 
-/// A whole frame from memory, with at most as many updates as the scene has meshes. `path` names it in refusals.
+/// Parses a whole frame, with at most as many updates as the scene has meshes. `path` names it in refusals.
 /// Throws InvalidInput, LimitExceeded.
 pb::Frame parse_bounded_frame(const std::string& bytes, size_t meshes, const char* path);
 

@@ -22,7 +22,7 @@ struct PendingFrame {
   uint64_t frame_id = 0;
   FrameInput input;
   std::vector<UpdatedMesh> meshes;
-  std::exception_ptr refusal = {};          ///< why it cannot be applied; null: nothing is known to be wrong
+  std::exception_ptr refusal = {};          ///< why it cannot be applied; null: no error so far
   std::shared_ptr<const void> memory = {};  ///< keeps alive what `input` refers to
   Clock::time_point arrival = Clock::now();
   double decode_milliseconds = 0;

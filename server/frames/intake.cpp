@@ -1,4 +1,4 @@
-// A frame of a client on its way into the daemon.
+// Admission of a client's frame.
 #include "server/frames/intake.hpp"
 
 #include <spdlog/fmt/fmt.h>
@@ -30,7 +30,7 @@ void send_positions(Scene& scene, std::shared_ptr<FrameSlot> slot, PendingFrame&
   frame.input.slot = std::move(slot);
 }
 
-// Ids only rise: after the largest one the scene would take no frame any more. Negative numbers lie beyond the limit.
+// Ids only rise: after the largest one, the scene could take no more frames. Negative ids wrap beyond the limit.
 void check_frame_id(uint64_t id) {
   if (id > kMaxFrameId)
     throw InvalidInput("frame.frame_id", fmt::format("frame.frame_id is {}, more than {}", id, kMaxFrameId));

@@ -1,4 +1,4 @@
-// What is told of streams and their frames.
+// Reports on streams and their frames.
 #include "server/frames/log.hpp"
 
 #include <spdlog/fmt/fmt.h>

@@ -1,6 +1,6 @@
 #pragma once
-// What is told of streams and their frames, whichever way they came: to the scene's observer, which counts them, and in
-// the log. Ids that are empty are left out.
+// Reports on streams and their frames, on any transport: to the scene's observer, which counts them, and to the log.
+// Empty ids are left out.
 
 #include <spdlog/common.h>
 
@@ -15,23 +15,23 @@
 
 namespace collided::server {
 
-/// Its cost is complete.
+/// The frame's cost must be complete.
 void tell_answered(const Scene& scene, const AnsweredFrame& frame, const CallIds& ids);
-/// What the client is to be told.
+/// Returns what to tell the client.
 Failure tell_refused(const Scene& scene, uint64_t frame_id, const std::exception_ptr& error, const CallIds& ids);
 void tell_skipped(const Scene& scene, uint64_t frame_id, const CallIds& ids);
 
 /// How the log and the metrics name the streams of a transport.
 struct StreamKind {
   std::string_view name;    ///< "stream" or "local stream"
-  std::string_view method;  ///< as the counted calls name it
+  std::string_view method;  ///< in the counted calls
 };
 
 void log_stream_opened(const StreamKind& kind, const Scene& scene, uint32_t window, const CallIds& ids);
 
 struct StreamEnd {
   spdlog::level::level_enum level = spdlog::level::info;
-  std::string_view scene;  ///< that the client asked for
+  std::string_view scene;  ///< as requested by the client
   grpc::StatusCode code = grpc::StatusCode::OK;
   std::string_view reason;
 };

@@ -1,4 +1,4 @@
-// What happens to scenes and frames, as metrics, log lines and the daemon's state.
+// Turns events of scenes and frames into metrics, log lines and the daemon's state.
 #include "server/frames/observer.hpp"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ void ServiceObserver::answered(const Scene&, const AnsweredFrame& frame) {
   metrics_.observe_phase(Phase::kQueue, cost.queue_milliseconds / kSecond);
   metrics_.observe_phase(Phase::kDecode, cost.decode_milliseconds / kSecond);
   metrics_.observe_phase(Phase::kEncode, cost.encode_milliseconds / kSecond);
-  // Not the step's own time, which is that of its last run alone, and leaves out exact arithmetic.
+  // Not the step's own time, which covers only its last run and no exact arithmetic.
   const double upload = stage_milliseconds(frame.result, kUpload),
                download = stage_milliseconds(frame.result, kDownload);
   metrics_.observe_phase(Phase::kUpload, upload / kSecond);
@@ -55,7 +55,7 @@ void ServiceObserver::expired(const Scene& scene) {
 
 void ServiceObserver::device_failed(const Scene& scene, const std::string& why) {
   log_event(spdlog::level::err, "device error", {{"scene", scene.id()}, {"reason", why}});
-  if (!device_works(scene.plan().engine.backend)) lifecycle_.fail("a device does not answer any more: " + why);
+  if (!device_works(scene.plan().engine.backend)) lifecycle_.fail("a device no longer responds: " + why);
 }
 
 }  // namespace collided::server

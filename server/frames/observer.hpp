@@ -1,5 +1,5 @@
 #pragma once
-// What happens to scenes and frames, as metrics, log lines and the daemon's state.
+// Turns events of scenes and frames into metrics, log lines and the daemon's state.
 
 #include "server/frames/frame.hpp"
 #include "server/ops/lifecycle.hpp"
@@ -18,7 +18,7 @@ class ServiceObserver final : public SceneObserver {
   void skipped(const Scene& scene, uint64_t frame_id) override;
   void resumed(const Scene& scene) override;
   void expired(const Scene& scene) override;
-  /// Ends the daemon if the device does not answer any more.
+  /// Ends the daemon if the device no longer responds.
   void device_failed(const Scene& scene, const std::string& why) override;
 
  private:

@@ -8,7 +8,7 @@
 namespace collided::server {
 namespace {
 
-// Asked at each checkpoint of the engine: whether to give the frame up. Others may have their turns meanwhile.
+// Called at each checkpoint of the engine: whether to abandon the frame. May yield its turn meanwhile.
 bool should_stop(const Scene& scene, uint64_t frame_id, Turns::Turn& turn, const std::function<bool()>& cancelled) {
   if (cancelled && cancelled()) return true;
   const ClientIdentity& owner = *scene.facts().owner;

@@ -57,7 +57,7 @@ void FrameSession::submit(PendingFrame frame) {
   start_next_locked();
 }
 
-// A frame that is refused anyway stays, for its error to be told.
+// A frame that is already refused stays, so that its error is reported.
 void FrameSession::skip_older_locked(const PendingFrame& latest) {
   for (Waiting& older : waiting_) {
     if (older.is_skipped || older.frame.refusal || !covers(latest, older.frame)) continue;
@@ -74,7 +74,7 @@ void FrameSession::start_next_locked() {
   scene_->worker().post([self = shared_from_this()] { self->work(); });
 }
 
-// One frame a job, so that other work of the scene gets its turn between two.
+// One frame per job, so that the scene's other work can run in between.
 void FrameSession::work() {
   Waiting next;
   std::shared_ptr<FrameSink> sink;

@@ -1,5 +1,5 @@
 #pragma once
-// One stream of frames to one scene, whatever it travels on: order, delivery policy, take-over, end. No gRPC here.
+// One stream of frames to one scene, on any transport: order, delivery policy, take-over, end. No gRPC here.
 
 #include <atomic>
 #include <deque>
@@ -16,15 +16,15 @@
 
 namespace collided::server {
 
-/// Every frame is answered, or older ones that wait give way to later ones.
+/// Every frame is answered, or waiting frames give way to newer ones.
 enum class Delivery { kLossless, kLatestWins };
 
-/// Where a session's answers go: the transport. All calls but the last come one at a time from the scene's worker,
-/// `opened` first, answers in the order of the frames.
+/// Where a session's answers go: the transport. All calls but ended() come one at a time from the scene's worker,
+/// opened() first, answers in the order of the frames.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
-  /// No frame of an earlier stream is applied any more; snapshot() has the last one that was.
+  /// No further frame of an earlier stream will be applied; snapshot() has the last one that was.
   virtual void opened(const Scene& scene) = 0;
   /// Sends the frame's contacts, and completes its cost by encode_contacts().
   virtual void answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) = 0;
@@ -32,30 +32,32 @@ class FrameSink {
   virtual void skipped(uint64_t frame_id) = 0;
   /// The daemon is about to stop.
   virtual void draining(double seconds) = 0;
-  /// From any thread, perhaps twice. What the worker is sending at that moment may still come, and counts no more.
+  /// From any thread, perhaps twice. A call that the worker makes at that moment may still arrive, and is to be
+  /// ignored.
   virtual void ended(const std::exception_ptr& why) = 0;
 };
 
 class FrameSession final : public SceneStream, public std::enable_shared_from_this<FrameSession> {
  public:
-  /// Becomes the stream of the scene, and posts its opening to the worker. An empty token does not take over a scene
-  /// that has a stream. `ids` go into the log lines of its frames. Throws FailedPrecondition, PermissionDenied.
+  /// Becomes the scene's stream, and posts its opening to the worker. An empty token does not take over a scene that
+  /// has a stream. `ids` go into the log lines of its frames. Throws FailedPrecondition, PermissionDenied.
   static std::shared_ptr<FrameSession> open(SceneUse scene, const std::string& resume_token, Delivery delivery,
                                             std::shared_ptr<FrameSink> sink, CallIds ids = {});
 
   Scene& scene() const { return *scene_; }
-  /// Takes a frame; it is answered after all before it.
+  /// Queues a frame; it is answered after all earlier ones.
   void submit(PendingFrame frame);
-  /// While the client does not take its answers, no waiting frame is started: hold(true). Called again with each answer
-  /// that it takes.
+  /// hold(true): starts no waiting frame while the client does not take its answers. Called again with each answer that
+  /// it takes.
   void hold(bool is_held);
-  /// The transport is gone: drops what waits, cancels what runs, and leaves the scene. The sink hears no more of it.
+  /// The transport is gone: drops waiting frames, cancels the running one, and leaves the scene. The sink is not called
+  /// again.
   void close();
   bool is_closed() const { return closed_; }
 
   void end(const std::exception_ptr& why) override;
   void announce_stop(double seconds) override;
-  /// A frame that waits for the client to take the answers before it counts as idle.
+  /// Waiting for the client to take earlier answers counts as idle.
   double idle_seconds() const override;
   size_t waiting() const override;
 

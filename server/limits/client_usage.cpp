@@ -1,4 +1,4 @@
-// What each client uses of the limits that count over all its calls and scenes.
+// Each client's use of the limits that apply across its calls and scenes.
 #include "server/limits/client_usage.hpp"
 
 #include <spdlog/fmt/fmt.h>

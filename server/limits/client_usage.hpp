@@ -1,6 +1,6 @@
 #pragma once
-// What each client uses of the limits that count over all its calls and scenes: open streams, frames per second, bytes
-// on devices. No gRPC here.
+// Each client's use of the limits that apply across its calls and scenes: open streams, frames per second, bytes on
+// devices. No gRPC here.
 
 #include <cstddef>
 #include <map>
@@ -23,21 +23,21 @@ class ClientUsage {
         max_streams_(limits.max_streams),
         device_bytes_(std::make_shared<DeviceBytes>("daemon", "max_device_bytes", limits.max_device_bytes)) {}
 
-  /// Counts a stream for as long as the result lives. Throws LimitExceeded.
+  /// Counts a stream while the result lives. Throws LimitExceeded.
   std::shared_ptr<void> begin_stream(const Client& client);
-  /// Counts a frame against a token bucket of one second's frames. Throws LimitExceeded with the time after which the
-  /// frame would pass.
+  /// Counts a frame against a token bucket that holds one second's frames. Throws LimitExceeded with the time until the
+  /// frame would be admitted.
   void count_frame(const Client& client);
-  /// What the client's scenes may hold together, within what all scenes may.
+  /// The quota that the client's scenes share, within the daemon's.
   std::shared_ptr<DeviceBytes> device_bytes(const Client& client);
   /// Bytes that all scenes hold.
   uint64_t held_device_bytes() const { return device_bytes_->held(); }
   size_t streams() const;
-  /// For requests from now on.
+  /// Applies to new requests.
   void set_limits(const Limits& limits);
 
  private:
-  /// A token bucket.
+  /// A token bucket; `filled` is when it was last refilled.
   struct Bucket {
     double frames = 0;
     Clock::time_point filled;

@@ -15,7 +15,7 @@ constexpr double kRetrySeconds = 0.1;  // most messages are done by then
 
 [[noreturn]] void throw_used_up(const std::string& subject, uint64_t max, uint64_t taken, uint64_t bytes) {
   throw LimitExceeded::quota(subject,
-                             fmt::format("max_decode_bytes leaves {} {} bytes for messages in work; {} are taken, and "
+                             fmt::format("max_decode_bytes leaves {} {} bytes for decoded messages; {} are taken, and "
                                          "this message needs {} (option max-decode-mb)",
                                          subject, max, taken, bytes),
                              kRetrySeconds);
@@ -23,7 +23,7 @@ constexpr double kRetrySeconds = 0.1;  // most messages are done by then
 
 }  // namespace
 
-// What one message takes; given back at the end.
+// One message's reservation.
 struct DecodeBudget::Share {
   DecodeBudget& budget;
   const std::string client;

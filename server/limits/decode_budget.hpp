@@ -1,5 +1,5 @@
 #pragma once
-// Memory for the messages of all calls, taken before a message is parsed and held until its call ends. No gRPC here.
+// Memory for the messages of all calls, reserved before a message is parsed and held until its call ends. No gRPC here.
 
 #include <cstdint>
 #include <map>
@@ -11,13 +11,13 @@
 
 namespace collided::server {
 
-/// Thread-safe. Outlives the shares that it gives.
+/// Thread-safe. Must outlive its shares.
 class DecodeBudget {
  public:
   explicit DecodeBudget(uint64_t max_bytes) : max_(max_bytes) {}
 
-  /// Taken for as long as the result lives. One client may take half of all. Throws LimitExceeded with the time after
-  /// which to try again.
+  /// Reserves `bytes` while the result lives. One client may hold half of the budget. Throws LimitExceeded with the
+  /// time to wait before a retry.
   std::shared_ptr<void> take(const Client& client, uint64_t bytes);
 
  private:
@@ -29,7 +29,7 @@ class DecodeBudget {
   const uint64_t max_;
   std::mutex mutex_;
   uint64_t taken_ = 0;                       // guarded by mutex_
-  std::map<std::string, uint64_t> clients_;  // guarded by mutex_; of clients that have a share
+  std::map<std::string, uint64_t> clients_;  // guarded by mutex_; only clients with a share
 };
 
 }  // namespace collided::server

@@ -19,7 +19,7 @@ std::shared_ptr<DeviceBytes> DeviceBytes::of_scene(uint64_t budget, std::shared_
   return std::make_shared<DeviceBytes>("scene", kSceneLimit, budget > 0 ? budget : kNoLimit, std::move(parent));
 }
 
-// A refused request is never counted, not even for a moment: it would get in the way of others.
+// A refused request is never counted, not even briefly: others would be refused because of it.
 void DeviceBytes::take(uint64_t bytes) {
   for (uint64_t before = held_;;) {
     const uint64_t max = max_;

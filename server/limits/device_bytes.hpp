@@ -10,14 +10,14 @@
 
 namespace collided::server {
 
-/// One limit. A scene's is within its client's, and that within the daemon's.
+/// One quota. A scene's lies within its client's, and that within the daemon's.
 class DeviceBytes final : public MemoryQuota {
  public:
   /// `subject` and `limit_name` are for messages, such as "client:robot" and "max_device_bytes_per_client"; `max` is in
-  /// bytes; `parent` is the limit around this one, or null.
+  /// bytes; `parent` is the enclosing quota, or null.
   DeviceBytes(std::string subject, std::string limit_name, uint64_t max, std::shared_ptr<DeviceBytes> parent = nullptr)
       : subject_(std::move(subject)), limit_name_(std::move(limit_name)), max_(max), parent_(std::move(parent)) {}
-  /// The budget of one scene; 0: no limit but those of `parent`, which may be null.
+  /// The budget of one scene; 0: no limit but that of `parent`, which may be null.
   static std::shared_ptr<DeviceBytes> of_scene(uint64_t budget, std::shared_ptr<DeviceBytes> parent);
 
   /// Throws LimitExceeded.

@@ -117,7 +117,7 @@ unsigned Turns::live_clients() const {
       std::ranges::count_if(clients_, [](const auto& known) { return !known.second.expired(); }));
 }
 
-// Among equals, the one that came first.
+// Ties go to the earliest waiter.
 Turns::Waiter* Turns::next() const {
   if (free_ == 0) return nullptr;
   Waiter* best = nullptr;

@@ -1,6 +1,6 @@
 #pragma once
-// Whose frame runs next when many scenes share a device: start-time fair queuing on two levels. Of the waiting clients,
-// the one that has had the least time; of its scenes, the one that has had the least. No gRPC here.
+// Whose frame runs next when many scenes share a device: start-time fair queuing on two levels. The waiting client that
+// has used the least time goes first, and among its scenes the one that has used the least. No gRPC here.
 
 #include <condition_variable>
 #include <functional>
@@ -15,15 +15,15 @@
 
 namespace collided::server {
 
-/// The time that the scenes of one client have had together.
+/// The time that one client's scenes have used together.
 class TurnClient {
   friend class Turns;
   double used_ = 0;          // seconds
-  double virtual_time_ = 0;  // a scene that was idle counts as having had at least this
+  double virtual_time_ = 0;  // lower bound of a scene's time when it becomes busy again
   unsigned running_ = 0;     // turns
 };
 
-/// The time that a scene has had. Neither a scene nor a client saves up time while idle.
+/// The time that a scene has used. Neither scenes nor clients accrue credit while idle.
 class TurnAccount {
  public:
   explicit TurnAccount(std::shared_ptr<TurnClient> client = std::make_shared<TurnClient>())
@@ -34,24 +34,24 @@ class TurnAccount {
   std::shared_ptr<TurnClient> client_;
   double used_ = 0;                    // seconds
   double turn_seconds_ = 0;            // seconds of the current or last turn
-  Clock::time_point charged_until_{};  // end of the time that is charged, during a turn
-  Clock::time_point quantum_begin_{};  // start of the current quantum, during a turn
+  Clock::time_point charged_until_{};  // the turn's time is charged up to here
+  Clock::time_point quantum_begin_{};  // start of the turn's current quantum
 };
 
 class Turns {
  public:
   struct Options {
     unsigned concurrent = 1;    ///< frames of different scenes that may run at once, 1 or more
-    bool reserves_one = false;  ///< keeps a turn free for other clients, as turns cannot be given back early
+    bool reserves_one = false;  ///< keeps a turn free for other clients, for turns that cannot yield
     Now now = Clock::now;
   };
-  /// A frame that has run for so long yields to clients that have had less.
+  /// A frame that has run for this long yields to clients that have used less time.
   static constexpr std::chrono::milliseconds kQuantum{10};
 
   explicit Turns(Options options) : options_(std::move(options)), free_(options_.concurrent) {}
   explicit Turns(unsigned concurrent) : Turns(Options{.concurrent = concurrent}) {}
 
-  /// A turn, which lasts as long as this object and is charged as it goes on.
+  /// A turn, held while this object lives and charged as it runs.
   class Turn {
    public:
     Turn(Turn&& other) noexcept : turns_(other.turns_), account_(other.account_) { other.turns_ = nullptr; }
@@ -59,10 +59,10 @@ class Turns {
     Turn& operator=(const Turn&) = delete;
     ~Turn();
 
-    /// Seconds that it has lasted, without the waits for it.
+    /// Seconds that it has run, not counting waits.
     double seconds() const;
-    /// After each quantum, if a client waits that has had less: lets it run and waits for the next turn. Nothing may
-    /// run under this turn meanwhile. Throws Cancelled as take() does; the turn is over then.
+    /// Once per quantum, if a client that has used less time is waiting: gives the turn up and waits for the next one.
+    /// Nothing may run under this turn meanwhile. Throws Cancelled as take() does; the turn is over then.
     void yield_turn(const std::function<bool()>& cancelled = {});
 
    private:
@@ -74,7 +74,7 @@ class Turns {
 
   /// The account of a scene of the client with that name.
   TurnAccount account(const std::string& client);
-  /// Waits for a turn. An account waits for one at a time. Throws Cancelled soon after `cancelled` turns true.
+  /// Waits for a turn; an account for one at a time. Throws Cancelled soon after `cancelled` turns true.
   Turn take(TurnAccount& account, const std::function<bool()>& cancelled = {});
 
  private:
@@ -102,7 +102,7 @@ class Turns {
   std::vector<TurnAccount*> running_;
   std::map<std::string, std::weak_ptr<TurnClient>> clients_;
   unsigned free_;
-  double virtual_time_ = 0;  // a client that was idle counts as having had at least this
+  double virtual_time_ = 0;  // lower bound of a client's time when it becomes busy again
 };
 
 }  // namespace collided::server

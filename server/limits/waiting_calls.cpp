@@ -15,7 +15,7 @@ namespace collided::server {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Source = std::pair<std::string, std::string>;  // a client's name, and what distinguishes clients of one name
+using Source = std::pair<std::string, std::string>;  // a client's name, and what tells clients of the same name apart
 
 constexpr auto kPeriod = std::chrono::milliseconds(100);
 
@@ -41,12 +41,12 @@ struct WaitingCalls::Shared {
   using Waiting = std::shared_ptr<Wait::State>;
   using Waits = std::list<Waiting>;  // the oldest first
 
-  // The calls that wait for the same.
+  // The calls that wait for the same thing.
   struct Line {
     std::map<Source, Waits> of_source;  // none is empty
     size_t size = 0;
 
-    // The oldest call that has to go for `wait`; null if there is room.
+    // The call to evict for `wait`; null if there is room.
     Waiting oldest_to_evict(const Wait::State& wait) const {
       const auto own = of_source.find(wait.source);
       const size_t count = own == of_source.end() ? 0 : own->second.size();
@@ -136,7 +136,7 @@ std::unique_ptr<WaitingCalls::Wait> WaitingCalls::wait(const WaitRule& rule, con
   if (evicted)
     evicted->end(std::make_exception_ptr(LimitExceeded::quota(
         "client:" + evicted->source.first,
-        fmt::format("{} calls of a client, and {} in all, may wait for {}; more came, and the oldest goes first",
+        fmt::format("{} calls of a client, and {} in all, may wait for {}; more arrived, and the oldest is ended first",
                     rule.max_of_client, rule.max, rule.what))));
   return wait;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Calls that wait for their client: each for a limited time, and a limited number of them. No gRPC here.
+// Calls that wait for their client: a limited number of them, each for a limited time. No gRPC here.
 
 #include <condition_variable>
 #include <cstddef>
@@ -16,25 +16,25 @@ namespace collided::server {
 
 struct WaitRule {
   std::string what;          ///< what is awaited, such as "the opening of a stream"
-  double seconds = 10;       ///< DeadlineExceeded after that
-  size_t max = 0;            ///< number of calls that may wait for this at once
+  double seconds = 10;       ///< then DeadlineExceeded
+  size_t max = 0;            ///< calls that may wait for this at once
   size_t max_of_client = 0;  ///< of them, of one client
-  std::string source = {};   ///< distinguishes clients of one name; may be empty
+  std::string source = {};   ///< tells clients of the same name apart; may be empty
 };
 
 /// Thread-safe.
 class WaitingCalls {
  public:
-  /// Called at most once, with why the wait was ended; no lock is held.
+  /// Called at most once, with the reason, and without a lock held.
   using End = std::function<void(const std::exception_ptr& why)>;
 
-  /// One wait, until it is destroyed. May outlive the calls.
+  /// One wait, ended by its destruction. May outlive the WaitingCalls.
   class Wait {
    public:
     ~Wait() { finish(); }
     Wait(const Wait&) = delete;
     Wait& operator=(const Wait&) = delete;
-    /// The client has answered. False if `end` is being called, or was: whichever comes first decides.
+    /// The client has answered. False if `end` has been or is being called: whichever comes first wins.
     bool finish();
 
    private:
@@ -47,8 +47,8 @@ class WaitingCalls {
   WaitingCalls();
   ~WaitingCalls();
 
-  /// If more calls wait than the rule allows, the one that has waited longest is ended (LimitExceeded) for the new one,
-  /// as honest clients answer at once. If the limit for all is reached, it is one of the client with the most.
+  /// If more calls wait than the rule allows, the new one evicts the one that has waited longest (LimitExceeded), as
+  /// honest clients answer at once. At the limit for all clients, it evicts a call of the client with the most.
   std::unique_ptr<Wait> wait(const WaitRule& rule, const Client& client, End end);
   size_t waiting() const;
 

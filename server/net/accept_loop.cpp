@@ -1,4 +1,4 @@
-// Accepts connections on a thread of its own and hands them on.
+// Accepts connections on its own thread and hands them on.
 #include "server/net/accept_loop.hpp"
 
 #include <fcntl.h>
@@ -18,7 +18,7 @@ namespace {
 constexpr size_t kReserve = 16;
 constexpr int kRetryMs = 50;  // while the process has no descriptor left
 constexpr int kFullMs = 2;    // while evicted connections are being closed
-constexpr int kBatch = 64;    // connections from one socket before the next socket has its turn
+constexpr int kBatch = 64;    // connections from one socket before the next socket is served
 
 // accept4() takes a descriptor before it checks whether a connection is waiting.
 bool has_waiting(int socket) {
@@ -57,7 +57,7 @@ void AcceptLoop::run() {
   states.push_back({wake_.get(), POLLIN, 0});
   while (!is_stopping_) {
     const bool is_short = !shortage().empty(), is_full = !connections_.may_accept();
-    // While none can be accepted the sockets stay readable, so wait for the stop alone.
+    // While nothing can be accepted the sockets stay readable, so wait only for the stop.
     if (is_short || is_full)
       poll(&states.back(), 1, is_short ? kRetryMs : kFullMs);
     else
@@ -74,28 +74,28 @@ void AcceptLoop::accept_batch(size_t place) {
     const int error = connection ? 0 : errno;
     if (error == EAGAIN || (is_shortage(error) && !has_waiting(sockets_[place]))) return on_recovery();
     if (is_shortage(error)) return on_shortage(error);
-    if (!connection) continue;  // the client has given up already
+    if (!connection) continue;  // the client has already given up
     if (connections_.admit(connection.get(), peer_of(connection.get()))) take_(std::move(connection), place);
   }
 }
 
-// The reserve serves the clients that wait now; evicted connections make up for it.
+// The reserve serves the clients that wait now; evicted connections replenish it.
 void AcceptLoop::on_shortage(int error) {
   reserve_.clear();
   connections_.evict(kReserve);
   const std::lock_guard lock(mutex_);
   if (!shortage_.empty()) return;
   shortage_ = std::string("cannot accept connections: ") + std::strerror(error);
-  spdlog::error("{}; those that made no call are ended", shortage_);
+  spdlog::error("{}; ending connections that made no call", shortage_);
 }
 
-// Nobody waits any more, and there was a descriptor for the next one.
+// The backlog is empty, and a descriptor was free for the next connection.
 void AcceptLoop::on_recovery() {
   fill_reserve();
   const std::lock_guard lock(mutex_);
   if (shortage_.empty() || reserve_.size() < kReserve) return;
   shortage_.clear();
-  spdlog::info("connections are accepted again");
+  spdlog::info("accepting connections again");
 }
 
 void AcceptLoop::fill_reserve() {

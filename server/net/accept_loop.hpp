@@ -1,5 +1,5 @@
 #pragma once
-// Accepts connections on a thread of its own and hands them on.
+// Accepts connections on its own thread and hands them on.
 
 #include <atomic>
 #include <functional>
@@ -18,8 +18,8 @@ class AcceptLoop {
   /// A non-blocking connection, and the index of its socket in the list.
   using Take = std::function<void(Fd connection, size_t place)>;
 
-  /// Sockets and table outlive it. When the process runs out of descriptors it evicts connections from the table, and
-  /// accepts again as soon as a descriptor is free. Throws std::system_error.
+  /// Sockets and table must outlive it. When the process runs out of descriptors it evicts connections from the table,
+  /// and accepts again as soon as a descriptor is free. Throws std::system_error.
   AcceptLoop(std::vector<int> sockets, Connections& connections, Take take);
   ~AcceptLoop() { stop(); }
   AcceptLoop(const AcceptLoop&) = delete;
@@ -27,7 +27,7 @@ class AcceptLoop {
 
   /// Hands on no connection after it returns.
   void stop();
-  /// Why nobody can connect at the moment; empty if clients can.
+  /// Why no client can connect at the moment; empty if clients can.
   std::string shortage() const;
 
  private:
@@ -41,7 +41,7 @@ class AcceptLoop {
   Connections& connections_;
   const Take take_;
   Fd wake_;
-  std::vector<Fd> reserve_;  // the thread's: closed to make room when no other descriptor is left
+  std::vector<Fd> reserve_;  // owned by the thread; closed to make room when no other descriptor is left
   std::atomic<bool> is_stopping_ = false;
   mutable std::mutex mutex_;
   std::string shortage_;  // guarded by mutex_

@@ -1,4 +1,4 @@
-// Whether a new client gets in.
+// Checks whether new clients can connect.
 #include "server/net/admission_probe.hpp"
 
 #include <netinet/in.h>
@@ -44,7 +44,7 @@ void wait_for(int socket, short events, const Wait& wait) {
     pollfd state{socket, events, 0};
     if (poll(&state, 1, static_cast<int>(std::clamp(left, milliseconds(0), kPeriod).count())) > 0) return;
   }
-  throw Failure{"a new connection gets no answer"};
+  throw Failure{"no answer on a new connection"};
 }
 
 // The address at which a listening socket is reached: by loopback if it listens on all addresses.
@@ -83,7 +83,7 @@ std::string http2_greeting() {
 std::string tls_greeting() {
   const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context(SSL_CTX_new(TLS_client_method()), SSL_CTX_free);
   const std::unique_ptr<SSL, decltype(&SSL_free)> tls(context ? SSL_new(context.get()) : nullptr, SSL_free);
-  if (!tls) throw Failure{"OpenSSL makes no client"};
+  if (!tls) throw Failure{"OpenSSL cannot create a client"};
   constexpr unsigned char kProtocols[] = {2, 'h', '2'};
   SSL_set_alpn_protos(tls.get(), kProtocols, sizeof(kProtocols));
   BIO* const out = BIO_new(BIO_s_mem());
@@ -94,7 +94,7 @@ std::string tls_greeting() {
   return {bytes, static_cast<size_t>(size)};
 }
 
-// The type of the first frame or record is enough.
+// The type of the first frame or record suffices.
 void expect_answer(int socket, bool is_tls, const Wait& wait) {
   constexpr size_t kHead = 5;
   constexpr char kSettings = 4, kHandshake = 22;
@@ -103,12 +103,12 @@ void expect_answer(int socket, bool is_tls, const Wait& wait) {
     wait_for(socket, POLLIN, wait);
     const ssize_t got = recv(socket, head + size, kHead - size, 0);
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) continue;
-    if (got < 0) fail("a new connection is closed", errno);
-    if (got == 0) throw Failure{"a new connection is closed at once"};
+    if (got < 0) fail("a new connection was closed", errno);
+    if (got == 0) throw Failure{"a new connection was closed at once"};
     size += static_cast<size_t>(got);
   }
   if (is_tls ? head[0] != kHandshake : head[3] != kSettings)
-    throw Failure{is_tls ? "a TLS handshake is refused" : "a new connection gets a strange answer"};
+    throw Failure{is_tls ? "a TLS handshake was refused" : "an unexpected answer on a new connection"};
 }
 
 }  // namespace
@@ -118,7 +118,7 @@ std::string probe(const ProbeTarget& target, const std::function<bool()>& should
   const Fd socket = connect_to(target.socket, wait);
   const std::string greeting = target.is_tls ? tls_greeting() : http2_greeting();
   if (send(socket.get(), greeting.data(), greeting.size(), MSG_NOSIGNAL) < 0)
-    fail("a new connection takes nothing", errno);
+    fail("a new connection accepts no data", errno);
   expect_answer(socket.get(), target.is_tls, wait);
   return {};
 } catch (const Failure& failure) {
@@ -148,8 +148,8 @@ void AdmissionProbe::run() {
   } while (wait(kPeriod));
 }
 
-// Probes now and then, and continuously while something is wrong. A shortage that sets in meanwhile is the reason for
-// what the probe sees.
+// Probes periodically, and continuously while something is wrong. A shortage that arises meanwhile explains what the
+// probe saw.
 std::string AdmissionProbe::check() {
   if (auto shortage = shortage_(); !shortage.empty()) return shortage;
   if (reported_.empty() && steady_clock::now() < next_) return {};
@@ -164,12 +164,12 @@ std::string AdmissionProbe::probe_all() const {
     std::string what;
     for (int tries = 0; tries < kTries && !(what = probe(target, [this] { return should_stop(); })).empty(); ++tries)
       continue;
-    if (!what.empty()) return "new clients do not get in by " + target.address + ": " + what;
+    if (!what.empty()) return "new clients cannot connect to " + target.address + ": " + what;
   }
   return {};
 }
 
-// False at the end of the probe.
+// False once the probe is to end.
 bool AdmissionProbe::wait(milliseconds time) {
   std::unique_lock lock(mutex_);
   return !stopping_.wait_for(lock, time, [this] { return is_stopping_.load(); });

@@ -1,5 +1,5 @@
 #pragma once
-// Whether a new client gets in: connects to the daemon's own sockets from time to time and waits for an answer.
+// Checks whether new clients can connect: connects to the daemon's own sockets periodically and waits for an answer.
 
 #include <atomic>
 #include <chrono>
@@ -22,8 +22,8 @@ struct ProbeTarget {
 class AdmissionProbe {
  public:
   /// `shortage` returns what is known to be wrong without a probe ("": nothing). `report` is called with what keeps new
-  /// clients out ("" once they get in) whenever that changes. The probe's thread calls both. The sockets outlive the
-  /// probe. It stops waiting for an answer once there is a shortage, or once it is to end.
+  /// clients out ("" once nothing does) whenever that changes. The probe's thread calls both. The sockets must outlive
+  /// the probe. It stops waiting for an answer on a shortage, or when it is to end.
   AdmissionProbe(std::vector<ProbeTarget> targets, std::function<std::string()> shortage,
                  std::function<void(const std::string& obstacle)> report);
   ~AdmissionProbe();
@@ -40,8 +40,8 @@ class AdmissionProbe {
   const std::vector<ProbeTarget> targets_;
   const std::function<std::string()> shortage_;
   const std::function<void(const std::string&)> report_;
-  std::string reported_;                          // the thread's
-  std::chrono::steady_clock::time_point next_{};  // time of the next probe; the thread's
+  std::string reported_;                          // owned by the thread
+  std::chrono::steady_clock::time_point next_{};  // time of the next probe; owned by the thread
   std::mutex mutex_;
   std::condition_variable stopping_;
   std::atomic<bool> is_stopping_ = false;  // changed under mutex_
@@ -49,7 +49,7 @@ class AdmissionProbe {
 };
 
 /// Connects and waits for the server's first bytes: its HTTP/2 SETTINGS, or its part of a TLS handshake. Returns what
-/// is wrong, or "". Asks `should_stop` four times a second whether to give up.
+/// is wrong, or "". Calls `should_stop` four times a second to see whether to give up.
 std::string probe(
     const ProbeTarget& target, const std::function<bool()>& should_stop = [] { return false; });
 

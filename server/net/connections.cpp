@@ -1,4 +1,4 @@
-// The connections that the process has accepted and that others close.
+// The table of accepted connections, which others close.
 #include "server/net/connections.hpp"
 
 #include <fcntl.h>
@@ -13,12 +13,12 @@
 namespace collided::server {
 namespace {
 
-// An honest client makes its first call at once; gRPC allows as long for the handshake.
+// An honest client makes its first call at once; gRPC allows the same time for the handshake.
 constexpr auto kTimeForFirstCall = std::chrono::seconds(10);
 constexpr auto kCountedTime = std::chrono::seconds(10), kRefusal = std::chrono::seconds(2);
 constexpr uint32_t kMaxAbandoned = 1000;  // of a source
-constexpr uint32_t kMinAbandoned = 20;    // of a connection, before it is blamed for its source
-constexpr uint32_t kCheckEvery = 64;      // abandoned calls over Unix sockets between two searches for who makes them
+constexpr uint32_t kMinAbandoned = 20;    // of a connection, before it is ended for its source's count
+constexpr uint32_t kCheckEvery = 64;      // abandoned calls over Unix sockets between two searches for the culprit
 constexpr std::string_view kUnix = "unix";
 constexpr size_t kSweepEvery = 64;  // connections between two sweeps
 
@@ -76,7 +76,7 @@ bool Connections::abandoned(std::string_view peer) {
   return true;
 }
 
-// gRPC does not tell which connection it was. A flood that is faster than the daemon shows in the unread bytes.
+// gRPC does not say which connection it was. A flood that outpaces the daemon shows in the unread bytes.
 bool Connections::abandoned_over_unix_locked() {
   const uint32_t count = ++source_locked(std::string(kUnix)).abandoned;
   if (count < kMaxAbandoned || count % kCheckEvery != 0) return false;
@@ -109,7 +109,7 @@ bool Connections::is_refused_locked(const std::string& source) const {
   return found != sources_.end() && Clock::now() < found->second.refused_until;
 }
 
-// Forgets sources that have been quiet.
+// Forgets sources whose counting period is over.
 Connections::Source& Connections::source_locked(const std::string& name) {
   const auto now = Clock::now();
   Source& source = sources_[name];
@@ -149,7 +149,7 @@ void Connections::erase_locked(Entries::iterator entry) const {
   entries_.erase(entry);
 }
 
-// An evicted connection keeps its descriptor until its owner has noticed: there must not be too many of them.
+// An evicted connection keeps its descriptor until its owner notices, so their number is limited.
 bool Connections::is_evicting_enough_locked() const {
   constexpr size_t kMin = 16;
   return ending_ >= std::max(kMin, max_ / 4);
@@ -164,9 +164,8 @@ bool Connections::make_room_locked() {
   return true;
 }
 
-// First the oldest that has made no call in the time that it had. Then, of TCP and Unix sockets, whichever has more:
-// the oldest without a call, or, if all have made one (or cannot be told apart), the oldest of the client with the
-// most.
+// First the oldest that has made no call in time. Then, of TCP and Unix sockets, whichever has more: the oldest without
+// a call, or, if all have made one (or cannot be told apart), the oldest of the client with the most.
 Connections::Entries::iterator Connections::victim_locked() {
   const auto now = Clock::now();
   size_t unix_count = 0;
@@ -199,7 +198,7 @@ Connections::Entries::iterator Connections::oldest_of_largest_group_locked(bool 
   return largest ? largest->oldest : entries_.end();
 }
 
-// Through a duplicate, which still refers to the same socket if its owner closes it now and the number is reused.
+// Through a duplicate, which still refers to the same socket if the owner closes its own now and the number is reused.
 void Connections::end_locked(Entry& entry) const {
   if (entry.is_ending) return;
   entry.is_ending = true;

@@ -1,6 +1,6 @@
 #pragma once
-// The connections that the process has accepted and that others close: how many there may be, and which one is evicted
-// to make room for a new one.
+// The table of accepted connections, which others close: how many there may be, and which one is evicted to make room
+// for a new one.
 
 #include <sys/types.h>
 
@@ -16,24 +16,23 @@
 
 namespace collided::server {
 
-/// Thread-safe. A connection is known by its descriptor and the inode of its socket, which is never reused: its owner
-/// may close it at any time.
+/// Thread-safe. A connection is identified by its descriptor and its socket's inode, which is never reused, as its
+/// owner may close it at any time.
 class Connections {
  public:
   explicit Connections(size_t max) : max_(max) {}
 
   void set_limit(size_t max);
-  /// False while there is no room and enough evicted connections are still to be closed by their owner.
+  /// False while the table is full and enough evicted connections have yet to be closed by their owner.
   bool may_accept();
-  /// Counts a connection that was just accepted; evicts another one if there is no room. False if its source is
-  /// refused: then it is not counted and must be closed.
+  /// Adds a connection that was just accepted; evicts another one if the table is full. False if its source is refused:
+  /// then it is not added and must be closed.
   bool admit(int socket, const Peer& peer);
   /// The connection made a call as this client. Unix sockets cannot be told apart by their calls.
   void identified(std::string_view peer, std::string_view client);
-  /// A call of the connection was abandoned before it asked for anything. gRPC keeps each such call until it is
-  /// accepted, however many there are: so a connection (or all of its source together) that makes 1,000 of them within
-  /// 10 s is ended, and its source refused for 2 s. True if it was. Over Unix sockets it is the connection with the
-  /// most unread resets.
+  /// A call of the connection was abandoned before it sent a message. gRPC keeps each such call until it is accepted,
+  /// however many there are, so a connection whose source makes 1,000 of them within 10 s is ended, and the source
+  /// refused for 2 s. True if it was. Over Unix sockets it is the connection with the most unread resets.
   bool abandoned(std::string_view peer);
   /// Evicts `count` connections, as a full table would.
   void evict(size_t count);

@@ -6,7 +6,7 @@
 namespace collided::server {
 
 struct DescriptorLimit {
-  size_t before = 0;  ///< as the process was started
+  size_t before = 0;  ///< when the process started
   size_t now = 0;
 };
 
@@ -16,8 +16,8 @@ DescriptorLimit raise_descriptor_limit();
 /// The soft limit.
 size_t descriptor_limit();
 
-/// Maximum number of gRPC connections for a limit of `descriptors`: half of it, at most 1,024, unless `wanted` (0: no
-/// wish) asks for another number; never more than three quarters of it.
+/// Maximum number of gRPC connections for a limit of `descriptors`: `wanted`, but at most three quarters of the limit;
+/// if `wanted` is 0, half of the limit, at least 8 and at most 1,024.
 size_t connections_for(size_t descriptors, size_t wanted);
 
 }  // namespace collided::server

@@ -19,7 +19,7 @@ class Fd {
     if (fd_ >= 0) close(fd_);
   }
 
-  /// Its owner closes it from now on.
+  /// The caller must close it from now on.
   int release() { return std::exchange(fd_, -1); }
   int get() const { return fd_; }
   explicit operator bool() const { return fd_ >= 0; }

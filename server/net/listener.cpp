@@ -45,7 +45,7 @@ unsigned bound_port(int socket) {
 
 void set(int socket, int level, int name, int value) { setsockopt(socket, level, name, &value, sizeof(value)); }
 
-// None, with errno, if the system refuses.
+// Empty, with errno, if the system refuses.
 Fd listen_on(const addrinfo& to) {
   Fd socket(::socket(to.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!socket) return socket;
@@ -75,7 +75,7 @@ Listener::Listener(const std::string& address) : address_(address) {
   address_ = address.substr(0, colon + 1) + std::to_string(bound_port(tcp_.front().get()));
 }
 
-// All addresses of the host that this machine has; if it has none, the last failure is the reason.
+// Listens on all of the host's addresses that this machine has; if it has none, the last failure is the reason.
 void Listener::listen_on_host(const std::string& host, const std::string& port) {
   const AddressList found = resolve(host, port, address_);
   int error = 0;

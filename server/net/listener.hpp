@@ -13,17 +13,17 @@ namespace collided::server {
 
 class Listener {
  public:
-  /// `address`: host:port (port 0: any free one; every address of the host is listened on) or unix:/path. Throws
+  /// `address`: host:port (port 0: any free one; listens on every address of the host) or unix:/path. Throws
   /// std::runtime_error, "cannot listen on ADDRESS: why".
   explicit Listener(const std::string& address);
 
-  /// As it was asked for, with the port that the system assigned.
+  /// As requested, with the port that the system assigned.
   const std::string& address() const { return address_; }
   bool is_unix() const { return unix_ != nullptr; }
   /// Non-blocking.
   std::vector<int> sockets() const;
-  /// Drops TCP connections whose peer takes nothing for so long: no ping gets past a full window. For connections from
-  /// now on.
+  /// Drops TCP connections whose peer takes no data for `timeout`: keepalive pings do not get past a full window.
+  /// Applies to new connections.
   void set_user_timeout(std::chrono::milliseconds timeout) const;
 
  private:

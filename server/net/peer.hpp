@@ -8,7 +8,7 @@
 namespace collided::server {
 
 struct Peer {
-  std::string name;    ///< as gRPC names it: "ipv4:ADDRESS:PORT", "ipv6:%5BADDRESS%5D:PORT" or "unix:"
+  std::string name;    ///< gRPC's name for it: "ipv4:ADDRESS:PORT", "ipv6:%5BADDRESS%5D:PORT" or "unix:"
   std::string source;  ///< the address without its port, or "pid:NUMBER"
   bool is_unix = false;
 };
@@ -16,7 +16,7 @@ struct Peer {
 /// Of a connected socket. Empty strings if the connection is already closed.
 Peer peer_of(int socket);
 
-/// User of the process at the other end of a Unix socket, at the time it connected. Throws std::system_error.
+/// User of the process at the other end of a Unix socket when it connected. Throws std::system_error.
 uid_t peer_uid(int socket);
 
 }  // namespace collided::server

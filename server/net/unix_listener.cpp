@@ -64,7 +64,7 @@ Fd lock_folder_of(const std::string& path) {
 void remove_stale(const std::string& path) {
   struct stat file {};
   if (lstat(path.c_str(), &file) != 0) return;
-  if (!S_ISSOCK(file.st_mode)) throw_cannot(path, "another file is there");
+  if (!S_ISSOCK(file.st_mode)) throw_cannot(path, "the path exists and is not a socket");
   if (is_served(path)) throw_cannot(path, "another daemon serves there");
   unlink(path.c_str());
 }

@@ -13,16 +13,16 @@ namespace collided::server {
 /// Whether a process has a socket of any type bound to the path. Does not block.
 bool is_served(const std::string& path);
 
-/// Listens on a path, and removes it at the end. If several processes want the same path, one gets it.
+/// Listens on a path, and removes it at the end. If several processes want the same path, exactly one gets it.
 class UnixListener {
  public:
   struct Options {
     int type = 0;                ///< SOCK_STREAM or SOCK_SEQPACKET
-    std::optional<mode_t> mode;  ///< of the socket's file; none: by the umask
+    std::optional<mode_t> mode;  ///< of the socket's file; none: set by the umask
   };
 
-  /// Replaces a socket that nobody serves. Throws std::runtime_error ("cannot listen on PATH: why") if the
-  /// path is too long, another process serves there, another kind of file is there, or the system refuses.
+  /// Replaces a stale socket. Throws std::runtime_error ("cannot listen on PATH: why") if the
+  /// path is too long, another process serves it, it is another kind of file, or the system refuses.
   UnixListener(const std::string& path, const Options& options);
   ~UnixListener();
   UnixListener(const UnixListener&) = delete;
@@ -30,7 +30,7 @@ class UnixListener {
 
   /// Non-blocking.
   int socket() const { return socket_.get(); }
-  /// The next connection, non-blocking; none, with errno, if there is none.
+  /// The next connection, non-blocking; empty, with errno, if there is none.
   Fd accept() const;
 
  private:

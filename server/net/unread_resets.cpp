@@ -1,4 +1,4 @@
-// How many HTTP/2 streams a client has reset.
+// Counts the HTTP/2 streams that a client has reset.
 #include "server/net/unread_resets.hpp"
 
 #include <sys/socket.h>

@@ -27,7 +27,7 @@ bool is_hex(std::string_view text) {
 
 bool is_zero(std::string_view text) { return text.find_first_not_of('0') == std::string_view::npos; }
 
-// version-trace-parent-flags, 2, 32, 16 and 2 digits; versions after 00 may add more behind another dash.
+// version-trace-parent-flags, 2, 32, 16 and 2 digits; versions after 00 may append more after another dash.
 bool is_traceparent(std::string_view text) {
   constexpr size_t kSize = 55;
   if (text.size() < kSize || text[2] != '-' || text[35] != '-' || text[52] != '-') return false;

@@ -1,5 +1,5 @@
 #pragma once
-// The clock of leases, idle limits, rates and turns. Its epoch is arbitrary: it may be the machine's start, seconds
+// The clock of leases, idle limits, rates and turns. Its epoch is arbitrary: it may be the boot time, seconds
 // ago.
 
 #include <chrono>
@@ -9,7 +9,7 @@ namespace collided::server {
 
 using Clock = std::chrono::steady_clock;
 
-/// Returns the time; thread-safe. Tests have their own, which they move by hand.
+/// Returns the time; thread-safe. Tests substitute a clock that they advance themselves.
 using Now = std::function<Clock::time_point()>;
 
 inline double seconds_between(Clock::time_point begin, Clock::time_point end) {

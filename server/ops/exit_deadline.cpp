@@ -24,7 +24,7 @@ ExitDeadline::~ExitDeadline() {
 void ExitDeadline::wait(double seconds, int code) {
   std::unique_lock lock(mutex_);
   if (met_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return is_met_; })) return;
-  spdlog::warn("stopped without the clients that take no answer");
+  spdlog::warn("stopped without waiting for clients that take no answers");
   flush_log();
   std::_Exit(code);
 }

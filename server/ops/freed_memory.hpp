@@ -1,6 +1,6 @@
 #pragma once
-// Gives freed memory back to the system: by itself the allocator keeps the memory of many small pieces, in each of its
-// arenas.
+// Returns freed memory to the system: on its own the allocator keeps the memory of many small allocations, in each of
+// its arenas.
 
 #include <malloc.h>
 
@@ -13,8 +13,7 @@ namespace collided::server {
 /// One thread at a time.
 class FreedMemory {
  public:
-  /// Does nothing unless much that is resident is not in use, beyond what was left the last time. Takes milliseconds
-  /// where it does.
+  /// Does nothing unless much more resident memory is unused than was left last time. Takes milliseconds when it trims.
   void give_back() {
     left_ = std::min(left_, unused_bytes());
     if (unused_bytes() - left_ < kThreshold) return;
@@ -25,7 +24,7 @@ class FreedMemory {
  private:
   static constexpr double kThreshold = 8 << 20;
 
-  /// With memory that was never the allocator's, such as stacks, which changes little.
+  /// Includes memory that never was the allocator's, such as stacks, which changes little.
   static double unused_bytes() {
     const auto used = mallinfo2();
     return process_private_bytes() - static_cast<double>(used.uordblks + used.hblkhd);

@@ -1,5 +1,5 @@
-// Metrics and health over plain HTTP. libmicrohttpd serves the requests on one thread that blocks on no client; which
-// connections there are is decided here.
+// Metrics and health over plain HTTP. libmicrohttpd serves requests on one thread that blocks on no client; connections
+// are accepted and evicted here.
 #include "server/ops/http_server.hpp"
 
 #include <microhttpd.h>
@@ -68,7 +68,7 @@ struct HttpServer::Parts {
     return answer(path);
   }
 
-  // An exception would end the library's C thread, and with it the daemon.
+  // An exception would escape the library's C thread and end the daemon.
   static MHD_Result handle(void* self, MHD_Connection* connection, const char* path, const char* method,
                            const char* version, const char*, size_t*, void**) try {
     return send(connection, static_cast<const Parts*>(self)->answer(path, method, version));

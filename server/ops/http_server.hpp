@@ -9,7 +9,7 @@ namespace collided::server {
 class Lifecycle;
 class Metrics;
 
-/// Slow clients, however many, keep no other client waiting: past 128 connections a new one evicts the oldest. Serves
+/// Slow clients, however many, do not delay others: past 128 connections a new one evicts the oldest. Serves
 /// GET and HEAD of /metrics, /readyz (200, or 503 with the reason) and /healthz (200 while the process runs).
 class HttpServer {
  public:

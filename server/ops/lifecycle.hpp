@@ -18,7 +18,7 @@ class Lifecycle {
 
     /// Whether new clients should come.
     bool ready() const { return state == State::kServing && obstacle.empty(); }
-    /// One line for a person: "ready", "not ready: <obstacle>", "starting", "draining" or "failed: <reason>".
+    /// One line: "ready", "not ready: <obstacle>", "starting", "draining" or "failed: <reason>".
     std::string text() const;
   };
 
@@ -32,7 +32,7 @@ class Lifecycle {
   /// The daemon cannot go on (a device failed for good); the first reason is kept.
   void fail(const std::string& reason);
 
-  /// Sets what keeps new clients out; "" once nothing does. Clients that are in are served meanwhile.
+  /// Sets what keeps new clients out; "" once nothing does. Connected clients are served meanwhile.
   void set_obstacle(const std::string& obstacle);
 
   Status status() const;

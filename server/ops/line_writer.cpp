@@ -12,7 +12,7 @@
 namespace collided::server {
 namespace {
 
-// False if the descriptor cannot be written to any more.
+// False if the descriptor can no longer be written to.
 bool write_all(int fd, const char* data, size_t size) {
   while (size > 0) {
     const ssize_t written = ::write(fd, data, size);
@@ -32,7 +32,7 @@ bool write_all(int fd, const char* data, size_t size) {
 }  // namespace
 
 LineWriter& LineWriter::make(int fd, Report report) {
-  auto* writer = new LineWriter(fd, std::move(report));  // the thread's, which nobody can join
+  auto* writer = new LineWriter(fd, std::move(report));  // owned by the thread, which nobody can join
   std::thread([writer] { writer->run(); }).detach();
   return *writer;
 }

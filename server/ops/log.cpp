@@ -113,7 +113,7 @@ class WriterSink final : public spdlog::sinks::base_sink<std::mutex> {
   }
   std::string report(uint64_t dropped) {
     const std::lock_guard lock(mutex_);
-    const auto text = fmt::format("{} log lines were dropped: nobody took them", dropped);
+    const auto text = fmt::format("{} log lines were dropped: nobody read them", dropped);
     return format({"collided", spdlog::level::warn, text});
   }
 
@@ -148,7 +148,7 @@ constexpr auto kMoment = std::chrono::milliseconds(500);
 
 extern "C" void flush_and_die(int signal) {
   the_writer().drain_in_signal(kMoment);
-  raise(signal);  // whose default action is restored by now
+  raise(signal);  // the default action has been restored
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// Log lines as text or JSON, with the ids that tell which call, scene and frame they belong to.
+// Log lines as text or JSON, with the ids of the call, scene and frame they belong to.
 
 #include <spdlog/common.h>
 
@@ -13,15 +13,15 @@
 namespace collided::server {
 
 /// Log lines go to stderr in the order in which they were logged. Nobody waits for stderr: if it blocks, lines are
-/// dropped and counted once 1 MiB waits, and a line tells how many once it accepts data again. `format`: text or json;
+/// dropped and counted once 1 MiB waits, and a line says how many once it accepts data again. `format`: text or json;
 /// `level`: as spdlog names them. May be called again at any time.
 void set_up_log(const std::string& format, const std::string& level);
 
 /// Waits until all lines are written, for at most half a second. Happens by itself when the process exits.
 void flush_log();
-/// From now on, a process that dies of a fault or of abort() first writes its lines, in the same half second.
+/// From now on, a process that dies of a fault or of abort() first writes its lines, for at most half a second.
 void flush_log_at_crash();
-/// Writes a line as it is, without time and level, in order with the others.
+/// Writes a line verbatim, without time and level, in order with the others.
 void write_line(const std::string& text);
 /// Lines dropped since the start.
 uint64_t dropped_log_lines();

@@ -1,4 +1,4 @@
-// Log lines that callers cause.
+// Rate limits for log lines that callers cause.
 #include "server/ops/log_rate.hpp"
 
 #include <utility>

@@ -18,7 +18,7 @@ class LogRate {
   using Clock = std::chrono::steady_clock;
 
   explicit LogRate(uint64_t max_per_second) : max_(max_per_second) {}
-  /// Number of events of the kind that were left out since the last line; nothing if this one is left out, too.
+  /// Number of events of the kind left out since the last line; nullopt if this one is left out, too.
   std::optional<uint64_t> admit(const std::string& kind, Clock::time_point now = Clock::now());
 
  private:
@@ -32,7 +32,7 @@ class LogRate {
   std::map<std::string, Second> seconds_;  // guarded by mutex_; of each kind
 };
 
-/// Whether to log a refusal of `what` (a method, or "frame") with this code. First logs, in a line of its own, how many
+/// Whether to log a refusal of `what` (a method, or "frame") with this code. First logs, in a separate line, how many
 /// were left out before it.
 bool admit_refusal(std::string_view what, std::string_view code);
 

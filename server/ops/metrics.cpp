@@ -50,8 +50,8 @@ Gauge& gauge(Registry& registry, const char* name, const char* help, const Label
   return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add(labels);
 }
 
-// Metrics of one family by the values of their labels. Past `max` of them, all others share one, so that callers cannot
-// create any number of them.
+// Metrics of one family by label value. Past `max` of them all others share one, so that callers cannot create an
+// unbounded number.
 template <class Metric>
 class ByLabel {
  public:
@@ -110,25 +110,25 @@ struct Metrics::Families {
 Metrics::Families::Families()
     : frames(counter(registry, "collided_frames_total", "Frames that were answered")),
       contacts(counter(registry, "collided_contacts_total", "Contacts that were reported")),
-      bytes_in(counter(registry, "collided_received_bytes_total", "Bytes of the frames that came in")),
-      bytes_out(counter(registry, "collided_sent_bytes_total", "Bytes of the answers to frames")),
-      skipped(counter(registry, "collided_skipped_frames_total", "Frames passed over by LATEST_WINS")),
-      replays(counter(registry, "collided_replays_total", "Frames run again because a buffer was too small")),
-      reconnects(counter(registry, "collided_reconnects_total", "Streams that took up where a broken one left")),
-      dropped_lines(counter(registry, "collided_dropped_log_lines_total", "Log lines that nobody took")),
+      bytes_in(counter(registry, "collided_received_bytes_total", "Bytes of positions and indices in frames")),
+      bytes_out(counter(registry, "collided_sent_bytes_total", "Bytes of contact arrays in answers")),
+      skipped(counter(registry, "collided_skipped_frames_total", "Frames skipped by LATEST_WINS")),
+      replays(counter(registry, "collided_replays_total", "Runs repeated because a buffer was too small")),
+      reconnects(counter(registry, "collided_reconnects_total", "Streams opened with a resume token")),
+      dropped_lines(counter(registry, "collided_dropped_log_lines_total", "Dropped log lines")),
       reset_floods(counter(registry, "collided_reset_floods_total",
                            "Connections ended because their clients reset too many calls")),
-      evicted(counter(registry, "collided_evicted_connections_total", "Connections ended to make room for new ones")),
+      evicted(counter(registry, "collided_evicted_connections_total", "Connections evicted to make room for new ones")),
       frame_seconds(
           histograms(registry, "collided_frame_seconds", "Time of a frame from its arrival to its last answer")
               .Add({}, buckets())),
       scenes(gauge(registry, "collided_scenes", "Resident scenes")),
       streams(gauge(registry, "collided_streams", "Open streams")),
-      calls_in_work(gauge(registry, "collided_calls_in_work", "Calls in work, frame streams apart")),
+      calls_in_work(gauge(registry, "collided_calls_in_work", "Open calls, without frame streams")),
       device_bytes(
           gauge(registry, "collided_device_bytes", "Bytes that all scenes hold, on their backends and on the host")),
-      queued_frames(gauge(registry, "collided_queued_frames", "Frames that wait for their turn")),
-      outgoing_bytes(gauge(registry, "collided_outgoing_bytes", "Bytes of answers that wait for their client")),
+      queued_frames(gauge(registry, "collided_queued_frames", "Frames waiting for their turn")),
+      outgoing_bytes(gauge(registry, "collided_outgoing_bytes", "Bytes of answers waiting for their clients")),
       connections(gauge(registry, "collided_connections", "Connections of gRPC")),
       resident_bytes(gauge(registry, "process_resident_memory_bytes", "Resident memory size in bytes")),
       open_files(gauge(registry, "process_open_fds", "Number of open file descriptors")),
@@ -140,8 +140,8 @@ Metrics::Families::Families()
       rejected_family(
           counters(registry, "collided_rejected_total", "Refused frames and calls, by the name of the gRPC code")),
       call_family(counters(registry, "collided_calls_total", "Ended calls, by method and name of the gRPC code")),
-      certificate_family(counters(registry, "collided_certificate_reloads_total",
-                                  "Changed TLS files, by what became of them: taken or refused")),
+      certificate_family(
+          counters(registry, "collided_certificate_reloads_total", "Changed TLS files, by result: taken or refused")),
       stages(
           kMaxStages,
           [this](auto key) -> auto& {

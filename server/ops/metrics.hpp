@@ -16,19 +16,19 @@ enum class Phase { kQueue, kDecode, kUpload, kCompute, kDownload, kEncode };
 struct FrameTotals {
   double seconds = 0;  ///< from its arrival to its last answer
   uint64_t contacts = 0;
-  uint64_t bytes_in = 0;   ///< of its request
-  uint64_t bytes_out = 0;  ///< of its answers
-  uint64_t replays = 0;    ///< runs again because a buffer was too small
+  uint64_t bytes_in = 0;   ///< of its positions and indices
+  uint64_t bytes_out = 0;  ///< of its contact arrays
+  uint64_t replays = 0;    ///< runs repeated because a buffer was too small
 };
 
 /// State at the time of a scrape.
 struct Gauges {
   uint64_t scenes = 0;
   uint64_t streams = 0;
-  uint64_t calls = 0;  ///< in work, without frame streams
+  uint64_t calls = 0;  ///< open, without frame streams
   uint64_t device_bytes = 0;
   uint64_t queued_frames = 0;
-  uint64_t outgoing_bytes = 0;  ///< of answers that wait for their client
+  uint64_t outgoing_bytes = 0;  ///< of answers waiting for their clients
   uint64_t connections = 0;     ///< of gRPC
   uint64_t evicted = 0;         ///< connections ended to make room, since the start
 };
@@ -45,7 +45,7 @@ class Metrics {
   void count_frame(const FrameTotals& frame);
   /// Frames skipped by LATEST_WINS.
   void count_skipped(uint64_t frames = 1);
-  /// A refused frame or call; `reason` is the name of its gRPC code, as RESOURCE_EXHAUSTED.
+  /// A refused frame or call; `reason` is the name of its gRPC code, such as RESOURCE_EXHAUSTED.
   void count_rejected(std::string_view reason);
   /// A stream that resumed a scene.
   void count_reconnect();
@@ -57,8 +57,8 @@ class Metrics {
   /// as a rejection, too.
   void count_call(std::string_view method, std::string_view code);
 
-  /// `gauges` is called at each scrape, by its thread; an empty function stands for no scene and no stream. After the
-  /// call the previous function is no longer running.
+  /// `gauges` is called at each scrape, on its thread; an empty function means no scene and no stream. When this
+  /// returns, the previous function is no longer running.
   void set_gauges(std::function<Gauges()> gauges);
 
   /// Prometheus text format 0.0.4.

@@ -1,4 +1,4 @@
-// What the operating system knows about this process.
+// Facts about this process, from the operating system.
 #include "server/ops/process.hpp"
 
 #include <unistd.h>

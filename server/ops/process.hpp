@@ -1,5 +1,5 @@
 #pragma once
-// What the operating system knows about this process.
+// Facts about this process, from the operating system.
 
 namespace collided::server {
 

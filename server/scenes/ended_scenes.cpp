@@ -1,4 +1,4 @@
-// Scenes that have ended, remembered for a while.
+// Recently ended scenes.
 #include "server/scenes/ended_scenes.hpp"
 
 #include <spdlog/fmt/fmt.h>
@@ -13,7 +13,7 @@ std::string SceneEnd::text(std::chrono::steady_clock::time_point now) const {
   if (!is_expired) return "was deleted";
   const double ago = std::max(0.0, std::chrono::duration<double>(now - when).count());
   return fmt::format(
-      "was deleted, as its lease of {:g} s ended {:g} s ago: make it anew, or ask for a longer lease_seconds",
+      "was deleted, as its lease of {:g} s ran out {:g} s ago: create it again, or ask for a longer lease_seconds",
       lease_seconds, std::floor(ago));
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Scenes that have ended, remembered for a while so that their clients are told why. No gRPC here.
+// Recently ended scenes, remembered so that their clients learn why they ended. No gRPC here.
 
 #include <chrono>
 #include <cstddef>
@@ -11,11 +11,11 @@ namespace collided::server {
 
 /// How a scene ended.
 struct SceneEnd {
-  bool is_expired = false;  ///< otherwise it was deleted
+  bool is_expired = false;  ///< false: deleted by its client
   double lease_seconds = 0;
   std::chrono::steady_clock::time_point when{};
 
-  /// Such as "was deleted"; `now` tells how long ago.
+  /// Such as "was deleted"; `now` dates it.
   std::string text(std::chrono::steady_clock::time_point now) const;
 };
 
@@ -24,9 +24,9 @@ class EndedScenes {
  public:
   static constexpr size_t kMaxPerClient = 1024;
 
-  /// Forgets the client's oldest scene if it has too many.
+  /// Forgets the client's oldest one beyond kMaxPerClient.
   void add(const std::string& client, std::string id, SceneEnd end);
-  /// Null for a scene that this client never had or that is forgotten.
+  /// Null for a scene that this client never had or that has been forgotten.
   const SceneEnd* find(const std::string& client, const std::string& id) const;
 
  private:

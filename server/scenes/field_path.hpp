@@ -1,5 +1,5 @@
 #pragma once
-// From the fields of the engine's structs to those of the protocol, which clients know. No gRPC here.
+// Maps fields of the engine's structs to the protocol's, which clients know. No gRPC here.
 
 #include <string>
 #include <string_view>
@@ -31,7 +31,7 @@ inline std::string spec_path(const std::string& engine_path) {
   return "spec." + with_last_part(path, "scalar", "position_format");
 }
 
-/// The engine's message, with `name` where it names its field.
+/// The engine's message, with `name` in place of the engine's field.
 inline std::string renamed(const InvalidInput& error, const std::string& name) {
   const std::string message = error.what();
   const auto at = error.field().empty() ? std::string::npos : message.find(error.field());
@@ -39,13 +39,13 @@ inline std::string renamed(const InvalidInput& error, const std::string& name) {
   return message.substr(0, at) + name + message.substr(at + error.field().size());
 }
 
-/// The engine's refusal, which names the path that the client knows.
+/// The engine's refusal, naming the protocol's path.
 inline InvalidInput with_path(const InvalidInput& error, std::string (*path)(const std::string&)) {
   const std::string field = path(error.field());
   return {field, renamed(error, field)};
 }
 
-/// Throws the refusal that names the budget's path, if the engine's is about the scene's budget.
+/// Throws a refusal that names the budget's path if the engine refused because of the scene's budget.
 inline void throw_if_budget(const ResourceExhausted& error) {
   constexpr std::string_view kEngine = "memory_budget";
   const std::string field = "spec.memory_budget_bytes", message = error.what();

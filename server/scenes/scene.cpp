@@ -1,4 +1,4 @@
-// A resident scene: its plan, its detector, its worker, and what others may see of it.
+// A resident scene: its plan, its detector, its worker, and its visible state.
 #include "server/scenes/scene.hpp"
 
 #include <openssl/crypto.h>
@@ -39,7 +39,7 @@ uint64_t topology_bytes(const Topology& topology) {
          topology.edges.capacity() * sizeof(topology.edges[0]);
 }
 
-// The plan, its copies in `pending_` and in the detector, and what is kept for each mesh besides.
+// The plan, its copies in `pending_` and in the detector, and what else is kept for each mesh.
 uint64_t plan_bytes(const ScenePlan& plan) {
   constexpr uint64_t kOfMesh = sizeof(MeshPlan) + 3 * sizeof(MeshSpec) + 4 * sizeof(uint64_t);
   uint64_t bytes = plan.meshes.size() * kOfMesh;
@@ -78,7 +78,7 @@ Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
 SceneSnapshot Scene::snapshot() const {
   std::lock_guard lock(mutex_);
   SceneSnapshot now = shown_;
-  if (!now.ready) now.memory = {{"host", quota_->held()}};  // includes what uploads have brought so far
+  if (!now.ready) now.memory = {{"host", quota_->held()}};  // includes what uploads have received so far
   return now;
 }
 
@@ -101,7 +101,7 @@ void Scene::begin_upload(uint32_t mesh) {
         "mesh", fmt::format("mesh is {} (\"{}\"), which awaits no triangles", mesh, plan_.meshes[mesh].name));
   if (uploading_[mesh])
     throw FailedPrecondition(
-        "mesh", fmt::format("mesh is {} (\"{}\"), which another upload brings", mesh, plan_.meshes[mesh].name));
+        "mesh", fmt::format("mesh is {} (\"{}\"), which another upload is sending", mesh, plan_.meshes[mesh].name));
   uploading_[mesh] = true;
 }
 
@@ -118,11 +118,11 @@ void Scene::throw_awaits(const std::string& field) const {
   const auto mesh = static_cast<size_t>(
       std::find_if(awaited_.begin(), awaited_.end(), [](uint64_t n) { return n > 0; }) - awaited_.begin());
   if (mesh == awaited_.size())
-    throw FailedPrecondition(field, fmt::format("{}: scene {} has all its triangles and is being made", field, id()));
+    throw FailedPrecondition(field, fmt::format("{}: scene {} has all its triangles and is being built", field, id()));
   const MeshPlan& plan = plan_.meshes[mesh];
   const auto others = std::count_if(awaited_.begin(), awaited_.end(), [](uint64_t n) { return n > 0; }) - 1;
   throw FailedPrecondition(
-      field, fmt::format("{}: scene {} takes no frames yet: mesh {} (\"{}\") awaits {} of its {} triangles{}; bring "
+      field, fmt::format("{}: scene {} takes no frames yet: mesh {} (\"{}\") awaits {} of its {} triangles{}; send "
                          "them with UploadMesh",
                          field, id(), mesh, plan.name, awaited_[mesh], plan.triangles,
                          others > 0 ? fmt::format(", and {} more meshes await theirs", others) : ""));
@@ -143,7 +143,7 @@ void Scene::check_token(const std::string& token, bool has_stream) const {
     throw FailedPrecondition("open.resume_token",
                              fmt::format("open.resume_token is empty, but another stream of scene {} is open", id()));
   if (!token.empty() && !is_equal_secret(token, facts_.resume_token))
-    throw PermissionDenied("open.resume_token", fmt::format("open.resume_token is not that of scene {}", id()));
+    throw PermissionDenied("open.resume_token", fmt::format("open.resume_token is not the token of scene {}", id()));
 }
 
 std::shared_ptr<SceneStream> Scene::begin_stream(const std::shared_ptr<SceneStream>& stream, const std::string& token) {

@@ -1,5 +1,5 @@
 #pragma once
-// A resident scene: its plan, its detector, its worker, its one stream, its lease, and what others may see of it.
+// A resident scene: its plan, its detector, its worker, its one stream, its lease, and its visible state.
 // No gRPC here.
 
 #include <atomic>
@@ -25,7 +25,7 @@
 
 namespace collided::server {
 
-/// The state of a scene that others may see, at one moment.
+/// The visible state of a scene at one moment.
 struct SceneSnapshot {
   bool ready = false;
   std::string device;
@@ -34,7 +34,7 @@ struct SceneSnapshot {
   uint64_t last_frame_id = 0;
 };
 
-/// What is fixed when a scene is created.
+/// Facts fixed when a scene is created.
 struct SceneFacts {
   std::string id;
   std::string resume_token;  ///< a secret
@@ -42,20 +42,20 @@ struct SceneFacts {
   uint64_t fingerprint = 0;  ///< of that request
   Client owner;
   double lease_seconds = 0;
-  size_t queue_capacity = 0;  ///< maximum number of frames of unary calls that wait, at first
+  size_t queue_capacity = 0;  ///< initial maximum of waiting unary frames
 };
 
-/// What all scenes share. What it refers to outlives them.
+/// Shared by all scenes. Everything it refers to outlives them.
 struct SceneSurroundings {
   Turns& turns;
   SceneObserver& observer;
-  std::string endpoint = {};  ///< address that clients are told to stream to; empty: the one they used
+  std::string endpoint = {};  ///< address advertised to clients for streaming; empty: the one they used
   Now now = Clock::now;       ///< of leases and idle streams
 };
 
 class Scene {
  public:
-  /// Throws LimitExceeded if its triangles and meshes alone pass a limit.
+  /// Throws LimitExceeded if its triangles and meshes alone exceed a limit.
   Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings);
 
   const std::string& id() const { return facts_.id; }
@@ -69,7 +69,7 @@ class Scene {
   SceneSnapshot snapshot() const;
   /// Sum of the snapshot's memory, without a copy of it.
   uint64_t device_bytes() const;
-  /// The quota of everything that the scene holds, within its budget and its client's limits.
+  /// The quota of all memory that the scene holds, within its budget and its client's limits.
   const std::shared_ptr<DeviceBytes>& quota() const { return quota_; }
   /// Number of triangles that a mesh still awaits.
   uint64_t awaited(uint32_t mesh) const;
@@ -77,11 +77,11 @@ class Scene {
   /// FailedPrecondition.
   void begin_upload(uint32_t mesh);
   void end_upload(uint32_t mesh);
-  /// Whether all triangles have come and still no detector could be made.
+  /// Whether all triangles have arrived but no detector could be built.
   bool unusable() const;
 
-  /// Makes `stream` the scene's one stream. Returns the one that it takes over, or null. Throws PermissionDenied for a
-  /// wrong token, FailedPrecondition if there is a stream and no token, or triangles are awaited.
+  /// Makes `stream` the scene's one stream. Returns the stream that it replaces, or null. Throws PermissionDenied for a
+  /// wrong token, FailedPrecondition if there is a stream and no token, or triangles are still missing.
   std::shared_ptr<SceneStream> begin_stream(const std::shared_ptr<SceneStream>& stream, const std::string& token);
   /// Does nothing if another one is the scene's stream.
   void end_stream(const SceneStream& stream);
@@ -91,10 +91,10 @@ class Scene {
   /// Answers later frames and uploads with NotFound, and ends the stream.
   void close(const SceneEnd& end);
 
-  /// A free slot for one frame, or a new one; it returns to the scene by itself. From any thread. Throws NotFound once
-  /// the scene is deleted.
+  /// A free or new slot for one frame; its last reference returns it to the scene. From any thread. Throws NotFound
+  /// once the scene is deleted.
   std::shared_ptr<FrameSlot> take_slot();
-  /// Largest number of bytes of positions that a frame can have.
+  /// Maximum bytes of positions in a frame.
   uint64_t max_position_bytes() const;
   /// Waits for this scene's turn on its device.
   Turns::Turn take_turn(const std::function<bool()>& cancelled) {
@@ -106,11 +106,11 @@ class Scene {
 
   // On the worker's thread only:
 
-  /// Makes the detector if no triangles are awaited.
+  /// Builds the detector unless triangles are still missing.
   void build_if_complete();
-  /// Adds all triangles that a mesh awaits, and makes the detector once no mesh awaits any.
+  /// Adds all triangles that a mesh awaits, and builds the detector once no mesh awaits any.
   void add_triangles(uint32_t mesh, ReceivedTriangles& triangles);
-  /// Checks and applies a frame; a throw leaves the scene as it was.
+  /// Checks and applies a frame; if it throws, the scene is unchanged.
   FrameResult apply(uint64_t frame_id, const FrameInput& frame);
   const Topology& topology() const { return detector_->topology(); }
   /// Frees the scene's memory.
@@ -130,7 +130,7 @@ class Scene {
   const SceneFacts facts_;
   const SceneSurroundings surroundings_;
   const std::shared_ptr<DeviceBytes> quota_;
-  MemoryHold held_;  // for plan, triangles and topology; the worker's once the scene is constructed
+  MemoryHold held_;  // plan, triangles and topology; owned by the worker after construction
   ScenePlan plan_;
   SceneSpec pending_;  // the spec with its triangles, until the detector takes it
   std::shared_ptr<Detector> detector_;
@@ -148,7 +148,7 @@ class Scene {
   SceneWorker worker_;  // last, so that its thread ends before the other members are destroyed
 };
 
-/// A scene in use by a call or a stream: its lease does not run meanwhile and starts again afterwards.
+/// A scene in use by a call or a stream: its lease is suspended meanwhile and restarts afterwards.
 class SceneUse {
  public:
   SceneUse() = default;

@@ -1,4 +1,4 @@
-// All scenes of the daemon and what watches over them.
+// All scenes of the daemon: limits, leases, idle streams, fair turns.
 #include "server/scenes/scene_host.hpp"
 
 #include <spdlog/fmt/fmt.h>
@@ -13,11 +13,11 @@ namespace collided::server {
 namespace {
 
 constexpr auto kWatchPeriod = std::chrono::milliseconds(250);
-constexpr uint64_t kWatchesPerTrim = 8;  // freed memory that is soon used again had better stay
+constexpr uint64_t kWatchesPerTrim = 8;  // trimming memory that is soon reused would be wasted
 
 // On a GPU the host's part of one frame overlaps with the device's part of another; on CPU cores a second frame keeps
-// all cores busy while the first is in a part that does not spread over them. A step on a GPU cannot yield before its
-// end: a client that held all turns would block the others for that long.
+// all cores busy during the first one's serial parts. A step on a GPU cannot yield before its end: a client that held
+// all turns would block the others for that long.
 Turns::Options turn_options(const Config& config, const Now& now) {
   constexpr unsigned kOnGpu = 4, kOnCpu = 2;
   const bool on_gpu = config.backend != "cpu" && cuda_available();
@@ -119,7 +119,7 @@ void SceneHost::end_idle_streams() const {
     const auto stream = scene->stream();
     if (!stream || stream->idle_seconds() <= limit) continue;
     const auto what =
-        fmt::format("max_idle_seconds is {}, and for longer no frame came, or no answer was taken", limit);
+        fmt::format("max_idle_seconds is {}, and for longer no frame arrived, or no answer was taken", limit);
     stream->end(std::make_exception_ptr(LimitExceeded::quota("scene:" + scene->id(), what)));
   }
 }

@@ -1,5 +1,5 @@
 #pragma once
-// All scenes of the daemon and what watches over them: limits, leases, idle streams, fair turns. No gRPC here.
+// All scenes of the daemon: limits, leases, idle streams, fair turns. No gRPC here.
 
 #include <atomic>
 #include <condition_variable>
@@ -21,7 +21,7 @@ struct HostTotals {
 
 class SceneHost {
  public:
-  /// `observer` outlives the host. `now` tells the time of leases, idle streams, rates and turns.
+  /// `observer` outlives the host. `now` is the clock of leases, idle streams, rates and turns.
   SceneHost(const Config& config, SceneObserver& observer, const Now& now = Clock::now);
   ~SceneHost();
   SceneHost(const SceneHost&) = delete;
@@ -32,20 +32,20 @@ class SceneHost {
   SceneStore::Added add_scene(const Client& owner, SceneRequest request);
   ClientUsage& usage() { return usage_; }
   OpenUploads& uploads() { return uploads_; }
-  /// Ends uploads that have been silent for too long, and those whose scenes are gone.
+  /// Ends uploads that have been silent for too long or whose scenes are gone.
   void end_stale_uploads();
   Limits limits() const;
-  /// For requests from now on; existing scenes and streams stay.
+  /// Applies to new requests; existing scenes and streams are unaffected.
   void set_limits(const Limits& limits);
 
   /// Throws Stopping after announce_stop().
   void check_serving() const;
-  /// Refuses new scenes and streams, and tells every open stream that the daemon stops.
+  /// Refuses new scenes and streams, and announces the stop to every open stream.
   void announce_stop(double seconds);
   /// Ends all streams with Stopping.
   void end_streams() const;
   HostTotals totals() const;
-  /// Ends what has been idle for too long. The host does this by itself four times per second.
+  /// Ends whatever has been idle for too long. The host's own thread calls it four times a second.
   void watch_once();
 
  private:
@@ -62,7 +62,7 @@ class SceneHost {
   ClientUsage usage_;
   OpenUploads uploads_;
   SceneStore scenes_;
-  FreedMemory freed_;  // the watch thread's, like what follows
+  FreedMemory freed_;  // from here on used by the watch thread only
   uint64_t watches_ = 0;
   std::thread watch_;
 };

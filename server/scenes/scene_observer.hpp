@@ -1,5 +1,5 @@
 #pragma once
-// Who is told of what happens to scenes and their frames. No gRPC here.
+// Interface that is notified of events of scenes and their frames. No gRPC here.
 
 #include <cstdint>
 #include <exception>
@@ -20,7 +20,7 @@ class SceneObserver {
   virtual void skipped(const Scene& scene, uint64_t frame_id) = 0;
   /// A stream was opened with the scene's resume token.
   virtual void resumed(const Scene& scene) = 0;
-  /// The scene's lease has run out, and it is deleted.
+  /// The scene was deleted because its lease ran out.
   virtual void expired(const Scene& scene) = 0;
   /// The engine reports that the scene's device failed.
   virtual void device_failed(const Scene& scene, const std::string& why) = 0;

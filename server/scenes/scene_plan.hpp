@@ -16,7 +16,7 @@ namespace collided::server {
 /// Bytes of one vertex's position.
 constexpr uint64_t position_bytes(Scalar scalar) { return scalar == Scalar::kF64 ? 24 : 12; }
 
-/// Bytes of the positions that a frame can have for one vertex: of one time (DCD) or two (CCD).
+/// Maximum bytes of one vertex's positions in a frame: one time (DCD) or two (CCD).
 constexpr uint64_t max_vertex_bytes(const SceneSpec& spec) {
   return position_bytes(spec.scalar) * (spec.mode == Mode::kCcd ? 2 : 1);
 }
@@ -27,20 +27,21 @@ inline uint64_t count_vertices(const SceneSpec& spec) {
   return vertices;
 }
 
-/// Contact fields that the client wants.
+/// Contact fields that the client asked for.
 struct OutputFields {
   FieldSet columns;       ///< that the engine makes
   bool stencils = false;  ///< made from the elements
 
   /// Bytes of one contact's arrays.
   size_t contact_bytes() const { return collided::contact_bytes(columns) + stencil_bytes(); }
+  /// Bytes of the one array that the engine does not produce.
   size_t stencil_bytes() const { return stencils ? sizeof(std::array<uint32_t, 4>) : 0; }
 };
 
 struct MeshPlan {
   std::string name;
   uint64_t triangles = 0;  ///< of the whole mesh
-  uint64_t awaited = 0;    ///< of them, those that an upload will bring
+  uint64_t awaited = 0;    ///< of them, those still to be uploaded
 };
 
 /// A checked request for a scene.
@@ -49,8 +50,8 @@ struct ScenePlan {
   OutputFields fields;
   std::vector<MeshPlan> meshes;
   SceneSpec engine;
-  uint64_t min_bytes = 0;                ///< least memory of the scene once it has had a frame
-  std::shared_ptr<DeviceBytes> quota{};  ///< its client's, besides the scene's own budget; may be null
+  uint64_t min_bytes = 0;                ///< minimum memory of the scene once it has had a frame
+  std::shared_ptr<DeviceBytes> quota{};  ///< of its client, around the scene's own budget; may be null
 };
 
 }  // namespace collided::server

@@ -30,7 +30,7 @@ SceneStore::Added SceneStore::add(const Client& owner, SceneRequest request) {
     check_room_locked(owner);
     facts.queue_capacity = queue_capacity_;
   }
-  // Copies much, so not under the lock: everything is checked again afterwards.
+  // Expensive, hence not under the lock; the checks are repeated afterwards.
   auto scene = std::make_shared<Scene>(std::move(facts), std::move(request.plan), surroundings_);
   const std::lock_guard lock(mutex_);
   if (SceneUse before = repeated_locked(owner, request)) return {std::move(before), false};
@@ -47,8 +47,9 @@ SceneUse SceneStore::repeated_locked(const Client& owner, const SceneRequest& re
   const auto found = requests_.find({owner->name, request.request_id});
   if (found == requests_.end()) return {};
   if (found->second->facts().fingerprint != request.fingerprint)
-    throw AlreadyExists("request_id", fmt::format("request_id is \"{}\", which made scene {} from another request",
-                                                  shorten(request.request_id, 64), found->second->id()));
+    throw AlreadyExists("request_id",
+                        fmt::format("request_id is \"{}\", which created scene {} from a different request",
+                                    shorten(request.request_id, 64), found->second->id()));
   return SceneUse(found->second);
 }
 
@@ -73,7 +74,7 @@ SceneStore::Scenes::const_iterator SceneStore::find_locked(const Client& owner, 
 
 void SceneStore::throw_not_found_locked(const Client& owner, const std::string& id) const {
   const SceneEnd* end = ended_.find(owner->name, id);
-  const std::string why = end ? end->text(std::chrono::steady_clock::now()) : "is no scene here";
+  const std::string why = end ? end->text(std::chrono::steady_clock::now()) : "does not exist";
   throw NotFound("scene_id", fmt::format("scene_id is \"{}\", which {}", shorten(id, 64), why));
 }
 

@@ -18,7 +18,7 @@ namespace collided::server {
 /// A checked request for a scene.
 struct SceneRequest {
   ScenePlan plan;
-  std::string request_id;     ///< of the client's choice; may be empty
+  std::string request_id;     ///< chosen by the client; may be empty
   uint64_t fingerprint = 0;   ///< equal for equal requests
   double lease_seconds = 30;  ///< > 0
 };
@@ -34,19 +34,19 @@ class SceneStore {
   };
   /// Throws LimitExceeded, AlreadyExists.
   Added add(const Client& owner, SceneRequest request);
-  /// Throws NotFound, also for a scene of another client; for a scene of this client that ended recently it tells how.
+  /// Throws NotFound, also for another client's scene; for a recently ended scene of this client it says how it ended.
   SceneUse find(const Client& owner, const std::string& id) const;
-  /// Removes a scene and closes it; queued frames are answered with NotFound. Throws NotFound.
+  /// Removes and closes a scene; queued frames are answered with NotFound. Throws NotFound.
   std::shared_ptr<Scene> remove(const Client& owner, const std::string& id);
-  /// At most `count` scenes of a client in the order of their ids, starting with the first id after `after`.
+  /// At most `count` scenes of a client, ordered by id, starting after `after`.
   std::vector<std::shared_ptr<Scene>> page(const Client& owner, const std::string& after, size_t count) const;
   std::vector<std::shared_ptr<Scene>> all() const;
   /// Removes and closes the scenes whose lease has run out, and frees their memory once their workers are done.
   std::vector<std::shared_ptr<Scene>> remove_expired(std::chrono::steady_clock::time_point now);
   void set_max_scenes(size_t max_scenes);
-  /// Maximum number of frames of unary calls that wait for a scene; also for existing scenes.
+  /// Maximum number of unary frames that wait for a scene; applies to existing scenes, too.
   void set_queue_capacity(size_t queue_capacity);
-  /// Removes all scenes and waits for the work that is under way, also of scenes that were removed before.
+  /// Removes all scenes and waits for their running work, including that of scenes removed earlier.
   void clear();
 
  private:

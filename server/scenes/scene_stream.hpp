@@ -1,5 +1,5 @@
 #pragma once
-// A scene's one stream of frames, as far as the scene and its host need to know it. No gRPC here.
+// A scene's one stream of frames, as seen by the scene and its host. No gRPC here.
 
 #include <cstddef>
 #include <exception>
@@ -12,11 +12,11 @@ class SceneStream {
   virtual ~SceneStream() = default;
   /// Ends the stream; its client is told why.
   virtual void end(const std::exception_ptr& why) = 0;
-  /// Tells the client that the daemon stops in so many seconds.
+  /// Tells the client that the daemon stops in `seconds`.
   virtual void announce_stop(double seconds) = 0;
-  /// Seconds since the last frame arrived or was started; 0 while one runs or waits for its turn.
+  /// Seconds since the last frame arrived or started; 0 while one runs or waits for its turn.
   virtual double idle_seconds() const = 0;
-  /// Number of frames that wait.
+  /// Number of waiting frames.
   virtual size_t waiting() const = 0;
 };
 

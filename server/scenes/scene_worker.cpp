@@ -14,7 +14,7 @@ namespace collided::server {
 
 namespace {
 
-// About the time to read a frame of some MiB; an idle processor takes a tenth of it to wake up.
+// About the time to read a frame of a few MiB; waking an idle processor takes a tenth of it.
 constexpr auto kAwake = std::chrono::microseconds(500);
 
 }  // namespace
@@ -89,7 +89,7 @@ void SceneWorker::flush() {
   future.wait();
 }
 
-// False once the early wake-up is over.
+// False once the time to poll is over.
 bool SceneWorker::poll_awake(State& state, std::unique_lock<std::mutex>& lock) {
   if (Clock::now() >= state.awake_until) return false;
   lock.unlock();

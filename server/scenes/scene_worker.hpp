@@ -21,13 +21,13 @@ class SceneWorker {
 
   /// Queues a frame; false if the queue is full.
   bool try_post(Job job);
-  /// For frames from now on; queued ones stay.
+  /// Applies to new frames; queued ones stay.
   void set_capacity(size_t capacity);
   /// Queues a control job, which is never refused.
   void post(Job job);
-  /// A job will come soon: wakes an idle thread, which polls for it for a short time instead of sleeping.
+  /// A job is about to arrive: wakes an idle thread, which polls briefly instead of sleeping.
   void wake_early();
-  /// Waits until all jobs that are queued now have run. Not from the worker's own thread.
+  /// Waits until all jobs queued so far have run. Not from the worker's own thread.
   void flush();
 
  private:

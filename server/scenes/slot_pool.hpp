@@ -20,7 +20,7 @@ class SlotPool : public std::enable_shared_from_this<SlotPool> {
     if (!slot) return nullptr;
     return {slot.get(), [pool = shared_from_this(), slot](FrameSlot*) { pool->give_back(slot); }};
   }
-  /// Frees the free slots, and from now on those that are returned.
+  /// Frees idle slots now, and the others as they are returned.
   void close() {
     std::vector<std::shared_ptr<FrameSlot>> freed;
     std::shared_ptr<Detector> maker;

@@ -58,8 +58,8 @@ std::exception_ptr Upload::stale_reason(Clock::time_point now, std::chrono::dura
   try {
     if (scene_) (*scene_)->check_open();
     if (now - last_chunk_ > limit)
-      throw TimedOut("triangles", fmt::format("triangles: no chunk of the upload came for {} s; the scene is as it was "
-                                              "before it",
+      throw TimedOut("triangles", fmt::format("triangles: no chunk of the upload arrived for {} s; the scene is "
+                                              "unchanged",
                                               limit.count()));
   } catch (...) {
     return std::current_exception();
@@ -67,7 +67,7 @@ std::exception_ptr Upload::stale_reason(Clock::time_point now, std::chrono::dura
   return nullptr;
 }
 
-// The mesh is free again, and the memory given back, before the client knows and can try again.
+// Frees the mesh and the memory before the client is told, so that it can retry at once.
 void Upload::release() {
   triangles_.reset();
   if (scene_) (*scene_)->end_upload(mesh_);
@@ -91,8 +91,8 @@ Scene* Upload::scene() const { return scene_ ? &**scene_ : nullptr; }
 void Upload::reserve(uint64_t count) {
   const uint64_t awaited = (*scene_)->awaited(mesh_), come = triangles_->size() + count;
   if (come > awaited)
-    throw InvalidInput("triangles", fmt::format("triangles brings {} or more, but mesh {} (\"{}\") awaits {}", come,
-                                                mesh_, (*scene_)->plan().meshes[mesh_].name, awaited));
+    throw InvalidInput("triangles", fmt::format("triangles has {} or more, but mesh {} (\"{}\") awaits {}", come, mesh_,
+                                                (*scene_)->plan().meshes[mesh_].name, awaited));
   triangles_->reserve(count);
 }
 

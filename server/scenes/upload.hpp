@@ -1,6 +1,6 @@
 #pragma once
-// An upload of one mesh's triangles. Triangles count against the scene's memory once they have come, not when they are
-// announced. No gRPC here.
+// An upload of one mesh's triangles. Triangles count against the scene's memory as they arrive, not when they are
+// declared. No gRPC here.
 
 #include <array>
 #include <chrono>
@@ -21,16 +21,16 @@ class SceneUse;
 
 using TriangleCorners = std::array<uint32_t, 3>;
 
-/// Triangles that have come so far.
+/// Triangles received so far.
 class ReceivedTriangles {
  public:
   explicit ReceivedTriangles(std::shared_ptr<MemoryQuota> quota) : held_(std::move(quota)) {}
 
-  /// Counts `count` more, for push(). Throws LimitExceeded.
+  /// Accounts for `count` more, before push(). Throws LimitExceeded.
   void reserve(uint64_t count) { held_.resize(held_.bytes() + count * sizeof(TriangleCorners)); }
   void push(const TriangleCorners& triangle) { triangles_.push_back(triangle); }
   uint64_t size() const { return triangles_.size(); }
-  /// Appends them; `held` holds their bytes from then on.
+  /// Appends them to `mesh` and their bytes to `held`.
   void move_to(std::vector<TriangleCorners>& mesh, MemoryHold& held);
 
  private:
@@ -38,8 +38,8 @@ class ReceivedTriangles {
   MemoryHold held_;
 };
 
-/// One call that uploads a mesh. The call's own thread and the thread that watches over all uploads meet here: only one
-/// of them ends it.
+/// One call that uploads a mesh. The call's thread and the thread that watches all uploads race here: only one of them
+/// ends it.
 class Upload {
  public:
   using Clock = std::chrono::steady_clock;
@@ -48,9 +48,9 @@ class Upload {
   Upload(std::function<void(const std::exception_ptr&)> fail, Clock::time_point now);
   ~Upload();
 
-  /// Waits for the next chunk, which `read` asks for.
+  /// Starts waiting for the next chunk, which `read` requests.
   void wait(const std::function<void()>& read);
-  /// A chunk has come; false if the upload has been ended.
+  /// A chunk has arrived; false if the upload has been ended.
   bool receive(Clock::time_point now);
   /// False if it has been ended already.
   bool end();
@@ -59,14 +59,14 @@ class Upload {
 
   // By the call's own thread, between receive() and wait() or end():
 
-  /// Reserves the mesh for this upload; `ticket` is its client's, for an open stream. Throws InvalidInput,
+  /// Reserves the mesh for this upload; `ticket` counts it among its client's open streams. Throws InvalidInput,
   /// FailedPrecondition.
   void begin(const SceneUse& scene, uint32_t mesh, std::shared_ptr<void> ticket);
   /// Null before begin().
   Scene* scene() const;
   uint32_t mesh() const { return mesh_; }
   ReceivedTriangles& triangles() { return *triangles_; }
-  /// Counts `count` more triangles. Throws InvalidInput for more than the mesh awaits, LimitExceeded.
+  /// Accounts for `count` more triangles. Throws InvalidInput for more than the mesh awaits, LimitExceeded.
   void reserve(uint64_t count);
 
  private:
@@ -76,7 +76,7 @@ class Upload {
   void release();
 
   const std::function<void(const std::exception_ptr&)> fail_;
-  std::mutex mutex_;  // guards what follows; while the call works, its data are its own
+  std::mutex mutex_;  // guards what follows; in kWorking the data belong to the call's thread
   State state_ = State::kWorking;
   Clock::time_point last_chunk_;
   std::shared_ptr<void> ticket_;

@@ -11,7 +11,7 @@
 namespace collided::server {
 namespace {
 
-constexpr size_t kMaxUnstarted = 1024, kMaxUnstartedOfClient = 256;  // uploads without a chunk so far
+constexpr size_t kMaxUnstarted = 1024, kMaxUnstartedOfClient = 256;  // uploads that have had no chunk
 
 }  // namespace
 
@@ -34,7 +34,7 @@ MeshUpload::MeshUpload(const grpc::CallbackServerContext& context, SceneHost& ho
   }
 }
 
-// An upload counts as a stream of its client once it has begun: only so many may not have begun.
+// An upload counts as one of its client's streams only once it has begun, so those before that are limited here.
 void MeshUpload::await_first() {
   const WaitRule rule{"the first chunk of the upload", host_.limits().max_silent_seconds, kMaxUnstarted,
                       kMaxUnstartedOfClient, context_.peer()};
@@ -52,7 +52,7 @@ void MeshUpload::OnReadDone(bool ok) try {
   parse();
   if (!upload_->scene()) begin();
   take();
-  request_ = {};  // frees its memory: the next chunk may take long to come
+  request_ = {};  // frees its memory: the next chunk may take long to arrive
   share_.reset();
   read();
 } catch (...) {
@@ -83,21 +83,21 @@ void MeshUpload::take() {
                     [&](const TriangleCorners& triangle) { triangles.push(triangle); });
 }
 
-// The reads of a cancelled call end just as those of a complete one.
+// The reads of a cancelled call end like those of a complete one.
 void MeshUpload::check_cancelled() const {
   if (context_.IsCancelled()) throw Cancelled();
 }
 
-// Its triangles are used up, so no other upload could complete it.
+// The triangles are consumed, so no other upload could complete the scene.
 void MeshUpload::delete_if_unusable() {
   const Scene& scene = *upload_->scene();
   if (!scene.unusable()) return;
   try {
     const auto removed = host_.scenes().remove(scene.facts().owner, scene.id());
     removed->release();
-    log_event(spdlog::level::info, "scene deleted: its meshes make no scene",
+    log_event(spdlog::level::info, "scene deleted: its meshes form no valid scene",
               {{"scene", scene.id()}, {"request", caller_.ids.request_id}, {"trace", caller_.ids.trace_id}});
-  } catch (const NotFound&) {  // a client has deleted it already
+  } catch (const NotFound&) {  // a client has already deleted it
   }
 }
 

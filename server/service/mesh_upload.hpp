@@ -14,7 +14,7 @@ namespace collided::server {
 
 class MeshUpload final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
-  /// `host` and `parts` outlive the call, which keeps `held` alive.
+  /// `host` and `parts` must outlive the call, which keeps `held` alive.
   MeshUpload(const grpc::CallbackServerContext& context, SceneHost& host, const CallParts& parts,
              grpc::ByteBuffer* response, std::shared_ptr<void> held);
 

@@ -1,4 +1,4 @@
-// The RPCs of CollisionService but StreamFrames.
+// The RPCs of CollisionService except StreamFrames.
 #include "server/service/service.hpp"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace collided::server {
 namespace {
 
 constexpr uint32_t kMaxPage = 1000, kDefaultPage = 100;
-constexpr size_t kFullPageBytes = size_t{1} << 20;  // which a page may exceed by one scene
+constexpr size_t kFullPageBytes = size_t{1} << 20;  // exceeded by one scene at most
 
 // The default backend's devices come first.
 std::vector<DeviceInfo> order_devices(std::vector<DeviceInfo> devices, bool cuda_first) {
@@ -23,7 +23,7 @@ std::vector<DeviceInfo> order_devices(std::vector<DeviceInfo> devices, bool cuda
   return devices;
 }
 
-// Tokens are ids of scenes, which may be deleted by now.
+// Tokens are ids of scenes, which may have been deleted.
 void check_page_token(const std::string& token) {
   constexpr size_t kDigits = 32;
   const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };

@@ -1,6 +1,6 @@
 #pragma once
-// The RPCs of CollisionService but StreamFrames (transport/grpc/frame_calls.hpp). None does engine work itself: that is
-// the scene's worker's.
+// The RPCs of CollisionService except StreamFrames (transport/grpc/frame_calls.hpp). None does engine work itself: the
+// scene's worker does.
 
 #include <grpcpp/grpcpp.h>
 
@@ -27,9 +27,9 @@ class CollisionService final : public RawService {
   /// `host` and `authenticator` outlive the service.
   CollisionService(const Config& config, SceneHost& host, const Authenticator& authenticator);
 
-  /// Adds all methods but StreamFrames. Before the server is built; the service outlives it.
+  /// Adds all methods except StreamFrames. Before the server is built; the service must outlive it.
   void add_to(RpcRouter& router);
-  /// Number of calls in work.
+  /// Number of open calls.
   uint64_t in_work() const { return static_cast<uint64_t>(calls_.use_count() - 1); }
   WaitingCalls& waiting() { return waiting_; }
   const CallParts& parts() const { return parts_; }
@@ -58,7 +58,7 @@ class CollisionService final : public RawService {
   DecodeBudget budget_;
   WaitingCalls waiting_;
   const CallParts parts_;
-  const std::shared_ptr<int> calls_ = std::make_shared<int>();  // each call in work holds a copy
+  const std::shared_ptr<int> calls_ = std::make_shared<int>();  // each open call holds a copy
 };
 
 }  // namespace collided::server

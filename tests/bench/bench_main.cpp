@@ -1,4 +1,4 @@
-// Runs scenes through the engine and writes what each stage cost, as JSON, to standard output.
+// Runs scenes through the engine and writes the cost of each stage, as JSON, to standard output.
 
 #include <CLI/CLI.hpp>
 #include <chrono>

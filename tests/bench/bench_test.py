@@ -1,4 +1,4 @@
-"""What the benchmarks print is complete and agrees with itself. Usage: bench_test.py CHECK PROGRAM
+"""The benchmarks' output is complete and consistent. Usage: bench_test.py CHECK PROGRAM
 
 CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench) or embree (collided_embree_bench).
 """

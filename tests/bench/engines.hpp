@@ -1,5 +1,5 @@
 #pragma once
-// How much each engine tests and registers, step by step. These are counts: the same on every backend.
+// Tests and registrations of each engine, step by step. These are counts: the same on every backend.
 
 #include <iosfwd>
 #include <string>

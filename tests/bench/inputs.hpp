@@ -1,5 +1,5 @@
 #pragma once
-// What the benchmark runs: procedural scenes stepping through time, and pairs of real frames again and again.
+// The benchmark's inputs: procedural scenes stepping through time, and repeated pairs of real frames.
 
 #include <functional>
 #include <utility>

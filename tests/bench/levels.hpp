@@ -1,6 +1,6 @@
 #pragma once
-// What the accuracy levels and reports cost, side by side: every step runs each of them in turn, so that whatever
-// else the machine does hits all alike.
+// The cost of the accuracy levels and reports, side by side: every step runs each of them in turn, so that other load
+// on the machine affects all alike.
 
 #include <iosfwd>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What one scene cost, as JSON.
+// The cost of one scene, as JSON.
 
 #include <iosfwd>
 
@@ -15,7 +15,7 @@ struct SceneReport {
   FrameCounts counts;                                    ///< of the last step
   std::vector<std::pair<std::string, double>> stage_ms;  ///< medians, in the order of the pipeline
   double total_ms = 0;                                   ///< median of the sum of a step's stages
-  double wall_ms = 0;                                    ///< median of detect(), transfers included
+  double wall_ms = 0;                                    ///< median of detect(), including transfers
 };
 
 struct RunReport {

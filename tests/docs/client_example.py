@@ -41,7 +41,7 @@ void tell(const char* what, const FrameStream& stream, const FrameOutput& output
               output.vertex_triangle.count);
 }
 
-// Compiled and not run: a daemon with TLS is met by other tests.
+// Compiled but not run: other tests use a daemon with TLS.
 FrameOutput over_tls(const v1::SceneSpec& spec, std::span<const MeshInput> meshes, const std::string& token,
                      const std::vector<float>& positions, uint64_t id) {
 @first@

@@ -36,7 +36,7 @@ FALLS = (1.25, 1.125)
 
 
 def refusal_of(call):
-    """The code's name, or None where the call went well."""
+    """The code's name, or None if the call succeeded."""
     try:
         call()
     except grpc.RpcError as error:

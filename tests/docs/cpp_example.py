@@ -15,7 +15,7 @@ PROGRAM = """\
 std::string address();
 
 {first}
-// Compiled and not run: the same in few lines.
+// Compiled but not run: the same in few lines.
 void first_frame(const v1::SceneSpec& spec, const MeshInput& mesh, const FrameUpdate& update, uint64_t id) {{
 {few}
 }}

@@ -54,7 +54,7 @@ class Limits(unittest.TestCase):
 
 class Metrics(unittest.TestCase):
     def serve(self):
-        """Where a daemon of the test's own has its metrics."""
+        """The metrics address of the test's own daemon."""
         daemon = subprocess.Popen([DAEMON, "--address", "127.0.0.1:0", "--http-address", "127.0.0.1:0"], text=True,
                                   stderr=subprocess.PIPE)
         self.addCleanup(daemon.stderr.close)
@@ -91,7 +91,7 @@ class Files(unittest.TestCase):
     def test_the_tokens_file_is_sound(self):
         (tokens,) = README.blocks("toml")
         code, said = self.check("--tokens-file", self.put("tokens.toml", tokens))
-        self.assertEqual((code, said.splitlines()[-1]), (0, "collided: the configuration is sound"))
+        self.assertEqual((code, said.splitlines()[-1]), (0, "collided: the configuration is valid"))
 
     def test_the_rules_are_prometheus_rules(self):
         promtool = shutil.which("promtool")

@@ -22,7 +22,7 @@ from markdown import Page  # noqa: E402
 from run_page import README_SOCKET, run_python  # noqa: E402
 
 README, EXAMPLES, ACCURACY = (Page(REPOSITORY / page) for page in ("README.md", "client/EXAMPLES.md", "proto/ACCURACY.md"))
-# Smaller than a new user's, for a test is to be quick: what a command line ends in.
+# Appended to command lines to make them smaller than a new user's, so that the test is quick.
 SMALLER = {
     "tradeoff --scene": "--scale 0.2 --repeats 1 --levels fast,exact --formats f32",
     "tradeoff before.ply": "--repeats 1 --levels fast,exact --formats f32",
@@ -45,7 +45,7 @@ class WithDaemon(unittest.TestCase):
         cls.folder = pathlib.Path(folder.name)
 
     def run_line(self, line):
-        """As a shell in a folder of the test's own does that has the programs on its path."""
+        """Like a shell in the test's own folder, with the programs on its path."""
         path = f"{DAEMON.parent}:{COLLIDECTL.parent}:{os.environ['PATH']}"
         done = subprocess.run(["bash", "-c", line], cwd=self.folder, text=True, capture_output=True, timeout=120,
                               env={**os.environ, "PATH": path, "COLLIDED_DAEMON": str(DAEMON)})
@@ -135,7 +135,7 @@ class CommandLines(WithDaemon):
             self.assertTrue(any(str(p.parent).endswith("/" + within_build) for p in (DAEMON, COLLIDECTL)), part)
         (self.folder / "deploy").symlink_to(REPOSITORY / "deploy")
         self.run_line(check)
-        # A place and ports of the test's own.
+        # The test's own folder and ports.
         ours = [re.sub(r":(50551|9464)\b", ":0", line.replace("/run/collided", str(self.folder / "run")))
                 for line in (folder, serve)]
         self.run_line(ours[0])

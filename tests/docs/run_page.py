@@ -1,4 +1,4 @@
-"""Python of a page, run as a new user would run it, against a daemon of the test's own."""
+"""Python of a page, run as a new user would run it, against the test's own daemon."""
 
 import os
 import subprocess

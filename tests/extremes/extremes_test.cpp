@@ -1,4 +1,4 @@
-// Every family on which the usual methods fail: the levels' promises hold, in CCD, with a thickness, and in DCD.
+// Every family on which the usual methods fail: the levels' promises hold in CCD, with a thickness, and in DCD.
 
 #include "tests/support/verdicts/verdict_score_checks.hpp"
 

@@ -1,5 +1,5 @@
-// Queries and pairs of real frames that others labelled, and our own: what the levels make of them, and that CERTIFIED
-// reports fewer false contacts than is usual.
+// Queries and pairs of real frames, labelled by others and by us: verdicts of the levels, and that CERTIFIED reports
+// fewer false contacts than usual methods.
 
 #include "tests/support/labelled/labelled.hpp"
 
@@ -18,7 +18,7 @@ namespace {
 
 class Labelled : public OnBackend<::testing::TestWithParam<Scalar>> {
  protected:
-  /// The queries of each kind with their truth. Rounded to float, they are judged anew: labels hold for double.
+  /// The queries of each kind with their truth. Rounded to float, they are judged again: labels hold for double.
   static std::vector<Judged> judged(const std::vector<LabelledQuery>& labelled) {
     std::vector<Judged> kinds;
     for (QueryKind kind : {QueryKind::kVertexTriangle, QueryKind::kEdgeEdge}) {

@@ -1,5 +1,5 @@
 // NaN, infinity and numbers past the limit are refused by name, and the scene answers the next frame as if nothing had
-// been; the largest numbers that are allowed are not refused.
+// happened; the largest allowed numbers are accepted.
 
 #include <cmath>
 #include <cstring>

@@ -1,6 +1,5 @@
-// What must not matter. Far away, or in another unit of length, a query gets the verdict that it gets at the origin:
-// moving by integers and scaling by powers of two rounds nothing here, so the levels have no excuse. And whatever else
-// is in the scene, nothing is missed.
+// Invariances. Far away, or in another unit of length, a query gets the same verdict as at the origin: moving by
+// integers and scaling by powers of two rounds nothing here. And whatever else is in the scene, nothing is missed.
 
 #include <algorithm>
 #include <cmath>
@@ -69,7 +68,7 @@ TEST_P(Shifts, TranslationsOfIntegersChangeNothing) {
 }
 
 TEST_P(Shifts, ScalesOfPowersOfTwoChangeNothing) {
-  // Scenes whose size is no float do without the coplanarity filter, which may leave more false hits.
+  // Scenes whose size is not a float do without the coplanarity filter, which may leave more false hits.
   const int far = scalar() == Scalar::kF32 ? 80 : 110;
   for (const char* name : {"lattice", "aimed"})
     expect_same_everywhere(fuzz_family(name), {{{}, 1}, {{}, -7}, {{}, far}, {{}, -far}});
@@ -90,7 +89,7 @@ Query tiny_lattice(QueryKind kind, Scalar, Random& random) {
   return query;
 }
 
-// The scene is scaled by its size, for which a neighbour of `size` makes sure.
+// The scene is scaled by its size, which a neighbour of `size` determines.
 void expect_found_beside(const QuerySource& source, double size,
                          const std::function<std::vector<Verdict>(const std::vector<Query>&)>& run, Accuracy accuracy) {
   std::vector<Query> queries = queries_of(source, 2000);

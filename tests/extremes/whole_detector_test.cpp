@@ -1,4 +1,4 @@
-// The families once more through a whole scene: what the boxes and the octree lose, no narrow phase can find.
+// The families through a whole scene: a pair lost by the boxes or the octree never reaches the narrow phase.
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-// Queries in large numbers: the levels' promises hold, in CCD, with a thickness, and in DCD.
+// Queries in large numbers: the levels' promises hold in CCD, with a thickness, and in DCD.
 
 #include "tests/support/verdicts/verdict_score_checks.hpp"
 
@@ -13,7 +13,7 @@ const auto* const kRegistered = ::testing::AddGlobalTestEnvironment(&score_file(
 
 class AccuracyFuzz : public OnBackend<::testing::TestWithParam<FamilyCase>> {
  protected:
-  // Part of the queries that COLLIDED_FUZZ_QUERIES asks for; where it is not set, CI's size.
+  // A fraction of the queries that COLLIDED_FUZZ_QUERIES requests; by default the size for CI.
   static Question question(QueryKind kind, uint64_t parts) {
     const auto [family, scalar] = GetParam();
     const uint64_t seed = number_from_environment("COLLIDED_FUZZ_SEED", 1);
@@ -47,7 +47,7 @@ TEST_P(AccuracyFuzz, AlsoInOneFrame) {
 }
 
 // Reporting everything at t = 0 would break no promise of GUARDED and CERTIFIED: on queries that are not contrived they
-// also have to be sharp. The bounds are a few times what was measured.
+// must also be sharp. The bounds are a few times the measured values.
 class Sharpness : public OnBackend<::testing::TestWithParam<std::tuple<Scalar, QueryKind>>> {
  protected:
   static Score score_on(const char* family, Accuracy accuracy) {

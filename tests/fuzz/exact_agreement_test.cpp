@@ -41,7 +41,7 @@ bool time_agrees(double toi, const ExactImpact& truth) {
   return time <= truth.upper && mpq_class(std::nextafter(toi, 2)) + slack >= truth.lower;
 }
 
-// What the engine says otherwise than the judge; empty if nothing.
+// How the engine's answer differs from the judge's; empty if it does not.
 std::string disagreement(const Judged& judged, size_t i) {
   const Query& query = judged.queries[i];
   const ExactImpact& truth = judged.truth[i];

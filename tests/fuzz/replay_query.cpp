@@ -1,4 +1,4 @@
-// Prints what the judge and every level say of queries that a failed test has printed.
+// Prints the verdicts of the judge and of every level on queries that a failed test has printed.
 
 #include <cstdlib>
 #include <iostream>

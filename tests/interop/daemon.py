@@ -7,7 +7,7 @@ import time
 
 
 class Daemon:
-    """Serves on a Unix socket of its own once it is made."""
+    """Serves on its own Unix socket after construction."""
 
     def __init__(self, program, *options):
         self.folder = tempfile.TemporaryDirectory()
@@ -28,7 +28,7 @@ class Daemon:
         assert code == 0, f"the daemon ended with {code}"
 
     def kill(self):
-        """Whatever it is doing, and even if it has ended already."""
+        """In any state, even if it has already ended."""
         self.process.kill()
         self.process.wait()
         self.folder.cleanup()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Health and reflection of the daemon, as clients see them that know nothing but gRPC's own two services.
+"""Health and reflection of the daemon, used by clients that know only gRPC's own two services.
 
 usage: health_reflection_test.py DAEMON STUBS_FOLDER
 """
@@ -47,7 +47,7 @@ class Health(Case):
         return self.stub.Check(health.HealthCheckRequest(service=service), timeout=30).status
 
     def watch(self, service):
-        """Queue of what the daemon tells of a service."""
+        """Queue of the statuses that the daemon reports for a service."""
         told = queue.Queue()
         statuses = self.stub.Watch(health.HealthCheckRequest(service=service), timeout=120)
         self.addCleanup(statuses.cancel)
@@ -87,7 +87,7 @@ class Health(Case):
         self.assertEqual(self.daemon.process.wait(60), 0)
 
     def hold(self):
-        """A call that goes on until its client ends it, so that the daemon waits."""
+        """A call that stays open until its client ends it, so that the daemon waits."""
         is_over = threading.Event()
         self.addCleanup(is_over.set)
 
@@ -102,13 +102,13 @@ class Health(Case):
 
 class Reflection(Case):
     def ask(self, **question):
-        """The answer to one question."""
+        """The answer to one request."""
         stub = reflection_rpc.ServerReflectionStub(self.channel)
         questions = iter([reflection.ServerReflectionRequest(**question)])
         return next(stub.ServerReflectionInfo(questions, timeout=30))
 
     def pool(self):
-        """All files that the service needs, by asking for one after the other."""
+        """All files that the service needs, requested one by one."""
         files, wanted = {}, [{"file_containing_symbol": SERVICE}]
         while wanted:
             for packed in self.ask(**wanted.pop()).file_descriptor_response.file_descriptor_proto:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Who may include whom, whether each header compiles alone, and whether folders stay small.
+"""Checks include dependencies, that each header compiles alone, and that folders stay small.
 
 usage: check_layers.py includes ROOT
        check_layers.py folders ROOT
@@ -26,8 +26,8 @@ MESSAGES = re.compile(r"\.pb\.h$")
 
 GRPC = re.compile(r"^(grpc|grpcpp|google/protobuf)/")
 
-# The server's rooms, from the bottom up, and those that each may include besides itself. What is at the server's root
-# includes them all; of that, they know only SERVER_COMMON.
+# The server's folders, from the bottom up, and those that each may include besides itself. Files at the server's root
+# include them all; of these, the folders know only SERVER_COMMON.
 SERVER_COMMON = {"server/errors.hpp", "server/shorten.hpp"}
 SERVER_ROOMS = {
     "config": set(),
@@ -52,7 +52,7 @@ def may_see_messages(path):
 
 
 def server_room(path):
-    """The room of a file of the server; none for its root."""
+    """The folder of a file of the server; none for its root."""
     room = path.removeprefix("server/").rpartition("/")[0]
     return room if room else None
 
@@ -61,7 +61,7 @@ def server_complaint(path, target):
     """Why the file of the server at `path` may not include `target`."""
     room = server_room(path)
     if GRPC.match(target) and not SPEAKS_GRPC.match(path.removeprefix("server/")):
-        return "gRPC and protobuf begin at server/convert, but for server/auth/credentials"
+        return "gRPC and protobuf begin at server/convert, except for server/auth/credentials"
     if target.startswith("gpu/") and target not in ("gpu/detector.hpp", "gpu/types.hpp"):
         return "the server knows the engine by gpu/detector.hpp alone"
     if target.startswith("client/"):
@@ -69,25 +69,25 @@ def server_complaint(path, target):
     if room is None or not target.startswith("server/") or target in SERVER_COMMON:
         return None
     if room not in SERVER_ROOMS:
-        return f"server/{room} is no room that tests/layers knows"
+        return f"server/{room} is not a folder that tests/layers knows"
     other = server_room(target)
     if other != room and other not in SERVER_ROOMS[room]:
         return f"server/{room} must not know server/{other or ''}"
     return None
 
 
-# The engine's rooms, and those that each may include besides itself: data flows from the later to the earlier.
+# The engine's folders, and those that each may include besides itself: data flows from the later to the earlier.
 ROOMS = {"base": set(), "exact": {"base"}, "exec": {"base"}, "contacts": {"base", "exec"}}
 ROOMS |= {room: {"base", "exec", "contacts"} for room in ("positions", "octree", "lbvh", "search", "narrow")}
 ROOMS["step"] = {"base", "exec", "contacts", "octree", "lbvh", "search", "narrow", "exact"}
 ROOMS["scene"] = ROOMS["step"] | {"positions", "step"}
-# What a scene is specified with, and the roof.
+# The specification of a scene, and the top.
 TYPES, ROOF = "gpu/types.hpp", "gpu/detector.hpp"
 UNDER_THE_ROOF = {"gpu/detector.cpp"}
 
 
 def room_of(path):
-    """The engine's room that a file is in; None for those at its root."""
+    """The engine's folder that a file is in; None for those at its root."""
     match = re.match(r"gpu/([^/]+)/", path)
     return match and match[1]
 
@@ -103,7 +103,7 @@ def engine_complaint(path, target):
     if room is None:
         return None
     if room not in ROOMS:
-        return f"{room} is no room that tests/layers knows"
+        return f"{room} is not a folder that tests/layers knows"
     if other != room and other not in ROOMS[room]:
         return f"{room} must not know {other}"
     if room == "exact" and other == "base" and target not in EXACT_BASE:
@@ -180,7 +180,7 @@ def bad_includes(root):
 
 
 def crowded_folders(root):
-    """Folders with more files than one looks through at a glance; those of figures and data aside."""
+    """Folders with too many files to survey, except those of figures and data."""
     found, folders = [], 0
     for layer in ("proto", "gpu", "server", "client", "tests", "deploy"):
         for folder, subfolders, files in os.walk(root / layer):

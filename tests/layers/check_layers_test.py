@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The checker finds what it is there to find: one bad include at a time in a temporary tree."""
+"""The checker finds one bad include at a time in a temporary tree."""
 
 import pathlib
 import tempfile

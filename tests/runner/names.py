@@ -1,4 +1,4 @@
-"""Names of tests as people want to read them."""
+"""Readable names of tests."""
 
 
 def short(name):
@@ -7,7 +7,7 @@ def short(name):
 
 
 def suite_of(name):
-    """What stands before the test's own name; of a script, its group."""
+    """The part before the test's own name; for a script, its group."""
     return short(name).rpartition(".")[0]
 
 

@@ -1,4 +1,4 @@
-"""What ctest says line by line, as progress and the output of failures."""
+"""ctest's output, line by line, as progress and the output of failures."""
 
 import re
 import sys
@@ -12,7 +12,7 @@ SUMMARY = re.compile(r"^\d+% tests passed")
 
 
 class Progress:
-    """Feed it ctest's lines. On a terminal one line moves; elsewhere a line comes with every 5 %."""
+    """Feed it ctest's lines. On a terminal one line is updated; elsewhere a line is printed for every 5 %."""
 
     def __init__(self, out=sys.stdout, width=100):
         self.out, self.width, self.moves = out, width, out.isatty()

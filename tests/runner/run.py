@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs ctest, and the tests that know a clock once more on clocks that started seconds ago; shows progress and sums up.
+"""Runs ctest, and the tests that read a clock once more on clocks that started seconds ago; shows progress and sums up.
 
 usage: run.py BUILD_FOLDER HEADLINE [CTEST ARGUMENT...]
 
@@ -16,14 +16,14 @@ import young_clock
 from progress import Progress
 from summary import Summary
 
-# With these, what ctest itself prints is what was asked for.
+# With these options, ctest's own output is what the user wants.
 RAW = ("-V", "-VV", "--verbose", "--extra-verbose", "--debug", "-N", "--show-only", "--print-labels", "--help", "--version")
-# unit-no-clock is arithmetic alone, integration-any-clock a daemon that answers within seconds.
+# unit-no-clock is pure arithmetic, integration-any-clock a daemon that answers within seconds.
 YOUNG = ["-L", "^unit$|-any-clock$"]
 
 
 def run_stage(command, log, is_raw):
-    """ctest's exit code; all that it says is in the log."""
+    """ctest's exit code; all its output is in the log."""
     width = shutil.get_terminal_size().columns - 1
     progress = Progress(sys.stdout, width)
     ctest = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)

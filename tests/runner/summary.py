@@ -1,4 +1,4 @@
-"""Counts, failures and reasons for what was skipped, from the JUnit reports that ctest wrote."""
+"""Counts, failures and reasons for skips, from the JUnit reports that ctest wrote."""
 
 import collections
 import pathlib
@@ -37,7 +37,7 @@ class Summary:
         self.passed, self.failed, self.skipped = 0, [], collections.defaultdict(list)
 
     def add(self, report, suffix=""):
-        """Takes the report in; one that ctest did not write counts nothing."""
+        """Adds a report; one that ctest did not write adds nothing."""
         if not pathlib.Path(report).exists():
             return
         for case in xml.parse(report).getroot().findall("testcase"):

@@ -1,4 +1,4 @@
-"""A machine that seems to have booted seconds ago: a time namespace of Linux."""
+"""A machine that seems to have booted seconds ago: a Linux time namespace."""
 
 import os
 import subprocess
@@ -17,7 +17,7 @@ def offsets():
 
 
 def command():
-    """The words that run what follows them with clocks of AGE seconds. Who is not root does it in a user namespace."""
+    """The command prefix that runs a command with clocks of AGE seconds; in a user namespace unless root."""
     words = ["unshare", "--time", "--fork"]
     if os.geteuid() != 0:
         words.append("--map-current-user")

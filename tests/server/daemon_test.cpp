@@ -1,5 +1,5 @@
-// A whole daemon in this process: what it tells of scenes wherever it tells of them, what its log lines carry, and what
-// changes while it runs.
+// A whole daemon in this process: the same facts of scenes in every answer, the contents of its log lines, and changes
+// while it runs.
 #include "server/daemon.hpp"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ class WholeDaemon : public testing::Test {
     daemon_.emplace(config_, lifecycle_);
     stub_ = pb::CollisionService::NewStub(test::channel_to(config_.addresses[0]));
   }
-  // Log lines of a daemon that lives as long as the body.
+  // Log lines of a daemon that runs while the body does.
   template <class Body>
   std::vector<Json> lines_of(const Body& body) {
     set_up_log("json", "debug");

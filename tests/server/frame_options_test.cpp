@@ -1,6 +1,5 @@
-// Every field of a frame does on each way to the daemon what it is there for: DetectFrame, StreamFrames and the local
-// socket, with plain messages and by the C++ library. A field that is new in the protocol fails here until it has a
-// probe.
+// Every field of a frame takes effect on each path to the daemon: DetectFrame, StreamFrames and the local socket, with
+// plain messages and through the C++ library. A new field of the protocol fails here until it has a probe.
 #include <google/protobuf/descriptor.h>
 #include <gtest/gtest.h>
 
@@ -18,14 +17,14 @@ namespace {
 
 using google::protobuf::Descriptor;
 
-/// What a client hears of a frame.
+/// A frame's outcome, as the client sees it.
 struct Told {
   pb::FrameDone done;
   std::string refusal;         ///< the message; empty if the frame was applied
   uint64_t last_frame_id = 0;  ///< of the scene afterwards
 };
 
-/// Sets a field in a frame that is answered with one contact at 1/2, and tells by the answer whether it had its effect.
+/// Sets a field in a frame that is answered with one contact at 1/2, and checks its effect in the answer.
 struct Probe {
   std::function<void(pb::Frame&)> set;
   std::function<bool(const Told&)> has_effect;
@@ -45,7 +44,7 @@ std::function<bool(const Told&)> is_refused(const std::string& message) {
   return [message](const Told& told) { return told.refusal.starts_with(message); };
 }
 
-// No way has so much shared memory.
+// No path has that much shared memory.
 pb::SharedRange far_range() {
   pb::SharedRange range;
   range.set_offset(uint64_t{1} << 40);
@@ -101,10 +100,10 @@ const std::map<std::string, Probe> kProbes = {
       is_refused("frame.updates[0].sparse.shared_indices is ")}},
 };
 
-// They are sent as parts of fields that have a probe, or of one that is not served.
+// Sent as parts of fields that have a probe, or of one that is not served.
 const std::set<std::string> kParts = {"SharedRange.offset", "SharedRange.size", "RigidTransform.matrix"};
 
-// All fields of a message, and of the messages in it.
+// All fields of a message and of its nested messages.
 void add_fields(const Descriptor& type, std::set<std::string>& fields) {
   for (int i = 0; i < type.field_count(); ++i) {
     const auto& field = *type.field(i);
@@ -214,7 +213,7 @@ TEST(FrameOptionsProbes, ThereIsOneForEachField) {
   for (const auto& field : fields)
     EXPECT_TRUE(kProbes.contains(field) || kParts.contains(field))
         << field << " is new: add a probe that shows it to arrive on every way to the daemon";
-  for (const auto& [field, probe] : kProbes) EXPECT_TRUE(fields.contains(field)) << field << " is no field any more";
+  for (const auto& [field, probe] : kProbes) EXPECT_TRUE(fields.contains(field)) << field << " is no longer a field";
 }
 
 }  // namespace

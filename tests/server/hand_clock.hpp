@@ -1,5 +1,5 @@
 #pragma once
-// A clock that stands still until it is moved by hand. As on a machine that was just started, it begins at 5 s.
+// A clock that is advanced by hand. As on a machine that has just booted, it starts at 5 s.
 
 #include <atomic>
 #include <chrono>

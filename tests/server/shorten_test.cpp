@@ -1,4 +1,4 @@
-// Cut texts stay UTF-8.
+// Shortened texts stay UTF-8.
 #include "server/shorten.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 #pragma once
-// Waits for what another thread does, without a word on how fast.
+// Waits for another thread, without assumptions about its speed.
 
 #include <chrono>
 #include <thread>

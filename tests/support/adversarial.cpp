@@ -6,7 +6,7 @@
 namespace collided::test {
 namespace {
 
-// A generator of our own: the standard distributions differ between libraries.
+// Our own generator: the standard distributions differ between libraries.
 class Random {
  public:
   explicit Random(uint32_t seed) : state_(seed * 0x9e3779b97f4a7c15ull + 1) {}
@@ -46,7 +46,7 @@ Case named(Case c, const char* name) {
   return c;
 }
 
-// Boxes that share faces, edges or corners with their neighbours and nothing else: closed boxes have to meet.
+// Boxes that share only faces, edges or corners with their neighbours: closed boxes must overlap.
 Case touching_on_lattice() {
   Positions p;
   for (int x = 0; x < 6; ++x)

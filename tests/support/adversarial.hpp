@@ -12,10 +12,10 @@ std::vector<Case> adversarial_cases();
 /// `step`.
 Case soup(uint32_t seed, uint32_t count, double side, double size, double step, const Vec3d& centre = {});
 
-/// Everything on one spot: all pairs of triangles are candidates many times over.
+/// Everything in one spot: all pairs of triangles are candidates many times over.
 Case crowd();
 
-/// A few triangles, with exponents that lie as far apart as F64 has them: exact decisions take long.
+/// A few triangles, with exponents as far apart as F64 allows: exact decisions take long.
 Case far_apart();
 
 }  // namespace collided::test

@@ -51,7 +51,7 @@ bool difference_at_most(double b, double a, double limit) {
 
 struct Gap {
   double exact;  ///< the thickness
-  double slack;  ///< with what outward rounding may add
+  double slack;  ///< plus what outward rounding may add
 
   Reach reach(const Box& a, const Box& b) const {
     bool must = true;
@@ -174,7 +174,7 @@ class Finder {
     return sorted_side(boxes, std::move(ids), axis_);
   }
 
-  // A vertex of no triangle is no feature of the surface.
+  // A vertex of no triangle is not a feature of the surface.
   std::vector<uint32_t> used_vertices() const {
     std::vector<char> used(vertices_.size());
     for (const auto& triangle : features_.triangles)

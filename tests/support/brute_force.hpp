@@ -1,6 +1,5 @@
 #pragma once
-// Which pairs of features have boxes that meet, found without the engine: sort and sweep on one axis, exact
-// comparisons.
+// Pairs of features whose boxes overlap, found without the engine: sort and sweep on one axis, exact comparisons.
 
 #include <cstdint>
 #include <vector>
@@ -14,7 +13,7 @@ using PairKey = uint64_t;  ///< first id << 32 | second id: ascending keys are t
 inline PairKey key_of(uint32_t first, uint32_t second) { return static_cast<PairKey>(first) << 32 | second; }
 
 /// A box inflated with outward rounding may catch pairs a hair further apart than the thickness,
-/// so what has to be found and what may be found are two sets. With thickness 0 they are the same.
+/// so the pairs that must be found and those that may be found are two sets. With thickness 0 they are the same.
 struct PairSet {
   std::vector<PairKey> must;  ///< gap <= thickness, decided exactly; sorted
   std::vector<PairKey> may;   ///< gap <= thickness * (1 + 1e-5) + a few ulp; sorted, includes `must`
@@ -25,7 +24,7 @@ struct ExpectedPairs {
   PairSet edge_edge;
 };
 
-/// Scene-wide ids as in collided::Topology, made independently of it.
+/// Scene-wide ids as in collided::Topology, computed independently.
 struct Features {
   std::vector<uint32_t> mesh_of_vertex;
   std::vector<std::array<uint32_t, 3>> triangles;
@@ -36,7 +35,7 @@ Features features_of(const Case& c);
 /// Pairs of the case (already rounded to `scalar`). DCD looks at t = 1 only, CCD at the boxes swept from t = 0 to 1.
 ExpectedPairs brute_force(const Case& c, Mode mode, Scalar scalar, double thickness);
 
-/// What is wrong with the engine's list; empty if nothing: order, repeats, misses, pairs too many.
+/// What is wrong with the engine's list, or empty: order, repeats, misses, extra pairs.
 std::string compare(std::span<const std::array<uint32_t, 2>> found, const PairSet& expected);
 
 }  // namespace collided::test

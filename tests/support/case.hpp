@@ -1,5 +1,5 @@
 #pragma once
-// A test case: meshes and where their vertices are at t = 0 and t = 1.
+// A test case: meshes and their vertex positions at t = 0 and t = 1.
 
 #include <ostream>
 #include <string>
@@ -20,7 +20,7 @@ struct Case {
   std::vector<Positions> end;    ///< t = 1; static meshes: the same as start
 };
 
-// GoogleTest names the value of a parameter with it.
+// GoogleTest prints parameter values with it.
 inline void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 /// A frame that owns its bytes; input() borrows them.
@@ -61,7 +61,7 @@ void add_mesh(Case& c, std::vector<std::array<uint32_t, 3>> triangles, Positions
 /// `settings` with the case's meshes.
 SceneSpec spec_for(const Case& c, SceneSpec settings);
 
-/// Makes a scene for the case and runs its one frame.
+/// Creates a scene for the case and runs its one frame.
 FrameResult run_case(const Case& c, const SceneSpec& settings);
 
 }  // namespace collided::test

@@ -1,5 +1,5 @@
 #pragma once
-// The data folder with frames and queries that others labelled, which is not part of the repository.
+// The data folder with frames and queries labelled by others, which is not part of the repository.
 
 #include <filesystem>
 #include <optional>
@@ -8,7 +8,7 @@ namespace collided::test {
 
 inline constexpr char kNoDataFolder[] = "the data folder is not here; set COLLIDED_DATA";
 
-/// COLLIDED_DATA, or the folder `shared/data` next to the repository; nothing if it is absent.
+/// COLLIDED_DATA, or the folder `shared/data` next to the repository; nullopt if absent.
 std::optional<std::filesystem::path> data_folder();
 
 }  // namespace collided::test

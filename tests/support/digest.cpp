@@ -14,7 +14,7 @@ uint64_t mix(uint64_t hash, const void* data, size_t size) {
   return hash;
 }
 
-// The length goes in too: two arrays must not pass for one.
+// The length is hashed, too: two arrays must not pass for one.
 template <class T>
 uint64_t mix(uint64_t hash, const Column<T>& values) {
   const uint64_t size = values.size();

@@ -8,7 +8,7 @@ namespace collided::test {
 uint64_t digest(const ContactSet& contacts, uint64_t seed);
 uint64_t digest(const FrameResult& result);
 
-/// Byte for byte: also tells -0 from 0 and compares NaN with itself.
+/// Byte for byte: distinguishes -0 from 0, and NaN equals itself.
 bool same_bytes(const ContactSet& a, const ContactSet& b);
 bool same_contacts(const FrameResult& a, const FrameResult& b);
 

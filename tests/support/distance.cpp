@@ -19,7 +19,7 @@ void keep_closer(Closest& best, const Closest& other) {
   if (other.distance < best.distance) best = other;
 }
 
-// Solves the 2x2 system of a plane's Gram matrix; false where the feature has no extent of two dimensions.
+// Solves the 2x2 system of a plane's Gram matrix; false if the feature is not two-dimensional.
 bool solve(double aa, double ab, double bb, double pa, double pb, std::array<double, 2>& weights) {
   const double det = aa * bb - ab * ab;
   if (!(det > 1e-14 * aa * bb)) return false;

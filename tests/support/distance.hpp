@@ -1,5 +1,5 @@
 #pragma once
-// Closest points of two features: the minimum over the cases, without cleverness.
+// Closest points of two features: simply the minimum over all cases.
 
 #include "tests/support/case.hpp"
 

@@ -1,4 +1,4 @@
-// A client of the daemon that the options name, or of one that is started for it.
+// A client of the daemon that the options name, or of one started for this command.
 
 #include "client/cli/daemon/connection.hpp"
 
@@ -26,7 +26,7 @@ uid_t user_of(const std::string& word) {
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), id);
   if (error == std::errc{} && end == word.data() + word.size()) return id;
   const passwd* known = getpwnam(word.c_str());
-  if (known == nullptr) throw UsageError("--daemon-user " + word + ": there is no such user here");
+  if (known == nullptr) throw UsageError("--daemon-user " + word + ": no such user on this host");
   return known->pw_uid;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// A client of the daemon that the options name, or of one that is started for it.
+// A client of the daemon that the options name, or of one started for this command.
 
 #include <chrono>
 #include <optional>
@@ -39,7 +39,7 @@ class SceneGuard {
 /// Reads the token file. Throws std::runtime_error naming it.
 client::ConnectOptions connect_options(const ServerOptions& options);
 
-/// Throws UsageError for a daemon user that this host does not know.
+/// Throws UsageError for a daemon user unknown on this host.
 client::LocalOptions local_options(const ServerOptions& options);
 
 class Connection {

@@ -1,5 +1,5 @@
-// What collidectl still does when it is interrupted. Signal handlers may make async-signal-safe calls only, so the
-// paths are prepared in advance.
+// Clean-up when collidectl is interrupted. Signal handlers may only make async-signal-safe calls, so the paths are
+// prepared in advance.
 
 #include "client/cli/daemon/interrupt.hpp"
 

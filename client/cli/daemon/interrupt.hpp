@@ -1,6 +1,6 @@
 #pragma once
-// What collidectl still does when it is interrupted (SIGINT, SIGTERM, SIGHUP): stop its daemon and remove its folder,
-// delete its scene on a foreign daemon, and report what it has found so far.
+// Clean-up when collidectl is interrupted (SIGINT, SIGTERM, SIGHUP): it stops its daemon and removes the daemon's
+// folder, deletes its scene on a foreign daemon, and reports what it has found so far.
 
 #include <sys/types.h>
 
@@ -21,8 +21,8 @@ void clean_up_on_interrupt(pid_t daemon, const std::string& folder);
 /// The daemon has been stopped: there is nothing left to clean up.
 void no_clean_up_on_interrupt() noexcept;
 
-/// From now on the first interrupt only shows in is_interrupted() and check_interrupt(), so that the scene can be
-/// deleted and the results so far reported; a second one ends collidectl at once.
+/// From now on the first interrupt only sets is_interrupted() and makes check_interrupt() throw, so that the scene can
+/// be deleted and the results so far reported; a second one ends collidectl at once.
 void defer_interrupts();
 bool is_interrupted();
 /// Throws Interrupted after an interrupt.

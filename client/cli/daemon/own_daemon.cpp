@@ -35,14 +35,14 @@ bool is_program(const fs::path& path) {
 fs::path make_directory() {
   std::string name = (fs::temp_directory_path() / "collidectl-XXXXXX").string();
   if (name.size() > 90) name = "/tmp/collidectl-XXXXXX";  // the path of a socket has at most 107 bytes
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary directory " + name + " can be made");
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot create the temporary directory " + name);
   return name;
 }
 
 /// Without the address of the Unix socket.
 std::vector<std::string> command_line(const fs::path& program, const fs::path& directory,
                                       const DaemonOptions& options) {
-  // So that a missing GPU is reported for the scene, in one clear message, instead of by a daemon that does not start.
+  // So that a missing GPU is reported for the scene, in one clear message, and not by a daemon that fails to start.
   const std::string backend = options.backend == "cuda" ? "auto" : options.backend;
   std::vector<std::string> words{program.string(),
                                  "--backend",
@@ -72,8 +72,7 @@ std::string last_log_line(const fs::path& log) {
   return last.empty() ? "" : ": " + last;
 }
 
-/// Gives the child a process group of its own, so that only collidectl gets the terminal's interrupts, and logs its
-/// output.
+/// Gives the child its own process group, so that only collidectl gets the terminal's interrupts, and logs its output.
 void detach(const fs::path& log) {
   setpgid(0, 0);
   signal(SIGPIPE, SIG_DFL);
@@ -92,7 +91,7 @@ std::string describe(int status) {
 fs::path find_daemon() {
   if (const char* named = std::getenv("COLLIDED_DAEMON")) {
     if (is_program(named)) return named;
-    throw std::runtime_error(std::string("COLLIDED_DAEMON is '") + named + "', which is no program");
+    throw std::runtime_error(std::string("COLLIDED_DAEMON is '") + named + "', which is not a program");
   }
   const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
   std::vector<fs::path> places{here, here / "../bin", here / "../../server"};
@@ -137,7 +136,7 @@ void OwnDaemon::start(const fs::path& program, const DaemonOptions& options) {
   argv.push_back(nullptr);
   const pid_t parent = getpid();
   pid_ = fork();
-  if (pid_ < 0) throw std::runtime_error("no process can be started");
+  if (pid_ < 0) throw std::runtime_error("cannot start a process");
   if (pid_ > 0) return clean_up_on_interrupt(pid_, directory_.string());
   prctl(PR_SET_PDEATHSIG, SIGTERM);  // if collidectl is killed, so is its daemon
   if (getppid() != parent) _exit(126);

@@ -1,4 +1,4 @@
-// Meshes of a scene and their positions, as a daemon takes them.
+// Meshes of a scene and their positions, in the form that a daemon takes.
 
 #include "client/cli/input/mesh_input.hpp"
 

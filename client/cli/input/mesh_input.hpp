@@ -1,5 +1,5 @@
 #pragma once
-// Meshes of a scene and their positions, as a daemon takes them.
+// Meshes of a scene and their positions, in the form that a daemon takes.
 
 #include <vector>
 

@@ -11,7 +11,7 @@ namespace collided::cli {
 
 namespace {
 
-// The options' words for values of the protocol.
+// Option words for the protocol's values.
 template <class T>
 using Words = std::vector<std::pair<std::string, T>>;
 
@@ -77,7 +77,7 @@ void add_server_options(CLI::App& command, ServerOptions& options) {
   command.add_option("--backend", options.backend, "Where the scene lives: auto, cpu or cuda")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
-  command.add_option("--threads", options.threads, "CPU threads of the own daemon; 0: all cores")
+  command.add_option("--threads", options.threads, "CPU threads of its own daemon; 0: all cores")
       ->check(CLI::Range(0, 4096))
       ->excludes(server);
   add_security_options(command, options, server);
@@ -87,7 +87,7 @@ void add_detection_options(CLI::App& command, DetectionOptions& options) {
   command.add_option("--mode", options.mode, "ccd: between two frames; dcd: in one frame")
       ->check(CLI::IsMember({"ccd", "dcd"}))
       ->capture_default_str();
-  command.add_option("--accuracy", options.accuracy, "How surely contacts are found, from fastest to exact")
+  command.add_option("--accuracy", options.accuracy, "Accuracy level, from fastest to exact")
       ->check(one_of(kAccuracies))
       ->capture_default_str();
   command.add_option("--thickness", options.thickness, "Contact distance, in the unit of the positions")

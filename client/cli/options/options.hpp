@@ -15,7 +15,7 @@ struct ServerOptions {
   std::string backend = "auto";
   int threads = 0;
   std::string token_file, tls_ca, tls_certificate, tls_key;  ///< for a running daemon
-  std::string daemon_user;  ///< name or id of another user who may listen at the local socket
+  std::string daemon_user;  ///< name or id of another user who may listen on the local socket
 };
 
 /// What to detect.
@@ -32,7 +32,7 @@ struct DetectionOptions {
 void add_server_options(CLI::App& command, ServerOptions& options);
 void add_detection_options(CLI::App& command, DetectionOptions& options);
 
-/// Replaces --engine of add_detection_options by one that takes several engines.
+/// Replaces --engine of add_detection_options with one that takes several engines.
 void add_engines_option(CLI::App& command, std::vector<std::string>& engines);
 /// --position-format, f32 or f64.
 void add_position_format_option(CLI::App& command, std::string& format);

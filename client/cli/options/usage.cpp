@@ -1,4 +1,4 @@
-// What is wrong with a command line, and what may have been meant.
+// Error messages for bad command lines, with suggestions.
 
 #include "client/cli/options/usage.hpp"
 
@@ -45,13 +45,14 @@ std::string unknown_word(const CLI::App& app, const std::string& word) {
   const bool is_option = word.starts_with("-") && word.size() > 1;
   const bool is_command = &command == &app && !is_option;
   if (is_command)
-    return "'" + word + "' is no command" +
+    return "'" + word + "' is not a command" +
            suggestion(nearest(word, command_names(app)), "there are " + joined(command_names(app)));
   const std::string of = &command == &app ? "collidectl" : "'" + command.get_name() + "'";
   const std::string help = "collidectl " + (&command == &app ? "" : command.get_name() + " ") + "--help";
   const std::string option = word.substr(0, word.find('='));
   if (!is_option) return "'" + word + "' is one word too many for " + of + "; see '" + help + "'";
-  return option + " is no option of " + of + suggestion(nearest(option, option_names(command)), "see '" + help + "'");
+  return option + " is not an option of " + of +
+         suggestion(nearest(option, option_names(command)), "see '" + help + "'");
 }
 
 /// Without the leading dashes, which would make all options look alike.

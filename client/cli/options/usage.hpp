@@ -1,5 +1,5 @@
 #pragma once
-// What is wrong with a command line, and what may have been meant.
+// Error messages for bad command lines, with suggestions.
 
 #include <CLI/CLI.hpp>
 #include <memory>

@@ -33,7 +33,8 @@ class FrameTransport {
   /// Sends `frame` with `updates` after its own; borrows both until it returns. Throws Error, and sends nothing, for a
   /// frame that this transport cannot carry.
   virtual bool send(const v1::Frame& frame, std::span<const FrameUpdate> updates) = 0;
-  /// Waits for the daemon's next message. kNothing: none came by `deadline`; kEnd: the stream has ended, well or not.
+  /// Waits for the daemon's next message. kNothing: none came by `deadline`; kEnd: the stream has ended, with or
+  /// without an error.
   virtual Arrival read(v1::StreamFramesResponse& response, Time deadline) = 0;
   /// Bytes of the output region, valid until the frame's credit is used again. Throws Error (DATA_LOSS) for a range
   /// outside of it; over gRPC that is every range.
@@ -42,7 +43,7 @@ class FrameTransport {
   virtual void half_close() = 0;
   /// Ends the stream at once: read() returns kEnd soon.
   virtual void cancel() = 0;
-  /// Why the stream ended; nothing if it ended well. Called once, after read() has returned kEnd.
+  /// The error that ended the stream; nullopt if none did. Called once, after read() has returned kEnd.
   virtual std::optional<Error> finish() = 0;
 };
 

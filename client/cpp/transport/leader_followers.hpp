@@ -8,7 +8,7 @@
 
 namespace collided::client {
 
-/// Guarded by the mutex of the lock that is passed, like everything that the threads wait for.
+/// Guarded by the mutex of the lock passed in, like everything that the threads wait for.
 class LeaderFollowers {
  public:
   using Lock = std::unique_lock<std::mutex>;
@@ -33,7 +33,7 @@ class LeaderFollowers {
     notify();
     return is_fetched;
   }
-  /// Wakes the followers: what they wait for may have come by other means than a fetch.
+  /// Wakes the followers: what they wait for may have happened without a fetch.
   void notify() { changed_.notify_all(); }
 
  private:

@@ -1,4 +1,4 @@
-// What 'collidectl bench' plays, and in which order.
+// The inputs that 'collidectl bench' plays, and their order.
 
 #include "client/measure/bench/input.hpp"
 

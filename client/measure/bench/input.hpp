@@ -1,5 +1,5 @@
 #pragma once
-// What 'collidectl bench' plays, and in which order.
+// The inputs that 'collidectl bench' plays, and their order.
 
 #include <functional>
 #include <string>
@@ -16,7 +16,7 @@ struct BenchInput {
   std::string name;
   std::vector<scenes::Mesh> meshes;
   PositionsOf start, end;  ///< of a step: positions of all meshes, in their order
-  bool is_motion = true;   ///< each step starts where the one before ended
+  bool is_motion = true;   ///< each step starts where the previous one ended
 };
 
 /// A procedural scene from t = 0 to t = 1. Throws std::invalid_argument for an unknown name or a bad scale.
@@ -28,7 +28,7 @@ BenchInput file_input(const std::vector<std::string>& files);
 /// last step, so that buffers grow to about what the motion needs.
 std::vector<int> planned_steps(int steps, int warm_up);
 
-/// Frame `at`, counted from 0, of a plan. A CCD frame has its start unless it continues the frame before.
+/// Frame `at`, counted from 0, of a plan. A CCD frame has start positions unless it continues the previous frame.
 v1::Frame planned_frame(const BenchInput& input, const std::vector<int>& plan, size_t at, int steps,
                         const v1::SceneSpec& spec);
 

@@ -1,4 +1,4 @@
-// Where the results of 'collidectl bench' go.
+// Output of 'collidectl bench'.
 
 #include "client/measure/bench/output.hpp"
 

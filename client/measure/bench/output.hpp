@@ -1,6 +1,6 @@
 #pragma once
-// Where the results of 'collidectl bench' go: a table, printed run by run, and one JSON object: in a file, which always
-// holds the runs so far, or on standard output at the end.
+// Output of 'collidectl bench': a table, printed run by run, and one JSON object, in a file that always holds the runs
+// so far or on standard output at the end.
 
 #include <string>
 

@@ -21,7 +21,7 @@ Json step_times(const std::vector<v1::FrameMetrics>& steps) {
 
 Json stage_times(const std::vector<v1::FrameMetrics>& steps) {
   Json stages = median_stages(steps);
-  stages.erase("total");  // no stage: the daemon's time, waiting included
+  stages.erase("total");  // not a stage: the daemon's time, including waits
   return stages;
 }
 

@@ -1,4 +1,4 @@
-// Plays an input on a daemon and records what the frames cost.
+// Plays an input on a daemon and records the cost of its frames.
 
 #include "client/measure/bench/run.hpp"
 

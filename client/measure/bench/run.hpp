@@ -1,5 +1,5 @@
 #pragma once
-// Plays an input on a daemon and records what the frames cost.
+// Plays an input on a daemon and records the cost of its frames.
 
 #include "client/cli/daemon/connection.hpp"
 #include "client/measure/bench/input.hpp"
@@ -8,7 +8,7 @@
 
 namespace collided::cli {
 
-/// Plays one input with the settings' engine, on a scene of its own, with one frame in flight so that no frame's time
+/// Plays one input with the settings' engine, on its own scene, with one frame in flight so that no frame's time
 /// depends on its neighbours. After an interrupt the run has the steps so far and the interrupt.
 BenchRun measure(Connection& connection, const BenchSettings& settings, const BenchInput& input);
 

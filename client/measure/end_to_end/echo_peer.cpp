@@ -1,4 +1,4 @@
-// What sockets alone cost: a child process that receives bytes and sends bytes back.
+// Measures the cost of sockets alone: a child process that receives bytes and sends bytes back.
 
 #include "client/measure/end_to_end/echo_peer.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
-// What sockets alone cost: a child process that receives bytes, waits as long as it is told and sends bytes back, over
-// loopback TCP (TCP_NODELAY) and a Unix stream.
+// Measures the cost of sockets alone: a child process that receives bytes, waits for a given time and sends bytes back,
+// over loopback TCP (TCP_NODELAY) and a Unix stream.
 
 #include <sys/types.h>
 

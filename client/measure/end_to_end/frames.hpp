@@ -14,7 +14,7 @@ namespace collided::cli {
 double scale_for(const std::string& scene, double megabytes, v1::PositionFormat format);
 
 /// Frame `frame`, counted from 0, has the id after that. In CCD the first one also has positions at its start; later
-/// ones start where the frame before them ended.
+/// ones start where the previous frame ended.
 v1::Frame frame_at(const scenes::Scene& scene, int frame, const v1::SceneSpec& spec);
 
 /// Updates that borrow the frame's positions.

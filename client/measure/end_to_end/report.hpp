@@ -26,7 +26,7 @@ struct BareTimes {
   std::vector<double> tcp, unix_stream;
 };
 
-/// About the size of a control message, one of which shared memory needs each way.
+/// About the size of a control message; shared memory needs one each way.
 constexpr size_t kControlBytes = 64;
 
 /// One size of one scene.

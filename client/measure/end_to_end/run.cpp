@@ -1,5 +1,5 @@
-// collidectl bench --end-to-end: whole frames over every transport, and the same bytes over bare sockets. They take
-// turns frame by frame, so that other load on the machine hits all of them alike.
+// collidectl bench --end-to-end: whole frames over every transport, and the same bytes over bare sockets. They
+// alternate frame by frame, so that other load on the machine affects all of them alike.
 
 #include "client/measure/end_to_end/run.hpp"
 
@@ -71,7 +71,7 @@ std::vector<Lane> EndToEnd::open_lanes(const scenes::Scene& input, EndToEndRun& 
 }
 
 /// Sends one frame and waits for its answer. Returns the bytes of its contacts, which must be `bytes_down`, those of
-/// the lane before; -1: this is the first lane.
+/// the previous lane; -1: this is the first lane.
 double EndToEnd::send(Lane& lane, const v1::Frame& frame, bool counts, double bytes_down) {
   std::vector<client::FrameUpdate> updates = views_of(frame);
   if (lane.in_place) move_to_input(lane.stream, updates);

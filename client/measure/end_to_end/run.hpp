@@ -13,12 +13,12 @@ struct EndToEndOptions {
   BenchSettings settings;
   std::string scene = "cloth_ball";
   double scale = 1;
-  std::vector<double> megabytes{1, 5};  ///< one more run each, at the scale with about that much a frame
+  std::vector<double> megabytes{1, 5};  ///< one more run each, at the scale with about that much per frame
   std::string out;                      ///< JSON file of all runs; empty: none; "-": standard output
   bool json = false;                    ///< print the JSON instead of the table
 };
 
-/// Measures and prints run by run, with a daemon of its own.
+/// Measures and prints run by run, with its own daemon.
 void run_end_to_end(const EndToEndOptions& options);
 
 }  // namespace collided::cli

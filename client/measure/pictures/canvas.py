@@ -1,4 +1,4 @@
-"""What all pictures share: matplotlib without a display, fonts, colours, and files that depend on the data alone."""
+"""Shared by all pictures: matplotlib without a display, fonts, colours, and files that depend only on the data."""
 
 import matplotlib
 

@@ -1,4 +1,4 @@
-"""Labels of points, each put where nothing else is; one that finds no place is left out."""
+"""Labels of points, each placed where nothing else is; a label without a free place is left out."""
 
 MARKER = 8  # points, the size of what a marker covers
 PAPER = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.3}

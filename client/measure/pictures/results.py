@@ -100,7 +100,7 @@ def add_file(path, results):
     with open(path, encoding="utf-8") as file:
         result = parse(file.read(), path)
     if not isinstance(result, dict) or "runs" not in result:
-        raise BadResult(f"{path}: is no result of a measurement: it has no 'runs'")
+        raise BadResult(f"{path}: is not a measurement result: it has no 'runs'")
     is_tradeoff = "format" in result
     try:
         if is_tradeoff:
@@ -109,9 +109,9 @@ def add_file(path, results):
         else:
             results.runs += [step_run(run, result["device"]) for run in result["runs"]]
     except KeyError as missing:
-        raise BadResult(f"{path}: is no result of a measurement: {missing} is missing") from None
+        raise BadResult(f"{path}: is not a measurement result: {missing} is missing") from None
     except (AttributeError, TypeError, ValueError) as error:
-        raise BadResult(f"{path}: is no result of a measurement: {error}") from None
+        raise BadResult(f"{path}: is not a measurement result: {error}") from None
 
 
 def read_results(paths):

@@ -11,7 +11,7 @@ SCALE_VALUES = [("time of a step [ms]", lambda run: run["step_ms"]["median"]),
 
 
 def in_order(values, known=()):
-    """Each value once: those of `known` first, then in the order in which they come."""
+    """Each value once: those of `known` first, then in order of appearance."""
     found = list(dict.fromkeys(values))
     return [v for v in known if v in found] + [v for v in found if v not in known]
 
@@ -22,7 +22,7 @@ def grouped_stages(run):
 
 
 def smallest_size(runs):
-    """Of each scene, the runs at the smallest size alone: the scene as it is when it is not refined."""
+    """The runs of each scene at its smallest size, that is, unrefined."""
     smallest = {}
     for run in runs:
         smallest[run["scene"]] = min(run["triangles"], smallest.get(run["scene"], run["triangles"]))

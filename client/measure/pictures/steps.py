@@ -7,7 +7,7 @@ from .runs import ENGINES, SCALE_VALUES, grouped_stages, in_order, scale_series,
 
 
 def pictures(runs):
-    """Name to figure, of what there is something to show."""
+    """Name to figure, for each picture with data."""
     out = {}
     if stages := stage_runs(runs):
         out["stages"] = draw_stages(stages, f"{runs[0]['device']}, engine octree")

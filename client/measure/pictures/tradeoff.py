@@ -150,7 +150,7 @@ def tick_text(value, _):
 
 
 def delta_text(delta):
-    """A delta as people write it, such as "1e-6"; the daemon's own choice is "auto"."""
+    """A delta in short form, such as "1e-6"; the daemon's own choice is "auto"."""
     if delta == 0:
         return "auto"
     mantissa, exponent = f"{delta:.5e}".split("e")

@@ -42,8 +42,8 @@ void check(MeshFile& mesh, const std::string& file) {
 std::string read_file(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) fail(file.string(), "is a folder");
-  if (!std::filesystem::exists(file, error)) fail(file.string(), "is no file: there is nothing of that name");
-  if (!std::filesystem::is_regular_file(file, error)) fail(file.string(), "is no file");
+  if (!std::filesystem::exists(file, error)) fail(file.string(), "does not exist");
+  if (!std::filesystem::is_regular_file(file, error)) fail(file.string(), "is not a file");
   const uint64_t bytes = std::filesystem::file_size(file, error);
   if (error) fail(file.string(), error.message());
   if (bytes > kMaxFileBytes)

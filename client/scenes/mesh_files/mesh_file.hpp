@@ -14,8 +14,8 @@ struct MeshFile {
   bool is_double = false;  ///< a position is not exactly a float
 };
 
-/// Reads the format that the file's extension names. Throws std::runtime_error naming the file, the place and what is
-/// wrong.
+/// Reads the format that the file's extension names. Throws std::runtime_error naming the file, the place and the
+/// problem.
 MeshFile read_mesh(const std::filesystem::path& file);
 
 /// Writes OBJ (17 digits) or binary little-endian double PLY, as the file's extension says.

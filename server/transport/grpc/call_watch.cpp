@@ -1,4 +1,4 @@
-// What becomes of each call, as metrics and log lines.
+// Outcomes of calls, as metrics and log lines.
 #include "server/transport/grpc/call_watch.hpp"
 
 #include "collided/v1/collision_service.pb.h"
@@ -20,7 +20,7 @@ bool is_served(const std::string& method) {
          method == "ServerReflectionInfo";
 }
 
-// Callers choose the path, but only known methods are counted by name.
+// Callers choose the path, so only known methods are counted by name.
 std::string method_of(const std::string& path) {
   std::string method = path.substr(path.rfind('/') + 1);
   return is_served(method) ? method : "unknown";

@@ -1,6 +1,6 @@
 #pragma once
-// Counts every call but the frame streams, which count themselves; logs refused calls; reports calls that were
-// abandoned before they brought anything.
+// Counts every call except frame streams, which count themselves; logs refused calls; reports calls that were abandoned
+// before they sent a message.
 
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/support/server_interceptor.h>
@@ -15,12 +15,12 @@
 
 namespace collided::server {
 
-/// Called for each call that its client cancelled before it had brought a message.
+/// Called for each call that its client cancelled before a message arrived.
 using OnAbandoned = std::function<void(const std::string& peer)>;
 
 class CallWatch final : public grpc::experimental::Interceptor {
  public:
-  /// The references outlive it.
+  /// The references must outlive it.
   CallWatch(grpc::experimental::ServerRpcInfo& call, std::string_view method, Metrics& metrics,
             const OnAbandoned& on_abandoned)
       : call_(call), method_(method), metrics_(metrics), on_abandoned_(on_abandoned) {}

@@ -1,5 +1,5 @@
 #pragma once
-// Who makes a call, and the ids that its log lines carry.
+// Who makes a call, and the ids for its log lines.
 
 #include <grpcpp/grpcpp.h>
 

@@ -22,7 +22,7 @@ constexpr size_t kMaxContactBytes = pb::kMaxAnswerBytes - (size_t{64} << 10);  /
 void check_no_stream(const Scene& scene) {
   if (scene.stream())
     throw FailedPrecondition(
-        "scene_id", fmt::format("scene_id: scene {} has an open stream, which alone brings its frames", scene.id()));
+        "scene_id", fmt::format("scene_id: scene {} has an open stream, which alone may send its frames", scene.id()));
 }
 
 void check_size(const AnsweredFrame& frame) {
@@ -40,7 +40,7 @@ void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameRespon
   *response.mutable_done() = done_message(frame);
 }
 
-// On the scene's worker thread. Why a frame was refused is logged with its call.
+// On the scene's worker thread. The reason for a refusal is logged with the call.
 void answer(Call& call, Scene& scene, PendingFrame& frame) {
   guard(call, [&] {
     try {

@@ -8,7 +8,7 @@
 
 namespace collided::server {
 
-/// Takes the frame in and posts it to the scene's worker, which ends the call. `held` lives until then. Throws
+/// Admits the frame and posts it to the scene's worker, which ends the call. `held` is kept alive until then. Throws
 /// NotFound, LimitExceeded if too many frames of the scene wait.
 void detect_frame(UnaryCall<pb::DetectFrameRequest, pb::DetectFrameResponse>& call, SceneHost& host,
                   const std::shared_ptr<void>& held);

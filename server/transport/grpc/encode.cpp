@@ -1,4 +1,4 @@
-// Answers of the frame stream to the wire.
+// Encodes answers of the frame stream.
 #include "server/transport/grpc/encode.hpp"
 
 #include <google/protobuf/wire_format_lite.h>
@@ -16,7 +16,7 @@ namespace {
 using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedOutputStream;
 
-constexpr size_t kFewBytes = 1024;  // are copied into the head rather than sent as a slice of their own
+constexpr size_t kFewBytes = 1024;  // smaller arrays are copied into the head instead of sent as slices
 
 uint32_t tag_of(int field, WireFormatLite::WireType type) { return WireFormatLite::MakeTag(field, type); }
 
@@ -41,14 +41,14 @@ size_t length_of(int field, size_t bytes) {
          CodedOutputStream::VarintSize64(bytes) + bytes;
 }
 
-// A slice of memory that `owner` keeps.
+// A slice of memory that `owner` keeps alive.
 grpc::Slice borrow(std::span<const std::byte> bytes, std::shared_ptr<const void> owner) {
   auto* held = new std::shared_ptr<const void>(std::move(owner));
   return {const_cast<std::byte*>(bytes.data()), bytes.size(),
           [](void* user) { delete static_cast<std::shared_ptr<const void>*>(user); }, held};
 }
 
-// The slices of one message: heads in between arrays.
+// The slices of one message: arrays, with heads in between.
 class SliceWriter {
  public:
   std::string& head() { return head_; }
@@ -79,7 +79,7 @@ class SliceWriter {
   std::vector<grpc::Slice> slices_;
 };
 
-// A ContactChunk before it is written.
+// A ContactChunk ready to be written.
 struct ChunkPiece {
   std::string facts;
   std::vector<ChunkArray> arrays;

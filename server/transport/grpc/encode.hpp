@@ -1,5 +1,5 @@
 #pragma once
-// Answers of the frame stream to the wire. The contact arrays are sent from where they lie; only heads are copied.
+// Encodes answers of the frame stream. Contact arrays are sent in place; only heads are copied.
 
 #include <grpcpp/support/byte_buffer.h>
 
@@ -16,11 +16,11 @@ namespace pb = collided::v1;
 struct EncodedMessage {
   grpc::ByteBuffer bytes;
   size_t size = 0;
-  bool ends_frame = false;                ///< gives a credit back
-  std::shared_ptr<const void> held = {};  ///< what it takes of a limit until it is sent
+  bool ends_frame = false;                ///< returns a credit
+  std::shared_ptr<const void> held = {};  ///< its share of a quota until it is sent
 };
 
-/// Any message with a small payload, but not the end of an answer.
+/// Any message with a small payload except the end of an answer.
 EncodedMessage encode(const pb::StreamFramesResponse& response);
 
 /// Chunks, then the end of the answer with the last of them; each message has at most `max_chunk_bytes` of arrays.

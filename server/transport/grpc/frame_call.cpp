@@ -16,8 +16,8 @@ namespace collided::server {
 namespace {
 
 constexpr StreamKind kKind{"stream", "StreamFrames"};
-constexpr size_t kMaxOutgoing = size_t{16} << 20;   // bytes of answers past which no frame is started
-constexpr auto kLinger = std::chrono::seconds(10);  // for a last message that the client does not take
+constexpr size_t kMaxOutgoing = size_t{16} << 20;   // bytes of unsent answers past which no frame is started
+constexpr auto kLinger = std::chrono::seconds(10);  // for the last message if the client does not take it
 constexpr size_t kAlignmentBytes = 4096;            // for the alignment of each update's positions
 
 }  // namespace
@@ -44,7 +44,7 @@ void FrameCall::accept(FrameCalls& calls) {
 void FrameCall::on_accepted(bool ok) {
   if (!ok) return gone_.drop();  // the server shuts down, and its tag will not arrive
   accept(calls_);
-  caller_.ids = ids_of(context_.client_metadata());  // also for a call that is refused
+  caller_.ids = ids_of(context_.client_metadata());  // even for a call that is refused
   calls_.add(shared_from_this());
   try {
     caller_.client = identify(context_, calls_.parts_.authenticator).client;
@@ -57,8 +57,8 @@ void FrameCall::on_accepted(bool ok) {
   read_locked();
 }
 
-// As many may wait as may be open, of each connection: a client that opens at once is never evicted by those that never
-// open.
+// Each connection may have as many waiting as its client may have open: a client that opens at once is never evicted by
+// those that never open.
 void FrameCall::await_opening() {
   const Limits limits = host_.limits();
   const WaitRule rule{"the opening of a stream", limits.max_silent_seconds, limits.max_streams,
@@ -87,7 +87,7 @@ void FrameCall::on_read(bool ok) {
     return fail();
   }
   const std::lock_guard lock(mutex_);
-  is_reading_ = false;  // only now: messages are taken one after another
+  is_reading_ = false;  // only now, as messages are handled one at a time
   read_locked();
 }
 
@@ -112,9 +112,9 @@ Expected FrameCall::expected() const {
   return {session_->scene().plan().meshes.size()};
 }
 
-// Positions go straight to a slot. Without one the frame is still read, so that it can be refused by its id.
+// Positions go straight to a slot. Without one the frame is still decoded, so that it can be refused by its id.
 DecodedRequest FrameCall::decode(const grpc::ByteBuffer& bytes, IncomingFrame& incoming) const {
-  grpc::ByteBuffer copy(bytes);  // of references
+  grpc::ByteBuffer copy(bytes);  // copies references only
   grpc::ProtoBufferReader reader(&copy);
   return decode_request(reader, bytes.Length(), expected(), [&]() -> std::span<std::byte> {
     try {
@@ -138,13 +138,13 @@ void FrameCall::open(const pb::OpenStream& open) {
   {
     const std::lock_guard lock(mutex_);
     session_ = session;
-    if (status_) session->close();  // ended meanwhile
+    if (status_) session->close();  // ended in the meantime
   }
   host_.check_serving();  // the stop may have been announced before there was a session to tell
   log_stream_opened(kKind, session->scene(), window_, caller_.ids);
 }
 
-// From now on the call counts among the client's streams, no longer among the waiting ones.
+// From now on the call counts as one of the client's streams, not as a waiting call.
 void FrameCall::take_ticket() {
   auto ticket = host_.usage().begin_stream(caller_.client);
   const std::lock_guard lock(mutex_);
@@ -161,7 +161,7 @@ void FrameCall::submit(IncomingFrame incoming) {
   session_->submit(admit_frame(host_, session_->scene(), std::move(incoming)));
 }
 
-// For a scene of many meshes it is long, and the client may not take it.
+// The message counts against the scene's quota: with many meshes it is long, and the client may not take it.
 void FrameCall::opened(const Scene& scene) try {
   std::vector<EncodedMessage> messages;
   messages.push_back(encode(opened_message(scene, window_)));
@@ -245,7 +245,7 @@ void FrameCall::on_written(bool ok) {
   end_if_idle_locked();
 }
 
-// Waiting and running frames notice and stop.
+// Waiting and running frames notice, and stop.
 void FrameCall::on_gone(bool) {
   const std::lock_guard lock(mutex_);
   if (context_.IsCancelled()) end_locked(grpc::Status(grpc::StatusCode::CANCELLED, "the call was cancelled"));
@@ -269,7 +269,7 @@ void FrameCall::end_locked(const grpc::Status& status) {
   finish_locked();
 }
 
-// A write under way has to succeed or fail before the status is sent.
+// A pending write has to complete before the status is sent.
 void FrameCall::finish_locked() {
   drop_outgoing_locked();
   if (is_writing_)
@@ -279,7 +279,7 @@ void FrameCall::finish_locked() {
   stream_.Finish(*status_, finished_.send());
 }
 
-// Except the message whose write is under way.
+// Keeps the message whose write is pending.
 void FrameCall::drop_outgoing_locked() {
   outgoing_.erase(outgoing_.begin() + (is_writing_ ? 1 : 0), outgoing_.end());
   outgoing_bytes_ = is_writing_ ? outgoing_.front().size : 0;

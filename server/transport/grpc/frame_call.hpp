@@ -18,7 +18,7 @@ namespace collided::server {
 
 class FrameCall final : public FrameSink, public std::enable_shared_from_this<FrameCall> {
  public:
-  /// What the completion queue returns. Keeps the call alive until it arrives.
+  /// A completion-queue tag. Keeps the call alive until it arrives.
   class Tag {
    public:
     using Arrival = void (FrameCall::*)(bool ok);
@@ -82,7 +82,7 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   SceneHost& host_;
   grpc::ServerContext context_;
   grpc::ServerAsyncReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer> stream_;
-  grpc::ByteBuffer incoming_;  // of the read under way
+  grpc::ByteBuffer incoming_;  // of the pending read
   grpc::Alarm linger_;
   Tag accepted_{*this, &FrameCall::on_accepted}, read_{*this, &FrameCall::on_read},
       written_{*this, &FrameCall::on_written}, finished_{*this, &FrameCall::on_finished},
@@ -93,11 +93,11 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
 
   mutable std::mutex mutex_;  // guards what follows
   std::shared_ptr<FrameSession> session_;
-  std::unique_ptr<WaitingCalls::Wait> opening_;  // until the opening has come
-  std::shared_ptr<void> ticket_;                 // for an open stream of the client
+  std::unique_ptr<WaitingCalls::Wait> opening_;  // until the opening has arrived
+  std::shared_ptr<void> ticket_;                 // counts the stream as open
   std::deque<EncodedMessage> outgoing_;
   size_t outgoing_bytes_ = 0;
-  uint32_t in_flight_ = 0;              // frames whose answer has not been written to its end
+  uint32_t in_flight_ = 0;              // frames whose answer has not been fully written
   std::optional<grpc::Status> status_;  // of the call, once decided
   bool is_reading_ = false, is_writing_ = false, has_read_all_ = false, is_finishing_ = false;
 };

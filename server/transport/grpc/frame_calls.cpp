@@ -60,7 +60,7 @@ void FrameCalls::stop() {
   constexpr auto kPoll = std::chrono::milliseconds(2);
   while (!threads_.empty() && open() > 0) std::this_thread::sleep_for(kPoll);
   queue_->Shutdown();
-  if (threads_.empty()) run();  // an empty queue has to be read to its end, too
+  if (threads_.empty()) run();  // even an empty queue must be drained
   for (auto& thread : threads_) thread.join();
   threads_.clear();
   queue_.reset();

@@ -1,6 +1,6 @@
 #pragma once
-// The StreamFrames calls: raw messages on a completion queue of their own, whose threads read frames and never run
-// engine work. (The callback API is slower for large messages: it passes each one through more threads.)
+// The StreamFrames calls: raw messages on their own completion queue, whose threads read frames and never run engine
+// work. (The callback API is slower for large messages: it passes each one through more threads.)
 
 #include <grpcpp/grpcpp.h>
 
@@ -20,7 +20,7 @@ namespace collided::server {
 
 class FrameCall;
 
-/// What a StreamFrames call works with.
+/// Shared by all StreamFrames calls.
 struct FrameCallParts {
   SceneHost& host;
   const Authenticator& authenticator;
@@ -28,7 +28,7 @@ struct FrameCallParts {
   WaitingCalls& waiting;
   uint64_t max_message_bytes;
   std::function<void(const std::string& peer)>
-      on_abandoned;  ///< called for each call that ends without having opened a stream
+      on_abandoned;  ///< called for each call that ends before it opens a stream
 };
 
 class FrameCalls {
@@ -42,7 +42,7 @@ class FrameCalls {
   void start();
   /// Ends calls that have not opened a stream; the host tells the others.
   void announce_stop();
-  /// Number of calls in work.
+  /// Number of open calls.
   size_t open() const;
   /// Bytes of answers that clients have not taken.
   uint64_t outgoing_bytes() const;

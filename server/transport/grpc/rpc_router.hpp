@@ -1,5 +1,5 @@
 #pragma once
-// Routes a call by its path, when nothing but its metadata has been read.
+// Routes a call by its path, before any of its messages is read.
 
 #include <grpcpp/generic/async_generic_service.h>
 
@@ -9,7 +9,7 @@
 
 namespace collided::server {
 
-/// For all methods but those with a completion queue or handler of their own.
+/// For all methods except those with their own completion queue or handler.
 class RpcRouter final : public grpc::CallbackGenericService {
  public:
   using Open = std::function<grpc::ServerGenericBidiReactor*(grpc::GenericCallbackServerContext&)>;

@@ -16,12 +16,12 @@
 namespace collided::server {
 namespace {
 
-// Calls whose message has not come: few enough to cost little memory, more than honest clients start at once.
+// Calls whose message has not arrived: few enough to cost little memory, more than honest clients start at once.
 constexpr size_t kMaxSilent = 4096, kMaxSilentOfClient = 1024;
-constexpr double kMinBytesPerSecond = 1 << 20;  // of a message that is coming in
+constexpr double kMinBytesPerSecond = 1 << 20;  // of an arriving message
 
 uint64_t count_fields(const grpc::ByteBuffer& bytes, const google::protobuf::Descriptor& type) {
-  grpc::ByteBuffer copy(bytes);  // of references
+  grpc::ByteBuffer copy(bytes);  // copies references only
   grpc::ProtoBufferReader reader(&copy);
   google::protobuf::io::CodedInputStream in(&reader);
   in.PushLimit(static_cast<int>(bytes.Length()));
@@ -51,7 +51,7 @@ std::shared_ptr<void> parse_bounded(const grpc::ByteBuffer& bytes, const Client&
   grpc::ByteBuffer copy(bytes);
   grpc::ProtoBufferReader reader(&copy);
   if (!message.ParseFromZeroCopyStream(&reader))
-    throw InvalidInput(type.name(), type.name() + " is malformed: its bytes are no such message");
+    throw InvalidInput(type.name(), type.name() + " is malformed: its bytes are not such a message");
   return share;
 }
 
@@ -71,7 +71,7 @@ void UnaryCallBase::begin() try {
   Finish(to_status(describe_current()));
 }
 
-// gRPC shows nothing of a message before it is complete: the largest one has time to come over a slow network.
+// gRPC shows nothing of a message before it is complete: the largest one gets time to arrive over a slow network.
 void UnaryCallBase::await_message() {
   const double seconds = parts_.host.limits().max_silent_seconds +
                          std::floor(static_cast<double>(parts_.max_message_bytes) / kMinBytesPerSecond);
@@ -84,14 +84,14 @@ void UnaryCallBase::OnReadDone(bool ok) {
   if (!message_->finish()) return;  // the call has been ended
   message_.reset();
   guard(*this, [&] {
-    if (!ok) throw InvalidInput("request", "request is missing: the call brought no message");
+    if (!ok) throw InvalidInput("request", "request is missing: the call had no message");
     share_ = parse_bounded(bytes_, caller_.client, parts_, request_message());
     bytes_.Clear();
     answer();
   });
 }
 
-// The client takes its answer when it likes: until then only its bytes are kept.
+// The client may take its answer late: until then only its bytes are kept.
 void UnaryCallBase::finish() {
   auto answer_share = parts_.budget.take(caller_.client, response_message().ByteSizeLong());
   bytes_ = to_bytes(response_message());

@@ -1,5 +1,5 @@
 #pragma once
-// A unary call as raw messages. On the wire it is a stream of one message each way, and so it is served: the caller is
+// A unary call as raw messages. It is served as what it is on the wire, a stream of one message each way: the caller is
 // identified by its metadata before its message is read, and the message is bounded before it is parsed.
 
 #include <grpcpp/generic/async_generic_service.h>
@@ -19,7 +19,7 @@ namespace collided::server {
 
 namespace pb = collided::v1;
 
-/// What all calls use. Outlives them.
+/// Shared by all calls; outlives them.
 struct CallParts {
   const Authenticator& authenticator;
   const SceneHost& host;
@@ -28,21 +28,21 @@ struct CallParts {
   uint64_t max_message_bytes = 0;
 };
 
-/// What messages in decode may take together: `max_decode_bytes`, but never less than the largest messages of two
+/// Memory for all decoded messages together: `max_decode_bytes`, but never less than the largest messages of two
 /// clients need.
 uint64_t decode_budget_bytes(const Limits& limits);
 
-/// Throws LimitExceeded that names the option.
+/// Throws LimitExceeded, naming the option.
 void check_message_size(uint64_t bytes, uint64_t max);
 
-/// Bounds the fields of a message, takes its share of the budget, which is returned, and parses it. Throws InvalidInput
-/// for bytes that are no such message, LimitExceeded.
+/// Bounds the fields of a message, reserves its share of the budget, and parses it. Returns the share. Throws
+/// InvalidInput for malformed bytes, LimitExceeded.
 std::shared_ptr<void> parse_bounded(const grpc::ByteBuffer& bytes, const Client& client, const CallParts& parts,
                                     google::protobuf::Message& message);
 
 grpc::ByteBuffer to_bytes(const google::protobuf::Message& message);
 
-/// The call without the types of its messages. Deletes itself at its end.
+/// The call without the types of its messages. Deletes itself when done.
 class UnaryCallBase : public grpc::ServerGenericBidiReactor {
  public:
   UnaryCallBase(const UnaryCallBase&) = delete;
@@ -50,8 +50,8 @@ class UnaryCallBase : public grpc::ServerGenericBidiReactor {
 
   const Caller& caller() const { return caller_; }
   bool is_cancelled() const { return context_.IsCancelled(); }
-  /// Ends the call with its response. It may be gone afterwards. Throws std::bad_alloc, and LimitExceeded if answers
-  /// that were not taken leave no room: then the call goes on.
+  /// Ends the call with its response. It may be gone afterwards. Throws std::bad_alloc, and LimitExceeded if untaken
+  /// answers leave no room: then the call stays open.
   void finish();
   /// Ends the call with an error. It may be gone afterwards.
   void finish(const grpc::Status& status) { Finish(status); }
@@ -62,7 +62,7 @@ class UnaryCallBase : public grpc::ServerGenericBidiReactor {
  protected:
   UnaryCallBase(grpc::CallbackServerContext& context, const CallParts& parts) : context_(context), parts_(parts) {}
   ~UnaryCallBase() override = default;
-  /// Refuses, or reads the message.
+  /// Refuses the call, or reads its message.
   void begin();
 
  private:
@@ -75,7 +75,7 @@ class UnaryCallBase : public grpc::ServerGenericBidiReactor {
   grpc::CallbackServerContext& context_;
   const CallParts& parts_;
   Caller caller_;
-  std::unique_ptr<WaitingCalls::Wait> message_;  // until the message has come
+  std::unique_ptr<WaitingCalls::Wait> message_;  // until the message has arrived
   std::shared_ptr<void> share_;                  // of the budget, for the bytes and messages
   grpc::ByteBuffer bytes_;                       // of the request, then of the response
 };
@@ -111,7 +111,7 @@ void guard(UnaryCallBase& call, const Body& body) {
   }
 }
 
-/// Answers a call with `body`, a function of UnaryCall<Request, Response>& that ends it, at once or later, or throws.
+/// Serves a call with `body`, a function of UnaryCall<Request, Response>& that ends it, now or later, or throws.
 template <class Request, class Response, class Body>
 grpc::ServerGenericBidiReactor* serve_unary(grpc::CallbackServerContext& context, const CallParts& parts, Body body) {
   class Served final : public UnaryCall<Request, Response> {

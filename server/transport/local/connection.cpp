@@ -22,13 +22,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr StreamKind kKind{"local stream", "LocalStream"};
-constexpr double kLastPacketSeconds = 0.2;  // for unsent packets when the daemon stops
+constexpr double kLastPacketSeconds = 0.2;  // to send the remaining packets when the daemon stops
 
 Clock::time_point after(Clock::time_point start, double seconds) {
   return start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
-// Rounded up, so that the time has passed when poll() returns.
+// Rounded up, so that the deadline has passed when poll() returns.
 int milliseconds_until(const std::optional<Clock::time_point>& time) {
   if (!time) return -1;
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(*time - Clock::now()).count();
@@ -132,12 +132,12 @@ void Connection::take(Packet packet) {
   }
   pb::LocalRequest request;
   if (!request.ParseFromArray(packet.bytes.data(), static_cast<int>(packet.bytes.size())))
-    throw InvalidInput("packet", "packet is cut off or malformed: its bytes are no LocalRequest");
+    throw InvalidInput("packet", "packet is cut off or malformed: its bytes are not a LocalRequest");
   if (!session_) {
     if (!request.has_open()) throw FailedPrecondition("open", "the first packet of a stream must be `open`");
     return open(request.open(), std::move(packet.files));
   }
-  if (!packet.files.empty()) throw InvalidInput("packet", "packet brings a file, which only the first one may");
+  if (!packet.files.empty()) throw InvalidInput("packet", "packet has a file, which only the first one may have");
   session_->scene().worker().wake_early();
   submit(request);
 }
@@ -247,7 +247,7 @@ void Connection::close_locked(const Failure& why) {
   wake();
 }
 
-// Until the client has taken everything, is gone, or has had its time.
+// Until the client has taken everything, is gone, or its time is up.
 void Connection::flush_outbox() {
   const auto begin = Clock::now();
   for (;;) {
@@ -263,7 +263,7 @@ void Connection::flush_outbox() {
   }
 }
 
-// With the lock, as the worker may be about to send.
+// Under the lock, as the worker may be about to send.
 void Connection::end_socket() {
   const std::lock_guard lock(mutex_);
   outbox_.drop();

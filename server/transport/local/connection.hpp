@@ -1,6 +1,6 @@
 #pragma once
-// One local stream: a thread of its own reads the socket and takes frames in; answers are sent by the scene's worker,
-// or, if the client does not take them at once, by that thread.
+// One local stream: its own thread reads the socket and admits frames; answers are sent by the scene's worker, or, if
+// the client does not take them at once, by that thread.
 
 #include <cstdint>
 #include <memory>
@@ -19,10 +19,10 @@
 
 namespace collided::server {
 
-/// How long a client may take.
+/// Time that a client has.
 struct LocalTimeouts {
-  double open_seconds = 10;  ///< until it opens its stream
-  double take_seconds = 5;   ///< to take an answer that waits
+  double open_seconds = 10;  ///< to open its stream
+  double take_seconds = 5;   ///< to take a waiting answer
 };
 
 class Connection final : public FrameSink, public std::enable_shared_from_this<Connection> {
@@ -80,14 +80,14 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   Fd socket_;  // closed by the thread, with mutex_ held
   Fd wake_;
   const CallIds ids_ = parse_ids({}, {});  // the protocol has none
-  std::string requested_scene_id_;         // by the opening; this thread's
+  std::string requested_scene_id_;         // from the opening; owned by the thread
   Opening opening_;                        // set before the session
-  std::unique_ptr<AnswerWriter> writer_;   // set before the session; then the worker's
+  std::unique_ptr<AnswerWriter> writer_;   // set before the session; then owned by the worker
 
   mutable std::mutex mutex_;  // guards what follows
   std::shared_ptr<FrameSession> session_;
   Outbox outbox_;
-  uint32_t in_flight_ = 0;         // frames that are not answered
+  uint32_t in_flight_ = 0;         // unanswered frames
   std::optional<Failure> closed_;  // why the stream ends, once decided
   bool read_all_ = false, is_stopping_ = false;
 };

@@ -1,4 +1,4 @@
-// Closes what clients have sent, on threads that nobody waits for.
+// Closes descriptors that clients have sent, on threads that nobody waits for.
 #include "server/transport/local/disposal.hpp"
 
 #include <linux/magic.h>
@@ -25,7 +25,7 @@ struct Disposal {
   size_t threads = 0, idle = 0, closing = 0;
 };
 
-constexpr size_t kMaxThreads = 8;  // as many files may block at once
+constexpr size_t kMaxThreads = 8;  // and so of files that may block at once
 constexpr auto kIdle = std::chrono::seconds(1);
 
 Disposal& disposal() {
@@ -33,7 +33,7 @@ Disposal& disposal() {
   return one;
 }
 
-// Unread packets of a socket may contain files, too. Receiving fails for other descriptors.
+// Unread packets of a socket may contain files, too. On other descriptors recv() fails.
 void close_now(Fd fd) {
   char byte;
   while (recv(fd.get(), &byte, 1, MSG_DONTWAIT) > 0) continue;

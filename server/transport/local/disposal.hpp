@@ -1,6 +1,6 @@
 #pragma once
-// Closes what clients have sent, on threads that nobody waits for: the client decides how long it takes. A TCP socket
-// lingers, a FUSE file is flushed by the client itself, and a Unix socket can contain more of both.
+// Closes descriptors that clients have sent, on threads that nobody waits for, as the client decides how long it takes:
+// a TCP socket lingers, a FUSE file is flushed by the client itself, and a Unix socket can contain more of both.
 
 #include <cstddef>
 
@@ -11,13 +11,13 @@ namespace collided::server {
 /// Closes the descriptor in the background, with what was sent over it and never read.
 void close_in_background(Fd fd);
 
-/// Number of descriptors that are being closed.
+/// Number of descriptors still being closed.
 size_t closing();
 
-/// Whether the descriptor is ordinary memory, which is closed at once.
+/// Whether the descriptor is ordinary memory, which closes at once.
 bool is_memory(int fd);
 
-/// A file that came over a socket.
+/// A file received over a socket.
 class PassedFile {
  public:
   explicit PassedFile(int fd = -1) : fd_(fd) {}

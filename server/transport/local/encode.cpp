@@ -16,15 +16,15 @@ constexpr size_t kMaxArrays = 7;                   // of a chunk
 constexpr size_t kInlineBytes = size_t{48} << 10;  // of arrays in one packet
 constexpr size_t kNoCut = size_t{1} << 31;         // so that a chunk's count fits its field
 
-// The numbers of SharedArrays' fields are those of ContactChunk's, less those of kind and count.
+// Field numbers of SharedArrays are those of ContactChunk, which has kind and count first.
 constexpr int kFieldShift = 2;
 static_assert(int{pb::ContactChunk::kElementsFieldNumber} == pb::SharedArrays::kElementsFieldNumber + kFieldShift);
 static_assert(int{pb::ContactChunk::kFlagsFieldNumber} == pb::SharedArrays::kFlagsFieldNumber + kFieldShift);
 
-// Contacts go here until there is no room.
+// One frame's part of the output region.
 class OutputPart {
  public:
-  /// `base`: of the output region.
+  /// `base`: start of the output region.
   OutputPart(std::span<std::byte> part, const std::byte* base) : part_(part), base_(base) {}
 
   size_t room_for(size_t contact_bytes) const {
@@ -58,7 +58,7 @@ void share_chunk(const Chunk& chunk, const Topology& topology, OutputPart& part,
   if (!stencils.empty()) put(pb::ContactChunk::kStencilsFieldNumber, std::as_bytes(std::span(stencils)));
 }
 
-// Shares as many contacts of the chunk as there is room for; the others are in pieces of their own.
+// Shares as many contacts of the chunk as fit; the others go into inline pieces.
 void put_chunk(const Chunk& chunk, const Topology& topology, OutputPart& part, std::vector<pb::ContactChunk>& pieces) {
   const size_t bytes = chunk.fields.contact_bytes();
   Chunk piece = chunk;

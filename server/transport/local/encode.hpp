@@ -1,5 +1,5 @@
 #pragma once
-// Answers of a local stream: contacts go into the output region as far as they fit, all else into packets.
+// Answers of a local stream: contacts go into the output region while they fit, everything else into packets.
 
 #include <cstdint>
 #include <memory>
@@ -17,7 +17,7 @@ namespace collided::server {
 
 namespace pb = collided::v1;
 
-/// One packet of the daemon.
+/// One packet from the daemon.
 std::string to_packet(pb::StreamFramesResponse response);
 
 /// The last packet of a stream.
@@ -31,8 +31,8 @@ class AnswerWriter {
   /// `region` may be null; `window` is 1 or more.
   AnswerWriter(std::shared_ptr<SharedRegion> region, uint32_t window);
 
-  /// The packets of a frame's answer in their order. Completes the frame's cost. Called once for each frame in its
-  /// turn; skip() stands for one that has no contacts.
+  /// The packets of a frame's answer, in order. Completes the frame's cost. Called once for each frame, in order;
+  /// skip() stands in for a frame without contacts.
   std::vector<std::string> write(const Scene& scene, AnsweredFrame& frame);
   void skip() { ++frames_; }
 

@@ -20,12 +20,12 @@
 namespace collided::server {
 namespace {
 
-constexpr mode_t kOwnUser = 0600, kAnyUser = 0666;  // of the socket's file; who is at the other end is checked, too
-constexpr size_t kMaxClosing = 64;                  // descriptors: files that clients sent, and connections
+constexpr mode_t kOwnUser = 0600, kAnyUser = 0666;  // of the socket's file; the peer is checked as well
+constexpr size_t kMaxClosing = 64;                  // descriptors: clients' files, and connections
 constexpr int kRetryMs = 100;                       // while the process has no file descriptor left
 
-// A client can give pages of the shared memory back, which the system allocates again when they are touched. Under
-// strict overcommit it may have none left by then, and would kill the daemon with SIGBUS.
+// A client can release pages of the shared memory, which the system allocates again when they are touched. Under strict
+// overcommit it may have none left by then, and would kill the daemon with SIGBUS.
 void check_memory_policy() {
   constexpr auto kFile = "/proc/sys/vm/overcommit_memory";
   constexpr int kStrict = 2;

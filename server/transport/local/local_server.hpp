@@ -1,5 +1,5 @@
 #pragma once
-// The Unix socket for clients on the daemon's host (collided/v1/local.proto): takes connections, and ends them.
+// The Unix socket for clients on the daemon's host (collided/v1/local.proto): accepts connections, and ends them.
 
 #include <atomic>
 #include <cstddef>
@@ -19,22 +19,22 @@ namespace collided::server {
 struct LocalOptions {
   std::string path;
   std::vector<uint32_t> allowed_uids;  ///< besides the daemon's own
-  bool cuda_ipc = false;               ///< take device memory of clients
+  bool cuda_ipc = false;               ///< accept device memory of clients
   LocalTimeouts timeouts;
 };
 
 class LocalServer {
  public:
-  /// Listens and serves. The references outlive it. Throws std::runtime_error if it cannot.
+  /// Listens and serves. The references must outlive it. Throws std::runtime_error if it cannot.
   LocalServer(const LocalOptions& options, SceneHost& host, const Authenticator& authenticator, Metrics& metrics);
   ~LocalServer();
   LocalServer(const LocalServer&) = delete;
   LocalServer& operator=(const LocalServer&) = delete;
 
-  /// Ends all streams (UNAVAILABLE) within a second, and removes the socket. The scenes must still be there.
+  /// Ends all streams (UNAVAILABLE) within a second, and removes the socket. The scenes must still exist.
   void stop();
   const std::string& path() const { return options_.path; }
-  /// Number of connections, whether they have opened a stream or not.
+  /// Number of connections, with or without an open stream.
   size_t connections() const;
   /// Bytes of answers that clients have not taken.
   uint64_t outgoing_bytes() const;

@@ -35,8 +35,9 @@ void check_handle(const pb::LocalOpen& open, const Scene& scene, bool is_allowed
 void check_files(const std::vector<PassedFile>& files, bool is_needed) {
   const size_t wanted = is_needed ? 1 : 0;
   if (files.size() != wanted)
-    throw_invalid("open.file", fmt::format("comes {} times, but must come {} times for these sizes: it is the memfd",
-                                           files.size(), wanted));
+    throw_invalid("open.file",
+                  fmt::format("was passed {} times, but must be passed {} times for these sizes: it is the memfd",
+                              files.size(), wanted));
 }
 
 // With a page to spare for each frame.
@@ -54,7 +55,7 @@ void check_region(const pb::LocalOpen& open, const std::vector<PassedFile>& file
   check_files(files, open.input_bytes() + open.output_bytes() > 0);
 }
 
-// Pages that the daemon touches first count as its own memory.
+// Counted here, as pages that the daemon touches first are charged to the daemon.
 std::unique_ptr<MemoryHold> hold_region(const pb::LocalOpen& open, const Scene& scene) {
   auto held = std::make_unique<MemoryHold>(scene.plan().quota);
   held->resize(open.input_bytes() + open.output_bytes());

@@ -1,5 +1,5 @@
 #pragma once
-// The first packet of a local stream: who the client is, what it may have, and which memory it shares.
+// The first packet of a local stream: the client, its terms, and the memory it shares.
 
 #include <cstdint>
 #include <memory>
@@ -17,21 +17,21 @@ namespace collided::server {
 /// What a local stream uses once it is open.
 struct Opening {
   Client client;
-  std::shared_ptr<void> ticket;  ///< for an open stream of the client
+  std::shared_ptr<void> ticket;  ///< counts the stream as open
   SceneUse scene;
   StreamTerms terms;
-  std::unique_ptr<MemoryHold> region_bytes;  ///< counted as the client's
-  std::shared_ptr<SharedRegion> region;      ///< null: everything is in packets
+  std::unique_ptr<MemoryHold> region_bytes;  ///< charged to the client
+  std::shared_ptr<SharedRegion> region;      ///< null: everything goes in packets
 };
 
-/// What openings are checked against. Outlives them.
+/// What openings are checked against; outlives them.
 struct OpeningRules {
   SceneHost& host;
   const Authenticator& authenticator;
   bool cuda_ipc = false;
 };
 
-/// Checks the opening and maps its memory. Throws as the codes of StreamFrames say.
+/// Checks the opening and maps its memory. Throws exceptions that map to the codes of StreamFrames.
 Opening check_opening(const pb::LocalOpen& open, std::vector<PassedFile> files, const OpeningRules& rules);
 
 }  // namespace collided::server

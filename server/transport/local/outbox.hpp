@@ -15,14 +15,14 @@ class Outbox {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Sends at once if possible; otherwise keeps the packet, and with it what it `held` of a limit.
+  /// Sends at once if possible; otherwise keeps the packet, and with it `held`, its share of a quota.
   void send(int socket, std::string packet, std::shared_ptr<const void> held = {});
-  /// Sends kept packets, as far as the other end takes them.
+  /// Sends kept packets, until the other end takes no more.
   void flush(int socket);
 
   bool empty() const { return kept_.empty(); }
   uint64_t bytes() const { return bytes_; }
-  /// Since when the other end has taken nothing, if a packet is kept.
+  /// When the other end last took a packet, or the first one was kept; valid while packets are kept.
   Clock::time_point stalled_since() const { return stalled_since_; }
   /// Whether the other end is gone; kept packets are dropped then.
   bool is_gone() const { return is_gone_; }

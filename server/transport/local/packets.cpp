@@ -14,9 +14,8 @@
 namespace collided::server {
 namespace {
 
-constexpr size_t kMaxFiles =
-    253;  // that the kernel sends at once; files that do not fit, it would close on this thread
-constexpr size_t kExpectedFiles = 4;  // with some leniency: one is right
+constexpr size_t kMaxFiles = 253;     // the kernel's own limit; it would close files that do not fit on this thread
+constexpr size_t kExpectedFiles = 4;  // lenient: a valid client sends one
 
 std::vector<PassedFile> files_of(msghdr& message) {
   std::vector<PassedFile> files;
@@ -52,10 +51,10 @@ Packet PacketReceiver::receive() {
   if (size < 0) return {errno == EAGAIN || errno == EINTR ? Arrival::kNothing : Arrival::kEnd, {}, {}};
   Packet packet{Arrival::kPacket, {buffer_.data(), static_cast<size_t>(size)}, files_of(message)};
   if (message.msg_flags & MSG_CTRUNC)
-    throw LimitExceeded("packet", "packet comes with more files than the daemon has file descriptors left for");
+    throw LimitExceeded("packet", "packet has more files than the daemon has file descriptors left for");
   if (packet.files.size() > kExpectedFiles)
     throw LimitExceeded("packet",
-                        fmt::format("packet comes with more than {} files, but one is the most", kExpectedFiles));
+                        fmt::format("packet has more than {} files, but at most one is allowed", kExpectedFiles));
   if (message.msg_flags & MSG_TRUNC)
     throw LimitExceeded("packet", fmt::format("packet is longer than {} bytes, the limit", v1::kMaxPacketBytes));
   if (size > 0) return packet;
@@ -70,7 +69,7 @@ Sent send_packet(int socket, std::string_view packet) {
 
 void end_connection(Fd socket) {
   if (!socket) return;
-  shutdown(socket.get(), SHUT_RDWR);  // the other end sees it now, whenever it is closed
+  shutdown(socket.get(), SHUT_RDWR);  // the other end notices now, however long closing takes
   close_in_background(std::move(socket));
 }
 

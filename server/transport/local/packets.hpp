@@ -11,12 +11,12 @@
 
 namespace collided::server {
 
-/// What receive() found.
+/// The result of receive().
 enum class Arrival { kPacket, kNothing, kEnd };
 
 struct Packet {
   Arrival arrival = Arrival::kNothing;
-  std::string_view bytes;  ///< until the next packet is received
+  std::string_view bytes;  ///< valid until the next packet is received
   std::vector<PassedFile> files;
 };
 
@@ -25,8 +25,8 @@ class PacketReceiver {
   /// The socket outlives the receiver.
   explicit PacketReceiver(int socket) : socket_(socket), buffer_(v1::kMaxPacketBytes, '\0') {}
 
-  /// kEnd: the other end sends nothing any more, or is gone. Throws LimitExceeded for a packet that is too long or has
-  /// too many files, which are all closed by then, InvalidInput for an empty one.
+  /// kEnd: the other end will send nothing more, or is gone. Throws LimitExceeded for a packet that is too long or has
+  /// too many files, which are then all closed, and InvalidInput for an empty one.
   Packet receive();
 
  private:
@@ -34,13 +34,13 @@ class PacketReceiver {
   std::string buffer_;
 };
 
-/// What became of a packet.
+/// The result of send_packet().
 enum class Sent { kYes, kFull, kGone };
 
 Sent send_packet(int socket, std::string_view packet);
 
-/// Closes the socket without waiting. The other end can still read what was sent, which it could not if a socket with
-/// unread data were closed at once.
+/// Closes the socket without waiting. The other end can still read what was sent, unlike after close() on a socket with
+/// unread data.
 void end_connection(Fd socket);
 
 }  // namespace collided::server

@@ -14,7 +14,7 @@ std::span<const std::byte> resolve(const SharedRegion* region, const pb::SharedR
   throw_invalid(path, "is set, but this stream shares no memory");
 }
 
-// `shared`: the range, if it is set; `own`: the bytes of the message that it stands for.
+// `shared`: the range, or null; `own`: the message's own bytes, which the range replaces.
 std::span<const std::byte> place(const SharedRegion* region, const pb::SharedRange* shared, const std::string& own,
                                  const std::string& path) {
   if (!shared) return {};

@@ -11,7 +11,7 @@ namespace collided::server {
 /// null. An invalid range becomes the frame's refusal.
 void place_ranges(const SharedRegion* region, IncomingFrame& frame);
 
-/// A frame whose message is in the region, too, for a scene of so many meshes; at most `max` bytes. Throws
+/// Reads a frame whose message itself is in the region, of at most `max` bytes, for a scene of `meshes`. Throws
 /// InvalidInput, LimitExceeded.
 pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, size_t meshes, uint64_t max);
 

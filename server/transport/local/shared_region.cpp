@@ -1,5 +1,5 @@
 // Memory that a client shares with the daemon. Touching a page that the file no longer has would kill the daemon with
-// SIGBUS: hence the seal. A memfd of huge pages can lack pages even so: hence ordinary pages only.
+// SIGBUS: hence the seal. A memfd of huge pages can lack pages even when sealed: hence ordinary pages only.
 #include "server/transport/local/shared_region.hpp"
 
 #include <fcntl.h>
@@ -34,7 +34,7 @@ void check_file(int fd, uint64_t wanted) {
     throw_file(fmt::format("has {} bytes, but input_bytes and output_bytes are {} together", file.st_size, wanted));
 }
 
-// The engine knows its argument, not the field that brought it.
+// The engine names its argument, not the protocol's field.
 std::unique_ptr<SharedMemory> open_device(std::span<const std::byte> handle) try {
   return open_device_memory(handle);
 } catch (const InvalidInput& e) {
@@ -65,7 +65,7 @@ void SharedRegion::map_file(const Fd& file, const RegionSize& size) {
   const uint64_t bytes = size.input + size.output;
   check_file(file.get(), bytes);
   void* const start = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file.get(), 0);
-  if (start == MAP_FAILED && errno == EPERM) throw_file("has a seal that keeps the daemon from writing to it");
+  if (start == MAP_FAILED && errno == EPERM) throw_file("has a seal that prevents the daemon from writing to it");
   if (start == MAP_FAILED)
     throw LimitExceeded(kFile,
                         fmt::format("{} has {} bytes, which cannot be mapped: {}", kFile, bytes, std::strerror(errno)));
@@ -80,8 +80,8 @@ SharedRegion::~SharedRegion() {
 
 std::span<const std::byte> SharedRegion::input(uint64_t offset, uint64_t size, const std::string& path) const {
   if (size > input_.size() || offset > input_.size() - size)
-    throw InvalidInput(
-        path, fmt::format("{} is {} bytes from {} on, but the input region has {}", path, size, offset, input_.size()));
+    throw InvalidInput(path, fmt::format("{} is {} bytes at offset {}, but the input region has {}", path, size, offset,
+                                         input_.size()));
   if (offset % v1::kRangeAlignment != 0)
     throw InvalidInput(path + ".offset",
                        fmt::format("{}.offset is {}, but must be a multiple of {}", path, offset, v1::kRangeAlignment));

@@ -17,22 +17,21 @@ struct RegionSize {
   uint64_t input = 0, output = 0;
 };
 
-/// The client can change the memory at any time, so that readers copy it first and check the copy. It cannot take the
-/// memory away.
+/// The client can change the memory at any time, so readers copy it first and check the copy. It cannot take the memory
+/// away.
 class SharedRegion {
  public:
-  /// Maps a memfd that the client has sealed against shrinking. Throws InvalidInput for another file, a missing seal or
-  /// one that is too small, LimitExceeded if there is not so much memory, DeviceError.
+  /// Maps a memfd that the client has sealed against shrinking. Throws InvalidInput for any other file, a missing seal
+  /// or a file that is too small, LimitExceeded if memory is short, DeviceError.
   static std::shared_ptr<SharedRegion> map(const Fd& file, const RegionSize& size, Backend backend);
-  /// As map(), but the input is device memory of a cudaIpcMemHandle_t, and the file (may be none if `output` is 0) has
-  /// the output alone. Throws InvalidInput for a bad handle, DeviceError.
+  /// As map(), but the input is device memory of a cudaIpcMemHandle_t, and the file (none if `output` is 0) holds only
+  /// the output. Throws InvalidInput for a bad handle, DeviceError.
   static std::shared_ptr<SharedRegion> open(std::span<const std::byte> handle, const Fd& file, uint64_t output);
   ~SharedRegion();
   SharedRegion(const SharedRegion&) = delete;
   SharedRegion& operator=(const SharedRegion&) = delete;
 
-  /// A range of the input, as the backend reads it. Throws InvalidInput, naming `path`, if it does not lie in the
-  /// input.
+  /// A range of the input, as the backend reads it. Throws InvalidInput, naming `path`, for a range outside the input.
   std::span<const std::byte> input(uint64_t offset, uint64_t size, const std::string& path) const;
   /// Whether the host can read the input.
   bool is_host() const { return is_host_; }

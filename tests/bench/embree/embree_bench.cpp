@@ -39,7 +39,7 @@ void add_options(CLI::App& app, Options& o) {
 
 double least(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
 
-/// Median of the faster of Embree's builds: what every ratio is to.
+/// Median of the faster of Embree's builds: the base of every ratio.
 double best_embree(const Match& match) {
   double best = std::numeric_limits<double>::infinity();
   for (const Contender& c : match.contenders)

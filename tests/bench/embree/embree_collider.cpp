@@ -9,7 +9,7 @@
 namespace collided::test {
 namespace {
 
-// A native thread-local slot for each thread: the look-up must not weigh on what is measured.
+// A native thread-local slot for each thread: the look-up must not affect the measurement.
 using Counters =
     tbb::enumerable_thread_specific<uint64_t, tbb::cache_aligned_allocator<uint64_t>, tbb::ets_key_per_instance>;
 
@@ -67,7 +67,7 @@ EmbreeCollider::~EmbreeCollider() {
 }
 
 void EmbreeCollider::build() {
-  rtcCommitGeometry(geometry_);  // marks it as changed: without it Embree would keep what it built
+  rtcCommitGeometry(geometry_);  // marks it as changed: otherwise Embree would keep its hierarchy
   rtcCommitScene(scene_);
   check("build");
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Embree asked the same question as our broad phase: which boxes of a set overlap.
+// Embree on the same problem as our broad phase: which boxes of a set overlap.
 
 #include <embree3/rtcore.h>
 
@@ -30,7 +30,7 @@ class EmbreeCollider {
   EmbreeCollider(const EmbreeCollider&) = delete;
   EmbreeCollider& operator=(const EmbreeCollider&) = delete;
 
-  /// Builds the hierarchy anew, in memory that the last build left.
+  /// Rebuilds the hierarchy, in the memory of the last build.
   void build();
   /// How many pairs overlap, each counted once. Embree reports the pairs of leaves that overlap, in both orders; the
   /// boxes in them are compared here.

@@ -32,7 +32,7 @@ std::vector<FloatBox> swept_boxes(const Case& c) {
   return boxes;
 }
 
-// What the boxes do not tell of a pair of triangles.
+// What the boxes do not say about a pair of triangles.
 class PairRules {
  public:
   PairRules(const Topology& topology, const Case& c) : triangles_(topology.triangles) {
@@ -73,7 +73,7 @@ SceneSpec candidates_spec(int threads) {
   return spec;
 }
 
-// Nothing where the engine does not list the triangle pairs of a step.
+// nullopt if the engine does not list the triangle pairs of a step.
 std::unique_ptr<EngineSide> triangle_pairs_side(const Case& c, int threads) {
   SceneSpec spec = candidates_spec(threads);
   spec.vertex_triangle = spec.edge_edge = false;

@@ -32,7 +32,7 @@ struct Match {
   }
 };
 
-/// Rounds of all contenders in turn, after two that do not count. README.md says what is timed.
+/// Rounds of all contenders in turn, after two warm-up rounds. README.md says what is timed.
 Match run_match(const Case& c, int rounds, int threads);
 
 }  // namespace collided::test

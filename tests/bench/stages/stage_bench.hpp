@@ -1,5 +1,5 @@
 #pragma once
-// What the stage benchmarks share: groups of benchmarks over a scene, and the loop that measures.
+// Shared by the stage benchmarks: groups of benchmarks over a scene, and the measuring loop.
 
 #include <benchmark/benchmark.h>
 

@@ -1,4 +1,4 @@
-// Benchmarks of what comes first and last in a frame: its positions, and the order of what was found.
+// Benchmarks of the first and last stages of a frame: its positions, and the order of its results.
 
 #include "gpu/positions/slot.hpp"
 #include "tests/bench/stages/stage_bench.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// The engine's functors over a StageScene: the one place that knows how they are made.
+// The engine's functors over a StageScene: the one place that knows how to construct them.
 
 #include <type_traits>
 #include <utility>
@@ -45,7 +45,7 @@ class FoundContacts {
   std::vector<ContactData<float>> data_;
 };
 
-// The search for pairs, and what it makes of them.
+// The search for pairs, and the processing of pairs.
 
 /// A sink that counts pairs.
 struct CountPairs {

@@ -1,5 +1,5 @@
 // Benchmarks of the stages from boxes to registered triangles; an item is a triangle unless said otherwise. Each leaves
-// the octree as it was, so that any of them can run alone.
+// the octree unchanged, so that any of them can run alone.
 
 #include <algorithm>
 #include <numeric>

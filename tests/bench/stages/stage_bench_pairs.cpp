@@ -1,4 +1,4 @@
-// Benchmarks of the tests of boxes, and of what the search makes of a pair of triangles.
+// Benchmarks of box tests, and of what the search does with a pair of triangles.
 
 #include "tests/bench/stages/stage_bench.hpp"
 #include "tests/bench/stages/stage_bench_functors.hpp"

@@ -6,7 +6,7 @@
 namespace collided::test {
 namespace {
 
-/// Times a functor over n items; counts which share of them it finds something for.
+/// Times a functor over n items; counts the share for which it finds something.
 template <class F, class List>
 void measure_functor(benchmark::State& state, uint64_t n, const F& f, List& found) {
   measure(
@@ -25,7 +25,7 @@ std::vector<T> spread(const std::vector<T>& list, size_t most) {
 
 template <class Kind>
 void bench_filter(const StageScene& s, benchmark::State& state) {
-  std::vector<FeaturePoints<float>> points;  // in the engine too they are at hand
+  std::vector<FeaturePoints<float>> points;  // at hand in the engine, too
   for (const uint64_t key : s.lists<Kind>().candidates) points.push_back(points_of_key<Kind>(s, key));
   const MaybeCoplanar<float> keep = coplanarity_filter(s);
   const Kind kind = s.kind<Kind>();
@@ -131,7 +131,7 @@ ExactImpact decide(const VertexTriangle&, const FeaturePoints<double>& p) {
 }
 ExactImpact decide(const EdgeEdge&, const FeaturePoints<double>& p) { return exact_ccd_edge_edge(p.start, p.end, 0); }
 
-/// Exact decisions of what float could not tell apart, the hardest there is in a step.
+/// Exact decisions on what float could not separate, the hardest part of a step.
 template <class Kind>
 void bench_exact(const StageScene& s, benchmark::State& state) {
   std::vector<FeaturePoints<double>> points;

@@ -1,6 +1,6 @@
 #pragma once
-// One step of a scene (CCD, CERTIFIED, F32, octree) in the engine's own buffers, with what each stage of it was given
-// by the one before, so that stages can be measured one by one on real data.
+// One step of a scene (CCD, CERTIFIED, F32, octree) in the engine's own buffers, with the input of each stage from the
+// previous one, so that stages can be measured one by one on real data.
 
 #include <string>
 #include <utility>
@@ -14,7 +14,7 @@
 
 namespace collided::test {
 
-/// What the steps of the narrow phase are given, for one kind of features.
+/// The inputs of the narrow phase's steps, for one kind of features.
 struct QueryLists {
   std::vector<uint64_t> candidates;  ///< their boxes overlap
   std::vector<uint64_t> kept;        ///< by the coplanarity filter

@@ -1,4 +1,4 @@
-"""collidectl's own daemon and running ones: what is used, and what is left behind.
+"""collidectl with its own daemon and with running ones: which is used, and what is left behind.
 
 Usage: daemon_test.py COLLIDECTL DAEMON"""
 

@@ -1,4 +1,4 @@
-"""collidectl detect, export and stream: contacts that are known, and their files.
+"""collidectl detect, export and stream: known contacts, and their files.
 
 Usage: detect_test.py COLLIDECTL DAEMON"""
 

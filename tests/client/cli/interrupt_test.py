@@ -1,4 +1,4 @@
-"""collidectl that is interrupted, in a terminal of its own as a person would: what it still tells and leaves behind.
+"""collidectl interrupted in its own terminal, as a person would: what it reports and leaves behind.
 
 Usage: interrupt_test.py COLLIDECTL DAEMON"""
 
@@ -67,7 +67,7 @@ class Terminal:
 
 class Interrupt(support.CollidectlTest):
     def interrupted(self, begun, *words):
-        """What was printed. Nothing is left behind, and nothing but collidectl's own words is shown."""
+        """What was printed. Nothing is left behind, and only collidectl's own output is shown."""
         with tempfile.TemporaryDirectory() as folder:
             terminal = Terminal(folder, *words, *ONE_CPU)
             terminal.wait_for(begun)

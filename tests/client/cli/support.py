@@ -1,4 +1,4 @@
-"""What the tests of collidectl share; each is called with COLLIDECTL DAEMON, the paths of the programs."""
+"""Shared by the tests of collidectl; each is called with COLLIDECTL DAEMON, the paths of the programs."""
 
 import contextlib
 import csv

@@ -61,7 +61,7 @@ class Tradeoff(support.CollidectlTest):
         with open(os.path.join(self.folder.name, "tradeoff.json"), encoding="ascii") as file:
             truths = json.load(file)["truths"]
         self.assertEqual([truth["source"] for truth in truths], [self.folder.name] * 2)
-        # Positions that are no floats: the truth is one of the doubles alone.
+        # Positions that are not floats: the truth holds for the doubles only.
         double = self.put("double.obj", FRAME1.replace("v 1 1 -1", "v 1 1 -1.1"))
         self.ok("tradeoff", self.frame0, double, *options, *self.put_truth("3,0,1,0.5\n"))
         with open(os.path.join(self.folder.name, "tradeoff.json"), encoding="ascii") as file:

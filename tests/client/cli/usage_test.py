@@ -1,4 +1,4 @@
-"""collidectl: lists, bad usage and errors in the work.
+"""collidectl: lists, bad usage and failures.
 
 Usage: usage_test.py COLLIDECTL DAEMON"""
 
@@ -49,18 +49,18 @@ class Usage(support.CollidectlTest):
 
     def test_the_wrong_word_is_named(self):
         frames = [self.frame0, self.frame1]
-        self.refused(2, "'frobnicate' is no command; there are detect, stream", "frobnicate")
-        self.refused(2, "'steam' is no command; did you mean stream?", "steam", "--scene", "funnel")
-        self.refused(2, "--scnee is no option of 'stream'; did you mean --scene?", "stream", "--scnee", "funnel")
-        self.refused(2, "--treshold is no option of 'detect'; see 'collidectl detect --help'", "detect", *frames,
+        self.refused(2, "'frobnicate' is not a command; there are detect, stream", "frobnicate")
+        self.refused(2, "'steam' is not a command; did you mean stream?", "steam", "--scene", "funnel")
+        self.refused(2, "--scnee is not an option of 'stream'; did you mean --scene?", "stream", "--scnee", "funnel")
+        self.refused(2, "--treshold is not an option of 'detect'; see 'collidectl detect --help'", "detect", *frames,
                      "--treshold", "3")
-        self.refused(2, "--treads is no option of 'detect'; did you mean --threads?", "detect", *frames, "--treads=3")
-        self.refused(2, "'detetc' is no command; did you mean detect?", "detetc", *frames)
-        self.refused(2, "--thicknes is no option of 'detect'; did you mean --thickness?", "detect", *frames,
+        self.refused(2, "--treads is not an option of 'detect'; did you mean --threads?", "detect", *frames, "--treads=3")
+        self.refused(2, "'detetc' is not a command; did you mean detect?", "detetc", *frames)
+        self.refused(2, "--thicknes is not an option of 'detect'; did you mean --thickness?", "detect", *frames,
                      "--thicknes=3")
         self.refused(2, "'funnel' is one word too many for 'scenes'", "scenes", "funnel")
         self.refused(2, "a command is needed: detect, stream")
-        self.refused(2, "--verson is no option of collidectl; did you mean --version?", "--verson")
+        self.refused(2, "--verson is not an option of collidectl; did you mean --version?", "--verson")
 
     def test_help_tells_how_many_files_go_in(self):
         self.assertIn("detect [OPTIONS] FRAME [FRAME]\n", self.ok("detect", "--help"))
@@ -101,7 +101,7 @@ class Usage(support.CollidectlTest):
         self.refused(1, "nonexistent", "info", "--server", "unix:/nonexistent/socket")
         self.refused(1, "COLLIDED_DAEMON", "detect", self.frame0, self.frame1, COLLIDED_DAEMON="/nonexistent")
         self.refused(1, "ended with exit code 1", "info", COLLIDED_DAEMON="/bin/false")
-        self.refused(1, "is no file", "detect", self.folder.name + "/none.obj", self.frame0)
+        self.refused(1, "does not exist", "detect", self.folder.name + "/none.obj", self.frame0)
         folder = os.path.join(self.folder.name, "folder.obj")
         os.mkdir(folder)
         self.refused(1, "folder.obj: is a folder", "detect", folder, self.frame0)
@@ -123,7 +123,7 @@ class Usage(support.CollidectlTest):
         self.refused(1, "in plain text", *nobody, *token)
         self.refused(2, "--server", "stream", "--scene", "funnel", "--daemon-user", "0")
         for user in ("no_such_user", "-1", "1x", "99999999999"):
-            self.refused(2, f"--daemon-user {user}: there is no such user here", *nobody, f"--daemon-user={user}")
+            self.refused(2, f"--daemon-user {user}: no such user on this host", *nobody, f"--daemon-user={user}")
         self.refused(1, "tls_ca is '/nonexistent'", *nobody, *token, "--tls-ca", "/nonexistent")
 
 

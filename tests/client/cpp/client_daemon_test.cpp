@@ -1,4 +1,4 @@
-// The client library against a daemon of its own.
+// The client library against its own daemon.
 
 #include <grpcpp/create_channel.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using Triangles = std::vector<std::array<uint32_t, 3>>;
 
 const Triangles kTriangles{{0, 1, 2}, {3, 4, 5}};
 
-/// A triangle that lies still, and one whose corner is `height` above its inside.
+/// A triangle at rest, and one whose corner is `height` above its inside.
 std::vector<std::array<double, 3>> positions_at(double height) {
   return {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, height}, {1.5, 1, height + 2}, {1, 1.5, height + 2}};
 }
@@ -32,7 +32,7 @@ class ClientAndDaemon : public testing::Test {
     const MeshInput mesh{.name = "two", .vertex_count = 6, .triangles = kTriangles};
     return client.create_scene(spec, {&mesh, 1});
   }
-  /// Opens a stream whose messages are at most so large.
+  /// Opens a stream with that message limit.
   FrameStream stream_of(const v1::Scene& scene, uint64_t max_message_bytes) {
     const auto channel = grpc::CreateChannel(daemon->address(), grpc::InsecureChannelCredentials());
     v1::OpenStream open;

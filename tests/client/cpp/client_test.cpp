@@ -54,7 +54,7 @@ TEST_F(ContactArrays, OfTheWrongLengthAreRefused) {
   contacts = {};
   add(chunk_of_two());
   chunk = chunk_of_two();
-  chunk.set_distance(bytes<double>({1, 2}));  // the chunk before had none
+  chunk.set_distance(bytes<double>({1, 2}));  // the previous chunk had none
   EXPECT_THROW(add(chunk), Error);
 }
 

@@ -1,4 +1,4 @@
-// How a client reaches its daemon: where tokens may go, files of TLS, what refusals tell.
+// Connecting to a daemon: where tokens may be sent, TLS files, refusals.
 
 #include <grpcpp/support/status.h>
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ TEST(Address, IsLocalIfItCannotLeaveTheHost) {
 
 using std::chrono::milliseconds;
 
-// Times that no clock holds are no deadline at all, instead of one long past.
+// Times beyond any clock's range mean no deadline, instead of one long past.
 TEST(Deadline, MayBeAsLongAsItLikes) {
   constexpr auto kDay = std::chrono::hours(24);
   for (const auto& [deadline, more] : {std::pair{milliseconds::max(), milliseconds(0)},

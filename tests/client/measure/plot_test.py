@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""client/measure/plot: its pictures show the data, and what cannot be drawn is told.
+"""client/measure/plot: its pictures show the data, and data that cannot be drawn are reported.
 
 usage: plot_test.py REPOSITORY
 """
@@ -192,7 +192,7 @@ class Files(PlotTest):
         self.refused(1, "none.json", "none.json")
         self.refused(1, "a.json: is not JSON", self.put("a.json", "{"))
         for content in ([], {}, 3, {"scenes": []}):
-            self.refused(1, "b.json: is no result of a measurement: it has no 'runs'", self.put("b.json", content))
+            self.refused(1, "b.json: is not a measurement result: it has no 'runs'", self.put("b.json", content))
         other_format = self.put("c.json", {"format": "collided tradeoff 2", "runs": []})
         self.refused(1, "'collided tradeoff 2' is not one of", other_format)
         self.refused(1, "the results hold nothing", self.put("d.json", {"device": "CPU", "runs": []}))
@@ -204,12 +204,12 @@ class Files(PlotTest):
                              (lambda run: run["median_ms"].update(narrow=math.nan), "nan is not a finite number"),
                              (lambda run: run["median_ms"].update(narrow=-1), "-1 is less than 0"),
                              (lambda run: run["contacts"]["toi_gap"].update(worst=math.inf), "inf is not a finite"),
-                             (lambda run: run.update(contacts=None), "is no result of a measurement")):
+                             (lambda run: run.update(contacts=None), "is not a measurement result")):
             result = json.loads(FUNNEL.read_text())
             change(result["runs"][2])
             self.refused(1, part, FUNNEL, self.put("bad.json", result))
         result["runs"] = []
-        self.refused(1, "bad.json: is no result of a measurement: it has no runs", self.put("bad.json", result))
+        self.refused(1, "bad.json: is not a measurement result: it has no runs", self.put("bad.json", result))
 
     def test_bad_usage_and_help(self):
         self.refused(2, "RESULT")

@@ -1,4 +1,4 @@
-// Mesh files: round trips to the bit, every PLY encoding, and hostile files.
+// Mesh files: bit-exact round trips, every PLY encoding, and hostile files.
 
 #include "client/scenes/mesh_files/mesh_file.hpp"
 

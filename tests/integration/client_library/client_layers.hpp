@@ -29,7 +29,7 @@ inline pb::Scene make_layers(Client& client, uint32_t side = kSide) {
   return client.create_scene(spec, {&mesh, 1});
 }
 
-/// The positions differ from frame to frame, and come again after three.
+/// The positions differ from frame to frame, and repeat after three.
 inline std::string layers_at(uint64_t id, uint32_t side = kSide) {
   return pack_points(layer_points(side, kLayerGap * static_cast<double>(1 + id % 3)));
 }

@@ -16,7 +16,7 @@ using client::Contacts;
 using client::Error;
 using client::Local;
 
-/// Moves one vertex far away; it goes on from the frame before.
+/// Moves one vertex far away, from where the previous frame left it.
 FrameOutput ask_sparse(FrameStream& stream, uint64_t id) {
   const std::string index = pack<uint32_t>({static_cast<uint32_t>(id)}), there = pack_points({{0.5, 0.5, 9}});
   return ask(stream, id, {.positions = bytes_of(there), .indices = bytes_of(index)});
@@ -108,7 +108,7 @@ TEST(ClientLibrary, ABrokenConnectionIsResumedWithSparseFrames) {
   for (const uint64_t id : {3, 4}) expect_equal(ask_sparse(whole, id), ask_sparse(next, id));
 }
 
-// The daemon closes the connection; the scene stays, and goes on over whichever transport.
+// The daemon closes the connection; the scene stays, and continues over any transport.
 TEST(ClientLibrary, AStreamThatTheDaemonClosedIsResumedOverEitherTransport) {
   LocalDaemon daemon({"--max-idle-seconds", "0.5"});
   Client client = Client::connect(daemon.process().address());

@@ -1,4 +1,4 @@
-// Threads of a client that wait for one stream, and a client that does not wait at all for a while.
+// Client threads that wait for one stream, and a client that does not wait at all for a while.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -22,7 +22,7 @@ using std::chrono::milliseconds;
 
 constexpr Local kWays[] = {Local::kOff, Local::kOn};
 constexpr auto kForEver = milliseconds::max();
-// The keeper as it is while frames come and go, and as it is after a rest, without the wait between.
+// The keeper in the midst of frames, and after a rest, without the wait in between.
 constexpr client::KeeperPace kLooks{.quiet_pauses = std::numeric_limits<int>::max()}, kStays{.quiet_pauses = 0};
 
 struct Waiting {
@@ -32,7 +32,7 @@ struct Waiting {
     more.insert(more.end(), {"--address", "127.0.0.1:0"});
     return more;
   }
-  /// All contacts come by the socket, also where memory is shared.
+  /// All contacts come over the socket, even with shared memory.
   FrameStream stream(const pb::Scene& scene, Local use, uint32_t window, client::KeeperPace keeper = {}) {
     return client.resume(scene, {.window = window, .local = {.use = use, .output_bytes = 0}, .keeper = keeper});
   }
@@ -86,7 +86,7 @@ TEST(ClientWaits, ASenderThatWaitsForCreditsTakesTheAnswers) {
   }
 }
 
-// The daemon holds no answers for a client that computes meanwhile.
+// The daemon does not have to hold answers for a client that is computing.
 TEST(ClientWaits, AnswersComeWhileNobodyWaits) {
   constexpr uint64_t kFrames = 8;
   constexpr uint32_t kLarge = 60;  // no socket holds the contacts of all frames
@@ -143,7 +143,7 @@ TEST(ClientWaits, AnotherThreadFinishesWhileOneReceives) {
     }
 }
 
-/// Why the stream takes no more of them.
+/// Why the stream accepts no more of them.
 int send_until_refused(FrameStream& stream) {
   try {
     for (uint64_t id = 1;; ++id) send_frame(stream, id);
@@ -206,8 +206,8 @@ class PingAnswers {
   std::atomic<int> count_ = 0;
 };
 
-// The daemon waits so long for an answer that none is late on any machine: the answers themselves are looked at. gRPC's
-// own look at connections that nobody waits for is switched off before gRPC begins, so that each is the stream's doing.
+// The daemon waits so long for an answer that none is late on any machine: the test looks at the answers themselves.
+// gRPC's own backup polling is switched off before gRPC starts, so that each answer is the stream's doing.
 TEST(ClientWaits, AnIdleClientAnswersPings) {
   Waiting waiting({"--keepalive-seconds", "1", "--keepalive-timeout-seconds", "60"});
   for (const client::KeeperPace pace : {kLooks, kStays}) {

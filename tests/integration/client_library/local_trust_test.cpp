@@ -1,4 +1,4 @@
-// The C++ client looks at who listens where a daemon says that its local socket is, before a token goes there.
+// The C++ client checks who listens at a daemon's local socket before it sends a token there.
 #include <grp.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ using client::Local;
 constexpr uid_t kNobody = 65534;
 constexpr char kToken[] = "token-of-the-simulator";
 
-/// A process of another user that listens at a path of its own, and keeps what the first connection sends.
+/// A process of another user that listens at its own path, and keeps what the first connection sends.
 class FakeDaemon {
  public:
   /// `user` must be able to write to the folder of `path`.
@@ -41,7 +41,7 @@ class FakeDaemon {
     close(said_);
   }
 
-  /// All that it was sent; ends it.
+  /// Everything that it received; ends it.
   std::string end() {
     kill(child_, SIGTERM);
     waitpid(std::exchange(child_, -1), nullptr, 0);
@@ -73,7 +73,7 @@ class FakeDaemon {
   int said_ = -1;
 };
 
-/// A daemon with a token, whose local socket somebody else has taken the place of.
+/// A daemon with a token, whose local socket another process has replaced.
 class LocalTrust : public testing::Test {
  protected:
   LocalTrust() {
@@ -155,7 +155,7 @@ TEST_F(LocalTrust, AUserWhoIsConfiguredMayListen) {
   ASSERT_EQ(chown(sockets_.c_str(), kNobody, kNobody), 0);
   FakeDaemon fake(socket(), kNobody);
   open(tcp(), {.daemon_user = kNobody});
-  EXPECT_FALSE(is_local_);  // it is no daemon
+  EXPECT_FALSE(is_local_);  // not a daemon
   EXPECT_NE(fake.end().find(kToken), std::string::npos) << "but it was asked";
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// A daemon whose clients have names: one with many scenes, and honest ones beside it.
+// A daemon with named clients: one with many scenes, and honest ones.
 
 #include <memory>
 #include <string>
@@ -31,12 +31,13 @@ class NamedClients {
  protected:
   const TokensFile tokens_{
       {{"many", "max-scenes = 40\n"}, {"one"}, {"hasty", "max-frame-seconds = 0.001\n"}, {kBystander}}};
-  DaemonProcess daemon_{{"--tokens-file", tokens_.path(), "--threads", "2"}, "cpu"};  // as long frames on any machine
+  DaemonProcess daemon_{{"--tokens-file", tokens_.path(), "--threads", "2"},
+                        "cpu"};  // so that frames take equally long on any machine
   const Probe probe_{daemon_};
   Aftermath aftermath_{probe_, connect_as(kBystander)};
 };
 
-/// Frames of two layers without contacts; they take the longer the larger the side.
+/// Frames of two layers without contacts; a larger side takes longer.
 inline FrameWork layers_work(uint32_t side, uint32_t window) {
   return {layers_request(side), layers_frame(0, pack_points(layer_points(side, kLayersApart))), window};
 }

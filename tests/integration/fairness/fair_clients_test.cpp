@@ -1,4 +1,4 @@
-// What one client does to the frames of another: however many scenes it has, however long its frames run.
+// The effect of one client on another's frames: however many scenes it has, however long its frames run.
 #include "tests/integration/fairness/fair_clients.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ constexpr std::chrono::seconds kPatience(50);
 
 class FairClients : public NamedClients, public testing::Test {};
 
-/// Loads of two clients beside each other.
+/// Concurrent loads of two clients.
 struct TwoLoads {
   const FrameLoad many, one;
 
@@ -21,8 +21,8 @@ struct TwoLoads {
   uint64_t refused() const { return many.refused() + one.refused(); }
 };
 
-// Equal frames, and both clients have some waiting at any time: by scenes, one would have a frame in forty. Half would
-// be just; the margin is for machines where the one thread of a client does not always get to run.
+// Equal frames, and both clients always have some waiting: shared by scene, one would get a frame in forty. Half would
+// be fair; the margin is for machines on which a client's only thread does not always get to run.
 TEST_F(FairClients, FortyScenesOfOneDoNotStopTheSceneOfAnother) {
   constexpr int kScenes = 40;
   constexpr uint64_t kFrames = 40, kMost = kFrames * kScenes / 4;
@@ -38,7 +38,7 @@ TEST_F(FairClients, FortyScenesOfOneDoNotStopTheSceneOfAnother) {
   aftermath_.expect_unharmed();
 }
 
-// While one of the long frames runs, many short ones do: it gives way to them again and again.
+// Many short frames run while a long one does: it yields to them repeatedly.
 TEST_F(FairClients, LongFramesGiveWayToShortOnes) {
   constexpr uint64_t kLong = 4, kLeastShort = 3 * kLong;
   {

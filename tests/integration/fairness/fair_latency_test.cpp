@@ -1,5 +1,5 @@
-// How long an honest client's frames take beside a client that does its worst: at most 3 times as long as alone and
-// 100 ms more, for 99 of 100. Both values are measured in one run, so that a busy machine has its part in both.
+// An honest client's latency under attack by another: at the 99th percentile at most 3 times as long as alone plus
+// 100 ms. Both values are measured in one run, so that a busy machine affects both.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -46,7 +46,7 @@ struct Attack {
 };
 void PrintTo(const Attack& attack, std::ostream* out) { *out << attack.name; }
 
-/// What 99 of 100 take at most.
+/// The 99th percentile.
 double p99_of(std::vector<double> all) {
   std::ranges::sort(all);
   return all.empty() ? INFINITY : all[static_cast<size_t>(std::ceil(0.99 * static_cast<double>(all.size()))) - 1];
@@ -58,7 +58,7 @@ class FairLatency : public NamedClients, public testing::TestWithParam<Attack> {
     if (kIsSanitized) GTEST_SKIP() << "with a sanitizer the engine's steps take many times as long, 100 ms do not";
   }
 
-  /// Of the bystander's frames from now on for so long, in ms. Those of a daemon that lets it wait are fewer.
+  /// Latencies of the bystander's frames from now on for so long, in ms; fewer if the daemon makes it wait.
   double p99(std::chrono::milliseconds length) {
     using Clock = std::chrono::steady_clock;
     Bystander& honest = aftermath_.bystander();
@@ -81,8 +81,8 @@ class FairLatency : public NamedClients, public testing::TestWithParam<Attack> {
 
 double bound(double alone) { return kTimes * alone + kMore; }
 
-// Tried again only if what came alone before and after differs so much that the bound hangs on it: then the load of the
-// machine changed, and nobody knows what the attack's part was.
+// Repeated only if the values alone before and after differ so much that the bound depends on it: then the load of the
+// machine changed, and the attack's effect is unknown.
 TEST_P(FairLatency, IsAtMostThreeTimesThatAloneAndATenthOfASecond) {
   constexpr int kMostTries = 3;
   constexpr double kSteady = 1.25;
@@ -91,7 +91,7 @@ TEST_P(FairLatency, IsAtMostThreeTimesThatAloneAndATenthOfASecond) {
     probe_.scenes_become(1);
     const double after = p99(kAlone);
     const auto [least, most] = std::minmax(before, after);
-    std::printf("p99 in ms: %.1f alone, %.1f beside the attack, %.1f alone again\n", before, beside, after);
+    std::printf("p99 in ms: %.1f alone, %.1f during the attack, %.1f alone again\n", before, beside, after);
     if (beside <= bound(most)) break;
     if (i < kMostTries && bound(most) > kSteady * bound(least)) continue;
     ADD_FAILURE() << "99 of 100 frames took up to " << beside << " ms; " << bound(most) << " would be fair";

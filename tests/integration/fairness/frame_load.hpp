@@ -1,5 +1,5 @@
 #pragma once
-// Clients that keep the daemon busy: streams of one frame, sent again and again.
+// Clients that keep the daemon busy: streams that send one frame repeatedly.
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,8 @@ struct FrameWork {
   uint32_t window = 1;   ///< frames in flight at any time
 };
 
-/// Streams with a thread each, until this object goes: what is in work then is cancelled, and the scenes are deleted.
+/// Streams with a thread each, until this object is destroyed: then running frames are cancelled, and the scenes
+/// deleted.
 class FrameLoad {
  public:
   FrameLoad(std::vector<std::unique_ptr<Stub>> stubs, FrameWork work) : work_(std::move(work)) {

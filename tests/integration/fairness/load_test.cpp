@@ -1,4 +1,4 @@
-// Many scenes and streams at once: order, fair shares, and a stop in the midst of it.
+// Many scenes and streams at once: order, fair shares, and a stop under load.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -66,8 +66,8 @@ TEST(Load, TwoHundredIdleStreams) {
   EXPECT_TRUE(probe.streams_become(0));
 }
 
-// One frame is computed at a time. A queue in the order of arrival would let a small frame wait for all that the
-// large scene has in flight.
+// One frame is computed at a time. First come, first served would make a small frame wait for everything that the large
+// scene has in flight.
 TEST(Load, SmallScenesGetTheirTurnsBesideALargeOne) {
   constexpr uint32_t kWindow = 16, kSide = 60;
   constexpr uint64_t kSmallFrames = 10, kMostLargeFrames = 100;
@@ -108,7 +108,7 @@ TEST(Load, RefusalsKeepTheOrderOfTheFrames) {
   }
 }
 
-// Streams until it is told of the stop; then it takes what it is owed, and ends.
+// Streams until the stop is announced; then receives the outstanding answers, and ends.
 void stream_until_told(const std::string& address, int number, std::atomic<int>& running) {
   constexpr uint64_t kWindow = 4;
   auto stub = pb::CollisionService::NewStub(channel_to(address, number));

@@ -1,4 +1,4 @@
-// Large answers that nobody takes: what they hold counts with the scenes, so that all of it stays within the limits.
+// Large answers that nobody takes: their memory counts with the scenes, so that everything stays within the limits.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ pb::Frame crowd_frame(uint64_t id) {
 
 class AnswerMemory : public testing::Test {
  protected:
-  /// One after the other, so that as many as can be have an answer.
+  /// One after the other, so that as many as possible have an answer.
   void await_answers() const {
     eventually(
         "all frames are worked off", [&] { return answered() + refused() >= static_cast<double>(scenes_.size()); },
@@ -125,7 +125,7 @@ TEST_F(AnswerMemory, OfLocalStreamsThatNobodyReads) {
   for (int i = 0; i < kScenes; ++i) {
     scenes_.push_back(make_scene(*stub_, crowd_request()));
     streams.push_back(std::make_unique<LocalStream>(local_socket_of(*stub_), scenes_.back(), sizes));
-    if (const auto& closed = streams.back()->closed()) {  // its shared memory has no room any more
+    if (const auto& closed = streams.back()->closed()) {  // there is no room for its shared memory
       EXPECT_EQ(closed->code(), grpc::RESOURCE_EXHAUSTED) << closed->message();
       break;
     }
@@ -138,7 +138,7 @@ TEST_F(AnswerMemory, OfLocalStreamsThatNobodyReads) {
   expect_all_given_back();
 }
 
-/// Told of at length: 8,000 meshes, and a megabyte of names.
+/// With a long description: 8,000 meshes, and a megabyte of names.
 pb::CreateSceneRequest wordy_request() {
   pb::CreateSceneRequest request;
   auto* spec = request.mutable_spec();
@@ -169,7 +169,7 @@ TEST_F(AnswerMemory, OfCallsThatNobodyReads) {
   expect_all_given_back();
 }
 
-// Pages that nobody has touched yet are the daemon's once it does.
+// Untouched pages are charged to the daemon once it touches them.
 TEST_F(AnswerMemory, OfRegionsThatAreLargerThanTheClientsShare) {
   scenes_.push_back(make_scene(*stub_, crowd_request()));
   const LocalSizes sizes{.output = size_t{kLimit + 1} << 20, .token = token_of("hog")};

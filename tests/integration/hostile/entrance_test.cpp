@@ -1,4 +1,4 @@
-// Attacks on the way in: connections, and calls that ask for nothing.
+// Attacks on the entrance: connections, and calls without requests.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr auto kReflection = "/grpc.reflection.v1.ServerReflection/ServerReflectionInfo";
 
-// More than the process has descriptors for, without a word, held and closed again.
+// More silent connections than the process has descriptors for, held and closed again.
 TEST(Entrance, SilentConnectionsKeepNobodyOut) {
   constexpr int kConnections = 1224;
   DaemonProcess daemon({"--address", "127.0.0.1:0"}, test_backend(), 1024);
@@ -29,17 +29,19 @@ TEST(Entrance, SilentConnectionsKeepNobodyOut) {
   aftermath.expect_unharmed();
 }
 
-/// What is reset, and by which way it comes. The honest clients come by the other way.
+/// What is reset, and over which transport. The honest clients use the other one.
 struct Flood {
   std::string path;
   bool is_unix = false;
 };
 
-void PrintTo(const Flood& flood, std::ostream* out) { *out << flood.path << (flood.is_unix ? " over Unix sockets" : ""); }
+void PrintTo(const Flood& flood, std::ostream* out) {
+  *out << flood.path << (flood.is_unix ? " over Unix sockets" : "");
+}
 
 class Resets : public testing::TestWithParam<Flood> {};
 
-// gRPC keeps each call until it is taken up, however fast they come and go.
+// gRPC keeps each call until it is accepted, however fast they come and go.
 TEST_P(Resets, TakeLittleMemory) {
   constexpr int kBatch = 1000, kBatches = 1000;
   DaemonProcess daemon({"--address", "127.0.0.1:0"});

@@ -1,4 +1,4 @@
-"""Attacks on the ways into a real daemon, and what holds after them. Usage: entrance_test.py DAEMON"""
+"""Attacks on the entrances of a real daemon, and its state after them. Usage: entrance_test.py DAEMON"""
 
 import contextlib
 import fcntl
@@ -89,7 +89,7 @@ class Descriptors(Case):
         return any(row[1].endswith(near) and row[2].endswith(far) and row[9] != "0" for row in rows[1:])
 
     def knock(self, daemon, waiting):
-        """Something has to want to get in; and who waits must not fall silent."""
+        """A client must be waiting to connect, and must not fall silent."""
         tcp(daemon.address).close()
         waiting.sendall(b"X: y\r\n")
         return False
@@ -171,7 +171,7 @@ class Local(Case):
         return near
 
     def nested(self):
-        """A Unix socket with such a socket on its way."""
+        """A Unix socket with such a socket in transit."""
         near, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)
         inner = self.lingering()
         socket.send_fds(near, [b"x"], [inner.fileno()])
@@ -180,7 +180,7 @@ class Local(Case):
         return far
 
     def give(self, daemon, path, *packets):
-        """Packets with files, whose last holder the daemon is: it must not have closed them before their sender has."""
+        """Packets with files whose last holder is the daemon: it must not close them before their sender does."""
         with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as client:
             client.settimeout(30)
             client.connect(path)

@@ -1,4 +1,4 @@
-// Messages that are made to harm: what they would unfold to is bounded, and nothing is read of callers nobody knows.
+// Hostile messages: their expansion is bounded, and nothing is read from unknown callers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ std::string field(uint32_t number, const std::string& bytes) {
   return varint(number << 3 | 2) + varint(bytes.size()) + bytes;
 }
 
-/// So many bytes of one small field after the other.
+/// That many bytes of small fields, one after the other.
 std::string repeated(const std::string& small, size_t bytes) {
   std::string out;
   out.reserve(bytes + small.size());
@@ -101,7 +101,7 @@ TEST(HostileMessages, OtherMessagesAreBoundedToo) {
   }
 }
 
-// gRPC would unfold it before anybody could look at it.
+// gRPC would expand it before it could be checked.
 TEST(HostileMessages, CompressedMessagesAreNotTaken) {
   DaemonProcess daemon;
   const Probe probe(daemon);
@@ -170,7 +170,7 @@ TEST(HostileMessages, MalformedOnesAreNamed) {
       expect_field(raw_call(channel, method_path(method), bytes), grpc::INVALID_ARGUMENT, message);
   expect_field(raw_call(channel, method_path("DetectFrame"), field(2, field(3, "\xff"))), grpc::INVALID_ARGUMENT,
                "DetectFrameRequest.frame.updates");
-  // Text that is no UTF-8.
+  // Text that is not UTF-8.
   expect_field(raw_call(channel, method_path("GetScene"), field(1, "\xff\xfe")), grpc::INVALID_ARGUMENT,
                "GetSceneRequest");
 }

@@ -1,4 +1,4 @@
-// Calls whose clients say nothing: they take no place of others, no thread, and end.
+// Silent calls: they take no place from others, no thread, and they end.
 #include <gtest/gtest.h>
 
 #include <deque>
@@ -25,8 +25,7 @@ std::string list_services() {
 
 using Ends = std::map<grpc::StatusCode, int>;
 
-/// What the daemon makes of calls that are begun, and no more; `meanwhile` runs while they are there, and a new client
-/// is served.
+/// The outcomes of calls that are only begun; `meanwhile` runs while they are open, and a new client is served.
 Ends ends_of_silent(
     const DaemonProcess& daemon, const std::string& path, int count, const std::function<void()>& meanwhile = [] {}) {
   const auto channel = channel_to(daemon.address(), 77);
@@ -47,7 +46,7 @@ TEST(SilentCalls, StreamsThatDoNotOpenTakeNoPlace) {
   Aftermath aftermath(probe, daemon.address());
   auto ends = ends_of_silent(daemon, method_path("StreamFrames"), kSilent);
   EXPECT_GT(ends[grpc::DEADLINE_EXCEEDED], 0);
-  EXPECT_GE(ends[grpc::RESOURCE_EXHAUSTED], kSilent - kStreams);  // the oldest went for those that came
+  EXPECT_GE(ends[grpc::RESOURCE_EXHAUSTED], kSilent - kStreams);  // the oldest were evicted for newer ones
   EXPECT_EQ(ends[grpc::DEADLINE_EXCEEDED] + ends[grpc::RESOURCE_EXHAUSTED], kSilent);
   aftermath.expect_unharmed();
 }
@@ -102,7 +101,7 @@ TEST(SilentCalls, OfReflectionTakeNoThreads) {
   aftermath.expect_unharmed();
 }
 
-// Of each method, whether it needs a token or not; a second for each MiB that its message may have is given.
+// For each method, with and without a token; the wait includes a second for each MiB of the largest message.
 TEST(SilentCalls, OfOneMessageEndInTime) {
   DaemonProcess daemon({"--max-silent-seconds", "0.1", "--max-message-mb", "1"});
   for (const std::string& path : {method_path("GetServerInfo"), method_path("CreateScene"), method_path("DetectFrame"),
@@ -114,14 +113,14 @@ TEST(SilentCalls, OfOneMessageEndInTime) {
 }
 
 TEST(SilentCalls, OfHealthAreFew) {
-  constexpr int kCalls = 400, kMost = 256;  // of one host
+  constexpr int kCalls = 400, kMax = 256;  // of one host
   for (const auto* path : {kHealthCheck, kHealthWatch}) {
     DaemonProcess daemon({"--max-silent-seconds", "2"});
     const Probe probe(daemon);
     Aftermath aftermath(probe, daemon.address());
     const double threads = probe.threads();
     auto ends = ends_of_silent(daemon, path, kCalls, [&] { EXPECT_LT(probe.threads(), threads + 16); });
-    EXPECT_GE(ends[grpc::RESOURCE_EXHAUSTED], kCalls - kMost);  // the oldest went for those that came
+    EXPECT_GE(ends[grpc::RESOURCE_EXHAUSTED], kCalls - kMax);  // the oldest were evicted for newer ones
     EXPECT_GT(ends[grpc::DEADLINE_EXCEEDED], 0);
     EXPECT_EQ(ends[grpc::DEADLINE_EXCEEDED] + ends[grpc::RESOURCE_EXHAUSTED], kCalls);
     aftermath.expect_unharmed();
@@ -129,7 +128,7 @@ TEST(SilentCalls, OfHealthAreFew) {
 }
 
 TEST(SilentCalls, OfThoseWhoWatchHealthTheOldestGo) {
-  constexpr int kWatches = 80, kMost = 64;  // of one host
+  constexpr int kWatches = 80, kMax = 64;  // of one host
   DaemonProcess daemon;
   const Probe probe(daemon);
   Aftermath aftermath(probe, daemon.address());
@@ -141,14 +140,14 @@ TEST(SilentCalls, OfThoseWhoWatchHealthTheOldestGo) {
     ASSERT_TRUE(watches.back().write({}) && watches.back().read(&bytes)) << i;
     EXPECT_EQ(bytes, std::string("\x08\x01")) << "SERVING";
   }
-  for (int i = 0; i < kWatches - kMost; ++i) EXPECT_EQ(watches[i].finish().error_code(), grpc::RESOURCE_EXHAUSTED) << i;
+  for (int i = 0; i < kWatches - kMax; ++i) EXPECT_EQ(watches[i].finish().error_code(), grpc::RESOURCE_EXHAUSTED) << i;
   watches.clear();
   channel.reset();  // its connection is one of the daemon's descriptors
   aftermath.expect_unharmed();
 }
 
 TEST(SilentCalls, OfReflectionWhoDoNotReadEndToo) {
-  constexpr int kQuestions = 1000;  // whose answers are more than what goes out unread
+  constexpr int kQuestions = 1000;  // whose answers exceed the buffers of a client that does not read
   DaemonProcess daemon({"--max-silent-seconds", "0.5"});
   RawStream call(daemon.channel(), kReflection);
   grpc::reflection::v1::ServerReflectionRequest request;

@@ -1,5 +1,5 @@
-// Preloaded into a daemon: breaks its device as soon as the file $COLLIDED_FAIL_DEVICE exists, as a kernel that goes
-// astray would.
+// Preloaded into a daemon: breaks its device as soon as the file $COLLIDED_FAIL_DEVICE exists, like a kernel that
+// crashes.
 #include <pthread.h>
 #include <signal.h>
 

@@ -1,4 +1,4 @@
-// A log that nobody reads: it stops neither frames nor the end of the daemon.
+// A log that nobody reads blocks neither frames nor the daemon's exit.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -40,7 +40,7 @@ class LogPipe {
     std::filesystem::remove_all(folder_);
   }
 
-  /// Reads on until there is such a text; what follows it on its line.
+  /// Reads until the text appears; returns the rest of its line.
   std::string read_until(const std::string& text) {
     eventually("the log says " + text, [&] {
       char buffer[4096];
@@ -58,7 +58,7 @@ class LogPipe {
   int fd_ = -1;
 };
 
-/// So many frames that their lines are more than the pipe and the daemon's own queue hold.
+/// Enough frames that their lines exceed the pipe and the daemon's own queue.
 void stream_frames(Stub& stub) {
   constexpr uint64_t kFrames = 10'000, kWindow = 16;
   const std::string scene = make_scene(stub, tip_request());

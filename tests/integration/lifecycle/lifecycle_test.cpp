@@ -1,4 +1,4 @@
-// How the daemon stops, and whose socket it takes.
+// Stopping the daemon, and which sockets it replaces.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,4 +1,4 @@
-// Every limit of the daemon is met once, and refused with its name.
+// Every limit of the daemon is exceeded once, and the refusal names it.
 #include <gtest/gtest.h>
 
 #include "tests/integration/support/probe.hpp"
@@ -31,7 +31,7 @@ TEST(Limits, ScenesOfAClient) {
   expect_quota(create_scene(*stub, tip_request()), "max_scenes_per_client", "client:");
 }
 
-// So that no one of them keeps the others out.
+// So that none of them shuts out the others.
 TEST(Limits, AClientHasAQuarterOfWhatAllHave) {
   DaemonProcess daemon({"--max-scenes", "8", "--max-streams", "3", "--max-device-mb", "100"});
   auto stub = pb::CollisionService::NewStub(daemon.channel());
@@ -80,7 +80,7 @@ TEST(Limits, Windows) {
   EXPECT_EQ(stream.opened()->window(), 4u);
 }
 
-// The stream goes on, and the same frame is taken after the time that the refusal tells.
+// The stream continues, and the same frame is accepted after the time that the refusal gives.
 TEST(Limits, FramesInASecond) {
   DaemonProcess daemon({"--max-frames-per-second", "2"});
   auto stub = pb::CollisionService::NewStub(daemon.channel());

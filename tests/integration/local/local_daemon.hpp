@@ -1,5 +1,5 @@
 #pragma once
-// A daemon with a local socket, and what tests of it begin with.
+// A daemon with a local socket, and set-up shared by its tests.
 
 #include <sys/stat.h>
 
@@ -16,7 +16,7 @@
 
 namespace collided::test {
 
-/// Where the daemon says that its local socket is.
+/// The local socket that the daemon advertises.
 inline std::string local_socket_of(Stub& stub) {
   grpc::ClientContext context;
   set_deadline(context);
@@ -52,7 +52,7 @@ class LocalDaemon {
   Stub& stub() { return *stub_; }
   std::string make_scene(const pb::CreateSceneRequest& request) { return test::make_scene(*stub_, request); }
 
-  /// A good stream over each way; after the first call the daemon has what it keeps.
+  /// A good stream over each transport; the first call also allocates what the daemon keeps.
   void expect_good_streams() {
     const std::string near = make_scene(tip_request()), far = make_scene(tip_request());
     {

@@ -1,4 +1,4 @@
-// Shared memory that is not what its client says, and the daemon that outlives it.
+// Shared memory that is not what its client claims, which the daemon survives.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -54,7 +54,7 @@ class HostileMemory : public testing::Test {
   std::optional<Baseline> before_;
 };
 
-// The seal forbids it. Pages can be given back, and are zero then.
+// The seal forbids it. Pages can be released, and are then zero.
 TEST_F(HostileMemory, IsNotTakenAwayUnderTheDaemon) {
   LocalStream stream(daemon_.path(), scene_);
   expect_tip_contact(stream.ask_shared(first_frame(2)), 2);
@@ -67,7 +67,7 @@ TEST_F(HostileMemory, IsNotTakenAwayUnderTheDaemon) {
   ASSERT_EQ(fallocate(file, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0, 320 << 10), 0);
   const Answer zeros = stream.ask(ranged_frame(3, 0, 36));
   EXPECT_TRUE(zeros.done) << (zeros.error ? zeros.error->message() : "the stream ended");
-  // What a GPU has pinned are the pages of before: from now on the client shares other ones with it.
+  // A GPU has pinned the previous pages: from now on the client shares different ones with it.
   LocalStream next(daemon_.path(), daemon_.make_scene(leased_tip()));
   expect_tip_contact(next.ask_shared(first_frame(4)), 4);
 }
@@ -116,7 +116,7 @@ TEST_F(HostileMemory, SizesThatAreLiesAreRefused) {
   }
 }
 
-// Sums of offset and size that wrap around, too. The stream goes on.
+// Including sums of offset and size that wrap around. The stream continues.
 TEST_F(HostileMemory, RangesThatAreLiesAreRefused) {
   constexpr uint64_t kMost = std::numeric_limits<uint64_t>::max();
   LocalStream stream(daemon_.path(), scene_);

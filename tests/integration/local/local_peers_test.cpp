@@ -1,4 +1,4 @@
-// Clients of the local socket that die, stop, flood or hang up: the daemon gives back all that it had for them.
+// Clients of the local socket that die, stop, flood or hang up: the daemon releases everything that it held for them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,14 +14,14 @@ namespace {
 
 constexpr double kLease = 1;
 constexpr uint32_t kSmall = 10;
-constexpr uint32_t kLarge = 80;  // some MiB of contacts a frame
+constexpr uint32_t kLarge = 80;  // some MiB of contacts per frame
 constexpr size_t kRoomForAll = size_t{256} << 20;
 
 class LocalPeers : public testing::Test {
  protected:
   explicit LocalPeers(const std::vector<std::string>& more = {"--keepalive-timeout-seconds", "1"}) : daemon_(more) {}
 
-  // The first client makes the daemon's memory as large as any of them needs.
+  // The first client grows the daemon's memory to what any of them needs.
   void SetUp() override {
     daemon_.expect_good_streams();
     const auto client = start(kLarge, kRoomForAll);
@@ -64,7 +64,7 @@ TEST_F(LocalPeers, KilledInTheMiddleOfFrames) {
   expect_all_released();
 }
 
-// Its answers come in packets, which it does not take any more.
+// Its answers come in packets, which it no longer takes.
 TEST_F(LocalPeers, StoppedInTheMiddleOfAnswers) {
   const auto client = start(kLarge, 0);
   client->signal(SIGSTOP);
@@ -125,7 +125,7 @@ TEST_F(LocalPeers, HangUpAtEveryStep) {
       if (round % 4 == 1) raw.send("\xff");
       continue;
     }
-    LocalStream stream(daemon_.path(), scene);  // refused where the one before is not gone yet
+    LocalStream stream(daemon_.path(), scene);  // refused if the previous one is not gone yet
     if (round % 4 == 3) stream.send_shared(layers_frame(round + 1, positions));
   }
   expect_all_released();

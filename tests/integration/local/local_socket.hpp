@@ -1,5 +1,5 @@
 #pragma once
-// A client of the local socket without the client library, which can do what that never would.
+// A client of the local socket without the client library, for what the library never does.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -86,8 +86,8 @@ class RawLocal {
     msghdr message{};
     message.msg_iov = &bytes;
     message.msg_iovlen = 1;
-    constexpr size_t kMostFiles = 253;  // the kernel takes no more
-    alignas(cmsghdr) char control[CMSG_SPACE(kMostFiles * sizeof(int))] = {};
+    constexpr size_t kMaxFiles = 253;  // the kernel's limit
+    alignas(cmsghdr) char control[CMSG_SPACE(kMaxFiles * sizeof(int))] = {};
     if (!files.empty()) {
       message.msg_control = control;
       message.msg_controllen = CMSG_SPACE(files.size() * sizeof(int));
@@ -108,11 +108,11 @@ class RawLocal {
     return send(request);
   }
 
-  /// The daemon's next packet; nothing at the end, or after 30 s.
+  /// The daemon's next packet; nullopt at the end, or after 30 s.
   std::optional<pb::LocalResponse> receive() const {
     constexpr int kPatienceMs = 30'000;
     std::string packet(1 << 20, '\0');
-    for (int tries = 0; tries < 2; ++tries) {  // that the daemon has closed can come before its last packet
+    for (int tries = 0; tries < 2; ++tries) {  // the reset may be reported before the daemon's last packet
       pollfd state{socket_, POLLIN, 0};
       if (poll(&state, 1, kPatienceMs) <= 0) {
         ADD_FAILURE() << "the daemon says nothing";
@@ -128,7 +128,7 @@ class RawLocal {
     }
     return std::nullopt;
   }
-  /// Why the stream ended; what comes before it is passed over.
+  /// Why the stream ended; earlier packets are skipped.
   pb::LocalClosed closed() const {
     while (const auto response = receive())
       if (response->has_closed()) {

@@ -36,7 +36,7 @@ class LocalStream {
   const Memory& memory() const { return memory_; }
   RawLocal& raw() { return raw_; }
 
-  /// With its positions in this frame's own part of the input region.
+  /// With its positions in this frame's part of the input region.
   bool send_shared(const pb::Frame& frame) {
     const uint32_t parts = opened_ ? opened_->window() : 1;
     const size_t part = sizes_.input / parts / 8 * 8;

@@ -48,7 +48,7 @@ TEST(LocalSocket, IsNamedToClientsAndGoesWithTheDaemon) {
   EXPECT_FALSE(std::filesystem::exists(daemon.path()));
 }
 
-// Room for all contacts, for some of them, and for none: the rest comes in packets, and nothing is lost.
+// Room for all contacts, for some, and for none: the rest comes in packets, and nothing is lost.
 TEST(LocalSocket, FramesAreThoseOfGrpc) {
   LocalDaemon daemon;
   for (const size_t output : {16 << 20, 64 << 10, 0}) {
@@ -86,7 +86,7 @@ TEST(LocalSocket, TimesOfImpactAreThoseOfGrpc) {
   }
 }
 
-/// What the daemon says to a connection of another user, in the words of a packet; empty if there was none.
+/// The daemon's message to a connection of another user, from its packet; empty if there was none.
 std::string answer_to(uid_t uid, const std::string& path, const std::string& packet) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return "";
@@ -127,7 +127,7 @@ TEST(LocalSocket, OtherUsersNeedPermission) {
   EXPECT_EQ(refused.closed().code(), grpc::PERMISSION_DENIED);
   EXPECT_NE(refused.closed().message().find("user 65534"), std::string::npos) << refused.closed().message();
   EXPECT_TRUE(said(open).frame().has_opened());
-  others.expect_good_streams();  // the daemon's own user still may
+  others.expect_good_streams();  // the daemon's own user is still allowed
 }
 
 TEST(LocalSocket, AnOpenStreamIsToldOfTheStopAndEndedAfterTheGrace) {

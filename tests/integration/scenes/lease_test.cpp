@@ -1,4 +1,4 @@
-// How long scenes and streams live without use, and creation that may be repeated.
+// Lifetimes of unused scenes and streams, and idempotent creation.
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -50,7 +50,7 @@ TEST_F(Lease, ALeaseThatIsTooLongOrNoNumberIsRefused) {
   }
 }
 
-// The scene is there until a stream holds it, or long enough for another try.
+// The scene lives until a stream holds it, or long enough for another try.
 TEST_F(Lease, AStreamKeepsItsScene) {
   std::string id;
   std::optional<Stream> stream;

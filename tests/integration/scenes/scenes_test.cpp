@@ -1,4 +1,4 @@
-// Scenes are made, filled, listed, shown and deleted.
+// Scenes are created, filled, listed, described and deleted.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What a client may get wrong. After each refused frame the next good one has the right answer.
+// Client errors. After each refused frame the next good one has the right answer.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -27,7 +27,7 @@ class BadInput : public testing::Test {
     EXPECT_EQ(answer.error->field(), field) << answer.error->message();
     EXPECT_NE(answer.error->message().find(field), std::string::npos) << answer.error->message();
     EXPECT_TRUE(answer.chunks.empty());
-    auto good = tip_frame(2, 3);  // goes on from the last good frame, whose tip ended at z = -1
+    auto good = tip_frame(2, 3);  // continues from the last good frame, whose tip ended at z = -1
     good.mutable_updates(0)->set_start_positions(pack_points(tip_points(1), false));
     expect_tip_contact(stream.ask(good), 3);
     EXPECT_TRUE(stream.finish().ok());
@@ -145,7 +145,7 @@ TEST_F(BadInput, AMessageThatIsTooLargeEndsItsStreamOnly) {
   expect_tip_contact(stream.ask(first_frame(2)), 2);
 }
 
-// However large they are: no more is taken in than the quota of all calls.
+// However large they are: no more is received than the quota of all calls.
 TEST_F(BadInput, MessagesThatAreTooLargeDoNotFillTheDaemon) {
   constexpr double kQuota = 128, kSlack = 96;
   const Probe probe(daemon_);

@@ -1,4 +1,4 @@
-// Calls that are given up stop their work, and leave the scene with its last good state.
+// Cancelled calls stop their work, and leave the scene in its last good state.
 #include <gtest/gtest.h>
 
 #include "tests/integration/support/layers.hpp"
@@ -60,7 +60,7 @@ TEST_F(Cancel, ACancelledStreamStopsTheWork) {
   EXPECT_TRUE(detect(*stub_, id, frame(6, kLayersApart)).ok());
 }
 
-// The frame in work is given up, too: the memory is free once the call returns.
+// The running frame is abandoned, too: the memory is free once the call returns.
 TEST_F(Cancel, ASceneThatIsDeletedWithinAFrameIsFreed) {
   const auto id = make_scene(*stub_, layers_request(kSide));
   Stream stream(*stub_, id, 4);

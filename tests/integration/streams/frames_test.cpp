@@ -1,4 +1,4 @@
-// Frames with known contacts, as streams and single calls bring them.
+// Frames with known contacts, by streams and single calls.
 #include <gtest/gtest.h>
 
 #include <thread>

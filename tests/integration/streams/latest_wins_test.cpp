@@ -1,5 +1,5 @@
-// LATEST_WINS: frames that wait give way to later ones that bring as much, are reported in their turn, and nothing that
-// one of them alone brought is lost.
+// LATEST_WINS: waiting frames give way to later ones that cover them, are reported in order, and no position that only
+// one of them has is lost.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -28,7 +28,7 @@ class LatestWins : public testing::Test {
 
   static bool is_partial(uint64_t id) { return id % 5 == 0; }
 
-  // Whole layers in each frame; one corner of the mark comes down to them, bit by bit, in some.
+  // Whole layers in each frame; in some, one corner of the mark comes closer to them.
   static pb::Frame frame(uint64_t id) {
     auto frame = layers_frame(id, pack_points(layer_points(kSide, kLayerGap * (1 + 0.01 * id))));
     if (id > 1 && !is_partial(id)) return frame;
@@ -82,7 +82,7 @@ TEST_F(LatestWins, NothingIsLostAndTheNewestIsAnswered) {
   EXPECT_TRUE(latest.last_contacts == lossless.last_contacts);  // too long to print
 }
 
-// A frame that is refused gets its error in its turn, and does not make others give way.
+// A refused frame gets its error in order, and does not make others give way.
 TEST_F(LatestWins, ARefusedFrameSkipsNothing) {
   Stream stream(*stub_, make_scene(*stub_, request()), kWindow, "", pb::DELIVERY_POLICY_LATEST_WINS);
   stream.send(frame(1));

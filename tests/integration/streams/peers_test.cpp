@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLease = 1;
 constexpr uint32_t kSmall = 10;
-constexpr uint32_t kLarge = 80;  // some MiB of contacts a frame
+constexpr uint32_t kLarge = 80;  // some MiB of contacts per frame
 constexpr double kOneMessage = 2.1 * (1 << 20);
 
 class Peers : public testing::Test {
@@ -52,7 +52,7 @@ TEST_F(Peers, AStoppedClientIsLeft) {
   expect_all_released();
 }
 
-// Its socket is full, so that no ping gets out either.
+// Its socket is full, so pings do not get out either.
 TEST_F(Peers, AClientThatStopsWithinLargeAnswersIsLeft) {
   ChildClient client(daemon_.tcp_address(), make_scene(*stub_, layers_request(kLarge, kLease)), kLarge);
   ASSERT_TRUE(client.is_answered());
@@ -60,7 +60,7 @@ TEST_F(Peers, AClientThatStopsWithinLargeAnswersIsLeft) {
   expect_all_released();
 }
 
-// A full Unix socket lets no ping through: the idle time tells, and one message stays until the client ends.
+// A full Unix socket lets no ping through: the idle timeout applies, and one message stays until the client ends.
 TEST(UnixPeers, AClientThatStopsIsLeft) {
   DaemonProcess daemon({"--max-idle-seconds", "1"});
   const Probe probe(daemon);
@@ -140,7 +140,7 @@ TEST_F(Peers, ASlowReaderDoesNotFillTheDaemon) {
   EXPECT_EQ(probe_.metric("collided_outgoing_bytes"), 0);
 }
 
-// What is sent past the credits stays in the connection until there is room for it.
+// Frames sent past the credits stay in the connection until there is room.
 TEST_F(Peers, AFloodPastTheCreditsDoesNotFillTheDaemon) {
   constexpr uint64_t kFrames = 100;
   constexpr uint32_t kSide = 60, kWindow = 2;

@@ -1,4 +1,4 @@
-// What one frame alone asks for, what is reported of it, and what it is warned of.
+// Options of one frame, its reports, and its warnings.
 #include <gtest/gtest.h>
 
 #include "tests/integration/support/daemon_process.hpp"
@@ -48,7 +48,7 @@ TEST_F(Reports, AnOverrideHoldsForItsFrameAlone) {
   expect_tip_contact(stream.ask(tip_frame(3, 2)), 2);
 }
 
-// A scene at CANDIDATES has what a frame needs that asks for more.
+// A scene at CANDIDATES supports frames that request a higher level.
 TEST_F(Reports, AnOverrideMayAskForMoreThanTheScene) {
   auto request = tip_request();
   request.mutable_spec()->set_accuracy(pb::ACCURACY_CANDIDATES);

@@ -1,4 +1,4 @@
-// One stream a scene: who may take over, what a new stream is told, and that it goes on exactly where the old one
+// One stream per scene: who may take over, what a new stream is told, and that it continues exactly where the old one
 // ended.
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ class Resume : public testing::Test {
   const std::string id_ = scene_.scene_id(), token_ = scene_.resume_token();
 };
 
-// Moves the tip's lowest corner alone, from where it is.
+// Moves only the tip's lowest corner, from where it is.
 pb::Frame corner_frame(uint64_t id, double z) {
   pb::Frame frame;
   frame.set_frame_id(id);

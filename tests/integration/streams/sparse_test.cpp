@@ -1,4 +1,4 @@
-// New positions of some vertices alone: the same contacts as with whole meshes, and refusals that leave all as it was.
+// New positions of some vertices only: the same contacts as with whole meshes, and refusals that change nothing.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint32_t kSide = 20;
 
-// Some vertices, chosen anew for each frame, and where they are in it.
+// Some vertices, chosen at random for each frame, and their positions in it.
 struct Moved {
   std::vector<uint32_t> indices;
   Points starts, ends;
@@ -61,7 +61,7 @@ class Sparse : public testing::Test {
     EXPECT_GT(contacts, 100u);
   }
 
-  // A good frame, one whose sparse update of the tip is changed, and a good one, which goes on from the first.
+  // A good frame, one whose sparse update of the tip is changed, and a good one that continues from the first.
   void expect_refused(const std::function<void(pb::MeshUpdate&)>& change, const std::string& field) {
     Stream stream(*stub_, make_scene(*stub_, tip_request()));
     EXPECT_EQ(stream.ask(first_frame(0.5)).done->contact_count(), 0u);

@@ -1,5 +1,5 @@
 #pragma once
-// What a daemon holds at a quiet moment, to be compared with what it holds after a client's misdeeds.
+// What an idle daemon holds, to compare with what it holds after an attack.
 
 #include <string>
 #include <thread>
@@ -16,8 +16,8 @@ class Baseline {
     threads_ = probe_.threads();
   }
 
-  /// Everything that was taken since is given back; of resident memory, all but `slack` MiB, which an allocator may
-  /// keep. The daemon serves.
+  /// Everything taken since has been released; of resident memory, all but `slack` MiB, which an allocator may keep.
+  /// The daemon serves.
   void expect_back(double slack = 48) const {
     for (const Gauge& gauge : gauges_)
       eventually(gauge.name + std::string(" goes back to ") + std::to_string(gauge.value),

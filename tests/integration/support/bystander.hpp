@@ -1,5 +1,5 @@
 #pragma once
-// An honest client beside an attack, and what must be true after it: everybody is served, everything was given back.
+// An honest client during an attack, and checks after it: every client is served, everything was released.
 
 #include <atomic>
 #include <functional>
@@ -15,14 +15,14 @@
 
 namespace collided::test {
 
-/// How an honest client gets to the daemon: a connection of its own for each number.
+/// How an honest client connects to the daemon: a separate connection for each number.
 using Connect = std::function<std::shared_ptr<grpc::Channel>(int number)>;
 
 inline Connect connect_by(const std::string& address) {
   return [address](int number) { return channel_to(address, number); };
 }
 
-/// Streams frames from its making on, one at a time over a connection of its own, and checks every contact.
+/// Streams frames from its construction on, one at a time over its own connection, and checks every contact.
 class Bystander {
  public:
   explicit Bystander(const Connect& connect)
@@ -34,7 +34,7 @@ class Bystander {
   ~Bystander() { leave(); }
 
   uint64_t frames() const { return frames_; }
-  /// How long each frame took that was answered since the last call.
+  /// The latency of each frame answered since the last call.
   std::vector<double> take_milliseconds() {
     const std::lock_guard lock(mutex_);
     return std::exchange(milliseconds_, {});
@@ -86,7 +86,7 @@ class Bystander {
   std::thread thread_;
 };
 
-/// A client that was not there before makes a scene, streams, and leaves.
+/// A new client creates a scene, streams, and leaves.
 inline void expect_new_client_served(const Connect& connect) {
   static std::atomic<int> connection = 100'000;
   auto stub = pb::CollisionService::NewStub(connect(++connection));
@@ -102,7 +102,7 @@ inline void expect_new_client_served(const Connect& connect) {
 
 inline void expect_new_client_served(const std::string& address) { expect_new_client_served(connect_by(address)); }
 
-/// Made before an attack, and asked after it. The honest clients may come another way than the attack's.
+/// Constructed before an attack, and checked after it. The honest clients may use another transport than the attack.
 class Aftermath {
  public:
   Aftermath(const Probe& probe, Connect connect)
@@ -110,7 +110,7 @@ class Aftermath {
   Aftermath(const Probe& probe, const std::string& address) : Aftermath(probe, connect_by(address)) {}
 
   Bystander& bystander() { return bystander_; }
-  /// New clients get in, the bystander lost nothing, and memory, threads and descriptors are back.
+  /// New clients can connect, the bystander lost nothing, and memory, threads and descriptors are back.
   void expect_unharmed() {
     expect_new_client_served(connect_);
     bystander_.expect_served();
@@ -119,7 +119,7 @@ class Aftermath {
   }
 
  private:
-  /// What a first client leaves behind for good, such as gRPC's threads, is no harm.
+  /// Whatever a first client leaves behind for good, such as gRPC's threads, is harmless.
   static const Probe& warmed_up(const Probe& probe, const Connect& connect) {
     expect_new_client_served(connect);
     return probe;

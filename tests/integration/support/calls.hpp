@@ -24,7 +24,7 @@ inline void set_deadline(grpc::ClientContext& context, std::chrono::milliseconds
   context.set_deadline(std::chrono::system_clock::now() + most);
 }
 
-/// Channels to the same address share a connection, unless each has a `number` of its own.
+/// Channels to the same address share a connection, unless their `number`s differ.
 inline std::shared_ptr<grpc::Channel> channel_to(const std::string& address, int number = 0) {
   grpc::ChannelArguments arguments;
   arguments.SetInt("collided.test.connection", number);
@@ -40,7 +40,7 @@ inline grpc::Status create_scene(Stub& stub, const pb::CreateSceneRequest& reque
   return status;
 }
 
-/// A scene that must come to be.
+/// A scene whose creation must succeed.
 inline pb::Scene made_scene(Stub& stub, const pb::CreateSceneRequest& request) {
   pb::Scene scene;
   const auto status = create_scene(stub, request, &scene);
@@ -94,7 +94,7 @@ inline grpc::Status detect(Stub& stub, const std::string& id, const pb::Frame& f
   return stub.DetectFrame(&context, request, response ? response : &unread);
 }
 
-/// What a refusal says beside its message.
+/// The details of a refusal besides its message.
 struct Details {
   std::vector<std::string> fields;    ///< of google.rpc.BadRequest
   std::vector<std::string> subjects;  ///< of google.rpc.QuotaFailure
@@ -118,7 +118,7 @@ inline Details details_of(const grpc::Status& status) {
   return details;
 }
 
-/// A refusal of a field, with all that belongs to it.
+/// A refusal of a field, with all its details.
 inline void expect_field(const grpc::Status& status, grpc::StatusCode code, const std::string& field) {
   EXPECT_EQ(status.error_code(), code) << status.error_message();
   EXPECT_NE(status.error_message().find(field), std::string::npos) << status.error_message();

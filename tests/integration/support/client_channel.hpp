@@ -1,5 +1,5 @@
 #pragma once
-// Clients with names: channels whose calls all carry a bearer token.
+// Named clients: channels whose calls all carry a bearer token.
 
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/support/client_interceptor.h>
@@ -16,7 +16,7 @@ namespace collided::test {
 /// The token of the client with that name in a TokensFile.
 inline std::string token_of(const std::string& name) { return "token-of-client-" + name; }
 
-/// A file of tokens, each with limits as "max-scenes = 5\n", that goes with the test.
+/// A file of tokens, each with limits such as "max-scenes = 5\n", that is deleted with the test.
 class TokensFile {
  public:
   struct Entry {
@@ -64,7 +64,7 @@ class TokenSenders final : public grpc::experimental::ClientInterceptorFactoryIn
   const std::string header_;
 };
 
-/// A connection of its own for each `number`.
+/// A separate connection for each `number`.
 inline std::shared_ptr<grpc::Channel> channel_as(const std::string& name, const std::string& address, int number = 0) {
   grpc::ChannelArguments arguments;
   arguments.SetString("collided.test.client", name);

@@ -1,5 +1,5 @@
 #pragma once
-// A real daemon as a child process on a Unix socket of its own, with metrics over HTTP.
+// A real daemon as a child process on its own Unix socket, with metrics over HTTP.
 
 #include <fcntl.h>
 #include <grpcpp/grpcpp.h>

@@ -1,4 +1,4 @@
-"""A real daemon for the tests of its operation, with its log, its HTTP and its health over gRPC.
+"""A real daemon for tests of its operation, with its log, its HTTP and its health over gRPC.
 
 Without gRPC for Python, a test that imports this ends as skipped.
 """
@@ -97,7 +97,7 @@ class Daemon:
         self.process.send_signal(number)
 
     def halt(self):
-        """None of its threads runs any more, until it goes on."""
+        """Stops all its threads until it is continued."""
         self.signal(signal.SIGSTOP)
         os.waitpid(self.process.pid, os.WUNTRACED)
 
@@ -140,7 +140,7 @@ class Daemon:
         return contextlib.closing(grpc.insecure_channel(self.address, options))
 
     def health(self, service="", credentials=None):
-        """The status that the standard health service tells; throws grpc.RpcError."""
+        """The status that the standard health service reports; throws grpc.RpcError."""
         request = b"\x0a" + bytes([len(service)]) + service.encode()
         with self.channel(credentials) as channel:
             return channel.unary_unary("/grpc.health.v1.Health/Check")(request, timeout=30)[1]
@@ -152,7 +152,7 @@ class Daemon:
 
 
 class DaemonCase(unittest.TestCase):
-    """A test with a folder of its own, and daemons of `program` that are gone at its end."""
+    """A test with its own folder, and daemons of `program` that are gone at its end."""
 
     program = None
 

@@ -1,5 +1,5 @@
 #pragma once
-// Little-endian arrays as the protocol has them.
+// Little-endian arrays as in the protocol.
 
 #include <array>
 #include <string>

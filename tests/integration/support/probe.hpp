@@ -1,5 +1,5 @@
 #pragma once
-// What can be seen of a daemon from outside: its own metrics over HTTP, and what the kernel says of its memory.
+// A daemon observed from outside: its metrics over HTTP, and its memory according to the kernel.
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -92,7 +92,7 @@ class Probe {
   bool scenes_become(double count) const { return becomes("collided_scenes", count); }
 
   double resident_bytes() const { return status_bytes("VmRSS:"); }
-  /// The most that it has been.
+  /// Its maximum so far.
   double peak_resident_bytes() const { return status_bytes("VmHWM:"); }
   double threads() const { return status("Threads:"); }
 
@@ -116,7 +116,7 @@ constexpr bool kIsSanitized = true;
 constexpr bool kIsSanitized = false;
 #endif
 
-/// Bytes; sanitizers keep what is freed for a while, and shadow what is used.
+/// Bytes; sanitizers keep freed memory for a while, and shadow used memory.
 constexpr double memory_limit(double mebibytes) {
   return (kIsSanitized ? mebibytes * 8 + 1024 : mebibytes) * (1 << 20);
 }

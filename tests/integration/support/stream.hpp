@@ -10,7 +10,7 @@
 
 namespace collided::test {
 
-/// What came for one frame.
+/// The answer to one frame.
 struct Answer {
   std::vector<pb::ContactChunk> chunks;
   std::optional<pb::FrameDone> done;

@@ -26,7 +26,7 @@ class Upload {
     call_->WritesDone();
     return call_->Finish();
   }
-  /// What the daemon ends it with.
+  /// The status with which the daemon ends it.
   grpc::Status wait_end() { return call_->Finish(); }
   grpc::Status cancel() {
     context_.TryCancel();

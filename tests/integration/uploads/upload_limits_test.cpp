@@ -1,4 +1,4 @@
-// What uploads and declared sizes may hold: nothing past the limits, nothing for a number alone, nothing for ever.
+// Memory of uploads and declared sizes: nothing past the limits, nothing for a declared number, nothing forever.
 #include <gtest/gtest.h>
 
 #include <list>
@@ -45,7 +45,7 @@ class UploadLimits : public testing::Test {
 
 TEST_F(UploadLimits, OpenUploadsStayWithinTheDaemonsBytes) {
   constexpr double kLimit = 64 * kMebi;
-  constexpr uint32_t kTriangles = 200'000;  // 2.3 MiB an upload
+  constexpr uint32_t kTriangles = 200'000;  // 2.3 MiB per upload
   start({"--max-device-mb", "64", "--max-device-mb-per-client", "16384", "--max-scene-mb", "16384",
          "--max-scenes-per-client", "64"});
   Aftermath aftermath(*probe_, daemon_->address());
@@ -107,7 +107,7 @@ TEST_F(UploadLimits, ASilentUploadEndsAndThenItsSceneDoes) {
   Upload silent(*stub_, id, many_triangles(1));
   const auto status = silent.wait_end();
   EXPECT_EQ(status.error_code(), grpc::DEADLINE_EXCEEDED);
-  EXPECT_NE(status.error_message().find("no chunk of the upload came for 0.5 s"), std::string::npos)
+  EXPECT_NE(status.error_message().find("no chunk of the upload arrived for 0.5 s"), std::string::npos)
       << status.error_message();
   EXPECT_TRUE(probe_->scenes_become(0));
   EXPECT_TRUE(probe_->becomes("collided_device_bytes", 0));
@@ -145,7 +145,7 @@ TEST_F(UploadLimits, WhatCanNeverFitIsRefusedWithNeedAndBudgetHoweverItComes) {
   EXPECT_EQ(probe_->device_bytes(), 0);
 }
 
-// Frames could come by shared memory here; over gRPC alone the requests are refused.
+// Frames could use shared memory here; with gRPC only, the requests are refused.
 TEST_F(UploadLimits, DeclaredVerticesReserveNothing) {
   const std::string socket = testing::TempDir() + "collided-declared-" + std::to_string(getpid());
   start({"--local-socket", socket, "--max-scene-mb", "16384", "--max-device-mb", "65536", "--max-device-mb-per-client",
@@ -183,7 +183,7 @@ TEST_F(UploadLimits, TriangleCountIsThatOfTheWholeMesh) {
   EXPECT_EQ(rest.triangle_count(), 4u);
   const auto early = detect(*stub_, rest.scene_id(), first_frame(2));
   EXPECT_EQ(early.error_code(), grpc::FAILED_PRECONDITION);
-  EXPECT_NE(early.error_message().find("mesh 0 (\"floor\") awaits 2 of its 3 triangles; bring them with UploadMesh"),
+  EXPECT_NE(early.error_message().find("mesh 0 (\"floor\") awaits 2 of its 3 triangles; send them with UploadMesh"),
             std::string::npos)
       << early.error_message();
   EXPECT_TRUE(Upload(*stub_, rest.scene_id(), many_triangles(2)).finish().ok());

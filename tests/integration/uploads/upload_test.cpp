@@ -1,4 +1,4 @@
-// Uploads of triangles that end early, bring too little, or bring what makes no scene.
+// Uploads that end early, have too few triangles, or form no valid scene.
 #include "tests/integration/support/upload.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ constexpr auto kPause = std::chrono::milliseconds(100);  // for a message to arr
 
 class Uploads : public testing::Test {
  protected:
-  // The floor has two triangles, which an upload brings.
+  // The floor has two triangles, sent by an upload.
   static pb::CreateSceneRequest awaiting_request() {
     auto request = tip_request();
     auto* floor = request.mutable_spec()->mutable_meshes(0);
@@ -26,7 +26,7 @@ class Uploads : public testing::Test {
     return request;
   }
 
-  // The budget that CreateScene names as the least; making the scene takes a little more.
+  // The budget that CreateScene names as the minimum; building the scene takes a little more.
   uint64_t least_budget(pb::CreateSceneRequest request) {
     request.mutable_spec()->set_memory_budget_bytes(1);
     const std::string why = create_scene(*stub_, request).error_message(), before = "at least ";

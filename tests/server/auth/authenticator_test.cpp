@@ -1,4 +1,4 @@
-// Who calls.
+// Identifying callers.
 #include "server/auth/authenticator.hpp"
 
 #include <gtest/gtest.h>
@@ -65,7 +65,7 @@ TEST(Authenticator, RefusesWhatIsNoToken) {
   }
 }
 
-// No token is empty, whatever the tokens file says.
+// An empty token is never valid, whatever the tokens file says.
 TEST(Authenticator, AnEmptyTokenIsNone) {
   const TextFile file(kTwo);
   const Authenticator authenticator(with_tokens(file));

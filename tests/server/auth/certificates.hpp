@@ -1,5 +1,5 @@
 #pragma once
-// Certificates in a folder of their own, made by openssl.
+// Certificates in their own folder, made by openssl.
 
 #include <cstdlib>
 #include <filesystem>
@@ -12,8 +12,8 @@ namespace collided::test {
 
 /// NAME.pem and NAME.key for: ca, other-ca; server (localhost, of ca), other-server (localhost, of other-ca);
 /// client (common name sim-1, of ca), alternative (of ca, without a common name: sim-4.example is its alternative
-/// name), expired (of ca), stranger (of other-ca), self-signed. Also text.pem, which is none, and locked.key, which
-/// needs a password.
+/// name), expired (of ca), stranger (of other-ca), self-signed. Also text.pem, which is not a certificate, and
+/// locked.key, which needs a password.
 class Certificates {
  public:
   Certificates() {

@@ -47,7 +47,7 @@ class TlsTest : public testing::Test {
     return {path(name + ".pem"), path(name + ".key"), client_ca.empty() ? "" : path(client_ca)};
   }
 
-  // `tell`: of files that changed.
+  // `tell`: called for changed files.
   void start(
       const Tls& tls, std::function<void(bool)> tell = [](bool) {}) {
     watch_ = std::make_unique<CertificateWatch>(tls, std::move(tell));
@@ -84,7 +84,7 @@ class TlsTest : public testing::Test {
     queue.Next(&tag, &ok);
     return status;
   }
-  // `client`: whose certificate to show; empty: none.
+  // `client`: whose certificate to present; empty: none.
   grpc::Status call(const std::string& ca, const std::string& client) const {
     grpc::SslCredentialsOptions options;
     options.pem_root_certs = certificates_->read(ca);
@@ -139,7 +139,7 @@ TEST_F(TlsTest, ACertificateWithoutACommonNameIsKnownByItsAlternativeName) {
   EXPECT_EQ(call("ca.pem", "alternative").error_message(), "san:sim-4.example");
 }
 
-// Both are of a CA that the daemon trusts; nobody may become another client by leaving his name out.
+// Both are from a CA that the daemon trusts; omitting the name must not turn a client into another.
 TEST_F(TlsTest, NamesOfDifferentKindsAreDifferentClients) {
   start(tls("server", "ca.pem"));
   certificates_->make_named("common", "/CN=alice", "other.example", "ca");
@@ -163,7 +163,7 @@ TEST_F(TlsTest, TakesUpARenewedCertificate) {
   EXPECT_EQ(call("ca.pem", "client").error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 
-// A full disk, a copy that was cut short, a pair renewed by halves.
+// A full disk, a truncated copy, a pair of which only one half was renewed.
 TEST_F(TlsTest, KeepsTheLastGoodFiles) {
   certificates_->copy("server", "kept");
   std::filesystem::copy_file(path("ca.pem"), path("kept-ca.pem"));

@@ -57,19 +57,19 @@ TEST(Tokens, RefusesWithTheLineAndNeverTellsTheToken) {
            {good + "max-frames-per-second = nan", ":1: max-frames-per-second is nan"},
            {good + "max-frames-per-second = inf", ":1: max-frames-per-second is inf"},
            {good + "max-frame-seconds = 0", ":1: max-frame-seconds is 0, not 0.001 to 1e+06"},
-           {good + "max-accuracy = \"best\"", ":1: max-accuracy is none of candidates"},
-           {good + "max-accuracy = 4", ":1: max-accuracy is not a text"},
+           {good + "max-accuracy = \"best\"", ":1: max-accuracy must be candidates"},
+           {good + "max-accuracy = 4", ":1: max-accuracy is not a string"},
            {header + "token = \"fifteen-letters\"", "token has 15 bytes, not 16 to 512"},
-           {header + "token = 1234567890123456", "token is not a text"},
+           {header + "token = 1234567890123456", "token is not a string"},
            {header + "token = \"with blanks in it 0123\"", "printable"},
            {header + "sha256 = \"" + std::string(64, 'g') + "\"", "hexadecimal"},
            {header + "sha256 = \"00\"", "sha256 has 2 bytes"},
            {header + "sha256 = \"e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855\"",
-            ":1: sha256 is that of an empty text"},
-           {"[[tokens]]\n" + std::string(kToken), ":1: name is not a text"},
+            ":1: sha256 is that of an empty string"},
+           {"[[tokens]]\n" + std::string(kToken), ":1: name is not a string"},
            {"[[tokens]]\nname = \"\"\n" + std::string(kToken), "name has 0 bytes"},
            {"[[tokens]]\nname = \"anonymous\"\n" + std::string(kToken), "anonymous"},
-           {good + "[[tokens]]\nname = \"b\"\n" + kToken, ":4: the token of b is there twice"},
+           {good + "[[tokens]]\nname = \"b\"\n" + kToken, ":4: the token of b appears twice"},
            {good + header + "token = \"0123456789abcdefg\"\nmax-scenes = 1",
             ":4: the tokens of a have different limits"},
            {header + "token = \"0123456789abcdef", "is not valid TOML"},
@@ -96,7 +96,7 @@ TEST(Tokens, RefusesFilesThatCannotBeRead) {
   EXPECT_THROW(read(many), ConfigError);
 }
 
-// The parser calls itself for each level.
+// The parser recurses for each level.
 TEST(Tokens, RefusesWhatNestsTooDeep) {
   for (const std::string& deep : {std::string(100'000, '['), "x = " + std::string(100'000, '{')}) try {
       read(std::string(kHeader) + kToken + deep);

@@ -1,4 +1,4 @@
-// The TOML file: its keys, its place between environment and defaults, and the one that documents it.
+// The TOML file: its keys, its precedence between environment and defaults, and the documented example.
 #include <gtest/gtest.h>
 
 #include <regex>

@@ -1,4 +1,4 @@
-// The memory that a process may use, from files as the kernel writes them.
+// The memory that a process may use, read from files in the kernel's formats.
 #include "server/config/host_memory.hpp"
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ TEST_F(HostMemory, IsTheLeastOfTheGroupsOnTheWay) {
   EXPECT_EQ(memory(), kGigabyte);
 }
 
-// A container sees its own group alone, as the top, though its path is that of the host.
+// A container sees only its own cgroup, as the root, though its path is the host's.
 TEST_F(HostMemory, IsThatOfTheContainer) {
   put("/proc/self/cgroup", "0::/docker/0123abcd\n");
   put("/sys/fs/cgroup/memory.max", "536870912\n");

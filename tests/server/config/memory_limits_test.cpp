@@ -1,4 +1,4 @@
-// Limits that nobody set, from the memory of the host and the device.
+// Unset limits, derived from the memory of the host and the device.
 #include "server/config/memory_limits.hpp"
 
 #include <gtest/gtest.h>
@@ -80,7 +80,7 @@ TEST(MemoryLimits, WhatIsOnItsWayHasAnEighthAtMost) {
 TEST(MemoryLimits, AreToldInOneLine) {
   EXPECT_EQ(describe_limits(derived({8 * kGigabyte, 0}), {8 * kGigabyte, 0}),
             "memory: host 8192 MiB; limits: all scenes 4096 MiB, those of a client 1024 MiB, one scene 1024 MiB, "
-            "network buffers 512 MiB, messages in work 256 MiB; a client 16 of 64 scenes, 64 of 256 streams");
+            "network buffers 512 MiB, decoded messages 256 MiB; a client 16 of 64 scenes, 64 of 256 streams");
   EXPECT_NE(describe_limits(derived({0, kGigabyte}), {0, kGigabyte}).find("host unknown, device 1024 MiB;"),
             std::string::npos);
 }

@@ -21,7 +21,7 @@ inline ParsedConfig parse(const std::vector<const char*>& arguments) {
   return parse_config(static_cast<int>(line.size()), line.data());
 }
 
-/// A file of its own that goes with the test.
+/// A file that is deleted with the test.
 class TextFile {
  public:
   explicit TextFile(const std::string& text) {

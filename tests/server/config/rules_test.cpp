@@ -1,4 +1,4 @@
-// What options must fulfil together, who can reach the daemon, and what may change while it runs.
+// Rules across options, who can reach the daemon, and what may change while it runs.
 #include "server/config/rules.hpp"
 
 #include <gtest/gtest.h>

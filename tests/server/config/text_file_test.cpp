@@ -1,4 +1,4 @@
-// TOML files that nest so deep that to parse them would overflow the stack.
+// TOML files nested so deeply that parsing them would overflow the stack.
 #include "server/config/text_file.hpp"
 
 #include <gtest/gtest.h>

@@ -84,7 +84,7 @@ std::string refusal_of(const std::function<void(pb::SceneSpec&)>& scene, const s
   return "accepted";
 }
 
-// The rule is the engine's; the fields, and the values that it is about, are told as the client knows them.
+// The rule is the engine's; fields and values are named as the client knows them.
 TEST(ConvertFrame, ARefusedOverrideTellsWhatItDoesNotGoWith) {
   const auto fast = [](pb::Frame& f) { f.set_accuracy(pb::ACCURACY_FAST); };
   EXPECT_EQ(refusal_of([](pb::SceneSpec& s) { s.set_mode(pb::DETECTION_MODE_DCD); },

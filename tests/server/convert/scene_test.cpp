@@ -1,4 +1,4 @@
-// Scenes from the protocol to the engine, and what is refused on the way.
+// Scenes from the protocol to the engine, and refusals.
 #include "server/convert/scene.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ void expect_refused(const std::string& field, const std::function<void(pb::Creat
   }
 }
 
-// What a scene that nobody sends frames to tells of itself.
+// The facts of a scene without frames.
 pb::Scene shown(const pb::CreateSceneRequest& wanted) {
   Turns turns(1);
   CountingObserver observer;
@@ -146,8 +146,8 @@ TEST(ConvertScene, TriangleCountIsTheWholeMesh) {
   EXPECT_EQ(plan_with(5).meshes[0].awaited, 3u);
   EXPECT_EQ(
       refusal_of(request_with([](pb::SceneSpec& s) { s.mutable_meshes(0)->set_triangle_count(1); })),
-      "spec.meshes[0].triangle_count is 1, but spec.meshes[0].triangles already has 2: it is the total, with those "
-      "that UploadMesh brings");
+      "spec.meshes[0].triangle_count is 1, but spec.meshes[0].triangles already has 2: it is the total, including "
+      "those that UploadMesh sends");
 }
 
 TEST(ConvertScene, ARefusedEnumNamesWhatCanBeUsed) {
@@ -209,7 +209,7 @@ TEST(ConvertScene, ContinuousTrianglePairsAreCandidates) {
     EXPECT_THROW(parse_scene(with_triangles(accuracy), {}), InvalidInput) << accuracy;
 }
 
-// A frame may override the level, so that what the scene's own does not compute is wanted all the same.
+// A frame may override the level, so fields that the scene's own level does not compute are kept.
 TEST(ConvertScene, FieldsDependOnTheModeAlone) {
   const auto bytes = [](pb::DetectionMode mode) {
     const auto wanted = request_with([&](pb::SceneSpec& spec) {
@@ -287,7 +287,7 @@ TEST(ConvertScene, RefusesWhatDoesNotGoTogether) {
   });
 }
 
-// The rule is the engine's; the fields, and the values that it is about, are told as the client knows them.
+// The rule is the engine's; fields and values are named as the client knows them.
 TEST(ConvertScene, ARefusedOptionTellsWhatItDoesNotGoWith) {
   EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) {
               s.set_mode(pb::DETECTION_MODE_DCD);

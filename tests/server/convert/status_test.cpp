@@ -42,7 +42,7 @@ TEST(Status, MapsEveryException) {
   EXPECT_EQ(describe_as(7).code, StatusCode::INTERNAL);
 }
 
-// A thread, memory or a descriptor that the host does not give is no fault of the daemon.
+// A lack of threads, memory or descriptors on the host is not a defect of the daemon.
 TEST(Status, WhatTheHostLacksIsExhausted) {
   const auto of = [](std::errc code) { return describe_as(std::system_error(std::make_error_code(code), "thread")); };
   for (const auto& [code, lacking] : {std::pair{std::errc::resource_unavailable_try_again, "threads"},

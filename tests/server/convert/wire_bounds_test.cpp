@@ -1,4 +1,4 @@
-// What messages would unfold to, counted on their bytes.
+// Bounds of messages, counted on their bytes.
 #include "server/convert/wire_bounds.hpp"
 
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
@@ -102,8 +102,8 @@ TEST(WireBounds, WhatIsNoFieldIsRefused) {
   EXPECT_EQ(refused(std::string(11, '\xff')), "frame");                     // a tag that is too long
   EXPECT_EQ(refused(tag(1, 0) + std::string(10, '\xff') + '\1'), "frame");  // a value that is too long
   EXPECT_EQ(refused(tag(0, 0) + varint(1)), "frame");                       // field 0
-  EXPECT_EQ(refused(tag(1, 6)), "frame");                                   // no wire type
-  EXPECT_EQ(refused(field(3, "", 5)), "frame");                             // lengths that lie
+  EXPECT_EQ(refused(tag(1, 6)), "frame");                                   // not a wire type
+  EXPECT_EQ(refused(field(3, "", 5)), "frame");                             // false lengths
   EXPECT_EQ(refused(field(3, field(5, "", ~uint64_t{0}))), "frame.updates");
   EXPECT_EQ(refused(field(3, field(2, tag(1, 2)))), "frame.updates.sparse");
 }

@@ -1,4 +1,4 @@
-// Requests of the frame stream that are cut off, damaged, or lie about their lengths.
+// Requests of the frame stream that are truncated, damaged, or have false lengths.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -45,7 +45,7 @@ TEST(FrameDecodeHostile, DamagedBytesAreReadAsByTheGeneratedParser) {
   size_t same = 0, refused = 0;
   for (int i = 0; i < kTries; ++i) {
     std::string wire = wires[below(std::size(wires))];
-    // Most bytes are positions, where nothing can go wrong: the heads are hit more often.
+    // Most bytes are positions, where nothing can go wrong, so heads are hit more often.
     const size_t place = i % 2 == 0 ? below(wire.size()) : below(std::min<size_t>(wire.size(), 32));
     wire[place] = static_cast<char>(below(256));
     const Verdict verdict = expect_same(wire, static_cast<int>(below(8)));
@@ -77,7 +77,7 @@ TEST(FrameDecodeHostile, LengthsThatLieAreRefused) {
   }
 }
 
-// What asks for much memory has to bring it.
+// A message must contain as many bytes as it makes the decoder allocate.
 TEST(FrameDecodeHostile, ALengthThatLiesAsksForNoRoom) {
   Room room(4096);
   const std::string wire = field(2, field(3, field(5, std::string(10, 'p'), 1 << 30)));
@@ -121,7 +121,7 @@ TEST(FrameDecodeHostile, RefusalsNameTheMessage) {
     try {
       decode(wire, room);
     } catch (const InvalidInput& e) {
-      EXPECT_EQ(e.what(), e.field() + " is cut off or malformed: its bytes are no such message");
+      EXPECT_EQ(e.what(), e.field() + " is cut off or malformed: its bytes are not such a message");
       return e.field();
     }
     return "accepted";

@@ -1,4 +1,4 @@
-// Requests of the frame stream from the wire: as the generated parser reads them, with the positions in their place.
+// Decoded requests of the frame stream: as the generated parser reads them, with the positions in place.
 #include "server/frames/decode.hpp"
 
 #include <gtest/gtest.h>
@@ -74,7 +74,7 @@ TEST(FrameDecode, WhatDoesNotFitTheRoomStaysInTheMessage) {
   }
 }
 
-// A message may come in parts and with fields twice: messages merge, of bytes the last ones count.
+// A message may be split and have fields twice: messages merge, and the last bytes count.
 TEST(FrameDecode, RepeatedFieldsMergeAsInTheGeneratedParser) {
   pb::StreamFramesRequest head, update, again;
   head.mutable_frame()->set_frame_id(3);
@@ -103,13 +103,13 @@ TEST(FrameDecode, UnknownFieldsAreSkippedAsInTheGeneratedParser) {
   expect_same(field(2, field(3, varint(5 << 3) + varint(7))));  // positions as a number
   expect_same(field(2, varint(3 << 3 | 5) + "1234") + varint(2 << 3) + varint(1));
   const std::string bad[] = {
-      varint(104 << 3 | 4),                         // the end of no group
-      varint(104 << 3 | 3) + unknown,               // no end of a group
+      varint(104 << 3 | 4),                         // a group's end without a start
+      varint(104 << 3 | 3) + unknown,               // a group without an end
       varint(104 << 3 | 3) + varint(105 << 3 | 4),  // the end of another
       varint(0),
       varint(2),
       varint(101 << 3 | 6),
-      varint(101 << 3 | 7)  // no field, no type
+      varint(101 << 3 | 7)  // neither a field nor a wire type
   };
   for (const std::string& bytes : bad)
     for (const std::string& message : {bytes, field(2, bytes), field(2, field(3, bytes)), field(1, bytes)})

@@ -1,4 +1,4 @@
-// Frames on their way into the daemon: what is noted of them, and what is wrong with them.
+// Admission of frames: what is recorded, and what is refused.
 #include "server/frames/intake.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 #pragma once
-// A sink that keeps what a stream of frames answers, in the order in which it hears it.
+// A sink that records the answers of a frame stream, in order.
 
 #include <mutex>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace collided::server {
 
-/// The class of an exception, of those that end streams.
+/// The class of an exception that ends streams.
 inline std::string kind_of(const std::exception_ptr& error) {
   try {
     std::rethrow_exception(error);
@@ -47,7 +47,7 @@ class RecordingSink final : public FrameSink {
     const std::lock_guard lock(mutex_);
     return events_;
   }
-  /// What it has heard once that is `count` events, or after 30 s.
+  /// The events recorded once there are `count`, or after 30 s.
   Events wait_for(size_t count) const {
     wait_until([&] { return events().size() >= count; });
     return events();

@@ -14,7 +14,7 @@
 namespace collided::server {
 namespace {
 
-// Each look at the clock takes a second.
+// Each reading of the clock takes a second.
 class SlowClock {
  public:
   Now now() const {
@@ -47,7 +47,7 @@ TEST(FrameRun, AFrameThatRunsForTooLongIsRefusedAndTheSceneGoesOn) {
   EXPECT_EQ(run_frame(*other, again, {}).result.vertex_triangle.size(), 1u);
 }
 
-// The time in which others ran is not its own.
+// The time in which others ran does not count.
 TEST(FrameRun, TheWaitForATurnDoesNotCount) {
   const HandClock clock;
   SceneBench bench(64, Turns::Options{.concurrent = 1, .now = clock.now()});

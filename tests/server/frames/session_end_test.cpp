@@ -1,4 +1,4 @@
-// How a stream of frames ends: closed, taken over, with its scene, with its device; and who may open the next.
+// Ends of a frame stream: closed, taken over, with its scene, with its device; and who may open the next.
 #include <optional>
 
 #include "tests/server/frames/session_test.hpp"
@@ -38,7 +38,7 @@ TEST_F(FrameSessionEnd, CloseCancelsTheFrameThatWaitsForItsTurn) {
   stream->submit(tip_frame(2, 2));
   ASSERT_TRUE(wait_until([&] { return stream->waiting() == 1; }));  // the first is with the worker
   stream->close();
-  scene_->worker().flush();  // though nobody gave it the turn
+  scene_->worker().flush();  // though it never got a turn
   turn.reset();
   EXPECT_EQ(stream.sink->events(), Events{"opened after 0"});
   EXPECT_EQ(scene_->snapshot().last_frame_id, 0u);
@@ -52,7 +52,7 @@ TEST_F(FrameSessionEnd, ASecondStreamNeedsTheToken) {
   first->submit(tip_frame(1, 2));
   EXPECT_EQ(first.sink->wait_for(2), (Events{"opened after 0", "answered 1"}));
   first->close();
-  EXPECT_THROW(open(Delivery::kLossless, "wrong"), PermissionDenied);  // also where nobody is in the way
+  EXPECT_THROW(open(Delivery::kLossless, "wrong"), PermissionDenied);  // even without another stream
   EXPECT_EQ(open().sink->wait_for(1), Events{"opened after 1"});
 }
 
@@ -80,7 +80,7 @@ TEST_F(FrameSessionEnd, OpenedIsToldOnceTheOldStreamsFrameIsOver) {
   ASSERT_TRUE(wait_until([&] { return first->waiting() == 1; }));
   const auto second = open(Delivery::kLossless, token());
   second->submit(tip_frame(1, 2));
-  EXPECT_EQ(second.sink->wait_for(1), Events{"opened after 0"});  // though nobody gave the old frame its turn
+  EXPECT_EQ(second.sink->wait_for(1), Events{"opened after 0"});  // though the old frame never got a turn
   turn.reset();
   EXPECT_EQ(second.sink->wait_for(2).back(), "answered 1");
   EXPECT_EQ(first.sink->events(), (Events{"opened after 0", "ended: TakenOver"}));

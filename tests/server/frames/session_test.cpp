@@ -21,7 +21,7 @@ TEST_F(FrameSessionTest, RefusalsComeInTheirTurnAndTheStreamGoesOn) {
   const auto stream = open_held(Delivery::kLossless);
   stream->submit(tip_frame(1, 2));
   stream->submit(bad(2));
-  stream->submit(tip_frame(1, 2));  // an id that was there
+  stream->submit(tip_frame(1, 2));  // an id that was used
   stream->submit(tip_frame(3, 2));
   stream->hold(false);
   EXPECT_EQ(stream.sink->wait_for(5), (Events{"opened after 0", "answered 1", "refused 2: INVALID_ARGUMENT",
@@ -48,8 +48,8 @@ TEST_F(FrameSessionTest, LosslessSkipsNothing) {
 TEST_F(FrameSessionTest, LatestWinsLosesNothingThatAFrameAloneBrings) {
   const auto stream = open_held(Delivery::kLatestWins);
   stream->submit(tip_frame(1, 2));
-  stream->submit(partial(2));  // leaves the floor to frame 1
-  stream->submit(sparse(3));   // leaves two corners to frame 2
+  stream->submit(partial(2));  // has no floor, unlike frame 1
+  stream->submit(sparse(3));   // lacks two corners, unlike frame 2
   stream->submit(sparse(4));
   stream->hold(false);
   EXPECT_EQ(stream.sink->wait_for(5),

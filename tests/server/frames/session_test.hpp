@@ -22,7 +22,7 @@ class FrameSessionTest : public testing::Test {
     auto session = FrameSession::open(scene_, token, delivery, sink);
     return {std::move(sink), std::move(session)};
   }
-  // Frames wait until hold(false), so that what waits is known.
+  // Frames wait until hold(false), so that the waiting ones are known.
   Stream open_held(Delivery delivery) {
     auto stream = open(delivery);
     stream->hold(true);
@@ -36,14 +36,14 @@ class FrameSessionTest : public testing::Test {
     return frame;
   }
   static PendingFrame bad(uint64_t id) { return refused(id, std::make_exception_ptr(InvalidInput("field", "is bad"))); }
-  // Of the tip alone.
+  // Updates the tip only.
   static PendingFrame partial(uint64_t id) {
     PendingFrame frame = tip_frame(id, 2);
     frame.input.updates.erase(frame.input.updates.begin());
     frame.meshes = {{1, true}};
     return frame;
   }
-  // Of the lowest corner of the tip.
+  // Updates only the lowest corner of the tip.
   static PendingFrame sparse(uint64_t id) {
     static constexpr uint32_t kCorner = 0;
     PendingFrame frame = partial(id);

@@ -1,4 +1,4 @@
-// Streams of frames that many threads use at once: for the thread sanitizer, and for what must hold in any order.
+// Frame streams used by many threads at once: for the thread sanitizer, and for invariants under any order.
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -22,7 +22,7 @@ Stream take_over(const SceneUse& scene, Delivery delivery) {
   return stream;
 }
 
-// Of the events that begin with `what`, whether the ids rise.
+// Whether the ids of the events that begin with `what` increase.
 bool rises(const Events& events, const std::string& what) {
   uint64_t last = 0;
   for (const auto& event : events) {
@@ -34,7 +34,7 @@ bool rises(const Events& events, const std::string& what) {
   return true;
 }
 
-// Opens again and again with the token, each time with some frames, and leaves some streams to the next one.
+// Opens repeatedly with the token, each time with some frames, and leaves some streams to be taken over.
 void stream_on(const SceneUse& scene, std::vector<Stream>& streams, std::atomic<uint64_t>& id, bool closes) {
   for (int i = 0; i < 10; ++i) {
     auto stream = take_over(scene, i % 2 == 0 ? Delivery::kLossless : Delivery::kLatestWins);

@@ -53,7 +53,7 @@ inline std::string varint(uint64_t value) {
   return out + static_cast<char>(value);
 }
 
-/// A field with a length, which may lie.
+/// A field with a length, which may be false.
 inline std::string field(uint32_t number, const std::string& bytes, std::optional<uint64_t> length = {}) {
   return varint(number << 3 | 2) + varint(length.value_or(bytes.size())) + bytes;
 }
@@ -62,7 +62,7 @@ inline std::string text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// Room for positions, aligned as a slot's, that tells whether something was written past its end.
+/// Room for positions, aligned like a slot's, that detects writes past its end.
 class Room {
  public:
   explicit Room(size_t bytes) : bytes_(bytes), memory_(bytes / sizeof(Line) + 2) { std::memset(end(), kMark, kMarked); }
@@ -106,7 +106,7 @@ inline void put_back(std::span<const std::byte> placed, std::string& otherwise) 
   otherwise = text(placed);
 }
 
-/// The request with its positions back in the message, and without fields that are unknown, as bytes.
+/// The request with its positions back in the message, and without unknown fields, as bytes.
 inline std::string whole(const DecodedRequest& decoded) {
   pb::StreamFramesRequest message = decoded.message;
   for (size_t i = 0; i < decoded.placed.size(); ++i) {
@@ -120,7 +120,7 @@ inline std::string whole(const DecodedRequest& decoded) {
 
 enum class Verdict { kSame, kRefused, kHasBoth };
 
-/// Expects what the generated parser makes of it. kHasBoth: an opening and a frame, which we refuse.
+/// Expects the generated parser's result. kHasBoth: an opening and a frame, which we refuse.
 inline Verdict expect_same(const std::string& wire, int block = 0) {
   const google::protobuf::LogSilencer no_words_on_strings_that_are_not_utf8;
   pb::StreamFramesRequest expected;

@@ -1,4 +1,4 @@
-// What each client has in use: streams, frames a second, bytes on devices.
+// Each client's usage: streams, frames per second, bytes on devices.
 #include "server/limits/client_usage.hpp"
 
 #include <gtest/gtest.h>
@@ -66,7 +66,7 @@ TEST(ClientUsage, NewLimitsHoldForNewStreams) {
 }
 
 TEST(ClientUsage, AFramePastTheRateTellsWhenItWouldPass) {
-  const HandClock clock;  // 5 s after its epoch, in which no frame would have come back
+  const HandClock clock;  // 5 s after its epoch, which must not refill the bucket
   ClientUsage usage(Limits{}, clock.now());
   const auto slow = client_with("slow", {.max_frames_per_second = 1e-4});
   EXPECT_FALSE(refusal([&] { usage.count_frame(slow); }));

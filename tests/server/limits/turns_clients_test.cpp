@@ -35,7 +35,7 @@ class TurnsOfClients : public testing::Test {
   const HandClock clock_;
 };
 
-/// A thread that waits for a turn; what it does with it.
+/// A thread that waits for a turn and runs a function in it.
 class Waiting {
  public:
   Waiting(Turns& turns, TurnAccount& account, const std::function<void()>& run)
@@ -134,7 +134,7 @@ TEST_F(TurnsOfClients, AFrameIsChargedForItsOwnTimeAlone) {
   EXPECT_DOUBLE_EQ(turn.seconds(), 0.023);
 }
 
-// Who has had more does not get it, however long the other runs.
+// A client that has used more gets no turn, however long the other runs.
 TEST_F(TurnsOfClients, NobodyGivesWayToOneThatHasHadMore) {
   Turns shared = turns(1);
   TurnAccount runs = shared.account("a"), other = shared.account("b");
@@ -156,7 +156,7 @@ TEST_F(TurnsOfClients, NobodyGivesWayToOneThatHasHadMore) {
   }
 }
 
-// The time of one long frame is no credit for those who came later.
+// One client's long frame is no credit for those that arrive later.
 TEST_F(TurnsOfClients, OneThatComesLateSavedNothingUp) {
   Turns shared = turns(1);
   TurnAccount runs = shared.account("a"), late = shared.account("b");
@@ -200,7 +200,7 @@ TEST_F(TurnsOfClients, AFrameThatIsCancelledWhileItGaveWayLosesNoTurn) {
   EXPECT_FALSE(is_free(shared, runs));
 }
 
-// Where no turn can be given back early, one client never holds them all, unless it is alone.
+// If turns cannot yield, one client never holds them all, unless it is alone.
 TEST_F(TurnsOfClients, OneTurnIsKeptFreeForOtherClients) {
   Turns shared = turns(3, true);
   std::array<TurnAccount, 3> accounts{shared.account("a"), shared.account("a"), shared.account("a")};

@@ -1,4 +1,4 @@
-// Fair turns: who goes next, who does not wait for ever, and what a cancelled wait leaves behind.
+// Fair turns: who goes next, no starvation, and cancelled waits.
 #include "server/limits/turns.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-// Takes a turn of at least `time`, and tells how long it was at most.
+// Takes a turn of at least `time`; returns an upper bound of its length.
 Clock::duration charge(Turns& turns, TurnAccount& account, Clock::duration time) {
   const auto begin = Clock::now();
   {
@@ -97,7 +97,7 @@ TEST(Turns, OfEqualsTheFirstGoesNext) {
   EXPECT_EQ(queue.order(), "abcd");
 }
 
-// Had the idle one kept the time that it did not use, it would go first again and again.
+// If the idle one accrued credit, it would go first again and again.
 TEST(Turns, AnIdleAccountDoesNotSaveUpTurns) {
   Turns turns(1);
   TurnAccount busy, idle;

@@ -40,7 +40,7 @@ TEST(WaitingCalls, OneThatIsOverIsNotEnded) {
   const bool in_time = wait->finish();
   const auto later = calls.wait({"a word", 0.02, 8, 8}, client("a"), second.end);
   second.failure.get();
-  EXPECT_NE(in_time, first.is_ready());  // one of both, on a busy machine
+  EXPECT_NE(in_time, first.is_ready());  // exactly one of the two, even on a busy machine
   EXPECT_EQ(calls.waiting(), 0u);
 }
 

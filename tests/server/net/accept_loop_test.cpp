@@ -1,4 +1,4 @@
-// Connections are taken, and those of a moment without descriptors are not lost.
+// Connections are accepted, and a temporary lack of descriptors loses none.
 #include "server/net/accept_loop.hpp"
 
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ TEST_F(Loop, GoesOnOnceThereIsADescriptorAgain) {
   EXPECT_EQ(taken(), 2u);
 }
 
-// A process that runs out of descriptors right after the last connection that waited.
+// A process that runs out of descriptors right after the last waiting connection.
 TEST(Descriptors, OfNobodyWhoWaitsAreNotMissed) {
   rlimit before{};
   getrlimit(RLIMIT_NOFILE, &before);

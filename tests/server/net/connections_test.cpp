@@ -1,4 +1,4 @@
-// Which connection goes when there is no room.
+// Which connection is evicted from a full table.
 #include "server/net/connections.hpp"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ TEST_F(Table, WhereAllMadeCallsTheClientWithMostGivesOne) {
 
 TEST_F(Table, TheOwnerMayCloseAtAnyTime) {
   for (int i = 0; i < 3; ++i) add();
-  const Pair other(listener_);  // not of the table, but with the number of one that was
+  const Pair other(listener_);  // not in the table, but with the number of one that was
   dup2(other.server.get(), pairs_[0].server.get());
   connections_.evict(3);
   EXPECT_FALSE(other.is_ended());
@@ -75,7 +75,7 @@ TEST_F(Table, AFloodOfFruitlessCallsEndsItsConnectionAndRefusesItsSource) {
   EXPECT_TRUE(eventually([&] { return connections_.admit(again.server.get(), peer_of(again.server.get())); }));
 }
 
-// Nobody can tell Unix sockets apart by their calls.
+// Unix sockets cannot be told apart by their calls.
 TEST(UnixTable, AFloodIsSeenInWhatIsUnread) {
   using std::string_view_literals::operator""sv;
   constexpr auto kReset = "\0\0\4\3\0\0\0\0\1\0\0\0\x8"sv, kSettings = "\0\0\0\4\0\0\0\0\0"sv;

@@ -1,4 +1,4 @@
-// Lines on their way to a pipe that nobody reads, and the last lines of a process.
+// Lines queued for a pipe that nobody reads, and the last lines of a process.
 #include "server/ops/line_writer.hpp"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ class LineWriterTest : public testing::Test {
     ASSERT_GT(n, 0);
     read_.append(buffer, static_cast<size_t>(n));
   }
-  /// How many dropped lines the lines tell of that were read whole; the writer may have told of some early.
+  /// The number of dropped lines reported in the lines read so far; the writer may have reported some early.
   uint64_t told() const {
     const std::string report = "dropped ";
     uint64_t sum = 0;

@@ -1,4 +1,4 @@
-// Lines that callers cause, at a bounded rate.
+// Rate limits for lines that callers cause.
 #include "server/ops/log_rate.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What Prometheus reads, judged by its own promtool.
+// The metrics, checked by Prometheus's own promtool.
 #include "server/ops/metrics.hpp"
 
 #include <gtest/gtest.h>

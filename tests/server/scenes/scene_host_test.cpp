@@ -1,4 +1,4 @@
-// All scenes and what watches over them: limits, leases, idle streams, the stop.
+// All scenes: limits, leases, idle streams, the stop.
 #include "server/scenes/scene_host.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ Config config_with(const Limits& limits) {
   return config;
 }
 
-// Makes a scene as the daemon does: one that cannot be built is deleted again.
+// Creates a scene as the daemon does: one that cannot be built is deleted.
 SceneUse make_scene(SceneHost& host, const Client& owner = client(), double lease_seconds = 30) {
   const auto added = host.add_scene(owner, {tip_plan(), "", 0, lease_seconds});
   std::exception_ptr failure;
@@ -71,7 +71,7 @@ TEST(SceneHost, AllScenesTogetherStayWithinTheDaemonsBytes) {
   EXPECT_GT(one, 0u);
   EXPECT_EQ(host.usage().device_bytes(client())->held(), one);
   Limits limits;
-  limits.max_device_bytes = 2 * one + one / 2;  // making a scene takes some that it gives back
+  limits.max_device_bytes = 2 * one + one / 2;  // creating a scene takes some temporarily
   host.set_limits(limits);
   EXPECT_EQ(host.limits(), limits);
   const auto second = make_scene(host, client("another"));
@@ -166,7 +166,7 @@ TEST(SceneHost, TheStopIsToldAndNothingNewBegins) {
     const auto events = stream->sink->wait_for(2);
     EXPECT_EQ(std::count(events.begin(), events.end(), "draining 1.5"), 1);
     stream->session->submit(tip_frame(1, 2));
-    EXPECT_EQ(stream->sink->wait_for(3).back(), "answered 1");  // what is open goes on
+    EXPECT_EQ(stream->sink->wait_for(3).back(), "answered 1");  // open streams continue
   }
   EXPECT_THROW(host.check_serving(), Stopping);
   EXPECT_THROW(host.add_scene(client(), {tip_plan(), "", 0, 30}), Stopping);

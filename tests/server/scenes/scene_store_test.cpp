@@ -1,4 +1,4 @@
-// All resident scenes: owners, request ids, limits, leases, and memory that comes back.
+// All resident scenes: owners, request ids, limits, leases, and returned memory.
 #include "server/scenes/scene_store.hpp"
 
 #include <gtest/gtest.h>
@@ -78,10 +78,10 @@ TEST_F(SceneStoreTest, ItsOwnerIsToldHowASceneEnded) {
   EXPECT_EQ(why_not_found(store_, ann_, deleted), "scene_id is \"" + deleted + "\", which was deleted");
   EXPECT_EQ(why_not_found(store_, ann_, expired),
             "scene_id is \"" + expired +
-                "\", which was deleted, as its lease of 10 s ended 0 s ago: make it anew, or ask for a longer "
+                "\", which was deleted, as its lease of 10 s ran out 0 s ago: create it again, or ask for a longer "
                 "lease_seconds");
   for (const auto& id : {deleted, expired})
-    EXPECT_EQ(why_not_found(store_, ben_, id), "scene_id is \"" + id + "\", which is no scene here");
+    EXPECT_EQ(why_not_found(store_, ben_, id), "scene_id is \"" + id + "\", which does not exist");
 }
 
 TEST(EndedScenes, TheOldestOfAClientIsForgotten) {
@@ -97,7 +97,7 @@ TEST(EndedScenes, TheOldestOfAClientIsForgotten) {
 TEST(EndedScenes, ALeaseTellsItsLengthAndItsEnd) {
   const SceneEnd end{true, 30, Clock::now()};
   EXPECT_EQ(end.text(end.when + seconds(12)),
-            "was deleted, as its lease of 30 s ended 12 s ago: make it anew, or ask for a longer lease_seconds");
+            "was deleted, as its lease of 30 s ran out 12 s ago: create it again, or ask for a longer lease_seconds");
 }
 
 TEST_F(SceneStoreTest, ARepeatedRequestAnswersWithTheSameScene) {
@@ -261,7 +261,7 @@ TEST_F(SceneStoreTest, OfRequestsAtOnceOneMakesTheScene) {
   EXPECT_EQ(std::set(made.begin(), made.end()).size(), 1u);
 }
 
-// As the daemon does it: what makes the detector finds a scene that was deleted meanwhile.
+// As in the daemon: the job that builds the detector finds a scene that was deleted meanwhile.
 void build(const SceneUse& scene) {
   scene->worker().post([scene] {
     try {

@@ -83,7 +83,7 @@ TEST_F(SceneTest, TrianglesThatMakeNoDetectorLeaveItUnusable) {
 TEST_F(SceneTest, AFrameBeforeTheTrianglesIsToldWhatIsAwaited) {
   const auto scene = make(tip_plan(2));
   const std::string rest =
-      "scene id takes no frames yet: mesh 1 (\"tip\") awaits 2 of its 2 triangles; bring them with UploadMesh";
+      "scene id takes no frames yet: mesh 1 (\"tip\") awaits 2 of its 2 triangles; send them with UploadMesh";
   EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->apply(1, tip_frame(1, 2).input); }),
             "scene_id: scene_id: " + rest);
   EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->take_slot(); }), "scene_id: scene_id: " + rest);

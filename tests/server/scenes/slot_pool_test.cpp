@@ -1,4 +1,4 @@
-// Slots are used again, end with their pool, and may outlive it.
+// Slots are reused, end with their pool, and may outlive it.
 #include "server/scenes/slot_pool.hpp"
 
 #include <gtest/gtest.h>
@@ -89,7 +89,7 @@ TEST_F(SlotPoolTest, ASlotMayOutliveItsPoolAndItsScene) {
 }
 
 TEST_F(SlotPoolTest, ManyThreadsTakeAndLetGoWhileItCloses) {
-  detector_.reset();  // the pool alone keeps it
+  detector_.reset();  // only the pool keeps it alive
   std::atomic<int> taken = 0;
   std::vector<std::thread> threads;
   for (int t = 0; t < 4; ++t)

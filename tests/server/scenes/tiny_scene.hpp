@@ -35,7 +35,7 @@ inline Client client(std::string name = "anonymous", ClientLimits limits = {}) {
   return std::make_shared<ClientIdentity>(ClientIdentity{std::move(name), limits});
 }
 
-/// `awaited`: triangles of the tip that are still to come; 0: it has its one.
+/// `awaited`: triangles of the tip still to be uploaded; 0: it has its one.
 inline ScenePlan tip_plan(uint64_t awaited = 0) {
   ScenePlan plan;
   plan.fields = {plan.engine.fields, true};

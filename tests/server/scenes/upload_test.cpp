@@ -1,4 +1,4 @@
-// Uploads: what they hold, and how they end.
+// Uploads: the memory they hold, and how they end.
 #include "server/scenes/upload.hpp"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ class UploadTest : public testing::Test {
         },
         start_);
   }
-  // Has brought `count` triangles and waits for more.
+  // Has received `count` triangles and waits for more.
   std::shared_ptr<Upload> make_waiting(uint64_t count = 10) {
     auto upload = make_upload();
     upload->begin(scene_, 1, nullptr);

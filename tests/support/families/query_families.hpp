@@ -1,5 +1,5 @@
 #pragma once
-// Families of queries on which collision detection goes wrong. Query i of a family is the same on every machine.
+// Families of queries on which collision detection tends to fail. Query i of a family is the same on every machine.
 
 #include <functional>
 #include <string>
@@ -21,13 +21,13 @@ struct QueryFamily {
 /// The nine families that are run in large numbers; tests/fuzz/README.md.
 const std::vector<QueryFamily>& fuzz_families();
 
-/// One family for each way in which the usual methods are known to fail; tests/extremes/README.md.
+/// One family for each known failure of the usual methods; tests/extremes/README.md.
 const std::vector<QueryFamily>& extreme_families();
 
 /// Of the fuzz families; throws std::invalid_argument.
 const QueryFamily& fuzz_family(const std::string& name);
 
-/// Names the queries of one kind of a family, so that each can be made again.
+/// Identifies the queries of one kind of a family, so that each can be regenerated.
 struct QuerySource {
   const QueryFamily* family;
   QueryKind kind;

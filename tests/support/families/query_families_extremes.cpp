@@ -23,7 +23,7 @@ auto in_speed(double speed) {
   return [=](QueryKind kind, Scalar, Random& random) { return aimed(kind, random, speed); };
 }
 
-// Some coordinate is as large as the frame check lets pass: an eighth of the largest number.
+// Some coordinate is as large as the frame check allows: an eighth of the largest number.
 Query as_large_as_allowed(QueryKind kind, Scalar scalar, Random& random) {
   const double limit = scalar == Scalar::kF32 ? static_cast<double>(std::numeric_limits<float>::max()) / 8
                                               : std::numeric_limits<double>::max() / 8;
@@ -36,7 +36,7 @@ Query as_large_as_allowed(QueryKind kind, Scalar scalar, Random& random) {
   return query;
 }
 
-// In a plane across an axis all along.
+// In a plane across an axis throughout.
 Query coplanar(QueryKind kind, Scalar, Random& random) {
   Touch touch = random_touch(kind, random);
   const Weights weights = random_weights(kind, random);
@@ -71,7 +71,7 @@ Query standing_still(QueryKind kind, Scalar, Random& random) {
   return play(touch);
 }
 
-// Touching exactly at a time, or by 2^-k not quite.
+// Touching exactly at a time, or missing by 2^-k.
 auto touching_at(double time) {
   return [=](QueryKind kind, Scalar, Random& random) {
     Touch touch = exact_touch(kind, random, time);
@@ -112,7 +112,7 @@ Query thin_needle(QueryKind kind, Scalar, Random& random) { return needle(kind, 
 Query without_area(QueryKind kind, Scalar, Random& random) { return zero_area(kind, random); }
 Query duplicates(QueryKind kind, Scalar, Random& random) { return duplicate_vertices(kind, random); }
 
-// Edges, or a vertex's way and a triangle, whose directions differ by `angle`.
+// Edges, or a vertex's path and a triangle, whose directions differ by `angle`.
 auto parallel(double angle) {
   return [=](QueryKind kind, Scalar, Random& random) {
     Touch touch = random_touch(kind, random);

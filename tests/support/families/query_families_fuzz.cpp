@@ -28,7 +28,7 @@ Query far_lattice(QueryKind kind, Scalar scalar, Random& random) {
   return translated(lattice(kind, scalar, random), place);
 }
 
-// In one plane at t = 0, or all along.
+// In one plane at t = 0, or throughout.
 Query coplanar(QueryKind kind, Scalar, Random& random) {
   if (random.chance(0.5)) return tilted_coplanar(kind, random);
   Query query{kind, {}};
@@ -39,7 +39,7 @@ Query coplanar(QueryKind kind, Scalar, Random& random) {
   return turned(query, random);
 }
 
-// Each feature keeps its shape; they touch exactly at t = 1, or by 2^-k not quite.
+// Each feature keeps its shape; they touch exactly at t = 1, or miss by 2^-k.
 Query translation(QueryKind kind, Scalar, Random& random) {
   Touch touch = exact_touch(kind, random, 1);
   const size_t second = first_feature(kind);
@@ -56,7 +56,7 @@ double mixed_power(Random& random) {
   return power * (1 + random.unit());
 }
 
-// Exact contacts of integers, each axis in a unit of its own, up to the square roots of the type's range apart:
+// Exact contacts of integers, each axis in its own unit, up to the square roots of the type's range apart:
 // products underflow beside others that do not.
 Query mixed_axes(QueryKind kind, Scalar scalar, Random& random) {
   const int range = scalar == Scalar::kF32 ? 60 : 500;

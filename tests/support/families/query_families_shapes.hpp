@@ -1,12 +1,12 @@
 #pragma once
-// What families of queries are made of: numbers from a seed, and features that meet at a known time.
+// Building blocks of query families: numbers from a seed, and features that meet at a known time.
 
 #include "tests/support/judge/exact_judge.hpp"
 
 namespace collided::test {
 
-/// SplitMix64: the same numbers on every machine, which the distributions of the standard library do not promise.
-/// Nor does C++ promise in which order a call's arguments are evaluated: draw one number a statement, or in braces.
+/// SplitMix64: the same numbers on every machine, which the standard library's distributions do not guarantee. Nor does
+/// C++ guarantee the order in which a call's arguments are evaluated: draw one number per statement, or in braces.
 class Random {
  public:
   explicit Random(uint64_t seed) : state_(seed) {}
@@ -50,7 +50,7 @@ Touch random_touch(QueryKind kind, Random& random, double speed = 1);
 using Weights = std::array<double, 2>;
 Weights random_weights(QueryKind kind, Random& random);
 
-/// Moves the first feature so that the two places meet, but for `gap`.
+/// Moves the first feature so that the two places meet, except for `gap`.
 void bring_together(Touch& touch, const Weights& weights, const Vec3d& gap = {});
 
 /// No gap in two of five cases, else one of length about size * 2^-k in any direction, k up to `finest`.
@@ -72,7 +72,7 @@ double eighths(Random& random);
 Query translated(Query query, const Vec3d& by);
 Query scaled(Query query, double by);
 
-/// Applies one of the 48 symmetries of the cube, which change no number but for its sign and place.
+/// Applies one of the 48 symmetries of the cube, which change only the sign and place of numbers.
 Query turned(Query query, Random& random);
 
 }  // namespace collided::test

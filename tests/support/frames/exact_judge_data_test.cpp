@@ -1,4 +1,4 @@
-// The judge against labels that others made, and against the truth of our own frames.
+// The judge against labels by others, and against the truth of our own frames.
 
 #include <gtest/gtest.h>
 #include <tbb/blocked_range.h>
@@ -15,14 +15,14 @@
 namespace collided::test {
 namespace {
 
-// Of this thread alone: the machine may be busy.
+// CPU time of this thread: the machine may be busy.
 int64_t cpu_nanoseconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return now.tv_sec * 1'000'000'000 + now.tv_nsec;
 }
 
-// Judges all queries and says how many disagree with their labels.
+// Judges all queries and returns how many disagree with their labels.
 size_t disagreements(const std::string& name, const std::vector<LabelledQuery>& queries) {
   std::atomic<size_t> disagree = 0, hits = 0;
   std::atomic<int64_t> nanoseconds = 0, slowest = 0;
@@ -75,8 +75,8 @@ TEST_F(ExactJudgeData, AgreesWithTheBallFrames) {
   EXPECT_EQ(disagreements(kBallFrames.name, queries), 0u);
 }
 
-// The truth lists what collides. What it does not list must not: then there are as many hits among all pairs whose
-// boxes meet as there are in the list.
+// The truth lists the pairs that collide, and no others may: there are as many hits among all pairs whose boxes overlap
+// as in the list.
 size_t hits_among(const CaseQueries& queries, QueryKind kind, const std::vector<PairKey>& pairs) {
   std::atomic<size_t> hits = 0;
   tbb::parallel_for(tbb::blocked_range<size_t>(0, pairs.size()), [&](const auto& range) {
@@ -108,7 +108,7 @@ TEST_F(ExactJudgeData, NothingUnlistedCollides) {
   for (const RealFrames& frames : {kFunnelFrames, kBallFrames}) expect_nothing_unlisted_collides(frames);
 }
 
-// Whoever makes the frames anew makes their truth anew.
+// Regenerated frames need a regenerated truth.
 TEST(OwnFrames, TruthIsWhatTheJudgeSays) {
   const std::vector<LabelledQuery> queries = read_frame_queries(kDrapeFrames);
   EXPECT_GT(queries.size(), 1000u);

@@ -11,7 +11,7 @@
 namespace collided::test {
 namespace {
 
-// Bounds of a decimal number that is exact to its last digit, whether it was rounded or cut there.
+// Bounds of a decimal number that is exact to its last digit, whether rounded or truncated.
 std::array<double, 2> bounds_of(const std::string& decimal) {
   const size_t point = decimal.find('.'), exponent = decimal.find_first_of("eE");
   const size_t end = std::min(decimal.size(), exponent);

@@ -1,7 +1,7 @@
-// Makes the truth of our own frames anew, byte for byte:   make_frame_truth tests/support/data/cloth_drape/truth
+// Regenerates the truth of our own frames, byte for byte:   make_frame_truth tests/support/data/cloth_drape/truth
 //
-// The judge decides every pair whose boxes over the step overlap; brute force finds these. What collides is listed, and
-// what comes close.
+// The judge decides every pair whose boxes over the step overlap; brute force finds these. Pairs that collide are
+// listed, and pairs that come close.
 
 #include <array>
 #include <filesystem>

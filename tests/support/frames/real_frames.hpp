@@ -19,7 +19,7 @@ struct RealFrames {
   const char* second;
 };
 
-/// Our own, always here: see data/cloth_drape/README.md.
+/// Our own, always present: see data/cloth_drape/README.md.
 inline constexpr RealFrames kDrapeFrames{"cloth_drape", FrameSource::kOwn, "cloth_drape", "before.ply", "after.ply"};
 
 inline constexpr RealFrames kFunnelFrames{"cloth_funnel_227_228", FrameSource::kDataFolder, "ccd-frames/cloth-funnel",
@@ -27,16 +27,16 @@ inline constexpr RealFrames kFunnelFrames{"cloth_funnel_227_228", FrameSource::k
 inline constexpr RealFrames kBallFrames{"cloth_ball_92_93", FrameSource::kDataFolder, "ccd-frames/cloth-ball",
                                         "cloth_ball92.ply", "cloth_ball93.ply"};
 
-/// How GoogleTest names them.
+/// Their names in GoogleTest.
 inline void PrintTo(const RealFrames& frames, std::ostream* out) { *out << frames.name; }
 
 /// Whether load() can read them: false for those of an absent data folder.
 bool are_here(const RealFrames& frames);
 
-/// Where their folders `frames` and `truth` are. Throws std::runtime_error if they are not here.
+/// The parent of their folders `frames` and `truth`. Throws std::runtime_error if absent.
 std::filesystem::path folder_of(const RealFrames& frames);
 
-/// One mesh. Throws std::runtime_error if they are not here.
+/// One mesh. Throws std::runtime_error if absent.
 Case load(const RealFrames& frames);
 
 }  // namespace collided::test

@@ -1,4 +1,4 @@
-// Distances of which the answer is known by hand, and contact at a distance against samples of the distance.
+// Distances known by hand, and contact at a distance against samples of the distance.
 
 #include <gtest/gtest.h>
 

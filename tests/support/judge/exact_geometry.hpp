@@ -1,5 +1,5 @@
 #pragma once
-// What the judge's parts share: exact positions over time, and the polynomials that say how a point or edge lies to a
+// Shared by the judge's parts: exact positions over time, and the polynomials that locate a point or edge relative to a
 // triangle or edge.
 
 #include <span>
@@ -43,7 +43,7 @@ std::span<const VertexEdge> vertex_edges(QueryKind kind);
 
 /// Whether the coordinates along one axis, which are linear in time, are more than `thickness` apart from t = 0 to 1.
 bool apart_along_an_axis(const ExactQuery& q);
-/// The same for thickness 0, from the coordinates as they are.
+/// The same for thickness 0, from the original coordinates.
 bool apart_along_an_axis(const Query& query);
 
 }  // namespace collided::test

@@ -1,6 +1,6 @@
 #pragma once
-// The judge: decides contacts of single pairs of features in integer arithmetic, so that nothing can be wrong but the
-// mathematics. It shares no code with the engine. All functions may be called from many threads at once; all throw
+// The judge: decides contacts of single pairs of features in integer arithmetic, so that only the mathematics can be
+// wrong. It shares no code with the engine. All functions may be called from many threads at once; all throw
 // std::invalid_argument where a coordinate or the thickness is not finite, or the thickness is negative.
 
 #include <gmpxx.h>
@@ -21,7 +21,7 @@ struct Query {
 };
 
 /// The first time of contact lies in the closed interval [lower, upper], which is no wider than 2^-60; where the time
-/// is a fraction k / 2^m that was met while searching (always so for 0 and 1), both are that.
+/// is a fraction k / 2^m that was hit while searching (always so for 0 and 1), both are that.
 struct ExactImpact {
   bool hit = false;
   mpq_class lower, upper;

@@ -14,7 +14,7 @@ bool on_edge_at(Root& time, const ExactQuery& q, const VertexEdge& pair) {
   return time.sign_of(dot(from, to)) <= 0;
 }
 
-// The features have no common normal at this time: a triangle is its edges, and edges are in parallel.
+// The features have no common normal at this time: a triangle is its edges, and edges are parallel.
 bool touch_without_normal(Root& time, const ExactQuery& q) {
   for (const VertexEdge& pair : vertex_edges(q.kind))
     if (on_edge_at(time, q, pair)) return true;

@@ -1,10 +1,10 @@
 // Contact at a distance h. The closest points of two features are two vertices, or a vertex and a point strictly inside
-// an edge, or what is strictly inside of a triangle or of both edges. Each such part has one polynomial, `gap`, that is
+// an edge, or points strictly inside a triangle or both edges. Each such part has one polynomial, `gap`, that is
 // <= 0 where its lines are within h, and polynomials that are > 0 where its feet are inside.
 //
 // The distance is continuous: unless it is <= h at t = 0, it is h when it first is <= h. Then the part that holds the
-// closest points has the gap 0, and this time is a root of it. For were its gap 0 all the time, the distance would have
-// been h just before too, the feet still being inside. So only roots of gaps have to be looked at.
+// closest points has gap 0, and this time is a root of its gap: if the gap were 0 at all times, the distance would have
+// been h just before, too, with the feet still inside. So only roots of gaps matter.
 
 #include <algorithm>
 #include <utility>
@@ -38,7 +38,7 @@ Part insides(const ExactQuery& q) {
   return {interior.f * interior.f - mpz_class(q.thickness * q.thickness) * square, std::move(interior.inside), square};
 }
 
-// From the parts that cost least.
+// From the cheapest parts.
 std::vector<Part> parts_of(const ExactQuery& q) {
   std::vector<Part> parts;
   const int first = q.kind == QueryKind::kVertexTriangle ? 1 : 2;
@@ -60,7 +60,7 @@ bool is_inside(const Part& part, Root& time) {
          std::ranges::all_of(part.inside, [&](const Polynomial& p) { return time.sign_of(p) >= 0; });
 }
 
-// Of two times of contact the first; where neither interval is wholly before the other, one for the first of them.
+// The first of two times of contact; if neither interval is wholly before the other, an interval for the first.
 void keep_first(ExactImpact& best, const ExactImpact& other) {
   best.lower = best.hit ? std::min(best.lower, other.lower) : other.lower;
   best.upper = best.hit ? std::min(best.upper, other.upper) : other.upper;

@@ -1,4 +1,4 @@
-// Contacts whose time is known by hand, and what must not change an answer.
+// Contacts whose time is known by hand, and invariances of the answer.
 
 #include <gtest/gtest.h>
 
@@ -165,7 +165,7 @@ TEST(ExactJudge, RefusesWhatIsNoNumber) {
   EXPECT_THROW(judge_ccd(vertex_moves({}, {}), -1), std::invalid_argument);
 }
 
-// --- Our own labelled set, and what must not change an answer ------------------------------------------------------
+// --- Our own labelled set, and invariances of the answer -----------------------------------------------------------
 
 class ExactJudgeLabelled : public ::testing::Test {
  protected:
@@ -252,7 +252,7 @@ TEST_F(ExactJudgeLabelled, Translation) {
   EXPECT_GT(moved, queries_.size() / 2);
 }
 
-// The cubic's way and the distance's way to a first contact share no polynomial but the normal's.
+// The cubic and the distance methods share no polynomial except the normal's.
 TEST_F(ExactJudgeLabelled, ContactAsADistanceOfZero) {
   std::vector<Query> queries;
   for (const LabelledQuery& label : queries_) queries.push_back(label.query);

@@ -1,5 +1,5 @@
-// Triangles that share a point share an extreme point of what they share, which is on an edge of one of them: that edge
-// goes through the inside of the other triangle, or an end of it is on it, or it meets an edge of it.
+// If triangles share a point, an extreme point of their intersection is on an edge of one of them: that edge passes
+// through the inside of the other triangle, or ends on it, or meets an edge of it.
 
 #include "tests/support/judge/exact_geometry.hpp"
 
@@ -21,7 +21,7 @@ bool pierces(const Vec3d& p, const Vec3d& q, const Triangle& t) {
   return (first >= 0 && second >= 0 && third >= 0) || (first <= 0 && second <= 0 && third <= 0);
 }
 
-// Whether a corner or edge of `a` is on `b` or pierces it, but for edges that meet edges.
+// Whether a corner of `a` is on `b` or an edge of `a` pierces it, not counting edges that meet edges.
 bool reaches(const Triangle& a, const Triangle& b) {
   for (int i = 0; i < 3; ++i) {
     if (judge_proximity(QueryKind::kVertexTriangle, {a[i], b[0], b[1], b[2]}, 0)) return true;

@@ -5,7 +5,7 @@
 namespace collided::test {
 namespace {
 
-// The remainder of b^k * a by b for the least k that keeps it integer.
+// The remainder of b^k * a by b for the smallest k that keeps it integer.
 Polynomial pseudo_remainder(const Polynomial& a, const Polynomial& b) {
   std::vector<mpz_class> rest = a.coefficients();
   const std::vector<mpz_class>& divisor = b.coefficients();

@@ -1,6 +1,6 @@
 #pragma once
-// Real roots of integer polynomials in [0, 1] as exact numbers: isolating intervals, and the sign that any other
-// polynomial has there.
+// Real roots of integer polynomials in [0, 1] as exact numbers: isolating intervals, and the sign of any other
+// polynomial there.
 //
 // Descartes' rule, in the form of Vincent, Collins and Akritas: the sign changes among the Bernstein coefficients of a
 // polynomial on an interval are its roots inside (counted with multiplicity) or more by an even number. None means no

@@ -1,4 +1,4 @@
-// Triangles, edges and points that meet or do not, by hand; and on a small lattice against another way to decide.
+// Triangles, edges and points that meet or do not, by hand; and on a small lattice against another method.
 //
 // Two convex hulls meet where 0 is in the hull of all differences of their corners, and then (Caratheodory) in the hull
 // of at most four of these that are affinely independent: a sign test on small integers each.
@@ -114,7 +114,7 @@ bool hulls_meet(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
   return hull_has_zero(differences);
 }
 
-// Points of a lattice so small that nearly everything degenerate happens.
+// Points of a lattice so small that nearly every degeneracy occurs.
 class Lattice {
  public:
   Vec3d operator()(int size) {

@@ -1,5 +1,5 @@
 #pragma once
-// Tables of cells separated by commas, without quotes.
+// Tables of comma-separated cells, without quotes.
 
 #include <filesystem>
 #include <string>

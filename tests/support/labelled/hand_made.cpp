@@ -1,4 +1,4 @@
-// The queries that others made by hand: eight rows each, coordinates as fractions.
+// Queries made by hand by others: eight rows each, coordinates as fractions.
 
 #include <algorithm>
 #include <stdexcept>

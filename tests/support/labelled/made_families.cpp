@@ -117,7 +117,7 @@ Made grazing(Dice& dice, QueryKind kind) {
   return common_motion(dice, crossing(dice, kind, frame(dice, kFrameSize), on_boundary(dice, kind, 0)));
 }
 
-// The least step outside that doubles hold.
+// The smallest step outside that doubles can represent.
 Made grazing_one_ulp_off(Dice& dice, QueryKind kind) {
   const uint64_t seed = dice.bits();
   Query query;

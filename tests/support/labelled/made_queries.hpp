@@ -3,7 +3,7 @@
 //
 // All constructions are one idea: in some frame the features stay in parallel planes (or, all in one plane, on two
 // sides of a line), and the distance of these is a multiple of (t - t*). So they can meet at t = t* only (or first),
-// and they do where what the planes hold at t* meets. Which is plain from the weights they were made with.
+// and they do if the planes' contents meet at t*, which is known from the weights they were made with.
 
 #include <cstdint>
 #include <string>
@@ -18,7 +18,7 @@ ExactVec operator+(const ExactVec& a, const ExactVec& b);
 ExactVec operator-(const ExactVec& a, const ExactVec& b);
 ExactVec operator*(const mpq_class& factor, const ExactVec& v);
 
-/// A generator of our own: the standard distributions differ between libraries.
+/// Our own generator: the standard distributions differ between libraries.
 class Dice {
  public:
   explicit Dice(uint64_t seed) : state_(seed) {}
@@ -33,7 +33,7 @@ class Dice {
   uint64_t state_;
 };
 
-/// Where the four points are at time `at`, their velocities, and what is known of the contact.
+/// Where the four points are at time `at`, their velocities, and what is known about the contact.
 struct Made {
   QueryKind kind = QueryKind::kVertexTriangle;
   mpq_class at;

@@ -1,7 +1,7 @@
-// Makes our own set of queries anew, byte for byte:   make_labelled > tests/support/data/labelled_queries.csv
+// Regenerates our own set of queries, byte for byte:   make_labelled > tests/support/data/labelled_queries.csv
 //
 // Labels come from the construction ("made"); those of the families `random` and `lattice` from the exact judge
-// ("judge"). The judge has to agree with every label that was made, or nothing is written.
+// ("judge"). Unless the judge agrees with every constructed label, nothing is written.
 
 #include <cmath>
 #include <cstdio>
@@ -17,7 +17,7 @@ namespace {
 constexpr int kOfEachKind = 50;  // queries of each family
 
 double at_least(const mpq_class& value) {
-  const double below = value.get_d();  // cut towards zero
+  const double below = value.get_d();  // truncated towards zero
   return mpq_class(below) == value ? below : std::nextafter(below, std::numeric_limits<double>::infinity());
 }
 

@@ -17,7 +17,7 @@ struct BatchSettings {
   double thickness = 0;
 };
 
-/// What the engine says of one query.
+/// The engine's verdict on one query.
 struct Verdict {
   bool hit = false;
   double toi = 1;
@@ -25,8 +25,8 @@ struct Verdict {
   uint8_t flags = 0;  ///< ContactFlags
 };
 
-/// Verdicts of queries of one kind, in their order. Coordinates are rounded to the scalar type on the way in, so a
-/// judge has to look at rounded queries too. DCD looks at the points of t = 1.
+/// Verdicts of queries of one kind, in their order. Coordinates are rounded to the scalar type first, so a judge must
+/// get rounded queries, too. DCD looks at the points of t = 1.
 std::vector<Verdict> run_queries(std::span<const Query> queries, const BatchSettings& settings);
 
 }  // namespace collided::test

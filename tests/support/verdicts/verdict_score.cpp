@@ -21,7 +21,7 @@ bool well_formed(const Verdict& v, Mode mode) {
   return !v.hit || ((mode == Mode::kDcd || (v.toi >= 0 && v.toi <= 1)) && v.distance >= 0);
 }
 
-// Adds one verdict to the score and says what it breaks, if anything.
+// Adds one verdict to the score; returns the promise that it breaks, if any.
 class Scorer {
  public:
   Scorer(Mode mode, Accuracy accuracy) : mode_(mode), accuracy_(accuracy) {}

@@ -1,5 +1,5 @@
 #pragma once
-// What the engine says of queries, held against the judge.
+// The engine's verdicts on queries, compared with the judge's.
 
 #include <span>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace collided::test {
 
-/// Queries and what is true of them.
+/// Queries and their truth.
 struct Judged {
   Mode mode = Mode::kCcd;
   double thickness = 0;
@@ -17,7 +17,7 @@ struct Judged {
   std::vector<ExactImpact> truth;  ///< DCD: whether the points of t = 1 are within the thickness; no time
 };
 
-/// Asks the judge about each query, on all cores. The queries have to be rounded already.
+/// Asks the judge about each query, on all cores. The queries must be rounded already.
 Judged judge(std::vector<Query> queries, Mode mode, double thickness);
 
 /// A verdict that breaks a promise.
@@ -37,12 +37,12 @@ struct Score {
   uint64_t wrongly_certified = 0;  ///< false hits with kFlagCertified
   uint64_t wrong_initial = 0;      ///< certified hits with kFlagInitial that are not in contact at t = 0; EXACT: and
                                    ///< those without it that are
-  uint64_t malformed = 0;          ///< times outside [0, 1], distances that are negative or no number
+  uint64_t malformed = 0;          ///< times outside [0, 1], distances that are negative or NaN
   std::vector<double> gaps;        ///< of the hits: by how much their time is early; late ones are below 0
 
   double worst_gap() const;
   double median_gap() const;
-  double worst_delay() const;  ///< by how much a time is late at most
+  double worst_delay() const;  ///< maximum by which a time is late
   Score& operator+=(const Score& other);
 };
 
@@ -50,7 +50,7 @@ struct Score {
 Score score(const Judged& judged, std::span<const Verdict> verdicts, Accuracy accuracy,
             std::vector<Offence>* offences = nullptr);
 
-/// The median of the queries' extents, to choose tolerances by.
+/// The median of the queries' extents, for choosing tolerances.
 double typical_extent(std::span<const Query> queries);
 
 /// Verdict and truth, for messages.

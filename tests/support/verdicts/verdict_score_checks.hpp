@@ -7,7 +7,7 @@
 
 namespace collided::test {
 
-/// Checks the promises of every level on the queries of the question, which are judged once; `table`, if given, gets
+/// Checks the promises of every level on the question's queries, which are judged once; `table`, if given, gets
 /// the scores of the default delta.
 void expect_promises(const Question& question, ScoreTable* table = nullptr);
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a test asks of a family of queries, and how much of it.
+// The settings and the number of queries with which a test uses a family.
 
 #include <string>
 #include <tuple>
@@ -17,8 +17,7 @@ struct Question {
   double thickness_share = 0;  ///< of the queries' typical extent
 };
 
-/// The queries of the question with what is true of them. The thickness is a power of two, so that on integers it is
-/// met exactly.
+/// The question's queries with their truth. The thickness is a power of two, so that on integers it is met exactly.
 Judged judged(const Question& question);
 
 inline constexpr QueryKind kQueryKinds[] = {QueryKind::kVertexTriangle, QueryKind::kEdgeEdge};
@@ -27,10 +26,10 @@ inline constexpr QueryKind kQueryKinds[] = {QueryKind::kVertexTriangle, QueryKin
 using FamilyCase = std::tuple<const QueryFamily*, Scalar>;
 std::vector<FamilyCase> cases_of(const std::vector<QueryFamily>& families);
 
-/// Names the case with letters, digits and an underscore alone.
+/// Names the case with letters, digits and underscores only.
 std::string case_name(const FamilyCase& family_case);
 
-/// The value of an environment variable, or another one where it is not set.
+/// The value of an environment variable, or a default.
 uint64_t number_from_environment(const char* name, uint64_t otherwise);
 
 }  // namespace collided::test

@@ -1,5 +1,5 @@
 #pragma once
-// What each level does on each family, as a file.
+// The results of each level on each family, as a file.
 
 #include <iosfwd>
 #include <string>
@@ -23,7 +23,7 @@ class ScoreTable {
     Accuracy accuracy;
     Score score;
   };
-  std::vector<Row> rows_;  ///< in the order in which they came
+  std::vector<Row> rows_;  ///< in order of addition
 };
 
 }  // namespace collided::test

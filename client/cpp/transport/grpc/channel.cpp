@@ -30,7 +30,7 @@ std::string read_file(const char* option, const std::string& name) {
   return text;
 }
 
-/// Why a channel did not connect, if gRPC says so; else empty. gRPC tells only calls, so this makes one.
+/// Why a channel did not connect, if gRPC says so; else empty. gRPC reports it only to calls, so this makes one.
 std::string reason_of(const std::shared_ptr<grpc::Channel>& channel) {
   grpc::ClientContext context;
   context.set_deadline(deadline_in(std::chrono::seconds(1)));
@@ -63,7 +63,7 @@ bool is_visible(const std::string& text) {
 
 void check_token(const ConnectOptions& options, const std::string& address) {
   if (!is_visible(options.token))
-    throw Error(grpc::INVALID_ARGUMENT, "token has a character that is no visible ASCII one", "token");
+    throw Error(grpc::INVALID_ARGUMENT, "token has a character that is not visible ASCII", "token");
   if (options.token.empty() || !options.tls_ca.empty() || options.allow_insecure_token || is_local_address(address))
     return;
   throw Error(grpc::INVALID_ARGUMENT,
@@ -111,12 +111,12 @@ ChannelFactory::ChannelFactory(std::string address, ConnectOptions options)
 std::shared_ptr<grpc::Channel> ChannelFactory::make() const {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(v1::kMaxAnswerBytes);
-  // Else gRPC merges connections of one process, and failed attempts of one delay the others.
+  // Otherwise gRPC shares connections within a process, and failed attempts of one delay the others.
   arguments.SetInt("grpc.use_local_subchannel_pool", 1);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
-  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);  // no limit: idle streams are watched as well
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);  // no limit, to watch idle streams as well
   if (is_local_address(address_)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   if (!options_.tls_server_name.empty()) arguments.SetSslTargetNameOverride(options_.tls_server_name);
   return grpc::CreateCustomChannel(address_, credentials_, arguments);

@@ -23,7 +23,7 @@ class ChannelFactory {
 
   const std::string& address() const { return address_; }
   const ConnectOptions& options() const { return options_; }
-  /// A channel with a connection of its own, not yet connected.
+  /// A channel with its own connection, not yet connected.
   std::shared_ptr<grpc::Channel> make() const;
   /// The same, connected. Throws Error (UNAVAILABLE) after options().patience.
   std::shared_ptr<grpc::Channel> connect() const;

@@ -61,7 +61,7 @@ grpc::ByteBuffer GrpcTransport::buffer_of(const std::vector<WirePart>& parts) {
   return grpc::ByteBuffer(slices.data(), slices.size());
 }
 
-/// Waits, with the lock, until `done`; false if it is not by the deadline.
+/// Waits under the lock until `done`; false if the deadline passes first.
 template <class Done>
 bool GrpcTransport::await(LeaderFollowers::Lock& lock, const Done& done, Time deadline) {
   return polling_.await(lock, done, deadline, std::bind_front(&GrpcTransport::take_event, this));
@@ -87,7 +87,7 @@ void GrpcTransport::await_written(LeaderFollowers::Lock& lock) {
     continue;
 }
 
-/// Starts a write once the one before has ended. False if there may be none, as after the last.
+/// Starts a write once the previous one has ended. False if no further write is allowed.
 template <class Start>
 bool GrpcTransport::write(const Start& start, bool is_last) {
   LeaderFollowers::Lock lock(mutex_);
@@ -137,7 +137,7 @@ FrameTransport::Arrival GrpcTransport::read(v1::StreamFramesResponse& response, 
   lock.unlock();
   if (!read_.is_ok) return Arrival::kEnd;
   if (!grpc::SerializationTraits<v1::StreamFramesResponse>::Deserialize(&incoming_, &response).ok())
-    throw Error(grpc::DATA_LOSS, "the daemon's message is no StreamFramesResponse");
+    throw Error(grpc::DATA_LOSS, "the daemon's message is not a StreamFramesResponse");
   return Arrival::kMessage;
 }
 

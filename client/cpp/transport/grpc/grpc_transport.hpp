@@ -1,5 +1,5 @@
 #pragma once
-// A frame stream over one gRPC call. Messages are raw buffers: positions are sent from where they are.
+// A frame stream over one gRPC call. Messages are raw buffers: positions are sent in place.
 
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
@@ -57,7 +57,7 @@ class GrpcTransport final : public FrameTransport {
   LeaderFollowers polling_;    ///< of the queue
   Operation write_, read_, finish_;
   bool is_reading_ = false;  ///< a read is pending, or its message has not been taken
-  bool is_closed_ = false;   ///< there may be no further write
+  bool is_closed_ = false;   ///< no further write is allowed
   int borrowed_ = 0;         ///< pieces of the caller's memory that gRPC still holds
 };
 

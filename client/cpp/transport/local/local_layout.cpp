@@ -1,4 +1,4 @@
-// How the memory that a stream shares with the daemon is divided.
+// The layout of the memory that a stream shares with the daemon.
 
 #include "client/cpp/transport/local/local_layout.hpp"
 

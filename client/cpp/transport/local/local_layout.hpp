@@ -1,5 +1,5 @@
 #pragma once
-// How the memory that a stream shares with the daemon is divided.
+// The layout of the memory that a stream shares with the daemon.
 
 #include <cstdint>
 

@@ -1,4 +1,4 @@
-// Who is at the other end of a Unix socket, and whether a token may go there.
+// Who is at the other end of a Unix socket, and whether a token may be sent there.
 
 #include "client/cpp/transport/local/local_peer.hpp"
 
@@ -36,7 +36,7 @@ std::string socket_path(const std::string& grpc_address) {
 void check_folder(const std::string& path, TrustedUsers& trusted) {
   const std::string folder = std::filesystem::absolute(path).parent_path().string();
   struct stat about {};
-  if (stat(folder.c_str(), &about) != 0) refuse("folder " + folder + " cannot be looked at: " + std::strerror(errno));
+  if (stat(folder.c_str(), &about) != 0) refuse("folder " + folder + " cannot be inspected: " + std::strerror(errno));
   if (!trusted.contains(about.st_uid))
     refuse("folder " + folder + " of the daemon's local socket belongs to user " + std::to_string(about.st_uid) +
            "; trusted are " + trusted.text() + " (options.local.daemon_user)");
@@ -50,7 +50,7 @@ LocalFd connect_to_socket(const std::string& path, int kind) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof(address.sun_path))
-    throw Error(grpc::INVALID_ARGUMENT, "local_socket is \"" + path + "\", which is no path of a socket");
+    throw Error(grpc::INVALID_ARGUMENT, "local_socket is \"" + path + "\", which is not a socket path");
   path.copy(address.sun_path, path.size());
   LocalFd socket(::socket(AF_UNIX, kind | SOCK_CLOEXEC, 0));
   if (socket.get() < 0 || connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0)
@@ -62,7 +62,7 @@ uid_t user_at(const LocalFd& socket) {
   ucred peer{};
   socklen_t size = sizeof(peer);
   if (getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0)
-    throw Error(grpc::UNAVAILABLE, std::string("the user at a local socket is not known: ") + std::strerror(errno));
+    throw Error(grpc::UNAVAILABLE, std::string("cannot identify the user at a local socket: ") + std::strerror(errno));
   return peer.uid;
 }
 
@@ -77,7 +77,7 @@ bool TrustedUsers::contains(uid_t user) {
   const std::string path = socket_path(std::exchange(grpc_address_, ""));
   if (!path.empty()) try {
       users_.push_back(user_at(connect_to_socket(path, SOCK_STREAM)));
-    } catch (const Error&) {  // nobody is trusted by an address that only gRPC can follow
+    } catch (const Error&) {  // an address that only gRPC understands adds no trusted user
     }
   return is_known();
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Who is at the other end of a Unix socket, and whether a token may go there: anyone may listen at the path that a
+// Who is at the other end of a Unix socket, and whether a token may be sent there: anyone may listen at the path that a
 // daemon names.
 
 #include <sys/types.h>
@@ -18,14 +18,14 @@ LocalFd connect_to_socket(const std::string& path, int kind);
 /// The user who listens at the other end of a connected Unix socket. Throws Error (UNAVAILABLE).
 uid_t user_at(const LocalFd& socket);
 
-/// Whom this process trusts: its own user and root, `daemon_user` (an id; -1: none), and whoever listens at
-/// `grpc_address` if that is a Unix socket, since that user is given the token anyway.
+/// The users that this process trusts: its own user and root, `daemon_user` (an id; -1: none), and whoever listens at
+/// `grpc_address` if that is a Unix socket, since that user gets the token anyway.
 class TrustedUsers {
  public:
   TrustedUsers(std::string grpc_address, int64_t daemon_user);
   /// Connects to `grpc_address` only for a user who is not trusted otherwise.
   bool contains(uid_t user);
-  /// Their ids, as far as they are known, for messages.
+  /// The ids known so far, for messages.
   std::string text() const;
 
  private:

@@ -17,7 +17,7 @@ namespace collided::client {
 namespace {
 
 constexpr uint64_t kAlignment = 64;
-constexpr size_t kMaxInlineBytes = 64;  // so few go into the packet itself
+constexpr size_t kMaxInlineBytes = 64;  // up to this many go into the packet itself
 
 LocalFd connect_to(const LocalPeer& peer) {
   LocalFd socket = connect_to_socket(peer.path, SOCK_SEQPACKET);
@@ -57,7 +57,7 @@ ssize_t receive(int socket, std::string& packet) {
   }
 }
 
-// Whether there is something to receive, be it the end of the stream.
+// Whether there is something to receive, or the stream has ended.
 bool has_arrived(int socket, FrameTransport::Time deadline) {
   using std::chrono::nanoseconds;
   pollfd state{socket, POLLIN, 0};
@@ -95,7 +95,7 @@ bool LocalTransport::open(const v1::OpenStream& open) {
 std::span<std::byte> LocalTransport::input(uint64_t bytes) {
   const auto room = take_room(bytes);
   if (room.size() == bytes) return room;
-  throw Error(grpc::RESOURCE_EXHAUSTED, "input of " + std::to_string(bytes) + " bytes was asked for, and " +
+  throw Error(grpc::RESOURCE_EXHAUSTED, "input of " + std::to_string(bytes) + " bytes was requested, but only " +
                                             std::to_string(layout_.frame_bytes - used_) + " of the " +
                                             std::to_string(layout_.frame_bytes) + " for one frame are left");
 }
@@ -108,7 +108,7 @@ std::span<std::byte> LocalTransport::take_room(uint64_t bytes) {
   return region_.bytes().subspan(start, bytes);
 }
 
-/// The range of the bytes in the input region, where they are copied unless they are there already. Nothing if they
+/// The range of the bytes in the input region, to which they are copied unless they are there already. nullopt if they
 /// are few enough for the packet, or if there is no room.
 std::optional<v1::SharedRange> LocalTransport::place(Bytes bytes) {
   const auto region = region_.bytes();
@@ -204,7 +204,7 @@ FrameTransport::Arrival LocalTransport::read(v1::StreamFramesResponse& response,
   if (size <= 0) return Arrival::kEnd;
   v1::LocalResponse packet;
   if (!packet.ParseFromArray(incoming_.data(), static_cast<int>(size)))
-    throw Error(grpc::DATA_LOSS, "the daemon's packet is no LocalResponse");
+    throw Error(grpc::DATA_LOSS, "the daemon's packet is not a LocalResponse");
   if (packet.has_closed()) {
     closed_ = std::move(*packet.mutable_closed());
     return Arrival::kEnd;
@@ -216,8 +216,8 @@ FrameTransport::Arrival LocalTransport::read(v1::StreamFramesResponse& response,
 std::span<const std::byte> LocalTransport::shared(const v1::SharedRange& range) const {
   const auto output = region_.bytes().last(layout_.output_bytes);
   if (range.size() > output.size() || range.offset() > output.size() - range.size())
-    throw Error(grpc::DATA_LOSS, "contacts.shared names " + std::to_string(range.size()) + " bytes from " +
-                                     std::to_string(range.offset()) + " on; the output region has " +
+    throw Error(grpc::DATA_LOSS, "contacts.shared names " + std::to_string(range.size()) + " bytes at offset " +
+                                     std::to_string(range.offset()) + "; the output region has " +
                                      std::to_string(output.size()));
   return output.subspan(range.offset(), range.size());
 }

@@ -1,6 +1,6 @@
 #pragma once
 // A frame stream over the daemon's local socket (collided/v1/local.proto): positions and contacts are in shared memory,
-// and only small packets travel.
+// and only small packets are sent.
 
 #include <atomic>
 #include <cstdint>

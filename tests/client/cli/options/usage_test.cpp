@@ -1,4 +1,4 @@
-// Which word was meant.
+// Suggestions for mistyped words.
 
 #include "client/cli/options/usage.hpp"
 

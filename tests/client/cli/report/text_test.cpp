@@ -1,4 +1,4 @@
-// Reports for people: units, digits, separators, and what is not there.
+// Text reports: units, digits, separators, and missing values.
 
 #include "client/cli/report/text.hpp"
 

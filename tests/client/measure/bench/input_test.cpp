@@ -1,4 +1,4 @@
-// What 'collidectl bench' plays, and in which order.
+// The inputs that 'collidectl bench' plays, and their order.
 
 #include "client/measure/bench/input.hpp"
 
@@ -17,7 +17,7 @@ TEST(Bench, TheWarmUpIsSpreadOverTheMotionAndEndsWithItsLastStep) {
   EXPECT_EQ(planned_steps(1000000, 1000000).at(999999), 1000000);
 }
 
-/// A triangle on the move and one that stands; every coordinate tells the step, before and after.
+/// A moving triangle and a static one; every coordinate encodes the step, before and after.
 BenchInput input() {
   const auto positions = [](double x) { return std::vector<scenes::Vec3d>(6, {x, x, x}); };
   return {.name = "made",

@@ -1,4 +1,4 @@
-// What 'collidectl bench' makes of the metrics.
+// How 'collidectl bench' reports the metrics.
 
 #include "client/measure/bench/report.hpp"
 

@@ -1,4 +1,4 @@
-// What 'collidectl bench --end-to-end' makes of its times.
+// How 'collidectl bench --end-to-end' reports its times.
 
 #include "client/measure/end_to_end/report.hpp"
 

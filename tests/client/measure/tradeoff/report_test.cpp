@@ -1,4 +1,4 @@
-// What 'collidectl tradeoff' makes of its results.
+// How 'collidectl tradeoff' reports its results.
 
 #include "client/measure/tradeoff/report.hpp"
 

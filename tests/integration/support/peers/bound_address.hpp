@@ -1,5 +1,5 @@
 #pragma once
-// Where a peer of the tests' own listens.
+// The address of a test peer.
 
 #include <arpa/inet.h>
 #include <sys/socket.h>

@@ -1,6 +1,5 @@
 #pragma once
-// A peer that answers every call of HTTP/2 with a reset of its stream, as a connection that breaks inside a message
-// does.
+// A peer that answers every HTTP/2 call with a reset of its stream, like a connection that breaks within a message.
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -15,7 +14,7 @@
 
 namespace collided::test {
 
-/// Takes one connection.
+/// Accepts one connection.
 class BreakingPeer {
  public:
   BreakingPeer() : listener_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {

@@ -1,5 +1,5 @@
 #pragma once
-// A client in a process of its own (stream_client.cpp, local_client.cpp), to be stopped or killed.
+// A client in its own process (stream_client.cpp, local_client.cpp), to be stopped or killed.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace collided::test {
 
 class ChildClient {
  public:
-  /// Streams frames of `layers.hpp` to a scene over gRPC, one after the other and without end.
+  /// Streams frames of `layers.hpp` to a scene over gRPC, one after the other, endlessly.
   ChildClient(const std::string& address, const std::string& scene_id, unsigned side)
       : ChildClient(
             {setting("COLLIDED_STREAM_CLIENT", COLLIDED_STREAM_CLIENT), address, scene_id, std::to_string(side)}) {}

@@ -1,5 +1,5 @@
 #pragma once
-// A client that speaks HTTP/2 frame by frame, and so can do what no library would.
+// A client that speaks HTTP/2 frame by frame, for what no library does.
 
 #include <poll.h>
 #include <sys/socket.h>
@@ -60,13 +60,13 @@ class RawHttp2 {
            number(stream) + body;
   }
   static std::string text(std::string_view value) { return static_cast<char>(value.size()) + std::string(value); }
-  // HPACK without its tables for what has a value of its own.
+  // HPACK literals, without its tables.
   static std::string block(std::string_view path) {
     return "\x83\x86\x04" + text(path) + "\x01" + text("localhost") + "\x0f\x10" + text("application/grpc") +
            std::string(1, '\0') + text("te") + text("trailers");
   }
 
-  // A daemon that has ended the connection takes nothing more of it, and says so: that is what is looked for.
+  // A daemon that has ended the connection resets it: that is what this detects.
   bool send(const std::string& bytes) const {
     for (size_t sent = 0; sent < bytes.size();) {
       const ssize_t now = ::send(socket_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);

@@ -1,5 +1,5 @@
 #pragma once
-// Any call of any method with messages that are bytes, sound or not.
+// Any call of any method with messages of arbitrary bytes, valid or not.
 
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>

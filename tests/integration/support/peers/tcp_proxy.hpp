@@ -1,5 +1,5 @@
 #pragma once
-// A TCP proxy in front of the daemon that can be cut: with a reset, or like a cable, of which neither side is told.
+// A TCP proxy in front of the daemon that can be cut: with a reset, or like a cable, which neither side notices.
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -39,9 +39,9 @@ class TcpProxy {
   }
 
   std::string address() const { return address_of(listener_); }
-  /// Resets the connections, and takes no new ones.
+  /// Resets the connections, and accepts no new ones.
   void cut() { become(State::kCut); }
-  /// Nothing gets through any more, in either direction.
+  /// Nothing gets through from now on, in either direction.
   void unplug() { become(State::kUnplugged); }
 
  private:
@@ -139,7 +139,7 @@ class TcpProxy {
   const std::string target_;
   const Watch watch_;
   const int listener_;
-  std::list<Pair> pairs_;  // of the thread alone
+  std::list<Pair> pairs_;  // owned by the thread
   size_t accepted_ = 0;    // the same
   std::atomic<State> state_ = State::kPlugged, seen_ = State::kPlugged;
   std::atomic<bool> is_over_ = false;

@@ -1,4 +1,4 @@
-// Answers of the frame stream on the wire: what the generated parser reads is what the engine found.
+// Answers of the frame stream on the wire: the generated parser reads what the engine found.
 #include "server/transport/grpc/encode.hpp"
 
 #include <grpcpp/grpcpp.h>
@@ -29,7 +29,7 @@ pb::StreamFramesResponse parse(const EncodedMessage& message) {
   return response;
 }
 
-// In messages of their own, then with the end.
+// In separate messages, then with the end.
 std::vector<pb::ContactChunk> chunks_of(const std::vector<EncodedMessage>& messages) {
   std::vector<pb::ContactChunk> chunks;
   for (const auto& message : messages) {
@@ -107,17 +107,17 @@ TEST_F(FrameEncode, TheGeneratedParserReadsWhatFillChunkWrites) {
 }
 
 TEST_F(FrameEncode, NoContactIsLostAndChunksStayBelowTheBound) {
-  constexpr size_t kMost = 10'000;
+  constexpr size_t kMax = 10'000;
   const auto scene = scene_with(kAllFields);
   const auto answer = frame(5000, 3001, 17);
   std::string elements, toi;
   size_t counted = 0, bytes = 0;
-  const auto messages = encode_answer(*scene, answer, kMost);
+  const auto messages = encode_answer(*scene, answer, kMax);
   for (const auto& message : messages) {
     const auto response = parse(message);
     size_t message_bytes = array_bytes(response.contacts());
     for (const auto& chunk : response.done().contacts()) message_bytes += array_bytes(chunk);
-    EXPECT_LE(message_bytes, kMost);
+    EXPECT_LE(message_bytes, kMax);
   }
   for (const auto& chunk : chunks_of(messages)) {
     EXPECT_GE(chunk.count(), 1u);
@@ -141,7 +141,7 @@ TEST_F(FrameEncode, TheLastMessageAloneEndsTheFrame) {
   const auto scene = scene_with(kAllFields);
   for (const uint32_t count : {0u, 1u, 2000u}) {
     const auto messages = encode_answer(*scene, frame(count, count, 0), 4096);
-    EXPECT_EQ(messages.size() == 1, count <= 1);  // few contacts need no message of their own
+    EXPECT_EQ(messages.size() == 1, count <= 1);  // few contacts need no separate message
     for (const auto& message : messages) {
       EXPECT_EQ(message.ends_frame, &message == &messages.back());
       EXPECT_EQ(parse(message).has_done(), message.ends_frame);
@@ -168,14 +168,14 @@ TEST_F(FrameEncode, CountsAloneStillTellHowManyThereAre) {
   EXPECT_EQ(parse(messages.back()).done().contact_count(), 400u);
 }
 
-// The arrays go out from where they are.
+// The arrays are sent in place.
 TEST_F(FrameEncode, MessagesKeepTheirFrameAsLongAsTheyNeedIt) {
   const auto scene = scene_with(kAllFields);
   auto answer = frame(1000, 0, 0);
   const std::weak_ptr<AnsweredFrame> alive = answer;
-  constexpr size_t kMost = 30'000;  // so that the first message is contacts alone, and the same each time
-  const std::string first_before = text(encode_answer(*scene, answer, kMost).at(0).bytes);
-  auto messages = encode_answer(*scene, answer, kMost);
+  constexpr size_t kMax = 30'000;  // so that the first message is contacts alone, and the same each time
+  const std::string first_before = text(encode_answer(*scene, answer, kMax).at(0).bytes);
+  auto messages = encode_answer(*scene, answer, kMax);
   answer.reset();
   EXPECT_FALSE(alive.expired());
   EXPECT_EQ(text(messages[0].bytes), first_before);

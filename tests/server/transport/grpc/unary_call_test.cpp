@@ -1,4 +1,4 @@
-// What unary calls take of memory.
+// Memory taken by unary calls.
 #include "server/transport/grpc/unary_call.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Clients that break off, lag, flood, or write where the daemon reads: others and the scenes do not suffer.
+// Clients that disconnect, lag, flood, or write where the daemon reads: others and the scenes are unaffected.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -24,7 +24,7 @@ class HostileLocal : public testing::Test {
   Serving serving_{{.open_seconds = 10, .take_seconds = 0.3}};
 };
 
-// A frame may be refused or answered, but never with what was written after the look.
+// A frame may be refused or answered, but never by positions written after the check.
 TEST_F(HostileLocal, WritesWhileTheFrameIsInWork) {
   LocalStream stream(serving_.path(), serving_.make_scene());
   test::expect_tip_contact(stream.ask_shared(first_frame(2)), 2);
@@ -106,7 +106,7 @@ TEST_F(HostileLocal, HangsUpAtAnyTime) {
   uint64_t id = 1;
   for (int round = 0; round < 50; ++round) {
     LocalStream stream(serving_.path(), scene, {.window = 4});
-    if (!stream.opened()) continue;  // the one before is not gone yet
+    if (!stream.opened()) continue;  // the previous one is not gone yet
     for (int i = 0; i < round % 4; ++i, ++id)
       stream.raw().send(test::shared_frame(id == 1 ? first_frame(2) : tip_frame(id, 2), stream.memory(), 1024 * i));
   }

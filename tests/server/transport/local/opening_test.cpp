@@ -1,4 +1,4 @@
-// Openings that are refused: the client is told why, and nothing of it stays.
+// Refused openings: the client is told why, and nothing is left behind.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// What a client may hand over as memory, and which parts of it a frame may name.
+// The memory that a client may share, and the ranges that a frame may name.
 #include "server/transport/local/shared_region.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Frames over the local socket: the answers are those of gRPC, wherever their arrays come.
+// Frames over the local socket: the answers are those of gRPC, wherever their arrays are.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -81,7 +81,7 @@ TEST_F(LocalFrames, EverythingInPackets) {
   EXPECT_EQ(refused->frame().error().field(), "frame.updates[0].shared_positions");
 }
 
-// The output region holds some of the contacts, half of a chunk, or none: all come, in the same order.
+// The output region holds some of the contacts, half of a chunk, or none: all arrive, in the same order.
 TEST_F(LocalFrames, NoContactIsDroppedWhereTheRegionIsSmall) {
   constexpr uint32_t kTips = 2000;  // 80 KiB of contacts
   const std::string scene = serving_.make_scene(tips_request(kTips));

@@ -1,4 +1,4 @@
-// Who may listen on a path, and what is left of it.
+// Listening on a path, and removing it.
 #include "server/net/unix_listener.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ void leave_stale_socket(const std::string& path) {
   address.sun_family = AF_UNIX;
   path.copy(address.sun_path, sizeof(address.sun_path) - 1);
   ASSERT_EQ(bind(dead.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
-  EXPECT_TRUE(is_served(path));  // of another type than the one that asks
+  EXPECT_TRUE(is_served(path));  // of another type than the probe
 }
 
 TEST(UnixListener, RemovesItsSocketAtTheEnd) {

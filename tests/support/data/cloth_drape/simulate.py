@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Makes the two frames anew, byte for byte: a cloth falls onto a ball and folds.
+"""Regenerates the two frames, byte for byte: a cloth falls onto a ball and folds.
 
 usage: simulate.py FOLDER    (writes before.ply and after.ply)
 
@@ -46,7 +46,7 @@ def length(a):
 
 
 def cloth():
-    """Upright, almost, with its lower edge above the ball: positions and triangles."""
+    """Almost upright, with its lower edge above the ball: positions and triangles."""
     along = (np.arange(CELLS + 1) / CELLS - 0.5) * SIDE
     across, up = along[:, None], along[None, :] + 0.5 * SIDE
     grid = np.empty((CELLS + 1, CELLS + 1, 3))
@@ -171,7 +171,7 @@ def simulate(rest):
 
 
 def ahead(positions, velocities):
-    """Where all is a frame later if nothing is in the way: what a simulator asks collision detection about."""
+    """Positions a frame later if nothing is in the way: the step that a simulator passes to collision detection."""
     later = positions + velocities * FRAME
     later[:, 2] += 0.5 * GRAVITY * FRAME * FRAME
     return later
