@@ -224,7 +224,8 @@ class Pipeline {
   void describe() {
     FrameCounts& c = result_.counts;
     const LeafTotals& leaves = state_.leaves;
-    c.cells = leaves.cells, c.leaves = leaves.leaves, c.registrations = leaves.registrations, c.tests = leaves.tests;
+    c.cells = leaves[LeafSum::kCells], c.leaves = leaves[LeafSum::kLeaves];
+    c.registrations = leaves[LeafSum::kRegistrations], c.tests = leaves[LeafSum::kTests];
     c.top_level = static_cast<uint32_t>(state_.grid.grid.top);
     c.base_level = static_cast<uint32_t>(state_.grid.grid.base);
     c.pairs = state_.pairs;
