@@ -54,7 +54,7 @@ struct WriteContact {
   }
 };
 
-template <class Exec>
+template <Executor Exec>
 struct ColumnBuffers {
   explicit ColumnBuffers(Exec& exec)
       : elements(exec, "keys"),

@@ -158,7 +158,7 @@ struct RankFew {
 };
 
 /// Room to count and place contacts in.
-template <class Exec>
+template <Executor Exec>
 struct CountingBuffers {
   explicit CountingBuffers(Exec& exec)
       : counts(exec, "order"), place(exec, "order"), crowded(exec, "order"), entries(exec, "order") {}
@@ -176,7 +176,7 @@ struct CountingBuffers {
 };
 
 /// Room for a backend's own sort.
-template <class Exec>
+template <Executor Exec>
 struct KeyBuffers {
   explicit KeyBuffers(Exec& exec) : scratch(exec, "order"), other(exec, "order") {}
 
@@ -188,7 +188,7 @@ struct KeyBuffers {
   Buffer<uint64_t, Exec> scratch, other;
 };
 
-template <class Exec>
+template <Executor Exec>
 using OrderBuffers = std::conditional_t<SortsKeys<Exec>, KeyBuffers<Exec>, CountingBuffers<Exec>>;
 
 /// A list whose contacts are to be put in order.
@@ -202,7 +202,7 @@ struct Unordered {
 };
 
 /// `crowded` is a zeroed counter.
-template <class Exec, class Write>
+template <Executor Exec, class Write>
 void put_in_order_by_counts(Exec& exec, CountingBuffers<Exec>& buffers, const Unordered<Write>& list,
                             uint64_t* crowded) {
   const Span<uint32_t> counts = buffers.counts.all();
@@ -220,7 +220,7 @@ void put_in_order_by_counts(Exec& exec, CountingBuffers<Exec>& buffers, const Un
 }
 
 /// The same in whatever way is the backend's fastest. `few`: no more than kFewContacts.
-template <class Exec, class Write>
+template <Executor Exec, class Write>
 void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Unordered<Write>& list, bool few, uint64_t* crowded) {
   if constexpr (SortsKeys<Exec>) {
     exec.reduce_into("kind_begins", list.count.size(), CountKinds{list.ranks, list.keys}, KindBegins{}, AddKinds{},

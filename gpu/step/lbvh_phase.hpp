@@ -7,7 +7,7 @@
 
 namespace collided {
 
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 class LbvhPhase {
  public:
   LbvhPhase(Exec& exec, Searcher<Exec>& searcher, const SceneSpec& spec, const Topology& topology,

@@ -19,7 +19,7 @@ namespace collided {
 /// the fewest tests in all scenes, and the least work with them and the registrations in most.
 constexpr double kCellPerMean = 1;
 
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 class OctreePhase {
  public:
   OctreePhase(Exec& exec, Searcher<Exec>& searcher, const SceneSpec& spec, const Topology& topology,

@@ -17,7 +17,7 @@
 
 namespace collided {
 
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 class Pipeline {
  public:
   Pipeline(Exec& exec, const SceneSpec& spec, const Topology& topology, SceneBuffers<Exec, Real>& scene)
