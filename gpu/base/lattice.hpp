@@ -112,13 +112,26 @@ struct Leaf {
   uint64_t offset;  ///< of its first registration
 };
 
+/// Names of the sums over all leaves.
+struct LeafSum {
+  enum : uint32_t {
+    kCells,  ///< with triangles
+    kLeaves,
+    kRegistrations,
+    kItems,
+    kTests,
+    kCrowdedTests,  ///< of crowded leaves that might be refined
+    kCount
+  };
+};
+
 /// What the leaves need, added up by all groups.
 struct LeafTotals {
-  uint64_t cells;  ///< with triangles
-  uint64_t leaves, registrations, items;
-  uint64_t tests;
-  uint64_t crowded_tests;                       ///< of crowded leaves that might be refined
+  uint64_t sums[LeafSum::kCount];               ///< by LeafSum; an array, so that a thread can take each
   uint64_t level_registrations[kMaxLevel + 2];  ///< of each dense level, then of all bricks
+
+  COLLIDED_HD uint64_t& operator[](uint32_t name) { return sums[name]; }
+  COLLIDED_HD uint64_t operator[](uint32_t name) const { return sums[name]; }
 };
 
 }  // namespace collided

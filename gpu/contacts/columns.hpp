@@ -4,6 +4,7 @@
 #include "gpu/contacts/keys.hpp"
 #include "gpu/contacts/kinds.hpp"
 #include "gpu/exec/buffer.hpp"
+#include "gpu/exec/concepts.hpp"
 
 namespace collided {
 
@@ -43,7 +44,7 @@ struct BufferOn {
   using Type = Buffer<T, Exec>;
 };
 
-template <class Exec>
+template <Executor Exec>
 struct ColumnBuffers : PerField<BufferOn<Exec>::template Type> {
   explicit ColumnBuffers(Exec& exec)
       : PerField<BufferOn<Exec>::template Type>{{exec, "keys"},     {exec, "contacts"}, {exec, "contacts"},

@@ -10,6 +10,7 @@
 #include "gpu/contacts/unordered.hpp"
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
+#include "gpu/exec/concepts.hpp"
 #include "gpu/exec/counted.hpp"
 #include "gpu/exec/sort_arrays.hpp"
 
@@ -164,7 +165,7 @@ struct RankFew {
 };
 
 /// Room to count and place contacts in.
-template <class Exec>
+template <Executor Exec>
 struct CountingBuffers {
   explicit CountingBuffers(Exec& exec)
       : counts(exec, "order"), place(exec, "order"), crowded(exec, "order"), entries(exec, "order") {}
@@ -182,7 +183,7 @@ struct CountingBuffers {
 };
 
 /// Room for a backend's own sort.
-template <class Exec>
+template <Executor Exec>
 struct KeyBuffers {
   explicit KeyBuffers(Exec& exec) : scratch(exec, "order"), other(exec, "order") {}
 
@@ -195,7 +196,7 @@ struct KeyBuffers {
 };
 
 /// Of a backend without one, which sorts very many by its radix sort.
-template <class Exec>
+template <Executor Exec>
 struct CountingOrRadixBuffers {
   explicit CountingOrRadixBuffers(Exec& exec) : counting(exec), radix(exec) {}
 
@@ -203,7 +204,7 @@ struct CountingOrRadixBuffers {
   RadixBuffers<Exec> radix;
 };
 
-template <class Exec>
+template <Executor Exec>
 using OrderBuffers = std::conditional_t<SortsKeys<Exec>, KeyBuffers<Exec>, CountingOrRadixBuffers<Exec>>;
 
 /// How a list is put in order, decided before its length is known.
@@ -220,7 +221,7 @@ struct IdCounts {
 };
 
 /// For lists of up to `capacity` contacts, of which all have more than keys or none.
-template <class Exec>
+template <Executor Exec>
 void reserve_order(OrderBuffers<Exec>& buffers, const OrderPlan& plan, const IdCounts& ids, uint64_t capacity,
                    bool has_data) {
   if constexpr (SortsKeys<Exec>)
@@ -232,7 +233,7 @@ void reserve_order(OrderBuffers<Exec>& buffers, const OrderPlan& plan, const IdC
 }
 
 /// `crowded` is a zeroed counter.
-template <class Exec, class Write>
+template <Executor Exec, class Write>
 void put_in_order_by_counts(Exec& exec, CountingBuffers<Exec>& buffers, const Unordered<Write>& list,
                             uint64_t* crowded) {
   const Span<uint32_t> counts = buffers.counts.all();
@@ -250,7 +251,7 @@ void put_in_order_by_counts(Exec& exec, CountingBuffers<Exec>& buffers, const Un
 }
 
 /// The same in whatever way is the backend's fastest.
-template <class Exec, class Write>
+template <Executor Exec, class Write>
 void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Unordered<Write>& list, const OrderPlan& plan,
                   const IdCounts& ids, uint64_t* crowded) {
   if constexpr (SortsKeys<Exec>) {

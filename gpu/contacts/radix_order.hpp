@@ -9,6 +9,7 @@
 #include "gpu/contacts/keys.hpp"
 #include "gpu/contacts/unordered.hpp"
 #include "gpu/exec/buffer.hpp"
+#include "gpu/exec/concepts.hpp"
 #include "gpu/exec/sort_arrays.hpp"
 
 namespace collided {
@@ -77,7 +78,7 @@ struct FindKindsSorted {
 };
 
 /// Room for the sort.
-template <class Exec>
+template <Executor Exec>
 struct RadixBuffers {
   explicit RadixBuffers(Exec& exec)
       : keys{{exec, "order"}, {exec, "order"}}, places{{exec, "order"}, {exec, "order"}} {}
@@ -93,7 +94,7 @@ struct RadixBuffers {
 };
 
 /// `length`: at least as many as the list has, or the step has to run again.
-template <class Exec, class Write>
+template <Executor Exec, class Write>
 void put_in_order_by_radix(Exec& exec, RadixBuffers<Exec>& buffers, const Unordered<Write>& list, uint64_t length,
                            const KeyPacking& packing) {
   const uint64_t places = list.write.has_data() ? length : 0;

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "gpu/base/host_device.hpp"
+#include "gpu/exec/concepts.hpp"
 
 namespace collided {
 
@@ -33,6 +33,7 @@ class Buffer {
 
  private:
   void replace(uint64_t count) {
+    static_assert(Memory<Exec> && std::is_trivially_copyable_v<T>, "nothing is constructed, and bytes are copied");
     release();
     data_ = static_cast<T*>(exec_->allocate(part_, count * sizeof(T)));
     capacity_ = count;

@@ -20,10 +20,4 @@ struct KeyArrays {
   Write write;
 };
 
-/// A backend with a verb sort_keys.
-template <class Exec>
-concept SortsKeys = requires {
-  Exec::kSortsKeys;
-};
-
 }  // namespace collided

@@ -23,8 +23,8 @@ struct LeafPairs {
 
   /// Whether the step will run again anyway, so that the search would be in vain: what does not fit was not written.
   COLLIDED_HD bool must_rerun() const {
-    return totals->leaves > leaves.size() || totals->registrations > registration_capacity ||
-           totals->items > items.size() || totals->crowded_tests > max_crowded_tests;
+    return (*totals)[LeafSum::kLeaves] > leaves.size() || (*totals)[LeafSum::kRegistrations] > registration_capacity ||
+           (*totals)[LeafSum::kItems] > items.size() || (*totals)[LeafSum::kCrowdedTests] > max_crowded_tests;
   }
 
   /// One item, ready to be worked on.

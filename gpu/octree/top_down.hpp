@@ -4,8 +4,6 @@
 // they come, by a group at a time, in no particular order: no scan over all cells. A leaf of one triangle has nothing
 // to test and gets no place.
 
-#include <cstddef>
-
 #include "gpu/base/tiles.hpp"
 #include "gpu/octree/bottom_up.hpp"
 
@@ -31,8 +29,8 @@ struct PlaceLeaves {
   static constexpr uint32_t kMaxCells = kCellsOfGroup < kBrickCells ? kBrickCells : kCellsOfGroup;
   static constexpr uint32_t kManyRows = 3;  ///< of tiles: a leaf whose items several threads write
   struct Shared {
-    LeafTotals totals;
-    uint64_t first_leaf, first_registration, first_item;
+    uint64_t sums[LeafSum::kCount];    ///< of the group
+    uint64_t before[LeafSum::kCount];  ///< of the groups that claimed their places before
     // Registrations by level, in halves of 16 bits: shared memory adds numbers of 32 bits at once, longer ones by
     // trying.
     uint32_t level_low[kMaxLevel + 2], level_high[kMaxLevel + 2];
@@ -60,10 +58,11 @@ struct PlaceLeaves {
                        const PlaceOf& place_of) const {
     clear(group, shared);
     group.sync();
-    Sums mine;
+    Sums mine{};
     for (uint32_t k = group.rank; k < count; k += group.size) number_leaf(index_of(k), k, place_of, shared, mine);
-    if (!group.any(mine.leaves > 0)) return add_all(totals->cells, mine.cells);  // most groups hold nothing
-    add(mine, shared.totals);
+    if (!group.any(mine[LeafSum::kLeaves] > 0))
+      return add_all((*totals)[LeafSum::kCells], mine[LeafSum::kCells]);  // most groups hold nothing
+    for (uint32_t k = 0; k < LeafSum::kCount; ++k) add_all(shared.sums[k], mine[k]);
     group.sync();
     claim(group, shared);
     group.sync();
@@ -77,16 +76,11 @@ struct PlaceLeaves {
   }
 
  private:
-  static constexpr uint32_t kSums = offsetof(LeafTotals, level_registrations) / sizeof(uint64_t);
   static constexpr uint32_t kCrowdedLeaf = 64;
-  /// What one thread adds up.
-  struct Sums {
-    uint64_t cells = 0, leaves = 0, registrations = 0, items = 0, tests = 0, crowded_tests = 0;
-  };
+  using Sums = uint64_t[LeafSum::kCount];  ///< of one thread
 
   COLLIDED_HD static void clear(const Group& group, Shared& shared) {
-    uint64_t* values = &shared.totals.cells;
-    for (uint32_t k = group.rank; k < kSums; k += group.size) values[k] = 0;
+    for (uint32_t k = group.rank; k < LeafSum::kCount; k += group.size) shared.sums[k] = 0;
     for (uint32_t k = group.rank; k < kMaxLevel + 2; k += group.size) shared.level_low[k] = shared.level_high[k] = 0;
     if (group.rank == 0) shared.leaves = shared.registrations = shared.items = shared.long_leaves = 0;
   }
@@ -96,17 +90,20 @@ struct PlaceLeaves {
   COLLIDED_HD void number_leaf(uint32_t cell, uint32_t k, const PlaceOf& place_of, Shared& shared, Sums& mine) const {
     const uint32_t n = tree.counts[cell];
     if (n == 0) return;
-    ++mine.cells;
+    ++mine[LeafSum::kCells];
     if (tree.type[cell] != kLeaf) return;
     tree.slot[cell] = kNoLeaf;
     if (n < 2 || !is_real_leaf(tree, cell)) return;
     const uint64_t tests = tests_of(n), item_count = items_of(n);
-    mine.leaves += 1, mine.registrations += n, mine.items += item_count, mine.tests += tests;
+    mine[LeafSum::kLeaves] += 1;
+    mine[LeafSum::kRegistrations] += n;
+    mine[LeafSum::kItems] += item_count;
+    mine[LeafSum::kTests] += tests;
     const int level = place_of(k).level;
     // Without bricks a crowd may be a leaf above the lowest level, for in one cell after the other it is the same
     // crowd.
     const bool at_the_bottom = tree.rounds == 0 || level == tree.grid->base + kBrickLevels * tree.rounds;
-    if (at_the_bottom && n >= kCrowdedLeaf) mine.crowded_tests += tests;
+    if (at_the_bottom && n >= kCrowdedLeaf) mine[LeafSum::kCrowdedTests] += tests;
     const uint32_t number = atomic_add(shared.leaves, 1u);
     shared.members[number] = n;
     shared.registration[number] = atomic_add(shared.registrations, n);
@@ -117,33 +114,17 @@ struct PlaceLeaves {
     tree.slot[cell] = number;
   }
 
-  COLLIDED_HD static void add(const Sums& mine, LeafTotals& sums) {
-    add_all(sums.cells, mine.cells);
-    add_all(sums.leaves, mine.leaves);
-    add_all(sums.registrations, mine.registrations);
-    add_all(sums.items, mine.items);
-    add_all(sums.tests, mine.tests);
-    add_all(sums.crowded_tests, mine.crowded_tests);
-  }
-
   /// Claims the places of the group's leaves.
   COLLIDED_HD void claim(const Group& group, Shared& shared) const {
-    const uint64_t* values = &shared.totals.cells;
-    uint64_t* sums = &totals->cells;
     for (uint32_t k = group.rank; k < kMaxLevel + 2; k += group.size) {
       const uint64_t registrations = (uint64_t{shared.level_high[k]} << 16) + shared.level_low[k];
       if (registrations != 0) atomic_add(totals->level_registrations[k], registrations);
     }
-    for (uint32_t k = group.rank; k < kSums; k += group.size) {
-      if (values[k] == 0) continue;
-      const uint64_t before = atomic_add(sums[k], values[k]);
-      if (k == 1) shared.first_leaf = before;
-      if (k == 2) shared.first_registration = before;
-      if (k == 3) shared.first_item = before;
-    }
+    for (uint32_t k = group.rank; k < LeafSum::kCount; k += group.size)
+      if (shared.sums[k] != 0) shared.before[k] = atomic_add((*totals)[k], shared.sums[k]);
   }
   COLLIDED_HD static bool fits_in_32_bits(const Shared& shared) {
-    return shared.totals.registrations < ~0u && shared.totals.items < ~0u;
+    return shared.sums[LeafSum::kRegistrations] < ~0u && shared.sums[LeafSum::kItems] < ~0u;
   }
 
   COLLIDED_HD bool has_place(uint32_t cell) const {
@@ -157,7 +138,8 @@ struct PlaceLeaves {
     if (!has_place(cell)) return;
     const Place place = place_of(k);
     const uint32_t n = tree.counts[cell], number = tree.slot[cell];
-    const uint64_t leaf = shared.first_leaf + number, offset = shared.first_registration + shared.registration[number];
+    const uint64_t leaf = shared.before[LeafSum::kLeaves] + number;
+    const uint64_t offset = shared.before[LeafSum::kRegistrations] + shared.registration[number];
     const bool fits = leaf < leaves.size() && offset + n <= registration_capacity;
     tree.slot[cell] = fits ? static_cast<uint32_t>(leaf) : kNoLeaf;
     if (!fits) return;
@@ -178,8 +160,8 @@ struct PlaceLeaves {
     }
   }
   COLLIDED_HD void write_items(uint32_t number, uint32_t row, const Shared& shared) const {
-    const uint64_t first = shared.first_item + shared.item[number];
-    const uint32_t leaf = static_cast<uint32_t>(shared.first_leaf) + number;
+    const uint64_t first = shared.before[LeafSum::kItems] + shared.item[number];
+    const uint32_t leaf = static_cast<uint32_t>(shared.before[LeafSum::kLeaves]) + number;
     for_each_item_of_row(leaf, shared.members[number], row, [&](uint64_t k, const PairItem& item) {
       if (first + k < items.size()) items[first + k] = item;
     });

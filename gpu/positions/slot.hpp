@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "gpu/exec/concepts.hpp"
 #include "gpu/exec/cpu/staging.hpp"
 #include "gpu/positions/checks.hpp"
 #include "gpu/positions/runs.hpp"
@@ -18,7 +19,7 @@ struct SceneShape {
   std::vector<uint32_t> vertex_offset;
 };
 
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 class SceneSlot final : public FrameSlot {
  public:
   SceneSlot(std::shared_ptr<const SceneShape> shape, const Exec& exec)

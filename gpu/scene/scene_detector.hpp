@@ -12,7 +12,7 @@
 
 namespace collided {
 
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 class SceneDetector final : public Detector {
  public:
   template <class... ExecArgs>
@@ -176,7 +176,7 @@ class SceneDetector final : public Detector {
   Good good_ = Good::kEnd;  ///< which buffer has the last good frame's positions: `end`, `start` or `last_good`
 };
 
-template <class Exec, class... ExecArgs>
+template <Executor Exec, class... ExecArgs>
 std::unique_ptr<Detector> make_scene_detector(SceneSpec spec, FeatureTables features, ExecArgs... args) {
   if (spec.scalar == Scalar::kF64)
     return std::make_unique<SceneDetector<Exec, double>>(std::move(spec), std::move(features), args...);

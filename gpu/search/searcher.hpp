@@ -1,6 +1,8 @@
 #pragma once
 // The search for pairs of triangles, on a backend: a source finds them, a sink takes them.
 
+#include "gpu/exec/concepts.hpp"
+
 namespace collided {
 
 /// Of one scene. Each backend has its own, with the same two verbs:
@@ -8,7 +10,7 @@ namespace collided {
 /// (octree/leaf_pairs.hpp);
 /// - walk(name, items, next, source, sink): the pairs that the walks of a source's items find (lbvh/lbvh.hpp).
 /// `next` is a zeroed counter on the backend.
-template <class Exec>
+template <Executor Exec>
 class Searcher;
 
 }  // namespace collided

@@ -14,7 +14,7 @@
 namespace collided {
 
 /// Topology, as resident arrays.
-template <class Exec>
+template <Executor Exec>
 struct ResidentTopology {
   explicit ResidentTopology(Exec& exec)
       : triangles(exec, "triangles"),
@@ -33,7 +33,7 @@ struct ResidentTopology {
 };
 
 /// The octree grid of one frame.
-template <class Exec>
+template <Executor Exec>
 struct OctreeBuffers {
   explicit OctreeBuffers(Exec& exec)
       : wanted(exec, "octree"),
@@ -68,7 +68,7 @@ struct OctreeBuffers {
 };
 
 /// The bounding volume hierarchy of one frame.
-template <class Exec>
+template <Executor Exec>
 struct BvhBuffers {
   explicit BvhBuffers(Exec& exec)
       : keys{{exec, "bvh"}, {exec, "bvh"}},
@@ -90,7 +90,7 @@ struct BvhBuffers {
 };
 
 /// Contacts of all kinds as they are found. Candidates at kCandidates have keys alone.
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 struct ContactBuffers {
   explicit ContactBuffers(Exec& exec) : keys(exec, "keys"), data(exec, "contacts") {}
 
@@ -98,7 +98,7 @@ struct ContactBuffers {
   Buffer<ContactData<Real>, Exec> data;
 };
 
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 struct SceneBuffers {
   explicit SceneBuffers(Exec& exec)
       : topology(exec),

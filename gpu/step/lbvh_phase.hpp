@@ -7,7 +7,7 @@
 
 namespace collided {
 
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 class LbvhPhase {
  public:
   LbvhPhase(Exec& exec, Searcher<Exec>& searcher, const SceneSpec& spec, const Topology& topology,
@@ -58,7 +58,7 @@ class LbvhPhase {
     const BvhPairs source{scene_.bvh.nodes.all(),
                           static_cast<uint32_t>(leaves()),
                           {scene_.topology.mesh_of_triangle.data(), scene_.topology.rules.data()},
-                          is_counted_ ? nullptr : &state->leaves.tests};
+                          is_counted_ ? nullptr : &state->leaves[LeafSum::kTests]};
     is_counted_ = true;
     searcher_.walk(name, leaves(), next_item, source, sink);
   }

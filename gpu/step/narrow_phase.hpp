@@ -14,7 +14,7 @@
 
 namespace collided {
 
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 class NarrowPhase {
  public:
   NarrowPhase(Exec& exec, const SceneSpec& spec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)

@@ -19,7 +19,7 @@ namespace collided {
 /// the fewest tests in all scenes, and the least work with them and the registrations in most.
 constexpr double kCellPerMean = 1;
 
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 class OctreePhase {
  public:
   OctreePhase(Exec& exec, Searcher<Exec>& searcher, const SceneSpec& spec, const Topology& topology,
@@ -46,8 +46,8 @@ class OctreePhase {
   /// Makes room for what a step asked for; whether it has to run again.
   bool grow(const StepState& need) {
     OctreeBuffers<Exec>& tree = scene_.octree;
-    check_length("registrations", need.leaves.registrations);
-    check_length("items of pair tests", need.leaves.items);
+    check_length("registrations", need.leaves[LeafSum::kRegistrations]);
+    check_length("items of pair tests", need.leaves[LeafSum::kItems]);
     uint64_t bricks = 0, brick_items = 0;
     for (const uint64_t n : need.bricks) bricks += n;
     for (const uint64_t n : need.brick_items) brick_items += n;
@@ -60,9 +60,9 @@ class OctreePhase {
     check(tree.large, need.large, [&](uint64_t n) { tree.large.ensure(n); });
     check(tree.bricks, bricks, [&](uint64_t n) { reserve_bricks(n + n / 4); });
     check(tree.brick_items, brick_items, [&](uint64_t n) { tree.brick_items.ensure(n); });
-    check(tree.leaves, need.leaves.leaves, [&](uint64_t n) { reserve_leaves(n + n / 4); });
-    check(tree.registered, need.leaves.registrations, [&](uint64_t n) { tree.registered.ensure(n); });
-    check(tree.items, need.leaves.items, [&](uint64_t n) { tree.items.ensure(n); });
+    check(tree.leaves, need.leaves[LeafSum::kLeaves], [&](uint64_t n) { reserve_leaves(n + n / 4); });
+    check(tree.registered, need.leaves[LeafSum::kRegistrations], [&](uint64_t n) { tree.registered.ensure(n); });
+    check(tree.items, need.leaves[LeafSum::kItems], [&](uint64_t n) { tree.items.ensure(n); });
     return short_of_room;
   }
 
@@ -185,7 +185,7 @@ class OctreePhase {
                            &state->leaves,
                            octree.registered.capacity(),
                            plan.max_crowded_tests};
-    searcher_.search(name, Counted{&state->leaves.items, octree.items.capacity()}, next_item, source, sink);
+    searcher_.search(name, Counted{&state->leaves[LeafSum::kItems], octree.items.capacity()}, next_item, source, sink);
   }
 
   /// Counts the triangles that the spacing of the positions' numbers is too coarse for.

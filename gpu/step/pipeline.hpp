@@ -17,7 +17,7 @@
 
 namespace collided {
 
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 class Pipeline {
  public:
   Pipeline(Exec& exec, const SceneSpec& spec, const Topology& topology, SceneBuffers<Exec, Real>& scene)
@@ -225,7 +225,8 @@ class Pipeline {
   void describe() {
     FrameCounts& c = result_.counts;
     const LeafTotals& leaves = state_.leaves;
-    c.cells = leaves.cells, c.leaves = leaves.leaves, c.registrations = leaves.registrations, c.tests = leaves.tests;
+    c.cells = leaves[LeafSum::kCells], c.leaves = leaves[LeafSum::kLeaves];
+    c.registrations = leaves[LeafSum::kRegistrations], c.tests = leaves[LeafSum::kTests];
     c.top_level = static_cast<uint32_t>(state_.grid.grid.top);
     c.base_level = static_cast<uint32_t>(state_.grid.grid.base);
     c.pairs = state_.pairs;

@@ -17,14 +17,14 @@ class Refinement {
 
   /// Looks at a step that ran; whether it has to run again, with more rounds.
   bool observe(const StepState& step, uint64_t triangles) {
-    const bool reruns = step.leaves.crowded_tests > limit(triangles);
+    const bool reruns = step.leaves[LeafSum::kCrowdedTests] > limit(triangles);
     if (reruns) {
-      tests_before_ = step.leaves.tests;
+      tests_before_ = step.leaves[LeafSum::kTests];
       rounds_before_ = rounds_;
       rounds_ = kMaxRounds;
       return true;
     }
-    if (tests_before_ != 0 && step.leaves.tests > tests_before_ / 4 * 3) {
+    if (tests_before_ != 0 && step.leaves[LeafSum::kTests] > tests_before_ / 4 * 3) {
       rounds_ = rounds_before_;  // crowded for good: everything touches everything
       frames_to_wait_ = kFramesToWait;
     } else {

@@ -16,7 +16,7 @@
 
 namespace collided {
 
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 class Results {
  public:
   Results(Exec& exec, const SceneSpec& spec, SceneBuffers<Exec, Real>& scene)

@@ -1,5 +1,5 @@
 #pragma once
-// The verbs of the engine on CPU cores (oneTBB). Same meaning as CudaExec, verb by verb.
+// The verbs of the engine (concepts.hpp) on CPU cores (oneTBB).
 
 #include <algorithm>
 #include <cstdlib>
@@ -12,6 +12,7 @@
 
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
+#include "gpu/exec/concepts.hpp"
 #include "gpu/exec/counted.hpp"
 #include "gpu/exec/cpu/cpu_loops.hpp"
 #include "gpu/exec/cpu/host_memory.hpp"
@@ -34,29 +35,24 @@ class CpuExec {
     return memory_.allocate(part, bytes);
   }
   void deallocate(const std::string& part, void* memory, uint64_t bytes) { memory_.deallocate(part, memory, bytes); }
-  /// Whether a verb takes its time even where there is nothing to do.
   static constexpr bool kLaunchesCost = false;
   const MemoryLedger& ledger() const { return *memory_.ledger(); }
 
-  /// For positions on their way; from any thread. May outlive this.
   using Staging = HostStaging;
   Staging make_staging() const { return Staging(memory_.ledger()); }
-  /// What was put in line so far is the last that reads what the staging brought.
   void done_with(Staging&) {}
 
-  /// f(i) for i in [0, n).
-  template <class F>
+  template <ItemFunctor F>
   void for_each(const char*, uint64_t n, const F& f) {
     loops_.for_each(n, kGrain, f);
   }
 
-  template <class F>
+  template <ItemFunctor F>
   void for_each(const char* name, const Counted& n, const F& f) {
     for_each(name, n.size(), f);
   }
 
-  /// f(i, group, shared) for i in [0, n): groups of threads that share memory (Group).
-  template <class F>
+  template <GroupFunctor F>
   void for_each_group(const char*, const Counted& n, const F& f) {
     loops_.share(n.size(), 1, [&](LoopTurn& turn) {
       const auto shared = std::make_unique<typename F::Shared>();
@@ -64,9 +60,7 @@ class CpuExec {
     });
   }
 
-  /// For i in [0, n), item = f.item(i), part = item.part(k), k in [0, item.parts): f.act(item, found), where found is
-  /// f.find(part, f.look(part)) and not kNothing. item.walk().next() are the same parts in turn.
-  template <class F>
+  template <WalkingFunctor F>
   void for_each_part(const char* name, const Counted& n, const F& f) {
     for_each(name, n.size(), [&](uint64_t i) {
       const typename F::Item item = f.item(i);
@@ -76,23 +70,19 @@ class CpuExec {
     });
   }
 
-  /// The same for items of many parts, where item.walk_from(k) are the parts from the k-th on.
-  template <class F>
+  template <ManyPartsFunctor F>
   void for_each_of_many_parts(const char*, const Counted& n, const F& f) {
     loops_.share(n.size(), 1, [&](LoopTurn& turn) {
       while (ItemRange* items = turn.next()) do_parts(f, *items);
     });
   }
 
-  /// f.begin(i, state), then f.step(state) until state.is_over(), then f.finish(state), for i in [0, n); no step if
-  /// begin() leaves the state as it was.
-  template <class F>
+  template <ResumableFunctor F>
   void for_each_resumable(const char*, const Counted& n, uint64_t*, const F& f) {
     constexpr uint64_t kQueries = 32;  // of up to 64 iterations each
     loops_.for_each(n.size(), kQueries, [&](uint64_t i) { do_resumable(f, i); });
   }
 
-  /// *result = op over transform(i), i in [0, n); op must not depend on the order. Then then(0).
   template <class T, class F, class Op, class Then = NothingMore>
   void reduce_into(const char*, uint64_t n, const F& transform, const T& identity, const Op& op, T* result,
                    const Then& then = {}) {
@@ -100,7 +90,6 @@ class CpuExec {
     then(0);
   }
 
-  /// In place.
   template <class T>
   void exclusive_scan(const char*, Span<T> values) {
     T sum = 0;
@@ -109,18 +98,14 @@ class CpuExec {
     });
   }
 
-  /// Stably by the lowest `bits` of the keys; 0 if the result is in `keys` and `values`, 1 if it is in the others.
   int sort_pairs(const char*, int bits, const SortArrays& arrays) { return RadixSort(loops_, arrays).run(bits); }
 
-  /// Writes the first `count` keys in ascending order.
   template <class Write>
   void sort_keys(const char*, const Counted& count, KeyArrays<Write> arrays) {
     arrays.keys.count = count.size();
     KeyOrder(loops_, arrays).run();
   }
-  static constexpr bool kSortsKeys = true;
 
-  /// Runs a step, stages named within, and returns what it left at `result`.
   template <class F, class T>
   T step(uint64_t, const T* result, const F& enqueue) {
     const WorkTime time(loops_.asks);
@@ -128,7 +113,6 @@ class CpuExec {
     step_milliseconds_ += time.milliseconds();
     return *result;
   }
-  /// Of all steps of the frame.
   double step_milliseconds() const { return step_milliseconds_; }
   uint32_t graph_launches() const { return 0; }
 
@@ -136,12 +120,10 @@ class CpuExec {
   void download(void* to, const void* from, uint64_t bytes) { copy(to, from, bytes); }
   void download_async(void* to, const void* from, uint64_t bytes) { copy(to, from, bytes); }
   void wait() {}
-  /// Memory of the host for downloads, until the next call.
   std::byte* host_memory(uint64_t bytes) {
     host_.ensure(bytes);
     return host_.data();
   }
-  /// Memory of the host that downloads go to at full speed, aligned to 64 bytes; booked nowhere. From any thread.
   static std::shared_ptr<std::byte> host_block(uint64_t bytes) {
     constexpr uint64_t kAlignment = 64;
     auto* memory =
@@ -160,14 +142,12 @@ class CpuExec {
     });
   }
 
-  /// Two things that do not depend on each other.
   template <class F, class G>
   void concurrently(const F& f, const G& g) {
     f();
     g();
   }
 
-  /// Runs one stage of the pipeline: cancellation before it, its time after it.
   template <class F>
   void stage(const char* name, const F& f) {
     loops_.asks.ask();
@@ -180,7 +160,6 @@ class CpuExec {
     allocations_ = 0;
     step_milliseconds_ = 0;
   }
-  /// Runs one frame: begin_frame(), then f().
   template <class F>
   auto frame(const F& f) {
     begin_frame();
@@ -189,9 +168,7 @@ class CpuExec {
   uint32_t allocations() const { return allocations_; }
   std::vector<StageTime> stage_times() { return stages_; }
 
-  /// When the frame's question is asked: before each stage, and within it.
   Asks& asks() { return loops_.asks; }
-  /// Loops of the host, which ask too.
   CpuLoops& host_loops() { return loops_; }
 
  private:
@@ -217,5 +194,7 @@ class CpuExec {
   double step_milliseconds_ = 0;
   uint32_t allocations_ = 0;
 };
+
+static_assert(Executor<CpuExec> && SortsKeys<CpuExec>);
 
 }  // namespace collided

@@ -16,9 +16,6 @@ namespace collided {
 /// Nothing that a check found wrong.
 constexpr uint64_t kNoBadPlace = ~uint64_t{0};
 
-/// Bytes that lie anywhere the backend can read.
-using Source = std::span<const std::byte>;
-
 /// Where bytes of `alignment` may begin that come after `offset` others.
 constexpr uint64_t aligned(uint64_t offset, uint64_t alignment) {
   return (offset + alignment - 1) / alignment * alignment;
@@ -30,19 +27,16 @@ inline bool lies_within(const Source& source, const std::byte* begin, uint64_t b
   return begin != nullptr && not_after(begin, source.data()) && not_after(source.data() + source.size(), begin + bytes);
 }
 
-/// Same meaning as CudaStaging. One thread at a time, which need not be the scene's.
+/// What is in room() and aligned is used in place, all else is copied.
 class HostStaging {
  public:
   explicit HostStaging(std::shared_ptr<MemoryLedger> ledger) : memory_(std::move(ledger)) {}
 
-  /// Memory to fill; what was there before is lost.
   std::span<std::byte> room(uint64_t bytes) {
     room_.ensure(bytes);
     return {room_.data(), room_.capacity()};
   }
 
-  /// Where the sources' bytes lie until the next call, null for those without any. Those that lie elsewhere than in
-  /// room() are read here, once.
   std::vector<const std::byte*> bring(const std::vector<Source>& sources, uint64_t alignment) {
     uint64_t bytes = 0;
     for (const Source& source : sources)
@@ -60,13 +54,11 @@ class HostStaging {
     return places;
   }
 
-  /// The same for a table of the slot's own.
   template <class T>
   const T* bring(const std::vector<T>& table) {
     return table.data();
   }
 
-  /// check(i, first_bad) for i in [0, n), unless check.is_clean() knows that there is no need.
   template <class Check>
   void check(uint64_t n, const Check& check) {
     first_bad_ = kNoBadPlace;
@@ -74,7 +66,6 @@ class HostStaging {
     for (uint64_t i = 0; i < n && first_bad_ == kNoBadPlace; ++i) check(i, first_bad_);
   }
 
-  /// What the check found, of the lowest number.
   uint64_t first_bad() const { return first_bad_; }
 
   template <class T>
@@ -92,5 +83,7 @@ class HostStaging {
   Buffer<std::byte, HostMemory> room_{memory_, "staging"}, arrival_{memory_, "staging"};
   uint64_t first_bad_ = kNoBadPlace;
 };
+
+static_assert(Memory<HostMemory> && StagingRoom<HostStaging>);
 
 }  // namespace collided

@@ -1,5 +1,5 @@
 #pragma once
-// The verbs of the engine on a CUDA GPU (CUB). Same meaning as CpuExec, verb by verb.
+// The verbs of the engine (concepts.hpp) on a CUDA GPU (CUB).
 
 #include <cuda_runtime.h>
 
@@ -13,6 +13,7 @@
 
 #include "gpu/exec/atomic.hpp"
 #include "gpu/exec/buffer.hpp"
+#include "gpu/exec/concepts.hpp"
 #include "gpu/exec/cpu/cpu_loops.hpp"
 #include "gpu/exec/cuda/cuda_memory.cuh"
 #include "gpu/exec/cuda/for_each.cuh"
@@ -22,7 +23,6 @@
 #include "gpu/exec/cuda/resumable.cuh"
 #include "gpu/exec/cuda/staging.cuh"
 #include "gpu/exec/cuda/step_graph.cuh"
-#include "gpu/exec/sort_arrays.hpp"
 
 namespace collided {
 
@@ -75,23 +75,19 @@ class CudaExec {
     ++generation_;
     memory_.deallocate(part, memory, bytes);
   }
-  /// As in CpuExec.
   static constexpr bool kLaunchesCost = true;
   const MemoryLedger& ledger() const { return *memory_.ledger(); }
 
-  /// For positions on their way; from any thread. May outlive this.
   using Staging = CudaStaging;
   Staging make_staging() const { return Staging(device_, memory_.ledger()); }
-  /// What was put in line so far is the last that reads what the staging brought.
   void done_with(Staging& staging) { staging.read_last_by(stream_); }
 
-  /// f(i) for i in [0, n).
-  template <class F>
+  template <ItemFunctor F>
   void for_each(const char* name, uint64_t n, const F& f) {
     if (n == 0) return;
     launch(name, for_each_kernel<F>, blocks_for(n, kBlock), kBlock, n, f);
   }
-  template <class F>
+  template <ItemFunctor F>
   void for_each(const char* name, const Counted& n, const F& f) {
     if (n.most == 0) return;
     constexpr unsigned kBlocksPerProcessor = 16;
@@ -99,8 +95,7 @@ class CudaExec {
     launch(name, for_each_counted_kernel<F>, blocks, kCountedBlock, n, f);
   }
 
-  /// f(i, group, shared) for i in [0, n): groups of threads that share memory (Group).
-  template <class F>
+  template <GroupFunctor F>
   void for_each_group(const char* name, const Counted& n, const F& f) {
     if (n.most == 0) return;
     const unsigned resident = 2048 / F::kGroupSize;
@@ -108,9 +103,7 @@ class CudaExec {
     launch(name, for_each_group_kernel<F>, blocks, F::kGroupSize, n, f);
   }
 
-  /// For i in [0, n), item = f.item(i), part = item.part(k), k in [0, item.parts): f.act(item, found), where found is
-  /// f.find(part, f.look(part)) and not kNothing. item.walk().next() are the same parts in turn.
-  template <class F>
+  template <WalkingFunctor F>
   void for_each_part(const char* name, const Counted& n, const F& f) {
     if (n.most == 0) return;
     constexpr unsigned kBlocksPerProcessor = F::kWalks ? 16 : 64;
@@ -118,15 +111,13 @@ class CudaExec {
     launch(name, for_each_part_kernel<F>, std::min(most, kBlocksPerProcessor * processors_), kPartsBlock, n, f);
   }
 
-  /// The same for items of many parts: a group works on each.
-  template <class F>
+  /// A group works on each item.
+  template <ManyPartsFunctor F>
   void for_each_of_many_parts(const char* name, const Counted& n, const F& f) {
     for_each_group(name, n, PartsOfItem<F>{f});
   }
 
-  /// f.begin(i, state), then f.step(state) until state.is_over(), then f.finish(state), for i in [0, n); no step if
-  /// begin() leaves the state as it was. `next` is a zeroed counter.
-  template <class F>
+  template <ResumableFunctor F>
   void for_each_resumable(const char* name, const Counted& n, uint64_t* next, const F& f) {
     if (n.most == 0) return;
     const unsigned most = blocks_for(n.most, kResumableBlock / 32);  // a warp may take as little as one
@@ -134,7 +125,6 @@ class CudaExec {
     launch(name, for_each_resumable_kernel<F>, blocks, kResumableBlock, n, next, stop_.data(), f);
   }
 
-  /// *result = op over transform(i), i in [0, n); op must not depend on the order. Then then(0).
   template <class T, class F, class Op, class Then = NothingMore>
   void reduce_into(const char* name, uint64_t n, const F& transform, const T& identity, const Op& op, T* result,
                    const Then& then = {}) {
@@ -146,7 +136,6 @@ class CudaExec {
            then);
   }
 
-  /// In place.
   template <class T>
   void exclusive_scan(const char* name, Span<T> values) {
     with_scratch(name, [&](void* memory, size_t& bytes) {
@@ -154,7 +143,6 @@ class CudaExec {
     });
   }
 
-  /// Stably by the lowest `bits` of the keys; 0 if the result is in `keys` and `values`, 1 if it is in the others.
   int sort_pairs(const char* name, int bits, const SortArrays& arrays) {
     cub::DoubleBuffer<uint64_t> keys(arrays.keys.data, arrays.other_keys.data);
     if (arrays.values.empty()) {
@@ -171,9 +159,8 @@ class CudaExec {
     return keys.selector;
   }
 
-  /// Runs a step, stages named within, and returns what it left at `result`. Steps of one key put the same work in
-  /// line: the first is recorded as a graph, and replayed as long as all buffers are the same: one launch, whatever the
-  /// number of stages.
+  /// The first step of a key is recorded as a graph, and replayed as long as all buffers are the same: one launch,
+  /// whatever the number of stages.
   template <class F, class T>
   T step(uint64_t key, const T* result, const F& enqueue) {
     asks().ask();
@@ -199,26 +186,23 @@ class CudaExec {
     graph->add_stage_times(step_stages_);
     return host;
   }
-  /// Of all steps of the frame.
   double step_milliseconds() const { return step_milliseconds_; }
   uint32_t graph_launches() const { return graph_launches_; }
   uint32_t allocations() const { return allocations_; }
 
   void upload(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyHostToDevice); }
-  /// Waits for the device.
   void download(void* to, const void* from, uint64_t bytes) {
     download_async(to, from, bytes);
     wait();
   }
-  /// Done after wait().
   void download_async(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyDeviceToHost); }
   void wait() { check_cuda(cudaStreamSynchronize(stream_), "wait"); }
-  /// Pinned memory of the host for downloads, until the next call.
+  /// Pinned.
   std::byte* host_memory(uint64_t bytes) {
     host_.ensure(bytes);
     return host_.data();
   }
-  /// Pinned memory of the host, aligned to 64 bytes; booked nowhere. From any thread.
+  /// Pinned.
   static std::shared_ptr<std::byte> host_block(uint64_t bytes) {
     void* memory = nullptr;
     check_cuda(cudaHostAlloc(&memory, bytes, cudaHostAllocDefault),
@@ -232,8 +216,7 @@ class CudaExec {
     put_in_line("fill_zero", [&] { return cudaMemsetAsync(memory, 0, bytes, stream_); });
   }
 
-  /// Two things that do not depend on each other, within a step: the second goes on beside the first. The second may
-  /// not use reduce_into, exclusive_scan or sort_pairs, whose scratch memory is one.
+  /// The second goes to a stream of its own. There is one scratch memory, which is the first's.
   template <class F, class G>
   void concurrently(const F& f, const G& g) {
     if (!graphs_.is_recording()) {
@@ -259,8 +242,7 @@ class CudaExec {
     check_cuda(cudaStreamWaitEvent(stream_, join_), "join");
   }
 
-  /// Runs one stage: within a step its name, and the time it begins at, become part of the recording; elsewhere
-  /// cancellation before it, events around it.
+  /// Within a step its name, and the time it begins at, become part of the recording; elsewhere events are around it.
   template <class F>
   void stage(const char* name, const F& f) {
     const NvtxRange range(name);
@@ -288,14 +270,12 @@ class CudaExec {
     reserving_ = false;  // a frame may have ended with a throw
     begin_ = nullptr;
   }
-  /// Runs one frame: begin_frame(), then f().
   template <class F>
   auto frame(const F& f) {
     const NvtxRange range("frame");
     begin_frame();
     return f();
   }
-  /// Of the frame, in the order that the stages ran.
   std::vector<StageTime> stage_times() {
     wait();
     std::vector<StageTime> times;
@@ -332,9 +312,7 @@ class CudaExec {
   /// 1 on the device: the frame has ended, loops that take long do no more.
   const uint32_t* stop() const { return stop_.data(); }
 
-  /// When the frame's question is asked: before each stage, and while a step runs.
   Asks& asks() { return loops_.asks; }
-  /// Loops of the host, which ask too.
   CpuLoops& host_loops() { return loops_; }
 
  private:
@@ -429,5 +407,7 @@ class CudaExec {
   double step_milliseconds_ = 0;
   uint32_t allocations_ = 0, graph_launches_ = 0;
 };
+
+static_assert(Executor<CudaExec>);
 
 }  // namespace collided

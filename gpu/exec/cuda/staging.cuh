@@ -26,7 +26,7 @@ __global__ void __launch_bounds__(kCheckBlock) check_kernel(uint64_t n, Check ch
     check(i, *first_bad);
 }
 
-/// Same meaning as HostStaging. One thread at a time, which need not be the scene's.
+/// On a stream of its own.
 class CudaStaging {
  public:
   CudaStaging(int device, std::shared_ptr<MemoryLedger> ledger) : device_(on(device)), memory_(std::move(ledger)) {
@@ -40,7 +40,7 @@ class CudaStaging {
     cudaEventSynchronize(placed_);
   }
 
-  /// Pinned memory to fill; what was there before is lost.
+  /// Pinned.
   std::span<std::byte> room(uint64_t bytes) {
     on(device_);
     if (bytes > room_.capacity()) wait_idle();
@@ -48,8 +48,7 @@ class CudaStaging {
     return {room_.data(), room_.capacity()};
   }
 
-  /// Where the sources' bytes will lie until the next call, null for those without any. The device reads them, once,
-  /// after this call, but for memory that it cannot read, which is copied here.
+  /// The device reads the sources after this call, but for memory that it cannot read, which is copied here.
   std::vector<const std::byte*> bring(const std::vector<Source>& sources, uint64_t alignment) {
     const NvtxRange range("send");
     on(device_);
@@ -63,7 +62,7 @@ class CudaStaging {
     return places;
   }
 
-  /// The same for a table of the slot's own; after the sources. Nothing is to be done for one that is there already.
+  /// Nothing is to be done for a table that is there already.
   template <class T>
   const T* bring(const std::vector<T>& table) {
     const uint64_t bytes = table.size() * sizeof(T);
@@ -79,8 +78,7 @@ class CudaStaging {
     return reinterpret_cast<const T*>(table_.data());
   }
 
-  /// check(i, first_bad) for i in [0, n), on the device; after the sources. A verdict is rare, so that the device
-  /// writes it to the host's memory: no copy for frames without one.
+  /// A verdict is rare, so that the device writes it to the host's memory: no copy for frames without one.
   template <class Check>
   void check(uint64_t n, const Check& check) {
     constexpr uint64_t kMaxBlocks = 2048;
@@ -93,14 +91,12 @@ class CudaStaging {
     check_cuda(cudaEventRecord(arrived_, stream_), "check of positions");
   }
 
-  /// What the check found, of the lowest number. Waits for it, and so for all that is brought.
   uint64_t first_bad() {
     const NvtxRange range("arrive");
     check_cuda(cudaEventSynchronize(arrived_), "arrival of positions");
     return *verdict_.data();
   }
 
-  /// Of what was brought. Waits.
   template <class T>
   T read(const T* place) {
     T value;
@@ -198,5 +194,7 @@ class CudaStaging {
   uint64_t table_bytes_ = 0;  ///< of the table that is there
   std::vector<Piece> pieces_;
 };
+
+static_assert(Memory<DeviceMemory> && Memory<PinnedMemory> && StagingRoom<CudaStaging>);
 
 }  // namespace collided

@@ -28,11 +28,11 @@ void bench_build(StageScene& s, benchmark::State& state) {
 void bench_walk(StageScene& s, benchmark::State& state) {
   s.hierarchy.sort();
   s.hierarchy.build();
-  s.state().leaves.tests = 0;
+  s.state().leaves[LeafSum::kTests] = 0;
   uint64_t pairs = 0;
   const auto walk = [&] { s.hierarchy.search("count_pairs", CountPairs{&pairs}, s.state().next_item); };
   walk();  // the first one counts what it meets
-  const uint64_t tests = s.state().leaves.tests;
+  const uint64_t tests = s.state().leaves[LeafSum::kTests];
   measure(
       state, tests, [&] { pairs = 0; }, walk);
   state.counters["tests_per_pair"] = static_cast<double>(tests) / static_cast<double>(pairs);

@@ -51,7 +51,7 @@ void clear_leaves(StageScene& s) { s.state().leaves = {}; }
 /// An item is a leaf.
 void bench_place(StageScene& s, benchmark::State& state) {
   measure(
-      state, s.step.leaves.leaves, [&] { clear_leaves(s); }, [&] { s.octree.place_leaves(s.plan); });
+      state, s.step.leaves[LeafSum::kLeaves], [&] { clear_leaves(s); }, [&] { s.octree.place_leaves(s.plan); });
 }
 
 /// An item is a registration.
@@ -60,7 +60,7 @@ void bench_register(StageScene& s, benchmark::State& state) {
     clear_leaves(s);
     s.octree.place_leaves(s.plan);
   };
-  measure(state, s.step.leaves.registrations, place, [&] { s.octree.register_triangles(s.plan); });
+  measure(state, s.step.leaves[LeafSum::kRegistrations], place, [&] { s.octree.register_triangles(s.plan); });
 }
 
 }  // namespace

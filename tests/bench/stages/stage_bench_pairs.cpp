@@ -66,7 +66,7 @@ void bench_tiles(StageScene& s, bool neighbours, benchmark::State& state) {
 /// An item is a test of two boxes.
 void bench_search(StageScene& s, benchmark::State& state) {
   uint64_t pairs = 0;
-  const uint64_t tests = s.step.leaves.tests;
+  const uint64_t tests = s.step.leaves[LeafSum::kTests];
   measure(
       state, tests, [&] { pairs = 0; },
       [&] { s.octree.search("count_pairs", s.plan, CountPairs{&pairs}, s.state().next_item); });

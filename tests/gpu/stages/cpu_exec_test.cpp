@@ -180,6 +180,7 @@ struct CountParts {
   };
   struct Item {
     uint32_t parts;
+    uint32_t part(uint32_t k) const { return k; }
     Walk walk_from(uint32_t k) const { return {k}; }
   };
   uint32_t parts;

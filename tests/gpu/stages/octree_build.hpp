@@ -71,7 +71,12 @@ class OctreeBuild {
     uint64_t all_bricks = 0, all_in_bricks = 0;
     for (const uint64_t n : brick_counters) all_bricks += n;
     for (const uint64_t n : brick_item_counters) all_in_bricks += n;
-    return {large_count, all_bricks, all_in_bricks, totals.leaves, totals.registrations, totals.items};
+    return {large_count,
+            all_bricks,
+            all_in_bricks,
+            totals[LeafSum::kLeaves],
+            totals[LeafSum::kRegistrations],
+            totals[LeafSum::kItems]};
   }
   bool is_intact() const {
     return counts.is_intact() && slot.is_intact() && type.is_intact() && bricks.is_intact() && reach.is_intact() &&
@@ -81,8 +86,8 @@ class OctreeBuild {
   /// Whether all that a search would read is there, if it took place.
   bool items_are_sound() {
     if (pairs_source().must_rerun()) return true;
-    for (uint64_t i = 0; i < totals.items; ++i)
-      if (items[i].leaf >= totals.leaves || !holds_boxes(leaves[items[i].leaf])) return false;
+    for (uint64_t i = 0; i < totals[LeafSum::kItems]; ++i)
+      if (items[i].leaf >= totals[LeafSum::kLeaves] || !holds_boxes(leaves[items[i].leaf])) return false;
     return true;
   }
   bool must_rerun() { return pairs_source().must_rerun(); }
@@ -91,7 +96,7 @@ class OctreeBuild {
     const LeafPairs source = pairs_source();
     BoxPairs found;
     LeafTiles tiles;
-    for (uint64_t i = 0; i < std::min(totals.items, items.size()); ++i)
+    for (uint64_t i = 0; i < std::min(totals[LeafSum::kItems], items.size()); ++i)
       visit_item(source, i, tiles, [&](uint32_t a, uint32_t b) { found.emplace_back(std::min(a, b), std::max(a, b)); });
     std::sort(found.begin(), found.end());
     return found;

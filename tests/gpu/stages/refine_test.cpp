@@ -100,8 +100,8 @@ bool contains(const CellRange& range, const Coords& c) {
 
 // A leaf's members are the boxes that overlap its cell, in a place of its own.
 void expect_members(OctreeBuild& octree, const Boxes& boxes) {
-  std::vector<char> taken(octree.totals.registrations, 0);
-  for (uint64_t i = 0; i < octree.totals.leaves; ++i) {
+  std::vector<char> taken(octree.totals[LeafSum::kRegistrations], 0);
+  for (uint64_t i = 0; i < octree.totals[LeafSum::kLeaves]; ++i) {
     const Leaf leaf = octree.leaves[i];
     std::vector<uint32_t> members, expected;
     ASSERT_LE(leaf.offset + leaf.count, taken.size());
@@ -121,7 +121,7 @@ void expect_members(OctreeBuild& octree, const Boxes& boxes) {
 void expect_apart(OctreeBuild& octree) {
   using Cell = std::tuple<int, uint32_t, uint32_t, uint32_t>;
   std::set<Cell> cells;
-  for (uint64_t i = 0; i < octree.totals.leaves; ++i) {
+  for (uint64_t i = 0; i < octree.totals[LeafSum::kLeaves]; ++i) {
     const Leaf leaf = octree.leaves[i];
     EXPECT_TRUE(cells.emplace(leaf.level, leaf.cell.x, leaf.cell.y, leaf.cell.z).second) << "the same leaf twice";
   }
@@ -134,13 +134,13 @@ void expect_apart(OctreeBuild& octree) {
 
 void expect_totals(OctreeBuild& octree) {
   uint64_t registrations = 0, items = 0, tests = 0;
-  for (uint64_t i = 0; i < octree.totals.leaves; ++i) {
+  for (uint64_t i = 0; i < octree.totals[LeafSum::kLeaves]; ++i) {
     const uint32_t n = octree.leaves[i].count;
     registrations += n, items += items_of(n), tests += tests_of(n);
   }
-  EXPECT_EQ(octree.totals.registrations, registrations);
-  EXPECT_EQ(octree.totals.items, items);
-  EXPECT_EQ(octree.totals.tests, tests);
+  EXPECT_EQ(octree.totals[LeafSum::kRegistrations], registrations);
+  EXPECT_EQ(octree.totals[LeafSum::kItems], items);
+  EXPECT_EQ(octree.totals[LeafSum::kTests], tests);
 }
 
 bool fits(const ListLengths& need, const ListLengths& room) {

@@ -53,15 +53,11 @@ struct SetBounds {
 };
 
 /// The narrow phase of queries that lie in a scene's buffers.
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 class QueryRun {
  public:
   QueryRun(Exec& exec, const BatchSettings& settings, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
-      : exec_(exec),
-        ranks_(ranks),
-        scene_(scene),
-        narrow_(exec, spec_, ranks_, scene),
-        results_(exec, spec_, scene) {
+      : exec_(exec), ranks_(ranks), scene_(scene), narrow_(exec, spec_, ranks_, scene), results_(exec, spec_, scene) {
     spec_.mode = settings.mode;
     spec_.thickness = settings.thickness;
     needs_ = needs_of(spec_, {settings.accuracy, settings.delta, Report::kAll});
@@ -115,7 +111,7 @@ class QueryRun {
   Results<Exec, Real> results_;
 };
 
-template <class Exec, class Real>
+template <Executor Exec, class Real>
 ContactSet run_batch(Exec& exec, std::span<const Query> queries, const BatchSettings& settings) {
   SceneBuffers<Exec, Real> scene(exec);
   const auto send = [&](auto& buffer, const auto& values) {
@@ -150,7 +146,7 @@ ContactSet run_batch(Exec& exec, std::span<const Query> queries, const BatchSett
   return run.run(EdgeEdge{scene.topology.edges.all()}, resident.all(), extent).edge_edge;
 }
 
-template <class Exec>
+template <Executor Exec>
 std::vector<Verdict> run_queries_on(Exec& exec, std::span<const Query> queries, const BatchSettings& settings) {
   std::vector<Verdict> verdicts(queries.size());
   if (queries.empty()) return verdicts;
