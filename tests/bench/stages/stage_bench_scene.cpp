@@ -71,10 +71,10 @@ StageScene::StageScene(const std::string& name, const Case& step)
   Found<uint64_t> vertex_triangle(this->step.candidates[0]), edge_edge(this->step.candidates[1]);
   const auto sink = feature_sink(*this, KeepAll{}, vertex_triangle, edge_edge);
   take_pairs(*this, sink, feature_boxes(*this, sink));
-  lists_[kVertexTriangleKind].candidates = vertex_triangle.take();
-  lists_[kEdgeEdgeKind].candidates = edge_edge.take();
-  find_queries<VertexTriangle>(lists_[kVertexTriangleKind]);
-  find_queries<EdgeEdge>(lists_[kEdgeEdgeKind]);
+  lists_[kIndexOf<VertexTriangle>].candidates = vertex_triangle.take();
+  lists_[kIndexOf<EdgeEdge>].candidates = edge_edge.take();
+  find_queries<VertexTriangle>(lists_[kIndexOf<VertexTriangle>]);
+  find_queries<EdgeEdge>(lists_[kIndexOf<EdgeEdge>]);
 }
 
 /// As the engine does once for a scene, and for the positions of a frame.

@@ -36,7 +36,7 @@ class StageScene {
   }
   template <class Kind>
   const QueryLists& lists() const {
-    return lists_[KindTraits<Kind>::kIndex];
+    return lists_[kIndexOf<Kind>];
   }
 
   SceneSpec spec;

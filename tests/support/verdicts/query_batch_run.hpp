@@ -68,11 +68,11 @@ class QueryRun {
     FrameResult result;
     exec_.begin_frame();
     for (;;) {
-      const StepPlan plan{.needs = needs_, .has_many_contacts = narrow_.expects_many()};
+      const StepPlan plan{.needs = needs_, .order = narrow_.plan_order()};
       narrow_.begin(plan);
       narrow_.reserve();
-      const uint64_t key = plan.has_many_contacts ? 1 : 0;
-      const StepState state = exec_.step(key, scene_.state.data(), [&] { enqueue(kind, keys, extent); });
+      const StepState state =
+          exec_.step(numbers_.number_of(plan), scene_.state.data(), [&] { enqueue(kind, keys, extent); });
       if (narrow_.grow(state)) continue;
       results_.collect(state, needs_, 0, result);
       return result;
@@ -88,11 +88,11 @@ class QueryRun {
     exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, spec_.thickness});
     with_filter<Real>(needs_, spec_.thickness, state, [&](const auto& keep) { filter(kind, keys, keep); });
     narrow_.detect(kind);
-    narrow_.order();
+    narrow_.finish();
   }
   template <class Kind, class Keep>
   void filter(const Kind& kind, Span<const uint64_t> keys, const Keep& keep) {
-    constexpr int k = KindTraits<Kind>::kIndex;
+    constexpr int k = kIndexOf<Kind>;
     exec_.for_each("filter_queries", keys.size(),
                    FilterQueries<Real, Kind, Keep>{scene_.positions_at_start(),
                                                    scene_.end.data(),
@@ -109,6 +109,7 @@ class QueryRun {
   LevelNeeds needs_;
   NarrowPhase<Exec, Real> narrow_;
   Results<Exec, Real> results_;
+  PlanNumbers numbers_;
 };
 
 template <Executor Exec, class Real>
