@@ -196,8 +196,8 @@ concept Combines = requires(Exec& exec, const char* name, uint64_t n, const prob
   { exec.reduce_into(name, n, transform, uint64_t{}, op, result) } -> std::same_as<void>;
   /// In place: each value becomes the sum of those before it.
   { exec.exclusive_scan(name, counts) } -> std::same_as<void>;
-  /// Stably by the lowest `bits` of the keys; 0 if the result is in `keys` and `values` (which may be empty), 1 if it
-  /// is in the others.
+  /// Stably by the keys, none of which has a bit above the lowest `bits`; 0 if the result is in `keys` and `values`
+  /// (which may be empty), 1 if it is in the others. What the arrays without it hold is lost.
   { exec.sort_pairs(name, bits, arrays) } -> std::same_as<int>;
 };
 

@@ -16,7 +16,7 @@ struct SortArrays {
 template <class Write>
 struct KeyArrays {
   Span<const uint64_t> keys;
-  Span<uint64_t> scratch, other;  ///< room for as many again, each
+  Span<uint64_t> scratch, other;  ///< room for as many again, each; other may be `keys`, which are lost then
   Write write;
 };
 

@@ -16,7 +16,6 @@
 #include "gpu/exec/counted.hpp"
 #include "gpu/exec/cpu/cpu_loops.hpp"
 #include "gpu/exec/cpu/host_memory.hpp"
-#include "gpu/exec/cpu/key_order.hpp"
 #include "gpu/exec/cpu/radix_sort.hpp"
 #include "gpu/exec/cpu/resumable.hpp"
 #include "gpu/exec/cpu/staging.hpp"
@@ -98,12 +97,18 @@ class CpuExec {
     });
   }
 
-  int sort_pairs(const char*, int bits, const SortArrays& arrays) { return RadixSort(loops_, arrays).run(bits); }
+  int sort_pairs(const char*, int, const SortArrays& arrays) {
+    // The keys are dealt to `other_keys` first; from then on their own room is free to sort in.
+    const KeyArrays<WritePairs> sorted{
+        arrays.keys, arrays.other_keys, arrays.keys, {arrays.other_keys, arrays.other_values, arrays.values}};
+    RadixSort(loops_, sorted).run();
+    return 1;
+  }
 
   template <class Write>
   void sort_keys(const char*, const Counted& count, KeyArrays<Write> arrays) {
     arrays.keys.count = count.size();
-    KeyOrder(loops_, arrays).run();
+    RadixSort(loops_, arrays).run();
   }
 
   template <class F, class T>
@@ -174,6 +179,18 @@ class CpuExec {
  private:
   static constexpr uint64_t kGrain = 512;
   static constexpr uint64_t kBytes = 4u << 20;  ///< that are copied at a time
+
+  struct WritePairs {
+    Span<uint64_t> keys;
+    Span<uint32_t> values;
+    Span<const uint32_t> given;
+
+    bool has_data() const { return !given.empty(); }
+    void operator()(uint64_t place, uint64_t key, uint64_t from) const {
+      keys[place] = key;
+      if (has_data()) values[place] = given[from];
+    }
+  };
 
   /// Parts of the first item that take a bounded time.
   template <class F>

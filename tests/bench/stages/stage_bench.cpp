@@ -43,6 +43,7 @@ void run(const Options& o) {
   register_pairs(scene);
   register_hierarchy(scene);
   register_frame(scene);
+  register_sorts();
   benchmark::RunSpecifiedBenchmarks();
 }
 

@@ -15,6 +15,7 @@ void register_octree(StageScene& scene);
 void register_pairs(StageScene& scene);
 void register_hierarchy(StageScene& scene);
 void register_frame(StageScene& scene);
+void register_sorts();  ///< of keys that are made up: no scene has that many
 
 /// Times work(), whose result stands for `items` items; prepare() before each is not timed.
 template <class Prepare, class Work>

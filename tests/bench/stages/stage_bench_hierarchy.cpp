@@ -43,7 +43,7 @@ void bench_walk(StageScene& s, benchmark::State& state) {
 void register_hierarchy(StageScene& scene) {
   StageScene* s = &scene;
   add("hierarchy/morton_keys", [s](auto& state) { bench_keys(*s, state); });
-  add("hierarchy/radix_sort", [s](auto& state) { bench_sort(*s, state); });
+  add("hierarchy/sort", [s](auto& state) { bench_sort(*s, state); });
   add("hierarchy/build", [s](auto& state) { bench_build(*s, state); });
   add("hierarchy/walk", [s](auto& state) { bench_walk(*s, state); });
 }
