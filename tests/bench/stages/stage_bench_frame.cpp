@@ -33,7 +33,7 @@ void bench_order(StageScene& s, Span<const uint64_t> keys, Span<const ContactDat
   const FeatureRanks ranks{{0, s.features.topology.vertex_count, features, features}};
   KindBegins kinds{};
   const Unordered<WriteContact<float>> list{
-      {&count, count}, keys, ranks, &kinds, {data, ranks, columns.columns(wanted)}};
+      {&count, count}, keys, ranks, &kinds, {data, {}, ranks, columns.columns(wanted)}};
   measure(state, count, kNoPreparation, [&] { put_in_order(s.exec, buffers, list, {}, ids, nullptr); });
   state.counters["first_ids"] = static_cast<double>(first_ids);
 }
