@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -35,10 +36,12 @@ constexpr std::pair<pb::ContactKind, bool SceneSpec::*> kKinds[] = {
     {pb::CONTACT_KIND_EDGE_EDGE, &SceneSpec::edge_edge},
     {pb::CONTACT_KIND_TRIANGLE_TRIANGLE, &SceneSpec::triangle_triangle}};
 
-constexpr std::pair<pb::ContactField, ContactField> kColumns[] = {
-    {pb::CONTACT_FIELD_ELEMENTS, ContactField::kElements}, {pb::CONTACT_FIELD_TOI, ContactField::kToi},
-    {pb::CONTACT_FIELD_DISTANCE, ContactField::kDistance}, {pb::CONTACT_FIELD_WEIGHTS, ContactField::kWeights},
-    {pb::CONTACT_FIELD_NORMAL, ContactField::kNormals},    {pb::CONTACT_FIELD_FLAGS, ContactField::kFlags}};
+// Stencils are no column of the engine's: they are made from the elements.
+constexpr std::pair<pb::ContactField, std::optional<ContactField>> kFields[] = {
+    {pb::CONTACT_FIELD_ELEMENTS, ContactField::kElements}, {pb::CONTACT_FIELD_STENCIL, std::nullopt},
+    {pb::CONTACT_FIELD_TOI, ContactField::kToi},           {pb::CONTACT_FIELD_DISTANCE, ContactField::kDistance},
+    {pb::CONTACT_FIELD_WEIGHTS, ContactField::kWeights},   {pb::CONTACT_FIELD_NORMAL, ContactField::kNormals},
+    {pb::CONTACT_FIELD_FLAGS, ContactField::kFlags}};
 
 template <class Message, class Value, size_t N>
 Value find_in(const std::pair<Message, Value> (&values)[N], Message wanted, const std::string& field) {
@@ -118,10 +121,11 @@ OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode) {
                       true};
   if (!spec.fields().empty()) fields = {};
   for (int i = 0; i < spec.fields_size(); ++i) {
-    if (spec.fields(i) == pb::CONTACT_FIELD_STENCIL)
-      fields.stencils = true;
+    const auto column = find_in(kFields, spec.fields(i), fmt::format("spec.fields[{}]", i));
+    if (column)
+      fields.columns = fields.columns.with(*column);
     else
-      fields.columns = fields.columns.with(find_in(kColumns, spec.fields(i), fmt::format("spec.fields[{}]", i)));
+      fields.stencils = true;
   }
   if (mode != Mode::kCcd) fields.columns = fields.columns.without(ContactField::kToi);
   return fields;
@@ -137,10 +141,8 @@ void fill_kinds(const SceneSpec& engine, pb::SceneSpec* out) {
 }
 
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out) {
-  for (const auto& [field, column] : kColumns) {
-    if (fields.columns.has(column)) out->add_fields(field);
-    if (field == pb::CONTACT_FIELD_ELEMENTS && fields.stencils) out->add_fields(pb::CONTACT_FIELD_STENCIL);
-  }
+  for (const auto& [field, column] : kFields)
+    if (column ? fields.columns.has(*column) : fields.stencils) out->add_fields(field);
 }
 
 void check_scene_options(const SceneSpec& engine, const pb::SceneSpec& spec) try {

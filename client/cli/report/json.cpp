@@ -10,6 +10,12 @@
 
 namespace collided::cli {
 
+namespace {
+
+std::string contact_count_name(v1::ContactKind kind) { return "contacts_" + long_name_of(kind); }
+
+}  // namespace
+
 Json scene_json(const v1::Scene& scene) {
   const v1::SceneSpec& spec = scene.spec();
   Json kinds = Json::array();
@@ -80,12 +86,13 @@ std::string long_name_of(v1::ContactKind kind) {
 
 Json contact_counts_json(const client::PerKind<uint64_t>& counts) {
   Json out = Json::object();
-  for_each_kind([&](v1::ContactKind kind, uint64_t count) { out["contacts_" + long_name_of(kind)] = count; }, counts);
+  for_each_kind([&](v1::ContactKind kind, uint64_t count) { out[contact_count_name(kind)] = count; }, counts);
   return out;
 }
 
 void clear_contact_counts(Json& counts) {
-  for (const auto& [name, count] : contact_counts_json({}).items()) counts[name] = nullptr;
+  for_each_kind([&](v1::ContactKind kind, uint64_t) { counts[contact_count_name(kind)] = nullptr; },
+                client::PerKind<uint64_t>{});
 }
 
 Json transport_json(const client::FrameStream& stream) {

@@ -113,7 +113,7 @@ TEST_F(UploadLimits, ASilentUploadEndsAndThenItsSceneDoes) {
   EXPECT_TRUE(probe_->becomes("collided_device_bytes", 0));
   const auto gone = get_scene(*stub_, id);
   EXPECT_EQ(gone.error_code(), grpc::NOT_FOUND);
-  EXPECT_NE(gone.error_message().find("its lease of 0.5 s ended"), std::string::npos) << gone.error_message();
+  EXPECT_NE(gone.error_message().find("its lease of 0.5 s ran out"), std::string::npos) << gone.error_message();
 }
 
 TEST_F(UploadLimits, AnUploadIsOneOfTheClientsStreams) {

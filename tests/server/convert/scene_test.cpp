@@ -5,6 +5,7 @@
 
 #include "server/convert/facts.hpp"
 #include "server/convert/meshes.hpp"
+#include "server/convert/options.hpp"
 #include "server/errors.hpp"
 #include "tests/server/convert/scene_request.hpp"
 #include "tests/server/scenes/tiny_scene.hpp"
@@ -220,6 +221,23 @@ TEST(ConvertScene, FieldsDependOnTheModeAlone) {
   };
   EXPECT_EQ(bytes(pb::DETECTION_MODE_CCD), 8u + 16 + 8 + 8 + 1);
   EXPECT_EQ(bytes(pb::DETECTION_MODE_DCD), 8u + 16 + 8 + 1);
+}
+
+// Each is taken, and named where another value is refused.
+TEST(ConvertScene, TakesEveryFieldOfTheProtocol) {
+  const std::string refusal = refusal_of(request_with([](pb::SceneSpec& s) { s.mutable_fields()->Add(99); }));
+  EXPECT_TRUE(refusal.starts_with("spec.fields[0] is 99, but must be ")) << refusal;
+  const auto& fields = *pb::ContactField_descriptor();
+  for (int i = 1; i < fields.value_count(); ++i) {
+    const auto field = static_cast<pb::ContactField>(fields.value(i)->number());
+    const auto plan = parse_scene(request_with([&](pb::SceneSpec& s) { s.add_fields(field); }), {}).plan;
+    pb::SceneSpec told;
+    fill_fields(plan.fields, &told);
+    ASSERT_EQ(told.fields_size(), 1) << fields.value(i)->name();
+    EXPECT_EQ(told.fields(0), field);
+    EXPECT_GT(plan.fields.contact_bytes(), 0u);
+    EXPECT_NE(refusal.find(fields.value(i)->name()), std::string::npos) << fields.value(i)->name();
+  }
 }
 
 // From GUARDED on a thickness of 0 means touching, and triangle-triangle contacts have no distance.
