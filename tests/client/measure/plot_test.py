@@ -155,10 +155,10 @@ class Tradeoffs(PlotTest):
 
 class Steps(PlotTest):
     def test_stages_tests_and_sizes_have_a_picture_each(self):
-        pictures = self.draw(RESULTS / "steps" / "2026-11-21-h200-steps.json")
+        pictures = self.draw(RESULTS / "steps" / "2026-11-22-h200-steps.json")
         self.assertEqual(sorted(pictures), ["scale", "stages", "tests"])
         texts = Svg(pictures["stages"]).texts()
-        for text in ("NVIDIA H200, engine octree", "graded_sheets", "180,000 triangles", "narrow phase", "0.433"):
+        for text in ("NVIDIA H200, engine octree", "graded_sheets", "180,000 triangles", "narrow phase", "0.446"):
             self.assertIn(text, texts)
         texts = Svg(pictures["tests"]).texts()
         for text in ("one_cell", "octree", "lbvh"):
@@ -166,7 +166,7 @@ class Steps(PlotTest):
         self.assertIn("cloth_ball, octree", Svg(pictures["scale"]).texts())
 
     def test_files_of_one_kind_go_into_one_picture(self):
-        runs = json.loads((RESULTS / "steps" / "2026-11-21-h200-steps.json").read_text())
+        runs = json.loads((RESULTS / "steps" / "2026-11-22-h200-steps.json").read_text())
         halves = [self.put(f"{half}.json", {"device": runs["device"], "runs": runs["runs"][half::2]})
                   for half in (0, 1)]
         texts = Svg(self.draw(*halves, FUNNEL)["tests"]).texts()
@@ -177,7 +177,7 @@ class Steps(PlotTest):
     def test_one_picture_shows_one_device(self):
         run = {"scene": "funnel", "engine": "octree", "triangles": 1, "counts": {"tests": 1}}
         other = self.put("other.json", {"device": "CPU", "runs": [run]})
-        self.refused(1, "the results are of CPU and NVIDIA H200", other, RESULTS / "steps" / "2026-11-21-h200-steps.json")
+        self.refused(1, "the results are of CPU and NVIDIA H200", other, RESULTS / "steps" / "2026-11-22-h200-steps.json")
 
 
 class Files(PlotTest):
