@@ -125,14 +125,28 @@ COLLIDED_HD Gap<Work> gap_at(const Differences<Work, N>& d, Work t) {
   return gap_between(x);
 }
 
-/// Normal of the triangle, or of both edges; zero if they have none.
+/// Two edges that span the triangle, or both edges.
 template <class Work>
-COLLIDED_HD Vec3<Work> common_normal(const Vec3<Work> (&d)[3]) {
-  return cross(d[0] - d[1], d[0] - d[2]);
+struct SpanningEdges {
+  Vec3<Work> first, second;
+};
+template <class Work>
+COLLIDED_HD SpanningEdges<Work> spanning_edges(const Vec3<Work> (&d)[3]) {
+  return {d[0] - d[1], d[0] - d[2]};
 }
 template <class Work>
-COLLIDED_HD Vec3<Work> common_normal(const Vec3<Work> (&d)[4]) {
-  return cross(d[2] - d[0], d[0] - d[1]);
+COLLIDED_HD SpanningEdges<Work> spanning_edges(const Vec3<Work> (&d)[4]) {
+  return {d[2] - d[0], d[0] - d[1]};
+}
+
+/// Normal of the triangle, or of both edges; zero if they have none.
+template <class Work>
+COLLIDED_HD Vec3<Work> normal_of(const SpanningEdges<Work>& edges) {
+  return cross(edges.first, edges.second);
+}
+template <class Work, int N>
+COLLIDED_HD Vec3<Work> common_normal(const Vec3<Work> (&d)[N]) {
+  return normal_of(spanning_edges(d));
 }
 
 }  // namespace collided

@@ -18,13 +18,6 @@ namespace collided {
 
 namespace detail {
 
-/// Two of the features' edges, which span them.
-struct Span2 {
-  Vec3<double> first, second;
-};
-COLLIDED_HD inline Span2 spanning_edges(const Vec3<double> (&x)[3]) { return {x[0] - x[1], x[0] - x[2]}; }
-COLLIDED_HD inline Span2 spanning_edges(const Vec3<double> (&x)[4]) { return {x[2] - x[0], x[0] - x[1]}; }
-
 COLLIDED_HD inline double length_of(const Vec3<double>& v) { return std::sqrt(dot(v, v)); }
 
 /// `v` without what it has along `axis`.
@@ -40,13 +33,13 @@ COLLIDED_HD inline Vec3<double> any_across(const Vec3<double>& edge) {
 }
 
 /// Of any length but 0. `gap` = p - q, `moved` = w, in units of about what the features extend over.
-COLLIDED_HD inline Vec3<double> direction_between(const Span2& edges, const Vec3<double>& gap,
+COLLIDED_HD inline Vec3<double> direction_between(const SpanningEdges<double>& edges, const Gap<double>& gap,
                                                   const Vec3<double>& moved, double clear) {
-  if (length_of(gap) > clear) return gap;
-  const Vec3<double> n = cross(edges.first, edges.second);
+  if (gap.length > clear) return gap.vector;
+  const Vec3<double> n = normal_of(edges);
   const double e = length_of(edges.first), f = length_of(edges.second);
   if (length_of(n) > clear * e * f) {
-    const double side = dot(n, moved) != 0 ? -dot(n, moved) : dot(n, gap);
+    const double side = dot(n, moved) != 0 ? -dot(n, moved) : dot(n, gap.vector);
     return side < 0 ? -1.0 * n : n;
   }
   const Vec3<double> edge = e < f ? edges.second : edges.first, against = across(-1.0 * moved, edge);
@@ -64,10 +57,9 @@ COLLIDED_HD Vec3<double> contact_normal(const Differences<double, N>& d, double 
   Vec3<double> x[N], moved[N];
   differences_at(d, t, x);
   for (int k = 0; k < N; ++k) moved[k] = d.end[k] - d.start[k];
-  const Closest<double> closest = closest_points(x);
+  const Gap<double> gap = gap_between(x);
   const Vec3<double> direction =
-      detail::direction_between(detail::spanning_edges(x), between_points(x, closest.w0, closest.w1),
-                                between_points(moved, closest.w0, closest.w1), clear);
+      detail::direction_between(spanning_edges(x), gap, between_points(moved, gap.points.w0, gap.points.w1), clear);
   return (1 / detail::length_of(direction)) * direction;
 }
 

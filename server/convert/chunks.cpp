@@ -22,29 +22,16 @@ Stencil stencil(pb::ContactKind kind, std::array<uint32_t, 2> pair, const Topolo
   return {a[0], a[1], b[0], b[1]};
 }
 
-pb::ContactKind to_message(ContactKind kind) {
-  constexpr pb::ContactKind kKinds[kContactKinds] = {pb::CONTACT_KIND_VERTEX_TRIANGLE, pb::CONTACT_KIND_EDGE_EDGE,
-                                                     pb::CONTACT_KIND_TRIANGLE_TRIANGLE};
-  return kKinds[static_cast<size_t>(kind)];
-}
+constexpr PerKind<pb::ContactKind> kKinds{pb::CONTACT_KIND_VERTEX_TRIANGLE, pb::CONTACT_KIND_EDGE_EDGE,
+                                          pb::CONTACT_KIND_TRIANGLE_TRIANGLE};
 
-int field_number(ContactField field) {
-  switch (field) {
-    case ContactField::kElements:
-      return pb::ContactChunk::kElementsFieldNumber;
-    case ContactField::kToi:
-      return pb::ContactChunk::kToiFieldNumber;
-    case ContactField::kDistance:
-      return pb::ContactChunk::kDistanceFieldNumber;
-    case ContactField::kWeights:
-      return pb::ContactChunk::kWeightsFieldNumber;
-    case ContactField::kNormals:
-      return pb::ContactChunk::kNormalsFieldNumber;
-    case ContactField::kFlags:
-      return pb::ContactChunk::kFlagsFieldNumber;
-  }
-  return 0;
-}
+// The number in ContactChunk of each field's array.
+template <class T>
+using FieldNumber = int;
+constexpr PerField<FieldNumber> kFieldNumbers{
+    pb::ContactChunk::kElementsFieldNumber, pb::ContactChunk::kToiFieldNumber,
+    pb::ContactChunk::kDistanceFieldNumber, pb::ContactChunk::kWeightsFieldNumber,
+    pb::ContactChunk::kNormalsFieldNumber,  pb::ContactChunk::kFlagsFieldNumber};
 
 // The wanted fields that exist for this kind at the frame's accuracy.
 OutputFields available(OutputFields fields, ContactKind kind, const ContactSet& set) {
@@ -62,11 +49,11 @@ OutputFields available(OutputFields fields, ContactKind kind, const ContactSet& 
 std::vector<ChunkArray> Chunk::arrays() const {
   std::vector<ChunkArray> out;
   for_each_field(
-      [&](ContactField field, const auto& column) {
+      [&](ContactField field, const auto& column, int number) {
         if (!fields.columns.has(field)) return;
-        out.push_back({field_number(field), std::as_bytes(std::span(column).subspan(begin, end - begin))});
+        out.push_back({number, std::as_bytes(std::span(column).subspan(begin, end - begin))});
       },
-      *set);
+      *set, kFieldNumbers);
   return out;
 }
 
@@ -89,13 +76,13 @@ size_t fit_at_end(std::span<const size_t> sizes, size_t max_bytes) {
 
 std::vector<Chunk> cut_into_chunks(const FrameResult& result, const OutputFields& fields, size_t max_bytes) {
   std::vector<Chunk> chunks;
-  const auto cut = [&](ContactKind kind, const ContactSet& set) {
+  const auto cut = [&](ContactKind kind, const ContactSet& set, pb::ContactKind message) {
     const OutputFields present = available(fields, kind, set);
     const size_t step = std::max<size_t>(1, max_bytes / std::max<size_t>(1, present.contact_bytes()));
     for (size_t begin = 0; begin < set.size(); begin += step)
-      chunks.push_back({to_message(kind), &set, begin, std::min(begin + step, set.size()), present});
+      chunks.push_back({message, &set, begin, std::min(begin + step, set.size()), present});
   };
-  for_each_kind(cut, static_cast<const PerKind<ContactSet>&>(result));
+  for_each_kind(cut, result, kKinds);
   return chunks;
 }
 
