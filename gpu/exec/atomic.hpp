@@ -117,9 +117,11 @@ struct AppendList {
   Span<T> items;
   uint64_t* count = nullptr;
 
-  COLLIDED_HD void push(const T& value) const {
+  /// Whether there is use in pushing more: no longer once the list is_overfull().
+  COLLIDED_HD bool push(const T& value) const {
     const uint64_t slot = claim_slot(*count);
     if (slot < items.size()) items[slot] = value;
+    return slot < most_in_vain();
   }
   /// If more is asked for, it is better to enlarge the list before the rest is counted: what is found in vain stays
   /// below what there has to be room for.

@@ -91,7 +91,10 @@ struct ApproachCcd {
   COLLIDED_HD void begin(uint64_t i, State& state) const {
     state.key = queries.key(i);
     DifferencesOf<float, Kind>& d = state.features.d;
-    if (!queries.load(i, d)) return resumable.push(ResumableQuery{state.key, Progress{}});
+    if (!queries.load(i, d)) {
+      resumable.push(ResumableQuery{state.key, Progress{}});
+      return;
+    }
     constexpr float kNear = 0x1p-16f;  // of the extent: where float comes near its limits
     state.features.begin({scaled_thickness<float>(queries.thickness, d.scale),
                           max(kNear * d.extent, float_above(queries.delta * d.scale))},

@@ -59,13 +59,14 @@ struct FeatureSink {
     return tests.vertex_triangle_overlap(a, b, test);
   }
   COLLIDED_HD bool is_second(uint32_t a, uint32_t b, int test) const { return tests.edge_edge_overlap(a, b, test); }
-  COLLIDED_HD void take_first(uint32_t a, uint32_t b, int test) const {
+  /// Whether there is use in taking more (AppendList::push).
+  COLLIDED_HD bool take_first(uint32_t a, uint32_t b, int test) const {
     const CandidatePoints<Real> candidate = tests.vertex_triangle_points(a, b, test);
-    if (keep(VertexTriangle{}, candidate.points)) vertex_triangle.push(candidate.key);
+    return !keep(VertexTriangle{}, candidate.points) || vertex_triangle.push(candidate.key);
   }
-  COLLIDED_HD void take_second(uint32_t a, uint32_t b, int test) const {
+  COLLIDED_HD bool take_second(uint32_t a, uint32_t b, int test) const {
     const CandidatePoints<Real> candidate = tests.edge_edge_points(a, b, test);
-    if (keep(EdgeEdge{}, candidate.points)) edge_edge.push(candidate.key + (uint64_t{edge_rank} << 32));
+    return !keep(EdgeEdge{}, candidate.points) || edge_edge.push(candidate.key + (uint64_t{edge_rank} << 32));
   }
   /// The same in two parts: whether the filter keeps a candidate, and its key.
   COLLIDED_HD bool keeps_first(uint32_t a, uint32_t b, int test) const {
@@ -94,9 +95,10 @@ struct TrianglePairSink {
   EarlyExit early_exit;
   PairTotals totals;
 
-  COLLIDED_HD void take(uint32_t a, uint32_t b) const {
+  /// Whether there is use in taking more (AppendList::push).
+  COLLIDED_HD bool take(uint32_t a, uint32_t b) const {
     uint64_t key;
-    if (keeps(a, b, key)) pairs.push(key);
+    return !keeps(a, b, key) || pairs.push(key);
   }
   /// Whether a pair is wanted, whose key that is.
   COLLIDED_HD bool keeps(uint32_t a, uint32_t b, uint64_t &key) const {

@@ -81,6 +81,10 @@ class PairQueues {
     }
   }
 
+  /// Whether this lane has seen that a list holds more than is of use (AppendList::push). A lane knows of what it
+  /// pushed itself: reading the lists' counters would wait behind the atomics of all warps.
+  __device__ bool is_overfull() const { return overfull_; }
+
   /// After the last pair.
   __device__ void finish() {
     if (pairs_ > 0) drain_pairs(pairs_);
@@ -117,7 +121,7 @@ class PairQueues {
     const Entry pair = take(shared_.pairs, pairs_, count);
     pair_count_ += count;
     if constexpr (Sink::kTakesPairs) {
-      if (pair.active) sink_.take(pair.a, pair.b);
+      overfull_ |= pair.active && !sink_.take(pair.a, pair.b);
       __syncwarp();
     } else {
       const uint32_t tests = pair.active ? sink_.tests_of(pair.a, pair.b) : 0;
@@ -141,19 +145,20 @@ class PairQueues {
   __device__ void drain_first(unsigned count) {
     const Entry e = take(shared_.first, first_, count);
     first_count_ += count;
-    if (e.active) sink_.take_first(e.a, e.b, e.test);
+    overfull_ |= e.active && !sink_.take_first(e.a, e.b, e.test);
     __syncwarp();
   }
   __device__ void drain_second(unsigned count) {
     const Entry e = take(shared_.second, second_, count);
     second_count_ += count;
-    if (e.active) sink_.take_second(e.a, e.b, e.test + Sink::kFirstOfSecondKind);
+    overfull_ |= e.active && !sink_.take_second(e.a, e.b, e.test + Sink::kFirstOfSecondKind);
     __syncwarp();
   }
 
   const Sink& sink_;
   PairQueuesShared& shared_;
   unsigned pairs_ = 0, first_tests_ = 0, second_tests_ = 0, first_ = 0, second_ = 0;
+  bool overfull_ = false;
   uint64_t pair_count_ = 0, first_count_ = 0, second_count_ = 0;
 };
 

@@ -51,6 +51,9 @@ class WarpSearch {
     }
   }
 
+  /// Whether what is left is in vain (PairQueues::is_overfull).
+  __device__ bool is_overfull() const { return pairs_.is_overfull(); }
+
   /// After the last item.
   __device__ void finish() { pairs_.finish(); }
 
@@ -103,7 +106,8 @@ __global__ void __launch_bounds__(kSearchBlock)
   const uint64_t chunk = min(uint64_t{32}, max(uint64_t{1}, n / (8 * warps)));
   for (;;) {
     const uint64_t first = take_items(next, chunk);
-    if (first >= n || __any_sync(kAllLanes, sink.is_over() || is_stopped(stop))) break;
+    const bool over = warp.is_overfull() || sink.early_exit.is_over() || is_stopped(stop);
+    if (first >= n || __any_sync(kAllLanes, over)) break;
     const uint64_t end = min(n, first + chunk);
     for (uint64_t i = first; i < end; ++i) warp.search(i / shares, static_cast<uint32_t>(i % shares), shares);
   }

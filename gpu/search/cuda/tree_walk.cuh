@@ -98,7 +98,8 @@ class SharedWalks {
   __device__ void take_new() {
     if (!__any_sync(kAllLanes, walk_.is_over())) return;
     uint32_t walk = 0;
-    if (walks_.take(walk_.is_over(), sink_.is_over(), walk)) walk_ = source_.walk(walk);
+    const bool over = pairs_.is_overfull() || sink_.early_exit.is_over();
+    if (walks_.take(walk_.is_over(), over, walk)) walk_ = source_.walk(walk);
   }
   /// Parts that any lane may take.
   __device__ void leave(const typename Source::Met& met) {
