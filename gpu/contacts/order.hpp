@@ -38,13 +38,17 @@ struct Entry {
   uint32_t second, index;
 };
 
+/// Places the entries by their first ids, and notes where the kinds begin.
 struct PlaceEntries {
   Span<const uint64_t> keys;
   Span<const uint32_t> begin;  ///< of each first id
   Span<const uint32_t> place;
   Span<Entry> entries;
+  FeatureRanks ranks;
+  KindBegins* kinds;  ///< zeroed
 
   COLLIDED_HD void operator()(uint64_t i) const {
+    for (size_t kind = 0; i == 0 && kind < kContactKinds; ++kind) kinds->at[kind] = begin[ranks.begin[kind]];
     const uint64_t key = keys[i];
     entries[begin[key >> 32] + place[i]] = {static_cast<uint32_t>(key), static_cast<uint32_t>(i)};
   }
@@ -102,15 +106,6 @@ struct WriteInOrder {
     }
     write(place, key, mine.index);
   }
-};
-
-/// Where the kinds begin, from where each first id does.
-struct FindKindBegins {
-  FeatureRanks ranks;
-  Span<const uint32_t> begin;
-  KindBegins* kinds;
-
-  COLLIDED_HD void operator()(uint64_t kind) const { kinds->at[kind] = begin[ranks.begin[kind]]; }
 };
 
 /// How many keys are of earlier kinds, for each kind.
@@ -242,9 +237,8 @@ void put_in_order_by_counts(Exec& exec, CountingBuffers<Exec>& buffers, const Un
   exec.for_each("count_first_ids", list.count,
                 CountFirstIds{list.keys, counts, buffers.place.all(), {buffers.crowded.all(), crowded}});
   exec.exclusive_scan("scan_first_ids", counts);
-  exec.for_each("find_kind_begins", kContactKinds, FindKindBegins{list.ranks, counts, list.kinds});
   exec.for_each("place_entries", list.count,
-                PlaceEntries{list.keys, counts, buffers.place.all(), buffers.entries.all()});
+                PlaceEntries{list.keys, counts, buffers.place.all(), buffers.entries.all(), list.ranks, list.kinds});
   exec.for_each_group("sort_crowded", crowded_count, SortCrowded{buffers.crowded.all(), counts, buffers.entries.all()});
   exec.for_each("write_in_order", list.count,
                 WriteInOrder<Write>{list.keys, counts, buffers.entries.all(), list.write});

@@ -12,7 +12,8 @@ __device__ inline uint64_t take_items(uint64_t* next, uint64_t chunk) {
   return __shfl_sync(kAllLanes, first, 0);
 }
 
-/// Whether the frame has ended (CudaExec), so that what is left of it is in vain.
+/// Whether the frame has ended (CudaExec), so that what is left of it is in vain. Read before items are taken: the two
+/// are then waited for at once.
 __device__ inline bool is_stopped(const uint32_t* stop) { return *static_cast<const volatile uint32_t*>(stop) != 0; }
 
 /// Items [first, end) that a warp holds.
@@ -53,8 +54,9 @@ class WarpItems {
 
  private:
   __device__ void fetch() {
+    const bool stopped = is_stopped(stop_);
     const uint64_t first = take_items(next_, chunk_);
-    over_ = first >= count_ || __any_sync(kAllLanes, is_stopped(stop_));
+    over_ = first >= count_ || __any_sync(kAllLanes, stopped);
     held_ = {over_ ? 0 : first, over_ ? 0 : min(count_, first + chunk_)};
   }
 

@@ -105,8 +105,8 @@ __global__ void __launch_bounds__(kSearchBlock)
   const uint64_t n = whole * shares;
   const uint64_t chunk = min(uint64_t{32}, max(uint64_t{1}, n / (8 * warps)));
   for (;;) {
+    const bool over = warp.is_overfull() | sink.early_exit.is_over() | is_stopped(stop);
     const uint64_t first = take_items(next, chunk);
-    const bool over = warp.is_overfull() || sink.early_exit.is_over() || is_stopped(stop);
     if (first >= n || __any_sync(kAllLanes, over)) break;
     const uint64_t end = min(n, first + chunk);
     for (uint64_t i = first; i < end; ++i) warp.search(i / shares, static_cast<uint32_t>(i % shares), shares);

@@ -43,9 +43,10 @@ class WarpWalks {
     held_.end = min(count_, held_.first + chunk);
   }
   __device__ void fetch(bool over) {
+    over = over | is_stopped(stop_);
     const uint32_t chunk = chunk_of(count_ - max(held_.end, shared_from_));  // as far as this warp knows
     hold(shared_from_ + take_items(next_, chunk), chunk);
-    over_ = held_.are_gone() || __any_sync(kAllLanes, over || is_stopped(stop_));
+    over_ = held_.are_gone() || __any_sync(kAllLanes, over);
     if (over_) held_.first = held_.end;
   }
 
