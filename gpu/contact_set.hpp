@@ -76,7 +76,6 @@ class FieldSet {
   }
 
   constexpr bool has(ContactField field) const { return (bits_ & bit(field)) != 0; }
-  constexpr bool empty() const { return bits_ == 0; }
   constexpr FieldSet with(ContactField field) const { return FieldSet(bits_ | bit(field)); }
   constexpr FieldSet without(ContactField field) const { return FieldSet(bits_ & ~bit(field)); }
   constexpr FieldSet operator|(FieldSet other) const { return FieldSet(bits_ | other.bits_); }
@@ -89,9 +88,6 @@ class FieldSet {
 
   uint32_t bits_ = 0;
 };
-
-inline constexpr FieldSet kEveryField = {ContactField::kElements, ContactField::kToi,     ContactField::kDistance,
-                                         ContactField::kWeights,  ContactField::kNormals, ContactField::kFlags};
 
 /// Bytes of one contact in arrays of these fields.
 constexpr size_t contact_bytes(FieldSet fields) {

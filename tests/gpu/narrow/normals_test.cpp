@@ -6,6 +6,7 @@
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/judged_case.hpp"
 #include "tests/support/adversarial.hpp"
+#include "tests/support/every_field.hpp"
 #include "tests/support/frames/real_frames.hpp"
 #include "tests/support/judge/exact_normal.hpp"
 
