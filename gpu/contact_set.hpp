@@ -33,6 +33,14 @@ constexpr void for_each_kind(const Visit& visit, PerKinds&&... structs) {
   visit(ContactKind::kTriangleTriangle, structs.triangle_triangle...);
 }
 
+/// The value of one kind, of a PerKind.
+template <class Values>
+constexpr auto& value_of(Values& values, ContactKind kind) {
+  auto* found = &values.vertex_triangle;
+  for_each_kind([&](ContactKind other, auto& value) { found = other == kind ? &value : found; }, values);
+  return *found;
+}
+
 /// x, y, z.
 using Normal = std::array<float, 3>;
 
