@@ -33,6 +33,14 @@ constexpr void for_each_kind(const Visit& visit, PerKinds&&... structs) {
   visit(ContactKind::kTriangleTriangle, structs.triangle_triangle...);
 }
 
+/// The value of one kind, of a PerKind.
+template <class Values>
+constexpr auto& value_of(Values& values, ContactKind kind) {
+  auto* found = &values.vertex_triangle;
+  for_each_kind([&](ContactKind other, auto& value) { found = other == kind ? &value : found; }, values);
+  return *found;
+}
+
 /// x, y, z.
 using Normal = std::array<float, 3>;
 
@@ -76,7 +84,6 @@ class FieldSet {
   }
 
   constexpr bool has(ContactField field) const { return (bits_ & bit(field)) != 0; }
-  constexpr bool empty() const { return bits_ == 0; }
   constexpr FieldSet with(ContactField field) const { return FieldSet(bits_ | bit(field)); }
   constexpr FieldSet without(ContactField field) const { return FieldSet(bits_ & ~bit(field)); }
   constexpr FieldSet operator|(FieldSet other) const { return FieldSet(bits_ | other.bits_); }
@@ -89,9 +96,6 @@ class FieldSet {
 
   uint32_t bits_ = 0;
 };
-
-inline constexpr FieldSet kEveryField = {ContactField::kElements, ContactField::kToi,     ContactField::kDistance,
-                                         ContactField::kWeights,  ContactField::kNormals, ContactField::kFlags};
 
 /// Bytes of one contact in arrays of these fields.
 constexpr size_t contact_bytes(FieldSet fields) {

@@ -86,7 +86,11 @@ enum class Accuracy { kCandidates, kFast, kGuarded, kCertified, kExact };
 /// What a frame answers with: every contact; the earliest one (CCD from kGuarded on); whether there is one (from
 /// kFast on).
 enum class Report { kAll, kEarliestOnly, kAnyHit };
+/// Numbers that positions have.
 enum class Scalar { kF32, kF64 };
+/// Bytes of one position.
+constexpr uint64_t position_bytes(Scalar scalar) { return scalar == Scalar::kF64 ? 24 : 12; }
+
 /// Broad phase: which triangle pairs are tested at all. The pairs found are the same. kAuto lets the scene choose from
 /// what the last frames cost; kOctree is the two-stage adaptive octree grid of the paper, kTopDown and kBottomUp its
 /// one-stage forms.
@@ -111,11 +115,9 @@ struct SceneSpec {
   double thickness = 0;  ///< >= 0, finite, unit of the positions
   double delta = 0;      ///< tolerance of CCD from kGuarded on, unit of the positions; 0: relative to each pair's size
   Report report = Report::kAll;
-  bool vertex_triangle = true;
-  bool edge_edge = true;
-  /// DCD: triangles of the frame that intersect; thickness plays no part. CCD, at kCandidates alone: triangles whose
-  /// boxes overlap.
-  bool triangle_triangle = false;
+  /// Which kinds are wanted, one or more. Of triangles, in DCD: those of the frame that intersect; thickness plays no
+  /// part. In CCD, at kCandidates alone: those whose boxes overlap.
+  PerKind<bool> kinds = {.vertex_triangle = true, .edge_edge = true};
   /// What contacts are to have, where the level computes it. Elements, toi and flags are always there.
   FieldSet fields = {ContactField::kElements, ContactField::kToi, ContactField::kDistance, ContactField::kFlags};
   uint64_t memory_budget = 0;                 ///< bytes on the backend; 0: no limit but the device's

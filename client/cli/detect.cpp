@@ -18,11 +18,13 @@ namespace collided::cli {
 
 namespace {
 
+constexpr const char* kAutomatic = "auto";
+
 struct DetectOptions {
   ServerOptions server;
   DetectionOptions detection;
   std::vector<std::string> frames;
-  std::string position_format = "auto";
+  std::string position_format = kAutomatic;
   std::string out;
   bool json = false;
 };
@@ -61,8 +63,7 @@ std::vector<scenes::MeshFile> read_frames(const DetectOptions& options) {
 
 /// auto: F64 if a position is not exactly a float, so that nothing is rounded.
 v1::PositionFormat choose_format(const std::string& wanted, const std::vector<scenes::MeshFile>& frames) {
-  if (wanted == "f32") return v1::POSITION_FORMAT_F32;
-  if (wanted == "f64") return v1::POSITION_FORMAT_F64;
+  if (wanted != kAutomatic) return format_of(wanted);
   for (const scenes::MeshFile& frame : frames)
     if (frame.is_double) return v1::POSITION_FORMAT_F64;
   return v1::POSITION_FORMAT_F32;
@@ -131,8 +132,10 @@ void add_detect(CLI::App& app) {
       ->expected(1, 2);
   add_detection_options(command, options->detection);
   add_server_options(command, options->server);
+  std::vector<std::string> formats = position_formats();
+  formats.insert(formats.begin(), kAutomatic);
   command.add_option("--position-format", options->position_format, "auto: f64 if a position is not exactly a float")
-      ->check(CLI::IsMember({"auto", "f32", "f64"}))
+      ->check(CLI::IsMember(formats))
       ->capture_default_str();
   command.add_option("--out", options->out, "CSV file for the contacts; -: standard output");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");

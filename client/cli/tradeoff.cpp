@@ -7,6 +7,7 @@
 #include "client/cli/commands.hpp"
 #include "client/cli/daemon/interrupt.hpp"
 #include "client/cli/options/finite.hpp"
+#include "client/cli/options/options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/output.hpp"
 #include "client/measure/tradeoff/report.hpp"
@@ -93,7 +94,7 @@ void add_run_options(CLI::App& command, TradeoffSettings& settings) {
   command.add_option("--formats", settings.formats, "Positions on the wire: f32, f64")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember({"f32", "f64"}))
+      ->check(CLI::IsMember(position_formats()))
       ->capture_default_str();
   command.add_option("--repeats", settings.repeats, "Measured steps, whose median counts, after one warm-up step")
       ->check(CLI::Range(1, 100000))

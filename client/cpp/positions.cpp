@@ -12,6 +12,10 @@ namespace {
 
 constexpr int kInvalidArgument = 3;
 
+[[noreturn]] void refuse(v1::PositionFormat format) {
+  throw Error(kInvalidArgument, "position format " + std::to_string(format) + " is not F32 or F64");
+}
+
 std::string pack_f32(Positions positions) {
   std::string out(positions.size() * 3 * sizeof(float), '\0');
   char* to = out.data();
@@ -25,6 +29,18 @@ std::string pack_f32(Positions positions) {
 
 }  // namespace
 
+uint64_t position_bytes(v1::PositionFormat format) {
+  switch (format) {
+    case v1::POSITION_FORMAT_UNSPECIFIED:
+    case v1::POSITION_FORMAT_F32:
+      return 3 * sizeof(float);
+    case v1::POSITION_FORMAT_F64:
+      return 3 * sizeof(double);
+    default:
+      refuse(format);
+  }
+}
+
 std::string pack_positions(Positions positions, v1::PositionFormat format) {
   switch (format) {
     case v1::POSITION_FORMAT_UNSPECIFIED:
@@ -33,7 +49,7 @@ std::string pack_positions(Positions positions, v1::PositionFormat format) {
     case v1::POSITION_FORMAT_F64:
       return {reinterpret_cast<const char*>(positions.data()), positions.size_bytes()};
     default:
-      throw Error(kInvalidArgument, "position format " + std::to_string(format) + " is not F32 or F64");
+      refuse(format);
   }
 }
 

@@ -42,27 +42,6 @@ COLLIDED_HD FeaturePoints<Real> points_of(const Stencil& s, const Vec3<Real>* st
   return points;
 }
 
-struct VertexTriangle {
-  Span<const Vec3<uint32_t>> triangles;
-
-  COLLIDED_HD Stencil stencil(uint64_t key) const {
-    const Vec3<uint32_t> t = triangles[static_cast<uint32_t>(key)];
-    return {{static_cast<uint32_t>(key >> 32), t.x, t.y, t.z}};
-  }
-};
-
-struct EdgePair {
-  uint32_t from, to;
-};
-struct EdgeEdge {
-  Span<const EdgePair> edges;
-
-  COLLIDED_HD Stencil stencil(uint64_t key) const {
-    const EdgePair a = edges[key >> 32], b = edges[static_cast<uint32_t>(key)];
-    return {{a.from, a.to, b.from, b.to}};
-  }
-};
-
 /// What the queries of a frame know of each other, so that those that no longer matter end early.
 struct Shortcut {
   uint64_t earliest_bits;  ///< of the earliest time of a contact that counts; doubles >= 0 order like their bits

@@ -1,27 +1,87 @@
 #pragma once
-// The kinds of contacts: their stages, and their order among each other.
+// The kinds of contacts: their features, their stages, and their order among each other.
 
 #include "gpu/contacts/contact.hpp"
 
 namespace collided {
 
-template <class Kind>
-struct KindTraits;
-template <>
-struct KindTraits<VertexTriangle> {
-  static constexpr ContactKind kKind = ContactKind::kVertexTriangle;
-  static constexpr const char* kNarrow = "narrow_vt";
-};
-template <>
-struct KindTraits<EdgeEdge> {
-  static constexpr ContactKind kKind = ContactKind::kEdgeEdge;
-  static constexpr const char* kNarrow = "narrow_ee";
-};
-
 /// Where lists, counters and ranks of a kind are.
 constexpr int index_of(ContactKind kind) { return static_cast<int>(kind); }
 template <class Kind>
-constexpr int kIndexOf = index_of(KindTraits<Kind>::kKind);
+constexpr int kIndexOf = index_of(Kind::kKind);
+
+struct VertexTriangle {
+  static constexpr ContactKind kKind = ContactKind::kVertexTriangle;
+  static constexpr const char* kNarrow = "narrow_vt";  ///< its stage
+
+  Span<const Vec3<uint32_t>> triangles;
+
+  COLLIDED_HD Stencil stencil(uint64_t key) const {
+    const Vec3<uint32_t> t = triangles[static_cast<uint32_t>(key)];
+    return {{static_cast<uint32_t>(key >> 32), t.x, t.y, t.z}};
+  }
+};
+
+struct EdgePair {
+  uint32_t from, to;
+};
+struct EdgeEdge {
+  static constexpr ContactKind kKind = ContactKind::kEdgeEdge;
+  static constexpr const char* kNarrow = "narrow_ee";
+
+  Span<const EdgePair> edges;
+
+  COLLIDED_HD Stencil stencil(uint64_t key) const {
+    const EdgePair a = edges[key >> 32], b = edges[static_cast<uint32_t>(key)];
+    return {{a.from, a.to, b.from, b.to}};
+  }
+};
+
+/// Kinds whose candidates are four vertices, for the narrow phase to decide: the first of all kinds.
+constexpr int kFeatureKinds = 2;
+constexpr bool is_of_features(ContactKind kind) { return index_of(kind) < kFeatureKinds; }
+
+/// These kinds, on the tables of a scene.
+struct FeatureKinds {
+  VertexTriangle vertex_triangle;
+  EdgeEdge edge_edge;
+
+  template <class Tables>
+  static FeatureKinds of(const Tables& tables) {
+    return {{tables.triangles.all()}, {tables.edges.all()}};
+  }
+  /// visit(kind) for each in order.
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    visit(vertex_triangle);
+    visit(edge_edge);
+  }
+  /// use(kind) for the one of this index, if it is one of these.
+  template <class Use>
+  COLLIDED_HD void use_one(int index, const Use& use) const {
+    if (index == kIndexOf<VertexTriangle>) use(vertex_triangle);
+    if (index == kIndexOf<EdgeEdge>) use(edge_edge);
+  }
+};
+
+/// How many first features the contacts of each kind may have.
+inline PerKind<uint64_t> count_first_features(const Topology& topology) {
+  return {.vertex_triangle = topology.vertex_count,
+          .edge_edge = topology.edges.size(),
+          .triangle_triangle = topology.triangles.size()};
+}
+
+/// The first of the kinds that are wanted; there must be one.
+constexpr ContactKind first_of(const PerKind<bool>& wanted) {
+  ContactKind first = {};
+  bool is_found = false;
+  for_each_kind(
+      [&](ContactKind kind, bool is_wanted) {
+        if (is_wanted && !is_found) first = kind, is_found = true;
+      },
+      wanted);
+  return first;
+}
 
 /// Contacts of all kinds are sorted together, by the rank of their first feature: those of the first kind, then those
 /// of the second, and so on.
@@ -29,13 +89,24 @@ struct FeatureRanks {
   uint32_t begin[kContactKinds + 1];  ///< of each kind; at last their number
 
   COLLIDED_HD uint32_t count() const { return begin[kContactKinds]; }
-  /// Rank of the first feature of the kind that the feature of this rank has.
-  COLLIDED_HD uint32_t first_of_kind(uint32_t rank) const {
-    uint32_t first = 0;
-    for (size_t kind = 1; kind < kContactKinds; ++kind)
-      if (rank >= begin[kind]) first = begin[kind];
-    return first;
+  /// Index of the kind that the feature of this rank is of.
+  COLLIDED_HD int kind_of(uint32_t rank) const {
+    int found = 0;
+    for (int kind = 1; kind < static_cast<int>(kContactKinds); ++kind)
+      if (rank >= begin[kind]) found = kind;
+    return found;
   }
+  /// How many first features the kind with the most of them has.
+  COLLIDED_HD uint32_t most_of_a_kind() const {
+    uint32_t most = 0;
+    for (size_t kind = 0; kind < kContactKinds; ++kind) {
+      const uint32_t count = begin[kind + 1] - begin[kind];
+      most = count > most ? count : most;
+    }
+    return most;
+  }
+  /// Rank of the first feature of the same kind.
+  COLLIDED_HD uint32_t first_of_kind(uint32_t rank) const { return begin[kind_of(rank)]; }
 };
 
 /// Where the kinds begin in a sorted list.

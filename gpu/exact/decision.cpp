@@ -4,12 +4,11 @@ namespace collided {
 
 ExactAnswer decide_exactly(const ExactQuestion& question, const ExactPoints& p) {
   const Vec3<double> start[4] = {p[0], p[1], p[2], p[3]}, end[4] = {p[4], p[5], p[6], p[7]};
-  const auto near = question.vertex_triangle ? exact_proximity_vertex_triangle : exact_proximity_edge_edge;
-  if (!question.continuous) return {near(end, question.thickness), 0, false};
-  const ExactImpact impact = question.vertex_triangle ? exact_ccd_vertex_triangle(start, end, question.thickness)
-                                                      : exact_ccd_edge_edge(start, end, question.thickness);
+  if (!question.continuous) return {exact_proximity(question.kind, end, question.thickness), 0, false};
+  const ExactImpact impact = exact_ccd(question.kind, start, end, question.thickness);
   // A time below 2^-60 is rounded to 0 too.
-  return {impact.hit, impact.toi, impact.hit && impact.toi == 0 && near(start, question.thickness)};
+  const bool may_be_initial = impact.hit && impact.toi == 0;
+  return {impact.hit, impact.toi, may_be_initial && exact_proximity(question.kind, start, question.thickness)};
 }
 
 ExactAnswer decide_triangles_exactly(const ExactTriangles& p) {

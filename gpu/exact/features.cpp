@@ -48,8 +48,6 @@ void add_outline(Contact& contact, std::initializer_list<Side> sides, std::initi
   for (const Vector* d : to_ends) contact.add(point_near_point(*d, thickness));
 }
 
-}  // namespace
-
 // With A, B, C from the corners to the vertex, n = (b - a) x (c - a) = B x C + C x A + A x B. The weights of the vertex
 // in the triangle are (B x C) n, (C x A) n and (A x B) n over n^2, and A (B x C) is its height times |n|. Where no
 // weight is negative, the distance is the height, else that to a side; a triangle without area is its sides.
@@ -83,6 +81,12 @@ Contact edge_edge_contact(const ExactQuery& query) {
   contact.add(planes_near({dot(ab, n), dot(dc, n), dot(ca, n), dot(bd, n)}, volume, n, thickness));
   add_outline(contact, {{A, B, ab}, {D, C, dc}, {C, A, ca}, {B, D, bd}}, {&A, &B, &C, &D}, thickness);
   return contact;
+}
+
+}  // namespace
+
+Contact contact_of(ContactKind kind, const ExactQuery& query) {
+  return kind == ContactKind::kVertexTriangle ? vertex_triangle_contact(query) : edge_edge_contact(query);
 }
 
 }  // namespace collided::exact

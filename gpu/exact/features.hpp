@@ -6,10 +6,7 @@
 
 namespace collided::exact {
 
-/// Points v, a, b, c.
-Contact vertex_triangle_contact(const ExactQuery& query);
-
-/// Points a0, a1, b0, b1.
-Contact edge_edge_contact(const ExactQuery& query);
+/// Points v, a, b, c or a0, a1, b0, b1.
+Contact contact_of(ContactKind kind, const ExactQuery& query);
 
 }  // namespace collided::exact

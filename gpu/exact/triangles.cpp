@@ -27,12 +27,12 @@ bool line_pierces(const Point& p, const Point& q, const Point (&t)[3]) {
 }
 
 bool point_in_triangle(const Point& p, const Point (&t)[3]) {
-  return exact_proximity_vertex_triangle({p, t[0], t[1], t[2]}, 0);
+  return exact_proximity(ContactKind::kVertexTriangle, {p, t[0], t[1], t[2]}, 0);
 }
 
 bool crosses_outline(const Point& p, const Point& q, const Point (&t)[3]) {
   for (int i = 0; i < 3; ++i)
-    if (exact_proximity_edge_edge({p, q, t[i], t[(i + 1) % 3]}, 0)) return true;
+    if (exact_proximity(ContactKind::kEdgeEdge, {p, q, t[i], t[(i + 1) % 3]}, 0)) return true;
   return false;
 }
 

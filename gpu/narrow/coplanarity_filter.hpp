@@ -16,7 +16,7 @@
 #include "gpu/base/precision.hpp"
 #include "gpu/contacts/contact.hpp"
 #include "gpu/narrow/cubic.hpp"
-#include "gpu/narrow/spanning.hpp"
+#include "gpu/narrow/features.hpp"
 
 namespace collided {
 

@@ -8,8 +8,7 @@
 // (two for double positions in float, which 8u below covers too).
 
 #include "gpu/base/precision.hpp"
-#include "gpu/contacts/contact.hpp"
-#include "gpu/narrow/distance.hpp"
+#include "gpu/narrow/features.hpp"
 
 namespace collided {
 
@@ -20,24 +19,6 @@ struct Differences {
   double scale;                 ///< what the true differences were multiplied by
 
   COLLIDED_HD Vec3<Work> at(int k, Work t) const { return (1 - t) * start[k] + t * end[k]; }
-};
-
-/// Which vertices of the stencil the k-th difference takes.
-template <class Kind>
-struct DifferenceOf;
-/// v - a, v - b, v - c.
-template <>
-struct DifferenceOf<VertexTriangle> {
-  static constexpr int kCount = 3;
-  COLLIDED_HD static constexpr int minuend(int) { return 0; }
-  COLLIDED_HD static constexpr int subtrahend(int k) { return k + 1; }
-};
-/// a0 - b0, a0 - b1, a1 - b0, a1 - b1.
-template <>
-struct DifferenceOf<EdgeEdge> {
-  static constexpr int kCount = 4;
-  COLLIDED_HD static constexpr int minuend(int k) { return k / 2; }
-  COLLIDED_HD static constexpr int subtrahend(int k) { return 2 + k % 2; }
 };
 
 template <class Work, class Kind>
@@ -67,38 +48,6 @@ COLLIDED_HD bool load_differences(const FeaturePoints<Real>& p, DifferencesOf<Wo
   return true;
 }
 
-/// The convex combination of the differences that the weights of two points give: the vector from the second
-/// feature's point to the first's. Weights as in Closest.
-template <class Work>
-COLLIDED_HD Vec3<Work> between_points(const Vec3<Work> (&d)[3], Work w0, Work w1) {
-  return max(1 - w0 - w1, Work(0)) * d[0] + w0 * d[1] + w1 * d[2];
-}
-template <class Work>
-COLLIDED_HD Vec3<Work> between_points(const Vec3<Work> (&d)[4], Work w0, Work w1) {
-  return (1 - w0) * ((1 - w1) * d[0] + w1 * d[1]) + w0 * ((1 - w1) * d[2] + w1 * d[3]);
-}
-
-/// Weights of the closest points, each in [0, 1]; working precision.
-template <class Work>
-COLLIDED_HD Closest<Work> closest_points(const Vec3<Work> (&d)[3]) {
-  return closest_vertex_triangle(d[0], Vec3<Work>{0, 0, 0}, d[0] - d[1], d[0] - d[2]);
-}
-template <class Work>
-COLLIDED_HD Closest<Work> closest_points(const Vec3<Work> (&d)[4]) {
-  // b0 at the origin: a0 = d[0], a1 = d[2], b1 = d[0] - d[1].
-  return closest_edge_edge(d[0], d[2], Vec3<Work>{0, 0, 0}, d[0] - d[1]);
-}
-
-/// As closest_points, with the features' common normal, in fewer operations: for directions, not for reports.
-template <class Work>
-COLLIDED_HD Weights<Work> nearly_closest_points(const Vec3<Work> (&d)[3], const Vec3<Work>& normal) {
-  return nearly_closest_vertex_triangle(d[0], d[0] - d[1], d[0] - d[2], normal);
-}
-template <class Work>
-COLLIDED_HD Weights<Work> nearly_closest_points(const Vec3<Work> (&d)[4], const Vec3<Work>& normal) {
-  return nearly_closest_edge_edge(d[0], d[2] - d[0], d[0] - d[1], normal);
-}
-
 template <class Work, int N>
 COLLIDED_HD void differences_at(const Differences<Work, N>& d, Work t, Vec3<Work> (&x)[N]) {
   for (int k = 0; k < N; ++k) x[k] = d.at(k, t);
@@ -123,20 +72,6 @@ COLLIDED_HD Gap<Work> gap_at(const Differences<Work, N>& d, Work t) {
   Vec3<Work> x[N];
   differences_at(d, t, x);
   return gap_between(x);
-}
-
-/// Two edges that span the triangle, or both edges.
-template <class Work>
-struct SpanningEdges {
-  Vec3<Work> first, second;
-};
-template <class Work>
-COLLIDED_HD SpanningEdges<Work> spanning_edges(const Vec3<Work> (&d)[3]) {
-  return {d[0] - d[1], d[0] - d[2]};
-}
-template <class Work>
-COLLIDED_HD SpanningEdges<Work> spanning_edges(const Vec3<Work> (&d)[4]) {
-  return {d[2] - d[0], d[0] - d[1]};
 }
 
 /// Normal of the triangle, or of both edges; zero if they have none.

@@ -4,9 +4,7 @@
 // of the step are looked at too. Working precision, no guarantee: degenerate motions can be missed.
 
 #include "gpu/narrow/cubic.hpp"
-#include "gpu/narrow/distance.hpp"
 #include "gpu/narrow/proximity.hpp"
-#include "gpu/narrow/spanning.hpp"
 
 namespace collided {
 

@@ -11,7 +11,6 @@
 //   4. Else a direction across that edge: its cross product with the axis that it follows least; z if it is a point.
 
 #include "gpu/contacts/keys.hpp"
-#include "gpu/contacts/kinds.hpp"
 #include "gpu/narrow/differences.hpp"
 
 namespace collided {
@@ -77,8 +76,7 @@ template <class Real>
 struct WriteNormals {
   const Vec3<Real>* start;
   const Vec3<Real>* end;
-  VertexTriangle vertex_triangle;
-  EdgeEdge edge_edge;
+  FeatureKinds kinds;
   FeatureRanks ranks;
   double clear;
   Span<const uint64_t> keys;
@@ -86,12 +84,9 @@ struct WriteNormals {
   Span<Normal> normals;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    const uint32_t rank = first_id(keys[i]), first = ranks.first_of_kind(rank);
-    const uint64_t key = pack_ids(rank - first, second_id(keys[i]));
-    if (rank < ranks.begin[kIndexOf<EdgeEdge>])
-      normals[i] = normal_of(vertex_triangle, key, data[i].toi);
-    else if (rank < ranks.begin[index_of(ContactKind::kTriangleTriangle)])
-      normals[i] = normal_of(edge_edge, key, data[i].toi);
+    const uint32_t rank = first_id(keys[i]);
+    const uint64_t key = pack_ids(rank - ranks.first_of_kind(rank), second_id(keys[i]));
+    kinds.use_one(ranks.kind_of(rank), [&](const auto& kind) { normals[i] = normal_of(kind, key, data[i].toi); });
   }
 
  private:

@@ -1,19 +1,9 @@
 #pragma once
 // DCD: features of one frame that are at most `thickness` apart. Level FAST: working precision, no guarantee.
 
-#include "gpu/contacts/contact.hpp"
-#include "gpu/narrow/distance.hpp"
+#include "gpu/narrow/features.hpp"
 
 namespace collided {
-
-template <class Real>
-COLLIDED_HD Closest<Real> closest(const VertexTriangle&, const Vec3<Real> (&p)[4]) {
-  return closest_vertex_triangle(p[0], p[1], p[2], p[3]);
-}
-template <class Real>
-COLLIDED_HD Closest<Real> closest(const EdgeEdge&, const Vec3<Real> (&p)[4]) {
-  return closest_edge_edge(p[0], p[1], p[2], p[3]);
-}
 
 template <class Real, class Kind>
 struct TestProximity {

@@ -1,25 +1,22 @@
 #include "gpu/positions/checks.hpp"
 
-#include <limits>
-
 #include "gpu/base/text.hpp"
+#include "gpu/positions/format.hpp"
 
 namespace collided {
 namespace {
 
 std::string name_of(size_t update) { return "updates[" + text(update) + "]"; }
 
-std::string name_of(Scalar scalar) { return scalar == Scalar::kF64 ? "F64" : "F32"; }
-
 /// `of`: the vertices, in words.
 void check_bytes(const std::string& field, std::span<const std::byte> bytes, uint64_t vertices, Scalar scalar,
                  const std::string& of) {
-  const uint64_t want = vertices * bytes_per_vertex(scalar);
+  const uint64_t want = vertices * position_bytes(scalar);
   if (bytes.size() == want) return;
   std::string what = field + " has " + text(bytes.size()) + " bytes; " + name_of(scalar) + " positions of " +
                      text(vertices) + " vertices" + of + " are " + text(want);
   const Scalar other = scalar == Scalar::kF64 ? Scalar::kF32 : Scalar::kF64;
-  if (bytes.size() == vertices * bytes_per_vertex(other))
+  if (bytes.size() == vertices * position_bytes(other))
     what += "; " + text(bytes.size()) + " is what " + name_of(other) + " positions take, and the scene is of " +
             name_of(scalar);
   throw InvalidInput(field, what);
@@ -56,11 +53,6 @@ void check_update(const SceneSpec& spec, const MeshPositions& update, const std:
 }
 
 }  // namespace
-
-double coordinate_limit(Scalar scalar) {
-  return scalar == Scalar::kF64 ? std::numeric_limits<double>::max() / 8
-                                : static_cast<double>(std::numeric_limits<float>::max() / 8);
-}
 
 void check_updates(const SceneSpec& spec, const std::vector<MeshPositions>& updates) {
   std::vector<bool> named(spec.meshes.size(), false);

@@ -37,9 +37,4 @@ struct BadCoordinate {
 /// Throws InvalidInput.
 [[noreturn]] void refuse_coordinate(const UpdatePlace& place, bool is_end, const BadCoordinate& bad);
 
-/// Largest magnitude of a coordinate: an eighth of the largest number, so that sums and differences stay finite.
-double coordinate_limit(Scalar scalar);
-
-inline size_t bytes_per_vertex(Scalar scalar) { return scalar == Scalar::kF64 ? 24 : 12; }
-
 }  // namespace collided

@@ -9,6 +9,7 @@
 #include "gpu/exec/concepts.hpp"
 #include "gpu/exec/cpu/staging.hpp"
 #include "gpu/positions/checks.hpp"
+#include "gpu/positions/format.hpp"
 #include "gpu/positions/runs.hpp"
 
 namespace collided {

@@ -1,7 +1,8 @@
 #include "gpu/scene/rules.hpp"
 
 #include "gpu/base/text.hpp"
-#include "gpu/positions/checks.hpp"
+#include "gpu/contacts/kinds.hpp"
+#include "gpu/positions/format.hpp"
 
 namespace collided {
 namespace {
@@ -14,12 +15,12 @@ void check_length(const std::string& field, double value, double limit) {
 }  // namespace
 
 void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
-  if (spec.triangle_triangle && spec.mode == Mode::kCcd && settings.accuracy != Accuracy::kCandidates)
+  if (spec.kinds.triangle_triangle && spec.mode == Mode::kCcd && settings.accuracy != Accuracy::kCandidates)
     throw InvalidInput(
         "triangle_triangle",
         "triangle_triangle is on, but only DCD tests triangle pairs; CCD lists them at CANDIDATES alone");
   check_length("delta", settings.delta, coordinate_limit(spec.scalar));
-  const bool finds_features = spec.vertex_triangle || spec.edge_edge;
+  const bool finds_features = is_of_features(first_of(spec.kinds));
   if (spec.mode == Mode::kDcd && settings.accuracy == Accuracy::kFast && spec.thickness == 0 && finds_features)
     throw InvalidInput("thickness", "thickness is 0; discrete detection at FAST needs a distance > 0");
   if (settings.report == Report::kEarliestOnly && (spec.mode != Mode::kCcd || settings.accuracy < Accuracy::kGuarded))
@@ -30,9 +31,7 @@ void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
 
 void check_spec(const SceneSpec& spec) {
   check_length("thickness", spec.thickness, coordinate_limit(spec.scalar));
-  if (!spec.vertex_triangle && !spec.edge_edge && !spec.triangle_triangle)
-    throw InvalidInput("vertex_triangle",
-                       "vertex_triangle, edge_edge and triangle_triangle are all off, nothing would be detected");
+  if (spec.kinds == PerKind<bool>{}) throw InvalidInput("kinds", "kinds are all off, nothing would be detected");
   if (spec.threads < 0)
     throw InvalidInput("threads", "threads is " + text(spec.threads) + ", the least is 0 (all cores)");
   check_settings(spec, settings_of(spec, {}));

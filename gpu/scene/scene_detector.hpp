@@ -56,8 +56,8 @@ class SceneDetector final : public Detector {
     ResidentTopology<Exec>& resident = scene_.topology;
     send(resident.triangles, topology_.triangles);
     send(resident.owned, features.owned);
-    if (spec_.edge_edge) send(resident.triangle_edges, features.triangle_edges);
-    if (spec_.edge_edge && spec_.accuracy != Accuracy::kCandidates) require_edges();
+    if (spec_.kinds.edge_edge) send(resident.triangle_edges, features.triangle_edges);
+    if (spec_.kinds.edge_edge && spec_.accuracy != Accuracy::kCandidates) require_edges();
     if (needs_filter()) {
       send(resident.mesh_of_triangle, features.mesh_of_triangle);
       send(resident.rules, rules());
@@ -101,7 +101,7 @@ class SceneDetector final : public Detector {
   }
 
   FrameResult detect(const FrameInput& frame, const FrameSettings& settings) {
-    if (spec_.edge_edge && settings.accuracy != Accuracy::kCandidates) require_edges();
+    if (spec_.kinds.edge_edge && settings.accuracy != Accuracy::kCandidates) require_edges();
     const bool boxes_static = good_ != Good::kEnd || !has_frame_;
     Slot* slot = nullptr;
     exec_.stage("upload", [&] {
@@ -178,9 +178,9 @@ class SceneDetector final : public Detector {
 
 template <Executor Exec, class... ExecArgs>
 std::unique_ptr<Detector> make_scene_detector(SceneSpec spec, FeatureTables features, ExecArgs... args) {
-  if (spec.scalar == Scalar::kF64)
-    return std::make_unique<SceneDetector<Exec, double>>(std::move(spec), std::move(features), args...);
-  return std::make_unique<SceneDetector<Exec, float>>(std::move(spec), std::move(features), args...);
+  return with_real(spec.scalar, [&]<class Real>(Real) -> std::unique_ptr<Detector> {
+    return std::make_unique<SceneDetector<Exec, Real>>(std::move(spec), std::move(features), args...);
+  });
 }
 
 }  // namespace collided

@@ -1,8 +1,10 @@
 #pragma once
 // Everything that a scene keeps on its backend. Arrays of stages that the scene does not have stay empty.
 
+#include <array>
+#include <utility>
+
 #include "gpu/contacts/columns.hpp"
-#include "gpu/contacts/contact.hpp"
 #include "gpu/contacts/order.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/lbvh/lbvh.hpp"
@@ -89,6 +91,22 @@ struct BvhBuffers {
   Buffer<BvhNode, Exec> nodes;
 };
 
+/// Candidates of one kind on their way through the narrow phase.
+template <Executor Exec>
+struct CandidateBuffers {
+  explicit CandidateBuffers(Exec& exec)
+      : kept(exec, "candidates"), screened(exec, "candidates"), resumable(exec, "candidates") {}
+
+  Buffer<uint64_t, Exec> kept;             ///< that the filter keeps
+  Buffer<uint64_t, Exec> screened;         ///< those of them that no fixed direction keeps apart
+  Buffer<ResumableQuery, Exec> resumable;  ///< those of them that float has not told apart
+};
+
+template <Executor Exec, size_t... kind>
+std::array<CandidateBuffers<Exec>, sizeof...(kind)> make_candidate_buffers(Exec& exec, std::index_sequence<kind...>) {
+  return {((void)kind, CandidateBuffers<Exec>(exec))...};
+}
+
 /// Contacts of all kinds as they are found. Candidates at kCandidates have keys alone.
 template <Executor Exec, class Real>
 struct ContactBuffers {
@@ -111,9 +129,7 @@ struct SceneBuffers {
         octree(exec),
         bvh(exec),
         triangle_pairs(exec, "pairs"),
-        kept{{exec, "candidates"}, {exec, "candidates"}},
-        screened{{exec, "candidates"}, {exec, "candidates"}},
-        resumable{{exec, "candidates"}, {exec, "candidates"}},
+        candidates(make_candidate_buffers(exec, std::make_index_sequence<kFeatureKinds>{})),
         contacts(exec),
         earliest(exec),
         normals(exec, "contacts"),
@@ -135,9 +151,7 @@ struct SceneBuffers {
   OctreeBuffers<Exec> octree;
   BvhBuffers<Exec> bvh;
   Buffer<uint64_t, Exec> triangle_pairs;
-  Buffer<uint64_t, Exec> kept[2];             ///< candidates of each kind that the filter keeps
-  Buffer<uint64_t, Exec> screened[2];         ///< those of them that no fixed direction keeps apart
-  Buffer<ResumableQuery, Exec> resumable[2];  ///< those of them that float has not told apart
+  std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind
   ContactBuffers<Exec, Real> contacts;
   ContactBuffers<Exec, Real> earliest;  ///< EARLIEST_ONLY
   Buffer<Normal, Exec> normals;         ///< of the contacts as they were found

@@ -9,7 +9,7 @@ namespace collided {
 struct LevelNeeds {
   FrameSettings settings{};
   bool is_ccd = true;
-  bool finds_features = true, triangle_triangle = false;
+  PerKind<bool> kinds = {};
   FieldSet fields = {};  ///< that are asked for
 
   bool operator==(const LevelNeeds&) const = default;
@@ -21,11 +21,9 @@ struct LevelNeeds {
   /// Candidates of features are looked at more closely.
   bool has_narrow_phase() const { return settings.accuracy != Accuracy::kCandidates; }
   /// Triangles of a frame are tested at every level; in CCD their boxes are all there is.
-  bool tests_triangles() const { return triangle_triangle && !is_ccd; }
+  bool tests_triangles() const { return kinds.triangle_triangle && !is_ccd; }
   /// What is reported of a kind is a contact, not just a candidate.
-  bool tests(ContactKind kind) const {
-    return kind == ContactKind::kTriangleTriangle ? tests_triangles() : has_narrow_phase();
-  }
+  bool tests(ContactKind kind) const { return is_of_features(kind) ? has_narrow_phase() : tests_triangles(); }
   /// Contacts have more than their ids.
   bool has_data() const { return has_narrow_phase() || tests_triangles(); }
 
@@ -34,7 +32,7 @@ struct LevelNeeds {
     FieldSet present = {ContactField::kElements};
     if (!tests(kind)) return present;
     present = present.with(ContactField::kFlags);
-    if (kind == ContactKind::kTriangleTriangle) return present;
+    if (!is_of_features(kind)) return present;
     if (is_ccd) present = present.with(ContactField::kToi);
     if (is_any_hit()) return present;  // no contact is returned
     for (const ContactField field : {ContactField::kDistance, ContactField::kWeights, ContactField::kNormals})
@@ -43,8 +41,9 @@ struct LevelNeeds {
   }
   /// What any of them has.
   FieldSet columns() const {
-    return (finds_features ? fields_of(ContactKind::kVertexTriangle) : FieldSet{}) |
-           (triangle_triangle ? fields_of(ContactKind::kTriangleTriangle) : FieldSet{});
+    FieldSet all;
+    for_each_kind([&](ContactKind kind, bool is_wanted) { all = is_wanted ? all | fields_of(kind) : all; }, kinds);
+    return all;
   }
 
   /// A filter in float rules candidates out before they are stored.
@@ -57,8 +56,7 @@ struct LevelNeeds {
 };
 
 inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings) {
-  return {settings, spec.mode == Mode::kCcd, spec.vertex_triangle || spec.edge_edge, spec.triangle_triangle,
-          spec.fields};
+  return {settings, spec.mode == Mode::kCcd, spec.kinds, spec.fields};
 }
 
 }  // namespace collided

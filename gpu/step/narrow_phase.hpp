@@ -34,12 +34,11 @@ class NarrowPhase {
     if (needs().columns().has(ContactField::kNormals)) scene_.normals.allocate(most);
     if (needs().tests_triangles() && scene_.triangle_pairs.capacity() == 0) scene_.triangle_pairs.allocate(kFirst);
     if (!needs().has_narrow_phase()) return;
-    for (int kind = 0; kind < 2; ++kind) {
-      if (!has_kind(kind)) continue;
-      if (scene_.kept[kind].capacity() == 0) scene_.kept[kind].allocate(kFirst);
-      if (needs().is_screened() && scene_.screened[kind].capacity() == 0) scene_.screened[kind].allocate(kFirst);
-      if (needs().is_approached() && scene_.resumable[kind].capacity() == 0) scene_.resumable[kind].allocate(kFirst);
-    }
+    for_each_kind(
+        [&](ContactKind kind, bool is_wanted) {
+          if (is_wanted && is_of_features(kind)) reserve(candidates_of(kind), kFirst);
+        },
+        needs().kinds);
   }
 
   /// Makes room for what a step asked for; whether it has to run again.
@@ -50,10 +49,10 @@ class NarrowPhase {
       short_of_room = true;
       buffer.ensure(count);
     };
-    for (int kind = 0; kind < 2; ++kind) {
-      check(scene_.kept[kind], need.kept[kind]);
-      check(scene_.screened[kind], need.screened[kind]);
-      check(scene_.resumable[kind], need.resumable[kind]);
+    for (int kind = 0; kind < kFeatureKinds; ++kind) {
+      check(scene_.candidates[kind].kept, need.kept[kind]);
+      check(scene_.candidates[kind].screened, need.screened[kind]);
+      check(scene_.candidates[kind].resumable, need.resumable[kind]);
     }
     check(scene_.triangle_pairs, need.triangle_pairs);
     for (auto [buffers, count] : {std::pair(&scene_.contacts, need.contacts), {&scene_.earliest, need.earliest}}) {
@@ -69,15 +68,13 @@ class NarrowPhase {
   /// From kFast on: the narrow phase of one kind of features, over what the filter kept.
   template <class Kind>
   void detect(const Kind& kind) {
-    constexpr int k = kIndexOf<Kind>;
-    StepState* state = scene_.state.data();
-    exec_.stage(KindTraits<Kind>::kNarrow, [&] {
-      const AppendList<uint64_t> list{scene_.kept[k].all(), &state->kept[k]};
-      const Counted kept{list.count, list.items.size(), list.most_in_vain()};
+    exec_.stage(Kind::kNarrow, [&] {
+      const AppendList<uint64_t> list = kept(Kind::kKind);
+      const Counted count{list.count, list.items.size(), list.most_in_vain()};
       if (needs().is_screened())
-        detect_screened(kind, kept);
+        detect_screened(kind, count);
       else
-        run(kind, kept, scene_.kept[k].all());
+        run(kind, count, list.items);
     });
   }
   void detect_triangles() {
@@ -94,15 +91,19 @@ class NarrowPhase {
     exec_.stage("order", [&] { order(); });
   }
 
-  bool has_kind(int kind) const { return kind == kIndexOf<EdgeEdge> ? spec_.edge_edge : spec_.vertex_triangle; }
+  /// Where the search puts candidates of a kind.
+  AppendList<uint64_t> kept(ContactKind kind) {
+    return {candidates_of(kind).kept.all(), &scene_.state.data()->kept[index_of(kind)]};
+  }
   EarlyExit early_exit() const { return {&scene_.state.data()->shortcut, needs().settings.report, needs().is_exact()}; }
 
  private:
   const LevelNeeds& needs() const { return plan_.needs; }
+  /// Second features are triangles, or of the same kind as the first.
   IdCounts id_counts() const {
-    const uint64_t edges = ranks_.begin[index_of(ContactKind::kTriangleTriangle)] - ranks_.begin[kIndexOf<EdgeEdge>];
-    return {ranks_.count(), max(edges, scene_.topology.triangles.capacity())};
+    return {ranks_.count(), max(uint64_t{ranks_.most_of_a_kind()}, scene_.topology.triangles.capacity())};
   }
+  CandidateBuffers<Exec>& candidates_of(ContactKind kind) { return scene_.candidates[index_of(kind)]; }
   ContactBuffers<Exec, Real>& wanted() { return needs().is_earliest_only() ? scene_.earliest : scene_.contacts; }
 
   ContactList<Real> list(ContactBuffers<Exec, Real>& contacts, uint64_t* count) const {
@@ -115,6 +116,12 @@ class NarrowPhase {
   void reserve(ContactBuffers<Exec, Real>& contacts, uint64_t count) {
     contacts.keys.allocate(count);
     if (needs().has_data()) contacts.data.allocate(contacts.keys.capacity());
+  }
+
+  void reserve(CandidateBuffers<Exec>& candidates, uint64_t count) {
+    if (candidates.kept.capacity() == 0) candidates.kept.allocate(count);
+    if (needs().is_screened() && candidates.screened.capacity() == 0) candidates.screened.allocate(count);
+    if (needs().is_approached() && candidates.resumable.capacity() == 0) candidates.resumable.allocate(count);
   }
 
   // The narrow phase of each level.
@@ -131,34 +138,31 @@ class NarrowPhase {
   void detect_screened(const Kind& kind, const Counted& kept) {
     constexpr int k = kIndexOf<Kind>;
     StepState* state = scene_.state.data();
-    const Counted screened{&state->screened[k], scene_.screened[k].capacity()};
-    exec_.for_each(
-        "screen_ccd", kept,
-        ScreenCcd<Real, Kind>{queries(kind, scene_.kept[k]), {scene_.screened[k].all(), &state->screened[k]}});
-    if (!needs().is_approached()) return advance_ccd<float>(kind, screened, scene_.screened[k]);
-    Buffer<ResumableQuery, Exec>& resumable = scene_.resumable[k];
+    const CandidateBuffers<Exec>& lists = candidates_of(Kind::kKind);
+    const Counted screened{&state->screened[k], lists.screened.capacity()};
+    exec_.for_each("screen_ccd", kept,
+                   ScreenCcd<Real, Kind>{queries(kind, lists.kept), {lists.screened.all(), &state->screened[k]}});
+    if (!needs().is_approached()) return advance_ccd<float>(kind, screened, lists.screened);
     exec_.for_each_resumable(
         "approach_ccd", screened, &state->next_query[k][0],
-        ApproachCcd<Real, Kind>{queries(kind, scene_.screened[k]), {resumable.all(), &state->resumable[k]}});
-    advance_ccd<double>(kind, {&state->resumable[k], resumable.capacity()}, resumable);
+        ApproachCcd<Real, Kind>{queries(kind, lists.screened), {lists.resumable.all(), &state->resumable[k]}});
+    advance_ccd<double>(kind, {&state->resumable[k], lists.resumable.capacity()}, lists.resumable);
   }
   template <class Work, class Kind, class Candidate>
   void advance_ccd(const Kind& kind, const Counted& count, const Buffer<Candidate, Exec>& candidates) {
-    exec_.for_each_resumable(
-        "advance_ccd", count, &scene_.state.data()->next_query[kIndexOf<Kind>][1],
-        AdvanceCcd<Work, Real, Kind, Candidate>{queries(kind, candidates), sink(KindTraits<Kind>::kKind)});
+    exec_.for_each_resumable("advance_ccd", count, &scene_.state.data()->next_query[kIndexOf<Kind>][1],
+                             AdvanceCcd<Work, Real, Kind, Candidate>{queries(kind, candidates), sink(Kind::kKind)});
   }
   template <class Kind>
   void run(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
     if (spec_.mode == Mode::kDcd) return run_proximity(kind, count, candidates);
-    exec_.for_each(
-        "solve_cubic_ccd", count,
-        SolveCubicCcd<Real, Kind>{scene_.positions_at_start(), scene_.end.data(), static_cast<Real>(spec_.thickness),
-                                  kind, candidates, sink(KindTraits<Kind>::kKind)});
+    exec_.for_each("solve_cubic_ccd", count,
+                   SolveCubicCcd<Real, Kind>{scene_.positions_at_start(), scene_.end.data(),
+                                             static_cast<Real>(spec_.thickness), kind, candidates, sink(Kind::kKind)});
   }
   template <class Kind>
   void run_proximity(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
-    const ContactSink<Real> contacts = sink(KindTraits<Kind>::kKind);
+    const ContactSink<Real> contacts = sink(Kind::kKind);
     if (needs().settings.accuracy == Accuracy::kFast)
       exec_.for_each(
           "test_proximity", count,
@@ -188,10 +192,9 @@ class NarrowPhase {
   void write_normals() {
     const bool has_float_times = std::is_same_v<Real, float> && needs().settings.accuracy == Accuracy::kFast;
     exec_.for_each("write_normals", wanted_count(),
-                   WriteNormals<Real>{
-                       scene_.positions_at_start(), scene_.end.data(), VertexTriangle{scene_.topology.triangles.all()},
-                       EdgeEdge{scene_.topology.edges.all()}, ranks_, has_float_times ? kClearInFloat : kClear,
-                       wanted().keys.all(), wanted().data.all(), scene_.normals.all()});
+                   WriteNormals<Real>{scene_.positions_at_start(), scene_.end.data(), FeatureKinds::of(scene_.topology),
+                                      ranks_, has_float_times ? kClearInFloat : kClear, wanted().keys.all(),
+                                      wanted().data.all(), scene_.normals.all()});
   }
   void order() {
     StepState* state = scene_.state.data();

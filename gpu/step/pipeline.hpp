@@ -52,13 +52,18 @@ class Pipeline {
   static constexpr float kRegistrationCost = 0;
 
   static FeatureRanks ranks_of(const SceneSpec& spec, const Topology& topology) {
-    const uint64_t vertices = topology.vertex_count, edges = topology.edges.size();
-    const uint64_t count = vertices + edges + (spec.triangle_triangle ? topology.triangles.size() : 0);
+    FeatureRanks ranks = {};
+    uint64_t count = 0;
+    for_each_kind(
+        [&](ContactKind kind, bool is_wanted, uint64_t features) {
+          if (is_wanted || is_of_features(kind)) count += features;
+          ranks.begin[index_of(kind) + 1] = static_cast<uint32_t>(count);
+        },
+        spec.kinds, count_first_features(topology));
     if (count >= ~0u)
       throw InvalidInput("meshes", "meshes have " + std::to_string(count) +
                                        " vertices, edges and triangles, the limit is " + std::to_string(~0u - 1));
-    return {
-        {0, static_cast<uint32_t>(vertices), static_cast<uint32_t>(vertices + edges), static_cast<uint32_t>(count)}};
+    return ranks;
   }
 
   const LevelNeeds& needs() const { return plan_.needs; }
@@ -106,8 +111,8 @@ class Pipeline {
       exec_.concurrently(build, [&] { octree_.count_small_triangles(); });
     else
       build();
-    if (spec_.vertex_triangle || spec_.edge_edge) detect_features();
-    if (spec_.triangle_triangle) detect_triangles();
+    if (is_of_features(first_kind())) detect_features();
+    if (spec_.kinds.triangle_triangle) detect_triangles();
     narrow_.finish();
   }
 
@@ -138,73 +143,88 @@ class Pipeline {
     return 2 * state_.small_triangles > topology_.triangles.size();
   }
 
-  void detect_features() {
-    const auto narrow_vt = [&] { narrow_.detect(VertexTriangle{scene_.topology.triangles.all()}); };
-    const auto narrow_ee = [&] { narrow_.detect(EdgeEdge{scene_.topology.edges.all()}); };
-    const bool vt = spec_.vertex_triangle, ee = spec_.edge_edge;
-    if (!needs().has_narrow_phase()) return search(vt, ee);
-    if (vt && ee && needs().is_any_hit()) {  // one kind may answer for both
-      search(true, false);
-      narrow_vt();
-      search(false, true);
-      narrow_ee();
-      return;
-    }
-    search(vt, ee);
-    if (vt && ee)
-      exec_.concurrently(narrow_vt, narrow_ee);
-    else
-      vt ? narrow_vt() : narrow_ee();
+  ContactKind first_kind() const { return first_of(spec_.kinds); }
+  /// use(kind) for the kinds of features that are wanted.
+  template <class Use>
+  void for_each_features(const Use& use) const {
+    FeatureKinds::of(scene_.topology).for_each([&]<class Kind>(const Kind& kind) {
+      if (value_of(spec_.kinds, Kind::kKind)) use(kind);
+    });
   }
 
-  /// 6.-8. Pairs, their features' boxes, and the filter of the level.
-  void search(bool vertex_triangle, bool edge_edge) {
+  void detect_features() {
+    if (needs().has_narrow_phase() && needs().is_any_hit()) return detect_in_turn();
+    search(spec_.kinds);
+    if (needs().has_narrow_phase()) detect_side_by_side();
+  }
+  /// One kind may answer for all.
+  void detect_in_turn() {
+    for_each_features([&]<class Kind>(const Kind& kind) {
+      PerKind<bool> alone;
+      value_of(alone, Kind::kKind) = true;
+      search(alone);
+      narrow_.detect(kind);
+    });
+  }
+  /// The first kind beside the others.
+  void detect_side_by_side() {
+    int kinds = 0;
+    for_each_features([&](const auto&) { ++kinds; });
+    const auto detect = [&](bool first) {
+      for_each_features([&]<class Kind>(const Kind& kind) {
+        if ((Kind::kKind == first_kind()) == first) narrow_.detect(kind);
+      });
+    };
+    if (kinds == 1) return detect(true);
+    exec_.concurrently([&] { detect(true); }, [&] { detect(false); });
+  }
+
+  /// 6.-8. Pairs, the boxes of the wanted features, and the filter of the level.
+  void search(const PerKind<bool>& wanted) {
     exec_.stage("pairs", [&] {
       with_filter<Real>(needs(), spec_.thickness, scene_.state.data(),
-                        [&](const auto& keep) { search_for(keep, vertex_triangle, edge_edge); });
+                        [&](const auto& keep) { search_for(keep, wanted); });
     });
   }
   template <class Keep>
-  void search_for(const Keep& keep, bool vertex_triangle, bool edge_edge) {
+  void search_for(const Keep& keep, const PerKind<bool>& wanted) {
     StepState* state = scene_.state.data();
-    const auto list = [&](ContactKind kind) -> AppendList<uint64_t> {
-      if (!needs().has_narrow_phase()) return {scene_.contacts.keys.all(), &state->contacts};
-      return {scene_.kept[index_of(kind)].all(), &state->kept[index_of(kind)]};
-    };
-    const uint32_t edge_rank = needs().has_narrow_phase() ? 0 : ranks_.begin[kIndexOf<EdgeEdge>];
-    find_pairs("find_candidates",
-               FeatureSink<Real, Keep>{octree_.elementary(vertex_triangle, edge_edge),
+    const bool is_narrow = needs().has_narrow_phase();
+    const auto list = [&](ContactKind kind) { return is_narrow ? narrow_.kept(kind) : all_contacts(); };
+    find_pairs("find_candidates", first_of(wanted),
+               FeatureSink<Real, Keep>{octree_.elementary(wanted.vertex_triangle, wanted.edge_edge),
                                        keep,
                                        list(ContactKind::kVertexTriangle),
                                        list(ContactKind::kEdgeEdge),
-                                       edge_rank,
+                                       is_narrow ? 0 : ranks_.begin[kIndexOf<EdgeEdge>],
                                        narrow_.early_exit(),
-                                       {vertex_triangle || !spec_.vertex_triangle ? &state->pairs : nullptr,
-                                        &state->candidates[0], &state->candidates[1]}},
-               vertex_triangle || !spec_.vertex_triangle ? Search::kFeatures : Search::kEdges);
+                                       {pairs_counter(first_of(wanted)), &state->candidates[kIndexOf<VertexTriangle>],
+                                        &state->candidates[kIndexOf<EdgeEdge>]}});
   }
 
   void detect_triangles() {
-    StepState* state = scene_.state.data();
-    const bool narrow = needs().tests_triangles(), counts = !spec_.vertex_triangle && !spec_.edge_edge;
+    constexpr ContactKind kKind = ContactKind::kTriangleTriangle;
+    const bool is_narrow = needs().tests_triangles();
     exec_.stage("pairs_tt", [&] {
-      const AppendList<uint64_t> list = narrow
-                                            ? AppendList<uint64_t>{scene_.triangle_pairs.all(), &state->triangle_pairs}
-                                            : AppendList<uint64_t>{scene_.contacts.keys.all(), &state->contacts};
-      find_pairs("find_triangle_pairs",
+      const AppendList<uint64_t> pairs{scene_.triangle_pairs.all(), &scene_.state.data()->triangle_pairs};
+      find_pairs("find_triangle_pairs", kKind,
                  TrianglePairSink{scene_.topology.triangles.all(),
-                                  list,
-                                  narrow ? 0 : ranks_.begin[index_of(ContactKind::kTriangleTriangle)],
+                                  is_narrow ? pairs : all_contacts(),
+                                  is_narrow ? 0 : ranks_.begin[index_of(kKind)],
                                   narrow_.early_exit(),
-                                  {counts ? &state->pairs : nullptr, nullptr, nullptr}},
-                 Search::kTriangles);
+                                  {pairs_counter(kKind), nullptr, nullptr}});
     });
-    if (narrow) narrow_.detect_triangles();
+    if (is_narrow) narrow_.detect_triangles();
   }
 
+  AppendList<uint64_t> all_contacts() const { return {scene_.contacts.keys.all(), &scene_.state.data()->contacts}; }
+  /// Of a search that is for this kind first: the step's first search counts the pairs.
+  uint64_t* pairs_counter(ContactKind first) const {
+    return first == first_kind() ? &scene_.state.data()->pairs : nullptr;
+  }
   template <class Sink>
-  void find_pairs(const char* name, const Sink& sink, Search search) {
-    uint64_t* next_item = &scene_.state.data()->next_item[static_cast<int>(search)];
+  void find_pairs(const char* name, ContactKind first, const Sink& sink) {
+    uint64_t* next_item = &scene_.state.data()->next_item[index_of(first)];
     is_lbvh() ? lbvh_.search(name, sink, next_item) : octree_.search(name, plan_.octree, sink, next_item);
   }
 
@@ -230,8 +250,13 @@ class Pipeline {
     c.top_level = static_cast<uint32_t>(state_.grid.grid.top);
     c.base_level = static_cast<uint32_t>(state_.grid.grid.base);
     c.pairs = state_.pairs;
-    c.candidates = {state_.candidates[0], state_.candidates[1], 0};
-    if (needs().has_filter()) c.survivors = {state_.kept[0], state_.kept[1], 0};
+    for_each_kind(
+        [&](ContactKind kind, uint64_t& candidates, uint64_t& survivors) {
+          if (!is_of_features(kind)) return;
+          candidates = state_.candidates[index_of(kind)];
+          if (needs().has_filter()) survivors = state_.kept[index_of(kind)];
+        },
+        c.candidates, c.survivors);
     result_.engine = choice_.engine();
     if (result_.engine == Engine::kLbvh)
       lbvh_.describe(c);

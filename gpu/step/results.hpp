@@ -68,11 +68,10 @@ class Results {
 
   // EXACT: what is left open goes to the host's exact arithmetic.
   void settle_all() {
-    settle(result_->vertex_triangle, [&](const auto& keys, ExactAnswer* answers, Normal* normals) {
-      decide_features(VertexTriangle{scene_.topology.triangles.all()}, keys, answers, normals);
-    });
-    settle(result_->edge_edge, [&](const auto& keys, ExactAnswer* answers, Normal* normals) {
-      decide_features(EdgeEdge{scene_.topology.edges.all()}, keys, answers, normals);
+    FeatureKinds::of(scene_.topology).for_each([&]<class Kind>(const Kind& kind) {
+      settle(value_of(contacts(), Kind::kKind), [&](const auto& keys, ExactAnswer* answers, Normal* normals) {
+        decide_features(kind, keys, answers, normals);
+      });
     });
     settle(result_->triangle_triangle,
            [&](const auto& keys, ExactAnswer* answers, Normal*) { decide_triangles(keys, answers); });
@@ -109,8 +108,7 @@ class Results {
       exec_.for_each("gather_points", keys.size(),
                      GatherPoints<Real, Kind>{scene_.positions_at_start(), scene_.end.data(), kind, resident, out});
     });
-    constexpr bool kIsVertexTriangle = KindTraits<Kind>::kKind == ContactKind::kVertexTriangle;
-    const ExactQuestion question{kIsVertexTriangle, needs_.is_ccd, spec_.thickness};
+    const ExactQuestion question{Kind::kKind, needs_.is_ccd, spec_.thickness};
     decide_all(keys.size(), [&](uint64_t i) {
       answers[i] = decide_exactly(question, points[i]);
       if (normals != nullptr) normals[i] = normal_at<Kind>(points[i], answers[i].toi);

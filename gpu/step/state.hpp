@@ -8,19 +8,16 @@
 
 namespace collided {
 
-/// What a search for pairs is for: features of both kinds or of the first, edges alone, triangles.
-enum class Search { kFeatures, kEdges, kTriangles };
-
 struct StepState {
   // Lengths that were asked for, whatever the lists' capacities.
   LeafTotals leaves;
   uint64_t large, bricks[kMaxRounds], brick_items[kMaxRounds];
-  uint64_t pairs, candidates[2];
-  uint64_t triangle_pairs, kept[2], screened[2], resumable[2], contacts, earliest, crowded_ranks;
+  uint64_t pairs, candidates[kFeatureKinds], kept[kFeatureKinds], screened[kFeatureKinds], resumable[kFeatureKinds];
+  uint64_t triangle_pairs, contacts, earliest, crowded_ranks;
   KindBegins kinds;  ///< in the sorted list
 
-  uint64_t next_item[3];      ///< of the searches for pairs (Search)
-  uint64_t next_query[2][2];  ///< of the narrow phase, in float and in double
+  uint64_t next_item[kContactKinds];      ///< of the searches for pairs, by the first kind that each is for
+  uint64_t next_query[kFeatureKinds][2];  ///< of the narrow phase, in float and in double
   uint64_t small_triangles;
   Box<float> bounds;
   LevelTotals totals;

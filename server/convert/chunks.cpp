@@ -2,28 +2,13 @@
 #include "server/convert/chunks.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace collided::server {
 namespace {
 
-using Stencil = std::array<uint32_t, 4>;
-
 // The engine's bytes go out as they are.
 static_assert(kFlagCertified == int{pb::CONTACT_FLAG_CERTIFIED} && kFlagNear == int{pb::CONTACT_FLAG_NEAR} &&
               kFlagCapped == int{pb::CONTACT_FLAG_CAPPED} && kFlagInitial == int{pb::CONTACT_FLAG_INITIAL});
-
-Stencil stencil(pb::ContactKind kind, std::array<uint32_t, 2> pair, const Topology& topology) {
-  if (kind == pb::CONTACT_KIND_VERTEX_TRIANGLE) {
-    const auto& triangle = topology.triangles[pair[1]];
-    return {pair[0], triangle[0], triangle[1], triangle[2]};
-  }
-  const auto &a = topology.edges[pair[0]], &b = topology.edges[pair[1]];
-  return {a[0], a[1], b[0], b[1]};
-}
-
-constexpr PerKind<pb::ContactKind> kKinds{pb::CONTACT_KIND_VERTEX_TRIANGLE, pb::CONTACT_KIND_EDGE_EDGE,
-                                          pb::CONTACT_KIND_TRIANGLE_TRIANGLE};
 
 // The number in ContactChunk of each field's array.
 template <class T>
@@ -35,7 +20,7 @@ constexpr PerField<FieldNumber> kFieldNumbers{
 
 // The wanted fields that exist for this kind at the frame's accuracy.
 OutputFields available(OutputFields fields, ContactKind kind, const ContactSet& set) {
-  fields.stencils &= kind != ContactKind::kTriangleTriangle;
+  fields.stencils &= stencil_maker(kind) != nullptr;
   for_each_field(
       [&](ContactField field, const auto& column) {
         if (column.empty()) fields.columns = fields.columns.without(field);
@@ -61,7 +46,8 @@ std::vector<Stencil> Chunk::stencils(const Topology& topology) const {
   std::vector<Stencil> out;
   if (!fields.stencils) return out;
   out.reserve(end - begin);
-  for (size_t i = begin; i < end; ++i) out.push_back(stencil(kind, set->elements[i], topology));
+  const MakeStencil stencil = stencil_maker(kind);
+  for (size_t i = begin; i < end; ++i) out.push_back(stencil(set->elements[i], topology));
   return out;
 }
 
@@ -76,18 +62,18 @@ size_t fit_at_end(std::span<const size_t> sizes, size_t max_bytes) {
 
 std::vector<Chunk> cut_into_chunks(const FrameResult& result, const OutputFields& fields, size_t max_bytes) {
   std::vector<Chunk> chunks;
-  const auto cut = [&](ContactKind kind, const ContactSet& set, pb::ContactKind message) {
+  const auto cut = [&](ContactKind kind, const ContactSet& set) {
     const OutputFields present = available(fields, kind, set);
     const size_t step = std::max<size_t>(1, max_bytes / std::max<size_t>(1, present.contact_bytes()));
     for (size_t begin = 0; begin < set.size(); begin += step)
-      chunks.push_back({message, &set, begin, std::min(begin + step, set.size()), present});
+      chunks.push_back({kind, &set, begin, std::min(begin + step, set.size()), present});
   };
-  for_each_kind(cut, result, kKinds);
+  for_each_kind(cut, result);
   return chunks;
 }
 
 void fill_chunk(const Chunk& chunk, const Topology& topology, pb::ContactChunk* out) {
-  out->set_kind(chunk.kind);
+  out->set_kind(to_message(chunk.kind));
   out->set_count(chunk.count());
   for (const auto& array : chunk.arrays())
     out->GetReflection()->SetString(out, pb::ContactChunk::descriptor()->FindFieldByNumber(array.field),

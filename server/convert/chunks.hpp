@@ -1,18 +1,16 @@
 #pragma once
 // Cuts a frame's contacts into chunks that fit a message.
 
-#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
 
 #include "collided/v1/contact.pb.h"
 #include "gpu/detector.hpp"
+#include "server/convert/kinds.hpp"
 #include "server/scenes/scene_plan.hpp"
 
 namespace collided::server {
-
-namespace pb = collided::v1;
 
 /// One array of a chunk: its field number in ContactChunk, and its bytes.
 struct ChunkArray {
@@ -22,7 +20,7 @@ struct ChunkArray {
 
 /// Contacts [begin, end) of one kind. Refers to the result that it was made from.
 struct Chunk {
-  pb::ContactKind kind = pb::CONTACT_KIND_UNSPECIFIED;
+  ContactKind kind = {};
   const ContactSet* set = nullptr;
   size_t begin = 0, end = 0;
   OutputFields fields;  ///< that were asked for and are there
@@ -32,8 +30,8 @@ struct Chunk {
   size_t array_bytes() const { return (end - begin) * fields.contact_bytes(); }
   /// The arrays in the order of their fields, without the stencils, which are stored nowhere.
   std::vector<ChunkArray> arrays() const;
-  /// uint32[count][4]; empty if not asked for.
-  std::vector<std::array<uint32_t, 4>> stencils(const Topology& topology) const;
+  /// Empty if not asked for.
+  std::vector<Stencil> stencils(const Topology& topology) const;
 };
 
 /// Vertex-triangle first, then edge-edge, then triangle-triangle; the arrays of a chunk have at most `max_bytes`

@@ -1,6 +1,7 @@
 // Facts about scenes, devices and limits.
 #include "server/convert/facts.hpp"
 
+#include "server/convert/kinds.hpp"
 #include "server/convert/options.hpp"
 
 namespace collided::server {
@@ -22,7 +23,7 @@ void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   out->set_backend(engine.backend == Backend::kCuda ? pb::BACKEND_CUDA : pb::BACKEND_CPU);
   out->set_mode(engine.mode == Mode::kCcd ? pb::DETECTION_MODE_CCD : pb::DETECTION_MODE_DCD);
   out->set_accuracy(to_message(engine.accuracy));
-  out->set_position_format(engine.scalar == Scalar::kF64 ? pb::POSITION_FORMAT_F64 : pb::POSITION_FORMAT_F32);
+  out->set_position_format(to_message(engine.scalar));
   out->set_thickness(engine.thickness);
   out->set_delta(engine.delta);
   out->set_report(to_message(engine.report));

@@ -1,6 +1,7 @@
 // Frames between the protocol and the engine.
 #include "server/convert/frame.hpp"
 
+#include "server/convert/kinds.hpp"
 #include "server/convert/options.hpp"
 #include "server/convert/refuse.hpp"
 
@@ -38,13 +39,7 @@ void fill_counts(const FrameCounts& counts, pb::FrameCounts* out) {
   out->set_registrations(counts.registrations);
   out->set_tests(counts.tests);
   out->set_pairs(counts.pairs);
-  out->set_candidates_vertex_triangle(counts.candidates.vertex_triangle);
-  out->set_candidates_edge_edge(counts.candidates.edge_edge);
-  out->set_contacts_vertex_triangle(counts.contacts.vertex_triangle);
-  out->set_contacts_edge_edge(counts.contacts.edge_edge);
-  out->set_contacts_triangle_triangle(counts.contacts.triangle_triangle);
-  out->set_survivors_vertex_triangle(counts.survivors.vertex_triangle);
-  out->set_survivors_edge_edge(counts.survivors.edge_edge);
+  fill_counts_of_kinds(counts, out);
   out->set_exact_decisions(counts.exact_decisions);
 }
 

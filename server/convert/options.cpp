@@ -31,10 +31,8 @@ constexpr std::pair<pb::BroadPhaseEngine, Engine> kEngines[] = {
     {pb::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, Engine::kTwoLevelGrid},
     {pb::BROAD_PHASE_ENGINE_LBVH, Engine::kLbvh}};
 
-constexpr std::pair<pb::ContactKind, bool SceneSpec::*> kKinds[] = {
-    {pb::CONTACT_KIND_VERTEX_TRIANGLE, &SceneSpec::vertex_triangle},
-    {pb::CONTACT_KIND_EDGE_EDGE, &SceneSpec::edge_edge},
-    {pb::CONTACT_KIND_TRIANGLE_TRIANGLE, &SceneSpec::triangle_triangle}};
+constexpr std::pair<pb::PositionFormat, Scalar> kFormats[] = {{pb::POSITION_FORMAT_F32, Scalar::kF32},
+                                                              {pb::POSITION_FORMAT_F64, Scalar::kF64}};
 
 // Stencils are no column of the engine's: they are made from the elements.
 constexpr std::pair<pb::ContactField, std::optional<ContactField>> kFields[] = {
@@ -108,11 +106,9 @@ Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field) {
   return to_engine(kEngines, engine, field).value_or(Engine::kAuto);
 }
 
-void parse_kinds(const pb::SceneSpec& spec, SceneSpec& engine) {
-  if (spec.kinds().empty()) return;
-  for (const auto& [kind, member] : kKinds) engine.*member = false;
-  for (int i = 0; i < spec.kinds_size(); ++i)
-    engine.*find_in(kKinds, spec.kinds(i), fmt::format("spec.kinds[{}]", i)) = true;
+Scalar parse_format(pb::PositionFormat format, const std::string& field) {
+  if (format == pb::POSITION_FORMAT_Q16) throw_not_served(field, "POSITION_FORMAT_Q16");
+  return to_engine(kFormats, format, field).value_or(Scalar::kF32);
 }
 
 // What the level does not compute is left out of each answer: a frame may override the level, but not the mode.
@@ -134,11 +130,7 @@ OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode) {
 pb::Accuracy to_message(Accuracy accuracy) { return from_engine(kAccuracies, accuracy); }
 pb::Report to_message(Report report) { return from_engine(kReports, report); }
 pb::BroadPhaseEngine to_message(Engine engine) { return from_engine(kEngines, engine); }
-
-void fill_kinds(const SceneSpec& engine, pb::SceneSpec* out) {
-  for (const auto& [kind, member] : kKinds)
-    if (engine.*member) out->add_kinds(kind);
-}
+pb::PositionFormat to_message(Scalar scalar) { return from_engine(kFormats, scalar); }
 
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out) {
   for (const auto& [field, column] : kFields)

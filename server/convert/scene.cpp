@@ -8,6 +8,7 @@
 #include <functional>
 #include <string_view>
 
+#include "server/convert/kinds.hpp"
 #include "server/convert/meshes.hpp"
 #include "server/convert/options.hpp"
 #include "server/convert/refuse.hpp"
@@ -33,13 +34,6 @@ Mode parse_mode(pb::DetectionMode mode) {
   if (mode == pb::DETECTION_MODE_DCD) return Mode::kDcd;
   if (mode == pb::DETECTION_MODE_CCD) return Mode::kCcd;
   throw_unknown("spec.mode", mode, {pb::DETECTION_MODE_DCD, pb::DETECTION_MODE_CCD});
-}
-
-Scalar parse_format(pb::PositionFormat format) {
-  if (format == pb::POSITION_FORMAT_UNSPECIFIED || format == pb::POSITION_FORMAT_F32) return Scalar::kF32;
-  if (format == pb::POSITION_FORMAT_F64) return Scalar::kF64;
-  if (format == pb::POSITION_FORMAT_Q16) throw_not_served("spec.position_format", "POSITION_FORMAT_Q16");
-  throw_unknown("spec.position_format", format, {pb::POSITION_FORMAT_F32, pb::POSITION_FORMAT_F64});
 }
 
 // A scene's first frame has all its positions, and a frame is one message.
@@ -122,7 +116,7 @@ ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   SceneSpec& engine = plan.engine;
   engine.mode = parse_mode(spec.mode());
   engine.accuracy = parse_scene_accuracy(spec.accuracy(), defaults.limits.client.max_accuracy);
-  engine.scalar = parse_format(spec.position_format());
+  engine.scalar = parse_format(spec.position_format(), "spec.position_format");
   engine.thickness = spec.thickness();
   engine.delta = spec.delta();
   engine.report = parse_report(spec.report(), "spec.report").value_or(Report::kAll);

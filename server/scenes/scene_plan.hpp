@@ -13,9 +13,6 @@
 
 namespace collided::server {
 
-/// Bytes of one vertex's position.
-constexpr uint64_t position_bytes(Scalar scalar) { return scalar == Scalar::kF64 ? 24 : 12; }
-
 /// Maximum bytes of one vertex's positions in a frame: one time (DCD) or two (CCD).
 constexpr uint64_t max_vertex_bytes(const SceneSpec& spec) {
   return position_bytes(spec.scalar) * (spec.mode == Mode::kCcd ? 2 : 1);

@@ -20,19 +20,21 @@ void corners_of(const Query& query, size_t from, Corners& out) {
   }
 }
 
+ContactKind contact_kind_of(const Query& query) {
+  return query.kind == QueryKind::kVertexTriangle ? ContactKind::kVertexTriangle : ContactKind::kEdgeEdge;
+}
+
 collided::ExactImpact decide_ccd(const Query& query, double thickness) {
   Corners start, end;
   corners_of(query, 0, start);
   corners_of(query, 4, end);
-  return query.kind == QueryKind::kVertexTriangle ? exact_ccd_vertex_triangle(start, end, thickness)
-                                                  : exact_ccd_edge_edge(start, end, thickness);
+  return exact_ccd(contact_kind_of(query), start, end, thickness);
 }
 
 bool decide_proximity(const Query& query, double thickness) {
   Corners end;
   corners_of(query, 4, end);
-  return query.kind == QueryKind::kVertexTriangle ? exact_proximity_vertex_triangle(end, thickness)
-                                                  : exact_proximity_edge_edge(end, thickness);
+  return exact_proximity(contact_kind_of(query), end, thickness);
 }
 
 // A time that is never late, and early by what exact.hpp allows: 2^-60 and the rounding to a double.

@@ -83,6 +83,7 @@ ROOMS["step"] = {"base", "exec", "contacts", "octree", "lbvh", "search", "narrow
 ROOMS["scene"] = ROOMS["step"] | {"positions", "step"}
 # The specification of a scene, and the top.
 TYPES, ROOF = "gpu/types.hpp", "gpu/detector.hpp"
+CONTACTS = "gpu/contact_set.hpp"
 UNDER_THE_ROOF = {"gpu/detector.cpp"}
 
 
@@ -98,6 +99,8 @@ def engine_complaint(path, target):
     if target == ROOF:
         known = room == "scene" or path in UNDER_THE_ROOF
         return None if known else "gpu/detector.hpp is the roof: what is below knows gpu/types.hpp"
+    if target == CONTACTS:
+        return "base knows no contacts" if room == "base" else None
     if target == TYPES:
         return f"{room} knows no scene" if room in ("base", "exact") else None
     if room is None:

@@ -8,7 +8,8 @@ import unittest
 import check_layers
 
 GOOD = {
-    "gpu/types.hpp": "#pragma once\n#include <vector>\n",
+    "gpu/contact_set.hpp": "#pragma once\n#include <vector>\n",
+    "gpu/types.hpp": '#pragma once\n#include "gpu/contact_set.hpp"\n',
     "gpu/detector.hpp": '#pragma once\n#include "gpu/types.hpp"\n',
     "gpu/detector.cpp": '#include "gpu/detector.hpp"\n#include "gpu/scene/rules.hpp"\n',
     "gpu/scene/rules.hpp": '#include "gpu/step/pipeline.hpp"\n#include "gpu/detector.hpp"\n',
@@ -22,7 +23,7 @@ GOOD = {
     "gpu/base/box.hpp": "#include <array>\n",
     "gpu/base/vec3.hpp": "#include <cstddef>\n",
     "gpu/base/host_device.hpp": "#include <cstddef>\n",
-    "gpu/exact/exact.hpp": '#include "gpu/base/vec3.hpp"\n',
+    "gpu/exact/exact.hpp": '#include "gpu/base/vec3.hpp"\n#include "gpu/contact_set.hpp"\n',
     "gpu/exact/polynomial.hpp": '#include <gmpxx.h>\n#include "gpu/base/host_device.hpp"\n',
     "gpu/exact/ccd.cpp": '#include "gpu/exact/polynomial.hpp"\n#include <gmp.h>\n',
     "proto/constants.hpp": "#include <cstdint>\n",
@@ -55,6 +56,7 @@ BAD = [
     ("gpu/base/bad.hpp", '#include "base/box.hpp"'),
     ("gpu/narrow/bad.hpp", '#include "gpu/exact/exact.hpp"'),
     ("gpu/base/bad.hpp", '#include "gpu/exact/exact.hpp"'),
+    ("gpu/base/bad.hpp", '#include "gpu/contact_set.hpp"'),
     ("gpu/exact/bad.hpp", '#include "gpu/narrow/ccd.hpp"'),
     ("gpu/exact/bad.hpp", '#include "gpu/step/pipeline.hpp"'),
     ("gpu/exact/bad.hpp", '#include "gpu/exec/cpu.hpp"'),

@@ -22,6 +22,7 @@ const Words<v1::Accuracy> kAccuracies{{"candidates", v1::ACCURACY_CANDIDATES},
                                       {"exact", v1::ACCURACY_EXACT}};
 const Words<v1::Report> kReports{
     {"all", v1::REPORT_ALL}, {"earliest", v1::REPORT_EARLIEST_ONLY}, {"any", v1::REPORT_ANY_HIT}};
+const Words<v1::PositionFormat> kFormats{{"f32", v1::POSITION_FORMAT_F32}, {"f64", v1::POSITION_FORMAT_F64}};
 const Words<v1::ContactKind> kKinds{{"vt", v1::CONTACT_KIND_VERTEX_TRIANGLE},
                                     {"ee", v1::CONTACT_KIND_EDGE_EDGE},
                                     {"tt", v1::CONTACT_KIND_TRIANGLE_TRIANGLE}};
@@ -35,10 +36,15 @@ const Words<v1::BroadPhaseEngine> kEngines{{"auto", v1::BROAD_PHASE_ENGINE_UNSPE
                                            {"lbvh", v1::BROAD_PHASE_ENGINE_LBVH}};
 
 template <class T>
-CLI::IsMember one_of(const Words<T>& words) {
+std::vector<std::string> names_of(const Words<T>& words) {
   std::vector<std::string> out;
   for (const auto& [word, value] : words) out.push_back(word);
-  return CLI::IsMember(out);
+  return out;
+}
+
+template <class T>
+CLI::IsMember one_of(const Words<T>& words) {
+  return CLI::IsMember(names_of(words));
 }
 
 template <class T>
@@ -124,7 +130,7 @@ void add_engines_option(CLI::App& command, std::vector<std::string>& engines) {
 
 void add_position_format_option(CLI::App& command, std::string& format) {
   command.add_option("--position-format", format, "Positions on the wire")
-      ->check(CLI::IsMember({"f32", "f64"}))
+      ->check(one_of(kFormats))
       ->capture_default_str();
 }
 
@@ -158,9 +164,8 @@ v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& de
   return spec;
 }
 
-v1::PositionFormat format_of(const std::string& name) {
-  return name == "f64" ? v1::POSITION_FORMAT_F64 : v1::POSITION_FORMAT_F32;
-}
+std::vector<std::string> position_formats() { return names_of(kFormats); }
+v1::PositionFormat format_of(const std::string& name) { return value_of(kFormats, name); }
 
 std::string name_of(v1::Backend backend) {
   switch (backend) {
@@ -173,7 +178,9 @@ std::string name_of(v1::Backend backend) {
   }
 }
 
-std::string name_of(v1::PositionFormat format) { return format == v1::POSITION_FORMAT_F64 ? "f64" : "f32"; }
+std::string name_of(v1::PositionFormat format) {
+  return word_of(kFormats, format == v1::POSITION_FORMAT_UNSPECIFIED ? v1::POSITION_FORMAT_F32 : format);
+}
 std::string name_of(v1::Accuracy accuracy) { return word_of(kAccuracies, accuracy); }
 std::string name_of(v1::Report report) { return word_of(kReports, report); }
 std::string name_of(v1::ContactKind kind) { return word_of(kKinds, kind); }

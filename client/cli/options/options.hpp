@@ -34,7 +34,7 @@ void add_detection_options(CLI::App& command, DetectionOptions& options);
 
 /// Replaces --engine of add_detection_options with one that takes several engines.
 void add_engines_option(CLI::App& command, std::vector<std::string>& engines);
-/// --position-format, f32 or f64.
+/// --position-format, one of position_formats().
 void add_position_format_option(CLI::App& command, std::string& format);
 
 /// Throws UsageError for options that contradict each other.
@@ -43,7 +43,9 @@ void check_usage(const DetectionOptions& options);
 /// A spec without meshes.
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);
 
-/// `name` is "f32" or "f64".
+/// "f32", "f64".
+std::vector<std::string> position_formats();
+/// `name` is one of position_formats().
 v1::PositionFormat format_of(const std::string& name);
 
 /// The protocol's values in the options' spelling.

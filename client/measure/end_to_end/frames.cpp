@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "client/cli/input/mesh_input.hpp"
+#include "client/cpp/positions.hpp"
 
 namespace collided::cli {
 
@@ -15,7 +16,7 @@ double positions_megabytes(const scenes::Scene& scene, v1::PositionFormat format
   double vertices = 0;
   for (const scenes::Mesh& mesh : scene.meshes())
     if (!mesh.is_static) vertices += mesh.vertex_count;
-  return vertices * (format == v1::POSITION_FORMAT_F64 ? 24 : 12) * 1e-6;
+  return vertices * static_cast<double>(client::position_bytes(format)) * 1e-6;
 }
 
 /// Time of a frame: back and forth around the middle of the motion, in steps as small as a simulator's, so that frames

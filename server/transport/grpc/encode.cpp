@@ -93,7 +93,7 @@ ChunkPiece make_piece(const Chunk& chunk, const Topology& topology) {
   piece.arrays = chunk.arrays();
   if (!piece.stencils->empty())
     piece.arrays.push_back({pb::ContactChunk::kStencilsFieldNumber, std::as_bytes(std::span(*piece.stencils))});
-  put_number(piece.facts, pb::ContactChunk::kKindFieldNumber, static_cast<uint64_t>(chunk.kind));
+  put_number(piece.facts, pb::ContactChunk::kKindFieldNumber, static_cast<uint64_t>(to_message(chunk.kind)));
   put_number(piece.facts, pb::ContactChunk::kCountFieldNumber, chunk.count());
   piece.size = piece.facts.size();
   for (const auto& array : piece.arrays) piece.size += length_of(array.field, array.bytes.size());

@@ -46,7 +46,7 @@ class OutputPart {
 };
 
 void share_chunk(const Chunk& chunk, const Topology& topology, OutputPart& part, pb::ContactChunk* out) {
-  out->set_kind(chunk.kind);
+  out->set_kind(to_message(chunk.kind));
   out->set_count(chunk.count());
   pb::SharedArrays* const shared = out->mutable_shared();
   const auto put = [&](int field, std::span<const std::byte> bytes) {

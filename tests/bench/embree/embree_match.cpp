@@ -76,8 +76,8 @@ SceneSpec candidates_spec(int threads) {
 // nullopt if the engine does not list the triangle pairs of a step.
 std::unique_ptr<EngineSide> triangle_pairs_side(const Case& c, int threads) {
   SceneSpec spec = candidates_spec(threads);
-  spec.vertex_triangle = spec.edge_edge = false;
-  spec.triangle_triangle = true;
+  spec.kinds.vertex_triangle = spec.kinds.edge_edge = false;
+  spec.kinds.triangle_triangle = true;
   try {
     return std::make_unique<EngineSide>(c, spec);
   } catch (const InvalidInput&) {

@@ -126,11 +126,6 @@ void bench_certified_proximity(const StageScene& s, benchmark::State& state) {
   measure_functor(state, candidates.size(), certify_proximity<Work, Kind>(s, candidates, found), found);
 }
 
-ExactImpact decide(const VertexTriangle&, const FeaturePoints<double>& p) {
-  return exact_ccd_vertex_triangle(p.start, p.end, 0);
-}
-ExactImpact decide(const EdgeEdge&, const FeaturePoints<double>& p) { return exact_ccd_edge_edge(p.start, p.end, 0); }
-
 /// Exact decisions on what float could not separate, the hardest part of a step.
 template <class Kind>
 void bench_exact(const StageScene& s, benchmark::State& state) {
@@ -144,7 +139,7 @@ void bench_exact(const StageScene& s, benchmark::State& state) {
   measure(
       state, points.size(), [&] { hits = 0; },
       [&] {
-        for (const FeaturePoints<double>& p : points) hits += decide(s.kind<Kind>(), p).hit ? 1 : 0;
+        for (const FeaturePoints<double>& p : points) hits += exact_ccd(Kind::kKind, p.start, p.end, 0).hit ? 1 : 0;
       });
   state.counters["share_found"] = static_cast<double>(hits) / static_cast<double>(points.size());
 }

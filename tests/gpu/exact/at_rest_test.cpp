@@ -22,7 +22,7 @@ void expect_distance(Proximity near, const Point (&p)[4], double distance) {
 
 TEST(ExactProximity, VertexTriangleAtExactlyTheThickness) {
   const Point a{0, 0, 0}, b{4, 0, 0}, c{0, 4, 0};
-  const Proximity near = exact_proximity_vertex_triangle;
+  const Proximity near = proximity<ContactKind::kVertexTriangle>;
   expect_distance(near, {{1, 1, 3}, a, b, c}, 3);
   expect_distance(near, {{2, -3, 4}, a, b, c}, 5);
   expect_distance(near, {{-3, -4, 12}, a, b, c}, 13);
@@ -35,7 +35,7 @@ TEST(ExactProximity, VertexTriangleAtExactlyTheThickness) {
 
 TEST(ExactProximity, TriangleWithoutArea) {
   const Point a{0, 0, 0}, b{4, 0, 0};
-  const Proximity near = exact_proximity_vertex_triangle;
+  const Proximity near = proximity<ContactKind::kVertexTriangle>;
   expect_distance(near, {{2, 3, 4}, a, b, a}, 5);
   expect_distance(near, {{7, 4, 0}, a, {2, 0, 0}, b}, 5);
   expect_distance(near, {{3, 4, 0}, a, a, a}, 5);
@@ -43,7 +43,7 @@ TEST(ExactProximity, TriangleWithoutArea) {
 
 TEST(ExactProximity, EdgeEdgeAtExactlyTheThickness) {
   const Point a0{0, 0, 0}, a1{4, 0, 0};
-  const Proximity near = exact_proximity_edge_edge;
+  const Proximity near = proximity<ContactKind::kEdgeEdge>;
   expect_distance(near, {a0, a1, {1, -1, 3}, {1, 1, 3}}, 3);
   expect_distance(near, {a0, a1, {1, 3, 4}, {1, 9, 4}}, 5);
   expect_distance(near, {a0, a1, {6, 3, 6}, {9, 3, 6}}, 7);

@@ -24,12 +24,12 @@ struct Kind {
 };
 
 const Kind kKinds[] = {
-    {exact_ccd_vertex_triangle,
-     exact_proximity_vertex_triangle,
+    {ccd<ContactKind::kVertexTriangle>,
+     proximity<ContactKind::kVertexTriangle>,
      closest_vertex_triangle<double>,
      {{0, 2, 3, 1}, {0, 3, 2, 1}, {0, 2, 1, 3}}},
-    {exact_ccd_edge_edge,
-     exact_proximity_edge_edge,
+    {ccd<ContactKind::kEdgeEdge>,
+     proximity<ContactKind::kEdgeEdge>,
      closest_edge_edge<double>,
      {{2, 3, 0, 1}, {1, 0, 2, 3}, {3, 2, 1, 0}}},
 };

@@ -21,9 +21,18 @@ struct Query {
   double thickness = 0;
 };
 
+template <ContactKind kind>
+ExactImpact ccd(const Point (&start)[4], const Point (&end)[4], double thickness) {
+  return exact_ccd(kind, start, end, thickness);
+}
+template <ContactKind kind>
+bool proximity(const Point (&p)[4], double thickness) {
+  return exact_proximity(kind, p, thickness);
+}
+
 inline ExactImpact impact(Impact decide, const Query& q) { return decide(q.start, q.end, q.thickness); }
-inline ExactImpact vertex_triangle(const Query& q) { return impact(exact_ccd_vertex_triangle, q); }
-inline ExactImpact edge_edge(const Query& q) { return impact(exact_ccd_edge_edge, q); }
+inline ExactImpact vertex_triangle(const Query& q) { return impact(ccd<ContactKind::kVertexTriangle>, q); }
+inline ExactImpact edge_edge(const Query& q) { return impact(ccd<ContactKind::kEdgeEdge>, q); }
 
 /// `change` maps each point; is_end tells start from end.
 template <class Change>

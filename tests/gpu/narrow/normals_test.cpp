@@ -6,6 +6,7 @@
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/judged_case.hpp"
 #include "tests/support/adversarial.hpp"
+#include "tests/support/every_field.hpp"
 #include "tests/support/frames/real_frames.hpp"
 #include "tests/support/judge/exact_normal.hpp"
 
@@ -160,7 +161,7 @@ Normal normal_of(const Positions& start, const Positions& end, bool edges) {
   add_mesh(c, {{0, 1, 2}}, start, end);
   SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified);
   spec.fields = kEveryField;
-  spec.vertex_triangle = !edges, spec.edge_edge = edges;
+  spec.kinds.vertex_triangle = !edges, spec.kinds.edge_edge = edges;
   const FrameResult r = run_case(c, spec);
   const ContactSet& set = edges ? r.edge_edge : r.vertex_triangle;
   EXPECT_GE(set.normals.size(), 1u);
@@ -190,7 +191,7 @@ TEST_F(NormalOf, ParallelEdges) {
 TEST_F(NormalOf, TrianglePairsAndCandidatesHaveNone) {
   const Case c = soup(13, 200, 0.5, 0.2, 0.05);
   SceneSpec spec = settings(Mode::kDcd, Accuracy::kCertified, Scalar::kF64, 0.01);
-  spec.fields = kEveryField, spec.triangle_triangle = true;
+  spec.fields = kEveryField, spec.kinds.triangle_triangle = true;
   const FrameResult r = run_case(c, spec);
   ASSERT_GT(r.triangle_triangle.size(), 0u);
   EXPECT_TRUE(r.triangle_triangle.normals.empty());

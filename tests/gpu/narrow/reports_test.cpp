@@ -94,7 +94,7 @@ TEST_P(Reports, OfLattices) {
     expect_earliest_is_of_all(c, thick);
     for (bool vertex_triangle : {false, true}) {
       SceneSpec one_kind = ccd(GetParam());
-      (vertex_triangle ? one_kind.edge_edge : one_kind.vertex_triangle) = false;
+      (vertex_triangle ? one_kind.kinds.edge_edge : one_kind.kinds.vertex_triangle) = false;
       expect_earliest_is_of_all(c, one_kind);
     }
   }
@@ -226,7 +226,7 @@ TEST_F(ReportCases, AnyHitOfEveryModeAndKind) {
       SceneSpec spec = settings(Mode::kDcd, accuracy, Scalar::kF64, 0.01);
       expect_any_is_of_all(*c, spec);
       EXPECT_EQ(run_report(*c, spec, Report::kAnyHit).any_contact, c == &blades);
-      spec.triangle_triangle = true;
+      spec.kinds.triangle_triangle = true;
       expect_any_is_of_all(*c, spec);
       EXPECT_EQ(run_report(*c, spec, Report::kAnyHit).any_contact, c != &nothing);
     }

@@ -16,8 +16,8 @@ constexpr Accuracy kAllLevels[] = {Accuracy::kCandidates, Accuracy::kFast, Accur
 
 SceneSpec triangles_alone(Accuracy accuracy, Scalar scalar = Scalar::kF64, double thickness = 0) {
   SceneSpec spec = settings(Mode::kDcd, accuracy, scalar, thickness);
-  spec.vertex_triangle = spec.edge_edge = false;
-  spec.triangle_triangle = true;
+  spec.kinds.vertex_triangle = spec.kinds.edge_edge = false;
+  spec.kinds.triangle_triangle = true;
   return spec;
 }
 
@@ -110,7 +110,7 @@ TEST_F(TrianglePairRules, KindsDoNotDisturbEachOther) {
   for (Accuracy accuracy : kAllLevels) {
     SceneSpec spec = settings(Mode::kDcd, accuracy, Scalar::kF64, 0.01);
     const FrameResult features = run_case(c, spec);
-    spec.triangle_triangle = true;
+    spec.kinds.triangle_triangle = true;
     const FrameResult all = run_case(c, spec);
     EXPECT_TRUE(same_contacts(features, all));
     const FrameResult alone = run_case(c, triangles_alone(accuracy, Scalar::kF64, 0.01));
@@ -169,7 +169,7 @@ TEST_F(TrianglePairRules, CountAsContactsAtEveryLevel) {
     SCOPED_TRACE(level_name(accuracy));
     SceneSpec spec = settings(Mode::kDcd, accuracy, Scalar::kF64, 0x1p-10);
     EXPECT_FALSE(run_case(pierced(), spec).any_contact);
-    spec.triangle_triangle = true;
+    spec.kinds.triangle_triangle = true;
     EXPECT_TRUE(run_case(pierced(), spec).any_contact);
     EXPECT_FALSE(run_case(beside(), spec).any_contact);
   }
@@ -241,7 +241,7 @@ class TriangleCandidates : public OnBackend<::testing::TestWithParam<Scalar>> {
  protected:
   SceneSpec spec() const {
     SceneSpec spec = settings(Mode::kCcd, Accuracy::kCandidates, GetParam());
-    spec.triangle_triangle = true;
+    spec.kinds.triangle_triangle = true;
     return spec;
   }
 
@@ -249,7 +249,7 @@ class TriangleCandidates : public OnBackend<::testing::TestWithParam<Scalar>> {
     SCOPED_TRACE(exact.name);
     const Case c = rounded(exact, GetParam());
     SceneSpec alone = spec();
-    alone.vertex_triangle = alone.edge_edge = false;
+    alone.kinds.vertex_triangle = alone.kinds.edge_edge = false;
     const std::vector<PairKey> expected = overlapping_pairs(c);
     EXPECT_GT(expected.size(), 0u);
     const FrameResult with_features = run_case(c, spec()), without = run_case(c, alone);

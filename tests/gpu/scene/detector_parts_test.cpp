@@ -52,7 +52,7 @@ using DetectorParts = OnBackend<>;
 TEST_F(DetectorParts, VertexTriangleAlone) {
   SceneSpec spec = settings(Mode::kCcd, Accuracy::kFast);
   const Footprint both = footprint(small_case(), spec);
-  spec.edge_edge = false;
+  spec.kinds.edge_edge = false;
   const Footprint alone = footprint(small_case(), spec);
   expect_fewer(alone, both);
   EXPECT_LT(alone.bytes, both.bytes);
@@ -64,7 +64,7 @@ TEST_F(DetectorParts, VertexTriangleAlone) {
 TEST_F(DetectorParts, EdgeEdgeAlone) {
   SceneSpec spec = settings(Mode::kCcd, Accuracy::kFast);
   const Footprint both = footprint(small_case(), spec);
-  spec.vertex_triangle = false;
+  spec.kinds.vertex_triangle = false;
   const Footprint alone = footprint(small_case(), spec);
   expect_fewer(alone, both);
   EXPECT_EQ(alone.result.vertex_triangle.size(), 0u);

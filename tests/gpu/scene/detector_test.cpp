@@ -41,8 +41,8 @@ TEST_F(SpecValidation, DiscreteContactsNeedADistance) {
 
 TEST_F(SpecValidation, SomeKindIsWanted) {
   SceneSpec spec = valid_spec();
-  spec.vertex_triangle = spec.edge_edge = false;
-  EXPECT_EQ("vertex_triangle", refused_field([&] { Detector::create(spec); }));
+  spec.kinds.vertex_triangle = spec.kinds.edge_edge = false;
+  EXPECT_EQ("kinds", refused_field([&] { Detector::create(spec); }));
 }
 
 TEST_F(SpecValidation, SomeMeshIsNeeded) {

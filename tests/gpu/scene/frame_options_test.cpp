@@ -79,7 +79,7 @@ TEST_F(FrameOptions, HoldForOneDiscreteFrame) {
   for (Accuracy accuracy : kAllLevels) frames.push_back({accuracy});
   frames.push_back({.report = Report::kAnyHit});
   SceneSpec spec = settings(Mode::kDcd, Accuracy::kFast, Scalar::kF32, 0.01);
-  spec.triangle_triangle = true;
+  spec.kinds.triangle_triangle = true;
   expect_options_hold_for_one_frame(small_case(), spec, frames);
 }
 
@@ -199,7 +199,7 @@ TEST_F(FrameOptions, DiscreteFramesAtFastNeedADistance) {
 
 TEST_F(FrameOptions, TrianglePairsAreDiscrete) {
   SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified);
-  spec.triangle_triangle = true;
+  spec.kinds.triangle_triangle = true;
   EXPECT_EQ("triangle_triangle", refused_field([&] { Detector::create(spec_for(small_case(), spec)); }));
 }
 

@@ -113,7 +113,7 @@ using StepTime = OnBackend<>;
 TEST_F(StepTime, IsThatOfAllRunsAsThatOfTheStages) {
   const Case c = soup(73, 1000, 0.3, 0.2, 0.1);
   SceneSpec spec = spec_for(c, settings(Mode::kCcd, Accuracy::kFast));
-  spec.edge_edge = false;  // kinds go on beside each other on a GPU
+  spec.kinds.edge_edge = false;  // kinds go on beside each other on a GPU
   const FrameResult result = Detector::create(spec)->detect(Frame(c, Mode::kCcd, Scalar::kF64).input());
   ASSERT_GT(result.replays, 0u);
   double stages = 0;

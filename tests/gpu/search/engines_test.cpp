@@ -122,7 +122,7 @@ TEST_P(EnginesOnFamily, ContactsOfEveryKind) {
   for (Mode mode : {Mode::kDcd, Mode::kCcd})
     for (Accuracy accuracy : {Accuracy::kCandidates, Accuracy::kGuarded}) {
       SceneSpec spec = settings_of(Engine::kOctree, mode, 0, accuracy);
-      spec.triangle_triangle = mode == Mode::kDcd || accuracy == Accuracy::kCandidates;
+      spec.kinds.triangle_triangle = mode == Mode::kDcd || accuracy == Accuracy::kCandidates;
       const FrameResult octree = run_case(c, spec);
       for (Engine engine : kEngines) {
         SCOPED_TRACE(std::to_string(static_cast<int>(engine)));

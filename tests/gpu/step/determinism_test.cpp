@@ -86,7 +86,7 @@ TEST_P(DeterminismOfLevels, Discrete) {
   for (Scalar scalar : {Scalar::kF32, Scalar::kF64}) {
     SceneSpec spec = settings(Mode::kDcd, GetParam(), scalar, 0x1p-5);
     spec.fields = spec.fields.with(ContactField::kWeights);
-    spec.triangle_triangle = true;
+    spec.kinds.triangle_triangle = true;
     expect_same_runs(spec);
   }
 }

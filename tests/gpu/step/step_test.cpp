@@ -69,7 +69,7 @@ void PrintTo(const Setting& setting, std::ostream* out) { *out << setting.name; 
 SceneSpec spec_of(const Setting& setting) {
   SceneSpec spec = settings(setting.mode, setting.accuracy, Scalar::kF32, setting.mode == Mode::kDcd ? 0x1p-6 : 0);
   spec.report = setting.report;
-  spec.triangle_triangle = setting.triangles;
+  spec.kinds.triangle_triangle = setting.triangles;
   spec.fields = spec.fields.with(ContactField::kWeights);
   return spec;
 }

@@ -5,6 +5,8 @@
 
 #include <cstring>
 
+#include "tests/support/every_field.hpp"
+
 namespace collided::server {
 namespace {
 
@@ -57,7 +59,7 @@ TEST(Chunks, WhatWasNotComputedIsLeftOut) {
   result.vertex_triangle.elements = {{3, 0}};
   result.triangle_triangle.elements = {{0, 1}};
   result.triangle_triangle.flags = {kFlagCertified};
-  const OutputFields fields{kEveryField, true};
+  const OutputFields fields{test::kEveryField, true};
   const auto chunks = messages(result, topology, fields, 1000);
   ASSERT_EQ(chunks.size(), 2u);
   EXPECT_EQ(array_bytes(chunks[0]), 8u + 16);

@@ -43,8 +43,8 @@ TEST(ConvertScene, FillsDefaults) {
   EXPECT_EQ(plan.engine.delta, 0);
   EXPECT_EQ(plan.engine.scalar, Scalar::kF32);
   EXPECT_EQ(plan.engine.backend, Backend::kCpu);
-  EXPECT_TRUE(plan.engine.vertex_triangle && plan.engine.edge_edge);
-  EXPECT_TRUE(!plan.engine.triangle_triangle && !plan.engine.fields.has(ContactField::kWeights));
+  EXPECT_TRUE(plan.engine.kinds.vertex_triangle && plan.engine.kinds.edge_edge);
+  EXPECT_TRUE(!plan.engine.kinds.triangle_triangle && !plan.engine.fields.has(ContactField::kWeights));
   EXPECT_EQ(plan.engine.memory_budget, Limits().max_scene_bytes);
   ASSERT_EQ(plan.engine.meshes.size(), 1u);
   EXPECT_EQ(plan.engine.meshes[0].triangles, (std::vector<TriangleCorners>{{0, 1, 2}, {0, 2, 3}}));
@@ -66,7 +66,7 @@ TEST(ConvertScene, TakesEveryLevelReportAndKind) {
     s.set_mode(pb::DETECTION_MODE_DCD);
     s.add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
   });
-  EXPECT_TRUE(triangles.triangle_triangle && !triangles.vertex_triangle && !triangles.edge_edge);
+  EXPECT_TRUE(triangles.kinds.triangle_triangle && !triangles.kinds.vertex_triangle && !triangles.kinds.edge_edge);
 }
 
 TEST(ConvertScene, TakesEveryEngine) {
@@ -205,7 +205,7 @@ TEST(ConvertScene, ContinuousTrianglePairsAreCandidates) {
     });
   };
   const auto plan = parse_scene(with_triangles(pb::ACCURACY_CANDIDATES), {}).plan;
-  EXPECT_TRUE(plan.engine.triangle_triangle && plan.engine.mode == Mode::kCcd);
+  EXPECT_TRUE(plan.engine.kinds.triangle_triangle && plan.engine.mode == Mode::kCcd);
   for (const auto accuracy : {pb::ACCURACY_UNSPECIFIED, pb::ACCURACY_FAST, pb::ACCURACY_EXACT})
     EXPECT_THROW(parse_scene(with_triangles(accuracy), {}), InvalidInput) << accuracy;
 }

@@ -92,14 +92,9 @@ class QueryRun {
   }
   template <class Kind, class Keep>
   void filter(const Kind& kind, Span<const uint64_t> keys, const Keep& keep) {
-    constexpr int k = kIndexOf<Kind>;
     exec_.for_each("filter_queries", keys.size(),
-                   FilterQueries<Real, Kind, Keep>{scene_.positions_at_start(),
-                                                   scene_.end.data(),
-                                                   kind,
-                                                   keep,
-                                                   keys,
-                                                   {scene_.kept[k].all(), &scene_.state.data()->kept[k]}});
+                   FilterQueries<Real, Kind, Keep>{scene_.positions_at_start(), scene_.end.data(), kind, keep, keys,
+                                                   narrow_.kept(Kind::kKind)});
   }
 
   Exec& exec_;

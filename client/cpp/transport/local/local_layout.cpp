@@ -4,12 +4,13 @@
 
 #include <algorithm>
 
+#include "client/cpp/positions.hpp"
 #include "proto/constants.hpp"
 
 namespace collided::client {
 
 LocalLayout local_layout(const v1::SceneSpec& scene, uint32_t window, const LocalOptions& options) {
-  const uint64_t position = scene.position_format() == v1::POSITION_FORMAT_F64 ? 24 : 12;
+  const uint64_t position = position_bytes(scene.position_format());
   const uint64_t positions = scene.mode() == v1::DETECTION_MODE_DCD ? 1 : 2;
   uint64_t vertices = 0;
   for (const v1::MeshSpec& mesh : scene.meshes()) vertices += mesh.vertex_count();

@@ -7,11 +7,12 @@
 #include "server/convert/chunks.hpp"
 #include "server/frames/answer.hpp"
 #include "tests/server/scenes/tiny_scene.hpp"
+#include "tests/support/every_field.hpp"
 
 namespace collided::server {
 namespace {
 
-constexpr OutputFields kAllFields{kEveryField, true};
+constexpr OutputFields kAllFields{test::kEveryField, true};
 
 std::string text(const grpc::ByteBuffer& bytes) {
   std::vector<grpc::Slice> slices;

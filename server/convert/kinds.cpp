@@ -1,0 +1,86 @@
+// The kinds of contacts as the protocol has them.
+#include "server/convert/kinds.hpp"
+
+#include <vector>
+
+#include "server/convert/refuse.hpp"
+
+namespace collided::server {
+namespace {
+
+Stencil vertex_triangle_stencil(const std::array<uint32_t, 2>& elements, const Topology& topology) {
+  const auto& triangle = topology.triangles[elements[1]];
+  return {elements[0], triangle[0], triangle[1], triangle[2]};
+}
+
+Stencil edge_edge_stencil(const std::array<uint32_t, 2>& elements, const Topology& topology) {
+  const auto &a = topology.edges[elements[0]], &b = topology.edges[elements[1]];
+  return {a[0], a[1], b[0], b[1]};
+}
+
+// What the protocol does not have of a kind is null.
+struct Kind {
+  using SetCount = void (pb::FrameCounts::*)(uint64_t);
+
+  pb::ContactKind message;
+  MakeStencil stencil;
+  SetCount set_candidates, set_survivors, set_contacts;
+};
+
+constexpr PerKind<Kind> kKinds{
+    .vertex_triangle = {pb::CONTACT_KIND_VERTEX_TRIANGLE, vertex_triangle_stencil,
+                        &pb::FrameCounts::set_candidates_vertex_triangle,
+                        &pb::FrameCounts::set_survivors_vertex_triangle,
+                        &pb::FrameCounts::set_contacts_vertex_triangle},
+    .edge_edge = {pb::CONTACT_KIND_EDGE_EDGE, edge_edge_stencil, &pb::FrameCounts::set_candidates_edge_edge,
+                  &pb::FrameCounts::set_survivors_edge_edge, &pb::FrameCounts::set_contacts_edge_edge},
+    .triangle_triangle = {pb::CONTACT_KIND_TRIANGLE_TRIANGLE, nullptr, nullptr, nullptr,
+                          &pb::FrameCounts::set_contacts_triangle_triangle}};
+
+bool& wanted(SceneSpec& engine, pb::ContactKind message, int index) {
+  bool* found = nullptr;
+  std::vector<pb::ContactKind> usable;
+  for_each_kind(
+      [&](ContactKind, const Kind& kind, bool& is_wanted) {
+        usable.push_back(kind.message);
+        if (kind.message == message) found = &is_wanted;
+      },
+      kKinds, engine.kinds);
+  if (found == nullptr) throw_unknown(fmt::format("spec.kinds[{}]", index), message, usable);
+  return *found;
+}
+
+}  // namespace
+
+void parse_kinds(const pb::SceneSpec& spec, SceneSpec& engine) {
+  if (spec.kinds().empty()) return;
+  engine.kinds = {};
+  for (int i = 0; i < spec.kinds_size(); ++i) wanted(engine, spec.kinds(i), i) = true;
+}
+
+void fill_kinds(const SceneSpec& engine, pb::SceneSpec* out) {
+  for_each_kind(
+      [&](ContactKind, const Kind& kind, bool is_wanted) {
+        if (is_wanted) out->add_kinds(kind.message);
+      },
+      kKinds, engine.kinds);
+}
+
+pb::ContactKind to_message(ContactKind kind) { return value_of(kKinds, kind).message; }
+
+MakeStencil stencil_maker(ContactKind kind) { return value_of(kKinds, kind).stencil; }
+
+void fill_counts_of_kinds(const FrameCounts& counts, pb::FrameCounts* out) {
+  const auto set = [&](Kind::SetCount setter, uint64_t count) {
+    if (setter != nullptr) (out->*setter)(count);
+  };
+  for_each_kind(
+      [&](ContactKind, const Kind& kind, uint64_t candidates, uint64_t survivors, uint64_t contacts) {
+        set(kind.set_candidates, candidates);
+        set(kind.set_survivors, survivors);
+        set(kind.set_contacts, contacts);
+      },
+      kKinds, counts.candidates, counts.survivors, counts.contacts);
+}
+
+}  // namespace collided::server
