@@ -36,6 +36,7 @@ class SceneDetector final : public Detector {
 
   void read_positions(const VertexSample& sample, std::span<std::byte> to) override {
     if (!has_frame_) throw std::logic_error("positions are read before the first frame");
+    exec_.asks().no_more();  // of a frame that was given up
     scene_.sample.ensure(sample.count);
     exec_.for_each("sample_positions", sample.count,
                    SamplePositions<Real>{good_positions() + sample.first, sample.stride, scene_.sample.data()});

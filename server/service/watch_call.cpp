@@ -6,6 +6,7 @@
 #include "server/convert/facts.hpp"
 #include "server/errors.hpp"
 #include "server/ops/log.hpp"
+#include "server/ops/log_rate.hpp"
 
 namespace collided::server {
 namespace {
@@ -180,10 +181,8 @@ void WatchCall::finish(const grpc::Status& status) {
   update_.reset();
   const auto watcher = watcher_;
   lock.unlock();
-  if (watcher) {
-    watcher->close();
-    log_end(status);
-  }
+  if (watcher) watcher->close();
+  log_end(status);
   lock.lock();
   finish_locked();
 }
@@ -195,9 +194,11 @@ void WatchCall::finish_locked() {
 }
 
 void WatchCall::log_end(const grpc::Status& status) const {
+  const std::string code = code_name(status.error_code());
+  if (!admit_refusal("watch", code)) return;
   log_event(spdlog::level::info, "watch ends",
-            {{"scene", watcher_->scene().id()},
-             {"code", code_name(status.error_code())},
+            {{"scene", watcher_ ? watcher_->scene().id() : std::string()},
+             {"code", code},
              {"reason", status.error_message()},
              {"request", caller().ids.request_id},
              {"trace", caller().ids.trace_id}});

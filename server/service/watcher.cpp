@@ -49,23 +49,20 @@ std::optional<WatchedUpdate> Watcher::take_latest() {
   return WatchedUpdate{std::exchange(latest_, nullptr), {}, std::exchange(unseen_, 0) - 1};
 }
 
-void Watcher::close() {
+bool Watcher::leave() {
   {
     const std::lock_guard lock(mutex_);
-    is_closed_ = true;
+    if (std::exchange(is_closed_, true)) return false;
     is_ready_ = false;
     latest_.reset();
     unread_since_.reset();
   }
   scene_->end_watch(*this);
+  return true;
 }
 
 void Watcher::end(const std::exception_ptr& why) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (is_closed_) return;
-  }
-  close();
+  if (!leave()) return;
   if (const auto sink = sink_.lock()) sink->ended(why);
 }
 

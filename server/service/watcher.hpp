@@ -46,7 +46,7 @@ class Watcher final : public SceneWatcher, public std::enable_shared_from_this<W
   /// It can be shown another frame: the latest if it has not seen that, else the next one.
   void ready();
   /// The transport is gone: leaves the scene. The sink is not called again.
-  void close();
+  void close() { leave(); }
 
   uint32_t max_contacts() const override { return options_.max_contacts; }
   void answered(const std::shared_ptr<const WatchedFrame>& frame) override;
@@ -55,6 +55,8 @@ class Watcher final : public SceneWatcher, public std::enable_shared_from_this<W
 
  private:
   bool is_due_locked() const { return is_ready_ && latest_ && unseen_ >= options_.frame_interval; }
+  /// False if it has left already.
+  bool leave();
   void show_latest();
   std::optional<WatchedUpdate> take_latest();
 

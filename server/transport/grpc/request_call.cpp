@@ -64,11 +64,12 @@ grpc::ByteBuffer to_bytes(const google::protobuf::Message& message) {
 }
 
 void RequestCall::begin() try {
+  caller_.ids = ids_of(context_.client_metadata());  // even for a call that is refused
   caller_ = identify(context_, parts_.authenticator);
   await_message();
   StartRead(&bytes_);
 } catch (...) {
-  Finish(to_status(describe_current()));
+  finish(to_status(describe_current()));
 }
 
 // gRPC shows nothing of a message before it is complete: the largest one gets time to arrive over a slow network.
