@@ -18,6 +18,10 @@ class Detector {
   /// Applies one frame and finds its contacts. A throw leaves the scene as it was.
   virtual FrameResult detect(const FrameInput& frame) = 0;
 
+  /// Positions at the end (t = 1) of the last frame applied, packed xyz of the scene's scalar type: to.size() bytes.
+  /// Only once a frame has been applied. Throws ResourceExhausted, DeviceError.
+  virtual void read_positions(const VertexSample& sample, std::span<std::byte> to) = 0;
+
   /// From any thread, also while a frame is in work. A slot may outlive its scene, and is of no use then. Throws
   /// ResourceExhausted.
   virtual std::shared_ptr<FrameSlot> make_slot() = 0;

@@ -165,6 +165,13 @@ struct FrameInput {
   uint64_t bytes_beside_contact = 0;
 };
 
+/// Vertices of a scene: `first` (scene-wide), first + stride, and so on, `count` of them.
+struct VertexSample {
+  uint64_t first = 0, stride = 1, count = 0;
+
+  bool operator==(const VertexSample&) const = default;
+};
+
 struct StageTime {
   std::string stage;
   double milliseconds = 0;

@@ -107,6 +107,7 @@ Gauges Daemon::gauges() const {
   const uint64_t outgoing = calls_->outgoing_bytes() + (local_ ? local_->outgoing_bytes() : 0);
   return {totals.scenes,
           totals.streams,
+          totals.watchers,
           service_.in_work(),
           totals.device_bytes,
           totals.waiting_frames,

@@ -193,4 +193,8 @@ FrameStream Client::resume(const v1::Scene& scene, StreamOptions options) {
   return stream(scene, options);
 }
 
+Watcher Client::watch(const std::string& scene_id, const WatchOptions& options) {
+  return Watcher::open(state_->channels, scene_id, options);
+}
+
 }  // namespace collided::client

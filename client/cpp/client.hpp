@@ -10,6 +10,7 @@
 #include "client/cpp/error.hpp"
 #include "client/cpp/frame_stream.hpp"
 #include "client/cpp/local_options.hpp"
+#include "client/cpp/watcher.hpp"
 #include "collided/v1/collision_service.pb.h"
 
 namespace collided::client {
@@ -53,6 +54,8 @@ class Client {
   /// Resumes a scene whose stream broke: send the frames after the new stream's scene().last_frame_id() again. Takes
   /// all of `options` but the token, which is the scene's.
   FrameStream resume(const v1::Scene& scene, StreamOptions options = {});
+  /// Watches the frames that others send to a scene of this client, on a separate connection.
+  Watcher watch(const std::string& scene_id, const WatchOptions& options = {});
 
  private:
   struct State;

@@ -20,13 +20,13 @@ constexpr int kDataLoss = 15;
 /// Arrays of one chunk, in the message or in shared memory.
 class Arrays {
  public:
-  Arrays(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport& transport)
+  Arrays(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport* transport)
       : chunk_(chunk), transport_(transport), before_(contacts.count) {}
 
   template <class T>
   void append(std::vector<T>& out, const std::string& own, const v1::SharedRange& range, const char* field) const {
     std::span<const std::byte> bytes = std::as_bytes(std::span(own));
-    if (range.size() > 0) bytes = transport_.shared(range);
+    if (range.size() > 0 && transport_ != nullptr) bytes = transport_->shared(range);
     if (bytes.empty() && out.empty()) return;
     if (bytes.size() != chunk_.count() * sizeof(T) || out.size() != before_)
       throw Error(kDataLoss, std::string("contacts.") + field + " has " + std::to_string(bytes.size()) + " bytes for " +
@@ -38,13 +38,13 @@ class Arrays {
 
  private:
   const v1::ContactChunk& chunk_;
-  const FrameTransport& transport_;
+  const FrameTransport* transport_;
   uint64_t before_;
 };
 
 }  // namespace
 
-void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport& transport) {
+void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport* transport) {
   const Arrays arrays(contacts, chunk, transport);
   const v1::SharedArrays& shared = chunk.shared();
   arrays.append(contacts.elements, chunk.elements(), shared.elements(), "elements");

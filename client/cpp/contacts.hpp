@@ -37,8 +37,8 @@ void for_each_kind(const Visit& visit, PerKinds&&... structs) {
   visit(v1::CONTACT_KIND_TRIANGLE_TRIANGLE, structs.triangle_triangle...);
 }
 
-/// Appends a chunk; arrays in shared memory are read through `transport`. Throws Error (DATA_LOSS) if
+/// Appends a chunk; arrays in shared memory are read through `transport`, if there is one. Throws Error (DATA_LOSS) if
 /// the length of an array is not the chunk's `count`.
-void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport& transport);
+void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport* transport = nullptr);
 
 }  // namespace collided::client

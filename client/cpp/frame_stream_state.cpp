@@ -111,10 +111,10 @@ void FrameStream::State::take(v1::StreamFramesResponse& response) {
   const uint64_t id = response.frame_id();
   switch (response.response_case()) {
     case v1::StreamFramesResponse::kContacts:
-      return append(contacts_of(partial[id], response.contacts().kind()), response.contacts(), *transport);
+      return append(contacts_of(partial[id], response.contacts().kind()), response.contacts(), transport.get());
     case v1::StreamFramesResponse::kDone:
       for (const v1::ContactChunk& chunk : response.done().contacts())
-        append(contacts_of(partial[id], chunk.kind()), chunk, *transport);
+        append(contacts_of(partial[id], chunk.kind()), chunk, transport.get());
       response.mutable_done()->clear_contacts();
       partial[id].done = std::move(*response.mutable_done());
       return complete(id);

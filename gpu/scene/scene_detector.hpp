@@ -2,9 +2,11 @@
 // A scene on one backend: keeps positions resident, applies frames atomically, runs the pipeline.
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "gpu/detector.hpp"
+#include "gpu/positions/sample.hpp"
 #include "gpu/positions/slot.hpp"
 #include "gpu/scene/rules.hpp"
 #include "gpu/scene/topology.hpp"
@@ -30,6 +32,15 @@ class SceneDetector final : public Detector {
     check_settings(spec_, settings);
     exec_.asks().begin(frame.cancelled);
     return exec_.frame([&] { return detect(frame, settings); });
+  }
+
+  void read_positions(const VertexSample& sample, std::span<std::byte> to) override {
+    if (!has_frame_) throw std::logic_error("positions are read before the first frame");
+    exec_.asks().no_more();  // of a frame that was given up
+    scene_.sample.ensure(sample.count);
+    exec_.for_each("sample_positions", sample.count,
+                   SamplePositions<Real>{good_positions() + sample.first, sample.stride, scene_.sample.data()});
+    exec_.download(to.data(), scene_.sample.data(), to.size());
   }
 
   std::shared_ptr<FrameSlot> make_slot() override { return new_slot(); }
@@ -142,18 +153,23 @@ class SceneDetector final : public Detector {
     slot.place(exec_, scene_.start.data(), scene_.end.data(), !has_frame_);
   }
   void restore() {
-    if (good_ != Good::kEnd) copy(scene_.end, good_ == Good::kStart ? scene_.start : scene_.last_good);
+    if (good_ != Good::kEnd) copy(scene_.end, good_positions());
     good_ = Good::kEnd;
+  }
+  /// Of the last good frame.
+  const Vec3<Real>* good_positions() const {
+    if (good_ == Good::kEnd) return scene_.end.data();
+    return good_ == Good::kStart ? scene_.start.data() : scene_.last_good.data();
   }
   /// CCD: a step begins where the last one ended, unless the frame `brings_starts`, which must not overwrite the only
   /// copy of the last good frame.
   void begin_at_end(bool brings_starts) {
-    if (brings_starts) copy(scene_.last_good, scene_.end);
-    copy(scene_.start, scene_.end);
+    if (brings_starts) copy(scene_.last_good, scene_.end.data());
+    copy(scene_.start, scene_.end.data());
     good_ = brings_starts ? Good::kSaved : Good::kStart;
   }
-  void copy(Buffer<Vec3<Real>, Exec>& to, const Buffer<Vec3<Real>, Exec>& from) {
-    exec_.copy(to.data(), from.data(), uint64_t{topology_.vertex_count} * sizeof(Vec3<Real>));
+  void copy(Buffer<Vec3<Real>, Exec>& to, const Vec3<Real>* from) {
+    exec_.copy(to.data(), from, uint64_t{topology_.vertex_count} * sizeof(Vec3<Real>));
   }
 
   /// The frame counts from here on; its positions are what a later failure falls back to.

@@ -136,7 +136,8 @@ struct SceneBuffers {
         columns(exec),
         order(exec),
         exact_keys(exec, "exact"),
-        exact_points(exec, "exact") {}
+        exact_points(exec, "exact"),
+        sample(exec, "watched_positions") {}
 
   /// At t = 0; in DCD the frame's own.
   const Vec3<Real>* positions_at_start() const { return start.capacity() > 0 ? start.data() : end.data(); }
@@ -159,6 +160,7 @@ struct SceneBuffers {
   OrderBuffers<Exec> order;
   Buffer<uint64_t, Exec> exact_keys;
   Buffer<Vec3<Real>, Exec> exact_points;
+  Buffer<Vec3<Real>, Exec> sample;  ///< positions on their way to those who watch the scene
 };
 
 }  // namespace collided

@@ -10,8 +10,8 @@
 #include <string>
 
 #include "grpc/health/v1/health.pb.h"
+#include "server/transport/grpc/request_call.hpp"
 #include "server/transport/grpc/rpc_router.hpp"
-#include "server/transport/grpc/unary_call.hpp"
 
 namespace collided::server {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "server/transport/grpc/request_call.hpp"
 #include "server/transport/grpc/rpc_router.hpp"
-#include "server/transport/grpc/unary_call.hpp"
 
 namespace collided::server {
 

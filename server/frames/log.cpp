@@ -3,6 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "server/frames/watched.hpp"
 #include "server/ops/log_rate.hpp"
 
 namespace collided::server {
@@ -15,6 +16,7 @@ void tell_answered(const Scene& scene, const AnsweredFrame& frame, const CallIds
              {"milliseconds", frame.cost.total_milliseconds},
              {"request", ids.request_id},
              {"trace", ids.trace_id}});
+  tell_watchers(scene, frame);
 }
 
 Failure tell_refused(const Scene& scene, uint64_t frame_id, const std::exception_ptr& error, const CallIds& ids) {

@@ -1,6 +1,6 @@
 #pragma once
-// Reports on streams and their frames, on any transport: to the scene's observer, which counts them, and to the log.
-// Empty ids are left out.
+// Reports on streams and their frames, on any transport: to the scene's observer, which counts them, to the log, and to
+// the scene's watchers. Empty ids are left out.
 
 #include <spdlog/common.h>
 
@@ -15,7 +15,7 @@
 
 namespace collided::server {
 
-/// The frame's cost must be complete.
+/// The frame's cost must be complete. On the scene's worker, after the answer has been handed over.
 void tell_answered(const Scene& scene, const AnsweredFrame& frame, const CallIds& ids);
 /// Returns what to tell the client.
 Failure tell_refused(const Scene& scene, uint64_t frame_id, const std::exception_ptr& error, const CallIds& ids);

@@ -46,6 +46,8 @@ void ServiceObserver::refused(const Scene&, uint64_t, const std::exception_ptr& 
 
 void ServiceObserver::skipped(const Scene&, uint64_t) { metrics_.count_skipped(); }
 
+void ServiceObserver::not_shown(const Scene&, uint64_t frames) { metrics_.count_not_shown(frames); }
+
 void ServiceObserver::resumed(const Scene&) { metrics_.count_reconnect(); }
 
 void ServiceObserver::expired(const Scene& scene) {

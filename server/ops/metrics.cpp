@@ -90,10 +90,10 @@ struct Metrics::Families {
   void set_gauges_now() const;
 
   Registry registry;
-  Counter &frames, &contacts, &bytes_in, &bytes_out, &skipped, &replays, &reconnects, &dropped_lines, &reset_floods,
-      &evicted;
+  Counter &frames, &contacts, &bytes_in, &bytes_out, &skipped, &not_shown, &replays, &reconnects, &dropped_lines,
+      &reset_floods, &evicted;
   Histogram& frame_seconds;
-  Gauge &scenes, &streams, &calls_in_work, &device_bytes, &queued_frames, &outgoing_bytes, &connections;
+  Gauge &scenes, &streams, &watchers, &calls_in_work, &device_bytes, &queued_frames, &outgoing_bytes, &connections;
   Gauge &resident_bytes, &open_files;
   Family<Histogram>& phase_family;
   Family<Histogram>& stage_family;
@@ -113,6 +113,8 @@ Metrics::Families::Families()
       bytes_in(counter(registry, "collided_received_bytes_total", "Bytes of positions and indices in frames")),
       bytes_out(counter(registry, "collided_sent_bytes_total", "Bytes of contact arrays in answers")),
       skipped(counter(registry, "collided_skipped_frames_total", "Frames skipped by LATEST_WINS")),
+      not_shown(counter(registry, "collided_watch_skipped_frames_total",
+                        "Frames that were not sent to a watcher, once for each watcher")),
       replays(counter(registry, "collided_replays_total", "Runs repeated because a buffer was too small")),
       reconnects(counter(registry, "collided_reconnects_total", "Streams opened with a resume token")),
       dropped_lines(counter(registry, "collided_dropped_log_lines_total", "Dropped log lines")),
@@ -124,7 +126,8 @@ Metrics::Families::Families()
               .Add({}, buckets())),
       scenes(gauge(registry, "collided_scenes", "Resident scenes")),
       streams(gauge(registry, "collided_streams", "Open streams")),
-      calls_in_work(gauge(registry, "collided_calls_in_work", "Open calls, without frame streams")),
+      watchers(gauge(registry, "collided_watchers", "Open calls of WatchScene")),
+      calls_in_work(gauge(registry, "collided_calls_in_work", "Open calls, without frame streams and watches")),
       device_bytes(
           gauge(registry, "collided_device_bytes", "Bytes that all scenes hold, on their backends and on the host")),
       queued_frames(gauge(registry, "collided_queued_frames", "Frames waiting for their turn")),
@@ -169,6 +172,7 @@ void Metrics::Families::set_gauges_now() const {
   const auto now = gauges ? gauges() : Gauges();
   scenes.Set(static_cast<double>(now.scenes));
   streams.Set(static_cast<double>(now.streams));
+  watchers.Set(static_cast<double>(now.watchers));
   calls_in_work.Set(static_cast<double>(now.calls));
   device_bytes.Set(static_cast<double>(now.device_bytes));
   queued_frames.Set(static_cast<double>(now.queued_frames));
@@ -199,6 +203,7 @@ void Metrics::count_frame(const FrameTotals& frame) {
 }
 
 void Metrics::count_skipped(uint64_t frames) { families_->skipped.Increment(static_cast<double>(frames)); }
+void Metrics::count_not_shown(uint64_t frames) { families_->not_shown.Increment(static_cast<double>(frames)); }
 void Metrics::count_rejected(std::string_view reason) { families_->rejected.at(reason).Increment(); }
 void Metrics::count_reconnect() { families_->reconnects.Increment(); }
 

@@ -25,7 +25,8 @@ struct FrameTotals {
 struct Gauges {
   uint64_t scenes = 0;
   uint64_t streams = 0;
-  uint64_t calls = 0;  ///< open, without frame streams
+  uint64_t watchers = 0;
+  uint64_t calls = 0;  ///< open, without frame streams and watches
   uint64_t device_bytes = 0;
   uint64_t queued_frames = 0;
   uint64_t outgoing_bytes = 0;  ///< of answers waiting for their clients
@@ -45,6 +46,8 @@ class Metrics {
   void count_frame(const FrameTotals& frame);
   /// Frames skipped by LATEST_WINS.
   void count_skipped(uint64_t frames = 1);
+  /// Frames that a watcher was not sent.
+  void count_not_shown(uint64_t frames);
   /// A refused frame or call; `reason` is the name of its gRPC code, such as RESOURCE_EXHAUSTED.
   void count_rejected(std::string_view reason);
   /// A stream that resumed a scene.

@@ -5,6 +5,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "server/errors.hpp"
@@ -172,8 +173,15 @@ void Scene::close(const SceneEnd& end) {
     end_ = end;  // read without the lock once closed_ is set
     closed_ = true;
   }
-  if (const auto open = stream())
-    open->end(std::make_exception_ptr(NotFound("scene_id", fmt::format("scene {} {}", id(), end.text(end.when)))));
+  const auto why = std::make_exception_ptr(NotFound("scene_id", fmt::format("scene {} {}", id(), end.text(end.when))));
+  if (const auto open = stream()) open->end(why);
+  for (const auto& watcher : watchers_.all()) watcher->end(why);
+}
+
+void Scene::begin_watch(std::shared_ptr<SceneWatcher> watcher) {
+  const std::lock_guard lock(mutex_);  // so that close() finds it
+  check_open();
+  watchers_.add(std::move(watcher));
 }
 
 std::shared_ptr<FrameSlot> Scene::take_slot() {
@@ -213,6 +221,7 @@ void Scene::release() {
     slots.swap(slots_);
   }
   if (slots) slots->close();
+  samples_.clear();
   detector_.reset();
   pending_ = {};
   held_.resize(0);
@@ -265,6 +274,7 @@ FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame) {
   const uint64_t last = shown_.last_frame_id;  // written by this thread only
   check_frame_id(frame_id, last);
   FrameResult result;
+  samples_.clear();
   try {
     result = detector_->detect(frame);
   } catch (const InvalidInput& e) {
@@ -279,6 +289,16 @@ FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame) {
   }
   publish();
   return result;
+}
+
+std::shared_ptr<const std::string> Scene::positions(const VertexSample& sample) {
+  check_open();
+  for (const auto& [before, positions] : samples_)
+    if (before == sample) return positions;
+  std::string bytes(sample.count * position_bytes(plan_.engine.scalar), '\0');
+  detector_->read_positions(sample, std::as_writable_bytes(std::span(bytes)));
+  samples_.emplace_back(sample, std::make_shared<const std::string>(std::move(bytes)));
+  return samples_.back().second;
 }
 
 void Scene::publish() {

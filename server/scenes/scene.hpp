@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gpu/detector.hpp"
@@ -22,6 +23,7 @@
 #include "server/scenes/scene_worker.hpp"
 #include "server/scenes/slot_pool.hpp"
 #include "server/scenes/upload.hpp"
+#include "server/scenes/watching.hpp"
 
 namespace collided::server {
 
@@ -88,7 +90,11 @@ class Scene {
   std::shared_ptr<SceneStream> stream() const;
   /// Throws NotFound once it is closed.
   void check_open() const;
-  /// Answers later frames and uploads with NotFound, and ends the stream.
+  /// Shows the watcher every frame from now on, until end_watch() or close(). Throws NotFound once it is closed.
+  void begin_watch(std::shared_ptr<SceneWatcher> watcher);
+  void end_watch(const SceneWatcher& watcher) { watchers_.remove(watcher); }
+  const SceneWatchers& watchers() const { return watchers_; }
+  /// Answers later frames and uploads with NotFound, and ends the stream and all watches.
   void close(const SceneEnd& end);
 
   /// A free or new slot for one frame; its last reference returns it to the scene. From any thread. Throws NotFound
@@ -113,6 +119,9 @@ class Scene {
   /// Checks and applies a frame; if it throws, the scene is unchanged.
   FrameResult apply(uint64_t frame_id, const FrameInput& frame);
   const Topology& topology() const { return detector_->topology(); }
+  /// Positions after the last frame that was applied, in the scene's format; those who ask for the same sample of one
+  /// frame share them. Throws NotFound once the scene is deleted, ResourceExhausted, LimitExceeded, DeviceError.
+  std::shared_ptr<const std::string> positions(const VertexSample& sample);
   /// Frees the scene's memory.
   void release();
 
@@ -134,6 +143,9 @@ class Scene {
   ScenePlan plan_;
   SceneSpec pending_;  // the spec with its triangles, until the detector takes it
   std::shared_ptr<Detector> detector_;
+  /// Of the last frame; owned by the worker.
+  std::vector<std::pair<VertexSample, std::shared_ptr<const std::string>>> samples_;
+  SceneWatchers watchers_;
   TurnAccount account_{surroundings_.turns.account(facts_.owner->name)};
   std::atomic<bool> closed_ = false;
   mutable std::mutex mutex_;  // guards what follows

@@ -76,8 +76,11 @@ void SceneHost::announce_stop(double seconds) {
 }
 
 void SceneHost::end_streams() const {
-  for (const auto& scene : scenes_.all())
-    if (const auto stream = scene->stream()) stream->end(std::make_exception_ptr(Stopping()));
+  const auto why = std::make_exception_ptr(Stopping());
+  for (const auto& scene : scenes_.all()) {
+    if (const auto stream = scene->stream()) stream->end(why);
+    for (const auto& watcher : scene->watchers().all()) watcher->end(why);
+  }
 }
 
 HostTotals SceneHost::totals() const {
@@ -86,6 +89,7 @@ HostTotals SceneHost::totals() const {
   totals.device_bytes = usage_.held_device_bytes();
   for (const auto& scene : scenes_.all()) {
     ++totals.scenes;
+    totals.watchers += scene->watchers().size();
     if (const auto stream = scene->stream()) totals.waiting_frames += stream->waiting();
   }
   return totals;
@@ -103,6 +107,7 @@ void SceneHost::watch() {
 void SceneHost::watch_once() {
   for (const auto& scene : scenes_.remove_expired(now_())) scene->observer().expired(*scene);
   end_idle_streams();
+  end_unread_watches();
   end_stale_uploads();
   if (++watches_ % kWatchesPerTrim == 0) freed_.give_back();
 }
@@ -122,6 +127,16 @@ void SceneHost::end_idle_streams() const {
         fmt::format("max_idle_seconds is {}, and for longer no frame arrived, or no answer was taken", limit);
     stream->end(std::make_exception_ptr(LimitExceeded::quota("scene:" + scene->id(), what)));
   }
+}
+
+void SceneHost::end_unread_watches() const {
+  const double limit = limits().max_idle_seconds;
+  for (const auto& scene : scenes_.all())
+    for (const auto& watcher : scene->watchers().all())
+      if (watcher->unread_seconds() > limit)
+        watcher->end(std::make_exception_ptr(LimitExceeded::quota(
+            "scene:" + scene->id(),
+            fmt::format("max_idle_seconds is {}, and the watcher left a message unread for longer", limit))));
 }
 
 }  // namespace collided::server

@@ -16,7 +16,7 @@ namespace collided::server {
 
 /// What the daemon holds at one moment.
 struct HostTotals {
-  uint64_t scenes = 0, streams = 0, device_bytes = 0, waiting_frames = 0;
+  uint64_t scenes = 0, streams = 0, watchers = 0, device_bytes = 0, waiting_frames = 0;
 };
 
 class SceneHost {
@@ -42,7 +42,7 @@ class SceneHost {
   void check_serving() const;
   /// Refuses new scenes and streams, and announces the stop to every open stream.
   void announce_stop(double seconds);
-  /// Ends all streams with Stopping.
+  /// Ends all streams and watches with Stopping.
   void end_streams() const;
   HostTotals totals() const;
   /// Ends whatever has been idle for too long. The host's own thread calls it four times a second.
@@ -51,6 +51,7 @@ class SceneHost {
  private:
   void watch();
   void end_idle_streams() const;
+  void end_unread_watches() const;
 
   const Now now_;
   mutable std::mutex mutex_;

@@ -18,6 +18,8 @@ class SceneObserver {
   virtual void answered(const Scene& scene, const AnsweredFrame& frame) = 0;
   virtual void refused(const Scene& scene, uint64_t frame_id, const std::exception_ptr& error) = 0;
   virtual void skipped(const Scene& scene, uint64_t frame_id) = 0;
+  /// So many frames were not shown to one watcher.
+  virtual void not_shown(const Scene& scene, uint64_t frames) = 0;
   /// A stream was opened with the scene's resume token.
   virtual void resumed(const Scene& scene) = 0;
   /// The scene was deleted because its lease ran out.

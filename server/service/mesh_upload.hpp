@@ -5,12 +5,15 @@
 
 #include <memory>
 
+#include "collided/v1/collision_service.pb.h"
 #include "server/limits/waiting_calls.hpp"
 #include "server/scenes/scene_host.hpp"
 #include "server/transport/grpc/caller.hpp"
-#include "server/transport/grpc/unary_call.hpp"
+#include "server/transport/grpc/request_call.hpp"
 
 namespace collided::server {
+
+namespace pb = collided::v1;
 
 class MeshUpload final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:

@@ -7,6 +7,7 @@
 #include "server/convert/facts.hpp"
 #include "server/errors.hpp"
 #include "server/service/mesh_upload.hpp"
+#include "server/service/watch_call.hpp"
 #include "server/shorten.hpp"
 #include "server/transport/grpc/detect_frame.hpp"
 
@@ -61,8 +62,9 @@ void CollisionService::add_to(RpcRouter& router) {
   add(router, "ListScenes", &CollisionService::list_scenes);
   add(router, "DeleteScene", &CollisionService::delete_scene);
   add(router, "DetectFrame", &CollisionService::detect_frame);
-  router.add(path_of("WatchScene"),
-             [](auto&) -> grpc::ServerGenericBidiReactor* { throw Unimplemented("", "WatchScene is not served"); });
+  router.add(path_of("WatchScene"), [this](grpc::GenericCallbackServerContext& context) {
+    return WatchCall::serve(context, host_, parts_, watch_jobs_);
+  });
 }
 
 SceneDefaults CollisionService::defaults(const Client& client) const {

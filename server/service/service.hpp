@@ -15,6 +15,7 @@
 #include "server/limits/decode_budget.hpp"
 #include "server/limits/waiting_calls.hpp"
 #include "server/scenes/scene_host.hpp"
+#include "server/service/timed_jobs.hpp"
 #include "server/transport/grpc/caller.hpp"
 #include "server/transport/grpc/raw_service.hpp"
 #include "server/transport/grpc/rpc_router.hpp"
@@ -58,6 +59,7 @@ class CollisionService final : public RawService {
   DecodeBudget budget_;
   WaitingCalls waiting_;
   const CallParts parts_;
+  TimedJobs watch_jobs_;
   const std::shared_ptr<int> calls_ = std::make_shared<int>();  // each open call holds a copy
 };
 

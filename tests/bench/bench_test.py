@@ -1,6 +1,7 @@
 """The benchmarks' output is complete and consistent. Usage: bench_test.py CHECK PROGRAM
 
-CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench) or embree (collided_embree_bench).
+CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench), embree (collided_embree_bench) or watch
+(collided_watch_bench).
 """
 
 import json
@@ -64,6 +65,14 @@ class Bench(unittest.TestCase):
         groups = {run["name"].split("/")[0] for run in ran["benchmarks"] if not run.get("error_occurred")}
         self.assertEqual(groups, {"boxes", "exact", "fast", "filter", "frame", "hierarchy", "octree", "order", "pairs",
                                   "proximity", "separation", "sort"})
+
+    def check_watch(self):
+        ran = parsed(*SMALL, "--backend", "cpu", "--threads", "1", "--blocks", "2", "--frames", "3")
+        self.assertEqual((ran["frames"], ran["watchers"], ran["stopped"]), (6, 4, 1))
+        for of in ("alone_ms", "watched_ms"):
+            self.assertLess(0, ran[of]["p50"])
+            self.assertLessEqual(ran[of]["p50"], ran[of]["p99"])
+        self.assertAlmostEqual(ran["ratio"]["p99"], ran["watched_ms"]["p99"] / ran["alone_ms"]["p99"])
 
     def check_embree(self):
         """Exits with 1 where Embree and the engine find different numbers of pairs."""

@@ -40,10 +40,10 @@ SERVER_ROOMS = {
     "frames": {"config", "ops", "limits", "scenes", "convert"},
     "transport/local": {"net", "ops", "auth", "scenes", "convert", "frames"},
     "transport/grpc": {"ops", "auth", "limits", "scenes", "convert", "frames"},
-    "service": {"config", "ops", "auth", "limits", "scenes", "convert", "transport/grpc"},
+    "service": {"config", "ops", "auth", "limits", "scenes", "convert", "frames", "transport/grpc"},
     "builtin": {"ops", "auth", "limits", "convert", "transport/grpc"},
 }
-SPEAKS_MESSAGES = re.compile(r"(convert|transport|service|builtin)/|frames/(answer|decode|intake|messages)\.")
+SPEAKS_MESSAGES = re.compile(r"(convert|transport|service|builtin)/|frames/(answer|decode|intake|messages|watched)\.")
 SPEAKS_GRPC = re.compile(r"(convert|frames|transport|service|builtin)/|auth/credentials\.|[^/]+$")
 
 

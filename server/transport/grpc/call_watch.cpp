@@ -14,6 +14,8 @@ using grpc::experimental::InterceptionHookPoints;
 
 namespace {
 
+constexpr std::string_view kLogsItself = "WatchScene";  // most watches end long after they were admitted
+
 bool is_served(const std::string& method) {
   static const auto* service = pb::GetSceneRequest::descriptor()->file()->FindServiceByName("CollisionService");
   return service->FindMethodByName(method) || method == "Check" || method == "Watch" ||
@@ -43,7 +45,7 @@ void CallWatch::Intercept(grpc::experimental::InterceptorBatchMethods* methods) 
 void CallWatch::ended(const grpc::Status& status) const {
   const std::string code = code_name(status.error_code());
   metrics_.count_call(method_, code);
-  if (status.ok() || !admit_refusal(method_, code)) return;
+  if (status.ok() || method_ == kLogsItself || !admit_refusal(method_, code)) return;
   log_event(spdlog::level::info, "call refused",
             {{"method", method_},
              {"code", code},

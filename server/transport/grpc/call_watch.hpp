@@ -1,6 +1,6 @@
 #pragma once
-// Counts every call except frame streams, which count themselves; logs refused calls; reports calls that were abandoned
-// before they sent a message.
+// Counts every call except frame streams, which count themselves; logs refused calls except watches, which log their
+// ends; reports calls that were abandoned before they sent a message.
 
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/support/server_interceptor.h>

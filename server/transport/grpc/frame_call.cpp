@@ -10,7 +10,7 @@
 #include "server/frames/answer.hpp"
 #include "server/frames/log.hpp"
 #include "server/frames/messages.hpp"
-#include "server/transport/grpc/unary_call.hpp"
+#include "server/transport/grpc/request_call.hpp"
 
 namespace collided::server {
 namespace {

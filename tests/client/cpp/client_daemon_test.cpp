@@ -3,6 +3,7 @@
 #include <grpcpp/create_channel.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <thread>
 
 #include "client/cli/daemon/own_daemon.hpp"
@@ -19,6 +20,16 @@ const Triangles kTriangles{{0, 1, 2}, {3, 4, 5}};
 /// A triangle at rest, and one whose corner is `height` above its inside.
 std::vector<std::array<double, 3>> positions_at(double height) {
   return {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, height}, {1.5, 1, height + 2}, {1, 1.5, height + 2}};
+}
+
+template <class Call>
+void expect_error(int code, const Call& call) {
+  try {
+    call();
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code) << error.what();
+  }
 }
 
 class ClientAndDaemon : public testing::Test {
@@ -69,6 +80,43 @@ TEST_F(ClientAndDaemon, PositionsInTheCallersMemoryGiveTheContactsOfAFrame) {
   EXPECT_FALSE(a.draining_deadline());
   a.finish();
   b.finish();
+}
+
+TEST_F(ClientAndDaemon, AWatcherSeesTheContactsAndPositionsOfFramesThatOthersSend) {
+  const v1::Scene scene = make_scene();
+  Watcher watcher = client.watch(scene.scene_id(), {.max_contacts_per_kind = 10, .meshes = {0}, .vertex_stride = 2});
+  EXPECT_EQ(watcher.scene().scene_id(), scene.scene_id());
+  EXPECT_EQ(watcher.vertex_stride(), 2u);
+  FrameStream stream = client.stream(scene);
+  for (uint64_t id = 1; id <= 3; ++id) {
+    const auto positions = positions_at(id % 2 ? 1 : -1);
+    const FrameOutput answered = run(stream, id, positions);
+    const WatchedFrame shown = watcher.receive();
+    EXPECT_EQ(shown.frame_id, id);
+    EXPECT_EQ(shown.skipped_frames, 0u);
+    EXPECT_EQ(shown.omitted_contacts, 0u);
+    EXPECT_EQ(shown.done.contact_count(), answered.done.contact_count());
+    EXPECT_EQ(shown.vertex_triangle.elements, answered.vertex_triangle.elements);
+    EXPECT_EQ(shown.vertex_triangle.toi, answered.vertex_triangle.toi);
+    ASSERT_EQ(shown.positions.size(), 1u);
+    ASSERT_EQ(shown.positions[0].positions().size(), 3 * sizeof(positions[0]));
+    for (size_t i = 0; i < 3; ++i)
+      EXPECT_EQ(std::memcmp(shown.positions[0].positions().data() + i * sizeof(positions[0]), &positions[2 * i],
+                            sizeof(positions[0])),
+                0);
+  }
+  client.delete_scene(scene.scene_id());
+  expect_error(grpc::NOT_FOUND, [&] { watcher.receive(); });
+  expect_error(grpc::FAILED_PRECONDITION, [&] { watcher.receive(); });
+}
+
+TEST_F(ClientAndDaemon, AWatcherIsCancelledWhileItWaits) {
+  const v1::Scene scene = make_scene();
+  Watcher watcher = client.watch(scene.scene_id());
+  std::thread other([&] { watcher.cancel(); });
+  expect_error(grpc::CANCELLED, [&] { watcher.receive(); });
+  other.join();
+  expect_error(grpc::INVALID_ARGUMENT, [&] { client.watch(scene.scene_id(), {.max_contacts_per_kind = 1u << 30}); });
 }
 
 TEST_F(ClientAndDaemon, ARefusedFrameIsAnAnswerAndTheStreamGoesOn) {

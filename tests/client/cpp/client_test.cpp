@@ -30,7 +30,7 @@ v1::ContactChunk chunk_of_two() {
 /// A call that is never opened.
 class ContactArrays : public testing::Test {
  protected:
-  void add(const v1::ContactChunk& chunk) { append(contacts, chunk, transport); }
+  void add(const v1::ContactChunk& chunk) { append(contacts, chunk, &transport); }
 
   GrpcTransport transport{grpc::CreateChannel("unix:/nonexistent/socket", grpc::InsecureChannelCredentials()),
                           std::make_unique<grpc::ClientContext>(), 1 << 20};

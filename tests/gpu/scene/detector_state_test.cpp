@@ -144,6 +144,46 @@ TEST_F(DetectorState, CancellingLeavesTheSceneAsItWas) {
   EXPECT_GT(times_cancelled, 2);
 }
 
+/// Every third vertex of mesh 1, from its second one on.
+Positions read_some(Detector& detector, const Case& c) {
+  const VertexSample sample{c.start[0].size() + 1, 3, (c.start[1].size() + 1) / 3};
+  Positions some(sample.count);
+  detector.read_positions(sample, std::as_writable_bytes(std::span(some)));
+  return some;
+}
+Positions some_of(const Case& c) {
+  Positions some;
+  for (size_t i = 1; i < c.end[1].size(); i += 3) some.push_back(c.end[1][i]);
+  return some;
+}
+
+TEST_F(DetectorState, PositionsAreThoseAfterTheLastFrameThatWasApplied) {
+  for (const Mode mode : {Mode::kDcd, Mode::kCcd}) {
+    SceneSpec spec = fast_spec();
+    spec.mode = mode;
+    spec.thickness = mode == Mode::kDcd ? 0.01 : 0;
+    Case c = soup(62, 100, 1, 0.2, 0.1);
+    const Case second = soup(63, 100, 1, 0.2, 0.1);
+    add_mesh(c, second.meshes[0].triangles, second.start[0], second.end[0]);
+    auto kept = Detector::create(spec_for(c, spec));
+    EXPECT_THROW(read_some(*kept, c), std::logic_error);
+    kept->detect(Frame(c, mode, Scalar::kF64).input());
+    EXPECT_EQ(read_some(*kept, c), some_of(c));
+
+    Case next = c;
+    std::swap(next.start[1], next.end[1]);
+    const Frame frame(next, mode, Scalar::kF64);
+    FrameInput input = frame.input();
+    int asked = 0;
+    input.cancelled = [&] { return asked++ >= 3; };  // once its positions are in place
+    EXPECT_THROW(kept->detect(input), Cancelled);
+    EXPECT_EQ(read_some(*kept, c), some_of(c));
+    input.cancelled = {};
+    kept->detect(input);
+    EXPECT_EQ(read_some(*kept, c), some_of(next));
+  }
+}
+
 TEST_F(DetectorState, CancelledFirstFrameIsStillTheFirst) {
   const Case c = soup(66, 200, 1, 0.2, 0.1);
   auto detector = Detector::create(spec_for(c, fast_spec()));

@@ -1,0 +1,43 @@
+// A frame as its scene's watchers see it.
+#include "server/frames/watched.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+
+#include "server/convert/chunks.hpp"
+#include "server/frames/answer.hpp"
+
+namespace collided::server {
+namespace {
+
+// The rest of the contacts is not copied: a watcher that stops reading must not hold a whole answer's memory.
+void fill_first_contacts(const Scene& scene, const FrameResult& result, uint32_t max_of_kind, pb::FrameDone* out) {
+  for (Chunk& chunk : cut_into_chunks(result, scene.plan().fields, std::numeric_limits<size_t>::max())) {
+    chunk.end = std::min<size_t>(chunk.end, max_of_kind);
+    fill_chunk(chunk, scene.topology(), out->add_contacts());
+  }
+}
+
+std::shared_ptr<const WatchedFrame> show(const Scene& scene, const AnsweredFrame& frame, uint32_t max_of_kind) {
+  auto shown = std::make_shared<WatchedFrame>(WatchedFrame{frame.frame_id, done_message(frame)});
+  if (max_of_kind > 0) fill_first_contacts(scene, frame.result, max_of_kind, &shown->done);
+  return shown;
+}
+
+}  // namespace
+
+void tell_watchers(const Scene& scene, const AnsweredFrame& frame) {
+  const auto watchers = scene.watchers().all();
+  if (watchers.empty()) return;
+  try {
+    uint32_t max_of_kind = 0;
+    for (const auto& watcher : watchers) max_of_kind = std::max(max_of_kind, watcher->max_contacts());
+    const auto shown = show(scene, frame, max_of_kind);
+    for (const auto& watcher : watchers) watcher->answered(shown);
+  } catch (...) {
+    for (const auto& watcher : watchers) watcher->end(std::current_exception());
+  }
+}
+
+}  // namespace collided::server
