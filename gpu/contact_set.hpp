@@ -106,8 +106,16 @@ constexpr size_t contact_bytes(FieldSet fields) {
 }
 
 /// kFlagCertified: certain in real arithmetic; kFlagNear: certain only to within delta and the working precision;
-/// kFlagCapped: the limit of iterations was met; kFlagInitial: in contact at t = 0 (with kFlagNear, to within delta).
-enum ContactFlags : uint8_t { kFlagCertified = 1, kFlagNear = 2, kFlagCapped = 4, kFlagInitial = 8 };
+/// kFlagCapped: the limit of iterations was met; kFlagInitial: in contact at t = 0 (with kFlagNear, to within delta);
+/// kFlagSeparating: in contact at t = 0 at a distance above 0, and certain to come no closer in the step than
+/// 1 - kLostAtRest of it (narrow/separating.hpp).
+enum ContactFlags : uint8_t {
+  kFlagCertified = 1,
+  kFlagNear = 2,
+  kFlagCapped = 4,
+  kFlagInitial = 8,
+  kFlagSeparating = 16
+};
 
 /// Values of a result, in memory that all copies share.
 template <class T>

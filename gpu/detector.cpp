@@ -37,7 +37,7 @@ std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
 
 void check_options(const SceneSpec& spec, const FrameInput& frame) {
   check_spec(spec);
-  check_settings(spec, settings_of(spec, frame));
+  check_frame(spec, frame);
 }
 
 std::vector<DeviceInfo> list_devices() {

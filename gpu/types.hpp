@@ -114,6 +114,8 @@ struct SceneSpec {
   Engine engine = Engine::kAuto;
   double thickness = 0;  ///< >= 0, finite, unit of the positions
   double delta = 0;      ///< tolerance of CCD from kGuarded on, unit of the positions; 0: relative to each pair's size
+  /// CCD: distance that FrameInput::advance keeps; >= 0, finite, unit of the positions.
+  double min_separation = 0;
   Report report = Report::kAll;
   /// Which kinds are wanted, one or more. Of triangles, in DCD: those of the frame that intersect; thickness plays no
   /// part. In CCD, at kCandidates alone: those whose boxes overlap.
@@ -157,6 +159,18 @@ struct FrameInput {
   std::optional<Accuracy> accuracy = {};  ///< for this frame alone; the scene's if absent
   std::optional<double> delta = {};
   std::optional<Report> report = {};
+  /// earliest_toi, kEarliestOnly and kAnyHit leave out contacts that come no closer (kFlagSeparating). CCD from
+  /// kGuarded on.
+  bool ignore_separating = false;
+  /// Go only as far towards the frame's positions as is certified free of contact, at min_separation
+  /// (step/advance.hpp); the contacts are those of the whole way. Implies ignore_separating. CCD from kCertified on, of
+  /// both kinds of features.
+  bool advance = false;
+  /// Answer, and leave the scene as it was.
+  bool trial = false;
+  /// CCD: begin this far along the way of the last frame, in [0, 1], that of a trial too, by the formula of
+  /// positions/blend.hpp. Meshes that the frame does not name stay there.
+  std::optional<double> start_fraction = {};
   /// Whether to give the frame up; may be empty. The thread that called detect() asks, and no other: before each stage,
   /// and after about 8 ms of work within one. If it returns true (Cancelled) or throws, the frame ends and the scene is
   /// as it was. On CPU cores it may take its time: nothing of the frame goes on meanwhile.
@@ -198,6 +212,8 @@ struct FrameResult : PerKind<ContactSet> {
   double step_milliseconds = 0;
   Engine engine = Engine::kOctree;  ///< that found the pairs; never kAuto
   double earliest_toi = 1;          ///< CCD; from kGuarded on no contact is earlier
+  /// How far the scene went, in [0, 1], by the formula of positions/blend.hpp; where the frame asked to advance.
+  std::optional<double> advanced = {};
   bool any_contact = false;
   bool input_resolution = false;  ///< the input's own spacing is coarser than delta (0: than 1/1000 of most triangles)
   /// The contacts' memory, within what the scene took of its memory_quota for answers; given back with the last copy.

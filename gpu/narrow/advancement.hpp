@@ -15,8 +15,8 @@ constexpr int kMaxIterations = 64;
 
 template <class Work>
 struct Tolerance {
-  Work thickness;  ///< scaled, rounded up
-  Work delta;      ///< scaled
+  Thickness<Work> thickness;
+  Work delta;  ///< scaled
 };
 
 /// How far a query has come: apart on [0, t) for certain, with the pace that was right so far.
@@ -58,7 +58,7 @@ struct View {
   Work gap, speed;  ///< as in ClosestFeatures
   Along<Work, N> directed;
 
-  COLLIDED_HD static View at(const Differences<Work, N>& d, Work t, Work thickness) {
+  COLLIDED_HD static View at(const Differences<Work, N>& d, Work t, const Thickness<Work>& thickness) {
     const ClosestFeatures<Work, N> closest_features(d, t);
     View view{closest_features.gap, closest_features.speed, along(d, closest_features.best(), thickness, t)};
     if (!view.directed.is_apart()) view.directed = along(d, closest_features.other(), thickness, t);
@@ -87,7 +87,7 @@ class Advancement {
   /// Apart on [0, t) for certain.
   COLLIDED_HD Work time() const { return t_; }
   COLLIDED_HD const Pace& pace() const { return pace_; }
-  COLLIDED_HD Work thickness() const { return tolerance_.thickness; }
+  COLLIDED_HD const Thickness<Work>& thickness() const { return tolerance_.thickness; }
 
   /// Looks at the features at the time that was chosen for it. A contact that is certain to be reported after `last`
   /// may count as a miss; `last` never changes the time of a hit, for what it is depends on the order of the queries.
@@ -127,7 +127,7 @@ class Advancement {
     if (iterations_ > max_iterations_) return Outcome::kCapped;
     // Features that turn need many fixed directions, but few turning ones.
     const Work rounding = 32 * Precision<Work>::kUnit * d.extent;
-    const Work ahead = pace_.ahead_of(t_, now_.gap - tolerance_.thickness, now_.speed, rounding);
+    const Work ahead = pace_.ahead_of(t_, now_.gap - tolerance_.thickness.end, now_.speed, rounding);
     turns_ = ahead > reach.until;
     next_ = turns_ ? ahead : reach.until;
     return Outcome::kOpen;

@@ -2,7 +2,7 @@
 // CCD at the levels GUARDED (Work = float), CERTIFIED and EXACT (Work = double): no contact of the given positions is
 // missed, and no time of impact is late.
 
-#include "gpu/narrow/certificate.hpp"
+#include "gpu/narrow/separating.hpp"
 
 namespace collided {
 
@@ -38,7 +38,8 @@ template <class Real, class Kind, class Candidate>
 struct CcdQueries {
   const Vec3<Real>* start;
   const Vec3<Real>* end;
-  double thickness, delta;
+  double thickness;  ///< at t = 1; the filters take it for the whole step
+  double delta;
   Kind kind;
   Span<const Candidate> candidates;
 
@@ -96,9 +97,9 @@ struct ApproachCcd {
       return;
     }
     constexpr float kNear = 0x1p-16f;  // of the extent: where float comes near its limits
-    state.features.begin({scaled_thickness<float>(queries.thickness, d.scale),
-                          max(kNear * d.extent, float_above(queries.delta * d.scale))},
-                         queries.progress(i), kIterationsInFloat);
+    const float thickness = scaled_thickness<float>(queries.thickness, d.scale);
+    const float delta = max(kNear * d.extent, float_above(queries.delta * d.scale));
+    state.features.begin({{thickness, thickness}, delta}, queries.progress(i), kIterationsInFloat);
   }
   COLLIDED_HD void step(State& state) const { state.features.iterate(1.0f); }
   COLLIDED_HD void finish(const State& state) const {
@@ -115,6 +116,8 @@ template <class Work, class Real, class Kind, class Candidate>
 struct AdvanceCcd {
   using State = CcdState<Work, Kind>;
   CcdQueries<Real, Kind, Candidate> queries;
+  double start_thickness;  ///< at t = 0, at most queries.thickness
+  bool skips_separating;   ///< what comes no closer is no contact
   ContactSink<Real> contacts;
 
   COLLIDED_HD void begin(uint64_t i, State& state) const {
@@ -125,25 +128,35 @@ struct AdvanceCcd {
       return contacts.report(state.key, {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified | kFlagInitial}});
     const Work delta =
         queries.delta > 0 ? static_cast<Work>(queries.delta * d.scale) : default_delta(Work(0)) * d.extent;
-    state.features.begin({scaled_thickness<Work>(queries.thickness, d.scale), delta}, queries.progress(i),
-                         kMaxIterations);
+    const Thickness<Work> thickness{scaled_thickness<Work>(start_thickness, d.scale),
+                                    scaled_thickness<Work>(queries.thickness, d.scale)};
+    state.features.begin({thickness, delta}, queries.progress(i), kMaxIterations);
   }
   COLLIDED_HD void step(State& state) const { state.features.iterate(static_cast<Work>(contacts.early_exit.last())); }
   COLLIDED_HD void finish(const State& state) const {
     const AdvancementOf<Work, Kind>& features = state.features;
-    if (features.is_hit())
-      contacts.report(state.key, contact_at<Real>(features.d, features.time(), flags_of(features)));
+    if (!features.is_hit()) return;
+    const bool separating = is_separating(features);
+    if (separating && skips_separating) return;
+    const uint8_t flags = flags_of(features) | (separating ? kFlagSeparating : 0);
+    contacts.report(state.key, contact_at<Real>(features.d, features.time(), flags));
   }
 
  private:
   COLLIDED_HD static uint8_t flags_of(const AdvancementOf<Work, Kind>& features) {
-    const Work t = features.time(), thickness = features.thickness();
+    const Work t = features.time(), thickness = features.thickness().start;
     const bool is_sure = is_certain(features.d, t, thickness);
     uint8_t flags = is_sure ? kFlagCertified : kFlagNear;
     if (features.is_capped()) flags |= kFlagCapped;
     // A sure contact may come after its lower bound 0.
     if (t == 0 && (!is_sure || touches_at(features.d, Work(0), thickness))) flags |= kFlagInitial;
     return flags;
+  }
+  /// Features within the thickness at t = 0; or, where the thickness grows, those that it catches up with.
+  COLLIDED_HD static bool is_separating(const AdvancementOf<Work, Kind>& features) {
+    const Thickness<Work>& thickness = features.thickness();
+    if (features.time() == 0) return comes_no_closer(features.d, Work(0));
+    return thickness.end > thickness.start && comes_no_closer(features.d, thickness.start);
   }
 };
 

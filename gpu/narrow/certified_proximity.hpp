@@ -9,7 +9,7 @@ namespace collided {
 /// Whether the features are certain to be farther apart than the thickness; false says nothing.
 template <class Work, int N>
 COLLIDED_HD bool are_apart(const Differences<Work, N>& d, Work thickness) {
-  return View<Work, N>::at(d, Work(0), thickness).directed.is_apart();
+  return View<Work, N>::at(d, Work(0), {thickness, thickness}).directed.is_apart();
 }
 
 /// Keeps the candidates that float cannot tell apart.

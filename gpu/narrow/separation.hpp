@@ -99,18 +99,25 @@ struct Along {
   }
 };
 
+/// A distance that features keep, at t = 0 and at t = 1, and linearly between: the bounds below are linear in t, or
+/// where a direction turns, chords of such bounds; so they hold for it as they do for one distance.
+template <class Work>
+struct Thickness {
+  Work start, end;  ///< scaled, rounded up; start <= end
+};
+
 /// `t`: the time that the direction was made for.
 template <class Work, int N>
-COLLIDED_HD Along<Work, N> along(const Differences<Work, N>& d, const Direction<Work>& direction, Work thickness,
-                                 Work t) {
+COLLIDED_HD Along<Work, N> along(const Differences<Work, N>& d, const Direction<Work>& direction,
+                                 const Thickness<Work>& thickness, Work t) {
   Along<Work, N> out;
   out.length = direction.length;
-  const Work offset = offset_along(direction, thickness);
+  const Work at_start = offset_along(direction, thickness.start), at_end = offset_along(direction, thickness.end);
   bool apart = direction.length > 0;
   out.least = Reach<Work>::kBeyond;
   for (int k = 0; k < N; ++k) {
-    out.start[k] = lower_bound_along(direction.n, d.start[k], offset);
-    out.end[k] = lower_bound_along(direction.n, d.end[k], offset);
+    out.start[k] = lower_bound_along(direction.n, d.start[k], at_start);
+    out.end[k] = lower_bound_along(direction.n, d.end[k], at_end);
     const Work now = lower_bound_at(out.start[k], out.end[k], t);
     apart = apart & (now > 0);
     out.least = min(out.least, now);

@@ -12,8 +12,6 @@ void check_length(const std::string& field, double value, double limit) {
     throw InvalidInput(field, field + " is " + text(value) + "; it must be from 0 to " + text(limit));
 }
 
-}  // namespace
-
 void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
   if (spec.kinds.triangle_triangle && spec.mode == Mode::kCcd && settings.accuracy != Accuracy::kCandidates)
     throw InvalidInput(
@@ -29,11 +27,38 @@ void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
     throw InvalidInput("report", "report is ANY_HIT, which needs FAST or above");
 }
 
+void check_advance(const SceneSpec& spec, const FrameSettings& settings) {
+  if (spec.mode != Mode::kCcd || settings.accuracy < Accuracy::kCertified)
+    throw InvalidInput("advance", "advance is on, which needs CCD at CERTIFIED or above");
+  if (!spec.kinds.vertex_triangle || !spec.kinds.edge_edge)
+    throw InvalidInput("advance", "advance is on, which needs both vertex-triangle and edge-edge contacts");
+}
+
+void check_start_fraction(const SceneSpec& spec, double fraction) {
+  if (spec.mode != Mode::kCcd) throw InvalidInput("start_fraction", "start_fraction is given, which needs CCD");
+  if (!(fraction >= 0 && fraction <= 1))
+    throw InvalidInput("start_fraction", "start_fraction is " + text(fraction) + "; it must be from 0 to 1");
+}
+
+}  // namespace
+
+void check_frame(const SceneSpec& spec, const FrameInput& frame) {
+  const FrameSettings settings = settings_of(spec, frame);
+  check_settings(spec, settings);
+  if (frame.ignore_separating && (spec.mode != Mode::kCcd || settings.accuracy < Accuracy::kGuarded))
+    throw InvalidInput("ignore_separating", "ignore_separating is on, which needs CCD at GUARDED or above");
+  if (frame.advance) check_advance(spec, settings);
+  if (frame.start_fraction) check_start_fraction(spec, *frame.start_fraction);
+}
+
 void check_spec(const SceneSpec& spec) {
   check_length("thickness", spec.thickness, coordinate_limit(spec.scalar));
   if (spec.kinds == PerKind<bool>{}) throw InvalidInput("kinds", "kinds are all off, nothing would be detected");
   if (spec.threads < 0)
     throw InvalidInput("threads", "threads is " + text(spec.threads) + ", the least is 0 (all cores)");
+  check_length("min_separation", spec.min_separation, coordinate_limit(spec.scalar));
+  if (spec.min_separation > 0 && spec.mode != Mode::kCcd)
+    throw InvalidInput("min_separation", "min_separation is " + text(spec.min_separation) + ", which needs CCD");
   check_settings(spec, settings_of(spec, {}));
 }
 

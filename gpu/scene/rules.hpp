@@ -5,11 +5,11 @@
 
 namespace collided {
 
-/// Throws InvalidInput for a thickness or delta that is negative or not finite, for a thickness of 0 in DCD at kFast,
-/// for kinds all off, triangle pairs in CCD, and reports that the mode or the accuracy does not have.
+/// Throws InvalidInput for a thickness, delta or min_separation that is negative or not finite, for a thickness of 0 in
+/// DCD at kFast, for kinds all off, triangle pairs in CCD, and reports that the mode or the accuracy does not have.
 void check_spec(const SceneSpec& spec);
 
 /// Throws InvalidInput naming the frame's option that the scene cannot have.
-void check_settings(const SceneSpec& spec, const FrameSettings& settings);
+void check_frame(const SceneSpec& spec, const FrameInput& frame);
 
 }  // namespace collided

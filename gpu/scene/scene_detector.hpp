@@ -7,9 +7,10 @@
 
 #include "gpu/detector.hpp"
 #include "gpu/positions/sample.hpp"
-#include "gpu/positions/slot.hpp"
+#include "gpu/scene/resident_positions.hpp"
 #include "gpu/scene/rules.hpp"
 #include "gpu/scene/topology.hpp"
+#include "gpu/step/advance.hpp"
 #include "gpu/step/pipeline.hpp"
 
 namespace collided {
@@ -23,23 +24,25 @@ class SceneDetector final : public Detector {
         shape_(shape_of(std::move(spec), topology_)),
         exec_(args...),
         scene_(exec_),
+        positions_(exec_, spec_, topology_.vertex_count, scene_),
         pipeline_(exec_, spec_, topology_, scene_) {
     make_resident(features);
   }
 
   FrameResult detect(const FrameInput& frame) override {
-    const FrameSettings settings = settings_of(spec_, frame);
-    check_settings(spec_, settings);
+    check_frame(spec_, frame);
+    const FrameSettings settings = settings_with_margin(frame);
     exec_.asks().begin(frame.cancelled);
     return exec_.frame([&] { return detect(frame, settings); });
   }
 
   void read_positions(const VertexSample& sample, std::span<std::byte> to) override {
-    if (!has_frame_) throw std::logic_error("positions are read before the first frame");
+    if (!positions_.has_frame()) throw std::logic_error("positions are read before the first frame");
     exec_.asks().no_more();  // of a frame that was given up
     scene_.sample.ensure(sample.count);
-    exec_.for_each("sample_positions", sample.count,
-                   SamplePositions<Real>{good_positions() + sample.first, sample.stride, scene_.sample.data()});
+    exec_.for_each(
+        "sample_positions", sample.count,
+        SamplePositions<Real>{positions_.last_good().data() + sample.first, sample.stride, scene_.sample.data()});
     exec_.download(to.data(), scene_.sample.data(), to.size());
   }
 
@@ -77,14 +80,6 @@ class SceneDetector final : public Detector {
     scene_.records.allocate(topology_.triangles.size());
   }
 
-  /// Not before the first frame, which brings all positions: a number of vertices alone holds no memory.
-  void require_positions(const Slot& slot) {
-    const bool is_ccd = spec_.mode == Mode::kCcd;
-    scene_.end.allocate(topology_.vertex_count);
-    if (is_ccd) scene_.start.allocate(topology_.vertex_count);
-    if (!is_ccd || slot.brings_starts()) scene_.last_good.allocate(topology_.vertex_count);
-  }
-
   /// A frame may ask for more accuracy than the scene.
   void require_edges() {
     if (scene_.topology.edges.capacity() == 0) send(scene_.topology.edges, topology_.edges);
@@ -113,18 +108,67 @@ class SceneDetector final : public Detector {
 
   FrameResult detect(const FrameInput& frame, const FrameSettings& settings) {
     if (spec_.kinds.edge_edge && settings.accuracy != Accuracy::kCandidates) require_edges();
-    const bool boxes_static = good_ != Good::kEnd || !has_frame_;
+    const bool boxes_static = !positions_.are_boxes_good();
     Slot* slot = nullptr;
     exec_.stage("upload", [&] {
       slot = &sent_slot(frame);
-      slot->arrive(!has_frame_);
-      require_positions(*slot);
-      place(*slot);
+      slot->arrive(!positions_.has_frame());
+      positions_.check_start_fraction(frame.start_fraction);
+      positions_.require(*slot, frame);
+      positions_.place(*slot, frame.start_fraction);
     });
     FrameResult result = pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact);
+    if (frame.advance) advance(settings, result);
     exec_.asks().ask();
-    commit(*slot);
+    if (frame.trial) {
+      positions_.end_trial();
+      return result;
+    }
+    exec_.asks().no_more();
+    positions_.commit(*slot);
     return result;
+  }
+
+  /// Where a step with the frame's own settings can serve as the first try of an advance, it does.
+  FrameSettings settings_with_margin(const FrameInput& frame) const {
+    FrameSettings settings = settings_of(spec_, frame);
+    if (frame.advance && settings.accuracy == Accuracy::kCertified && spec_.thickness == spec_.min_separation)
+      settings.thickness += margin_;
+    return settings;
+  }
+
+  /// After the frame's own step, from whose end the scene goes back as far as it has to.
+  void advance(const FrameSettings& settings, FrameResult& result) {
+    margin_ = max(margin_, advance_margin(pipeline_.bounds()));
+    const FrameSettings attempt = settings_of_try(spec_, margin_);
+    const bool is_same_question = spec_.thickness == spec_.min_separation && settings.report != Report::kAnyHit;
+    AdvanceSearch search(is_same_question ? result.earliest_toi : 1);
+    if (search.fraction() < 1 || !is_same_question || !covers(settings, attempt))
+      try_until_free(search, attempt, result);
+    result.advanced = search.fraction();
+  }
+  void try_until_free(AdvanceSearch& search, const FrameSettings& attempt, FrameResult& result) {
+    positions_.keep_target();
+    const size_t own_stages = result.stages.size();
+    while (search.can_try()) {
+      if (search.fraction() < 1) positions_.go(search.fraction());
+      const FrameResult tried = pipeline_.detect_contacts(false, attempt, 0);
+      add_costs(result, own_stages, tried);
+      if (!tried.any_contact) return;
+      search.fail(tried.earliest_toi);
+    }
+    positions_.go(search.fraction());
+  }
+  /// What the backend tells of a try is of the whole frame so far; all tries are one stage.
+  static void add_costs(FrameResult& result, size_t own_stages, const FrameResult& tried) {
+    result.replays += tried.replays;
+    result.allocations = tried.allocations;
+    result.graph_launches = tried.graph_launches;
+    result.step_milliseconds = tried.step_milliseconds;
+    double milliseconds = 0;
+    for (size_t i = own_stages; i < tried.stages.size(); ++i) milliseconds += tried.stages[i].milliseconds;
+    result.stages.resize(own_stages);
+    result.stages.push_back({"advance", milliseconds});
   }
 
   /// The frame's slot, or the scene's own with the frame's positions.
@@ -142,54 +186,15 @@ class SceneDetector final : public Detector {
     return *slot;
   }
 
-  /// From here until commit() the frame's positions are in `end`, and those of the last good frame elsewhere. A throw
-  /// at any point of it leaves them where good_ says.
-  void place(Slot& slot) {
-    if (has_frame_) {
-      restore();
-      if (spec_.mode == Mode::kCcd) begin_at_end(slot.brings_starts());
-      if (spec_.mode == Mode::kDcd) good_ = Good::kSaved;
-    }
-    slot.place(exec_, scene_.start.data(), scene_.end.data(), !has_frame_);
-  }
-  void restore() {
-    if (good_ != Good::kEnd) copy(scene_.end, good_positions());
-    good_ = Good::kEnd;
-  }
-  /// Of the last good frame.
-  const Vec3<Real>* good_positions() const {
-    if (good_ == Good::kEnd) return scene_.end.data();
-    return good_ == Good::kStart ? scene_.start.data() : scene_.last_good.data();
-  }
-  /// CCD: a step begins where the last one ended, unless the frame `brings_starts`, which must not overwrite the only
-  /// copy of the last good frame.
-  void begin_at_end(bool brings_starts) {
-    if (brings_starts) copy(scene_.last_good, scene_.end.data());
-    copy(scene_.start, scene_.end.data());
-    good_ = brings_starts ? Good::kSaved : Good::kStart;
-  }
-  void copy(Buffer<Vec3<Real>, Exec>& to, const Vec3<Real>* from) {
-    exec_.copy(to.data(), from, uint64_t{topology_.vertex_count} * sizeof(Vec3<Real>));
-  }
-
-  /// The frame counts from here on; its positions are what a later failure falls back to.
-  void commit(Slot& slot) {
-    exec_.asks().no_more();
-    if (spec_.mode == Mode::kDcd) slot.place(exec_, nullptr, scene_.last_good.data(), false);
-    has_frame_ = true;
-    good_ = Good::kEnd;
-  }
-
   Topology topology_;
   std::shared_ptr<const SceneShape> shape_;
   const SceneSpec& spec_ = shape_->spec;
   Exec exec_;
   SceneBuffers<Exec, Real> scene_;
+  ResidentPositions<Exec, Real> positions_;
   Pipeline<Exec, Real> pipeline_;
   std::shared_ptr<Slot> own_slot_;
-  bool has_frame_ = false;
-  enum class Good { kEnd, kStart, kSaved };
-  Good good_ = Good::kEnd;  ///< which buffer has the last good frame's positions: `end`, `start` or `last_good`
+  double margin_ = 0;  ///< of advances; it never shrinks, so that few steps have to be recorded anew
 };
 
 template <Executor Exec, class... ExecArgs>

@@ -123,6 +123,7 @@ struct SceneBuffers {
         start(exec, "start_positions"),
         end(exec, "positions"),
         last_good(exec, "last_good"),
+        target(exec, "advance"),
         boxes(exec, "boxes"),
         records(exec, "records"),
         state(exec, "counters"),
@@ -145,7 +146,8 @@ struct SceneBuffers {
   ResidentTopology<Exec> topology;
   Buffer<Vec3<Real>, Exec> start;  ///< CCD only
   Buffer<Vec3<Real>, Exec> end;
-  Buffer<Vec3<Real>, Exec> last_good;  ///< `end` of the last good frame: DCD, and CCD with starts of the frames' own
+  Buffer<Vec3<Real>, Exec> last_good;  ///< `end` of the last good frame: DCD, and CCD where a step begins elsewhere
+  Buffer<Vec3<Real>, Exec> target;     ///< where the frame wants to go; frames that advance
   Buffer<Box<float>, Exec> boxes;
   Buffer<TriangleRecord<Real>, Exec> records;
   Buffer<StepState, Exec> state;

@@ -37,6 +37,12 @@ double least_of(const double* times, uint64_t count) {
   return *std::min_element(least, least + kLanes);
 }
 
+double least_of_approaching(const double* times, const uint8_t* flags, uint64_t count) {
+  double least = 1;
+  for (uint64_t i = 0; i < count; ++i) least = std::min(least, (flags[i] & kFlagSeparating) != 0 ? 1 : times[i]);
+  return least;
+}
+
 void keep_one(CpuLoops& loops, ContactSet& set, size_t place) {
   std::vector<bool> keep(set.size(), false);
   if (place < keep.size()) keep[place] = true;
@@ -70,7 +76,7 @@ void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places, 
     for (size_t k = first; k < end; ++k) {
       const size_t i = places[k];
       keep[i] = answers[k].hit;
-      set.flags[i] = kFlagCertified | (answers[k].initial ? kFlagInitial : 0);
+      set.flags[i] = kFlagCertified | (answers[k].initial ? kFlagInitial : 0) | (set.flags[i] & kFlagSeparating);
       if (!set.toi.empty()) set.toi[i] = answers[k].toi;
       if (!normals.empty()) set.normals[i] = normals[k];
     }
@@ -92,12 +98,15 @@ void keep_earliest(CpuLoops& loops, PerKind<ContactSet>& contacts) {
                 contacts);
 }
 
-double earliest_toi(CpuLoops& loops, const PerKind<ContactSet>& contacts) {
+double earliest_toi(CpuLoops& loops, const PerKind<ContactSet>& contacts, bool ignore_separating) {
   double earliest = 1;
   for_each_kind(
       [&](ContactKind, const ContactSet& set) {
         loops.in_turn(set.toi.size(), kAtATime, [&](uint64_t first, uint64_t end) {
-          earliest = std::min(earliest, least_of(set.toi.data() + first, end - first));
+          const double least = ignore_separating
+                                   ? least_of_approaching(set.toi.data() + first, set.flags.data() + first, end - first)
+                                   : least_of(set.toi.data() + first, end - first);
+          earliest = std::min(earliest, least);
         });
       },
       contacts);

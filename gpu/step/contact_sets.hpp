@@ -21,7 +21,7 @@ void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places, 
 /// Leaves one contact in all: the earliest; of several the first of the first kind.
 void keep_earliest(CpuLoops& loops, PerKind<ContactSet>& contacts);
 
-/// 1 if there is none, or no time.
-double earliest_toi(CpuLoops& loops, const PerKind<ContactSet>& contacts);
+/// 1 if there is none, or no time. `ignore_separating`: of those that do not have kFlagSeparating.
+double earliest_toi(CpuLoops& loops, const PerKind<ContactSet>& contacts, bool ignore_separating);
 
 }  // namespace collided

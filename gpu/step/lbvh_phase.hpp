@@ -10,9 +10,11 @@ namespace collided {
 template <Executor Exec, class Real>
 class LbvhPhase {
  public:
-  LbvhPhase(Exec& exec, Searcher<Exec>& searcher, const SceneSpec& spec, const Topology& topology,
-            SceneBuffers<Exec, Real>& scene)
-      : exec_(exec), searcher_(searcher), spec_(spec), topology_(topology), scene_(scene) {}
+  LbvhPhase(Exec& exec, Searcher<Exec>& searcher, const Topology& topology, SceneBuffers<Exec, Real>& scene)
+      : exec_(exec), searcher_(searcher), topology_(topology), scene_(scene) {}
+
+  /// The thickness of the next steps.
+  void begin(double thickness) { thickness_ = thickness; }
 
   void reserve() { scene_.bvh.reserve(leaves()); }
 
@@ -21,7 +23,7 @@ class LbvhPhase {
     StepState* state = scene_.state.data();
     exec_.reduce_into("bounds", leaves(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
     exec_.reduce_into("extents", leaves(), ExtentOf{&state->bounds, boxes()}, uint64_t{0}, AddExtents{},
-                      &state->extents, PrepareNarrow{state, spec_.thickness});
+                      &state->extents, PrepareNarrow{state, thickness_});
   }
 
   /// The leaves in order.
@@ -75,9 +77,9 @@ class LbvhPhase {
 
   Exec& exec_;
   Searcher<Exec>& searcher_;
-  const SceneSpec& spec_;
   const Topology& topology_;
   SceneBuffers<Exec, Real>& scene_;
+  double thickness_ = 0;
   int sorted_ = 0;           ///< which of the buffers holds the leaves in order
   bool is_counted_ = false;  ///< a search of the step has counted its tests
 };

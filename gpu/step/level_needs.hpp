@@ -17,6 +17,8 @@ struct LevelNeeds {
   bool is_exact() const { return settings.accuracy == Accuracy::kExact; }
   bool is_earliest_only() const { return settings.report == Report::kEarliestOnly; }
   bool is_any_hit() const { return settings.report == Report::kAnyHit; }
+  /// Only the list of all contacts has those that come no closer.
+  bool skips_separating() const { return settings.ignore_separating && settings.report != Report::kAll; }
 
   /// Candidates of features are looked at more closely.
   bool has_narrow_phase() const { return settings.accuracy != Accuracy::kCandidates; }

@@ -129,7 +129,7 @@ class NarrowPhase {
   CcdQueries<Real, Kind, Candidate> queries(const Kind& kind, const Buffer<Candidate, Exec>& candidates) const {
     return {scene_.positions_at_start(),
             scene_.end.data(),
-            spec_.thickness,
+            needs().settings.thickness,
             needs().settings.delta,
             kind,
             candidates.all()};
@@ -150,23 +150,26 @@ class NarrowPhase {
   }
   template <class Work, class Kind, class Candidate>
   void advance_ccd(const Kind& kind, const Counted& count, const Buffer<Candidate, Exec>& candidates) {
-    exec_.for_each_resumable("advance_ccd", count, &scene_.state.data()->next_query[kIndexOf<Kind>][1],
-                             AdvanceCcd<Work, Real, Kind, Candidate>{queries(kind, candidates), sink(Kind::kKind)});
+    exec_.for_each_resumable(
+        "advance_ccd", count, &scene_.state.data()->next_query[kIndexOf<Kind>][1],
+        AdvanceCcd<Work, Real, Kind, Candidate>{queries(kind, candidates), needs().settings.start_thickness,
+                                                needs().skips_separating(), sink(Kind::kKind)});
   }
   template <class Kind>
   void run(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
     if (spec_.mode == Mode::kDcd) return run_proximity(kind, count, candidates);
     exec_.for_each("solve_cubic_ccd", count,
                    SolveCubicCcd<Real, Kind>{scene_.positions_at_start(), scene_.end.data(),
-                                             static_cast<Real>(spec_.thickness), kind, candidates, sink(Kind::kKind)});
+                                             static_cast<Real>(needs().settings.thickness), kind, candidates,
+                                             sink(Kind::kKind)});
   }
   template <class Kind>
   void run_proximity(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
     const ContactSink<Real> contacts = sink(Kind::kKind);
     if (needs().settings.accuracy == Accuracy::kFast)
-      exec_.for_each(
-          "test_proximity", count,
-          TestProximity<Real, Kind>{scene_.end.data(), static_cast<Real>(spec_.thickness), kind, candidates, contacts});
+      exec_.for_each("test_proximity", count,
+                     TestProximity<Real, Kind>{scene_.end.data(), static_cast<Real>(needs().settings.thickness), kind,
+                                               candidates, contacts});
     else if (needs().settings.accuracy == Accuracy::kGuarded)
       certify_proximity<float>(kind, count, candidates, contacts);
     else
@@ -175,8 +178,9 @@ class NarrowPhase {
   template <class Work, class Kind>
   void certify_proximity(const Kind& kind, const Counted& count, Span<const uint64_t> candidates,
                          const ContactSink<Real>& contacts) {
-    exec_.for_each("certify_proximity", count,
-                   CertifyProximity<Work, Real, Kind>{scene_.end.data(), spec_.thickness, kind, candidates, contacts});
+    exec_.for_each(
+        "certify_proximity", count,
+        CertifyProximity<Work, Real, Kind>{scene_.end.data(), needs().settings.thickness, kind, candidates, contacts});
   }
   template <class Work>
   void run_triangles() {

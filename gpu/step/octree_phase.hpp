@@ -26,6 +26,9 @@ class OctreePhase {
               SceneBuffers<Exec, Real>& scene)
       : exec_(exec), searcher_(searcher), spec_(spec), topology_(topology), scene_(scene) {}
 
+  /// The thickness of the next steps.
+  void begin(double thickness) { thickness_ = thickness; }
+
   /// Lists start at what most scenes need.
   void reserve(const OctreePlan& plan) {
     const uint64_t n = triangle_count();
@@ -90,7 +93,7 @@ class OctreePhase {
         "covered_per_level", triangle_count(), CoveredPerLevel{&state->bounds, boxes()}, LevelTotals{}, AddTotals{},
         &state->totals,
         PrepareStep{{&state->bounds, &state->totals, scene_.octree.wanted.data(), triangle_count(), &state->grid},
-                    {state, spec_.thickness}});
+                    {state, thickness_}});
   }
 
   // The same for grids whose cells are as large as the triangles.
@@ -105,7 +108,7 @@ class OctreePhase {
     exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevelOf{grid, boxes()}, LevelTotals{},
                       AddTotals{}, &state->totals,
                       ChooseCells{&state->totals, triangle_count(), uniform ? 0 : kLevelsOfCrowdedCell, &state->grid});
-    exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, spec_.thickness});
+    exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, thickness_});
   }
 
   // 2. Counter octree.
@@ -261,7 +264,7 @@ class OctreePhase {
   }
 
   Motion<Real> motion() const {
-    const Real half = static_cast<Real>(spec_.thickness) / 2;
+    const Real half = static_cast<Real>(thickness_) / 2;
     return {scene_.positions_at_start(), scene_.end.data(), half == 0 ? half : next_up(half)};
   }
 
@@ -294,6 +297,7 @@ class OctreePhase {
   const SceneSpec& spec_;
   const Topology& topology_;
   SceneBuffers<Exec, Real>& scene_;
+  double thickness_ = 0;
 };
 
 }  // namespace collided

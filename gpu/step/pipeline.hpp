@@ -3,6 +3,7 @@
 // enqueue() names the steps in their order; a scene runs those that its spec requires. The backend runs them without
 // asking the host; lists that turn out too short are enlarged to the need and the step runs again.
 
+#include <optional>
 #include <utility>
 
 #include "gpu/step/engine_choice.hpp"
@@ -28,7 +29,7 @@ class Pipeline {
         scene_(scene),
         searcher_(exec),
         octree_(exec, searcher_, spec, topology, scene),
-        lbvh_(exec, searcher_, spec, topology, scene),
+        lbvh_(exec, searcher_, topology, scene),
         narrow_(exec, spec, ranks_, scene),
         results_(exec, spec, scene),
         choice_(spec.engine) {}
@@ -36,7 +37,9 @@ class Pipeline {
   /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`: as in FrameInput.
   FrameResult detect_contacts(bool boxes_static, const FrameSettings& settings, uint64_t bytes_beside_contact) {
     result_ = {};
-    run_step(needs_of(spec_, settings), boxes_static);
+    const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == settings.thickness;
+    run_step(needs_of(spec_, settings), boxes_static || !is_boxed);
+    boxed_thickness_ = settings.thickness;
     describe();
     results_.collect(state_, needs(), bytes_beside_contact, result_);
     result_.stages = exec_.stage_times();
@@ -44,6 +47,8 @@ class Pipeline {
     return std::move(result_);
   }
 
+  /// Bounds of all triangles over the last step, rounded outward.
+  const Box<float>& bounds() const { return state_.bounds; }
   uint64_t answer_bytes() const { return results_.answer_bytes(); }
 
  private:
@@ -73,6 +78,8 @@ class Pipeline {
     scene_.state.allocate(1);
     for (;;) {
       plan_ = {needs, plan_octree(), boxes_static, narrow_.plan_order()};
+      octree_.begin(needs.settings.thickness);
+      lbvh_.begin(needs.settings.thickness);
       narrow_.begin(plan_);
       reserve();
       state_ = exec_.step(numbers_.number_of(plan_), scene_.state.data(), [&] { enqueue(); });
@@ -182,7 +189,7 @@ class Pipeline {
   /// 6.-8. Pairs, the boxes of the wanted features, and the filter of the level.
   void search(const PerKind<bool>& wanted) {
     exec_.stage("pairs", [&] {
-      with_filter<Real>(needs(), spec_.thickness, scene_.state.data(),
+      with_filter<Real>(needs(), needs().settings.thickness, scene_.state.data(),
                         [&](const auto& keep) { search_for(keep, wanted); });
     });
   }
@@ -282,8 +289,9 @@ class Pipeline {
   EngineChoice choice_;
   Refinement refinement_;
   ActiveLevels levels_;
-  UsagePredictor large_;  ///< triangles that cover many cells
-  StepPlan plan_;         ///< of the last step
+  UsagePredictor large_;                   ///< triangles that cover many cells
+  StepPlan plan_;                          ///< of the last step
+  std::optional<double> boxed_thickness_;  ///< that all boxes have
   PlanNumbers numbers_;
   StepState state_{};
   FrameResult result_;

@@ -108,7 +108,7 @@ class Results {
       exec_.for_each("gather_points", keys.size(),
                      GatherPoints<Real, Kind>{scene_.positions_at_start(), scene_.end.data(), kind, resident, out});
     });
-    const ExactQuestion question{Kind::kKind, needs_.is_ccd, spec_.thickness};
+    const ExactQuestion question{Kind::kKind, needs_.is_ccd, needs_.settings.thickness};
     decide_all(keys.size(), [&](uint64_t i) {
       answers[i] = decide_exactly(question, points[i]);
       if (normals != nullptr) normals[i] = normal_at<Kind>(points[i], answers[i].toi);
@@ -168,7 +168,7 @@ class Results {
       r.held = nullptr;
       return;
     }
-    r.earliest_toi = earliest_toi(exec_.host_loops(), contacts());
+    r.earliest_toi = earliest_toi(exec_.host_loops(), contacts(), needs_.settings.ignore_separating);
   }
 
   Exec& exec_;

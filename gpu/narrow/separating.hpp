@@ -1,0 +1,24 @@
+#pragma once
+// Resting contact: features that begin a step within the thickness and come no closer in it. The bounds are those of
+// certificate.hpp and separation.hpp.
+
+#include "gpu/narrow/certificate.hpp"
+
+namespace collided {
+
+/// What features that part or rest may lose of their distance in a step, for all that is certain. Less would make
+/// rounding decide for features that are a billionth of their size apart.
+constexpr double kLostAtRest = 0x1p-20;
+
+/// Whether the features are certain to stay apart, over the whole step, by more than 1 - kLostAtRest of their distance
+/// at t = 0, and by more than `least` (scaled). False says nothing.
+template <class Work, int N>
+COLLIDED_HD bool comes_no_closer(const Differences<Work, N>& d, Work least) {
+  constexpr Work u = Precision<Work>::kUnit;
+  const Work distance = gap_at(d, Work(0)).length * (1 + 8 * u) + 64 * u * d.extent;  // no less than the true one
+  const Work kept = max(static_cast<Work>(1 - kLostAtRest) * distance, least);
+  const ClosestFeatures<Work, N> closest_features(d, Work(0));
+  return apart_all_along(d, closest_features.best(), kept) || apart_all_along(d, closest_features.other(), kept);
+}
+
+}  // namespace collided
