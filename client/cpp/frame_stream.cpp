@@ -55,6 +55,10 @@ void FrameStream::send(uint64_t frame_id, std::span<const FrameUpdate> updates, 
   head.set_accuracy(options.accuracy);
   if (options.delta) head.set_delta(*options.delta);
   head.set_report(options.report);
+  head.set_ignore_separating(options.ignore_separating);
+  head.set_advance(options.advance);
+  head.set_trial(options.trial);
+  if (options.from_last_fraction) head.set_from_last_fraction(*options.from_last_fraction);
   state_->send(head, updates);
 }
 

@@ -35,6 +35,10 @@ struct FrameOptions {
   v1::Accuracy accuracy = v1::ACCURACY_UNSPECIFIED;
   std::optional<double> delta = {};
   v1::Report report = v1::REPORT_UNSPECIFIED;
+  bool ignore_separating = false;
+  bool advance = false;
+  bool trial = false;
+  std::optional<double> from_last_fraction = {};
 };
 
 /// The keeper is a stream's own thread, which reads while no caller waits, so that answers keep flowing and the

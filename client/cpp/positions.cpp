@@ -27,7 +27,28 @@ std::string pack_f32(Positions positions) {
   return out;
 }
 
+template <class Real>
+void move(std::span<Real> positions, std::span<const Real> target, double fraction) {
+  if (positions.size() != target.size())
+    throw Error(kInvalidArgument, "target has " + std::to_string(target.size()) + " coordinates, positions have " +
+                                      std::to_string(positions.size()));
+  if (!(fraction >= 0 && fraction <= 1))
+    throw Error(kInvalidArgument, "fraction is " + std::to_string(fraction) + "; it must be from 0 to 1");
+  if (fraction == 0) return;
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const double x = positions[i], way = target[i] - x, part = fraction * way;
+    positions[i] = fraction == 1 ? target[i] : static_cast<Real>(x + part);
+  }
+}
+
 }  // namespace
+
+void move_along(std::span<float> positions, std::span<const float> target, double fraction) {
+  move(positions, target, fraction);
+}
+void move_along(std::span<double> positions, std::span<const double> target, double fraction) {
+  move(positions, target, fraction);
+}
 
 uint64_t position_bytes(v1::PositionFormat format) {
   switch (format) {

@@ -21,4 +21,10 @@ std::string pack_positions(Positions positions, v1::PositionFormat format);
 /// The update of one mesh; `start` (t = 0, for CCD) may be empty.
 v1::MeshUpdate mesh_update(uint32_t mesh, v1::PositionFormat format, Positions positions, Positions start = {});
 
+/// Moves coordinates the fraction of the way to `target` that the daemon moved them: FrameDone.advanced, or a frame's
+/// from_last_fraction. Every bit is the daemon's; client/STEPPING.md has the formula. Throws Error (INVALID_ARGUMENT)
+/// if there are not as many of one as of the other, or the fraction is not from 0 to 1.
+void move_along(std::span<float> positions, std::span<const float> target, double fraction);
+void move_along(std::span<double> positions, std::span<const double> target, double fraction);
+
 }  // namespace collided::client

@@ -8,7 +8,8 @@ namespace {
 
 // The engine's bytes go out as they are.
 static_assert(kFlagCertified == int{pb::CONTACT_FLAG_CERTIFIED} && kFlagNear == int{pb::CONTACT_FLAG_NEAR} &&
-              kFlagCapped == int{pb::CONTACT_FLAG_CAPPED} && kFlagInitial == int{pb::CONTACT_FLAG_INITIAL});
+              kFlagCapped == int{pb::CONTACT_FLAG_CAPPED} && kFlagInitial == int{pb::CONTACT_FLAG_INITIAL} &&
+              kFlagSeparating == int{pb::CONTACT_FLAG_SEPARATING});
 
 // The number in ContactChunk of each field's array.
 template <class T>

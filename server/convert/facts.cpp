@@ -26,6 +26,7 @@ void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   out->set_position_format(to_message(engine.scalar));
   out->set_thickness(engine.thickness);
   out->set_delta(engine.delta);
+  out->set_min_separation(engine.min_separation);
   out->set_report(to_message(engine.report));
   out->set_broad_phase_engine(to_message(engine.engine));
   fill_kinds(engine, out);

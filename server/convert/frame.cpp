@@ -50,6 +50,10 @@ FrameInput parse_frame(const pb::Frame& frame, std::span<const PlacedPositions> 
   input.accuracy = parse_accuracy(frame.accuracy(), "frame.accuracy");
   if (frame.has_delta()) input.delta = frame.delta();
   input.report = parse_report(frame.report(), "frame.report");
+  input.ignore_separating = frame.ignore_separating();
+  input.advance = frame.advance();
+  input.trial = frame.trial();
+  if (frame.has_from_last_fraction()) input.start_fraction = frame.from_last_fraction();
   check_frame_options(scene, input);
   for (int i = 0; i < frame.updates_size(); ++i) {
     check_served(frame.updates(i), i);
@@ -76,6 +80,7 @@ void fill_result(const FrameResult& result, pb::FrameDone* out) {
   out->set_contact_count(count_contacts(result));
   out->set_earliest_toi(result.earliest_toi);
   out->set_any_contact(result.any_contact);
+  if (result.advanced) out->set_advanced(*result.advanced);
 }
 
 }  // namespace collided::server

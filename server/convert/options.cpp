@@ -83,7 +83,8 @@ OptionPath path_in(const pb::SceneSpec& spec, const std::string& option) {
 
 // A report or a kind is refused for the mode or the accuracy, whose values the engine does not tell.
 std::string context_of(const std::string& option, Mode mode, const std::string& accuracy) {
-  if (option != "report" && option != "triangle_triangle") return {};
+  if (option != "report" && option != "triangle_triangle" && option != "advance" && option != "ignore_separating")
+    return {};
   return fmt::format("; spec.mode is {} and {}", name_of(mode), accuracy);
 }
 
@@ -149,7 +150,8 @@ void check_scene_options(const SceneSpec& engine, const pb::SceneSpec& spec) try
 void check_frame_options(const SceneSpec& scene, const FrameInput& frame) try {
   check_options(scene, frame);
 } catch (const InvalidInput& e) {
-  const bool is_own = (e.field() == "report" && frame.report) || (e.field() == "delta" && frame.delta);
+  const bool is_own = (e.field() == "report" && frame.report) || (e.field() == "delta" && frame.delta) ||
+                      e.field() == "advance" || e.field() == "ignore_separating" || e.field() == "start_fraction";
   const std::string field = is_own ? frame_path(e.field()) : "frame.accuracy";
   const std::string value = name_of(frame.accuracy.value_or(scene.accuracy));
   const std::string option =

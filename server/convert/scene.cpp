@@ -119,6 +119,7 @@ ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   engine.scalar = parse_format(spec.position_format(), "spec.position_format");
   engine.thickness = spec.thickness();
   engine.delta = spec.delta();
+  engine.min_separation = spec.min_separation();
   engine.report = parse_report(spec.report(), "spec.report").value_or(Report::kAll);
   engine.engine = parse_engine(spec.broad_phase_engine(), "spec.broad_phase_engine");
   parse_kinds(spec, engine);

@@ -10,8 +10,10 @@
 namespace collided::server {
 namespace {
 
-// Whether `latest` has whole positions for every mesh that `older` updates.
+// Whether nobody misses what `older` does to the scene: `latest` has whole positions for every mesh that it updates.
 bool covers(const PendingFrame& latest, const PendingFrame& older) {
+  const bool is_lost = latest.input.trial && !older.input.trial;
+  if (is_lost || latest.input.start_fraction) return false;  // which begins on the way of the frame before it
   return std::ranges::all_of(older.meshes, [&](const UpdatedMesh& old) {
     return std::ranges::any_of(latest.meshes,
                                [&](const UpdatedMesh& mesh) { return mesh.mesh == old.mesh && mesh.is_whole; });

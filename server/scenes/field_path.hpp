@@ -19,6 +19,7 @@ inline std::string with_last_part(const std::string& path, std::string_view from
 /// "updates[1].end" -> "frame.updates[1].positions".
 inline std::string frame_path(const std::string& engine_path) {
   if (engine_path.empty()) return "frame";
+  if (engine_path == "start_fraction") return "frame.from_last_fraction";
   const std::string indices = with_last_part(engine_path, "indices", "sparse.indices");
   const std::string path = with_last_part(indices, "start", "start_positions");
   return "frame." + with_last_part(path, "end", "positions");

@@ -283,7 +283,7 @@ FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame) {
     throw_if_budget(e);
     throw;
   }
-  {
+  if (!frame.trial) {
     std::lock_guard lock(mutex_);
     shown_.last_frame_id = frame_id;
   }

@@ -12,7 +12,8 @@ namespace {
 constexpr std::pair<v1::ContactFlag, std::string_view> kFlagWords[] = {{v1::CONTACT_FLAG_CERTIFIED, "certified"},
                                                                        {v1::CONTACT_FLAG_NEAR, "near"},
                                                                        {v1::CONTACT_FLAG_CAPPED, "capped"},
-                                                                       {v1::CONTACT_FLAG_INITIAL, "initial"}};
+                                                                       {v1::CONTACT_FLAG_INITIAL, "initial"},
+                                                                       {v1::CONTACT_FLAG_SEPARATING, "separating"}};
 
 Json contact_json(const std::string& kind, const client::Contacts& contacts, size_t i) {
   Json out = {{"kind", kind}};

@@ -5,6 +5,8 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/wire_format_lite.h>
 
+#include "client/cpp/transport/frame_options.hpp"
+
 namespace collided::client {
 
 namespace {
@@ -90,10 +92,7 @@ FrameUpdate view_of(const v1::MeshUpdate& update) {
 /// The frame without its plain updates.
 v1::Frame head_of(const v1::Frame& frame) {
   v1::Frame head;
-  head.set_frame_id(frame.frame_id());
-  head.set_accuracy(frame.accuracy());
-  if (frame.has_delta()) head.set_delta(frame.delta());
-  head.set_report(frame.report());
+  copy_options(frame, head);
   for (const v1::MeshUpdate& update : frame.updates())
     if (!is_plain(update)) *head.add_updates() = update;
   return head;

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "client/cpp/transport/frame_options.hpp"
 #include "proto/constants.hpp"
 
 namespace collided::client {
@@ -164,10 +165,7 @@ void LocalTransport::add(const v1::MeshUpdate& update, v1::MeshUpdate& out) {
 bool LocalTransport::send(const v1::Frame& frame, std::span<const FrameUpdate> updates) {
   v1::Frame& out = *outgoing_.mutable_frame();
   out.Clear();
-  out.set_frame_id(frame.frame_id());
-  out.set_accuracy(frame.accuracy());
-  if (frame.has_delta()) out.set_delta(frame.delta());
-  out.set_report(frame.report());
+  copy_options(frame, out);
   for (const auto& update : frame.updates()) add(update, *out.add_updates());
   for (const auto& update : updates) add(update, *out.add_updates());
   const v1::SharedRange whole = place_if_long(out);
