@@ -73,6 +73,19 @@ const std::map<std::string, Probe> kProbes = {
     {"Frame.report",
      {[](pb::Frame& f) { f.set_report(pb::REPORT_ANY_HIT); },
       [](const Told& told) { return told.done.any_contact() && told.done.contact_count() == 0; }}},
+    {"Frame.ignore_separating",
+     {[](pb::Frame& f) {
+        f.set_accuracy(pb::ACCURACY_FAST);
+        f.set_ignore_separating(true);
+      },
+      is_refused("frame.ignore_separating is on")}},
+    {"Frame.advance",
+     {[](pb::Frame& f) { f.set_advance(true); },
+      [](const Told& told) { return told.done.advanced() > 0.49 && told.done.advanced() < 0.5; }}},
+    {"Frame.trial",
+     {[](pb::Frame& f) { f.set_trial(true); }, [](const Told& told) { return told.last_frame_id == 1; }}},
+    {"Frame.from_last_fraction",
+     {[](pb::Frame& f) { f.set_from_last_fraction(1.5); }, is_refused("frame.from_last_fraction is 1.5")}},
     {"MeshUpdate.mesh", {[](pb::Frame& f) { tip_of(f).set_mesh(7); }, is_refused("frame.updates[0].mesh is 7")}},
     {"MeshUpdate.sparse", {move_one_corner, hits_at(0.25)}},
     {"MeshUpdate.rigid", {[](pb::Frame& f) { tip_of(f).mutable_rigid(); }, is_refused("frame.updates[0].rigid")}},

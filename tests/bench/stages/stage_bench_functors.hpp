@@ -129,7 +129,7 @@ template <class Work, class Kind, class Candidate>
 AdvanceCcd<Work, float, Kind, Candidate> advance_to_the_end(const StageScene& s,
                                                             const std::vector<Candidate>& candidates,
                                                             FoundContacts& found) {
-  return {queries<Kind>(s, candidates), found.sink()};
+  return {queries<Kind>(s, candidates), 0, false, found.sink()};
 }
 
 /// A query that advances in double from t = 0.
@@ -142,7 +142,7 @@ struct QueryFromStart {
     std::pair<AdvancementOf<double, Kind>, int> out;
     auto& [features, looks] = out;
     features.d = d;
-    features.begin({0, default_delta(0.0) * d.extent}, {}, kMaxIterations);
+    features.begin({{0, 0}, default_delta(0.0) * d.extent}, {}, kMaxIterations);
     for (looks = 0; !features.is_over(); ++looks) features.iterate(1.0);
     return out;
   }

@@ -121,16 +121,24 @@ TEST(ContactSets, OfSeveralEarliestVertexTriangleComesFirstThenTheLowestIds) {
 }
 
 TEST(ContactSets, EarliestTimeIsOneWithoutContacts) {
-  EXPECT_EQ(earliest_toi(loops, {}), 1);
+  EXPECT_EQ(earliest_toi(loops, {}, false), 1);
   const ContactSet some = contacts({0.5, 0.25, 0.75}, {kSure, kSure, kSure}), later = contacts({0.5}, {kSure});
-  EXPECT_EQ(earliest_toi(loops, {.vertex_triangle = some, .edge_edge = later}), 0.25);
-  EXPECT_EQ(earliest_toi(loops, {.vertex_triangle = later, .edge_edge = some}), 0.25);
+  EXPECT_EQ(earliest_toi(loops, {.vertex_triangle = some, .edge_edge = later}, false), 0.25);
+  EXPECT_EQ(earliest_toi(loops, {.vertex_triangle = later, .edge_edge = some}, false), 0.25);
   for (size_t place = 0; place < 40; ++place) {
     std::vector<double> toi(40, 0.5);
     toi[place] = 0.125;
     const ContactSet one = contacts(toi, std::vector<uint8_t>(40, kSure));
-    EXPECT_EQ(earliest_toi(loops, {.vertex_triangle = one, .edge_edge = {}}), 0.125) << place;
+    EXPECT_EQ(earliest_toi(loops, {.vertex_triangle = one, .edge_edge = {}}, false), 0.125) << place;
   }
+}
+
+TEST(ContactSets, EarliestTimeMayLeaveOutWhatSeparates) {
+  const ContactSet some = contacts({0, 0.25, 0.75}, {kSure | kFlagSeparating, kSure, kSure});
+  EXPECT_EQ(earliest_toi(loops, {.vertex_triangle = some}, false), 0);
+  EXPECT_EQ(earliest_toi(loops, {.vertex_triangle = some}, true), 0.25);
+  const ContactSet all = contacts({0, 0}, {kSure | kFlagSeparating, kSure | kFlagSeparating});
+  EXPECT_EQ(earliest_toi(loops, {.edge_edge = all}, true), 1);
 }
 
 }  // namespace

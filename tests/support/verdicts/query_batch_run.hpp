@@ -60,7 +60,7 @@ class QueryRun {
       : exec_(exec), ranks_(ranks), scene_(scene), narrow_(exec, spec_, ranks_, scene), results_(exec, spec_, scene) {
     spec_.mode = settings.mode;
     spec_.thickness = settings.thickness;
-    needs_ = needs_of(spec_, {settings.accuracy, settings.delta, Report::kAll});
+    needs_ = needs_of(spec_, settings_of(spec_, {.accuracy = settings.accuracy, .delta = settings.delta}));
   }
 
   template <class Kind>

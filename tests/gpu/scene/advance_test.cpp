@@ -1,0 +1,258 @@
+// How far a scene goes towards the positions that it is given: never into contact, and nearly as far as it can.
+
+#include "gpu/step/advance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gpu/positions/blend.hpp"
+#include "tests/gpu/backend.hpp"
+#include "tests/gpu/judged_case.hpp"
+#include "tests/gpu/refused_field.hpp"
+#include "tests/support/sim/simulations.hpp"
+
+namespace collided::test {
+namespace {
+
+constexpr Scalar kFormats[] = {Scalar::kF32, Scalar::kF64};
+
+TEST(Blend, EndsWhereItIsToldTo) {
+  const float x = 0.1f, p = 1e8f;
+  EXPECT_EQ(x, blend(x, p, 0.0));
+  EXPECT_EQ(p, blend(x, p, 1.0));
+  EXPECT_EQ(-1e300, blend(1.0, -1e300, 1.0));
+  EXPECT_EQ(3.5, blend(3.0, 4.0, 0.5));
+}
+
+TEST(Blend, IsRoundedOnceToTheFormat) {
+  const float x = 1, p = 1 + 0x1p-20f;
+  EXPECT_EQ(static_cast<float>(1.0 + 0.3 * 0x1p-20), blend(x, p, 0.3));
+}
+
+TEST(AdvanceSearch, LeavesAShareOfWhatIsFree) {
+  AdvanceSearch search(0.5);
+  EXPECT_EQ(0.5 * (1 - AdvanceSearch::kLeft), search.fraction());
+  search.fail(1);
+  EXPECT_LT(search.fraction(), 0.5 * (1 - AdvanceSearch::kLeft)) << "a try that failed must not be tried again";
+}
+
+TEST(AdvanceSearch, GivesUpAfterAFewTries) {
+  AdvanceSearch search(1);
+  int tries = 0;
+  for (; search.can_try(); ++tries) search.fail(0.999);
+  EXPECT_LE(tries, 8);
+  EXPECT_EQ(0, search.fraction());
+  EXPECT_FALSE(AdvanceSearch(0).can_try());
+}
+
+SceneSpec ccd(const Case& c, Scalar scalar, double thickness = 0, double min_separation = 0) {
+  SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified, scalar, thickness);
+  spec.min_separation = min_separation;
+  return spec_for(c, spec);
+}
+
+/// A triangle at height `z` over a larger one.
+Case falling(double from, double to) {
+  Case c;
+  add_mesh(c, {{0, 1, 2}}, {{-1, -1, from}, {1, -1, from}, {0, 1, from}}, {{-1, -1, to}, {1, -1, to}, {0, 1, to}});
+  add_mesh(c, {{0, 1, 2}}, {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}});
+  return c;
+}
+
+class Stepping : public OnBackend<::testing::Test> {
+ protected:
+  /// The case's start is the scene's first frame.
+  static std::unique_ptr<Detector> scene_at_start(const Case& c, const SceneSpec& spec) {
+    Case first = c;
+    first.end = first.start;
+    auto scene = Detector::create(spec);
+    scene->detect(Frame(first, Mode::kDcd, spec.scalar).input());
+    return scene;
+  }
+  static FrameResult go(Detector& scene, const Case& c, Scalar scalar, const std::function<void(FrameInput&)>& set) {
+    const Frame frame(c, Mode::kDcd, scalar);
+    FrameInput input = frame.input();
+    set(input);
+    return scene.detect(input);
+  }
+};
+const auto kAdvance = [](FrameInput& frame) { frame.advance = true; };
+
+TEST_F(Stepping, GoesAllTheWayWhereItIsFree) {
+  for (const Scalar scalar : kFormats) {
+    const Case c = falling(1, 0.5);
+    EXPECT_EQ(1, go(*scene_at_start(c, ccd(c, scalar)), c, scalar, kAdvance).advanced);
+  }
+}
+
+TEST_F(Stepping, StopsBeforeContactOrTheSeparation) {
+  for (const Scalar scalar : kFormats) {
+    const Case c = falling(1, -1);
+    const double to_contact = *go(*scene_at_start(c, ccd(c, scalar)), c, scalar, kAdvance).advanced;
+    EXPECT_LT(to_contact, 0.5);
+    EXPECT_GT(to_contact, 0.49);
+    const double kept = *go(*scene_at_start(c, ccd(c, scalar, 0, 0.5)), c, scalar, kAdvance).advanced;
+    EXPECT_LT(kept, 0.25);
+    EXPECT_GT(kept, 0.245);
+  }
+}
+
+TEST_F(Stepping, OtherFramesTellNoFraction) {
+  const Case c = falling(1, -1);
+  EXPECT_FALSE(go(*scene_at_start(c, ccd(c, Scalar::kF64)), c, Scalar::kF64, [](FrameInput&) {}).advanced);
+}
+
+// Frame after frame towards a place behind the obstacle: the gap shrinks until nothing moves, and is never lost; then
+// a frame that leads away is free.
+TEST_F(Stepping, WhatIsPressedForEverStaysApartAndIsFreeToPart) {
+  for (const Scalar scalar : kFormats) {
+    const Case c = falling(1, -1), away = falling(1, 2);
+    const auto scene = scene_at_start(c, ccd(c, scalar));
+    for (int i = 0; i < 40; ++i) go(*scene, c, scalar, kAdvance);
+    EXPECT_EQ(1, go(*scene, away, scalar, kAdvance).advanced);
+  }
+}
+
+// Within min_separation from the start: it may rest and part, but not come closer.
+TEST_F(Stepping, WhatBeginsTooCloseMayPart) {
+  for (const Scalar scalar : kFormats) {
+    const Case away = falling(0.25, 1), rest = falling(0.25, 0.25), closer = falling(0.25, 0.125);
+    EXPECT_EQ(1, go(*scene_at_start(away, ccd(away, scalar, 0.5, 0.5)), away, scalar, kAdvance).advanced);
+    EXPECT_EQ(1, go(*scene_at_start(rest, ccd(rest, scalar, 0.5, 0.5)), rest, scalar, kAdvance).advanced);
+    EXPECT_EQ(0, go(*scene_at_start(closer, ccd(closer, scalar, 0.5, 0.5)), closer, scalar, kAdvance).advanced);
+  }
+}
+
+TEST_F(Stepping, TheSceneIsWhereTheFormulaPutsIt) {
+  for (const Scalar scalar : kFormats) {
+    const Case c = rounded(falling(1, -1), scalar);
+    const auto scene = scene_at_start(c, ccd(c, scalar));
+    const double a = *go(*scene, c, scalar, kAdvance).advanced;
+    std::vector<std::byte> bytes(3 * 3 * (scalar == Scalar::kF64 ? 8 : 4));
+    scene->read_positions({0, 3, 1}, bytes);
+    Positions expected = c.start[0];
+    for (size_t v = 0; v < 3; ++v)
+      for (size_t k = 0; k < 3; ++k)
+        expected[v][k] = scalar == Scalar::kF64
+                             ? blend(c.start[0][v][k], c.end[0][v][k], a)
+                             : blend(static_cast<float>(c.start[0][v][k]), static_cast<float>(c.end[0][v][k]), a);
+    EXPECT_EQ(pack(expected, scalar), bytes);
+  }
+}
+
+TEST_F(Stepping, OptionsThatCannotBeAreRefused) {
+  const Case c = falling(1, -1);
+  const auto refused = [&](const SceneSpec& spec, const std::function<void(FrameInput&)>& set) {
+    const auto scene = scene_at_start(c, spec);
+    return refused_field([&] { go(*scene, c, Scalar::kF64, set); });
+  };
+  const SceneSpec sound = ccd(c, Scalar::kF64);
+  SceneSpec discrete = sound, one_kind = sound;
+  discrete.mode = Mode::kDcd;
+  one_kind.kinds.edge_edge = false;
+  EXPECT_EQ("advance", refused(discrete, kAdvance));
+  EXPECT_EQ("advance", refused(one_kind, kAdvance));
+  EXPECT_EQ("advance", refused(sound, [](FrameInput& f) { f.advance = true, f.accuracy = Accuracy::kGuarded; }));
+  EXPECT_EQ("ignore_separating", refused(discrete, [](FrameInput& f) { f.ignore_separating = true; }));
+  EXPECT_EQ("ignore_separating",
+            refused(sound, [](FrameInput& f) { f.ignore_separating = true, f.accuracy = Accuracy::kFast; }));
+  EXPECT_EQ("start_fraction", refused(discrete, [](FrameInput& f) { f.start_fraction = 0.5; }));
+  for (const double bad : {-0.1, 1.1, std::nan("")})
+    EXPECT_EQ("start_fraction", refused(sound, [&](FrameInput& f) { f.start_fraction = bad; }));
+  const auto fresh = Detector::create(sound);
+  EXPECT_EQ("start_fraction",
+            refused_field([&] { go(*fresh, c, Scalar::kF64, [](FrameInput& f) { f.start_fraction = 0.5; }); }));
+  SceneSpec bad = sound;
+  bad.min_separation = -1;
+  EXPECT_EQ("min_separation", refused_field([&] { Detector::create(bad); }));
+  discrete.min_separation = 1;
+  EXPECT_EQ("min_separation", refused_field([&] { Detector::create(discrete); }));
+}
+
+TEST_F(Stepping, ATrialLeavesTheSceneAsItWas) {
+  for (const Scalar scalar : kFormats) {
+    const Case c = falling(1, -1), other = falling(1, -3);
+    const auto scene = scene_at_start(c, ccd(c, scalar));
+    const auto trial = [](FrameInput& frame) { frame.trial = true; };
+    const FrameResult first = go(*scene, c, scalar, trial);
+    EXPECT_NEAR(0.5, first.earliest_toi, 1e-6);
+    EXPECT_NEAR(0.25, go(*scene, other, scalar, trial).earliest_toi, 1e-6);
+    EXPECT_EQ(first.earliest_toi, go(*scene, c, scalar, [](FrameInput&) {}).earliest_toi);
+  }
+}
+
+// The same as a frame with the positions of that point as its start.
+TEST_F(Stepping, AFrameMayBeginOnTheWayOfTheLast) {
+  for (const Scalar scalar : kFormats)
+    for (const bool after_trial : {false, true}) {
+      const Case c = falling(1, -1), on = falling(0.5, -0.5);
+      const auto scene = scene_at_start(c, ccd(c, scalar));
+      go(*scene, c, scalar, [&](FrameInput& frame) { frame.trial = after_trial; });
+      const FrameResult begun = go(*scene, on, scalar, [](FrameInput& frame) { frame.start_fraction = 0.25; });
+      EXPECT_NEAR(0.5, begun.earliest_toi, 1e-6);
+      // From there on, without new positions: to where the last frame was half-way.
+      FrameInput none;
+      none.start_fraction = 0.5;
+      EXPECT_EQ(0u, scene->detect(none).counts.contacts.edge_edge) << "both triangles stand still";
+      const FrameResult back = go(*scene, falling(0, 1), scalar, [](FrameInput&) {});
+      EXPECT_EQ(0, back.earliest_toi) << "half-way they touch";
+    }
+}
+
+TEST_F(Stepping, ARefusedFrameLeavesNoWayToBeginOn) {
+  const Case c = falling(1, -1);
+  const auto scene = scene_at_start(c, ccd(c, Scalar::kF64));
+  SceneSpec small = ccd(c, Scalar::kF64);
+  Case bad = c;
+  bad.end[0][0][0] = std::nan("");
+  EXPECT_EQ("updates[0].end", refused_field([&] { go(*scene, bad, Scalar::kF64, [](FrameInput&) {}); }).substr(0, 14));
+  EXPECT_NEAR(0.5, go(*scene, c, Scalar::kF64, [](FrameInput&) {}).earliest_toi, 1e-6);
+}
+
+// Small simulations; tests/bench/advance runs them for thousands of steps.
+class Simulations : public OnBackend<::testing::TestWithParam<Simulation>> {};
+INSTANTIATE_TEST_SUITE_P(All, Simulations, ::testing::ValuesIn(simulations()),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST_P(Simulations, NeverCross) {
+  for (const Scalar scalar : kFormats) {
+    Simulator simulator(GetParam().make(), kBackend, scalar);
+    SceneSpec crossing = settings(Mode::kDcd, Accuracy::kExact, scalar);
+    crossing.kinds = {.triangle_triangle = true};
+    const auto judge = Detector::create(spec_for(simulator.bodies().meshes, crossing));
+    std::vector<double> of_largest;
+    for (int i = 0; i < 60; ++i) {
+      const Simulator::Step step = simulator.step();
+      const FrameResult found = judge->detect(Frame(simulator.last_way(), Mode::kDcd, scalar).input());
+      ASSERT_EQ(0u, found.triangle_triangle.size()) << "step " << i;
+      EXPECT_LE(step.advanced, step.earliest_toi);
+      if (step.earliest_toi > 0 && step.earliest_toi < 1) of_largest.push_back(step.advanced / step.earliest_toi);
+    }
+    if (of_largest.empty()) continue;
+    std::sort(of_largest.begin(), of_largest.end());
+    EXPECT_GE(of_largest[of_largest.size() / 2], 0.99);
+  }
+}
+
+// All that comes near on the ways of a few steps, in integer arithmetic.
+TEST_F(Stepping, KeepsTheSeparationOnTheWholeWay) {
+  for (const Scalar scalar : kFormats) {
+    Simulator simulator(simulation("soft_boxes").make(), kBackend, scalar);
+    const double kept = simulator.bodies().min_separation;
+    size_t judged = 0;
+    for (int i = 0; i < 24; ++i) {
+      simulator.step();
+      if (i < 12) continue;  // they have not met yet
+      const Case way = simulator.last_way();
+      const FrameResult near = run_case(way, settings(Mode::kCcd, Accuracy::kCandidates, scalar, kept));
+      const CaseJudge judge(way, Mode::kCcd, kept);
+      EXPECT_TRUE(judge.vertex_triangle(near.vertex_triangle.elements).empty()) << "step " << i;
+      EXPECT_TRUE(judge.edge_edge(near.edge_edge.elements).empty()) << "step " << i;
+      judged += near.vertex_triangle.size() + near.edge_edge.size();
+    }
+    EXPECT_GT(judged, 0u);
+  }
+}
+
+}  // namespace
+}  // namespace collided::test
