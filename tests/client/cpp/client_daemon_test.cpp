@@ -110,6 +110,29 @@ TEST_F(ClientAndDaemon, AWatcherSeesTheContactsAndPositionsOfFramesThatOthersSen
   expect_error(grpc::FAILED_PRECONDITION, [&] { watcher.receive(); });
 }
 
+TEST_F(ClientAndDaemon, MoveAlongGivesThePositionsThatAnAdvanceEndsAt) {
+  const v1::Scene scene = make_scene();
+  Watcher watcher = client.watch(scene.scene_id(), {.meshes = {0}});
+  FrameStream stream = client.stream(scene);
+  run(stream, 1, positions_at(1)).check();
+  watcher.receive();
+  std::vector<double> x, target;
+  for (const auto& p : positions_at(1)) x.insert(x.end(), p.begin(), p.end());
+  for (const auto& p : positions_at(-1.1)) target.insert(target.end(), p.begin(), p.end());
+  const FrameUpdate update{.mesh = 0, .positions = std::as_bytes(std::span(target))};
+  stream.send(2, {&update, 1}, {.advance = true});
+  const FrameOutput step = stream.receive();
+  step.check();
+  EXPECT_GT(step.done.advanced(), 0.4);
+  EXPECT_LT(step.done.advanced(), step.done.earliest_toi());
+  move_along(std::span(x), std::span<const double>(target), step.done.advanced());
+  const std::string bytes(reinterpret_cast<const char*>(x.data()), x.size() * sizeof(double));
+  EXPECT_TRUE(watcher.receive().positions.at(0).positions() == bytes);
+  expect_error(grpc::INVALID_ARGUMENT, [&] { move_along(std::span(x), std::span<const double>(target), 1.5); });
+  expect_error(grpc::INVALID_ARGUMENT,
+               [&] { move_along(std::span(x), std::span<const double>(target).first(3), 0.5); });
+}
+
 TEST_F(ClientAndDaemon, AWatcherIsCancelledWhileItWaits) {
   const v1::Scene scene = make_scene();
   Watcher watcher = client.watch(scene.scene_id());
