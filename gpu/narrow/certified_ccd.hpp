@@ -136,7 +136,7 @@ struct AdvanceCcd {
   COLLIDED_HD void finish(const State& state) const {
     const AdvancementOf<Work, Kind>& features = state.features;
     if (!features.is_hit()) return;
-    const bool separating = is_separating(features);
+    const bool separating = is_separating(state);
     if (separating && skips_separating) return;
     const uint8_t flags = flags_of(features) | (separating ? kFlagSeparating : 0);
     contacts.report(state.key, contact_at<Real>(features.d, features.time(), flags));
@@ -152,11 +152,15 @@ struct AdvanceCcd {
     if (t == 0 && (!is_sure || touches_at(features.d, Work(0), thickness))) flags |= kFlagInitial;
     return flags;
   }
-  /// Features within the thickness at t = 0; or, where the thickness grows, those that it catches up with.
-  COLLIDED_HD static bool is_separating(const AdvancementOf<Work, Kind>& features) {
-    const Thickness<Work>& thickness = features.thickness();
-    if (features.time() == 0) return comes_no_closer(features.d, Work(0));
-    return thickness.end > thickness.start && comes_no_closer(features.d, thickness.start);
+  /// Features within the thickness at t = 0; or, where the thickness grows, those that it catches up with. Float could
+  /// tell hardly anything of it.
+  COLLIDED_HD bool is_separating(const State& state) const {
+    const bool begins_within = state.features.time() == 0;
+    if (!begins_within && start_thickness == queries.thickness) return false;
+    DifferencesOf<double, Kind> d;
+    if (!load_differences<Kind, double>(points_of(queries.kind.stencil(state.key), queries.start, queries.end), d))
+      return false;
+    return comes_no_closer(d, begins_within ? 0.0 : scaled_thickness<double>(start_thickness, d.scale));
   }
 };
 

@@ -12,12 +12,12 @@ constexpr double kLostAtRest = 0x1p-20;
 
 /// Whether the features are certain to stay apart, over the whole step, by more than 1 - kLostAtRest of their distance
 /// at t = 0, and by more than `least` (scaled). False says nothing.
-template <class Work, int N>
-COLLIDED_HD bool comes_no_closer(const Differences<Work, N>& d, Work least) {
-  constexpr Work u = Precision<Work>::kUnit;
-  const Work distance = gap_at(d, Work(0)).length * (1 + 8 * u) + 64 * u * d.extent;  // no less than the true one
-  const Work kept = max(static_cast<Work>(1 - kLostAtRest) * distance, least);
-  const ClosestFeatures<Work, N> closest_features(d, Work(0));
+template <int N>
+COLLIDED_HD bool comes_no_closer(const Differences<double, N>& d, double least) {
+  constexpr double u = Precision<double>::kUnit;
+  const double distance = gap_at(d, 0.0).length * (1 + 8 * u) + 64 * u * d.extent;  // no less than the true one
+  const double kept = max((1 - kLostAtRest) * distance, least);
+  const ClosestFeatures<double, N> closest_features(d, 0.0);
   return apart_all_along(d, closest_features.best(), kept) || apart_all_along(d, closest_features.other(), kept);
 }
 

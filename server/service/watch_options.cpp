@@ -96,7 +96,8 @@ WatchOptions parse_watch(const pb::WatchSceneRequest& request, const ScenePlan& 
 }
 
 uint64_t max_watch_message_bytes(const WatchOptions& options, const ScenePlan& plan) {
-  const uint64_t kinds = uint64_t{plan.engine.vertex_triangle} + plan.engine.edge_edge + plan.engine.triangle_triangle;
+  uint64_t kinds = 0;
+  for_each_kind([&](ContactKind, bool is_wanted) { kinds += is_wanted ? 1 : 0; }, plan.engine.kinds);
   return kDoneBytes + kinds * options.max_contacts * plan.fields.contact_bytes() + bytes_of(options.samples, plan);
 }
 

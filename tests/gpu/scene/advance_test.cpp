@@ -129,7 +129,7 @@ TEST_F(Stepping, TheSceneIsWhereTheFormulaPutsIt) {
     const auto scene = scene_at_start(c, ccd(c, scalar));
     const double a = *go(*scene, c, scalar, kAdvance).advanced;
     std::vector<std::byte> bytes(3 * 3 * (scalar == Scalar::kF64 ? 8 : 4));
-    scene->read_positions({0, 3, 1}, bytes);
+    scene->read_positions({.first = 0, .stride = 1, .count = 3}, bytes);
     Positions expected = c.start[0];
     for (size_t v = 0; v < 3; ++v)
       for (size_t k = 0; k < 3; ++k)
@@ -223,7 +223,7 @@ TEST_P(Simulations, NeverCross) {
     std::vector<double> of_largest;
     for (int i = 0; i < 60; ++i) {
       const Simulator::Step step = simulator.step();
-      const FrameResult found = judge->detect(Frame(simulator.last_way(), Mode::kDcd, scalar).input());
+      const FrameResult found = judge->detect(Frame(simulator.last_way(), Mode::kDcd, scalar, i == 0).input());
       ASSERT_EQ(0u, found.triangle_triangle.size()) << "step " << i;
       EXPECT_LE(step.advanced, step.earliest_toi);
       if (step.earliest_toi > 0 && step.earliest_toi < 1) of_largest.push_back(step.advanced / step.earliest_toi);

@@ -60,7 +60,9 @@ class QueryRun {
       : exec_(exec), ranks_(ranks), scene_(scene), narrow_(exec, spec_, ranks_, scene), results_(exec, spec_, scene) {
     spec_.mode = settings.mode;
     spec_.thickness = settings.thickness;
-    needs_ = needs_of(spec_, settings_of(spec_, {.accuracy = settings.accuracy, .delta = settings.delta}));
+    spec_.accuracy = settings.accuracy;
+    spec_.delta = settings.delta;
+    needs_ = needs_of(spec_, settings_of(spec_, {}));
   }
 
   template <class Kind>
