@@ -88,6 +88,7 @@ class Advancement {
   COLLIDED_HD Work time() const { return t_; }
   COLLIDED_HD const Pace& pace() const { return pace_; }
   COLLIDED_HD const Thickness<Work>& thickness() const { return tolerance_.thickness; }
+  COLLIDED_HD Work delta() const { return tolerance_.delta; }
 
   /// Looks at the features at the time that was chosen for it. A contact that is certain to be reported after `last`
   /// may count as a miss; `last` never changes the time of a hit, for what it is depends on the order of the queries.

@@ -155,8 +155,11 @@ struct AdvanceCcd {
   /// Features within the thickness at t = 0; or, where the thickness grows, those that it catches up with. Float could
   /// tell hardly anything of it.
   COLLIDED_HD bool is_separating(const State& state) const {
-    const bool begins_within = state.features.time() == 0;
+    const AdvancementOf<Work, Kind>& features = state.features;
+    const bool begins_within = features.time() == 0;
     if (!begins_within && start_thickness == queries.thickness) return false;
+    // What begins within is no farther apart than this.
+    if (features.thickness().end + features.delta() < static_cast<Work>(kTooClose) * features.d.extent) return false;
     DifferencesOf<double, Kind> d;
     if (!load_differences<Kind, double>(points_of(queries.kind.stencil(state.key), queries.start, queries.end), d))
       return false;

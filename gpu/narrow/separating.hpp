@@ -10,6 +10,9 @@ namespace collided {
 /// rounding decide for features that are a billionth of their size apart.
 constexpr double kLostAtRest = 0x1p-20;
 
+/// Of their size: features that are closer than this at t = 0 are never certain to lose less.
+constexpr double kTooClose = 0x1p-28;
+
 /// Whether the features are certain to stay apart, over the whole step, by more than 1 - kLostAtRest of their distance
 /// at t = 0, and by more than `least` (scaled). False says nothing.
 template <int N>

@@ -5,6 +5,7 @@ import json
 import math
 
 TRADEOFF_FORMAT = "collided tradeoff 1"
+ADVANCE_FORMAT = "collided advance 1"
 LEVELS = ("fast", "guarded", "certified", "exact")
 POSITION_FORMATS = ("f32", "f64")
 
@@ -35,8 +36,18 @@ class Tradeoff:
 
 
 @dataclasses.dataclass
+class Simulation:
+    """How far each step of a simulation went."""
+    name: str
+    position_format: str
+    crossings: int
+    advanced: list[float]
+
+
+@dataclasses.dataclass
 class Results:
     tradeoffs: list[Tradeoff]
+    simulations: list[Simulation]
     runs: list[dict]  # of `collidectl bench` and `collided_bench --compare-engines`, each with its device
 
 
@@ -77,6 +88,11 @@ def tradeoff(result):
     return Tradeoff(str(result["name"]), str(result["device"]), number(result["triangles"]), runs)
 
 
+def simulation(run):
+    return Simulation(str(run["simulation"]), known(run["scalar"], POSITION_FORMATS), number(run["crossings"]),
+                      [number(fraction) for fraction in run["advanced"]])
+
+
 def step_run(run, device):
     """The run with its device, checked: not all runs have stages, times and memory."""
     for name in ("scene", "engine"):
@@ -101,13 +117,13 @@ def add_file(path, results):
         result = parse(file.read(), path)
     if not isinstance(result, dict) or "runs" not in result:
         raise BadResult(f"{path}: is not a measurement result: it has no 'runs'")
-    is_tradeoff = "format" in result
     try:
-        if is_tradeoff:
-            known(result["format"], [TRADEOFF_FORMAT])
+        if "format" not in result:
+            results.runs += [step_run(run, result["device"]) for run in result["runs"]]
+        elif known(result["format"], [TRADEOFF_FORMAT, ADVANCE_FORMAT]) == TRADEOFF_FORMAT:
             results.tradeoffs.append(tradeoff(result))
         else:
-            results.runs += [step_run(run, result["device"]) for run in result["runs"]]
+            results.simulations += map(simulation, result["runs"])
     except KeyError as missing:
         raise BadResult(f"{path}: is not a measurement result: {missing} is missing") from None
     except (AttributeError, TypeError, ValueError) as error:
@@ -116,7 +132,7 @@ def add_file(path, results):
 
 def read_results(paths):
     """Throws BadResult, and OSError for a file that cannot be read."""
-    results = Results([], [])
+    results = Results([], [], [])
     for path in paths:
         add_file(path, results)
     if len(devices := sorted({run["device"] for run in results.runs})) > 1:

@@ -47,7 +47,7 @@ class StageScene {
   SceneBuffers<CpuExec, float> buffers{exec};
   Searcher<CpuExec> searcher{exec};
   OctreePhase<CpuExec, float> octree{exec, searcher, spec, features.topology, buffers};
-  LbvhPhase<CpuExec, float> hierarchy{exec, searcher, spec, features.topology, buffers};
+  LbvhPhase<CpuExec, float> hierarchy{exec, searcher, features.topology, buffers};
   OctreePlan plan;                                   ///< of the step
   StepState step{};                                  ///< as the step left it
   std::vector<std::pair<uint32_t, uint32_t>> pairs;  ///< of triangles whose boxes overlap

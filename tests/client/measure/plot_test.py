@@ -174,6 +174,11 @@ class Steps(PlotTest):
             self.assertIn(scene, texts)
         self.assertTrue((self.folder / "pictures" / "tradeoff.svg").exists())
 
+    def test_simulations_have_a_panel_each(self):
+        texts = Svg(self.draw(RESULTS / "stepping" / "2026-11-22-h200-advance.json")["advance"]).texts()
+        for name in ("cloth_on_sphere", "sheets", "soft_boxes", "box_stack", "knot"):
+            self.assertIn(f"{name}: 0 crossings", texts)
+
     def test_one_picture_shows_one_device(self):
         run = {"scene": "funnel", "engine": "octree", "triangles": 1, "counts": {"tests": 1}}
         other = self.put("other.json", {"device": "CPU", "runs": [run]})
