@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/server/scenes/tiny_scene.hpp"
+#include "tests/support/every_field.hpp"
 
 namespace collided::server {
 namespace {
@@ -46,8 +47,8 @@ TEST(WatchOptions, TheLeastStrideIsTheSmallestThatFits) {
 
 TEST(WatchOptions, TheLargestMessageFitsADefaultClient) {
   ScenePlan plan = tip_plan();
-  plan.fields = {kEveryField, true};
-  plan.engine.triangle_triangle = true;
+  plan.fields = {test::kEveryField, true};
+  plan.engine.kinds.triangle_triangle = true;
   plan.engine.meshes[1].vertex_count = 1'000'000;
   pb::WatchSceneRequest request;
   request.set_max_contacts_per_kind(kMaxWatchedContacts);
