@@ -182,14 +182,6 @@ TEST_F(BadInput, AStreamMustOpenFirst) {
   EXPECT_EQ(stream.finish().error_code(), grpc::FAILED_PRECONDITION);
 }
 
-TEST_F(BadInput, WatchSceneIsNotServed) {
-  grpc::ClientContext context;
-  auto watch = stub_->WatchScene(&context, {});
-  pb::WatchSceneResponse response;
-  EXPECT_FALSE(watch->Read(&response));
-  EXPECT_EQ(watch->Finish().error_code(), grpc::UNIMPLEMENTED);
-}
-
 TEST_F(BadInput, Scenes) {
   const auto status = create([](auto& r) {
     r.mutable_spec()->mutable_meshes(1)->set_triangles(pack<uint32_t>({0, 1, 3}));
