@@ -31,6 +31,20 @@ class FormulaScene : public Scene {
   std::vector<Rule> rules_;
 };
 
+/// Of a box whose corner i is low or high along x, y and z by its bits 0, 1 and 2; they face outward.
+inline constexpr std::array<std::array<uint32_t, 3>, 12> kBoxTriangles{{{0, 2, 1},
+                                                                        {1, 2, 3},
+                                                                        {4, 5, 6},
+                                                                        {5, 7, 6},
+                                                                        {0, 1, 4},
+                                                                        {1, 5, 4},
+                                                                        {2, 6, 3},
+                                                                        {3, 6, 7},
+                                                                        {0, 4, 2},
+                                                                        {2, 4, 6},
+                                                                        {1, 3, 5},
+                                                                        {3, 7, 5}}};
+
 /// A range of parameters, divided into quads.
 struct Range {
   double first;

@@ -5,30 +5,14 @@
 
 namespace collided::scenes {
 
-namespace {
-
-const std::array<std::array<uint32_t, 3>, 12> kCube{{{0, 2, 1},
-                                                     {1, 2, 3},
-                                                     {4, 5, 6},
-                                                     {5, 7, 6},
-                                                     {0, 1, 4},
-                                                     {1, 5, 4},
-                                                     {2, 6, 3},
-                                                     {3, 6, 7},
-                                                     {0, 4, 2},
-                                                     {2, 4, 6},
-                                                     {1, 3, 5},
-                                                     {3, 7, 5}}};
-
-}  // namespace
-
 ScenePtr make_touching_boxes(double scale) {
   const uint32_t n = refine(12, std::cbrt(scale * scale), 2);
   Part boxes;
   boxes.mesh.name = "boxes";
   for (uint32_t box = 0; box < n * n * n; ++box) {
     for (uint32_t corner = 0; corner < 8; ++corner) boxes.params.push_back({double(box), double(corner)});
-    for (const auto& t : kCube) boxes.mesh.triangles.push_back({8 * box + t[0], 8 * box + t[1], 8 * box + t[2]});
+    for (const auto& t : kBoxTriangles)
+      boxes.mesh.triangles.push_back({8 * box + t[0], 8 * box + t[1], 8 * box + t[2]});
   }
   // Every second layer slides along by t of a cell; faces stay in the same planes.
   boxes.formula = [n](Param at, double t) -> Vec3d {

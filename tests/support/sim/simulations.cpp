@@ -41,20 +41,7 @@ void add_box(Bodies& bodies, const Vec3d& centre, const Vec3d& half, double turn
     x.push_back({centre[0] + dx * std::cos(turn) - dy * std::sin(turn),
                  centre[1] + dx * std::sin(turn) + dy * std::cos(turn), centre[2] + dz});
   }
-  add_mesh(bodies.meshes,
-           {{0, 2, 1},
-            {1, 2, 3},
-            {4, 5, 6},
-            {5, 7, 6},
-            {0, 1, 4},
-            {1, 5, 4},
-            {2, 6, 3},
-            {3, 6, 7},
-            {0, 4, 2},
-            {2, 4, 6},
-            {1, 3, 5},
-            {3, 7, 5}},
-           x);
+  add_mesh(bodies.meshes, {scenes::kBoxTriangles.begin(), scenes::kBoxTriangles.end()}, x);
   make_stiff(bodies, last_mesh(bodies));
 }
 
