@@ -96,13 +96,25 @@ constexpr uint64_t position_bytes(Scalar scalar) { return scalar == Scalar::kF64
 /// one-stage forms.
 enum class Engine { kAuto, kOctree, kTopDown, kBottomUp, kUniformGrid, kTwoLevelGrid, kLbvh };
 
+/// How a mesh moves: any vertex in any frame; not after the first frame; as a whole, by transforms of the positions
+/// that its first frame brought.
+enum class MeshMotion { kDeformable, kStatic, kRigid };
+
 struct MeshSpec {
   uint32_t vertex_count = 0;
   std::vector<std::array<uint32_t, 3>> triangles;  ///< vertex indices counted in the mesh
-  bool is_static = false;                          ///< positions never change after the first frame
-  uint32_t groups = 1;                             ///< bits
-  uint32_t collide_mask = ~0u;                     ///< bits of groups it can touch
+  MeshMotion motion = MeshMotion::kDeformable;
+  uint32_t groups = 1;          ///< bits
+  uint32_t collide_mask = ~0u;  ///< bits of groups it can touch
   bool self_contacts = true;
+  uint32_t excluded_rings = 0;  ///< self contacts of features that so many edges or fewer connect are left out
+  bool excludes_rest_pairs =
+      false;  ///< likewise of features that are within SceneSpec::rest_distance in the first frame
+};
+
+/// A box that positions are encoded in.
+struct PositionBox {
+  std::array<double, 3> lower{}, upper{};  ///< finite, lower <= upper
 };
 
 /// What a scene needs; stages and buffers exist only for what is asked for here.
@@ -116,6 +128,10 @@ struct SceneSpec {
   double delta = 0;      ///< tolerance of CCD from kGuarded on, unit of the positions; 0: relative to each pair's size
   /// CCD: distance that FrameInput::advance keeps; >= 0, finite, unit of the positions.
   double min_separation = 0;
+  double rest_distance = 0;  ///< >= 0, finite, unit of the positions; of MeshSpec::excludes_rest_pairs
+  std::vector<std::array<uint32_t, 2>> excluded_meshes;  ///< pairs of meshes that never touch; a mesh and itself, too
+  /// If there is one, positions come as 16-bit fixed point in it (positions/quantized.hpp); the scalar is kF32.
+  std::optional<PositionBox> quantized_in = {};
   Report report = Report::kAll;
   /// Which kinds are wanted, one or more. Of triangles, in DCD: those of the frame that intersect; thickness plays no
   /// part. In CCD, at kCandidates alone: those whose boxes overlap.
@@ -137,6 +153,9 @@ struct MeshPositions {
   std::span<const std::byte> end;           ///< t = 1
   bool is_sparse = false;                   ///< only the vertices of `indices` change
   std::span<const std::byte> indices = {};  ///< uint32 each, strictly ascending, counted in the mesh
+  /// Rigid meshes: float64[3][4], the rows of [R | t], instead of positions; those of the first frame are transformed.
+  std::span<const std::byte> transform = {};
+  std::span<const std::byte> start_transform = {};  ///< at t = 0 (CCD); empty: where the last frame left the mesh
 };
 
 /// Room for the positions of one frame on their way to the backend. A scene makes as many as it has frames in flight.

@@ -48,7 +48,8 @@ void check_update(const SceneSpec& spec, const MeshPositions& update, const std:
   check_bytes(field + ".end", update.end, count, spec.scalar, of);
   if (update.start.empty()) return;
   if (spec.mode == Mode::kDcd) throw InvalidInput(field + ".start", field + ".start is given, but the scene is DCD");
-  if (mesh.is_static) throw InvalidInput(field + ".start", field + ".start is given, but the mesh is static");
+  if (mesh.motion == MeshMotion::kStatic)
+    throw InvalidInput(field + ".start", field + ".start is given, but the mesh is static");
   check_bytes(field + ".start", update.start, count, spec.scalar, of);
 }
 
@@ -69,11 +70,11 @@ void check_turn(const SceneSpec& spec, const std::vector<SentMesh>& meshes, bool
   std::vector<bool> named(spec.meshes.size(), false);
   for (size_t i = 0; i < meshes.size(); ++i) {
     const uint32_t mesh = meshes[i].mesh;
-    if (!first && spec.meshes[mesh].is_static)
+    if (!first && spec.meshes[mesh].motion == MeshMotion::kStatic)
       throw InvalidInput(name_of(i) + ".mesh",
                          name_of(i) + ".mesh " + text(mesh) +
                              " is static: its positions come with the first frame alone. Leave it out of later frames, "
-                             "or create the scene with is_static off for this mesh");
+                             "or create the scene with a deformable mesh");
     if (first && meshes[i].is_sparse)
       throw InvalidInput(name_of(i) + ".indices", name_of(i) + ".indices are given for mesh " + text(mesh) +
                                                       ", whose first positions must be those of all vertices");

@@ -95,13 +95,13 @@ class SceneDetector final : public Detector {
   std::vector<MeshRule> rules() const {
     std::vector<MeshRule> out;
     for (const MeshSpec& m : spec_.meshes)
-      out.push_back({m.groups, m.collide_mask, m.is_static ? 1u : 0u, m.self_contacts ? 1u : 0u});
+      out.push_back({m.groups, m.collide_mask, m.motion == MeshMotion::kStatic ? 1u : 0u, m.self_contacts ? 1u : 0u});
     return out;
   }
   /// Whether some pair of meshes may not touch.
   bool needs_filter() const {
     const auto free = [](const MeshSpec& m) {
-      return m.groups == 1 && m.collide_mask == ~0u && m.self_contacts && !m.is_static;
+      return m.groups == 1 && m.collide_mask == ~0u && m.self_contacts && m.motion != MeshMotion::kStatic;
     };
     return !std::all_of(spec_.meshes.begin(), spec_.meshes.end(), free);
   }

@@ -217,7 +217,7 @@ class OctreePhase {
   std::vector<TriangleRun> runs(bool all) const {
     std::vector<TriangleRun> runs;
     for (uint32_t mesh = 0; mesh < spec_.meshes.size(); ++mesh) {
-      if (!all && spec_.meshes[mesh].is_static) continue;
+      if (!all && spec_.meshes[mesh].motion == MeshMotion::kStatic) continue;
       const uint64_t first = topology_.triangle_offset[mesh], end = topology_.triangle_offset[mesh + 1];
       if (!runs.empty() && runs.back().first + runs.back().count == first)
         runs.back().count += end - first;

@@ -10,7 +10,7 @@ namespace {
 void fill_mesh(const MeshPlan& plan, const MeshSpec& engine, pb::MeshSpec* out) {
   out->set_name(plan.name);
   out->set_vertex_count(engine.vertex_count);
-  out->set_motion(engine.is_static ? pb::MESH_MOTION_STATIC : pb::MESH_MOTION_DEFORMABLE);
+  out->set_motion(engine.motion == MeshMotion::kStatic ? pb::MESH_MOTION_STATIC : pb::MESH_MOTION_DEFORMABLE);
   out->set_groups(engine.groups);
   out->set_collide_mask(engine.collide_mask);
   out->set_no_self_contacts(!engine.self_contacts);

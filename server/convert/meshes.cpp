@@ -24,9 +24,9 @@ std::string check_triangle(const TriangleCorners& t, uint32_t vertex_count) {
   return {};
 }
 
-bool parse_static(pb::MeshMotion motion, const std::string& field) {
-  if (motion == pb::MESH_MOTION_UNSPECIFIED || motion == pb::MESH_MOTION_DEFORMABLE) return false;
-  if (motion == pb::MESH_MOTION_STATIC) return true;
+MeshMotion parse_motion(pb::MeshMotion motion, const std::string& field) {
+  if (motion == pb::MESH_MOTION_UNSPECIFIED || motion == pb::MESH_MOTION_DEFORMABLE) return MeshMotion::kDeformable;
+  if (motion == pb::MESH_MOTION_STATIC) return MeshMotion::kStatic;
   if (motion == pb::MESH_MOTION_RIGID) throw_not_served(field, "MESH_MOTION_RIGID");
   throw_unknown(field, motion, {pb::MESH_MOTION_DEFORMABLE, pb::MESH_MOTION_STATIC});
 }
@@ -45,7 +45,7 @@ MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
     throw_invalid(path + ".vertex_count", fmt::format("is {}, but must be at least 3", mesh.vertex_count()));
   MeshSpec out;
   out.vertex_count = mesh.vertex_count();
-  out.is_static = parse_static(mesh.motion(), path + ".motion");
+  out.motion = parse_motion(mesh.motion(), path + ".motion");
   out.groups = mesh.groups() ? mesh.groups() : 1;
   out.collide_mask = mesh.collide_mask() ? mesh.collide_mask() : ~0u;
   out.self_contacts = !mesh.no_self_contacts();

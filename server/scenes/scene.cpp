@@ -49,7 +49,11 @@ uint64_t plan_bytes(const ScenePlan& plan) {
 }
 
 MeshSpec without_triangles(const MeshSpec& mesh) {
-  return {mesh.vertex_count, {}, mesh.is_static, mesh.groups, mesh.collide_mask, mesh.self_contacts};
+  MeshSpec out;
+  out.vertex_count = mesh.vertex_count, out.motion = mesh.motion;
+  out.groups = mesh.groups, out.collide_mask = mesh.collide_mask, out.self_contacts = mesh.self_contacts;
+  out.excluded_rings = mesh.excluded_rings, out.excludes_rest_pairs = mesh.excludes_rest_pairs;
+  return out;
 }
 
 }  // namespace

@@ -188,7 +188,7 @@ class Finder {
   bool may_touch(uint32_t v, uint32_t w) const {
     const uint32_t i = features_.mesh_of_vertex[v], j = features_.mesh_of_vertex[w];
     const MeshSpec &a = case_.meshes[i], &b = case_.meshes[j];
-    if (a.is_static && b.is_static) return false;
+    if (a.motion == MeshMotion::kStatic && b.motion == MeshMotion::kStatic) return false;
     if (i == j) return a.self_contacts;
     return (a.groups & b.collide_mask) && (b.groups & a.collide_mask);
   }

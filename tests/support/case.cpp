@@ -50,7 +50,7 @@ std::vector<std::byte> pack(const Positions& positions, Scalar scalar) {
 
 Frame::Frame(const Case& c, Mode mode, Scalar scalar, bool with_static) {
   for (uint32_t m = 0; m < c.meshes.size(); ++m) {
-    const bool is_static = c.meshes[m].is_static;
+    const bool is_static = c.meshes[m].motion == MeshMotion::kStatic;
     if (is_static && !with_static) continue;
     Update update{m, {}, pack(c.end[m], scalar)};
     if (mode == Mode::kCcd && !is_static) update.start = pack(c.start[m], scalar);
@@ -78,7 +78,7 @@ Case case_of(const scenes::Scene& scene, double t0, double t1) {
     MeshSpec spec;
     spec.vertex_count = mesh.vertex_count;
     spec.triangles = mesh.triangles;
-    spec.is_static = mesh.is_static;
+    if (mesh.is_static) spec.motion = MeshMotion::kStatic;
     c.meshes.push_back(std::move(spec));
   }
   c.start = split(scene.meshes(), scene.positions(t0));
@@ -103,7 +103,7 @@ void add_mesh(Case& c, std::vector<std::array<uint32_t, 3>> triangles, Positions
   MeshSpec spec;
   spec.vertex_count = static_cast<uint32_t>(start.size());
   spec.triangles = std::move(triangles);
-  spec.is_static = is_static;
+  if (is_static) spec.motion = MeshMotion::kStatic;
   c.meshes.push_back(std::move(spec));
   c.end.push_back(end.empty() ? start : std::move(end));
   c.start.push_back(std::move(start));

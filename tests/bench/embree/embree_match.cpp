@@ -36,7 +36,8 @@ std::vector<FloatBox> swept_boxes(const Case& c) {
 class PairRules {
  public:
   PairRules(const Topology& topology, const Case& c) : triangles_(topology.triangles) {
-    for (const MeshSpec& mesh : c.meshes) is_static_.insert(is_static_.end(), mesh.triangles.size(), mesh.is_static);
+    for (const MeshSpec& mesh : c.meshes)
+      is_static_.insert(is_static_.end(), mesh.triangles.size(), mesh.motion == MeshMotion::kStatic);
   }
   bool may_touch(uint32_t a, uint32_t b) const { return !is_static_[a] || !is_static_[b]; }
   bool are_apart(uint32_t a, uint32_t b) const {

@@ -84,11 +84,11 @@ void StageScene::make_resident(const Case& step) {
   send(resident.triangle_edges, features.triangle_edges);
   send(resident.edges, features.topology.edges);
   send(resident.owned, features.owned);
-  const auto is_static = [](const MeshSpec& m) { return m.is_static; };
+  const auto is_static = [](const MeshSpec& m) { return m.motion == MeshMotion::kStatic; };
   if (std::any_of(spec.meshes.begin(), spec.meshes.end(), is_static)) {
     std::vector<MeshRule> rules;
     for (const MeshSpec& m : spec.meshes)
-      rules.push_back({m.groups, m.collide_mask, m.is_static ? 1u : 0u, m.self_contacts ? 1u : 0u});
+      rules.push_back({m.groups, m.collide_mask, is_static(m) ? 1u : 0u, m.self_contacts ? 1u : 0u});
     send(resident.mesh_of_triangle, features.mesh_of_triangle);
     send(resident.rules, rules);
   }

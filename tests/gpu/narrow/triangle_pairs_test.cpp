@@ -126,7 +126,7 @@ std::vector<uint32_t> mesh_of_triangle(const Case& c) {
 
 bool may_touch(const Case& c, uint32_t i, uint32_t j) {
   const MeshSpec &a = c.meshes[i], &b = c.meshes[j];
-  if (a.is_static && b.is_static) return false;
+  if (a.motion == MeshMotion::kStatic && b.motion == MeshMotion::kStatic) return false;
   return i == j ? a.self_contacts : (a.groups & b.collide_mask) && (b.groups & a.collide_mask);
 }
 

@@ -121,7 +121,7 @@ TEST_F(DetectorParts, StaticMeshEqualsAMeshThatStandsStill) {
   const Case wall = soup(74, 200, 1, 0.2, 0);
   add_mesh(c, wall.meshes[0].triangles, wall.start[0], {}, true);
   Case still = c;
-  still.meshes[1].is_static = false;
+  still.meshes[1].motion = MeshMotion::kDeformable;
   still.meshes[1].self_contacts = false;
   const SceneSpec spec = settings(Mode::kCcd, Accuracy::kFast);
   EXPECT_TRUE(same_contacts(run_case(c, spec), run_case(still, spec)));

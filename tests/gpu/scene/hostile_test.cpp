@@ -156,7 +156,7 @@ TEST_F(FrameMessage, AStaticMeshThatMovesNamesTheRemedy) {
   const Frame whole(c, Mode::kDcd, Scalar::kF64);
   EXPECT_EQ(refusal(spec, whole.input(), 2),
             "updates[1].mesh 1 is static: its positions come with the first frame alone. Leave it out of later frames, "
-            "or create the scene with is_static off for this mesh");
+            "or create the scene with a deformable mesh");
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ Simulator::Simulator(Bodies bodies, Backend backend, Scalar scalar) : bodies_(st
   v_ = bodies_.velocity.empty() ? Positions(x_.size()) : bodies_.velocity;
   bodies_.pull.resize(x_.size());
   for (const MeshSpec& mesh : bodies_.meshes.meshes)
-    is_static_.insert(is_static_.end(), mesh.vertex_count, mesh.is_static);
+    is_static_.insert(is_static_.end(), mesh.vertex_count, mesh.motion == MeshMotion::kStatic);
   SceneSpec spec;
   spec.backend = backend;
   spec.scalar = scalar;
