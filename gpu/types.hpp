@@ -131,7 +131,7 @@ struct SceneSpec {
   double rest_distance = 0;  ///< >= 0, finite, unit of the positions; of MeshSpec::excludes_rest_pairs
   std::vector<std::array<uint32_t, 2>> excluded_meshes;  ///< pairs of meshes that never touch; a mesh and itself, too
   /// If there is one, positions come as 16-bit fixed point in it (positions/quantized.hpp); the scalar is kF32.
-  std::optional<PositionBox> quantized_in = {};
+  std::optional<PositionBox> quantized_in;
   Report report = Report::kAll;
   /// Which kinds are wanted, one or more. Of triangles, in DCD: those of the frame that intersect; thickness plays no
   /// part. In CCD, at kCandidates alone: those whose boxes overlap.
@@ -144,16 +144,20 @@ struct SceneSpec {
   std::vector<MeshSpec> meshes;
 };
 
-/// New positions of one mesh: packed xyz of the scene's scalar type, of all its vertices, or of those in `indices`.
-/// The bytes may lie in any memory that the backend reads: host memory (a slot's own is the fastest), registered host
-/// memory, or, on CUDA, that of the device.
+/// Bytes of one position as frames bring it.
+constexpr uint64_t position_bytes(const SceneSpec& spec) { return spec.quantized_in ? 6 : position_bytes(spec.scalar); }
+
+/// New positions of one mesh: packed xyz of the scene's scalar type (uint16 each where they are quantized), of all its
+/// vertices, or of those in `indices`. The bytes may lie in any memory that the backend reads: host memory (a slot's
+/// own is the fastest), registered host memory, or, on CUDA, that of the device.
 struct MeshPositions {
   uint32_t mesh = 0;
   std::span<const std::byte> start;         ///< t = 0 (CCD); empty: where the last frame left the mesh
   std::span<const std::byte> end;           ///< t = 1
   bool is_sparse = false;                   ///< only the vertices of `indices` change
   std::span<const std::byte> indices = {};  ///< uint32 each, strictly ascending, counted in the mesh
-  /// Rigid meshes: float64[3][4], the rows of [R | t], instead of positions; those of the first frame are transformed.
+  /// Rigid meshes: float64[3][4] in host memory, the rows of [R | t], instead of positions; those of the first frame
+  /// are transformed (positions/pose.hpp).
   std::span<const std::byte> transform = {};
   std::span<const std::byte> start_transform = {};  ///< at t = 0 (CCD); empty: where the last frame left the mesh
 };

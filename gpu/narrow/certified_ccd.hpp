@@ -2,6 +2,7 @@
 // CCD at the levels GUARDED (Work = float), CERTIFIED and EXACT (Work = double): no contact of the given positions is
 // missed, and no time of impact is late.
 
+#include "gpu/narrow/doubt.hpp"
 #include "gpu/narrow/separating.hpp"
 
 namespace collided {
@@ -17,6 +18,13 @@ COLLIDED_HD ContactData<Real> contact_at(const Differences<Work, N>& d, Work t, 
   const double distance = static_cast<double>(gap.length) / d.scale;
   return {static_cast<double>(t), static_cast<Real>(distance), static_cast<Real>(gap.points.w0),
           static_cast<Real>(gap.points.w1), flags};
+}
+
+/// The contact's data of features whose positions are the same.
+template <class Real>
+COLLIDED_HD ContactData<Real> coincident(double thickness, double doubt, uint8_t flags) {
+  const bool is_sure = doubt == 0 || certain_distance(thickness, doubt) > 0;
+  return {0, Real(0), Real(0), Real(0), static_cast<uint8_t>(flags | (is_sure ? kFlagCertified : kFlagNear))};
 }
 
 /// A candidate that float could not tell apart, and how far it came: double precision resumes there.
@@ -39,11 +47,14 @@ struct CcdQueries {
   const Vec3<Real>* start;
   const Vec3<Real>* end;
   double thickness;  ///< at t = 1; the filters take it for the whole step
+  Doubt doubt;
   double delta;
   Kind kind;
   Span<const Candidate> candidates;
 
   COLLIDED_HD uint64_t key(uint64_t i) const { return key_of(candidates[i]); }
+  /// What the pair may be closer to each other than the straight paths of their positions, at most.
+  COLLIDED_HD double doubt_of(uint64_t key) const { return doubt.of(kind, key); }
   COLLIDED_HD Progress progress(uint64_t i) const { return progress_of(candidates[i]); }
   /// As load_differences.
   template <class Work>
@@ -70,14 +81,15 @@ struct ScreenCcd {
 
   COLLIDED_HD void operator()(uint64_t i) const {
     DifferencesOf<float, Kind> d;
-    if (queries.load(i, d) && is_apart(d)) return;
-    survivors.push(queries.key(i));
+    const uint64_t key = queries.key(i);
+    if (queries.load(i, d) && is_apart(d, Deviations::widened(queries.thickness, queries.doubt_of(key)))) return;
+    survivors.push(key);
   }
 
  private:
-  COLLIDED_HD bool is_apart(const DifferencesOf<float, Kind>& d) const {
+  COLLIDED_HD static bool is_apart(const DifferencesOf<float, Kind>& d, double thickness) {
     const Direction<float> closest = direction_of(gap_at(d, 0.5f).vector);
-    return apart_all_along(d, closest, scaled_thickness<float>(queries.thickness, d.scale));
+    return apart_all_along(d, closest, scaled_thickness<float>(thickness, d.scale));
   }
 };
 
@@ -97,7 +109,8 @@ struct ApproachCcd {
       return;
     }
     constexpr float kNear = 0x1p-16f;  // of the extent: where float comes near its limits
-    const float thickness = scaled_thickness<float>(queries.thickness, d.scale);
+    const double widened = Deviations::widened(queries.thickness, queries.doubt_of(state.key));
+    const float thickness = scaled_thickness<float>(widened, d.scale);
     const float delta = max(kNear * d.extent, float_above(queries.delta * d.scale));
     state.features.begin({{thickness, thickness}, delta}, queries.progress(i), kIterationsInFloat);
   }
@@ -124,28 +137,30 @@ struct AdvanceCcd {
     if (contacts.early_exit.is_over()) return;
     state.key = queries.key(i);
     DifferencesOf<Work, Kind>& d = state.features.d;
-    if (!queries.load(i, d))
-      return contacts.report(state.key, {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified | kFlagInitial}});
+    const double doubt = queries.doubt_of(state.key);
+    if (!queries.load(i, d)) return contacts.report(state.key, coincident<Real>(start_thickness, doubt, kFlagInitial));
     const Work delta =
         queries.delta > 0 ? static_cast<Work>(queries.delta * d.scale) : default_delta(Work(0)) * d.extent;
-    const Thickness<Work> thickness{scaled_thickness<Work>(start_thickness, d.scale),
-                                    scaled_thickness<Work>(queries.thickness, d.scale)};
+    const Thickness<Work> thickness{scaled_thickness<Work>(Deviations::widened(start_thickness, doubt), d.scale),
+                                    scaled_thickness<Work>(Deviations::widened(queries.thickness, doubt), d.scale)};
     state.features.begin({thickness, delta}, queries.progress(i), kMaxIterations);
   }
   COLLIDED_HD void step(State& state) const { state.features.iterate(static_cast<Work>(contacts.early_exit.last())); }
   COLLIDED_HD void finish(const State& state) const {
     const AdvancementOf<Work, Kind>& features = state.features;
     if (!features.is_hit()) return;
-    const bool separating = is_separating(state);
+    const double doubt = queries.doubt_of(state.key);
+    const bool separating = doubt == 0 && is_separating(state);
     if (separating && skips_separating) return;
-    const uint8_t flags = flags_of(features) | (separating ? kFlagSeparating : 0);
+    const uint8_t flags = flags_of(features, doubt) | (separating ? kFlagSeparating : 0);
     contacts.report(state.key, contact_at<Real>(features.d, features.time(), flags));
   }
 
  private:
-  COLLIDED_HD static uint8_t flags_of(const AdvancementOf<Work, Kind>& features) {
-    const Work t = features.time(), thickness = features.thickness().start;
-    const bool is_sure = is_certain(features.d, t, thickness);
+  COLLIDED_HD uint8_t flags_of(const AdvancementOf<Work, Kind>& features, double doubt) const {
+    const double certain = certain_distance(start_thickness, doubt);
+    const Work t = features.time(), thickness = scaled_thickness<Work>(certain, features.d.scale);
+    const bool is_sure = (doubt == 0 || certain > 0) && is_certain(features.d, t, thickness);
     uint8_t flags = is_sure ? kFlagCertified : kFlagNear;
     if (features.is_capped()) flags |= kFlagCapped;
     // A sure contact may come after its lower bound 0.

@@ -28,6 +28,7 @@ template <class Work, class Real, class Kind>
 struct CertifyProximity {
   const Vec3<Real>* positions;
   double thickness;
+  double doubt;  ///< of every pair: its positions were encoded
   Kind kind;
   Span<const uint64_t> candidates;
   ContactSink<Real> contacts;
@@ -36,10 +37,10 @@ struct CertifyProximity {
     if (contacts.early_exit.is_over()) return;
     DifferencesOf<Work, Kind> d;
     if (!load_differences<Kind, Work>(points_of(kind.stencil(candidates[i]), positions, positions), d))
-      return contacts.report(candidates[i], {0, Real(0), Real(0), Real(0), uint8_t{kFlagCertified}});
-    const Work scaled = scaled_thickness<Work>(thickness, d.scale);
-    if (are_apart(d, scaled)) return;
-    const uint8_t flags = touches_at(d, Work(0), scaled) ? kFlagCertified : kFlagNear;
+      return contacts.report(candidates[i], coincident<Real>(thickness, doubt, 0));
+    if (are_apart(d, scaled_thickness<Work>(Deviations::widened(thickness, doubt), d.scale))) return;
+    const Work certain = scaled_thickness<Work>(certain_distance(thickness, doubt), d.scale);
+    const uint8_t flags = touches_at(d, Work(0), certain) ? kFlagCertified : kFlagNear;
     contacts.report(candidates[i], contact_at<Real>(d, Work(0), flags));
   }
 };

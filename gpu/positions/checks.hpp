@@ -1,6 +1,7 @@
 #pragma once
 // Refuses positions that cannot be used before anything of the scene changes.
 
+#include "gpu/positions/pose.hpp"
 #include "gpu/types.hpp"
 
 namespace collided {
@@ -13,11 +14,22 @@ void check_updates(const SceneSpec& spec, const std::vector<MeshPositions>& upda
 struct SentMesh {
   uint32_t mesh;
   bool is_sparse;
+  bool has_positions, has_transform;
 };
 
 /// Throws InvalidInput for what only the first frame may bring, and for what it has to. `first`: no frame was applied
 /// yet, so every mesh must be named, and whole.
 void check_turn(const SceneSpec& spec, const std::vector<SentMesh>& meshes, bool first);
+
+/// A rigid mesh that a frame moves.
+struct RigidMove {
+  size_t update;  ///< its number in the frame
+  uint32_t mesh;
+  std::optional<Pose> start;  ///< none: where the last frame left the mesh
+  Pose end;
+};
+/// Of updates that check_updates has let pass.
+std::vector<RigidMove> moves_of(const std::vector<MeshPositions>& updates);
 
 /// A position: the update's number in the frame, its mesh, and the number in the update.
 struct UpdatePlace {

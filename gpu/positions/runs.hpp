@@ -6,25 +6,32 @@
 
 #include "gpu/base/vec3.hpp"
 #include "gpu/exec/atomic.hpp"
+#include "gpu/positions/quantized.hpp"
 
 namespace collided {
 
 /// New positions of one mesh.
-template <class Real>
 struct PositionRun {
   uint64_t first;           ///< number of its first one among all of the frame's
   uint32_t first_vertex;    ///< of the mesh in the scene
   uint32_t vertex_count;    ///< of the mesh
   const uint32_t* indices;  ///< in the mesh; null: all vertices in order
-  const Vec3<Real>* start;  ///< null: not given
-  const Vec3<Real>* end;
+  const std::byte* start;   ///< in the format that they came in; null: not given
+  const std::byte* end;
 };
 
 /// Those of a frame. At least one run if there are any positions.
 template <class Real>
 struct PositionRuns {
-  Span<const PositionRun<Real>> runs;
+  Span<const PositionRun> runs;
   uint64_t count = 0;  ///< positions
+  Quantization quantization = {};
+
+  /// The k-th of those that came.
+  COLLIDED_HD Vec3<Real> at(const std::byte* came, uint64_t k) const {
+    return quantization.is_on ? convert<Real>(quantization.decode(reinterpret_cast<const Vec3<uint16_t>*>(came)[k]))
+                              : reinterpret_cast<const Vec3<Real>*>(came)[k];
+  }
 
   /// The run that holds position i.
   COLLIDED_HD uint64_t run_of(uint64_t i) const {
@@ -77,29 +84,33 @@ struct CheckPositions {
   Real limit;
 
   COLLIDED_HD void operator()(uint64_t i, uint64_t& first_bad) const {
-    const PositionRun<Real>& run = positions.runs[positions.run_of(i)];
+    const PositionRun& run = positions.runs[positions.run_of(i)];
     const uint64_t k = i - run.first;
     if (run.indices != nullptr && !is_index_good(run, k))
       atomic_min(first_bad, BadPosition{i, BadPosition::kIndex, 0}.packed());
-    check_point(run.end[k], i, BadPosition::kEnd, first_bad);
-    if (run.start != nullptr) check_point(run.start[k], i, BadPosition::kStart, first_bad);
+    check_point(positions.at(run.end, k), i, BadPosition::kEnd, first_bad);
+    if (run.start != nullptr) check_point(positions.at(run.start, k), i, BadPosition::kStart, first_bad);
   }
 
   /// The same at once, on the host.
   bool is_clean() const {
     for (uint64_t r = 0; r < positions.runs.size(); ++r) {
-      const PositionRun<Real>& run = positions.runs[r];
+      const PositionRun& run = positions.runs[r];
       const uint64_t count =
           (r + 1 < positions.runs.size() ? positions.runs[r + 1].first : positions.count) - run.first;
       if (run.indices != nullptr && !are_ascending(run.indices, count, run.vertex_count)) return false;
-      if (count != 0 && !are_within(&run.end->x, 3 * count, limit)) return false;
-      if (count != 0 && run.start != nullptr && !are_within(&run.start->x, 3 * count, limit)) return false;
+      if (count != 0 && !is_clean(run.end, count)) return false;
+      if (count != 0 && run.start != nullptr && !is_clean(run.start, count)) return false;
     }
     return true;
   }
 
  private:
-  COLLIDED_HD static bool is_index_good(const PositionRun<Real>& run, uint64_t k) {
+  /// Whatever is encoded is in the box.
+  bool is_clean(const std::byte* came, uint64_t count) const {
+    return positions.quantization.is_on || are_within(reinterpret_cast<const Real*>(came), 3 * count, limit);
+  }
+  COLLIDED_HD static bool is_index_good(const PositionRun& run, uint64_t k) {
     return run.indices[k] < run.vertex_count && (k == 0 || run.indices[k - 1] < run.indices[k]);
   }
   COLLIDED_HD void check_point(const Vec3<Real>& p, uint64_t i, BadPosition::What what, uint64_t& first_bad) const {
@@ -118,12 +129,13 @@ struct PlacePositions {
   bool start_is_end;  ///< where no start is given; else the scene's stays
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    const PositionRun<Real>& run = positions.runs[positions.run_of(i)];
+    const PositionRun& run = positions.runs[positions.run_of(i)];
     const uint64_t k = i - run.first;
     const uint64_t vertex = run.first_vertex + (run.indices != nullptr ? run.indices[k] : k);
-    end[vertex] = run.end[k];
+    const Vec3<Real> now = positions.at(run.end, k);
+    end[vertex] = now;
     if (start != nullptr && (run.start != nullptr || start_is_end))
-      start[vertex] = run.start != nullptr ? run.start[k] : run.end[k];
+      start[vertex] = run.start != nullptr ? positions.at(run.start, k) : now;
   }
 };
 

@@ -24,7 +24,7 @@ template <Executor Exec, class Real>
 class SceneSlot final : public FrameSlot {
  public:
   SceneSlot(std::shared_ptr<const SceneShape> shape, const Exec& exec)
-      : shape_(std::move(shape)), staging_(exec.make_staging()) {}
+      : shape_(std::move(shape)), quantization_(shape_->spec.quantized_in), staging_(exec.make_staging()) {}
 
   std::span<std::byte> room(uint64_t bytes) override {
     is_sent_ = false;
@@ -42,8 +42,10 @@ class SceneSlot final : public FrameSlot {
 
   /// Whether some mesh has positions at t = 0.
   bool brings_starts() const {
-    return std::any_of(runs_.begin(), runs_.end(), [](const auto& run) { return run.start != nullptr; });
+    return std::any_of(runs_.begin(), runs_.end(), [](const auto& run) { return run.start != nullptr; }) ||
+           std::any_of(moves_.begin(), moves_.end(), [](const auto& move) { return move.start.has_value(); });
   }
+  const std::vector<RigidMove>& moves() const { return moves_; }
 
   bool is_of(const std::shared_ptr<const SceneShape>& shape) const { return shape_ == shape; }
 
@@ -66,40 +68,42 @@ class SceneSlot final : public FrameSlot {
     for (const MeshPositions& update : updates)
       sources.insert(sources.end(), {update.indices, update.start, update.end});
     const std::vector<const std::byte*> places = staging_.bring(sources, alignof(Real));
+    moves_ = moves_of(updates);
     meshes_.clear();
     runs_.clear();
     uint64_t count = 0;
     for (size_t i = 0; i < updates.size(); ++i) {
       const MeshPositions& update = updates[i];
-      meshes_.push_back({update.mesh, update.is_sparse});
+      meshes_.push_back({update.mesh, update.is_sparse, !update.end.empty(), !update.transform.empty()});
       runs_.push_back({count, shape_->vertex_offset[update.mesh], shape_->spec.meshes[update.mesh].vertex_count,
-                       reinterpret_cast<const uint32_t*>(places[3 * i]),
-                       reinterpret_cast<const Vec3<Real>*>(places[3 * i + 1]),
-                       reinterpret_cast<const Vec3<Real>*>(places[3 * i + 2])});
-      count += update.end.size() / sizeof(Vec3<Real>);
+                       reinterpret_cast<const uint32_t*>(places[3 * i]), places[3 * i + 1], places[3 * i + 2]});
+      count += update.end.size() / position_bytes(shape_->spec);
     }
-    positions_ = {{staging_.bring(runs_), runs_.size()}, count};
+    positions_ = {{staging_.bring(runs_), runs_.size()}, count, quantization_};
   }
 
   [[noreturn]] void refuse(const BadPosition& bad) {
-    const size_t update = PositionRuns<Real>{{runs_.data(), runs_.size()}, positions_.count}.run_of(bad.position);
-    const PositionRun<Real>& run = runs_[update];
+    const size_t update =
+        PositionRuns<Real>{{runs_.data(), runs_.size()}, positions_.count, quantization_}.run_of(bad.position);
+    const PositionRun& run = runs_[update];
     const uint64_t k = bad.position - run.first;
     const uint32_t index = run.indices != nullptr ? staging_.read(run.indices + k) : static_cast<uint32_t>(k);
     const UpdatePlace place{update, meshes_[update].mesh, k};
     if (bad.what == BadPosition::kIndex) refuse_index(place, index, run.vertex_count);
     const bool is_end = bad.what == BadPosition::kEnd;
-    const Vec3<Real> p = staging_.read((is_end ? run.end : run.start) + k);
+    const Vec3<Real> p = staging_.read(reinterpret_cast<const Vec3<Real>*>(is_end ? run.end : run.start) + k);
     const Real value = bad.coordinate == 0 ? p.x : bad.coordinate == 1 ? p.y : p.z;
     refuse_coordinate(place, is_end, {index, bad.coordinate, value, coordinate_limit(shape_->spec.scalar)});
   }
 
   std::shared_ptr<const SceneShape> shape_;
+  const Quantization quantization_;
   typename Exec::Staging staging_;
   bool is_sent_ = false;
   std::vector<SentMesh> meshes_;
-  std::vector<PositionRun<Real>> runs_;  ///< of each update
-  PositionRuns<Real> positions_;         ///< the same on the backend
+  std::vector<PositionRun> runs_;  ///< of each update
+  std::vector<RigidMove> moves_;
+  PositionRuns<Real> positions_;  ///< the runs on the backend
 };
 
 }  // namespace collided

@@ -6,6 +6,7 @@
 
 #include "gpu/positions/blend.hpp"
 #include "gpu/positions/slot.hpp"
+#include "gpu/scene/rigid_meshes.hpp"
 #include "gpu/step/buffers.hpp"
 
 namespace collided {
@@ -16,8 +17,12 @@ class ResidentPositions {
   using Slot = SceneSlot<Exec, Real>;
   using Positions = Buffer<Vec3<Real>, Exec>;
 
-  ResidentPositions(Exec& exec, const SceneSpec& spec, uint32_t vertices, SceneBuffers<Exec, Real>& scene)
-      : exec_(exec), spec_(spec), vertices_(vertices), scene_(scene) {}
+  ResidentPositions(Exec& exec, const SceneShape& shape, SceneBuffers<Exec, Real>& scene)
+      : exec_(exec),
+        spec_(shape.spec),
+        vertices_(shape.vertex_offset.back()),
+        scene_(scene),
+        rigid_(exec, shape, scene) {}
 
   bool has_frame() const { return has_frame_; }
   /// Whether the scene's boxes of static meshes are those of the last good frame.
@@ -34,6 +39,7 @@ class ResidentPositions {
     if (is_ccd()) scene_.start.allocate(vertices_);
     if (!is_ccd() || slot.brings_starts() || frame.start_fraction) scene_.last_good.allocate(vertices_);
     if (frame.advance) scene_.target.allocate(vertices_);
+    rigid_.require();
   }
 
   /// Puts the frame's positions in `end`, and those that it begins at in `start`.
@@ -44,16 +50,27 @@ class ResidentPositions {
       begin_at_last_good(slot.brings_starts());
     has_path_ = false;
     slot.place(exec_, scene_.start.data(), scene_.end.data(), !has_frame_);
+    rigid_.begin(start_fraction);
+    rigid_.place(slot.moves(), !has_frame_);
   }
+  /// A mesh that turns in the step in work: its true path is no straight one.
+  std::optional<uint32_t> turning() const { return rigid_.turning(); }
 
   /// From here on the scene may go a part of the way.
   void keep_target() { copy(scene_.target, scene_.end); }
   /// Goes this far from `start` to where `end` was when it was kept.
-  void go(double fraction) { blend_into(scene_.end, scene_.start, scene_.target, fraction); }
+  void go(double fraction) {
+    rigid_.go(fraction);
+    blend_into(scene_.end, scene_.start, scene_.target, fraction);
+  }
 
   /// The frame counts from here on; its positions are what a later failure falls back to.
   void commit(Slot& slot) {
-    if (!is_ccd()) slot.place(exec_, nullptr, scene_.last_good.data(), false);
+    if (!is_ccd()) {
+      slot.place(exec_, nullptr, scene_.last_good.data(), false);
+      rigid_.place_ends(slot.moves(), scene_.last_good.data());
+    }
+    rigid_.commit();
     has_frame_ = has_path_ = true;
     good_ = Good::kEnd;
   }
@@ -64,6 +81,9 @@ class ResidentPositions {
   void check_start_fraction(const std::optional<double>& fraction) const {
     if (fraction && !has_path_)
       throw InvalidInput("start_fraction", "start_fraction is given, but the scene has no last frame to begin on");
+    if (const auto mesh = rigid_.turning(); fraction && mesh)
+      throw InvalidInput("start_fraction", "start_fraction is given, but mesh " + std::to_string(*mesh) +
+                                               " turned in the last frame: it has no straight way to begin on");
   }
 
  private:
@@ -101,6 +121,7 @@ class ResidentPositions {
   const SceneSpec& spec_;
   const uint32_t vertices_;
   SceneBuffers<Exec, Real>& scene_;
+  RigidMeshes<Exec, Real> rigid_;
   bool has_frame_ = false;
   bool has_path_ = false;   ///< `start` and `end` are those of the last frame, good or a trial
   Good good_ = Good::kEnd;  ///< which buffer has the last good frame's positions: `end`, `start` or `last_good`

@@ -13,6 +13,10 @@ void check_length(const std::string& field, double value, double limit) {
 }
 
 void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
+  if (spec.quantized_in && settings.accuracy == Accuracy::kExact)
+    throw InvalidInput(
+        "quantized_in",
+        "quantized_in is given, but EXACT needs exact positions; CERTIFIED counts the error of encoded ones");
   if (spec.kinds.triangle_triangle && spec.mode == Mode::kCcd && settings.accuracy != Accuracy::kCandidates)
     throw InvalidInput(
         "triangle_triangle",
@@ -25,6 +29,24 @@ void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
     throw InvalidInput("report", "report is EARLIEST_ONLY, which needs CCD at GUARDED or above");
   if (settings.report == Report::kAnyHit && settings.accuracy < Accuracy::kFast)
     throw InvalidInput("report", "report is ANY_HIT, which needs FAST or above");
+}
+
+void check_quantization(const SceneSpec& spec) {
+  const double limit = coordinate_limit(spec.scalar);
+  for (size_t i = 0; i < 3; ++i) {
+    const double lower = spec.quantized_in->lower[i], upper = spec.quantized_in->upper[i];
+    const std::string axis(1, "xyz"[i]);
+    if (!(lower >= -limit && lower <= upper && upper <= limit))
+      throw InvalidInput("quantized_in", "quantized_in is from " + text(lower) + " to " + text(upper) + " in " + axis +
+                                             "; both must be from -" + text(limit) + " to " + text(limit) +
+                                             ", and the first no more than the second");
+  }
+  if (spec.scalar != Scalar::kF32)
+    throw InvalidInput("quantized_in", "quantized_in is given, which needs F32 positions");
+  if (spec.kinds.triangle_triangle && spec.mode == Mode::kDcd)
+    throw InvalidInput("triangle_triangle",
+                       "triangle_triangle is on, but of encoded positions nobody can tell which "
+                       "triangles intersect");
 }
 
 void check_advance(const SceneSpec& spec, const FrameSettings& settings) {
@@ -59,6 +81,7 @@ void check_spec(const SceneSpec& spec) {
   check_length("min_separation", spec.min_separation, coordinate_limit(spec.scalar));
   if (spec.min_separation > 0 && spec.mode != Mode::kCcd)
     throw InvalidInput("min_separation", "min_separation is " + text(spec.min_separation) + ", which needs CCD");
+  if (spec.quantized_in) check_quantization(spec);
   check_settings(spec, settings_of(spec, {}));
 }
 

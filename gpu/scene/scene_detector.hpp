@@ -24,7 +24,7 @@ class SceneDetector final : public Detector {
         shape_(shape_of(std::move(spec), topology_)),
         exec_(args...),
         scene_(exec_),
-        positions_(exec_, spec_, topology_.vertex_count, scene_),
+        positions_(exec_, *shape_, scene_),
         pipeline_(exec_, spec_, topology_, scene_) {
     make_resident(features);
   }
@@ -95,13 +95,14 @@ class SceneDetector final : public Detector {
   std::vector<MeshRule> rules() const {
     std::vector<MeshRule> out;
     for (const MeshSpec& m : spec_.meshes)
-      out.push_back({m.groups, m.collide_mask, m.motion == MeshMotion::kStatic ? 1u : 0u, m.self_contacts ? 1u : 0u});
+      out.push_back({m.groups, m.collide_mask, m.motion == MeshMotion::kStatic ? 1u : 0u,
+                     m.self_contacts && m.motion != MeshMotion::kRigid ? 1u : 0u});
     return out;
   }
   /// Whether some pair of meshes may not touch.
   bool needs_filter() const {
     const auto free = [](const MeshSpec& m) {
-      return m.groups == 1 && m.collide_mask == ~0u && m.self_contacts && m.motion != MeshMotion::kStatic;
+      return m.groups == 1 && m.collide_mask == ~0u && m.self_contacts && m.motion == MeshMotion::kDeformable;
     };
     return !std::all_of(spec_.meshes.begin(), spec_.meshes.end(), free);
   }
@@ -116,6 +117,7 @@ class SceneDetector final : public Detector {
       positions_.check_start_fraction(frame.start_fraction);
       positions_.require(*slot, frame);
       positions_.place(*slot, frame.start_fraction);
+      check_straight(frame, settings);
     });
     FrameResult result = pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact);
     if (frame.advance) advance(settings, result);
@@ -129,9 +131,19 @@ class SceneDetector final : public Detector {
     return result;
   }
 
+  /// What decides on the straight paths of positions cannot on the arcs of a mesh that turns.
+  void check_straight(const FrameInput& frame, const FrameSettings& settings) const {
+    const std::optional<uint32_t> mesh = positions_.turning();
+    if (!mesh || spec_.mode != Mode::kCcd) return;
+    const std::string turns = "but rigid mesh " + std::to_string(*mesh) + " turns in this step, on no straight path";
+    if (frame.advance) throw InvalidInput("advance", "advance is on, " + turns);
+    if (settings.accuracy == Accuracy::kExact) throw InvalidInput("accuracy", "accuracy is EXACT, " + turns);
+  }
+
   /// Where a step with the frame's own settings can serve as the first try of an advance, it does.
   FrameSettings settings_with_margin(const FrameInput& frame) const {
     FrameSettings settings = settings_of(spec_, frame);
+    settings.encoding = 2 * Quantization(spec_.quantized_in).error();
     if (frame.advance && settings.accuracy == Accuracy::kCertified && spec_.thickness == spec_.min_separation)
       settings.thickness += margin_;
     return settings;
@@ -141,7 +153,8 @@ class SceneDetector final : public Detector {
   void advance(const FrameSettings& settings, FrameResult& result) {
     margin_ = max(margin_, advance_margin(pipeline_.bounds()));
     const FrameSettings attempt = settings_of_try(spec_, margin_);
-    const bool is_same_question = spec_.thickness == spec_.min_separation && settings.report != Report::kAnyHit;
+    const bool is_same_question =
+        spec_.thickness == spec_.min_separation && settings.encoding == 0 && settings.report != Report::kAnyHit;
     AdvanceSearch search(is_same_question ? result.earliest_toi : 1);
     if (search.fraction() < 1 || !is_same_question || !covers(settings, attempt))
       try_until_free(search, attempt, result);

@@ -1,9 +1,10 @@
 #pragma once
 // Section 3: the bounding box of every triangle: over the step for CCD, of the frame for DCD, inflated by half
-// the thickness, rounded outward to float.
+// the thickness and by how far its mesh may be from its path, rounded outward to float.
 
 #include <limits>
 
+#include "gpu/base/deviations.hpp"
 #include "gpu/base/lattice.hpp"
 #include "gpu/exec/counted.hpp"
 
@@ -54,6 +55,7 @@ struct BoxTriangles {
   };
 
   Motion<Real> motion;
+  Deviations deviations;
   Span<const Triangle> triangles;
   Span<const Triangle> edges;  ///< empty: the scene needs none
   Span<const uint8_t> owned;   ///< bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0
@@ -66,7 +68,7 @@ struct BoxTriangles {
     const uint32_t size = static_cast<uint32_t>(min(uint64_t{kGroupSize}, first + count - begin));
     for (uint32_t k = group.rank; k < size; k += group.size) {
       const Triangle t = triangles[begin + k];
-      boxes[begin + k] = outward_float(motion.triangle_box(t.x, t.y, t.z));
+      boxes[begin + k] = outward_float(box(t));
       shared.record[k] = record(t, begin + k);
     }
     group.sync();
@@ -74,6 +76,10 @@ struct BoxTriangles {
   }
 
  private:
+  COLLIDED_HD Box<Real> box(const Triangle& t) const {
+    const Motion<Real> widened{motion.start, motion.end, deviations.inflation(motion.inflation, t.x)};
+    return widened.triangle_box(t.x, t.y, t.z);
+  }
   COLLIDED_HD TriangleRecord<Real> record(const Triangle& t, uint64_t triangle) const {
     const Triangle e = edges.empty() ? Triangle{0, 0, 0} : edges[triangle];
     const uint32_t own = owned[triangle];

@@ -23,6 +23,7 @@ struct ElementaryTests {
   Span<const TriangleRecord<Real>> records;
   Span<const uint8_t> owned;  ///< bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0
   Real inflation;             ///< half the thickness
+  Deviations deviations;      ///< that boxes are inflated by as well
   bool vertex_triangle, edge_edge;
 
   /// One bit for each test (search/elementary_numbers.hpp) that is this pair's to make.
@@ -43,7 +44,8 @@ struct ElementaryTests {
   }
   /// Box of a corner's path; those of edges and triangles are joined from them.
   COLLIDED_HD Box<Real> corner_box(uint32_t triangle, int k) const {
-    return inflate(records[triangle].corner[k].swept(), inflation);
+    const CornerRecord<Real>& corner = records[triangle].corner[k];
+    return inflate(corner.swept(), deviations.inflation(inflation, corner.vertex_id()));
   }
   COLLIDED_HD Triangle vertices_of(uint32_t triangle) const {
     const TriangleRecord<Real>& t = records[triangle];
@@ -61,12 +63,12 @@ struct ElementaryTests {
     const EdgeRecord<Real> e = t.edge[0], f = t.edge[1];
     const uint32_t id = v.vertex_id();
     if (id == e.from || id == f.from || id == f.to) return false;
-    return overlap_inflated(v.swept(), join(e.swept(), f.swept()));
+    return overlap_inflated(id, v.swept(), e.from, join(e.swept(), f.swept()));
   }
   COLLIDED_HD bool edge_edge_overlap(uint32_t a, uint32_t b, int test) const {
     const EdgeRecord<Real> e = records[a].edge[first_edge_of(test)], f = records[b].edge[second_edge_of(test)];
     if (e.from == f.from || e.from == f.to || e.to == f.from || e.to == f.to) return false;
-    return overlap_inflated(e.swept(), f.swept());
+    return overlap_inflated(e.from, e.swept(), f.from, f.swept());
   }
 
   COLLIDED_HD CandidatePoints<Real> vertex_triangle_points(uint32_t a, uint32_t b, int test) const {
@@ -97,8 +99,9 @@ struct ElementaryTests {
       a0 = p.corner[k], a1 = p.corner[next(k)], b0 = q.corner[m], b1 = q.corner[next(m)];
     }
   };
-  COLLIDED_HD bool overlap_inflated(const Box<Real>& p, const Box<Real>& q) const {
-    return overlap(inflate(p, inflation), inflate(q, inflation));
+  /// Of two features, told by a vertex of each.
+  COLLIDED_HD bool overlap_inflated(uint32_t v, const Box<Real>& p, uint32_t w, const Box<Real>& q) const {
+    return overlap(inflate(p, deviations.inflation(inflation, v)), inflate(q, deviations.inflation(inflation, w)));
   }
 };
 

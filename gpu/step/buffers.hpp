@@ -116,6 +116,18 @@ struct ContactBuffers {
   Buffer<ContactData<Real>, Exec> data;
 };
 
+/// Of meshes that move as a whole.
+template <Executor Exec, class Real>
+struct RigidBuffers {
+  explicit RigidBuffers(Exec& exec)
+      : rest(exec, "rigid"), bounds(exec, "rigid"), first_vertex(exec, "rigid"), deviations(exec, "rigid") {}
+
+  Buffer<Vec3<Real>, Exec> rest;        ///< the positions that are transformed, of one mesh after the other
+  Buffer<Box<Real>, Exec> bounds;       ///< of one mesh's
+  Buffer<uint32_t, Exec> first_vertex;  ///< of every mesh of the scene; CCD only
+  Buffer<double, Exec> deviations;      ///< likewise (Deviations)
+};
+
 template <Executor Exec, class Real>
 struct SceneBuffers {
   explicit SceneBuffers(Exec& exec)
@@ -124,6 +136,7 @@ struct SceneBuffers {
         end(exec, "positions"),
         last_good(exec, "last_good"),
         target(exec, "advance"),
+        rigid(exec),
         boxes(exec, "boxes"),
         records(exec, "records"),
         state(exec, "counters"),
@@ -143,11 +156,17 @@ struct SceneBuffers {
   /// At t = 0; in DCD the frame's own.
   const Vec3<Real>* positions_at_start() const { return start.capacity() > 0 ? start.data() : end.data(); }
 
+  /// Of the step in work.
+  Deviations deviations() const {
+    return {rigid.first_vertex.data(), rigid.deviations.data(), static_cast<uint32_t>(rigid.first_vertex.capacity())};
+  }
+
   ResidentTopology<Exec> topology;
   Buffer<Vec3<Real>, Exec> start;  ///< CCD only
   Buffer<Vec3<Real>, Exec> end;
   Buffer<Vec3<Real>, Exec> last_good;  ///< `end` of the last good frame: DCD, and CCD where a step begins elsewhere
   Buffer<Vec3<Real>, Exec> target;     ///< where the frame wants to go; frames that advance
+  RigidBuffers<Exec, Real> rigid;
   Buffer<Box<float>, Exec> boxes;
   Buffer<TriangleRecord<Real>, Exec> records;
   Buffer<StepState, Exec> state;

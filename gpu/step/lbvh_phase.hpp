@@ -23,7 +23,7 @@ class LbvhPhase {
     StepState* state = scene_.state.data();
     exec_.reduce_into("bounds", leaves(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
     exec_.reduce_into("extents", leaves(), ExtentOf{&state->bounds, boxes()}, uint64_t{0}, AddExtents{},
-                      &state->extents, PrepareNarrow{state, thickness_});
+                      &state->extents, PrepareNarrow{state, thickness_, scene_.deviations()});
   }
 
   /// The leaves in order.

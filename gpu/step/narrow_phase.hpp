@@ -130,6 +130,7 @@ class NarrowPhase {
     return {scene_.positions_at_start(),
             scene_.end.data(),
             needs().settings.thickness,
+            {needs().settings.encoding, scene_.deviations()},
             needs().settings.delta,
             kind,
             candidates.all()};
@@ -158,10 +159,10 @@ class NarrowPhase {
   template <class Kind>
   void run(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
     if (spec_.mode == Mode::kDcd) return run_proximity(kind, count, candidates);
-    exec_.for_each("solve_cubic_ccd", count,
-                   SolveCubicCcd<Real, Kind>{scene_.positions_at_start(), scene_.end.data(),
-                                             static_cast<Real>(needs().settings.thickness), kind, candidates,
-                                             sink(Kind::kKind)});
+    exec_.for_each(
+        "solve_cubic_ccd", count,
+        SolveCubicCcd<Real, Kind>{scene_.positions_at_start(), scene_.end.data(),
+                                  static_cast<Real>(needs().settings.thickness), kind, candidates, sink(Kind::kKind)});
   }
   template <class Kind>
   void run_proximity(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
@@ -178,9 +179,9 @@ class NarrowPhase {
   template <class Work, class Kind>
   void certify_proximity(const Kind& kind, const Counted& count, Span<const uint64_t> candidates,
                          const ContactSink<Real>& contacts) {
-    exec_.for_each(
-        "certify_proximity", count,
-        CertifyProximity<Work, Real, Kind>{scene_.end.data(), needs().settings.thickness, kind, candidates, contacts});
+    exec_.for_each("certify_proximity", count,
+                   CertifyProximity<Work, Real, Kind>{scene_.end.data(), needs().settings.thickness,
+                                                      needs().settings.encoding, kind, candidates, contacts});
   }
   template <class Work>
   void run_triangles() {

@@ -81,8 +81,8 @@ class OctreePhase {
     using Work = BoxTriangles<Real>;
     for (const TriangleRun& run : runs(all))
       exec_.for_each_group("box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
-                           Work{motion(), triangles(), edges(), scene_.topology.owned.all(), run.first, run.count,
-                                scene_.boxes.all(), scene_.records.all()});
+                           Work{motion(), scene_.deviations(), triangles(), edges(), scene_.topology.owned.all(),
+                                run.first, run.count, scene_.boxes.all(), scene_.records.all()});
   }
 
   // Section 3.2: number of levels.
@@ -93,7 +93,7 @@ class OctreePhase {
         "covered_per_level", triangle_count(), CoveredPerLevel{&state->bounds, boxes()}, LevelTotals{}, AddTotals{},
         &state->totals,
         PrepareStep{{&state->bounds, &state->totals, scene_.octree.wanted.data(), triangle_count(), &state->grid},
-                    {state, thickness_}});
+                    {state, thickness_, scene_.deviations()}});
   }
 
   // The same for grids whose cells are as large as the triangles.
@@ -108,7 +108,7 @@ class OctreePhase {
     exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevelOf{grid, boxes()}, LevelTotals{},
                       AddTotals{}, &state->totals,
                       ChooseCells{&state->totals, triangle_count(), uniform ? 0 : kLevelsOfCrowdedCell, &state->grid});
-    exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, thickness_});
+    exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, thickness_, scene_.deviations()});
   }
 
   // 2. Counter octree.
@@ -199,7 +199,9 @@ class OctreePhase {
   }
 
   ElementaryTests<Real> elementary(bool vertex_triangle, bool edge_edge) const {
-    return {scene_.records.all(), scene_.topology.owned.all(), motion().inflation, vertex_triangle, edge_edge};
+    return {scene_.records.all(), scene_.topology.owned.all(),
+            motion().inflation,   scene_.deviations(),
+            vertex_triangle,      edge_edge};
   }
 
  private:

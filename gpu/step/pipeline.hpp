@@ -37,9 +37,9 @@ class Pipeline {
   /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`: as in FrameInput.
   FrameResult detect_contacts(bool boxes_static, const FrameSettings& settings, uint64_t bytes_beside_contact) {
     result_ = {};
-    const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == settings.thickness;
+    const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == settings.reach();
     run_step(needs_of(spec_, settings), boxes_static || !is_boxed);
-    boxed_thickness_ = settings.thickness;
+    boxed_thickness_ = settings.reach();
     describe();
     results_.collect(state_, needs(), bytes_beside_contact, result_);
     result_.stages = exec_.stage_times();
@@ -78,8 +78,8 @@ class Pipeline {
     scene_.state.allocate(1);
     for (;;) {
       plan_ = {needs, plan_octree(), boxes_static, narrow_.plan_order()};
-      octree_.begin(needs.settings.thickness);
-      lbvh_.begin(needs.settings.thickness);
+      octree_.begin(needs.settings.reach());
+      lbvh_.begin(needs.settings.reach());
       narrow_.begin(plan_);
       reserve();
       state_ = exec_.step(numbers_.number_of(plan_), scene_.state.data(), [&] { enqueue(); });
@@ -189,7 +189,7 @@ class Pipeline {
   /// 6.-8. Pairs, the boxes of the wanted features, and the filter of the level.
   void search(const PerKind<bool>& wanted) {
     exec_.stage("pairs", [&] {
-      with_filter<Real>(needs(), needs().settings.thickness, scene_.state.data(),
+      with_filter<Real>(needs(), needs().settings.reach(), scene_.state.data(),
                         [&](const auto& keep) { search_for(keep, wanted); });
     });
   }

@@ -1,6 +1,7 @@
 #pragma once
 // The options that a frame is computed with.
 
+#include "gpu/base/deviations.hpp"
 #include "gpu/types.hpp"
 
 namespace collided {
@@ -13,8 +14,11 @@ struct FrameSettings {
   double thickness;        ///< of contacts; CCD: at t = 1
   double start_thickness;  ///< CCD from kGuarded on: at t = 0, growing linearly to `thickness`
   bool ignore_separating;  ///< for all but the list of all contacts
+  double encoding = 0;     ///< what two features may be closer than their positions say, which were encoded
 
   bool operator==(const FrameSettings&) const = default;
+  /// What positions have to be farther apart than, for the features to be apart by the thickness.
+  double reach() const { return Deviations::widened(thickness, encoding); }
 };
 inline FrameSettings settings_of(const SceneSpec& spec, const FrameInput& frame) {
   return {frame.accuracy.value_or(spec.accuracy),

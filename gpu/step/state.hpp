@@ -2,6 +2,7 @@
 // What one step finds out about itself while it runs: the grid, the lengths of all lists, and what is reported of it.
 // It lives on the backend and is read once, when the step is over.
 
+#include "gpu/base/deviations.hpp"
 #include "gpu/contacts/kinds.hpp"
 #include "gpu/narrow/coplanarity_filter.hpp"
 #include "gpu/octree/levels.hpp"
@@ -31,10 +32,12 @@ struct StepState {
 struct PrepareNarrow {
   StepState* state;
   double thickness;
+  Deviations deviations;  ///< the filter treats all pairs as the one that is farthest off
 
   COLLIDED_HD void operator()(uint64_t) const {
     const Vec3<float> extent = state->bounds.hi - state->bounds.lo;
-    state->filter = filter_scale(max(extent.x, max(extent.y, extent.z)), thickness);
+    const double farthest = Deviations::widened(thickness, deviations.of_any_pair());
+    state->filter = filter_scale(max(extent.x, max(extent.y, extent.z)), farthest);
     state->shortcut = {detail::bit_copy<uint64_t>(1.0), 0};
   }
 };

@@ -7,10 +7,21 @@
 namespace collided::server {
 namespace {
 
+pb::MeshMotion motion_of(MeshMotion motion) {
+  return motion == MeshMotion::kStatic  ? pb::MESH_MOTION_STATIC
+         : motion == MeshMotion::kRigid ? pb::MESH_MOTION_RIGID
+                                        : pb::MESH_MOTION_DEFORMABLE;
+}
+
+void fill_box(const PositionBox& box, pb::QuantizationBox* out) {
+  out->mutable_lower()->Assign(box.lower.begin(), box.lower.end());
+  out->mutable_upper()->Assign(box.upper.begin(), box.upper.end());
+}
+
 void fill_mesh(const MeshPlan& plan, const MeshSpec& engine, pb::MeshSpec* out) {
   out->set_name(plan.name);
   out->set_vertex_count(engine.vertex_count);
-  out->set_motion(engine.motion == MeshMotion::kStatic ? pb::MESH_MOTION_STATIC : pb::MESH_MOTION_DEFORMABLE);
+  out->set_motion(motion_of(engine.motion));
   out->set_groups(engine.groups);
   out->set_collide_mask(engine.collide_mask);
   out->set_no_self_contacts(!engine.self_contacts);
@@ -23,7 +34,8 @@ void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   out->set_backend(engine.backend == Backend::kCuda ? pb::BACKEND_CUDA : pb::BACKEND_CPU);
   out->set_mode(engine.mode == Mode::kCcd ? pb::DETECTION_MODE_CCD : pb::DETECTION_MODE_DCD);
   out->set_accuracy(to_message(engine.accuracy));
-  out->set_position_format(to_message(engine.scalar));
+  out->set_position_format(format_of(engine));
+  if (engine.quantized_in) fill_box(*engine.quantized_in, out->mutable_quantization_box());
   out->set_thickness(engine.thickness);
   out->set_delta(engine.delta);
   out->set_min_separation(engine.min_separation);

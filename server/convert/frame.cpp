@@ -12,9 +12,10 @@ std::span<const std::byte> either(std::span<const std::byte> placed, const std::
   return placed.empty() ? std::as_bytes(std::span(bytes)) : placed;
 }
 
-void check_served(const pb::MeshUpdate& update, int index) {
+void check_update(const pb::MeshUpdate& update, int index) {
   const auto path = [&](const char* field) { return fmt::format("frame.updates[{}].{}", index, field); };
-  if (update.has_rigid()) throw_not_served(path("rigid"), "set");
+  if (update.has_rigid() && update.rigid().matrix().empty())
+    throw_invalid(path("rigid.matrix"), "is empty, but must have the 12 numbers of [R | t]");
   const char* why = "is set, but there is no shared memory on this stream";
   if (update.has_shared_positions()) throw_invalid(path("shared_positions"), why);
   if (update.has_shared_start_positions()) throw_invalid(path("shared_start_positions"), why);
@@ -28,6 +29,8 @@ MeshPositions parse_update(const pb::MeshUpdate& update, const PlacedPositions& 
   positions.end = either(placed.end, update.positions());
   positions.is_sparse = update.has_sparse();
   positions.indices = either(placed.indices, update.sparse().indices());
+  positions.transform = std::as_bytes(std::span(update.rigid().matrix()));
+  positions.start_transform = std::as_bytes(std::span(update.rigid().start_matrix()));
   return positions;
 }
 
@@ -56,7 +59,7 @@ FrameInput parse_frame(const pb::Frame& frame, std::span<const PlacedPositions> 
   if (frame.has_from_last_fraction()) input.start_fraction = frame.from_last_fraction();
   check_frame_options(scene, input);
   for (int i = 0; i < frame.updates_size(); ++i) {
-    check_served(frame.updates(i), i);
+    check_update(frame.updates(i), i);
     const auto index = static_cast<size_t>(i);
     input.updates.push_back(parse_update(frame.updates(i), index < placed.size() ? placed[index] : PlacedPositions{}));
   }

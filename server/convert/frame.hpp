@@ -16,7 +16,7 @@ struct PlacedPositions {
 };
 
 /// The frame in the engine's terms. Its positions are in `placed` (one entry for each update, or none at all), or else
-/// in `frame` itself; the result refers to both. Throws InvalidInput for what the scene cannot have, Unimplemented.
+/// in `frame` itself; the result refers to both. Throws InvalidInput for what the scene cannot have.
 FrameInput parse_frame(const pb::Frame& frame, std::span<const PlacedPositions> placed, const SceneSpec& scene);
 
 /// Totals, stages and counts of a frame; not what it cost outside the engine.

@@ -27,8 +27,8 @@ std::string check_triangle(const TriangleCorners& t, uint32_t vertex_count) {
 MeshMotion parse_motion(pb::MeshMotion motion, const std::string& field) {
   if (motion == pb::MESH_MOTION_UNSPECIFIED || motion == pb::MESH_MOTION_DEFORMABLE) return MeshMotion::kDeformable;
   if (motion == pb::MESH_MOTION_STATIC) return MeshMotion::kStatic;
-  if (motion == pb::MESH_MOTION_RIGID) throw_not_served(field, "MESH_MOTION_RIGID");
-  throw_unknown(field, motion, {pb::MESH_MOTION_DEFORMABLE, pb::MESH_MOTION_STATIC});
+  if (motion == pb::MESH_MOTION_RIGID) return MeshMotion::kRigid;
+  throw_unknown(field, motion, {pb::MESH_MOTION_DEFORMABLE, pb::MESH_MOTION_STATIC, pb::MESH_MOTION_RIGID});
 }
 
 uint64_t inline_triangles(const pb::MeshSpec& mesh) { return mesh.triangles().size() / kTriangleBytes; }

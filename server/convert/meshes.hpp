@@ -36,7 +36,7 @@ struct SceneSize {
 /// Sums up the meshes before any array is copied. Throws InvalidInput without a mesh, LimitExceeded.
 SceneSize check_sizes(const pb::SceneSpec& spec, const Limits& limits);
 
-/// Adds the meshes to the plan. Throws InvalidInput, Unimplemented.
+/// Adds the meshes to the plan. Throws InvalidInput.
 void parse_meshes(const pb::SceneSpec& spec, ScenePlan& plan);
 
 }  // namespace collided::server

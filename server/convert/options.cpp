@@ -63,6 +63,18 @@ Message from_engine(const std::pair<Message, Value> (&values)[N], Value wanted) 
   return {};
 }
 
+PositionBox parse_box(const pb::QuantizationBox& box, const std::string& field) {
+  const auto corner = [&](const auto& from, const char* name, std::array<double, 3>& to) {
+    if (from.size() != 3)
+      throw_invalid(field + name, fmt::format("has {} numbers, but must have x, y and z", from.size()));
+    std::copy(from.begin(), from.end(), to.begin());
+  };
+  PositionBox out;
+  corner(box.lower(), ".lower", out.lower);
+  corner(box.upper(), ".upper", out.upper);
+  return out;
+}
+
 std::string name_of(Accuracy accuracy) { return pb::Accuracy_Name(to_message(accuracy)); }
 std::string name_of(Mode mode) {
   return pb::DetectionMode_Name(mode == Mode::kCcd ? pb::DETECTION_MODE_CCD : pb::DETECTION_MODE_DCD);
@@ -107,9 +119,19 @@ Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field) {
   return to_engine(kEngines, engine, field).value_or(Engine::kAuto);
 }
 
-Scalar parse_format(pb::PositionFormat format, const std::string& field) {
-  if (format == pb::POSITION_FORMAT_Q16) throw_not_served(field, "POSITION_FORMAT_Q16");
-  return to_engine(kFormats, format, field).value_or(Scalar::kF32);
+void parse_format(const pb::SceneSpec& spec, SceneSpec& engine) {
+  const std::string box = "spec.quantization_box";
+  const bool is_quantized = spec.position_format() == pb::POSITION_FORMAT_Q16;
+  if (!is_quantized && spec.has_quantization_box())
+    throw_invalid(box, "is set, but spec.position_format is not POSITION_FORMAT_Q16");
+  if (!is_quantized)
+    engine.scalar = to_engine(kFormats, spec.position_format(), "spec.position_format").value_or(Scalar::kF32);
+  else
+    engine.quantized_in = parse_box(spec.quantization_box(), box);
+}
+
+pb::PositionFormat format_of(const SceneSpec& engine) {
+  return engine.quantized_in ? pb::POSITION_FORMAT_Q16 : from_engine(kFormats, engine.scalar);
 }
 
 // What the level does not compute is left out of each answer: a frame may override the level, but not the mode.
@@ -131,7 +153,6 @@ OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode) {
 pb::Accuracy to_message(Accuracy accuracy) { return from_engine(kAccuracies, accuracy); }
 pb::Report to_message(Report report) { return from_engine(kReports, report); }
 pb::BroadPhaseEngine to_message(Engine engine) { return from_engine(kEngines, engine); }
-pb::PositionFormat to_message(Scalar scalar) { return from_engine(kFormats, scalar); }
 
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out) {
   for (const auto& [field, column] : kFields)

@@ -23,17 +23,18 @@ void check_max_accuracy(Accuracy accuracy, Accuracy max, const std::string& fiel
 /// kAuto for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
 Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field);
 
-/// The fields that the scene asks for, or those that it gets if it asks for none. Throws InvalidInput, Unimplemented.
+/// The fields that the scene asks for, or those that it gets if it asks for none. Throws InvalidInput.
 OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode);
 
-/// F32 for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one, Unimplemented.
-Scalar parse_format(pb::PositionFormat format, const std::string& field);
+/// The format of the positions; F32 for an unspecified one. Throws InvalidInput for an unknown one, and for a box of
+/// encoded positions that is missing or not wanted.
+void parse_format(const pb::SceneSpec& spec, SceneSpec& engine);
+pb::PositionFormat format_of(const SceneSpec& engine);
 
 pb::Accuracy to_message(Accuracy accuracy);
 pb::Report to_message(Report report);
 /// kAuto is the unspecified value.
 pb::BroadPhaseEngine to_message(Engine engine);
-pb::PositionFormat to_message(Scalar scalar);
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out);
 
 /// Throws the engine's refusal of a scene's options, with the path of the field of `spec` that they come from.

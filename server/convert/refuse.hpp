@@ -17,10 +17,6 @@ namespace collided::server {
   throw InvalidInput(field, field + " " + what);
 }
 
-[[noreturn]] inline void throw_not_served(const std::string& field, const std::string& value) {
-  throw Unimplemented(field, fmt::format("{} is {}, which is not served", field, value));
-}
-
 /// "A", "A or B", "A, B or C".
 inline std::string list_choices(const std::vector<std::string>& names) {
   std::string list;

@@ -37,8 +37,8 @@ Mode parse_mode(pb::DetectionMode mode) {
 }
 
 // A scene's first frame has all its positions, and a frame is one message.
-void check_first_frame(uint64_t vertices, Scalar scalar, const SceneDefaults& defaults) {
-  const uint64_t bytes = vertices * position_bytes(scalar), limit = defaults.limits.max_message_bytes;
+void check_first_frame(uint64_t vertices, const SceneSpec& engine, const SceneDefaults& defaults) {
+  const uint64_t bytes = vertices * position_bytes(engine), limit = defaults.limits.max_message_bytes;
   if (defaults.local_socket || bytes < limit) return;
   throw LimitExceeded(
       "spec.meshes", fmt::format("spec.meshes has {} vertices, whose positions, {} bytes, come with the first frame in "
@@ -116,7 +116,7 @@ ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   SceneSpec& engine = plan.engine;
   engine.mode = parse_mode(spec.mode());
   engine.accuracy = parse_scene_accuracy(spec.accuracy(), defaults.limits.client.max_accuracy);
-  engine.scalar = parse_format(spec.position_format(), "spec.position_format");
+  parse_format(spec, engine);
   engine.thickness = spec.thickness();
   engine.delta = spec.delta();
   engine.min_separation = spec.min_separation();
@@ -129,7 +129,7 @@ ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   engine.memory_budget = parse_budget(spec.memory_budget_bytes(), defaults.limits.max_scene_bytes);
   engine.threads = defaults.threads;
   const SceneSize size = check_sizes(spec, defaults.limits);
-  check_first_frame(size.vertices, engine.scalar, defaults);
+  check_first_frame(size.vertices, engine, defaults);
   plan.min_bytes = check_budget(engine, size, spec.memory_budget_bytes() > 0);
   parse_meshes(spec, plan);
   engine.backend = parse_backend(spec.backend(), defaults);

@@ -20,7 +20,7 @@ struct SceneDefaults {
   bool local_socket = false;  ///< whether frames can use shared memory, beyond the message limit
 };
 
-/// Checks a request for a scene. Throws InvalidInput, Unimplemented, LimitExceeded, FailedPrecondition.
+/// Checks a request for a scene. Throws InvalidInput, LimitExceeded, FailedPrecondition.
 SceneRequest parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults);
 
 }  // namespace collided::server

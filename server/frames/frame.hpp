@@ -14,7 +14,8 @@ namespace collided::server {
 /// A mesh that a frame has positions for.
 struct UpdatedMesh {
   uint32_t mesh = 0;
-  bool is_whole = true;  ///< positions of all its vertices
+  bool is_whole = true;       ///< all its vertices
+  bool has_positions = true;  ///< that later frames of a rigid mesh transform
 };
 
 /// A frame on its way to the engine.

@@ -38,8 +38,9 @@ void check_frame_id(uint64_t id) {
 
 void note_updates(PendingFrame& frame) {
   for (const MeshPositions& update : frame.input.updates) {
-    frame.meshes.push_back({update.mesh, !update.is_sparse});
-    frame.bytes_in += update.start.size() + update.end.size() + update.indices.size();
+    frame.meshes.push_back({update.mesh, !update.is_sparse, !update.end.empty()});
+    frame.bytes_in += update.start.size() + update.end.size() + update.indices.size() + update.transform.size() +
+                      update.start_transform.size();
   }
 }
 

@@ -10,13 +10,18 @@
 namespace collided::server {
 namespace {
 
+// Whether nobody misses what `older` does to a mesh. Transforms do not take the place of the positions that they are
+// of.
+bool covers(const UpdatedMesh& latest, const UpdatedMesh& older) {
+  return latest.mesh == older.mesh && latest.is_whole && (latest.has_positions || !older.has_positions);
+}
+
 // Whether nobody misses what `older` does to the scene: `latest` has whole positions for every mesh that it updates.
 bool covers(const PendingFrame& latest, const PendingFrame& older) {
   const bool is_lost = latest.input.trial && !older.input.trial;
   if (is_lost || latest.input.start_fraction) return false;  // which begins on the way of the frame before it
   return std::ranges::all_of(older.meshes, [&](const UpdatedMesh& old) {
-    return std::ranges::any_of(latest.meshes,
-                               [&](const UpdatedMesh& mesh) { return mesh.mesh == old.mesh && mesh.is_whole; });
+    return std::ranges::any_of(latest.meshes, [&](const UpdatedMesh& mesh) { return covers(mesh, old); });
   });
 }
 

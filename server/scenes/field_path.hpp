@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "gpu/detector.hpp"
 #include "server/errors.hpp"
@@ -20,16 +21,22 @@ inline std::string with_last_part(const std::string& path, std::string_view from
 inline std::string frame_path(const std::string& engine_path) {
   if (engine_path.empty()) return "frame";
   if (engine_path == "start_fraction") return "frame.from_last_fraction";
-  const std::string indices = with_last_part(engine_path, "indices", "sparse.indices");
-  const std::string path = with_last_part(indices, "start", "start_positions");
-  return "frame." + with_last_part(path, "end", "positions");
+  std::string path = engine_path;
+  for (const auto& [engine, protocol] : {std::pair{"indices", "sparse.indices"},
+                                         {"start", "start_positions"},
+                                         {"end", "positions"},
+                                         {"transform", "rigid.matrix"},
+                                         {"start_transform", "rigid.start_matrix"}})
+    path = with_last_part(path, engine, protocol);
+  return "frame." + path;
 }
 
 /// "meshes[0].triangles[5]" -> "spec.meshes[0].triangles[5]".
 inline std::string spec_path(const std::string& engine_path) {
   if (engine_path.empty()) return "spec";
   const std::string path = with_last_part(engine_path, "memory_budget", "memory_budget_bytes");
-  return "spec." + with_last_part(path, "scalar", "position_format");
+  return "spec." +
+         with_last_part(with_last_part(path, "scalar", "position_format"), "quantized_in", "quantization_box");
 }
 
 /// The engine's message, with `name` in place of the engine's field.

@@ -15,8 +15,9 @@ struct OwnedUpdate {
   uint32_t mesh = 0;
   bool is_sparse = false;
   std::vector<std::byte> indices, start, end;
+  std::vector<std::byte> transform = {}, start_transform = {};
 
-  MeshPositions view() const { return {mesh, start, end, is_sparse, indices}; }
+  MeshPositions view() const { return {mesh, start, end, is_sparse, indices, transform, start_transform}; }
 };
 
 inline std::vector<std::byte> bytes_of(const std::vector<uint32_t>& indices) {

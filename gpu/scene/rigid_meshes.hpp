@@ -1,0 +1,187 @@
+#pragma once
+// Meshes that move as a whole: their positions at rest, their poses in the step in work and in the last good frame, and
+// how far a step's straight paths are from the screws that they move along.
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gpu/base/text.hpp"
+#include "gpu/positions/blend.hpp"
+#include "gpu/positions/slot.hpp"
+#include "gpu/scene/rigid_arc.hpp"
+#include "gpu/step/buffers.hpp"
+
+namespace collided {
+
+/// Box of a position, to be joined with others'.
+template <class Real>
+struct PointBox {
+  const Vec3<Real>* points;
+  COLLIDED_HD Box<Real> operator()(uint64_t i) const { return {points[i], points[i]}; }
+};
+struct JoinPointBoxes {
+  template <class Real>
+  COLLIDED_HD Box<Real> operator()(const Box<Real>& a, const Box<Real>& b) const {
+    return join(a, b);
+  }
+};
+
+template <Executor Exec, class Real>
+class RigidMeshes {
+ public:
+  /// Beyond this the shorter way round could be meant, or the longer.
+  static constexpr double kMaxAngle = 3;
+
+  RigidMeshes(Exec& exec, const SceneShape& shape, SceneBuffers<Exec, Real>& scene)
+      : exec_(exec), shape_(shape), scene_(scene) {
+    for (uint32_t mesh = 0; mesh < shape.spec.meshes.size(); ++mesh) {
+      if (shape.spec.meshes[mesh].motion != MeshMotion::kRigid) continue;
+      bodies_.push_back({mesh, shape.vertex_offset[mesh], shape.spec.meshes[mesh].vertex_count, rest_count_});
+      rest_count_ += bodies_.back().count;
+    }
+  }
+
+  /// Memory for a frame.
+  void require() {
+    if (bodies_.empty()) return;
+    scene_.rigid.rest.allocate(rest_count_);
+    if (!is_ccd()) return;
+    const size_t meshes = shape_.spec.meshes.size();
+    if (scene_.rigid.first_vertex.capacity() == 0) {
+      scene_.rigid.first_vertex.allocate(meshes);
+      scene_.rigid.deviations.allocate(meshes + 1);
+      exec_.upload(scene_.rigid.first_vertex.data(), shape_.vertex_offset.data(), meshes * sizeof(uint32_t));
+      deviations_.clear();
+    }
+  }
+
+  /// Where the step begins: where the last good frame ended, or so far along the last frame's way.
+  void begin(const std::optional<double>& start_fraction) {
+    for (Body& body : bodies_) {
+      body.start = start_fraction ? along(body, *start_fraction) : body.good;
+      body.end = body.start;
+    }
+    reached_ = 1;
+  }
+  /// Puts the frame's moves in `start` and `end`, where the slot has put positions. `first`: those to be kept at rest.
+  void place(const std::vector<RigidMove>& moves, bool first) {
+    if (bodies_.empty()) return;
+    if (first) keep_rest();
+    for (const RigidMove& move : moves) place(move, first);
+    if (is_ccd()) measure();
+  }
+  /// The same ends in other positions that the slot has put its own into.
+  void place_ends(const std::vector<RigidMove>& moves, Vec3<Real>* positions) {
+    for (const RigidMove& move : moves) transform(body_of(move.mesh), move.end, positions);
+  }
+
+  /// Only so far does the scene go.
+  void go(double fraction) { reached_ = fraction; }
+  void commit() {
+    for (Body& body : bodies_) body.good = along(body, reached_);
+  }
+
+  /// A mesh that turns in the step in work, or turned in the last one.
+  std::optional<uint32_t> turning() const {
+    const auto found = std::find_if(bodies_.begin(), bodies_.end(),
+                                    [](const Body& body) { return !body.start.has_rotation_of(body.end); });
+    return found == bodies_.end() ? std::nullopt : std::optional(found->mesh);
+  }
+
+ private:
+  struct Body {
+    uint32_t mesh, first_vertex, count;
+    uint64_t first_rest;
+    Box<double> rest = {};
+    Pose start = {}, end = {};  ///< of the step in work, or of the last one
+    Pose good = {};             ///< of the last good frame
+  };
+
+  bool is_ccd() const { return shape_.spec.mode == Mode::kCcd; }
+  Body& body_of(uint32_t mesh) {
+    return *std::find_if(bodies_.begin(), bodies_.end(), [&](const Body& body) { return body.mesh == mesh; });
+  }
+  /// Of meshes that do not turn; others go all the way.
+  static Pose along(const Body& body, double fraction) {
+    if (fraction == 1) return body.end;
+    Pose pose = body.start;
+    for (size_t i = 3; i < pose.rows.size(); i += 4)
+      pose.rows[i] = blend(body.start.rows[i], body.end.rows[i], fraction);
+    return pose;
+  }
+
+  void keep_rest() {
+    RigidBuffers<Exec, Real>& rigid = scene_.rigid;
+    rigid.bounds.allocate(1);
+    for (Body& body : bodies_) {
+      Vec3<Real>* rest = rigid.rest.data() + body.first_rest;
+      exec_.copy(rest, scene_.end.data() + body.first_vertex, uint64_t{body.count} * sizeof(Vec3<Real>));
+      constexpr Real kMost = std::numeric_limits<Real>::max();
+      const Box<Real> none{{kMost, kMost, kMost}, {-kMost, -kMost, -kMost}};
+      exec_.reduce_into("rigid_bounds", body.count, PointBox<Real>{rest}, none, JoinPointBoxes{}, rigid.bounds.data());
+      Box<Real> box;
+      exec_.download(&box, rigid.bounds.data(), sizeof(box));
+      body.rest = {convert<double>(box.lo), convert<double>(box.hi)};
+      body.start = body.end = {};
+    }
+  }
+
+  void place(const RigidMove& move, bool first) {
+    Body& body = body_of(move.mesh);
+    const std::string field = "updates[" + std::to_string(move.update) + "].";
+    if (move.start || first) {
+      body.start = move.start.value_or(move.end);
+      if (move.start) check_reach(field + "start_transform", body, body.start);
+      if (is_ccd()) transform(body, body.start, scene_.start.data());
+    }
+    body.end = move.end;
+    check_reach(field + "transform", body, body.end);
+    if (is_ccd()) check_angle(field + "transform", body);
+    transform(body, body.end, scene_.end.data());
+  }
+  void transform(const Body& body, const Pose& pose, Vec3<Real>* positions) {
+    exec_.for_each(
+        "transform_positions", body.count,
+        TransformPositions<Real>(pose, scene_.rigid.rest.data() + body.first_rest, positions + body.first_vertex));
+  }
+  void check_reach(const std::string& field, const Body& body, const Pose& pose) const {
+    const double limit = coordinate_limit(shape_.spec.scalar), reach = largest_coordinate(pose, body.rest);
+    if (!(reach <= limit))
+      throw InvalidInput(field, field + " puts vertices of mesh " + std::to_string(body.mesh) +
+                                    " at coordinates of up to " + text(reach) + "; they must be at most " +
+                                    text(limit) + " in magnitude");
+  }
+  void check_angle(const std::string& field, const Body& body) const {
+    const double angle = angle_between(body.start, body.end);
+    if (angle > kMaxAngle)
+      throw InvalidInput(field, field + " turns mesh " + std::to_string(body.mesh) + " by " + text(angle) +
+                                    " radians in one step, the limit is " + text(kMaxAngle) +
+                                    ": divide the step, or give start_transform where the mesh jumps");
+  }
+
+  /// How far the bodies' arcs are from the step's paths, for the backend.
+  void measure() {
+    std::vector<double> deviations(shape_.spec.meshes.size() + 1, 0.0);
+    for (const Body& body : bodies_) {
+      deviations[body.mesh] = arc_deviation(body.start, body.end, body.rest, Precision<Real>::kUnit);
+      deviations.back() = std::max(deviations.back(), deviations[body.mesh]);
+    }
+    if (deviations == deviations_) return;
+    deviations_ = std::move(deviations);
+    exec_.upload(scene_.rigid.deviations.data(), deviations_.data(), deviations_.size() * sizeof(double));
+  }
+
+  Exec& exec_;
+  const SceneShape& shape_;
+  SceneBuffers<Exec, Real>& scene_;
+  std::vector<Body> bodies_;
+  uint64_t rest_count_ = 0;
+  double reached_ = 1;
+  std::vector<double> deviations_;  ///< those on the backend
+};
+
+}  // namespace collided
