@@ -40,7 +40,9 @@ void add_mesh(v1::SceneSpec& spec, const MeshInput& mesh) {
   v1::MeshSpec& out = *spec.add_meshes();
   out.set_name(mesh.name);
   out.set_vertex_count(mesh.vertex_count);
-  out.set_motion(mesh.is_static ? v1::MESH_MOTION_STATIC : v1::MESH_MOTION_DEFORMABLE);
+  out.set_motion(mesh.is_static  ? v1::MESH_MOTION_STATIC
+                 : mesh.is_rigid ? v1::MESH_MOTION_RIGID
+                                 : v1::MESH_MOTION_DEFORMABLE);
   out.set_triangle_count(static_cast<uint32_t>(mesh.triangles.size()));
 }
 

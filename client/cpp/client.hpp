@@ -21,6 +21,7 @@ struct MeshInput {
   uint32_t vertex_count = 0;
   std::span<const std::array<uint32_t, 3>> triangles;
   bool is_static = false;
+  bool is_rigid = false;  ///< after its first frame it is moved by rigid_update alone
 };
 
 /// How a stream is opened.

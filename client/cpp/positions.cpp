@@ -2,6 +2,7 @@
 
 #include "client/cpp/positions.hpp"
 
+#include <cmath>
 #include <cstring>
 
 #include "client/cpp/error.hpp"
@@ -13,7 +14,8 @@ namespace {
 constexpr int kInvalidArgument = 3;
 
 [[noreturn]] void refuse(v1::PositionFormat format) {
-  throw Error(kInvalidArgument, "position format " + std::to_string(format) + " is not F32 or F64");
+  throw Error(kInvalidArgument, "position format " + std::to_string(format) + " is not F32 or F64" +
+                                    (format == v1::POSITION_FORMAT_Q16 ? "; pack_quantized is for Q16" : ""));
 }
 
 std::string pack_f32(Positions positions) {
@@ -41,7 +43,80 @@ void move(std::span<Real> positions, std::span<const Real> target, double fracti
   }
 }
 
+/// One axis of a box that positions are encoded in.
+struct Axis {
+  double lower, step;
+
+  uint16_t encode(double x, size_t vertex, char name) const {
+    constexpr double kLast = 65535;
+    if (!(x >= lower && x <= lower + kLast * step))
+      throw Error(kInvalidArgument, "vertex " + std::to_string(vertex) + ": " + name + " is " + std::to_string(x) +
+                                        ", outside the box, " + std::to_string(lower) + " to " +
+                                        std::to_string(lower + kLast * step));
+    return step > 0 ? static_cast<uint16_t>(std::fmin(std::round((x - lower) / step), kLast)) : uint16_t{0};
+  }
+};
+
+std::array<Axis, 3> axes_of(const v1::QuantizationBox& box) {
+  if (box.lower_size() != 3 || box.upper_size() != 3)
+    throw Error(kInvalidArgument, "the box has " + std::to_string(box.lower_size()) + " and " +
+                                      std::to_string(box.upper_size()) + " coordinates, 3 each are needed");
+  std::array<Axis, 3> axes;
+  for (int k = 0; k < 3; ++k) {
+    const double lower = box.lower(k), upper = box.upper(k);
+    if (!(std::isfinite(lower) && std::isfinite(upper) && lower <= upper))
+      throw Error(kInvalidArgument, "the box is from " + std::to_string(lower) + " to " + std::to_string(upper) +
+                                        "; both must be finite and in order");
+    axes[static_cast<size_t>(k)] = {lower, (upper - lower) / 65535};
+  }
+  return axes;
+}
+
+std::string bytes_of(const RigidMatrix& matrix) {
+  return {reinterpret_cast<const char*>(matrix.data()), sizeof(matrix)};
+}
+
+template <class Real>
+void move_all(std::span<Real> positions, const RigidMatrix& m) {
+  if (positions.size() % 3 != 0)
+    throw Error(kInvalidArgument,
+                "positions have " + std::to_string(positions.size()) + " coordinates, which is no multiple of 3");
+  for (size_t i = 0; i < positions.size(); i += 3) {
+    const double x = positions[i], y = positions[i + 1], z = positions[i + 2];
+    for (size_t row = 0; row < 3; ++row) {
+      const double* r = &m[4 * row];
+      positions[i + row] = static_cast<Real>(((r[0] * x + r[1] * y) + r[2] * z) + r[3]);
+    }
+  }
+}
+
 }  // namespace
+
+std::string pack_quantized(Positions positions, const v1::QuantizationBox& box) {
+  const std::array<Axis, 3> axes = axes_of(box);
+  std::string out(positions.size() * 3 * sizeof(uint16_t), '\0');
+  for (size_t i = 0; i < positions.size(); ++i)
+    for (size_t k = 0; k < 3; ++k) {
+      const uint16_t q = axes[k].encode(positions[i][k], i, "xyz"[k]);
+      std::memcpy(&out[(3 * i + k) * sizeof(q)], &q, sizeof(q));
+    }
+  return out;
+}
+
+v1::MeshUpdate rigid_update(uint32_t mesh, const RigidMatrix& matrix) {
+  v1::MeshUpdate update;
+  update.set_mesh(mesh);
+  update.mutable_rigid()->set_matrix(bytes_of(matrix));
+  return update;
+}
+v1::MeshUpdate rigid_update(uint32_t mesh, const RigidMatrix& matrix, const RigidMatrix& start) {
+  v1::MeshUpdate update = rigid_update(mesh, matrix);
+  update.mutable_rigid()->set_start_matrix(bytes_of(start));
+  return update;
+}
+
+void move_rigidly(std::span<float> positions, const RigidMatrix& matrix) { move_all(positions, matrix); }
+void move_rigidly(std::span<double> positions, const RigidMatrix& matrix) { move_all(positions, matrix); }
 
 void move_along(std::span<float> positions, std::span<const float> target, double fraction) {
   move(positions, target, fraction);
@@ -57,6 +132,8 @@ uint64_t position_bytes(v1::PositionFormat format) {
       return 3 * sizeof(float);
     case v1::POSITION_FORMAT_F64:
       return 3 * sizeof(double);
+    case v1::POSITION_FORMAT_Q16:
+      return 3 * sizeof(uint16_t);
     default:
       refuse(format);
   }

@@ -12,14 +12,31 @@ namespace collided::client {
 
 using Positions = std::span<const std::array<double, 3>>;
 
-/// Bytes of one vertex's position, 12 (F32) or 24 (F64). Throws Error (INVALID_ARGUMENT) for other formats.
+/// Bytes of one vertex's position: 12 (F32), 24 (F64) or 6 (Q16). Throws Error (INVALID_ARGUMENT) for other formats.
 uint64_t position_bytes(v1::PositionFormat format);
 
 /// Packs as F32 (rounded to nearest) or F64. Throws Error (INVALID_ARGUMENT) for other formats.
 std::string pack_positions(Positions positions, v1::PositionFormat format);
 
+/// Packs as Q16, each coordinate to the nearest step of the box. Throws Error (INVALID_ARGUMENT) for a box without
+/// three finite coordinates each, or a position that is not in it.
+std::string pack_quantized(Positions positions, const v1::QuantizationBox& box);
+
 /// The update of one mesh; `start` (t = 0, for CCD) may be empty.
 v1::MeshUpdate mesh_update(uint32_t mesh, v1::PositionFormat format, Positions positions, Positions start = {});
+
+/// p -> R p + t: the rows of [R | t], with R a rotation.
+using RigidMatrix = std::array<double, 12>;
+
+/// The update that moves a rigid mesh to a pose (t = 1).
+v1::MeshUpdate rigid_update(uint32_t mesh, const RigidMatrix& matrix);
+/// The same from another pose (t = 0, CCD) than where the last frame left the mesh.
+v1::MeshUpdate rigid_update(uint32_t mesh, const RigidMatrix& matrix, const RigidMatrix& start);
+
+/// Where a pose puts the vertices of a rigid mesh, from where its first frame had them. Every bit is the daemon's;
+/// proto/CONVENTIONS.md has the formula. Throws Error (INVALID_ARGUMENT) if coordinates are no multiple of three.
+void move_rigidly(std::span<float> positions, const RigidMatrix& matrix);
+void move_rigidly(std::span<double> positions, const RigidMatrix& matrix);
 
 /// Moves coordinates the fraction of the way to `target` that the daemon moved them: FrameDone.advanced, or a frame's
 /// from_last_fraction. Every bit is the daemon's; client/STEPPING.md has the formula. Throws Error (INVALID_ARGUMENT)

@@ -88,7 +88,17 @@ const std::map<std::string, Probe> kProbes = {
      {[](pb::Frame& f) { f.set_from_last_fraction(1.5); }, is_refused("frame.from_last_fraction is 1.5")}},
     {"MeshUpdate.mesh", {[](pb::Frame& f) { tip_of(f).set_mesh(7); }, is_refused("frame.updates[0].mesh is 7")}},
     {"MeshUpdate.sparse", {move_one_corner, hits_at(0.25)}},
-    {"MeshUpdate.rigid", {[](pb::Frame& f) { tip_of(f).mutable_rigid(); }, is_refused("frame.updates[0].rigid")}},
+    {"MeshUpdate.rigid",
+     {[](pb::Frame& f) { tip_of(f).mutable_rigid(); }, is_refused("frame.updates[0].rigid.matrix is empty")}},
+    {"RigidTransform.matrix",
+     {[](pb::Frame& f) { tip_of(f).mutable_rigid()->set_matrix("x"); },
+      is_refused("frame.updates[0].rigid.matrix is given; mesh 1 is not rigid")}},
+    {"RigidTransform.start_matrix",
+     {[](pb::Frame& f) {
+        tip_of(f).mutable_rigid()->set_start_matrix("x");
+        tip_of(f).mutable_rigid()->set_matrix("x");
+      },
+      is_refused("frame.updates[0].rigid.")}},
     {"MeshUpdate.start_positions", {[](pb::Frame& f) { tip_of(f).set_start_positions(tip_at(3)); }, hits_at(0.75)}},
     {"MeshUpdate.positions", {[](pb::Frame& f) { tip_of(f).set_positions(tip_at(-3)); }, hits_at(0.25)}},
     {"MeshUpdate.shared_positions",
@@ -113,8 +123,8 @@ const std::map<std::string, Probe> kProbes = {
       is_refused("frame.updates[0].sparse.shared_indices is ")}},
 };
 
-// Sent as parts of fields that have a probe, or of one that is not served.
-const std::set<std::string> kParts = {"SharedRange.offset", "SharedRange.size", "RigidTransform.matrix"};
+// Sent as parts of fields that have a probe.
+const std::set<std::string> kParts = {"SharedRange.offset", "SharedRange.size"};
 
 // All fields of a message and of its nested messages.
 void add_fields(const Descriptor& type, std::set<std::string>& fields) {

@@ -110,9 +110,41 @@ TEST(Positions, ArePackedInBothFormats) {
   EXPECT_EQ(pack_positions(positions, v1::POSITION_FORMAT_F32), bytes<float>({0.1f, -2, 3, 4, 5, 6}));
   EXPECT_EQ(pack_positions(positions, v1::POSITION_FORMAT_F64), bytes<double>({0.1, -2, 3, 4, 5, 6}));
   EXPECT_THROW(pack_positions(positions, v1::POSITION_FORMAT_Q16), Error);
+  EXPECT_EQ(position_bytes(v1::POSITION_FORMAT_Q16), 6u);
   const v1::MeshUpdate update = mesh_update(4, v1::POSITION_FORMAT_F64, positions);
   EXPECT_EQ(update.mesh(), 4u);
   EXPECT_TRUE(update.start_positions().empty());
+}
+
+v1::QuantizationBox box_of(double lower, double upper) {
+  v1::QuantizationBox box;
+  for (int k = 0; k < 3; ++k) box.add_lower(lower), box.add_upper(upper);
+  return box;
+}
+
+TEST(Positions, AreEncodedToTheNearestStep) {
+  const std::vector<std::array<double, 3>> positions{{-1, 0, 1}, {0.00002, -0.00002, 0.99999}};
+  EXPECT_EQ(pack_quantized(positions, box_of(-1, 1)), bytes<uint16_t>({0, 32768, 65535, 32768, 32767, 65535}));
+  const std::vector<std::array<double, 3>> flat{{3, 3, 3}};
+  EXPECT_EQ(pack_quantized(flat, box_of(3, 3)), bytes<uint16_t>({0, 0, 0}));
+  EXPECT_THROW(pack_quantized(positions, box_of(-0.5, 1)), Error);
+  EXPECT_THROW(pack_quantized(positions, box_of(1, -1)), Error);
+  EXPECT_THROW(pack_quantized(positions, {}), Error);
+  const std::vector<std::array<double, 3>> lost{{0, NAN, 0}};
+  EXPECT_THROW(pack_quantized(lost, box_of(-1, 1)), Error);
+}
+
+TEST(Positions, OfRigidMeshesAreMovedAsTheDaemonMovesThem) {
+  const RigidMatrix quarter{0, -1, 0, 5, 1, 0, 0, 6, 0, 0, 1, 7};
+  std::vector<float> positions{1, 2, 3};
+  move_rigidly(std::span<float>(positions), quarter);
+  EXPECT_EQ(positions, (std::vector<float>{3, 7, 10}));
+  std::vector<double> two{1, 2};
+  EXPECT_THROW(move_rigidly(std::span<double>(two), quarter), Error);
+  const v1::MeshUpdate update = rigid_update(2, quarter, quarter);
+  EXPECT_EQ(update.mesh(), 2u);
+  EXPECT_EQ(update.rigid().matrix().size(), 96u);
+  EXPECT_EQ(update.rigid().start_matrix(), update.rigid().matrix());
 }
 
 TEST(Errors, CarryCodeMessageAndField) {

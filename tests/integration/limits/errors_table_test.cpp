@@ -12,6 +12,7 @@
 
 #include "tests/integration/local/local_daemon.hpp"
 #include "tests/integration/support/peers/breaking_peer.hpp"
+#include "tests/integration/support/peers/raw_stream.hpp"
 #include "tests/integration/support/upload.hpp"
 
 namespace collided::test {
@@ -182,16 +183,18 @@ class ErrorsTable : public testing::Test {
       const BreakingPeer peer;
       return server_info(peer.address());
     };
-    const auto unserved = [this] {
-      return create([](auto& request) { request.mutable_spec()->set_position_format(pb::POSITION_FORMAT_Q16); });
+    const auto compressed = [this] {
+      return raw_call(channel_to(daemon_.address()), method_path("GetScene"), "", {}, GRPC_COMPRESS_GZIP);
     };
+    const auto unknown = [this] { return raw_call(channel_to(daemon_.address()), method_path("Frobnicate"), ""); };
     return {{"DEADLINE_EXCEEDED", "the call's own deadline",
              [this] { return server_info(daemon_.address(), "", std::chrono::milliseconds(-1)); }},
             {"DEADLINE_EXCEEDED", "an upload without a chunk for too long", silent_upload},
             {"CANCELLED", "the client cancelled", cancelled},
             {"UNAVAILABLE", "nobody answers", nobody},
             {"INTERNAL", "a connection that broke", broken},
-            {"UNIMPLEMENTED", "not served", unserved}};
+            {"UNIMPLEMENTED", "a method that this version does not have", unknown},
+            {"UNIMPLEMENTED", "a message that gRPC compressed", compressed}};
   }
 
   std::vector<std::string> with_tokens() {

@@ -77,8 +77,13 @@ TEST_F(BadInput, FrameIds) {
   expect_refused([](auto& f) { f.set_frame_id(0); }, grpc::INVALID_ARGUMENT, "frame.frame_id");
 }
 
-TEST_F(BadInput, FieldsThatAreNotServed) {
-  expect_refused([](auto& f) { f.mutable_updates(0)->mutable_rigid(); }, grpc::UNIMPLEMENTED, "frame.updates[0].rigid");
+TEST_F(BadInput, TransformsOfMeshesThatAreNotRigid) {
+  const auto refused = [this](const std::string& matrix) {
+    expect_refused([&](auto& f) { f.mutable_updates(0)->mutable_rigid()->set_matrix(matrix); }, grpc::INVALID_ARGUMENT,
+                   "frame.updates[0].rigid.matrix");
+  };
+  refused("");
+  refused(std::string(96, '\0'));
 }
 
 TEST_F(BadInput, Overrides) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "server/convert/facts.hpp"
 #include "server/convert/meshes.hpp"
 #include "server/convert/options.hpp"
@@ -160,7 +162,7 @@ TEST(ConvertScene, ARefusedEnumNamesWhatCanBeUsed) {
             "spec.report is -1, but must be REPORT_ALL, REPORT_EARLIEST_ONLY or REPORT_ANY_HIT");
   EXPECT_EQ(refusal_of(request_with(
                 [](pb::SceneSpec& s) { s.mutable_meshes(0)->set_motion(static_cast<pb::MeshMotion>(9)); })),
-            "spec.meshes[0].motion is 9, but must be MESH_MOTION_DEFORMABLE or MESH_MOTION_STATIC");
+            "spec.meshes[0].motion is 9, but must be MESH_MOTION_DEFORMABLE, MESH_MOTION_STATIC or MESH_MOTION_RIGID");
 }
 
 TEST(ConvertScene, WhatCanNeverFitIsRefusedWithNeedAndBudget) {
@@ -336,12 +338,42 @@ TEST(ConvertScene, ARefusedOptionTellsWhatItDoesNotGoWith) {
               })).starts_with("spec.thickness is -1; it must be from 0 to "));
 }
 
-TEST(ConvertScene, NamesWhatIsNotServed) {
+TEST(ConvertScene, TakesRigidMeshesAndEncodedPositions) {
+  const ScenePlan plan = parse_scene(request_with([](pb::SceneSpec& s) {
+                                       s.set_position_format(pb::POSITION_FORMAT_Q16);
+                                       for (const double x : {-1.0, -2.0, -3.0})
+                                         s.mutable_quantization_box()->add_lower(x);
+                                       for (const double x : {1.0, 2.0, 3.0})
+                                         s.mutable_quantization_box()->add_upper(x);
+                                       s.mutable_meshes(0)->set_motion(pb::MESH_MOTION_RIGID);
+                                     }),
+                                     {})
+                             .plan;
+  EXPECT_EQ(plan.engine.meshes[0].motion, MeshMotion::kRigid);
+  EXPECT_EQ(plan.engine.scalar, Scalar::kF32);
+  ASSERT_TRUE(plan.engine.quantized_in);
+  EXPECT_EQ(plan.engine.quantized_in->lower[2], -3);
+  EXPECT_EQ(position_bytes(plan.engine), 6u);
+}
+
+TEST(ConvertScene, RefusesABoxThatDoesNotFitTheFormat) {
   using Request = pb::CreateSceneRequest;
-  const auto refuse = expect_refused<Unimplemented>;
-  refuse("spec.position_format", [](Request& r) { r.mutable_spec()->set_position_format(pb::POSITION_FORMAT_Q16); });
-  refuse("spec.meshes[0].motion",
-         [](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_motion(pb::MESH_MOTION_RIGID); });
+  const auto refuse = expect_refused<InvalidInput>;
+  const auto with = [](const std::function<void(pb::SceneSpec&)>& set) {
+    return [set](Request& r) {
+      pb::SceneSpec& spec = *r.mutable_spec();
+      spec.set_position_format(pb::POSITION_FORMAT_Q16);
+      for (int k = 0; k < 3; ++k)
+        spec.mutable_quantization_box()->add_lower(0), spec.mutable_quantization_box()->add_upper(1);
+      set(spec);
+    };
+  };
+  refuse("spec.quantization_box", with([](pb::SceneSpec& s) { s.set_position_format(pb::POSITION_FORMAT_F32); }));
+  refuse("spec.quantization_box.lower", with([](pb::SceneSpec& s) { s.clear_quantization_box(); }));
+  refuse("spec.quantization_box.upper", with([](pb::SceneSpec& s) { s.mutable_quantization_box()->add_upper(4); }));
+  refuse("spec.quantization_box", with([](pb::SceneSpec& s) { s.mutable_quantization_box()->set_upper(1, -1); }));
+  refuse("spec.quantization_box", with([](pb::SceneSpec& s) { s.mutable_quantization_box()->set_lower(0, NAN); }));
+  refuse("spec.quantization_box", with([](pb::SceneSpec& s) { s.set_accuracy(pb::ACCURACY_EXACT); }));
 }
 
 TEST(ConvertScene, HoldsTheLimitsAndTheBackend) {

@@ -1,0 +1,134 @@
+// Scenes with rigid meshes and encoded positions through the client library, over gRPC and over shared memory.
+#include <gtest/gtest.h>
+
+#include "tests/integration/client_library/client_layers.hpp"
+#include "tests/integration/local/local_daemon.hpp"
+
+namespace collided::test {
+namespace {
+
+using client::Error;
+using client::Local;
+using client::MeshInput;
+using client::RigidMatrix;
+using Points = std::vector<std::array<double, 3>>;
+
+constexpr std::array<std::array<uint32_t, 3>, 1> kOne{{{0, 1, 2}}};
+const Points kBody{{-1, -1, 1}, {1, -1, 1}, {0, 1, 1}}, kGround{{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}};
+constexpr RigidMatrix kHere{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, kBelow{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -2};
+
+/// A body over the ground. `format`: of all positions.
+pb::Scene make_scene(Client& client, pb::PositionFormat format, bool is_rigid) {
+  pb::SceneSpec spec;
+  spec.set_mode(pb::DETECTION_MODE_CCD);
+  spec.set_position_format(format);
+  if (format == pb::POSITION_FORMAT_Q16)
+    for (int k = 0; k < 3; ++k)
+      spec.mutable_quantization_box()->add_lower(-10), spec.mutable_quantization_box()->add_upper(10);
+  const MeshInput meshes[] = {{.name = "body", .vertex_count = 3, .triangles = kOne, .is_rigid = is_rigid},
+                              {.name = "ground", .vertex_count = 3, .triangles = kOne, .is_static = true}};
+  return client.create_scene(spec, meshes);
+}
+
+std::string packed(const pb::Scene& scene, const Points& points) {
+  const pb::SceneSpec& spec = scene.spec();
+  return spec.position_format() == pb::POSITION_FORMAT_Q16 ? client::pack_quantized(points, spec.quantization_box())
+                                                           : client::pack_positions(points, spec.position_format());
+}
+
+pb::Frame first_frame(const pb::Scene& scene) {
+  pb::Frame frame;
+  frame.set_frame_id(1);
+  for (uint32_t mesh = 0; mesh < 2; ++mesh) {
+    pb::MeshUpdate& update = *frame.add_updates();
+    update.set_mesh(mesh);
+    update.set_positions(packed(scene, mesh == 0 ? kBody : kGround));
+  }
+  return frame;
+}
+
+FrameOutput answer_to(FrameStream& stream, const pb::Frame& frame) {
+  stream.send(frame);
+  return stream.receive();
+}
+
+class MeshKinds : public ::testing::TestWithParam<Local> {
+ protected:
+  FrameStream open(const pb::Scene& scene) { return client_.stream(scene, {.local = {.use = GetParam()}}); }
+
+  LocalDaemon daemon_{{}};
+  Client client_ = Client::connect(daemon_.process().address());
+};
+
+TEST_P(MeshKinds, ARigidMeshIsMovedByTwelveNumbers) {
+  const pb::Scene scene = make_scene(client_, pb::POSITION_FORMAT_F32, true);
+  EXPECT_EQ(scene.spec().meshes(0).motion(), pb::MESH_MOTION_RIGID);
+  FrameStream stream = open(scene);
+  answer_to(stream, first_frame(scene)).check();
+  pb::Frame fall;
+  fall.set_frame_id(2);
+  *fall.add_updates() = client::rigid_update(0, kBelow);
+  const FrameOutput output = answer_to(stream, fall);
+  output.check();
+  EXPECT_EQ(output.done.metrics().bytes_in(), 96u);
+  EXPECT_EQ(output.vertex_triangle.count, 3u);
+  EXPECT_NEAR(output.done.earliest_toi(), 0.5, 1e-6);
+}
+
+TEST_P(MeshKinds, EveryFrameMayTellWhereARigidMeshBegins) {
+  const pb::Scene scene = make_scene(client_, pb::POSITION_FORMAT_F32, true);
+  FrameStream stream = open(scene);
+  answer_to(stream, first_frame(scene)).check();
+  pb::Frame fall;
+  fall.set_frame_id(2);
+  *fall.add_updates() = client::rigid_update(0, kBelow, kBelow);
+  EXPECT_FALSE(answer_to(stream, fall).done.any_contact());
+}
+
+TEST_P(MeshKinds, MovesThatARigidMeshCannotMakeAreRefusedAndTheStreamGoesOn) {
+  const pb::Scene scene = make_scene(client_, pb::POSITION_FORMAT_F32, true);
+  FrameStream stream = open(scene);
+  answer_to(stream, first_frame(scene)).check();
+  RigidMatrix stretched = kHere;
+  stretched[0] = 2;
+  pb::Frame bad;
+  bad.set_frame_id(2);
+  *bad.add_updates() = client::rigid_update(0, stretched);
+  const FrameOutput refused = answer_to(stream, bad);
+  ASSERT_TRUE(refused.error);
+  EXPECT_EQ(refused.error->field(), "frame.updates[0].rigid.matrix");
+  EXPECT_EQ(refused.error->code(), grpc::INVALID_ARGUMENT);
+  pb::Frame positions;
+  positions.set_frame_id(3);
+  positions.add_updates()->set_positions(packed(scene, kBody));
+  EXPECT_EQ(answer_to(stream, positions).error->field(), "frame.updates[0].positions");
+  *bad.mutable_updates(0) = client::rigid_update(0, kBelow);
+  bad.set_frame_id(4);
+  EXPECT_EQ(answer_to(stream, bad).vertex_triangle.count, 3u);
+}
+
+TEST_P(MeshKinds, EncodedPositionsTakeHalfTheBytesAndMissNothing) {
+  const pb::Scene scene = make_scene(client_, pb::POSITION_FORMAT_Q16, false);
+  EXPECT_EQ(scene.spec().quantization_box().upper(2), 10);
+  FrameStream stream = open(scene);
+  const FrameOutput first = answer_to(stream, first_frame(scene));
+  first.check();
+  EXPECT_EQ(first.done.metrics().bytes_in(), 2 * 3 * 6u);
+  Points below = kBody;
+  for (auto& p : below) p[2] = -1;
+  pb::Frame fall;
+  fall.set_frame_id(2);
+  fall.add_updates()->set_positions(packed(scene, below));
+  const FrameOutput output = answer_to(stream, fall);
+  output.check();
+  EXPECT_EQ(output.vertex_triangle.count, 3u);
+  EXPECT_LE(output.done.earliest_toi(), 0.5);
+  EXPECT_GT(output.done.earliest_toi(), 0.499);
+  for (const uint8_t flags : output.vertex_triangle.flags) EXPECT_EQ(flags & pb::CONTACT_FLAG_CERTIFIED, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Transports, MeshKinds, ::testing::Values(Local::kOff, Local::kOn),
+                         [](const auto& way) { return way.param == Local::kOff ? "Grpc" : "SharedMemory"; });
+
+}  // namespace
+}  // namespace collided::test
