@@ -80,7 +80,9 @@ class MemoryHold {
 };
 
 enum class Backend { kCpu, kCuda };
-enum class Mode { kDcd, kCcd };
+/// kBoth: of a scene, each of whose frames asks for one of them. Its thickness is that of discrete frames; continuous
+/// ones take min_separation.
+enum class Mode { kDcd, kCcd, kBoth };
 /// From kGuarded on no contact of the given positions is missed and no time of impact is late.
 enum class Accuracy { kCandidates, kFast, kGuarded, kCertified, kExact };
 /// What a frame answers with: every contact; the earliest one (CCD from kGuarded on); whether there is one (from
@@ -179,6 +181,7 @@ class FrameSlot {
 struct FrameInput {
   std::vector<MeshPositions> updates;     ///< the first frame must name every mesh; empty if `slot` brings them
   std::shared_ptr<FrameSlot> slot = {};   ///< of the same scene, with positions that were sent; may be empty
+  std::optional<Mode> mode = {};          ///< kDcd or kCcd; the scene's if absent, and kCcd where that is kBoth
   std::optional<Accuracy> accuracy = {};  ///< for this frame alone; the scene's if absent
   std::optional<double> delta = {};
   std::optional<Report> report = {};

@@ -52,6 +52,7 @@ void FrameStream::send(const v1::Frame& frame) { state_->send(frame, {}); }
 void FrameStream::send(uint64_t frame_id, std::span<const FrameUpdate> updates, const FrameOptions& options) {
   v1::Frame head;
   head.set_frame_id(frame_id);
+  head.set_mode(options.mode);
   head.set_accuracy(options.accuracy);
   if (options.delta) head.set_delta(*options.delta);
   head.set_report(options.report);

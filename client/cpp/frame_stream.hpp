@@ -32,6 +32,7 @@ struct FrameOutput : PerKind<Contacts> {
 
 /// Settings of one frame; those that are not set are the scene's.
 struct FrameOptions {
+  v1::DetectionMode mode = v1::DETECTION_MODE_UNSPECIFIED;
   v1::Accuracy accuracy = v1::ACCURACY_UNSPECIFIED;
   std::optional<double> delta = {};
   v1::Report report = v1::REPORT_UNSPECIFIED;

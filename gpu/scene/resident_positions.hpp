@@ -36,8 +36,8 @@ class ResidentPositions {
   /// Memory for a frame. Not before the first, which brings all positions: a number of vertices alone holds none.
   void require(const Slot& slot, const FrameInput& frame) {
     scene_.end.allocate(vertices_);
-    if (is_ccd()) scene_.start.allocate(vertices_);
-    if (!is_ccd() || slot.brings_starts() || frame.start_fraction) scene_.last_good.allocate(vertices_);
+    if (has_paths()) scene_.start.allocate(vertices_);
+    if (!has_paths() || slot.brings_starts() || frame.start_fraction) scene_.last_good.allocate(vertices_);
     if (frame.advance) scene_.target.allocate(vertices_);
     rigid_.require();
   }
@@ -66,7 +66,7 @@ class ResidentPositions {
 
   /// The frame counts from here on; its positions are what a later failure falls back to.
   void commit(Slot& slot) {
-    if (!is_ccd()) {
+    if (!has_paths()) {
       slot.place(exec_, nullptr, scene_.last_good.data(), false);
       rigid_.place_ends(slot.moves(), scene_.last_good.data());
     }
@@ -88,13 +88,13 @@ class ResidentPositions {
 
  private:
   enum class Good { kEnd, kStart, kSaved };
-  bool is_ccd() const { return spec_.mode == Mode::kCcd; }
+  bool has_paths() const { return spec_.mode != Mode::kDcd; }
 
   void begin_at_last_good(bool brings_starts) {
     if (good_ != Good::kEnd) copy(scene_.end, last_good());
     good_ = Good::kEnd;
-    if (is_ccd()) begin_at_end(brings_starts);
-    if (!is_ccd()) good_ = Good::kSaved;
+    if (has_paths()) begin_at_end(brings_starts);
+    if (!has_paths()) good_ = Good::kSaved;
   }
   /// CCD: a step begins where the last one ended, unless the frame `brings_starts`, which must not overwrite the only
   /// copy of the last good frame.

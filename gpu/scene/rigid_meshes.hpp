@@ -49,7 +49,7 @@ class RigidMeshes {
   void require() {
     if (bodies_.empty()) return;
     scene_.rigid.rest.allocate(rest_count_);
-    if (!is_ccd()) return;
+    if (!has_paths()) return;
     const size_t meshes = shape_.spec.meshes.size();
     if (scene_.rigid.first_vertex.capacity() == 0) {
       scene_.rigid.first_vertex.allocate(meshes);
@@ -72,7 +72,7 @@ class RigidMeshes {
     if (bodies_.empty()) return;
     if (first) keep_rest();
     for (const RigidMove& move : moves) place(move, first);
-    if (is_ccd()) measure();
+    if (has_paths()) measure();
   }
   /// The same ends in other positions that the slot has put its own into.
   void place_ends(const std::vector<RigidMove>& moves, Vec3<Real>* positions) {
@@ -101,7 +101,7 @@ class RigidMeshes {
     Pose good = {};             ///< of the last good frame
   };
 
-  bool is_ccd() const { return shape_.spec.mode == Mode::kCcd; }
+  bool has_paths() const { return shape_.spec.mode != Mode::kDcd; }
   Body& body_of(uint32_t mesh) {
     return *std::find_if(bodies_.begin(), bodies_.end(), [&](const Body& body) { return body.mesh == mesh; });
   }
@@ -136,11 +136,11 @@ class RigidMeshes {
     if (move.start || first) {
       body.start = move.start.value_or(move.end);
       if (move.start) check_reach(field + "start_transform", body, body.start);
-      if (is_ccd()) transform(body, body.start, scene_.start.data());
+      if (has_paths()) transform(body, body.start, scene_.start.data());
     }
     body.end = move.end;
     check_reach(field + "transform", body, body.end);
-    if (is_ccd()) check_angle(field + "transform", body);
+    if (has_paths()) check_angle(field + "transform", body);
     transform(body, body.end, scene_.end.data());
   }
   void transform(const Body& body, const Pose& pose, Vec3<Real>* positions) {

@@ -17,15 +17,15 @@ void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
     throw InvalidInput(
         "quantized_in",
         "quantized_in is given, but EXACT needs exact positions; CERTIFIED counts the error of encoded ones");
-  if (spec.kinds.triangle_triangle && spec.mode == Mode::kCcd && settings.accuracy != Accuracy::kCandidates)
+  if (spec.kinds.triangle_triangle && settings.is_ccd() && settings.accuracy != Accuracy::kCandidates)
     throw InvalidInput(
         "triangle_triangle",
         "triangle_triangle is on, but only DCD tests triangle pairs; CCD lists them at CANDIDATES alone");
   check_length("delta", settings.delta, coordinate_limit(spec.scalar));
   const bool finds_features = is_of_features(first_of(spec.kinds));
-  if (spec.mode == Mode::kDcd && settings.accuracy == Accuracy::kFast && spec.thickness == 0 && finds_features)
+  if (!settings.is_ccd() && settings.accuracy == Accuracy::kFast && settings.thickness == 0 && finds_features)
     throw InvalidInput("thickness", "thickness is 0; discrete detection at FAST needs a distance > 0");
-  if (settings.report == Report::kEarliestOnly && (spec.mode != Mode::kCcd || settings.accuracy < Accuracy::kGuarded))
+  if (settings.report == Report::kEarliestOnly && (!settings.is_ccd() || settings.accuracy < Accuracy::kGuarded))
     throw InvalidInput("report", "report is EARLIEST_ONLY, which needs CCD at GUARDED or above");
   if (settings.report == Report::kAnyHit && settings.accuracy < Accuracy::kFast)
     throw InvalidInput("report", "report is ANY_HIT, which needs FAST or above");
@@ -49,15 +49,25 @@ void check_quantization(const SceneSpec& spec) {
                        "triangles intersect");
 }
 
+std::string name_of(Mode mode) { return mode == Mode::kDcd ? "DCD" : mode == Mode::kCcd ? "CCD" : "DCD_AND_CCD"; }
+
+void check_mode(const SceneSpec& spec, const std::optional<Mode>& mode) {
+  if (!mode) return;
+  if (*mode == Mode::kBoth) throw InvalidInput("mode", "mode is DCD_AND_CCD, but a frame asks for one of them");
+  if (spec.mode != Mode::kBoth && *mode != spec.mode)
+    throw InvalidInput("mode",
+                       "mode is " + name_of(*mode) + ", but the scene detects " + name_of(spec.mode) + " alone");
+}
+
 void check_advance(const SceneSpec& spec, const FrameSettings& settings) {
-  if (spec.mode != Mode::kCcd || settings.accuracy < Accuracy::kCertified)
+  if (!settings.is_ccd() || settings.accuracy < Accuracy::kCertified)
     throw InvalidInput("advance", "advance is on, which needs CCD at CERTIFIED or above");
   if (!spec.kinds.vertex_triangle || !spec.kinds.edge_edge)
     throw InvalidInput("advance", "advance is on, which needs both vertex-triangle and edge-edge contacts");
 }
 
-void check_start_fraction(const SceneSpec& spec, double fraction) {
-  if (spec.mode != Mode::kCcd) throw InvalidInput("start_fraction", "start_fraction is given, which needs CCD");
+void check_start_fraction(const FrameSettings& settings, double fraction) {
+  if (!settings.is_ccd()) throw InvalidInput("start_fraction", "start_fraction is given, which needs CCD");
   if (!(fraction >= 0 && fraction <= 1))
     throw InvalidInput("start_fraction", "start_fraction is " + text(fraction) + "; it must be from 0 to 1");
 }
@@ -65,12 +75,13 @@ void check_start_fraction(const SceneSpec& spec, double fraction) {
 }  // namespace
 
 void check_frame(const SceneSpec& spec, const FrameInput& frame) {
+  check_mode(spec, frame.mode);
   const FrameSettings settings = settings_of(spec, frame);
   check_settings(spec, settings);
-  if (frame.ignore_separating && (spec.mode != Mode::kCcd || settings.accuracy < Accuracy::kGuarded))
+  if (frame.ignore_separating && (!settings.is_ccd() || settings.accuracy < Accuracy::kGuarded))
     throw InvalidInput("ignore_separating", "ignore_separating is on, which needs CCD at GUARDED or above");
   if (frame.advance) check_advance(spec, settings);
-  if (frame.start_fraction) check_start_fraction(spec, *frame.start_fraction);
+  if (frame.start_fraction) check_start_fraction(settings, *frame.start_fraction);
 }
 
 void check_spec(const SceneSpec& spec) {
@@ -79,9 +90,11 @@ void check_spec(const SceneSpec& spec) {
   if (spec.threads < 0)
     throw InvalidInput("threads", "threads is " + text(spec.threads) + ", the least is 0 (all cores)");
   check_length("min_separation", spec.min_separation, coordinate_limit(spec.scalar));
-  if (spec.min_separation > 0 && spec.mode != Mode::kCcd)
+  if (spec.min_separation > 0 && spec.mode == Mode::kDcd)
     throw InvalidInput("min_separation", "min_separation is " + text(spec.min_separation) + ", which needs CCD");
   if (spec.quantized_in) check_quantization(spec);
+  if (spec.mode == Mode::kBoth && spec.kinds.triangle_triangle)
+    throw InvalidInput("triangle_triangle", "triangle_triangle is on, which needs a scene of DCD or of CCD alone");
   check_settings(spec, settings_of(spec, {}));
 }
 

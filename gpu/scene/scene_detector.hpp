@@ -134,7 +134,7 @@ class SceneDetector final : public Detector {
   /// What decides on the straight paths of positions cannot on the arcs of a mesh that turns.
   void check_straight(const FrameInput& frame, const FrameSettings& settings) const {
     const std::optional<uint32_t> mesh = positions_.turning();
-    if (!mesh || spec_.mode != Mode::kCcd) return;
+    if (!mesh || !settings.is_ccd()) return;
     const std::string turns = "but rigid mesh " + std::to_string(*mesh) + " turns in this step, on no straight path";
     if (frame.advance) throw InvalidInput("advance", "advance is on, " + turns);
     if (settings.accuracy == Accuracy::kExact) throw InvalidInput("accuracy", "accuracy is EXACT, " + turns);
@@ -144,7 +144,7 @@ class SceneDetector final : public Detector {
   FrameSettings settings_with_margin(const FrameInput& frame) const {
     FrameSettings settings = settings_of(spec_, frame);
     settings.encoding = 2 * Quantization(spec_.quantized_in).error();
-    if (frame.advance && settings.accuracy == Accuracy::kCertified && spec_.thickness == spec_.min_separation)
+    if (frame.advance && settings.accuracy == Accuracy::kCertified && settings.thickness == spec_.min_separation)
       settings.thickness += margin_;
     return settings;
   }
@@ -153,8 +153,8 @@ class SceneDetector final : public Detector {
   void advance(const FrameSettings& settings, FrameResult& result) {
     margin_ = max(margin_, advance_margin(pipeline_.bounds()));
     const FrameSettings attempt = settings_of_try(spec_, margin_);
-    const bool is_same_question =
-        spec_.thickness == spec_.min_separation && settings.encoding == 0 && settings.report != Report::kAnyHit;
+    const bool is_same_question = settings.start_thickness == spec_.min_separation && settings.encoding == 0 &&
+                                  settings.report != Report::kAnyHit;
     AdvanceSearch search(is_same_question ? result.earliest_toi : 1);
     if (search.fraction() < 1 || !is_same_question || !covers(settings, attempt))
       try_until_free(search, attempt, result);

@@ -57,7 +57,8 @@ inline double advance_margin(const Box<float>& bounds) {
 
 /// For the tries of an advance.
 inline FrameSettings settings_of_try(const SceneSpec& spec, double margin) {
-  return {Accuracy::kCertified, 0, Report::kEarliestOnly, spec.min_separation + margin, spec.min_separation, true};
+  return {Mode::kCcd, Accuracy::kCertified, 0, Report::kEarliestOnly, spec.min_separation + margin, spec.min_separation,
+          true};
 }
 
 /// Whether a step without contacts that approach, with these settings, is as good as a try.

@@ -154,10 +154,11 @@ struct SceneBuffers {
         sample(exec, "watched_positions") {}
 
   /// At t = 0; in DCD the frame's own.
-  const Vec3<Real>* positions_at_start() const { return start.capacity() > 0 ? start.data() : end.data(); }
+  const Vec3<Real>* positions_at_start(bool is_ccd) const { return is_ccd ? start.data() : end.data(); }
 
-  /// Of the step in work.
-  Deviations deviations() const {
+  /// Of the step in work; none in DCD, which looks at its end alone.
+  Deviations deviations(bool is_ccd) const {
+    if (!is_ccd) return {};
     return {rigid.first_vertex.data(), rigid.deviations.data(), static_cast<uint32_t>(rigid.first_vertex.capacity())};
   }
 

@@ -13,8 +13,8 @@ class LbvhPhase {
   LbvhPhase(Exec& exec, Searcher<Exec>& searcher, const Topology& topology, SceneBuffers<Exec, Real>& scene)
       : exec_(exec), searcher_(searcher), topology_(topology), scene_(scene) {}
 
-  /// The thickness of the next steps.
-  void begin(double thickness) { thickness_ = thickness; }
+  /// What the next steps are like.
+  void begin(double thickness, bool is_ccd) { thickness_ = thickness, is_ccd_ = is_ccd; }
 
   void reserve() { scene_.bvh.reserve(leaves()); }
 
@@ -23,7 +23,7 @@ class LbvhPhase {
     StepState* state = scene_.state.data();
     exec_.reduce_into("bounds", leaves(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
     exec_.reduce_into("extents", leaves(), ExtentOf{&state->bounds, boxes()}, uint64_t{0}, AddExtents{},
-                      &state->extents, PrepareNarrow{state, thickness_, scene_.deviations()});
+                      &state->extents, PrepareNarrow{state, thickness_, scene_.deviations(is_ccd_)});
   }
 
   /// The leaves in order.
@@ -80,6 +80,7 @@ class LbvhPhase {
   const Topology& topology_;
   SceneBuffers<Exec, Real>& scene_;
   double thickness_ = 0;
+  bool is_ccd_ = true;
   int sorted_ = 0;           ///< which of the buffers holds the leaves in order
   bool is_counted_ = false;  ///< a search of the step has counted its tests
 };

@@ -8,12 +8,12 @@ namespace collided {
 
 struct LevelNeeds {
   FrameSettings settings{};
-  bool is_ccd = true;
   PerKind<bool> kinds = {};
   FieldSet fields = {};  ///< that are asked for
 
   bool operator==(const LevelNeeds&) const = default;
 
+  bool is_ccd() const { return settings.is_ccd(); }
   bool is_exact() const { return settings.accuracy == Accuracy::kExact; }
   bool is_earliest_only() const { return settings.report == Report::kEarliestOnly; }
   bool is_any_hit() const { return settings.report == Report::kAnyHit; }
@@ -23,7 +23,7 @@ struct LevelNeeds {
   /// Candidates of features are looked at more closely.
   bool has_narrow_phase() const { return settings.accuracy != Accuracy::kCandidates; }
   /// Triangles of a frame are tested at every level; in CCD their boxes are all there is.
-  bool tests_triangles() const { return kinds.triangle_triangle && !is_ccd; }
+  bool tests_triangles() const { return kinds.triangle_triangle && !is_ccd(); }
   /// What is reported of a kind is a contact, not just a candidate.
   bool tests(ContactKind kind) const { return is_of_features(kind) ? has_narrow_phase() : tests_triangles(); }
   /// Contacts have more than their ids.
@@ -35,7 +35,7 @@ struct LevelNeeds {
     if (!tests(kind)) return present;
     present = present.with(ContactField::kFlags);
     if (!is_of_features(kind)) return present;
-    if (is_ccd) present = present.with(ContactField::kToi);
+    if (is_ccd()) present = present.with(ContactField::kToi);
     if (is_any_hit()) return present;  // no contact is returned
     for (const ContactField field : {ContactField::kDistance, ContactField::kWeights, ContactField::kNormals})
       if (fields.has(field)) present = present.with(field);
@@ -49,16 +49,16 @@ struct LevelNeeds {
   }
 
   /// A filter in float rules candidates out before they are stored.
-  bool has_filter() const { return settings.accuracy >= (is_ccd ? Accuracy::kGuarded : Accuracy::kCertified); }
+  bool has_filter() const { return settings.accuracy >= (is_ccd() ? Accuracy::kGuarded : Accuracy::kCertified); }
   /// CCD tries a fixed direction before it follows the features, and float goes ahead of double.
-  bool is_screened() const { return is_ccd && settings.accuracy >= Accuracy::kGuarded; }
+  bool is_screened() const { return is_ccd() && settings.accuracy >= Accuracy::kGuarded; }
   bool is_approached() const { return is_screened() && settings.accuracy >= Accuracy::kCertified; }
 
   bool judges_resolution() const { return settings.accuracy >= Accuracy::kGuarded; }
 };
 
 inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings) {
-  return {settings, spec.mode == Mode::kCcd, spec.kinds, spec.fields};
+  return {settings, spec.kinds, spec.fields};
 }
 
 }  // namespace collided

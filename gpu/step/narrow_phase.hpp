@@ -127,10 +127,10 @@ class NarrowPhase {
   // The narrow phase of each level.
   template <class Kind, class Candidate>
   CcdQueries<Real, Kind, Candidate> queries(const Kind& kind, const Buffer<Candidate, Exec>& candidates) const {
-    return {scene_.positions_at_start(),
+    return {scene_.positions_at_start(needs().is_ccd()),
             scene_.end.data(),
             needs().settings.thickness,
-            {needs().settings.encoding, scene_.deviations()},
+            {needs().settings.encoding, scene_.deviations(true)},
             needs().settings.delta,
             kind,
             candidates.all()};
@@ -158,10 +158,10 @@ class NarrowPhase {
   }
   template <class Kind>
   void run(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
-    if (spec_.mode == Mode::kDcd) return run_proximity(kind, count, candidates);
+    if (!needs().is_ccd()) return run_proximity(kind, count, candidates);
     exec_.for_each(
         "solve_cubic_ccd", count,
-        SolveCubicCcd<Real, Kind>{scene_.positions_at_start(), scene_.end.data(),
+        SolveCubicCcd<Real, Kind>{scene_.positions_at_start(needs().is_ccd()), scene_.end.data(),
                                   static_cast<Real>(needs().settings.thickness), kind, candidates, sink(Kind::kKind)});
   }
   template <class Kind>
@@ -196,10 +196,11 @@ class NarrowPhase {
   }
   void write_normals() {
     const bool has_float_times = std::is_same_v<Real, float> && needs().settings.accuracy == Accuracy::kFast;
-    exec_.for_each("write_normals", wanted_count(),
-                   WriteNormals<Real>{scene_.positions_at_start(), scene_.end.data(), FeatureKinds::of(scene_.topology),
-                                      ranks_, has_float_times ? kClearInFloat : kClear, wanted().keys.all(),
-                                      wanted().data.all(), scene_.normals.all()});
+    exec_.for_each(
+        "write_normals", wanted_count(),
+        WriteNormals<Real>{scene_.positions_at_start(needs().is_ccd()), scene_.end.data(),
+                           FeatureKinds::of(scene_.topology), ranks_, has_float_times ? kClearInFloat : kClear,
+                           wanted().keys.all(), wanted().data.all(), scene_.normals.all()});
   }
   void order() {
     StepState* state = scene_.state.data();

@@ -26,8 +26,8 @@ class OctreePhase {
               SceneBuffers<Exec, Real>& scene)
       : exec_(exec), searcher_(searcher), spec_(spec), topology_(topology), scene_(scene) {}
 
-  /// The thickness of the next steps.
-  void begin(double thickness) { thickness_ = thickness; }
+  /// What the next steps are like.
+  void begin(double thickness, bool is_ccd) { thickness_ = thickness, is_ccd_ = is_ccd; }
 
   /// Lists start at what most scenes need.
   void reserve(const OctreePlan& plan) {
@@ -81,7 +81,7 @@ class OctreePhase {
     using Work = BoxTriangles<Real>;
     for (const TriangleRun& run : runs(all))
       exec_.for_each_group("box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
-                           Work{motion(), scene_.deviations(), triangles(), edges(), scene_.topology.owned.all(),
+                           Work{motion(), scene_.deviations(is_ccd_), triangles(), edges(), scene_.topology.owned.all(),
                                 run.first, run.count, scene_.boxes.all(), scene_.records.all()});
   }
 
@@ -93,7 +93,7 @@ class OctreePhase {
         "covered_per_level", triangle_count(), CoveredPerLevel{&state->bounds, boxes()}, LevelTotals{}, AddTotals{},
         &state->totals,
         PrepareStep{{&state->bounds, &state->totals, scene_.octree.wanted.data(), triangle_count(), &state->grid},
-                    {state, thickness_, scene_.deviations()}});
+                    {state, thickness_, scene_.deviations(is_ccd_)}});
   }
 
   // The same for grids whose cells are as large as the triangles.
@@ -108,7 +108,7 @@ class OctreePhase {
     exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevelOf{grid, boxes()}, LevelTotals{},
                       AddTotals{}, &state->totals,
                       ChooseCells{&state->totals, triangle_count(), uniform ? 0 : kLevelsOfCrowdedCell, &state->grid});
-    exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, thickness_, scene_.deviations()});
+    exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, thickness_, scene_.deviations(is_ccd_)});
   }
 
   // 2. Counter octree.
@@ -200,7 +200,7 @@ class OctreePhase {
 
   ElementaryTests<Real> elementary(bool vertex_triangle, bool edge_edge) const {
     return {scene_.records.all(), scene_.topology.owned.all(),
-            motion().inflation,   scene_.deviations(),
+            motion().inflation,   scene_.deviations(is_ccd_),
             vertex_triangle,      edge_edge};
   }
 
@@ -267,7 +267,7 @@ class OctreePhase {
 
   Motion<Real> motion() const {
     const Real half = static_cast<Real>(thickness_) / 2;
-    return {scene_.positions_at_start(), scene_.end.data(), half == 0 ? half : next_up(half)};
+    return {scene_.positions_at_start(is_ccd_), scene_.end.data(), half == 0 ? half : next_up(half)};
   }
 
   static void check_length(const std::string& list, uint64_t need) {
@@ -300,6 +300,7 @@ class OctreePhase {
   const Topology& topology_;
   SceneBuffers<Exec, Real>& scene_;
   double thickness_ = 0;
+  bool is_ccd_ = true;
 };
 
 }  // namespace collided

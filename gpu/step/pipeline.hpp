@@ -78,8 +78,8 @@ class Pipeline {
     scene_.state.allocate(1);
     for (;;) {
       plan_ = {needs, plan_octree(), boxes_static, narrow_.plan_order()};
-      octree_.begin(needs.settings.reach());
-      lbvh_.begin(needs.settings.reach());
+      octree_.begin(needs.settings.reach(), needs.is_ccd());
+      lbvh_.begin(needs.settings.reach(), needs.is_ccd());
       narrow_.begin(plan_);
       reserve();
       state_ = exec_.step(numbers_.number_of(plan_), scene_.state.data(), [&] { enqueue(); });

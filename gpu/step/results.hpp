@@ -105,10 +105,11 @@ class Results {
   template <class Kind>
   void decide_features(const Kind& kind, const std::vector<uint64_t>& keys, ExactAnswer* answers, Normal* normals) {
     const auto points = gather<8>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
-      exec_.for_each("gather_points", keys.size(),
-                     GatherPoints<Real, Kind>{scene_.positions_at_start(), scene_.end.data(), kind, resident, out});
+      exec_.for_each(
+          "gather_points", keys.size(),
+          GatherPoints<Real, Kind>{scene_.positions_at_start(needs_.is_ccd()), scene_.end.data(), kind, resident, out});
     });
-    const ExactQuestion question{Kind::kKind, needs_.is_ccd, needs_.settings.thickness};
+    const ExactQuestion question{Kind::kKind, needs_.is_ccd(), needs_.settings.thickness};
     decide_all(keys.size(), [&](uint64_t i) {
       answers[i] = decide_exactly(question, points[i]);
       if (normals != nullptr) normals[i] = normal_at<Kind>(points[i], answers[i].toi);

@@ -8,6 +8,7 @@ namespace collided {
 
 /// What holds for one frame: its own options, or else the scene's.
 struct FrameSettings {
+  Mode mode;  ///< kDcd or kCcd
   Accuracy accuracy;
   double delta;
   Report report;
@@ -17,15 +18,19 @@ struct FrameSettings {
   double encoding = 0;     ///< what two features may be closer than their positions say, which were encoded
 
   bool operator==(const FrameSettings&) const = default;
+  bool is_ccd() const { return mode == Mode::kCcd; }
   /// What positions have to be farther apart than, for the features to be apart by the thickness.
   double reach() const { return Deviations::widened(thickness, encoding); }
 };
 inline FrameSettings settings_of(const SceneSpec& spec, const FrameInput& frame) {
-  return {frame.accuracy.value_or(spec.accuracy),
+  const Mode mode = frame.mode.value_or(spec.mode == Mode::kDcd ? Mode::kDcd : Mode::kCcd);
+  const double thickness = spec.mode == Mode::kBoth && mode == Mode::kCcd ? spec.min_separation : spec.thickness;
+  return {mode,
+          frame.accuracy.value_or(spec.accuracy),
           frame.delta.value_or(spec.delta),
           frame.report.value_or(spec.report),
-          spec.thickness,
-          spec.thickness,
+          thickness,
+          thickness,
           frame.ignore_separating || frame.advance};
 }
 

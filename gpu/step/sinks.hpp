@@ -21,7 +21,7 @@ template <class Real, class Use>
 void with_filter(const LevelNeeds &needs, double thickness, const StepState *state, const Use &use) {
   if (!needs.has_filter())
     use(KeepAll{});
-  else if (needs.is_ccd)
+  else if (needs.is_ccd())
     use(MaybeCoplanar<Real>{&state->filter});
   else
     use(NearInFloat<Real>{thickness});

@@ -32,7 +32,7 @@ struct StepState {
 struct PrepareNarrow {
   StepState* state;
   double thickness;
-  Deviations deviations;  ///< the filter treats all pairs as the one that is farthest off
+  Deviations deviations = {};  ///< the filter treats all pairs as the one that is farthest off
 
   COLLIDED_HD void operator()(uint64_t) const {
     const Vec3<float> extent = state->bounds.hi - state->bounds.lo;

@@ -32,7 +32,7 @@ void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   const SceneSpec& engine = plan.engine;
   out->set_display_name(plan.display_name);
   out->set_backend(engine.backend == Backend::kCuda ? pb::BACKEND_CUDA : pb::BACKEND_CPU);
-  out->set_mode(engine.mode == Mode::kCcd ? pb::DETECTION_MODE_CCD : pb::DETECTION_MODE_DCD);
+  out->set_mode(to_message(engine.mode));
   out->set_accuracy(to_message(engine.accuracy));
   out->set_position_format(format_of(engine));
   if (engine.quantized_in) fill_box(*engine.quantized_in, out->mutable_quantization_box());

@@ -50,6 +50,7 @@ void fill_counts(const FrameCounts& counts, pb::FrameCounts* out) {
 
 FrameInput parse_frame(const pb::Frame& frame, std::span<const PlacedPositions> placed, const SceneSpec& scene) {
   FrameInput input;
+  if (frame.mode() != pb::DETECTION_MODE_UNSPECIFIED) input.mode = parse_mode(frame.mode(), "frame.mode");
   input.accuracy = parse_accuracy(frame.accuracy(), "frame.accuracy");
   if (frame.has_delta()) input.delta = frame.delta();
   input.report = parse_report(frame.report(), "frame.report");

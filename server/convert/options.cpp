@@ -23,6 +23,10 @@ constexpr std::pair<pb::Report, Report> kReports[] = {{pb::REPORT_ALL, Report::k
                                                       {pb::REPORT_EARLIEST_ONLY, Report::kEarliestOnly},
                                                       {pb::REPORT_ANY_HIT, Report::kAnyHit}};
 
+constexpr std::pair<pb::DetectionMode, Mode> kModes[] = {{pb::DETECTION_MODE_DCD, Mode::kDcd},
+                                                         {pb::DETECTION_MODE_CCD, Mode::kCcd},
+                                                         {pb::DETECTION_MODE_DCD_AND_CCD, Mode::kBoth}};
+
 constexpr std::pair<pb::BroadPhaseEngine, Engine> kEngines[] = {
     {pb::BROAD_PHASE_ENGINE_OCTREE, Engine::kOctree},
     {pb::BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE, Engine::kTopDown},
@@ -76,9 +80,7 @@ PositionBox parse_box(const pb::QuantizationBox& box, const std::string& field) 
 }
 
 std::string name_of(Accuracy accuracy) { return pb::Accuracy_Name(to_message(accuracy)); }
-std::string name_of(Mode mode) {
-  return pb::DetectionMode_Name(mode == Mode::kCcd ? pb::DETECTION_MODE_CCD : pb::DETECTION_MODE_DCD);
-}
+std::string name_of(Mode mode) { return pb::DetectionMode_Name(to_message(mode)); }
 
 // Where clients set an option of the scene that the engine names, and how messages call it.
 struct OptionPath {
@@ -94,13 +96,16 @@ OptionPath path_in(const pb::SceneSpec& spec, const std::string& option) {
 }
 
 // A report or a kind is refused for the mode or the accuracy, whose values the engine does not tell.
-std::string context_of(const std::string& option, Mode mode, const std::string& accuracy) {
+std::string context_of(const std::string& option, const std::string& mode, const std::string& accuracy) {
   if (option != "report" && option != "triangle_triangle" && option != "advance" && option != "ignore_separating")
     return {};
-  return fmt::format("; spec.mode is {} and {}", name_of(mode), accuracy);
+  return fmt::format("; {} and {}", mode, accuracy);
 }
 
 }  // namespace
+
+Mode parse_mode(pb::DetectionMode mode, const std::string& field) { return find_in(kModes, mode, field); }
+pb::DetectionMode to_message(Mode mode) { return from_engine(kModes, mode); }
 
 std::optional<Accuracy> parse_accuracy(pb::Accuracy accuracy, const std::string& field) {
   return to_engine(kAccuracies, accuracy, field);
@@ -146,7 +151,7 @@ OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode) {
     else
       fields.stencils = true;
   }
-  if (mode != Mode::kCcd) fields.columns = fields.columns.without(ContactField::kToi);
+  if (mode == Mode::kDcd) fields.columns = fields.columns.without(ContactField::kToi);
   return fields;
 }
 
@@ -164,7 +169,8 @@ void check_scene_options(const SceneSpec& engine, const pb::SceneSpec& spec) try
 } catch (const InvalidInput& e) {
   const OptionPath path = path_in(spec, e.field());
   const std::string accuracy = "spec.accuracy is " + name_of(engine.accuracy);
-  throw InvalidInput(path.field, renamed(e, path.shown) + context_of(e.field(), engine.mode, accuracy));
+  throw InvalidInput(path.field,
+                     renamed(e, path.shown) + context_of(e.field(), "spec.mode is " + name_of(engine.mode), accuracy));
 }
 
 // The scene's own options are sound: unless the frame overrides the refused one, its accuracy is what does not fit.
@@ -172,14 +178,16 @@ void check_frame_options(const SceneSpec& scene, const FrameInput& frame) try {
   check_options(scene, frame);
 } catch (const InvalidInput& e) {
   const bool is_own = (e.field() == "report" && frame.report) || (e.field() == "delta" && frame.delta) ||
-                      e.field() == "advance" || e.field() == "ignore_separating" || e.field() == "start_fraction";
+                      e.field() == "advance" || e.field() == "ignore_separating" || e.field() == "start_fraction" ||
+                      e.field() == "mode";
   const std::string field = is_own ? frame_path(e.field()) : "frame.accuracy";
   const std::string value = name_of(frame.accuracy.value_or(scene.accuracy));
   const std::string option =
       e.field() == "triangle_triangle" ? "CONTACT_KIND_TRIANGLE_TRIANGLE of spec.kinds" : spec_path(e.field());
   if (!is_own) throw InvalidInput(field, fmt::format("{} is {}: {}", field, value, renamed(e, option)));
   const std::string accuracy = fmt::format("{}.accuracy is {}", frame.accuracy ? "frame" : "spec", value);
-  throw InvalidInput(field, renamed(e, field) + context_of(e.field(), scene.mode, accuracy));
+  const std::string mode = frame.mode ? "frame.mode is " + name_of(*frame.mode) : "spec.mode is " + name_of(scene.mode);
+  throw InvalidInput(field, renamed(e, field) + context_of(e.field(), mode, accuracy));
 }
 
 }  // namespace collided::server

@@ -13,6 +13,10 @@ namespace collided::server {
 
 namespace pb = collided::v1;
 
+/// Throws InvalidInput, naming `field`, for an unspecified or unknown value.
+Mode parse_mode(pb::DetectionMode mode, const std::string& field);
+pb::DetectionMode to_message(Mode mode);
+
 /// Nothing for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
 std::optional<Accuracy> parse_accuracy(pb::Accuracy accuracy, const std::string& field);
 std::optional<Report> parse_report(pb::Report report, const std::string& field);

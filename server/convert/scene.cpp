@@ -30,12 +30,6 @@ Backend parse_backend(pb::Backend wanted, const SceneDefaults& defaults) {
   return Backend::kCuda;
 }
 
-Mode parse_mode(pb::DetectionMode mode) {
-  if (mode == pb::DETECTION_MODE_DCD) return Mode::kDcd;
-  if (mode == pb::DETECTION_MODE_CCD) return Mode::kCcd;
-  throw_unknown("spec.mode", mode, {pb::DETECTION_MODE_DCD, pb::DETECTION_MODE_CCD});
-}
-
 // A scene's first frame has all its positions, and a frame is one message.
 void check_first_frame(uint64_t vertices, const SceneSpec& engine, const SceneDefaults& defaults) {
   const uint64_t bytes = vertices * position_bytes(engine), limit = defaults.limits.max_message_bytes;
@@ -114,7 +108,7 @@ ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   ScenePlan plan;
   plan.display_name = spec.display_name();
   SceneSpec& engine = plan.engine;
-  engine.mode = parse_mode(spec.mode());
+  engine.mode = parse_mode(spec.mode(), "spec.mode");
   engine.accuracy = parse_scene_accuracy(spec.accuracy(), defaults.limits.client.max_accuracy);
   parse_format(spec, engine);
   engine.thickness = spec.thickness();

@@ -15,7 +15,7 @@ namespace collided::server {
 
 /// Maximum bytes of one vertex's positions in a frame: one time (DCD) or two (CCD).
 constexpr uint64_t max_vertex_bytes(const SceneSpec& spec) {
-  return position_bytes(spec) * (spec.mode == Mode::kCcd ? 2 : 1);
+  return position_bytes(spec) * (spec.mode == Mode::kDcd ? 1 : 2);
 }
 
 inline uint64_t count_vertices(const SceneSpec& spec) {

@@ -73,6 +73,9 @@ const std::map<std::string, Probe> kProbes = {
     {"Frame.report",
      {[](pb::Frame& f) { f.set_report(pb::REPORT_ANY_HIT); },
       [](const Told& told) { return told.done.any_contact() && told.done.contact_count() == 0; }}},
+    {"Frame.mode",
+     {[](pb::Frame& f) { f.set_mode(pb::DETECTION_MODE_DCD); },
+      is_refused("frame.mode is DCD, but the scene detects CCD alone")}},
     {"Frame.ignore_separating",
      {[](pb::Frame& f) {
         f.set_accuracy(pb::ACCURACY_FAST);

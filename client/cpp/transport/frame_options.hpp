@@ -8,6 +8,7 @@ namespace collided::client {
 /// All fields but the updates.
 inline void copy_options(const v1::Frame& from, v1::Frame& to) {
   to.set_frame_id(from.frame_id());
+  to.set_mode(from.mode());
   to.set_accuracy(from.accuracy());
   if (from.has_delta()) to.set_delta(from.delta());
   to.set_report(from.report());

@@ -155,9 +155,10 @@ TEST(ConvertScene, TriangleCountIsTheWholeMesh) {
 
 TEST(ConvertScene, ARefusedEnumNamesWhatCanBeUsed) {
   EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) { s.clear_mode(); })),
-            "spec.mode is DETECTION_MODE_UNSPECIFIED, but must be DETECTION_MODE_DCD or DETECTION_MODE_CCD");
+            "spec.mode is DETECTION_MODE_UNSPECIFIED, but must be DETECTION_MODE_DCD, DETECTION_MODE_CCD or "
+            "DETECTION_MODE_DCD_AND_CCD");
   EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) { s.set_mode(static_cast<pb::DetectionMode>(77)); })),
-            "spec.mode is 77, but must be DETECTION_MODE_DCD or DETECTION_MODE_CCD");
+            "spec.mode is 77, but must be DETECTION_MODE_DCD, DETECTION_MODE_CCD or DETECTION_MODE_DCD_AND_CCD");
   EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) { s.set_report(static_cast<pb::Report>(-1)); })),
             "spec.report is -1, but must be REPORT_ALL, REPORT_EARLIEST_ONLY or REPORT_ANY_HIT");
   EXPECT_EQ(refusal_of(request_with(
