@@ -1,7 +1,7 @@
 """The benchmarks' output is complete and consistent. Usage: bench_test.py CHECK PROGRAM
 
-CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench), embree (collided_embree_bench) or watch
-(collided_watch_bench).
+CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench), embree (collided_embree_bench), watch
+(collided_watch_bench) or switches (collided_switches_bench).
 """
 
 import json
@@ -73,6 +73,20 @@ class Bench(unittest.TestCase):
             self.assertLess(0, ran[of]["p50"])
             self.assertLessEqual(ran[of]["p50"], ran[of]["p99"])
         self.assertAlmostEqual(ran["ratio"]["p99"], ran["watched_ms"]["p99"] / ran["alone_ms"]["p99"])
+
+    def check_switches(self):
+        runs = {run["name"]: run for run in parsed("--backend", "cpu", "--scale", "0.1", "--frames", "3",
+                                                   "--threads", "1")["runs"]}
+        full = runs["full model"]
+        self.assertLess(runs["rigid ball"]["bytes_in"], full["bytes_in"])
+        self.assertEqual(runs["rigid ball"]["bytes_in"], runs["static ball"]["bytes_in"] + 96)
+        self.assertAlmostEqual(runs["Q16"]["bytes_in"] * 2, full["bytes_in"])
+        self.assertLess(runs["DCD alone"]["device_bytes"], full["device_bytes"])
+        self.assertNotIn("start_positions", runs["DCD alone"]["memory"])
+        self.assertNotIn("rigid", full["memory"])
+        self.assertIn("rigid", runs["rigid ball"]["memory"])
+        for run in runs.values():
+            self.assertLess(0, run["caller_ms"])
 
     def check_embree(self):
         """Exits with 1 where Embree and the engine find different numbers of pairs."""

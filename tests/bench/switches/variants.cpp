@@ -1,0 +1,67 @@
+#include "tests/bench/switches/variant.hpp"
+
+namespace collided::test {
+namespace {
+
+using Send = Variant::Send;
+
+void declare_static_ball(SceneSpec& spec) { spec.meshes[kBall].motion = MeshMotion::kStatic; }
+void declare_rigid_ball(SceneSpec& spec) { spec.meshes[kBall].motion = MeshMotion::kRigid; }
+void leave_out_cloth_self(SceneSpec& spec) { spec.meshes[kCloth].self_contacts = false; }
+
+void nothing(SceneSpec&) {}
+void as_usual(FrameInput&) {}
+
+template <Accuracy accuracy>
+void at(FrameInput& frame) {
+  frame.accuracy = accuracy;
+}
+template <Report report>
+void reporting(FrameInput& frame) {
+  frame.report = report;
+}
+
+Variant declares(const char* name, void (*declare)(SceneSpec&), Send send = Send::kWhole, bool has_ball = true) {
+  return {name, send, declare, as_usual, has_ball};
+}
+Variant asks(const char* name, void (*ask)(FrameInput&)) { return {name, Send::kWhole, nothing, ask, true}; }
+
+std::vector<Variant> make_variants() {
+  return {
+      declares("full model", nothing),
+      declares("cloth alone", nothing, Send::kClothAlone, false),
+      declares("static ball", declare_static_ball, Send::kClothAlone),
+      declares("rigid ball", declare_rigid_ball, Send::kBallByPose),
+      declares("DCD alone", [](SceneSpec& s) { s.mode = Mode::kDcd; }),
+      declares("vertex-triangle alone", [](SceneSpec& s) { s.kinds = {.vertex_triangle = true}; }),
+      declares("5 % of the vertices, sparse", nothing, Send::kFewVertices),
+      declares(
+          "Q16",
+          [](SceneSpec& s) {
+            s.quantized_in = PositionBox{{-4, -4, -8}, {4, 4, 4}};
+          },
+          Send::kQuantized),
+      declares("F64", [](SceneSpec& s) { s.scalar = Scalar::kF64; }),
+      declares("no self-contacts", leave_out_cloth_self),
+      declares("2 rings excluded", [](SceneSpec& s) { s.meshes[kCloth].excluded_rings = 2; }),
+      declares("rest pairs excluded",
+               [](SceneSpec& s) {
+                 s.meshes[kCloth].excludes_rest_pairs = true;
+                 s.rest_distance = 0.01;
+               }),
+      asks("advance", [](FrameInput& frame) { frame.advance = true; }),
+      asks("trial", [](FrameInput& frame) { frame.trial = true; }),
+      asks("candidates", at<Accuracy::kCandidates>),
+      asks("earliest contact", reporting<Report::kEarliestOnly>),
+      asks("any contact", reporting<Report::kAnyHit>),
+  };
+}
+
+}  // namespace
+
+const std::vector<Variant>& variants() {
+  static const std::vector<Variant> all = make_variants();
+  return all;
+}
+
+}  // namespace collided::test
