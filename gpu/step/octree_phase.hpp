@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "gpu/contacts/scene_counts.hpp"
 #include "gpu/octree/cell_grid.hpp"
 #include "gpu/octree/refine.hpp"
 #include "gpu/octree/registration.hpp"
@@ -22,9 +23,9 @@ constexpr double kCellPerMean = 1;
 template <Executor Exec, class Real>
 class OctreePhase {
  public:
-  OctreePhase(Exec& exec, Searcher<Exec>& searcher, const SceneSpec& spec, const Topology& topology,
+  OctreePhase(Exec& exec, Searcher<Exec>& searcher, const SceneSpec& spec, const SceneCounts& counts,
               SceneBuffers<Exec, Real>& scene)
-      : exec_(exec), searcher_(searcher), spec_(spec), topology_(topology), scene_(scene) {}
+      : exec_(exec), searcher_(searcher), spec_(spec), counts_(counts), scene_(scene) {}
 
   /// The thickness of the next steps.
   void begin(double thickness) { thickness_ = thickness; }
@@ -203,7 +204,7 @@ class OctreePhase {
   }
 
  private:
-  uint64_t triangle_count() const { return topology_.triangles.size(); }
+  uint64_t triangle_count() const { return counts_.triangles; }
   Span<const Box<float>> boxes() const { return scene_.boxes.span(triangle_count()); }
   Span<const Triangle> triangles() const { return scene_.topology.triangles.all(); }
   Span<const Triangle> edges() const { return scene_.topology.triangle_edges.all(); }
@@ -218,7 +219,7 @@ class OctreePhase {
     std::vector<TriangleRun> runs;
     for (uint32_t mesh = 0; mesh < spec_.meshes.size(); ++mesh) {
       if (!all && spec_.meshes[mesh].motion == MeshMotion::kStatic) continue;
-      const uint64_t first = topology_.triangle_offset[mesh], end = topology_.triangle_offset[mesh + 1];
+      const uint64_t first = counts_.triangle_offset[mesh], end = counts_.triangle_offset[mesh + 1];
       if (!runs.empty() && runs.back().first + runs.back().count == first)
         runs.back().count += end - first;
       else
@@ -295,7 +296,7 @@ class OctreePhase {
   Exec& exec_;
   Searcher<Exec>& searcher_;
   const SceneSpec& spec_;
-  const Topology& topology_;
+  const SceneCounts& counts_;
   SceneBuffers<Exec, Real>& scene_;
   double thickness_ = 0;
 };
