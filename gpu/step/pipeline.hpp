@@ -33,7 +33,8 @@ class Pipeline {
         lbvh_(exec, searcher_, counts_, scene),
         narrow_(exec, spec, ranks_, scene),
         results_(exec, spec, scene),
-        choice_(spec.engine) {}
+        choice_(spec.engine),
+        levels_{.deepest = deepest_base(counts_.triangles)} {}
 
   /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`: as in FrameInput.
   FrameResult detect_contacts(bool boxes_static, const FrameSettings& settings, uint64_t bytes_beside_contact) {
@@ -239,6 +240,7 @@ class Pipeline {
   OctreePlan plan_octree() const {
     const Engine engine = choice_.engine();
     OctreePlan plan{engine, {cut_rule_of(engine), kRegistrationCost}};
+    plan.levels = levels_.deepest + 1, plan.base = levels_.deepest;
     if (has_cells_of_triangles(engine))
       plan.levels = engine == Engine::kUniformGrid ? 1 : kLevelsOfCrowdedCell + 1;
     else if (levels_.base >= 0)
@@ -269,7 +271,7 @@ class Pipeline {
     if (result_.engine == Engine::kLbvh)
       lbvh_.describe(c);
     else if (!has_cells_of_triangles(result_.engine))
-      levels_ = next_levels({state_.grid.grid.top, state_.grid.grid.base}, leaves.level_registrations);
+      levels_ = next_levels({state_.grid.grid.top, state_.grid.grid.base, levels_.deepest}, leaves.level_registrations);
     if (needs().settings.report != Report::kAnyHit) choice_.observe(c, counts_.triangles, state_.bricks[0] > 0);
     result_.input_resolution = needs().judges_resolution() && is_coarse();
     result_.step_milliseconds = exec_.step_milliseconds();
