@@ -87,6 +87,7 @@ class FieldSet {
   constexpr FieldSet with(ContactField field) const { return FieldSet(bits_ | bit(field)); }
   constexpr FieldSet without(ContactField field) const { return FieldSet(bits_ & ~bit(field)); }
   constexpr FieldSet operator|(FieldSet other) const { return FieldSet(bits_ | other.bits_); }
+  constexpr FieldSet operator&(FieldSet other) const { return FieldSet(bits_ & other.bits_); }
 
   constexpr bool operator==(const FieldSet&) const = default;
 

@@ -40,8 +40,8 @@ void check_options(const SceneSpec& spec, const FrameInput& frame) {
   check_frame(spec, frame);
 }
 
-std::vector<DeviceInfo> list_devices() {
-  std::vector<DeviceInfo> devices{cpu_device()};
+std::vector<DeviceInfo> list_devices(int threads) {
+  std::vector<DeviceInfo> devices{cpu_device(threads)};
   for (DeviceInfo& device : cuda_devices()) devices.push_back(std::move(device));
   return devices;
 }

@@ -31,16 +31,27 @@ class Detector {
   virtual DeviceInfo device() const = 0;
 };
 
-/// Bytes that a scene of so many vertices and triangles holds at the least once it has had a frame: on its backend, and
-/// for its topology on the host. What a frame needs on top of it depends on the positions. Reads no mesh of the spec.
+/// Bytes that a scene of so many vertices and triangles holds at the least once it has had a frame, whatever that
+/// frame's options: on its backend, and for its topology on the host. Reads no vertex and no triangle of the meshes.
 uint64_t min_scene_bytes(const SceneSpec& spec, uint64_t vertices, uint64_t triangles);
+
+/// What is known of a scene before it is made.
+struct SceneEstimate {
+  std::vector<MemoryPart> memory;   ///< at least what Detector::memory() tells after a first frame that finds nothing
+  std::vector<std::string> stages;  ///< of such a frame, in order
+  PerKind<FieldSet> fields;         ///< that the contacts of an answer have; none of kinds that it does not have
+};
+
+/// Of so many vertices and triangles, with the scene's own options for the frame. Allocates nothing on the backend and
+/// reads no vertex and no triangle of the meshes. Throws InvalidInput for a bad spec.
+SceneEstimate estimate_scene(const SceneSpec& spec, uint64_t vertices, uint64_t triangles);
 
 /// Throws InvalidInput, naming the option, for options of a scene, or of one frame of it, that cannot be used or do not
 /// go together. Reads no mesh and no update.
 void check_options(const SceneSpec& spec, const FrameInput& frame = {});
 
-/// Devices that scenes can live on: the CPU, then every usable CUDA device.
-std::vector<DeviceInfo> list_devices();
+/// Devices that scenes can live on: the CPU with so many threads (0: all cores), then every usable CUDA device.
+std::vector<DeviceInfo> list_devices(int threads = 0);
 
 /// Whether a CUDA device can be used now (built in, driver present).
 bool cuda_available();

@@ -8,6 +8,7 @@ namespace collided::cli {
 void add_detect(CLI::App& app);
 void add_stream(CLI::App& app);
 void add_watch(CLI::App& app);
+void add_estimate(CLI::App& app);
 void add_scenes(CLI::App& app);
 void add_export(CLI::App& app);
 void add_info(CLI::App& app);

@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
   add_detect(app);
   add_stream(app);
   add_watch(app);
+  add_estimate(app);
   add_scenes(app);
   add_export(app);
   add_info(app);

@@ -158,6 +158,13 @@ v1::Scene Client::create_scene(v1::SceneSpec spec, std::span<const MeshInput> me
   return scene;
 }
 
+v1::EstimateSceneResponse Client::estimate_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes) {
+  for (const MeshInput& mesh : meshes) add_mesh(spec, mesh);
+  v1::EstimateSceneRequest request;
+  *request.mutable_spec() = std::move(spec);
+  return state_->call(&Service::EstimateScene, request);
+}
+
 v1::Scene Client::get_scene(const std::string& scene_id) {
   v1::GetSceneRequest request;
   request.set_scene_id(scene_id);

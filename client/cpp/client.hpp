@@ -47,6 +47,9 @@ class Client {
   /// lost, without ever creating two scenes. The scene is deleted after `lease_seconds` without a stream or a call; 0:
   /// the daemon's default.
   v1::Scene create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds = 0);
+  /// What create_scene of the same arguments would cost, before anything is made: no triangle is sent. Throws what it
+  /// would throw for a bad spec.
+  v1::EstimateSceneResponse estimate_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes);
   v1::Scene get_scene(const std::string& scene_id);
   void delete_scene(const std::string& scene_id);
   /// Opens a stream: over shared memory if options.local allows it, else on a separate connection to the scene's

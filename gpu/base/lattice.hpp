@@ -5,15 +5,17 @@
 //   so child k of cell i is 8i + 1 + k and the parent of i is (i - 1)/8, as in Fig. 6.
 // - A box covers the cells between the cells of its corners. Positions are clamped to the cube; the map stays
 //   monotone, so boxes that overlap share a cell wherever they are.
-// - Levels 0 to kMaxLevel exist densely. Below, a crowded cell may have a brick: its kBrickLevels next levels, numbered
-//   as the levels below a root are; a crowded cell at the bottom of a brick may have one of its own.
+// - The first levels exist densely, up to kMaxLevel, or less in small scenes. Below, a crowded cell may have a brick:
+// its
+//   kBrickLevels next levels, numbered as the levels below a root are; a crowded cell at the bottom of a brick may have
+//   one of its own.
 // Deviation: the root is a cube, not the scene's box; anisotropic cells cost 3-5 times more tests on thin scenes.
 
 #include "gpu/base/box.hpp"
 
 namespace collided {
 
-constexpr int kMaxLevel = 7;  ///< last dense level
+constexpr int kMaxLevel = 7;  ///< last dense level of any scene
 constexpr int kBrickLevels = 3;
 constexpr int kMaxRounds = 4;                                    ///< bricks below each other
 constexpr int kDeepest = kMaxLevel + kBrickLevels * kMaxRounds;  ///< levels end here; 2^19 cells a side
@@ -53,13 +55,7 @@ COLLIDED_HD inline int level_of(uint32_t id) {
   return level;
 }
 
-constexpr uint32_t kDenseCells = level_offset(kMaxLevel + 1);
 constexpr uint32_t kBrickCells = level_offset(kBrickLevels + 1) - 1;
-
-/// Index of a cell of a brick: its number below the brick's root, which is not part of the brick.
-COLLIDED_HD inline uint32_t brick_cell(uint32_t brick, uint32_t number) {
-  return kDenseCells + brick * kBrickCells + number - 1;
-}
 
 /// Cells from lo to hi, both included, of one level.
 struct CellRange {

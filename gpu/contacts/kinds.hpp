@@ -64,13 +64,6 @@ struct FeatureKinds {
   }
 };
 
-/// How many first features the contacts of each kind may have.
-inline PerKind<uint64_t> count_first_features(const Topology& topology) {
-  return {.vertex_triangle = topology.vertex_count,
-          .edge_edge = topology.edges.size(),
-          .triangle_triangle = topology.triangles.size()};
-}
-
 /// The first of the kinds that are wanted; there must be one.
 constexpr ContactKind first_of(const PerKind<bool>& wanted) {
   ContactKind first = {};

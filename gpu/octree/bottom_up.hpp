@@ -100,7 +100,7 @@ struct CutBricks {
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Shared& shared) const {
     const uint32_t brick = static_cast<uint32_t>(tree.first_brick(round) + i);
     if (brick >= tree.bricks.size()) return;
-    const auto cell_of = [&](uint32_t number) { return brick_cell(brick, number); };
+    const auto cell_of = [&](uint32_t number) { return tree.brick_cell(brick, number); };
     CutBelowRoot::run(tree, cost, kBrickLevels, 1, group, shared, cell_of, Bottom{tree, cost, round + 1 < tree.rounds});
     if (group.rank != 0) return;
     const CutBelowRoot::Children children = CutBelowRoot::children_of(0, shared);
@@ -134,7 +134,7 @@ struct CutDense {
   static constexpr uint32_t kGroupSize = 128;
   Tree tree;
   CutCost cost;
-  Span<float> root_cost;  ///< by number of the cell, up to level kMaxLevel - kBrickLevels
+  Span<float> root_cost;  ///< by number of the cell, down to kBrickLevels above the last dense level
   int step;
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Shared& shared) const {

@@ -13,18 +13,19 @@ namespace collided {
 constexpr int kLevelsOfCrowdedCell = 2;
 
 /// A base level whose cells are `cells_per_mean` times smaller than the mean triangle is large, or as small as
-/// kMaxLevel allows; all levels above are active.
+/// `deepest` allows; all levels above are active.
 struct SpanCells {
   const Box<float>* bounds;
   MeanExtent mean;
   double cell_per_mean;
+  int deepest;
   LevelGrid* grid;
 
   COLLIDED_HD void operator()(uint64_t) const {
     const double side = largest_side(*bounds);
-    double cell = max(cell_per_mean * mean(), side / (1 << kMaxLevel));
+    double cell = max(cell_per_mean * mean(), side / (1 << deepest));
     int base = 0;
-    for (double covered = cell; covered < side && base < kMaxLevel; covered *= 2) ++base;
+    for (double covered = cell; covered < side && base < deepest; covered *= 2) ++base;
     *grid = grid_over(*bounds, 0, base);
     if (base > 0) grid->cells_per_length = static_cast<float>((1u << (kDeepest - base)) / cell);
   }

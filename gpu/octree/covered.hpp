@@ -52,13 +52,14 @@ struct ManyCoveredCells {
 struct CoveredInBrick {
   static constexpr unsigned kShared = 4;  ///< as in CoveredCells; one alone may keep a warp busy
   uint32_t parts = 0;                     ///< cells
-  uint32_t triangle = 0, brick = 0;
+  uint32_t triangle = 0;
+  uint32_t first = 0;  ///< index of the brick's first cell
 
   CoveredInBrick() = default;
   /// From the level that is `top` levels below the brick's root on, down to the bottom.
   COLLIDED_HD CoveredInBrick(const Tree& tree, const BrickItem& item, const CellRange& deepest, int top)
-      : triangle(item.triangle), brick(item.brick) {
-    const Brick root = tree.bricks[brick];
+      : triangle(item.triangle), first(tree.brick_cell(item.brick, 1)) {
+    const Brick root = tree.bricks[item.brick];
     const CellRange range = shifted(deepest, kDeepest - root.level - kBrickLevels);
     levels_ = {{within(range.lo, root.cell), within(range.hi, root.cell)}, top, kBrickLevels};
     parts = levels_.cells();
@@ -66,8 +67,8 @@ struct CoveredInBrick {
 
   COLLIDED_HD uint32_t bottom_cells() const { return levels_.cells_at(kBrickLevels); }
   /// Index of the k-th cell.
-  COLLIDED_HD uint32_t part(uint32_t k) const { return brick_cell(brick, levels_.cell(k)); }
-  COLLIDED_HD CellWalk walk() const { return {levels_, brick_cell(brick, 0)}; }
+  COLLIDED_HD uint32_t part(uint32_t k) const { return first - 1 + levels_.cell(k); }
+  COLLIDED_HD CellWalk walk() const { return {levels_, first - 1}; }
 
  private:
   LevelsOfCells levels_;

@@ -9,15 +9,26 @@ namespace collided {
 
 struct ActiveLevels {
   int top = 0;
-  int base = -1;  ///< -1: no frame yet
+  int base = -1;            ///< -1: no frame yet
+  int deepest = kMaxLevel;  ///< that the base may be
 };
+
+/// The deepest base level of a scene: dense levels cost memory, and the time to clear it, for each of their cells,
+/// so that they may have no more than a bounded number of cells for each triangle. Triangles that cover a surface are
+/// as large as a cell two levels or more above.
+inline int deepest_base(uint64_t triangles) {
+  constexpr uint64_t kCellsPerTriangle = 128;
+  int level = kBrickLevels;
+  while (level < kMaxLevel && uint64_t{1} << (3 * (level + 1)) <= kCellsPerTriangle * triangles) ++level;
+  return level;
+}
 
 /// Levels for this frame; `triangles` > 0.
 COLLIDED_HD inline ActiveLevels clamp_levels(ActiveLevels wanted, const LevelTotals& totals, uint64_t triangles) {
   constexpr uint64_t kFirstPerTriangle = 6, kMaxPerTriangle = 24;
   const bool first_frame = wanted.base < 0;
   const uint64_t most = triangles * (first_frame ? kFirstPerTriangle : kMaxPerTriangle);
-  int base = first_frame ? kMaxLevel : wanted.base;
+  int base = first_frame ? wanted.deepest : wanted.base;
   while (base > 0 && totals.cells[base] > most) --base;
   // Coarse levels are wanted only where many registrations were in them; counting them is slow, for few cells take
   // the counts of many triangles.
@@ -37,7 +48,7 @@ inline ActiveLevels next_levels(ActiveLevels now, const uint64_t* registrations)
   ActiveLevels next = now;
   if (at_top > kEpsilonMinus && next.top > 0) --next.top;
   if (at_top < kEpsilonPlus && next.top < next.base) ++next.top;
-  if (at_base > kLambdaPlus && next.base < kMaxLevel) ++next.base;
+  if (at_base > kLambdaPlus && next.base < now.deepest) ++next.base;
   if (at_base < kLambdaMinus && next.base > next.top) --next.base;
   return next;
 }

@@ -47,7 +47,7 @@ struct OpenBricks {
     const bool fans_out = tree.reach[parent] > kMaxSpread * uint64_t{tree.counts[root.parent]};
     constexpr uint32_t kBottom = 1u << (3 * kBrickLevels);
     for (uint32_t k = group.rank; k < kBottom; k += group.size) {
-      const uint32_t cell = brick_cell(parent, level_offset(kBrickLevels) + k);
+      const uint32_t cell = tree.brick_cell(parent, level_offset(kBrickLevels) + k);
       const Coords below = morton_coords(k);
       OpenFirstBricks::open_brick(tree, round, cell, !fans_out && tree.counts[cell] >= kCrowded,
                                   root.level + kBrickLevels,
@@ -66,7 +66,7 @@ struct ClearBricks {
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
     const uint64_t brick = tree.first_brick(round) + i;
     if (brick >= tree.bricks.size()) return;
-    uint32_t* counts = tree.counts.data + brick_cell(static_cast<uint32_t>(brick), 1);
+    uint32_t* counts = tree.counts.data + tree.brick_cell(static_cast<uint32_t>(brick), 1);
     for (uint32_t k = group.rank; k < kBrickCells; k += group.size) counts[k] = 0;
   }
 };
@@ -148,7 +148,7 @@ struct CountInBricks {
 
   COLLIDED_HD Item item(uint64_t i) const {
     const Item item = cells(i);
-    if (item.parts > 0) atomic_add(cells.tree.reach[item.brick], item.bottom_cells());
+    if (item.parts > 0) atomic_add(cells.tree.reach[cells.tree.brick_of(item.first)], item.bottom_cells());
     return item;
   }
   COLLIDED_HD static uint32_t look(uint32_t cell) { return AnyCell::look(cell); }

@@ -11,9 +11,9 @@ namespace collided {
 
 /// Whether a leaf of the cut has no leaf above it.
 COLLIDED_HD inline bool is_real_leaf(const Tree& tree, uint32_t cell) {
-  while (cell >= kDenseCells) {
-    const uint32_t brick = (cell - kDenseCells) / kBrickCells, number = (cell - kDenseCells) % kBrickCells + 1;
-    cell = number < 9 ? tree.bricks[brick].parent : brick_cell(brick, (number - 1) >> 3);
+  while (cell >= tree.dense_cells) {
+    const uint32_t brick = tree.brick_of(cell), number = (cell - tree.dense_cells) % kBrickCells + 1;
+    cell = number < 9 ? tree.bricks[brick].parent : tree.brick_cell(brick, (number - 1) >> 3);
     if (tree.type[cell] == kLeaf) return false;
   }
   const uint32_t below_top = level_offset(tree.grid->top + 1);
@@ -108,7 +108,7 @@ struct PlaceLeaves {
     shared.members[number] = n;
     shared.registration[number] = atomic_add(shared.registrations, n);
     shared.item[number] = atomic_add(shared.items, static_cast<uint32_t>(item_count));
-    const int booked = cell < kDenseCells ? level : kMaxLevel + 1;
+    const int booked = cell < tree.dense_cells ? level : kMaxLevel + 1;
     atomic_add(shared.level_low[booked], n & 0xFFFFu);
     atomic_add(shared.level_high[booked], n >> 16);
     tree.slot[cell] = number;
@@ -198,7 +198,7 @@ struct PlaceBrickLeaves {
     if (brick >= place.tree.bricks.size()) return;
     const Brick root = place.tree.bricks[brick];
     place.run(
-        kBrickCells, group, shared, [&](uint32_t k) { return brick_cell(brick, k + 1); },
+        kBrickCells, group, shared, [&](uint32_t k) { return place.tree.brick_cell(brick, k + 1); },
         [&](uint32_t k) {
           const int depth = level_of(k + 1);
           const Coords below = morton_coords(k + 1 - level_offset(depth));

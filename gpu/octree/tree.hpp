@@ -26,6 +26,7 @@ struct BrickItem {
 
 struct Tree {
   const LevelGrid* grid;
+  uint32_t dense_cells;   ///< of all dense levels that the scene may use
   Span<uint32_t> counts;  ///< triangles that overlap a cell; dense cells, then those of the bricks
   Span<uint8_t> type;     ///< CellType
   Span<uint32_t> slot;    ///< kLeaf: the leaf's number, or kNoLeaf; kRefined: the brick's number
@@ -36,6 +37,13 @@ struct Tree {
   uint64_t* brick_counters;       ///< bricks of each round
   uint64_t* brick_item_counters;  ///< their triangles likewise
   int rounds;                     ///< of refinement
+
+  /// Index of a cell of a brick: its number below the brick's root, which is not part of the brick.
+  COLLIDED_HD uint32_t brick_cell(uint32_t brick, uint32_t number) const {
+    return dense_cells + brick * kBrickCells + number - 1;
+  }
+  /// The brick of such a cell.
+  COLLIDED_HD uint32_t brick_of(uint32_t cell) const { return (cell - dense_cells) / kBrickCells; }
 
   /// First brick of a round; of round `rounds`: the number of all.
   COLLIDED_HD uint64_t first_brick(int round) const { return sum_before(round, brick_counters, bricks.size()); }

@@ -11,6 +11,6 @@ std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables featur
   return make_scene_detector<CpuExec>(std::move(spec), std::move(features), threads, memory);
 }
 
-DeviceInfo cpu_device() { return CpuExec(0, 0).device(); }
+DeviceInfo cpu_device(int threads) { return CpuExec(threads, 0).device(); }
 
 }  // namespace collided

@@ -11,7 +11,8 @@ std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables featur
 /// Throws DeviceError where there is no usable device, or the build has no CUDA.
 std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features);
 
-DeviceInfo cpu_device();
+/// `threads`: 0: all cores.
+DeviceInfo cpu_device(int threads);
 std::vector<DeviceInfo> cuda_devices();
 
 // As in detector.hpp, on CUDA.

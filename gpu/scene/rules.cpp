@@ -1,5 +1,7 @@
 #include "gpu/scene/rules.hpp"
 
+#include <algorithm>
+
 #include "gpu/base/text.hpp"
 #include "gpu/contacts/kinds.hpp"
 #include "gpu/positions/format.hpp"
@@ -73,6 +75,13 @@ void check_start_fraction(const FrameSettings& settings, double fraction) {
 }
 
 }  // namespace
+
+bool needs_pair_filter(const SceneSpec& spec) {
+  const auto free = [](const MeshSpec& m) {
+    return m.groups == 1 && m.collide_mask == ~0u && m.self_contacts && m.motion == MeshMotion::kDeformable;
+  };
+  return !std::all_of(spec.meshes.begin(), spec.meshes.end(), free);
+}
 
 void check_frame(const SceneSpec& spec, const FrameInput& frame) {
   check_mode(spec, frame.mode);

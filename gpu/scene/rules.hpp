@@ -12,4 +12,7 @@ void check_spec(const SceneSpec& spec);
 /// Throws InvalidInput naming the frame's option that the scene cannot have.
 void check_frame(const SceneSpec& spec, const FrameInput& frame);
 
+/// Whether some pair of meshes may not touch.
+bool needs_pair_filter(const SceneSpec& spec);
+
 }  // namespace collided

@@ -1,7 +1,6 @@
 #pragma once
 // A scene on one backend: keeps positions resident, applies frames atomically, runs the pipeline.
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -72,7 +71,7 @@ class SceneDetector final : public Detector {
     send(resident.owned, features.owned);
     if (spec_.kinds.edge_edge) send(resident.triangle_edges, features.triangle_edges);
     if (spec_.kinds.edge_edge && spec_.accuracy != Accuracy::kCandidates) require_edges();
-    if (needs_filter()) {
+    if (needs_pair_filter(spec_)) {
       send(resident.mesh_of_triangle, features.mesh_of_triangle);
       send(resident.rules, rules());
     }
@@ -98,13 +97,6 @@ class SceneDetector final : public Detector {
       out.push_back({m.groups, m.collide_mask, m.motion == MeshMotion::kStatic ? 1u : 0u,
                      m.self_contacts && m.motion != MeshMotion::kRigid ? 1u : 0u});
     return out;
-  }
-  /// Whether some pair of meshes may not touch.
-  bool needs_filter() const {
-    const auto free = [](const MeshSpec& m) {
-      return m.groups == 1 && m.collide_mask == ~0u && m.self_contacts && m.motion == MeshMotion::kDeformable;
-    };
-    return !std::all_of(spec_.meshes.begin(), spec_.meshes.end(), free);
   }
 
   FrameResult detect(const FrameInput& frame, const FrameSettings& settings) {

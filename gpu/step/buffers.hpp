@@ -15,6 +15,10 @@
 
 namespace collided {
 
+/// What lists have room for, or have room for beyond what grows with the triangles, in the first step of a scene:
+/// enough for most scenes, and no more than the few triangles of a small one make.
+inline uint64_t first_length(uint64_t triangles) { return min(64 + 24 * triangles, uint64_t{1024}); }
+
 /// Topology, as resident arrays.
 template <Executor Exec>
 struct ResidentTopology {

@@ -1,6 +1,7 @@
 #pragma once
 // The stages of the linear bounding volume hierarchy (lbvh/lbvh.hpp), from boxes to pairs: the other broad phase.
 
+#include "gpu/contacts/scene_counts.hpp"
 #include "gpu/search/boxes.hpp"
 #include "gpu/search/searcher.hpp"
 #include "gpu/step/buffers.hpp"
@@ -10,8 +11,8 @@ namespace collided {
 template <Executor Exec, class Real>
 class LbvhPhase {
  public:
-  LbvhPhase(Exec& exec, Searcher<Exec>& searcher, const Topology& topology, SceneBuffers<Exec, Real>& scene)
-      : exec_(exec), searcher_(searcher), topology_(topology), scene_(scene) {}
+  LbvhPhase(Exec& exec, Searcher<Exec>& searcher, const SceneCounts& counts, SceneBuffers<Exec, Real>& scene)
+      : exec_(exec), searcher_(searcher), counts_(counts), scene_(scene) {}
 
   /// What the next steps are like.
   void begin(double thickness, bool is_ccd) { thickness_ = thickness, is_ccd_ = is_ccd; }
@@ -72,12 +73,12 @@ class LbvhPhase {
   }
 
  private:
-  uint64_t leaves() const { return topology_.triangles.size(); }
+  uint64_t leaves() const { return counts_.triangles; }
   Span<const Box<float>> boxes() const { return scene_.boxes.span(leaves()); }
 
   Exec& exec_;
   Searcher<Exec>& searcher_;
-  const Topology& topology_;
+  const SceneCounts& counts_;
   SceneBuffers<Exec, Real>& scene_;
   double thickness_ = 0;
   bool is_ccd_ = true;

@@ -25,18 +25,18 @@ class NarrowPhase {
 
   /// Lists start at what most scenes need.
   void reserve() {
-    constexpr uint64_t kFirst = 1024;
-    reserve(scene_.contacts, kFirst);
-    if (needs().is_earliest_only()) reserve(scene_.earliest, kFirst);
+    const uint64_t first = first_length(scene_.topology.triangles.capacity());
+    reserve(scene_.contacts, first);
+    if (needs().is_earliest_only()) reserve(scene_.earliest, first);
     const uint64_t most = max(scene_.contacts.keys.capacity(), scene_.earliest.keys.capacity());
     reserve_order<Exec>(scene_.order, plan_.order, id_counts(), most, needs().has_data());
     scene_.columns.reserve(most, needs().columns());
     if (needs().columns().has(ContactField::kNormals)) scene_.normals.allocate(most);
-    if (needs().tests_triangles() && scene_.triangle_pairs.capacity() == 0) scene_.triangle_pairs.allocate(kFirst);
+    if (needs().tests_triangles() && scene_.triangle_pairs.capacity() == 0) scene_.triangle_pairs.allocate(first);
     if (!needs().has_narrow_phase()) return;
     for_each_kind(
         [&](ContactKind kind, bool is_wanted) {
-          if (is_wanted && is_of_features(kind)) reserve(candidates_of(kind), kFirst);
+          if (is_wanted && is_of_features(kind)) reserve(candidates_of(kind), first);
         },
         needs().kinds);
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "gpu/contacts/scene_counts.hpp"
 #include "gpu/octree/cell_grid.hpp"
 #include "gpu/octree/refine.hpp"
 #include "gpu/octree/registration.hpp"
@@ -22,9 +23,9 @@ constexpr double kCellPerMean = 1;
 template <Executor Exec, class Real>
 class OctreePhase {
  public:
-  OctreePhase(Exec& exec, Searcher<Exec>& searcher, const SceneSpec& spec, const Topology& topology,
+  OctreePhase(Exec& exec, Searcher<Exec>& searcher, const SceneSpec& spec, const SceneCounts& counts,
               SceneBuffers<Exec, Real>& scene)
-      : exec_(exec), searcher_(searcher), spec_(spec), topology_(topology), scene_(scene) {}
+      : exec_(exec), searcher_(searcher), spec_(spec), counts_(counts), scene_(scene) {}
 
   /// What the next steps are like.
   void begin(double thickness, bool is_ccd) { thickness_ = thickness, is_ccd_ = is_ccd; }
@@ -35,15 +36,15 @@ class OctreePhase {
     OctreeBuffers<Exec>& tree = scene_.octree;
     tree.wanted.allocate(1);
     if (plan.rounds > 0 && tree.bricks.capacity() == 0) {
-      reserve_bricks(256);
-      tree.brick_items.allocate(n + 1024);
+      reserve_bricks(min(n / 16 + 1, uint64_t{256}));
+      tree.brick_items.allocate(n + first_length(n));
     }
     reserve_cells();
-    tree.root_cost.allocate(level_offset(kMaxLevel - kBrickLevels + 1));
-    if (tree.large.capacity() == 0) tree.large.allocate(256);
-    if (tree.leaves.capacity() == 0) reserve_leaves(n / 2 + 1024);
-    if (tree.registered.capacity() == 0) tree.registered.allocate(6 * n + 1024);
-    if (tree.items.capacity() == 0) tree.items.allocate(n + 1024);
+    tree.root_cost.allocate(level_offset(deepest_base(n) - kBrickLevels + 1));
+    if (tree.large.capacity() == 0) tree.large.allocate(min(n, uint64_t{256}));
+    if (tree.leaves.capacity() == 0) reserve_leaves(n / 2 + first_length(n));
+    if (tree.registered.capacity() == 0) tree.registered.allocate(6 * n + first_length(n));
+    if (tree.items.capacity() == 0) tree.items.allocate(n + first_length(n));
   }
 
   /// Makes room for what a step asked for; whether it has to run again.
@@ -104,7 +105,8 @@ class OctreePhase {
     LevelGrid* grid = &state->grid.grid;
     exec_.reduce_into("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
     exec_.reduce_into("extents", triangle_count(), ExtentOf{&state->bounds, boxes()}, uint64_t{0}, AddExtents{},
-                      &state->extents, SpanCells{&state->bounds, mean, kCellPerMean, grid});
+                      &state->extents,
+                      SpanCells{&state->bounds, mean, kCellPerMean, deepest_base(triangle_count()), grid});
     exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevelOf{grid, boxes()}, LevelTotals{},
                       AddTotals{}, &state->totals,
                       ChooseCells{&state->totals, triangle_count(), uniform ? 0 : kLevelsOfCrowdedCell, &state->grid});
@@ -205,7 +207,8 @@ class OctreePhase {
   }
 
  private:
-  uint64_t triangle_count() const { return topology_.triangles.size(); }
+  uint64_t triangle_count() const { return counts_.triangles; }
+  uint32_t dense_cells() const { return level_offset(deepest_base(triangle_count()) + 1); }
   Span<const Box<float>> boxes() const { return scene_.boxes.span(triangle_count()); }
   Span<const Triangle> triangles() const { return scene_.topology.triangles.all(); }
   Span<const Triangle> edges() const { return scene_.topology.triangle_edges.all(); }
@@ -220,7 +223,7 @@ class OctreePhase {
     std::vector<TriangleRun> runs;
     for (uint32_t mesh = 0; mesh < spec_.meshes.size(); ++mesh) {
       if (!all && spec_.meshes[mesh].motion == MeshMotion::kStatic) continue;
-      const uint64_t first = topology_.triangle_offset[mesh], end = topology_.triangle_offset[mesh + 1];
+      const uint64_t first = counts_.triangle_offset[mesh], end = counts_.triangle_offset[mesh + 1];
       if (!runs.empty() && runs.back().first + runs.back().count == first)
         runs.back().count += end - first;
       else
@@ -236,7 +239,7 @@ class OctreePhase {
   Counted base_cells(const OctreePlan& plan) const {
     return {&scene_.state.data()->grid.base_cells, uint64_t{1} << (3 * plan.base)};
   }
-  Counted top_cells() const { return {&scene_.state.data()->grid.top_cells, kDenseCells}; }
+  Counted top_cells() const { return {&scene_.state.data()->grid.top_cells, dense_cells()}; }
   Counted cell_groups(const OctreePlan& plan) const {
     return {&scene_.state.data()->grid.cell_groups, groups_of_cells({{}, 0, 0, plan.base})};
   }
@@ -253,6 +256,7 @@ class OctreePhase {
   Tree tree(const OctreePlan& plan) const {
     OctreeBuffers<Exec>& octree = scene_.octree;
     return {grid(),
+            dense_cells(),
             octree.counts.all(),
             octree.type.all(),
             octree.slot.all(),
@@ -288,7 +292,7 @@ class OctreePhase {
   }
   void reserve_cells() {
     OctreeBuffers<Exec>& tree = scene_.octree;
-    const uint64_t cells = kDenseCells + tree.bricks.capacity() * kBrickCells;
+    const uint64_t cells = dense_cells() + tree.bricks.capacity() * kBrickCells;
     tree.counts.allocate(cells);
     tree.type.allocate(cells);
     tree.slot.allocate(cells);
@@ -297,7 +301,7 @@ class OctreePhase {
   Exec& exec_;
   Searcher<Exec>& searcher_;
   const SceneSpec& spec_;
-  const Topology& topology_;
+  const SceneCounts& counts_;
   SceneBuffers<Exec, Real>& scene_;
   double thickness_ = 0;
   bool is_ccd_ = true;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "gpu/contacts/scene_counts.hpp"
 #include "gpu/step/engine_choice.hpp"
 #include "gpu/step/lbvh_phase.hpp"
 #include "gpu/step/narrow_phase.hpp"
@@ -21,18 +22,19 @@ namespace collided {
 template <Executor Exec, class Real>
 class Pipeline {
  public:
-  Pipeline(Exec& exec, const SceneSpec& spec, const Topology& topology, SceneBuffers<Exec, Real>& scene)
+  Pipeline(Exec& exec, const SceneSpec& spec, SceneCounts counts, SceneBuffers<Exec, Real>& scene)
       : exec_(exec),
         spec_(spec),
-        topology_(topology),
-        ranks_(ranks_of(spec, topology)),
+        counts_(std::move(counts)),
+        ranks_(ranks_of(spec, counts_)),
         scene_(scene),
         searcher_(exec),
-        octree_(exec, searcher_, spec, topology, scene),
-        lbvh_(exec, searcher_, topology, scene),
+        octree_(exec, searcher_, spec, counts_, scene),
+        lbvh_(exec, searcher_, counts_, scene),
         narrow_(exec, spec, ranks_, scene),
         results_(exec, spec, scene),
-        choice_(spec.engine) {}
+        choice_(spec.engine),
+        levels_{.deepest = deepest_base(counts_.triangles)} {}
 
   /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`: as in FrameInput.
   FrameResult detect_contacts(bool boxes_static, const FrameSettings& settings, uint64_t bytes_beside_contact) {
@@ -56,7 +58,7 @@ class Pipeline {
   /// weight); with 0 no other cut of the same grid makes fewer tests.
   static constexpr float kRegistrationCost = 0;
 
-  static FeatureRanks ranks_of(const SceneSpec& spec, const Topology& topology) {
+  static FeatureRanks ranks_of(const SceneSpec& spec, const SceneCounts& counts) {
     FeatureRanks ranks = {};
     uint64_t count = 0;
     for_each_kind(
@@ -64,7 +66,7 @@ class Pipeline {
           if (is_wanted || is_of_features(kind)) count += features;
           ranks.begin[index_of(kind) + 1] = static_cast<uint32_t>(count);
         },
-        spec.kinds, count_first_features(topology));
+        spec.kinds, counts.first_features());
     if (count >= ~0u)
       throw InvalidInput("meshes", "meshes have " + std::to_string(count) +
                                        " vertices, edges and triangles, the limit is " + std::to_string(~0u - 1));
@@ -96,7 +98,7 @@ class Pipeline {
     return octree_grew || narrow_grew || missed_large || needs_refinement();
   }
   bool needs_refinement() {
-    return plan_.octree.engine == Engine::kOctree && refinement_.observe(state_, topology_.triangles.size());
+    return plan_.octree.engine == Engine::kOctree && refinement_.observe(state_, counts_.triangles);
   }
 
   void reserve() {
@@ -147,7 +149,7 @@ class Pipeline {
   /// than a thousandth of most triangles.
   bool is_coarse() const {
     if (needs().settings.delta > 0) return spacing_at<Real>(state_.bounds) > needs().settings.delta;
-    return 2 * state_.small_triangles > topology_.triangles.size();
+    return 2 * state_.small_triangles > counts_.triangles;
   }
 
   ContactKind first_kind() const { return first_of(spec_.kinds); }
@@ -238,6 +240,7 @@ class Pipeline {
   OctreePlan plan_octree() const {
     const Engine engine = choice_.engine();
     OctreePlan plan{engine, {cut_rule_of(engine), kRegistrationCost}};
+    plan.levels = levels_.deepest + 1, plan.base = levels_.deepest;
     if (has_cells_of_triangles(engine))
       plan.levels = engine == Engine::kUniformGrid ? 1 : kLevelsOfCrowdedCell + 1;
     else if (levels_.base >= 0)
@@ -245,7 +248,7 @@ class Pipeline {
     plan.has_large = large_.is_expected() || !Exec::kLaunchesCost;
     if (engine != Engine::kOctree) return plan;
     plan.rounds = refinement_.rounds();
-    plan.max_crowded_tests = refinement_.limit(topology_.triangles.size());
+    plan.max_crowded_tests = refinement_.limit(counts_.triangles);
     return plan;
   }
   /// Counts of the step, and what follows from them for the next.
@@ -268,9 +271,8 @@ class Pipeline {
     if (result_.engine == Engine::kLbvh)
       lbvh_.describe(c);
     else if (!has_cells_of_triangles(result_.engine))
-      levels_ = next_levels({state_.grid.grid.top, state_.grid.grid.base}, leaves.level_registrations);
-    if (needs().settings.report != Report::kAnyHit)
-      choice_.observe(c, topology_.triangles.size(), state_.bricks[0] > 0);
+      levels_ = next_levels({state_.grid.grid.top, state_.grid.grid.base, levels_.deepest}, leaves.level_registrations);
+    if (needs().settings.report != Report::kAnyHit) choice_.observe(c, counts_.triangles, state_.bricks[0] > 0);
     result_.input_resolution = needs().judges_resolution() && is_coarse();
     result_.step_milliseconds = exec_.step_milliseconds();
     result_.graph_launches = exec_.graph_launches();
@@ -278,7 +280,7 @@ class Pipeline {
 
   Exec& exec_;
   const SceneSpec& spec_;
-  const Topology& topology_;
+  const SceneCounts counts_;
   const FeatureRanks ranks_;
   SceneBuffers<Exec, Real>& scene_;
   Searcher<Exec> searcher_;

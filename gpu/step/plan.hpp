@@ -16,8 +16,8 @@ struct OctreePlan {
   Engine engine = Engine::kOctree;
   CutCost cost;
   int rounds = 0;                             ///< of refinement below the dense levels
-  int levels = kMaxLevel + 1;                 ///< dense levels, at most
-  int base = kMaxLevel;                       ///< lowest dense level, at most
+  int levels = 0;                             ///< dense levels, at most
+  int base = 0;                               ///< lowest dense level, at most
   bool has_large = true;                      ///< there may be triangles that cover many cells
   uint64_t max_crowded_tests = ~uint64_t{0};  ///< beyond this the step runs again
 

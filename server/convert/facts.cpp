@@ -3,6 +3,7 @@
 
 #include "server/convert/kinds.hpp"
 #include "server/convert/options.hpp"
+#include "server/scenes/field_path.hpp"
 
 namespace collided::server {
 namespace {
@@ -47,6 +48,43 @@ void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   for (size_t i = 0; i < plan.meshes.size(); ++i) fill_mesh(plan.meshes[i], engine.meshes[i], out->add_meshes());
 }
 
+uint64_t count_triangles(const ScenePlan& plan) {
+  uint64_t triangles = 0;
+  for (const auto& mesh : plan.meshes) triangles += mesh.triangles;
+  return triangles;
+}
+
+// Positions of all vertices that may have new ones, and the pose of each rigid mesh.
+uint64_t whole_frame_bytes(const SceneSpec& spec) {
+  constexpr uint64_t kPoseBytes = 12 * sizeof(double);
+  uint64_t bytes = 0;
+  for (const auto& mesh : spec.meshes) {
+    if (mesh.motion == MeshMotion::kDeformable) bytes += mesh.vertex_count * position_bytes(spec);
+    if (mesh.motion == MeshMotion::kRigid) bytes += kPoseBytes;
+  }
+  return bytes;
+}
+
+// `out`: an added part.
+void fill_part(const MemoryPart& part, pb::MemoryPart* out) {
+  out->set_part(part.part);
+  out->set_bytes(part.bytes);
+}
+
+// Of the wanted fields, those that the engine makes for this kind; none: no contacts are sent.
+uint32_t contact_bytes_of(ContactKind kind, FieldSet made, const OutputFields& wanted) {
+  if (made == FieldSet{}) return 0;
+  const OutputFields sent{made & wanted.columns, wanted.stencils && stencil_maker(kind) != nullptr};
+  return static_cast<uint32_t>(sent.contact_bytes());
+}
+
+void fill_contact_bytes(const SceneEstimate& estimate, const OutputFields& fields, pb::ContactBytes* out) {
+  const auto bytes = [&](ContactKind kind, FieldSet made) { return contact_bytes_of(kind, made, fields); };
+  out->set_vertex_triangle(bytes(ContactKind::kVertexTriangle, estimate.fields.vertex_triangle));
+  out->set_edge_edge(bytes(ContactKind::kEdgeEdge, estimate.fields.edge_edge));
+  out->set_triangle_triangle(bytes(ContactKind::kTriangleTriangle, estimate.fields.triangle_triangle));
+}
+
 }  // namespace
 
 void fill_scene(const Scene& scene, pb::Scene* out) {
@@ -58,15 +96,28 @@ void fill_scene(const Scene& scene, pb::Scene* out) {
   out->set_vertex_count(now.vertices);
   out->set_edge_count(now.edges);
   out->set_triangle_count(now.triangles);
-  for (const auto& part : now.memory) {
-    auto* added = out->add_memory();
-    added->set_part(part.part);
-    added->set_bytes(part.bytes);
-  }
+  for (const auto& part : now.memory) fill_part(part, out->add_memory());
   out->set_last_frame_id(now.last_frame_id);
   out->set_lease_seconds(scene.facts().lease_seconds);
   out->set_resume_token(scene.facts().resume_token);
   out->set_endpoint(scene.endpoint());
+}
+
+void fill_estimate(const ScenePlan& plan, pb::EstimateSceneResponse* out) try {
+  const SceneSpec& spec = plan.engine;
+  const uint64_t vertices = count_vertices(spec), triangles = count_triangles(plan);
+  const SceneEstimate estimate = estimate_scene(spec, vertices, triangles);
+  fill_spec(plan, out->mutable_spec());
+  out->set_vertex_count(vertices);
+  out->set_triangle_count(triangles);
+  for (const MemoryPart& part : estimate.memory) fill_part(part, out->add_memory());
+  fill_part({"host", plan_bytes(plan) + triangles * sizeof(TriangleCorners)}, out->add_memory());
+  out->set_first_frame_bytes(vertices * position_bytes(spec));
+  out->set_frame_bytes(whole_frame_bytes(spec));
+  fill_contact_bytes(estimate, plan.fields, out->mutable_contact_bytes());
+  for (const std::string& stage : estimate.stages) out->add_stages(stage);
+} catch (const InvalidInput& e) {
+  throw with_path(e, spec_path);
 }
 
 void fill_device(const DeviceInfo& device, pb::Device* out) {

@@ -101,7 +101,9 @@ Accuracy parse_scene_accuracy(pb::Accuracy wanted, Accuracy max) {
   return asked.value_or(std::min(Accuracy::kCertified, max));
 }
 
-ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
+}  // namespace
+
+ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   if (spec.display_name().size() > kMaxNameBytes)
     throw_invalid("spec.display_name",
                   fmt::format("has {} bytes, more than {}", spec.display_name().size(), kMaxNameBytes));
@@ -130,15 +132,13 @@ ScenePlan parse_plan(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   return plan;
 }
 
-}  // namespace
-
 SceneRequest parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults) {
   constexpr size_t kMaxRequestIdBytes = 64;
   if (request.request_id().size() > kMaxRequestIdBytes)
     throw_invalid("request_id",
                   fmt::format("has {} bytes, more than {}", request.request_id().size(), kMaxRequestIdBytes));
   const double lease = parse_lease(request.lease_seconds(), defaults.limits);
-  return {parse_plan(request.spec(), defaults), request.request_id(), fingerprint(request.spec()), lease};
+  return {parse_spec(request.spec(), defaults), request.request_id(), fingerprint(request.spec()), lease};
 }
 
 }  // namespace collided::server

@@ -20,7 +20,9 @@ struct SceneDefaults {
   bool local_socket = false;  ///< whether frames can use shared memory, beyond the message limit
 };
 
-/// Checks a request for a scene. Throws InvalidInput, LimitExceeded, FailedPrecondition.
+/// Checks the spec of a scene. Throws InvalidInput, LimitExceeded, FailedPrecondition.
+ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults);
+/// Checks a request for a scene. Throws the same.
 SceneRequest parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults);
 
 }  // namespace collided::server

@@ -40,14 +40,6 @@ uint64_t topology_bytes(const Topology& topology) {
          topology.edges.capacity() * sizeof(topology.edges[0]);
 }
 
-// The plan, its copies in `pending_` and in the detector, and what else is kept for each mesh.
-uint64_t plan_bytes(const ScenePlan& plan) {
-  constexpr uint64_t kOfMesh = sizeof(MeshPlan) + 3 * sizeof(MeshSpec) + 4 * sizeof(uint64_t);
-  uint64_t bytes = plan.meshes.size() * kOfMesh;
-  for (const auto& mesh : plan.meshes) bytes += mesh.name.size();
-  return bytes;
-}
-
 MeshSpec without_triangles(const MeshSpec& mesh) {
   MeshSpec out;
   out.vertex_count = mesh.vertex_count, out.motion = mesh.motion;

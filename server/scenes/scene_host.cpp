@@ -59,10 +59,14 @@ void SceneHost::set_limits(const Limits& limits) {
 }
 
 SceneStore::Added SceneHost::add_scene(const Client& owner, SceneRequest request) {
-  check_serving();
+  check_could_add(owner, request.plan);
   request.plan.quota = usage_.device_bytes(owner);
-  request.plan.quota->check_could_hold(request.plan.min_bytes, "the vertices and triangles of spec.meshes");
   return scenes_.add(owner, std::move(request));
+}
+
+void SceneHost::check_could_add(const Client& owner, const ScenePlan& plan) {
+  check_serving();
+  usage_.device_bytes(owner)->check_could_hold(plan.min_bytes, "the vertices and triangles of spec.meshes");
 }
 
 void SceneHost::check_serving() const {

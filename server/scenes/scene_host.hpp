@@ -30,6 +30,8 @@ class SceneHost {
   SceneStore& scenes() { return scenes_; }
   /// Within the owner's limits. Throws Stopping, LimitExceeded, AlreadyExists.
   SceneStore::Added add_scene(const Client& owner, SceneRequest request);
+  /// Whether the owner could add such a scene if there were no others. Throws Stopping, LimitExceeded.
+  void check_could_add(const Client& owner, const ScenePlan& plan);
   ClientUsage& usage() { return usage_; }
   OpenUploads& uploads() { return uploads_; }
   /// Ends uploads that have been silent for too long or whose scenes are gone.

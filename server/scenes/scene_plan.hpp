@@ -51,4 +51,13 @@ struct ScenePlan {
   std::shared_ptr<DeviceBytes> quota{};  ///< of its client, around the scene's own budget; may be null
 };
 
+/// Bytes that a scene holds of its plan: the plan, its copies until and in the detector, and what else is kept for each
+/// mesh.
+inline uint64_t plan_bytes(const ScenePlan& plan) {
+  constexpr uint64_t kOfMesh = sizeof(MeshPlan) + 3 * sizeof(MeshSpec) + 4 * sizeof(uint64_t);
+  uint64_t bytes = plan.meshes.size() * kOfMesh;
+  for (const auto& mesh : plan.meshes) bytes += mesh.name.size();
+  return bytes;
+}
+
 }  // namespace collided::server

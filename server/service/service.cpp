@@ -42,7 +42,7 @@ std::string path_of(const char* method) {
 CollisionService::CollisionService(const Config& config, SceneHost& host, const Authenticator& authenticator)
     : config_(config),
       has_cuda_(cuda_available()),
-      devices_(order_devices(list_devices(), config.backend != "cpu" && has_cuda_)),
+      devices_(order_devices(list_devices(config.threads), config.backend != "cpu" && has_cuda_)),
       host_(host),
       budget_(decode_budget_bytes(config.limits)),
       parts_{authenticator, host, budget_, waiting_, config.limits.max_message_bytes} {}
@@ -58,6 +58,7 @@ void CollisionService::add(RpcRouter& router, const char* method, Body<Request, 
 void CollisionService::add_to(RpcRouter& router) {
   add(router, "GetServerInfo", &CollisionService::get_server_info);
   add(router, "CreateScene", &CollisionService::create_scene);
+  add(router, "EstimateScene", &CollisionService::estimate_scene);
   add(router, "GetScene", &CollisionService::get_scene);
   add(router, "ListScenes", &CollisionService::list_scenes);
   add(router, "DeleteScene", &CollisionService::delete_scene);
@@ -121,6 +122,20 @@ void CollisionService::build(const SceneUse& scene, UnaryCall<pb::CreateSceneReq
                {"trace", caller.ids.trace_id}});
     call.finish();
   });
+}
+
+// All scenes of a backend are on its first device.
+const std::string& CollisionService::device_of(const SceneSpec& spec) const {
+  return std::find_if(devices_.begin(), devices_.end(), [&](const auto& d) { return d.backend == spec.backend; })->name;
+}
+
+void CollisionService::estimate_scene(UnaryCall<pb::EstimateSceneRequest, pb::EstimateSceneResponse>& call) {
+  const Client& client = call.caller().client;
+  const ScenePlan plan = parse_spec(call.request().spec(), defaults(client));
+  host_.check_could_add(client, plan);
+  fill_estimate(plan, &call.response());
+  call.response().set_device(device_of(plan.engine));
+  call.finish();
 }
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* CollisionService::UploadMesh(grpc::CallbackServerContext* context,

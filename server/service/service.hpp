@@ -45,11 +45,13 @@ class CollisionService final : public RawService {
   void add(RpcRouter& router, const char* method, Body<Request, Response> body);
   void get_server_info(UnaryCall<pb::GetServerInfoRequest, pb::GetServerInfoResponse>& call);
   void create_scene(UnaryCall<pb::CreateSceneRequest, pb::CreateSceneResponse>& call);
+  void estimate_scene(UnaryCall<pb::EstimateSceneRequest, pb::EstimateSceneResponse>& call);
   void get_scene(UnaryCall<pb::GetSceneRequest, pb::GetSceneResponse>& call);
   void list_scenes(UnaryCall<pb::ListScenesRequest, pb::ListScenesResponse>& call);
   void delete_scene(UnaryCall<pb::DeleteSceneRequest, pb::DeleteSceneResponse>& call);
   void detect_frame(UnaryCall<pb::DetectFrameRequest, pb::DetectFrameResponse>& call);
   SceneDefaults defaults(const Client& client) const;
+  const std::string& device_of(const SceneSpec& spec) const;
   void build(const SceneUse& scene, UnaryCall<pb::CreateSceneRequest, pb::CreateSceneResponse>& call);
 
   const Config config_;

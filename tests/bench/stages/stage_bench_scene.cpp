@@ -105,7 +105,8 @@ void StageScene::run_step() {
     pipeline.detect_contacts(true, settings_of(spec, {}), 0);
   }
   step = state();
-  plan.levels = step.grid.grid.base - step.grid.grid.top + 1;
+  plan.base = step.grid.grid.base;
+  plan.levels = plan.base - step.grid.grid.top + 1;
   while (plan.rounds < kMaxRounds && step.bricks[plan.rounds] > 0) ++plan.rounds;
   hierarchy.reserve();
   hierarchy.measure();

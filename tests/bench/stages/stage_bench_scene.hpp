@@ -42,12 +42,13 @@ class StageScene {
   SceneSpec spec;
   double thickness_at_rest;  ///< of tests of the positions at t = 1; the step itself has none
   FeatureTables features;
+  SceneCounts counts{features.topology};
   Frame frame;
   CpuExec exec{1, 0};  ///< one thread: figures are those of one core
   SceneBuffers<CpuExec, float> buffers{exec};
   Searcher<CpuExec> searcher{exec};
-  OctreePhase<CpuExec, float> octree{exec, searcher, spec, features.topology, buffers};
-  LbvhPhase<CpuExec, float> hierarchy{exec, searcher, features.topology, buffers};
+  OctreePhase<CpuExec, float> octree{exec, searcher, spec, counts, buffers};
+  LbvhPhase<CpuExec, float> hierarchy{exec, searcher, counts, buffers};
   OctreePlan plan;                                   ///< of the step
   StepState step{};                                  ///< as the step left it
   std::vector<std::pair<uint32_t, uint32_t>> pairs;  ///< of triangles whose boxes overlap

@@ -46,6 +46,9 @@ class Usage(support.CollidectlTest):
         self.refused(2, "--report any needs", *stream, "--report", "any", "--accuracy", "candidates")
         self.refused(2, "--kinds tt needs", *stream, "--kinds", "vt,tt")
         self.refused(2, "--thickness greater than 0", *dcd, "--accuracy", "fast")
+        self.refused(2, "one of FRAME and --scene", "estimate")
+        self.refused(2, "one of FRAME and --scene", "estimate", self.frame0, "--scene", "funnel")
+        self.refused(2, "--scene", "estimate", self.frame0, "--scale", "2")
 
     def test_the_wrong_word_is_named(self):
         frames = [self.frame0, self.frame1]
@@ -65,7 +68,7 @@ class Usage(support.CollidectlTest):
     def test_help_tells_how_many_files_go_in(self):
         self.assertIn("detect [OPTIONS] FRAME [FRAME]\n", self.ok("detect", "--help"))
         self.assertIn("tradeoff [OPTIONS] [FRAME [FRAME]]\n", self.ok("tradeoff", "--help"))
-        for command in ("detect", "stream", "scenes", "export", "info", "tradeoff", "bench"):
+        for command in ("detect", "stream", "estimate", "scenes", "export", "info", "tradeoff", "bench"):
             text = self.ok(command, "--help")
             self.assertNotIn("x)", text.splitlines()[1], command)
 

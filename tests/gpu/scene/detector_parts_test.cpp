@@ -100,6 +100,58 @@ TEST_F(DetectorParts, ScenesKeepThePreviousPositionsOnce) {
   EXPECT_TRUE(discrete.contains("last_good") && !discrete.contains("start_positions")) << text(discrete);
 }
 
+// The first frame of a scene that asks for little, and of those that ask for one thing more.
+TEST_F(DetectorParts, WhatIsNotAskedForTakesNoMemory) {
+  const auto parts_with = [](const auto& change) {
+    SceneSpec spec = settings(Mode::kDcd, Accuracy::kCandidates);
+    spec.engine = Engine::kOctree;
+    spec.kinds = {.vertex_triangle = true};
+    Case c = small_case();
+    change(spec, c);
+    return footprint(c, spec).parts;
+  };
+  const std::set<std::string> least = parts_with([](SceneSpec&, Case&) {});
+  const auto expect_adds = [&](const std::set<std::string>& added, const auto& change) {
+    const std::set<std::string> parts = parts_with(change);
+    for (const std::string& part : added) {
+      EXPECT_FALSE(least.contains(part)) << part << " is among " << text(least);
+      EXPECT_TRUE(parts.contains(part)) << part << " is not among " << text(parts);
+    }
+  };
+  expect_adds({"start_positions"}, [](SceneSpec& spec, Case&) { spec.mode = Mode::kCcd; });
+  expect_adds({"edges"}, [](SceneSpec& spec, Case&) { spec.kinds.edge_edge = true; });
+  expect_adds({"pairs", "contacts"}, [](SceneSpec& spec, Case&) { spec.kinds.triangle_triangle = true; });
+  expect_adds({"candidates", "contacts"}, [](SceneSpec& spec, Case&) { spec.accuracy = Accuracy::kGuarded; });
+  expect_adds({"bvh"}, [](SceneSpec& spec, Case&) { spec.engine = Engine::kLbvh; });
+  expect_adds({"pair_filter"}, [](SceneSpec&, Case& c) { c.meshes[0].groups = 2; });
+  EXPECT_FALSE(parts_with([](SceneSpec& spec, Case&) { spec.engine = Engine::kLbvh; }).contains("octree"));
+}
+
+// A list for each of the things that a level, a report or a field needs.
+TEST_F(DetectorParts, EachLevelReportAndFieldAddsItsOwnMemory) {
+  const auto bytes_with = [](const auto& change) {
+    SceneSpec spec = settings(Mode::kCcd, Accuracy::kFast);
+    change(spec);
+    return estimate_scene(spec, 1000, 1000);
+  };
+  const auto bytes = [](const SceneEstimate& estimate) {
+    uint64_t sum = 0;
+    for (const MemoryPart& part : estimate.memory) sum += part.bytes;
+    return sum;
+  };
+  const uint64_t fast = bytes(bytes_with([](SceneSpec&) {}));
+  const uint64_t guarded = bytes(bytes_with([](SceneSpec& spec) { spec.accuracy = Accuracy::kGuarded; }));
+  const uint64_t certified = bytes(bytes_with([](SceneSpec& spec) { spec.accuracy = Accuracy::kCertified; }));
+  EXPECT_LT(fast, guarded);
+  EXPECT_LT(guarded, certified);
+  EXPECT_LT(guarded, bytes(bytes_with([](SceneSpec& spec) {
+              spec.accuracy = Accuracy::kGuarded;
+              spec.report = Report::kEarliestOnly;
+            })));
+  for (const ContactField field : {ContactField::kWeights, ContactField::kNormals})
+    EXPECT_LT(fast, bytes(bytes_with([&](SceneSpec& spec) { spec.fields = spec.fields.with(field); })));
+}
+
 TEST_F(DetectorParts, MemoryOfFloatsIsLess) {
   EXPECT_LT(footprint(small_case(), settings(Mode::kCcd, Accuracy::kCandidates, Scalar::kF32)).bytes,
             footprint(small_case(), settings(Mode::kCcd, Accuracy::kCandidates, Scalar::kF64)).bytes);

@@ -10,11 +10,11 @@ namespace collided::test {
 namespace {
 
 /// The grid over boxes of one size in a scene of side 100.
-LevelGrid grid_of(float size, double cell_per_mean) {
+LevelGrid grid_of(float size, double cell_per_mean, int deepest = kMaxLevel) {
   const Box<float> bounds{{10, 10, 10}, {110, 60, 20}};
   const uint64_t extent = extent_of({{20, 20, 15}, {20 + size, 20, 15}}, bounds), sum = 50 * extent;
   LevelGrid grid{};
-  SpanCells{&bounds, {&bounds, &sum, 50}, cell_per_mean, &grid}(0);
+  SpanCells{&bounds, {&bounds, &sum, 50}, cell_per_mean, deepest, &grid}(0);
   return grid;
 }
 
@@ -34,6 +34,7 @@ TEST(CellGrid, StaysWithinTheDenseLevels) {
   EXPECT_NEAR(static_cast<double>(tiny.cells_per_length), (1u << kDeepest) / 100.0, 1);
   EXPECT_EQ(grid_of(100, 1.5).base, 0);
   EXPECT_EQ(grid_of(0, 1.5).base, kMaxLevel);
+  EXPECT_EQ(grid_of(0.001f, 1, 3).base, 3);
 }
 
 TEST(CellGrid, IsCoarserWhereRegistrationsAreTooMany) {

@@ -89,6 +89,7 @@ TEST(Covered, CellsOfABrickAreTheSameByPlaceAndByWalk) {
   const Coords root{5, 0, 127};
   std::vector<Brick> bricks(kBrick + 1, {0, kMaxLevel, root});
   Tree tree{};
+  tree.dense_cells = level_offset(kMaxLevel + 1);
   tree.bricks = {bricks.data(), bricks.size()};
   Ranges ranges(kBrickLevels, 8);
   for (int top = 1; top <= kBrickLevels; ++top)
@@ -99,7 +100,7 @@ TEST(Covered, CellsOfABrickAreTheSameByPlaceAndByWalk) {
       };
       const CellRange deepest = at_deepest({in_brick(below.lo), in_brick(below.hi)}, kMaxLevel + kBrickLevels);
       Cells expected = cells_of(below, top, kBrickLevels);
-      for (uint32_t& cell : expected) cell = brick_cell(kBrick, cell);
+      for (uint32_t& cell : expected) cell = tree.brick_cell(kBrick, cell);
       const CoveredInBrick item(tree, {1, kBrick}, deepest, top);
       ASSERT_EQ(by_place(item), expected) << top;
       ASSERT_EQ(by_walk(item), expected) << top;

@@ -41,6 +41,25 @@ TEST(Levels, StayWithinTheirBounds) {
   EXPECT_EQ(next_levels({2, 5}, none).base, 5);
 }
 
+TEST(Levels, DenseCellsAreBoundedByTheTriangles) {
+  EXPECT_EQ(deepest_base(1), kBrickLevels);
+  for (int level = kBrickLevels + 1; level <= kMaxLevel; ++level) {
+    const uint64_t triangles = (uint64_t{1} << (3 * level)) / 128;
+    EXPECT_EQ(deepest_base(triangles - 1), level - 1);
+    EXPECT_EQ(deepest_base(triangles), level);
+  }
+  EXPECT_EQ(deepest_base(uint64_t{1} << 40), kMaxLevel);
+}
+
+TEST(Levels, StayAboveTheDeepestOfTheScene) {
+  const LevelTotals one_cell_each{};
+  EXPECT_EQ(clamp_levels({.deepest = 4}, one_cell_each, 1).base, 4);
+  uint64_t registrations[kMaxLevel + 1] = {};
+  registrations[4] = 10;
+  EXPECT_EQ(next_levels({2, 4, 4}, registrations).base, 4);
+  EXPECT_EQ(next_levels({2, 4, 5}, registrations).base, 5);
+}
+
 TEST(Levels, BaseNeverTakesMoreRegistrationsThanItsBound) {
   LevelTotals totals{};
   for (int level = 0; level <= kMaxLevel; ++level) totals.cells[level] = 100ull << (3 * level);

@@ -46,7 +46,7 @@ class OctreeBuild {
  public:
   OctreeBuild(const std::vector<Box<float>>& boxes, int top, int base, int rounds, const ListLengths& lengths)
       : grid(grid_over(bounds_of(boxes), top, base)),
-        counts(kDenseCells + lengths.bricks * kBrickCells),
+        counts(level_offset(base + 1) + lengths.bricks * kBrickCells),
         slot(counts.size()),
         type(counts.size()),
         bricks(lengths.bricks),
@@ -136,8 +136,17 @@ class OctreeBuild {
   }
 
   Tree tree() {
-    return {&grid,        counts.span(),     type.span(),        slot.span(),    bricks.span(),
-            reach.span(), brick_cost.span(), brick_items.span(), brick_counters, brick_item_counters,
+    return {&grid,
+            level_offset(grid.base + 1),
+            counts.span(),
+            type.span(),
+            slot.span(),
+            bricks.span(),
+            reach.span(),
+            brick_cost.span(),
+            brick_items.span(),
+            brick_counters,
+            brick_item_counters,
             rounds_};
   }
   CellsOfLarge cells_of_large() { return {&grid, boxes_, large.span()}; }

@@ -35,7 +35,7 @@ struct TestOctree {
   int rounds = 0;
 
   explicit TestOctree(size_t most_bricks = 0)
-      : counts(kDenseCells + most_bricks * kBrickCells, 0),
+      : counts(level_offset(kMaxLevel + 1) + most_bricks * kBrickCells, 0),
         slot(counts.size(), kNoLeaf),
         type(counts.size(), kInactive),
         bricks(most_bricks),
@@ -44,8 +44,18 @@ struct TestOctree {
         root_cost(level_offset(kMaxLevel - kBrickLevels + 1)) {}
 
   Tree tree() {
-    return {&grid, span_of(counts), span_of(type), span_of(slot), span_of(bricks), span_of(reach), span_of(brick_cost),
-            {},    brick_counters,  nullptr,       rounds};
+    return {&grid,
+            level_offset(kMaxLevel + 1),
+            span_of(counts),
+            span_of(type),
+            span_of(slot),
+            span_of(bricks),
+            span_of(reach),
+            span_of(brick_cost),
+            {},
+            brick_counters,
+            nullptr,
+            rounds};
   }
 
   void cut(const CutCost& cost) {

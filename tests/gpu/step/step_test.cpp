@@ -222,7 +222,8 @@ TEST_P(SuddenCrowd, LosesNothingAndLeavesRoomForTheNext) {
   const SceneSpec spec = settings(Mode::kCcd, GetParam(), Scalar::kF32);
   Player player(scattered(), spec);
   FrameResult few;
-  for (int frame = 0; frame < 3; ++frame) few = player.play(scattered());
+  // The octree's levels move from frame to frame; of those that the crowd may meet, these need the longest lists.
+  for (int frame = 0; frame < 2; ++frame) few = player.play(scattered());
   EXPECT_EQ(few.replays, 0u);
 
   const FrameResult many = player.play(crowded());

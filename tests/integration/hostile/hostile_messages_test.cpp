@@ -95,7 +95,8 @@ TEST(HostileMessages, OtherMessagesAreBoundedToo) {
   const std::string unknown = repeated(varint(1000 << 3) + '\1', 4 << 20);
   for (const std::string& request : {meshes, kinds, unknown})
     EXPECT_EQ(raw_call(channel, method_path("CreateScene"), request).error_code(), grpc::RESOURCE_EXHAUSTED);
-  for (const char* method : {"GetServerInfo", "GetScene", "ListScenes", "DeleteScene", "UploadMesh", "StreamFrames"}) {
+  for (const char* method :
+       {"GetServerInfo", "EstimateScene", "GetScene", "ListScenes", "DeleteScene", "UploadMesh", "StreamFrames"}) {
     const auto status = raw_call(channel, method_path(method), unknown);
     EXPECT_EQ(status.error_code(), grpc::RESOURCE_EXHAUSTED) << method << ": " << status.error_message();
   }
@@ -160,11 +161,15 @@ TEST(HostileMessages, FieldsThatNobodyKnowsEndAStreamWhereTheyAreMany) {
 TEST(HostileMessages, MalformedOnesAreNamed) {
   DaemonProcess daemon;
   const auto channel = daemon.channel();
-  const std::pair<const char*, const char*> messages[] = {
-      {"GetServerInfo", "GetServerInfoRequest"}, {"CreateScene", "CreateSceneRequest"},
-      {"GetScene", "GetSceneRequest"},           {"ListScenes", "ListScenesRequest"},
-      {"DeleteScene", "DeleteSceneRequest"},     {"DetectFrame", "DetectFrameRequest"},
-      {"UploadMesh", "UploadMeshRequest"},       {"StreamFrames", "request"}};
+  const std::pair<const char*, const char*> messages[] = {{"GetServerInfo", "GetServerInfoRequest"},
+                                                          {"CreateScene", "CreateSceneRequest"},
+                                                          {"EstimateScene", "EstimateSceneRequest"},
+                                                          {"GetScene", "GetSceneRequest"},
+                                                          {"ListScenes", "ListScenesRequest"},
+                                                          {"DeleteScene", "DeleteSceneRequest"},
+                                                          {"DetectFrame", "DetectFrameRequest"},
+                                                          {"UploadMesh", "UploadMeshRequest"},
+                                                          {"StreamFrames", "request"}};
   for (const auto& [method, message] : messages)
     for (const char* bytes : {"\xff", "\x0a\x05xy", "\x0b", "\x0f"})
       expect_field(raw_call(channel, method_path(method), bytes), grpc::INVALID_ARGUMENT, message);

@@ -1,0 +1,107 @@
+// What a scene would hold and run, from the code of the step itself on a backend that computes nothing.
+
+#include "gpu/detector.hpp"
+#include "gpu/positions/format.hpp"
+#include "gpu/scene/rules.hpp"
+#include "gpu/search/dry_run.hpp"
+#include "gpu/step/pipeline.hpp"
+
+namespace collided {
+namespace {
+
+template <Backend backend, class Real>
+class SceneDryRun {
+ public:
+  SceneDryRun(const SceneSpec& spec, uint64_t vertices, uint64_t triangles) : spec_(spec) {
+    counts_.vertices = vertices, counts_.triangles = triangles;
+    counts_.triangle_offset.resize(spec.meshes.size() + 1);  // which triangles are a mesh's makes no difference
+    reserve_tables();
+    reserve_positions();
+  }
+
+  /// Before the first step.
+  std::vector<MemoryPart> memory() const { return exec_.ledger().parts(); }
+
+  /// After the first frame.
+  SceneEstimate run_frame() {
+    Pipeline<DryRun<backend>, Real> pipeline(exec_, spec_, counts_, scene_);
+    return exec_.frame([&] {
+      exec_.stage("upload", [] {});
+      SceneEstimate estimate;
+      for (const StageTime& stage : pipeline.detect_contacts(true, settings_of(spec_, {}), 0).stages)
+        estimate.stages.push_back(stage.stage);
+      estimate.memory = memory();
+      return estimate;
+    });
+  }
+
+ private:
+  /// As SceneDetector does. How many edges there are is not known.
+  void reserve_tables() {
+    ResidentTopology<DryRun<backend>>& tables = scene_.topology;
+    tables.triangles.allocate(counts_.triangles);
+    tables.owned.allocate(counts_.triangles);
+    if (spec_.kinds.edge_edge) tables.triangle_edges.allocate(counts_.triangles);
+    if (needs_pair_filter(spec_)) {
+      tables.mesh_of_triangle.allocate(counts_.triangles);
+      tables.rules.allocate(spec_.meshes.size());
+    }
+    scene_.boxes.allocate(counts_.triangles);
+    scene_.records.allocate(counts_.triangles);
+  }
+  /// As ResidentPositions does for a frame with the positions at t = 1.
+  void reserve_positions() {
+    scene_.end.allocate(counts_.vertices);
+    (spec_.mode == Mode::kDcd ? scene_.last_good : scene_.start).allocate(counts_.vertices);
+    reserve_rigid();
+  }
+  /// As RigidMeshes does.
+  void reserve_rigid() {
+    uint64_t vertices = 0;
+    for (const MeshSpec& mesh : spec_.meshes)
+      if (mesh.motion == MeshMotion::kRigid) vertices += mesh.vertex_count;
+    if (vertices == 0) return;
+    scene_.rigid.rest.allocate(vertices);
+    scene_.rigid.bounds.allocate(1);
+    if (spec_.mode == Mode::kDcd) return;
+    scene_.rigid.first_vertex.allocate(spec_.meshes.size());
+    scene_.rigid.deviations.allocate(spec_.meshes.size() + 1);
+  }
+
+  const SceneSpec& spec_;
+  SceneCounts counts_;
+  DryRun<backend> exec_;
+  SceneBuffers<DryRun<backend>, Real> scene_{exec_};
+};
+
+/// What use() returns for the scene of a spec.
+template <class Use>
+auto with_dry_run(const SceneSpec& spec, uint64_t vertices, uint64_t triangles, const Use& use) {
+  return with_real(spec.scalar, [&]<class Real>(Real) {
+    if (spec.backend == Backend::kCuda) return use(SceneDryRun<Backend::kCuda, Real>(spec, vertices, triangles));
+    return use(SceneDryRun<Backend::kCpu, Real>(spec, vertices, triangles));
+  });
+}
+
+}  // namespace
+
+uint64_t min_scene_bytes(const SceneSpec& spec, uint64_t vertices, uint64_t triangles) {
+  uint64_t bytes = triangles * sizeof(std::array<uint32_t, 3>);  // on the host
+  const auto parts = with_dry_run(spec, vertices, triangles, [](const auto& scene) { return scene.memory(); });
+  for (const MemoryPart& part : parts) bytes += part.bytes;
+  return bytes;
+}
+
+SceneEstimate estimate_scene(const SceneSpec& spec, uint64_t vertices, uint64_t triangles) {
+  check_spec(spec);
+  SceneEstimate estimate = with_dry_run(spec, vertices, triangles, [](auto&& scene) { return scene.run_frame(); });
+  const LevelNeeds needs = needs_of(spec, settings_of(spec, {}));
+  for_each_kind(
+      [&](ContactKind kind, bool is_wanted, FieldSet& fields) {
+        if (is_wanted && !needs.is_any_hit()) fields = needs.fields_of(kind);
+      },
+      spec.kinds, estimate.fields);
+  return estimate;
+}
+
+}  // namespace collided
