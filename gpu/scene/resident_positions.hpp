@@ -36,6 +36,11 @@ class ResidentPositions {
     if (frame.advance) scene_.target.allocate(vertices_);
   }
 
+  /// Before the first frame counts: its positions at t = 1, for a step in which nothing moves. place() comes after it.
+  void place_at_rest(Slot& slot) {
+    slot.place(exec_, nullptr, scene_.end.data(), false);
+    if (is_ccd()) copy(scene_.start, scene_.end);
+  }
   /// Puts the frame's positions in `end`, and those that it begins at in `start`.
   void place(Slot& slot, const std::optional<double>& start_fraction) {
     if (start_fraction)

@@ -17,8 +17,8 @@ namespace collided {
 template <Executor Exec, class Real>
 class NarrowPhase {
  public:
-  NarrowPhase(Exec& exec, const SceneSpec& spec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
-      : exec_(exec), spec_(spec), ranks_(ranks), scene_(scene) {}
+  NarrowPhase(Exec& exec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
+      : exec_(exec), ranks_(ranks), scene_(scene) {}
 
   /// What the next steps do.
   void begin(const StepPlan& plan) { plan_ = plan; }
@@ -157,11 +157,11 @@ class NarrowPhase {
   }
   template <class Kind>
   void run(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
-    if (spec_.mode == Mode::kDcd) return run_proximity(kind, count, candidates);
-    exec_.for_each("solve_cubic_ccd", count,
-                   SolveCubicCcd<Real, Kind>{scene_.positions_at_start(), scene_.end.data(),
-                                             static_cast<Real>(needs().settings.thickness), kind, candidates,
-                                             sink(Kind::kKind)});
+    if (!needs().is_ccd) return run_proximity(kind, count, candidates);
+    exec_.for_each(
+        "solve_cubic_ccd", count,
+        SolveCubicCcd<Real, Kind>{scene_.positions_at_start(), scene_.end.data(),
+                                  static_cast<Real>(needs().settings.thickness), kind, candidates, sink(Kind::kKind)});
   }
   template <class Kind>
   void run_proximity(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
@@ -219,7 +219,6 @@ class NarrowPhase {
   }
 
   Exec& exec_;
-  const SceneSpec& spec_;
   const FeatureRanks& ranks_;
   SceneBuffers<Exec, Real>& scene_;
   StepPlan plan_;

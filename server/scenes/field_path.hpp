@@ -29,7 +29,9 @@ inline std::string frame_path(const std::string& engine_path) {
 inline std::string spec_path(const std::string& engine_path) {
   if (engine_path.empty()) return "spec";
   const std::string path = with_last_part(engine_path, "memory_budget", "memory_budget_bytes");
-  return "spec." + with_last_part(path, "scalar", "position_format");
+  const std::string rings = with_last_part(path, "excluded_rings", "exclude_rings");
+  const std::string rest = with_last_part(rings, "excludes_rest_pairs", "exclude_rest_pairs");
+  return "spec." + with_last_part(rest, "scalar", "position_format");
 }
 
 /// The engine's message, with `name` in place of the engine's field.
