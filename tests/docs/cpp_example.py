@@ -66,8 +66,8 @@ int main() {
     if (v % 5 < 4 && v < 20) cells.insert(cells.end(), {{v, v + 1, v + 5}, {v + 5, v + 1, v + 6}});
   }
   const MeshInput cloth{.name = "cloth", .vertex_count = 25, .triangles = cells};
-  std::printf("flat: %zu contacts\n", static_cast<size_t>(count_contacts(client, cloth, flat, flat)));
-  std::printf("folded: %s\n", count_contacts(client, cloth, flat, folded) > 20 ? "many" : "few");
+  std::printf("flat: %zu contacts\\n", static_cast<size_t>(count_contacts(client, cloth, flat, flat)));
+  std::printf("folded: %s\\n", count_contacts(client, cloth, flat, folded) > 20 ? "many" : "few");
 }
 """
 
