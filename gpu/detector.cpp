@@ -27,10 +27,12 @@ uint64_t triangles_of(const SceneSpec& spec) {
 
 std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
   check_spec(spec);
+  check_exclusions(spec);
   MemoryHold making(spec.memory_quota);
   making.resize(max_making_bytes(triangles_of(spec)));
   FeatureTables features = make_features(spec.meshes);
   making.resize(bytes_of(features));
+  features.rings = make_rings(spec, features.topology, making);
   return spec.backend == Backend::kCuda ? make_cuda_detector(std::move(spec), std::move(features))
                                         : make_cpu_detector(std::move(spec), std::move(features));
 }

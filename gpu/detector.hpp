@@ -50,6 +50,10 @@ SceneEstimate estimate_scene(const SceneSpec& spec, uint64_t vertices, uint64_t 
 /// go together. Reads no mesh and no update.
 void check_options(const SceneSpec& spec, const FrameInput& frame = {});
 
+/// The same for pairs that are left out: rings of meshes, rest pairs, pairs of meshes. Reads the meshes of the spec,
+/// but not their triangles.
+void check_exclusions(const SceneSpec& spec);
+
 /// Devices that scenes can live on: the CPU with so many threads (0: all cores), then every usable CUDA device.
 std::vector<DeviceInfo> list_devices(int threads = 0);
 

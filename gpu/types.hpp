@@ -109,10 +109,14 @@ struct MeshSpec {
   uint32_t groups = 1;          ///< bits
   uint32_t collide_mask = ~0u;  ///< bits of groups it can touch
   bool self_contacts = true;
-  uint32_t excluded_rings = 0;  ///< self contacts of features that so many edges or fewer connect are left out
-  bool excludes_rest_pairs =
-      false;  ///< likewise of features that are within SceneSpec::rest_distance in the first frame
+  /// Self contacts of features, triangles among them, that so many edges or fewer connect are left out; up to
+  /// kMaxRings.
+  uint32_t excluded_rings = 0;
+  /// Self contacts of a vertex and a triangle, or of two edges, that are within SceneSpec::rest_distance in the first
+  /// frame are left out.
+  bool excludes_rest_pairs = false;
 };
+constexpr uint32_t kMaxRings = 8;
 
 /// A box that positions are encoded in.
 struct PositionBox {
@@ -131,7 +135,8 @@ struct SceneSpec {
   /// CCD: distance that FrameInput::advance keeps; >= 0, finite, unit of the positions.
   double min_separation = 0;
   double rest_distance = 0;  ///< >= 0, finite, unit of the positions; of MeshSpec::excludes_rest_pairs
-  std::vector<std::array<uint32_t, 2>> excluded_meshes;  ///< pairs of meshes that never touch; a mesh and itself, too
+  /// Pairs of meshes that never touch, in any order, each once; a mesh and itself are one, too.
+  std::vector<std::array<uint32_t, 2>> excluded_meshes;
   /// If there is one, positions come as 16-bit fixed point in it (positions/quantized.hpp); the scalar is kF32.
   std::optional<PositionBox> quantized_in;
   Report report = Report::kAll;

@@ -6,6 +6,7 @@
 
 #include "client/cli/commands.hpp"
 #include "client/cli/daemon/connection.hpp"
+#include "client/cli/options/exclusion_options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/csv.hpp"
 #include "client/cli/output/output.hpp"
@@ -23,6 +24,7 @@ constexpr const char* kAutomatic = "auto";
 struct DetectOptions {
   ServerOptions server;
   DetectionOptions detection;
+  ExclusionOptions exclusions;
   std::vector<std::string> frames;
   std::string position_format = kAutomatic;
   std::string out;
@@ -104,14 +106,16 @@ void run(const DetectOptions& options) {
   check_writable("--out", options.out);
   const std::vector<scenes::MeshFile> frames = read_frames(options);
   const v1::PositionFormat format = choose_format(options.position_format, frames);
-  const client::MeshInput mesh{"mesh", static_cast<uint32_t>(frames[0].positions.size()), frames[0].triangles};
+  std::vector<client::MeshInput> meshes{
+      {"mesh", static_cast<uint32_t>(frames[0].positions.size()), frames[0].triangles}};
+  options.exclusions.apply_to(meshes);
   v1::Frame frame;
   frame.set_frame_id(1);
   *frame.add_updates() = frames.size() == 2 ? client::mesh_update(0, format, frames[1].positions, frames[0].positions)
                                             : client::mesh_update(0, format, frames[0].positions);
   Connection connection(options.server);
   const v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
-  const SceneGuard scene = connection.create_scene(spec, {&mesh, 1});
+  const SceneGuard scene = connection.create_scene(spec, meshes);
   client::FrameStream stream = connection.stream(*scene);
   const client::FrameOutput output = run_frame(stream, frame);
   stream.finish();
@@ -131,6 +135,7 @@ void add_detect(CLI::App& app) {
       ->required()
       ->expected(1, 2);
   add_detection_options(command, options->detection);
+  add_ring_option(command, options->exclusions);
   add_server_options(command, options->server);
   std::vector<std::string> formats = position_formats();
   formats.insert(formats.begin(), kAutomatic);

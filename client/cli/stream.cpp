@@ -10,6 +10,7 @@
 #include "client/cli/daemon/connection.hpp"
 #include "client/cli/daemon/interrupt.hpp"
 #include "client/cli/input/mesh_input.hpp"
+#include "client/cli/options/exclusion_options.hpp"
 #include "client/cli/options/scene_options.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/report/contacts.hpp"
@@ -26,6 +27,7 @@ namespace {
 struct StreamOptions {
   ServerOptions server;
   DetectionOptions detection;
+  ExclusionOptions exclusions;
   SceneOptions scene;
   std::string position_format = "f32";
   bool json = false;
@@ -150,7 +152,10 @@ void run(const StreamOptions& options) {
   Connection connection(options.server);
   v1::SceneSpec spec = scene_spec(options.server, options.detection, format_of(options.position_format));
   spec.set_display_name(options.scene.name);
-  const SceneGuard scene = connection.create_scene(spec, mesh_inputs(procedural->meshes()));
+  spec.set_rest_distance(options.exclusions.rest_distance);
+  std::vector<client::MeshInput> meshes = mesh_inputs(procedural->meshes());
+  options.exclusions.apply_to(meshes);
+  const SceneGuard scene = connection.create_scene(spec, meshes);
   client::FrameStream stream = connection.stream(*scene);
   play_and_report(options, *scene, stream, *procedural);
 }
@@ -162,6 +167,8 @@ void add_stream(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("stream", "Play a procedural scene and tell what its frames cost");
   add_scene_options(command, options->scene);
   add_detection_options(command, options->detection);
+  add_ring_option(command, options->exclusions);
+  add_rest_options(command, options->exclusions);
   add_server_options(command, options->server);
   add_position_format_option(command, options->position_format);
   command.add_flag("--json", options->json, "Print the summary as one JSON object");

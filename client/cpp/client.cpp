@@ -43,6 +43,8 @@ void add_mesh(v1::SceneSpec& spec, const MeshInput& mesh) {
   out.set_motion(mesh.is_static  ? v1::MESH_MOTION_STATIC
                  : mesh.is_rigid ? v1::MESH_MOTION_RIGID
                                  : v1::MESH_MOTION_DEFORMABLE);
+  out.set_exclude_rings(mesh.exclude_rings);
+  out.set_exclude_rest_pairs(mesh.exclude_rest_pairs);
   out.set_triangle_count(static_cast<uint32_t>(mesh.triangles.size()));
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // Contacts as they leave the backend: an array for each of their values, in the types of the wire.
 
-#include "gpu/contacts/keys.hpp"
+#include "gpu/base/keys.hpp"
 #include "gpu/contacts/kinds.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/concepts.hpp"

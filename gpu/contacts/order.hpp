@@ -3,8 +3,8 @@
 // The first ids are few, so that they are counted and the contacts placed, as in the octree; the few contacts of one
 // first id are then ranked against each other. Where they are many, a group sorts them.
 
+#include "gpu/base/keys.hpp"
 #include "gpu/base/vec3.hpp"
-#include "gpu/contacts/keys.hpp"
 #include "gpu/contacts/kinds.hpp"
 #include "gpu/contacts/radix_order.hpp"
 #include "gpu/contacts/unordered.hpp"

@@ -5,8 +5,8 @@
 
 #include <bit>
 
+#include "gpu/base/keys.hpp"
 #include "gpu/base/vec3.hpp"
-#include "gpu/contacts/keys.hpp"
 #include "gpu/contacts/unordered.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/concepts.hpp"

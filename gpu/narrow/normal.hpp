@@ -10,7 +10,7 @@
 //   3. Else -w across the features' longest edge, if it is clear.
 //   4. Else a direction across that edge: its cross product with the axis that it follows least; z if it is a point.
 
-#include "gpu/contacts/keys.hpp"
+#include "gpu/base/keys.hpp"
 #include "gpu/narrow/differences.hpp"
 
 namespace collided {

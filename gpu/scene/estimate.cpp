@@ -2,6 +2,7 @@
 
 #include "gpu/detector.hpp"
 #include "gpu/positions/format.hpp"
+#include "gpu/scene/exclusions.hpp"
 #include "gpu/scene/rules.hpp"
 #include "gpu/search/dry_run.hpp"
 #include "gpu/step/pipeline.hpp"
@@ -27,6 +28,7 @@ class SceneDryRun {
     Pipeline<DryRun<backend>, Real> pipeline(exec_, spec_, counts_, scene_);
     return exec_.frame([&] {
       exec_.stage("upload", [] {});
+      if (excludes_rest_pairs(spec_)) exec_.stage("rest_pairs", [] {});
       SceneEstimate estimate;
       for (const StageTime& stage : pipeline.detect_contacts(true, settings_of(spec_, {}), 0).stages)
         estimate.stages.push_back(stage.stage);
@@ -45,6 +47,7 @@ class SceneDryRun {
     if (needs_pair_filter(spec_)) {
       tables.mesh_of_triangle.allocate(counts_.triangles);
       tables.rules.allocate(spec_.meshes.size());
+      tables.excluded_meshes.allocate(excluded_mesh_slots(spec_).size());
     }
     scene_.boxes.allocate(counts_.triangles);
     scene_.records.allocate(counts_.triangles);

@@ -19,7 +19,8 @@ uint64_t max_making_bytes(uint64_t triangles) {
 uint64_t bytes_of(const FeatureTables& features) {
   const Topology& topology = features.topology;
   return bytes_of(topology.triangles) + bytes_of(topology.edges) + bytes_of(features.triangle_edges) +
-         bytes_of(features.owned) + bytes_of(features.mesh_of_triangle);
+         bytes_of(features.owned) + bytes_of(features.mesh_of_triangle) + bytes_of(features.rings.begin) +
+         bytes_of(features.rings.vertices);
 }
 
 }  // namespace collided

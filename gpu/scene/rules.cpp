@@ -1,7 +1,9 @@
 #include "gpu/scene/rules.hpp"
 
 #include <algorithm>
+#include <vector>
 
+#include "gpu/base/keys.hpp"
 #include "gpu/base/text.hpp"
 #include "gpu/contacts/kinds.hpp"
 #include "gpu/positions/format.hpp"
@@ -68,6 +70,51 @@ void check_advance(const SceneSpec& spec, const FrameSettings& settings) {
     throw InvalidInput("advance", "advance is on, which needs both vertex-triangle and edge-edge contacts");
 }
 
+void check_rings(const SceneSpec& spec) {
+  for (size_t i = 0; i < spec.meshes.size(); ++i) {
+    const std::string field = "meshes[" + text(i) + "].excluded_rings";
+    if (spec.meshes[i].excluded_rings > kMaxRings)
+      throw InvalidInput(field,
+                         field + " is " + text(spec.meshes[i].excluded_rings) + ", the limit is " + text(kMaxRings));
+  }
+}
+
+void check_rest_pairs(const SceneSpec& spec) {
+  const auto mesh =
+      std::find_if(spec.meshes.begin(), spec.meshes.end(), [](const MeshSpec& m) { return m.excludes_rest_pairs; });
+  if (mesh == spec.meshes.end() && spec.rest_distance > 0)
+    throw InvalidInput("rest_distance",
+                       "rest_distance is " + text(spec.rest_distance) + ", but no mesh excludes rest pairs");
+  if (mesh == spec.meshes.end() || is_of_features(first_of(spec.kinds))) return;
+  const std::string field = "meshes[" + text(mesh - spec.meshes.begin()) + "].excludes_rest_pairs";
+  throw InvalidInput(field, field +
+                                " is on, but the scene has triangle pairs alone: rest pairs are vertex-triangle and "
+                                "edge-edge contacts");
+}
+
+std::string text_of(const std::array<uint32_t, 2>& meshes) {
+  return "meshes " + text(meshes[0]) + " and " + text(meshes[1]);
+}
+
+void check_excluded_meshes(const SceneSpec& spec) {
+  const auto field_of = [](size_t i) { return "excluded_meshes[" + text(i) + "]"; };
+  std::vector<std::pair<uint64_t, size_t>> keys;  // of each pair, and where it is
+  for (size_t i = 0; i < spec.excluded_meshes.size(); ++i) {
+    const auto [low, high] = std::minmax(spec.excluded_meshes[i][0], spec.excluded_meshes[i][1]);
+    if (high >= spec.meshes.size())
+      throw InvalidInput(field_of(i), field_of(i) + " is " + text_of(spec.excluded_meshes[i]) +
+                                          ", but the last mesh is " + text(spec.meshes.size() - 1));
+    keys.emplace_back(pack_ids(low, high), i);
+  }
+  std::sort(keys.begin(), keys.end());
+  for (size_t k = 1; k < keys.size(); ++k) {
+    const size_t again = keys[k].second;
+    if (keys[k].first == keys[k - 1].first)
+      throw InvalidInput(field_of(again), field_of(again) + " is " + text_of(spec.excluded_meshes[again]) +
+                                              ", which an earlier pair already is");
+  }
+}
+
 void check_start_fraction(const FrameSettings& settings, double fraction) {
   if (!settings.is_ccd()) throw InvalidInput("start_fraction", "start_fraction is given, which needs CCD");
   if (!(fraction >= 0 && fraction <= 1))
@@ -75,13 +122,6 @@ void check_start_fraction(const FrameSettings& settings, double fraction) {
 }
 
 }  // namespace
-
-bool needs_pair_filter(const SceneSpec& spec) {
-  const auto free = [](const MeshSpec& m) {
-    return m.groups == 1 && m.collide_mask == ~0u && m.self_contacts && m.motion == MeshMotion::kDeformable;
-  };
-  return !std::all_of(spec.meshes.begin(), spec.meshes.end(), free);
-}
 
 void check_frame(const SceneSpec& spec, const FrameInput& frame) {
   check_mode(spec, frame.mode);
@@ -99,12 +139,19 @@ void check_spec(const SceneSpec& spec) {
   if (spec.threads < 0)
     throw InvalidInput("threads", "threads is " + text(spec.threads) + ", the least is 0 (all cores)");
   check_length("min_separation", spec.min_separation, coordinate_limit(spec.scalar));
+  check_length("rest_distance", spec.rest_distance, coordinate_limit(spec.scalar));
   if (spec.min_separation > 0 && spec.mode == Mode::kDcd)
     throw InvalidInput("min_separation", "min_separation is " + text(spec.min_separation) + ", which needs CCD");
   if (spec.quantized_in) check_quantization(spec);
   if (spec.mode == Mode::kBoth && spec.kinds.triangle_triangle)
     throw InvalidInput("triangle_triangle", "triangle_triangle is on, which needs a scene of DCD or of CCD alone");
   check_settings(spec, settings_of(spec, {}));
+}
+
+void check_exclusions(const SceneSpec& spec) {
+  check_rings(spec);
+  check_rest_pairs(spec);
+  check_excluded_meshes(spec);
 }
 
 }  // namespace collided

@@ -9,10 +9,11 @@ namespace collided {
 /// DCD at kFast, for kinds all off, triangle pairs in CCD, and reports that the mode or the accuracy does not have.
 void check_spec(const SceneSpec& spec);
 
+/// Throws InvalidInput for rings above the limit, pairs of meshes that the scene does not have or that are named twice,
+/// a rest_distance that no mesh uses, and rest pairs of a scene without contacts of features.
+void check_exclusions(const SceneSpec& spec);
+
 /// Throws InvalidInput naming the frame's option that the scene cannot have.
 void check_frame(const SceneSpec& spec, const FrameInput& frame);
-
-/// Whether some pair of meshes may not touch.
-bool needs_pair_filter(const SceneSpec& spec);
 
 }  // namespace collided

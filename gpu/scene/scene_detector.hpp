@@ -7,6 +7,7 @@
 #include "gpu/detector.hpp"
 #include "gpu/positions/sample.hpp"
 #include "gpu/scene/resident_positions.hpp"
+#include "gpu/scene/rest_pairs.hpp"
 #include "gpu/scene/rules.hpp"
 #include "gpu/scene/topology.hpp"
 #include "gpu/step/advance.hpp"
@@ -24,7 +25,8 @@ class SceneDetector final : public Detector {
         exec_(args...),
         scene_(exec_),
         positions_(exec_, *shape_, scene_),
-        pipeline_(exec_, spec_, topology_, scene_) {
+        pipeline_(exec_, spec_, topology_, scene_),
+        rest_pairs_(exec_, spec_, scene_, pipeline_) {
     make_resident(features);
   }
 
@@ -73,8 +75,11 @@ class SceneDetector final : public Detector {
     if (spec_.kinds.edge_edge && spec_.accuracy != Accuracy::kCandidates) require_edges();
     if (needs_pair_filter(spec_)) {
       send(resident.mesh_of_triangle, features.mesh_of_triangle);
-      send(resident.rules, rules());
+      send(resident.rules, mesh_rules(spec_));
+      send(resident.excluded_meshes, excluded_mesh_slots(spec_));
     }
+    send(resident.ring_begin, features.rings.begin);
+    send(resident.ring_vertices, features.rings.vertices);
     scene_.boxes.allocate(topology_.triangles.size());
     scene_.records.allocate(topology_.triangles.size());
   }
@@ -87,20 +92,14 @@ class SceneDetector final : public Detector {
   template <class T, class U>
   void send(Buffer<T, Exec>& to, const std::vector<U>& from) {
     static_assert(sizeof(T) == sizeof(U));
+    if (from.empty()) return;
     to.allocate(from.size());
     exec_.upload(to.data(), from.data(), from.size() * sizeof(T));
   }
 
-  std::vector<MeshRule> rules() const {
-    std::vector<MeshRule> out;
-    for (const MeshSpec& m : spec_.meshes)
-      out.push_back({m.groups, m.collide_mask, m.motion == MeshMotion::kStatic ? 1u : 0u,
-                     m.self_contacts && m.motion != MeshMotion::kRigid ? 1u : 0u});
-    return out;
-  }
-
   FrameResult detect(const FrameInput& frame, const FrameSettings& settings) {
-    if (spec_.kinds.edge_edge && settings.accuracy != Accuracy::kCandidates) require_edges();
+    const bool begins_at_rest = rest_pairs_.are_wanted() && !positions_.has_frame();
+    if (spec_.kinds.edge_edge && (settings.accuracy != Accuracy::kCandidates || begins_at_rest)) require_edges();
     const bool boxes_static = !positions_.are_boxes_good();
     Slot* slot = nullptr;
     exec_.stage("upload", [&] {
@@ -111,8 +110,11 @@ class SceneDetector final : public Detector {
       positions_.place(*slot, frame.start_fraction);
       check_straight(frame, settings);
     });
+    RestCosts rest;
+    if (begins_at_rest) rest = find_rest_pairs();
     FrameResult result = pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact);
     if (frame.advance) advance(settings, result);
+    if (begins_at_rest) add_costs(rest, result);
     exec_.asks().ask();
     if (frame.trial) {
       positions_.end_trial();
@@ -130,6 +132,21 @@ class SceneDetector final : public Detector {
     const std::string turns = "but rigid mesh " + std::to_string(*mesh) + " turns in this step, on no straight path";
     if (frame.advance) throw InvalidInput("advance", "advance is on, " + turns);
     if (settings.accuracy == Accuracy::kExact) throw InvalidInput("accuracy", "accuracy is EXACT, " + turns);
+  }
+
+  /// What the first frame's step for rest pairs cost, and where its stages are among the frame's.
+  struct RestCosts {
+    uint32_t replays = 0;
+    size_t first_stage = 0, end_stage = 0;
+  };
+  RestCosts find_rest_pairs() {
+    const size_t first_stage = exec_.stage_times().size();
+    const uint32_t replays = rest_pairs_.find();
+    return {replays, first_stage, exec_.stage_times().size()};
+  }
+  static void add_costs(const RestCosts& rest, FrameResult& result) {
+    result.replays += rest.replays;
+    make_one_stage(result.stages, rest.first_stage, rest.end_stage, "rest_pairs");
   }
 
   /// Where a step with the frame's own settings can serve as the first try of an advance, it does.
@@ -170,10 +187,15 @@ class SceneDetector final : public Detector {
     result.allocations = tried.allocations;
     result.graph_launches = tried.graph_launches;
     result.step_milliseconds = tried.step_milliseconds;
-    double milliseconds = 0;
-    for (size_t i = own_stages; i < tried.stages.size(); ++i) milliseconds += tried.stages[i].milliseconds;
-    result.stages.resize(own_stages);
-    result.stages.push_back({"advance", milliseconds});
+    result.stages = tried.stages;
+    make_one_stage(result.stages, own_stages, tried.stages.size(), "advance");
+  }
+  /// Stages [first, end) become one.
+  static void make_one_stage(std::vector<StageTime>& stages, size_t first, size_t end, const char* name) {
+    StageTime all{name, 0};
+    for (size_t i = first; i < end; ++i) all.milliseconds += stages[i].milliseconds;
+    const auto at = stages.begin() + static_cast<std::ptrdiff_t>(first);
+    stages.insert(stages.erase(at, at + static_cast<std::ptrdiff_t>(end - first)), all);
   }
 
   /// The frame's slot, or the scene's own with the frame's positions.
@@ -198,6 +220,7 @@ class SceneDetector final : public Detector {
   SceneBuffers<Exec, Real> scene_;
   ResidentPositions<Exec, Real> positions_;
   Pipeline<Exec, Real> pipeline_;
+  RestPairs<Exec, Real> rest_pairs_;
   std::shared_ptr<Slot> own_slot_;
   double margin_ = 0;  ///< of advances; it never shrinks, so that few steps have to be recorded anew
 };

@@ -1,7 +1,7 @@
 #pragma once
 // Features of a scene, made once from its meshes: scene-wide ids, unique edges, R-triangle ownership.
 
-#include "gpu/types.hpp"
+#include "gpu/scene/rings.hpp"
 
 namespace collided {
 
@@ -10,10 +10,11 @@ struct FeatureTables {
   std::vector<std::array<uint32_t, 3>> triangle_edges;  ///< edge ids of corners 0-1, 1-2, 2-0
   std::vector<uint8_t> owned;                           ///< see search/elementary.hpp, Ownership
   std::vector<uint32_t> mesh_of_triangle;
+  RingTables rings;
 };
 
-/// Throws InvalidInput for a mesh without vertices or triangles, an index out of range or a triangle with a corner
-/// twice.
+/// All but the rings. Throws InvalidInput for a mesh without vertices or triangles, an index out of range or a triangle
+/// with a corner twice.
 FeatureTables make_features(const std::vector<MeshSpec>& meshes);
 
 }  // namespace collided

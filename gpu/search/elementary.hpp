@@ -4,8 +4,8 @@
 // has it, and only its owner's pairs test it, so that every candidate comes up exactly once. Triangles that share a
 // vertex are not skipped: their other features may touch. Features that share a vertex are no pair.
 
+#include "gpu/base/keys.hpp"
 #include "gpu/base/points.hpp"
-#include "gpu/contacts/keys.hpp"
 #include "gpu/search/boxes.hpp"
 #include "gpu/search/elementary_numbers.hpp"
 

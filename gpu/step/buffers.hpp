@@ -11,6 +11,7 @@
 #include "gpu/narrow/certified_ccd.hpp"
 #include "gpu/octree/leaf_pairs.hpp"
 #include "gpu/search/elementary.hpp"
+#include "gpu/search/excluded_pairs.hpp"
 #include "gpu/step/state.hpp"
 
 namespace collided {
@@ -28,7 +29,17 @@ struct ResidentTopology {
         edges(exec, "edges"),
         owned(exec, "ownership"),
         mesh_of_triangle(exec, "pair_filter"),
-        rules(exec, "pair_filter") {}
+        rules(exec, "pair_filter"),
+        excluded_meshes(exec, "pair_filter"),
+        ring_begin(exec, "rings"),
+        ring_vertices(exec, "rings"),
+        rest_pairs(exec, "rest_pairs") {}
+
+  PairFilter filter() const { return {mesh_of_triangle.data(), rules.data(), {excluded_meshes.all()}}; }
+  VertexRings rings() const { return {ring_begin.all(), ring_vertices.all()}; }
+  ExcludedPairs excluded_pairs(bool with_rest) const {
+    return {rings(), {with_rest ? rest_pairs.all() : Span<uint64_t>{}}};
+  }
 
   Buffer<Triangle, Exec> triangles;
   Buffer<Triangle, Exec> triangle_edges;
@@ -36,6 +47,10 @@ struct ResidentTopology {
   Buffer<uint8_t, Exec> owned;
   Buffer<uint32_t, Exec> mesh_of_triangle;
   Buffer<MeshRule, Exec> rules;
+  Buffer<uint64_t, Exec> excluded_meshes;  ///< slots of a KeySet
+  Buffer<uint32_t, Exec> ring_begin;
+  Buffer<uint32_t, Exec> ring_vertices;
+  Buffer<uint64_t, Exec> rest_pairs;  ///< slots of a KeySet, those of the first frame
 };
 
 /// The octree grid of one frame.

@@ -58,9 +58,7 @@ class LbvhPhase {
   template <class Sink>
   void search(const char* name, const Sink& sink, uint64_t* next_item) {
     StepState* state = scene_.state.data();
-    const BvhPairs source{scene_.bvh.nodes.all(),
-                          static_cast<uint32_t>(leaves()),
-                          {scene_.topology.mesh_of_triangle.data(), scene_.topology.rules.data()},
+    const BvhPairs source{scene_.bvh.nodes.all(), static_cast<uint32_t>(leaves()), scene_.topology.filter(),
                           is_counted_ ? nullptr : &state->leaves[LeafSum::kTests]};
     is_counted_ = true;
     searcher_.walk(name, leaves(), next_item, source, sink);

@@ -9,7 +9,8 @@ namespace collided {
 struct LevelNeeds {
   FrameSettings settings{};
   PerKind<bool> kinds = {};
-  FieldSet fields = {};  ///< that are asked for
+  FieldSet fields = {};           ///< that are asked for
+  bool finds_rest_pairs = false;  ///< the step finds the pairs that all others leave out
 
   bool operator==(const LevelNeeds&) const = default;
 
@@ -59,6 +60,16 @@ struct LevelNeeds {
 
 inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings) {
   return {settings, spec.kinds, spec.fields};
+}
+
+/// Of the step that finds the pairs of features that are within rest_distance. They are where they are, whatever the
+/// scene's mode, and decided in exact arithmetic: a pair that is farther apart by any amount is not among them.
+inline LevelNeeds needs_of_rest_pairs(const SceneSpec& spec) {
+  const FrameSettings settings{Mode::kDcd,         Accuracy::kExact,   0,    Report::kAll,
+                               spec.rest_distance, spec.rest_distance, false};
+  PerKind<bool> kinds = spec.kinds;
+  kinds.triangle_triangle = false;
+  return {settings, kinds, {ContactField::kElements}, true};
 }
 
 }  // namespace collided

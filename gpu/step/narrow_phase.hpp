@@ -17,8 +17,8 @@ namespace collided {
 template <Executor Exec, class Real>
 class NarrowPhase {
  public:
-  NarrowPhase(Exec& exec, const SceneSpec& spec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
-      : exec_(exec), spec_(spec), ranks_(ranks), scene_(scene) {}
+  NarrowPhase(Exec& exec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
+      : exec_(exec), ranks_(ranks), scene_(scene) {}
 
   /// What the next steps do.
   void begin(const StepPlan& plan) { plan_ = plan; }
@@ -221,7 +221,6 @@ class NarrowPhase {
   }
 
   Exec& exec_;
-  const SceneSpec& spec_;
   const FeatureRanks& ranks_;
   SceneBuffers<Exec, Real>& scene_;
   StepPlan plan_;

@@ -182,7 +182,7 @@ class OctreePhase {
     StepState* state = scene_.state.data();
     const OctreeBuffers<Exec>& octree = scene_.octree;
     const LeafPairs source{grid(),
-                           {scene_.topology.mesh_of_triangle.data(), scene_.topology.rules.data()},
+                           scene_.topology.filter(),
                            boxes(),
                            octree.leaves.all(),
                            octree.registered.all(),

@@ -31,23 +31,17 @@ class Pipeline {
         searcher_(exec),
         octree_(exec, searcher_, spec, counts_, scene),
         lbvh_(exec, searcher_, counts_, scene),
-        narrow_(exec, spec, ranks_, scene),
+        narrow_(exec, ranks_, scene),
         results_(exec, spec, scene),
         choice_(spec.engine),
         levels_{.deepest = deepest_base(counts_.triangles)} {}
 
   /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`: as in FrameInput.
   FrameResult detect_contacts(bool boxes_static, const FrameSettings& settings, uint64_t bytes_beside_contact) {
-    result_ = {};
-    const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == settings.reach();
-    run_step(needs_of(spec_, settings), boxes_static || !is_boxed);
-    boxed_thickness_ = settings.reach();
-    describe();
-    results_.collect(state_, needs(), bytes_beside_contact, result_);
-    result_.stages = exec_.stage_times();
-    result_.allocations = exec_.allocations();
-    return std::move(result_);
+    return detect(boxes_static, needs_of(spec_, settings), bytes_beside_contact);
   }
+  /// The pairs that `needs_of_rest_pairs` says, as contacts.
+  FrameResult detect_rest_pairs() { return detect(true, needs_of_rest_pairs(spec_), 0); }
 
   /// Bounds of all triangles over the last step, rounded outward.
   const Box<float>& bounds() const { return state_.bounds; }
@@ -57,6 +51,19 @@ class Pipeline {
   /// In pair tests. From 0 to 4 it makes no difference to the time beyond 2 % in all (tests/bench/results, registration
   /// weight); with 0 no other cut of the same grid makes fewer tests.
   static constexpr float kRegistrationCost = 0;
+
+  FrameResult detect(bool boxes_static, const LevelNeeds& needs, uint64_t bytes_beside_contact) {
+    const double thickness = needs.settings.reach();
+    result_ = {};
+    const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == thickness;
+    run_step(needs, boxes_static || !is_boxed);
+    boxed_thickness_ = thickness;
+    describe();
+    results_.collect(state_, needs, bytes_beside_contact, result_);
+    result_.stages = exec_.stage_times();
+    result_.allocations = exec_.allocations();
+    return std::move(result_);
+  }
 
   static FeatureRanks ranks_of(const SceneSpec& spec, const SceneCounts& counts) {
     FeatureRanks ranks = {};
@@ -121,7 +128,7 @@ class Pipeline {
     else
       build();
     if (is_of_features(first_kind())) detect_features();
-    if (spec_.kinds.triangle_triangle) detect_triangles();
+    if (needs().kinds.triangle_triangle) detect_triangles();
     narrow_.finish();
   }
 
@@ -152,18 +159,18 @@ class Pipeline {
     return 2 * state_.small_triangles > counts_.triangles;
   }
 
-  ContactKind first_kind() const { return first_of(spec_.kinds); }
+  ContactKind first_kind() const { return first_of(needs().kinds); }
   /// use(kind) for the kinds of features that are wanted.
   template <class Use>
   void for_each_features(const Use& use) const {
     FeatureKinds::of(scene_.topology).for_each([&]<class Kind>(const Kind& kind) {
-      if (value_of(spec_.kinds, Kind::kKind)) use(kind);
+      if (value_of(needs().kinds, Kind::kKind)) use(kind);
     });
   }
 
   void detect_features() {
     if (needs().has_narrow_phase() && needs().is_any_hit()) return detect_in_turn();
-    search(spec_.kinds);
+    search(needs().kinds);
     if (needs().has_narrow_phase()) detect_side_by_side();
   }
   /// One kind may answer for all.
@@ -208,7 +215,8 @@ class Pipeline {
                                        is_narrow ? 0 : ranks_.begin[kIndexOf<EdgeEdge>],
                                        narrow_.early_exit(),
                                        {pairs_counter(first_of(wanted)), &state->candidates[kIndexOf<VertexTriangle>],
-                                        &state->candidates[kIndexOf<EdgeEdge>]}});
+                                        &state->candidates[kIndexOf<EdgeEdge>]},
+                                       scene_.topology.excluded_pairs(!needs().finds_rest_pairs)});
   }
 
   void detect_triangles() {
@@ -221,7 +229,8 @@ class Pipeline {
                                   is_narrow ? pairs : all_contacts(),
                                   is_narrow ? 0 : ranks_.begin[index_of(kKind)],
                                   narrow_.early_exit(),
-                                  {pairs_counter(kKind), nullptr, nullptr}});
+                                  {pairs_counter(kKind), nullptr, nullptr},
+                                  scene_.topology.rings()});
     });
     if (is_narrow) narrow_.detect_triangles();
   }

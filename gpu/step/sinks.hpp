@@ -4,6 +4,7 @@
 #include "gpu/narrow/certified_proximity.hpp"
 #include "gpu/narrow/coplanarity_filter.hpp"
 #include "gpu/search/elementary.hpp"
+#include "gpu/search/excluded_pairs.hpp"
 #include "gpu/step/level_needs.hpp"
 #include "gpu/step/state.hpp"
 
@@ -39,7 +40,8 @@ struct PairTotals {
   }
 };
 
-/// Pairs become candidates of features, and those that a filter keeps go to the lists of their kinds.
+/// Pairs become candidates of features, and those that a filter keeps go to the lists of their kinds. Pairs of features
+/// that are excluded are no candidates.
 template <class Real, class Keep>
 struct FeatureSink {
   static constexpr bool kTakesPairs = false;
@@ -53,12 +55,22 @@ struct FeatureSink {
   uint32_t edge_rank;  ///< added to the first edge, where both kinds share a list
   EarlyExit early_exit;
   PairTotals totals;
+  ExcludedPairs excluded = {};
 
   COLLIDED_HD uint32_t tests_of(uint32_t a, uint32_t b) const { return tests.tests_of(a, b); }
   COLLIDED_HD bool is_first(uint32_t a, uint32_t b, int test) const {
-    return tests.vertex_triangle_overlap(a, b, test);
+    return tests.vertex_triangle_overlap(a, b, test) && !excludes_first(a, b, test);
   }
-  COLLIDED_HD bool is_second(uint32_t a, uint32_t b, int test) const { return tests.edge_edge_overlap(a, b, test); }
+  COLLIDED_HD bool is_second(uint32_t a, uint32_t b, int test) const {
+    return tests.edge_edge_overlap(a, b, test) && !excludes_second(a, b, test);
+  }
+  /// Whether features whose boxes overlap are no candidate all the same.
+  COLLIDED_HD bool excludes_first(uint32_t a, uint32_t b, int test) const {
+    return excluded.is_needed() && excluded.has_vertex_triangle(tests, a, b, test);
+  }
+  COLLIDED_HD bool excludes_second(uint32_t a, uint32_t b, int test) const {
+    return excluded.is_needed() && excluded.has_edge_edge(tests, a, b, test);
+  }
   /// Whether there is use in taking more (AppendList::push).
   COLLIDED_HD bool take_first(uint32_t a, uint32_t b, int test) const {
     const CandidatePoints<Real> candidate = tests.vertex_triangle_points(a, b, test);
@@ -85,7 +97,7 @@ struct FeatureSink {
   COLLIDED_HD void add(uint64_t pairs, uint64_t first, uint64_t second) const { totals(pairs, first, second); }
 };
 
-/// Pairs of triangles that share no vertex are wanted as they are.
+/// Pairs of triangles that share no vertex, and that no ring connects, are wanted as they are.
 struct TrianglePairSink {
   static constexpr bool kTakesPairs = true;
 
@@ -94,6 +106,7 @@ struct TrianglePairSink {
   uint32_t rank;  ///< added to the first triangle
   EarlyExit early_exit;
   PairTotals totals;
+  VertexRings rings = {};
 
   /// Whether there is use in taking more (AppendList::push).
   COLLIDED_HD bool take(uint32_t a, uint32_t b) const {
@@ -104,7 +117,8 @@ struct TrianglePairSink {
   COLLIDED_HD bool keeps(uint32_t a, uint32_t b, uint64_t &key) const {
     const Triangle p = triangles[a], q = triangles[b];
     key = pack_ids(a, b) + (uint64_t{rank} << 32);
-    return !has(p, q.x) && !has(p, q.y) && !has(p, q.z);
+    if (has(p, q.x) || has(p, q.y) || has(p, q.z)) return false;
+    return !rings.is_needed() || !rings.connect(p, q);
   }
   COLLIDED_HD bool is_over() const { return early_exit.is_over() || pairs.is_overfull(); }
   COLLIDED_HD void add(uint64_t all, uint64_t, uint64_t) const { totals(all, 0, 0); }

@@ -26,6 +26,8 @@ void fill_mesh(const MeshPlan& plan, const MeshSpec& engine, pb::MeshSpec* out) 
   out->set_groups(engine.groups);
   out->set_collide_mask(engine.collide_mask);
   out->set_no_self_contacts(!engine.self_contacts);
+  out->set_exclude_rings(engine.excluded_rings);
+  out->set_exclude_rest_pairs(engine.excludes_rest_pairs);
   out->set_triangle_count(static_cast<uint32_t>(plan.triangles));
 }
 
@@ -40,6 +42,12 @@ void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   out->set_thickness(engine.thickness);
   out->set_delta(engine.delta);
   out->set_min_separation(engine.min_separation);
+  out->set_rest_distance(engine.rest_distance);
+  for (const auto& [first, second] : engine.excluded_meshes) {
+    auto* pair = out->add_excluded_meshes();
+    pair->set_first(first);
+    pair->set_second(second);
+  }
   out->set_report(to_message(engine.report));
   out->set_broad_phase_engine(to_message(engine.engine));
   fill_kinds(engine, out);

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "server/convert/refuse.hpp"
+#include "server/scenes/field_path.hpp"
 
 namespace collided::server {
 namespace {
@@ -49,6 +50,8 @@ MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
   out.groups = mesh.groups() ? mesh.groups() : 1;
   out.collide_mask = mesh.collide_mask() ? mesh.collide_mask() : ~0u;
   out.self_contacts = !mesh.no_self_contacts();
+  out.excluded_rings = mesh.exclude_rings();
+  out.excludes_rest_pairs = mesh.exclude_rest_pairs();
   out.triangles.reserve(inline_triangles(mesh));
   for_each_triangle(mesh.triangles(), out.vertex_count, {path + ".triangles"},
                     [&](const TriangleCorners& triangle) { out.triangles.push_back(triangle); });
@@ -60,6 +63,13 @@ MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
         fmt::format("is {}, but {}.triangles already has {}: it is the total, including those that UploadMesh sends",
                     mesh.triangle_count(), path, out.triangles.size()));
   return out;
+}
+
+// The engine's rest_distance is what it says; the protocol's 0 is the thickness, where a mesh uses it at all.
+double parse_rest_distance(const pb::SceneSpec& spec) {
+  const bool is_used =
+      std::any_of(spec.meshes().begin(), spec.meshes().end(), [](const auto& m) { return m.exclude_rest_pairs(); });
+  return spec.rest_distance() == 0 && is_used ? spec.thickness() : spec.rest_distance();
 }
 
 void check_total(const char* what, uint64_t total, uint64_t limit) {
@@ -108,6 +118,14 @@ void parse_meshes(const pb::SceneSpec& spec, ScenePlan& plan) {
     if (!names.insert(mesh.name()).second)
       throw_invalid(path + ".name", fmt::format("is \"{}\", which an earlier mesh already has", mesh.name()));
   }
+}
+
+void parse_exclusions(const pb::SceneSpec& spec, ScenePlan& plan) try {
+  plan.engine.rest_distance = parse_rest_distance(spec);
+  for (const auto& pair : spec.excluded_meshes()) plan.engine.excluded_meshes.push_back({pair.first(), pair.second()});
+  check_exclusions(plan.engine);
+} catch (const InvalidInput& e) {
+  throw with_path(e, spec_path);
 }
 
 }  // namespace collided::server

@@ -38,5 +38,7 @@ SceneSize check_sizes(const pb::SceneSpec& spec, const Limits& limits);
 
 /// Adds the meshes to the plan. Throws InvalidInput.
 void parse_meshes(const pb::SceneSpec& spec, ScenePlan& plan);
+/// Adds which pairs are left out, after the meshes. Throws InvalidInput.
+void parse_exclusions(const pb::SceneSpec& spec, ScenePlan& plan);
 
 }  // namespace collided::server

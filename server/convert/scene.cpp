@@ -116,6 +116,7 @@ ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   engine.thickness = spec.thickness();
   engine.delta = spec.delta();
   engine.min_separation = spec.min_separation();
+  engine.rest_distance = spec.rest_distance();
   engine.report = parse_report(spec.report(), "spec.report").value_or(Report::kAll);
   engine.engine = parse_engine(spec.broad_phase_engine(), "spec.broad_phase_engine");
   parse_kinds(spec, engine);
@@ -128,6 +129,7 @@ ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   check_first_frame(size.vertices, engine, defaults);
   plan.min_bytes = check_budget(engine, size, spec.memory_budget_bytes() > 0);
   parse_meshes(spec, plan);
+  parse_exclusions(spec, plan);
   engine.backend = parse_backend(spec.backend(), defaults);
   return plan;
 }

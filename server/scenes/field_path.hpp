@@ -34,9 +34,13 @@ inline std::string frame_path(const std::string& engine_path) {
 /// "meshes[0].triangles[5]" -> "spec.meshes[0].triangles[5]".
 inline std::string spec_path(const std::string& engine_path) {
   if (engine_path.empty()) return "spec";
-  const std::string path = with_last_part(engine_path, "memory_budget", "memory_budget_bytes");
-  return "spec." +
-         with_last_part(with_last_part(path, "scalar", "position_format"), "quantized_in", "quantization_box");
+  std::string path = with_last_part(engine_path, "memory_budget", "memory_budget_bytes");
+  for (const auto& [engine, protocol] : {std::pair{"scalar", "position_format"},
+                                         {"quantized_in", "quantization_box"},
+                                         {"excluded_rings", "exclude_rings"},
+                                         {"excludes_rest_pairs", "exclude_rest_pairs"}})
+    path = with_last_part(path, engine, protocol);
+  return "spec." + path;
 }
 
 /// The engine's message, with `name` in place of the engine's field.

@@ -55,7 +55,8 @@ struct ScenePlan {
 /// mesh.
 inline uint64_t plan_bytes(const ScenePlan& plan) {
   constexpr uint64_t kOfMesh = sizeof(MeshPlan) + 3 * sizeof(MeshSpec) + 4 * sizeof(uint64_t);
-  uint64_t bytes = plan.meshes.size() * kOfMesh;
+  constexpr uint64_t kOfPair = sizeof(SceneSpec::excluded_meshes[0]);
+  uint64_t bytes = plan.meshes.size() * kOfMesh + 3 * plan.engine.excluded_meshes.size() * kOfPair;
   for (const auto& mesh : plan.meshes) bytes += mesh.name.size();
   return bytes;
 }

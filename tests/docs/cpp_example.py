@@ -27,6 +27,8 @@ void go_on(Client& client, const v1::Scene& scene, const Points& moved, const st
   again.finish();
 }}
 
+{third}
+
 {main}
 """
 MAIN = """
@@ -54,14 +56,26 @@ int main() {
     stream.receive().check();
   }
   go_on(client, scene, {after[3]}, {3});
+
+  std::vector<std::array<uint32_t, 3>> cells;
+  Points flat, folded;
+  for (uint32_t v = 0; v < 25; ++v) {
+    const double x = 0.01 * (v % 5), y = 0.01 * (v / 5);
+    flat.push_back({x, y, 0});
+    folded.push_back(x < 0.025 ? flat.back() : std::array<double, 3>{0.05 - x, y, 0.005});
+    if (v % 5 < 4 && v < 20) cells.insert(cells.end(), {{v, v + 1, v + 5}, {v + 5, v + 1, v + 6}});
+  }
+  const MeshInput cloth{.name = "cloth", .vertex_count = 25, .triangles = cells};
+  std::printf("flat: %zu contacts\\n", static_cast<size_t>(count_contacts(client, cloth, flat, flat)));
+  std::printf("folded: %s\\n", count_contacts(client, cloth, flat, folded) > 20 ? "many" : "few");
 }
 """
 
 repository, output = map(pathlib.Path, sys.argv[1:])
 (few,) = Page(repository / "README.md").blocks("cpp")
-first, second = Page(repository / "client" / "EXAMPLES.md").blocks("cpp")
+first, second, third = Page(repository / "client" / "EXAMPLES.md").blocks("cpp")
 for page, code in (("README.md", few), ("client/EXAMPLES.md", first)):
     if f'"{README_SOCKET}"' not in code:
         sys.exit(f"the C++ of {page} does not connect to {README_SOCKET}")
 few, first = (code.replace(f'"{README_SOCKET}"', "address()") for code in (few, first))
-output.write_text(PROGRAM.format(few=few, first=first, second=second, main=MAIN))
+output.write_text(PROGRAM.format(few=few, first=first, second=second, third=third, main=MAIN))

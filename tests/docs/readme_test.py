@@ -77,7 +77,8 @@ class Cpp(WithDaemon):
         done = subprocess.run([CPP_EXAMPLE], text=True, capture_output=True, timeout=60,
                               env={**os.environ, "COLLIDED_SERVER": self.daemon.address})
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(done.stdout, "vertex 3, triangle 0, t = 0.5\nafter a resume: 1 vertex-triangle contacts\n")
+        self.assertEqual(done.stdout, "vertex 3, triangle 0, t = 0.5\nafter a resume: 1 vertex-triangle contacts\n"
+                                      "flat: 0 contacts\nfolded: many\n")
 
 
 class CommandLines(WithDaemon):

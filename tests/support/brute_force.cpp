@@ -189,7 +189,7 @@ class Finder {
     const uint32_t i = features_.mesh_of_vertex[v], j = features_.mesh_of_vertex[w];
     const MeshSpec &a = case_.meshes[i], &b = case_.meshes[j];
     if (a.motion == MeshMotion::kStatic && b.motion == MeshMotion::kStatic) return false;
-    if (i == j) return a.self_contacts;
+    if (i == j && !a.self_contacts) return false;
     return (a.groups & b.collide_mask) && (b.groups & a.collide_mask);
   }
 

@@ -106,17 +106,23 @@ class CandidateTaker {
 
  private:
   void take_first() {
-    candidates_[0] += first_tests_.drain([&](uint32_t a, uint32_t b, int test) {
+    uint64_t excluded = 0;
+    const uint64_t passed = first_tests_.drain([&](uint32_t a, uint32_t b, int test) {
+      if (sink_.excludes_first(a, b, test)) return void(++excluded);
       if (!ask(a, b, test, [&](auto... of) { return sink_.keeps_first(of...); })) return;
       const bool of_first = test < 3;
       first_.push(sink_.first_key(features_[of_first ? a : b].vertex[of_first ? test : test - 3], of_first ? b : a));
     });
+    candidates_[0] += passed - excluded;
   }
   void take_second() {
-    candidates_[1] += second_tests_.drain([&](uint32_t a, uint32_t b, int test) {
+    uint64_t excluded = 0;
+    const uint64_t passed = second_tests_.drain([&](uint32_t a, uint32_t b, int test) {
+      if (sink_.excludes_second(a, b, test)) return void(++excluded);
       if (!ask(a, b, test, [&](auto... of) { return sink_.keeps_second(of...); })) return;
       second_.push(sink_.second_key(features_[a].edge[first_edge_of(test)], features_[b].edge[second_edge_of(test)]));
     });
+    candidates_[1] += passed - excluded;
   }
   /// The filter's answer for the lower triangle first: the order of points may matter to it.
   template <class Keeps>

@@ -1,29 +1,12 @@
 // What an answer holds on the host counts in the scene's quota, from before it is there until its last copy is gone.
 
 #include "tests/gpu/backend.hpp"
+#include "tests/gpu/counted_quota.hpp"
 #include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
 
 namespace collided::test {
 namespace {
-
-/// Lets the scene take up to `most` bytes.
-class CountedQuota final : public MemoryQuota {
- public:
-  explicit CountedQuota(uint64_t most = ~uint64_t{0}) : most_(most) {}
-
-  void take(uint64_t bytes) override {
-    if (bytes > most_ - held_) throw ResourceExhausted("the quota is used up");
-    held_ += bytes;
-  }
-  void give_back(uint64_t bytes) noexcept override { held_ -= bytes; }
-
-  uint64_t held() const { return held_; }
-  void set_most(uint64_t most) { most_ = most; }
-
- private:
-  uint64_t most_, held_ = 0;
-};
 
 template <class T>
 uint64_t bytes_of(const Column<T>& values) {

@@ -213,7 +213,7 @@ TEST(Lbvh, PutsMuchLargerBoxesLast) {
 
 TEST(Lbvh, ObeysTheFilterOfMeshes) {
   const std::vector<uint32_t> mesh{0, 0, 1, 1, 2};
-  const std::vector<MeshRule> rules{{1, 2, 0, 1}, {2, 1, 0, 0}, {4, ~0u, 0, 1}};
+  const std::vector<MeshRule> rules{{1, 2, 0, 0}, {2, 1, 0, 0}, {4, ~0u, 0, 1}};
   const TestHierarchy tree(std::vector<Box<float>>(5, {{0, 0, 0}, {1, 1, 1}}));
   const BvhPairs source{{tree.nodes.data(), tree.nodes.size()}, 5, {mesh.data(), rules.data()}, nullptr};
   const Pairs expected{{0, 2}, {0, 3}, {1, 2}, {1, 3}};

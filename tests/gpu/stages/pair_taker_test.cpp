@@ -43,6 +43,8 @@ struct EvenCandidates {
   Candidates* asked;
   std::vector<uint64_t>* counts;
 
+  bool excludes_first(uint32_t, uint32_t, int) const { return false; }
+  bool excludes_second(uint32_t, uint32_t, int) const { return false; }
   bool keeps_first(uint32_t a, uint32_t b, int test) const { return asked->insert({a, b, test}), test % 2 == 0; }
   bool keeps_second(uint32_t a, uint32_t b, int test) const { return keeps_first(a, b, test); }
   uint64_t first_key(uint32_t vertex, uint32_t triangle) const { return uint64_t{vertex} << 32 | triangle; }

@@ -122,5 +122,24 @@ TEST(PairFilter, FollowsGroupsMasksStaticAndSelf) {
   EXPECT_TRUE(may(0, 3));
 }
 
+// Meshes with neighbouring numbers, whose keys may not crowd each other out.
+TEST(PairFilter, LeavesOutPairsOfMeshes) {
+  constexpr uint32_t kMeshes = 300;
+  const std::vector<MeshRule> rules(kMeshes, {1, ~0u, 0, 1});
+  std::vector<uint32_t> mesh(kMeshes);
+  std::iota(mesh.begin(), mesh.end(), 0u);
+  const auto is_excluded = [](uint32_t a, uint32_t b) { return a != b && (a * b + a + b) % 7 < 2; };
+  std::vector<uint64_t> keys;
+  for (uint32_t a = 0; a < kMeshes; ++a)
+    for (uint32_t b = a; b < kMeshes; ++b)
+      if (is_excluded(a, b)) keys.push_back(pack_ids(a, b));
+  std::vector<uint64_t> slots(key_slots(keys.size()), kNoKey);
+  ASSERT_GE(slots.size(), 2 * keys.size());
+  for (const uint64_t key : keys) add_key(slots, key);
+  const PairFilter may{mesh.data(), rules.data(), {{slots.data(), slots.size()}}};
+  for (uint32_t a = 0; a < kMeshes; ++a)
+    for (uint32_t b = 0; b < kMeshes; ++b) ASSERT_EQ(may(a, b), !is_excluded(a, b)) << a << ' ' << b;
+}
+
 }  // namespace
 }  // namespace collided::test

@@ -279,6 +279,10 @@ TEST(ConvertScene, RefusesBadValues) {
   refuse("spec.meshes[0].triangles", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_triangles("12345"); });
   refuse("spec.meshes[0].triangles", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->clear_triangles(); });
   refuse("spec.kinds[0]", [](Request& r) { r.mutable_spec()->add_kinds(pb::CONTACT_KIND_UNSPECIFIED); });
+  refuse("spec.meshes[0].exclude_rings", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_exclude_rings(9); });
+  for (const double distance : {-1.0, kNan, kInfinity})
+    refuse("spec.rest_distance", [&](Request& r) { r.mutable_spec()->set_rest_distance(distance); });
+  refuse("spec.excluded_meshes[0]", [](Request& r) { r.mutable_spec()->add_excluded_meshes()->set_second(1); });
   refuse("request_id", [](Request& r) { r.set_request_id(std::string(65, 'x')); });
   for (const double lease : {-1.0, kNan}) refuse("lease_seconds", [&](Request& r) { r.set_lease_seconds(lease); });
 }
@@ -306,6 +310,53 @@ TEST(ConvertScene, RefusesWhatDoesNotGoTogether) {
     r.mutable_spec()->set_accuracy(pb::ACCURACY_CANDIDATES);
     r.mutable_spec()->set_report(pb::REPORT_ANY_HIT);
   });
+}
+
+TEST(ConvertScene, TakesWhatIsLeftOutAndTellsIt) {
+  const auto wanted = request_with([](pb::SceneSpec& s) {
+    *s.add_meshes() = s.meshes(0);
+    s.mutable_meshes(1)->set_name("bag");
+    s.mutable_meshes(0)->set_exclude_rings(8);
+    s.mutable_meshes(1)->set_exclude_rest_pairs(true);
+    s.set_thickness(0.25);
+    auto* pair = s.add_excluded_meshes();
+    pair->set_first(1);
+    pair->set_second(0);
+    s.add_excluded_meshes();
+  });
+  const SceneSpec engine = parse_scene(wanted, {}).plan.engine;
+  EXPECT_EQ(engine.meshes[0].excluded_rings, 8u);
+  EXPECT_TRUE(!engine.meshes[0].excludes_rest_pairs && engine.meshes[1].excludes_rest_pairs);
+  EXPECT_EQ(engine.rest_distance, 0.25) << "the thickness";
+  EXPECT_EQ(engine.excluded_meshes, (std::vector<std::array<uint32_t, 2>>{{1, 0}, {0, 0}}));
+  const auto told = shown(wanted).spec();
+  EXPECT_EQ(told.meshes(0).exclude_rings(), 8u);
+  EXPECT_TRUE(told.meshes(1).exclude_rest_pairs());
+  EXPECT_EQ(told.rest_distance(), 0.25);
+  ASSERT_EQ(told.excluded_meshes_size(), 2);
+  EXPECT_EQ(told.excluded_meshes(0).first(), 1u);
+  EXPECT_EQ(shown(request()).spec().rest_distance(), 0);
+}
+
+TEST(ConvertScene, RefusalsOfWhatIsLeftOutNameValueAndLimit) {
+  const auto refusal = [](const std::function<void(pb::SceneSpec&)>& change) {
+    return refusal_of(request_with(change));
+  };
+  EXPECT_EQ(refusal([](pb::SceneSpec& s) { s.mutable_meshes(0)->set_exclude_rings(9); }),
+            "spec.meshes[0].exclude_rings is 9, the limit is 8");
+  EXPECT_EQ(refusal([](pb::SceneSpec& s) { s.set_rest_distance(0.5); }),
+            "spec.rest_distance is 0.5, but no mesh excludes rest pairs");
+  EXPECT_EQ(refusal([](pb::SceneSpec& s) { s.add_excluded_meshes()->set_second(7); }),
+            "spec.excluded_meshes[0] is meshes 0 and 7, but the last mesh is 0");
+  EXPECT_EQ(refusal([](pb::SceneSpec& s) { s.add_excluded_meshes(), s.add_excluded_meshes(); }),
+            "spec.excluded_meshes[1] is meshes 0 and 0, which an earlier pair already is");
+  EXPECT_EQ(refusal([](pb::SceneSpec& s) {
+              s.set_mode(pb::DETECTION_MODE_DCD);
+              s.add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
+              s.mutable_meshes(0)->set_exclude_rest_pairs(true);
+            }),
+            "spec.meshes[0].exclude_rest_pairs is on, but the scene has triangle pairs alone: rest pairs are "
+            "vertex-triangle and edge-edge contacts");
 }
 
 // The rule is the engine's; fields and values are named as the client knows them.

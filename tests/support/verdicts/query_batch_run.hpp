@@ -57,7 +57,7 @@ template <Executor Exec, class Real>
 class QueryRun {
  public:
   QueryRun(Exec& exec, const BatchSettings& settings, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
-      : exec_(exec), ranks_(ranks), scene_(scene), narrow_(exec, spec_, ranks_, scene), results_(exec, spec_, scene) {
+      : exec_(exec), ranks_(ranks), scene_(scene), narrow_(exec, ranks_, scene), results_(exec, spec_, scene) {
     spec_.mode = settings.mode;
     spec_.thickness = settings.thickness;
     spec_.accuracy = settings.accuracy;

@@ -1,0 +1,24 @@
+#pragma once
+// Which meshes of a scene may touch which, from its spec.
+
+#include <vector>
+
+#include "gpu/base/mesh_filter.hpp"
+#include "gpu/types.hpp"
+
+namespace collided {
+
+/// The rule of each mesh.
+std::vector<MeshRule> mesh_rules(const SceneSpec& spec);
+/// The same for the step that finds rest pairs: nothing touches but the meshes that exclude such pairs, themselves.
+std::vector<MeshRule> rest_rules(const SceneSpec& spec);
+
+/// Whether some pair of triangles may not touch because of its meshes.
+bool needs_pair_filter(const SceneSpec& spec);
+/// Whether some mesh that may touch itself excludes rest pairs.
+bool excludes_rest_pairs(const SceneSpec& spec);
+
+/// Slots of PairFilter::excluded; none if no two meshes are excluded.
+std::vector<uint64_t> excluded_mesh_slots(const SceneSpec& spec);
+
+}  // namespace collided
