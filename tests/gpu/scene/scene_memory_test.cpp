@@ -52,10 +52,10 @@ TEST_F(SceneMemory, TwoTrianglesTakeLittle) {
 }
 
 TEST_F(SceneMemory, GrowsWithTheTriangles) {
-  constexpr uint64_t kOfTriangle = 4096, kOfScene = 64 << 10;
+  constexpr uint64_t kOfTriangle = 2048, kFirstLists = 320 << 10;
   for (const uint32_t count : {2u, 30u, 100u, 1'000u, 10'000u}) {
     const auto parts = memory_of(triangles(count), settings(Mode::kCcd, Accuracy::kCertified));
-    EXPECT_LE(bytes_of(parts), kOfScene + count * kOfTriangle) << count << " triangles: " << text(parts);
+    EXPECT_LE(bytes_of(parts), kFirstLists + count * kOfTriangle) << count << " triangles: " << text(parts);
   }
 }
 
