@@ -37,6 +37,8 @@ std::string random_id() {
 }
 
 void add_mesh(v1::SceneSpec& spec, const MeshInput& mesh) {
+  if (mesh.is_static && mesh.is_rigid)
+    throw Error(grpc::INVALID_ARGUMENT, "mesh " + mesh.name + " is static and rigid, and can only be one of them");
   v1::MeshSpec& out = *spec.add_meshes();
   out.set_name(mesh.name);
   out.set_vertex_count(mesh.vertex_count);

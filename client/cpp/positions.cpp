@@ -3,6 +3,7 @@
 #include "client/cpp/positions.hpp"
 
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 
 #include "client/cpp/error.hpp"
@@ -43,16 +44,22 @@ void move(std::span<Real> positions, std::span<const Real> target, double fracti
   }
 }
 
+/// With all its digits.
+std::string text(double x) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.17g", x);
+  return digits;
+}
+
 /// One axis of a box that positions are encoded in.
 struct Axis {
-  double lower, step;
+  double lower, upper, step;
 
   uint16_t encode(double x, size_t vertex, char name) const {
     constexpr double kLast = 65535;
-    if (!(x >= lower && x <= lower + kLast * step))
-      throw Error(kInvalidArgument, "vertex " + std::to_string(vertex) + ": " + name + " is " + std::to_string(x) +
-                                        ", outside the box, " + std::to_string(lower) + " to " +
-                                        std::to_string(lower + kLast * step));
+    if (!(x >= lower && x <= upper))
+      throw Error(kInvalidArgument, "vertex " + std::to_string(vertex) + ": " + name + " is " + text(x) +
+                                        ", outside the box, " + text(lower) + " to " + text(upper));
     return step > 0 ? static_cast<uint16_t>(std::fmin(std::round((x - lower) / step), kLast)) : uint16_t{0};
   }
 };
@@ -65,9 +72,9 @@ std::array<Axis, 3> axes_of(const v1::QuantizationBox& box) {
   for (int k = 0; k < 3; ++k) {
     const double lower = box.lower(k), upper = box.upper(k);
     if (!(std::isfinite(lower) && std::isfinite(upper) && lower <= upper))
-      throw Error(kInvalidArgument, "the box is from " + std::to_string(lower) + " to " + std::to_string(upper) +
-                                        "; both must be finite and in order");
-    axes[static_cast<size_t>(k)] = {lower, (upper - lower) / 65535};
+      throw Error(kInvalidArgument,
+                  "the box is from " + text(lower) + " to " + text(upper) + "; both must be finite and in order");
+    axes[static_cast<size_t>(k)] = {lower, upper, (upper - lower) / 65535};
   }
   return axes;
 }

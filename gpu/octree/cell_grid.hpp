@@ -12,7 +12,7 @@ namespace collided {
 /// How many levels lie below the top of a two-level grid: a cell has 64 small ones.
 constexpr int kLevelsOfCrowdedCell = 2;
 
-/// A base level whose cells are `cells_per_mean` times smaller than the mean triangle is large, or as small as
+/// A base level whose cells are `cell_per_mean` times smaller than the mean triangle is large, or as small as
 /// `deepest` allows; all levels above are active.
 struct SpanCells {
   const Box<float>* bounds;

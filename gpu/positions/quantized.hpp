@@ -1,10 +1,12 @@
 #pragma once
 // Positions as 16-bit fixed point in a box (Q16), and how far what comes out is from what went in.
 
+#include <algorithm>
 #include <cmath>
 
 #include "gpu/base/host_device.hpp"
 #include "gpu/base/vec3.hpp"
+#include "gpu/positions/format.hpp"
 #include "gpu/types.hpp"
 
 namespace collided {
@@ -31,6 +33,12 @@ struct Quantization {
     return {decode(q.x, lower.x, step.x), decode(q.y, lower.y, step.y), decode(q.z, lower.z, step.z)};
   }
 
+  /// Largest magnitude of a coordinate in the box.
+  double largest() const {
+    const auto along = [](double lo, double size) { return std::fmax(std::fabs(lo), std::fabs(lo + kLast * size)); };
+    return std::fmax(along(lower.x, step.x), std::fmax(along(lower.y, step.y), along(lower.z, step.z)));
+  }
+
   /// No decoded position is farther than this from the one that was encoded, if that was in the box and went to the
   /// nearest step.
   double error() const {
@@ -53,5 +61,23 @@ struct Quantization {
     return (step / 2 + 0x1.0001p-24 * largest) * (1 + 0x1p-50) + 0x1p-149;
   }
 };
+
+/// A rigid mesh whose positions were encoded stays within so many times the largest coordinate of the box.
+constexpr double kMostBoxes = 8;
+
+/// Largest magnitude of a coordinate that a transform may give to a rigid mesh's vertices.
+inline double reach_limit(const SceneSpec& spec) {
+  const double limit = coordinate_limit(spec.scalar);
+  return spec.quantized_in ? std::fmin(limit, kMostBoxes * Quantization(spec.quantized_in).largest()) : limit;
+}
+
+/// What a scene's positions may be off from those that were encoded, moved by transforms, and rounded again.
+inline double encoding_error(const SceneSpec& spec) {
+  const Quantization quantization(spec.quantized_in);
+  const bool moves = std::any_of(spec.meshes.begin(), spec.meshes.end(),
+                                 [](const MeshSpec& mesh) { return mesh.motion == MeshMotion::kRigid; });
+  const double rounding = moves && quantization.is_on ? 0x1.cp-24 * kMostBoxes * quantization.largest() : 0;
+  return quantization.error() + rounding;
+}
 
 }  // namespace collided

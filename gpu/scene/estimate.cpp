@@ -60,12 +60,12 @@ class SceneDryRun {
   }
   /// As RigidMeshes does.
   void reserve_rigid() {
-    uint64_t vertices = 0;
+    uint64_t vertices = 0, bodies = 0;
     for (const MeshSpec& mesh : spec_.meshes)
-      if (mesh.motion == MeshMotion::kRigid) vertices += mesh.vertex_count;
-    if (vertices == 0) return;
+      if (mesh.motion == MeshMotion::kRigid) vertices += mesh.vertex_count, ++bodies;
+    if (bodies == 0) return;
     scene_.rigid.rest.allocate(vertices);
-    scene_.rigid.bounds.allocate(1);
+    scene_.rigid.bounds.allocate(bodies);
     if (spec_.mode == Mode::kDcd) return;
     scene_.rigid.first_vertex.allocate(spec_.meshes.size());
     scene_.rigid.deviations.allocate(spec_.meshes.size() + 1);
@@ -97,6 +97,10 @@ uint64_t min_scene_bytes(const SceneSpec& spec, uint64_t vertices, uint64_t tria
 
 SceneEstimate estimate_scene(const SceneSpec& spec, uint64_t vertices, uint64_t triangles) {
   check_spec(spec);
+  check_exclusions(spec);
+  if (vertices == 0 || triangles == 0)
+    throw InvalidInput("meshes", "meshes have " + std::to_string(vertices) + " vertices and " +
+                                     std::to_string(triangles) + " triangles; at least one of each is needed");
   SceneEstimate estimate = with_dry_run(spec, vertices, triangles, [](auto&& scene) { return scene.run_frame(); });
   const LevelNeeds needs = needs_of(spec, settings_of(spec, {}));
   for_each_kind(

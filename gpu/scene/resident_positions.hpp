@@ -43,15 +43,15 @@ class ResidentPositions {
   }
 
   /// Puts the frame's positions in `end`, and those that it begins at in `start`.
-  void place(Slot& slot, const std::optional<double>& start_fraction) {
+  void place(Slot& slot, const std::optional<double>& start_fraction, bool is_ccd) {
     if (start_fraction)
       begin_along(*start_fraction);
     else if (has_frame_)
       begin_at_last_good(slot.brings_starts());
     has_path_ = false;
-    slot.place(exec_, scene_.start.data(), scene_.end.data(), !has_frame_);
     rigid_.begin(start_fraction);
-    rigid_.place(slot.moves(), !has_frame_);
+    slot.place(exec_, scene_.start.data(), scene_.end.data(), !has_frame_);
+    rigid_.place(slot.moves(), !has_frame_, is_ccd);
   }
   /// A mesh that turns in the step in work: its true path is no straight one.
   std::optional<uint32_t> turning() const { return rigid_.turning(); }
@@ -60,8 +60,8 @@ class ResidentPositions {
   void keep_target() { copy(scene_.target, scene_.end); }
   /// Goes this far from `start` to where `end` was when it was kept.
   void go(double fraction) {
-    rigid_.go(fraction);
     blend_into(scene_.end, scene_.start, scene_.target, fraction);
+    rigid_.go(fraction);
   }
 
   /// The frame counts from here on; its positions are what a later failure falls back to.

@@ -51,38 +51,43 @@ class RigidMeshes {
     scene_.rigid.rest.allocate(rest_count_);
     if (!has_paths()) return;
     const size_t meshes = shape_.spec.meshes.size();
-    if (scene_.rigid.first_vertex.capacity() == 0) {
-      scene_.rigid.first_vertex.allocate(meshes);
-      scene_.rigid.deviations.allocate(meshes + 1);
-      exec_.upload(scene_.rigid.first_vertex.data(), shape_.vertex_offset.data(), meshes * sizeof(uint32_t));
-      deviations_.clear();
-    }
+    if (!deviations_.empty()) return;
+    scene_.rigid.first_vertex.allocate(meshes);
+    scene_.rigid.deviations.allocate(meshes + 1);
+    exec_.upload(scene_.rigid.first_vertex.data(), shape_.vertex_offset.data(), meshes * sizeof(uint32_t));
   }
 
-  /// Where the step begins: where the last good frame ended, or so far along the last frame's way.
+  /// Where the step begins: where the last good frame ended, or so far along the last frame's way, where the meshes'
+  /// positions at the start go, too.
   void begin(const std::optional<double>& start_fraction) {
     for (Body& body : bodies_) {
-      body.start = start_fraction ? along(body, *start_fraction) : body.good;
-      body.end = body.start;
+      body.start = start_fraction ? along(body.start, body.end, *start_fraction) : body.good;
+      body.end = body.target = body.start;
+      if (start_fraction) transform(body, body.start, scene_.start.data());
+      if (start_fraction) transform(body, body.start, scene_.end.data());
     }
-    reached_ = 1;
   }
   /// Puts the frame's moves in `start` and `end`, where the slot has put positions. `first`: those to be kept at rest.
-  void place(const std::vector<RigidMove>& moves, bool first) {
+  void place(const std::vector<RigidMove>& moves, bool first, bool is_ccd) {
     if (bodies_.empty()) return;
     if (first) keep_rest();
-    for (const RigidMove& move : moves) place(move, first);
-    if (has_paths()) measure();
+    for (const RigidMove& move : moves) place(move, first, is_ccd);
+    if (is_ccd) measure();
   }
   /// The same ends in other positions that the slot has put its own into.
   void place_ends(const std::vector<RigidMove>& moves, Vec3<Real>* positions) {
     for (const RigidMove& move : moves) transform(body_of(move.mesh), move.end, positions);
   }
 
-  /// Only so far does the scene go.
-  void go(double fraction) { reached_ = fraction; }
+  /// So far along the step's way, on which no mesh turns: where the pose is, so are the positions.
+  void go(double fraction) {
+    for (Body& body : bodies_) {
+      body.end = along(body.start, body.target, fraction);
+      transform(body, body.end, scene_.end.data());
+    }
+  }
   void commit() {
-    for (Body& body : bodies_) body.good = along(body, reached_);
+    for (Body& body : bodies_) body.good = body.end;
   }
 
   /// A mesh that turns in the step in work, or turned in the last one.
@@ -98,39 +103,43 @@ class RigidMeshes {
     uint64_t first_rest;
     Box<double> rest = {};
     Pose start = {}, end = {};  ///< of the step in work, or of the last one
+    Pose target = {};           ///< where the step in work would end
     Pose good = {};             ///< of the last good frame
   };
 
   bool has_paths() const { return shape_.spec.mode != Mode::kDcd; }
   Body& body_of(uint32_t mesh) {
-    return *std::find_if(bodies_.begin(), bodies_.end(), [&](const Body& body) { return body.mesh == mesh; });
+    return *std::lower_bound(bodies_.begin(), bodies_.end(), mesh,
+                             [](const Body& body, uint32_t wanted) { return body.mesh < wanted; });
   }
-  /// Of meshes that do not turn; others go all the way.
-  static Pose along(const Body& body, double fraction) {
-    if (fraction == 1) return body.end;
-    Pose pose = body.start;
-    for (size_t i = 3; i < pose.rows.size(); i += 4)
-      pose.rows[i] = blend(body.start.rows[i], body.end.rows[i], fraction);
+  /// Of a mesh that does not turn.
+  static Pose along(const Pose& start, const Pose& end, double fraction) {
+    Pose pose = end;
+    for (size_t i = 3; i < pose.rows.size(); i += 4) pose.rows[i] = blend(start.rows[i], end.rows[i], fraction);
     return pose;
   }
 
   void keep_rest() {
+    constexpr Real kMost = std::numeric_limits<Real>::max();
+    const Box<Real> none{{kMost, kMost, kMost}, {-kMost, -kMost, -kMost}};
     RigidBuffers<Exec, Real>& rigid = scene_.rigid;
-    rigid.bounds.allocate(1);
-    for (Body& body : bodies_) {
+    rigid.bounds.allocate(bodies_.size());
+    for (size_t i = 0; i < bodies_.size(); ++i) {
+      const Body& body = bodies_[i];
       Vec3<Real>* rest = rigid.rest.data() + body.first_rest;
       exec_.copy(rest, scene_.end.data() + body.first_vertex, uint64_t{body.count} * sizeof(Vec3<Real>));
-      constexpr Real kMost = std::numeric_limits<Real>::max();
-      const Box<Real> none{{kMost, kMost, kMost}, {-kMost, -kMost, -kMost}};
-      exec_.reduce_into("rigid_bounds", body.count, PointBox<Real>{rest}, none, JoinPointBoxes{}, rigid.bounds.data());
-      Box<Real> box;
-      exec_.download(&box, rigid.bounds.data(), sizeof(box));
-      body.rest = {convert<double>(box.lo), convert<double>(box.hi)};
-      body.start = body.end = {};
+      exec_.reduce_into("rigid_bounds", body.count, PointBox<Real>{rest}, none, JoinPointBoxes{},
+                        rigid.bounds.data() + i);
+    }
+    std::vector<Box<Real>> boxes(bodies_.size());
+    exec_.download(boxes.data(), rigid.bounds.data(), boxes.size() * sizeof(Box<Real>));
+    for (size_t i = 0; i < bodies_.size(); ++i) {
+      bodies_[i].rest = {convert<double>(boxes[i].lo), convert<double>(boxes[i].hi)};
+      bodies_[i].start = bodies_[i].end = bodies_[i].target = {};
     }
   }
 
-  void place(const RigidMove& move, bool first) {
+  void place(const RigidMove& move, bool first, bool is_ccd) {
     Body& body = body_of(move.mesh);
     const std::string field = "updates[" + std::to_string(move.update) + "].";
     if (move.start || first) {
@@ -138,9 +147,9 @@ class RigidMeshes {
       if (move.start) check_reach(field + "start_transform", body, body.start);
       if (has_paths()) transform(body, body.start, scene_.start.data());
     }
-    body.end = move.end;
+    body.end = body.target = move.end;
     check_reach(field + "transform", body, body.end);
-    if (has_paths()) check_angle(field + "transform", body);
+    if (is_ccd) check_angle(field + "transform", body);
     transform(body, body.end, scene_.end.data());
   }
   void transform(const Body& body, const Pose& pose, Vec3<Real>* positions) {
@@ -149,7 +158,7 @@ class RigidMeshes {
         TransformPositions<Real>(pose, scene_.rigid.rest.data() + body.first_rest, positions + body.first_vertex));
   }
   void check_reach(const std::string& field, const Body& body, const Pose& pose) const {
-    const double limit = coordinate_limit(shape_.spec.scalar), reach = largest_coordinate(pose, body.rest);
+    const double limit = reach_limit(shape_.spec), reach = largest_coordinate(pose, body.rest);
     if (!(reach <= limit))
       throw InvalidInput(field, field + " puts vertices of mesh " + std::to_string(body.mesh) +
                                     " at coordinates of up to " + text(reach) + "; they must be at most " +
@@ -180,7 +189,6 @@ class RigidMeshes {
   SceneBuffers<Exec, Real>& scene_;
   std::vector<Body> bodies_;
   uint64_t rest_count_ = 0;
-  double reached_ = 1;
   std::vector<double> deviations_;  ///< those on the backend
 };
 

@@ -51,18 +51,14 @@ class RingWalk {
       for (const size_t end = ring_.size(); next < end; ++next) leave(ring_[next], v);
     return ring_;
   }
+  /// Along edges, so far.
+  uint64_t steps() const { return steps_; }
 
  private:
   static constexpr uint32_t kNothing = ~0u;
-  /// Many edges may lead to few vertices: what bounds the rings does not bound the way there.
-  static constexpr uint64_t kMaxSteps = uint64_t{1} << 33;
-
   void leave(uint32_t at, uint32_t from) {
     const uint32_t first = neighbours_.begin[at], end = neighbours_.begin[at + 1];
     steps_ += end - first;
-    if (steps_ > kMaxSteps)
-      throw ResourceExhausted("the rings of the meshes take more than " + std::to_string(kMaxSteps) +
-                              " steps along edges: exclude fewer rings");
     for (uint32_t i = first; i < end; ++i) {
       const uint32_t to = neighbours_.vertices[i];
       if (reached_from_[to] == from) continue;
@@ -85,22 +81,44 @@ uint64_t table_bytes(const Topology& topology, uint64_t entries) {
   return sizeof(uint32_t) * (uint64_t{topology.vertex_count} + 1 + entries);
 }
 
+size_t first_with_rings(const SceneSpec& spec) {
+  return static_cast<size_t>(std::find_if(spec.meshes.begin(), spec.meshes.end(),
+                                          [](const MeshSpec& mesh) { return mesh.excluded_rings > 0; }) -
+                             spec.meshes.begin());
+}
+
+[[noreturn]] void refuse_rings(const SceneSpec& spec, size_t mesh, const std::string& what) {
+  const std::string field = "meshes[" + std::to_string(mesh) + "].excluded_rings";
+  throw InvalidInput(field, field + " is " + std::to_string(spec.meshes[mesh].excluded_rings) +
+                                ", too many for these meshes, whose rings " + what);
+}
+
 void check_size(const SceneSpec& spec, const Topology& topology, uint64_t entries) {
   const uint64_t bytes = table_bytes(topology, entries);
   if (spec.memory_budget != 0 && bytes > spec.memory_budget)
     throw ResourceExhausted("memory_budget: the scene needs more than " + std::to_string(bytes) +
                             " bytes for the rings of its meshes, the budget is " + std::to_string(spec.memory_budget));
   if (entries >= ~0u)
-    throw ResourceExhausted("the rings of the meshes have more than " + std::to_string(~0u - 1) +
-                            " vertices in all: exclude fewer rings");
+    refuse_rings(spec, first_with_rings(spec), "have more than " + std::to_string(~0u - 1) + " vertices in all");
+}
+
+/// Many edges may lead to few vertices: what bounds the rings does not bound the way there. Meshes whose vertices have
+/// six neighbours take 600 steps a triangle for eight rings.
+uint64_t max_steps(const Topology& topology) {
+  return (uint64_t{1} << 24) + 4096 * uint64_t{topology.triangles.size()};
 }
 
 /// use(vertex, its ring) for the vertices of meshes that have rings.
 template <class Use>
-void for_each_ring(const Topology& topology, const std::vector<uint32_t>& reaches, RingWalk& walk, const Use& use) {
+void for_each_ring(const SceneSpec& spec, const Topology& topology, const std::vector<uint32_t>& reaches,
+                   RingWalk& walk, const Use& use) {
+  const uint64_t most = max_steps(topology);
   for (size_t mesh = 0; mesh < reaches.size(); ++mesh)
-    for (uint32_t v = topology.vertex_offset[mesh]; reaches[mesh] > 0 && v < topology.vertex_offset[mesh + 1]; ++v)
+    for (uint32_t v = topology.vertex_offset[mesh]; reaches[mesh] > 0 && v < topology.vertex_offset[mesh + 1]; ++v) {
       use(v, walk.ring(v, reaches[mesh]));
+      if (walk.steps() > most)
+        refuse_rings(spec, mesh, "take more than " + std::to_string(most) + " steps along edges");
+    }
 }
 
 /// How many vertices all rings have; what they take is taken while they are counted, so that nobody counts for long
@@ -110,7 +128,7 @@ uint64_t count_entries(const SceneSpec& spec, const Topology& topology, const st
   constexpr uint64_t kAtATime = 1u << 20;
   uint64_t entries = 0, taken = 0;
   RingWalk walk(topology);
-  for_each_ring(topology, reaches, walk, [&](uint32_t v, const std::vector<uint32_t>& ring) {
+  for_each_ring(spec, topology, reaches, walk, [&](uint32_t v, const std::vector<uint32_t>& ring) {
     lengths[v] = static_cast<uint32_t>(ring.size());
     entries += ring.size();
     if (entries <= taken) return;
@@ -136,7 +154,7 @@ RingTables make_rings(const SceneSpec& spec, const Topology& topology, MemoryHol
   for (uint32_t& begin : rings.begin) sum += std::exchange(begin, sum);
   rings.vertices.reserve(entries);
   RingWalk walk(topology);
-  for_each_ring(topology, reaches, walk, [&](uint32_t, const std::vector<uint32_t>& ring) {
+  for_each_ring(spec, topology, reaches, walk, [&](uint32_t, const std::vector<uint32_t>& ring) {
     const auto first = static_cast<std::ptrdiff_t>(rings.vertices.size());
     rings.vertices.insert(rings.vertices.end(), ring.begin(), ring.end());
     std::sort(rings.vertices.begin() + first, rings.vertices.end());

@@ -14,8 +14,8 @@ struct RingTables {
 };
 
 /// Takes from `making`, which then has the tables' bytes more than before, what memory this needs. Throws
-/// ResourceExhausted where the tables exceed the scene's budget or the limits of their numbers or steps, and what the
-/// quota throws.
+/// ResourceExhausted where the tables exceed the scene's budget, InvalidInput where they exceed the limits of their
+/// numbers or steps, and what the quota throws.
 RingTables make_rings(const SceneSpec& spec, const Topology& topology, MemoryHold& making);
 
 }  // namespace collided

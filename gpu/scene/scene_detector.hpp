@@ -107,7 +107,7 @@ class SceneDetector final : public Detector {
       slot->arrive(!positions_.has_frame());
       positions_.check_start_fraction(frame.start_fraction);
       positions_.require(*slot, frame);
-      positions_.place(*slot, frame.start_fraction);
+      positions_.place(*slot, frame.start_fraction, settings.is_ccd());
       check_straight(frame, settings);
     });
     RestCosts rest;
@@ -152,7 +152,7 @@ class SceneDetector final : public Detector {
   /// Where a step with the frame's own settings can serve as the first try of an advance, it does.
   FrameSettings settings_with_margin(const FrameInput& frame) const {
     FrameSettings settings = settings_of(spec_, frame);
-    settings.encoding = 2 * Quantization(spec_.quantized_in).error();
+    settings.encoding = 2 * encoding_error(spec_);
     if (frame.advance && settings.accuracy == Accuracy::kCertified && settings.thickness == spec_.min_separation)
       settings.thickness += margin_;
     return settings;

@@ -142,7 +142,7 @@ struct RigidBuffers {
       : rest(exec, "rigid"), bounds(exec, "rigid"), first_vertex(exec, "rigid"), deviations(exec, "rigid") {}
 
   Buffer<Vec3<Real>, Exec> rest;        ///< the positions that are transformed, of one mesh after the other
-  Buffer<Box<Real>, Exec> bounds;       ///< of one mesh's
+  Buffer<Box<Real>, Exec> bounds;       ///< of each mesh's
   Buffer<uint32_t, Exec> first_vertex;  ///< of every mesh of the scene; CCD only
   Buffer<double, Exec> deviations;      ///< likewise (Deviations)
 };

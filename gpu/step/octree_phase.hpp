@@ -30,19 +30,23 @@ class OctreePhase {
   /// What the next steps are like.
   void begin(double thickness, bool is_ccd) { thickness_ = thickness, is_ccd_ = is_ccd; }
 
-  /// Lists start at what most scenes need.
+  /// Lists start at what most scenes need. Those that go together may be of different lengths since a step that ran out
+  /// of memory.
   void reserve(const OctreePlan& plan) {
     const uint64_t n = triangle_count();
     OctreeBuffers<Exec>& tree = scene_.octree;
     tree.wanted.allocate(1);
-    if (plan.rounds > 0 && tree.bricks.capacity() == 0) {
-      reserve_bricks(min(n / 16 + 1, uint64_t{256}));
-      tree.brick_items.allocate(n + first_length(n));
+    if (plan.rounds > 0) {
+      if (tree.bricks.capacity() == 0) reserve_bricks(min(n / 16 + 1, uint64_t{256}));
+      if (tree.brick_items.capacity() == 0) tree.brick_items.allocate(n + first_length(n));
+      tree.reach.allocate(tree.bricks.capacity());
+      tree.brick_cost.allocate(tree.bricks.capacity());
     }
     reserve_cells();
     tree.root_cost.allocate(level_offset(deepest_base(n) - kBrickLevels + 1));
     if (tree.large.capacity() == 0) tree.large.allocate(min(n, uint64_t{256}));
     if (tree.leaves.capacity() == 0) reserve_leaves(n / 2 + first_length(n));
+    tree.cursor.allocate(tree.leaves.capacity());
     if (tree.registered.capacity() == 0) tree.registered.allocate(6 * n + first_length(n));
     if (tree.items.capacity() == 0) tree.items.allocate(n + first_length(n));
   }

@@ -281,7 +281,8 @@ class Pipeline {
       lbvh_.describe(c);
     else if (!has_cells_of_triangles(result_.engine))
       levels_ = next_levels({state_.grid.grid.top, state_.grid.grid.base, levels_.deepest}, leaves.level_registrations);
-    if (needs().settings.report != Report::kAnyHit) choice_.observe(c, counts_.triangles, state_.bricks[0] > 0);
+    if (needs().settings.report != Report::kAnyHit && !needs().finds_rest_pairs)
+      choice_.observe(c, counts_.triangles, state_.bricks[0] > 0);
     result_.input_resolution = needs().judges_resolution() && is_coarse();
     result_.step_milliseconds = exec_.step_milliseconds();
     result_.graph_launches = exec_.graph_launches();

@@ -127,6 +127,7 @@ Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field) {
 void parse_format(const pb::SceneSpec& spec, SceneSpec& engine) {
   const std::string box = "spec.quantization_box";
   const bool is_quantized = spec.position_format() == pb::POSITION_FORMAT_Q16;
+  if (is_quantized && !spec.has_quantization_box()) throw_invalid(box, "is missing, but POSITION_FORMAT_Q16 needs it");
   if (!is_quantized && spec.has_quantization_box())
     throw_invalid(box, "is set, but spec.position_format is not POSITION_FORMAT_Q16");
   if (!is_quantized)
@@ -180,11 +181,14 @@ void check_frame_options(const SceneSpec& scene, const FrameInput& frame) try {
   const bool is_own = (e.field() == "report" && frame.report) || (e.field() == "delta" && frame.delta) ||
                       e.field() == "advance" || e.field() == "ignore_separating" || e.field() == "start_fraction" ||
                       e.field() == "mode";
-  const std::string field = is_own ? frame_path(e.field()) : "frame.accuracy";
+  const bool is_mode = !is_own && frame.mode && !frame.accuracy;
+  const std::string field = is_own ? frame_path(e.field()) : is_mode ? "frame.mode" : "frame.accuracy";
   const std::string value = name_of(frame.accuracy.value_or(scene.accuracy));
   const std::string option =
       e.field() == "triangle_triangle" ? "CONTACT_KIND_TRIANGLE_TRIANGLE of spec.kinds" : spec_path(e.field());
-  if (!is_own) throw InvalidInput(field, fmt::format("{} is {}: {}", field, value, renamed(e, option)));
+  if (!is_own)
+    throw InvalidInput(field,
+                       fmt::format("{} is {}: {}", field, is_mode ? name_of(*frame.mode) : value, renamed(e, option)));
   const std::string accuracy = fmt::format("{}.accuracy is {}", frame.accuracy ? "frame" : "spec", value);
   const std::string mode = frame.mode ? "frame.mode is " + name_of(*frame.mode) : "spec.mode is " + name_of(scene.mode);
   throw InvalidInput(field, renamed(e, field) + context_of(e.field(), mode, accuracy));

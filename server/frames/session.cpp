@@ -64,8 +64,10 @@ void FrameSession::submit(PendingFrame frame) {
   start_next_locked();
 }
 
-// A frame that is already refused stays, so that its error is reported.
+// A frame that is already refused stays, so that its error is reported; so do all of a
+// scene that has yet to see where its meshes rest.
 void FrameSession::skip_older_locked(const PendingFrame& latest) {
+  if (scene_->awaits_rest()) return;
   for (Waiting& older : waiting_) {
     if (older.is_skipped || older.frame.refusal || !covers(latest, older.frame)) continue;
     older.is_skipped = true;

@@ -2,6 +2,7 @@
 // A resident scene: its plan, its detector, its worker, its one stream, its lease, and its visible state.
 // No gRPC here.
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -100,6 +101,13 @@ class Scene {
   /// A free or new slot for one frame; its last reference returns it to the scene. From any thread. Throws NotFound
   /// once the scene is deleted.
   std::shared_ptr<FrameSlot> take_slot();
+  /// Whether a mesh excludes rest pairs, and no frame was applied yet that tells which those are.
+  bool awaits_rest() const {
+    const auto excludes = [](const MeshSpec& mesh) { return mesh.excludes_rest_pairs; };
+    if (!std::ranges::any_of(plan_.engine.meshes, excludes)) return false;
+    const std::lock_guard lock(mutex_);
+    return shown_.last_frame_id == 0;
+  }
   /// Maximum bytes of positions in a frame.
   uint64_t max_position_bytes() const;
   /// Waits for this scene's turn on its device.

@@ -56,8 +56,10 @@ struct ScenePlan {
 inline uint64_t plan_bytes(const ScenePlan& plan) {
   constexpr uint64_t kOfMesh = sizeof(MeshPlan) + 3 * sizeof(MeshSpec) + 4 * sizeof(uint64_t);
   constexpr uint64_t kOfPair = sizeof(SceneSpec::excluded_meshes[0]);
+  constexpr uint64_t kOfRigidMesh = 512;  // its poses
   uint64_t bytes = plan.meshes.size() * kOfMesh + 3 * plan.engine.excluded_meshes.size() * kOfPair;
   for (const auto& mesh : plan.meshes) bytes += mesh.name.size();
+  for (const auto& mesh : plan.engine.meshes) bytes += mesh.motion == MeshMotion::kRigid ? kOfRigidMesh : 0;
   return bytes;
 }
 

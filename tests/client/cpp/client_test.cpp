@@ -127,6 +127,8 @@ TEST(Positions, AreEncodedToTheNearestStep) {
   EXPECT_EQ(pack_quantized(positions, box_of(-1, 1)), bytes<uint16_t>({0, 32768, 65535, 32768, 32767, 65535}));
   const std::vector<std::array<double, 3>> flat{{3, 3, 3}};
   EXPECT_EQ(pack_quantized(flat, box_of(3, 3)), bytes<uint16_t>({0, 0, 0}));
+  const std::vector<std::array<double, 3>> top{{0.1, 0.1, 0.1}};
+  EXPECT_EQ(pack_quantized(top, box_of(-10, 0.1)), bytes<uint16_t>({65535, 65535, 65535}));
   EXPECT_THROW(pack_quantized(positions, box_of(-0.5, 1)), Error);
   EXPECT_THROW(pack_quantized(positions, box_of(1, -1)), Error);
   EXPECT_THROW(pack_quantized(positions, {}), Error);

@@ -171,6 +171,26 @@ TEST_F(Quantized, SparseUpdatesAreEncodedToo) {
   EXPECT_TRUE(same_contacts(detect(c, spec), got));
 }
 
+TEST_F(Quantized, RigidMeshesStayNearTheBox) {
+  const Case c = soup(26, 10, 1, 0.3, 0.1);
+  SceneSpec spec = spec_of(c, Mode::kDcd, Accuracy::kCertified, 0.01);
+  spec.meshes[0].motion = MeshMotion::kRigid;
+  const auto scene = Detector::create(spec);
+  const auto go = [&](double x, bool first) {
+    const double rows[12] = {1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0};
+    const auto* bytes = reinterpret_cast<const std::byte*>(rows);
+    OwnedUpdate update;
+    if (first) update.end = encoded(c.start[0], kBox);
+    update.transform = {bytes, bytes + sizeof(rows)};
+    FrameInput input;
+    input.updates = {update.view()};
+    scene->detect(input);
+  };
+  go(0, true);
+  go(10, false);
+  EXPECT_EQ("updates[0].transform", refused_field([&] { go(20, false); })) << "binary32 is too coarse there";
+}
+
 TEST_F(Quantized, WhatItCannotDoIsRefused) {
   const Case c = soup(25, 10, 1, 0.3, 0.1);
   const auto field_of = [&](const std::function<void(SceneSpec&)>& set) {

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "gpu/base/box.hpp"
+#include "gpu/positions/blend.hpp"
 #include "gpu/positions/pose.hpp"
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/positions/owned_updates.hpp"
@@ -157,22 +158,94 @@ TEST_F(Rigid, BeginsAStepWhereItIsTold) {
   EXPECT_TRUE(same_contacts(deformable_->detect(frame_of({same})), rigid_->detect(frame_of({jump}))));
 }
 
-TEST_F(Rigid, AdvancesAndGoesBackOnItsWayIfItDoesNotTurn) {
+/// Where the rigid mesh is.
+Positions resident(Detector& scene, uint32_t count) {
+  std::vector<std::byte> bytes(count * sizeof(Vec3<float>));
+  scene.read_positions({0, 1, count}, bytes);
+  const auto* at = reinterpret_cast<const Vec3<float>*>(bytes.data());
+  Positions out;
+  for (uint32_t i = 0; i < count; ++i) out.push_back({double{at[i].x}, double{at[i].y}, double{at[i].z}});
+  return out;
+}
+
+// However small a part of its way a mesh goes, its pose does not run ahead of its positions.
+TEST_F(Rigid, IsWhereItsPoseIsHoweverFarItGoes) {
   const Pair pair(Mode::kCcd, Accuracy::kCertified, Scalar::kF32, 0);
   begin(pair, {});
-  const Pose to = moved_by({0.3, 0.1, 0.2});
-  const auto both = [&](const std::function<void(FrameInput&)>& set, const Pose& pose) {
-    const OwnedUpdate move = move_of(0, pose), same = whole(0, posed(pair.c.start[0], pose, Scalar::kF32));
-    FrameInput a, b;
-    a.updates = {same.view()}, b.updates = {move.view()};
-    set(a), set(b);
-    const FrameResult expected = deformable_->detect(a), got = rigid_->detect(b);
-    EXPECT_TRUE(same_contacts(expected, got));
-    EXPECT_EQ(expected.advanced, got.advanced);
+  const uint32_t count = pair.rigid.meshes[0].vertex_count;
+  double at = 0;
+  const auto advance = [&](double by) {
+    const OwnedUpdate move = move_of(0, moved_by({at + by, 0, 0}));
+    FrameInput input;
+    input.updates = {move.view()};
+    input.advance = true;
+    at = blend(at, at + by, *rigid_->detect(input).advanced);
   };
-  both([](FrameInput& frame) { frame.advance = true; }, to);
-  both([](FrameInput& frame) { frame.start_fraction = 0.5; }, to);
-  both([](FrameInput&) {}, moved_by({0.1, 0.1, 0.1}));
+  const auto expect_there = [&] {
+    EXPECT_EQ(posed(pair.c.start[0], moved_by({at, 0, 0}), Scalar::kF32), resident(*rigid_, count));
+  };
+  for (int step = 1; step <= 4; ++step) {
+    advance(0.3);
+    expect_there();
+  }
+  // Halfway along what was gone, not along what was wanted.
+  const double before = at;
+  advance(0.5);
+  FrameInput back;
+  back.start_fraction = 0.5;
+  rigid_->detect(back);
+  at = blend(before, at, 0.5);
+  expect_there();
+}
+
+TEST_F(Rigid, InDiscreteFramesOfBothKindsATurnIsNoMatter) {
+  const Pair pair(Mode::kBoth, Accuracy::kCertified, Scalar::kF32, 0x1p-5);
+  begin(pair, {});
+  const OwnedUpdate turn = move_of(0, turned_about_z(3.1));
+  const OwnedUpdate same = whole(0, posed(pair.c.start[0], turned_about_z(3.1), Scalar::kF32));
+  FrameInput a, b;
+  a.updates = {same.view()}, b.updates = {turn.view()};
+  a.mode = b.mode = Mode::kDcd;
+  EXPECT_TRUE(same_contacts(deformable_->detect(a), rigid_->detect(b)));
+}
+
+/// Refuses the k-th take of memory.
+class FailingQuota final : public MemoryQuota {
+ public:
+  void take(uint64_t) override {
+    if (left_ > 0 && --left_ == 0) throw ResourceExhausted("the test's quota");
+  }
+  void give_back(uint64_t) noexcept override {}
+  void fail_at(int take) { left_ = take; }
+
+ private:
+  int left_ = 0;
+};
+
+TEST_F(Rigid, AFrameThatIsShortOfMemoryAnywhereLeavesASceneThatWorks) {
+  const Pair pair(Mode::kCcd, Accuracy::kCertified, Scalar::kF32, 0x1p-6);
+  begin(pair, {});
+  const OwnedUpdate move = move_of(0, turned_about_z(0.1));
+  const std::vector<OwnedUpdate> first = {whole(0, pair.c.start[0]), whole(1, pair.c.start[1])};
+  const FrameResult expected = rigid_->detect(frame_of({move}));
+  int failed = 0;
+  for (int take = 1; failed == take - 1; ++take) {
+    const auto quota = std::make_shared<FailingQuota>();
+    SceneSpec spec = pair.rigid;
+    spec.memory_quota = quota;
+    const auto scene = Detector::create(spec);
+    quota->fail_at(take);
+    try {
+      scene->detect(frame_of(first));
+    } catch (const ResourceExhausted&) {
+      ++failed;
+      quota->fail_at(0);
+      scene->detect(frame_of(first));
+    }
+    quota->fail_at(0);
+    EXPECT_TRUE(same_contacts(expected, scene->detect(frame_of({move})))) << "after take " << take;
+  }
+  EXPECT_GT(failed, 20);
 }
 
 TEST_F(Rigid, WhatNeedsAStraightPathIsRefusedWhereItTurns) {

@@ -73,7 +73,9 @@ constexpr Change kSpecs[] = {
       for (const auto field : {pb::CONTACT_FIELD_ELEMENTS, pb::CONTACT_FIELD_NORMAL, pb::CONTACT_FIELD_WEIGHTS})
         spec.add_fields(field);
     },
-    [](pb::SceneSpec& spec) { spec.mutable_meshes(1)->set_no_self_contacts(true); }};
+    [](pb::SceneSpec& spec) { spec.mutable_meshes(1)->set_no_self_contacts(true); },
+    [](pb::SceneSpec& spec) { spec.set_mode(pb::DETECTION_MODE_DCD_AND_CCD); },
+    [](pb::SceneSpec& spec) { spec.add_excluded_meshes()->set_second(1); }};
 
 TEST_F(Estimate, TellsWhatTheSceneHoldsAndRuns) {
   for (const Change change : kSpecs) {
@@ -160,7 +162,10 @@ TEST_F(Estimate, RefusesWhatCreateSceneRefuses) {
                                spec.mutable_meshes(1)->set_triangles(pack<uint32_t>({0, 1, 3}));
                              },
                              [](pb::SceneSpec& spec) { spec.mutable_meshes(1)->set_vertex_count(~0u); },
-                             [](pb::SceneSpec& spec) { spec.mutable_meshes(1)->set_triangle_count(~0u); }};
+                             [](pb::SceneSpec& spec) { spec.mutable_meshes(1)->set_triangle_count(~0u); },
+                             [](pb::SceneSpec& spec) { spec.mutable_meshes(1)->set_exclude_rings(9); },
+                             [](pb::SceneSpec& spec) { spec.set_rest_distance(1); },
+                             [](pb::SceneSpec& spec) { spec.add_excluded_meshes()->set_first(2); }};
   for (const Change change : kBad) {
     const auto request = request_with(change);
     const auto refused = create_scene(*stub_, request), status = estimate(*stub_, request);

@@ -124,6 +124,23 @@ TEST(ConvertFrame, PlacedPositionsComeBeforeThoseOfTheMessage) {
   EXPECT_EQ(updates[1].end.size(), frame.updates(1).positions().size());
 }
 
+TEST(ConvertFrame, ARefusalOfTheModeNamesIt) {
+  pb::Frame frame;
+  frame.set_mode(pb::DETECTION_MODE_DCD);
+  const SceneSpec scene = scene_with([](pb::SceneSpec& s) {
+    s.set_mode(pb::DETECTION_MODE_DCD_AND_CCD);
+    s.set_report(pb::REPORT_EARLIEST_ONLY);
+  });
+  try {
+    parse_frame(frame, {}, scene);
+    FAIL();
+  } catch (const InvalidInput& e) {
+    EXPECT_EQ(e.field(), "frame.mode");
+    EXPECT_STREQ(e.what(),
+                 "frame.mode is DETECTION_MODE_DCD: spec.report is EARLIEST_ONLY, which needs CCD at GUARDED or above");
+  }
+}
+
 TEST(ConvertFrame, RefusesWhatThisTransportDoesNotServe) {
   const auto field_of = [](const std::function<void(pb::MeshUpdate&)>& set) -> std::string {
     pb::Frame frame;

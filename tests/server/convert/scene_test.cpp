@@ -421,7 +421,8 @@ TEST(ConvertScene, RefusesABoxThatDoesNotFitTheFormat) {
     };
   };
   refuse("spec.quantization_box", with([](pb::SceneSpec& s) { s.set_position_format(pb::POSITION_FORMAT_F32); }));
-  refuse("spec.quantization_box.lower", with([](pb::SceneSpec& s) { s.clear_quantization_box(); }));
+  refuse("spec.quantization_box", with([](pb::SceneSpec& s) { s.clear_quantization_box(); }));
+  refuse("spec.quantization_box.lower", with([](pb::SceneSpec& s) { s.mutable_quantization_box()->clear_lower(); }));
   refuse("spec.quantization_box.upper", with([](pb::SceneSpec& s) { s.mutable_quantization_box()->add_upper(4); }));
   refuse("spec.quantization_box", with([](pb::SceneSpec& s) { s.mutable_quantization_box()->set_upper(1, -1); }));
   refuse("spec.quantization_box", with([](pb::SceneSpec& s) { s.mutable_quantization_box()->set_lower(0, NAN); }));
