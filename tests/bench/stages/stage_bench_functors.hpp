@@ -112,7 +112,7 @@ FeaturePoints<float> points_of_key(const StageScene& s, uint64_t key) {
 
 template <class Kind, class Candidate>
 CcdQueries<float, Kind, Candidate> queries(const StageScene& s, const std::vector<Candidate>& candidates) {
-  return {s.buffers.start.data(), s.buffers.end.data(), s.spec.thickness,
+  return {s.buffers.start.data(), s.buffers.end.data(), s.spec.thickness,   {},
           s.spec.delta,           s.kind<Kind>(),       span_of(candidates)};
 }
 
@@ -182,7 +182,7 @@ TestProximity<float, Kind> test_proximity(const StageScene& s, const std::vector
 template <class Work, class Kind>
 CertifyProximity<Work, float, Kind> certify_proximity(const StageScene& s, const std::vector<uint64_t>& candidates,
                                                       FoundContacts& found) {
-  return {s.buffers.end.data(), s.thickness_at_rest, s.kind<Kind>(), span_of(candidates), found.sink()};
+  return {s.buffers.end.data(), s.thickness_at_rest, 0, s.kind<Kind>(), span_of(candidates), found.sink()};
 }
 
 /// Runs a functor over all items, on this thread: at once, or in steps if that is how it works.

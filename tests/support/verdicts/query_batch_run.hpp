@@ -95,8 +95,8 @@ class QueryRun {
   template <class Kind, class Keep>
   void filter(const Kind& kind, Span<const uint64_t> keys, const Keep& keep) {
     exec_.for_each("filter_queries", keys.size(),
-                   FilterQueries<Real, Kind, Keep>{scene_.positions_at_start(), scene_.end.data(), kind, keep, keys,
-                                                   narrow_.kept(Kind::kKind)});
+                   FilterQueries<Real, Kind, Keep>{scene_.positions_at_start(needs_.is_ccd()), scene_.end.data(), kind,
+                                                   keep, keys, narrow_.kept(Kind::kKind)});
   }
 
   Exec& exec_;
