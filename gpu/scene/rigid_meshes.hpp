@@ -12,7 +12,7 @@
 #include "gpu/base/text.hpp"
 #include "gpu/positions/blend.hpp"
 #include "gpu/positions/slot.hpp"
-#include "gpu/scene/rigid_arc.hpp"
+#include "gpu/positions/rigid_arc.hpp"
 #include "gpu/step/buffers.hpp"
 
 namespace collided {

@@ -18,12 +18,29 @@ struct CandidatePoints {
   FeaturePoints<Real> points;
 };
 
+/// What boxes of features are inflated by: half the thickness.
 template <class Real>
+struct EvenInflation {
+  Real half;
+
+  COLLIDED_HD Real of(uint32_t) const { return half; }
+};
+/// And how far the meshes of vertices may be from their paths.
+template <class Real>
+struct InflationByMesh {
+  Real half;
+  Deviations deviations;
+
+  COLLIDED_HD Real of(uint32_t vertex) const { return deviations.inflation(half, vertex); }
+};
+
+template <class Real, class Inflation = EvenInflation<Real>>
 struct ElementaryTests {
+  using Number = Real;
+
   Span<const TriangleRecord<Real>> records;
   Span<const uint8_t> owned;  ///< bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0
-  Real inflation;             ///< half the thickness
-  Deviations deviations;      ///< that boxes are inflated by as well
+  Inflation inflation;
   bool vertex_triangle, edge_edge;
 
   /// One bit for each test (search/elementary_numbers.hpp) that is this pair's to make.
@@ -45,7 +62,7 @@ struct ElementaryTests {
   /// Box of a corner's path; those of edges and triangles are joined from them.
   COLLIDED_HD Box<Real> corner_box(uint32_t triangle, int k) const {
     const CornerRecord<Real>& corner = records[triangle].corner[k];
-    return inflate(corner.swept(), deviations.inflation(inflation, corner.vertex_id()));
+    return inflate(corner.swept(), inflation.of(corner.vertex_id()));
   }
   COLLIDED_HD Triangle vertices_of(uint32_t triangle) const {
     const TriangleRecord<Real>& t = records[triangle];
@@ -101,7 +118,7 @@ struct ElementaryTests {
   };
   /// Of two features, told by a vertex of each.
   COLLIDED_HD bool overlap_inflated(uint32_t v, const Box<Real>& p, uint32_t w, const Box<Real>& q) const {
-    return overlap(inflate(p, deviations.inflation(inflation, v)), inflate(q, deviations.inflation(inflation, w)));
+    return overlap(inflate(p, inflation.of(v)), inflate(q, inflation.of(w)));
   }
 };
 

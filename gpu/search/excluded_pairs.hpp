@@ -1,6 +1,6 @@
 #pragma once
 // Pairs of features of one mesh that are never contacts: those that few edges connect, and those that were close when
-// the scene began. A scene without such pairs has none of these tables, and a look-up is a test of a null length.
+// the scene began. A scene without such pairs has none of these tables, and its searches have no look-ups.
 
 #include "gpu/base/key_set.hpp"
 #include "gpu/base/keys.hpp"
@@ -72,6 +72,19 @@ struct ExcludedPairs {
     const uint32_t a = of_corner(p, k), b = of_corner(p, k == 2 ? 0 : k + 1);
     const uint32_t c = of_corner(q, m), d = of_corner(q, m == 2 ? 0 : m + 1);
     return rings.connect(a, c) || rings.connect(a, d) || rings.connect(b, c) || rings.connect(b, d);
+  }
+};
+
+/// For scenes without such pairs: no look-up at all.
+struct NothingExcluded {
+  COLLIDED_HD static constexpr bool is_needed() { return false; }
+  template <class Tests>
+  COLLIDED_HD bool has_vertex_triangle(const Tests&, uint32_t, uint32_t, int) const {
+    return false;
+  }
+  template <class Tests>
+  COLLIDED_HD bool has_edge_edge(const Tests&, uint32_t, uint32_t, int) const {
+    return false;
   }
 };
 

@@ -204,10 +204,20 @@ class OctreePhase {
         CountSmall<Real>{&scene_.state.data()->bounds, scene_.records.all(), &scene_.state.data()->small_triangles});
   }
 
-  ElementaryTests<Real> elementary(bool vertex_triangle, bool edge_edge) const {
-    return {scene_.records.all(), scene_.topology.owned.all(),
-            motion().inflation,   scene_.deviations(is_ccd_),
-            vertex_triangle,      edge_edge};
+  ElementaryTests<Real> elementary(const PerKind<bool>& wanted) const {
+    return {scene_.records.all(),
+            scene_.topology.owned.all(),
+            {motion().inflation},
+            wanted.vertex_triangle,
+            wanted.edge_edge};
+  }
+  /// The same where boxes are inflated by more in some meshes.
+  ElementaryTests<Real, InflationByMesh<Real>> elementary_by_mesh(const PerKind<bool>& wanted) const {
+    return {scene_.records.all(),
+            scene_.topology.owned.all(),
+            {motion().inflation, scene_.deviations(is_ccd_)},
+            wanted.vertex_triangle,
+            wanted.edge_edge};
   }
 
  private:

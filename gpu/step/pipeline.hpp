@@ -202,21 +202,31 @@ class Pipeline {
                         [&](const auto& keep) { search_for(keep, wanted); });
     });
   }
+  /// Scenes that leave nothing out and whose meshes keep to their paths have a search of their own, which does not ask.
   template <class Keep>
   void search_for(const Keep& keep, const PerKind<bool>& wanted) {
+    const ExcludedPairs excluded = scene_.topology.excluded_pairs(!needs().finds_rest_pairs);
+    if (excluded.is_needed() || scene_.deviations(needs().is_ccd()).is_needed())
+      search_for(keep, wanted, octree_.elementary_by_mesh(wanted), excluded);
+    else
+      search_for(keep, wanted, octree_.elementary(wanted), NothingExcluded{});
+  }
+  template <class Keep, class Tests, class Excluded>
+  void search_for(const Keep& keep, const PerKind<bool>& wanted, const Tests& tests, const Excluded& excluded) {
     StepState* state = scene_.state.data();
     const bool is_narrow = needs().has_narrow_phase();
     const auto list = [&](ContactKind kind) { return is_narrow ? narrow_.kept(kind) : all_contacts(); };
     find_pairs("find_candidates", first_of(wanted),
-               FeatureSink<Real, Keep>{octree_.elementary(wanted.vertex_triangle, wanted.edge_edge),
-                                       keep,
-                                       list(ContactKind::kVertexTriangle),
-                                       list(ContactKind::kEdgeEdge),
-                                       is_narrow ? 0 : ranks_.begin[kIndexOf<EdgeEdge>],
-                                       narrow_.early_exit(),
-                                       {pairs_counter(first_of(wanted)), &state->candidates[kIndexOf<VertexTriangle>],
-                                        &state->candidates[kIndexOf<EdgeEdge>]},
-                                       scene_.topology.excluded_pairs(!needs().finds_rest_pairs)});
+               FeatureSink<Real, Keep, Tests, Excluded>{
+                   tests,
+                   keep,
+                   list(ContactKind::kVertexTriangle),
+                   list(ContactKind::kEdgeEdge),
+                   is_narrow ? 0 : ranks_.begin[kIndexOf<EdgeEdge>],
+                   narrow_.early_exit(),
+                   {pairs_counter(first_of(wanted)), &state->candidates[kIndexOf<VertexTriangle>],
+                    &state->candidates[kIndexOf<EdgeEdge>]},
+                   excluded});
   }
 
   void detect_triangles() {

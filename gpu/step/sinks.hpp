@@ -42,20 +42,20 @@ struct PairTotals {
 
 /// Pairs become candidates of features, and those that a filter keeps go to the lists of their kinds. Pairs of features
 /// that are excluded are no candidates.
-template <class Real, class Keep>
+template <class Real, class Keep, class Tests = ElementaryTests<Real>, class Excluded = NothingExcluded>
 struct FeatureSink {
   static constexpr bool kTakesPairs = false;
   static constexpr int kFirstOfSecondKind = kFirstEdgeEdge;
   static constexpr bool kKeepsAll = std::is_same_v<Keep, KeepAll>;
   using Number = Real;
 
-  ElementaryTests<Real> tests;
+  Tests tests;
   Keep keep;
   AppendList<uint64_t> vertex_triangle, edge_edge;
   uint32_t edge_rank;  ///< added to the first edge, where both kinds share a list
   EarlyExit early_exit;
   PairTotals totals;
-  ExcludedPairs excluded = {};
+  Excluded excluded = {};
 
   COLLIDED_HD uint32_t tests_of(uint32_t a, uint32_t b) const { return tests.tests_of(a, b); }
   COLLIDED_HD bool is_first(uint32_t a, uint32_t b, int test) const {

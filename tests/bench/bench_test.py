@@ -75,7 +75,7 @@ class Bench(unittest.TestCase):
         self.assertAlmostEqual(ran["ratio"]["p99"], ran["watched_ms"]["p99"] / ran["alone_ms"]["p99"])
 
     def check_switches(self):
-        runs = {run["name"]: run for run in parsed("--backend", "cpu", "--scale", "0.1", "--frames", "3",
+        runs = {run["name"]: run for run in parsed("--backend", "cpu", "--scale", "0.3", "--frames", "3",
                                                    "--threads", "1")["runs"]}
         full = runs["full model"]
         self.assertLess(runs["rigid ball"]["bytes_in"], full["bytes_in"])

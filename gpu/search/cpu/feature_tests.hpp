@@ -73,8 +73,8 @@ class FeatureRow {
 };
 
 /// Those of a triangle, from what its tests know (search/elementary.hpp).
-template <class Real, template <class> class Tests>
-FeatureBoxes<Real> feature_boxes_of(const Tests<Real>& tests, uint32_t triangle) {
+template <class Tests>
+FeatureBoxes<typename Tests::Number> feature_boxes_of(const Tests& tests, uint32_t triangle) {
   return {{tests.corner_box(triangle, 0), tests.corner_box(triangle, 1), tests.corner_box(triangle, 2)},
           tests.vertices_of(triangle),
           tests.edges_of(triangle),

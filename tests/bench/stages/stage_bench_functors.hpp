@@ -62,7 +62,7 @@ template <class Keep>
 FeatureSink<float, Keep> feature_sink(const StageScene& s, const Keep& keep, Found<uint64_t>& vertex_triangle,
                                       Found<uint64_t>& edge_edge) {
   StepState& state = s.state();
-  return {s.octree.elementary(true, true),
+  return {s.octree.elementary({.vertex_triangle = true, .edge_edge = true}),
           keep,
           vertex_triangle.list(),
           edge_edge.list(),

@@ -1,7 +1,7 @@
 // How far a screw is from the straight path between its ends: never farther than what the engine adds, which is little
 // more.
 
-#include "gpu/scene/rigid_arc.hpp"
+#include "gpu/positions/rigid_arc.hpp"
 
 #include <gtest/gtest.h>
 

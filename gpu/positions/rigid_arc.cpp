@@ -1,4 +1,4 @@
-#include "gpu/scene/rigid_arc.hpp"
+#include "gpu/positions/rigid_arc.hpp"
 
 #include <algorithm>
 #include <cmath>
