@@ -6,9 +6,8 @@
 // - A box covers the cells between the cells of its corners. Positions are clamped to the cube; the map stays
 //   monotone, so boxes that overlap share a cell wherever they are.
 // - The first levels exist densely, up to kMaxLevel, or less in small scenes. Below, a crowded cell may have
-//   a brick: its kBrickLevels next levels, numbered as the levels below
-//   a root are; a crowded cell at the bottom of a brick may have one of
-//   its own.
+//   a brick: its kBrickLevels next levels, numbered as the levels below a root are; a crowded cell at the bottom of a
+//   brick may have one of its own.
 // Deviation: the root is a cube, not the scene's box; anisotropic cells cost 3-5 times more tests on thin scenes.
 
 #include "gpu/base/box.hpp"

@@ -14,7 +14,6 @@ struct Pose {
 
   double r(int i, int k) const { return rows[static_cast<size_t>(4 * i + k)]; }
   double t(int i) const { return rows[static_cast<size_t>(4 * i + 3)]; }
-  bool operator==(const Pose&) const = default;
   bool has_rotation_of(const Pose& other) const {
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < 3; ++k)

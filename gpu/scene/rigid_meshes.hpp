@@ -11,8 +11,9 @@
 
 #include "gpu/base/text.hpp"
 #include "gpu/positions/blend.hpp"
-#include "gpu/positions/slot.hpp"
 #include "gpu/positions/rigid_arc.hpp"
+#include "gpu/positions/slot.hpp"
+#include "gpu/search/boxes.hpp"
 #include "gpu/step/buffers.hpp"
 
 namespace collided {
@@ -22,12 +23,6 @@ template <class Real>
 struct PointBox {
   const Vec3<Real>* points;
   COLLIDED_HD Box<Real> operator()(uint64_t i) const { return {points[i], points[i]}; }
-};
-struct JoinPointBoxes {
-  template <class Real>
-  COLLIDED_HD Box<Real> operator()(const Box<Real>& a, const Box<Real>& b) const {
-    return join(a, b);
-  }
 };
 
 template <Executor Exec, class Real>
@@ -63,8 +58,9 @@ class RigidMeshes {
     for (Body& body : bodies_) {
       body.start = start_fraction ? along(body.start, body.end, *start_fraction) : body.good;
       body.end = body.target = body.start;
-      if (start_fraction) transform(body, body.start, scene_.start.data());
-      if (start_fraction) transform(body, body.start, scene_.end.data());
+      if (!start_fraction) continue;
+      transform(body, body.start, scene_.start.data());
+      transform(body, body.start, scene_.end.data());
     }
   }
   /// Puts the frame's moves in `start` and `end`, where the slot has put positions. `first`: those to be kept at rest.
@@ -120,15 +116,13 @@ class RigidMeshes {
   }
 
   void keep_rest() {
-    constexpr Real kMost = std::numeric_limits<Real>::max();
-    const Box<Real> none{{kMost, kMost, kMost}, {-kMost, -kMost, -kMost}};
     RigidBuffers<Exec, Real>& rigid = scene_.rigid;
     rigid.bounds.allocate(bodies_.size());
     for (size_t i = 0; i < bodies_.size(); ++i) {
       const Body& body = bodies_[i];
       Vec3<Real>* rest = rigid.rest.data() + body.first_rest;
       exec_.copy(rest, scene_.end.data() + body.first_vertex, uint64_t{body.count} * sizeof(Vec3<Real>));
-      exec_.reduce_into("rigid_bounds", body.count, PointBox<Real>{rest}, none, JoinPointBoxes{},
+      exec_.reduce_into("rigid_bounds", body.count, PointBox<Real>{rest}, empty_box<Real>(), JoinBoxes{},
                         rigid.bounds.data() + i);
     }
     std::vector<Box<Real>> boxes(bodies_.size());
@@ -158,11 +152,11 @@ class RigidMeshes {
         TransformPositions<Real>(pose, scene_.rigid.rest.data() + body.first_rest, positions + body.first_vertex));
   }
   void check_reach(const std::string& field, const Body& body, const Pose& pose) const {
-    const double limit = reach_limit(shape_.spec), reach = largest_coordinate(pose, body.rest);
-    if (!(reach <= limit))
+    const double reach = largest_coordinate(pose, body.rest);
+    if (!(reach <= reach_limit_))
       throw InvalidInput(field, field + " puts vertices of mesh " + std::to_string(body.mesh) +
                                     " at coordinates of up to " + text(reach) + "; they must be at most " +
-                                    text(limit) + " in magnitude");
+                                    text(reach_limit_) + " in magnitude");
   }
   void check_angle(const std::string& field, const Body& body) const {
     const double angle = angle_between(body.start, body.end);
@@ -189,6 +183,7 @@ class RigidMeshes {
   SceneBuffers<Exec, Real>& scene_;
   std::vector<Body> bodies_;
   uint64_t rest_count_ = 0;
+  const double reach_limit_ = reach_limit(shape_.spec);
   std::vector<double> deviations_;  ///< those on the backend
 };
 

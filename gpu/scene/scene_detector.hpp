@@ -152,7 +152,7 @@ class SceneDetector final : public Detector {
   /// Where a step with the frame's own settings can serve as the first try of an advance, it does.
   FrameSettings settings_with_margin(const FrameInput& frame) const {
     FrameSettings settings = settings_of(spec_, frame);
-    settings.encoding = 2 * encoding_error(spec_);
+    settings.encoding = encoding_;
     if (frame.advance && settings.accuracy == Accuracy::kCertified && settings.thickness == spec_.min_separation)
       settings.thickness += margin_;
     return settings;
@@ -216,6 +216,7 @@ class SceneDetector final : public Detector {
   Topology topology_;
   std::shared_ptr<const SceneShape> shape_;
   const SceneSpec& spec_ = shape_->spec;
+  const double encoding_ = 2 * encoding_error(spec_);  ///< of two positions
   Exec exec_;
   SceneBuffers<Exec, Real> scene_;
   ResidentPositions<Exec, Real> positions_;

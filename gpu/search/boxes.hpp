@@ -101,10 +101,14 @@ struct BoxOf {
   COLLIDED_HD Box<float> operator()(uint64_t i) const { return boxes[i]; }
 };
 struct JoinBoxes {
-  COLLIDED_HD Box<float> operator()(const Box<float>& a, const Box<float>& b) const { return join(a, b); }
+  template <class Real>
+  COLLIDED_HD Box<Real> operator()(const Box<Real>& a, const Box<Real>& b) const {
+    return join(a, b);
+  }
 };
-inline Box<float> empty_box() {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+template <class Real = float>
+Box<Real> empty_box() {
+  constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
   return {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 }
 

@@ -8,12 +8,6 @@
 namespace collided::server {
 namespace {
 
-pb::MeshMotion motion_of(MeshMotion motion) {
-  return motion == MeshMotion::kStatic  ? pb::MESH_MOTION_STATIC
-         : motion == MeshMotion::kRigid ? pb::MESH_MOTION_RIGID
-                                        : pb::MESH_MOTION_DEFORMABLE;
-}
-
 void fill_box(const PositionBox& box, pb::QuantizationBox* out) {
   out->mutable_lower()->Assign(box.lower.begin(), box.lower.end());
   out->mutable_upper()->Assign(box.upper.begin(), box.upper.end());
@@ -22,7 +16,7 @@ void fill_box(const PositionBox& box, pb::QuantizationBox* out) {
 void fill_mesh(const MeshPlan& plan, const MeshSpec& engine, pb::MeshSpec* out) {
   out->set_name(plan.name);
   out->set_vertex_count(engine.vertex_count);
-  out->set_motion(motion_of(engine.motion));
+  out->set_motion(to_message(engine.motion));
   out->set_groups(engine.groups);
   out->set_collide_mask(engine.collide_mask);
   out->set_no_self_contacts(!engine.self_contacts);

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <set>
 
+#include "server/convert/options.hpp"
 #include "server/convert/refuse.hpp"
 #include "server/scenes/field_path.hpp"
 
@@ -23,13 +24,6 @@ std::string check_triangle(const TriangleCorners& t, uint32_t vertex_count) {
   if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
     return fmt::format("has a corner twice: {} {} {}", t[0], t[1], t[2]);
   return {};
-}
-
-MeshMotion parse_motion(pb::MeshMotion motion, const std::string& field) {
-  if (motion == pb::MESH_MOTION_UNSPECIFIED || motion == pb::MESH_MOTION_DEFORMABLE) return MeshMotion::kDeformable;
-  if (motion == pb::MESH_MOTION_STATIC) return MeshMotion::kStatic;
-  if (motion == pb::MESH_MOTION_RIGID) return MeshMotion::kRigid;
-  throw_unknown(field, motion, {pb::MESH_MOTION_DEFORMABLE, pb::MESH_MOTION_STATIC, pb::MESH_MOTION_RIGID});
 }
 
 uint64_t inline_triangles(const pb::MeshSpec& mesh) { return mesh.triangles().size() / kTriangleBytes; }

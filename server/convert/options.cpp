@@ -35,6 +35,10 @@ constexpr std::pair<pb::BroadPhaseEngine, Engine> kEngines[] = {
     {pb::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, Engine::kTwoLevelGrid},
     {pb::BROAD_PHASE_ENGINE_LBVH, Engine::kLbvh}};
 
+constexpr std::pair<pb::MeshMotion, MeshMotion> kMotions[] = {{pb::MESH_MOTION_DEFORMABLE, MeshMotion::kDeformable},
+                                                              {pb::MESH_MOTION_STATIC, MeshMotion::kStatic},
+                                                              {pb::MESH_MOTION_RIGID, MeshMotion::kRigid}};
+
 constexpr std::pair<pb::PositionFormat, Scalar> kFormats[] = {{pb::POSITION_FORMAT_F32, Scalar::kF32},
                                                               {pb::POSITION_FORMAT_F64, Scalar::kF64}};
 
@@ -124,6 +128,10 @@ Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field) {
   return to_engine(kEngines, engine, field).value_or(Engine::kAuto);
 }
 
+MeshMotion parse_motion(pb::MeshMotion motion, const std::string& field) {
+  return to_engine(kMotions, motion, field).value_or(MeshMotion::kDeformable);
+}
+
 void parse_format(const pb::SceneSpec& spec, SceneSpec& engine) {
   const std::string box = "spec.quantization_box";
   const bool is_quantized = spec.position_format() == pb::POSITION_FORMAT_Q16;
@@ -158,6 +166,7 @@ OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode) {
 
 pb::Accuracy to_message(Accuracy accuracy) { return from_engine(kAccuracies, accuracy); }
 pb::Report to_message(Report report) { return from_engine(kReports, report); }
+pb::MeshMotion to_message(MeshMotion motion) { return from_engine(kMotions, motion); }
 pb::BroadPhaseEngine to_message(Engine engine) { return from_engine(kEngines, engine); }
 
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out) {

@@ -1,6 +1,6 @@
 #pragma once
-// What is detected, how exactly, how much of it is reported and by which engine. A scene has these options; a frame may
-// override accuracy, delta and report. Which of them go together is the engine's to say.
+// What is detected, how exactly, how much of it is reported, by which engine, and how meshes move. A scene has these
+// options; a frame may override accuracy, delta and report. Which of them go together is the engine's to say.
 
 #include <optional>
 #include <string>
@@ -27,6 +27,9 @@ void check_max_accuracy(Accuracy accuracy, Accuracy max, const std::string& fiel
 /// kAuto for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
 Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field);
 
+/// kDeformable for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
+MeshMotion parse_motion(pb::MeshMotion motion, const std::string& field);
+
 /// The fields that the scene asks for, or those that it gets if it asks for none. Throws InvalidInput.
 OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode);
 
@@ -37,6 +40,7 @@ pb::PositionFormat format_of(const SceneSpec& engine);
 
 pb::Accuracy to_message(Accuracy accuracy);
 pb::Report to_message(Report report);
+pb::MeshMotion to_message(MeshMotion motion);
 /// kAuto is the unspecified value.
 pb::BroadPhaseEngine to_message(Engine engine);
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out);

@@ -10,8 +10,7 @@
 namespace collided::server {
 namespace {
 
-// Whether nobody misses what `older` does to a mesh. Transforms do not take the place of the positions that they are
-// of.
+// Whether nobody misses what `older` does to a mesh. A transform does not take the place of the positions it moves.
 bool covers(const UpdatedMesh& latest, const UpdatedMesh& older) {
   return latest.mesh == older.mesh && latest.is_whole && (latest.has_positions || !older.has_positions);
 }
@@ -64,8 +63,8 @@ void FrameSession::submit(PendingFrame frame) {
   start_next_locked();
 }
 
-// A frame that is already refused stays, so that its error is reported; so do all of a
-// scene that has yet to see where its meshes rest.
+// A frame that is already refused stays, so that its error is reported; so do all of a scene that has yet to see where
+// its meshes rest.
 void FrameSession::skip_older_locked(const PendingFrame& latest) {
   if (scene_->awaits_rest()) return;
   for (Waiting& older : waiting_) {

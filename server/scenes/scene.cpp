@@ -40,11 +40,11 @@ uint64_t topology_bytes(const Topology& topology) {
          topology.edges.capacity() * sizeof(topology.edges[0]);
 }
 
-MeshSpec without_triangles(const MeshSpec& mesh) {
-  MeshSpec out;
-  out.vertex_count = mesh.vertex_count, out.motion = mesh.motion;
-  out.groups = mesh.groups, out.collide_mask = mesh.collide_mask, out.self_contacts = mesh.self_contacts;
-  out.excluded_rings = mesh.excluded_rings, out.excludes_rest_pairs = mesh.excludes_rest_pairs;
+// A copy; the triangles, which may be many, are never copied.
+MeshSpec without_triangles(MeshSpec& mesh) {
+  std::vector<TriangleCorners> triangles = std::exchange(mesh.triangles, {});
+  MeshSpec out = mesh;
+  mesh.triangles = std::move(triangles);
   return out;
 }
 
@@ -69,6 +69,7 @@ Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
     awaited_.push_back(plan_.meshes[i].awaited);
     uploading_.push_back(false);
     plan_.engine.meshes.push_back(without_triangles(pending_.meshes[i]));
+    excludes_rest_pairs_ |= pending_.meshes[i].excludes_rest_pairs;
   }
 }
 

@@ -2,7 +2,6 @@
 // A resident scene: its plan, its detector, its worker, its one stream, its lease, and its visible state.
 // No gRPC here.
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -103,8 +102,7 @@ class Scene {
   std::shared_ptr<FrameSlot> take_slot();
   /// Whether a mesh excludes rest pairs, and no frame was applied yet that tells which those are.
   bool awaits_rest() const {
-    const auto excludes = [](const MeshSpec& mesh) { return mesh.excludes_rest_pairs; };
-    if (!std::ranges::any_of(plan_.engine.meshes, excludes)) return false;
+    if (!excludes_rest_pairs_) return false;
     const std::lock_guard lock(mutex_);
     return shown_.last_frame_id == 0;
   }
@@ -149,7 +147,8 @@ class Scene {
   const std::shared_ptr<DeviceBytes> quota_;
   MemoryHold held_;  // plan, triangles and topology; owned by the worker after construction
   ScenePlan plan_;
-  SceneSpec pending_;  // the spec with its triangles, until the detector takes it
+  bool excludes_rest_pairs_ = false;  // a mesh does; fixed after construction
+  SceneSpec pending_;                 // the spec with its triangles, until the detector takes it
   std::shared_ptr<Detector> detector_;
   /// Of the last frame; owned by the worker.
   std::vector<std::pair<VertexSample, std::shared_ptr<const std::string>>> samples_;

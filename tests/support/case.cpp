@@ -1,6 +1,7 @@
 #include "tests/support/case.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace collided::test {
@@ -46,6 +47,19 @@ std::vector<Positions> split(const std::vector<scenes::Mesh>& meshes, const Posi
 
 std::vector<std::byte> pack(const Positions& positions, Scalar scalar) {
   return scalar == Scalar::kF32 ? pack_as<float>(positions) : pack_as<double>(positions);
+}
+
+std::vector<std::byte> encoded(const Positions& positions, const PositionBox& box) {
+  std::vector<std::byte> out(positions.size() * 3 * sizeof(uint16_t));
+  size_t at = 0;
+  for (const Vec3d& p : positions)
+    for (size_t k = 0; k < 3; ++k) {
+      const double step = (box.upper[k] - box.lower[k]) / 65535;
+      const auto q = static_cast<uint16_t>(std::clamp(std::round((p[k] - box.lower[k]) / step), 0.0, 65535.0));
+      std::memcpy(out.data() + at, &q, sizeof(q));
+      at += sizeof(q);
+    }
+  return out;
 }
 
 Frame::Frame(const Case& c, Mode mode, Scalar scalar, bool with_static) {

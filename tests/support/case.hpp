@@ -38,6 +38,8 @@ class Frame {
 };
 
 std::vector<std::byte> pack(const Positions& positions, Scalar scalar);
+/// To the nearest of the box's 65535 steps (Q16); positions outside go to its sides.
+std::vector<std::byte> encoded(const Positions& positions, const PositionBox& box);
 
 /// The case with every coordinate rounded to what the scalar type holds.
 Case rounded(Case c, Scalar scalar);

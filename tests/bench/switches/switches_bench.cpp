@@ -20,18 +20,6 @@ double median(std::vector<double> values) {
   return values.empty() ? 0 : values[values.size() / 2];
 }
 
-std::vector<std::byte> encoded(const Positions& positions, const PositionBox& box) {
-  std::vector<std::byte> out(positions.size() * 6);
-  for (size_t i = 0; i < positions.size(); ++i)
-    for (size_t k = 0; k < 3; ++k) {
-      const double step = (box.upper[k] - box.lower[k]) / 65535;
-      const auto q =
-          static_cast<uint16_t>(std::clamp(std::round((positions[i][k] - box.lower[k]) / step), 0.0, 65535.0));
-      std::memcpy(&out[6 * i + 2 * k], &q, sizeof(q));
-    }
-  return out;
-}
-
 /// How far the ball has turned about z (client/scenes/cloth_ball.cpp), from the position of a vertex beside the axis.
 std::vector<std::byte> pose_between(const Positions& rest, const Positions& now) {
   const auto far = std::max_element(rest.begin(), rest.end(), [](const Vec3d& a, const Vec3d& b) {

@@ -20,6 +20,13 @@ struct OwnedUpdate {
   MeshPositions view() const { return {mesh, start, end, is_sparse, indices, transform, start_transform}; }
 };
 
+/// Borrows the updates' bytes.
+inline FrameInput frame_of(const std::vector<OwnedUpdate>& updates) {
+  FrameInput input;
+  for (const OwnedUpdate& update : updates) input.updates.push_back(update.view());
+  return input;
+}
+
 inline std::vector<std::byte> bytes_of(const std::vector<uint32_t>& indices) {
   const auto* bytes = reinterpret_cast<const std::byte*>(indices.data());
   return {bytes, bytes + indices.size() * sizeof(uint32_t)};

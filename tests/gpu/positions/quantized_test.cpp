@@ -19,17 +19,6 @@ namespace {
 
 const PositionBox kBox{{-1.5, -1.25, -2}, {1.5, 1.75, 2}};
 
-std::vector<std::byte> encoded(const Positions& positions, const PositionBox& box) {
-  std::vector<std::byte> out;
-  for (const Vec3d& p : positions)
-    for (size_t k = 0; k < 3; ++k) {
-      const double step = (box.upper[k] - box.lower[k]) / 65535;
-      const auto q = static_cast<uint16_t>(std::lround((p[k] - box.lower[k]) / step));
-      out.push_back(static_cast<std::byte>(q & 255));
-      out.push_back(static_cast<std::byte>(q >> 8));
-    }
-  return out;
-}
 Positions decoded(const std::vector<std::byte>& bytes, const PositionBox& box) {
   Positions out;
   const auto* q = reinterpret_cast<const Vec3<uint16_t>*>(bytes.data());
@@ -46,9 +35,7 @@ FrameResult detect(const Case& c, const SceneSpec& spec) {
     updates.push_back({mesh, false, {}, {}, encoded(c.end[mesh], *spec.quantized_in)});
     if (spec.mode == Mode::kCcd) updates.back().start = encoded(c.start[mesh], *spec.quantized_in);
   }
-  FrameInput input;
-  for (const OwnedUpdate& update : updates) input.updates.push_back(update.view());
-  return Detector::create(spec)->detect(input);
+  return Detector::create(spec)->detect(frame_of(updates));
 }
 Case as_decoded(Case c, const PositionBox& box) {
   for (auto* all : {&c.start, &c.end})
@@ -160,14 +147,11 @@ TEST_F(Quantized, SparseUpdatesAreEncodedToo) {
   const auto scene = Detector::create(spec);
   const OwnedUpdate first{0, false, {}, {}, encoded(c.start[0], kBox)},
       whole{0, false, {}, {}, encoded(c.end[0], kBox)};
-  FrameInput input;
-  input.updates = {first.view()};
-  scene->detect(input);
+  scene->detect(frame_of({first}));
   std::vector<uint32_t> indices(c.end[0].size());
   for (uint32_t i = 0; i < indices.size(); ++i) indices[i] = i;
   const OwnedUpdate sparse{0, true, bytes_of(indices), {}, whole.end};
-  input.updates = {sparse.view()};
-  const FrameResult got = scene->detect(input);
+  const FrameResult got = scene->detect(frame_of({sparse}));
   EXPECT_TRUE(same_contacts(detect(c, spec), got));
 }
 
@@ -182,9 +166,7 @@ TEST_F(Quantized, RigidMeshesStayNearTheBox) {
     OwnedUpdate update;
     if (first) update.end = encoded(c.start[0], kBox);
     update.transform = {bytes, bytes + sizeof(rows)};
-    FrameInput input;
-    input.updates = {update.view()};
-    scene->detect(input);
+    scene->detect(frame_of({update}));
   };
   go(0, true);
   go(10, false);
@@ -206,9 +188,7 @@ TEST_F(Quantized, WhatItCannotDoIsRefused) {
   EXPECT_EQ("triangle_triangle", field_of([](SceneSpec& s) { s.kinds.triangle_triangle = true; }));
   const auto scene = Detector::create(spec_of(c, Mode::kDcd, Accuracy::kCertified, 0.01));
   const OwnedUpdate floats{0, false, {}, {}, pack(c.end[0], Scalar::kF32)};
-  FrameInput input;
-  input.updates = {floats.view()};
-  EXPECT_EQ("updates[0].end", refused_field([&] { scene->detect(input); }));
+  EXPECT_EQ("updates[0].end", refused_field([&] { scene->detect(frame_of({floats})); }));
 }
 
 }  // namespace

@@ -67,12 +67,6 @@ struct Pair {
   }
 };
 
-/// Borrows the updates' bytes.
-FrameInput frame_of(const std::vector<OwnedUpdate>& updates) {
-  FrameInput input;
-  for (const OwnedUpdate& update : updates) input.updates.push_back(update.view());
-  return input;
-}
 OwnedUpdate move_of(uint32_t mesh, const Pose& pose) { return {mesh, false, {}, {}, {}, bytes_of(pose)}; }
 
 class Rigid : public OnBackend<::testing::Test> {

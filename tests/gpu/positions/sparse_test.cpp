@@ -70,11 +70,6 @@ class Twins {
     if (moves_start) update.start = pack(start, setting_.scalar);
     return update;
   }
-  static FrameInput frame_of(const std::vector<OwnedUpdate>& updates) {
-    FrameInput input;
-    for (const OwnedUpdate& update : updates) input.updates.push_back(update.view());
-    return input;
-  }
 
   Detector& sparse() { return *sparse_; }
   const Case& scene() const { return case_; }
@@ -96,7 +91,7 @@ class Sparse : public OnBackend<::testing::TestWithParam<Setting>> {
     int least = std::numeric_limits<int>::max();
     for (const uint32_t stride : {2u, 5u, 5u, 5u, 5u}) {
       const std::vector<OwnedUpdate> updates{twins.sparse_update(0, stride, false)};
-      FrameInput frame = Twins::frame_of(updates);
+      FrameInput frame = frame_of(updates);
       int asked = 0;
       frame.cancelled = [&] { return ++asked < 0; };
       twins.sparse().detect(frame);
@@ -129,7 +124,7 @@ TEST_P(Sparse, IsRefusedBeforeAMeshHasPositions) {
   auto fresh =
       Detector::create(spec_for(twins.scene(), settings(GetParam().mode, Accuracy::kFast, GetParam().scalar, 0x1p-6)));
   const std::vector<OwnedUpdate> updates{twins.sparse_update(0, 1, false), twins.sparse_update(1, 1, false)};
-  EXPECT_EQ("updates[0].indices", refused_field([&] { fresh->detect(Twins::frame_of(updates)); }));
+  EXPECT_EQ("updates[0].indices", refused_field([&] { fresh->detect(frame_of(updates)); }));
 }
 
 TEST_P(Sparse, BadIndicesAreRefusedAndHarmNothing) {
@@ -147,7 +142,7 @@ TEST_P(Sparse, BadIndicesAreRefusedAndHarmNothing) {
     OwnedUpdate update = good;
     update.indices = bytes_of(bad);
     const std::vector<OwnedUpdate> updates{twins.sparse_update(1, 2, false), update};
-    EXPECT_EQ("updates[1].indices", refused_field([&] { twins.sparse().detect(Twins::frame_of(updates)); }))
+    EXPECT_EQ("updates[1].indices", refused_field([&] { twins.sparse().detect(frame_of(updates)); }))
         << ::testing::PrintToString(bad);
   }
   twins.move(4, false);
@@ -156,7 +151,7 @@ TEST_P(Sparse, BadIndicesAreRefusedAndHarmNothing) {
 TEST_P(Sparse, NumbersOfIndicesAreRefused) {
   Twins twins(GetParam());
   const auto refuses = [&](const OwnedUpdate& update, const char* field) {
-    EXPECT_EQ(field, refused_field([&] { twins.sparse().detect(Twins::frame_of({update})); }));
+    EXPECT_EQ(field, refused_field([&] { twins.sparse().detect(frame_of({update})); }));
   };
   const OwnedUpdate good = twins.sparse_update(0, 3, false);
   OwnedUpdate bad = good;
@@ -182,7 +177,7 @@ TEST_P(Sparse, FollowsTheLastFrameThatSucceeded) {
   const int asked_in_all = asked_in_a_frame();
   for (int asked_before = 0; asked_before < std::min(4, asked_in_all); ++asked_before) {
     const std::vector<OwnedUpdate> updates{twins.sparse_update(0, 1, false)};
-    FrameInput cancelled = Twins::frame_of(updates);
+    FrameInput cancelled = frame_of(updates);
     int asked = 0;
     cancelled.cancelled = [&] { return asked++ == asked_before; };
     EXPECT_THROW(twins.sparse().detect(cancelled), Cancelled);
@@ -192,7 +187,7 @@ TEST_P(Sparse, FollowsTheLastFrameThatSucceeded) {
   const Positions nowhere{{0, std::nan(""), 0}};
   const std::vector<std::byte> nan = pack(nowhere, GetParam().scalar);
   std::copy(nan.begin(), nan.end(), broken.end.end() - static_cast<std::ptrdiff_t>(nan.size()));
-  EXPECT_EQ("updates[0].end", refused_field([&] { twins.sparse().detect(Twins::frame_of({broken})); }));
+  EXPECT_EQ("updates[0].end", refused_field([&] { twins.sparse().detect(frame_of({broken})); }));
   twins.move(3, is_ccd());
 }
 

@@ -38,6 +38,14 @@ const Setting kSettings[] = {
     {"TwoLevelGrid", [](SceneSpec& spec, Case&) { spec.engine = Engine::kTwoLevelGrid; }},
     {"Hierarchy", [](SceneSpec& spec, Case&) { spec.engine = Engine::kLbvh; }},
     {"StaticMesh", [](SceneSpec&, Case& c) { c.meshes[0].motion = MeshMotion::kStatic; }},
+    {"RigidMesh", [](SceneSpec&, Case& c) { c.meshes[0].motion = MeshMotion::kRigid; }},
+    {"DiscreteRigidMesh",
+     [](SceneSpec& spec, Case& c) { spec.mode = Mode::kDcd, c.meshes[0].motion = MeshMotion::kRigid; }},
+    {"BothModes", [](SceneSpec& spec, Case&) { spec.mode = Mode::kBoth; }},
+    {"ExcludedMeshes",
+     [](SceneSpec& spec, Case&) {
+       spec.excluded_meshes = {{0, 1}};
+     }},
     {"NoSelfContacts", [](SceneSpec&, Case& c) { c.meshes[0].self_contacts = false; }}};
 
 /// Two meshes of triangles so far apart that nothing is found.

@@ -3,40 +3,14 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "server/convert/facts.hpp"
 #include "server/convert/meshes.hpp"
 #include "server/convert/options.hpp"
 #include "server/errors.hpp"
+#include "tests/server/convert/scene_refusals.hpp"
 #include "tests/server/convert/scene_request.hpp"
-#include "tests/server/scenes/tiny_scene.hpp"
 
 namespace collided::server {
 namespace {
-
-template <class Error>
-void expect_refused(const std::string& field, const std::function<void(pb::CreateSceneRequest&)>& change) {
-  auto bad = request();
-  change(bad);
-  try {
-    parse_scene(bad, {});
-    ADD_FAILURE() << "accepted: " << field;
-  } catch (const Error& e) {
-    EXPECT_EQ(e.field(), field) << e.what();
-    EXPECT_NE(std::string(e.what()).find(field), std::string::npos) << e.what();
-  }
-}
-
-// The facts of a scene without frames.
-pb::Scene shown(const pb::CreateSceneRequest& wanted) {
-  Turns turns(1);
-  CountingObserver observer;
-  const SceneFacts facts{"id", "token", "", 0, std::make_shared<ClientIdentity>(), 7.5, 1};
-  pb::Scene message;
-  fill_scene(Scene(facts, parse_scene(wanted, {}).plan, {turns, observer}), &message);
-  return message;
-}
 
 TEST(ConvertScene, FillsDefaults) {
   const auto plan = parse_scene(request(), {}).plan;
@@ -123,17 +97,6 @@ TEST(ConvertScene, TheFingerprintIsThatOfTheSpec) {
   EXPECT_NE(parse_scene(request_with([](pb::SceneSpec& s) { s.set_delta(1e-6); }), {}).fingerprint, first);
   const auto other = request_with([](pb::SceneSpec& s) { s.mutable_meshes(0)->set_triangles(triangle({0, 2, 1})); });
   EXPECT_NE(parse_scene(other, {}).fingerprint, first);
-}
-
-std::string refusal_of(const pb::CreateSceneRequest& request, const SceneDefaults& defaults = {}) {
-  try {
-    parse_scene(request, defaults);
-  } catch (const InvalidInput& e) {
-    return e.what();
-  } catch (const LimitExceeded& e) {
-    return e.what();
-  }
-  return "accepted";
 }
 
 TEST(ConvertScene, TriangleCountIsTheWholeMesh) {
@@ -312,53 +275,6 @@ TEST(ConvertScene, RefusesWhatDoesNotGoTogether) {
   });
 }
 
-TEST(ConvertScene, TakesWhatIsLeftOutAndTellsIt) {
-  const auto wanted = request_with([](pb::SceneSpec& s) {
-    *s.add_meshes() = s.meshes(0);
-    s.mutable_meshes(1)->set_name("bag");
-    s.mutable_meshes(0)->set_exclude_rings(8);
-    s.mutable_meshes(1)->set_exclude_rest_pairs(true);
-    s.set_thickness(0.25);
-    auto* pair = s.add_excluded_meshes();
-    pair->set_first(1);
-    pair->set_second(0);
-    s.add_excluded_meshes();
-  });
-  const SceneSpec engine = parse_scene(wanted, {}).plan.engine;
-  EXPECT_EQ(engine.meshes[0].excluded_rings, 8u);
-  EXPECT_TRUE(!engine.meshes[0].excludes_rest_pairs && engine.meshes[1].excludes_rest_pairs);
-  EXPECT_EQ(engine.rest_distance, 0.25) << "the thickness";
-  EXPECT_EQ(engine.excluded_meshes, (std::vector<std::array<uint32_t, 2>>{{1, 0}, {0, 0}}));
-  const auto told = shown(wanted).spec();
-  EXPECT_EQ(told.meshes(0).exclude_rings(), 8u);
-  EXPECT_TRUE(told.meshes(1).exclude_rest_pairs());
-  EXPECT_EQ(told.rest_distance(), 0.25);
-  ASSERT_EQ(told.excluded_meshes_size(), 2);
-  EXPECT_EQ(told.excluded_meshes(0).first(), 1u);
-  EXPECT_EQ(shown(request()).spec().rest_distance(), 0);
-}
-
-TEST(ConvertScene, RefusalsOfWhatIsLeftOutNameValueAndLimit) {
-  const auto refusal = [](const std::function<void(pb::SceneSpec&)>& change) {
-    return refusal_of(request_with(change));
-  };
-  EXPECT_EQ(refusal([](pb::SceneSpec& s) { s.mutable_meshes(0)->set_exclude_rings(9); }),
-            "spec.meshes[0].exclude_rings is 9, the limit is 8");
-  EXPECT_EQ(refusal([](pb::SceneSpec& s) { s.set_rest_distance(0.5); }),
-            "spec.rest_distance is 0.5, but no mesh excludes rest pairs");
-  EXPECT_EQ(refusal([](pb::SceneSpec& s) { s.add_excluded_meshes()->set_second(7); }),
-            "spec.excluded_meshes[0] is meshes 0 and 7, but the last mesh is 0");
-  EXPECT_EQ(refusal([](pb::SceneSpec& s) { s.add_excluded_meshes(), s.add_excluded_meshes(); }),
-            "spec.excluded_meshes[1] is meshes 0 and 0, which an earlier pair already is");
-  EXPECT_EQ(refusal([](pb::SceneSpec& s) {
-              s.set_mode(pb::DETECTION_MODE_DCD);
-              s.add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
-              s.mutable_meshes(0)->set_exclude_rest_pairs(true);
-            }),
-            "spec.meshes[0].exclude_rest_pairs is on, but the scene has triangle pairs alone: rest pairs are "
-            "vertex-triangle and edge-edge contacts");
-}
-
 // The rule is the engine's; fields and values are named as the client knows them.
 TEST(ConvertScene, ARefusedOptionTellsWhatItDoesNotGoWith) {
   EXPECT_EQ(refusal_of(request_with([](pb::SceneSpec& s) {
@@ -388,45 +304,6 @@ TEST(ConvertScene, ARefusedOptionTellsWhatItDoesNotGoWith) {
   EXPECT_TRUE(refusal_of(request_with([](pb::SceneSpec& s) {
                 s.set_thickness(-1);
               })).starts_with("spec.thickness is -1; it must be from 0 to "));
-}
-
-TEST(ConvertScene, TakesRigidMeshesAndEncodedPositions) {
-  const ScenePlan plan = parse_scene(request_with([](pb::SceneSpec& s) {
-                                       s.set_position_format(pb::POSITION_FORMAT_Q16);
-                                       for (const double x : {-1.0, -2.0, -3.0})
-                                         s.mutable_quantization_box()->add_lower(x);
-                                       for (const double x : {1.0, 2.0, 3.0})
-                                         s.mutable_quantization_box()->add_upper(x);
-                                       s.mutable_meshes(0)->set_motion(pb::MESH_MOTION_RIGID);
-                                     }),
-                                     {})
-                             .plan;
-  EXPECT_EQ(plan.engine.meshes[0].motion, MeshMotion::kRigid);
-  EXPECT_EQ(plan.engine.scalar, Scalar::kF32);
-  ASSERT_TRUE(plan.engine.quantized_in);
-  EXPECT_EQ(plan.engine.quantized_in->lower[2], -3);
-  EXPECT_EQ(position_bytes(plan.engine), 6u);
-}
-
-TEST(ConvertScene, RefusesABoxThatDoesNotFitTheFormat) {
-  using Request = pb::CreateSceneRequest;
-  const auto refuse = expect_refused<InvalidInput>;
-  const auto with = [](const std::function<void(pb::SceneSpec&)>& set) {
-    return [set](Request& r) {
-      pb::SceneSpec& spec = *r.mutable_spec();
-      spec.set_position_format(pb::POSITION_FORMAT_Q16);
-      for (int k = 0; k < 3; ++k)
-        spec.mutable_quantization_box()->add_lower(0), spec.mutable_quantization_box()->add_upper(1);
-      set(spec);
-    };
-  };
-  refuse("spec.quantization_box", with([](pb::SceneSpec& s) { s.set_position_format(pb::POSITION_FORMAT_F32); }));
-  refuse("spec.quantization_box", with([](pb::SceneSpec& s) { s.clear_quantization_box(); }));
-  refuse("spec.quantization_box.lower", with([](pb::SceneSpec& s) { s.mutable_quantization_box()->clear_lower(); }));
-  refuse("spec.quantization_box.upper", with([](pb::SceneSpec& s) { s.mutable_quantization_box()->add_upper(4); }));
-  refuse("spec.quantization_box", with([](pb::SceneSpec& s) { s.mutable_quantization_box()->set_upper(1, -1); }));
-  refuse("spec.quantization_box", with([](pb::SceneSpec& s) { s.mutable_quantization_box()->set_lower(0, NAN); }));
-  refuse("spec.quantization_box", with([](pb::SceneSpec& s) { s.set_accuracy(pb::ACCURACY_EXACT); }));
 }
 
 TEST(ConvertScene, HoldsTheLimitsAndTheBackend) {
