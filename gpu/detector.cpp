@@ -1,8 +1,8 @@
 #include "gpu/detector.hpp"
 
 #include "gpu/scene/backends.hpp"
-#include "gpu/scene/memory_need.hpp"
 #include "gpu/scene/rules.hpp"
+#include "gpu/scene/tables.hpp"
 
 namespace collided {
 namespace {
@@ -17,22 +17,22 @@ class HostMemoryOfOthers final : public SharedMemory {
   std::span<std::byte> memory_;
 };
 
-uint64_t triangles_of(const SceneSpec& spec) {
-  uint64_t triangles = 0;
-  for (const MeshSpec& mesh : spec.meshes) triangles += mesh.triangles.size();
-  return triangles;
+/// Only an edit leaves a mesh without vertices.
+void check_meshes(const SceneSpec& spec) {
+  for (size_t i = 0; i < spec.meshes.size(); ++i) {
+    const std::string field = "meshes[" + std::to_string(i) + "].vertex_count";
+    if (spec.meshes[i].vertex_count == 0) throw InvalidInput(field, field + " is 0, at least 3 are needed");
+  }
 }
 
 }  // namespace
 
 std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
   check_spec(spec);
+  check_meshes(spec);
   check_exclusions(spec);
   MemoryHold making(spec.memory_quota);
-  making.resize(max_making_bytes(triangles_of(spec)));
-  FeatureTables features = make_features(spec.meshes);
-  making.resize(bytes_of(features));
-  features.rings = make_rings(spec, features.topology, making);
+  FeatureTables features = make_tables(spec, making);
   return spec.backend == Backend::kCuda ? make_cuda_detector(std::move(spec), std::move(features))
                                         : make_cpu_detector(std::move(spec), std::move(features));
 }

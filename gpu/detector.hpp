@@ -22,11 +22,13 @@ class Detector {
   /// Only once a frame has been applied. Throws ResourceExhausted, DeviceError.
   virtual void read_positions(const VertexSample& sample, std::span<std::byte> to) = 0;
 
-  /// From any thread, also while a frame is in work. A slot may outlive its scene, and is of no use then. Throws
-  /// ResourceExhausted.
+  /// From any thread, also while a frame is in work. A slot may outlive its scene, and is of no
+  /// use then, nor after an edit. Throws ResourceExhausted.
   virtual std::shared_ptr<FrameSlot> make_slot() = 0;
 
   virtual std::vector<MemoryPart> memory() const = 0;
+  /// As the last edit left it, without triangles.
+  virtual const SceneSpec& spec() const = 0;
   virtual const Topology& topology() const = 0;
   virtual DeviceInfo device() const = 0;
 };

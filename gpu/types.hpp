@@ -151,6 +151,23 @@ struct SceneSpec {
   std::vector<MeshSpec> meshes;
 };
 
+/// A mesh as an edit wants it.
+struct MeshEdit {
+  uint32_t mesh = 0;  ///< its number; that of the last mesh and 1: it is added
+  /// Without vertices and triangles: the mesh is removed. Without triangles: it keeps those that it has, and as many
+  /// vertices.
+  MeshSpec spec = {};
+};
+
+/// Changes of what a scene is made of. Meshes keep their numbers: where one is removed, a mesh without vertices stays,
+/// which a later edit may fill. Scene-wide ids are counted anew.
+struct SceneEdit {
+  std::vector<MeshEdit> meshes = {};  ///< each once
+  /// Pairs of meshes that never touch from here on, or may touch again. Those of a mesh that is removed go with it.
+  std::vector<std::array<uint32_t, 2>> excluded = {}, included = {};
+  double rest_distance = 0;  ///< >= 0, finite, unit of the positions; 0: the scene's stays
+};
+
 /// Bytes of one position as frames bring it.
 constexpr uint64_t position_bytes(const SceneSpec& spec) { return spec.quantized_in ? 6 : position_bytes(spec.scalar); }
 
@@ -159,8 +176,8 @@ constexpr uint64_t position_bytes(const SceneSpec& spec) { return spec.quantized
 /// own is the fastest), registered host memory, or, on CUDA, that of the device.
 struct MeshPositions {
   uint32_t mesh = 0;
-  std::span<const std::byte> start;         ///< t = 0 (CCD); empty: where the last frame left the mesh
-  std::span<const std::byte> end;           ///< t = 1
+  std::span<const std::byte> start = {};    ///< t = 0 (CCD); empty: where the last frame left the mesh
+  std::span<const std::byte> end = {};      ///< t = 1
   bool is_sparse = false;                   ///< only the vertices of `indices` change
   std::span<const std::byte> indices = {};  ///< uint32 each, strictly ascending, counted in the mesh
   /// Rigid meshes: float64[3][4] in host memory, the rows of [R | t], instead of positions; those of the first frame
@@ -184,8 +201,13 @@ class FrameSlot {
 };
 
 struct FrameInput {
-  std::vector<MeshPositions> updates;     ///< the first frame must name every mesh; empty if `slot` brings them
-  std::shared_ptr<FrameSlot> slot = {};   ///< of the same scene, with positions that were sent; may be empty
+  std::vector<MeshPositions> updates;    ///< the first frame must name every mesh; empty if `slot` brings them
+  std::shared_ptr<FrameSlot> slot = {};  ///< of the same scene, with positions that were sent; may be empty
+  /// What the scene is made of changes before the frame, if the frame counts; then `slot` is empty, and slots made
+  /// before are of no use any more. Meshes that are added, or get another number of vertices or another motion, have
+  /// their first positions here, as in a first frame; in CCD deformable ones that were there before also say where they
+  /// begin. Static and rigid meshes that are replaced may have first positions again. Not in a scene's first frame.
+  std::shared_ptr<const SceneEdit> edit = {};
   std::optional<Mode> mode = {};          ///< kDcd or kCcd; the scene's if absent, and kCcd where that is kBoth
   std::optional<Accuracy> accuracy = {};  ///< for this frame alone; the scene's if absent
   std::optional<double> delta = {};

@@ -25,6 +25,9 @@ inline constexpr size_t kCudaIpcHandleBytes = 64;
 /// Of each mesh: its update's message, and the alignment of its arrays.
 inline constexpr uint64_t kUpdateBytes = 256;
 
+/// Beside what frames can have: for edits, and for positions of what they add.
+inline constexpr uint64_t kMaxEditInputBytes = uint64_t{256} << 20;
+
 constexpr uint64_t whole_pages(uint64_t bytes) { return (bytes + kPageBytes - 1) / kPageBytes * kPageBytes; }
 
 /// Largest message of a frame whose arrays are in shared memory.

@@ -36,10 +36,9 @@ std::string random_id() {
   return id;
 }
 
-void add_mesh(v1::SceneSpec& spec, const MeshInput& mesh) {
+void fill_mesh(const MeshInput& mesh, v1::MeshSpec& out) {
   if (mesh.is_static && mesh.is_rigid)
     throw Error(grpc::INVALID_ARGUMENT, "mesh " + mesh.name + " is static and rigid, and can only be one of them");
-  v1::MeshSpec& out = *spec.add_meshes();
   out.set_name(mesh.name);
   out.set_vertex_count(mesh.vertex_count);
   out.set_motion(mesh.is_static  ? v1::MESH_MOTION_STATIC
@@ -51,6 +50,20 @@ void add_mesh(v1::SceneSpec& spec, const MeshInput& mesh) {
 }
 
 }  // namespace
+
+v1::MeshEdit edited_mesh(uint32_t mesh, const MeshInput& input) {
+  v1::MeshEdit edit;
+  edit.set_mesh(mesh);
+  fill_mesh(input, *edit.mutable_spec());
+  edit.mutable_spec()->set_triangles(input.triangles.data(), input.triangles.size_bytes());
+  return edit;
+}
+
+v1::MeshEdit removed_mesh(uint32_t mesh) {
+  v1::MeshEdit edit;
+  edit.set_mesh(mesh);
+  return edit;
+}
 
 struct Client::State {
   explicit State(ChannelFactory maker) : channels(std::move(maker)) {
@@ -146,7 +159,7 @@ Client Client::connect(const std::string& address, const ConnectOptions& options
 const v1::GetServerInfoResponse& Client::server_info() const { return state_->info; }
 
 v1::Scene Client::create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds) {
-  for (const MeshInput& mesh : meshes) add_mesh(spec, mesh);
+  for (const MeshInput& mesh : meshes) fill_mesh(mesh, *spec.add_meshes());
   v1::CreateSceneRequest request;
   request.set_request_id(random_id());
   request.set_lease_seconds(lease_seconds);
@@ -163,7 +176,7 @@ v1::Scene Client::create_scene(v1::SceneSpec spec, std::span<const MeshInput> me
 }
 
 v1::EstimateSceneResponse Client::estimate_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes) {
-  for (const MeshInput& mesh : meshes) add_mesh(spec, mesh);
+  for (const MeshInput& mesh : meshes) fill_mesh(mesh, *spec.add_meshes());
   v1::EstimateSceneRequest request;
   *request.mutable_spec() = std::move(spec);
   return state_->call(&Service::EstimateScene, request);

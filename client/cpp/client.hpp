@@ -17,14 +17,20 @@ namespace collided::client {
 
 /// A mesh of a new scene. Its triangles are borrowed, and uploaded in chunks, so that there may be any number.
 struct MeshInput {
-  std::string name;
+  std::string name = "";
   uint32_t vertex_count = 0;
-  std::span<const std::array<uint32_t, 3>> triangles;
+  std::span<const std::array<uint32_t, 3>> triangles = {};
   bool is_static = false;
   bool is_rigid = false;            ///< after its first frame it is moved by rigid_update alone
   uint32_t exclude_rings = 0;       ///< leave out self contacts of features that so many edges or fewer connect; 0 to 8
   bool exclude_rest_pairs = false;  ///< likewise of features within the spec's rest_distance in the first frame
 };
+
+/// The mesh as an edit brings it (FrameOptions::edit): added, or in place of another; with its triangles, or without
+/// them where those that it has stay. An empty name stays, too. Throws Error (INVALID_ARGUMENT).
+v1::MeshEdit edited_mesh(uint32_t mesh, const MeshInput& input);
+/// Removes a mesh.
+v1::MeshEdit removed_mesh(uint32_t mesh);
 
 /// How a stream is opened.
 struct StreamOptions {

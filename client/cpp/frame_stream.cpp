@@ -60,6 +60,7 @@ void FrameStream::send(uint64_t frame_id, std::span<const FrameUpdate> updates, 
   head.set_advance(options.advance);
   head.set_trial(options.trial);
   if (options.from_last_fraction) head.set_from_last_fraction(*options.from_last_fraction);
+  if (options.edit) *head.mutable_edit() = *options.edit;
   state_->send(head, updates);
 }
 

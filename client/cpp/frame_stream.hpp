@@ -40,6 +40,7 @@ struct FrameOptions {
   bool advance = false;
   bool trial = false;
   std::optional<double> from_last_fraction = {};
+  std::optional<v1::SceneEdit> edit = {};  ///< of edited_mesh() and removed_mesh(), and of pairs of meshes
 };
 
 /// The keeper is a stream's own thread, which reads while no caller waits, so that answers keep flowing and the

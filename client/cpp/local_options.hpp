@@ -17,6 +17,9 @@ struct LocalOptions {
   /// Room for each frame's contacts, at most 1 GiB for the whole window. Contacts beyond it come over the socket, which
   /// is slower. Memory is allocated on first touch.
   uint64_t output_bytes = uint64_t{8} << 20;
+  /// Room in each frame for an edit's triangles, and for positions of what edits have added, at most 256 MiB for the
+  /// whole window.
+  uint64_t edit_bytes = 0;
   /// A cudaIpcMemHandle_t (64 bytes) of memory on the scene's GPU, in which updates then name ranges. Needs kOn.
   std::string cuda_ipc_handle = "";
   /// Another user id that the daemon may run as, besides root, this process's own user and whoever listens at a

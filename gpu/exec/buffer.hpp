@@ -14,6 +14,20 @@ class Buffer {
   Buffer(Exec& exec, std::string part) : exec_(&exec), part_(std::move(part)) {}
   Buffer(const Buffer&) = delete;
   Buffer& operator=(const Buffer&) = delete;
+  Buffer(Buffer&& other) noexcept
+      : exec_(other.exec_),
+        part_(other.part_),
+        data_(std::exchange(other.data_, nullptr)),
+        capacity_(std::exchange(other.capacity_, 0)) {}
+  /// What was held here is given back.
+  Buffer& operator=(Buffer&& other) noexcept {
+    Buffer taken(std::move(other));
+    std::swap(part_, taken.part_);
+    std::swap(data_, taken.data_);
+    std::swap(capacity_, taken.capacity_);
+    std::swap(exec_, taken.exec_);
+    return *this;
+  }
   ~Buffer() { release(); }
 
   /// Room for exactly `count`, once; for arrays whose size is known for good.

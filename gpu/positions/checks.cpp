@@ -86,8 +86,10 @@ void check_update(const SceneSpec& spec, const MeshPositions& update, const std:
   if (update.mesh >= spec.meshes.size())
     throw InvalidInput(field + ".mesh", field + ".mesh is " + text(update.mesh) + ", the scene has " +
                                             text(spec.meshes.size()) + " meshes");
-  check_transforms(spec, update, field);
   const MeshSpec& mesh = spec.meshes[update.mesh];
+  if (mesh.vertex_count == 0)
+    throw InvalidInput(field + ".mesh", field + ".mesh is " + text(update.mesh) + ", which was removed");
+  check_transforms(spec, update, field);
   if (mesh.motion == MeshMotion::kRigid && update.is_sparse)
     throw InvalidInput(field + ".indices",
                        field + ".indices are given, but mesh " + text(update.mesh) + " is rigid and moves as a whole");
@@ -125,10 +127,10 @@ namespace {
 void check_rigid_turn(const std::string& field, const SentMesh& sent, bool first) {
   if (first && !sent.has_positions)
     throw InvalidInput(field + ".end", field + ".end is empty, but mesh " + text(sent.mesh) +
-                                           " is rigid, and the first frame brings the positions that are transformed");
+                                           " is rigid, and its first frame brings the positions that are transformed");
   if (!first && sent.has_positions)
     throw InvalidInput(field + ".end", field + ".end is given, but mesh " + text(sent.mesh) +
-                                           " is rigid: its positions come with the first frame alone, and later frames "
+                                           " is rigid: its positions come with its first frame alone, and later frames "
                                            "bring transforms");
   if (!first && !sent.has_transform)
     throw InvalidInput(field + ".transform", field + ".transform is empty; leave mesh " + text(sent.mesh) +
@@ -147,25 +149,25 @@ std::vector<RigidMove> moves_of(const std::vector<MeshPositions>& updates) {
   return moves;
 }
 
-void check_turn(const SceneSpec& spec, const std::vector<SentMesh>& meshes, bool first) {
+void check_turn(const SceneSpec& spec, const std::vector<SentMesh>& meshes, const FirstMeshes& first) {
   std::vector<bool> named(spec.meshes.size(), false);
   for (size_t i = 0; i < meshes.size(); ++i) {
     const uint32_t mesh = meshes[i].mesh;
-    if (!first && spec.meshes[mesh].motion == MeshMotion::kStatic)
+    if (!first[mesh] && spec.meshes[mesh].motion == MeshMotion::kStatic)
       throw InvalidInput(name_of(i) + ".mesh",
                          name_of(i) + ".mesh " + text(mesh) +
-                             " is static: its positions come with the first frame alone. Leave it out of later frames, "
+                             " is static: its positions come with its first frame alone. Leave it out of later frames, "
                              "or create the scene with a deformable mesh");
-    if (spec.meshes[mesh].motion == MeshMotion::kRigid) check_rigid_turn(name_of(i), meshes[i], first);
-    if (first && meshes[i].is_sparse)
+    if (spec.meshes[mesh].motion == MeshMotion::kRigid) check_rigid_turn(name_of(i), meshes[i], first[mesh]);
+    if (first[mesh] && meshes[i].is_sparse)
       throw InvalidInput(name_of(i) + ".indices", name_of(i) + ".indices are given for mesh " + text(mesh) +
                                                       ", whose first positions must be those of all vertices");
     named[mesh] = true;
   }
-  for (size_t mesh = 0; first && mesh < named.size(); ++mesh)
-    if (!named[mesh])
+  for (size_t mesh = 0; mesh < named.size(); ++mesh)
+    if (first[mesh] && !named[mesh])
       throw InvalidInput("updates",
-                         "updates: the first frame must name every mesh, mesh " + text(mesh) + " is missing");
+                         "updates: a mesh's first frame must have its positions, mesh " + text(mesh) + " is missing");
 }
 
 void refuse_index(const UpdatePlace& place, uint32_t index, uint32_t vertex_count) {

@@ -17,9 +17,12 @@ struct SentMesh {
   bool has_positions, has_transform;
 };
 
-/// Throws InvalidInput for what only the first frame may bring, and for what it has to. `first`: no frame was applied
-/// yet, so every mesh must be named, and whole.
-void check_turn(const SceneSpec& spec, const std::vector<SentMesh>& meshes, bool first);
+/// Meshes, each of which has its first positions in this frame.
+using FirstMeshes = std::vector<bool>;
+
+/// Throws InvalidInput for what only a mesh's first frame may bring, and for what it has to: all of `first` must be
+/// named, and whole.
+void check_turn(const SceneSpec& spec, const std::vector<SentMesh>& meshes, const FirstMeshes& first);
 
 /// A rigid mesh that a frame moves.
 struct RigidMove {

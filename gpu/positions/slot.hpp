@@ -45,12 +45,18 @@ class SceneSlot final : public FrameSlot {
     return std::any_of(runs_.begin(), runs_.end(), [](const auto& run) { return run.start != nullptr; }) ||
            std::any_of(moves_.begin(), moves_.end(), [](const auto& move) { return move.start.has_value(); });
   }
+  /// Whether this mesh has.
+  bool brings_start_of(uint32_t mesh) const {
+    for (size_t i = 0; i < meshes_.size(); ++i)
+      if (meshes_[i].mesh == mesh) return runs_[i].start != nullptr;
+    return false;
+  }
   const std::vector<RigidMove>& moves() const { return moves_; }
 
   bool is_of(const std::shared_ptr<const SceneShape>& shape) const { return shape_ == shape; }
 
-  /// Waits for what was sent. Throws InvalidInput where the scene cannot take it. `first`: no frame was applied yet.
-  void arrive(bool first) {
+  /// Waits for what was sent. Throws InvalidInput where the scene cannot take it.
+  void arrive(const FirstMeshes& first) {
     if (!is_sent_) throw InvalidInput("slot", "slot brings no positions, they have to be sent first");
     check_turn(shape_->spec, meshes_, first);
     if (const uint64_t bad = staging_.first_bad(); bad != kNoBadPlace) refuse(BadPosition::of(bad));

@@ -49,8 +49,7 @@ class SceneDryRun {
       tables.rules.allocate(spec_.meshes.size());
       tables.excluded_meshes.allocate(excluded_mesh_slots(spec_).size());
     }
-    scene_.boxes.allocate(counts_.triangles);
-    scene_.records.allocate(counts_.triangles);
+    scene_.reserve_boxes(counts_.triangles);
   }
   /// As ResidentPositions does for a frame with the positions at t = 1.
   void reserve_positions() {

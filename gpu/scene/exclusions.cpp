@@ -16,13 +16,18 @@ std::vector<MeshRule> mesh_rules(const SceneSpec& spec) {
   return rules;
 }
 
-std::vector<MeshRule> rest_rules(const SceneSpec& spec) {
+std::vector<MeshRule> rest_rules(const SceneSpec& spec, const std::vector<bool>& meshes) {
   std::vector<MeshRule> rules = mesh_rules(spec);
   for (size_t i = 0; i < rules.size(); ++i) {
     rules[i].groups = 0;
-    if (!spec.meshes[i].excludes_rest_pairs) rules[i].has_self_contacts = 0;
+    if (!meshes[i] || !spec.meshes[i].excludes_rest_pairs) rules[i].has_self_contacts = 0;
   }
   return rules;
+}
+
+bool may_touch(const std::vector<MeshRule>& rest_rules) {
+  return std::any_of(rest_rules.begin(), rest_rules.end(),
+                     [](const MeshRule& rule) { return rule.is_static == 0 && rule.has_self_contacts != 0; });
 }
 
 bool needs_pair_filter(const SceneSpec& spec) {
@@ -34,9 +39,7 @@ bool needs_pair_filter(const SceneSpec& spec) {
 }
 
 bool excludes_rest_pairs(const SceneSpec& spec) {
-  const std::vector<MeshRule> rules = rest_rules(spec);
-  return std::any_of(rules.begin(), rules.end(),
-                     [](const MeshRule& rule) { return rule.is_static == 0 && rule.has_self_contacts != 0; });
+  return may_touch(rest_rules(spec, std::vector<bool>(spec.meshes.size(), true)));
 }
 
 std::vector<uint64_t> excluded_mesh_slots(const SceneSpec& spec) {

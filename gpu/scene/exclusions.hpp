@@ -10,8 +10,11 @@ namespace collided {
 
 /// The rule of each mesh.
 std::vector<MeshRule> mesh_rules(const SceneSpec& spec);
-/// The same for the step that finds rest pairs: nothing touches but the meshes that exclude such pairs, themselves.
-std::vector<MeshRule> rest_rules(const SceneSpec& spec);
+/// The same for the step that finds rest pairs: nothing touches but those of `meshes` that exclude such pairs,
+/// themselves.
+std::vector<MeshRule> rest_rules(const SceneSpec& spec, const std::vector<bool>& meshes);
+/// Whether, by such rules, a mesh may touch itself.
+bool may_touch(const std::vector<MeshRule>& rest_rules);
 
 /// Whether some pair of triangles may not touch because of its meshes.
 bool needs_pair_filter(const SceneSpec& spec);

@@ -1,8 +1,10 @@
 #pragma once
 // Where a scene's vertices are: at t = 0 and t = 1 of the step in work, and in the last good frame. A throw at any
-// point leaves the last good frame where good_ says.
+// point leaves the last good frame where state_.good says.
 
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "gpu/positions/blend.hpp"
 #include "gpu/positions/slot.hpp"
@@ -16,42 +18,78 @@ class ResidentPositions {
  public:
   using Slot = SceneSlot<Exec, Real>;
   using Positions = Buffer<Vec3<Real>, Exec>;
+  using Buffers = ResidentBuffers<Exec, Real>;
+  enum class Good { kEnd, kStart, kSaved };
+  struct State {
+    FirstMeshes first;  ///< that have their first positions in the next frame
+    bool has_frame = false;
+    bool has_path = false;   ///< `start` and `end` are those of the last frame, good or a trial
+    Good good = Good::kEnd;  ///< which buffer has the last good frame's positions: `end`, `start` or `last_good`
+  };
+  /// All that is known of them on the host.
+  struct Saved {
+    State state;
+    typename RigidMeshes<Exec, Real>::State rigid;
+  };
 
   ResidentPositions(Exec& exec, const SceneShape& shape, SceneBuffers<Exec, Real>& scene)
       : exec_(exec),
-        spec_(shape.spec),
-        vertices_(shape.vertex_offset.back()),
+        shape_(shape),
         scene_(scene),
-        rigid_(exec, shape, scene) {}
+        rigid_(exec, shape, scene),
+        state_{.first = FirstMeshes(shape.spec.meshes.size(), true)} {}
 
-  bool has_frame() const { return has_frame_; }
+  const FirstMeshes& first() const { return state_.first; }
+  bool has_frame() const { return state_.has_frame; }
   /// Whether the scene's boxes of static meshes are those of the last good frame.
-  bool are_boxes_good() const { return has_frame_ && good_ == Good::kEnd; }
+  bool are_boxes_good() const { return has_frame() && state_.good == Good::kEnd; }
 
   /// Of the last good frame.
-  const Positions& last_good() const {
-    return good_ == Good::kEnd ? scene_.end : good_ == Good::kStart ? scene_.start : scene_.last_good;
+  const Positions& last_good() const { return last_good(scene_, state_); }
+
+  Saved save() const { return {state_, rigid_.state()}; }
+  /// The buffers are what they were when this was saved.
+  void restore(Saved saved) {
+    state_ = std::move(saved.state);
+    rigid_.restore(std::move(saved.rigid));
+  }
+
+  /// The meshes and buffers are those of an edit, which leaves all but the `first` meshes where they were; those have
+  /// their first positions in the next frame. The others are copied from the `buffers` of before, where the meshes
+  /// began at `vertex_offset`.
+  void edit(const Saved& saved, const Buffers& buffers, const std::vector<uint32_t>& vertex_offset, FirstMeshes first) {
+    state_ = {.first = std::move(first), .has_frame = true};
+    scene_.end.allocate(vertices());
+    if (!has_paths()) scene_.last_good.allocate(vertices());
+    const Vec3<Real>* from = last_good(buffers, saved.state).data();
+    for (size_t mesh = 0; mesh < state_.first.size(); ++mesh) {
+      if (state_.first[mesh]) continue;
+      copy_mesh(mesh, scene_.end.data(), from + vertex_offset[mesh]);
+      if (!has_paths()) copy_mesh(mesh, scene_.last_good.data(), from + vertex_offset[mesh]);
+    }
+    rigid_.edit(saved.rigid, buffers.rigid.rest, state_.first);
   }
 
   /// Memory for a frame. Not before the first, which brings all positions: a number of vertices alone holds none.
   void require(const Slot& slot, const FrameInput& frame) {
-    scene_.end.allocate(vertices_);
-    if (has_paths()) scene_.start.allocate(vertices_);
-    if (!has_paths() || slot.brings_starts() || frame.start_fraction) scene_.last_good.allocate(vertices_);
-    if (frame.advance) scene_.target.allocate(vertices_);
+    scene_.end.allocate(vertices());
+    if (has_paths()) scene_.start.allocate(vertices());
+    if (!has_paths() || slot.brings_starts() || frame.start_fraction) scene_.last_good.allocate(vertices());
+    if (frame.advance) scene_.target.allocate(vertices());
     rigid_.require();
   }
 
   /// Puts the frame's positions in `end`, and those that it begins at in `start`.
-  void place(Slot& slot, const std::optional<double>& start_fraction, bool is_ccd) {
-    if (start_fraction)
-      begin_along(*start_fraction);
-    else if (has_frame_)
+  void place(Slot& slot, const FrameInput& frame, bool is_ccd) {
+    if (frame.start_fraction)
+      begin_along(*frame.start_fraction);
+    else if (has_frame())
       begin_at_last_good(slot.brings_starts());
-    has_path_ = false;
-    rigid_.begin(start_fraction);
-    slot.place(exec_, scene_.start.data(), scene_.end.data(), !has_frame_);
-    rigid_.place(slot.moves(), !has_frame_, is_ccd);
+    state_.has_path = false;
+    rigid_.begin(frame.start_fraction);
+    slot.place(exec_, scene_.start.data(), scene_.end.data(), !has_frame());
+    if (frame.edit && has_paths()) begin_where_they_end(slot);
+    rigid_.place(slot.moves(), is_ccd);
   }
   /// A mesh that turns in the step in work: its true path is no straight one.
   std::optional<uint32_t> turning() const { return rigid_.turning(); }
@@ -71,15 +109,16 @@ class ResidentPositions {
       rigid_.place_ends(slot.moves(), scene_.last_good.data());
     }
     rigid_.commit();
-    has_frame_ = has_path_ = true;
-    good_ = Good::kEnd;
+    state_.first.assign(state_.first.size(), false);
+    state_.has_frame = state_.has_path = true;
+    state_.good = Good::kEnd;
   }
   /// The frame does not count, but the next one may begin on its way.
-  void end_trial() { has_path_ = has_frame_; }
+  void end_trial() { state_.has_path = state_.has_frame; }
 
   /// Throws InvalidInput where there is no way of a last frame.
   void check_start_fraction(const std::optional<double>& fraction) const {
-    if (fraction && !has_path_)
+    if (fraction && !state_.has_path)
       throw InvalidInput("start_fraction", "start_fraction is given, but the scene has no last frame to begin on");
     if (const auto mesh = rigid_.turning(); fraction && mesh)
       throw InvalidInput("start_fraction", "start_fraction is given, but mesh " + std::to_string(*mesh) +
@@ -87,44 +126,55 @@ class ResidentPositions {
   }
 
  private:
-  enum class Good { kEnd, kStart, kSaved };
-  bool has_paths() const { return spec_.mode != Mode::kDcd; }
+  bool has_paths() const { return shape_.spec.mode != Mode::kDcd; }
+  uint32_t vertices() const { return shape_.vertex_offset.back(); }
+  static const Positions& last_good(const Buffers& buffers, const State& state) {
+    return state.good == Good::kEnd ? buffers.end : state.good == Good::kStart ? buffers.start : buffers.last_good;
+  }
 
   void begin_at_last_good(bool brings_starts) {
-    if (good_ != Good::kEnd) copy(scene_.end, last_good());
-    good_ = Good::kEnd;
+    if (state_.good != Good::kEnd) copy(scene_.end, last_good());
+    state_.good = Good::kEnd;
     if (has_paths()) begin_at_end(brings_starts);
-    if (!has_paths()) good_ = Good::kSaved;
+    if (!has_paths()) state_.good = Good::kSaved;
   }
   /// CCD: a step begins where the last one ended, unless the frame `brings_starts`, which must not overwrite the only
   /// copy of the last good frame.
   void begin_at_end(bool brings_starts) {
     if (brings_starts) copy(scene_.last_good, scene_.end);
     copy(scene_.start, scene_.end);
-    good_ = brings_starts ? Good::kSaved : Good::kStart;
+    state_.good = brings_starts ? Good::kSaved : Good::kStart;
+  }
+  /// Meshes that an edit brought, without positions at t = 0.
+  void begin_where_they_end(const Slot& slot) {
+    for (uint32_t mesh = 0; mesh < first().size(); ++mesh)
+      if (first()[mesh] && !slot.brings_start_of(mesh))
+        copy_mesh(mesh, scene_.start.data(), scene_.end.data() + shape_.vertex_offset[mesh]);
   }
   void begin_along(double fraction) {
-    if (good_ != Good::kSaved) copy(scene_.last_good, last_good());
-    good_ = Good::kSaved;
+    if (state_.good != Good::kSaved) copy(scene_.last_good, last_good());
+    state_.good = Good::kSaved;
     blend_into(scene_.start, scene_.start, scene_.end, fraction);
     copy(scene_.end, scene_.start);
   }
 
   void copy(Positions& to, const Positions& from) {
-    exec_.copy(to.data(), from.data(), uint64_t{vertices_} * sizeof(Vec3<Real>));
+    exec_.copy(to.data(), from.data(), uint64_t{vertices()} * sizeof(Vec3<Real>));
+  }
+  /// The vertices of one mesh, to where the scene has them.
+  void copy_mesh(size_t mesh, Vec3<Real>* to, const Vec3<Real>* from) {
+    exec_.copy(to + shape_.vertex_offset[mesh], from,
+               uint64_t{shape_.spec.meshes[mesh].vertex_count} * sizeof(Vec3<Real>));
   }
   void blend_into(Positions& out, const Positions& from, const Positions& to, double fraction) {
-    exec_.for_each("blend_positions", vertices_, BlendPositions<Real>{from.data(), to.data(), fraction, out.data()});
+    exec_.for_each("blend_positions", vertices(), BlendPositions<Real>{from.data(), to.data(), fraction, out.data()});
   }
 
   Exec& exec_;
-  const SceneSpec& spec_;
-  const uint32_t vertices_;
+  const SceneShape& shape_;
   SceneBuffers<Exec, Real>& scene_;
   RigidMeshes<Exec, Real> rigid_;
-  bool has_frame_ = false;
-  bool has_path_ = false;   ///< `start` and `end` are those of the last frame, good or a trial
-  Good good_ = Good::kEnd;  ///< which buffer has the last good frame's positions: `end`, `start` or `last_good`
+  State state_;
 };
 
 }  // namespace collided

@@ -70,28 +70,6 @@ void check_advance(const SceneSpec& spec, const FrameSettings& settings) {
     throw InvalidInput("advance", "advance is on, which needs both vertex-triangle and edge-edge contacts");
 }
 
-void check_rings(const SceneSpec& spec) {
-  for (size_t i = 0; i < spec.meshes.size(); ++i) {
-    const std::string field = "meshes[" + text(i) + "].excluded_rings";
-    if (spec.meshes[i].excluded_rings > kMaxRings)
-      throw InvalidInput(field,
-                         field + " is " + text(spec.meshes[i].excluded_rings) + ", the limit is " + text(kMaxRings));
-  }
-}
-
-void check_rest_pairs(const SceneSpec& spec) {
-  const auto mesh =
-      std::find_if(spec.meshes.begin(), spec.meshes.end(), [](const MeshSpec& m) { return m.excludes_rest_pairs; });
-  if (mesh == spec.meshes.end() && spec.rest_distance > 0)
-    throw InvalidInput("rest_distance",
-                       "rest_distance is " + text(spec.rest_distance) + ", but no mesh excludes rest pairs");
-  if (mesh == spec.meshes.end() || is_of_features(first_of(spec.kinds))) return;
-  const std::string field = "meshes[" + text(mesh - spec.meshes.begin()) + "].excludes_rest_pairs";
-  throw InvalidInput(field, field +
-                                " is on, but the scene has triangle pairs alone: rest pairs are vertex-triangle and "
-                                "edge-edge contacts");
-}
-
 std::string text_of(const std::array<uint32_t, 2>& meshes) {
   return "meshes " + text(meshes[0]) + " and " + text(meshes[1]);
 }
@@ -121,6 +99,16 @@ void check_start_fraction(const FrameSettings& settings, double fraction) {
     throw InvalidInput("start_fraction", "start_fraction is " + text(fraction) + "; it must be from 0 to 1");
 }
 
+/// An edit counts with its frame, and its meshes have no way of a last one.
+void check_edit(const FrameInput& frame) {
+  if (frame.trial) throw InvalidInput("edit", "edit is given in a trial frame, which leaves the scene as it was");
+  if (frame.start_fraction)
+    throw InvalidInput("edit", "edit is given with start_fraction, but an edited scene has no last way to begin on");
+  if (frame.slot != nullptr)
+    throw InvalidInput("slot",
+                       "slot is given with an edit, whose positions come in updates: it is of the scene before");
+}
+
 }  // namespace
 
 void check_frame(const SceneSpec& spec, const FrameInput& frame) {
@@ -131,6 +119,7 @@ void check_frame(const SceneSpec& spec, const FrameInput& frame) {
     throw InvalidInput("ignore_separating", "ignore_separating is on, which needs CCD at GUARDED or above");
   if (frame.advance) check_advance(spec, settings);
   if (frame.start_fraction) check_start_fraction(settings, *frame.start_fraction);
+  if (frame.edit) check_edit(frame);
 }
 
 void check_spec(const SceneSpec& spec) {
@@ -139,7 +128,7 @@ void check_spec(const SceneSpec& spec) {
   if (spec.threads < 0)
     throw InvalidInput("threads", "threads is " + text(spec.threads) + ", the least is 0 (all cores)");
   check_length("min_separation", spec.min_separation, coordinate_limit(spec.scalar));
-  check_length("rest_distance", spec.rest_distance, coordinate_limit(spec.scalar));
+  check_rest_distance(spec);
   if (spec.min_separation > 0 && spec.mode == Mode::kDcd)
     throw InvalidInput("min_separation", "min_separation is " + text(spec.min_separation) + ", which needs CCD");
   if (spec.quantized_in) check_quantization(spec);
@@ -149,9 +138,27 @@ void check_spec(const SceneSpec& spec) {
 }
 
 void check_exclusions(const SceneSpec& spec) {
-  check_rings(spec);
-  check_rest_pairs(spec);
+  const auto excludes = [](const MeshSpec& mesh) { return mesh.excludes_rest_pairs; };
+  if (spec.rest_distance > 0 && std::none_of(spec.meshes.begin(), spec.meshes.end(), excludes))
+    throw InvalidInput("rest_distance",
+                       "rest_distance is " + text(spec.rest_distance) + ", but no mesh excludes rest pairs");
+  for (size_t i = 0; i < spec.meshes.size(); ++i) check_mesh(spec, spec.meshes[i], "meshes[" + text(i) + "]");
   check_excluded_meshes(spec);
+}
+
+void check_mesh(const SceneSpec& spec, const MeshSpec& mesh, const std::string& field) {
+  if (mesh.excluded_rings > kMaxRings)
+    throw InvalidInput(field + ".excluded_rings",
+                       field + ".excluded_rings is " + text(mesh.excluded_rings) + ", the limit is " + text(kMaxRings));
+  if (mesh.excludes_rest_pairs && !is_of_features(first_of(spec.kinds)))
+    throw InvalidInput(field + ".excludes_rest_pairs",
+                       field +
+                           ".excludes_rest_pairs is on, but the scene has triangle pairs alone: rest pairs are "
+                           "vertex-triangle and edge-edge contacts");
+}
+
+void check_rest_distance(const SceneSpec& spec) {
+  check_length("rest_distance", spec.rest_distance, coordinate_limit(spec.scalar));
 }
 
 }  // namespace collided

@@ -13,6 +13,11 @@ void check_spec(const SceneSpec& spec);
 /// a rest_distance that no mesh uses, and rest pairs of a scene without contacts of features.
 void check_exclusions(const SceneSpec& spec);
 
+/// Those of its own that a mesh of the scene has, which `field` names.
+void check_mesh(const SceneSpec& spec, const MeshSpec& mesh, const std::string& field);
+/// Throws InvalidInput for a rest_distance that is no length.
+void check_rest_distance(const SceneSpec& spec);
+
 /// Throws InvalidInput naming the frame's option that the scene cannot have.
 void check_frame(const SceneSpec& spec, const FrameInput& frame);
 

@@ -6,10 +6,12 @@
 
 #include "gpu/detector.hpp"
 #include "gpu/positions/sample.hpp"
+#include "gpu/scene/edit.hpp"
 #include "gpu/scene/resident_positions.hpp"
 #include "gpu/scene/rest_pairs.hpp"
 #include "gpu/scene/rules.hpp"
-#include "gpu/scene/topology.hpp"
+#include "gpu/scene/scene_model.hpp"
+#include "gpu/scene/tables.hpp"
 #include "gpu/step/advance.hpp"
 #include "gpu/step/pipeline.hpp"
 
@@ -20,21 +22,17 @@ class SceneDetector final : public Detector {
  public:
   template <class... ExecArgs>
   SceneDetector(SceneSpec spec, FeatureTables features, ExecArgs... args)
-      : topology_(std::move(features.topology)),
-        shape_(shape_of(std::move(spec), topology_)),
-        exec_(args...),
-        scene_(exec_),
-        positions_(exec_, *shape_, scene_),
-        pipeline_(exec_, spec_, topology_, scene_),
-        rest_pairs_(exec_, spec_, scene_, pipeline_) {
-    make_resident(features);
-  }
+      : exec_(args...),
+        model_(exec_, std::move(spec), std::move(features)),
+        positions_(exec_, model_.shape(), scene_),
+        pipeline_(exec_, spec_, model_.topology(), scene_),
+        rest_pairs_(exec_, spec_, scene_, pipeline_) {}
 
   FrameResult detect(const FrameInput& frame) override {
     check_frame(spec_, frame);
     const FrameSettings settings = settings_with_margin(frame);
     exec_.asks().begin(frame.cancelled);
-    return exec_.frame([&] { return detect(frame, settings); });
+    return exec_.frame([&] { return frame.edit ? detect_edited(frame, settings) : detect(frame, settings); });
   }
 
   void read_positions(const VertexSample& sample, std::span<std::byte> to) override {
@@ -54,60 +52,76 @@ class SceneDetector final : public Detector {
     if (pipeline_.answer_bytes() > 0) parts.push_back({"answers", pipeline_.answer_bytes()});
     return parts;
   }
-  const Topology& topology() const override { return topology_; }
+  const SceneSpec& spec() const override { return spec_; }
+  const Topology& topology() const override { return model_.topology(); }
   DeviceInfo device() const override { return exec_.device(); }
 
  private:
   using Slot = SceneSlot<Exec, Real>;
+  using Parts = typename SceneModel<Exec, Real>::Parts;
+  using Saved = typename ResidentPositions<Exec, Real>::Saved;
 
-  /// The scene-wide tables hold the triangles.
-  static std::shared_ptr<const SceneShape> shape_of(SceneSpec spec, const Topology& topology) {
-    for (MeshSpec& mesh : spec.meshes) mesh.triangles = {};
-    return std::make_shared<const SceneShape>(SceneShape{std::move(spec), topology.vertex_offset});
-  }
-  std::shared_ptr<Slot> new_slot() const { return std::make_shared<Slot>(shape_, exec_); }
+  std::shared_ptr<Slot> new_slot() const { return std::make_shared<Slot>(model_.slot_shape(), exec_); }
 
-  void make_resident(const FeatureTables& features) {
-    ResidentTopology<Exec>& resident = scene_.topology;
-    send(resident.triangles, topology_.triangles);
-    send(resident.owned, features.owned);
-    if (spec_.kinds.edge_edge) send(resident.triangle_edges, features.triangle_edges);
-    if (spec_.kinds.edge_edge && spec_.accuracy != Accuracy::kCandidates) require_edges();
-    if (needs_pair_filter(spec_)) {
-      send(resident.mesh_of_triangle, features.mesh_of_triangle);
-      send(resident.rules, mesh_rules(spec_));
-      send(resident.excluded_meshes, excluded_mesh_slots(spec_));
+  /// The scene stays as edited if the frame counts, and else as it was.
+  FrameResult detect_edited(const FrameInput& frame, const FrameSettings& settings) {
+    if (!positions_.has_frame())
+      throw InvalidInput("edit", "edit is given in the scene's first frame, which has its meshes by the scene's spec");
+    Parts before(exec_);
+    Saved saved = positions_.save();
+    bool is_begun = false;
+    try {
+      exec_.stage("edit", [&] {
+        MemoryHold making(spec_.memory_quota);
+        EditedScene edited = edit_scene(spec_, model_.topology(), frame, settings.is_ccd());
+        FeatureTables features = make_tables(edited.spec, making);
+        model_.swap(before);
+        is_begun = true;
+        begin_edited(std::move(edited), std::move(features), before, saved);
+      });
+      FrameResult result = detect(frame, settings);
+      release_unneeded();
+      return result;
+    } catch (...) {
+      if (is_begun) undo(before, std::move(saved));
+      throw;
     }
-    send(resident.ring_begin, features.rings.begin);
-    send(resident.ring_vertices, features.rings.vertices);
-    scene_.boxes.allocate(topology_.triangles.size());
-    scene_.records.allocate(topology_.triangles.size());
   }
-
-  /// A frame may ask for more accuracy than the scene.
-  void require_edges() {
-    if (scene_.topology.edges.capacity() == 0) send(scene_.topology.edges, topology_.edges);
+  void begin_edited(EditedScene edited, FeatureTables features, const Parts& before, const Saved& saved) {
+    own_slot_ = nullptr;
+    model_.take(std::move(edited.spec), std::move(features));
+    pipeline_.resize(model_.topology());
+    positions_.edit(saved, before.buffers, before.shape.vertex_offset, std::move(edited.first));
+    rest_pairs_.edit(before.buffers.topology.rest_pairs, IdShift(before.topology, model_.topology()),
+                     edited.begins_at_rest);
   }
-
-  template <class T, class U>
-  void send(Buffer<T, Exec>& to, const std::vector<U>& from) {
-    static_assert(sizeof(T) == sizeof(U));
-    if (from.empty()) return;
-    to.allocate(from.size());
-    exec_.upload(to.data(), from.data(), from.size() * sizeof(T));
+  void undo(Parts& before, Saved saved) {
+    own_slot_ = nullptr;
+    model_.swap(before);
+    pipeline_.resize(model_.topology());
+    positions_.restore(std::move(saved));
+    rest_pairs_.settle();
+  }
+  /// Lists that a much larger scene needed.
+  void release_unneeded() {
+    const size_t triangles = model_.topology().triangles.size();
+    most_triangles_ = std::max(most_triangles_, triangles);
+    if (2 * triangles > most_triangles_) return;
+    most_triangles_ = triangles;
+    pipeline_.release_lists();
   }
 
   FrameResult detect(const FrameInput& frame, const FrameSettings& settings) {
-    const bool begins_at_rest = rest_pairs_.are_wanted() && !positions_.has_frame();
-    if (spec_.kinds.edge_edge && (settings.accuracy != Accuracy::kCandidates || begins_at_rest)) require_edges();
+    const bool begins_at_rest = rest_pairs_.are_awaited();
+    if (spec_.kinds.edge_edge && (settings.accuracy != Accuracy::kCandidates || begins_at_rest)) model_.require_edges();
     const bool boxes_static = !positions_.are_boxes_good();
     Slot* slot = nullptr;
     exec_.stage("upload", [&] {
       slot = &sent_slot(frame);
-      slot->arrive(!positions_.has_frame());
+      slot->arrive(positions_.first());
       positions_.check_start_fraction(frame.start_fraction);
       positions_.require(*slot, frame);
-      positions_.place(*slot, frame.start_fraction, settings.is_ccd());
+      positions_.place(*slot, frame, settings.is_ccd());
       check_straight(frame, settings);
     });
     RestCosts rest;
@@ -122,6 +136,7 @@ class SceneDetector final : public Detector {
     }
     exec_.asks().no_more();
     positions_.commit(*slot);
+    rest_pairs_.settle();
     return result;
   }
 
@@ -209,19 +224,20 @@ class SceneDetector final : public Detector {
       throw InvalidInput("updates", "updates has " + std::to_string(frame.updates.size()) +
                                         " meshes; it must be empty where a slot brings the positions");
     Slot* slot = dynamic_cast<Slot*>(frame.slot.get());
-    if (slot == nullptr || !slot->is_of(shape_)) throw InvalidInput("slot", "slot is of another scene than the frame");
+    if (slot == nullptr || !slot->is_of(model_.slot_shape()))
+      throw InvalidInput("slot", "slot is of another scene than the frame, or of this one before an edit");
     return *slot;
   }
 
-  Topology topology_;
-  std::shared_ptr<const SceneShape> shape_;
-  const SceneSpec& spec_ = shape_->spec;
-  const double encoding_ = 2 * encoding_error(spec_);  ///< of two positions
   Exec exec_;
-  SceneBuffers<Exec, Real> scene_;
+  SceneModel<Exec, Real> model_;
+  const SceneSpec& spec_ = model_.spec();
+  SceneBuffers<Exec, Real>& scene_ = model_.buffers();
+  const double encoding_ = 2 * encoding_error(spec_);  ///< of two positions
   ResidentPositions<Exec, Real> positions_;
   Pipeline<Exec, Real> pipeline_;
   RestPairs<Exec, Real> rest_pairs_;
+  size_t most_triangles_ = model_.topology().triangles.size();  ///< since lists were released
   std::shared_ptr<Slot> own_slot_;
   double margin_ = 0;  ///< of advances; it never shrinks, so that few steps have to be recorded anew
 };

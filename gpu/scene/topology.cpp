@@ -19,9 +19,10 @@ void check_triangle(const std::array<uint32_t, 3>& t, uint32_t vertex_count, siz
 
 void append_mesh(FeatureTables& out, const MeshSpec& mesh, size_t index) {
   const std::string field = "meshes[" + std::to_string(index) + "]";
-  if (mesh.vertex_count == 0)
+  const bool is_removed = mesh.vertex_count == 0 && mesh.triangles.empty();
+  if (mesh.vertex_count == 0 && !is_removed)
     throw InvalidInput(field + ".vertex_count", field + ".vertex_count is 0, at least 3 are needed");
-  if (mesh.triangles.empty()) throw InvalidInput(field + ".triangles", field + ".triangles is empty");
+  if (mesh.triangles.empty() && !is_removed) throw InvalidInput(field + ".triangles", field + ".triangles is empty");
   Topology& topology = out.topology;
   const uint64_t vertices = uint64_t{topology.vertex_count} + mesh.vertex_count;
   const uint64_t triangles = topology.triangles.size() + mesh.triangles.size();

@@ -13,8 +13,8 @@ struct FeatureTables {
   RingTables rings;
 };
 
-/// All but the rings. Throws InvalidInput for a mesh without vertices or triangles, an index out of range or a triangle
-/// with a corner twice.
+/// All but the rings. Throws InvalidInput for a mesh without vertices or triangles, but for one that has neither: it
+/// was removed; for an index out of range or a triangle with a corner twice.
 FeatureTables make_features(const std::vector<MeshSpec>& meshes);
 
 }  // namespace collided

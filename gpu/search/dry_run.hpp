@@ -10,7 +10,9 @@ namespace collided {
 template <Backend backend>
 class Searcher<DryRun<backend>> {
  public:
-  explicit Searcher(DryRun<backend>& exec) : features_(exec, "features") {}
+  explicit Searcher(DryRun<backend>& exec) : exec_(exec) {}
+
+  void release() { features_ = {exec_, "features"}; }
 
   template <class Source, class Sink>
   void search(const char*, const Counted&, uint64_t*, const Source& source, const Sink&) {
@@ -28,7 +30,8 @@ class Searcher<DryRun<backend>> {
       features_.ensure(triangles * sizeof(typename Taker<Sink>::Features));
   }
 
-  Buffer<std::byte, DryRun<backend>> features_;
+  DryRun<backend>& exec_;
+  Buffer<std::byte, DryRun<backend>> features_{exec_, "features"};
 };
 
 }  // namespace collided

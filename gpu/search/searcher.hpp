@@ -9,6 +9,7 @@ namespace collided {
 /// - search(name, items, next, source, sink): the pairs of a source's items, member against member
 /// (octree/leaf_pairs.hpp);
 /// - walk(name, items, next, source, sink): the pairs that the walks of a source's items find (lbvh/lbvh.hpp).
+/// - release(): gives back what it holds between them.
 /// `next` is a zeroed counter on the backend.
 template <Executor Exec>
 class Searcher;

@@ -37,9 +37,7 @@ struct ResidentTopology {
 
   PairFilter filter() const { return {mesh_of_triangle.data(), rules.data(), {excluded_meshes.all()}}; }
   VertexRings rings() const { return {ring_begin.all(), ring_vertices.all()}; }
-  ExcludedPairs excluded_pairs(bool with_rest) const {
-    return {rings(), {with_rest ? rest_pairs.all() : Span<uint64_t>{}}};
-  }
+  ExcludedPairs excluded_pairs() const { return {rings(), {rest_pairs.all()}}; }
 
   Buffer<Triangle, Exec> triangles;
   Buffer<Triangle, Exec> triangle_edges;
@@ -147,16 +145,30 @@ struct RigidBuffers {
   Buffer<double, Exec> deviations;      ///< likewise (Deviations)
 };
 
+/// What stays from frame to frame: what the scene is made of, and where it is.
 template <Executor Exec, class Real>
-struct SceneBuffers {
-  explicit SceneBuffers(Exec& exec)
+struct ResidentBuffers {
+  explicit ResidentBuffers(Exec& exec)
       : topology(exec),
         start(exec, "start_positions"),
         end(exec, "positions"),
         last_good(exec, "last_good"),
         target(exec, "advance"),
-        rigid(exec),
-        boxes(exec, "boxes"),
+        rigid(exec) {}
+
+  ResidentTopology<Exec> topology;
+  Buffer<Vec3<Real>, Exec> start;  ///< CCD only
+  Buffer<Vec3<Real>, Exec> end;
+  Buffer<Vec3<Real>, Exec> last_good;  ///< `end` of the last good frame: DCD, and CCD where a step begins elsewhere
+  Buffer<Vec3<Real>, Exec> target;     ///< where the frame wants to go; frames that advance
+  RigidBuffers<Exec, Real> rigid;
+};
+
+/// What a step works with. It begins anew with each step, but for the boxes and records of static meshes.
+template <Executor Exec, class Real>
+struct WorkBuffers {
+  explicit WorkBuffers(Exec& exec)
+      : boxes(exec, "boxes"),
         records(exec, "records"),
         state(exec, "counters"),
         octree(exec),
@@ -172,21 +184,6 @@ struct SceneBuffers {
         exact_points(exec, "exact"),
         sample(exec, "watched_positions") {}
 
-  /// At t = 0; in DCD the frame's own.
-  const Vec3<Real>* positions_at_start(bool is_ccd) const { return is_ccd ? start.data() : end.data(); }
-
-  /// Of the step in work; none in DCD, which looks at its end alone.
-  Deviations deviations(bool is_ccd) const {
-    if (!is_ccd) return {};
-    return {rigid.first_vertex.data(), rigid.deviations.data(), static_cast<uint32_t>(rigid.first_vertex.capacity())};
-  }
-
-  ResidentTopology<Exec> topology;
-  Buffer<Vec3<Real>, Exec> start;  ///< CCD only
-  Buffer<Vec3<Real>, Exec> end;
-  Buffer<Vec3<Real>, Exec> last_good;  ///< `end` of the last good frame: DCD, and CCD where a step begins elsewhere
-  Buffer<Vec3<Real>, Exec> target;     ///< where the frame wants to go; frames that advance
-  RigidBuffers<Exec, Real> rigid;
   Buffer<Box<float>, Exec> boxes;
   Buffer<TriangleRecord<Real>, Exec> records;
   Buffer<StepState, Exec> state;
@@ -202,6 +199,26 @@ struct SceneBuffers {
   Buffer<uint64_t, Exec> exact_keys;
   Buffer<Vec3<Real>, Exec> exact_points;
   Buffer<Vec3<Real>, Exec> sample;  ///< positions on their way to those who watch the scene
+};
+
+template <Executor Exec, class Real>
+struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
+  explicit SceneBuffers(Exec& exec) : ResidentBuffers<Exec, Real>(exec), WorkBuffers<Exec, Real>(exec) {}
+
+  void reserve_boxes(uint64_t triangles) {
+    this->boxes.allocate(triangles);
+    this->records.allocate(triangles);
+  }
+
+  /// At t = 0; in DCD the frame's own.
+  const Vec3<Real>* positions_at_start(bool is_ccd) const { return is_ccd ? this->start.data() : this->end.data(); }
+
+  /// Of the step in work; none in DCD, which looks at its end alone.
+  Deviations deviations(bool is_ccd) const {
+    if (!is_ccd) return {};
+    const RigidBuffers<Exec, Real>& rigid = this->rigid;
+    return {rigid.first_vertex.data(), rigid.deviations.data(), static_cast<uint32_t>(rigid.first_vertex.capacity())};
+  }
 };
 
 }  // namespace collided

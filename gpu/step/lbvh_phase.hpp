@@ -34,13 +34,14 @@ class LbvhPhase {
     const MortonKeys keys{&state->bounds,
                           {&state->bounds, &state->extents, leaves()},
                           boxes(),
-                          bvh.keys[0].all(),
-                          bvh.triangles[0].all(),
+                          bvh.keys[0].span(leaves()),
+                          bvh.triangles[0].span(leaves()),
                           bvh.meeting.all(),
                           MortonKeys::axis_bits_for(leaves())};
     exec_.for_each("morton_keys", leaves(), keys);
     sorted_ = exec_.sort_pairs("sort_leaves", keys.bits(),
-                               {bvh.keys[0].all(), bvh.keys[1].all(), bvh.triangles[0].all(), bvh.triangles[1].all()});
+                               {bvh.keys[0].span(leaves()), bvh.keys[1].span(leaves()), bvh.triangles[0].span(leaves()),
+                                bvh.triangles[1].span(leaves())});
     is_counted_ = false;
   }
 

@@ -43,6 +43,22 @@ class Pipeline {
   /// The pairs that `needs_of_rest_pairs` says, as contacts.
   FrameResult detect_rest_pairs() { return detect(true, needs_of_rest_pairs(spec_), 0); }
 
+  /// The scene is made of so much from the next step on. Throws InvalidInput where that is too much.
+  void resize(SceneCounts counts) {
+    ranks_ = ranks_of(spec_, counts);
+    counts_ = std::move(counts);
+    const int deepest = deepest_base(counts_.triangles);
+    if (deepest != levels_.deepest) levels_ = {.deepest = deepest};
+    boxed_thickness_.reset();
+    numbers_.begin_anew();
+  }
+  /// Lists shrink to what they begin with.
+  void release_lists() {
+    static_cast<WorkBuffers<Exec, Real>&>(scene_) = WorkBuffers<Exec, Real>(exec_);
+    searcher_.release();
+    boxed_thickness_.reset();
+  }
+
   /// Bounds of all triangles over the last step, rounded outward.
   const Box<float>& bounds() const { return state_.bounds; }
   uint64_t answer_bytes() const { return results_.answer_bytes(); }
@@ -109,6 +125,7 @@ class Pipeline {
   }
 
   void reserve() {
+    scene_.reserve_boxes(counts_.triangles);
     narrow_.reserve();
     if (is_lbvh()) return lbvh_.reserve();
     octree_.reserve(plan_.octree);
@@ -205,7 +222,8 @@ class Pipeline {
   /// Scenes that leave nothing out and whose meshes keep to their paths have a search of their own, which does not ask.
   template <class Keep>
   void search_for(const Keep& keep, const PerKind<bool>& wanted) {
-    const ExcludedPairs excluded = scene_.topology.excluded_pairs(!needs().finds_rest_pairs);
+    // Rest pairs that rings leave out as well are kept, too: an edit may take the rings away.
+    const ExcludedPairs excluded = needs().finds_rest_pairs ? ExcludedPairs{} : scene_.topology.excluded_pairs();
     if (excluded.is_needed() || scene_.deviations(needs().is_ccd()).is_needed())
       search_for(keep, wanted, octree_.elementary_by_mesh(wanted), excluded);
     else
@@ -300,8 +318,8 @@ class Pipeline {
 
   Exec& exec_;
   const SceneSpec& spec_;
-  const SceneCounts counts_;
-  const FeatureRanks ranks_;
+  SceneCounts counts_;
+  FeatureRanks ranks_;
   SceneBuffers<Exec, Real>& scene_;
   Searcher<Exec> searcher_;
   OctreePhase<Exec, Real> octree_;

@@ -43,6 +43,8 @@ class PlanNumbers {
     known_.push_back({plan, next_});
     return next_++;
   }
+  /// Plans get other numbers from here on: the same plan is other work.
+  void begin_anew() { known_.clear(); }
 
  private:
   static constexpr size_t kMaxKnown = 32;

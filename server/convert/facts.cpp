@@ -3,7 +3,7 @@
 
 #include "server/convert/kinds.hpp"
 #include "server/convert/options.hpp"
-#include "server/scenes/field_path.hpp"
+#include "server/field_path.hpp"
 
 namespace collided::server {
 namespace {
@@ -92,7 +92,7 @@ void fill_contact_bytes(const SceneEstimate& estimate, const OutputFields& field
 void fill_scene(const Scene& scene, pb::Scene* out) {
   const SceneSnapshot now = scene.snapshot();
   out->set_scene_id(scene.id());
-  fill_spec(scene.plan(), out->mutable_spec());
+  fill_spec(*now.plan, out->mutable_spec());
   out->set_state(now.ready ? pb::SCENE_STATE_READY : pb::SCENE_STATE_AWAITING_MESHES);
   out->set_device(now.device);
   out->set_vertex_count(now.vertices);
@@ -103,6 +103,7 @@ void fill_scene(const Scene& scene, pb::Scene* out) {
   out->set_lease_seconds(scene.facts().lease_seconds);
   out->set_resume_token(scene.facts().resume_token);
   out->set_endpoint(scene.endpoint());
+  out->set_edit_count(now.edits);
 }
 
 void fill_estimate(const ScenePlan& plan, pb::EstimateSceneResponse* out) try {

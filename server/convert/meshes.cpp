@@ -8,7 +8,7 @@
 
 #include "server/convert/options.hpp"
 #include "server/convert/refuse.hpp"
-#include "server/scenes/field_path.hpp"
+#include "server/field_path.hpp"
 
 namespace collided::server {
 namespace {
@@ -32,31 +32,14 @@ uint64_t total_triangles(const pb::MeshSpec& mesh) {
   return std::max<uint64_t>(mesh.triangle_count(), inline_triangles(mesh));
 }
 
-MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
-  if (mesh.name().empty() || mesh.name().size() > kMaxNameBytes)
-    throw_invalid(path + ".name",
-                  fmt::format("has {} bytes, but must have 1 to {}", mesh.name().size(), kMaxNameBytes));
-  if (mesh.vertex_count() < 3)
-    throw_invalid(path + ".vertex_count", fmt::format("is {}, but must be at least 3", mesh.vertex_count()));
-  MeshSpec out;
-  out.vertex_count = mesh.vertex_count();
-  out.motion = parse_motion(mesh.motion(), path + ".motion");
-  out.groups = mesh.groups() ? mesh.groups() : 1;
-  out.collide_mask = mesh.collide_mask() ? mesh.collide_mask() : ~0u;
-  out.self_contacts = !mesh.no_self_contacts();
-  out.excluded_rings = mesh.exclude_rings();
-  out.excludes_rest_pairs = mesh.exclude_rest_pairs();
-  out.triangles.reserve(inline_triangles(mesh));
-  for_each_triangle(mesh.triangles(), out.vertex_count, {path + ".triangles"},
-                    [&](const TriangleCorners& triangle) { out.triangles.push_back(triangle); });
+void check_triangle_count(const pb::MeshSpec& mesh, const std::string& path) {
   if (total_triangles(mesh) == 0)
     throw_invalid(path + ".triangles", "is empty and triangle_count is 0, but a mesh needs a triangle");
-  if (mesh.triangle_count() > 0 && mesh.triangle_count() < out.triangles.size())
+  if (mesh.triangle_count() > 0 && mesh.triangle_count() < inline_triangles(mesh))
     throw_invalid(
         path + ".triangle_count",
         fmt::format("is {}, but {}.triangles already has {}: it is the total, including those that UploadMesh sends",
-                    mesh.triangle_count(), path, out.triangles.size()));
-  return out;
+                    mesh.triangle_count(), path, inline_triangles(mesh)));
 }
 
 // The engine's rest_distance is what it says; the protocol's 0 is the thickness, where a mesh uses it at all.
@@ -66,10 +49,10 @@ double parse_rest_distance(const pb::SceneSpec& spec) {
   return spec.rest_distance() == 0 && is_used ? spec.thickness() : spec.rest_distance();
 }
 
-void check_total(const char* what, uint64_t total, uint64_t limit) {
+void check_total(const char* what, uint64_t total, uint64_t limit, const std::string& field) {
   if (total > limit)
-    throw LimitExceeded("spec.meshes",
-                        fmt::format("spec.meshes has {} {} in all, more than max_{}, {}", total, what, what, limit));
+    throw LimitExceeded(field,
+                        fmt::format("{} has {} {} in all, more than max_{}, {}", field, total, what, what, limit));
 }
 
 }  // namespace
@@ -87,18 +70,43 @@ void for_each_triangle(std::string_view bytes, uint32_t vertex_count, const Tria
   }
 }
 
+void check_mesh_name(const std::string& name, const std::string& path) {
+  if (name.empty() || name.size() > kMaxNameBytes)
+    throw_invalid(path, fmt::format("has {} bytes, but must have 1 to {}", name.size(), kMaxNameBytes));
+}
+
+MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
+  if (mesh.vertex_count() < 3)
+    throw_invalid(path + ".vertex_count", fmt::format("is {}, but must be at least 3", mesh.vertex_count()));
+  MeshSpec out;
+  out.vertex_count = mesh.vertex_count();
+  out.motion = parse_motion(mesh.motion(), path + ".motion");
+  out.groups = mesh.groups() ? mesh.groups() : 1;
+  out.collide_mask = mesh.collide_mask() ? mesh.collide_mask() : ~0u;
+  out.self_contacts = !mesh.no_self_contacts();
+  out.excluded_rings = mesh.exclude_rings();
+  out.excludes_rest_pairs = mesh.exclude_rest_pairs();
+  out.triangles.reserve(inline_triangles(mesh));
+  for_each_triangle(mesh.triangles(), out.vertex_count, {path + ".triangles"},
+                    [&](const TriangleCorners& triangle) { out.triangles.push_back(triangle); });
+  return out;
+}
+
+void check_sizes(size_t meshes, const SceneSize& size, const Limits& limits, const std::string& field) {
+  if (meshes > kMaxMeshes)
+    throw LimitExceeded(field, fmt::format("{} has {} meshes, more than the limit of {}", field, meshes, kMaxMeshes));
+  check_total("vertices", size.vertices, limits.max_vertices, field);
+  check_total("triangles", size.triangles, limits.max_triangles, field);
+}
+
 SceneSize check_sizes(const pb::SceneSpec& spec, const Limits& limits) {
   if (spec.meshes().empty()) throw_invalid("spec.meshes", "is empty, but a scene needs a mesh");
-  if (spec.meshes_size() > kMaxMeshes)
-    throw LimitExceeded("spec.meshes", fmt::format("spec.meshes has {} meshes, more than the limit of {}",
-                                                   spec.meshes_size(), kMaxMeshes));
   SceneSize size;
   for (const auto& mesh : spec.meshes()) {
     size.vertices += mesh.vertex_count();
     size.triangles += total_triangles(mesh);
   }
-  check_total("vertices", size.vertices, limits.max_vertices);
-  check_total("triangles", size.triangles, limits.max_triangles);
+  check_sizes(static_cast<size_t>(spec.meshes_size()), size, limits, "spec.meshes");
   return size;
 }
 
@@ -107,7 +115,9 @@ void parse_meshes(const pb::SceneSpec& spec, ScenePlan& plan) {
   for (int i = 0; i < spec.meshes_size(); ++i) {
     const auto& mesh = spec.meshes(i);
     const std::string path = fmt::format("spec.meshes[{}]", i);
+    check_mesh_name(mesh.name(), path + ".name");
     plan.engine.meshes.push_back(parse_mesh(mesh, path));
+    check_triangle_count(mesh, path);
     plan.meshes.push_back({mesh.name(), total_triangles(mesh), total_triangles(mesh) - inline_triangles(mesh)});
     if (!names.insert(mesh.name()).second)
       throw_invalid(path + ".name", fmt::format("is \"{}\", which an earlier mesh already has", mesh.name()));

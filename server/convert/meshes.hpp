@@ -36,6 +36,13 @@ struct SceneSize {
 /// Sums up the meshes before any array is copied. Throws InvalidInput without a mesh, LimitExceeded.
 SceneSize check_sizes(const pb::SceneSpec& spec, const Limits& limits);
 
+/// Throws InvalidInput for a name that no mesh can have.
+void check_mesh_name(const std::string& name, const std::string& path);
+/// A mesh but for its name, with the triangles that the message has. Throws InvalidInput.
+MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path);
+/// Throws LimitExceeded, naming the field, where a scene's meshes are too many or too large.
+void check_sizes(size_t meshes, const SceneSize& size, const Limits& limits, const std::string& field);
+
 /// Adds the meshes to the plan. Throws InvalidInput.
 void parse_meshes(const pb::SceneSpec& spec, ScenePlan& plan);
 /// Adds which pairs are left out, after the meshes. Throws InvalidInput.

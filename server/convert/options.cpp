@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/convert/refuse.hpp"
-#include "server/scenes/field_path.hpp"
+#include "server/field_path.hpp"
 
 namespace collided::server {
 namespace {

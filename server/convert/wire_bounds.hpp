@@ -16,6 +16,11 @@ constexpr uint64_t kFieldBytes = 128;
 /// Maximum number of fields of a message for `meshes`, with room for those of later versions.
 constexpr uint64_t max_fields(uint64_t meshes) { return 64 + 16 * meshes; }
 
+/// Meshes of one edit.
+constexpr uint64_t kMaxEditedMeshes = 256;
+/// Meshes that a frame may be about, in a scene of so many, before it is known whether it has an edit.
+constexpr uint64_t max_frame_meshes(uint64_t meshes) { return meshes + kMaxEditedMeshes; }
+
 /// Maximum memory of a parsed message of `message_bytes`, for `meshes`.
 constexpr uint64_t max_parsed_bytes(uint64_t message_bytes, uint64_t meshes) {
   return message_bytes + max_fields(meshes) * kFieldBytes;

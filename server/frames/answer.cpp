@@ -8,7 +8,7 @@ namespace collided::server {
 void encode_contacts(const Scene& scene, AnsweredFrame& frame, size_t max_chunk_bytes,
                      const std::function<void(std::span<const Chunk>)>& encode) {
   const auto begin = Clock::now();
-  const auto chunks = cut_into_chunks(frame.result, scene.plan().fields, max_chunk_bytes);
+  const auto chunks = cut_into_chunks(frame.result, scene.plan()->fields, max_chunk_bytes);
   for (const Chunk& chunk : chunks) frame.cost.bytes_out += chunk.array_bytes();
   encode(chunks);
   frame.cost.encode_milliseconds = milliseconds_since(begin);

@@ -55,6 +55,11 @@ bool copy_field(CodedInputStream& in, uint32_t tag, CodedOutputStream& out) {
       fmt::format("{}.updates has more than {} entries, the number of the scene's meshes", path, meshes));
 }
 
+// An edit may add meshes; the engine knows how many there are then.
+bool has_too_many_updates(const pb::Frame& frame, size_t meshes) {
+  return static_cast<size_t>(frame.updates_size()) > (frame.has_edit() ? max_frame_meshes(meshes) : meshes);
+}
+
 // Reads a nested message to its end with `decode`.
 template <class Decode>
 void read_nested(CodedInputStream& in, const char* what, const Decode& decode) {
@@ -72,7 +77,7 @@ struct Stopped {};
 class Decoder {
  public:
   Decoder(CodedInputStream& in, const Expected& expected, const std::function<std::span<std::byte>()>& room)
-      : in_(in), meshes_(expected.meshes), count_("request", max_fields(meshes_.value_or(0))), ask_for_room_(room) {}
+      : in_(in), meshes_(expected.meshes), count_("request", max_fields(most_updates())), ask_for_room_(room) {}
 
   DecodedRequest decode() try {
     const std::string remaining = remaining_fields("request", [&](uint32_t tag) {
@@ -119,7 +124,7 @@ class Decoder {
   void decode_frame(pb::Frame& frame) {
     const std::string remaining = remaining_fields("frame", [&](uint32_t tag) {
       if (tag != tag_of(pb::Frame::kUpdatesFieldNumber)) return false;
-      if (static_cast<size_t>(frame.updates_size()) == *meshes_) {
+      if (static_cast<size_t>(frame.updates_size()) == most_updates()) {
         out_.refusal = too_many_updates();
         return true;
       }
@@ -127,11 +132,13 @@ class Decoder {
       return true;
     });
     merge(frame, remaining, "frame");
+    if (!out_.refusal && has_too_many_updates(frame, *meshes_)) out_.refusal = too_many_updates();
     if (!out_.refusal) return;
     if (frame.frame_id() == 0) std::rethrow_exception(out_.refusal);  // no id to answer under
     throw Stopped();
   }
 
+  uint64_t most_updates() const { return meshes_ ? max_frame_meshes(*meshes_) : 0; }
   std::exception_ptr too_many_updates() const {
     try {
       throw_too_many_updates("frame", *meshes_);
@@ -195,10 +202,10 @@ DecodedRequest decode_request(google::protobuf::io::ZeroCopyInputStream& wire, s
 }
 
 pb::Frame parse_bounded_frame(const std::string& bytes, size_t meshes, const char* path) {
-  FieldCount(path, max_fields(meshes)).add_message(bytes, *pb::Frame::descriptor(), path);
+  FieldCount(path, max_fields(max_frame_meshes(meshes))).add_message(bytes, *pb::Frame::descriptor(), path);
   pb::Frame frame;
   if (!frame.ParseFromString(bytes)) throw_malformed(path);
-  if (static_cast<size_t>(frame.updates_size()) > meshes) throw_too_many_updates(path, meshes);
+  if (has_too_many_updates(frame, meshes)) throw_too_many_updates(path, meshes);
   return frame;
 }
 

@@ -8,6 +8,7 @@
 
 #include "gpu/detector.hpp"
 #include "server/ops/clock.hpp"
+#include "server/scenes/scene_plan.hpp"
 
 namespace collided::server {
 
@@ -23,6 +24,7 @@ struct PendingFrame {
   uint64_t frame_id = 0;
   FrameInput input;
   std::vector<UpdatedMesh> meshes;
+  FrameBasis basis = {};
   std::exception_ptr refusal = {};          ///< why it cannot be applied; null: no error so far
   std::shared_ptr<const void> memory = {};  ///< keeps alive what `input` refers to
   Clock::time_point arrival = Clock::now();

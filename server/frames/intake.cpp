@@ -6,9 +6,10 @@
 #include <limits>
 #include <utility>
 
+#include "server/convert/edit.hpp"
 #include "server/convert/options.hpp"
 #include "server/errors.hpp"
-#include "server/scenes/field_path.hpp"
+#include "server/field_path.hpp"
 
 namespace collided::server {
 namespace {
@@ -44,22 +45,46 @@ void note_updates(PendingFrame& frame) {
   }
 }
 
+// What the input refers to, until the frame has been applied.
+struct Kept {
+  Kept(IncomingFrame& frame, const Scene& scene)
+      : message(std::move(frame.message)), memory(std::move(frame.memory)), triangles(scene.quota()) {}
+
+  const pb::Frame message;
+  const std::shared_ptr<const void> memory;
+  std::shared_ptr<FrameSlot> slot;
+  MemoryHold triangles;  // of an edit
+};
+
+// The positions of an edit fit the scene that it makes, so the engine takes them from where they are.
+void take_edit(const SceneHost& host, Kept& kept, PendingFrame& frame) {
+  kept.triangles.resize(2 * triangle_bytes(kept.message.edit()));  // in the message, and for the engine
+  ParsedEdit edit = parse_edit(kept.message.edit(), *frame.basis.plan, host.limits());
+  frame.input.edit = std::move(edit.engine);
+  frame.basis.edited = std::move(edit.meshes);
+}
+
 }  // namespace
 
 PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) {
-  using Kept = std::pair<pb::Frame, std::shared_ptr<const void>>;
-  const auto kept = std::make_shared<const Kept>(std::move(incoming.message), std::move(incoming.memory));
-  const pb::Frame& message = kept->first;
+  const auto kept = std::make_shared<Kept>(incoming, scene);
+  const pb::Frame& message = kept->message;
   PendingFrame frame;
+  frame.basis.plan = scene.plan();
   try {
     if (incoming.refusal) std::rethrow_exception(incoming.refusal);
     check_frame_id(message.frame_id());
     host.usage().count_frame(scene.facts().owner);
-    frame.input = parse_frame(message, incoming.placed, scene.plan().engine);
+    frame.input = parse_frame(message, incoming.placed, frame.basis.plan->engine);
     const Accuracy max = scene.facts().owner->limits.max_accuracy;
     if (frame.input.accuracy) check_max_accuracy(*frame.input.accuracy, max, "frame.accuracy");
     note_updates(frame);
-    send_positions(scene, std::move(incoming.slot), frame);
+    if (message.has_edit()) {
+      kept->slot = std::move(incoming.slot);
+      take_edit(host, *kept, frame);
+    } else {
+      send_positions(scene, std::move(incoming.slot), frame);
+    }
     frame.input.bytes_beside_contact = incoming.answer_bytes_per_contact;
   } catch (...) {
     frame.refusal = std::current_exception();

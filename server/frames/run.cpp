@@ -17,7 +17,7 @@ bool should_stop(const Scene& scene, uint64_t frame_id, Turns::Turn& turn, const
     throw LimitExceeded::quota(
         "client:" + owner.name,
         fmt::format("max_frame_seconds is {}, and frame {} has run for {:.3f} s", limit, frame_id, seconds));
-  if (scene.plan().engine.backend == Backend::kCpu) turn.yield_turn(cancelled);
+  if (scene.plan()->engine.backend == Backend::kCpu) turn.yield_turn(cancelled);
   return false;
 }
 
@@ -26,7 +26,7 @@ FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, const std::function
   frame.input.cancelled = [&] { return should_stop(scene, frame.frame_id, turn, cancelled); };
   FrameResult result;
   try {
-    result = scene.apply(frame.frame_id, frame.input);
+    result = scene.apply(frame.frame_id, frame.input, frame.basis);
   } catch (const DeviceError& e) {
     scene.observer().device_failed(scene, e.what());
     throw;

@@ -13,14 +13,14 @@ namespace {
 
 // The rest of the contacts is not copied: a watcher that stops reading must not hold a whole answer's memory.
 void fill_first_contacts(const Scene& scene, const FrameResult& result, uint32_t max_of_kind, pb::FrameDone* out) {
-  for (Chunk& chunk : cut_into_chunks(result, scene.plan().fields, std::numeric_limits<size_t>::max())) {
+  for (Chunk& chunk : cut_into_chunks(result, scene.plan()->fields, std::numeric_limits<size_t>::max())) {
     chunk.end = std::min<size_t>(chunk.end, max_of_kind);
     fill_chunk(chunk, scene.topology(), out->add_contacts());
   }
 }
 
 std::shared_ptr<const WatchedFrame> show(const Scene& scene, const AnsweredFrame& frame, uint32_t max_of_kind) {
-  auto shown = std::make_shared<WatchedFrame>(WatchedFrame{frame.frame_id, done_message(frame)});
+  auto shown = std::make_shared<WatchedFrame>(WatchedFrame{frame.frame_id, scene.edits(), done_message(frame)});
   if (max_of_kind > 0) fill_first_contacts(scene, frame.result, max_of_kind, &shown->done);
   return shown;
 }

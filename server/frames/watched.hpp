@@ -14,6 +14,7 @@ namespace pb = collided::v1;
 /// Immutable, shared by all watchers of the scene.
 struct WatchedFrame {
   uint64_t frame_id = 0;
+  uint64_t edits = 0;  ///< of the scene, up to this frame
   pb::FrameDone done;  ///< with the first contacts of each kind, as many as the most demanding watcher shows
 };
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "server/errors.hpp"
-#include "server/scenes/field_path.hpp"
+#include "server/field_path.hpp"
 
 namespace collided::server {
 
@@ -35,11 +35,6 @@ uint64_t triangle_bytes(const SceneSpec& spec) {
   return bytes;
 }
 
-uint64_t topology_bytes(const Topology& topology) {
-  return topology.triangles.capacity() * sizeof(topology.triangles[0]) +
-         topology.edges.capacity() * sizeof(topology.edges[0]);
-}
-
 // A copy; the triangles, which may be many, are never copied.
 MeshSpec without_triangles(MeshSpec& mesh) {
   std::vector<TriangleCorners> triangles = std::exchange(mesh.triangles, {});
@@ -55,22 +50,22 @@ Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
       surroundings_(std::move(surroundings)),
       quota_(DeviceBytes::of_scene(plan.engine.memory_budget, plan.quota)),
       held_(quota_),
-      plan_(std::move(plan)),
       worker_(facts_.queue_capacity) {
-  held_.resize(plan_bytes(plan_) + triangle_bytes(plan_.engine));
-  auto meshes = std::move(plan_.engine.meshes);
-  plan_.engine.meshes.clear();
-  pending_ = plan_.engine;
+  held_.resize(plan_bytes(plan) + triangle_bytes(plan.engine));
+  auto meshes = std::move(plan.engine.meshes);
+  plan.engine.meshes.clear();
+  pending_ = plan.engine;
   pending_.memory_quota = quota_;
   pending_.meshes = std::move(meshes);
-  for (size_t i = 0; i < plan_.meshes.size(); ++i) {
+  for (size_t i = 0; i < plan.meshes.size(); ++i) {
     shown_.vertices += pending_.meshes[i].vertex_count;
-    shown_.triangles += plan_.meshes[i].triangles;
-    awaited_.push_back(plan_.meshes[i].awaited);
+    shown_.triangles += plan.meshes[i].triangles;
+    awaited_.push_back(plan.meshes[i].awaited);
     uploading_.push_back(false);
-    plan_.engine.meshes.push_back(without_triangles(pending_.meshes[i]));
+    plan.engine.meshes.push_back(without_triangles(pending_.meshes[i]));
     excludes_rest_pairs_ |= pending_.meshes[i].excludes_rest_pairs;
   }
+  shown_.plan = std::make_shared<const ScenePlan>(std::move(plan));
 }
 
 SceneSnapshot Scene::snapshot() const {
@@ -96,10 +91,10 @@ void Scene::begin_upload(uint32_t mesh) {
   std::lock_guard lock(mutex_);
   if (awaited_[mesh] == 0)
     throw FailedPrecondition(
-        "mesh", fmt::format("mesh is {} (\"{}\"), which awaits no triangles", mesh, plan_.meshes[mesh].name));
+        "mesh", fmt::format("mesh is {} (\"{}\"), which awaits no triangles", mesh, shown_.plan->meshes[mesh].name));
   if (uploading_[mesh])
-    throw FailedPrecondition(
-        "mesh", fmt::format("mesh is {} (\"{}\"), which another upload is sending", mesh, plan_.meshes[mesh].name));
+    throw FailedPrecondition("mesh", fmt::format("mesh is {} (\"{}\"), which another upload is sending", mesh,
+                                                 shown_.plan->meshes[mesh].name));
   uploading_[mesh] = true;
 }
 
@@ -117,7 +112,7 @@ void Scene::throw_awaits(const std::string& field) const {
       std::find_if(awaited_.begin(), awaited_.end(), [](uint64_t n) { return n > 0; }) - awaited_.begin());
   if (mesh == awaited_.size())
     throw FailedPrecondition(field, fmt::format("{}: scene {} has all its triangles and is being built", field, id()));
-  const MeshPlan& plan = plan_.meshes[mesh];
+  const MeshPlan& plan = shown_.plan->meshes[mesh];
   const auto others = std::count_if(awaited_.begin(), awaited_.end(), [](uint64_t n) { return n > 0; }) - 1;
   throw FailedPrecondition(
       field, fmt::format("{}: scene {} takes no frames yet: mesh {} (\"{}\") awaits {} of its {} triangles{}; send "
@@ -193,7 +188,10 @@ std::shared_ptr<FrameSlot> Scene::take_slot() {
   throw_awaits("scene_id");
 }
 
-uint64_t Scene::max_position_bytes() const { return count_vertices(plan_.engine) * max_vertex_bytes(plan_.engine); }
+uint64_t Scene::max_position_bytes() const {
+  const auto now = plan();
+  return count_vertices(now->engine) * max_vertex_bytes(now->engine);
+}
 
 void Scene::begin_use() {
   const std::lock_guard lock(mutex_);
@@ -245,7 +243,7 @@ void Scene::make_detector() {
     throw;
   }
   pending_ = {};
-  held_.resize(plan_bytes(plan_) + topology_bytes(detector_->topology()));
+  held_.resize(plan_bytes(*shown_.plan) + topology_bytes(detector_->topology()));
 }
 
 void Scene::add_triangles(uint32_t mesh, ReceivedTriangles& triangles) {
@@ -253,7 +251,7 @@ void Scene::add_triangles(uint32_t mesh, ReceivedTriangles& triangles) {
   const uint64_t wanted = awaited(mesh);
   if (wanted == 0)
     throw FailedPrecondition(
-        "mesh", fmt::format("mesh is {} (\"{}\"), which awaits no triangles", mesh, plan_.meshes[mesh].name));
+        "mesh", fmt::format("mesh is {} (\"{}\"), which awaits no triangles", mesh, shown_.plan->meshes[mesh].name));
   if (triangles.size() != wanted)
     throw InvalidInput("triangles", fmt::format("triangles is incomplete: the upload ended after {} of {} triangles",
                                                 triangles.size(), wanted));
@@ -265,21 +263,14 @@ void Scene::add_triangles(uint32_t mesh, ReceivedTriangles& triangles) {
   build_if_complete();
 }
 
-FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame) {
+FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame, const FrameBasis& basis) {
   check_open();
   if (!detector_) throw_awaits("scene_id");    // only this thread writes what is read here
   const uint64_t last = shown_.last_frame_id;  // written by this thread only
   check_frame_id(frame_id, last);
-  FrameResult result;
+  if (basis.plan && basis.plan != shown_.plan) throw_edited(frame_id);
   samples_.clear();
-  try {
-    result = detector_->detect(frame);
-  } catch (const InvalidInput& e) {
-    throw with_path(e, frame_path);
-  } catch (const ResourceExhausted& e) {
-    throw_if_budget(e);
-    throw;
-  }
+  FrameResult result = detect(frame_id, frame, basis);
   if (!frame.trial) {
     std::lock_guard lock(mutex_);
     shown_.last_frame_id = frame_id;
@@ -288,12 +279,27 @@ FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame) {
   return result;
 }
 
+FrameResult Scene::detect(uint64_t frame_id, const FrameInput& frame, const FrameBasis& basis) try {
+  if (!frame.edit) return detector_->detect(frame);
+  MemoryHold making(quota_);
+  making.resize(max_edit_bytes(*frame.edit));  // once the engine has applied the edit nothing may fail
+  FrameResult result = detector_->detect(frame);
+  take_edit(basis, making);
+  return result;
+} catch (const InvalidInput& e) {
+  if (e.field() == "slot") throw_edited(frame_id);  // taken while the edit was in work
+  throw with_path(e, frame_path);
+} catch (const ResourceExhausted& e) {
+  throw_if_budget(e);
+  throw;
+}
+
 std::shared_ptr<const std::string> Scene::positions(const VertexSample& sample) {
   check_open();
   for (const auto& [before, positions] : samples_)
     if (before == sample) return positions;
-  std::string bytes(sample.count * position_bytes(plan_.engine.scalar), '\0');
-  detector_->read_positions(sample, std::as_writable_bytes(std::span(bytes)));
+  std::string bytes(sample.count * position_bytes(shown_.plan->engine.scalar), '\0');
+  if (sample.count > 0) detector_->read_positions(sample, std::as_writable_bytes(std::span(bytes)));
   samples_.emplace_back(sample, std::make_shared<const std::string>(std::move(bytes)));
   return samples_.back().second;
 }

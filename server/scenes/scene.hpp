@@ -34,6 +34,8 @@ struct SceneSnapshot {
   uint64_t vertices = 0, edges = 0, triangles = 0;
   std::vector<MemoryPart> memory;
   uint64_t last_frame_id = 0;
+  uint64_t edits = 0;
+  std::shared_ptr<const ScenePlan> plan;  ///< without its triangles
 };
 
 /// Facts fixed when a scene is created.
@@ -62,13 +64,21 @@ class Scene {
 
   const std::string& id() const { return facts_.id; }
   const SceneFacts& facts() const { return facts_; }
-  /// The plan without its triangles.
-  const ScenePlan& plan() const { return plan_; }
+  /// The plan without its triangles, as the last edit left it. From any thread.
+  std::shared_ptr<const ScenePlan> plan() const {
+    const std::lock_guard lock(mutex_);
+    return shown_.plan;
+  }
   SceneWorker& worker() { return worker_; }
   SceneObserver& observer() const { return surroundings_.observer; }
   Clock::time_point now() const { return surroundings_.now(); }
   const std::string& endpoint() const { return surroundings_.endpoint; }
   SceneSnapshot snapshot() const;
+  /// Number of edits so far.
+  uint64_t edits() const {
+    const std::lock_guard lock(mutex_);
+    return shown_.edits;
+  }
   /// Sum of the snapshot's memory, without a copy of it.
   uint64_t device_bytes() const;
   /// The quota of all memory that the scene holds, within its budget and its client's limits.
@@ -122,8 +132,9 @@ class Scene {
   void build_if_complete();
   /// Adds all triangles that a mesh awaits, and builds the detector once no mesh awaits any.
   void add_triangles(uint32_t mesh, ReceivedTriangles& triangles);
-  /// Checks and applies a frame; if it throws, the scene is unchanged.
-  FrameResult apply(uint64_t frame_id, const FrameInput& frame);
+  /// Checks and applies a frame; if it throws, the scene is unchanged. Throws FailedPrecondition if the scene was
+  /// edited since the frame was checked.
+  FrameResult apply(uint64_t frame_id, const FrameInput& frame, const FrameBasis& basis = {});
   const Topology& topology() const { return detector_->topology(); }
   /// Positions after the last frame that was applied, in the scene's format; those who ask for the same sample of one
   /// frame share them. Throws NotFound once the scene is deleted, ResourceExhausted, LimitExceeded, DeviceError.
@@ -138,6 +149,9 @@ class Scene {
   bool awaits_triangles() const;
   [[noreturn]] void throw_awaits(const std::string& field) const;
   void make_detector();
+  FrameResult detect(uint64_t frame_id, const FrameInput& frame, const FrameBasis& basis);
+  [[noreturn]] void throw_edited(uint64_t frame_id) const;
+  void take_edit(const FrameBasis& basis, MemoryHold& making);
   void publish();
   void begin_use();
   void end_use();
@@ -145,8 +159,7 @@ class Scene {
   const SceneFacts facts_;
   const SceneSurroundings surroundings_;
   const std::shared_ptr<DeviceBytes> quota_;
-  MemoryHold held_;  // plan, triangles and topology; owned by the worker after construction
-  ScenePlan plan_;
+  MemoryHold held_;                   // plan, triangles and topology; owned by the worker after construction
   bool excludes_rest_pairs_ = false;  // a mesh does; fixed after construction
   SceneSpec pending_;                 // the spec with its triangles, until the detector takes it
   std::shared_ptr<Detector> detector_;

@@ -51,16 +51,43 @@ struct ScenePlan {
   std::shared_ptr<DeviceBytes> quota{};  ///< of its client, around the scene's own budget; may be null
 };
 
+/// A mesh that an edit brings.
+struct EditedMesh {
+  uint32_t mesh = 0;
+  std::string name;  ///< empty: as before
+};
+
+/// What a frame was checked against when it came.
+struct FrameBasis {
+  std::shared_ptr<const ScenePlan> plan;  ///< null: whatever the scene's is
+  std::vector<EditedMesh> edited;         ///< of the frame's edit
+};
+
+/// The plan after an edit that made this of the engine's scene.
+ScenePlan edited_plan(const ScenePlan& before, const std::vector<EditedMesh>& edited, const SceneSpec& engine,
+                      const Topology& topology);
+
+// Of one mesh, of one pair that is excluded, and of the poses of a rigid mesh, in all copies.
+constexpr uint64_t kMeshBytes = sizeof(MeshPlan) + 4 * sizeof(MeshSpec) + 4 * sizeof(uint64_t);
+constexpr uint64_t kPairBytes = 4 * sizeof(std::array<uint32_t, 2>);
+constexpr uint64_t kPoseBytes = 512;
+
 /// Bytes that a scene holds of its plan: the plan, its copies until and in the detector, and what else is kept for each
 /// mesh.
 inline uint64_t plan_bytes(const ScenePlan& plan) {
-  constexpr uint64_t kOfMesh = sizeof(MeshPlan) + 3 * sizeof(MeshSpec) + 4 * sizeof(uint64_t);
-  constexpr uint64_t kOfPair = sizeof(SceneSpec::excluded_meshes[0]);
-  constexpr uint64_t kOfRigidMesh = 512;  // its poses
-  uint64_t bytes = plan.meshes.size() * kOfMesh + 3 * plan.engine.excluded_meshes.size() * kOfPair;
+  uint64_t bytes = plan.meshes.size() * kMeshBytes + plan.engine.excluded_meshes.size() * kPairBytes;
   for (const auto& mesh : plan.meshes) bytes += mesh.name.size();
-  for (const auto& mesh : plan.engine.meshes) bytes += mesh.motion == MeshMotion::kRigid ? kOfRigidMesh : 0;
+  for (const auto& mesh : plan.engine.meshes) bytes += mesh.motion == MeshMotion::kRigid ? kPoseBytes : 0;
   return bytes;
 }
+
+/// Of the scene's tables on the host.
+inline uint64_t topology_bytes(const Topology& topology) {
+  return topology.triangles.capacity() * sizeof(topology.triangles[0]) +
+         topology.edges.capacity() * sizeof(topology.edges[0]);
+}
+
+/// By which an edit adds to either, at most.
+uint64_t max_edit_bytes(const SceneEdit& edit);
 
 }  // namespace collided::server

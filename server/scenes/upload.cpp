@@ -76,9 +76,8 @@ void Upload::release() {
 }
 
 void Upload::begin(const SceneUse& scene, uint32_t mesh, std::shared_ptr<void> ticket) {
-  const auto& meshes = scene->plan().meshes;
-  if (mesh >= meshes.size())
-    throw InvalidInput("mesh", fmt::format("mesh is {}, but the scene has {} meshes", mesh, meshes.size()));
+  const size_t meshes = scene->plan()->meshes.size();
+  if (mesh >= meshes) throw InvalidInput("mesh", fmt::format("mesh is {}, but the scene has {} meshes", mesh, meshes));
   scene->begin_upload(mesh);
   mesh_ = mesh;
   triangles_ = std::make_unique<ReceivedTriangles>(scene->quota());
@@ -92,7 +91,7 @@ void Upload::reserve(uint64_t count) {
   const uint64_t awaited = (*scene_)->awaited(mesh_), come = triangles_->size() + count;
   if (come > awaited)
     throw InvalidInput("triangles", fmt::format("triangles has {} or more, but mesh {} (\"{}\") awaits {}", come, mesh_,
-                                                (*scene_)->plan().meshes[mesh_].name, awaited));
+                                                (*scene_)->plan()->meshes[mesh_].name, awaited));
   triangles_->reserve(count);
 }
 

@@ -75,7 +75,7 @@ void MeshUpload::finish(const grpc::Status& status) {
 }
 
 void MeshUpload::take() {
-  const uint32_t vertices = upload_->scene()->plan().engine.meshes[upload_->mesh()].vertex_count;
+  const uint32_t vertices = upload_->scene()->plan()->engine.meshes[upload_->mesh()].vertex_count;
   ReceivedTriangles& triangles = upload_->triangles();
   const std::string& bytes = request_.triangles();
   upload_->reserve(bytes.size() / sizeof(TriangleCorners));

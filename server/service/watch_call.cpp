@@ -42,11 +42,12 @@ pb::WatchSceneResponse message_of(const WatchedUpdate& update, const WatchOption
   pb::WatchSceneResponse message;
   message.set_frame_id(update.frame->frame_id);
   message.set_skipped_frames(update.skipped);
+  message.set_edit_count(update.frame->edits);
   fill_done(update.frame->done, options.max_contacts, message);
   for (size_t i = 0; i < options.meshes.size(); ++i) {
     auto* sample = message.add_positions();
     sample->set_mesh(options.meshes[i]);
-    sample->set_vertex_stride(options.vertex_stride);
+    sample->set_vertex_stride(update.vertex_stride);
     sample->set_positions(*update.positions[i]);
   }
   return message;
@@ -79,9 +80,11 @@ void WatchCall::answer() {
 // Room for the frame in the mailbox and for the one that is being sent is taken for as long as the watch lasts, so that
 // no later frame is refused because of it.
 void WatchCall::join(const SceneUse& scene) {
-  auto watcher = std::make_shared<Watcher>(scene.scene(), parse_watch(request_, scene->plan()), weak_from_this());
+  const auto plan = scene->plan();
+  auto watcher = std::make_shared<Watcher>(scene.scene(), parse_watch(request_, *plan), plan, weak_from_this());
+  const WatchOptions& options = watcher->options();
   auto held = std::make_unique<MemoryHold>(scene->quota());
-  held->resize(2 * max_watch_message_bytes(watcher->options(), scene->plan()));
+  held->resize(2 * max_watch_message_bytes(options, options.samples, *plan));
   {
     const std::lock_guard lock(mutex_);
     ticket_ = host_.usage().begin_stream(caller().client);
@@ -92,10 +95,15 @@ void WatchCall::join(const SceneUse& scene) {
   scene->begin_watch(watcher_);
 }
 
+void WatchCall::reserve(uint64_t message_bytes) {
+  const std::lock_guard lock(mutex_);
+  if (held_) held_->resize(2 * message_bytes);
+}
+
 void WatchCall::send_opened() {
   pb::WatchSceneResponse response;
   fill_scene(watcher_->scene(), response.mutable_opened()->mutable_scene());
-  response.mutable_opened()->set_vertex_stride(watcher_->options().vertex_stride);
+  response.mutable_opened()->set_vertex_stride(watcher_->options().samples.stride);
   {
     const std::lock_guard lock(mutex_);
     if (held_) held_->resize(held_->bytes() + response.ByteSizeLong());

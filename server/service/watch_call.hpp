@@ -24,6 +24,7 @@ class WatchCall final : public RequestCall, public WatchSink, public std::enable
   void OnDone() override { alive_.reset(); }
 
   void show(WatchedUpdate update) override;
+  void reserve(uint64_t message_bytes) override;
   void ended(const std::exception_ptr& why) override { finish(to_status(describe(why))); }
 
  private:

@@ -90,15 +90,21 @@ WatchOptions parse_watch(const pb::WatchSceneRequest& request, const ScenePlan& 
     throw_invalid("max_contacts_per_kind",
                   fmt::format("is {}, more than {}", options.max_contacts, kMaxWatchedContacts));
   options.meshes = parse_meshes(request, plan);
-  options.vertex_stride = parse_stride(request.vertex_stride(), options.meshes, plan);
-  if (options.vertex_stride > 0) options.samples = samples_of(options.meshes, options.vertex_stride, plan);
+  const uint32_t stride = parse_stride(request.vertex_stride(), options.meshes, plan);
+  if (stride > 0) options.samples = {stride, samples_of(options.meshes, stride, plan)};
   return options;
 }
 
-uint64_t max_watch_message_bytes(const WatchOptions& options, const ScenePlan& plan) {
+VertexSamples samples_after_edit(const WatchOptions& options, const ScenePlan& plan) {
+  if (options.meshes.empty()) return {};
+  const uint32_t stride = std::max(options.samples.stride, least_stride(options.meshes, plan));
+  return {stride, samples_of(options.meshes, stride, plan)};
+}
+
+uint64_t max_watch_message_bytes(const WatchOptions& options, const VertexSamples& samples, const ScenePlan& plan) {
   uint64_t kinds = 0;
   for_each_kind([&](ContactKind, bool is_wanted) { kinds += is_wanted ? 1 : 0; }, plan.engine.kinds);
-  return kDoneBytes + kinds * options.max_contacts * plan.fields.contact_bytes() + bytes_of(options.samples, plan);
+  return kDoneBytes + kinds * options.max_contacts * plan.fields.contact_bytes() + bytes_of(samples.of_mesh, plan);
 }
 
 }  // namespace collided::server

@@ -33,12 +33,24 @@ void Watcher::taken() {
 
 void Watcher::show_latest() try {
   auto update = take_latest();
-  if (!update) return;
-  for (const VertexSample& sample : options_.samples) update->positions.push_back(scene_->positions(sample));
+  const auto sink = sink_.lock();
+  if (!update || !sink) return;
+  follow_edits(*sink);
+  for (const VertexSample& sample : samples_.of_mesh) update->positions.push_back(scene_->positions(sample));
+  update->vertex_stride = samples_.stride;
   if (update->skipped > 0) scene_->observer().not_shown(*scene_, update->skipped);
-  if (const auto sink = sink_.lock()) sink->show(std::move(*update));
+  sink->show(std::move(*update));
 } catch (...) {
   end(std::current_exception());
+}
+
+// Between frames the scene's meshes are those of the latest one.
+void Watcher::follow_edits(WatchSink& sink) {
+  const auto plan = scene_->plan();
+  if (plan == plan_) return;
+  samples_ = samples_after_edit(options_, *plan);
+  sink.reserve(max_watch_message_bytes(options_, samples_, *plan));
+  plan_ = plan;
 }
 
 std::optional<WatchedUpdate> Watcher::take_latest() {
@@ -46,7 +58,10 @@ std::optional<WatchedUpdate> Watcher::take_latest() {
   if (!is_due_locked()) return std::nullopt;
   is_ready_ = false;
   unread_since_ = scene_->now();
-  return WatchedUpdate{std::exchange(latest_, nullptr), {}, std::exchange(unseen_, 0) - 1};
+  WatchedUpdate update;
+  update.frame = std::exchange(latest_, nullptr);
+  update.skipped = std::exchange(unseen_, 0) - 1;
+  return update;
 }
 
 bool Watcher::leave() {

@@ -16,6 +16,8 @@ class Searcher<CpuExec> {
  public:
   explicit Searcher(CpuExec& exec) : exec_(exec) {}
 
+  void release() { features_ = {exec_, "features"}; }
+
   template <class Source, class Sink>
   void search(const char*, const Counted& items, uint64_t*, const Source& source, const Sink& sink) {
     if (source.must_rerun()) return;

@@ -13,6 +13,8 @@ class Searcher<CudaExec> {
  public:
   explicit Searcher(CudaExec& exec) : exec_(exec) {}
 
+  void release() {}
+
   template <class Source, class Sink>
   void search(const char* name, const Counted& items, uint64_t* next, const Source& source, const Sink& sink) {
     if (items.most == 0) return;

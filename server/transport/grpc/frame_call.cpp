@@ -109,7 +109,7 @@ void FrameCall::take(const grpc::ByteBuffer& bytes) {
 
 Expected FrameCall::expected() const {
   if (!session_) return {};
-  return {session_->scene().plan().meshes.size()};
+  return {session_->scene().plan()->meshes.size()};
 }
 
 // Positions go straight to a slot. Without one the frame is still decoded, so that it can be refused by its id.
@@ -156,8 +156,9 @@ void FrameCall::submit(IncomingFrame incoming) {
   {
     const std::lock_guard lock(mutex_);
     ++in_flight_;
+    if (incoming.message.has_edit()) edit_in_flight_ = incoming.message.frame_id();
   }
-  incoming.answer_bytes_per_contact = session_->scene().plan().fields.stencil_bytes();
+  incoming.answer_bytes_per_contact = session_->scene().plan()->fields.stencil_bytes();
   session_->submit(admit_frame(host_, session_->scene(), std::move(incoming)));
 }
 
@@ -174,10 +175,20 @@ void FrameCall::opened(const Scene& scene) try {
 }
 
 void FrameCall::answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) {
+  end_edit(frame->frame_id);
   send(encode_answer(scene, frame, kMaxChunkBytes));
 }
 
-void FrameCall::refused(uint64_t frame_id, const Failure& failure) { send(refusal_message(frame_id, failure)); }
+void FrameCall::refused(uint64_t frame_id, const Failure& failure) {
+  end_edit(frame_id);
+  send(refusal_message(frame_id, failure));
+}
+
+// Once the message that tells it has gone, the next frame is read.
+void FrameCall::end_edit(uint64_t frame_id) {
+  const std::lock_guard lock(mutex_);
+  if (edit_in_flight_ == frame_id) edit_in_flight_.reset();
+}
 
 void FrameCall::skipped(uint64_t frame_id) { send(skipped_message(frame_id)); }
 
@@ -201,7 +212,8 @@ uint64_t FrameCall::outgoing_bytes() const {
 }
 
 void FrameCall::read_locked() {
-  if (is_reading_ || has_read_all_ || status_ || (session_ && in_flight_ >= window_)) return;
+  const bool must_wait = session_ && (in_flight_ >= window_ || edit_in_flight_);
+  if (is_reading_ || has_read_all_ || status_ || must_wait) return;
   is_reading_ = true;
   stream_.Read(&incoming_, read_.send());
 }

@@ -65,6 +65,7 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   void open(const pb::OpenStream& open);
   void take_ticket();
   void submit(IncomingFrame incoming);
+  void end_edit(uint64_t frame_id);
   void fail();
   void send(const pb::StreamFramesResponse& response);
   void send(std::vector<EncodedMessage> messages);
@@ -97,7 +98,9 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   std::shared_ptr<void> ticket_;                 // counts the stream as open
   std::deque<EncodedMessage> outgoing_;
   size_t outgoing_bytes_ = 0;
-  uint32_t in_flight_ = 0;              // frames whose answer has not been fully written
+  uint32_t in_flight_ = 0;  // frames whose answer has not been fully written
+  // A frame with an edit that has no answer yet: later frames are checked against what it makes of the scene.
+  std::optional<uint64_t> edit_in_flight_;
   std::optional<grpc::Status> status_;  // of the call, once decided
   bool is_reading_ = false, is_writing_ = false, has_read_all_ = false, is_finishing_ = false;
 };

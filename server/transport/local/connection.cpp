@@ -99,7 +99,7 @@ Connection::Wait Connection::next_wait_locked() const {
 }
 
 bool Connection::may_read_locked() const {
-  return !closed_ && !read_all_ && (!session_ || in_flight_ < opening_.terms.window);
+  return !closed_ && !read_all_ && !edit_in_flight_ && (!session_ || in_flight_ < opening_.terms.window);
 }
 
 short Connection::wait(const Wait& wait) const {
@@ -161,20 +161,21 @@ void Connection::submit(pb::LocalRequest& request) {
   Scene& scene = session_->scene();
   const SharedRegion* const region = opening_.region.get();
   IncomingFrame incoming;
+  MemoryHold copied(scene.quota());
   if (request.has_shared_frame())
-    incoming.message = read_frame(region, request.shared_frame(), scene.plan().meshes.size(),
-                                  pb::max_frame_message_bytes(scene.plan().meshes.size()));
+    incoming.message = read_frame(region, request.shared_frame(), scene.plan()->meshes.size(), copied);
   else if (request.has_frame())
     incoming.message = std::move(*request.mutable_frame());
   else
     throw FailedPrecondition("frame", "packets after the first must be `frame` or `shared_frame`");
   place_ranges(region, incoming);
   incoming.memory = opening_.region;
-  incoming.answer_bytes_per_contact = scene.plan().fields.contact_bytes();
+  incoming.answer_bytes_per_contact = scene.plan()->fields.contact_bytes();
   PendingFrame frame = admit_frame(rules_.host, scene, std::move(incoming));
   {
     const std::lock_guard lock(mutex_);
     ++in_flight_;
+    if (frame.input.edit) edit_in_flight_ = frame.frame_id;
   }
   session_->submit(std::move(frame));
 }
@@ -182,12 +183,22 @@ void Connection::submit(pb::LocalRequest& request) {
 void Connection::opened(const Scene& scene) { send({opened_packet(scene, opening_.terms.window)}, false); }
 
 void Connection::answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) {
+  end_edit(frame->frame_id);
   send(writer_->write(scene, *frame), true, frame->result.held);
 }
 
 void Connection::refused(uint64_t frame_id, const Failure& failure) {
+  end_edit(frame_id);
   writer_->skip();
   send({to_packet(refusal_message(frame_id, failure))}, true);
+}
+
+// Until then the thread does not read the socket.
+void Connection::end_edit(uint64_t frame_id) {
+  const std::lock_guard lock(mutex_);
+  if (edit_in_flight_ != frame_id) return;
+  edit_in_flight_.reset();
+  wake();
 }
 
 void Connection::skipped(uint64_t frame_id) {

@@ -59,6 +59,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   void take(Packet packet);
   void open(const pb::LocalOpen& open, std::vector<PassedFile> files);
   void submit(pb::LocalRequest& request);
+  void end_edit(uint64_t frame_id);
   void flush_outbox();
   void end_socket();
   void wake() const;
@@ -87,7 +88,9 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   mutable std::mutex mutex_;  // guards what follows
   std::shared_ptr<FrameSession> session_;
   Outbox outbox_;
-  uint32_t in_flight_ = 0;         // unanswered frames
+  uint32_t in_flight_ = 0;  // unanswered frames
+  // One with an edit: later frames are checked against what it makes of the scene.
+  std::optional<uint64_t> edit_in_flight_;
   std::optional<Failure> closed_;  // why the stream ends, once decided
   bool read_all_ = false, is_stopping_ = false;
 };

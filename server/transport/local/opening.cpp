@@ -26,7 +26,7 @@ void check_handle(const pb::LocalOpen& open, const Scene& scene, bool is_allowed
     throw FailedPrecondition(kField, fmt::format("{} is set, but the daemon runs without --cuda-ipc", kField));
   if (handle.size() != pb::kCudaIpcHandleBytes)
     throw_invalid(kField, fmt::format("has {} bytes, but a handle has {}", handle.size(), pb::kCudaIpcHandleBytes));
-  if (scene.plan().engine.backend != Backend::kCuda)
+  if (scene.plan()->engine.backend != Backend::kCuda)
     throw FailedPrecondition(kField, fmt::format("{} is set, but scene {} is not on a GPU", kField, scene.id()));
   if (open.input_bytes() != 0)
     throw_invalid("open.input_bytes", fmt::format("is {}, but must be 0 with cuda_ipc_handle", open.input_bytes()));
@@ -40,11 +40,12 @@ void check_files(const std::vector<PassedFile>& files, bool is_needed) {
                               files.size(), wanted));
 }
 
-// With a page to spare for each frame.
+// With a page to spare for each frame, and room for edits.
 uint64_t max_input_bytes(const Scene& scene, uint32_t window) {
-  const SceneSpec& spec = scene.plan().engine;
+  const auto plan = scene.plan();
+  const SceneSpec& spec = plan->engine;
   const uint64_t frame = pb::max_frame_input_bytes(count_vertices(spec), max_vertex_bytes(spec), spec.meshes.size());
-  return window * (frame + pb::kPageBytes);
+  return window * (frame + pb::kPageBytes) + pb::kMaxEditInputBytes;
 }
 
 void check_region(const pb::LocalOpen& open, const std::vector<PassedFile>& files, const Scene& scene,
@@ -57,7 +58,7 @@ void check_region(const pb::LocalOpen& open, const std::vector<PassedFile>& file
 
 // Counted here, as pages that the daemon touches first are charged to the daemon.
 std::unique_ptr<MemoryHold> hold_region(const pb::LocalOpen& open, const Scene& scene) {
-  auto held = std::make_unique<MemoryHold>(scene.plan().quota);
+  auto held = std::make_unique<MemoryHold>(scene.plan()->quota);
   held->resize(open.input_bytes() + open.output_bytes());
   return held;
 }
@@ -69,7 +70,7 @@ std::shared_ptr<SharedRegion> map_region(const pb::LocalOpen& open, const std::v
   const std::string& handle = open.cuda_ipc_handle();
   if (!handle.empty()) return SharedRegion::open(std::as_bytes(std::span(handle)), file, open.output_bytes());
   if (files.empty()) return nullptr;
-  return SharedRegion::map(file, {open.input_bytes(), open.output_bytes()}, scene.plan().engine.backend);
+  return SharedRegion::map(file, {open.input_bytes(), open.output_bytes()}, scene.plan()->engine.backend);
 }
 
 }  // namespace

@@ -51,12 +51,11 @@ void place_ranges(const SharedRegion* region, IncomingFrame& frame) {
   }
 }
 
-pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, size_t meshes, uint64_t max) {
+pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, size_t meshes, MemoryHold& copied) {
   constexpr auto kPath = "shared_frame";
   const auto bytes = resolve(region, range, kPath);
   if (!region->is_host()) throw_invalid(kPath, "is set, but the input region is memory of the device");
-  if (bytes.size() > max)
-    throw_invalid(kPath, fmt::format("has {} bytes, but a frame of this scene takes at most {}", bytes.size(), max));
+  copied.resize(2 * bytes.size());  // the copy, and what is parsed of it
   const std::string copy(reinterpret_cast<const char*>(bytes.data()),
                          bytes.size());  // the client may still write there
   return parse_bounded_frame(copy, meshes, kPath);

@@ -11,8 +11,8 @@ namespace collided::server {
 /// null. An invalid range becomes the frame's refusal.
 void place_ranges(const SharedRegion* region, IncomingFrame& frame);
 
-/// Reads a frame whose message itself is in the region, of at most `max` bytes, for a scene of `meshes`. Throws
-/// InvalidInput, LimitExceeded.
-pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, size_t meshes, uint64_t max);
+/// Reads a frame whose message itself is in the region, for a scene of `meshes`. `copied` takes the bytes of the
+/// message meanwhile. Throws InvalidInput, LimitExceeded, and what the quota throws.
+pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, size_t meshes, MemoryHold& copied);
 
 }  // namespace collided::server

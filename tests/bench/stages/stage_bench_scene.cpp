@@ -92,8 +92,7 @@ void StageScene::make_resident(const Case& step) {
     send(resident.mesh_of_triangle, features.mesh_of_triangle);
     send(resident.rules, rules);
   }
-  buffers.boxes.allocate(triangles());
-  buffers.records.allocate(triangles());
+  buffers.reserve_boxes(triangles());
   send(buffers.start, all_positions(step.start));
   send(buffers.end, all_positions(step.end));
 }

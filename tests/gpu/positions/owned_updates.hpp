@@ -14,7 +14,7 @@ namespace collided::test {
 struct OwnedUpdate {
   uint32_t mesh = 0;
   bool is_sparse = false;
-  std::vector<std::byte> indices, start, end;
+  std::vector<std::byte> indices = {}, start = {}, end = {};
   std::vector<std::byte> transform = {}, start_transform = {};
 
   MeshPositions view() const { return {mesh, start, end, is_sparse, indices, transform, start_transform}; }

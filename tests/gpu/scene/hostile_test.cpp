@@ -155,7 +155,7 @@ TEST_F(FrameMessage, AStaticMeshThatMovesNamesTheRemedy) {
   const SceneSpec spec = spec_for(c, settings(Mode::kDcd, Accuracy::kCertified));
   const Frame whole(c, Mode::kDcd, Scalar::kF64);
   EXPECT_EQ(refusal(spec, whole.input(), 2),
-            "updates[1].mesh 1 is static: its positions come with the first frame alone. Leave it out of later frames, "
+            "updates[1].mesh 1 is static: its positions come with its first frame alone. Leave it out of later frames, "
             "or create the scene with a deformable mesh");
 }
 

@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "server/convert/wire_bounds.hpp"
 #include "server/errors.hpp"
 #include "tests/server/frames/wire_request.hpp"
 
@@ -91,16 +92,19 @@ TEST(FrameDecodeHostile, MoreUpdatesThanMeshesAreNotRead) {
   Room room(4096);
   const auto decoded = decode(field(2, varint(1 << 3) + varint(7) + updates), room, 0, 3);
   EXPECT_EQ(decoded.message.frame().frame_id(), 7u);
-  EXPECT_EQ(decoded.message.frame().updates_size(), 3);
+  EXPECT_EQ(decoded.message.frame().updates_size(), static_cast<int>(max_frame_meshes(3)));
   EXPECT_THROW(std::rethrow_exception(decoded.refusal), InvalidInput);
   EXPECT_FALSE(decode(field(2, varint(1 << 3) + varint(7) + updates.substr(0, 6)), room, 0, 3).refusal);
+  // Those that only an edit could explain.
+  EXPECT_TRUE(decode(field(2, varint(1 << 3) + varint(7) + updates.substr(0, 8)), room, 0, 3).refusal);
+  EXPECT_FALSE(decode(field(2, varint(1 << 3) + varint(7) + updates.substr(0, 8) + field(11, "")), room, 0, 3).refusal);
   // Without an id before them there is no frame to answer.
   EXPECT_THROW(decode(field(2, updates + varint(1 << 3) + varint(7)), room, 0, 3), InvalidInput);
 }
 
 TEST(FrameDecodeHostile, ManyFieldsAreNotRead) {
   std::string unknown;
-  for (int i = 0; i < 1000; ++i) unknown += varint(500 << 3) + '\1';
+  for (int i = 0; i < 5000; ++i) unknown += varint(500 << 3) + '\1';
   Room room(4096);
   for (const std::string& wire : {unknown, field(1, unknown), field(2, unknown), field(2, field(3, unknown)),
                                   field(2, field(3, field(2, unknown)))})

@@ -140,7 +140,7 @@ TEST_F(SceneTest, ShowsWhatItHolds) {
   EXPECT_EQ(shown.triangles, 2u);
   EXPECT_EQ(shown.edges, 6u);
   EXPECT_EQ(scene->max_position_bytes(), 6u * 12 * 2);
-  EXPECT_TRUE(scene->plan().engine.meshes[0].triangles.empty());
+  EXPECT_TRUE(scene->plan()->engine.meshes[0].triangles.empty());
 }
 
 TEST_F(SceneTest, HasNoSlotsBeforeItIsReadyNorOnceItIsDeleted) {
@@ -163,6 +163,71 @@ TEST_F(SceneTest, ASlotBringsPositions) {
   input.slot = scene->take_slot();
   input.slot->send(frame.input.updates);
   EXPECT_EQ(scene->apply(1, input).vertex_triangle.size(), 1u);
+}
+
+/// An edit that adds a copy of the tip.
+PendingFrame adding_frame(uint64_t id, const std::shared_ptr<const ScenePlan>& plan) {
+  PendingFrame frame = tip_frame(id, 2);
+  SceneEdit edit;
+  edit.meshes = {{2, {3, {{0, 1, 2}}}}};
+  frame.input.edit = std::make_shared<const SceneEdit>(edit);
+  frame.input.updates = {{.mesh = 2, .end = frame.input.updates[1].end}};
+  frame.basis = {plan, {{2, "copy"}}};
+  return frame;
+}
+
+TEST_F(SceneTest, FollowsItsEdits) {
+  const auto scene = make_ready();
+  scene->apply(1, tip_frame(1, 2).input);
+  const auto before = scene->plan();
+  const uint64_t bytes_before = scene->max_position_bytes();
+  const PendingFrame frame = adding_frame(2, before);
+  scene->apply(2, frame.input, frame.basis);
+  const auto after = scene->plan();
+  ASSERT_EQ(after->meshes.size(), 3u);
+  EXPECT_EQ(after->meshes[2].name, "copy");
+  EXPECT_EQ(after->meshes[2].triangles, 1u);
+  EXPECT_EQ(before->meshes.size(), 2u);
+  EXPECT_EQ(scene->snapshot().vertices, 9u);
+  EXPECT_EQ(scene->snapshot().triangles, 3u);
+  EXPECT_EQ(scene->edits(), 1u);
+  EXPECT_EQ(scene->max_position_bytes(), bytes_before / 2 * 3);
+  EXPECT_EQ(scene->awaited(2), 0u);
+  EXPECT_THROW(scene->begin_upload(2), FailedPrecondition);
+}
+
+// It was checked against another scene than the one that it would be applied to.
+TEST_F(SceneTest, RefusesWhatWasCheckedBeforeAnEdit) {
+  const auto scene = make_ready();
+  scene->apply(1, tip_frame(1, 2).input);
+  const auto before = scene->plan();
+  const auto slot = scene->take_slot();
+  const PendingFrame edit = adding_frame(2, before), other = adding_frame(3, before);
+  scene->apply(2, edit.input, edit.basis);
+  EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->apply(3, other.input, other.basis); }),
+            "frame: frame 3 came before scene id was edited by frame 2, and does not fit it any more; send it again");
+  FrameInput of_slot;
+  slot->send({});
+  of_slot.slot = slot;
+  EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->apply(3, of_slot); }).substr(0, 6), "frame:");
+  EXPECT_EQ(scene->edits(), 1u);
+  scene->apply(3, tip_frame(3, 2).input);
+}
+
+// Memory of its tables is taken before the engine begins, so that no frame fails once it has been applied.
+TEST_F(SceneTest, AnEditThatTheClientHasNoMemoryForChangesNothing) {
+  ScenePlan plan = tip_plan();
+  plan.engine.memory_budget = 600'000;
+  const auto scene = make(std::move(plan));
+  scene->build_if_complete();
+  scene->apply(1, tip_frame(1, 2).input);
+  PendingFrame frame = adding_frame(2, scene->plan());
+  SceneEdit huge = *frame.input.edit;
+  huge.meshes[0].spec.triangles.assign(20'000, {0, 1, 2});
+  frame.input.edit = std::make_shared<const SceneEdit>(huge);
+  EXPECT_THROW(scene->apply(2, frame.input, frame.basis), LimitExceeded);
+  EXPECT_EQ(scene->edits(), 0u);
+  EXPECT_EQ(scene->apply(2, tip_frame(2, 2).input).vertex_triangle.size(), 1u);
 }
 
 }  // namespace

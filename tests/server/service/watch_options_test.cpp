@@ -14,7 +14,7 @@ TEST(WatchOptions, OfAnEmptyRequestAreEveryFrameAndNothingElse) {
   EXPECT_EQ(options.frame_interval, 1u);
   EXPECT_EQ(options.period, Clock::duration{});
   EXPECT_EQ(options.max_contacts, 0u);
-  EXPECT_TRUE(options.samples.empty());
+  EXPECT_TRUE(options.samples.of_mesh.empty());
 }
 
 TEST(WatchOptions, ARateIsAPeriod) {
@@ -29,7 +29,7 @@ TEST(WatchOptions, SamplesAreSceneWideAndHaveTheFirstVertexOfEachMesh) {
   request.add_position_meshes(0);
   request.set_vertex_stride(2);
   const auto options = parse_watch(request, tip_plan());
-  EXPECT_EQ(options.samples, (std::vector<VertexSample>{{3, 2, 2}, {0, 2, 2}}));
+  EXPECT_EQ(options.samples.of_mesh, (std::vector<VertexSample>{{3, 2, 2}, {0, 2, 2}}));
 }
 
 TEST(WatchOptions, TheLeastStrideIsTheSmallestThatFits) {
@@ -40,8 +40,8 @@ TEST(WatchOptions, TheLeastStrideIsTheSmallestThatFits) {
     pb::WatchSceneRequest request;
     request.add_position_meshes(1);
     const auto options = parse_watch(request, plan);
-    EXPECT_EQ(options.vertex_stride, stride);
-    EXPECT_LE(options.samples[0].count * 12, kMaxWatchedPositionBytes);
+    EXPECT_EQ(options.samples.stride, stride);
+    EXPECT_LE(options.samples.of_mesh[0].count * 12, kMaxWatchedPositionBytes);
   }
 }
 
@@ -53,7 +53,23 @@ TEST(WatchOptions, TheLargestMessageFitsADefaultClient) {
   pb::WatchSceneRequest request;
   request.set_max_contacts_per_kind(kMaxWatchedContacts);
   request.add_position_meshes(1);
-  EXPECT_LT(max_watch_message_bytes(parse_watch(request, plan), plan), uint64_t{4} << 20);
+  const WatchOptions options = parse_watch(request, plan);
+  EXPECT_LT(max_watch_message_bytes(options, options.samples, plan), uint64_t{4} << 20);
+}
+
+// Meshes that are gone have no positions, and those that have grown a stride at which they fit.
+TEST(WatchOptions, SamplesFollowEdits) {
+  ScenePlan plan = tip_plan();
+  pb::WatchSceneRequest request;
+  request.add_position_meshes(1);
+  request.add_position_meshes(0);
+  const WatchOptions options = parse_watch(request, plan);
+  plan.engine.meshes[0].vertex_count = 0;
+  plan.engine.meshes[1].vertex_count = 1'000'000;
+  const VertexSamples samples = samples_after_edit(options, plan);
+  EXPECT_EQ(options.samples.stride, 1u);
+  EXPECT_EQ(samples.stride, 6u);
+  EXPECT_EQ(samples.of_mesh, (std::vector<VertexSample>{{0, 6, 166'667}, {0, 6, 0}}));
 }
 
 }  // namespace

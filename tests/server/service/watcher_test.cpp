@@ -19,15 +19,17 @@ class RecordingWatch final : public WatchSink {
  public:
   void show(WatchedUpdate update) override { shown.push_back(std::move(update)); }
   void ended(const std::exception_ptr&) override { ++ends; }
+  void reserve(uint64_t message_bytes) override { reserved = message_bytes; }
 
   std::vector<WatchedUpdate> shown;
   int ends = 0;
+  uint64_t reserved = 0;
 };
 
 class WatcherTest : public testing::Test {
  protected:
   std::shared_ptr<Watcher> watch(WatchOptions options = {}) {
-    auto watcher = std::make_shared<Watcher>(scene_.scene(), std::move(options), sink_);
+    auto watcher = std::make_shared<Watcher>(scene_.scene(), std::move(options), scene_->plan(), sink_);
     scene_->begin_watch(watcher);
     return watcher;
   }
@@ -87,7 +89,7 @@ TEST_F(WatcherTest, AnIntervalCountsFromTheLastFrameShown) {
 }
 
 TEST_F(WatcherTest, WatchersShareTheFrameAndThePositions) {
-  WatchOptions options{.max_contacts = 10, .vertex_stride = 1, .meshes = {1}, .samples = {{3, 1, 3}}};
+  WatchOptions options{.max_contacts = 10, .meshes = {1}, .samples = {1, {{3, 1, 3}}}};
   const auto first = watch(options), second = watch(options);
   get_ready(*first);
   get_ready(*second);
@@ -131,7 +133,7 @@ TEST_F(WatcherTest, IsToldOnceThatItsSceneIsGoneAndShownNothingAfterwards) {
 }
 
 TEST_F(WatcherTest, PositionsThatCannotBeReadEndTheWatchAndNotTheFrame) {
-  const auto watcher = watch({.vertex_stride = 1, .meshes = {1}, .samples = {{3, 1, uint64_t{1} << 60}}});
+  const auto watcher = watch({.meshes = {1}, .samples = {1, {{3, 1, uint64_t{1} << 60}}}});
   get_ready(*watcher);
   answer(1);
   EXPECT_EQ(sink_->ends, 1);

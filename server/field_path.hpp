@@ -26,8 +26,13 @@ inline std::string frame_path(const std::string& engine_path) {
                                          {"start", "start_positions"},
                                          {"end", "positions"},
                                          {"transform", "rigid.matrix"},
-                                         {"start_transform", "rigid.start_matrix"}})
+                                         {"start_transform", "rigid.start_matrix"},
+                                         {"excluded_rings", "exclude_rings"},
+                                         {"excludes_rest_pairs", "exclude_rest_pairs"}})
     path = with_last_part(path, engine, protocol);
+  for (const auto& [engine, protocol] :
+       {std::pair{"edit.excluded[", "edit.exclude_meshes["}, {"edit.included[", "edit.include_meshes["}})
+    if (path.starts_with(engine)) path = protocol + path.substr(std::string_view(engine).size());
   return "frame." + path;
 }
 

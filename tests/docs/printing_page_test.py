@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""client/MODELLING.md: its program in C++ against a real daemon prints what the page shows.
+"""A page of client/: its program in C++ against a real daemon prints what the page shows.
 
-usage: modelling_test.py DAEMON EXAMPLE REPOSITORY
+usage: printing_page_test.py DAEMON EXAMPLE REPOSITORY PAGE
 """
 
 import os
@@ -10,20 +10,20 @@ import subprocess
 import sys
 import unittest
 
-DAEMON, EXAMPLE, REPOSITORY = *sys.argv[1:3], pathlib.Path(sys.argv[3])
+DAEMON, EXAMPLE, REPOSITORY, PAGE = *sys.argv[1:3], pathlib.Path(sys.argv[3]), sys.argv[4]
 sys.path.insert(0, str(REPOSITORY / "tests" / "interop"))
 from daemon import Daemon  # noqa: E402
 from markdown import Page  # noqa: E402
 
 
-class Modelling(unittest.TestCase):
+class PrintingPage(unittest.TestCase):
     def test_the_program_prints_what_the_page_shows(self):
         daemon = Daemon(DAEMON)
         self.addCleanup(daemon.kill)
         done = subprocess.run([EXAMPLE], text=True, capture_output=True, timeout=60,
                               env={**os.environ, "COLLIDED_SERVER": daemon.address})
         self.assertEqual(done.returncode, 0, done.stderr)
-        (shown,) = Page(REPOSITORY / "client" / "MODELLING.md").blocks("text")
+        (shown,) = Page(REPOSITORY / "client" / PAGE).blocks("text")
         self.assertEqual(done.stdout, shown)
 
 

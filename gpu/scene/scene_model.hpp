@@ -1,0 +1,95 @@
+#pragma once
+// What a scene is made of, on the host and on its backend. An edit replaces all of it at once, and can be undone.
+
+#include <atomic>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "gpu/positions/slot.hpp"
+#include "gpu/scene/exclusions.hpp"
+#include "gpu/scene/topology.hpp"
+#include "gpu/step/buffers.hpp"
+
+namespace collided {
+
+template <Executor Exec, class Real>
+class SceneModel {
+ public:
+  SceneModel(Exec& exec, SceneSpec spec, FeatureTables features) : exec_(exec), buffers_(exec) {
+    take(std::move(spec), std::move(features));
+  }
+  SceneModel(const SceneModel&) = delete;
+  SceneModel& operator=(const SceneModel&) = delete;
+
+  const Topology& topology() const { return topology_; }
+  /// It and its spec stay where they are, whatever edits make of them.
+  const SceneShape& shape() const { return shape_; }
+  const SceneSpec& spec() const { return shape_.spec; }
+  /// A copy for slots, which may outlive the scene: theirs are of the scene as it is if they have this one.
+  /// From any thread.
+  std::shared_ptr<const SceneShape> slot_shape() const { return slot_shape_.load(); }
+  SceneBuffers<Exec, Real>& buffers() { return buffers_; }
+
+  /// A frame may ask for more accuracy than the scene.
+  void require_edges() {
+    if (buffers_.topology.edges.capacity() == 0) send(buffers_.topology.edges, topology_.edges);
+  }
+
+  /// All that an edit replaces.
+  struct Parts {
+    explicit Parts(Exec& exec) : buffers(exec) {}
+    Topology topology;
+    SceneShape shape;
+    std::shared_ptr<const SceneShape> slot_shape;
+    ResidentBuffers<Exec, Real> buffers;
+  };
+  /// Exchanges them. Throws nothing.
+  void swap(Parts& parts) noexcept {
+    std::swap(topology_, parts.topology);
+    std::swap(shape_, parts.shape);
+    parts.slot_shape = slot_shape_.exchange(std::move(parts.slot_shape));
+    std::swap(static_cast<ResidentBuffers<Exec, Real>&>(buffers_), parts.buffers);
+  }
+  /// Becomes what the spec says, with its vertices nowhere yet. After a throw its parts are of no use.
+  void take(SceneSpec spec, FeatureTables features) {
+    topology_ = std::move(features.topology);
+    for (MeshSpec& mesh : spec.meshes) mesh.triangles = {};  // the scene-wide tables hold them
+    shape_ = {std::move(spec), topology_.vertex_offset};
+    slot_shape_ = std::make_shared<const SceneShape>(shape_);
+    make_resident(features);
+  }
+
+ private:
+  void make_resident(const FeatureTables& features) {
+    ResidentTopology<Exec>& resident = buffers_.topology;
+    send(resident.triangles, topology_.triangles);
+    send(resident.owned, features.owned);
+    if (spec().kinds.edge_edge) send(resident.triangle_edges, features.triangle_edges);
+    if (spec().kinds.edge_edge && spec().accuracy != Accuracy::kCandidates) require_edges();
+    if (needs_pair_filter(spec())) {
+      send(resident.mesh_of_triangle, features.mesh_of_triangle);
+      send(resident.rules, mesh_rules(spec()));
+      send(resident.excluded_meshes, excluded_mesh_slots(spec()));
+    }
+    send(resident.ring_begin, features.rings.begin);
+    send(resident.ring_vertices, features.rings.vertices);
+    buffers_.reserve_boxes(topology_.triangles.size());
+  }
+
+  template <class T, class U>
+  void send(Buffer<T, Exec>& to, const std::vector<U>& from) {
+    static_assert(sizeof(T) == sizeof(U));
+    if (from.empty()) return;
+    to.allocate(from.size());
+    exec_.upload(to.data(), from.data(), from.size() * sizeof(T));
+  }
+
+  Exec& exec_;
+  Topology topology_;
+  SceneShape shape_;
+  std::atomic<std::shared_ptr<const SceneShape>> slot_shape_;
+  SceneBuffers<Exec, Real> buffers_;
+};
+
+}  // namespace collided

@@ -1,0 +1,41 @@
+#include "gpu/scene/tables.hpp"
+
+namespace collided {
+namespace {
+
+template <class T>
+uint64_t bytes_of(const std::vector<T>& values) {
+  return values.capacity() * sizeof(T);
+}
+
+uint64_t bytes_of(const FeatureTables& features) {
+  const Topology& topology = features.topology;
+  return bytes_of(topology.triangles) + bytes_of(topology.edges) + bytes_of(features.triangle_edges) +
+         bytes_of(features.owned) + bytes_of(features.mesh_of_triangle) + bytes_of(features.rings.begin) +
+         bytes_of(features.rings.vertices);
+}
+
+uint64_t triangles_of(const SceneSpec& spec) {
+  uint64_t triangles = 0;
+  for (const MeshSpec& mesh : spec.meshes) triangles += mesh.triangles.size();
+  return triangles;
+}
+
+/// That make_features() takes at most for so many triangles, its result included.
+uint64_t max_making_bytes(uint64_t triangles) {
+  constexpr uint64_t kTables = 12 + 12 + 1 + 4;  // triangles, triangle_edges, owned, mesh_of_triangle
+  constexpr uint64_t kUses = 3 * 16, kEdges = 3 * 8;
+  return triangles * (kTables + kUses + kEdges);
+}
+
+}  // namespace
+
+FeatureTables make_tables(const SceneSpec& spec, MemoryHold& making) {
+  making.resize(max_making_bytes(triangles_of(spec)));
+  FeatureTables features = make_features(spec.meshes);
+  making.resize(bytes_of(features));
+  features.rings = make_rings(spec, features.topology, making);
+  return features;
+}
+
+}  // namespace collided

@@ -1,0 +1,12 @@
+#pragma once
+// All tables of a scene's features, made on the host within its memory quota.
+
+#include "gpu/scene/topology.hpp"
+
+namespace collided {
+
+/// `making` has the tables' bytes afterwards, and more while they are made. Throws InvalidInput as make_features(),
+/// ResourceExhausted and InvalidInput as make_rings(), and what the quota throws.
+FeatureTables make_tables(const SceneSpec& spec, MemoryHold& making);
+
+}  // namespace collided
