@@ -27,9 +27,8 @@ std::vector<std::array<uint32_t, 3>> triangles_of(const Topology& topology, size
 /// Takes an edit's changes, one after the other.
 class Editor {
  public:
-  Editor(const SceneSpec& spec, const Topology& topology) : out_{spec, {}, {}} {
-    for (size_t mesh = 0; mesh < spec.meshes.size(); ++mesh)
-      out_.spec.meshes[mesh].triangles = triangles_of(topology, mesh);
+  explicit Editor(const SceneSpec& spec) {
+    out_.spec = spec;
     out_.first.assign(spec.meshes.size(), false);
     out_.begins_at_rest.assign(spec.meshes.size(), false);
     changed_.assign(spec.meshes.size(), false);
@@ -85,7 +84,7 @@ class Editor {
   }
 
   /// A mesh that could not touch itself before has no rest pairs yet.
-  EditedScene finish(const SceneSpec& before, double rest_distance) {
+  EditedScene finish(const SceneSpec& before, const Topology& topology, double rest_distance) {
     const std::vector<MeshRule> then = mesh_rules(before), now = mesh_rules(out_.spec);
     for (size_t mesh = 0; mesh < then.size(); ++mesh)
       if (then[mesh].has_self_contacts < now[mesh].has_self_contacts) out_.begins_at_rest[mesh] = true;
@@ -93,6 +92,9 @@ class Editor {
     check_rest_distance(out_.spec);
     if (std::all_of(out_.spec.meshes.begin(), out_.spec.meshes.end(), is_removed))
       throw InvalidInput("edit.meshes", "edit.meshes leaves the scene without a mesh");
+    for (size_t mesh = 0; out_.changes_features && mesh < out_.spec.meshes.size(); ++mesh)
+      if (MeshSpec& kept = out_.spec.meshes[mesh]; !is_removed(kept) && kept.triangles.empty())
+        kept.triangles = triangles_of(topology, mesh);
     return std::move(out_);
   }
 
@@ -114,6 +116,7 @@ class Editor {
     if (!edit.spec.triangles.empty())
       throw InvalidInput(field + ".spec.vertex_count", field + ".spec.vertex_count is 0, but the mesh has triangles");
     mesh = {};
+    out_.changes_features = true;
     std::erase_if(out_.spec.excluded_meshes,
                   [&](const MeshPair& pair) { return pair[0] == edit.mesh || pair[1] == edit.mesh; });
   }
@@ -131,9 +134,8 @@ class Editor {
     needs_start_[edit.mesh] =
         moves && !is_removed(mesh) && mesh.motion == edit.spec.motion && mesh.motion == MeshMotion::kDeformable;
     out_.begins_at_rest[edit.mesh] = moves || !keeps_triangles || !mesh.excludes_rest_pairs;
-    auto triangles = keeps_triangles ? std::move(mesh.triangles) : edit.spec.triangles;
+    out_.changes_features |= !keeps_triangles;
     mesh = edit.spec;
-    mesh.triangles = std::move(triangles);
   }
 
   void check_pair(const std::string& field, const MeshPair& pair) const {
@@ -155,12 +157,12 @@ class Editor {
 
 EditedScene edit_scene(const SceneSpec& spec, const Topology& topology, const FrameInput& frame, bool is_ccd) {
   const SceneEdit& edit = *frame.edit;
-  Editor editor(spec, topology);
+  Editor editor(spec);
   for (size_t i = 0; i < edit.meshes.size(); ++i) editor.change_mesh(i, edit.meshes[i]);
   for (size_t i = 0; i < edit.included.size(); ++i) editor.include(i, edit.included[i]);
   for (size_t i = 0; i < edit.excluded.size(); ++i) editor.exclude(i, edit.excluded[i]);
   editor.see(frame.updates, is_ccd);
-  return editor.finish(spec, edit.rest_distance);
+  return editor.finish(spec, topology, edit.rest_distance);
 }
 
 }  // namespace collided

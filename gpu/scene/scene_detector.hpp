@@ -74,7 +74,11 @@ class SceneDetector final : public Detector {
       exec_.stage("edit", [&] {
         MemoryHold making(spec_.memory_quota);
         EditedScene edited = edit_scene(spec_, model_.topology(), frame, settings.is_ccd());
-        FeatureTables features = make_tables(edited.spec, making);
+        FeatureTables features;
+        if (edited.changes_features)
+          features = make_tables(edited.spec, making);
+        else
+          features.rings = make_rings(edited.spec, model_.topology(), making);
         model_.swap(before);
         is_begun = true;
         begin_edited(std::move(edited), std::move(features), before, saved);
@@ -89,7 +93,10 @@ class SceneDetector final : public Detector {
   }
   void begin_edited(EditedScene edited, FeatureTables features, const Parts& before, const Saved& saved) {
     own_slot_ = nullptr;
-    model_.take(std::move(edited.spec), std::move(features));
+    if (edited.changes_features)
+      model_.take(std::move(edited.spec), std::move(features));
+    else
+      model_.take_rules(std::move(edited.spec), before, features.rings);
     pipeline_.resize(model_.topology());
     positions_.edit(saved, before.buffers, before.shape.vertex_offset, std::move(edited.first));
     rest_pairs_.edit(before.buffers.topology.rest_pairs, IdShift(before.topology, model_.topology()),

@@ -1,6 +1,7 @@
 #pragma once
 // What a scene is made of, on the host and on its backend. An edit replaces all of it at once, and can be undone.
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <utility>
@@ -54,27 +55,49 @@ class SceneModel {
   /// Becomes what the spec says, with its vertices nowhere yet. After a throw its parts are of no use.
   void take(SceneSpec spec, FeatureTables features) {
     topology_ = std::move(features.topology);
-    for (MeshSpec& mesh : spec.meshes) mesh.triangles = {};  // the scene-wide tables hold them
-    shape_ = {std::move(spec), topology_.vertex_offset};
-    slot_shape_ = std::make_shared<const SceneShape>(shape_);
-    make_resident(features);
-  }
-
- private:
-  void make_resident(const FeatureTables& features) {
+    take(std::move(spec));
     ResidentTopology<Exec>& resident = buffers_.topology;
     send(resident.triangles, topology_.triangles);
     send(resident.owned, features.owned);
-    if (spec().kinds.edge_edge) send(resident.triangle_edges, features.triangle_edges);
-    if (spec().kinds.edge_edge && spec().accuracy != Accuracy::kCandidates) require_edges();
+    if (this->spec().kinds.edge_edge) send(resident.triangle_edges, features.triangle_edges);
+    if (this->spec().kinds.edge_edge && this->spec().accuracy != Accuracy::kCandidates) require_edges();
+    send_rules(features.rings);
+  }
+  /// The same with the features of `before`.
+  void take_rules(SceneSpec spec, const Parts& before, const RingTables& rings) {
+    topology_ = before.topology;
+    take(std::move(spec));
+    copy(buffers_.topology.triangles, before.buffers.topology.triangles);
+    copy(buffers_.topology.owned, before.buffers.topology.owned);
+    copy(buffers_.topology.triangle_edges, before.buffers.topology.triangle_edges);
+    copy(buffers_.topology.edges, before.buffers.topology.edges);
+    send_rules(rings);
+  }
+
+ private:
+  void take(SceneSpec spec) {
+    for (MeshSpec& mesh : spec.meshes) mesh.triangles = {};  // the scene-wide tables hold them
+    shape_ = {std::move(spec), topology_.vertex_offset};
+    slot_shape_ = std::make_shared<const SceneShape>(shape_);
+    buffers_.reserve_boxes(topology_.triangles.size());
+  }
+  /// Which pairs are left out.
+  void send_rules(const RingTables& rings) {
+    ResidentTopology<Exec>& resident = buffers_.topology;
     if (needs_pair_filter(spec())) {
-      send(resident.mesh_of_triangle, features.mesh_of_triangle);
+      send(resident.mesh_of_triangle, mesh_of_triangle());
       send(resident.rules, mesh_rules(spec()));
       send(resident.excluded_meshes, excluded_mesh_slots(spec()));
     }
-    send(resident.ring_begin, features.rings.begin);
-    send(resident.ring_vertices, features.rings.vertices);
-    buffers_.reserve_boxes(topology_.triangles.size());
+    send(resident.ring_begin, rings.begin);
+    send(resident.ring_vertices, rings.vertices);
+  }
+  std::vector<uint32_t> mesh_of_triangle() const {
+    std::vector<uint32_t> meshes(topology_.triangles.size());
+    for (uint32_t mesh = 0; mesh < spec().meshes.size(); ++mesh)
+      std::fill(meshes.begin() + topology_.triangle_offset[mesh], meshes.begin() + topology_.triangle_offset[mesh + 1],
+                mesh);
+    return meshes;
   }
 
   template <class T, class U>
@@ -83,6 +106,13 @@ class SceneModel {
     if (from.empty()) return;
     to.allocate(from.size());
     exec_.upload(to.data(), from.data(), from.size() * sizeof(T));
+  }
+
+  template <class T>
+  void copy(Buffer<T, Exec>& to, const Buffer<T, Exec>& from) {
+    if (from.capacity() == 0) return;
+    to.allocate(from.capacity());
+    exec_.copy(to.data(), from.data(), from.capacity() * sizeof(T));
   }
 
   Exec& exec_;
