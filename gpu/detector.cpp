@@ -17,10 +17,10 @@ class HostMemoryOfOthers final : public SharedMemory {
   std::span<std::byte> memory_;
 };
 
-uint64_t triangles_of(const SceneSpec& spec) {
-  uint64_t triangles = 0;
-  for (const MeshSpec& mesh : spec.meshes) triangles += mesh.triangles.size();
-  return triangles;
+uint64_t elements_of(const SceneSpec& spec) {
+  uint64_t elements = 0;
+  for (const MeshSpec& mesh : spec.meshes) elements += count_elements(mesh);
+  return elements;
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
   check_spec(spec);
   check_exclusions(spec);
   MemoryHold making(spec.memory_quota);
-  making.resize(max_making_bytes(triangles_of(spec)));
+  making.resize(max_making_bytes(elements_of(spec)));
   FeatureTables features = make_features(spec.meshes);
   making.resize(bytes_of(features));
   features.rings = make_rings(spec, features.topology, making);

@@ -10,10 +10,10 @@ uint64_t bytes_of(const std::vector<T>& values) {
 
 }  // namespace
 
-uint64_t max_making_bytes(uint64_t triangles) {
+uint64_t max_making_bytes(uint64_t elements) {
   constexpr uint64_t kTables = 12 + 12 + 1 + 4;  // triangles, triangle_edges, owned, mesh_of_triangle
   constexpr uint64_t kUses = 3 * 16, kEdges = 3 * 8;
-  return triangles * (kTables + kUses + kEdges);
+  return elements * (kTables + kUses + kEdges);
 }
 
 uint64_t bytes_of(const FeatureTables& features) {

@@ -60,9 +60,9 @@ class SceneDetector final : public Detector {
  private:
   using Slot = SceneSlot<Exec, Real>;
 
-  /// The scene-wide tables hold the triangles.
+  /// The scene-wide tables hold the elements.
   static std::shared_ptr<const SceneShape> shape_of(SceneSpec spec, const Topology& topology) {
-    for (MeshSpec& mesh : spec.meshes) mesh.triangles = {};
+    for (MeshSpec& mesh : spec.meshes) mesh.triangles = {}, mesh.edges = {}, mesh.points = {};
     return std::make_shared<const SceneShape>(SceneShape{std::move(spec), topology.vertex_offset});
   }
   std::shared_ptr<Slot> new_slot() const { return std::make_shared<Slot>(shape_, exec_); }

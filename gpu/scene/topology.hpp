@@ -8,13 +8,13 @@ namespace collided {
 struct FeatureTables {
   Topology topology;
   std::vector<std::array<uint32_t, 3>> triangle_edges;  ///< edge ids of corners 0-1, 1-2, 2-0
-  std::vector<uint8_t> owned;                           ///< see search/elementary.hpp, Ownership
+  std::vector<uint8_t> owned;                           ///< see search/elementary.hpp
   std::vector<uint32_t> mesh_of_triangle;
   RingTables rings;
 };
 
-/// All but the rings. Throws InvalidInput for a mesh without vertices or triangles, an index out of range or a triangle
-/// with a corner twice.
+/// All but the rings. Throws InvalidInput for a mesh without vertices or elements, an index out of range or an element
+/// with a vertex twice.
 FeatureTables make_features(const std::vector<MeshSpec>& meshes);
 
 }  // namespace collided
