@@ -1,5 +1,5 @@
 #pragma once
-// The meshes of a scene, and their triangles, from the protocol to the engine.
+// The meshes of a scene, and their elements, from the protocol to the engine.
 
 #include <cstdint>
 #include <functional>
@@ -31,6 +31,10 @@ void for_each_triangle(std::string_view bytes, uint32_t vertex_count, const Tria
 
 struct SceneSize {
   uint64_t vertices = 0, triangles = 0;
+  uint64_t loose = 0;  ///< edges and points
+
+  uint64_t elements() const { return triangles + loose; }
+  const char* names_of_elements() const { return loose == 0 ? "triangles" : "triangles, edges and points"; }
 };
 
 /// Sums up the meshes before any array is copied. Throws InvalidInput without a mesh, LimitExceeded.

@@ -29,9 +29,11 @@ void check_frame_id(uint64_t frame_id, uint64_t last_frame_id) {
                                          frame_id, last_frame_id));
 }
 
-uint64_t triangle_bytes(const SceneSpec& spec) {
+uint64_t element_bytes(const SceneSpec& spec) {
   uint64_t bytes = 0;
-  for (const auto& mesh : spec.meshes) bytes += mesh.triangles.capacity() * sizeof(TriangleCorners);
+  for (const auto& mesh : spec.meshes)
+    bytes += mesh.triangles.capacity() * sizeof(mesh.triangles[0]) + mesh.edges.capacity() * sizeof(mesh.edges[0]) +
+             mesh.points.capacity() * sizeof(mesh.points[0]);
   return bytes;
 }
 
@@ -40,11 +42,15 @@ uint64_t topology_bytes(const Topology& topology) {
          topology.edges.capacity() * sizeof(topology.edges[0]);
 }
 
-// A copy; the triangles, which may be many, are never copied.
-MeshSpec without_triangles(MeshSpec& mesh) {
-  std::vector<TriangleCorners> triangles = std::exchange(mesh.triangles, {});
+// A copy; the elements, which may be many, are never copied.
+MeshSpec without_elements(MeshSpec& mesh) {
+  auto triangles = std::exchange(mesh.triangles, {});
+  auto edges = std::exchange(mesh.edges, {});
+  auto points = std::exchange(mesh.points, {});
   MeshSpec out = mesh;
   mesh.triangles = std::move(triangles);
+  mesh.edges = std::move(edges);
+  mesh.points = std::move(points);
   return out;
 }
 
@@ -57,7 +63,7 @@ Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
       held_(quota_),
       plan_(std::move(plan)),
       worker_(facts_.queue_capacity) {
-  held_.resize(plan_bytes(plan_) + triangle_bytes(plan_.engine));
+  held_.resize(plan_bytes(plan_) + element_bytes(plan_.engine));
   auto meshes = std::move(plan_.engine.meshes);
   plan_.engine.meshes.clear();
   pending_ = plan_.engine;
@@ -68,7 +74,7 @@ Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
     shown_.triangles += plan_.meshes[i].triangles;
     awaited_.push_back(plan_.meshes[i].awaited);
     uploading_.push_back(false);
-    plan_.engine.meshes.push_back(without_triangles(pending_.meshes[i]));
+    plan_.engine.meshes.push_back(without_elements(pending_.meshes[i]));
     excludes_rest_pairs_ |= pending_.meshes[i].excludes_rest_pairs;
   }
 }

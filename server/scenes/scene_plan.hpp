@@ -37,8 +37,9 @@ struct OutputFields {
 
 struct MeshPlan {
   std::string name;
-  uint64_t triangles = 0;  ///< of the whole mesh
-  uint64_t awaited = 0;    ///< of them, those still to be uploaded
+  uint64_t triangles = 0;          ///< of the whole mesh
+  uint64_t awaited = 0;            ///< of them, those still to be uploaded
+  uint64_t edges = 0, points = 0;  ///< loose ones
 };
 
 /// A checked request for a scene.
