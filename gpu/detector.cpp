@@ -21,7 +21,7 @@ class HostMemoryOfOthers final : public SharedMemory {
 void check_meshes(const SceneSpec& spec) {
   for (size_t i = 0; i < spec.meshes.size(); ++i) {
     const std::string field = "meshes[" + std::to_string(i) + "].vertex_count";
-    if (spec.meshes[i].vertex_count == 0) throw InvalidInput(field, field + " is 0, at least 3 are needed");
+    if (spec.meshes[i].vertex_count == 0) throw InvalidInput(field, field + " is 0, at least 1 is needed");
   }
 }
 

@@ -102,9 +102,13 @@ enum class Engine { kAuto, kOctree, kTopDown, kBottomUp, kUniformGrid, kTwoLevel
 /// that its first frame brought.
 enum class MeshMotion { kDeformable, kStatic, kRigid };
 
+/// Vertex indices are counted in the mesh. A mesh has one element or more, of any kinds. What a loose edge or point
+/// shares with an element before it, in the order triangles, edges, points, is that element's: it adds nothing.
 struct MeshSpec {
   uint32_t vertex_count = 0;
-  std::vector<std::array<uint32_t, 3>> triangles;  ///< vertex indices counted in the mesh
+  std::vector<std::array<uint32_t, 3>> triangles = {};
+  std::vector<std::array<uint32_t, 2>> edges = {};  ///< loose ones, such as the segments of a hair; of no triangle
+  std::vector<uint32_t> points = {};                ///< loose ones, such as particles; of no triangle or edge
   MeshMotion motion = MeshMotion::kDeformable;
   uint32_t groups = 1;          ///< bits
   uint32_t collide_mask = ~0u;  ///< bits of groups it can touch
@@ -117,6 +121,11 @@ struct MeshSpec {
   bool excludes_rest_pairs = false;
 };
 constexpr uint32_t kMaxRings = 8;
+
+/// Triangles, loose edges and loose points.
+inline uint64_t count_elements(const MeshSpec& mesh) {
+  return mesh.triangles.size() + mesh.edges.size() + mesh.points.size();
+}
 
 /// A box that positions are encoded in.
 struct PositionBox {
@@ -140,8 +149,9 @@ struct SceneSpec {
   /// If there is one, positions come as 16-bit fixed point in it (positions/quantized.hpp); the scalar is kF32.
   std::optional<PositionBox> quantized_in;
   Report report = Report::kAll;
-  /// Which kinds are wanted, one or more. Of triangles, in DCD: those of the frame that intersect; thickness plays no
-  /// part. In CCD, at kCandidates alone: those whose boxes overlap.
+  /// Which kinds are wanted, one or more. Vertex-triangle contacts are also those of a loose point and a loose edge or
+  /// another point (search/loose_elements.hpp). Of triangles, in DCD: those of the frame that intersect; thickness
+  /// plays no part. In CCD, at kCandidates alone: those whose boxes overlap.
   PerKind<bool> kinds = {.vertex_triangle = true, .edge_edge = true};
   /// What contacts are to have, where the level computes it. Elements, toi and flags are always there.
   FieldSet fields = {ContactField::kElements, ContactField::kToi, ContactField::kDistance, ContactField::kFlags};
@@ -154,7 +164,7 @@ struct SceneSpec {
 /// A mesh as an edit wants it.
 struct MeshEdit {
   uint32_t mesh = 0;  ///< its number; that of the last mesh and 1: it is added
-  /// Without vertices and triangles: the mesh is removed. Without triangles: it keeps those that it has, and as many
+  /// Without vertices and elements: the mesh is removed. Without elements: it keeps those that it has, and as many
   /// vertices.
   MeshSpec spec = {};
 };
@@ -279,14 +289,18 @@ struct MemoryPart {
   uint64_t bytes = 0;
 };
 
-/// Scene-wide features: the vertices and triangles of each mesh follow those of the meshes before it.
+/// Scene-wide features: the vertices and elements of each mesh follow those of the meshes before it.
 struct Topology {
   uint32_t vertex_count = 0;
+  /// Elements: of each mesh its triangles, then its loose edges as (a, b, b), then its loose points as (a, a, a).
   std::vector<std::array<uint32_t, 3>> triangles;
+  uint64_t loose_edges = 0, loose_points = 0;  ///< how many of them are such
   std::vector<std::array<uint32_t, 2>> edges;  ///< lower vertex first, sorted; the index is the edge's id
   std::vector<uint32_t> vertex_offset;         ///< of each mesh; one more entry at the end
   std::vector<uint32_t> triangle_offset;
 };
+
+inline bool has_loose_elements(const Topology& topology) { return topology.loose_edges + topology.loose_points > 0; }
 
 struct DeviceInfo {
   Backend backend = Backend::kCpu;

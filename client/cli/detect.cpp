@@ -60,6 +60,9 @@ std::vector<scenes::MeshFile> read_frames(const DetectOptions& options) {
       throw std::runtime_error("the frames differ: of " + std::to_string(a.size()) + " and " +
                                std::to_string(b.size()) + " triangles, triangle " + std::to_string(t) +
                                " has other vertices in " + options.frames[1]);
+  if (frames.front().edges != frames.back().edges || frames.front().points != frames.back().points)
+    throw std::runtime_error("the frames differ: " + options.frames[1] + " has other loose edges or points than " +
+                             options.frames[0]);
   return frames;
 }
 
@@ -106,8 +109,11 @@ void run(const DetectOptions& options) {
   check_writable("--out", options.out);
   const std::vector<scenes::MeshFile> frames = read_frames(options);
   const v1::PositionFormat format = choose_format(options.position_format, frames);
-  std::vector<client::MeshInput> meshes{
-      {"mesh", static_cast<uint32_t>(frames[0].positions.size()), frames[0].triangles}};
+  std::vector<client::MeshInput> meshes{{.name = "mesh",
+                                         .vertex_count = static_cast<uint32_t>(frames[0].positions.size()),
+                                         .triangles = frames[0].triangles,
+                                         .edges = frames[0].edges,
+                                         .points = frames[0].points}};
   options.exclusions.apply_to(meshes);
   v1::Frame frame;
   frame.set_frame_id(1);

@@ -83,8 +83,10 @@ void add_estimate(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("estimate", "What a scene would cost, without making it");
   command.footer(
       "Memory is the least that the scene holds after its first frame; how many candidates and contacts a frame\n"
-      "finds depends on the positions and is not known. Nothing is sent but the numbers of vertices and triangles.");
-  command.add_option("FRAME", options->frame, "OBJ or PLY, whose vertices and triangles the scene has");
+      "finds depends on the positions and is not known. Nothing is sent but the numbers of vertices and triangles, "
+      "and\n"
+      "which vertices loose edges and points have.");
+  command.add_option("FRAME", options->frame, "OBJ or PLY, whose vertices and elements the scene has");
   CLI::Option* scene =
       command.add_option("--scene", options->scene.name, "Name of a scene instead, see 'collidectl scenes'");
   add_scale_option(command, options->scene.scale);

@@ -44,9 +44,14 @@ void fill_mesh(const MeshInput& mesh, v1::MeshSpec& out) {
   out.set_motion(mesh.is_static  ? v1::MESH_MOTION_STATIC
                  : mesh.is_rigid ? v1::MESH_MOTION_RIGID
                                  : v1::MESH_MOTION_DEFORMABLE);
+  out.set_groups(mesh.groups);
+  out.set_collide_mask(mesh.collide_mask);
+  out.set_no_self_contacts(mesh.no_self_contacts);
   out.set_exclude_rings(mesh.exclude_rings);
   out.set_exclude_rest_pairs(mesh.exclude_rest_pairs);
   out.set_triangle_count(static_cast<uint32_t>(mesh.triangles.size()));
+  out.set_edges(mesh.edges.data(), mesh.edges.size_bytes());
+  out.set_points(mesh.points.data(), mesh.points.size_bytes());
 }
 
 }  // namespace
@@ -167,7 +172,8 @@ v1::Scene Client::create_scene(v1::SceneSpec spec, std::span<const MeshInput> me
   v1::Scene scene = state_->create(request);
   const std::string id = scene.scene_id();
   try {
-    for (uint32_t i = 0; i < meshes.size(); ++i) scene = state_->upload(id, i, meshes[i]);
+    for (uint32_t i = 0; i < meshes.size(); ++i)
+      if (!meshes[i].triangles.empty()) scene = state_->upload(id, i, meshes[i]);
   } catch (const Error&) {
     state_->try_delete(id);
     throw;

@@ -15,7 +15,8 @@
 
 namespace collided::client {
 
-/// A mesh of a new scene. Its triangles are borrowed, and uploaded in chunks, so that there may be any number.
+/// A mesh of a new scene, of triangles, loose edges and loose points, one of them or more. They are borrowed. Triangles
+/// are uploaded in chunks, so that there may be any number; loose elements of all meshes are sent in one message.
 struct MeshInput {
   std::string name = "";
   uint32_t vertex_count = 0;
@@ -24,9 +25,14 @@ struct MeshInput {
   bool is_rigid = false;            ///< after its first frame it is moved by rigid_update alone
   uint32_t exclude_rings = 0;       ///< leave out self contacts of features that so many edges or fewer connect; 0 to 8
   bool exclude_rest_pairs = false;  ///< likewise of features within the spec's rest_distance in the first frame
+  std::span<const std::array<uint32_t, 2>> edges = {};  ///< such as the segments of a hair
+  std::span<const uint32_t> points = {};                ///< such as particles
+  uint32_t groups = 0;                                  ///< bits of the groups that it is in; 0: the first
+  uint32_t collide_mask = 0;                            ///< bits of the groups that it can touch; 0: all
+  bool no_self_contacts = false;                        ///< leave out its contacts with itself
 };
 
-/// The mesh as an edit brings it (FrameOptions::edit): added, or in place of another; with its triangles, or without
+/// The mesh as an edit brings it (FrameOptions::edit): added, or in place of another; with its elements, or without
 /// them where those that it has stay. An empty name stays, too. Throws Error (INVALID_ARGUMENT).
 v1::MeshEdit edited_mesh(uint32_t mesh, const MeshInput& input);
 /// Removes a mesh.
@@ -55,7 +61,8 @@ class Client {
   /// lost, without ever creating two scenes. The scene is deleted after `lease_seconds` without a stream or a call; 0:
   /// the daemon's default.
   v1::Scene create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds = 0);
-  /// What create_scene of the same arguments would cost, before anything is made: no triangle is sent. Throws what it
+  /// What create_scene of the same arguments would cost, before anything is made: no triangle is sent, loose elements
+  /// are. Throws what it
   /// would throw for a bad spec.
   v1::EstimateSceneResponse estimate_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes);
   v1::Scene get_scene(const std::string& scene_id);

@@ -37,6 +37,15 @@ void for_each_kind(const Visit& visit, PerKinds&&... structs) {
   visit(v1::CONTACT_KIND_TRIANGLE_TRIANGLE, structs.triangle_triangle...);
 }
 
+/// What the second feature of a vertex-triangle contact is.
+enum class ElementKind { kTriangle, kEdge, kPoint };
+
+/// `stencil`: of a vertex-triangle contact. A loose edge a b is there as a b b, a loose point a as a a a.
+constexpr ElementKind element_kind(const std::array<uint32_t, 4>& stencil) {
+  if (stencil[2] != stencil[3]) return ElementKind::kTriangle;
+  return stencil[1] != stencil[2] ? ElementKind::kEdge : ElementKind::kPoint;
+}
+
 /// Appends a chunk; arrays in shared memory are read through `transport`, if there is one. Throws Error (DATA_LOSS) if
 /// the length of an array is not the chunk's `count`.
 void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport* transport = nullptr);

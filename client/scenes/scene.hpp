@@ -17,6 +17,8 @@ struct Mesh {
   uint32_t vertex_count = 0;
   std::vector<std::array<uint32_t, 3>> triangles;  ///< vertices counted from 0 in the mesh
   bool is_static = false;
+  std::vector<std::array<uint32_t, 2>> edges = {};  ///< loose ones
+  std::vector<uint32_t> points = {};                ///< loose ones
 };
 
 /// A scene that can be asked for its positions at any time.

@@ -12,6 +12,9 @@ namespace collided {
 COLLIDED_HD inline float proximity_tolerance(float) { return 1e-6f; }
 COLLIDED_HD inline double proximity_tolerance(double) { return 1e-9; }
 
+/// Whether a stencil is that of a vertex and a loose edge or point, whose cubic is 0 (narrow/fast_loose.hpp).
+COLLIDED_HD inline bool is_always_coplanar(const Stencil& s) { return s.v[2] == s.v[3]; }
+
 template <class Real, class Kind>
 struct SolveCubicCcd {
   const Vec3<Real>* start;
@@ -23,7 +26,9 @@ struct SolveCubicCcd {
 
   COLLIDED_HD void operator()(uint64_t i) const {
     if (contacts.early_exit.is_over()) return;
-    const Query q(kind.stencil(candidates[i]), start, end);
+    const Stencil stencil = kind.stencil(candidates[i]);
+    if (is_always_coplanar(stencil)) return;
+    const Query q(stencil, start, end);
     const Cubic<Real> f = cubic(q);
     if (thickness == 0 && f.one_sided()) return;
     const Real reach = thickness + proximity_tolerance(Real(0)) * q.extent();

@@ -15,13 +15,18 @@ using MeshPair = std::array<uint32_t, 2>;
 
 bool is_removed(const MeshSpec& mesh) { return mesh.vertex_count == 0; }
 
-std::vector<std::array<uint32_t, 3>> triangles_of(const Topology& topology, size_t mesh) {
-  const auto at = [&](uint32_t i) { return topology.triangles.begin() + static_cast<std::ptrdiff_t>(i); };
-  std::vector<std::array<uint32_t, 3>> triangles(at(topology.triangle_offset[mesh]),
-                                                 at(topology.triangle_offset[mesh + 1]));
-  for (auto& triangle : triangles)
-    for (uint32_t& vertex : triangle) vertex -= topology.vertex_offset[mesh];
-  return triangles;
+/// Gives a mesh the elements that it has in the scene.
+void fill_elements(const Topology& topology, size_t mesh, MeshSpec& out) {
+  for (uint32_t i = topology.triangle_offset[mesh]; i < topology.triangle_offset[mesh + 1]; ++i) {
+    auto corners = topology.triangles[i];
+    for (uint32_t& vertex : corners) vertex -= topology.vertex_offset[mesh];
+    if (corners[0] == corners[1])
+      out.points.push_back(corners[0]);
+    else if (corners[1] == corners[2])
+      out.edges.push_back({corners[0], corners[1]});
+    else
+      out.triangles.push_back(corners);
+  }
 }
 
 /// Takes an edit's changes, one after the other.
@@ -93,8 +98,8 @@ class Editor {
     if (std::all_of(out_.spec.meshes.begin(), out_.spec.meshes.end(), is_removed))
       throw InvalidInput("edit.meshes", "edit.meshes leaves the scene without a mesh");
     for (size_t mesh = 0; out_.changes_features && mesh < out_.spec.meshes.size(); ++mesh)
-      if (MeshSpec& kept = out_.spec.meshes[mesh]; !is_removed(kept) && kept.triangles.empty())
-        kept.triangles = triangles_of(topology, mesh);
+      if (MeshSpec& kept = out_.spec.meshes[mesh]; !is_removed(kept) && count_elements(kept) == 0)
+        fill_elements(topology, mesh, kept);
     return std::move(out_);
   }
 
@@ -113,8 +118,8 @@ class Editor {
     MeshSpec& mesh = out_.spec.meshes[edit.mesh];
     if (is_removed(mesh))
       throw InvalidInput(field, field + " removes mesh " + text(edit.mesh) + ", which the scene does not have");
-    if (!edit.spec.triangles.empty())
-      throw InvalidInput(field + ".spec.vertex_count", field + ".spec.vertex_count is 0, but the mesh has triangles");
+    if (count_elements(edit.spec) != 0)
+      throw InvalidInput(field + ".spec.vertex_count", field + ".spec.vertex_count is 0, but the mesh has elements");
     mesh = {};
     out_.changes_features = true;
     std::erase_if(out_.spec.excluded_meshes,
@@ -124,17 +129,17 @@ class Editor {
   void replace(const MeshEdit& edit, const std::string& field) {
     check_mesh(out_.spec, edit.spec, field + ".spec");
     MeshSpec& mesh = out_.spec.meshes[edit.mesh];
-    const bool keeps_triangles = edit.spec.triangles.empty();
-    if (keeps_triangles && edit.spec.vertex_count != mesh.vertex_count)
+    const bool keeps_elements = count_elements(edit.spec) == 0;
+    if (keeps_elements && edit.spec.vertex_count != mesh.vertex_count)
       throw InvalidInput(field + ".spec.triangles", field + ".spec.triangles is empty, and the mesh has " +
                                                         text(mesh.vertex_count) + " vertices, not " +
-                                                        text(edit.spec.vertex_count) + ": its triangles cannot stay");
+                                                        text(edit.spec.vertex_count) + ": its elements cannot stay");
     const bool moves = edit.spec.vertex_count != mesh.vertex_count || edit.spec.motion != mesh.motion;
     out_.first[edit.mesh] = moves;
     needs_start_[edit.mesh] =
         moves && !is_removed(mesh) && mesh.motion == edit.spec.motion && mesh.motion == MeshMotion::kDeformable;
-    out_.begins_at_rest[edit.mesh] = moves || !keeps_triangles || !mesh.excludes_rest_pairs;
-    out_.changes_features |= !keeps_triangles;
+    out_.begins_at_rest[edit.mesh] = moves || !keeps_elements || !mesh.excludes_rest_pairs;
+    out_.changes_features |= !keeps_elements;
     mesh = edit.spec;
   }
 

@@ -9,8 +9,8 @@
 namespace collided {
 
 struct EditedScene {
-  SceneSpec spec;                    ///< with the triangles of all meshes, where features change
-  bool changes_features = false;     ///< meshes come or go, or have other triangles or another number of vertices
+  SceneSpec spec;                    ///< with the elements of all meshes, where features change
+  bool changes_features = false;     ///< meshes come or go, or have other elements
   FirstMeshes first;                 ///< meshes that have their first positions in the edit's frame
   std::vector<bool> begins_at_rest;  ///< meshes whose rest pairs, if they exclude any, are those of that frame
 };

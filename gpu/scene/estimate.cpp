@@ -99,7 +99,7 @@ SceneEstimate estimate_scene(const SceneSpec& spec, uint64_t vertices, uint64_t 
   check_exclusions(spec);
   if (vertices == 0 || triangles == 0)
     throw InvalidInput("meshes", "meshes have " + std::to_string(vertices) + " vertices and " +
-                                     std::to_string(triangles) + " triangles; at least one of each is needed");
+                                     std::to_string(triangles) + " elements; at least one of each is needed");
   SceneEstimate estimate = with_dry_run(spec, vertices, triangles, [](auto&& scene) { return scene.run_frame(); });
   const LevelNeeds needs = needs_of(spec, settings_of(spec, {}));
   for_each_kind(

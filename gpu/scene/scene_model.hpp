@@ -1,7 +1,6 @@
 #pragma once
 // What a scene is made of, on the host and on its backend. An edit replaces all of it at once, and can be undone.
 
-#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <utility>
@@ -76,7 +75,7 @@ class SceneModel {
 
  private:
   void take(SceneSpec spec) {
-    for (MeshSpec& mesh : spec.meshes) mesh.triangles = {};  // the scene-wide tables hold them
+    for (MeshSpec& mesh : spec.meshes) mesh.triangles = {}, mesh.edges = {}, mesh.points = {};  // the tables hold them
     shape_ = {std::move(spec), topology_.vertex_offset};
     slot_shape_ = std::make_shared<const SceneShape>(shape_);
     buffers_.reserve_boxes(topology_.triangles.size());
@@ -85,21 +84,13 @@ class SceneModel {
   void send_rules(const RingTables& rings) {
     ResidentTopology<Exec>& resident = buffers_.topology;
     if (needs_pair_filter(spec())) {
-      send(resident.mesh_of_triangle, mesh_of_triangle());
+      send(resident.mesh_of_triangle, meshes_of_elements(topology_));
       send(resident.rules, mesh_rules(spec()));
       send(resident.excluded_meshes, excluded_mesh_slots(spec()));
     }
     send(resident.ring_begin, rings.begin);
     send(resident.ring_vertices, rings.vertices);
   }
-  std::vector<uint32_t> mesh_of_triangle() const {
-    std::vector<uint32_t> meshes(topology_.triangles.size());
-    for (uint32_t mesh = 0; mesh < spec().meshes.size(); ++mesh)
-      std::fill(meshes.begin() + topology_.triangle_offset[mesh], meshes.begin() + topology_.triangle_offset[mesh + 1],
-                mesh);
-    return meshes;
-  }
-
   template <class T, class U>
   void send(Buffer<T, Exec>& to, const std::vector<U>& from) {
     static_assert(sizeof(T) == sizeof(U));

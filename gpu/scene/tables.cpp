@@ -11,27 +11,26 @@ uint64_t bytes_of(const std::vector<T>& values) {
 uint64_t bytes_of(const FeatureTables& features) {
   const Topology& topology = features.topology;
   return bytes_of(topology.triangles) + bytes_of(topology.edges) + bytes_of(features.triangle_edges) +
-         bytes_of(features.owned) + bytes_of(features.mesh_of_triangle) + bytes_of(features.rings.begin) +
-         bytes_of(features.rings.vertices);
+         bytes_of(features.owned) + bytes_of(features.rings.begin) + bytes_of(features.rings.vertices);
 }
 
-uint64_t triangles_of(const SceneSpec& spec) {
-  uint64_t triangles = 0;
-  for (const MeshSpec& mesh : spec.meshes) triangles += mesh.triangles.size();
-  return triangles;
+uint64_t elements_of(const SceneSpec& spec) {
+  uint64_t elements = 0;
+  for (const MeshSpec& mesh : spec.meshes) elements += count_elements(mesh);
+  return elements;
 }
 
-/// That make_features() takes at most for so many triangles, its result included.
-uint64_t max_making_bytes(uint64_t triangles) {
-  constexpr uint64_t kTables = 12 + 12 + 1 + 4;  // triangles, triangle_edges, owned, mesh_of_triangle
+/// That make_features() takes at most for so many elements, its result included.
+uint64_t max_making_bytes(uint64_t elements) {
+  constexpr uint64_t kTables = 12 + 12 + 1;  // triangles, triangle_edges, owned
   constexpr uint64_t kUses = 3 * 16, kEdges = 3 * 8;
-  return triangles * (kTables + kUses + kEdges);
+  return elements * (kTables + kUses + kEdges);
 }
 
 }  // namespace
 
 FeatureTables make_tables(const SceneSpec& spec, MemoryHold& making) {
-  making.resize(max_making_bytes(triangles_of(spec)));
+  making.resize(max_making_bytes(elements_of(spec)));
   FeatureTables features = make_features(spec.meshes);
   making.resize(bytes_of(features));
   features.rings = make_rings(spec, features.topology, making);

@@ -3,52 +3,84 @@
 #include <algorithm>
 #include <tuple>
 
+#include "gpu/search/loose_elements.hpp"
+
 namespace collided {
 namespace {
 
-void check_triangle(const std::array<uint32_t, 3>& t, uint32_t vertex_count, size_t mesh, size_t index) {
-  const std::string field = "meshes[" + std::to_string(mesh) + "].triangles[" + std::to_string(index) + "]";
-  for (const uint32_t v : t)
+using Corners = std::array<uint32_t, 3>;
+
+/// An element's vertices, and the triangle that it is held as.
+const Corners& vertices_of(const Corners& triangle) { return triangle; }
+const std::array<uint32_t, 2>& vertices_of(const std::array<uint32_t, 2>& edge) { return edge; }
+std::array<uint32_t, 1> vertices_of(uint32_t point) { return {point}; }
+Corners corners_of(const Corners& t) { return t; }
+Corners corners_of(const std::array<uint32_t, 2>& e) { return {e[0], e[1], e[1]}; }
+Corners corners_of(uint32_t p) { return {p, p, p}; }
+
+template <size_t N>
+void check_vertices(const std::array<uint32_t, N>& vertices, uint32_t vertex_count, const std::string& field) {
+  std::string list;
+  for (const uint32_t v : vertices) {
     if (v >= vertex_count)
       throw InvalidInput(field, field + " has vertex index " + std::to_string(v) + ", the mesh has " +
                                     std::to_string(vertex_count) + " vertices");
-  if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
-    throw InvalidInput(field, field + " has a corner twice: " + std::to_string(t[0]) + " " + std::to_string(t[1]) +
-                                  " " + std::to_string(t[2]));
+    list += ' ' + std::to_string(v);
+  }
+  for (size_t i = 0; i < N; ++i)
+    for (size_t j = 0; j < i; ++j)
+      if (vertices[i] == vertices[j])
+        throw InvalidInput(field, field + " has a " + (N == 3 ? "corner" : "vertex") + " twice:" + list);
+}
+
+/// The elements of one kind that a mesh has.
+template <class Elements>
+void append_elements(FeatureTables& out, const Elements& elements, const MeshSpec& mesh, size_t index,
+                     const char* name) {
+  for (size_t i = 0; i < elements.size(); ++i) {
+    check_vertices(vertices_of(elements[i]), mesh.vertex_count,
+                   "meshes[" + std::to_string(index) + "]." + name + "[" + std::to_string(i) + "]");
+    Corners corners = corners_of(elements[i]);
+    for (uint32_t& v : corners) v += out.topology.vertex_count;
+    out.topology.triangles.push_back(corners);
+  }
+}
+
+/// One without vertices and elements was removed.
+void check_size(const Topology& topology, const MeshSpec& mesh, size_t index) {
+  const std::string field = "meshes[" + std::to_string(index) + "]";
+  if (mesh.vertex_count == 0 && count_elements(mesh) == 0) return;
+  if (mesh.vertex_count == 0)
+    throw InvalidInput(field + ".vertex_count", field + ".vertex_count is 0, at least 1 is needed");
+  if (count_elements(mesh) == 0)
+    throw InvalidInput(field + ".triangles", field + ".triangles is empty, and so are its edges and points");
+  const uint64_t vertices = uint64_t{topology.vertex_count} + mesh.vertex_count;
+  const uint64_t elements = topology.triangles.size() + count_elements(mesh);
+  constexpr uint64_t kMax = 1u << 29;  // edges, at most three an element, have 31 bits
+  if (vertices > kMax || elements > kMax)
+    throw InvalidInput("meshes",
+                       "meshes have " + std::to_string(vertices) + " vertices and " + std::to_string(elements) +
+                           " triangles, loose edges and points, the limit of each is " + std::to_string(kMax));
 }
 
 void append_mesh(FeatureTables& out, const MeshSpec& mesh, size_t index) {
-  const std::string field = "meshes[" + std::to_string(index) + "]";
-  const bool is_removed = mesh.vertex_count == 0 && mesh.triangles.empty();
-  if (mesh.vertex_count == 0 && !is_removed)
-    throw InvalidInput(field + ".vertex_count", field + ".vertex_count is 0, at least 3 are needed");
-  if (mesh.triangles.empty() && !is_removed) throw InvalidInput(field + ".triangles", field + ".triangles is empty");
   Topology& topology = out.topology;
-  const uint64_t vertices = uint64_t{topology.vertex_count} + mesh.vertex_count;
-  const uint64_t triangles = topology.triangles.size() + mesh.triangles.size();
-  constexpr uint64_t kMax = 1u << 29;  // edges, at most three a triangle, have 31 bits
-  if (vertices > kMax || triangles > kMax)
-    throw InvalidInput("meshes", "meshes have " + std::to_string(vertices) + " vertices and " +
-                                     std::to_string(triangles) + " triangles, the limit of each is " +
-                                     std::to_string(kMax));
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    std::array<uint32_t, 3> t = mesh.triangles[i];
-    check_triangle(t, mesh.vertex_count, index, i);
-    for (uint32_t& v : t) v += topology.vertex_count;
-    topology.triangles.push_back(t);
-    out.mesh_of_triangle.push_back(static_cast<uint32_t>(index));
-  }
-  topology.vertex_count = static_cast<uint32_t>(vertices);
+  check_size(topology, mesh, index);
+  append_elements(out, mesh.triangles, mesh, index, "triangles");
+  append_elements(out, mesh.edges, mesh, index, "edges");
+  append_elements(out, mesh.points, mesh, index, "points");
+  topology.loose_edges += mesh.edges.size();
+  topology.loose_points += mesh.points.size();
+  topology.vertex_count += mesh.vertex_count;
   topology.vertex_offset.push_back(topology.vertex_count);
-  topology.triangle_offset.push_back(static_cast<uint32_t>(triangles));
+  topology.triangle_offset.push_back(static_cast<uint32_t>(topology.triangles.size()));
 }
 
-// The triangles that are there, no more: tables that grow by doubling would hold twice as much.
+// The elements that are there, no more: tables that grow by doubling would hold twice as much.
 void reserve(FeatureTables& out, const std::vector<MeshSpec>& meshes) {
-  size_t triangles = 0;
-  for (const MeshSpec& mesh : meshes) triangles += mesh.triangles.size();
-  out.topology.triangles.reserve(triangles);
-  out.mesh_of_triangle.reserve(triangles);
+  size_t elements = 0;
+  for (const MeshSpec& mesh : meshes) elements += count_elements(mesh);
+  out.topology.triangles.reserve(elements);
 }
 
 struct Use {
@@ -69,6 +101,7 @@ void number_edges(FeatureTables& out) {
   for (uint32_t i = 0; i < triangles.size(); ++i)
     for (uint32_t k = 0; k < 3; ++k) {
       const uint32_t a = triangles[i][k], b = triangles[i][(k + 1) % 3];
+      if (a == b) continue;  // of a loose element
       uses.push_back({{std::min(a, b), std::max(a, b)}, i, k});
     }
   std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) {
@@ -86,7 +119,7 @@ void number_edges(FeatureTables& out) {
   }
 }
 
-// Each vertex belongs to the lowest triangle that has it. Sorted by vertex, so that memory goes by the triangles that
+// Each vertex belongs to the lowest element that has it. Sorted by vertex, so that memory goes by the elements that
 // came and not by the vertices that were declared.
 void own_vertices(FeatureTables& out) {
   const auto& triangles = out.topology.triangles;
@@ -103,6 +136,19 @@ void own_vertices(FeatureTables& out) {
   }
 }
 
+ElementRole role_of(const Corners& corners, uint32_t owned) {
+  constexpr uint32_t kVertex = 1, kEdge = 8;
+  if (corners[1] != corners[2]) return ElementRole::kTriangle;
+  if (corners[0] != corners[1]) return owned & kEdge ? ElementRole::kLooseEdge : ElementRole::kDuplicate;
+  return owned & kVertex ? ElementRole::kLoosePoint : ElementRole::kDuplicate;
+}
+
+void add_roles(FeatureTables& out) {
+  for (size_t i = 0; i < out.owned.size(); ++i)
+    out.owned[i] |=
+        static_cast<uint8_t>(static_cast<uint32_t>(role_of(out.topology.triangles[i], out.owned[i])) << kRoleBit);
+}
+
 }  // namespace
 
 FeatureTables make_features(const std::vector<MeshSpec>& meshes) {
@@ -115,7 +161,16 @@ FeatureTables make_features(const std::vector<MeshSpec>& meshes) {
   out.owned.assign(out.topology.triangles.size(), 0);
   own_vertices(out);
   number_edges(out);
+  if (has_loose_elements(out.topology)) add_roles(out);
   return out;
+}
+
+std::vector<uint32_t> meshes_of_elements(const Topology& topology) {
+  std::vector<uint32_t> meshes(topology.triangles.size());
+  for (uint32_t mesh = 0; mesh + 1 < topology.triangle_offset.size(); ++mesh)
+    std::fill(meshes.begin() + topology.triangle_offset[mesh], meshes.begin() + topology.triangle_offset[mesh + 1],
+              mesh);
+  return meshes;
 }
 
 }  // namespace collided

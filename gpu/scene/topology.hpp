@@ -8,13 +8,15 @@ namespace collided {
 struct FeatureTables {
   Topology topology;
   std::vector<std::array<uint32_t, 3>> triangle_edges;  ///< edge ids of corners 0-1, 1-2, 2-0
-  std::vector<uint8_t> owned;                           ///< see search/elementary.hpp, Ownership
-  std::vector<uint32_t> mesh_of_triangle;
+  std::vector<uint8_t> owned;                           ///< see search/elementary.hpp
   RingTables rings;
 };
 
-/// All but the rings. Throws InvalidInput for a mesh without vertices or triangles, but for one that has neither: it
-/// was removed; for an index out of range or a triangle with a corner twice.
+/// The mesh of each element.
+std::vector<uint32_t> meshes_of_elements(const Topology& topology);
+
+/// All but the rings. Throws InvalidInput for a mesh without vertices or elements, but for one that has neither: it was
+/// removed; for an index out of range or an element with a vertex twice.
 FeatureTables make_features(const std::vector<MeshSpec>& meshes);
 
 }  // namespace collided

@@ -1,13 +1,15 @@
 #pragma once
 // Section 3.3: vertex-triangle and edge-edge candidates of a triangle pair.
 // R-triangles (Curtis, Tamstorf and Manocha 2008): each vertex and edge belongs to the triangle of lowest id that
-// has it, and only its owner's pairs test it, so that every candidate comes up exactly once. Triangles that share a
-// vertex are not skipped: their other features may touch. Features that share a vertex are no pair.
+// has it, loose elements (search/loose_elements.hpp) among them, and only its owner's pairs test it, so that every
+// candidate comes up exactly once. Triangles that share a vertex are not skipped: their other features may touch.
+// Features that share a vertex are no pair.
 
 #include "gpu/base/keys.hpp"
 #include "gpu/base/points.hpp"
 #include "gpu/search/boxes.hpp"
 #include "gpu/search/elementary_numbers.hpp"
+#include "gpu/search/loose_elements.hpp"
 
 namespace collided {
 
@@ -34,31 +36,36 @@ struct InflationByMesh {
   COLLIDED_HD Real of(uint32_t vertex) const { return deviations.inflation(half, vertex); }
 };
 
-template <class Real, class Inflation = EvenInflation<Real>>
+template <class Real, class Inflation = EvenInflation<Real>, class Elements = TrianglesAlone>
 struct ElementaryTests {
   using Number = Real;
 
   Span<const TriangleRecord<Real>> records;
-  Span<const uint8_t> owned;  ///< bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0
+  Span<const uint8_t> owned;  ///< bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0; from kRoleBit on: its role
   Inflation inflation;
   bool vertex_triangle, edge_edge;
 
-  /// One bit for each test (search/elementary_numbers.hpp) that is this pair's to make.
+  /// One bit for each test (search/elementary_numbers.hpp) that is this pair's to make; a < b.
   COLLIDED_HD uint32_t tests_of(uint32_t a, uint32_t b) const {
     const uint32_t p = owned[a], q = owned[b];
     uint32_t tests = 0;
     if (vertex_triangle) tests = (p & 7u) | (q & 7u) << 3;
     if (edge_edge) {
-      const uint32_t edges = q >> 3;
+      const uint32_t edges = q >> 3 & 7u;
       for (int k = 0; k < 3; ++k) tests |= (p >> (3 + k) & 1u) * edges << edge_edge_test(k, 0);
     }
-    return tests;
+    return tests & wanted_tests(role_of(p), role_of(q), true);
+  }
+  /// Those of a and b that are not left to other elements, by their roles.
+  COLLIDED_HD static constexpr uint32_t wanted_tests(ElementRole a, ElementRole b, bool a_is_lower) {
+    return Elements::wanted_tests(a, b, a_is_lower);
   }
 
   /// Which corners and edges of a triangle are to be tested; bits as in `owned`.
   COLLIDED_HD uint32_t tested_of(uint32_t triangle) const {
     return owned[triangle] & ((vertex_triangle ? 7u : 0u) | (edge_edge ? 7u << 3 : 0u));
   }
+  COLLIDED_HD ElementRole role(uint32_t triangle) const { return role_of(owned[triangle]); }
   /// Box of a corner's path; those of edges and triangles are joined from them.
   COLLIDED_HD Box<Real> corner_box(uint32_t triangle, int k) const {
     const CornerRecord<Real>& corner = records[triangle].corner[k];

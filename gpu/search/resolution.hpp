@@ -15,8 +15,8 @@ COLLIDED_HD Real spacing_at(const Box<float>& bounds) {
   return at - next_down(at);
 }
 
-/// Counts the triangles that are nowhere longer than 1024 spacings. Their boxes would not tell: these are rounded
-/// outward to float.
+/// Counts the triangles and loose edges that are nowhere longer than 1024 spacings; points have no length. Their boxes
+/// would not tell: these are rounded outward to float.
 template <class Real>
 struct CountSmall {
   const Box<float>* bounds;
@@ -26,6 +26,7 @@ struct CountSmall {
   COLLIDED_HD void operator()(uint64_t i) const {
     const Real limit = 1024 * spacing_at<Real>(*bounds);
     const TriangleRecord<Real>& t = records[i];
+    if (t.corner[0].vertex_id() == t.corner[1].vertex_id()) return;
     if (is_short(t, 0, 1, limit) && is_short(t, 1, 2, limit) && is_short(t, 2, 0, limit)) claim_slot(*count);
   }
 

@@ -3,7 +3,7 @@
 // put in line for the backend; no length is read back.
 
 #include "gpu/narrow/certified_proximity.hpp"
-#include "gpu/narrow/fast_ccd.hpp"
+#include "gpu/narrow/fast_loose.hpp"
 #include "gpu/narrow/gather.hpp"
 #include "gpu/narrow/normal.hpp"
 #include "gpu/narrow/proximity.hpp"
@@ -17,8 +17,8 @@ namespace collided {
 template <Executor Exec, class Real>
 class NarrowPhase {
  public:
-  NarrowPhase(Exec& exec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
-      : exec_(exec), ranks_(ranks), scene_(scene) {}
+  NarrowPhase(Exec& exec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene, bool has_loose_elements = false)
+      : exec_(exec), ranks_(ranks), scene_(scene), has_loose_elements_(has_loose_elements) {}
 
   /// What the next steps do.
   void begin(const StepPlan& plan) { plan_ = plan; }
@@ -163,6 +163,11 @@ class NarrowPhase {
         "solve_cubic_ccd", count,
         SolveCubicCcd<Real, Kind>{scene_.positions_at_start(needs().is_ccd()), scene_.end.data(),
                                   static_cast<Real>(needs().settings.thickness), kind, candidates, sink(Kind::kKind)});
+    if constexpr (std::is_same_v<Kind, VertexTriangle>)
+      if (has_loose_elements_)
+        exec_.for_each_resumable(
+            "follow_loose_ccd", count, &scene_.state.data()->next_query[kIndexOf<Kind>][0],
+            FollowLooseCcd<Real>{queries(kind, candidates_of(Kind::kKind).kept), sink(Kind::kKind)});
   }
   template <class Kind>
   void run_proximity(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
@@ -223,6 +228,7 @@ class NarrowPhase {
   Exec& exec_;
   const FeatureRanks& ranks_;
   SceneBuffers<Exec, Real>& scene_;
+  const bool has_loose_elements_;
   StepPlan plan_;
   OrderPredictor order_;
 };

@@ -211,8 +211,8 @@ class OctreePhase {
             wanted.vertex_triangle,
             wanted.edge_edge};
   }
-  /// The same where boxes are inflated by more in some meshes.
-  ElementaryTests<Real, InflationByMesh<Real>> elementary_by_mesh(const PerKind<bool>& wanted) const {
+  /// The same where boxes are inflated by more in some meshes, or some elements are no triangles.
+  ElementaryTests<Real, InflationByMesh<Real>, MixedElements> elementary_of_any(const PerKind<bool>& wanted) const {
     return {scene_.records.all(),
             scene_.topology.owned.all(),
             {motion().inflation, scene_.deviations(is_ccd_)},

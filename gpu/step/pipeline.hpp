@@ -31,7 +31,7 @@ class Pipeline {
         searcher_(exec),
         octree_(exec, searcher_, spec, counts_, scene),
         lbvh_(exec, searcher_, counts_, scene),
-        narrow_(exec, ranks_, scene),
+        narrow_(exec, ranks_, scene, counts_.has_loose_elements()),
         results_(exec, spec, scene),
         choice_(spec.engine),
         levels_{.deepest = deepest_base(counts_.triangles)} {}
@@ -173,7 +173,7 @@ class Pipeline {
   /// than a thousandth of most triangles.
   bool is_coarse() const {
     if (needs().settings.delta > 0) return spacing_at<Real>(state_.bounds) > needs().settings.delta;
-    return 2 * state_.small_triangles > counts_.triangles;
+    return 2 * state_.small_triangles > counts_.triangles - counts_.loose_points;
   }
 
   ContactKind first_kind() const { return first_of(needs().kinds); }
@@ -219,13 +219,15 @@ class Pipeline {
                         [&](const auto& keep) { search_for(keep, wanted); });
     });
   }
-  /// Scenes that leave nothing out and whose meshes keep to their paths have a search of their own, which does not ask.
+  /// Scenes of triangles alone that leave nothing out and whose meshes keep to their paths have a search of their own,
+  /// which does not ask.
   template <class Keep>
   void search_for(const Keep& keep, const PerKind<bool>& wanted) {
     // Rest pairs that rings leave out as well are kept, too: an edit may take the rings away.
     const ExcludedPairs excluded = needs().finds_rest_pairs ? ExcludedPairs{} : scene_.topology.excluded_pairs();
-    if (excluded.is_needed() || scene_.deviations(needs().is_ccd()).is_needed())
-      search_for(keep, wanted, octree_.elementary_by_mesh(wanted), excluded);
+    const bool has_deviations = scene_.deviations(needs().is_ccd()).is_needed();
+    if (excluded.is_needed() || has_deviations || counts_.has_loose_elements())
+      search_for(keep, wanted, octree_.elementary_of_any(wanted), excluded);
     else
       search_for(keep, wanted, octree_.elementary(wanted), NothingExcluded{});
   }

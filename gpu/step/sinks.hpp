@@ -58,6 +58,10 @@ struct FeatureSink {
   Excluded excluded = {};
 
   COLLIDED_HD uint32_t tests_of(uint32_t a, uint32_t b) const { return tests.tests_of(a, b); }
+  /// Those that are not left to other elements.
+  COLLIDED_HD static constexpr uint32_t wanted_tests(ElementRole a, ElementRole b, bool a_is_lower) {
+    return Tests::wanted_tests(a, b, a_is_lower);
+  }
   COLLIDED_HD bool is_first(uint32_t a, uint32_t b, int test) const {
     return tests.vertex_triangle_overlap(a, b, test) && !excludes_first(a, b, test);
   }
@@ -97,7 +101,8 @@ struct FeatureSink {
   COLLIDED_HD void add(uint64_t pairs, uint64_t first, uint64_t second) const { totals(pairs, first, second); }
 };
 
-/// Pairs of triangles that share no vertex, and that no ring connects, are wanted as they are.
+/// Pairs of triangles that share no vertex, and that no ring connects, are wanted as they are; loose elements are in
+/// none.
 struct TrianglePairSink {
   static constexpr bool kTakesPairs = true;
 
@@ -117,7 +122,7 @@ struct TrianglePairSink {
   COLLIDED_HD bool keeps(uint32_t a, uint32_t b, uint64_t &key) const {
     const Triangle p = triangles[a], q = triangles[b];
     key = pack_ids(a, b) + (uint64_t{rank} << 32);
-    if (has(p, q.x) || has(p, q.y) || has(p, q.z)) return false;
+    if (has(p, q.x) || has(p, q.y) || has(p, q.z) || is_loose(p) || is_loose(q)) return false;
     return !rings.is_needed() || !rings.connect(p, q);
   }
   COLLIDED_HD bool is_over() const { return early_exit.is_over() || pairs.is_overfull(); }

@@ -56,7 +56,8 @@ void add_limit_options(CLI::App& app, Limits& limits) {
       "MiB of decoded messages, of all open calls, but always enough for the largest message; 0: an eighth of the "
       "memory, at most 256");
   add<uint64_t>(*group, "--max-vertices", limits.max_vertices, 3, 4'294'967'294, "Vertices of one scene");
-  add<uint64_t>(*group, "--max-triangles", limits.max_triangles, 1, 1'431'655'764, "Triangles of one scene");
+  add<uint64_t>(*group, "--max-triangles", limits.max_triangles, 1, 1'431'655'764,
+                "Triangles, loose edges and points of one scene");
   add<uint32_t>(*group, "--max-scenes", limits.max_scenes, 1, 1'000'000, "Scenes at once");
   add_megabytes(*group, "--max-scene-mb", limits.max_scene_bytes, kDerivedMegabytes,
                 "MiB that one scene may hold; 0: as --max-device-mb-per-client");

@@ -14,7 +14,7 @@ namespace {
 
 std::string path_of(int index) { return fmt::format("frame.edit.meshes[{}]", index); }
 
-// Triangles come with the edit, all of them.
+// Elements come with the edit, all of them.
 void check_triangle_count(const pb::MeshSpec& mesh, size_t triangles, const std::string& path) {
   if (mesh.triangle_count() > 0 && mesh.triangle_count() != triangles)
     throw_invalid(path + ".triangle_count",
@@ -36,7 +36,8 @@ class Outcome {
  public:
   explicit Outcome(const ScenePlan& plan) {
     for (size_t i = 0; i < plan.meshes.size(); ++i)
-      meshes_.push_back({plan.meshes[i].name, plan.engine.meshes[i].vertex_count, plan.meshes[i].triangles});
+      meshes_.push_back({plan.meshes[i].name, plan.engine.meshes[i].vertex_count, plan.meshes[i].triangles,
+                         plan.meshes[i].edges + plan.meshes[i].points});
   }
 
   void take(const pb::MeshEdit& edit, const MeshEdit& parsed, const std::string& path) {
@@ -52,12 +53,15 @@ class Outcome {
     if (!edit.spec().name().empty()) mesh.name = edit.spec().name();
     if (mesh.name.empty()) throw_invalid(path + ".spec.name", "is empty, but a new mesh needs a name");
     mesh.vertices = parsed.spec.vertex_count;
-    if (!parsed.spec.triangles.empty()) mesh.triangles = parsed.spec.triangles.size();
+    if (count_elements(parsed.spec) == 0) return;
+    mesh.triangles = parsed.spec.triangles.size();
+    mesh.loose = parsed.spec.edges.size() + parsed.spec.points.size();
   }
 
   void check(const pb::SceneEdit& edit, const Limits& limits) const {
     SceneSize size;
-    for (const Mesh& mesh : meshes_) size.vertices += mesh.vertices, size.triangles += mesh.triangles;
+    for (const Mesh& mesh : meshes_)
+      size.vertices += mesh.vertices, size.triangles += mesh.triangles, size.loose += mesh.loose;
     check_sizes(meshes_.size(), size, limits, "frame.edit.meshes");
     for (int i = 0; i < edit.meshes_size(); ++i) check_name(edit.meshes(i).mesh(), path_of(i));
   }
@@ -65,7 +69,7 @@ class Outcome {
  private:
   struct Mesh {
     std::string name;
-    uint64_t vertices = 0, triangles = 0;
+    uint64_t vertices = 0, triangles = 0, loose = 0;
   };
 
   void check_name(uint32_t edited, const std::string& path) const {
@@ -77,6 +81,12 @@ class Outcome {
 
   std::vector<Mesh> meshes_;
 };
+
+EditedMesh edited_mesh(const pb::MeshEdit& edit, const MeshSpec& spec) {
+  const bool keeps_elements = edit.has_spec() && count_elements(spec) == 0;
+  return {edit.mesh(),           edit.spec().name(), keeps_elements,
+          spec.triangles.size(), spec.edges.size(),  spec.points.size()};
+}
 
 std::vector<std::array<uint32_t, 2>> parse_pairs(const google::protobuf::RepeatedPtrField<pb::MeshPair>& pairs) {
   std::vector<std::array<uint32_t, 2>> out;
@@ -93,9 +103,10 @@ double rest_distance_of(const SceneEdit& edit, const SceneSpec& scene) {
 
 }  // namespace
 
-uint64_t triangle_bytes(const pb::SceneEdit& edit) {
+uint64_t element_bytes(const pb::SceneEdit& edit) {
   uint64_t bytes = 0;
-  for (const auto& mesh : edit.meshes()) bytes += mesh.spec().triangles().size();
+  for (const auto& mesh : edit.meshes())
+    bytes += mesh.spec().triangles().size() + mesh.spec().edges().size() + mesh.spec().points().size();
   return bytes;
 }
 
@@ -109,7 +120,7 @@ ParsedEdit parse_edit(const pb::SceneEdit& edit, const ScenePlan& plan, const Li
   for (int i = 0; i < edit.meshes_size(); ++i) {
     engine.meshes.push_back(parse_mesh_edit(edit.meshes(i), path_of(i)));
     outcome.take(edit.meshes(i), engine.meshes.back(), path_of(i));
-    out.meshes.push_back({edit.meshes(i).mesh(), edit.meshes(i).spec().name()});
+    out.meshes.push_back(edited_mesh(edit.meshes(i), engine.meshes.back().spec));
   }
   outcome.check(edit, limits);
   engine.excluded = parse_pairs(edit.exclude_meshes());

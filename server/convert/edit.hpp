@@ -17,8 +17,8 @@ struct ParsedEdit {
   std::vector<EditedMesh> meshes;
 };
 
-/// Bytes of the triangles that it brings: what parse_edit() copies.
-uint64_t triangle_bytes(const pb::SceneEdit& edit);
+/// Bytes of the elements that it brings: what parse_edit() copies.
+uint64_t element_bytes(const pb::SceneEdit& edit);
 
 /// `plan`: of the scene before. Throws InvalidInput, LimitExceeded.
 ParsedEdit parse_edit(const pb::SceneEdit& edit, const ScenePlan& plan, const Limits& limits);

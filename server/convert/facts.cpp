@@ -2,6 +2,7 @@
 #include "server/convert/facts.hpp"
 
 #include "server/convert/kinds.hpp"
+#include "server/convert/meshes.hpp"
 #include "server/convert/options.hpp"
 #include "server/field_path.hpp"
 
@@ -23,6 +24,8 @@ void fill_mesh(const MeshPlan& plan, const MeshSpec& engine, pb::MeshSpec* out) 
   out->set_exclude_rings(engine.excluded_rings);
   out->set_exclude_rest_pairs(engine.excludes_rest_pairs);
   out->set_triangle_count(static_cast<uint32_t>(plan.triangles));
+  out->set_edge_count(static_cast<uint32_t>(plan.edges));
+  out->set_point_count(static_cast<uint32_t>(plan.points));
 }
 
 void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
@@ -50,10 +53,10 @@ void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   for (size_t i = 0; i < plan.meshes.size(); ++i) fill_mesh(plan.meshes[i], engine.meshes[i], out->add_meshes());
 }
 
-uint64_t count_triangles(const ScenePlan& plan) {
-  uint64_t triangles = 0;
-  for (const auto& mesh : plan.meshes) triangles += mesh.triangles;
-  return triangles;
+SceneSize size_of(const ScenePlan& plan) {
+  SceneSize size{count_vertices(plan.engine)};
+  for (const auto& mesh : plan.meshes) size.triangles += mesh.triangles, size.loose += mesh.edges + mesh.points;
+  return size;
 }
 
 // Positions of all vertices that may have new ones, and the pose of each rigid mesh.
@@ -108,14 +111,14 @@ void fill_scene(const Scene& scene, pb::Scene* out) {
 
 void fill_estimate(const ScenePlan& plan, pb::EstimateSceneResponse* out) try {
   const SceneSpec& spec = plan.engine;
-  const uint64_t vertices = count_vertices(spec), triangles = count_triangles(plan);
-  const SceneEstimate estimate = estimate_scene(spec, vertices, triangles);
+  const SceneSize size = size_of(plan);
+  const SceneEstimate estimate = estimate_scene(spec, size.vertices, size.elements());
   fill_spec(plan, out->mutable_spec());
-  out->set_vertex_count(vertices);
-  out->set_triangle_count(triangles);
+  out->set_vertex_count(size.vertices);
+  out->set_triangle_count(size.triangles);
   for (const MemoryPart& part : estimate.memory) fill_part(part, out->add_memory());
-  fill_part({"host", plan_bytes(plan) + triangles * sizeof(TriangleCorners)}, out->add_memory());
-  out->set_first_frame_bytes(vertices * position_bytes(spec));
+  fill_part({"host", plan_bytes(plan) + size.elements() * sizeof(TriangleCorners)}, out->add_memory());
+  out->set_first_frame_bytes(size.vertices * position_bytes(spec));
   out->set_frame_bytes(whole_frame_bytes(spec));
   fill_contact_bytes(estimate, plan.fields, out->mutable_contact_bytes());
   for (const std::string& stage : estimate.stages) out->add_stages(stage);

@@ -1,5 +1,5 @@
 #pragma once
-// The meshes of a scene, and their triangles, from the protocol to the engine.
+// The meshes of a scene, and their elements, from the protocol to the engine.
 
 #include <cstdint>
 #include <functional>
@@ -31,6 +31,10 @@ void for_each_triangle(std::string_view bytes, uint32_t vertex_count, const Tria
 
 struct SceneSize {
   uint64_t vertices = 0, triangles = 0;
+  uint64_t loose = 0;  ///< edges and points
+
+  uint64_t elements() const { return triangles + loose; }
+  const char* names_of_elements() const { return loose == 0 ? "triangles" : "triangles, edges and points"; }
 };
 
 /// Sums up the meshes before any array is copied. Throws InvalidInput without a mesh, LimitExceeded.
@@ -38,7 +42,7 @@ SceneSize check_sizes(const pb::SceneSpec& spec, const Limits& limits);
 
 /// Throws InvalidInput for a name that no mesh can have.
 void check_mesh_name(const std::string& name, const std::string& path);
-/// A mesh but for its name, with the triangles that the message has. Throws InvalidInput.
+/// A mesh but for its name, with the elements that the message has. Throws InvalidInput.
 MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path);
 /// Throws LimitExceeded, naming the field, where a scene's meshes are too many or too large.
 void check_sizes(size_t meshes, const SceneSize& size, const Limits& limits, const std::string& field);

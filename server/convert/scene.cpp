@@ -43,13 +43,14 @@ void check_first_frame(uint64_t vertices, const SceneSpec& engine, const SceneDe
 
 // The minimum memory of the scene; refuses a scene that could never hold a frame.
 uint64_t check_budget(const SceneSpec& engine, const SceneSize& size, bool is_asked) {
-  const uint64_t need = min_scene_bytes(engine, size.vertices, size.triangles);
+  const uint64_t need = min_scene_bytes(engine, size.vertices, size.elements());
   if (need > engine.memory_budget)
     throw LimitExceeded(
         "spec.memory_budget_bytes",
-        fmt::format("spec.memory_budget_bytes is {}{}, but the {} vertices and {} triangles of spec.meshes need at "
-                    "least {} bytes",
-                    engine.memory_budget, is_asked ? "" : " (max_scene_bytes)", size.vertices, size.triangles, need));
+        fmt::format("spec.memory_budget_bytes is {}{}, but the {} vertices and {} {} of spec.meshes need at least {} "
+                    "bytes",
+                    engine.memory_budget, is_asked ? "" : " (max_scene_bytes)", size.vertices, size.elements(),
+                    size.names_of_elements(), need));
   return need;
 }
 

@@ -48,17 +48,17 @@ void note_updates(PendingFrame& frame) {
 // What the input refers to, until the frame has been applied.
 struct Kept {
   Kept(IncomingFrame& frame, const Scene& scene)
-      : message(std::move(frame.message)), memory(std::move(frame.memory)), triangles(scene.quota()) {}
+      : message(std::move(frame.message)), memory(std::move(frame.memory)), elements(scene.quota()) {}
 
   const pb::Frame message;
   const std::shared_ptr<const void> memory;
   std::shared_ptr<FrameSlot> slot;
-  MemoryHold triangles;  // of an edit
+  MemoryHold elements;  // of an edit
 };
 
 // The positions of an edit fit the scene that it makes, so the engine takes them from where they are.
 void take_edit(const SceneHost& host, Kept& kept, PendingFrame& frame) {
-  kept.triangles.resize(2 * triangle_bytes(kept.message.edit()));  // in the message, and for the engine
+  kept.elements.resize(2 * element_bytes(kept.message.edit()));  // in the message, and for the engine
   ParsedEdit edit = parse_edit(kept.message.edit(), *frame.basis.plan, host.limits());
   frame.input.edit = std::move(edit.engine);
   frame.basis.edited = std::move(edit.meshes);

@@ -29,17 +29,23 @@ void check_frame_id(uint64_t frame_id, uint64_t last_frame_id) {
                                          frame_id, last_frame_id));
 }
 
-uint64_t triangle_bytes(const SceneSpec& spec) {
+uint64_t element_bytes(const SceneSpec& spec) {
   uint64_t bytes = 0;
-  for (const auto& mesh : spec.meshes) bytes += mesh.triangles.capacity() * sizeof(TriangleCorners);
+  for (const auto& mesh : spec.meshes)
+    bytes += mesh.triangles.capacity() * sizeof(mesh.triangles[0]) + mesh.edges.capacity() * sizeof(mesh.edges[0]) +
+             mesh.points.capacity() * sizeof(mesh.points[0]);
   return bytes;
 }
 
-// A copy; the triangles, which may be many, are never copied.
-MeshSpec without_triangles(MeshSpec& mesh) {
-  std::vector<TriangleCorners> triangles = std::exchange(mesh.triangles, {});
+// A copy; the elements, which may be many, are never copied.
+MeshSpec without_elements(MeshSpec& mesh) {
+  auto triangles = std::exchange(mesh.triangles, {});
+  auto edges = std::exchange(mesh.edges, {});
+  auto points = std::exchange(mesh.points, {});
   MeshSpec out = mesh;
   mesh.triangles = std::move(triangles);
+  mesh.edges = std::move(edges);
+  mesh.points = std::move(points);
   return out;
 }
 
@@ -51,7 +57,7 @@ Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
       quota_(DeviceBytes::of_scene(plan.engine.memory_budget, plan.quota)),
       held_(quota_),
       worker_(facts_.queue_capacity) {
-  held_.resize(plan_bytes(plan) + triangle_bytes(plan.engine));
+  held_.resize(plan_bytes(plan) + element_bytes(plan.engine));
   auto meshes = std::move(plan.engine.meshes);
   plan.engine.meshes.clear();
   pending_ = plan.engine;
@@ -62,7 +68,7 @@ Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
     shown_.triangles += plan.meshes[i].triangles;
     awaited_.push_back(plan.meshes[i].awaited);
     uploading_.push_back(false);
-    plan.engine.meshes.push_back(without_triangles(pending_.meshes[i]));
+    plan.engine.meshes.push_back(without_elements(pending_.meshes[i]));
     excludes_rest_pairs_ |= pending_.meshes[i].excludes_rest_pairs;
   }
   shown_.plan = std::make_shared<const ScenePlan>(std::move(plan));

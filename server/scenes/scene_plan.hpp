@@ -37,8 +37,9 @@ struct OutputFields {
 
 struct MeshPlan {
   std::string name;
-  uint64_t triangles = 0;  ///< of the whole mesh
-  uint64_t awaited = 0;    ///< of them, those still to be uploaded
+  uint64_t triangles = 0;          ///< of the whole mesh
+  uint64_t awaited = 0;            ///< of them, those still to be uploaded
+  uint64_t edges = 0, points = 0;  ///< loose ones
 };
 
 /// A checked request for a scene.
@@ -54,7 +55,9 @@ struct ScenePlan {
 /// A mesh that an edit brings.
 struct EditedMesh {
   uint32_t mesh = 0;
-  std::string name;  ///< empty: as before
+  std::string name;             ///< empty: as before
+  bool keeps_elements = false;  ///< it has those that it had
+  uint64_t triangles = 0, edges = 0, points = 0;
 };
 
 /// What a frame was checked against when it came.
@@ -64,8 +67,7 @@ struct FrameBasis {
 };
 
 /// The plan after an edit that made this of the engine's scene.
-ScenePlan edited_plan(const ScenePlan& before, const std::vector<EditedMesh>& edited, const SceneSpec& engine,
-                      const Topology& topology);
+ScenePlan edited_plan(const ScenePlan& before, const std::vector<EditedMesh>& edited, const SceneSpec& engine);
 
 // Of one mesh, of one pair that is excluded, and of the poses of a rigid mesh, in all copies.
 constexpr uint64_t kMeshBytes = sizeof(MeshPlan) + 4 * sizeof(MeshSpec) + 4 * sizeof(uint64_t);

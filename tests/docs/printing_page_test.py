@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A page of client/: its program in C++ against a real daemon prints what the page shows.
+"""A page of client/: its programs in C++ against a real daemon print what the page shows.
 
-usage: printing_page_test.py DAEMON EXAMPLE REPOSITORY PAGE
+usage: printing_page_test.py DAEMON REPOSITORY PAGE EXAMPLE...
 """
 
 import os
@@ -10,21 +10,23 @@ import subprocess
 import sys
 import unittest
 
-DAEMON, EXAMPLE, REPOSITORY, PAGE = *sys.argv[1:3], pathlib.Path(sys.argv[3]), sys.argv[4]
+DAEMON, REPOSITORY, PAGE, EXAMPLES = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3], sys.argv[4:]
 sys.path.insert(0, str(REPOSITORY / "tests" / "interop"))
 from daemon import Daemon  # noqa: E402
 from markdown import Page  # noqa: E402
 
 
 class PrintingPage(unittest.TestCase):
-    def test_the_program_prints_what_the_page_shows(self):
+    def test_the_programs_print_what_the_page_shows(self):
         daemon = Daemon(DAEMON)
         self.addCleanup(daemon.kill)
-        done = subprocess.run([EXAMPLE], text=True, capture_output=True, timeout=60,
-                              env={**os.environ, "COLLIDED_SERVER": daemon.address})
-        self.assertEqual(done.returncode, 0, done.stderr)
-        (shown,) = Page(REPOSITORY / "client" / PAGE).blocks("text")
-        self.assertEqual(done.stdout, shown)
+        shown = Page(REPOSITORY / "client" / PAGE).blocks("text")
+        self.assertEqual(len(shown), len(EXAMPLES))
+        for example, lines in zip(EXAMPLES, shown):
+            done = subprocess.run([example], text=True, capture_output=True, timeout=60,
+                                  env={**os.environ, "COLLIDED_SERVER": daemon.address})
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(done.stdout, lines)
 
 
 if __name__ == "__main__":

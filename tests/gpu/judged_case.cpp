@@ -40,10 +40,12 @@ std::vector<PairKey> CaseJudge::triangles() const {
     const auto& c = triangles[t];
     return std::array<Vec3d, 3>{end[c[0]], end[c[1]], end[c[2]]};
   };
+  const auto is_triangle = [&](uint32_t t) { return queries_.features().kinds[t] == ElementKind::kTriangle; };
   const auto count = static_cast<uint32_t>(triangles.size());
   for (uint32_t i = 0; i < count; ++i)
     for (uint32_t j = i + 1; j < count; ++j)
-      if (!share_a_vertex(triangles[i], triangles[j]) && judge_triangles(corners(i), corners(j)))
+      if (is_triangle(i) && is_triangle(j) && !share_a_vertex(triangles[i], triangles[j]) &&
+          judge_triangles(corners(i), corners(j)))
         keys.push_back(key_of(i, j));
   return keys;
 }
@@ -62,11 +64,7 @@ std::vector<PairKey> keys_of(const Truth& truth) {
 
 Case lattice(uint32_t seed, uint32_t count, double side) {
   constexpr double kSize = 4;
-  Case c = soup(seed, count, side, kSize, kSize);
-  for (Positions* positions : {&c.start[0], &c.end[0]})
-    for (Vec3d& p : *positions)
-      for (double& x : p) x = std::round(x);
-  return c;
+  return on_integers(soup(seed, count, side, kSize, kSize));
 }
 
 std::string level_name(Accuracy accuracy) {

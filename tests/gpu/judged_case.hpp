@@ -33,8 +33,7 @@ class CaseJudge {
 std::vector<PairKey> keys_of(const ContactSet& contacts);
 std::vector<PairKey> keys_of(const Truth& truth);
 
-/// A soup whose coordinates are integers: triangles touch, are coplanar, coincide and have no area, and no number is
-/// rounded.
+/// A soup on_integers().
 Case lattice(uint32_t seed, uint32_t count, double side);
 
 /// "CANDIDATES" to "EXACT".

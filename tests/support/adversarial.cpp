@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 namespace collided::test {
 namespace {
@@ -174,6 +175,57 @@ Case fast_motion() {
   return named(std::move(c), "FastMotion");
 }
 
+/// Vertices of `count` triples as a mesh without elements.
+void add_vertices(Case& c, uint32_t seed, uint32_t count, double side, double size, double step) {
+  const Case part = soup(seed, count, side, size, step);
+  add_mesh(c, {}, part.start[0], part.end[0]);
+}
+
+void add_hairs(Case& c, uint32_t seed, uint32_t count, double side, double size, double step) {
+  add_vertices(c, seed, count, side, size, step);
+  for (uint32_t v = 0; v < 3 * count; v += 3)
+    c.meshes.back().edges.insert(c.meshes.back().edges.end(), {{v, v + 1}, {v + 2, v + 1}});
+}
+
+/// But for the last vertex, which is in no element.
+void add_particles(Case& c, uint32_t seed, uint32_t count, double side, double size, double step) {
+  add_vertices(c, seed, count, side, size, step);
+  for (uint32_t v = 3 * count - 1; v-- > 0;) c.meshes.back().points.push_back(v);
+}
+
+/// A triangle, a loose edge and a point of each three triples.
+void add_mixed(Case& c, uint32_t seed, uint32_t count, double side, double size, double step) {
+  add_vertices(c, seed, count, side, size, step);
+  MeshSpec& mesh = c.meshes.back();
+  for (uint32_t v = 0; v + 5 < 3 * count; v += 6) {
+    mesh.triangles.push_back({v, v + 1, v + 2});
+    mesh.edges.push_back({v + 4, v + 3});
+    mesh.points.push_back(v + 5);
+  }
+  // A triangle's edge, a loose one the other way round, one from a triangle to a point; a corner, an end, a point.
+  mesh.edges.insert(mesh.edges.end(), {{1, 0}, mesh.edges[1], {mesh.edges[0][1], mesh.edges[0][0]}, {6, 5}});
+  mesh.points.insert(mesh.points.end(), {2, 9, 11, 17, 17});
+}
+
+Case hairs() {
+  Case c;
+  add_hairs(c, 50, 400, 1, 0.1, 0.03);
+  return named(std::move(c), "Hairs");
+}
+
+Case particles() {
+  Case c;
+  add_particles(c, 51, 300, 1, 0.1, 0.05);
+  add_particles(c, 52, 200, 1, 0.1, 0);  // at rest: no box has an extent
+  return named(std::move(c), "Particles");
+}
+
+Case particles_at_rest() {
+  Case c;
+  add_particles(c, 53, 300, 0.2, 0.1, 0);
+  return named(on_integers(std::move(c)), "ParticlesAtOnePoint");
+}
+
 Case all_at_one_point() { return one_mesh("AllAtOnePoint", Positions(90, Vec3d{0.1, 0.2, 0.3})); }
 
 Case one_triangle() { return one_mesh("OneTriangle", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}); }
@@ -191,6 +243,35 @@ Case soup(uint32_t seed, uint32_t count, double side, double size, double step, 
     }
   }
   return one_mesh("Soup", std::move(start), std::move(end));
+}
+
+Case loose_soup(uint32_t seed, uint32_t count, double side, double size, double step) {
+  Case c;
+  add_mixed(c, seed, 2 * count, side, size, step);
+  add_hairs(c, seed + 1, count / 2 + 1, side, size, step);
+  add_particles(c, seed + 2, count / 3 + 1, side, size, step);
+  return named(std::move(c), "LooseSoup");
+}
+
+Case loosened(Case c) {
+  for (MeshSpec& mesh : c.meshes) {
+    const auto triangles = std::exchange(mesh.triangles, {});
+    for (size_t i = 0; i < triangles.size(); ++i) {
+      const auto& t = triangles[i];
+      if (i % 3 == 0) mesh.triangles.push_back(t);
+      if (i % 3 == 1) mesh.edges.insert(mesh.edges.end(), {{t[0], t[1]}, {t[1], t[2]}});
+      if (i % 3 == 2) mesh.points.insert(mesh.points.end(), t.begin(), t.end());
+    }
+  }
+  return c;
+}
+
+Case on_integers(Case c) {
+  for (auto* all : {&c.start, &c.end})
+    for (Positions& positions : *all)
+      for (Vec3d& p : positions)
+        for (double& x : p) x = std::round(x);
+  return c;
 }
 
 Case crowd() { return soup(70, 3500, 0.01, 0.5, 0.3); }
@@ -226,7 +307,11 @@ std::vector<Case> adversarial_cases() {
           no_self_contacts(),
           fast_motion(),
           all_at_one_point(),
-          one_triangle()};
+          one_triangle(),
+          loose_soup(60, 400, 1, 0.12, 0.03),
+          hairs(),
+          particles(),
+          particles_at_rest()};
 }
 
 }  // namespace collided::test

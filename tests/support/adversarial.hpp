@@ -12,6 +12,18 @@ std::vector<Case> adversarial_cases();
 /// `step`.
 Case soup(uint32_t seed, uint32_t count, double side, double size, double step, const Vec3d& centre = {});
 
+/// A soup of three meshes: triangles with loose edges and points, some of them parts of others or there twice; hairs of
+/// two edges; particles. `count` elements or more in each.
+Case loose_soup(uint32_t seed, uint32_t count, double side, double size, double step);
+
+/// Of each mesh every third triangle becomes two loose edges and every third one three loose points, while the vertices
+/// stay as they are.
+Case loosened(Case c);
+
+/// Every coordinate rounded to an integer: features touch, are coplanar, coincide and have no extent, and no number is
+/// rounded.
+Case on_integers(Case c);
+
 /// Everything in one spot: all pairs of triangles are candidates many times over.
 Case crowd();
 

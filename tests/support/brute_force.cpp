@@ -109,7 +109,8 @@ void sweep_self(const Side& side, int axis, const Gap& gap, Visit&& visit) {
 
 class Finder {
  public:
-  Finder(const Case& c, Mode mode, Scalar scalar, double thickness) : case_(c), features_(features_of(c)) {
+  Finder(const Case& c, Mode mode, Scalar scalar, double thickness)
+      : case_(c), features_(features_of(c)), tested_(features_) {
     const Positions start = joined(c.start), end = joined(c.end);
     for (size_t v = 0; v < end.size(); ++v) {
       Box box = empty_box();
@@ -128,7 +129,7 @@ class Finder {
     const auto add_pair = [&](uint32_t v, uint32_t t, Reach reach) {
       const auto& corners = features_.triangles[t];
       const bool corner = v == corners[0] || v == corners[1] || v == corners[2];
-      if (!corner && may_touch(v, corners[0])) add(pairs, key_of(v, t), reach);
+      if (!corner && tested_.has(v, t) && may_touch(v, corners[0])) add(pairs, key_of(v, t), reach);
     };
     sweep(vertices, triangles, axis_, gap_, false, add_pair);
     sweep(triangles, vertices, axis_, gap_, true, [&](uint32_t t, uint32_t v, Reach r) { add_pair(v, t, r); });
@@ -174,14 +175,11 @@ class Finder {
     return sorted_side(boxes, std::move(ids), axis_);
   }
 
-  // A vertex of no triangle is not a feature of the surface.
+  // A vertex of no element is no feature.
   std::vector<uint32_t> used_vertices() const {
-    std::vector<char> used(vertices_.size());
-    for (const auto& triangle : features_.triangles)
-      for (uint32_t v : triangle) used[v] = 1;
     std::vector<uint32_t> ids;
-    for (uint32_t v = 0; v < used.size(); ++v)
-      if (used[v]) ids.push_back(v);
+    for (uint32_t v = 0; v < vertices_.size(); ++v)
+      if (tested_.is_used(v)) ids.push_back(v);
     return ids;
   }
 
@@ -206,6 +204,7 @@ class Finder {
 
   const Case& case_;
   Features features_;
+  VertexTrianglePairs tested_;
   std::vector<Box> vertices_;
   Gap gap_{};
   int axis_ = 0;
@@ -221,6 +220,29 @@ void report(std::ostringstream& out, const char* what, const std::vector<PairKey
 
 }  // namespace
 
+VertexTrianglePairs::VertexTrianglePairs(const Features& features) : features_(features) {
+  using Ends = std::set<uint32_t>;
+  std::set<Ends> edges;
+  for (uint32_t i = 0; i < features.triangles.size(); ++i) {
+    const auto [a, b, c] = features.triangles[i];
+    const ElementKind kind = features.kinds[i];
+    if (kind == ElementKind::kPoint && !used_.contains(a)) lone_points_[a] = i;
+    if (kind == ElementKind::kEdge && edges.insert(Ends{a, b}).second) lone_edges_.insert(i);
+    if (kind == ElementKind::kTriangle) edges.insert({Ends{a, b}, Ends{b, c}, Ends{c, a}});
+    used_.insert({a, b, c});
+  }
+}
+
+// Elements of a mesh come in the order of their kinds, and meshes share no vertices.
+bool VertexTrianglePairs::has(uint32_t vertex, uint32_t element) const {
+  if (features_.kinds[element] == ElementKind::kTriangle) return is_used(vertex);
+  const auto own = lone_points_.find(vertex);
+  if (own == lone_points_.end()) return false;
+  if (features_.kinds[element] == ElementKind::kEdge) return lone_edges_.contains(element);
+  const auto other = lone_points_.find(features_.triangles[element][0]);
+  return other != lone_points_.end() && other->second == element && own->second < element;
+}
+
 Features features_of(const Case& c) {
   Features f;
   std::vector<PairKey> edges;
@@ -234,6 +256,14 @@ Features features_of(const Case& c) {
         edges.push_back(key_of(std::min(a, b), std::max(a, b)));
       }
     }
+    for (const auto& [a, b] : c.meshes[m].edges) {
+      f.triangles.push_back({a + offset, b + offset, b + offset});
+      edges.push_back(key_of(std::min(a, b) + offset, std::max(a, b) + offset));
+    }
+    for (const uint32_t p : c.meshes[m].points) f.triangles.push_back({p + offset, p + offset, p + offset});
+    f.kinds.insert(f.kinds.end(), c.meshes[m].triangles.size(), ElementKind::kTriangle);
+    f.kinds.insert(f.kinds.end(), c.meshes[m].edges.size(), ElementKind::kEdge);
+    f.kinds.insert(f.kinds.end(), c.meshes[m].points.size(), ElementKind::kPoint);
   }
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());

@@ -2,6 +2,8 @@
 // Pairs of features whose boxes overlap, found without the engine: sort and sweep on one axis, exact comparisons.
 
 #include <cstdint>
+#include <map>
+#include <set>
 #include <vector>
 
 #include "tests/support/case.hpp"
@@ -24,13 +26,33 @@ struct ExpectedPairs {
   PairSet edge_edge;
 };
 
+enum class ElementKind : uint8_t { kTriangle, kEdge, kPoint };
+
 /// Scene-wide ids as in collided::Topology, computed independently.
 struct Features {
   std::vector<uint32_t> mesh_of_vertex;
-  std::vector<std::array<uint32_t, 3>> triangles;
+  std::vector<std::array<uint32_t, 3>> triangles;  ///< of all elements: a loose edge is (a, b, b), a point (a, a, a)
+  std::vector<ElementKind> kinds;                  ///< of each of them
   std::vector<std::array<uint32_t, 2>> edges;
 };
 Features features_of(const Case& c);
+
+/// Vertex-triangle pairs by what the meshes declare: a vertex of any element and a triangle; a lone point, which is in
+/// no triangle and no edge, and a loose edge, which is in no triangle; and two lone points, once, the second by its
+/// element, the first by a lower one. Of loose elements that are declared again the first counts.
+class VertexTrianglePairs {
+ public:
+  explicit VertexTrianglePairs(const Features& features);
+  /// Whether the two are tested if their boxes overlap and their meshes may touch.
+  bool has(uint32_t vertex, uint32_t element) const;
+  bool is_used(uint32_t vertex) const { return used_.contains(vertex); }
+
+ private:
+  const Features& features_;
+  std::set<uint32_t> used_;
+  std::map<uint32_t, uint32_t> lone_points_;  ///< and the element of each
+  std::set<uint32_t> lone_edges_;             ///< by their elements
+};
 
 /// Pairs of the case (already rounded to `scalar`). DCD looks at t = 1 only, CCD at the boxes swept from t = 0 to 1.
 ExpectedPairs brute_force(const Case& c, Mode mode, Scalar scalar, double thickness);

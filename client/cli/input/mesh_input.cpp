@@ -6,7 +6,13 @@ namespace collided::cli {
 
 std::vector<client::MeshInput> mesh_inputs(const std::vector<scenes::Mesh>& meshes) {
   std::vector<client::MeshInput> out;
-  for (const scenes::Mesh& mesh : meshes) out.push_back({mesh.name, mesh.vertex_count, mesh.triangles, mesh.is_static});
+  for (const scenes::Mesh& mesh : meshes)
+    out.push_back({.name = mesh.name,
+                   .vertex_count = mesh.vertex_count,
+                   .triangles = mesh.triangles,
+                   .is_static = mesh.is_static,
+                   .edges = mesh.edges,
+                   .points = mesh.points});
   return out;
 }
 

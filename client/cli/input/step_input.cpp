@@ -42,10 +42,12 @@ StepInput file_step(const std::string& first, const std::string& second) {
   for (size_t t = 0; t < a.triangles.size(); ++t)
     if (a.triangles[t] != b.triangles[t])
       throw std::runtime_error("the frames differ: triangle " + std::to_string(t) + " has other vertices in " + second);
+  if (a.edges != b.edges || a.points != b.points)
+    throw std::runtime_error("the frames differ: " + second + " has other loose edges or points than the first");
   const auto vertex_count = static_cast<uint32_t>(a.positions.size());
   return {.name = stem(first) + " to " + stem(second),
           .description = "frames " + first + " and " + second,
-          .meshes = {{"mesh", vertex_count, std::move(a.triangles)}},
+          .meshes = {{"mesh", vertex_count, std::move(a.triangles), false, std::move(a.edges), std::move(a.points)}},
           .start = std::move(a.positions),
           .end = std::move(b.positions),
           .is_double = a.is_double || b.is_double};
@@ -56,7 +58,8 @@ StepInput file_frame(const std::string& file) {
   const auto vertex_count = static_cast<uint32_t>(mesh.positions.size());
   return {.name = stem(file),
           .description = "frame " + file,
-          .meshes = {{"mesh", vertex_count, std::move(mesh.triangles)}},
+          .meshes = {{"mesh", vertex_count, std::move(mesh.triangles), false, std::move(mesh.edges),
+                      std::move(mesh.points)}},
           .start = {},
           .end = std::move(mesh.positions),
           .is_double = mesh.is_double};

@@ -32,9 +32,10 @@ void check(MeshFile& mesh, const std::string& file) {
       if (v >= mesh.positions.size())
         fail(file, "triangle " + std::to_string(t) + " has vertex " + std::to_string(v) + "; there are " +
                        std::to_string(mesh.positions.size()) + " vertices");
-  if (mesh.positions.size() < 3)
+  const bool is_loose = !mesh.edges.empty() || !mesh.points.empty();
+  if (mesh.positions.size() < 3 && !is_loose)
     fail(file, "has " + std::to_string(mesh.positions.size()) + " vertices; a mesh needs 3");
-  if (mesh.triangles.empty()) fail(file, "has no triangles");
+  if (mesh.triangles.empty() && !is_loose) fail(file, "has no triangles");
 }
 
 }  // namespace
@@ -73,6 +74,7 @@ MeshFile read_mesh(const std::filesystem::path& file) {
 }
 
 void write_mesh(const std::filesystem::path& file, const MeshFile& mesh) {
+  if (!mesh.edges.empty() || !mesh.points.empty()) fail(file.string(), "loose edges and points cannot be written");
   write_file(file, ending_of(file) == ".obj" ? write_obj(mesh) : write_ply(mesh));
 }
 

@@ -1,4 +1,5 @@
-// OBJ: lines "v x y z" and "f a b c ..." (also a/b/c, and negative indices, which count back); others are skipped.
+// OBJ: lines "v x y z", "f a b c ...", "l a b ..." and "p a ..." (also a/b/c, and negative indices, which count back);
+// others are skipped.
 
 #include <cmath>
 
@@ -18,7 +19,7 @@ Vec3d parse_vertex(std::string_view line, const std::string& place) {
   return p;
 }
 
-/// The largest vertex index of all faces and its line: faces may come before their vertices.
+/// The largest vertex index of all elements and its line: elements may come before their vertices.
 struct MaxCorner {
   uint32_t corner = 0;
   size_t line = 0;
@@ -37,6 +38,19 @@ uint32_t parse_corner(std::string_view word, size_t vertices, const std::string&
   return static_cast<uint32_t>(from_zero);
 }
 
+/// A line of several vertices is as many edges, less one.
+void add_line(const std::vector<uint32_t>& vertices, MeshFile& mesh, const std::string& place) {
+  if (vertices.size() < 2) fail(place, "the line has " + std::to_string(vertices.size()) + " vertices; it needs 2");
+  for (size_t i = 1; i < vertices.size(); ++i) mesh.edges.push_back({vertices[i - 1], vertices[i]});
+}
+
+void add_element(std::string_view key, const std::vector<uint32_t>& vertices, MeshFile& mesh,
+                 const std::string& place) {
+  if (key == "f") return add_fan(vertices, mesh, place);
+  if (key == "l") return add_line(vertices, mesh, place);
+  mesh.points.insert(mesh.points.end(), vertices.begin(), vertices.end());
+}
+
 void append_number(std::string& out, double x) {
   char buffer[40];
   out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, x, std::chars_format::general, 17).ptr);
@@ -51,7 +65,7 @@ MeshFile read_obj(std::string_view text, const std::string& file) {
   for (size_t number = 1; !text.empty(); ++number) {
     std::string_view line = next_line(text);
     const std::string_view key = next_word(line);
-    if (key != "v" && key != "f") continue;
+    if (key != "v" && key != "f" && key != "l" && key != "p") continue;
     const std::string place = file + ":" + std::to_string(number);
     if (key == "v") {
       mesh.positions.push_back(parse_vertex(line, place));
@@ -60,7 +74,7 @@ MeshFile read_obj(std::string_view text, const std::string& file) {
     corners.clear();
     for (std::string_view word = next_word(line); !word.empty(); word = next_word(line))
       corners.push_back(parse_corner(word, mesh.positions.size(), place));
-    add_fan(corners, mesh, place);
+    add_element(key, corners, mesh, place);
     max.include(corners, number);
   }
   if (max.line > 0 && max.corner >= mesh.positions.size())

@@ -3,7 +3,7 @@
 // one feature meets all of another triangle's at once.
 
 #include "gpu/search/cpu/lanes.hpp"
-#include "gpu/search/elementary_numbers.hpp"
+#include "gpu/search/loose_elements.hpp"
 
 namespace collided {
 
@@ -14,17 +14,22 @@ struct FeatureBoxes {
   BoxLanes<Real> corners;  ///< 0, 1, 2, then 2 again
   Lanes<uint32_t> vertex;  ///< of each corner, likewise
   uint32_t edge[3];
-  uint32_t owned;  ///< to be tested: bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0
+  uint32_t owned;  ///< to be tested: bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0; from kFirstRoleBit: role
 
-  /// `corner`: the box of each corner's path.
-  FeatureBoxes(const Box<Real> (&corner)[3], const Vec3<uint32_t>& v, const Vec3<uint32_t>& e, uint32_t own)
-      : vertex{v.x, v.y, v.z, v.z}, edge{e.x, e.y, e.z}, owned(own) {
+  /// `corner`: the box of each corner's path; `own`: what is to be tested.
+  FeatureBoxes(const Box<Real> (&corner)[3], const Vec3<uint32_t>& v, const Vec3<uint32_t>& e, uint32_t own,
+               ElementRole role = ElementRole::kTriangle)
+      : vertex{v.x, v.y, v.z, v.z}, edge{e.x, e.y, e.z}, owned(own | static_cast<uint32_t>(role) << kFirstRoleBit) {
     for (int k = 0; k < 4; ++k) {
       const int here = k < 3 ? k : 2, next = k < 2 ? k + 1 : 0;
       corners.set(k, corner[here]);
       edges.set(k, k < 3 ? join(corner[k], corner[next]) : join(edges.get(0), corner[2]));
     }
   }
+  ElementRole role() const { return static_cast<ElementRole>(owned >> kFirstRoleBit); }
+
+ private:
+  static constexpr int kFirstRoleBit = 8;  // four bits from 3 on meet lanes
 };
 
 /// A triangle that is tested against several others. Tests have the numbers of search/elementary_numbers.hpp.
@@ -78,7 +83,8 @@ FeatureBoxes<typename Tests::Number> feature_boxes_of(const Tests& tests, uint32
   return {{tests.corner_box(triangle, 0), tests.corner_box(triangle, 1), tests.corner_box(triangle, 2)},
           tests.vertices_of(triangle),
           tests.edges_of(triangle),
-          tests.tested_of(triangle)};
+          tests.tested_of(triangle),
+          tests.role(triangle)};
 }
 
 }  // namespace collided

@@ -89,7 +89,8 @@ class CandidateTaker {
     ++pairs_;
     if (!row_ || row_of_ != a) row_.emplace(features_[a]), row_of_ = a;
     constexpr uint32_t kFirstKind = (1u << Sink::kFirstOfSecondKind) - 1u;
-    const uint32_t tests = row_->tests(features_[b]);
+    const uint32_t tests =
+        row_->tests(features_[b]) & Sink::wanted_tests(features_[a].role(), features_[b].role(), a < b);
     first_tests_.add(a, b, tests & kFirstKind);
     second_tests_.add(a, b, tests & ~kFirstKind);
     if (first_tests_.is_full()) take_first();

@@ -89,7 +89,7 @@ void StageScene::make_resident(const Case& step) {
     std::vector<MeshRule> rules;
     for (const MeshSpec& m : spec.meshes)
       rules.push_back({m.groups, m.collide_mask, is_static(m) ? 1u : 0u, m.self_contacts ? 1u : 0u});
-    send(resident.mesh_of_triangle, features.mesh_of_triangle);
+    send(resident.mesh_of_triangle, meshes_of_elements(features.topology));
     send(resident.rules, rules);
   }
   buffers.reserve_boxes(triangles());

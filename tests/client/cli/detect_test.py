@@ -41,6 +41,20 @@ class Detect(support.CollidectlTest):
             self.assertTrue(set(vt[0]["flags"].split("|")) <= {"", "certified", "near", "capped", "initial"})
         self.assertEqual(vt[0]["flags"], "certified")
 
+    def test_lines_and_points_of_an_obj_are_loose_elements(self):
+        def frame(name, z, points="2"):
+            path = os.path.join(self.folder.name, name)
+            with open(path, "w") as file:
+                file.write(f"v 0 0 0\nv 0.5 0 {z}\nv 1 0 0\nl 1 3\np {points}\n")
+            return path
+
+        out = os.path.join(self.folder.name, "loose.csv")
+        summary = json.loads(self.ok("detect", frame("a.obj", 1), frame("b.obj", -1), *ONE_CPU, "--out", out, "--json"))
+        self.assertEqual(summary["earliest"]["stencil"], [1, 0, 2, 2])
+        self.assertEqual([(row["kind"], row["element_a"], row["element_b"]) for row in self.rows(out)], [("vt", "1", "0")])
+        others = frame("c.obj", -1, points="1")
+        self.refused(1, "has other loose edges or points", "detect", frame("a.obj", 1), others, *ONE_CPU)
+
     def test_reports(self):
         frames = [self.frame0, self.frame1]
         out = os.path.join(self.folder.name, "c.csv")

@@ -74,6 +74,17 @@ TEST_F(MeshFiles, ObjFormsAreRead) {
   EXPECT_EQ(mesh.triangles, (std::vector<std::array<uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}, {0, 1, 3}}));
 }
 
+TEST_F(MeshFiles, ObjLinesAndPointsAreLooseElements) {
+  const MeshFile mesh = read_mesh(put("m.obj", "l 1 2/5 3\nv 0 0 0\nv 1 0 0\np 1 -1\nv 0 1 0\nl -1 1\n"));
+  EXPECT_TRUE(mesh.triangles.empty());
+  EXPECT_EQ(mesh.edges, (std::vector<std::array<uint32_t, 2>>{{0, 1}, {1, 2}, {2, 0}}));
+  EXPECT_EQ(mesh.points, (std::vector<uint32_t>{0, 1}));
+  EXPECT_EQ(read_mesh(put("p.obj", "v 0 0 0\np 1\n")).points, std::vector<uint32_t>{0});
+  EXPECT_NE(error_of("m.obj", "v 0 0 0\nl 1\n").find("m.obj:2: the line has 1 vertices; it needs 2"),
+            std::string::npos);
+  EXPECT_NE(error_of("m.obj", "v 0 0 0\np 2\n").find("m.obj:2: vertex index 2 is out of range"), std::string::npos);
+}
+
 template <class T>
 std::string bytes(T value, bool big) {
   char raw[sizeof(T)];

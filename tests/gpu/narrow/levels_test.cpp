@@ -77,7 +77,14 @@ std::vector<Question> questions() {
           {"ContinuousFar", soup(84, 80, 1, 0.3, 0.2, {1e3, -2e3, 4e3}), Mode::kCcd, 0, 20},
           {"Discrete", soup(85, 200, 1, 0.3, 0.1), Mode::kDcd, 0x1p-6, 100},
           {"DiscreteLattice", integers, Mode::kDcd, 1, 200, true},
-          {"DiscreteTouching", lattice(86, 150, 10), Mode::kDcd, 0, 100, true}};
+          {"DiscreteTouching", lattice(86, 150, 10), Mode::kDcd, 0, 100, true},
+          {"LooseContinuous", loose_soup(87, 60, 0.5, 0.3, 0.2), Mode::kCcd, 0, 20},
+          {"LooseContinuousThick", loose_soup(88, 45, 1, 0.3, 0.2), Mode::kCcd, 0x1p-6, 20},
+          {"LooseContinuousLattice", on_integers(loose_soup(89, 60, 4, 4, 4)), Mode::kCcd, 0, 200, true},
+          {"LooseContinuousLatticeThick", on_integers(loose_soup(90, 24, 6, 4, 4)), Mode::kCcd, 1, 100, true},
+          {"LooseDiscrete", loose_soup(91, 150, 1, 0.3, 0.1), Mode::kDcd, 0x1p-6, 100},
+          {"LooseDiscreteLattice", on_integers(loose_soup(92, 60, 6, 4, 4)), Mode::kDcd, 1, 200, true},
+          {"LooseDiscreteTouching", on_integers(loose_soup(93, 90, 4, 4, 4)), Mode::kDcd, 0, 100, true}};
 }
 
 using LevelsParam = std::tuple<Question, Scalar>;

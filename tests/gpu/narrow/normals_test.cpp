@@ -137,6 +137,14 @@ TEST_P(Normals, PartDegenerateFeatures) {
   expect_continuous(c, 0, 100);
 }
 
+TEST_P(Normals, PartLooseElements) {
+  const Case c = loose_soup(14, 300, 1, 0.1, 0.05), integers = on_integers(loose_soup(17, 30, 4, 4, 4));
+  expect_discrete(c, 0.02, 300);
+  expect_continuous(c, 0.01, 100);
+  expect_discrete(integers, 1, 100);
+  expect_continuous(integers, 0, 50);
+}
+
 TEST_P(Normals, PartClothThatFalls) {
   const Case c = load(kDrapeFrames);
   expect_continuous(c, 0, 20);

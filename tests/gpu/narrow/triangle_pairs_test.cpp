@@ -56,6 +56,7 @@ class TrianglePairs : public OnBackend<::testing::TestWithParam<Scalar>> {};
 
 TEST_P(TrianglePairs, OfRandomSoups) {
   expect_judged(rounded(soup(110, 250, 1, 0.3, 0.1), GetParam()), GetParam(), 100);
+  expect_judged(rounded(loose_soup(115, 200, 1, 0.3, 0.1), GetParam()), GetParam(), 50);
   expect_judged(rounded(soup(111, 250, 1, 0.3, 0.1, {1e3, 2e3, -3e3}), GetParam()), GetParam(), 100);
 }
 
@@ -120,7 +121,7 @@ TEST_F(TrianglePairRules, KindsDoNotDisturbEachOther) {
 
 std::vector<uint32_t> mesh_of_triangle(const Case& c) {
   std::vector<uint32_t> mesh;
-  for (uint32_t m = 0; m < c.meshes.size(); ++m) mesh.insert(mesh.end(), c.meshes[m].triangles.size(), m);
+  for (uint32_t m = 0; m < c.meshes.size(); ++m) mesh.insert(mesh.end(), count_elements(c.meshes[m]), m);
   return mesh;
 }
 
@@ -226,13 +227,16 @@ bool share_a_vertex(const std::array<uint32_t, 3>& a, const std::array<uint32_t,
 
 /// All pairs that may touch, have no vertex in common, and whose boxes overlap; ascending.
 std::vector<PairKey> overlapping_pairs(const Case& c) {
-  const auto triangles = features_of(c).triangles;
+  const Features features = features_of(c);
+  const auto& triangles = features.triangles;
   const std::vector<FloatBox> boxes = swept_boxes(c, triangles);
   const std::vector<uint32_t> mesh = mesh_of_triangle(c);
+  const auto is_triangle = [&](uint32_t t) { return features.kinds[t] == ElementKind::kTriangle; };
   std::vector<PairKey> pairs;
   for (uint32_t a = 0; a < triangles.size(); ++a)
     for (uint32_t b = a + 1; b < triangles.size(); ++b)
-      if (boxes[a].overlaps(boxes[b]) && !share_a_vertex(triangles[a], triangles[b]) && may_touch(c, mesh[a], mesh[b]))
+      if (is_triangle(a) && is_triangle(b) && boxes[a].overlaps(boxes[b]) &&
+          !share_a_vertex(triangles[a], triangles[b]) && may_touch(c, mesh[a], mesh[b]))
         pairs.push_back(key_of(a, b));
   return pairs;
 }
@@ -270,6 +274,7 @@ TEST_P(TriangleCandidates, AreThePairsWhoseSweptBoxesOverlap) {
   expect_overlapping(soup(260, 1500, 1, 0.1, 0.05));
   expect_overlapping(soup(261, 500, 1, 0.1, 0.05, {1e6, -2e6, 3e6}));
   expect_overlapping(lattice(262, 300, 10));
+  expect_overlapping(loose_soup(263, 400, 1, 0.2, 0.05));
 }
 
 TEST_P(TriangleCandidates, FollowTheRulesOfTheMeshes) {

@@ -97,6 +97,32 @@ TEST_F(Stepping, StopsBeforeContactOrTheSeparation) {
   }
 }
 
+/// A loose edge or point at height `z` over one that lies across it, or below it.
+Case falling_loose(bool is_edge, bool onto_edge, double from, double to) {
+  Case c;
+  add_mesh(c, {}, {{-1, 0, from}, {1, 0, from}, {0, 0, from}}, {{-1, 0, to}, {1, 0, to}, {0, 0, to}});
+  add_mesh(c, {}, {{0, -1, 0}, {0, 1, 0}, {0, 0, 0}});
+  if (is_edge) c.meshes[0].edges = {{0, 1}};
+  if (!is_edge) c.meshes[0].points = {2};
+  if (onto_edge) c.meshes[1].edges = {{0, 1}};
+  if (!onto_edge) c.meshes[1].points = {2};
+  return c;
+}
+
+TEST_F(Stepping, StopsBeforeLooseElements) {
+  for (const Scalar scalar : kFormats)
+    for (const bool is_edge : {false, true})
+      for (const bool onto_edge : {false, true}) {
+        const Case c = falling_loose(is_edge, onto_edge, 1, -1);
+        const double to_contact = *go(*scene_at_start(c, ccd(c, scalar)), c, scalar, kAdvance).advanced;
+        EXPECT_LT(to_contact, 0.5);
+        EXPECT_GT(to_contact, 0.49);
+        const double kept = *go(*scene_at_start(c, ccd(c, scalar, 0, 0.5)), c, scalar, kAdvance).advanced;
+        EXPECT_LT(kept, 0.25);
+        EXPECT_GT(kept, 0.245);
+      }
+}
+
 TEST_F(Stepping, OtherFramesTellNoFraction) {
   const Case c = falling(1, -1);
   EXPECT_FALSE(go(*scene_at_start(c, ccd(c, Scalar::kF64)), c, Scalar::kF64, [](FrameInput&) {}).advanced);

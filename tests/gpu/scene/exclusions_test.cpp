@@ -8,6 +8,7 @@
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/judged_case.hpp"
 #include "tests/gpu/scene/sheets.hpp"
+#include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
 #include "tests/support/every_field.hpp"
 
@@ -61,18 +62,17 @@ std::vector<FrameResult> run(const SceneSpec& spec, const std::vector<Case>& fra
   return results;
 }
 
-std::vector<Case> rounded_frames(Scalar scalar) {
-  std::vector<Case> frames = folded_sheets();
-  for (Case& c : frames) c = rounded(c, scalar);
-  return frames;
-}
-
-class LeftOut : public OnBackend<::testing::TestWithParam<Switch>> {
+class LeftOut : public OnBackend<::testing::TestWithParam<std::tuple<Switch, bool>>> {
  protected:
+  static bool is_loose() { return std::get<1>(GetParam()); }
+  static std::vector<Case> rounded_frames(Scalar scalar) {
+    return folded_sheets([&](Case c) { return rounded(is_loose() ? loosened(std::move(c)) : std::move(c), scalar); });
+  }
+
   SceneSpec spec_with(const std::vector<Case>& frames, SceneSpec settings) const {
     SceneSpec spec = spec_for(frames[0], std::move(settings));
     spec.fields = kEveryField;
-    GetParam().turn_on(spec);
+    std::get<0>(GetParam()).turn_on(spec);
     return spec;
   }
 
@@ -183,7 +183,7 @@ TEST_P(LeftOut, NeedsItsOwnTablesAlone) {
   const FrameResult second = detector->detect(Frame(frames[1], spec.mode, spec.scalar, false).input());
   std::set<std::string> parts;
   for (const MemoryPart& part : detector->memory()) parts.insert(part.part);
-  const std::string name = GetParam().name;
+  const std::string name = std::get<0>(GetParam()).name;
   const bool has_rings = name == "Rings" || name == "All", has_rest = name == "RestPairs" || name == "All";
   EXPECT_EQ(parts.contains("rings"), has_rings);
   EXPECT_EQ(parts.contains("rest_pairs"), has_rest);
@@ -194,8 +194,11 @@ TEST_P(LeftOut, NeedsItsOwnTablesAlone) {
   EXPECT_FALSE(has_stage(second));
 }
 
-INSTANTIATE_TEST_SUITE_P(Switches, LeftOut, ::testing::ValuesIn(kSwitches),
-                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(Switches, LeftOut,
+                         ::testing::Combine(::testing::ValuesIn(kSwitches), ::testing::Values(false, true)),
+                         [](const auto& info) {
+                           return std::get<0>(info.param).name + (std::get<1>(info.param) ? "Loose" : "");
+                         });
 
 using Exclusion = OnBackend<>;
 

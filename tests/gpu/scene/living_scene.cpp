@@ -19,9 +19,19 @@ Positions rounded(const Positions& positions, Scalar scalar) {
   return rounded(std::move(c), scalar).end[0];
 }
 
-bool brings_triangles(const OwnedFrame& frame, uint32_t mesh) {
+/// A thread, a loose edge from a corner on, and a particle above.
+void add_fringe(MeshSpec& sheet, Positions& places) {
+  const Vec3d corner = places.front();
+  sheet.edges = {{0, sheet.vertex_count}};
+  sheet.points = {sheet.vertex_count + 1};
+  places.push_back({corner[0] + 0.5, corner[1] + 0.75, corner[2] + 0.25});
+  places.push_back({corner[0] + 1.5, corner[1] + 0.5, corner[2] + 0.5});
+  sheet.vertex_count += 2;
+}
+
+bool brings_elements(const OwnedFrame& frame, uint32_t mesh) {
   return frame.edit && std::any_of(frame.edit->meshes.begin(), frame.edit->meshes.end(), [&](const MeshEdit& edit) {
-           return edit.mesh == mesh && !edit.spec.triangles.empty();
+           return edit.mesh == mesh && count_elements(edit.spec) > 0;
          });
 }
 
@@ -62,13 +72,14 @@ uint32_t LivingScene::any_mesh() {
 // A sheet somewhere in a box that has room for about two of them.
 void LivingScene::add_sheet(SceneState& state, uint32_t mesh) {
   const double x = random(100) * 0.02, y = random(100) * 0.02, z = random(100) * 0.015;
-  const Positions places = rounded(shaken(grid(kSide,
-                                               [&](double i, double j) {
-                                                 return Vec3d{x + i, y + j, z};
-                                               }),
-                                          random(1u << 30), 0.3),
-                                   state.spec.scalar);
   MeshSpec sheet{kSide * kSide, grid_triangles(kSide)};
+  Positions places = shaken(grid(kSide,
+                                 [&](double i, double j) {
+                                   return Vec3d{x + i, y + j, z};
+                                 }),
+                            random(1u << 30), 0.3);
+  if (mesh % 2 == 1) add_fringe(sheet, places);
+  places = rounded(places, state.spec.scalar);
   state.spec.meshes.resize(std::max<size_t>(state.spec.meshes.size(), mesh + 1));
   state.spec.meshes[mesh] = std::move(sheet);
   for (Case* c : {&state.now, &state.rest}) {
@@ -177,7 +188,7 @@ void LivingScene::change_rules(OwnedFrame& frame) {
   MeshSpec& spec = frame.after.spec.meshes[mesh];
   spec = random_rules(spec);
   MeshSpec rules = spec;
-  rules.triangles.clear();
+  rules.triangles.clear(), rules.edges.clear(), rules.points.clear();
   frame.edit->meshes.push_back({mesh, rules});
 }
 
@@ -219,7 +230,7 @@ void LivingScene::move(OwnedFrame& frame, const std::vector<bool>& first) {
                                .end = pack(end, scalar)});
     const bool may_touch_now = may_touch(frame.after.spec, mesh, mesh) &&
                                (mesh >= state_.spec.meshes.size() || !may_touch(state_.spec, mesh, mesh));
-    const bool begins_anew = first[mesh] || may_touch_now || brings_triangles(frame, mesh);
+    const bool begins_anew = first[mesh] || may_touch_now || brings_elements(frame, mesh);
     if (begins_anew) frame.after.rest.start[mesh] = frame.after.rest.end[mesh] = end;
   }
 }

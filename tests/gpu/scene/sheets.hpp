@@ -41,8 +41,9 @@ inline Positions shaken(Positions positions, uint32_t seed, double by) {
   return positions;
 }
 
-/// A sheet of spacing 1, folded in the middle, its halves 0.7 apart, on its way through three frames.
-inline std::vector<Case> folded_sheets() {
+/// Three sheets of spacing 1, folded in the middle, their halves 0.7 apart, on their way through three frames, over one
+/// that stands still; `change` is made to each frame's case.
+inline std::vector<Case> folded_sheets(const std::function<Case(Case)>& change) {
   constexpr uint32_t kSide = 6;
   const auto folded = [](const Vec3d& at) {
     return grid(kSide, [&](double i, double j) {
@@ -61,6 +62,7 @@ inline std::vector<Case> folded_sheets() {
       before = after;
     }
   }
+  for (Case& c : frames) c = change(std::move(c));
   return frames;
 }
 

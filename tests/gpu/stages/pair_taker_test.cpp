@@ -43,6 +43,7 @@ struct EvenCandidates {
   Candidates* asked;
   std::vector<uint64_t>* counts;
 
+  static uint32_t wanted_tests(ElementRole, ElementRole, bool) { return ~0u; }
   bool excludes_first(uint32_t, uint32_t, int) const { return false; }
   bool excludes_second(uint32_t, uint32_t, int) const { return false; }
   bool keeps_first(uint32_t a, uint32_t b, int test) const { return asked->insert({a, b, test}), test % 2 == 0; }

@@ -1,4 +1,5 @@
-// Scenes with rigid meshes and encoded positions through the client library, over gRPC and over shared memory.
+// Scenes with rigid meshes, encoded positions and loose elements through the client library, over gRPC and over shared
+// memory.
 #include <gtest/gtest.h>
 
 #include "tests/integration/client_library/client_layers.hpp"
@@ -125,6 +126,53 @@ TEST_P(MeshKinds, EncodedPositionsTakeHalfTheBytesAndMissNothing) {
   EXPECT_LE(output.done.earliest_toi(), 0.5);
   EXPECT_GT(output.done.earliest_toi(), 0.499);
   for (const uint8_t flags : output.vertex_triangle.flags) EXPECT_EQ(flags & pb::CONTACT_FLAG_CERTIFIED, 0);
+}
+
+/// Of a loose edge over a triangle, and a particle over the edge. The triangle's mesh has an edge, too, far below.
+pb::Frame loose_frame(uint64_t id, double edge, double particle) {
+  pb::Frame frame;
+  frame.set_frame_id(id);
+  const Points hair{{0, 0, edge}, {1, 0, edge}}, drop{{0.25, 0, particle}};
+  *frame.add_updates() = client::mesh_update(0, pb::POSITION_FORMAT_F64, hair);
+  *frame.add_updates() = client::mesh_update(1, pb::POSITION_FORMAT_F64, drop);
+  Points ground = kGround;
+  ground.insert(ground.end(), {{0, 0, -9}, {1, 0, -9}});
+  if (id == 1) *frame.add_updates() = client::mesh_update(2, pb::POSITION_FORMAT_F64, ground);
+  return frame;
+}
+
+TEST_P(MeshKinds, LooseElementsMeetEachOtherAndTriangles) {
+  constexpr std::array<std::array<uint32_t, 2>, 1> kSegment{{{0, 1}}}, kDeep{{{4, 3}}};
+  constexpr std::array<uint32_t, 1> kDrop{0};
+  pb::SceneSpec spec;
+  spec.set_mode(pb::DETECTION_MODE_DCD);
+  spec.set_thickness(0.25);
+  spec.set_position_format(pb::POSITION_FORMAT_F64);
+  const MeshInput meshes[] = {
+      {.name = "hair", .vertex_count = 2, .edges = kSegment},
+      {.name = "drop", .vertex_count = 1, .points = kDrop},
+      {.name = "ground", .vertex_count = 5, .triangles = kOne, .is_static = true, .edges = kDeep}};
+  EXPECT_EQ(client_.estimate_scene(spec, meshes).triangle_count(), 1u);
+  const pb::Scene scene = client_.create_scene(spec, meshes);
+  EXPECT_EQ(scene.state(), pb::SCENE_STATE_READY);
+  EXPECT_EQ(scene.triangle_count(), 1u);
+  EXPECT_EQ(scene.edge_count(), 5u);
+  EXPECT_EQ(scene.spec().meshes(0).edge_count(), 1u);
+  EXPECT_EQ(scene.spec().meshes(1).point_count(), 1u);
+  FrameStream stream = open(scene);
+  EXPECT_EQ(answer_to(stream, loose_frame(1, 2, 3)).done.contact_count(), 0u);
+  auto watcher = client_.watch(scene.scene_id(), {.max_contacts_per_kind = 10});
+  // The drop on the hair, the hair on the ground: its ends, and no edge of the ground.
+  const FrameOutput output = answer_to(stream, loose_frame(2, 0.25, 0.5));
+  output.check();
+  const std::vector<std::array<uint32_t, 4>> expected = {{0, 3, 4, 5}, {1, 3, 4, 5}, {2, 0, 1, 1}};
+  EXPECT_EQ(output.vertex_triangle.stencils, expected);
+  EXPECT_EQ(output.vertex_triangle.elements, (std::vector<std::array<uint32_t, 2>>{{0, 2}, {1, 2}, {2, 0}}));
+  EXPECT_EQ(output.edge_edge.count, 0u);
+  EXPECT_EQ(client::element_kind(expected[0]), client::ElementKind::kTriangle);
+  EXPECT_EQ(client::element_kind(expected[2]), client::ElementKind::kEdge);
+  EXPECT_EQ(client::element_kind({2, 0, 0, 0}), client::ElementKind::kPoint);
+  EXPECT_EQ(watcher.receive().vertex_triangle.stencils, expected);
 }
 
 INSTANTIATE_TEST_SUITE_P(Transports, MeshKinds, ::testing::Values(Local::kOff, Local::kOn),

@@ -75,7 +75,10 @@ constexpr Change kSpecs[] = {
     },
     [](pb::SceneSpec& spec) { spec.mutable_meshes(1)->set_no_self_contacts(true); },
     [](pb::SceneSpec& spec) { spec.set_mode(pb::DETECTION_MODE_DCD_AND_CCD); },
-    [](pb::SceneSpec& spec) { spec.add_excluded_meshes()->set_second(1); }};
+    [](pb::SceneSpec& spec) { spec.add_excluded_meshes()->set_second(1); },
+    [](pb::SceneSpec& spec) {
+      for (int i = 0; i < 500; ++i) *spec.mutable_meshes(0)->mutable_edges() += pack<uint32_t>({0, 1});
+    }};
 
 TEST_F(Estimate, TellsWhatTheSceneHoldsAndRuns) {
   for (const Change change : kSpecs) {

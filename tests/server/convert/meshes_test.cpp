@@ -59,6 +59,91 @@ TEST(ConvertMeshes, RefusalsOfWhatIsLeftOutNameValueAndLimit) {
             "vertex-triangle and edge-edge contacts");
 }
 
+std::string refusal_with(const std::function<void(pb::MeshSpec&)>& change) {
+  return refusal_of(request_with([&](pb::SceneSpec& s) { change(*s.mutable_meshes(0)); }));
+}
+
+TEST(ConvertMeshes, TakesLooseElementsAndTellsTheirNumbers) {
+  const auto wanted = request_with([](pb::SceneSpec& s) {
+    s.mutable_meshes(0)->set_edges(packed<4>({0, 3, 1, 3}));
+    s.mutable_meshes(0)->set_edge_count(2);
+    auto* drop = s.add_meshes();
+    drop->set_name("drop");
+    drop->set_vertex_count(1);
+    drop->set_points(packed<1>({0}));
+  });
+  const ScenePlan plan = parse_scene(wanted, {}).plan;
+  EXPECT_EQ(plan.engine.meshes[0].edges, (std::vector<std::array<uint32_t, 2>>{{0, 3}, {1, 3}}));
+  EXPECT_EQ(plan.engine.meshes[1].points, std::vector<uint32_t>{0});
+  EXPECT_EQ(plan.meshes[1].awaited, 0u);
+  const pb::Scene told = shown(wanted);
+  EXPECT_EQ(told.triangle_count(), 2u);
+  const pb::MeshSpec &cloth = told.spec().meshes(0), &drop = told.spec().meshes(1);
+  EXPECT_TRUE(cloth.triangle_count() == 2 && cloth.edge_count() == 2 && cloth.point_count() == 0);
+  EXPECT_TRUE(drop.triangle_count() == 0 && drop.edge_count() == 0 && drop.point_count() == 1);
+  EXPECT_TRUE(cloth.edges().empty() && drop.points().empty());
+}
+
+TEST(ConvertMeshes, RefusalsOfLooseElementsNameValueAndLimit) {
+  EXPECT_EQ(refusal_with([](pb::MeshSpec& m) {
+              m.set_edges(packed<4>({0, 1, 2, 4}));
+            }),
+            "spec.meshes[0].edges[1] has vertex 4, but the mesh has 4 vertices");
+  EXPECT_EQ(refusal_with([](pb::MeshSpec& m) {
+              m.set_edges(packed<2>({3, 3}));
+            }),
+            "spec.meshes[0].edges[0] has a vertex twice: 3 3");
+  EXPECT_EQ(refusal_with([](pb::MeshSpec& m) {
+              m.set_edges(packed<3>({0, 1, 2}));
+            }),
+            "spec.meshes[0].edges has 12 bytes, which is not a multiple of 8");
+  EXPECT_EQ(refusal_with([](pb::MeshSpec& m) {
+              m.set_points(packed<2>({3, ~0u}));
+            }),
+            "spec.meshes[0].points[1] has vertex 4294967295, but the mesh has 4 vertices");
+  EXPECT_EQ(refusal_with([](pb::MeshSpec& m) { m.set_points("123"); }),
+            "spec.meshes[0].points has 3 bytes, which is not a multiple of 4");
+  EXPECT_EQ(refusal_with([](pb::MeshSpec& m) { m.set_edge_count(5); }),
+            "spec.meshes[0].edge_count is 5, but spec.meshes[0].edges has 0: UploadMesh sends triangles alone");
+  EXPECT_EQ(refusal_with([](pb::MeshSpec& m) {
+              m.set_points(packed<2>({0, 1})), m.set_point_count(1);
+            }),
+            "spec.meshes[0].point_count is 1, but spec.meshes[0].points has 2: UploadMesh sends triangles alone");
+  EXPECT_EQ(refusal_with([](pb::MeshSpec& m) { m.clear_triangles(); }),
+            "spec.meshes[0].triangles is empty and triangle_count is 0, but a mesh without edges and points needs a "
+            "triangle");
+}
+
+TEST(ConvertMeshes, AMeshHasTheVerticesThatItsElementsNeed) {
+  EXPECT_EQ(refusal_with([](pb::MeshSpec& m) { m.set_vertex_count(2); }),
+            "spec.meshes[0].vertex_count is 2, but must be at least 3");
+  const auto loose = [](uint32_t vertices) {
+    return refusal_with([&](pb::MeshSpec& m) {
+      m.clear_triangles();
+      m.set_vertex_count(vertices);
+      m.set_points(packed<1>({0}));
+    });
+  };
+  EXPECT_EQ(loose(0), "spec.meshes[0].vertex_count is 0, but must be at least 1");
+  EXPECT_EQ(loose(1), "accepted");
+}
+
+TEST(ConvertMeshes, LooseElementsCountAsTriangles) {
+  SceneDefaults defaults;
+  defaults.limits.max_triangles = 4;
+  const auto with_edges = [](uint32_t count) {
+    return request_with([&](pb::SceneSpec& s) {
+      for (uint32_t i = 0; i < count; ++i) *s.mutable_meshes(0)->mutable_edges() += packed<2>({0, 1});
+      s.mutable_meshes(0)->set_points(packed<1>({3}));
+    });
+  };
+  EXPECT_EQ(refusal_of(with_edges(1), defaults), "accepted");
+  EXPECT_EQ(refusal_of(with_edges(2), defaults),
+            "spec.meshes has 5 triangles, edges and points in all, more than max_triangles, 4");
+  const uint64_t without = parse_scene(request(), {}).plan.min_bytes;
+  EXPECT_GT(parse_scene(with_edges(1000), {}).plan.min_bytes, without + 1000 * 12);
+}
+
 TEST(ConvertMeshes, TakesRigidMeshesAndEncodedPositions) {
   const ScenePlan plan = parse_scene(request_with([](pb::SceneSpec& s) {
                                        s.set_position_format(pb::POSITION_FORMAT_Q16);

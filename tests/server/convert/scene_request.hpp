@@ -12,9 +12,11 @@ namespace collided::server {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
 
-inline std::string triangle(std::array<uint32_t, 3> corners) {
-  return {reinterpret_cast<const char*>(corners.data()), sizeof(corners)};
+template <size_t N>
+std::string packed(const std::array<uint32_t, N>& vertices) {
+  return {reinterpret_cast<const char*>(vertices.data()), sizeof(vertices)};
 }
+inline std::string triangle(std::array<uint32_t, 3> corners) { return packed(corners); }
 
 inline pb::CreateSceneRequest request() {
   pb::CreateSceneRequest request;
