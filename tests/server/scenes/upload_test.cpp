@@ -110,6 +110,15 @@ TEST_F(UploadTest, OneWithoutAChunkEndsToo) {
   EXPECT_EQ(ends_, std::vector<std::string>{"TimedOut"});
 }
 
+// As where a call is evicted before it first waits for a chunk.
+TEST_F(UploadTest, OneThatHasEndedWaitsForNothing) {
+  const auto upload = make_upload();
+  EXPECT_TRUE(upload->end());
+  upload->wait([] { FAIL() << "the call is over"; });
+  EXPECT_FALSE(upload->receive(start_));
+  EXPECT_FALSE(upload->end());
+}
+
 TEST_F(UploadTest, OneWhoseSceneIsDeletedEndsAtOnce) {
   const auto upload = make_waiting();
   scenes_.scenes.remove(client(), scene_->id())->release();
