@@ -39,10 +39,9 @@ void set_quota(grpc::ServerBuilder& builder, const Limits& limits) {
 
 // Per connection; further calls wait until some have ended. All streams of a client, and its other calls, may share one
 // connection.
-void set_concurrent_calls(grpc::ServerBuilder& builder, const Limits& limits) {
+uint32_t max_concurrent_calls(const Limits& limits) {
   constexpr uint32_t kMin = 256, kMax = 1'000'000;
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
-                             static_cast<int>(std::clamp(2 * limits.max_streams, kMin, kMax)));
+  return std::clamp(2 * limits.max_streams, kMin, kMax);
 }
 
 // The slack lets our own refusal, which names the option, come first for messages not far above the limit. Compressed
@@ -120,9 +119,10 @@ void Daemon::listen(const Config& config) {
   grpc::ServerBuilder builder;
   set_message_limits(builder, config.limits);
   set_quota(builder, config.limits);
-  set_concurrent_calls(builder, config.limits);
   set_keepalive(builder, config);
-  entrance_.add_to(builder);
+  const uint32_t max_calls = max_concurrent_calls(config.limits);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, static_cast<int>(max_calls));
+  entrance_.add_to(builder, max_calls, [this] { end_flood("unix:"); });
   builder.RegisterService(&service_);
   service_.add_to(router_);
   health_.add_to(router_, pb::CollisionService::service_full_name());
@@ -130,10 +130,9 @@ void Daemon::listen(const Config& config) {
   builder.RegisterCallbackGenericService(&router_);
   calls_ = std::make_unique<FrameCalls>(
       builder, service_,
-      FrameCallParts{host_, authenticator_, metrics_, service_.waiting(), config.limits.max_message_bytes,
-                     [this](const std::string& peer) { end_flood(peer); }});
+      FrameCallParts{host_, authenticator_, metrics_, service_.waiting(), config.limits.max_message_bytes, events_});
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> watches;
-  watches.push_back(std::make_unique<CallWatches>(metrics_, [this](const std::string& peer) { end_flood(peer); }));
+  watches.push_back(std::make_unique<CallWatches>(metrics_, events_));
   builder.experimental().SetInterceptorCreators(std::move(watches));
   server_ = builder.BuildAndStart();
   if (!server_) throw std::runtime_error("gRPC cannot start the server");

@@ -63,6 +63,8 @@ class Daemon {
   Health health_;
   RpcRouter router_;
   Entrance entrance_;
+  const CallEvents events_{[this](const grpc::ServerContextBase& call) { entrance_.accepted(call); },
+                           [this](const std::string& peer) { end_flood(peer); }};
   std::unique_ptr<LocalServer> local_;
   std::unique_ptr<HttpServer> http_;
   std::unique_ptr<FrameCalls> calls_;

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <utility>
 
-#include "server/auth/credentials.hpp"
 #include "server/net/descriptors.hpp"
 #include "server/ops/log.hpp"
 
@@ -38,14 +37,26 @@ Entrance::Entrance(const Config& config, Metrics& metrics) : connections_(connec
     listeners_.emplace_back(address).set_user_timeout(std::chrono::ceil<std::chrono::milliseconds>(timeout));
   if (!config.tls.enabled()) return;
   tls_.emplace(config.tls, [&metrics](bool is_taken) { metrics.count_certificate_reload(is_taken); });
-  credentials_ = make_credentials(*tls_);
 }
 
-void Entrance::add_to(grpc::ServerBuilder& builder) {
-  using Type = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
+// A flood over TCP is noticed when its calls are accepted: only then is their peer known.
+void Entrance::add_to(grpc::ServerBuilder& builder, size_t max_calls, std::function<void()> on_flood) {
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
-  plain_ = builder.experimental().AddExternalConnectionAcceptor(Type::FROM_FD, grpc::InsecureServerCredentials());
-  if (tls_) secure_ = builder.experimental().AddExternalConnectionAcceptor(Type::FROM_FD, credentials_);
+  unaccepted_.emplace(max_calls);
+  const AdmitCall admit = [this](const void* connection) { return unaccepted_->arrive(connection); };
+  tcp_.credentials = tls_ ? make_credentials(*tls_, admit) : make_plain_credentials(admit);
+  unix_.credentials = make_plain_credentials([admit, on_flood = std::move(on_flood)](const void* connection) {
+    const bool is_admitted = admit(connection);
+    if (!is_admitted) on_flood();
+    return is_admitted;
+  });
+  using Type = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
+  for (Gate* const gate : {&tcp_, &unix_})
+    gate->acceptor = builder.experimental().AddExternalConnectionAcceptor(Type::FROM_FD, gate->credentials);
+}
+
+void Entrance::accepted(const grpc::ServerContextBase& context) {
+  unaccepted_->accept(connection_of(*context.auth_context()));
 }
 
 void Entrance::open(Lifecycle& lifecycle, Health& health) {
@@ -53,8 +64,8 @@ void Entrance::open(Lifecycle& lifecycle, Health& health) {
   std::vector<int> fds;
   for (const auto& listener : listeners_)
     for (const int fd : listener.sockets()) {
-      sockets_.push_back({fd, is_tls(listener)});
-      targets.push_back({fd, is_tls(listener), listener.address()});
+      sockets_.push_back({fd, listener.is_unix() ? &unix_ : &tcp_});
+      targets.push_back({fd, tls_ && !listener.is_unix(), listener.address()});
       fds.push_back(fd);
     }
   loop_.emplace(std::move(fds), connections_,
@@ -69,7 +80,7 @@ void Entrance::take(Fd connection, size_t place) const {
   grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
   parameters.listener_fd = sockets_[place].fd;
   parameters.fd = connection.release();
-  (sockets_[place].is_tls ? secure_ : plain_)->HandleNewConnection(&parameters);
+  sockets_[place].gate->acceptor->HandleNewConnection(&parameters);
 }
 
 void Entrance::close() {

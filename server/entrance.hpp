@@ -4,14 +4,17 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "server/auth/certificate_watch.hpp"
+#include "server/auth/credentials.hpp"
 #include "server/builtin/health.hpp"
 #include "server/config/config.hpp"
+#include "server/limits/unaccepted_calls.hpp"
 #include "server/net/accept_loop.hpp"
 #include "server/net/admission_probe.hpp"
 #include "server/net/connections.hpp"
@@ -27,8 +30,11 @@ class Entrance {
   /// reason. `metrics` must outlive it.
   Entrance(const Config& config, Metrics& metrics);
 
-  /// Before the server is built. The server must be destroyed before the entrance is.
-  void add_to(grpc::ServerBuilder& builder);
+  /// Before the server is built. The server must be destroyed before the entrance is. A connection may have `max_calls`
+  /// open; `on_flood` is called for each call over a Unix socket that is refused because as many wait to be accepted.
+  void add_to(grpc::ServerBuilder& builder, size_t max_calls, std::function<void()> on_flood);
+  /// For each call that is accepted.
+  void accepted(const grpc::ServerContextBase& context);
   /// Once the server has started. Reports to `lifecycle` and `health` whatever keeps new clients out.
   void open(Lifecycle& lifecycle, Health& health);
   /// Stops reporting. Clients can still connect.
@@ -43,21 +49,24 @@ class Entrance {
   std::vector<std::string> addresses() const;
 
  private:
-  using Acceptor = std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>;
+  /// gRPC's end of the listeners of one kind.
+  struct Gate {
+    std::shared_ptr<grpc::ServerCredentials> credentials;
+    std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
+  };
   struct Socket {
     int fd = -1;
-    bool is_tls = false;
+    const Gate* gate = nullptr;
   };
 
-  bool is_tls(const Listener& listener) const { return tls_ && !listener.is_unix(); }
   void take(Fd connection, size_t place) const;
 
   std::vector<Listener> listeners_;
   std::optional<CertificateWatch> tls_;
-  std::shared_ptr<grpc::ServerCredentials> credentials_;
   Connections connections_;
+  std::optional<UnacceptedCalls> unaccepted_;
   std::vector<Socket> sockets_;
-  Acceptor plain_, secure_;
+  Gate unix_, tcp_;
   std::optional<AcceptLoop> loop_;
   std::optional<AdmissionProbe> probe_;
 };

@@ -22,7 +22,7 @@ struct MeshInput {
   uint32_t vertex_count = 0;
   std::span<const std::array<uint32_t, 3>> triangles = {};
   bool is_static = false;
-  bool is_rigid = false;            ///< after its first frame it is moved by rigid_update alone
+  bool is_rigid = false;            ///< after its first frame it is moved by FrameUpdate::transform alone
   uint32_t exclude_rings = 0;       ///< leave out self contacts of features that so many edges or fewer connect; 0 to 8
   bool exclude_rest_pairs = false;  ///< likewise of features within the spec's rest_distance in the first frame
   std::span<const std::array<uint32_t, 2>> edges = {};  ///< such as the segments of a hair

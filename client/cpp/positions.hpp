@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "client/cpp/frame_update.hpp"
 #include "collided/v1/frame.pb.h"
 
 namespace collided::client {
@@ -25,10 +26,7 @@ std::string pack_quantized(Positions positions, const v1::QuantizationBox& box);
 /// The update of one mesh; `start` (t = 0, for CCD) may be empty.
 v1::MeshUpdate mesh_update(uint32_t mesh, v1::PositionFormat format, Positions positions, Positions start = {});
 
-/// p -> R p + t: the rows of [R | t], with R a rotation.
-using RigidMatrix = std::array<double, 12>;
-
-/// The update that moves a rigid mesh to a pose (t = 1).
+/// The update that moves a rigid mesh to a pose (t = 1), as FrameUpdate::transform does.
 v1::MeshUpdate rigid_update(uint32_t mesh, const RigidMatrix& matrix);
 /// The same from another pose (t = 0, CCD) than where the last frame left the mesh.
 v1::MeshUpdate rigid_update(uint32_t mesh, const RigidMatrix& matrix, const RigidMatrix& start);

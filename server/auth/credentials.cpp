@@ -1,5 +1,6 @@
-// TLS for the gRPC server. gRPC's C++ API cannot swap in checked certificates at run time: its own file watcher ends
-// the process if it finds an empty file. Hence the C API.
+// What the gRPC server knows of its connections. gRPC's C++ API cannot swap in checked certificates at run time: its
+// own file watcher ends the process if it finds an empty file; and it asks nobody about the calls of a connection
+// without TLS. Hence the C API.
 #include "server/auth/credentials.hpp"
 
 #include <grpc/grpc.h>
@@ -7,14 +8,59 @@
 
 #include <deque>
 #include <string_view>
+#include <utility>
 
 namespace collided::server {
 namespace {
 
-class WatchedCredentials final : public grpc::ServerCredentials {
+// Every connection has this property, whose value it copies.
+constexpr const char* kOwnProperty = GRPC_TRANSPORT_SECURITY_TYPE_PROPERTY_NAME;
+
+const void* connection_of(const grpc_auth_context* context) {
+  auto found = grpc_auth_context_find_properties_by_name(context, kOwnProperty);
+  const grpc_auth_property* const property = grpc_auth_property_iterator_next(&found);
+  return property ? property->value : nullptr;
+}
+
+// Credentials whose calls are admitted one by one.
+class AdmittingCredentials : public grpc::ServerCredentials {
  public:
-  explicit WatchedCredentials(const CertificateWatch& watch) : watch_(watch) {}
+  explicit AdmittingCredentials(AdmitCall admit) : admit_(std::move(admit)) {}
   void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>&) override {}
+
+ private:
+  virtual grpc_server_credentials* make() = 0;
+
+  int AddPortToServer(const std::string& address, grpc_server* server) override {
+    grpc_server_credentials* const credentials = make();
+    grpc_server_credentials_set_auth_metadata_processor(credentials, {ask, nullptr, &admit_});
+    const int port = grpc_server_add_http2_port(server, address.c_str(), credentials);
+    grpc_server_credentials_release(credentials);
+    return port;
+  }
+
+  static void ask(void* admit, grpc_auth_context* context, const grpc_metadata*, size_t,
+                  grpc_process_auth_metadata_done_cb done, void* call) {
+    const bool is_admitted = (*static_cast<const AdmitCall*>(admit))(connection_of(context));
+    done(call, nullptr, 0, nullptr, 0, is_admitted ? GRPC_STATUS_OK : GRPC_STATUS_RESOURCE_EXHAUSTED,
+         is_admitted ? nullptr : "too many calls of this connection wait to be accepted");
+  }
+
+  AdmitCall admit_;
+};
+
+class PlainCredentials final : public AdmittingCredentials {
+ public:
+  using AdmittingCredentials::AdmittingCredentials;
+
+ private:
+  grpc_server_credentials* make() override { return grpc_insecure_server_credentials_create(); }
+};
+
+class WatchedCredentials final : public AdmittingCredentials {
+ public:
+  WatchedCredentials(const CertificateWatch& watch, AdmitCall admit)
+      : AdmittingCredentials(std::move(admit)), watch_(watch) {}
 
  private:
   /// The files that a port uses.
@@ -23,16 +69,13 @@ class WatchedCredentials final : public grpc::ServerCredentials {
     std::shared_ptr<const TlsFiles> given;
   };
 
-  int AddPortToServer(const std::string& address, grpc_server* server) override {
+  grpc_server_credentials* make() override {
     ports_.push_back({watch_, {}});
     auto* const options = grpc_ssl_server_credentials_create_options_using_config_fetcher(
         watch_.asks_clients() ? GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY
                               : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE,
         fetch, &ports_.back());
-    grpc_server_credentials* const credentials = grpc_ssl_server_credentials_create_with_options(options);
-    const int port = grpc_server_add_http2_port(server, address.c_str(), credentials);
-    grpc_server_credentials_release(credentials);
-    return port;
+    return grpc_ssl_server_credentials_create_with_options(options);
   }
 
   // Before each handshake; one at a time for each port.
@@ -59,8 +102,17 @@ std::string first(const grpc::AuthContext& context, const char* property) {
 
 }  // namespace
 
-std::shared_ptr<grpc::ServerCredentials> make_credentials(const CertificateWatch& watch) {
-  return std::make_shared<WatchedCredentials>(watch);
+std::shared_ptr<grpc::ServerCredentials> make_credentials(const CertificateWatch& watch, AdmitCall admit) {
+  return std::make_shared<WatchedCredentials>(watch, std::move(admit));
+}
+
+std::shared_ptr<grpc::ServerCredentials> make_plain_credentials(AdmitCall admit) {
+  return std::make_shared<PlainCredentials>(std::move(admit));
+}
+
+const void* connection_of(const grpc::AuthContext& context) {
+  const auto values = context.FindPropertyValues(kOwnProperty);
+  return values.empty() ? nullptr : values.front().data();
 }
 
 std::string certificate_name(const grpc::AuthContext& context) {

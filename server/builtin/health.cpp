@@ -101,24 +101,36 @@ class HealthCall final : public grpc::ServerGenericBidiReactor {
 
   void watch() {
     const WaitRule rule{"a change of health", kForever, kMaxWatches, kMaxWatchesOfSource, source_};
-    auto place = wait(rule, [this](const auto& why) { end(to_status(describe(why))); });
+    auto place = wait(rule, [this](const auto& why) { evict(to_status(describe(why))); });
     health_.join(*this);
     const std::lock_guard lock(mutex_);
     place_ = std::move(place);
     write_or_end_locked();
   }
 
+  void evict(const grpc::Status& status) {
+    const std::lock_guard lock(mutex_);
+    is_evicted_ = true;
+    end_locked(status);
+  }
+
   void end(const grpc::Status& status) {
     const std::lock_guard lock(mutex_);
+    end_locked(status);
+  }
+
+  void end_locked(const grpc::Status& status) {
     if (!end_) end_ = status;
     if (is_writing_) context_.TryCancel();  // the pending write may never complete
     write_or_end_locked();
   }
 
-  // Without a place the call still waits for its request, and the end of that wait ends it.
+  // Without a place the call still waits for its request, and the end of that wait ends it. The call may be gone once
+  // it is finished, so that is left to an eviction that is on its way.
   void write_or_end_locked() {
     if (!place_ || is_writing_ || is_over_) return;
     if (end_) {
+      if (!is_evicted_ && !place_->finish()) return;
       is_over_ = true;
       return Finish(*end_);
     }
@@ -142,7 +154,7 @@ class HealthCall final : public grpc::ServerGenericBidiReactor {
   std::unique_ptr<WaitingCalls::Wait> place_;  // among the watchers
   std::optional<rpc::HealthCheckResponse::ServingStatus> told_;
   std::optional<grpc::Status> end_;
-  bool is_writing_ = false, is_over_ = false;
+  bool is_writing_ = false, is_evicted_ = false, is_over_ = false;
 };
 
 void Health::add_to(RpcRouter& router, std::string service) {

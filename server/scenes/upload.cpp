@@ -23,6 +23,7 @@ Upload::~Upload() = default;
 
 void Upload::wait(const std::function<void()>& read) {
   const std::lock_guard lock(mutex_);
+  if (state_ == State::kOver) return;
   state_ = State::kWaiting;
   read();
 }

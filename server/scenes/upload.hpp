@@ -38,8 +38,8 @@ class ReceivedTriangles {
   MemoryHold held_;
 };
 
-/// One call that uploads a mesh. The call's thread and the thread that watches all uploads race here: only one of them
-/// ends it.
+/// One call that uploads a mesh. The call's thread and those that end calls whose clients are silent race here: only
+/// one of them ends it.
 class Upload {
  public:
   using Clock = std::chrono::steady_clock;
@@ -48,7 +48,7 @@ class Upload {
   Upload(std::function<void(const std::exception_ptr&)> fail, Clock::time_point now);
   ~Upload();
 
-  /// Starts waiting for the next chunk, which `read` requests.
+  /// Starts waiting for the next chunk, which `read` requests; does nothing if the upload has been ended.
   void wait(const std::function<void()>& read);
   /// A chunk has arrived; false if the upload has been ended.
   bool receive(Clock::time_point now);

@@ -34,12 +34,14 @@ MeshUpload::MeshUpload(const grpc::CallbackServerContext& context, SceneHost& ho
   }
 }
 
-// An upload counts as one of its client's streams only once it has begun, so those before that are limited here.
+// An upload counts as one of its client's streams only once it has begun, so those before that are limited here. The
+// call lives until it is finished, so whoever comes too late to finish it must not touch it.
 void MeshUpload::await_first() {
   const WaitRule rule{"the first chunk of the upload", host_.limits().max_silent_seconds, kMaxUnstarted,
                       kMaxUnstartedOfClient, context_.peer()};
-  first_chunk_ = parts_.waiting.wait(rule, caller_.client,
-                                     [this](const std::exception_ptr& why) { finish(to_status(describe(why))); });
+  first_chunk_ = parts_.waiting.wait(rule, caller_.client, [this, upload = upload_](const std::exception_ptr& why) {
+    if (upload->end()) Finish(to_status(describe(why)));
+  });
 }
 
 void MeshUpload::read() {
@@ -47,6 +49,8 @@ void MeshUpload::read() {
 }
 
 void MeshUpload::OnReadDone(bool ok) try {
+  if (first_chunk_ && !first_chunk_->finish()) return;  // the call has been ended
+  first_chunk_.reset();
   if (!upload_->receive(Upload::Clock::now())) return;
   if (!ok) return commit();
   parse();
@@ -65,7 +69,6 @@ void MeshUpload::parse() {
 }
 
 void MeshUpload::begin() {
-  first_chunk_.reset();
   auto ticket = host_.usage().begin_stream(caller_.client);
   upload_->begin(host_.scenes().find(caller_.client, request_.scene_id()), request_.mesh(), std::move(ticket));
 }

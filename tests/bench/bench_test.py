@@ -85,6 +85,11 @@ class Bench(unittest.TestCase):
         self.assertNotIn("start_positions", runs["DCD alone"]["memory"])
         self.assertNotIn("rigid", full["memory"])
         self.assertIn("rigid", runs["rigid ball"]["memory"])
+        # All make the same step, the frames that leave the scene elsewhere too.
+        self.assertEqual(runs["trial, both ends sent"]["contacts"], full["contacts"])
+        self.assertEqual(runs["both ends sent"]["contacts"], full["contacts"])
+        for name in ("both ends sent", "advance, both ends sent", "trial, both ends sent"):
+            self.assertEqual(runs[name]["bytes_in"], 2 * full["bytes_in"])
         for run in runs.values():
             self.assertLess(0, run["caller_ms"])
 

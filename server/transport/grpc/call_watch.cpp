@@ -31,14 +31,16 @@ std::string method_of(const std::string& path) {
 }  // namespace
 
 void CallWatch::Intercept(grpc::experimental::InterceptorBatchMethods* methods) {
-  if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_INITIAL_METADATA))
+  if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_INITIAL_METADATA)) {
+    events_.on_accepted(*call_.server_context());
     ids_ = ids_of(*methods->GetRecvInitialMetadata());
+  }
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_MESSAGE) && methods->GetRecvMessage())
     has_message_ = true;
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) ended(methods->GetSendStatus());
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_CLOSE) && !has_message_ &&
       call_.server_context()->IsCancelled())
-    on_abandoned_(call_.server_context()->peer());
+    events_.on_abandoned(call_.server_context()->peer());
   methods->Proceed();
 }
 
@@ -56,7 +58,7 @@ void CallWatch::ended(const grpc::Status& status) const {
 
 grpc::experimental::Interceptor* CallWatches::CreateServerInterceptor(grpc::experimental::ServerRpcInfo* info) {
   const std::string method = method_of(info->method());
-  return method == "StreamFrames" ? nullptr : new CallWatch(*info, method, metrics_, on_abandoned_);
+  return method == "StreamFrames" ? nullptr : new CallWatch(*info, method, metrics_, events_);
 }
 
 }  // namespace collided::server

@@ -15,15 +15,18 @@
 
 namespace collided::server {
 
-/// Called for each call that its client cancelled before a message arrived.
-using OnAbandoned = std::function<void(const std::string& peer)>;
+/// Told of calls; shared by all of them.
+struct CallEvents {
+  std::function<void(const grpc::ServerContextBase& context)> on_accepted;
+  std::function<void(const std::string& peer)> on_abandoned;  ///< its client cancelled it before a message arrived
+};
 
 class CallWatch final : public grpc::experimental::Interceptor {
  public:
   /// The references must outlive it.
   CallWatch(grpc::experimental::ServerRpcInfo& call, std::string_view method, Metrics& metrics,
-            const OnAbandoned& on_abandoned)
-      : call_(call), method_(method), metrics_(metrics), on_abandoned_(on_abandoned) {}
+            const CallEvents& events)
+      : call_(call), method_(method), metrics_(metrics), events_(events) {}
   void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override;
 
  private:
@@ -32,19 +35,19 @@ class CallWatch final : public grpc::experimental::Interceptor {
   grpc::experimental::ServerRpcInfo& call_;
   const std::string method_;
   Metrics& metrics_;
-  const OnAbandoned& on_abandoned_;
+  const CallEvents& events_;
   CallIds ids_;
   std::atomic<bool> has_message_ = false;
 };
 
 class CallWatches final : public grpc::experimental::ServerInterceptorFactoryInterface {
  public:
-  CallWatches(Metrics& metrics, OnAbandoned on_abandoned) : metrics_(metrics), on_abandoned_(std::move(on_abandoned)) {}
+  CallWatches(Metrics& metrics, CallEvents events) : metrics_(metrics), events_(std::move(events)) {}
   grpc::experimental::Interceptor* CreateServerInterceptor(grpc::experimental::ServerRpcInfo* info) override;
 
  private:
   Metrics& metrics_;
-  const OnAbandoned on_abandoned_;
+  const CallEvents events_;
 };
 
 }  // namespace collided::server

@@ -44,6 +44,7 @@ void FrameCall::accept(FrameCalls& calls) {
 void FrameCall::on_accepted(bool ok) {
   if (!ok) return gone_.drop();  // the server shuts down, and its tag will not arrive
   accept(calls_);
+  calls_.parts_.events.on_accepted(context_);
   caller_.ids = ids_of(context_.client_metadata());  // even for a call that is refused
   calls_.add(shared_from_this());
   try {
@@ -275,7 +276,7 @@ void FrameCall::end_locked(const grpc::Status& status) {
   if (session_)
     session_->close();
   else
-    calls_.parts_.on_abandoned(context_.peer());
+    calls_.parts_.events.on_abandoned(context_.peer());
   opening_.reset();
   ticket_.reset();
   finish_locked();

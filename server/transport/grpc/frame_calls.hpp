@@ -4,7 +4,6 @@
 
 #include <grpcpp/grpcpp.h>
 
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -14,6 +13,7 @@
 #include "server/limits/waiting_calls.hpp"
 #include "server/ops/metrics.hpp"
 #include "server/scenes/scene_host.hpp"
+#include "server/transport/grpc/call_watch.hpp"
 #include "server/transport/grpc/raw_service.hpp"
 
 namespace collided::server {
@@ -27,8 +27,7 @@ struct FrameCallParts {
   Metrics& metrics;
   WaitingCalls& waiting;
   uint64_t max_message_bytes;
-  std::function<void(const std::string& peer)>
-      on_abandoned;  ///< called for each call that ends before it opens a stream
+  const CallEvents& events;  ///< a call is abandoned if it ends before it opens a stream
 };
 
 class FrameCalls {

@@ -70,7 +70,7 @@ class Run {
   using Send = Variant::Send;
   struct Owned {
     uint32_t mesh;
-    std::vector<std::byte> end, indices, transform;
+    std::vector<std::byte> end, indices, transform, start = {};
   };
 
   std::vector<std::byte> packed(const Positions& positions) const {
@@ -81,8 +81,15 @@ class Run {
     for (uint32_t mesh = 0; mesh < spec_.meshes.size(); ++mesh) updates.push_back({mesh, packed(c.end[mesh]), {}, {}});
     return updates;
   }
+  /// `c` begins where the last frame ended.
+  std::vector<Owned> both_ends(const Case& c) const {
+    std::vector<Owned> updates = whole(c);
+    for (Owned& update : updates) update.start = packed(c.start[update.mesh]);
+    return updates;
+  }
   std::vector<Owned> parts(const Case& c) const {
     if (variant_.send == Send::kQuantized) return whole(c);
+    if (variant_.send == Send::kBothEnds) return both_ends(c);
     if (variant_.send == Send::kFewVertices) return {few(c)};
     std::vector<Owned> updates = {{kCloth, packed(c.end[kCloth]), {}, {}}};
     if (variant_.send == Send::kBallByPose)
@@ -102,8 +109,8 @@ class Run {
     FrameInput input;
     double bytes = 0;
     for (const Owned& u : updates) {
-      input.updates.push_back({u.mesh, {}, u.end, !u.indices.empty(), u.indices, u.transform});
-      bytes += static_cast<double>(u.end.size() + u.indices.size() + u.transform.size());
+      input.updates.push_back({u.mesh, u.start, u.end, !u.indices.empty(), u.indices, u.transform});
+      bytes += static_cast<double>(u.start.size() + u.end.size() + u.indices.size() + u.transform.size());
     }
     if (is_counted) variant_.ask(input);
     const auto begin = std::chrono::steady_clock::now();
@@ -122,6 +129,12 @@ class Run {
   std::vector<double> caller_, step_, bytes_in_;
 };
 
+std::string device_name(Backend backend, int threads) {
+  for (const DeviceInfo& device : list_devices(threads))
+    if (device.backend == backend) return device.name;
+  throw std::runtime_error("no such device");
+}
+
 void print_table(const nlohmann::json& runs) {
   const nlohmann::json& full = runs[0];
   std::cerr << "| | time, x full model | bytes in a frame | bytes held | contacts |\n|---|--:|--:|--:|--:|\n";
@@ -133,7 +146,8 @@ void print_table(const nlohmann::json& runs) {
 
 nlohmann::json measure(Backend backend, double scale, int frames, int threads) {
   const auto scene = scenes::make_scene("cloth_ball", scale);
-  const auto at = [&](int frame) { return case_of(*scene, 0.6, 0.6 + frame / 240.0); };
+  const auto time = [](int frame) { return 0.6 + frame / 240.0; };
+  const auto at = [&](int frame) { return case_of(*scene, time(std::max(frame - 1, 0)), time(frame)); };
   std::vector<std::unique_ptr<Run>> runs;
   for (const Variant& variant : variants()) runs.push_back(std::make_unique<Run>(variant, at(0), backend, threads));
   for (int frame = 1; frame <= frames; ++frame) {
@@ -173,6 +187,7 @@ int main(int argc, char** argv) {
                            {"date", date},
                            {"commit", commit},
                            {"backend", backend},
+                           {"device", test::device_name(on, threads)},
                            {"scale", scale},
                            {"frames", frames},
                            {"runs", runs}};

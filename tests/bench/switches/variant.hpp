@@ -13,7 +13,7 @@ constexpr uint32_t kCloth = 0, kBall = 1;
 
 struct Variant {
   std::string name;
-  enum class Send { kWhole, kClothAlone, kBallByPose, kFewVertices, kQuantized };
+  enum class Send { kWhole, kBothEnds, kClothAlone, kBallByPose, kFewVertices, kQuantized };
   Send send;
   void (*declare)(SceneSpec&);
   void (*ask)(FrameInput&);

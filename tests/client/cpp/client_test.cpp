@@ -76,9 +76,12 @@ TEST(FrameWire, IsTheRequestAsProtobufReadsIt) {
   frame.add_updates()->set_mesh(200);
   frame.mutable_updates(1)->mutable_rigid()->set_matrix(small);
   const auto view = [](const std::string& text) { return std::as_bytes(std::span(text)); };
+  const RigidMatrix here{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, there{1, 0, 0, 5, 0, 1, 0, 6, 0, 0, 1, 7};
   const std::vector<FrameUpdate> views{
       {.mesh = 70000, .positions = view(small), .start_positions = view(large), .indices = view(indices)},
-      {.positions = view(large)}};
+      {.positions = view(large)},
+      {.mesh = 3, .transform = &there},
+      {.mesh = 4, .transform = &there, .start_transform = &here}};
   const std::vector<WirePart> parts = encode_frame(frame, views);
   std::string wire;
   for (const WirePart& part : parts)
@@ -95,6 +98,8 @@ TEST(FrameWire, IsTheRequestAsProtobufReadsIt) {
   sparse.set_start_positions(large);
   sparse.set_positions(small);
   all.add_updates()->set_positions(large);
+  *all.add_updates() = rigid_update(3, there);
+  *all.add_updates() = rigid_update(4, there, here);
   EXPECT_EQ(read.SerializeAsString(), expected.SerializeAsString());
   for (const WirePart& part : parts) EXPECT_TRUE(part.borrowed.empty() || part.borrowed.size() == large.size());
 }

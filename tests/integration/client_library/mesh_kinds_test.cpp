@@ -53,6 +53,11 @@ FrameOutput answer_to(FrameStream& stream, const pb::Frame& frame) {
   return stream.receive();
 }
 
+FrameOutput answer_to(FrameStream& stream, uint64_t id, const client::FrameUpdate& update) {
+  stream.send(id, {&update, 1});
+  return stream.receive();
+}
+
 class MeshKinds : public ::testing::TestWithParam<Local> {
  protected:
   FrameStream open(const pb::Scene& scene) { return client_.stream(scene, {.local = {.use = GetParam()}}); }
@@ -66,10 +71,7 @@ TEST_P(MeshKinds, ARigidMeshIsMovedByTwelveNumbers) {
   EXPECT_EQ(scene.spec().meshes(0).motion(), pb::MESH_MOTION_RIGID);
   FrameStream stream = open(scene);
   answer_to(stream, first_frame(scene)).check();
-  pb::Frame fall;
-  fall.set_frame_id(2);
-  *fall.add_updates() = client::rigid_update(0, kBelow);
-  const FrameOutput output = answer_to(stream, fall);
+  const FrameOutput output = answer_to(stream, 2, {.mesh = 0, .transform = &kBelow});
   output.check();
   EXPECT_EQ(output.done.metrics().bytes_in(), 96u);
   EXPECT_EQ(output.vertex_triangle.count, 3u);
@@ -80,10 +82,29 @@ TEST_P(MeshKinds, EveryFrameMayTellWhereARigidMeshBegins) {
   const pb::Scene scene = make_scene(client_, pb::POSITION_FORMAT_F32, true);
   FrameStream stream = open(scene);
   answer_to(stream, first_frame(scene)).check();
+  const FrameOutput fall = answer_to(stream, 2, {.mesh = 0, .transform = &kBelow, .start_transform = &kBelow});
+  fall.check();
+  EXPECT_FALSE(fall.done.any_contact());
+  const FrameOutput lost = answer_to(stream, 3, {.mesh = 0, .start_transform = &kBelow});
+  ASSERT_TRUE(lost.error);
+  EXPECT_EQ(lost.error->field(), "frame.updates[0].rigid.matrix");
+}
+
+// As a frame that the caller made, or from the caller's memory.
+TEST_P(MeshKinds, AMessageMovesARigidMeshAsAnUpdateDoes) {
+  const pb::Scene scene = make_scene(client_, pb::POSITION_FORMAT_F32, true);
+  FrameStream stream = open(scene);
+  answer_to(stream, first_frame(scene)).check();
   pb::Frame fall;
   fall.set_frame_id(2);
-  *fall.add_updates() = client::rigid_update(0, kBelow, kBelow);
-  EXPECT_FALSE(answer_to(stream, fall).done.any_contact());
+  *fall.add_updates() = client::rigid_update(0, kBelow, kHere);
+  const FrameOutput message = answer_to(stream, fall);
+  const FrameOutput update = answer_to(stream, 3, {.mesh = 0, .transform = &kBelow, .start_transform = &kHere});
+  EXPECT_EQ(message.done.metrics().bytes_in(), 192u);
+  EXPECT_EQ(update.done.metrics().bytes_in(), 192u);
+  EXPECT_EQ(message.vertex_triangle.elements, update.vertex_triangle.elements);
+  EXPECT_EQ(message.vertex_triangle.toi, update.vertex_triangle.toi);
+  EXPECT_EQ(update.vertex_triangle.count, 3u);
 }
 
 TEST_P(MeshKinds, MovesThatARigidMeshCannotMakeAreRefusedAndTheStreamGoesOn) {
@@ -92,10 +113,7 @@ TEST_P(MeshKinds, MovesThatARigidMeshCannotMakeAreRefusedAndTheStreamGoesOn) {
   answer_to(stream, first_frame(scene)).check();
   RigidMatrix stretched = kHere;
   stretched[0] = 2;
-  pb::Frame bad;
-  bad.set_frame_id(2);
-  *bad.add_updates() = client::rigid_update(0, stretched);
-  const FrameOutput refused = answer_to(stream, bad);
+  const FrameOutput refused = answer_to(stream, 2, {.mesh = 0, .transform = &stretched});
   ASSERT_TRUE(refused.error);
   EXPECT_EQ(refused.error->field(), "frame.updates[0].rigid.matrix");
   EXPECT_EQ(refused.error->code(), grpc::INVALID_ARGUMENT);
@@ -103,9 +121,7 @@ TEST_P(MeshKinds, MovesThatARigidMeshCannotMakeAreRefusedAndTheStreamGoesOn) {
   positions.set_frame_id(3);
   positions.add_updates()->set_positions(packed(scene, kBody));
   EXPECT_EQ(answer_to(stream, positions).error->field(), "frame.updates[0].positions");
-  *bad.mutable_updates(0) = client::rigid_update(0, kBelow);
-  bad.set_frame_id(4);
-  EXPECT_EQ(answer_to(stream, bad).vertex_triangle.count, 3u);
+  EXPECT_EQ(answer_to(stream, 4, {.mesh = 0, .transform = &kBelow}).vertex_triangle.count, 3u);
 }
 
 TEST_P(MeshKinds, EncodedPositionsTakeHalfTheBytesAndMissNothing) {

@@ -51,7 +51,7 @@ class TlsTest : public testing::Test {
   void start(
       const Tls& tls, std::function<void(bool)> tell = [](bool) {}) {
     watch_ = std::make_unique<CertificateWatch>(tls, std::move(tell));
-    credentials_ = make_credentials(*watch_);
+    credentials_ = make_credentials(*watch_, [](const void*) { return true; });
     Config config;
     config.tls = tls;
     service_ = std::make_unique<TellName>(config);

@@ -172,7 +172,7 @@ PendingFrame adding_frame(uint64_t id, const std::shared_ptr<const ScenePlan>& p
   edit.meshes = {{2, {3, {{0, 1, 2}}}}};
   frame.input.edit = std::make_shared<const SceneEdit>(edit);
   frame.input.updates = {{.mesh = 2, .end = frame.input.updates[1].end}};
-  frame.basis = {plan, {{2, "copy"}}};
+  frame.basis = {plan, {{2, "copy", false, 1}}};
   return frame;
 }
 

@@ -52,10 +52,18 @@ size_t varint_size(uint64_t value) { return CodedOutputStream::VarintSize64(valu
 size_t field_size(size_t bytes) { return 1 + varint_size(bytes) + bytes; }
 size_t bytes_size(std::span<const std::byte> bytes) { return bytes.empty() ? 0 : field_size(bytes.size()); }
 
+std::span<const std::byte> bytes_of(const RigidMatrix* matrix) {
+  return matrix ? std::as_bytes(std::span(*matrix)) : std::span<const std::byte>();
+}
+
+size_t rigid_size(const FrameUpdate& update) {
+  return bytes_size(bytes_of(update.transform)) + bytes_size(bytes_of(update.start_transform));
+}
+
 size_t update_size(const FrameUpdate& update) {
-  const size_t indices = bytes_size(update.indices);
+  const size_t indices = bytes_size(update.indices), rigid = rigid_size(update);
   return (update.mesh ? 1 + varint_size(update.mesh) : 0) + (indices ? field_size(indices) : 0) +
-         bytes_size(update.start_positions) + bytes_size(update.positions);
+         (rigid ? field_size(rigid) : 0) + bytes_size(update.start_positions) + bytes_size(update.positions);
 }
 
 void write_update(Writer& out, const FrameUpdate& update) {
@@ -68,6 +76,11 @@ void write_update(Writer& out, const FrameUpdate& update) {
   if (const size_t indices = bytes_size(update.indices)) {
     out.field(MeshUpdate::kSparseFieldNumber, indices);
     out.bytes_field(v1::SparseIndices::kIndicesFieldNumber, update.indices);
+  }
+  if (const size_t rigid = rigid_size(update)) {
+    out.field(MeshUpdate::kRigidFieldNumber, rigid);
+    out.bytes_field(v1::RigidTransform::kMatrixFieldNumber, bytes_of(update.transform));
+    out.bytes_field(v1::RigidTransform::kStartMatrixFieldNumber, bytes_of(update.start_transform));
   }
   out.bytes_field(MeshUpdate::kStartPositionsFieldNumber, update.start_positions);
   out.bytes_field(MeshUpdate::kPositionsFieldNumber, update.positions);

@@ -144,6 +144,9 @@ void LocalTransport::add(const FrameUpdate& update, v1::MeshUpdate& out) {
   put(
       update.indices, [&] { return out.mutable_sparse()->mutable_shared_indices(); },
       [&] { return out.mutable_sparse()->mutable_indices(); });
+  if (update.transform) out.mutable_rigid()->set_matrix(update.transform->data(), sizeof(RigidMatrix));
+  if (update.start_transform)
+    out.mutable_rigid()->set_start_matrix(update.start_transform->data(), sizeof(RigidMatrix));
 }
 
 /// Arrays in the message are placed; ranges that it names are kept.
