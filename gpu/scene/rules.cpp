@@ -121,6 +121,13 @@ void check_start_fraction(const FrameSettings& settings, double fraction) {
     throw InvalidInput("start_fraction", "start_fraction is " + text(fraction) + "; it must be from 0 to 1");
 }
 
+void check_room(const ContactRoom& room) {
+  const auto address = reinterpret_cast<uintptr_t>(room.memory.data());
+  if (address % ContactRoom::kAlignment != 0)
+    throw InvalidInput("room", "room begins at an address that is " + text(address % ContactRoom::kAlignment) +
+                                   " above a multiple of " + text(ContactRoom::kAlignment));
+}
+
 }  // namespace
 
 void check_frame(const SceneSpec& spec, const FrameInput& frame) {
@@ -131,6 +138,7 @@ void check_frame(const SceneSpec& spec, const FrameInput& frame) {
     throw InvalidInput("ignore_separating", "ignore_separating is on, which needs CCD at GUARDED or above");
   if (frame.advance) check_advance(spec, settings);
   if (frame.start_fraction) check_start_fraction(settings, *frame.start_fraction);
+  check_room(frame.room);
 }
 
 void check_spec(const SceneSpec& spec) {

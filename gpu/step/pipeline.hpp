@@ -11,6 +11,7 @@
 #include "gpu/step/lbvh_phase.hpp"
 #include "gpu/step/narrow_phase.hpp"
 #include "gpu/step/octree_phase.hpp"
+#include "gpu/step/placing.hpp"
 #include "gpu/step/plan.hpp"
 #include "gpu/step/refinement.hpp"
 #include "gpu/step/results.hpp"
@@ -32,16 +33,18 @@ class Pipeline {
         octree_(exec, searcher_, spec, counts_, scene),
         lbvh_(exec, searcher_, counts_, scene),
         narrow_(exec, ranks_, scene),
-        results_(exec, spec, scene),
+        placing_(exec, scene),
+        results_(exec, spec, scene, placing_),
         choice_(spec.engine),
         levels_{.deepest = deepest_base(counts_.triangles)} {}
 
-  /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`: as in FrameInput.
-  FrameResult detect_contacts(bool boxes_static, const FrameSettings& settings, uint64_t bytes_beside_contact) {
-    return detect(boxes_static, needs_of(spec_, settings), bytes_beside_contact);
+  /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`, `room`: as in FrameInput.
+  FrameResult detect_contacts(bool boxes_static, const FrameSettings& settings, uint64_t bytes_beside_contact,
+                              const ContactRoom& room = {}) {
+    return detect(boxes_static, needs_of(spec_, settings, room), bytes_beside_contact, room);
   }
   /// The pairs that `needs_of_rest_pairs` says, as contacts.
-  FrameResult detect_rest_pairs() { return detect(true, needs_of_rest_pairs(spec_), 0); }
+  FrameResult detect_rest_pairs() { return detect(true, needs_of_rest_pairs(spec_), 0, {}); }
 
   /// Bounds of all triangles over the last step, rounded outward.
   const Box<float>& bounds() const { return state_.bounds; }
@@ -52,14 +55,16 @@ class Pipeline {
   /// weight); with 0 no other cut of the same grid makes fewer tests.
   static constexpr float kRegistrationCost = 0;
 
-  FrameResult detect(bool boxes_static, const LevelNeeds& needs, uint64_t bytes_beside_contact) {
+  FrameResult detect(bool boxes_static, const LevelNeeds& needs, uint64_t bytes_beside_contact,
+                     const ContactRoom& room) {
     const double thickness = needs.settings.reach();
     result_ = {};
+    placing_.begin(room);
     const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == thickness;
     run_step(needs, boxes_static || !is_boxed);
     boxed_thickness_ = thickness;
     describe();
-    results_.collect(state_, needs, bytes_beside_contact, result_);
+    results_.collect(state_, needs, {bytes_beside_contact, room.first_on_host}, result_);
     result_.stages = exec_.stage_times();
     result_.allocations = exec_.allocations();
     return std::move(result_);
@@ -130,6 +135,7 @@ class Pipeline {
     if (is_of_features(first_kind())) detect_features();
     if (needs().kinds.triangle_triangle) detect_triangles();
     narrow_.finish();
+    if (needs().places_contacts()) exec_.stage("place", [&] { placing_.place(needs()); });
   }
 
   void build_octree(const OctreePlan& plan) {
@@ -307,6 +313,7 @@ class Pipeline {
   OctreePhase<Exec, Real> octree_;
   LbvhPhase<Exec, Real> lbvh_;
   NarrowPhase<Exec, Real> narrow_;
+  Placing<Exec, Real> placing_;
   Results<Exec, Real> results_;
   EngineChoice choice_;
   Refinement refinement_;
