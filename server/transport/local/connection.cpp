@@ -171,6 +171,8 @@ void Connection::submit(pb::LocalRequest& request) {
   place_ranges(region, incoming);
   incoming.memory = opening_.region;
   incoming.answer_bytes_per_contact = scene.plan().fields.contact_bytes();
+  if (region && region->has_device_output()) incoming.room = region->output_part(submitted_, opening_.terms.window);
+  ++submitted_;
   PendingFrame frame = admit_frame(rules_.host, scene, std::move(incoming));
   {
     const std::lock_guard lock(mutex_);

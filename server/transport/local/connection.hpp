@@ -83,6 +83,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   std::string requested_scene_id_;         // from the opening; owned by the thread
   Opening opening_;                        // set before the session
   std::unique_ptr<AnswerWriter> writer_;   // set before the session; then owned by the worker
+  uint64_t submitted_ = 0;                 // frames, each of which is answered in its turn; owned by the thread
 
   mutable std::mutex mutex_;  // guards what follows
   std::shared_ptr<FrameSession> session_;

@@ -18,7 +18,8 @@ LocalLayout local_layout(const v1::SceneSpec& scene, uint32_t window, const Loca
       v1::max_frame_input_bytes(vertices, positions * position, static_cast<uint64_t>(scene.meshes_size()));
   const bool is_device = !options.cuda_ipc_handle.empty();
   const uint64_t max_output = v1::kMaxOutputBytes / window / v1::kPageBytes * v1::kPageBytes;
-  return {window, is_device ? 0 : bytes, window * std::min(v1::whole_pages(options.output_bytes), max_output)};
+  return {window, is_device ? 0 : bytes, window * std::min(v1::whole_pages(options.output_bytes), max_output),
+          !options.output_cuda_ipc_handle.empty()};
 }
 
 }  // namespace collided::client
