@@ -117,7 +117,8 @@ class Pipeline {
     narrow_.reserve();
     if (is_lbvh()) return lbvh_.reserve();
     octree_.reserve(plan_.octree);
-    exec_.upload(scene_.octree.wanted.data(), &levels_, sizeof(levels_));
+    if (std::exchange(sent_levels_, levels_) == levels_) return;
+    exec_.upload(scene_.octree.wanted.data(), &sent_levels_, sizeof(sent_levels_));
   }
   bool is_lbvh() const { return plan_.octree.engine == Engine::kLbvh; }
 
@@ -317,7 +318,7 @@ class Pipeline {
   Results<Exec, Real> results_;
   EngineChoice choice_;
   Refinement refinement_;
-  ActiveLevels levels_;
+  ActiveLevels levels_, sent_levels_{.deepest = -1};  ///< the latter are on the backend
   UsagePredictor large_;                   ///< triangles that cover many cells
   StepPlan plan_;                          ///< of the last step
   std::optional<double> boxed_thickness_;  ///< that all boxes have

@@ -5,12 +5,12 @@
 #include <memory>
 #include <vector>
 
+#include "gpu/contacts/answer_room.hpp"
+#include "gpu/contacts/columns_on_host.hpp"
 #include "gpu/exact/poll.hpp"
 #include "gpu/narrow/gather.hpp"
 #include "gpu/narrow/normal.hpp"
-#include "gpu/step/answer_room.hpp"
 #include "gpu/step/buffers.hpp"
-#include "gpu/step/columns_on_host.hpp"
 #include "gpu/step/contact_sets.hpp"
 #include "gpu/step/level_needs.hpp"
 #include "gpu/step/placing.hpp"

@@ -51,6 +51,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   struct Wait {
     short events = 0;  ///< of the socket
     std::optional<Clock::time_point> until;
+    Clock::time_point awake_until = Clock::time_point::min();  ///< without sleeping
   };
 
   bool poll_once();
@@ -70,6 +71,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   bool may_read_locked() const;
   void flush_locked();
   void end_frame_locked();
+  void stay_awake_locked();
   void end_if_idle_locked();
   void close_locked(const Failure& why);
 
@@ -90,6 +92,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   Outbox outbox_;
   uint32_t in_flight_ = 0;         // unanswered frames
   std::optional<Failure> closed_;  // why the stream ends, once decided
+  Clock::time_point awake_until_ = Clock::time_point::min();
   bool read_all_ = false, is_stopping_ = false;
 };
 

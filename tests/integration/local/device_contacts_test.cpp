@@ -187,8 +187,8 @@ TEST_F(DeviceContactsTest, FramesOfTwoStreamsAtOnce) {
     for (uint32_t i = 1; i < kWindow; ++i) check_one();
     stream.finish();
   };
-  std::thread beside(run);
-  run();
+  std::thread beside([&] { EXPECT_NO_THROW(run()); });
+  EXPECT_NO_THROW(run());
   beside.join();
 }
 

@@ -63,7 +63,7 @@ inline v1::Scene make_device_scene(client::Client& client) {
   const client::MeshInput mesh{.name = "layers", .vertex_count = 2 * kDeviceSide * kDeviceSide, .triangles = triangles};
   v1::SceneSpec spec;
   spec.set_mode(v1::DETECTION_MODE_DCD_AND_CCD);
-  spec.set_position_format(v1::POSITION_FORMAT_F64);
+  spec.set_position_format(v1::POSITION_FORMAT_F32);
   spec.set_thickness(0.5 / kDeviceSide);
   for (int field = v1::ContactField_MIN + 1; field <= v1::ContactField_MAX; ++field)
     spec.add_fields(static_cast<v1::ContactField>(field));

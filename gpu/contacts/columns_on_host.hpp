@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gpu/contacts/columns.hpp"
-#include "gpu/step/answer_room.hpp"
+#include "gpu/contacts/answer_room.hpp"
 
 namespace collided {
 
