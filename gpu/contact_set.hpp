@@ -141,6 +141,11 @@ class Column {
   const T* end() const { return data() + size_; }
   /// Only the first `size` of them stay.
   void truncate(size_t size) { size_ = std::min(size_, size); }
+  /// All but the first `count` of them, at most all, stay.
+  void skip(size_t count) {
+    if (count > 0) values_ = std::shared_ptr<T>(values_, data() + count);
+    size_ -= count;
+  }
 
   bool operator==(const Column& other) const { return std::equal(begin(), end(), other.begin(), other.end()); }
 
@@ -152,6 +157,19 @@ class Column {
 /// Contacts of one kind, sorted by (first id, second id). Columns that the level does not compute are empty.
 struct ContactSet : PerField<Column> {
   size_t size() const { return elements.size(); }
+};
+
+/// An array of contacts in memory that a frame names; no bytes: there is none.
+struct ArrayRange {
+  uint64_t offset = 0, bytes = 0;
+};
+template <class>
+using RangeOf = ArrayRange;
+
+/// Where contacts of one kind lie in a ContactRoom.
+struct PlacedContacts : PerField<RangeOf> {
+  uint64_t count = 0;
+  ArrayRange stencils;
 };
 
 /// Of all kinds.

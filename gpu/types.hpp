@@ -210,6 +210,18 @@ class FrameSlot {
   virtual void send(const std::vector<MeshPositions>& updates) = 0;
 };
 
+/// Memory of the backend (on CUDA that of the device) that a frame's contacts are put into instead of being brought to
+/// the host. Nobody else may use it until detect() has returned or thrown.
+struct ContactRoom {
+  static constexpr uint64_t kAlignment = 64;  ///< bytes; of the memory, and within it of each array
+
+  std::span<std::byte> memory = {};  ///< empty: contacts are brought to the host
+  FieldSet fields = {};              ///< that are put there, of those that the answer has
+  bool stencils = false;             ///< uint32[4]: the vertices of both features, which triangle pairs do not have
+  /// So many of the first contacts of each kind are brought to the host all the same (FrameResult::first).
+  uint64_t first_on_host = 0;
+};
+
 struct FrameInput {
   std::vector<MeshPositions> updates;    ///< the first frame must name every mesh; empty if `slot` brings them
   std::shared_ptr<FrameSlot> slot = {};  ///< of the same scene, with positions that were sent; may be empty
@@ -240,6 +252,8 @@ struct FrameInput {
   std::function<bool()> cancelled = {};
   /// Bytes that the caller will hold for each contact of the answer, beside the result's own: counted with it.
   uint64_t bytes_beside_contact = 0;
+  /// Where the contacts stay; those that do not fit come to the host.
+  ContactRoom room = {};
 };
 
 /// Vertices of a scene: `first` (scene-wide), first + stride, and so on, `count` of them.
@@ -263,8 +277,11 @@ struct FrameCounts {
   uint64_t exact_decisions = 0;
 };
 
-/// Of triangle pairs it has elements and flags alone.
+/// Of triangle pairs it has elements and flags alone. With a ContactRoom the first contacts of all kinds together lie
+/// there (`placed`), as many as fit, and the sets have the others.
 struct FrameResult : PerKind<ContactSet> {
+  PerKind<PlacedContacts> placed;
+  PerKind<ContactSet> first;  ///< as ContactRoom::first_on_host asks
   std::vector<StageTime> stages;
   FrameCounts counts;
   uint32_t replays = 0;         ///< runs of the step that were too short of memory
@@ -283,6 +300,13 @@ struct FrameResult : PerKind<ContactSet> {
   /// May be null.
   std::shared_ptr<const void> held = {};
 };
+
+/// All, wherever they lie.
+inline size_t count_contacts(const FrameResult& result) {
+  size_t count = count_contacts(static_cast<const PerKind<ContactSet>&>(result));
+  for_each_kind([&](ContactKind, const PlacedContacts& placed) { count += placed.count; }, result.placed);
+  return count;
+}
 
 struct MemoryPart {
   std::string part;

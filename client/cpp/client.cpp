@@ -54,6 +54,14 @@ void fill_mesh(const MeshInput& mesh, v1::MeshSpec& out) {
   out.set_points(mesh.points.data(), mesh.points.size_bytes());
 }
 
+/// Over gRPC there is no device memory, so that a stream must not fall back to it.
+void check_handles(const LocalOptions& local) {
+  if (local.use == Local::kOn || (local.cuda_ipc_handle.empty() && local.output_cuda_ipc_handle.empty())) return;
+  const char* field = local.cuda_ipc_handle.empty() ? "output_cuda_ipc_handle" : "cuda_ipc_handle";
+  throw Error(grpc::INVALID_ARGUMENT, std::string("options.local.") + field + " is set, which needs Local::kOn",
+              std::string("options.local.") + field);
+}
+
 }  // namespace
 
 v1::MeshEdit edited_mesh(uint32_t mesh, const MeshInput& input) {
@@ -145,11 +153,10 @@ FrameStream Client::State::stream_locally(const v1::Scene& scene, const v1::Open
     throw Error(grpc::RESOURCE_EXHAUSTED,
                 "window is " + std::to_string(window) + "; the daemon's limit is " + std::to_string(limit),
                 "open.window");
-  return FrameStream::open(
-      std::make_unique<LocalTransport>(
-          LocalPeer{info.local_socket(), TrustedUsers(channels.address(), options.daemon_user)},
-          local_layout(known.spec(), window, options), channels.options().token, options.cuda_ipc_handle),
-      open, {.is_local = true, .keeper = stream.keeper});
+  return FrameStream::open(std::make_unique<LocalTransport>(
+                               LocalPeer{info.local_socket(), TrustedUsers(channels.address(), options.daemon_user)},
+                               local_layout(known.spec(), window, options), channels.options().token, options),
+                           open, {.is_local = true, .keeper = stream.keeper});
 }
 
 Client::Client(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -208,6 +215,7 @@ FrameStream Client::stream(const v1::Scene& scene, const StreamOptions& options)
   open.set_resume_token(options.resume_token);
   const ChannelFactory& own = state_->channels;
   std::string local_refusal;
+  check_handles(options.local);
   if (options.local.use == Local::kOn) return state_->stream_locally(scene, open, options);
   if (options.local.use == Local::kAutomatic && is_local_address(own.address()) && state_->has_local(scene)) try {
       return state_->stream_locally(scene, open, options);

@@ -57,4 +57,27 @@ void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransp
   contacts.count += chunk.count();
 }
 
+DeviceContacts on_device(const v1::ContactChunk& chunk, uint64_t bytes) {
+  const v1::SharedArrays& shared = chunk.shared();
+  DeviceContacts contacts;
+  contacts.count = chunk.count();
+  const auto name = [&](DeviceArray& array, const v1::SharedRange& range, uint64_t width, const char* field) {
+    array = {range.offset(), range.size()};
+    const bool fits = array.bytes <= bytes && array.offset <= bytes - array.bytes;
+    if (array.bytes == 0 || (fits && array.bytes == contacts.count * width)) return;
+    throw Error(kDataLoss,
+                std::string("contacts.shared.") + field + " has " + std::to_string(array.bytes) + " bytes at offset " +
+                    std::to_string(array.offset) + " for " + std::to_string(contacts.count) + " contacts; it needs " +
+                    std::to_string(contacts.count * width) + ", and the output region has " + std::to_string(bytes));
+  };
+  name(contacts.elements, shared.elements(), sizeof(Contacts{}.elements[0]), "elements");
+  name(contacts.stencils, shared.stencils(), sizeof(Contacts{}.stencils[0]), "stencils");
+  name(contacts.toi, shared.toi(), sizeof(Contacts{}.toi[0]), "toi");
+  name(contacts.distance, shared.distance(), sizeof(Contacts{}.distance[0]), "distance");
+  name(contacts.weights, shared.weights(), sizeof(Contacts{}.weights[0]), "weights");
+  name(contacts.normals, shared.normals(), sizeof(Contacts{}.normals[0]), "normals");
+  name(contacts.flags, shared.flags(), sizeof(Contacts{}.flags[0]), "flags");
+  return contacts;
+}
+
 }  // namespace collided::client

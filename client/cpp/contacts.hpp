@@ -23,6 +23,19 @@ struct Contacts {
   std::vector<uint8_t> flags;
 };
 
+/// An array in memory of the device: so many bytes, `offset` bytes from the start of that memory. No bytes: there is
+/// none.
+struct DeviceArray {
+  uint64_t offset = 0, bytes = 0;
+};
+
+/// Contacts that stay on the device (LocalOptions::output_cuda_ipc_handle). The types of the arrays are those of
+/// Contacts.
+struct DeviceContacts {
+  uint64_t count = 0;
+  DeviceArray elements, stencils, toi, distance, weights, normals, flags;
+};
+
 /// One value for each kind of contact.
 template <class T>
 struct PerKind {
@@ -49,5 +62,9 @@ constexpr ElementKind element_kind(const std::array<uint32_t, 4>& stencil) {
 /// Appends a chunk; arrays in shared memory are read through `transport`, if there is one. Throws Error (DATA_LOSS) if
 /// the length of an array is not the chunk's `count`.
 void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport* transport = nullptr);
+
+/// Where a chunk's arrays lie in an output region of `bytes` on the device. Throws Error (DATA_LOSS) if an array has
+/// not the length that `count` asks for, or does not lie in the region.
+DeviceContacts on_device(const v1::ContactChunk& chunk, uint64_t bytes);
 
 }  // namespace collided::client

@@ -21,6 +21,10 @@ class FrameTransport;
 
 /// The daemon's whole answer to one frame. Triangle pairs have elements and flags only.
 struct FrameOutput : PerKind<Contacts> {
+  /// The frame's contacts on the device, if the stream keeps them there (LocalOptions::output_cuda_ipc_handle): the
+  /// first ones of the frame, complete now; those that had no room follow them, on the host. Valid until as many more
+  /// frames have been sent as the window has.
+  PerKind<DeviceContacts> on_device;
   uint64_t frame_id = 0;
   v1::FrameDone done;                   ///< metrics and totals
   std::optional<v1::FrameError> error;  ///< the frame was refused; the stream goes on

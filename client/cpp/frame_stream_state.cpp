@@ -17,15 +17,24 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kMaxTime(1'000'000'000);  // longer ones overflow the clock
 
-Contacts& contacts_of(FrameOutput& output, v1::ContactKind wanted) {
-  Contacts* found = nullptr;
+template <class Values>
+auto& value_of(Values& values, v1::ContactKind wanted) {
+  auto* found = &values.vertex_triangle;
+  bool is_known = false;
   for_each_kind(
-      [&](v1::ContactKind kind, Contacts& contacts) {
-        if (kind == wanted) found = &contacts;
+      [&](v1::ContactKind kind, auto& value) {
+        if (kind == wanted) found = &value, is_known = true;
       },
-      output);
-  if (found) return *found;
+      values);
+  if (is_known) return *found;
   throw Error(grpc::DATA_LOSS, "contacts.kind is " + std::to_string(wanted) + ", which this client does not know");
+}
+
+void add(FrameOutput& output, const v1::ContactChunk& chunk, const FrameTransport& transport) {
+  if (chunk.has_shared() && transport.device_output_bytes() > 0)
+    value_of(output.on_device, chunk.kind()) = on_device(chunk, transport.device_output_bytes());
+  else
+    append(value_of(output, chunk.kind()), chunk, &transport);
 }
 
 }  // namespace
@@ -111,10 +120,9 @@ void FrameStream::State::take(v1::StreamFramesResponse& response) {
   const uint64_t id = response.frame_id();
   switch (response.response_case()) {
     case v1::StreamFramesResponse::kContacts:
-      return append(contacts_of(partial[id], response.contacts().kind()), response.contacts(), transport.get());
+      return add(partial[id], response.contacts(), *transport);
     case v1::StreamFramesResponse::kDone:
-      for (const v1::ContactChunk& chunk : response.done().contacts())
-        append(contacts_of(partial[id], chunk.kind()), chunk, transport.get());
+      for (const v1::ContactChunk& chunk : response.done().contacts()) add(partial[id], chunk, *transport);
       response.mutable_done()->clear_contacts();
       partial[id].done = std::move(*response.mutable_done());
       return complete(id);

@@ -22,6 +22,10 @@ struct LocalOptions {
   uint64_t edit_bytes = 0;
   /// A cudaIpcMemHandle_t (64 bytes) of memory on the scene's GPU, in which updates then name ranges. Needs kOn.
   std::string cuda_ipc_handle = "";
+  /// The same for contacts, which then stay there (FrameOutput::on_device): each frame of the window has
+  /// `output_bytes`, rounded up to pages of 4096, so that the memory must have the window's times as many. May be the
+  /// same memory, with positions after that. Needs kOn.
+  std::string output_cuda_ipc_handle = "";
   /// Another user id that the daemon may run as, besides root, this process's own user and whoever listens at a
   /// unix:... address. -1: none.
   int64_t daemon_user = -1;

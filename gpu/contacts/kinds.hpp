@@ -16,6 +16,7 @@ struct VertexTriangle {
 
   Span<const Vec3<uint32_t>> triangles;
 
+  COLLIDED_HD bool has(uint64_t key) const { return static_cast<uint32_t>(key) < triangles.size(); }
   COLLIDED_HD Stencil stencil(uint64_t key) const {
     const Vec3<uint32_t> t = triangles[static_cast<uint32_t>(key)];
     return {{static_cast<uint32_t>(key >> 32), t.x, t.y, t.z}};
@@ -31,6 +32,9 @@ struct EdgeEdge {
 
   Span<const EdgePair> edges;
 
+  COLLIDED_HD bool has(uint64_t key) const {
+    return (key >> 32) < edges.size() && static_cast<uint32_t>(key) < edges.size();
+  }
   COLLIDED_HD Stencil stencil(uint64_t key) const {
     const EdgePair a = edges[key >> 32], b = edges[static_cast<uint32_t>(key)];
     return {{a.from, a.to, b.from, b.to}};

@@ -11,6 +11,8 @@ struct ActiveLevels {
   int top = 0;
   int base = -1;            ///< -1: no frame yet
   int deepest = kMaxLevel;  ///< that the base may be
+
+  bool operator==(const ActiveLevels&) const = default;
 };
 
 /// The deepest base level of a scene: dense levels cost memory, and the time to clear it, for each of their cells,

@@ -109,6 +109,13 @@ void check_edit(const FrameInput& frame) {
                        "slot is given with an edit, whose positions come in updates: it is of the scene before");
 }
 
+void check_room(const ContactRoom& room) {
+  const auto address = reinterpret_cast<uintptr_t>(room.memory.data());
+  if (address % ContactRoom::kAlignment != 0)
+    throw InvalidInput("room", "room begins at an address that is " + text(address % ContactRoom::kAlignment) +
+                                   " above a multiple of " + text(ContactRoom::kAlignment));
+}
+
 }  // namespace
 
 void check_frame(const SceneSpec& spec, const FrameInput& frame) {
@@ -120,6 +127,7 @@ void check_frame(const SceneSpec& spec, const FrameInput& frame) {
   if (frame.advance) check_advance(spec, settings);
   if (frame.start_fraction) check_start_fraction(settings, *frame.start_fraction);
   if (frame.edit) check_edit(frame);
+  check_room(frame.room);
 }
 
 void check_spec(const SceneSpec& spec) {

@@ -120,7 +120,8 @@ class SceneDetector final : public Detector {
 
   FrameResult detect(const FrameInput& frame, const FrameSettings& settings) {
     const bool begins_at_rest = rest_pairs_.are_awaited();
-    if (spec_.kinds.edge_edge && (settings.accuracy != Accuracy::kCandidates || begins_at_rest)) model_.require_edges();
+    if (spec_.kinds.edge_edge && (settings.accuracy != Accuracy::kCandidates || begins_at_rest || frame.room.stencils))
+      model_.require_edges();
     const bool boxes_static = !positions_.are_boxes_good();
     Slot* slot = nullptr;
     exec_.stage("upload", [&] {
@@ -133,7 +134,7 @@ class SceneDetector final : public Detector {
     });
     RestCosts rest;
     if (begins_at_rest) rest = find_rest_pairs();
-    FrameResult result = pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact);
+    FrameResult result = pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact, frame.room);
     if (frame.advance) advance(settings, result);
     if (begins_at_rest) add_costs(rest, result);
     exec_.asks().ask();

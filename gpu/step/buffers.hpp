@@ -6,6 +6,7 @@
 
 #include "gpu/contacts/columns.hpp"
 #include "gpu/contacts/order.hpp"
+#include "gpu/contacts/place.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/lbvh/lbvh.hpp"
 #include "gpu/narrow/certified_ccd.hpp"
@@ -180,6 +181,8 @@ struct WorkBuffers {
         normals(exec, "contacts"),
         columns(exec),
         order(exec),
+        room(exec, "contacts"),
+        layout(exec, "contacts"),
         exact_keys(exec, "exact"),
         exact_points(exec, "exact"),
         sample(exec, "watched_positions") {}
@@ -196,6 +199,8 @@ struct WorkBuffers {
   Buffer<Normal, Exec> normals;         ///< of the contacts as they were found
   ColumnBuffers<Exec> columns;          ///< in canonical order
   OrderBuffers<Exec> order;
+  Buffer<Span<std::byte>, Exec> room;  ///< where contacts stay; frames that have such memory
+  Buffer<ContactLayout, Exec> layout;  ///< of those there
   Buffer<uint64_t, Exec> exact_keys;
   Buffer<Vec3<Real>, Exec> exact_points;
   Buffer<Vec3<Real>, Exec> sample;  ///< positions on their way to those who watch the scene

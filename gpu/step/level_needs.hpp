@@ -2,6 +2,7 @@
 // What a frame's level and report need: which lists, stages and filters there are at all.
 
 #include "gpu/contacts/columns.hpp"
+#include "gpu/contacts/layout.hpp"
 #include "gpu/step/settings.hpp"
 
 namespace collided {
@@ -11,6 +12,8 @@ struct LevelNeeds {
   PerKind<bool> kinds = {};
   FieldSet fields = {};           ///< that are asked for
   bool finds_rest_pairs = false;  ///< the step finds the pairs that all others leave out
+  bool has_room = false;          ///< there is memory of the backend for contacts
+  ContactWidths widths = {};      ///< of what is put there
 
   bool operator==(const LevelNeeds&) const = default;
 
@@ -27,6 +30,12 @@ struct LevelNeeds {
   bool tests_triangles() const { return kinds.triangle_triangle && !is_ccd(); }
   /// What is reported of a kind is a contact, not just a candidate.
   bool tests(ContactKind kind) const { return is_of_features(kind) ? has_narrow_phase() : tests_triangles(); }
+  /// Contacts stay on the backend.
+  bool keeps_contacts() const { return has_room && !is_any_hit(); }
+  /// The step itself puts them where they are to stay; at kExact the host decides first which are contacts.
+  bool places_contacts() const { return keeps_contacts() && !is_exact(); }
+  bool has_times() const { return columns().has(ContactField::kToi); }
+
   /// Contacts have more than their ids.
   bool has_data() const { return has_narrow_phase() || tests_triangles(); }
 
@@ -58,8 +67,16 @@ struct LevelNeeds {
   bool judges_resolution() const { return settings.accuracy >= Accuracy::kGuarded; }
 };
 
-inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings) {
-  return {settings, spec.kinds, spec.fields};
+inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings, const ContactRoom& room = {}) {
+  LevelNeeds needs{settings, spec.kinds, spec.fields};
+  needs.has_room = !room.memory.empty();
+  if (!needs.has_room) return needs;
+  for_each_kind(
+      [&](ContactKind kind, bool is_wanted) {
+        if (is_wanted) needs.widths.set(kind, needs.fields_of(kind) & room.fields, room.stencils);
+      },
+      spec.kinds);
+  return needs;
 }
 
 /// Of the step that finds the pairs of features that are within rest_distance. They are where they are, whatever the

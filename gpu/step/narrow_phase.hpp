@@ -17,8 +17,11 @@ namespace collided {
 template <Executor Exec, class Real>
 class NarrowPhase {
  public:
-  NarrowPhase(Exec& exec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene, bool has_loose_elements = false)
-      : exec_(exec), ranks_(ranks), scene_(scene), has_loose_elements_(has_loose_elements) {}
+  NarrowPhase(Exec& exec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
+      : exec_(exec), ranks_(ranks), scene_(scene) {}
+
+  /// Whether some elements of the scene are no triangles.
+  void expect_loose_elements(bool are_there) { has_loose_elements_ = are_there; }
 
   /// What the next steps do.
   void begin(const StepPlan& plan) { plan_ = plan; }
@@ -228,7 +231,7 @@ class NarrowPhase {
   Exec& exec_;
   const FeatureRanks& ranks_;
   SceneBuffers<Exec, Real>& scene_;
-  const bool has_loose_elements_;
+  bool has_loose_elements_ = false;
   StepPlan plan_;
   OrderPredictor order_;
 };

@@ -11,6 +11,7 @@
 #include "gpu/step/lbvh_phase.hpp"
 #include "gpu/step/narrow_phase.hpp"
 #include "gpu/step/octree_phase.hpp"
+#include "gpu/step/placing.hpp"
 #include "gpu/step/plan.hpp"
 #include "gpu/step/refinement.hpp"
 #include "gpu/step/results.hpp"
@@ -31,17 +32,21 @@ class Pipeline {
         searcher_(exec),
         octree_(exec, searcher_, spec, counts_, scene),
         lbvh_(exec, searcher_, counts_, scene),
-        narrow_(exec, ranks_, scene, counts_.has_loose_elements()),
-        results_(exec, spec, scene),
+        narrow_(exec, ranks_, scene),
+        placing_(exec, scene),
+        results_(exec, spec, scene, placing_),
         choice_(spec.engine),
-        levels_{.deepest = deepest_base(counts_.triangles)} {}
+        levels_{.deepest = deepest_base(counts_.triangles)} {
+    narrow_.expect_loose_elements(counts_.has_loose_elements());
+  }
 
-  /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`: as in FrameInput.
-  FrameResult detect_contacts(bool boxes_static, const FrameSettings& settings, uint64_t bytes_beside_contact) {
-    return detect(boxes_static, needs_of(spec_, settings), bytes_beside_contact);
+  /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`, `room`: as in FrameInput.
+  FrameResult detect_contacts(bool boxes_static, const FrameSettings& settings, uint64_t bytes_beside_contact,
+                              const ContactRoom& room = {}) {
+    return detect(boxes_static, needs_of(spec_, settings, room), bytes_beside_contact, room);
   }
   /// The pairs that `needs_of_rest_pairs` says, as contacts.
-  FrameResult detect_rest_pairs() { return detect(true, needs_of_rest_pairs(spec_), 0); }
+  FrameResult detect_rest_pairs() { return detect(true, needs_of_rest_pairs(spec_), 0, {}); }
 
   /// The scene is made of so much from the next step on. Throws InvalidInput where that is too much.
   void resize(SceneCounts counts) {
@@ -49,6 +54,7 @@ class Pipeline {
     counts_ = std::move(counts);
     const int deepest = deepest_base(counts_.triangles);
     if (deepest != levels_.deepest) levels_ = {.deepest = deepest};
+    narrow_.expect_loose_elements(counts_.has_loose_elements());
     boxed_thickness_.reset();
     numbers_.begin_anew();
   }
@@ -56,6 +62,8 @@ class Pipeline {
   void release_lists() {
     static_cast<WorkBuffers<Exec, Real>&>(scene_) = WorkBuffers<Exec, Real>(exec_);
     searcher_.release();
+    placing_.begin_anew();
+    sent_levels_ = {.deepest = -1};
     boxed_thickness_.reset();
   }
 
@@ -68,14 +76,16 @@ class Pipeline {
   /// weight); with 0 no other cut of the same grid makes fewer tests.
   static constexpr float kRegistrationCost = 0;
 
-  FrameResult detect(bool boxes_static, const LevelNeeds& needs, uint64_t bytes_beside_contact) {
+  FrameResult detect(bool boxes_static, const LevelNeeds& needs, uint64_t bytes_beside_contact,
+                     const ContactRoom& room) {
     const double thickness = needs.settings.reach();
     result_ = {};
+    placing_.begin(room);
     const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == thickness;
     run_step(needs, boxes_static || !is_boxed);
     boxed_thickness_ = thickness;
     describe();
-    results_.collect(state_, needs, bytes_beside_contact, result_);
+    results_.collect(state_, needs, {bytes_beside_contact, room.first_on_host}, result_);
     result_.stages = exec_.stage_times();
     result_.allocations = exec_.allocations();
     return std::move(result_);
@@ -129,7 +139,8 @@ class Pipeline {
     narrow_.reserve();
     if (is_lbvh()) return lbvh_.reserve();
     octree_.reserve(plan_.octree);
-    exec_.upload(scene_.octree.wanted.data(), &levels_, sizeof(levels_));
+    if (std::exchange(sent_levels_, levels_) == levels_) return;
+    exec_.upload(scene_.octree.wanted.data(), &sent_levels_, sizeof(sent_levels_));
   }
   bool is_lbvh() const { return plan_.octree.engine == Engine::kLbvh; }
 
@@ -147,6 +158,7 @@ class Pipeline {
     if (is_of_features(first_kind())) detect_features();
     if (needs().kinds.triangle_triangle) detect_triangles();
     narrow_.finish();
+    if (needs().places_contacts()) exec_.stage("place", [&] { placing_.place(needs()); });
   }
 
   void build_octree(const OctreePlan& plan) {
@@ -327,13 +339,14 @@ class Pipeline {
   OctreePhase<Exec, Real> octree_;
   LbvhPhase<Exec, Real> lbvh_;
   NarrowPhase<Exec, Real> narrow_;
+  Placing<Exec, Real> placing_;
   Results<Exec, Real> results_;
   EngineChoice choice_;
   Refinement refinement_;
-  ActiveLevels levels_;
-  UsagePredictor large_;                   ///< triangles that cover many cells
-  StepPlan plan_;                          ///< of the last step
-  std::optional<double> boxed_thickness_;  ///< that all boxes have
+  ActiveLevels levels_, sent_levels_{.deepest = -1};  ///< the latter are on the backend
+  UsagePredictor large_;                              ///< triangles that cover many cells
+  StepPlan plan_;                                     ///< of the last step
+  std::optional<double> boxed_thickness_;             ///< that all boxes have
   PlanNumbers numbers_;
   StepState state_{};
   FrameResult result_;

@@ -5,24 +5,32 @@
 #include <memory>
 #include <vector>
 
+#include "gpu/contacts/answer_room.hpp"
+#include "gpu/contacts/columns_on_host.hpp"
 #include "gpu/exact/poll.hpp"
 #include "gpu/narrow/gather.hpp"
 #include "gpu/narrow/normal.hpp"
-#include "gpu/step/answer_room.hpp"
 #include "gpu/step/buffers.hpp"
-#include "gpu/step/columns_on_host.hpp"
 #include "gpu/step/contact_sets.hpp"
 #include "gpu/step/level_needs.hpp"
+#include "gpu/step/placing.hpp"
 
 namespace collided {
+
+/// What is brought to the host.
+struct HostNeeds {
+  uint64_t bytes_beside_contact = 0;  ///< as in FrameInput
+  uint64_t first = 0;                 ///< contacts of each kind that stay on the backend
+};
 
 template <Executor Exec, class Real>
 class Results {
  public:
-  Results(Exec& exec, const SceneSpec& spec, SceneBuffers<Exec, Real>& scene)
+  Results(Exec& exec, const SceneSpec& spec, SceneBuffers<Exec, Real>& scene, Placing<Exec, Real>& placing)
       : exec_(exec),
         spec_(spec),
         scene_(scene),
+        placing_(placing),
         room_(std::make_shared<AnswerRoom>(spec.memory_quota, &Exec::host_block)) {}
   Results(const Results&) = delete;
   Results& operator=(const Results&) = delete;
@@ -31,40 +39,134 @@ class Results {
   /// Bytes of the host that are held for answers.
   uint64_t answer_bytes() const { return room_->bytes(); }
 
-  /// `bytes_beside_contact`: as in FrameInput.
-  void collect(const StepState& step, const LevelNeeds& needs, uint64_t bytes_beside_contact, FrameResult& result) {
+  void collect(const StepState& step, const LevelNeeds& needs, const HostNeeds& host, FrameResult& result) {
     needs_ = needs;
-    bytes_beside_contact_ = bytes_beside_contact;
+    host_ = host;
     result_ = &result;
     if (needs_.is_any_hit() && (!needs_.is_exact() || step.shortcut.has_contact != 0)) {
       result.any_contact = step.shortcut.has_contact != 0;
       return;
     }
-    exec_.stage("download", [&] { download(needs_.is_earliest_only() ? step.earliest : step.contacts, step.kinds); });
+    const uint64_t found = needs_.is_earliest_only() ? step.earliest : step.contacts;
+    if (needs_.places_contacts()) return collect_placed(step, found);
+    exec_.stage("download", [&] { download(0, found, step.kinds); });
     if (needs_.is_exact()) exec_.stage("exact", [&] { settle_all(); });
     report();
+    if (needs_.keeps_contacts()) exec_.stage("place", [&] { place_settled(); });
   }
 
  private:
   static constexpr size_t kSettledAtATime = 1u << 14;  ///< contacts, whose points take memory
 
-  void download(uint64_t count, const KindBegins& kinds) {
-    const ContactColumns columns = scene_.columns.columns(needs_.columns());
-    if (count == 0) return;
-    ColumnsOnHost host(columns, count);
-    host.take(*room_, count * bytes_beside_contact_);
-    host.for_each([&](std::byte* to, const void* from, uint64_t bytes) { exec_.download_async(to, from, bytes); });
+  /// Contacts [begin, end) of the list.
+  void download(uint64_t begin, uint64_t end, const KindBegins& kinds) {
+    if (begin == end) return;
+    const ColumnsOnHost host = bring(begin, end, (end - begin) * host_.bytes_beside_contact);
     exec_.wait();
     result_->held = host.memory();
     for_each_kind(
         [&](ContactKind kind, ContactSet& set) {
-          const int k = index_of(kind);
-          const uint64_t end = k + 1 < static_cast<int>(kContactKinds) ? kinds.at[k + 1] : count;
-          set = host.contacts(kinds.at[k], end, needs_.fields_of(kind));
+          set = host.contacts(std::clamp(kinds.at[index_of(kind)], begin, end),
+                              std::clamp(end_of(kind, kinds, end), begin, end), needs_.fields_of(kind));
         },
         contacts());
   }
+  /// They are there after wait(). `beside`: as AnswerRoom has it.
+  ColumnsOnHost bring(uint64_t begin, uint64_t end, uint64_t beside) {
+    ColumnsOnHost host(scene_.columns.columns(needs_.columns()), begin, end);
+    host.take(*room_, beside);
+    host.for_each([&](std::byte* to, const void* from, uint64_t bytes) { exec_.download_async(to, from, bytes); });
+    return host;
+  }
+  static uint64_t end_of(ContactKind kind, const KindBegins& kinds, uint64_t count) {
+    const size_t next = static_cast<size_t>(index_of(kind)) + 1;
+    return next < kContactKinds ? kinds.at[next] : count;
+  }
   PerKind<ContactSet>& contacts() { return *result_; }
+
+  /// The step has placed its contacts; those without room, and the first if they are wanted, are brought here.
+  void collect_placed(const StepState& step, uint64_t found) {
+    count(step.kinds, found);
+    if (needs_.has_times()) result_->earliest_toi = step.earliest_toi;
+    const uint64_t listed = placing_.most_listed(needs_, found);
+    const ContactLayout layout = placing_.layout(needs_, step.kinds, listed);
+    tell(layout);
+    if (layout.count == listed && host_.first == 0) return;
+    exec_.stage("download", [&] {
+      download(layout.count, listed, step.kinds);
+      if (host_.first > 0) download_first(step.kinds, listed);
+    });
+  }
+  void count(const KindBegins& kinds, uint64_t found) {
+    for_each_kind(
+        [&](ContactKind kind, uint64_t& count) {
+          if (!needs_.tests(kind)) return;
+          count = end_of(kind, kinds, found) - kinds.at[index_of(kind)];
+          result_->any_contact = result_->any_contact || count > 0;
+        },
+        result_->counts.contacts);
+  }
+  void download_first(const KindBegins& kinds, uint64_t listed) {
+    for_each_kind(
+        [&](ContactKind kind, ContactSet& set) {
+          const uint64_t begin = std::min(kinds.at[index_of(kind)], listed),
+                         all = std::min(end_of(kind, kinds, listed), listed) - begin,
+                         end = begin + std::min(all, host_.first);
+          if (begin < end) set = bring(begin, end, 0).contacts(begin, end, needs_.fields_of(kind));
+        },
+        result_->first);
+    exec_.wait();
+  }
+  void tell(const ContactLayout& layout) {
+    for_each_kind(
+        [&](ContactKind kind, PlacedContacts& placed) {
+          const KindLayout& of_kind = layout.kinds[index_of(kind)];
+          const auto range = [&](int array) {
+            return ArrayRange{of_kind.at[array], of_kind.count * needs_.widths.of[index_of(kind)][array]};
+          };
+          placed.count = of_kind.count;
+          for_each_field([&](ContactField field, ArrayRange& array) { array = range(index_of(field)); }, placed);
+          placed.stencils = range(kStencilArray);
+        },
+        result_->placed);
+  }
+
+  /// What was decided on the host goes back to where the step left it, and on to its room from there.
+  void place_settled() {
+    KindBegins kinds = {};
+    uint64_t count = 0;
+    for_each_kind(
+        [&](ContactKind kind, const ContactSet& set) {
+          kinds.at[index_of(kind)] = count;
+          send(set, count);
+          count += set.size();
+        },
+        contacts());
+    StepState* state = scene_.state.data();
+    exec_.upload(&state->kinds, &kinds, sizeof(kinds));
+    exec_.upload(needs_.is_earliest_only() ? &state->earliest : &state->contacts, &count, sizeof(count));
+    placing_.place(needs_);
+    exec_.wait();
+    const ContactLayout layout = placing_.layout(needs_, kinds, count);
+    tell(layout);
+    for_each_kind(
+        [&](ContactKind kind, ContactSet& set, ContactSet& first) {
+          first = set;
+          for_each_field([&](ContactField, auto& column) { column.truncate(host_.first); }, first);
+          const uint64_t placed = layout.kinds[index_of(kind)].count;
+          for_each_field([&](ContactField, auto& column) { column.skip(std::min(placed, column.size())); }, set);
+        },
+        contacts(), result_->first);
+  }
+  /// To place `begin` of the columns and after.
+  void send(const ContactSet& set, uint64_t begin) {
+    for_each_field(
+        [&](ContactField, const auto& column, auto& resident) {
+          if (!column.empty())
+            exec_.upload(resident.data() + begin, column.data(), column.size() * sizeof(*column.data()));
+        },
+        set, scene_.columns);
+  }
 
   // EXACT: what is left open goes to the host's exact arithmetic.
   void settle_all() {
@@ -175,9 +277,10 @@ class Results {
   Exec& exec_;
   const SceneSpec& spec_;
   SceneBuffers<Exec, Real>& scene_;
+  Placing<Exec, Real>& placing_;
   const std::shared_ptr<AnswerRoom> room_;
   LevelNeeds needs_;
-  uint64_t bytes_beside_contact_ = 0;
+  HostNeeds host_;
   FrameResult* result_ = nullptr;
 };
 

@@ -26,6 +26,7 @@ struct StepState {
   GridState grid;
   FilterScale filter;
   Shortcut shortcut;
+  double earliest_toi;  ///< of contacts that stay on the backend
 };
 
 /// Set up before the narrow phase: what depends on the scene's bounds.

@@ -32,6 +32,16 @@ OutputFields available(OutputFields fields, ContactKind kind, const ContactSet& 
 
 }  // namespace
 
+std::vector<PlacedArray> arrays_of(const PlacedContacts& placed) {
+  std::vector<PlacedArray> out;
+  const auto add = [&](int number, const ArrayRange& range) {
+    if (range.bytes > 0) out.push_back({number, range});
+  };
+  for_each_field([&](ContactField, const ArrayRange& range, int number) { add(number, range); }, placed, kFieldNumbers);
+  add(pb::ContactChunk::kStencilsFieldNumber, placed.stencils);
+  return out;
+}
+
 std::vector<ChunkArray> Chunk::arrays() const {
   std::vector<ChunkArray> out;
   for_each_field(
@@ -61,7 +71,7 @@ size_t fit_at_end(std::span<const size_t> sizes, size_t max_bytes) {
   return count;
 }
 
-std::vector<Chunk> cut_into_chunks(const FrameResult& result, const OutputFields& fields, size_t max_bytes) {
+std::vector<Chunk> cut_into_chunks(const PerKind<ContactSet>& contacts, const OutputFields& fields, size_t max_bytes) {
   std::vector<Chunk> chunks;
   const auto cut = [&](ContactKind kind, const ContactSet& set) {
     const OutputFields present = available(fields, kind, set);
@@ -69,7 +79,7 @@ std::vector<Chunk> cut_into_chunks(const FrameResult& result, const OutputFields
     for (size_t begin = 0; begin < set.size(); begin += step)
       chunks.push_back({kind, &set, begin, std::min(begin + step, set.size()), present});
   };
-  for_each_kind(cut, result);
+  for_each_kind(cut, contacts);
   return chunks;
 }
 

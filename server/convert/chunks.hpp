@@ -17,6 +17,12 @@ struct ChunkArray {
   int field = 0;
   std::span<const std::byte> bytes;
 };
+struct PlacedArray {
+  int field = 0;
+  ArrayRange range;
+};
+/// Those that there are.
+std::vector<PlacedArray> arrays_of(const PlacedContacts& placed);
 
 /// Contacts [begin, end) of one kind. Refers to the result that it was made from.
 struct Chunk {
@@ -36,7 +42,7 @@ struct Chunk {
 
 /// Vertex-triangle first, then edge-edge, then triangle-triangle; the arrays of a chunk have at most `max_bytes`
 /// together. Fields that were not computed are left out.
-std::vector<Chunk> cut_into_chunks(const FrameResult& result, const OutputFields& fields, size_t max_bytes);
+std::vector<Chunk> cut_into_chunks(const PerKind<ContactSet>& contacts, const OutputFields& fields, size_t max_bytes);
 
 /// How many of the last pieces, of these sizes, fit into one message of at most `max_bytes`.
 size_t fit_at_end(std::span<const size_t> sizes, size_t max_bytes);

@@ -10,6 +10,11 @@ void encode_contacts(const Scene& scene, AnsweredFrame& frame, size_t max_chunk_
   const auto begin = Clock::now();
   const auto chunks = cut_into_chunks(frame.result, scene.plan()->fields, max_chunk_bytes);
   for (const Chunk& chunk : chunks) frame.cost.bytes_out += chunk.array_bytes();
+  for_each_kind(
+      [&](ContactKind, const PlacedContacts& placed) {
+        for (const PlacedArray& array : arrays_of(placed)) frame.cost.bytes_out += array.range.bytes;
+      },
+      frame.result.placed);
   encode(chunks);
   frame.cost.encode_milliseconds = milliseconds_since(begin);
   frame.cost.total_milliseconds = milliseconds_since(frame.arrival);

@@ -3,6 +3,7 @@
 
 #include <exception>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "collided/v1/frame.pb.h"
@@ -21,6 +22,7 @@ struct IncomingFrame {
   std::shared_ptr<const void> memory;   ///< keeps alive other memory that `placed` refers to; may be null
   std::exception_ptr refusal;           ///< an earlier error; may be null
   size_t answer_bytes_per_contact = 0;  ///< held by the transport until the client has taken them
+  std::span<std::byte> room = {};       ///< of the device, where contacts stay; within `memory`
 };
 
 /// Never throws: an error becomes the frame's refusal, which is sent in order.

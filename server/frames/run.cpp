@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "server/errors.hpp"
+#include "server/frames/watched.hpp"
 
 namespace collided::server {
 namespace {
@@ -23,6 +24,7 @@ bool should_stop(const Scene& scene, uint64_t frame_id, Turns::Turn& turn, const
 
 FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, const std::function<bool()>& cancelled, FrameCost& cost) {
   auto turn = scene.take_turn(cancelled);
+  if (!frame.input.room.memory.empty()) frame.input.room.first_on_host = most_watched(scene);
   frame.input.cancelled = [&] { return should_stop(scene, frame.frame_id, turn, cancelled); };
   FrameResult result;
   try {

@@ -11,9 +11,16 @@
 namespace collided::server {
 namespace {
 
+// Those on the host: of a frame whose contacts stay on the device, what was brought for who watched when it began.
+const PerKind<ContactSet>& first_contacts(const FrameResult& result) {
+  const bool stay = count_contacts(result) > count_contacts(static_cast<const PerKind<ContactSet>&>(result));
+  return stay ? result.first : result;
+}
+
 // The rest of the contacts is not copied: a watcher that stops reading must not hold a whole answer's memory.
 void fill_first_contacts(const Scene& scene, const FrameResult& result, uint32_t max_of_kind, pb::FrameDone* out) {
-  for (Chunk& chunk : cut_into_chunks(result, scene.plan()->fields, std::numeric_limits<size_t>::max())) {
+  for (Chunk& chunk :
+       cut_into_chunks(first_contacts(result), scene.plan()->fields, std::numeric_limits<size_t>::max())) {
     chunk.end = std::min<size_t>(chunk.end, max_of_kind);
     fill_chunk(chunk, scene.topology(), out->add_contacts());
   }
@@ -27,13 +34,17 @@ std::shared_ptr<const WatchedFrame> show(const Scene& scene, const AnsweredFrame
 
 }  // namespace
 
+uint32_t most_watched(const Scene& scene) {
+  uint32_t max_of_kind = 0;
+  for (const auto& watcher : scene.watchers().all()) max_of_kind = std::max(max_of_kind, watcher->max_contacts());
+  return max_of_kind;
+}
+
 void tell_watchers(const Scene& scene, const AnsweredFrame& frame) {
   const auto watchers = scene.watchers().all();
   if (watchers.empty()) return;
   try {
-    uint32_t max_of_kind = 0;
-    for (const auto& watcher : watchers) max_of_kind = std::max(max_of_kind, watcher->max_contacts());
-    const auto shown = show(scene, frame, max_of_kind);
+    const auto shown = show(scene, frame, most_watched(scene));
     for (const auto& watcher : watchers) watcher->answered(shown);
   } catch (...) {
     for (const auto& watcher : watchers) watcher->end(std::current_exception());

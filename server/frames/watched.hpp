@@ -18,6 +18,9 @@ struct WatchedFrame {
   pb::FrameDone done;  ///< with the first contacts of each kind, as many as the most demanding watcher shows
 };
 
+/// How many contacts of each kind the most demanding watcher shows; 0 if nobody watches.
+uint32_t most_watched(const Scene& scene);
+
 /// Shows the frame, whose cost must be complete, to the scene's watchers. On the scene's worker. Never throws: what
 /// goes wrong ends the watches, not the frame.
 void tell_watchers(const Scene& scene, const AnsweredFrame& frame);

@@ -58,6 +58,7 @@ std::vector<std::string> command_line(const fs::path& program, const fs::path& d
   // Its only client may use everything.
   words.insert(words.end(), {"--max-scenes-per-client", "1000000", "--max-streams-per-client", "1000000",
                              "--max-device-mb-per-client", "16777216", "--max-frame-seconds", "1000000"});
+  if (options.cuda_ipc) words.push_back("--cuda-ipc");
   if (!options.all_transports) return words;
   words.insert(words.end(), {"--address", "127.0.0.1:0", "--local-socket", (directory / "local").string()});
   return words;

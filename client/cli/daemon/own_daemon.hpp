@@ -12,6 +12,7 @@ struct DaemonOptions {
   std::string backend = "auto";
   int threads = 0;              ///< 0: all cores
   bool all_transports = false;  ///< loopback TCP and shared memory as well
+  bool cuda_ipc = false;        ///< and device memory of clients
 };
 
 class OwnDaemon {

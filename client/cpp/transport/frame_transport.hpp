@@ -39,6 +39,8 @@ class FrameTransport {
   /// Bytes of the output region, valid until the frame's credit is used again. Throws Error (DATA_LOSS) for a range
   /// outside of it; over gRPC that is every range.
   virtual std::span<const std::byte> shared(const v1::SharedRange& range) const = 0;
+  /// Bytes of an output region on the device, whose ranges only the device can read; 0: the host reads it.
+  virtual uint64_t device_output_bytes() const { return 0; }
   /// Tells the daemon that no more frames will come.
   virtual void half_close() = 0;
   /// Ends the stream at once: read() returns kEnd soon.

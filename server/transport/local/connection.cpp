@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "proto/constants.hpp"
@@ -22,7 +23,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr StreamKind kKind{"local stream", "LocalStream"};
-constexpr double kLastPacketSeconds = 0.2;  // to send the remaining packets when the daemon stops
+constexpr double kLastPacketSeconds = 0.2;               // to send the remaining packets when the daemon stops
+constexpr auto kAwake = std::chrono::microseconds(300);  // for the next frame of a simulator on the same GPU
 
 Clock::time_point after(Clock::time_point start, double seconds) {
   return start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -89,6 +91,7 @@ bool Connection::poll_once() {
 
 Connection::Wait Connection::next_wait_locked() const {
   Wait wait;
+  wait.awake_until = awake_until_;
   if (may_read_locked()) wait.events |= POLLIN;
   if (!session_) wait.until = after(begin_, timeouts_.open_seconds);
   if (outbox_.empty()) return wait;
@@ -104,7 +107,11 @@ bool Connection::may_read_locked() const {
 
 short Connection::wait(const Wait& wait) const {
   pollfd states[] = {{socket_.get(), wait.events, 0}, {wake_.get(), POLLIN, 0}};
-  if (poll(states, 2, milliseconds_until(wait.until)) < 0) return 0;
+  int ready = 0;
+  while (ready == 0 && Clock::now() < wait.awake_until)
+    if ((ready = poll(states, 2, 0)) == 0) std::this_thread::yield();
+  if (ready == 0) ready = poll(states, 2, milliseconds_until(wait.until));
+  if (ready < 0) return 0;
   if (states[1].revents & POLLIN) {
     eventfd_t count = 0;
     eventfd_read(wake_.get(), &count);
@@ -171,6 +178,8 @@ void Connection::submit(pb::LocalRequest& request) {
   place_ranges(region, incoming);
   incoming.memory = opening_.region;
   incoming.answer_bytes_per_contact = scene.plan()->fields.contact_bytes();
+  if (region && region->has_device_output()) incoming.room = region->output_part(submitted_, opening_.terms.window);
+  ++submitted_;
   PendingFrame frame = admit_frame(rules_.host, scene, std::move(incoming));
   {
     const std::lock_guard lock(mutex_);
@@ -239,7 +248,16 @@ void Connection::send(std::vector<std::string> packets, bool ends_frame, const s
 // The thread does not read the socket while the window is used up.
 void Connection::end_frame_locked() {
   if (in_flight_-- == opening_.terms.window) wake();
+  if (opening_.region && opening_.region->has_device_output()) stay_awake_locked();
   end_if_idle_locked();
+}
+
+// A simulator on the same GPU has nothing to copy: to wake two threads for its next frame would take longer than the
+// rest.
+void Connection::stay_awake_locked() {
+  awake_until_ = Clock::now() + kAwake;
+  session_->scene().worker().wake_early();
+  wake();
 }
 
 void Connection::flush_locked() {

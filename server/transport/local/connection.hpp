@@ -51,6 +51,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   struct Wait {
     short events = 0;  ///< of the socket
     std::optional<Clock::time_point> until;
+    Clock::time_point awake_until = Clock::time_point::min();  ///< without sleeping
   };
 
   bool poll_once();
@@ -71,6 +72,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   bool may_read_locked() const;
   void flush_locked();
   void end_frame_locked();
+  void stay_awake_locked();
   void end_if_idle_locked();
   void close_locked(const Failure& why);
 
@@ -84,6 +86,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   std::string requested_scene_id_;         // from the opening; owned by the thread
   Opening opening_;                        // set before the session
   std::unique_ptr<AnswerWriter> writer_;   // set before the session; then owned by the worker
+  uint64_t submitted_ = 0;                 // frames, each of which is answered in its turn; owned by the thread
 
   mutable std::mutex mutex_;  // guards what follows
   std::shared_ptr<FrameSession> session_;
@@ -92,6 +95,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   // One with an edit: later frames are checked against what it makes of the scene.
   std::optional<uint64_t> edit_in_flight_;
   std::optional<Failure> closed_;  // why the stream ends, once decided
+  Clock::time_point awake_until_ = Clock::time_point::min();
   bool read_all_ = false, is_stopping_ = false;
 };
 

@@ -24,8 +24,8 @@ static_assert(int{pb::ContactChunk::kFlagsFieldNumber} == pb::SharedArrays::kFla
 // One frame's part of the output region.
 class OutputPart {
  public:
-  /// `base`: start of the output region.
-  OutputPart(std::span<std::byte> part, const std::byte* base) : part_(part), base_(base) {}
+  /// `offset`: in the output region.
+  OutputPart(std::span<std::byte> part, uint64_t offset) : part_(part), offset_(offset) {}
 
   size_t room_for(size_t contact_bytes) const {
     const size_t used = used_ + kMaxArrays * pb::kRangeAlignment;
@@ -34,28 +34,43 @@ class OutputPart {
 
   void put(std::span<const std::byte> bytes, pb::SharedRange* range) {
     std::memcpy(part_.data() + used_, bytes.data(), bytes.size());
-    range->set_offset(static_cast<uint64_t>(part_.data() + used_ - base_));
+    range->set_offset(offset_ + used_);
     range->set_size(bytes.size());
     used_ += (bytes.size() + pb::kRangeAlignment - 1) / pb::kRangeAlignment * pb::kRangeAlignment;
   }
 
  private:
   std::span<std::byte> part_;
-  const std::byte* base_;
+  const uint64_t offset_;
   size_t used_ = 0;
 };
+
+// The range of one of ContactChunk's arrays.
+pb::SharedRange* range_of(pb::SharedArrays* shared, int field) {
+  const auto* range = pb::SharedArrays::descriptor()->FindFieldByNumber(field - kFieldShift);
+  return static_cast<pb::SharedRange*>(shared->GetReflection()->MutableMessage(shared, range));
+}
 
 void share_chunk(const Chunk& chunk, const Topology& topology, OutputPart& part, pb::ContactChunk* out) {
   out->set_kind(to_message(chunk.kind));
   out->set_count(chunk.count());
   pb::SharedArrays* const shared = out->mutable_shared();
-  const auto put = [&](int field, std::span<const std::byte> bytes) {
-    const auto* range = pb::SharedArrays::descriptor()->FindFieldByNumber(field - kFieldShift);
-    part.put(bytes, static_cast<pb::SharedRange*>(shared->GetReflection()->MutableMessage(shared, range)));
-  };
-  for (const ChunkArray& array : chunk.arrays()) put(array.field, array.bytes);
+  for (const ChunkArray& array : chunk.arrays()) part.put(array.bytes, range_of(shared, array.field));
   const auto stencils = chunk.stencils(topology);
-  if (!stencils.empty()) put(pb::ContactChunk::kStencilsFieldNumber, std::as_bytes(std::span(stencils)));
+  if (!stencils.empty())
+    part.put(std::as_bytes(std::span(stencils)), range_of(shared, pb::ContactChunk::kStencilsFieldNumber));
+}
+
+// Contacts that the device has put into the part at `offset`.
+void name_placed(ContactKind kind, const PlacedContacts& placed, uint64_t offset, pb::ContactChunk* out) {
+  out->set_kind(to_message(kind));
+  out->set_count(static_cast<uint32_t>(placed.count));
+  pb::SharedArrays* const shared = out->mutable_shared();  // there even if no array was asked for
+  for (const auto& [field, array] : arrays_of(placed)) {
+    pb::SharedRange* const range = range_of(shared, field);
+    range->set_offset(offset + array.offset);
+    range->set_size(array.bytes);
+  }
 }
 
 // Shares as many contacts of the chunk as fit; the others go into inline pieces.
@@ -113,17 +128,18 @@ std::string opened_packet(const Scene& scene, uint32_t window) {
 AnswerWriter::AnswerWriter(std::shared_ptr<SharedRegion> region, uint32_t window)
     : region_(std::move(region)), window_(window) {}
 
-std::span<std::byte> AnswerWriter::next_part() {
-  const uint64_t frame = frames_++;
-  if (!region_) return {};
-  const size_t bytes = region_->output().size() / window_ / pb::kPageBytes * pb::kPageBytes;
-  return region_->output().subspan(frame % window_ * bytes, bytes);
-}
-
 std::vector<std::string> AnswerWriter::write(const Scene& scene, AnsweredFrame& frame) {
-  OutputPart part(next_part(), region_ ? region_->output().data() : nullptr);
+  const auto memory = region_ ? region_->output_part(frames_, window_) : std::span<std::byte>();
+  const uint64_t offset = region_ ? static_cast<uint64_t>(memory.data() - region_->output().data()) : 0;
+  ++frames_;
+  OutputPart part(region_ && region_->has_device_output() ? std::span<std::byte>() : memory, offset);
   std::vector<std::string> packets;
   std::vector<pb::ContactChunk> pieces;
+  for_each_kind(
+      [&](ContactKind kind, const PlacedContacts& placed) {
+        if (placed.count > 0) name_placed(kind, placed, offset, &pieces.emplace_back());
+      },
+      frame.result.placed);
   encode_contacts(scene, frame, kNoCut, [&](std::span<const Chunk> chunks) {
     for (const Chunk& chunk : chunks) put_chunk(chunk, scene.topology(), part, pieces);
     std::vector<size_t> sizes;

@@ -1,5 +1,6 @@
 #pragma once
-// Answers of a local stream: contacts go into the output region while they fit, everything else into packets.
+// Answers of a local stream: contacts go into the output region while they fit, everything else into packets. Those
+// that the device has put there are only named.
 
 #include <cstdint>
 #include <memory>
@@ -37,8 +38,6 @@ class AnswerWriter {
   void skip() { ++frames_; }
 
  private:
-  std::span<std::byte> next_part();
-
   const std::shared_ptr<SharedRegion> region_;
   const uint32_t window_;
   uint64_t frames_ = 0;  ///< answered so far

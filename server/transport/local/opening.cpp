@@ -19,17 +19,34 @@ void check_bytes(const char* field, uint64_t bytes, uint64_t max) {
                         fmt::format("{} is {}, but streams of this scene can use at most {}", field, bytes, max));
 }
 
-void check_handle(const pb::LocalOpen& open, const Scene& scene, bool is_allowed) {
-  constexpr auto kField = "open.cuda_ipc_handle";
-  const std::string& handle = open.cuda_ipc_handle();
+// An empty handle is none.
+void check_handle(const char* field, const std::string& handle, bool is_allowed) {
+  if (handle.empty()) return;
   if (!is_allowed)
-    throw FailedPrecondition(kField, fmt::format("{} is set, but the daemon runs without --cuda-ipc", kField));
+    throw FailedPrecondition(field, fmt::format("{} is set, but the daemon runs without --cuda-ipc", field));
   if (handle.size() != pb::kCudaIpcHandleBytes)
-    throw_invalid(kField, fmt::format("has {} bytes, but a handle has {}", handle.size(), pb::kCudaIpcHandleBytes));
-  if (scene.plan()->engine.backend != Backend::kCuda)
-    throw FailedPrecondition(kField, fmt::format("{} is set, but scene {} is not on a GPU", kField, scene.id()));
-  if (open.input_bytes() != 0)
+    throw_invalid(field, fmt::format("has {} bytes, but a handle has {}", handle.size(), pb::kCudaIpcHandleBytes));
+}
+
+void check_backend(const char* field, const std::string& handle, const Scene& scene) {
+  if (!handle.empty() && scene.plan()->engine.backend != Backend::kCuda)
+    throw FailedPrecondition(field, fmt::format("{} is set, but scene {} is not on a GPU", field, scene.id()));
+}
+
+// Of what the client has on the device instead of in the file.
+void check_device_sizes(const pb::LocalOpen& open, uint32_t window) {
+  if (!open.cuda_ipc_handle().empty() && open.input_bytes() != 0)
     throw_invalid("open.input_bytes", fmt::format("is {}, but must be 0 with cuda_ipc_handle", open.input_bytes()));
+  if (!open.output_cuda_ipc_handle().empty() && open.output_bytes() < window * pb::kPageBytes)
+    throw_invalid(
+        "open.output_bytes",
+        fmt::format("is {}, but must be {} or more with output_cuda_ipc_handle: {} for each frame of the window",
+                    open.output_bytes(), window * pb::kPageBytes, pb::kPageBytes));
+}
+
+// Of the output region, in the file.
+uint64_t output_in_file(const pb::LocalOpen& open) {
+  return open.output_cuda_ipc_handle().empty() ? open.output_bytes() : 0;
 }
 
 void check_files(const std::vector<PassedFile>& files, bool is_needed) {
@@ -48,18 +65,24 @@ uint64_t max_input_bytes(const Scene& scene, uint32_t window) {
   return window * (frame + pb::kPageBytes) + pb::kMaxEditInputBytes;
 }
 
-void check_region(const pb::LocalOpen& open, const std::vector<PassedFile>& files, const Scene& scene,
+void check_region(const pb::LocalOpen& open, const std::vector<PassedFile>& files, const Opening& opening,
                   const OpeningRules& rules) {
-  if (!open.cuda_ipc_handle().empty()) check_handle(open, scene, rules.cuda_ipc);
+  constexpr auto kInput = "open.cuda_ipc_handle", kOutput = "open.output_cuda_ipc_handle";
+  const Scene& scene = *opening.scene;
+  check_handle(kInput, open.cuda_ipc_handle(), rules.cuda_ipc);
+  check_handle(kOutput, open.output_cuda_ipc_handle(), rules.cuda_ipc);
+  check_device_sizes(open, opening.terms.window);
   check_bytes("open.input_bytes", open.input_bytes(), max_input_bytes(scene, rules.host.limits().max_window));
   check_bytes("open.output_bytes", open.output_bytes(), pb::kMaxOutputBytes);
-  check_files(files, open.input_bytes() + open.output_bytes() > 0);
+  check_files(files, open.input_bytes() + output_in_file(open) > 0);
+  check_backend(kInput, open.cuda_ipc_handle(), scene);
+  check_backend(kOutput, open.output_cuda_ipc_handle(), scene);
 }
 
-// Counted here, as pages that the daemon touches first are charged to the daemon.
+// Counted here, as pages that the daemon touches first are charged to the daemon. The client's device memory is not.
 std::unique_ptr<MemoryHold> hold_region(const pb::LocalOpen& open, const Scene& scene) {
   auto held = std::make_unique<MemoryHold>(scene.plan()->quota);
-  held->resize(open.input_bytes() + open.output_bytes());
+  held->resize(open.input_bytes() + output_in_file(open));
   return held;
 }
 
@@ -67,10 +90,13 @@ std::shared_ptr<SharedRegion> map_region(const pb::LocalOpen& open, const std::v
                                          const Scene& scene) {
   const Fd none;
   const Fd& file = files.empty() ? none : files.front().fd();
-  const std::string& handle = open.cuda_ipc_handle();
-  if (!handle.empty()) return SharedRegion::open(std::as_bytes(std::span(handle)), file, open.output_bytes());
-  if (files.empty()) return nullptr;
-  return SharedRegion::map(file, {open.input_bytes(), open.output_bytes()}, scene.plan()->engine.backend);
+  const std::string &input = open.cuda_ipc_handle(), &output = open.output_cuda_ipc_handle();
+  if (files.empty() && input.empty() && output.empty()) return nullptr;
+  const RegionSize in_file{open.input_bytes(), output_in_file(open)};
+  auto region = input.empty() ? SharedRegion::map(file, in_file, scene.plan()->engine.backend)
+                              : SharedRegion::open(std::as_bytes(std::span(input)), file, in_file.output);
+  if (!output.empty()) region->open_output(std::as_bytes(std::span(output)), open.output_bytes());
+  return region;
 }
 
 }  // namespace
@@ -84,7 +110,7 @@ Opening check_opening(const pb::LocalOpen& open, std::vector<PassedFile> files, 
   opening.ticket = rules.host.usage().begin_stream(opening.client);
   opening.scene = rules.host.scenes().find(opening.client, open.open().scene_id());
   opening.terms = parse_open(open.open(), rules.host.limits());
-  check_region(open, files, *opening.scene, rules);
+  check_region(open, files, opening, rules);
   opening.region_bytes = hold_region(open, *opening.scene);
   opening.region = map_region(open, files, *opening.scene);
   return opening;

@@ -35,17 +35,17 @@ void check_file(int fd, uint64_t wanted) {
 }
 
 // The engine names its argument, not the protocol's field.
-std::unique_ptr<SharedMemory> open_device(std::span<const std::byte> handle) try {
+std::unique_ptr<SharedMemory> open_device(std::span<const std::byte> handle, const std::string& field) try {
   return open_device_memory(handle);
 } catch (const InvalidInput& e) {
-  throw InvalidInput("open.cuda_ipc_handle", std::string("open.cuda_ipc_handle: ") + e.what());
+  throw InvalidInput(field, field + ": " + e.what());
 }
 
 }  // namespace
 
 std::shared_ptr<SharedRegion> SharedRegion::map(const Fd& file, const RegionSize& size, Backend backend) {
   std::shared_ptr<SharedRegion> region(new SharedRegion);
-  region->map_file(file, size);
+  if (size.input + size.output > 0) region->map_file(file, size);
   if (size.input == 0) return region;
   region->registered_ = register_host_memory(backend, region->mapped_.first(size.input));
   region->input_ = region->registered_->bytes();
@@ -55,10 +55,20 @@ std::shared_ptr<SharedRegion> SharedRegion::map(const Fd& file, const RegionSize
 std::shared_ptr<SharedRegion> SharedRegion::open(std::span<const std::byte> handle, const Fd& file, uint64_t output) {
   std::shared_ptr<SharedRegion> region(new SharedRegion);
   if (output > 0) region->map_file(file, {0, output});
-  region->registered_ = open_device(handle);
+  region->registered_ = open_device(handle, "open.cuda_ipc_handle");
   region->input_ = region->registered_->bytes();
   region->is_host_ = false;
   return region;
+}
+
+void SharedRegion::open_output(std::span<const std::byte> handle, uint64_t bytes) {
+  auto memory = open_device(handle, "open.output_cuda_ipc_handle");
+  if (memory->bytes().size() < bytes)
+    throw InvalidInput("open.output_bytes",
+                       fmt::format("open.output_bytes is {}, but the memory of open.output_cuda_ipc_handle has {}",
+                                   bytes, memory->bytes().size()));
+  device_output_ = std::move(memory);
+  output_ = device_output_->bytes().first(bytes);
 }
 
 void SharedRegion::map_file(const Fd& file, const RegionSize& size) {
@@ -75,7 +85,13 @@ void SharedRegion::map_file(const Fd& file, const RegionSize& size) {
 
 SharedRegion::~SharedRegion() {
   registered_.reset();
+  device_output_.reset();
   if (!mapped_.empty()) munmap(mapped_.data(), mapped_.size());
+}
+
+std::span<std::byte> SharedRegion::output_part(uint64_t frame, uint32_t window) const {
+  const size_t bytes = output_.size() / window / v1::kPageBytes * v1::kPageBytes;
+  return output_.subspan(frame % window * bytes, bytes);
 }
 
 std::span<const std::byte> SharedRegion::input(uint64_t offset, uint64_t size, const std::string& path) const {

@@ -1,5 +1,5 @@
 #pragma once
-// Memory that a client shares with the daemon: positions in, contacts out.
+// Memory that a client shares with the daemon: positions in, contacts out. Either may be memory of the device.
 
 #include <cstddef>
 #include <cstdint>
@@ -27,6 +27,9 @@ class SharedRegion {
   /// As map(), but the input is device memory of a cudaIpcMemHandle_t, and the file (none if `output` is 0) holds only
   /// the output. Throws InvalidInput for a bad handle, DeviceError.
   static std::shared_ptr<SharedRegion> open(std::span<const std::byte> handle, const Fd& file, uint64_t output);
+  /// Makes the first `bytes` of device memory of a cudaIpcMemHandle_t the output. Throws InvalidInput for a bad handle
+  /// or less memory, DeviceError.
+  void open_output(std::span<const std::byte> handle, uint64_t bytes);
   ~SharedRegion();
   SharedRegion(const SharedRegion&) = delete;
   SharedRegion& operator=(const SharedRegion&) = delete;
@@ -36,6 +39,10 @@ class SharedRegion {
   /// Whether the host can read the input.
   bool is_host() const { return is_host_; }
   std::span<std::byte> output() const { return output_; }
+  /// The part of it that the `frame`th frame of a stream has.
+  std::span<std::byte> output_part(uint64_t frame, uint32_t window) const;
+  /// Whether the output is for the device to write, and not for the host.
+  bool has_device_output() const { return device_output_ != nullptr; }
 
  private:
   SharedRegion() = default;
@@ -43,7 +50,7 @@ class SharedRegion {
 
   std::span<std::byte> mapped_, output_;
   std::span<const std::byte> input_;
-  std::unique_ptr<SharedMemory> registered_;
+  std::unique_ptr<SharedMemory> registered_, device_output_;
   bool is_host_ = true;
 };
 

@@ -65,6 +65,27 @@ TEST_F(ContactArrays, InSharedMemoryAreRefusedOverGrpc) {
   EXPECT_THROW(add(chunk), Error);
 }
 
+TEST(ContactsOnDevice, AreNamedWithinTheRegion) {
+  v1::ContactChunk chunk;
+  chunk.set_count(2);
+  v1::SharedArrays& shared = *chunk.mutable_shared();
+  shared.mutable_elements()->set_size(16);
+  shared.mutable_stencils()->set_offset(64);
+  shared.mutable_stencils()->set_size(32);
+  const DeviceContacts contacts = on_device(chunk, 96);
+  EXPECT_EQ(contacts.count, 2u);
+  EXPECT_EQ(contacts.elements.bytes, 16u);
+  EXPECT_EQ(contacts.stencils.offset, 64u);
+  EXPECT_EQ(contacts.toi.bytes, 0u);
+  EXPECT_THROW(on_device(chunk, 95), Error);
+  EXPECT_THROW(on_device(chunk, 8), Error);
+  shared.mutable_stencils()->set_offset(~uint64_t{0});
+  EXPECT_THROW(on_device(chunk, 96), Error);
+  shared.mutable_stencils()->set_offset(0);
+  chunk.set_count(3);
+  EXPECT_THROW(on_device(chunk, 96), Error);
+}
+
 TEST(FrameWire, IsTheRequestAsProtobufReadsIt) {
   const std::string large(10000, 'x'), small(12, 'y'), indices = bytes<uint32_t>({4});
   v1::Frame frame;

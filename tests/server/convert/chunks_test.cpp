@@ -52,6 +52,19 @@ TEST(Chunks, ChunksAreBoundedAndCarryTheFieldsAskedFor) {
   EXPECT_EQ(stencil, (std::array<uint32_t, 4>{0, 1, 3, 4}));
 }
 
+TEST(Chunks, ArraysOnTheDeviceAreThoseThatHaveBytes) {
+  PlacedContacts placed;
+  placed.count = 2;
+  placed.elements = {0, 16}, placed.distance = {64, 16}, placed.stencils = {128, 32};
+  std::vector<std::array<uint64_t, 3>> arrays;
+  for (const auto& [field, range] : arrays_of(placed))
+    arrays.push_back({static_cast<uint64_t>(field), range.offset, range.bytes});
+  const std::vector<std::array<uint64_t, 3>> expected{{pb::ContactChunk::kElementsFieldNumber, 0, 16},
+                                                      {pb::ContactChunk::kDistanceFieldNumber, 64, 16},
+                                                      {pb::ContactChunk::kStencilsFieldNumber, 128, 32}};
+  EXPECT_EQ(arrays, expected);
+}
+
 TEST(Chunks, WhatWasNotComputedIsLeftOut) {
   FrameResult result;
   Topology topology;

@@ -20,7 +20,8 @@ LocalLayout local_layout(const v1::SceneSpec& scene, uint32_t window, const Loca
   const uint64_t max_output = v1::kMaxOutputBytes / window / v1::kPageBytes * v1::kPageBytes;
   const uint64_t max_edit = v1::kMaxEditInputBytes / window / v1::kPageBytes * v1::kPageBytes;
   const uint64_t edit = std::min(v1::whole_pages(options.edit_bytes), max_edit);
-  return {window, is_device ? 0 : bytes + edit, window * std::min(v1::whole_pages(options.output_bytes), max_output)};
+  return {window, is_device ? 0 : bytes + edit, window * std::min(v1::whole_pages(options.output_bytes), max_output),
+          !options.output_cuda_ipc_handle.empty()};
 }
 
 }  // namespace collided::client

@@ -73,13 +73,14 @@ bool has_arrived(int socket, FrameTransport::Time deadline) {
 }  // namespace
 
 LocalTransport::LocalTransport(const LocalPeer& peer, const LocalLayout& layout, const std::string& token,
-                               const std::string& cuda_ipc_handle)
-    : layout_(layout), socket_(connect_to(peer)), region_(layout.window * layout.frame_bytes + layout.output_bytes) {
+                               const LocalOptions& options)
+    : layout_(layout), socket_(connect_to(peer)), region_(layout.input_in_file() + layout.output_in_file()) {
   opening_.set_version(v1::kLocalVersion);
   opening_.set_token(token);
-  opening_.set_input_bytes(layout.window * layout.frame_bytes);
+  opening_.set_input_bytes(layout.input_in_file());
   opening_.set_output_bytes(layout.output_bytes);
-  opening_.set_cuda_ipc_handle(cuda_ipc_handle);
+  opening_.set_cuda_ipc_handle(options.cuda_ipc_handle);
+  opening_.set_output_cuda_ipc_handle(options.output_cuda_ipc_handle);
 }
 
 bool LocalTransport::open(const v1::OpenStream& open) {
@@ -215,7 +216,7 @@ FrameTransport::Arrival LocalTransport::read(v1::StreamFramesResponse& response,
 }
 
 std::span<const std::byte> LocalTransport::shared(const v1::SharedRange& range) const {
-  const auto output = region_.bytes().last(layout_.output_bytes);
+  const auto output = region_.bytes().last(layout_.output_in_file());
   if (range.size() > output.size() || range.offset() > output.size() - range.size())
     throw Error(grpc::DATA_LOSS, "contacts.shared names " + std::to_string(range.size()) + " bytes at offset " +
                                      std::to_string(range.offset()) + "; the output region has " +

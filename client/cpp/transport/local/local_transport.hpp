@@ -25,13 +25,14 @@ class LocalTransport final : public FrameTransport {
  public:
   /// Connects. Throws Error: UNAVAILABLE if nobody listens there, PERMISSION_DENIED if an untrusted user does.
   LocalTransport(const LocalPeer& peer, const LocalLayout& layout, const std::string& token,
-                 const std::string& cuda_ipc_handle);
+                 const LocalOptions& options);
 
   bool open(const v1::OpenStream& open) override;
   std::span<std::byte> input(uint64_t bytes) override;
   bool send(const v1::Frame& frame, std::span<const FrameUpdate> updates) override;
   Arrival read(v1::StreamFramesResponse& response, Time deadline) override;
   std::span<const std::byte> shared(const v1::SharedRange& range) const override;
+  uint64_t device_output_bytes() const override { return layout_.is_device_output ? layout_.output_bytes : 0; }
   void half_close() override;
   void cancel() override;
   std::optional<Error> finish() override;

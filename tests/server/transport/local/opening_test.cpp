@@ -1,5 +1,6 @@
 // Refused openings: the client is told why, and nothing is left behind.
 #include <gtest/gtest.h>
+#include <spdlog/fmt/fmt.h>
 
 #include <fstream>
 
@@ -61,6 +62,7 @@ TEST_F(LocalOpening, NamesWhatIsWrong) {
       {"open.output_bytes", 8, [](auto& open) { open.set_output_bytes((uint64_t{1} << 30) + kPage); }},
       {"open.file", 3, [](auto& open) { open.set_input_bytes(2 * kPage); }},
       {"open.cuda_ipc_handle", 9, [](auto& open) { open.set_cuda_ipc_handle(std::string(64, 'h')); }},
+      {"open.output_cuda_ipc_handle", 9, [](auto& open) { open.set_output_cuda_ipc_handle(std::string(64, 'h')); }},
   };
   const Memory memory(2 * kPage);
   for (const auto& one : cases) {
@@ -71,6 +73,51 @@ TEST_F(LocalOpening, NamesWhatIsWrong) {
     EXPECT_TRUE(closed.field().ends_with(one.field)) << closed.field() << " is not " << one.field;
     EXPECT_FALSE(closed.message().empty());
   }
+}
+
+// Where the daemon takes device memory; of scenes on CPU cores there is none.
+TEST_F(LocalOpening, DeviceMemoryIsRefusedByFieldAndValue) {
+  Config config = Serving::cpu_config();
+  config.cuda_ipc = true;
+  Serving daemon({}, config);
+  const std::string scene = daemon.make_scene(), handle(64, 'h');
+  struct Case {
+    const char* message;
+    uint64_t input, output;
+    std::string input_handle, output_handle;
+    bool has_file;
+  };
+  const Case cases[] = {
+      {"open.cuda_ipc_handle has 63 bytes, but a handle has 64", 0, 0, handle.substr(1), "", false},
+      {"open.output_cuda_ipc_handle has 63 bytes, but a handle has 64", 0, 2 * kPage, "", handle.substr(1), false},
+      {"open.input_bytes is 4096, but must be 0 with cuda_ipc_handle", kPage, 0, handle, "", true},
+      {"open.output_bytes is 4096, but must be 8192 or more with output_cuda_ipc_handle: 4096 for each frame of the "
+       "window",
+       0, kPage, "", handle, false},
+      {"open.output_bytes is 0, but must be 8192 or more with output_cuda_ipc_handle: 4096 for each frame of the "
+       "window",
+       kPage, 0, "", handle, true},
+      {"open.output_bytes is 8200, but must be a multiple of 4096", 0, 2 * kPage + 8, "", handle, false},
+      {"open.file was passed 1 times, but must be passed 0 times for these sizes: it is the memfd", 0, 2 * kPage, "",
+       handle, true},
+      {"open.file was passed 0 times, but must be passed 1 times for these sizes: it is the memfd", kPage, 2 * kPage,
+       "", handle, false},
+      {"open.cuda_ipc_handle is set, but scene {} is not on a GPU", 0, 0, handle, "", false},
+      {"open.output_cuda_ipc_handle is set, but scene {} is not on a GPU", 0, 2 * kPage, "", handle, false},
+      {"open.output_cuda_ipc_handle is set, but scene {} is not on a GPU", kPage, 2 * kPage, "", handle, true},
+  };
+  const Memory memory(4 * kPage);
+  for (const Case& one : cases) {
+    auto request = test::open_request(scene, one.input, one.output);
+    request.mutable_open()->set_cuda_ipc_handle(one.input_handle);
+    request.mutable_open()->set_output_cuda_ipc_handle(one.output_handle);
+    const RawLocal raw(daemon.path());
+    raw.send(request, one.has_file ? std::vector<int>{memory.file()} : std::vector<int>{});
+    const auto closed = raw.closed();
+    EXPECT_EQ(closed.message(), fmt::format(fmt::runtime(one.message), scene));
+    EXPECT_EQ(closed.field(), std::string(one.message).substr(0, std::string(one.message).find(' ')));
+  }
+  EXPECT_TRUE(eventually([&] { return daemon.server().connections() == 0; }));
 }
 
 TEST_F(LocalOpening, OneFileOfTheRightKind) {

@@ -58,6 +58,7 @@ class Serving {
     LocalOptions options;
     options.path = folder_.file("local");
     options.timeouts = timeouts;
+    options.cuda_ipc = config_.cuda_ipc;
     server_ = std::make_unique<LocalServer>(options, host_, authenticator_, metrics_);
   }
   ~Serving() {

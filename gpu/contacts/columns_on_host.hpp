@@ -5,20 +5,20 @@
 #include <vector>
 
 #include "gpu/contacts/columns.hpp"
-#include "gpu/step/answer_room.hpp"
+#include "gpu/contacts/answer_room.hpp"
 
 namespace collided {
 
 class ColumnsOnHost {
  public:
-  /// Of `count` contacts that lie in `columns` on the backend.
-  ColumnsOnHost(const ContactColumns& columns, uint64_t count) : count_(count) {
+  /// Of the contacts [begin, end) that lie in `columns` on the backend.
+  ColumnsOnHost(const ContactColumns& columns, uint64_t begin, uint64_t end) : begin_(begin), count_(end - begin) {
     constexpr uint64_t kAlignment = 64;
     for_each_field(
         [&](ContactField, const auto& column, auto& place) {
           if (column.empty()) return;
-          place = {column.data, bytes_};
-          bytes_ += (place.bytes(count) + kAlignment - 1) / kAlignment * kAlignment;
+          place = {column.data + begin, bytes_};
+          bytes_ += (place.bytes(count_) + kAlignment - 1) / kAlignment * kAlignment;
         },
         columns, places_);
   }
@@ -37,12 +37,12 @@ class ColumnsOnHost {
         places_);
   }
 
-  /// Contacts [begin, end), with those of these fields that there are.
+  /// Contacts [begin, end) of the list, with those of these fields that there are.
   ContactSet contacts(uint64_t begin, uint64_t end, FieldSet fields) const {
     ContactSet set;
     for_each_field(
         [&](ContactField field, auto& column, const auto& place) {
-          if (fields.has(field)) column = column_at(place, begin, end);
+          if (fields.has(field)) column = column_at(place, begin - begin_, end - begin_);
         },
         set, places_);
     return set;
@@ -63,7 +63,7 @@ class ColumnsOnHost {
     return Column<T>(std::shared_ptr<T>(memory_, values), end - begin);
   }
 
-  uint64_t count_, bytes_ = 0;
+  uint64_t begin_, count_, bytes_ = 0;
   PerField<Place> places_;
   std::shared_ptr<std::byte> memory_;
 };
