@@ -2,7 +2,7 @@
 
 #include "gpu/scene/backends.hpp"
 #include "gpu/scene/rules.hpp"
-#include "gpu/scene/tables.hpp"
+#include "gpu/tables/tables.hpp"
 
 namespace collided {
 namespace {

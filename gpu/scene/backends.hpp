@@ -2,7 +2,7 @@
 // The backends that this build has; one source file makes each.
 
 #include "gpu/detector.hpp"
-#include "gpu/scene/topology.hpp"
+#include "gpu/tables/topology.hpp"
 
 namespace collided {
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "gpu/base/text.hpp"
-#include "gpu/scene/exclusions.hpp"
 #include "gpu/scene/rules.hpp"
+#include "gpu/tables/exclusions.hpp"
 
 namespace collided {
 namespace {

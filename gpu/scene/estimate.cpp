@@ -2,10 +2,10 @@
 
 #include "gpu/detector.hpp"
 #include "gpu/positions/format.hpp"
-#include "gpu/scene/exclusions.hpp"
 #include "gpu/scene/rules.hpp"
 #include "gpu/search/dry_run.hpp"
 #include "gpu/step/pipeline.hpp"
+#include "gpu/tables/exclusions.hpp"
 
 namespace collided {
 namespace {

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "gpu/scene/exclusions.hpp"
-#include "gpu/scene/id_shift.hpp"
 #include "gpu/step/pipeline.hpp"
+#include "gpu/tables/exclusions.hpp"
+#include "gpu/tables/id_shift.hpp"
 
 namespace collided {
 

@@ -11,9 +11,9 @@
 #include "gpu/scene/rest_pairs.hpp"
 #include "gpu/scene/rules.hpp"
 #include "gpu/scene/scene_model.hpp"
-#include "gpu/scene/tables.hpp"
 #include "gpu/step/advance.hpp"
 #include "gpu/step/pipeline.hpp"
+#include "gpu/tables/tables.hpp"
 
 namespace collided {
 

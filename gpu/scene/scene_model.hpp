@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "gpu/positions/slot.hpp"
-#include "gpu/scene/exclusions.hpp"
-#include "gpu/scene/topology.hpp"
 #include "gpu/step/buffers.hpp"
+#include "gpu/tables/exclusions.hpp"
+#include "gpu/tables/topology.hpp"
 
 namespace collided {
 

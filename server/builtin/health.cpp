@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "server/convert/status.hpp"
 #include "server/errors.hpp"
+#include "server/refusals/status.hpp"
 #include "server/shorten.hpp"
 
 namespace collided::server {

@@ -6,8 +6,8 @@
 
 #include "grpc/reflection/v1alpha/reflection.pb.h"
 #include "server/builtin/reflection_answer.hpp"
-#include "server/convert/status.hpp"
 #include "server/errors.hpp"
+#include "server/refusals/status.hpp"
 
 namespace collided::server {
 

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "server/convert/meshes.hpp"
-#include "server/convert/refuse.hpp"
 #include "server/convert/wire_bounds.hpp"
+#include "server/refusals/refuse.hpp"
 
 namespace collided::server {
 namespace {

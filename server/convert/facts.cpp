@@ -4,7 +4,7 @@
 #include "server/convert/kinds.hpp"
 #include "server/convert/meshes.hpp"
 #include "server/convert/options.hpp"
-#include "server/field_path.hpp"
+#include "server/refusals/field_path.hpp"
 
 namespace collided::server {
 namespace {

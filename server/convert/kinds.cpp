@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "server/convert/refuse.hpp"
+#include "server/refusals/refuse.hpp"
 
 namespace collided::server {
 namespace {

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "server/convert/options.hpp"
-#include "server/convert/refuse.hpp"
-#include "server/field_path.hpp"
+#include "server/refusals/field_path.hpp"
+#include "server/refusals/refuse.hpp"
 
 namespace collided::server {
 namespace {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/convert/refuse.hpp"
-#include "server/field_path.hpp"
+#include "server/refusals/field_path.hpp"
+#include "server/refusals/refuse.hpp"
 
 namespace collided::server {
 namespace {

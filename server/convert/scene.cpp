@@ -11,7 +11,7 @@
 #include "server/convert/kinds.hpp"
 #include "server/convert/meshes.hpp"
 #include "server/convert/options.hpp"
-#include "server/convert/refuse.hpp"
+#include "server/refusals/refuse.hpp"
 
 namespace collided::server {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <google/protobuf/wire_format_lite.h>
 
-#include "server/convert/refuse.hpp"
+#include "server/refusals/refuse.hpp"
 
 namespace collided::server {
 namespace {

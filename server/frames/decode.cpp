@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "gpu/detector.hpp"
-#include "server/convert/refuse.hpp"
 #include "server/convert/wire_bounds.hpp"
 #include "server/errors.hpp"
+#include "server/refusals/refuse.hpp"
 
 namespace collided::server {
 namespace {

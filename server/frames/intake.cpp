@@ -9,7 +9,7 @@
 #include "server/convert/edit.hpp"
 #include "server/convert/options.hpp"
 #include "server/errors.hpp"
-#include "server/field_path.hpp"
+#include "server/refusals/field_path.hpp"
 
 namespace collided::server {
 namespace {

@@ -7,10 +7,10 @@
 #include <exception>
 #include <string_view>
 
-#include "server/convert/status.hpp"
 #include "server/frames/frame.hpp"
 #include "server/ops/log.hpp"
 #include "server/ops/metrics.hpp"
+#include "server/refusals/status.hpp"
 #include "server/scenes/scene.hpp"
 
 namespace collided::server {

@@ -3,8 +3,8 @@
 
 #include "collided/v1/collision_service.pb.h"
 #include "server/config/config.hpp"
-#include "server/convert/status.hpp"
 #include "server/frames/session.hpp"
+#include "server/refusals/status.hpp"
 
 namespace collided::server {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <string_view>
 
-#include "server/convert/status.hpp"
 #include "server/ops/log.hpp"
+#include "server/refusals/status.hpp"
 
 namespace collided::server {
 namespace {

@@ -8,9 +8,9 @@
 #include <mutex>
 #include <string>
 
-#include "server/convert/status.hpp"
 #include "server/frames/run.hpp"
 #include "server/ops/log.hpp"
+#include "server/refusals/status.hpp"
 #include "server/scenes/scene.hpp"
 #include "server/scenes/scene_stream.hpp"
 

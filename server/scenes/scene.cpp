@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "server/errors.hpp"
-#include "server/field_path.hpp"
+#include "server/refusals/field_path.hpp"
 
 namespace collided::server {
 

@@ -5,8 +5,8 @@
 
 #include "server/convert/facts.hpp"
 #include "server/convert/meshes.hpp"
-#include "server/convert/status.hpp"
 #include "server/errors.hpp"
+#include "server/refusals/status.hpp"
 
 namespace collided::server {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "server/convert/refuse.hpp"
+#include "server/refusals/refuse.hpp"
 
 namespace collided::server {
 namespace {

@@ -30,21 +30,22 @@ GRPC = re.compile(r"^(grpc|grpcpp|google/protobuf)/")
 # include them all; of these, the folders know only SERVER_COMMON.
 SERVER_COMMON = {"server/errors.hpp", "server/shorten.hpp"}
 SERVER_ROOMS = {
+    "refusals": set(),
     "config": set(),
     "net": set(),
     "ops": {"net"},
     "auth": {"config", "ops"},
     "limits": {"ops", "auth"},
-    "scenes": {"config", "ops", "auth", "limits"},
-    "convert": {"config", "auth", "scenes"},
-    "frames": {"config", "ops", "limits", "scenes", "convert"},
-    "transport/local": {"net", "ops", "auth", "scenes", "convert", "frames"},
-    "transport/grpc": {"ops", "auth", "limits", "scenes", "convert", "frames"},
-    "service": {"config", "ops", "auth", "limits", "scenes", "convert", "frames", "transport/grpc"},
-    "builtin": {"ops", "auth", "limits", "convert", "transport/grpc"},
+    "scenes": {"refusals", "config", "ops", "auth", "limits"},
+    "convert": {"refusals", "config", "auth", "scenes"},
+    "frames": {"refusals", "config", "ops", "limits", "scenes", "convert"},
+    "transport/local": {"refusals", "net", "ops", "auth", "scenes", "convert", "frames"},
+    "transport/grpc": {"refusals", "ops", "auth", "limits", "scenes", "convert", "frames"},
+    "service": {"refusals", "config", "ops", "auth", "limits", "scenes", "convert", "frames", "transport/grpc"},
+    "builtin": {"refusals", "ops", "auth", "limits", "convert", "transport/grpc"},
 }
-SPEAKS_MESSAGES = re.compile(r"(convert|transport|service|builtin)/|frames/(answer|decode|intake|messages|watched)\.")
-SPEAKS_GRPC = re.compile(r"(convert|frames|transport|service|builtin)/|auth/credentials\.|[^/]+$")
+SPEAKS_MESSAGES = re.compile(r"(refusals|convert|transport|service|builtin)/|frames/(answer|decode|intake|messages|watched)\.")
+SPEAKS_GRPC = re.compile(r"(refusals|convert|frames|transport|service|builtin)/|auth/credentials\.|[^/]+$")
 
 
 def may_see_messages(path):
@@ -61,7 +62,7 @@ def server_complaint(path, target):
     """Why the file of the server at `path` may not include `target`."""
     room = server_room(path)
     if GRPC.match(target) and not SPEAKS_GRPC.match(path.removeprefix("server/")):
-        return "gRPC and protobuf begin at server/convert, except for server/auth/credentials"
+        return "gRPC and protobuf begin at server/convert, except for server/refusals and server/auth/credentials"
     if target.startswith("gpu/") and target not in ("gpu/detector.hpp", "gpu/types.hpp"):
         return "the server knows the engine by gpu/detector.hpp alone"
     if target.startswith("client/"):
@@ -79,8 +80,9 @@ def server_complaint(path, target):
 # The engine's folders, and those that each may include besides itself: data flows from the later to the earlier.
 ROOMS = {"base": set(), "exact": {"base"}, "exec": {"base"}, "contacts": {"base", "exec"}}
 ROOMS |= {room: {"base", "exec", "contacts"} for room in ("positions", "octree", "lbvh", "search", "narrow")}
+ROOMS["tables"] = {"base", "search"}
 ROOMS["step"] = {"base", "exec", "contacts", "octree", "lbvh", "search", "narrow", "exact"}
-ROOMS["scene"] = ROOMS["step"] | {"positions", "step"}
+ROOMS["scene"] = ROOMS["step"] | {"positions", "step", "tables"}
 # The specification of a scene, and the top.
 TYPES, ROOF = "gpu/types.hpp", "gpu/detector.hpp"
 CONTACTS = "gpu/contact_set.hpp"

@@ -2,8 +2,8 @@
 #include "server/transport/grpc/call_watch.hpp"
 
 #include "collided/v1/collision_service.pb.h"
-#include "server/convert/status.hpp"
 #include "server/ops/log_rate.hpp"
+#include "server/refusals/status.hpp"
 #include "server/transport/grpc/caller.hpp"
 
 namespace collided::server {

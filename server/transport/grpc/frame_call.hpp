@@ -6,10 +6,10 @@
 #include <deque>
 #include <optional>
 
-#include "server/convert/status.hpp"
 #include "server/frames/decode.hpp"
 #include "server/frames/intake.hpp"
 #include "server/frames/session.hpp"
+#include "server/refusals/status.hpp"
 #include "server/transport/grpc/caller.hpp"
 #include "server/transport/grpc/encode.hpp"
 #include "server/transport/grpc/frame_calls.hpp"

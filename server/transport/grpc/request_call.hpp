@@ -9,9 +9,9 @@
 #include <memory>
 #include <utility>
 
-#include "server/convert/status.hpp"
 #include "server/limits/decode_budget.hpp"
 #include "server/limits/waiting_calls.hpp"
+#include "server/refusals/status.hpp"
 #include "server/scenes/scene_host.hpp"
 #include "server/transport/grpc/caller.hpp"
 

@@ -1,8 +1,8 @@
 // Routes a call by its path.
 #include "server/transport/grpc/rpc_router.hpp"
 
-#include "server/convert/status.hpp"
 #include "server/errors.hpp"
+#include "server/refusals/status.hpp"
 #include "server/shorten.hpp"
 
 namespace collided::server {

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "server/convert/status.hpp"
 #include "server/frames/session.hpp"
 #include "server/ops/log.hpp"
 #include "server/ops/metrics.hpp"
+#include "server/refusals/status.hpp"
 #include "server/transport/local/encode.hpp"
 #include "server/transport/local/opening.hpp"
 #include "server/transport/local/outbox.hpp"

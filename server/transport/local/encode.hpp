@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "collided/v1/local.pb.h"
-#include "server/convert/status.hpp"
 #include "server/frames/frame.hpp"
+#include "server/refusals/status.hpp"
 #include "server/scenes/scene.hpp"
 #include "server/transport/local/shared_region.hpp"
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "proto/constants.hpp"
-#include "server/convert/refuse.hpp"
 #include "server/errors.hpp"
+#include "server/refusals/refuse.hpp"
 
 namespace collided::server {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "server/convert/refuse.hpp"
 #include "server/frames/decode.hpp"
+#include "server/refusals/refuse.hpp"
 
 namespace collided::server {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "gpu/exec/cpu/cpu_exec.hpp"
-#include "gpu/scene/topology.hpp"
 #include "gpu/search/cpu/searcher.hpp"
 #include "gpu/step/pipeline.hpp"
+#include "gpu/tables/topology.hpp"
 #include "tests/support/case.hpp"
 
 namespace collided::test {

@@ -1,5 +1,5 @@
 // The table from exceptions to gRPC codes, and its details on the wire.
-#include "server/convert/status.hpp"
+#include "server/refusals/status.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/convert/status.hpp"
 #include "server/errors.hpp"
+#include "server/refusals/status.hpp"
 #include "tests/server/scenes/tiny_scene.hpp"
 
 namespace collided::server {

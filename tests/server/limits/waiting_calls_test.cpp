@@ -5,7 +5,7 @@
 
 #include <future>
 
-#include "server/convert/status.hpp"
+#include "server/refusals/status.hpp"
 
 namespace collided::server {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 // All tables of a scene's features, made on the host within its memory quota.
 
-#include "gpu/scene/topology.hpp"
+#include "gpu/tables/topology.hpp"
 
 namespace collided {
 

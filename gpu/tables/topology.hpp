@@ -1,7 +1,7 @@
 #pragma once
 // Features of a scene, made once from its meshes: scene-wide ids, unique edges, R-triangle ownership.
 
-#include "gpu/scene/rings.hpp"
+#include "gpu/tables/rings.hpp"
 
 namespace collided {
 

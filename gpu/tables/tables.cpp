@@ -1,4 +1,4 @@
-#include "gpu/scene/tables.hpp"
+#include "gpu/tables/tables.hpp"
 
 namespace collided {
 namespace {

@@ -1,5 +1,5 @@
 // The one table from exceptions to gRPC codes, and google.rpc details.
-#include "server/convert/status.hpp"
+#include "server/refusals/status.hpp"
 
 #include <absl/status/status.h>
 

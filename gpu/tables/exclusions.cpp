@@ -1,4 +1,4 @@
-#include "gpu/scene/exclusions.hpp"
+#include "gpu/tables/exclusions.hpp"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
-#include "gpu/scene/rings.hpp"
+#include "gpu/tables/rings.hpp"
 
 #include <algorithm>
 
-#include "gpu/scene/exclusions.hpp"
+#include "gpu/tables/exclusions.hpp"
 
 namespace collided {
 namespace {

@@ -1,4 +1,4 @@
-#include "gpu/scene/topology.hpp"
+#include "gpu/tables/topology.hpp"
 
 #include <algorithm>
 #include <tuple>
