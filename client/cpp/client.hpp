@@ -20,7 +20,7 @@ namespace collided::client {
 struct MeshInput {
   std::string name;
   uint32_t vertex_count = 0;
-  std::span<const std::array<uint32_t, 3>> triangles;
+  std::span<const std::array<uint32_t, 3>> triangles = {};
   bool is_static = false;
   bool is_rigid = false;            ///< after its first frame it is moved by rigid_update alone
   uint32_t exclude_rings = 0;       ///< leave out self contacts of features that so many edges or fewer connect; 0 to 8
