@@ -319,9 +319,9 @@ class Pipeline {
   EngineChoice choice_;
   Refinement refinement_;
   ActiveLevels levels_, sent_levels_{.deepest = -1};  ///< the latter are on the backend
-  UsagePredictor large_;                   ///< triangles that cover many cells
-  StepPlan plan_;                          ///< of the last step
-  std::optional<double> boxed_thickness_;  ///< that all boxes have
+  UsagePredictor large_;                              ///< triangles that cover many cells
+  StepPlan plan_;                                     ///< of the last step
+  std::optional<double> boxed_thickness_;             ///< that all boxes have
   PlanNumbers numbers_;
   StepState state_{};
   FrameResult result_;

@@ -23,7 +23,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr StreamKind kKind{"local stream", "LocalStream"};
-constexpr double kLastPacketSeconds = 0.2;  // to send the remaining packets when the daemon stops
+constexpr double kLastPacketSeconds = 0.2;               // to send the remaining packets when the daemon stops
 constexpr auto kAwake = std::chrono::microseconds(300);  // for the next frame of a simulator on the same GPU
 
 Clock::time_point after(Clock::time_point start, double seconds) {
@@ -241,7 +241,8 @@ void Connection::end_frame_locked() {
   end_if_idle_locked();
 }
 
-// A simulator on the same GPU has nothing to copy: to wake two threads for its next frame would take longer than the rest.
+// A simulator on the same GPU has nothing to copy: to wake two threads for its next frame would take longer than the
+// rest.
 void Connection::stay_awake_locked() {
   awake_until_ = Clock::now() + kAwake;
   session_->scene().worker().wake_early();
