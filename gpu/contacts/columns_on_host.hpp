@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "gpu/contacts/columns.hpp"
 #include "gpu/contacts/answer_room.hpp"
+#include "gpu/contacts/columns.hpp"
 
 namespace collided {
 
