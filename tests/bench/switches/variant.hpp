@@ -12,12 +12,15 @@ namespace collided::test {
 constexpr uint32_t kCloth = 0, kBall = 1;
 
 struct Variant {
-  std::string name;
+  std::string name = "";
   enum class Send { kWhole, kBothEnds, kClothAlone, kBallByPose, kFewVertices, kQuantized };
-  Send send;
-  void (*declare)(SceneSpec&);
-  void (*ask)(FrameInput&);
-  bool has_ball;
+  Send send = Send::kWhole;
+  void (*declare)(SceneSpec&) = [](SceneSpec&) {};
+  void (*ask)(FrameInput&) = [](FrameInput&) {};
+  bool has_ball = true;
+  /// What each frame changes: nothing, the rules of the ball alone, or the ball itself.
+  enum class Edit { kNone, kRules, kBall };
+  Edit edit = Edit::kNone;
 };
 
 /// The first is the full model, and the next ones are compared with it.

@@ -10,7 +10,6 @@ void declare_rigid_ball(SceneSpec& spec) { spec.meshes[kBall].motion = MeshMotio
 void leave_out_cloth_self(SceneSpec& spec) { spec.meshes[kCloth].self_contacts = false; }
 
 void nothing(SceneSpec&) {}
-void as_usual(FrameInput&) {}
 
 template <Accuracy accuracy>
 void at(FrameInput& frame) {
@@ -22,10 +21,10 @@ void reporting(FrameInput& frame) {
 }
 
 Variant declares(const char* name, void (*declare)(SceneSpec&), Send send = Send::kWhole, bool has_ball = true) {
-  return {name, send, declare, as_usual, has_ball};
+  return {.name = name, .send = send, .declare = declare, .has_ball = has_ball};
 }
 Variant asks(const char* name, void (*ask)(FrameInput&), Send send = Send::kWhole) {
-  return {name, send, nothing, ask, true};
+  return {.name = name, .send = send, .ask = ask};
 }
 
 std::vector<Variant> make_variants() {
@@ -57,6 +56,8 @@ std::vector<Variant> make_variants() {
           "advance, both ends sent", [](FrameInput& frame) { frame.advance = true; }, Send::kBothEnds),
       asks(
           "trial, both ends sent", [](FrameInput& frame) { frame.trial = true; }, Send::kBothEnds),
+      {.name = "edit of rules", .edit = Variant::Edit::kRules},
+      {.name = "edit of the ball's triangles", .edit = Variant::Edit::kBall},
       asks("candidates", at<Accuracy::kCandidates>),
       asks("earliest contact", reporting<Report::kEarliestOnly>),
       asks("any contact", reporting<Report::kAnyHit>),
