@@ -29,6 +29,7 @@ struct BenchOptions {
 void check_end_to_end(const BenchOptions& options) {
   if (options.scenes.size() > 1 || options.engines.size() > 1)
     throw UsageError("--end-to-end takes one --scene and one --engine");
+  if (options.settings.position_format == "q16") throw UsageError("--end-to-end takes --position-format f32 or f64");
   check_usage(options.settings.detection);
 }
 

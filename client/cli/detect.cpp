@@ -6,6 +6,7 @@
 
 #include "client/cli/commands.hpp"
 #include "client/cli/daemon/connection.hpp"
+#include "client/cli/input/mesh_input.hpp"
 #include "client/cli/options/exclusion_options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/csv.hpp"
@@ -80,6 +81,7 @@ Json contacts_json(const DetectOptions& options, const client::FrameOutput& outp
   Json out = {{"contact_count", is_counted ? Json(output.done.contact_count()) : Json(nullptr)},
               {"any_contact", output.done.any_contact()}};
   if (has_times) out["earliest_toi"] = output.done.earliest_toi();
+  if (output.done.has_advanced()) out["advanced"] = output.done.advanced();
   if (const auto contact = earliest_contact(output)) out["earliest"] = *contact;
   return out;
 }
@@ -116,11 +118,13 @@ void run(const DetectOptions& options) {
                                          .points = frames[0].points}};
   options.exclusions.apply_to(meshes);
   v1::Frame frame;
+  v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
+  for (const scenes::MeshFile& mesh : frames) grow_box(spec, mesh.positions);
   frame.set_frame_id(1);
-  *frame.add_updates() = frames.size() == 2 ? client::mesh_update(0, format, frames[1].positions, frames[0].positions)
-                                            : client::mesh_update(0, format, frames[0].positions);
+  frame.set_advance(options.detection.advance);
+  *frame.add_updates() = frames.size() == 2 ? update_of(0, spec, frames[1].positions, frames[0].positions)
+                                            : update_of(0, spec, frames[0].positions);
   Connection connection(options.server);
-  const v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
   const SceneGuard scene = connection.create_scene(spec, meshes);
   client::FrameStream stream = connection.stream(*scene);
   const client::FrameOutput output = run_frame(stream, frame);
@@ -141,6 +145,7 @@ void add_detect(CLI::App& app) {
       ->required()
       ->expected(1, 2);
   add_detection_options(command, options->detection);
+  add_advance_options(command, options->detection);
   add_ring_option(command, options->exclusions);
   add_server_options(command, options->server);
   std::vector<std::string> formats = position_formats();

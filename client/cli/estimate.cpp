@@ -7,6 +7,7 @@
 #include "client/cli/daemon/connection.hpp"
 #include "client/cli/input/mesh_input.hpp"
 #include "client/cli/input/step_input.hpp"
+#include "client/cli/options/exclusion_options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/report/json.hpp"
 #include "client/cli/report/text.hpp"
@@ -18,6 +19,7 @@ namespace {
 struct EstimateOptions {
   ServerOptions server;
   DetectionOptions detection;
+  ExclusionOptions exclusions;
   SceneOptions scene;
   std::string frame;
   std::string position_format = "f32";
@@ -29,9 +31,8 @@ void check_usage(const EstimateOptions& options) {
   check_usage(options.detection);
 }
 
-std::vector<scenes::Mesh> read_meshes(const EstimateOptions& options) {
-  if (options.frame.empty()) return scenes::make_scene(options.scene.name, options.scene.scale)->meshes();
-  return file_frame(options.frame).meshes;
+StepInput read_input(const EstimateOptions& options) {
+  return options.frame.empty() ? scene_step(options.scene) : file_frame(options.frame);
 }
 
 Json memory_json(const v1::EstimateSceneResponse& estimate) {
@@ -69,10 +70,13 @@ Json estimate_json(const v1::EstimateSceneResponse& estimate) {
 
 void run(const EstimateOptions& options) {
   check_usage(options);
-  const std::vector<scenes::Mesh> meshes = read_meshes(options);
-  const v1::SceneSpec spec = scene_spec(options.server, options.detection, format_of(options.position_format));
+  const StepInput input = read_input(options);
+  v1::SceneSpec spec = scene_spec(options.server, options.detection, format_of(options.position_format));
+  grow_box(spec, input.end);
+  const std::vector<client::MeshInput> meshes = mesh_inputs(input.meshes);
+  options.exclusions.exclude_meshes(spec, meshes);
   Connection connection(options.server);
-  const Json estimate = estimate_json(connection->estimate_scene(spec, mesh_inputs(meshes)));
+  const Json estimate = estimate_json(connection->estimate_scene(spec, meshes));
   std::printf("%s", options.json ? (estimate.dump() + "\n").c_str() : report_text(estimate).c_str());
 }
 
@@ -92,6 +96,7 @@ void add_estimate(CLI::App& app) {
   add_scale_option(command, options->scene.scale);
   command.get_option("--scale")->needs(scene);
   add_detection_options(command, options->detection);
+  add_mesh_pairs_option(command, options->exclusions);
   add_server_options(command, options->server);
   add_position_format_option(command, options->position_format);
   command.add_flag("--json", options->json, "Print one JSON object");

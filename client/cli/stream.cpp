@@ -10,6 +10,7 @@
 #include "client/cli/daemon/connection.hpp"
 #include "client/cli/daemon/interrupt.hpp"
 #include "client/cli/input/mesh_input.hpp"
+#include "client/cli/input/rigid_motion.hpp"
 #include "client/cli/options/exclusion_options.hpp"
 #include "client/cli/options/scene_options.hpp"
 #include "client/cli/output/progress.hpp"
@@ -29,6 +30,7 @@ struct StreamOptions {
   DetectionOptions detection;
   ExclusionOptions exclusions;
   SceneOptions scene;
+  std::vector<std::string> rigid;  ///< names of meshes
   std::string position_format = "f32";
   bool json = false;
 };
@@ -40,6 +42,7 @@ struct Totals {
   client::PerKind<uint64_t> of_kind;
   uint64_t bytes_in = 0, bytes_out = 0, replays = 0;
   bool any_contact = false;
+  std::optional<double> least_advanced;
   std::optional<Json> earliest;
 
   void add(client::FrameOutput output) {
@@ -52,6 +55,7 @@ struct Totals {
     bytes_in += m.bytes_in();
     bytes_out += m.bytes_out();
     replays += m.replays();
+    if (output.done.has_advanced()) least_advanced = std::min(least_advanced.value_or(1), output.done.advanced());
     keep_earliest(output);
     metrics.push_back(std::move(*output.done.mutable_metrics()));
   }
@@ -65,9 +69,18 @@ struct Totals {
   }
 };
 
+/// What a stream plays.
+struct Play {
+  const StreamOptions& options;
+  const scenes::Scene& scene;
+  const v1::SceneSpec& spec;
+  std::vector<uint32_t> rigid;
+};
+
 /// Adds to the totals frame by frame, so that they are valid however this ends.
-void play(client::FrameStream& stream, const scenes::Scene& scene, const SceneOptions& options,
-          v1::PositionFormat format, Totals& totals) {
+void play(client::FrameStream& stream, const Play& played, Totals& totals) {
+  const SceneOptions& options = played.options.scene;
+  RigidMotion rigid(played.scene.meshes(), played.rigid);
   Progress progress;
   const auto take = [&] {
     totals.add(receive(stream));
@@ -77,7 +90,11 @@ void play(client::FrameStream& stream, const scenes::Scene& scene, const SceneOp
     check_interrupt();
     if (sent >= static_cast<int>(totals.metrics.size() + stream.window())) take();
     const auto id = static_cast<uint64_t>(sent) + 1;
-    stream.send(make_frame(scene.meshes(), id, format, scene.positions(options.time(sent))));
+    std::vector<scenes::Vec3d> positions = played.scene.positions(options.time(sent));
+    v1::Frame frame = make_frame(played.scene.meshes(), id, played.spec, positions);
+    frame.set_advance(played.options.detection.advance);
+    if (!played.rigid.empty()) rigid.apply_to(frame, std::move(positions));
+    stream.send(frame);
   }
   while (static_cast<int>(totals.metrics.size()) < options.frames) take();
   stream.finish();
@@ -88,6 +105,7 @@ Json contacts_json(const StreamOptions& options, const Totals& totals) {
   Json out = {{"contact_count", totals.contacts}};
   out.update(contact_counts_json(totals.of_kind));
   out["any_contact"] = totals.any_contact;
+  if (totals.least_advanced) out["least_advanced"] = *totals.least_advanced;
   if (totals.earliest) out["earliest"] = *totals.earliest;
   return out;
 }
@@ -127,13 +145,13 @@ Json summary_json(const StreamOptions& options, const v1::Scene& scene, const To
 }
 
 /// If something ends it early, reports the frames so far.
-void play_and_report(const StreamOptions& options, const v1::Scene& scene, client::FrameStream& stream,
-                     const scenes::Scene& procedural) {
+void play_and_report(const Play& played, const v1::Scene& scene, client::FrameStream& stream) {
+  const StreamOptions& options = played.options;
   const auto start = std::chrono::steady_clock::now();
   Totals totals;
   std::exception_ptr failure;
   try {
-    play(stream, procedural, options.scene, format_of(options.position_format), totals);
+    play(stream, played, totals);
   } catch (const std::exception&) {
     failure = std::current_exception();
   }
@@ -149,15 +167,23 @@ void play_and_report(const StreamOptions& options, const v1::Scene& scene, clien
 void run(const StreamOptions& options) {
   check_usage(options.detection);
   const auto procedural = scenes::make_scene(options.scene.name, options.scene.scale);
-  Connection connection(options.server);
   v1::SceneSpec spec = scene_spec(options.server, options.detection, format_of(options.position_format));
   spec.set_display_name(options.scene.name);
   spec.set_rest_distance(options.exclusions.rest_distance);
+  for (int frame = 0; frame < options.scene.frames && options.position_format == "q16"; ++frame)
+    grow_box(spec, procedural->positions(options.scene.time(frame)));
   std::vector<client::MeshInput> meshes = mesh_inputs(procedural->meshes());
   options.exclusions.apply_to(meshes);
+  options.exclusions.exclude_meshes(spec, meshes);
+  Play played{options, *procedural, spec, {}};
+  for (const std::string& name : options.rigid) {
+    played.rigid.push_back(mesh_of(meshes, "--rigid", name));
+    meshes[played.rigid.back()].is_rigid = true;
+  }
+  Connection connection(options.server);
   const SceneGuard scene = connection.create_scene(spec, meshes);
   client::FrameStream stream = connection.stream(*scene);
-  play_and_report(options, *scene, stream, *procedural);
+  play_and_report(played, *scene, stream);
 }
 
 }  // namespace
@@ -167,6 +193,11 @@ void add_stream(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("stream", "Play a procedural scene and tell what its frames cost");
   add_scene_options(command, options->scene);
   add_detection_options(command, options->detection);
+  add_advance_options(command, options->detection);
+  command.add_option("--rigid", options->rigid, "Meshes that move as rigid bodies, and send poses, such as ball")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  add_mesh_pairs_option(command, options->exclusions);
   add_ring_option(command, options->exclusions);
   add_rest_options(command, options->exclusions);
   add_server_options(command, options->server);

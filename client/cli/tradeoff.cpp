@@ -91,7 +91,7 @@ void add_run_options(CLI::App& command, TradeoffSettings& settings) {
       ->check(finite())
       ->check(at_least_zero())
       ->capture_default_str();
-  command.add_option("--formats", settings.formats, "Positions on the wire: f32, f64")
+  command.add_option("--formats", settings.formats, "Positions on the wire: f32, f64, q16 (not with exact)")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember(position_formats()))

@@ -65,8 +65,8 @@ StepInput file_frame(const std::string& file) {
           .is_double = mesh.is_double};
 }
 
-v1::Frame step_frame(const StepInput& step, uint64_t id, v1::PositionFormat format) {
-  return make_frame(step.meshes, id, format, step.end, step.start);
+v1::Frame step_frame(const StepInput& step, uint64_t id, const v1::SceneSpec& spec) {
+  return make_frame(step.meshes, id, spec, step.end, step.start);
 }
 
 }  // namespace collided::cli

@@ -25,6 +25,6 @@ StepInput file_step(const std::string& first, const std::string& second);
 StepInput file_frame(const std::string& file);
 
 /// The whole step in one frame; the frame of id 1 has the static meshes as well.
-v1::Frame step_frame(const StepInput& step, uint64_t id, v1::PositionFormat format);
+v1::Frame step_frame(const StepInput& step, uint64_t id, const v1::SceneSpec& spec);
 
 }  // namespace collided::cli

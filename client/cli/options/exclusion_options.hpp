@@ -1,10 +1,13 @@
 #pragma once
-// Which contacts of a mesh with itself a subcommand leaves out.
+// Which contacts a subcommand leaves out.
 
 #include <CLI/CLI.hpp>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "client/cli/options/finite.hpp"
+#include "client/cli/options/mesh_names.hpp"
 #include "client/cpp/client.hpp"
 
 namespace collided::cli {
@@ -12,12 +15,23 @@ namespace collided::cli {
 struct ExclusionOptions {
   uint32_t rings = 0;
   bool rest_pairs = false;
-  double rest_distance = 0;  ///< 0: the thickness
+  double rest_distance = 0;                                 ///< 0: the thickness
+  std::vector<std::pair<std::string, std::string>> meshes;  ///< pairs of names
 
-  /// The same for all meshes.
-  void apply_to(std::vector<client::MeshInput>& meshes) const {
-    for (client::MeshInput& mesh : meshes) mesh.exclude_rings = rings, mesh.exclude_rest_pairs = rest_pairs;
+  /// Rings and rest pairs: the same for all meshes.
+  void apply_to(std::vector<client::MeshInput>& inputs) const {
+    for (client::MeshInput& mesh : inputs) mesh.exclude_rings = rings, mesh.exclude_rest_pairs = rest_pairs;
   }
+  /// Throws UsageError for a mesh that the scene does not have.
+  void exclude_meshes(v1::SceneSpec& spec, const std::vector<client::MeshInput>& inputs) const {
+    for (const auto& [first, second] : meshes) {
+      v1::MeshPair& pair = *spec.add_excluded_meshes();
+      pair.set_first(mesh_of(inputs, kMeshesOption, first));
+      pair.set_second(mesh_of(inputs, kMeshesOption, second));
+    }
+  }
+
+  static constexpr const char* kMeshesOption = "--exclude-meshes";
 };
 
 inline void add_ring_option(CLI::App& command, ExclusionOptions& options) {
@@ -26,6 +40,15 @@ inline void add_ring_option(CLI::App& command, ExclusionOptions& options) {
                   "Leave out self contacts of features that so many edges or fewer connect")
       ->check(CLI::Range(0, 8))
       ->capture_default_str();
+}
+
+/// For subcommands whose scenes can have several meshes.
+inline void add_mesh_pairs_option(CLI::App& command, ExclusionOptions& options) {
+  command
+      .add_option(ExclusionOptions::kMeshesOption, options.meshes,
+                  "Leave out contacts between two meshes; the same name twice: of a mesh with itself")
+      ->type_name("NAME NAME")
+      ->allow_extra_args(false);
 }
 
 /// For subcommands whose first frame is the shape at rest.

@@ -22,7 +22,8 @@ const Words<v1::Accuracy> kAccuracies{{"candidates", v1::ACCURACY_CANDIDATES},
                                       {"exact", v1::ACCURACY_EXACT}};
 const Words<v1::Report> kReports{
     {"all", v1::REPORT_ALL}, {"earliest", v1::REPORT_EARLIEST_ONLY}, {"any", v1::REPORT_ANY_HIT}};
-const Words<v1::PositionFormat> kFormats{{"f32", v1::POSITION_FORMAT_F32}, {"f64", v1::POSITION_FORMAT_F64}};
+const Words<v1::PositionFormat> kFormats{
+    {"f32", v1::POSITION_FORMAT_F32}, {"f64", v1::POSITION_FORMAT_F64}, {"q16", v1::POSITION_FORMAT_Q16}};
 const Words<v1::ContactKind> kKinds{{"vt", v1::CONTACT_KIND_VERTEX_TRIANGLE},
                                     {"ee", v1::CONTACT_KIND_EDGE_EDGE},
                                     {"tt", v1::CONTACT_KIND_TRIANGLE_TRIANGLE}};
@@ -120,6 +121,15 @@ void add_detection_options(CLI::App& command, DetectionOptions& options) {
       ->capture_default_str();
 }
 
+void add_advance_options(CLI::App& command, DetectionOptions& options) {
+  auto* advance = command.add_flag("--advance", options.advance, "Go only as far as is certified free of contact");
+  command.add_option("--min-separation", options.min_separation, "Distance that --advance keeps between features")
+      ->needs(advance)
+      ->check(finite())
+      ->check(at_least_zero())
+      ->capture_default_str();
+}
+
 void add_engines_option(CLI::App& command, std::vector<std::string>& engines) {
   command.add_option("--engine", engines, "How pairs of triangles are found, one run each, such as octree,lbvh")
       ->delimiter(',')
@@ -129,7 +139,7 @@ void add_engines_option(CLI::App& command, std::vector<std::string>& engines) {
 }
 
 void add_position_format_option(CLI::App& command, std::string& format) {
-  command.add_option("--position-format", format, "Positions on the wire")
+  command.add_option("--position-format", format, "Positions on the wire; q16: 16 bits in the box of the whole motion")
       ->check(one_of(kFormats))
       ->capture_default_str();
 }
@@ -144,6 +154,9 @@ void check_usage(const DetectionOptions& options) {
   if (wants(options, "tt") && !dcd && accuracy != v1::ACCURACY_CANDIDATES)
     throw UsageError("--kinds tt needs --mode dcd or --accuracy candidates");
   const bool by_distance = wants(options, "vt") || wants(options, "ee");
+  const bool may_advance = !dcd && accuracy >= v1::ACCURACY_CERTIFIED && wants(options, "vt") && wants(options, "ee");
+  if (options.advance && !may_advance)
+    throw UsageError("--advance needs --mode ccd, --accuracy certified or exact, and the kinds vt and ee");
   if (dcd && by_distance && accuracy == v1::ACCURACY_FAST && options.thickness == 0)
     throw UsageError("--mode dcd with --accuracy fast needs a --thickness greater than 0 for the kinds vt and ee");
 }
@@ -157,6 +170,7 @@ v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& de
   spec.set_accuracy(value_of(kAccuracies, detection.accuracy));
   spec.set_thickness(detection.thickness);
   spec.set_delta(detection.delta);
+  spec.set_min_separation(detection.min_separation);
   spec.set_report(value_of(kReports, detection.report));
   spec.set_broad_phase_engine(value_of(kEngines, detection.engine));
   for (const std::string& kind : detection.kinds) spec.add_kinds(value_of(kKinds, kind));

@@ -27,10 +27,14 @@ struct DetectionOptions {
   std::string report = "all";
   std::vector<std::string> kinds{"vt", "ee"};
   std::string engine = "auto";
+  bool advance = false;
+  double min_separation = 0;  ///< that `advance` keeps
 };
 
 void add_server_options(CLI::App& command, ServerOptions& options);
 void add_detection_options(CLI::App& command, DetectionOptions& options);
+/// For subcommands that play a motion and can stop short of its end.
+void add_advance_options(CLI::App& command, DetectionOptions& options);
 
 /// Replaces --engine of add_detection_options with one that takes several engines.
 void add_engines_option(CLI::App& command, std::vector<std::string>& engines);
@@ -43,7 +47,7 @@ void check_usage(const DetectionOptions& options);
 /// A spec without meshes.
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);
 
-/// "f32", "f64".
+/// "f32", "f64", "q16".
 std::vector<std::string> position_formats();
 /// `name` is one of position_formats().
 v1::PositionFormat format_of(const std::string& name);

@@ -31,6 +31,7 @@ Json scene_json(const v1::Scene& scene) {
           {"position_format", name_of(spec.position_format())},
           {"thickness", spec.thickness()},
           {"delta", spec.delta()},
+          {"min_separation", spec.min_separation()},
           {"report", name_of(spec.report())},
           {"kinds", kinds},
           {"engine", name_of(spec.broad_phase_engine())}};

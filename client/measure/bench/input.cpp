@@ -39,7 +39,7 @@ v1::Frame planned_frame(const BenchInput& input, const std::vector<int>& plan, s
   const bool continues = input.is_motion && at > 0 && plan[at - 1] + 1 == step;
   std::vector<scenes::Vec3d> start;
   if (spec.mode() == v1::DETECTION_MODE_CCD && !continues) start = input.start(step, steps);
-  return make_frame(input.meshes, at + 1, spec.position_format(), input.end(step, steps), start);
+  return make_frame(input.meshes, at + 1, spec, input.end(step, steps), start);
 }
 
 }  // namespace collided::cli

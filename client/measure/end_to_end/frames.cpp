@@ -52,8 +52,7 @@ double scale_for(const std::string& scene, double megabytes, v1::PositionFormat 
 v1::Frame frame_at(const scenes::Scene& scene, int frame, const v1::SceneSpec& spec) {
   std::vector<scenes::Vec3d> start;
   if (frame == 0 && spec.mode() == v1::DETECTION_MODE_CCD) start = scene.positions(time_of(0));
-  return make_frame(scene.meshes(), static_cast<uint64_t>(frame) + 1, spec.position_format(),
-                    scene.positions(time_of(frame + 1)), start);
+  return make_frame(scene.meshes(), static_cast<uint64_t>(frame) + 1, spec, scene.positions(time_of(frame + 1)), start);
 }
 
 std::vector<client::FrameUpdate> views_of(const v1::Frame& frame) {

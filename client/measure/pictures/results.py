@@ -7,7 +7,7 @@ import math
 TRADEOFF_FORMAT = "collided tradeoff 1"
 ADVANCE_FORMAT = "collided advance 1"
 LEVELS = ("fast", "guarded", "certified", "exact")
-POSITION_FORMATS = ("f32", "f64")
+POSITION_FORMATS = ("f32", "f64", "q16")
 
 
 class BadResult(Exception):

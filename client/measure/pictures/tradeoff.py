@@ -12,8 +12,8 @@ from .results import LEVELS, POSITION_FORMATS
 
 # Okabe and Ito's, green and purple darker so that they can be read as text.
 LEVEL_COLOURS = dict(zip(LEVELS, (VERMILION, BLUE, "#008c66", "#ad598f")))
-MARKERS = dict(zip(POSITION_FORMATS, "oD"))
-FORMAT_NAMES = dict(zip(POSITION_FORMATS, ("float positions", "double positions")))
+MARKERS = dict(zip(POSITION_FORMATS, "oDs"))
+FORMAT_NAMES = dict(zip(POSITION_FORMATS, ("float positions", "double positions", "encoded positions")))
 ALARM, ALARM_PAPER = "#b71c1c", "#fdf0ed"
 MAX_TICKS = 8
 ROW_WIDTH, ROW_HEIGHT = 12, 4.8  # inches
@@ -29,15 +29,16 @@ def draw(tradeoffs):
     rows = figure.subfigures(len(tradeoffs), 1, squeeze=False)[:, 0]
     for index, (row, result) in enumerate(zip(rows, tradeoffs)):
         draw_row(row, result, f"row{index}")
-    figure.legend(handles=legend_handles(), loc="lower left", bbox_to_anchor=(0, 1), ncols=8, columnspacing=1.2,
+    figure.legend(handles=legend_handles(tradeoffs), loc="lower left", bbox_to_anchor=(0, 1), ncols=8, columnspacing=1.2,
                   handletextpad=0.5)
     return figure
 
 
-def legend_handles():
+def legend_handles(tradeoffs):
     levels = [Patch(color=colour, label=level) for level, colour in LEVEL_COLOURS.items()]
+    shown = {run.position_format for result in tradeoffs for run in result.runs} | set(POSITION_FORMATS[:2])
     formats = [Line2D([], [], color="black", linestyle="", marker=MARKERS[name], label=FORMAT_NAMES[name])
-               for name in POSITION_FORMATS]
+               for name in POSITION_FORMATS if name in shown]
     gap = Line2D([], [], color="black", linestyle="", marker="|", markersize=12, label="median, 99 %, worst")
     return [*levels, *formats, gap, Line2D([], [], linestyle="", label="numbers: delta")]
 

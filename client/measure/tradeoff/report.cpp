@@ -64,6 +64,7 @@ std::string cost_row(const Run& run, const Run* fast) {
     cells.push_back(milliseconds_text(ms));
     cells.push_back(fast && fast->times.*part > 0 ? format_double("%.2f", ms / fast->times.*part) : "-");
   }
+  cells.push_back(count_text(run.bytes));
   const Work& work = run.work;
   for (const uint64_t n : {work.survivors_vertex_triangle, work.survivors_edge_edge, work.certified, work.near,
                            work.capped, work.exact_decisions})
@@ -74,8 +75,10 @@ std::string cost_row(const Run& run, const Run* fast) {
 std::string truth_text(const TruthUsed& truth) {
   const std::string found =
       count_text(truth.vertex_triangle) + " vertex-triangle and " + count_text(truth.edge_edge) + " edge-edge contacts";
-  const std::string source =
-      truth.source == "exact" ? "the level `EXACT` on the same positions" : "given by `" + truth.source + "`";
+  const std::string source = truth.source != "exact" ? "given by `" + truth.source + "`"
+                             : truth.format == "q16"
+                                 ? "the level `EXACT` on the positions before they were encoded, in f64"
+                                 : "the level `EXACT` on the same positions";
   const std::string times = truth.bounded == 0 ? ""
                                                : "; the times of impact of " + count_text(truth.bounded) +
                                                      " of them are not exact, but at most 1e-9 of the step early";
@@ -112,10 +115,11 @@ std::string tradeoff_markdown(const Tradeoff& result) {
               3);
   for (const Run& run : result.runs) out += answers_row(run);
   out +=
-      "\nCost: milliseconds, and their ratio to `fast` on the same positions (x); pairs that the coplanarity filter "
+      "\nCost: milliseconds, and their ratio to `fast` on the same positions (x); bytes of a frame's positions; pairs "
+      "that the coplanarity filter "
       "left; contacts by flag; pairs decided in exact arithmetic.\n\n";
-  out += head({"positions", "level", "delta", "narrow", "x", "all stages", "x", "total", "x", "left VT", "left EE",
-               "certified", "near", "capped", "exact decisions"},
+  out += head({"positions", "level", "delta", "narrow", "x", "all stages", "x", "total", "x", "bytes", "left VT",
+               "left EE", "certified", "near", "capped", "exact decisions"},
               3);
   for (const Run& run : result.runs) out += cost_row(run, fast_run(result, run.format));
   return out;

@@ -51,12 +51,13 @@ struct Work {
 };
 
 struct Run {
-  std::string format;                ///< f32 or f64
+  std::string format;                ///< f32, f64 or q16
   std::string level;                 ///< fast, guarded, certified or exact
   std::optional<double> delta = {};  ///< none for levels that take none; 0: the daemon chooses
   Score score = {};
   Times times = {};
   Work work = {};
+  uint64_t bytes = 0;  ///< of the positions of a frame, at both ends of the step
 };
 
 /// What the runs of one position format were judged by.

@@ -42,6 +42,7 @@ Json run_json(const Run& run) {
   return {{"position_format", run.format},
           {"level", run.level},
           {"delta", run.delta ? Json(*run.delta) : Json(nullptr)},
+          {"bytes_in", run.bytes},
           {"contacts", score_json(run.score)},
           {"median_ms", times_json(run.times)},
           {"counts", work_json(run.work)}};

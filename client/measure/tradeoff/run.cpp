@@ -23,9 +23,12 @@ v1::Accuracy accuracy_of(std::string level) {
   return accuracy;
 }
 
+constexpr const char* kQuantized = "q16";
+
 std::vector<Run> planned_runs(const TradeoffSettings& settings, const std::string& format) {
   std::vector<Run> runs;
   for (const std::string& level : settings.levels) {
+    if (level == "exact" && format == kQuantized) continue;  // decides on the given positions, which it does not know
     if (level == "fast")
       runs.push_back({.format = format, .level = level});
     else
@@ -37,11 +40,11 @@ std::vector<Run> planned_runs(const TradeoffSettings& settings, const std::strin
 /// Sends the step, with one frame in flight so that no frame's time depends on its neighbours.
 class Stepper {
  public:
-  Stepper(client::FrameStream stream, const StepInput& step, v1::PositionFormat format)
-      : stream_(std::move(stream)), step_(step), format_(format) {}
+  Stepper(client::FrameStream stream, const StepInput& step, v1::SceneSpec spec)
+      : stream_(std::move(stream)), step_(step), spec_(std::move(spec)) {}
 
   client::FrameOutput run(const std::string& level, std::optional<double> delta) {
-    v1::Frame frame = step_frame(step_, ++last_id_, format_);
+    v1::Frame frame = step_frame(step_, ++last_id_, spec_);
     frame.set_accuracy(accuracy_of(level));
     if (delta) frame.set_delta(*delta);
     return run_frame(stream_, frame);
@@ -51,7 +54,7 @@ class Stepper {
  private:
   client::FrameStream stream_;
   const StepInput& step_;
-  v1::PositionFormat format_;
+  const v1::SceneSpec spec_;
   uint64_t last_id_ = 0;
 };
 
@@ -110,6 +113,7 @@ void run_rounds(const TradeoffSettings& settings, Stepper& stepper, const Truth&
     if (static_cast<size_t>(i) < runs.size()) {
       runs[at].score = judge(truth, output);
       runs[at].work = work_of(output);
+      runs[at].bytes = output.done.metrics().bytes_in();
     } else {
       metrics[at].push_back(with_sums(output.done.metrics()));
     }
@@ -136,24 +140,40 @@ class Measurement {
   }
 
   void measure(const std::string& format) {
-    v1::SceneSpec spec = scene_spec(settings_.server, settings_.detection, format_of(format));
-    spec.set_display_name("tradeoff");
-    const SceneGuard scene = connection_.create_scene(spec, mesh_inputs(step_.meshes));
-    describe(*scene);
-    Stepper stepper(connection_.stream(*scene, 1), step_, format_of(format));
-    const Truth exact = uses_given_truth(format) ? Truth{} : find_truth(stepper);
+    const Truth exact = uses_given_truth(format) ? Truth{} : find_truth(format);
     const Truth& truth = uses_given_truth(format) ? *given_ : exact;
     std::vector<Run> runs = planned_runs(settings_, format);
-    run_rounds(settings_, stepper, truth, runs);
-    stepper.finish();
+    play(format, [&](Stepper& stepper) { run_rounds(settings_, stepper, truth, runs); });
     result_.truths.push_back({format, uses_given_truth(format) ? settings_.truth : "exact",
                               truth.vertex_triangle.size(), truth.edge_edge.size(), truth.bounded});
     result_.runs.insert(result_.runs.end(), runs.begin(), runs.end());
   }
 
  private:
-  /// A given truth holds for the given positions: rounded to floats, they may touch elsewhere.
-  bool uses_given_truth(const std::string& format) const { return given_ && (format == "f64" || !step_.is_double); }
+  /// A given truth holds for the given positions: rounded to floats, they may touch elsewhere. What is encoded is
+  /// judged by what was meant.
+  bool uses_given_truth(const std::string& format) const { return given_ && (format != "f32" || !step_.is_double); }
+
+  /// Of the positions as that format gives them; encoded ones are judged by those before.
+  Truth find_truth(const std::string& format) {
+    Truth truth;
+    play(format == kQuantized ? "f64" : format, [&](Stepper& stepper) { truth = cli::find_truth(stepper); });
+    return truth;
+  }
+
+  /// On a scene of its own.
+  template <class Body>
+  void play(const std::string& format, const Body& body) {
+    v1::SceneSpec spec = scene_spec(settings_.server, settings_.detection, format_of(format));
+    spec.set_display_name("tradeoff");
+    grow_box(spec, step_.start);
+    grow_box(spec, step_.end);
+    const SceneGuard scene = connection_.create_scene(spec, mesh_inputs(step_.meshes));
+    describe(*scene);
+    Stepper stepper(connection_.stream(*scene, 1), step_, spec);
+    body(stepper);
+    stepper.finish();
+  }
 
   void describe(const v1::Scene& scene) {
     result_.backend = name_of(scene.spec().backend());

@@ -55,6 +55,25 @@ class Detect(support.CollidectlTest):
         others = frame("c.obj", -1, points="1")
         self.refused(1, "has other loose edges or points", "detect", frame("a.obj", 1), others, *ONE_CPU)
 
+    def test_encoded_positions_miss_nothing(self):
+        words = ["detect", self.frame0, self.frame1, *ONE_CPU, "--position-format", "q16"]
+        summary = json.loads(self.ok(*words, "--json"))
+        self.assertEqual(summary["scene"]["position_format"], "q16")
+        self.assertEqual(summary["bytes_in"], 2 * 6 * 6)
+        self.assertTrue(0.499 < summary["earliest_toi"] <= 0.5, summary)
+        self.refused(1, "EXACT", *words, "--accuracy", "exact")
+
+    def test_an_advance_tells_how_far_it_went(self):
+        words = ["detect", self.frame0, self.frame1, *ONE_CPU, "--json"]
+        self.assertNotIn("advanced", json.loads(self.ok(*words)))
+        free = json.loads(self.ok(*words, "--advance"))
+        self.assertTrue(0.4 < free["advanced"] < 0.5, free)
+        wide = json.loads(self.ok(*words, "--advance", "--min-separation", "0.5"))
+        self.assertEqual(wide["scene"]["min_separation"], 0.5)
+        self.assertTrue(0 < wide["advanced"] < 0.25, wide)
+        still = json.loads(self.ok("detect", self.frame0, self.frame0, *ONE_CPU, "--json", "--advance"))
+        self.assertEqual(still["advanced"], 1)
+
     def test_reports(self):
         frames = [self.frame0, self.frame1]
         out = os.path.join(self.folder.name, "c.csv")

@@ -36,6 +36,23 @@ class Tradeoff(support.CollidectlTest):
                 self.assertEqual(contacts["sum"]["false"], 0, run)
         self.assertEqual(len(summary["results"][0]["runs"]), len(runs))
 
+    def test_encoded_positions_are_judged_by_those_that_were_meant(self):
+        out = os.path.join(self.folder.name, "tradeoff")
+        small = ["--scene", "flamenco", "--scale", "0.2", "--t0", "0.5", "--repeats", "1", "--formats", "f32,q16"]
+        self.ok("tradeoff", *small, *ONE_CPU, "--out", out, "--json")
+        with open(os.path.join(out, "tradeoff.json"), encoding="ascii") as file:
+            result = json.load(file)
+        runs = {(run["position_format"], run["level"]): run for run in result["runs"]}
+        self.assertEqual([level for form, level in runs if form == "q16"], ["fast", "guarded", "certified"])
+        plain, encoded = runs["f32", "certified"], runs["q16", "certified"]
+        self.assertEqual(2 * encoded["bytes_in"], plain["bytes_in"])
+        for level in ("guarded", "certified"):
+            contacts = runs["q16", level]["contacts"]["sum"]
+            self.assertEqual((contacts["missed"], contacts["late"]), (0, 0), contacts)
+        self.assertGreater(encoded["contacts"]["sum"]["false"], plain["contacts"]["sum"]["false"])
+        with open(os.path.join(out, "tradeoff.md"), encoding="utf-8") as file:
+            self.assertIn("q16: the level `EXACT` on the positions before they were encoded", file.read())
+
     def check_tradeoff_files(self, folder):
         self.assertEqual(sorted(os.listdir(folder)), ["tradeoff.json", "tradeoff.md"])
         with open(os.path.join(folder, "tradeoff.md"), encoding="utf-8") as file:

@@ -46,6 +46,12 @@ class Usage(support.CollidectlTest):
         self.refused(2, "--report any needs", *stream, "--report", "any", "--accuracy", "candidates")
         self.refused(2, "--kinds tt needs", *stream, "--kinds", "vt,tt")
         self.refused(2, "--thickness greater than 0", *dcd, "--accuracy", "fast")
+        for words in (dcd, [*ccd, "--accuracy", "fast"], [*stream, "--kinds", "vt"]):
+            self.refused(2, "--advance needs --mode ccd, --accuracy certified or exact", *words, "--advance")
+        self.refused(2, "--min-separation requires --advance", *ccd, "--min-separation", "0.1")
+        self.refused(2, "--min-separation", *ccd, "--advance", "--min-separation=-1")
+        self.refused(2, "--end-to-end takes --position-format f32 or f64", "bench", "--end-to-end", "--position-format",
+                     "q16")
         self.refused(2, "one of FRAME and --scene", "estimate")
         self.refused(2, "one of FRAME and --scene", "estimate", self.frame0, "--scene", "funnel")
         self.refused(2, "--scene", "estimate", self.frame0, "--scale", "2")

@@ -57,7 +57,12 @@ template <Executor Exec, class Real>
 class QueryRun {
  public:
   QueryRun(Exec& exec, const BatchSettings& settings, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
-      : exec_(exec), ranks_(ranks), scene_(scene), narrow_(exec, ranks_, scene), results_(exec, spec_, scene) {
+      : exec_(exec),
+        ranks_(ranks),
+        scene_(scene),
+        narrow_(exec, ranks_, scene),
+        placing_(exec, scene),
+        results_(exec, spec_, scene, placing_) {
     spec_.mode = settings.mode;
     spec_.thickness = settings.thickness;
     spec_.accuracy = settings.accuracy;
@@ -76,7 +81,7 @@ class QueryRun {
       const StepState state =
           exec_.step(numbers_.number_of(plan), scene_.state.data(), [&] { enqueue(kind, keys, extent); });
       if (narrow_.grow(state)) continue;
-      results_.collect(state, needs_, 0, result);
+      results_.collect(state, needs_, {}, result);
       return result;
     }
   }
@@ -105,6 +110,7 @@ class QueryRun {
   SceneSpec spec_;
   LevelNeeds needs_;
   NarrowPhase<Exec, Real> narrow_;
+  Placing<Exec, Real> placing_;
   Results<Exec, Real> results_;
   PlanNumbers numbers_;
 };

@@ -22,6 +22,7 @@ Tradeoff sample() {
   guarded.score.gap = std::nullopt;
   guarded.times.narrow = 0.25;
   guarded.work = {1, 2, 3, 4, 5, 6};
+  guarded.bytes = 7200;
   return {.name = "funnel",
           .input = "scene funnel",
           .date = "2026-11-21",
@@ -56,6 +57,7 @@ TEST(Tradeoff, TheJsonHasTheSettingAndEveryRun) {
   EXPECT_EQ(json["runs"][0]["contacts"]["toi_gap"], (Json{{"median", 1e-9}, {"p99", 0.1}, {"worst", 1.0 / 3}}));
   EXPECT_EQ(json["runs"][1]["level"], "guarded");
   EXPECT_EQ(json["runs"][1]["delta"], 1e-3);
+  EXPECT_EQ(json["runs"][1]["bytes_in"], 7200);
   EXPECT_EQ(json["runs"][1]["contacts"]["toi_gap"], nullptr);
   EXPECT_EQ(json["runs"][1]["median_ms"]["narrow"], 0.25);
   EXPECT_EQ(json["runs"][1]["counts"]["exact_decisions"], 3);
@@ -67,7 +69,7 @@ TEST(Tradeoff, TheTableHasARowForEachRun) {
                        "0) | 2.0e-07 | 1.0e-09 | 1.0e-01 | 3.3e-01 |"),
             std::string::npos)
       << table;
-  EXPECT_NE(table.find("| f32 | guarded | 1e-3 | 0.25 | 0.50 | 2 | 1.00 | 4 | 1.00 | 1 | 2 | 4 | 5 | 6 | 3 |"),
+  EXPECT_NE(table.find("| f32 | guarded | 1e-3 | 0.25 | 0.50 | 2 | 1.00 | 4 | 1.00 | 7,200 | 1 | 2 | 4 | 5 | 6 | 3 |"),
             std::string::npos)
       << table;
   EXPECT_NE(table.find("f32: the level `EXACT` on the same positions; 1,193 vertex-triangle and 40 edge-edge"),
