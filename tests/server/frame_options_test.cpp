@@ -58,6 +58,10 @@ void move_one_corner(pb::Frame& frame) {
   tip_of(frame).set_positions(test::pack_points({test::tip_points(-3)[0]}, false));
 }
 
+void exclude_all(pb::Frame& frame) { frame.mutable_edit()->add_exclude_meshes()->set_second(1); }
+
+bool has_no_contact(const Told& told) { return told.refusal.empty() && told.done.contact_count() == 0; }
+
 const std::map<std::string, Probe> kProbes = {
     {"Frame.frame_id",
      {[](pb::Frame& f) { f.set_frame_id(9); }, [](const Told& told) { return told.last_frame_id == 9; }}},
@@ -89,6 +93,27 @@ const std::map<std::string, Probe> kProbes = {
      {[](pb::Frame& f) { f.set_trial(true); }, [](const Told& told) { return told.last_frame_id == 1; }}},
     {"Frame.from_last_fraction",
      {[](pb::Frame& f) { f.set_from_last_fraction(1.5); }, is_refused("frame.from_last_fraction is 1.5")}},
+    {"Frame.edit", {exclude_all, has_no_contact}},
+    {"SceneEdit.exclude_meshes", {exclude_all, has_no_contact}},
+    {"SceneEdit.include_meshes",
+     {[](pb::Frame& f) { f.mutable_edit()->add_include_meshes(); }, is_refused("frame.edit.include_meshes[0] is ")}},
+    {"SceneEdit.meshes",
+     {[](pb::Frame& f) {
+        f.clear_updates();
+        f.mutable_edit()->add_meshes()->set_mesh(1);  // without a spec: it is removed
+      },
+      has_no_contact}},
+    {"MeshEdit.mesh",
+     {[](pb::Frame& f) { f.mutable_edit()->add_meshes()->set_mesh(7); }, is_refused("frame.edit.meshes[0].mesh is 7")}},
+    {"MeshEdit.spec",
+     {[](pb::Frame& f) {
+        pb::MeshEdit& tip = *f.mutable_edit()->add_meshes();
+        tip.set_mesh(1);
+        tip.mutable_spec()->set_vertex_count(3);
+        tip.mutable_spec()->set_groups(2);
+        tip.mutable_spec()->set_collide_mask(2);
+      },
+      has_no_contact}},
     {"MeshUpdate.mesh", {[](pb::Frame& f) { tip_of(f).set_mesh(7); }, is_refused("frame.updates[0].mesh is 7")}},
     {"MeshUpdate.sparse", {move_one_corner, hits_at(0.25)}},
     {"MeshUpdate.rigid",
@@ -127,7 +152,9 @@ const std::map<std::string, Probe> kProbes = {
 };
 
 // Sent as parts of fields that have a probe.
-const std::set<std::string> kParts = {"SharedRange.offset", "SharedRange.size"};
+bool is_part(const std::string& field) {
+  return field.starts_with("SharedRange.") || field.starts_with("MeshSpec.") || field.starts_with("MeshPair.");
+}
 
 // All fields of a message and of its nested messages.
 void add_fields(const Descriptor& type, std::set<std::string>& fields) {
@@ -237,7 +264,7 @@ TEST(FrameOptionsProbes, ThereIsOneForEachField) {
   std::set<std::string> fields;
   add_fields(*pb::Frame::descriptor(), fields);
   for (const auto& field : fields)
-    EXPECT_TRUE(kProbes.contains(field) || kParts.contains(field))
+    EXPECT_TRUE(kProbes.contains(field) || is_part(field))
         << field << " is new: add a probe that shows it to arrive on every way to the daemon";
   for (const auto& [field, probe] : kProbes) EXPECT_TRUE(fields.contains(field)) << field << " is no longer a field";
 }

@@ -93,7 +93,7 @@ TEST_F(Uploads, ABadTriangleIsRefusedBeforeItCounts) {
 
 TEST_F(Uploads, ASceneThatCannotBeMadeIsDeleted) {
   auto request = awaiting_request();
-  request.mutable_spec()->set_memory_budget_bytes(least_budget(request));
+  request.mutable_spec()->set_memory_budget_bytes(least_budget(request) + 500);  // and what the spec itself takes
   const auto id = make_scene(*stub_, request);
   const auto status = Upload(*stub_, id, all_).finish();
   EXPECT_EQ(status.error_code(), grpc::RESOURCE_EXHAUSTED);
