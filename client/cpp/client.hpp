@@ -62,8 +62,7 @@ class Client {
   /// the daemon's default.
   v1::Scene create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds = 0);
   /// What create_scene of the same arguments would cost, before anything is made: no triangle is sent, loose elements
-  /// are. Throws what it
-  /// would throw for a bad spec.
+  /// are. Throws what it would throw for a bad spec.
   v1::EstimateSceneResponse estimate_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes);
   v1::Scene get_scene(const std::string& scene_id);
   void delete_scene(const std::string& scene_id);

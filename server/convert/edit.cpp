@@ -2,7 +2,6 @@
 #include "server/convert/edit.hpp"
 
 #include <algorithm>
-#include <set>
 #include <string>
 
 #include "server/convert/meshes.hpp"

@@ -17,7 +17,6 @@ namespace pb = collided::v1;
 
 /// Meshes of one scene. With the longest names such a scene still fits one message of gRPC's default size.
 constexpr int kMaxMeshes = 16384;
-constexpr size_t kMaxNameBytes = 128;
 
 /// Names triangles in messages.
 struct TrianglePath {

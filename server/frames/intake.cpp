@@ -86,7 +86,8 @@ PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) 
       send_positions(scene, std::move(incoming.slot), frame);
     }
     frame.input.bytes_beside_contact = incoming.answer_bytes_per_contact;
-    frame.input.room = {incoming.room, scene.plan()->fields.columns, scene.plan()->fields.stencils};
+    const OutputFields& fields = frame.basis.plan->fields;
+    frame.input.room = {incoming.room, fields.columns, fields.stencils};
   } catch (...) {
     frame.refusal = std::current_exception();
     frame.input = {};

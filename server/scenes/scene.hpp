@@ -64,6 +64,8 @@ class Scene {
 
   const std::string& id() const { return facts_.id; }
   const SceneFacts& facts() const { return facts_; }
+  /// No edit changes it.
+  Backend backend() const { return backend_; }
   /// The plan without its triangles, as the last edit left it. From any thread.
   std::shared_ptr<const ScenePlan> plan() const {
     const std::lock_guard lock(mutex_);
@@ -159,6 +161,7 @@ class Scene {
   const SceneFacts facts_;
   const SceneSurroundings surroundings_;
   const std::shared_ptr<DeviceBytes> quota_;
+  const Backend backend_;
   MemoryHold held_;                   // plan, triangles and topology; owned by the worker after construction
   bool excludes_rest_pairs_ = false;  // a mesh does; fixed after construction
   SceneSpec pending_;                 // the spec with its triangles, until the detector takes it

@@ -10,7 +10,6 @@ namespace collided::server {
 
 uint64_t max_edit_bytes(const SceneEdit& edit) {
   constexpr uint64_t kOfElement = sizeof(TriangleCorners) + 3 * sizeof(std::array<uint32_t, 2>);
-  constexpr uint64_t kMaxNameBytes = 128;
   uint64_t bytes = edit.excluded.size() * kPairBytes;
   for (const auto& [mesh, spec] : edit.meshes)
     bytes += kMeshBytes + kPoseBytes + kMaxNameBytes + count_elements(spec) * kOfElement;

@@ -13,6 +13,9 @@
 
 namespace collided::server {
 
+/// Of a mesh or a scene.
+constexpr size_t kMaxNameBytes = 128;
+
 /// Maximum bytes of one vertex's positions in a frame: one time (DCD) or two (CCD).
 constexpr uint64_t max_vertex_bytes(const SceneSpec& spec) {
   return position_bytes(spec) * (spec.mode == Mode::kDcd ? 1 : 2);

@@ -29,7 +29,7 @@ void check_handle(const char* field, const std::string& handle, bool is_allowed)
 }
 
 void check_backend(const char* field, const std::string& handle, const Scene& scene) {
-  if (!handle.empty() && scene.plan()->engine.backend != Backend::kCuda)
+  if (!handle.empty() && scene.backend() != Backend::kCuda)
     throw FailedPrecondition(field, fmt::format("{} is set, but scene {} is not on a GPU", field, scene.id()));
 }
 
@@ -93,7 +93,7 @@ std::shared_ptr<SharedRegion> map_region(const pb::LocalOpen& open, const std::v
   const std::string &input = open.cuda_ipc_handle(), &output = open.output_cuda_ipc_handle();
   if (files.empty() && input.empty() && output.empty()) return nullptr;
   const RegionSize in_file{open.input_bytes(), output_in_file(open)};
-  auto region = input.empty() ? SharedRegion::map(file, in_file, scene.plan()->engine.backend)
+  auto region = input.empty() ? SharedRegion::map(file, in_file, scene.backend())
                               : SharedRegion::open(std::as_bytes(std::span(input)), file, in_file.output);
   if (!output.empty()) region->open_output(std::as_bytes(std::span(output)), open.output_bytes());
   return region;
