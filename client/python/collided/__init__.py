@@ -1,0 +1,30 @@
+"""Contacts of moving meshes: numpy in and out, by the daemon `collided`.
+
+    contacts = collided.detect(V0, V1, F)
+
+`detect` and `proximity` ask one question; a `Session` streams frames of a scene, whose meshes go up once. Without a server
+they use $COLLIDED_SERVER, or a daemon that this process starts for itself. `collided.aio` has the same for asyncio.
+"""
+
+from collided.connection.client import Client
+from collided.connection.options import ConnectOptions
+from collided.contacts import Contacts, Flag
+from collided.detection import detect, proximity
+from collided.errors import (Aborted, AlreadyExists, Cancelled, DataLoss, DeadlineExceeded, Error, FailedPrecondition,
+                             Internal, InvalidArgument, NotFound, PermissionDenied, ResourceExhausted, Unauthenticated,
+                             Unavailable, Unimplemented)
+from collided.frames.edit import Edit
+from collided.frames.options import FrameOptions
+from collided.frames.updates import Rigid, Sparse
+from collided.meshes import Mesh
+from collided.options import SceneOptions
+from collided.positions import Box, move_along, move_rigidly, pack_quantized, unpack_quantized
+from collided.scene import Scene
+from collided.session import Session
+
+__version__ = "0.1.0"
+__all__ = ["Aborted", "AlreadyExists", "Box", "Cancelled", "Client", "ConnectOptions", "Contacts", "DataLoss",
+           "DeadlineExceeded", "Edit", "Error", "FailedPrecondition", "Flag", "FrameOptions", "Internal", "InvalidArgument",
+           "Mesh", "NotFound", "PermissionDenied", "ResourceExhausted", "Rigid", "Scene", "SceneOptions", "Session", "Sparse",
+           "Unauthenticated", "Unavailable", "Unimplemented", "detect", "move_along", "move_rigidly", "pack_quantized",
+           "proximity", "unpack_quantized"]
