@@ -21,10 +21,11 @@ from collided.options import SceneOptions
 from collided.positions import Box, move_along, move_rigidly, pack_quantized, unpack_quantized
 from collided.scene import Scene
 from collided.session import Session
+from collided.watch import Watched, Watcher
 
 __version__ = "0.1.0"
 __all__ = ["Aborted", "AlreadyExists", "Box", "Cancelled", "Client", "ConnectOptions", "Contacts", "DataLoss",
            "DeadlineExceeded", "Edit", "Error", "FailedPrecondition", "Flag", "FrameOptions", "Internal", "InvalidArgument",
            "Mesh", "NotFound", "PermissionDenied", "ResourceExhausted", "Rigid", "Scene", "SceneOptions", "Session", "Sparse",
-           "Unauthenticated", "Unavailable", "Unimplemented", "detect", "move_along", "move_rigidly", "pack_quantized",
+           "Unauthenticated", "Unavailable", "Unimplemented", "Watched", "Watcher", "detect", "move_along", "move_rigidly", "pack_quantized",
            "proximity", "unpack_quantized"]

@@ -11,6 +11,7 @@ import numpy as np
 
 from collided.errors import InvalidArgument
 from collided.meshes import Mesh, as_mesh
+from collided.v1 import scene_pb2
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,6 +20,7 @@ class Layout:
 
     meshes: tuple[Mesh | None, ...]
     excluded: frozenset[tuple[int, int]] = field(default_factory=frozenset)
+    element_counts: tuple[int, ...] | None = None  # of meshes whose elements are not known here
 
     @staticmethod
     def of(source: Any, exclude: Iterable[Any] = ()) -> Layout:
@@ -37,6 +39,13 @@ class Layout:
     @cached_property
     def _indices(self) -> dict[str, int]:
         return {mesh.name: i for i, mesh in enumerate(self.meshes) if mesh is not None}
+
+    @staticmethod
+    def of_spec(spec: scene_pb2.SceneSpec) -> Layout:
+        """As the daemon tells it, without elements; meshes without vertices were removed."""
+        meshes = (Mesh(name=mesh.name, vertex_count=mesh.vertex_count) if mesh.vertex_count else None for mesh in spec.meshes)
+        counts = (mesh.triangle_count + mesh.edge_count + mesh.point_count for mesh in spec.meshes)
+        return Layout(tuple(meshes), element_counts=tuple(counts))
 
     def index(self, mesh: str | int) -> int:
         """Index of a mesh that is there, by name or index."""
@@ -69,7 +78,7 @@ class Layout:
     @cached_property
     def element_offsets(self) -> np.ndarray:
         """First scene-wide element (triangle, loose edge or loose point) of each mesh, and the number of all."""
-        return _sums([0 if mesh is None else mesh.element_count for mesh in self.meshes])
+        return _sums(self.element_counts or [0 if mesh is None else mesh.element_count for mesh in self.meshes])
 
     def pair(self, pair: Any) -> tuple[int, int]:
         """Two meshes, in order."""
@@ -81,5 +90,5 @@ class Layout:
         return low, high
 
 
-def _sums(counts: list[int]) -> np.ndarray:
-    return np.concatenate([[0], np.cumsum(counts, dtype=np.int64)]).astype(np.int64)
+def _sums(counts: Iterable[int]) -> np.ndarray:
+    return np.concatenate([[0], np.cumsum(list(counts), dtype=np.int64)]).astype(np.int64)

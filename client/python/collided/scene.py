@@ -76,7 +76,7 @@ class Scene:
         """A Watcher of the frames that anyone sends to this scene, with its options."""
         from collided.watch import Watcher
 
-        return Watcher(self.client, self.id, layout=self.layout, **options)
+        return Watcher(self.client, self.id, **options)
 
     def close(self) -> None:
         """Deletes the scene, and ends the connection unless it was the caller's. Errors of a daemon that is gone are ignored."""

@@ -43,7 +43,8 @@ class Session:
     meshes: a Scene, which stays; or what Scene takes, with its options: then the scene is the session's own.
     window: frames in flight, 1 to the daemon's limit; 0: the daemon chooses (2).
     delivery: "lossless", or "latest_wins" (with a window above 2): waiting frames give way to newer ones.
-    transport: "auto": shared memory if the daemon is on this host and offers it, else gRPC; "shared_memory"; "grpc".
+    transport: "auto": shared memory if the daemon is on this host and offers it, else gRPC; "shared_memory"; "grpc"; "calls": a
+        call for each frame, and no stream.
     output_bytes: room in shared memory for each frame's contacts; the rest comes over the socket, which is slower.
     edit_bytes: room for each frame's edit and for positions of what edits have added.
     daemon_user: another user id that the daemon may run as, to be trusted with a token over its local socket.
@@ -179,8 +180,8 @@ class Session:
 
     def close(self) -> None:
         """Ends the stream, and deletes the scene if it is the session's own. Frames in flight are given up."""
-        self._close_transport()
         self._failure = FailedPrecondition("the session is closed")
+        self._close_transport()
         self._close_scene()
 
     def __enter__(self) -> Session:

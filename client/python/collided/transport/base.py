@@ -26,8 +26,5 @@ class Transport(Protocol):
     def shared(self, shared_range: Any) -> memoryview:
         """Bytes of the output region."""
 
-    def half_close(self) -> None:
-        """No more frames will come."""
-
     def close(self) -> None:
         """Ends the stream, and frames in flight, if it has not ended."""

@@ -102,19 +102,13 @@ class LocalTransport:
         at = self._layout.input_bytes + start
         return self._region.bytes[at:at + size].data
 
-    def half_close(self) -> None:
-        self._shut_down(socket.SHUT_WR)
-
     def close(self) -> None:
-        self._shut_down(socket.SHUT_RDWR)
-        self._socket.close()
-        self._region.close()
-
-    def _shut_down(self, how: int) -> None:
         try:
-            self._socket.shutdown(how)
+            self._socket.shutdown(socket.SHUT_RDWR)
         except OSError:
             pass  # it has ended already
+        self._socket.close()
+        self._region.close()
 
     def _add(self, update: Update, frame: frame_pb2.Frame) -> None:
         out = frame.updates.add(mesh=update.mesh)

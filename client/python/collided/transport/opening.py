@@ -11,6 +11,7 @@ from collided.connection.channel import metadata
 from collided.connection.client import Client
 from collided.errors import Error, FailedPrecondition, Internal, InvalidArgument, ResourceExhausted
 from collided.transport.base import Transport
+from collided.transport.call_transport import CallTransport
 from collided.transport.grpc_transport import GrpcTransport
 from collided.transport.local_transport import LocalPeer, LocalTransport
 from collided.transport.region import region_layout
@@ -18,7 +19,7 @@ from collided.v1 import collision_service_pb2 as api
 from collided.v1 import scene_pb2
 
 _DEFAULT_WINDOW = 2
-_TRANSPORTS = ("auto", "shared_memory", "grpc")
+_TRANSPORTS = ("auto", "shared_memory", "grpc", "calls")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +49,9 @@ def open_transport(client: Client, scene: scene_pb2.Scene, options: StreamOption
     opening = api.OpenStream(scene_id=scene.scene_id, window=options.window, delivery=options.delivery,
                              resume_token=scene.resume_token if resume else "")
     refusal = ""
+    if options.transport == "calls":
+        calls = CallTransport(client)
+        return calls, _opened(calls, opening), ""
     if options.transport != "grpc":
         try:
             local = _local(client, scene, options, opening)
