@@ -19,7 +19,7 @@ from collided.frames.options import FrameOptions
 from collided.frames.track import Request
 from collided.layout import Layout
 from collided.scene import Scene
-from collided.transport.base import Transport
+from collided.transport.base import NotSent, Transport
 from collided.transport.opening import StreamOptions, open_transport
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2
@@ -48,6 +48,7 @@ class Session:
     output_bytes: room in shared memory for each frame's contacts; the rest comes over the socket, which is slower.
     edit_bytes: room for each frame's edit and for positions of what edits have added.
     daemon_user: another user id that the daemon may run as, to be trusted with a token over its local socket.
+    take_over: from another stream of the Scene that may still be open, and then ends with Aborted.
     reconnect_seconds: how long a lost connection or daemon is waited for; 0: the loss is raised at once.
 
     A connection or a daemon that is lost is not noticed but in `reconnects` and `recreations`: the session connects again,
@@ -59,7 +60,7 @@ class Session:
 
     def __init__(self, meshes: Any, *, window: int = 0, delivery: str = "lossless", transport: str = "auto",
                  output_bytes: int = 8 << 20, edit_bytes: int = 0, daemon_user: int | None = None,
-                 reconnect_seconds: float = 60.0, **scene_options: Any) -> None:
+                 take_over: bool = False, reconnect_seconds: float = 60.0, **scene_options: Any) -> None:
         if isinstance(meshes, Scene) and scene_options:
             raise InvalidArgument(f"{min(scene_options)} is given with a Scene, which has its own", field=min(scene_options))
         self.options = StreamOptions(
@@ -81,7 +82,7 @@ class Session:
         self.reconnects = 0
         self.recreations = 0
         try:
-            self._open(resume=False)
+            self._open(resume=take_over)
         except Error:
             self._close_scene()
             raise
@@ -101,6 +102,7 @@ class Session:
         Raises InvalidArgument before anything is sent for shapes, dtypes and meshes that cannot be, and what the daemon
         refuses the frame with: it leaves the scene unchanged.
         """
+        self._check_open()
         if self.in_flight:
             raise FailedPrecondition(f"step() with {self.in_flight} frames in flight: receive them first")
         self.send(positions, start, **options)
@@ -111,6 +113,7 @@ class Session:
 
         Arguments as of `step`. Arrays may be changed once this returns.
         """
+        self._check_open()
         self._begin()
         request = self._track.request(self._layout, not self._has_begun, positions, start, options)
         while self._transport is not None and len(self._pending) >= self.window:
@@ -220,8 +223,11 @@ class Session:
             if state is None:
                 return
             try:
-                for request in self._track.beginning(state):
-                    self._exchange(request)
+                if self._transport is None:
+                    self._reopen()
+                self._exchange(self._track.beginning(state))
+            except NotSent:
+                raise
             except Error as error:
                 self._after(error)
 
@@ -308,6 +314,11 @@ class Session:
 
     # Losing and finding the daemon.
 
+    def _check_open(self) -> None:
+        """Raises why the session has ended, if it has for good."""
+        if self._failure is not None:
+            raise self._failure
+
     def _after(self, error: Error) -> None:
         """Goes on after the stream has ended, or raises why it cannot."""
         self._close_transport()
@@ -332,8 +343,7 @@ class Session:
 
     def _reopen(self) -> None:
         """A stream on which everything that is in flight was sent again. Raises Error."""
-        if self._failure is not None:
-            raise self._failure
+        self._check_open()
         self.scene.client.reconnect()
         try:
             last_applied = self._open(resume=True)

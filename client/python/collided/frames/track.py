@@ -137,10 +137,9 @@ class Track:
         """A frame was refused: the scene is where it was, and has no last way."""
         self.way = None
 
-    def beginning(self, state: State) -> list[Request]:
+    def beginning(self, state: State) -> Request:
         """The first frame of a scene whose meshes all have vertices."""
-        updates = [Update(i, positions=place.positions) for i, place in state.items()]
-        return [Request(frame_pb2.Frame(), updates)]
+        return Request(frame_pb2.Frame(), [Update(i, positions=place.positions) for i, place in state.items()])
 
     def placing(self, state: State) -> list[Request]:
         """Frames that bring a new scene of this layout to a state and stand still."""

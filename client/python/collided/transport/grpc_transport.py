@@ -7,9 +7,10 @@ from typing import Any
 
 import grpc
 
-from collided.errors import DataLoss, ResourceExhausted
+from collided.errors import DataLoss
 from collided.frames.updates import Update
 from collided.frames.wire import encode_frame
+from collided.transport.base import NotSent
 from collided.transport.messages import Messages
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2
@@ -34,8 +35,8 @@ class GrpcTransport:
     def send(self, head: frame_pb2.Frame, updates: list[Update]) -> list[Update]:
         message, kept = encode_frame(head, updates)
         if len(message) > self._max_message_bytes:
-            raise ResourceExhausted(f"frame has {len(message)} bytes; the daemon's limit for a message is "
-                                    f"{self._max_message_bytes} (max-message-mb)", field="frame")
+            raise NotSent(f"frame has {len(message)} bytes; the daemon's limit for a message is "
+                          f"{self._max_message_bytes} (max-message-mb)", field="frame")
         self._requests.put(message)
         return kept
 

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from collided.errors import DataLoss, ResourceExhausted, Unavailable, error_of
+from collided.errors import DataLoss, Unavailable, error_of
 from collided.frames.updates import Update
+from collided.transport.base import NotSent
 from collided.transport.peer import check_trusted, connect_to_socket
 from collided.transport.region import ALIGNMENT, MAX_PACKET_BYTES, Region, RegionLayout
 from collided.v1 import collision_service_pb2 as api
@@ -145,8 +146,8 @@ class LocalTransport:
         placed = self._place(message)
         if placed is None:
             self._used = 0
-            raise ResourceExhausted(f"frame is {message.size} bytes besides what is in shared memory, more than a packet and "
-                                    "the memory for one frame hold; edit_bytes makes room", field="frame")
+            raise NotSent(f"frame is {message.size} bytes besides what is in shared memory, more than a packet and "
+                          "the memory for one frame hold; edit_bytes makes room", field="frame")
         return local_pb2.LocalRequest(shared_frame=placed).SerializeToString()
 
 

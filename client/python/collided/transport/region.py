@@ -49,19 +49,22 @@ def _whole_pages(size: int) -> int:
 
 
 class Region:
-    """Neither side can shrink or grow it. Pages are allocated on first touch."""
+    """Neither side can shrink or grow it. Pages are allocated on first touch; unmapped once nothing views them."""
 
     def __init__(self, size: int) -> None:
         try:
-            self.file = os.memfd_create("collided", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+            self._file = open(os.memfd_create("collided", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING), "r+b", buffering=0)
             os.ftruncate(self.file, size)
             fcntl.fcntl(self.file, fcntl.F_ADD_SEALS, _SEALS)
-            self._map = mmap.mmap(self.file, size)
+            self.bytes = np.frombuffer(mmap.mmap(self.file, size), np.uint8)
         except OSError as error:
             raise ResourceExhausted(f"no shared memory of {size} bytes: {error.strerror}") from None
-        self.bytes = np.frombuffer(self._map, np.uint8)
+
+    @property
+    def file(self) -> int:
+        """The descriptor to hand over."""
+        return self._file.fileno()
 
     def close(self) -> None:
-        """The memory stays mapped as long as arrays view it."""
-        os.close(self.file)
-        del self.bytes, self._map
+        self._file.close()
+        self.bytes = self.bytes[:0]
