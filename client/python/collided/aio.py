@@ -104,11 +104,13 @@ class Session:
 
     async def close(self) -> None:
         """As `collided.Session.close`, whatever the session waits for."""
-        if self._session is not None:
-            await asyncio.to_thread(self._session.close)
-        for future in self._late:
-            future.add_done_callback(lambda done: done.exception())
-        self._thread.stop()
+        for future in self._late:  # nobody will ask for these any more
+            future.add_done_callback(lambda done: done.cancelled() or done.exception())
+        try:
+            if self._session is not None:
+                await asyncio.to_thread(self._session.close)
+        finally:
+            self._thread.stop()
 
 
 class Watcher:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import grpc
+from google.protobuf.message import DecodeError
 
 from collided.v1 import error_details_pb2
 
@@ -142,13 +143,12 @@ def error_of_call(error: grpc.RpcError) -> Error:
     return error_of(code.value[0], error.details() or str(code), field=field, quota=quota, retry_after=retry_after)
 
 
-def _details(packed: bytes | str) -> tuple[str, str, float | None]:
+def _details(packed: bytes) -> tuple[str, str, float | None]:
     """Field, quota and seconds to wait."""
     field, quota, retry_after = "", "", None
-    status = error_details_pb2.RpcStatus()
     try:
-        status.ParseFromString(packed if isinstance(packed, bytes) else packed.encode("latin-1"))
-    except Exception:  # protobuf's error classes differ by version; details that cannot be read are none
+        status = error_details_pb2.RpcStatus.FromString(packed)
+    except DecodeError:  # details that cannot be read are none
         return field, quota, retry_after
     for detail in status.details:
         kind = detail.type_url.rpartition("/")[2]

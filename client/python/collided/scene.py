@@ -7,7 +7,7 @@ from typing import Any
 
 from collided.connection.client import Client
 from collided.connection.options import ConnectOptions
-from collided.errors import InvalidArgument, NotFound
+from collided.errors import DeadlineExceeded, Error, InvalidArgument, NotFound
 from collided.frames.track import Track
 from collided.layout import Layout
 from collided.options import SceneOptions
@@ -79,13 +79,14 @@ class Scene:
         return Watcher(self.client, self.id, **options)
 
     def close(self) -> None:
-        """Deletes the scene, and ends the connection unless it was the caller's. Errors of a daemon that is gone are ignored."""
-        from collided.errors import Error
+        """Deletes the scene, and ends the connection unless it was the caller's.
 
+        A daemon that is gone or does not answer is left alone: the scene's lease ends there.
+        """
         try:
             self.client.delete_scene(self.id)
         except Error as error:
-            if not (error.is_connection_lost or isinstance(error, NotFound)):
+            if not (error.is_connection_lost or isinstance(error, (NotFound, DeadlineExceeded))):
                 raise
         finally:
             if self.owns_client:

@@ -19,5 +19,5 @@ def read_mesh_file(path: str) -> dict[str, Any]:
         raise InvalidArgument(f"{path}: the extension must be .obj or .ply")
     try:
         return reader(pathlib.Path(path).read_bytes())
-    except InvalidArgument as error:
-        raise InvalidArgument(f"{path}: {error.message}") from None
+    except ValueError as error:  # InvalidArgument, and numpy's own
+        raise InvalidArgument(f"{path}: {getattr(error, 'message', error)}") from None

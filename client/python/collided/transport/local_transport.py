@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
+from google.protobuf.message import DecodeError
 
 from collided.errors import DataLoss, Unavailable, error_of
 from collided.frames.updates import Update
@@ -77,7 +78,10 @@ class LocalTransport:
         data = self._receive()
         if not data:
             raise Unavailable("the daemon's local socket was closed")
-        packet = local_pb2.LocalResponse.FromString(data)
+        try:
+            packet = local_pb2.LocalResponse.FromString(data)
+        except DecodeError:
+            raise DataLoss("the daemon's packet is not a LocalResponse") from None
         if not packet.HasField("closed"):
             return packet.frame
         closed = packet.closed
