@@ -8,6 +8,7 @@ they use $COLLIDED_SERVER, or a daemon that this process starts for itself. `col
 
 from collided.connection.client import Client
 from collided.connection.options import ConnectOptions
+from collided.connection.own_daemon import OwnDaemon
 from collided.contacts import Contacts, Flag
 from collided.detection import detect, proximity
 from collided.errors import (Aborted, AlreadyExists, Cancelled, DataLoss, DeadlineExceeded, Error, FailedPrecondition,
@@ -26,6 +27,6 @@ from collided.watch import Watched, Watcher
 __version__ = "0.1.0"
 __all__ = ["Aborted", "AlreadyExists", "Box", "Cancelled", "Client", "ConnectOptions", "Contacts", "DataLoss",
            "DeadlineExceeded", "Edit", "Error", "FailedPrecondition", "Flag", "FrameOptions", "Internal", "InvalidArgument",
-           "Mesh", "NotFound", "PermissionDenied", "ResourceExhausted", "Rigid", "Scene", "SceneOptions", "Session", "Sparse",
+           "Mesh", "NotFound", "OwnDaemon", "PermissionDenied", "ResourceExhausted", "Rigid", "Scene", "SceneOptions", "Session", "Sparse",
            "Unauthenticated", "Unavailable", "Unimplemented", "Watched", "Watcher", "detect", "move_along", "move_rigidly", "pack_quantized",
            "proximity", "unpack_quantized"]

@@ -28,16 +28,17 @@ class Client:
     """A connection, made when it is first needed, and made again when it is lost. May be used by several threads.
 
     server: "host:port" or "unix:/path"; None: $COLLIDED_SERVER, or a daemon that this process starts for itself.
+    daemon: an OwnDaemon to use instead of the one that this process shares.
     options: those of ConnectOptions, such as token="..." and tls_ca="ca.pem".
 
     Calls raise Error: Unavailable if no daemon answers, DeadlineExceeded after `deadline` seconds, and what the daemon
     refuses with.
     """
 
-    def __init__(self, server: str | None = None, **options: Any) -> None:
+    def __init__(self, server: str | None = None, *, daemon: OwnDaemon | None = None, **options: Any) -> None:
         self.options = ConnectOptions(**options)
-        self._server = server or os.environ.get("COLLIDED_SERVER") or None
-        self._own: OwnDaemon | None = None if self._server else shared_daemon()
+        self._server = server or (None if daemon else os.environ.get("COLLIDED_SERVER")) or None
+        self._own = None if self._server else daemon or shared_daemon()
         if self._server:
             self.options.check(self._server)
         self._lock = threading.Lock()

@@ -50,6 +50,11 @@ class OwnDaemon:
                 self._start()
             return f"unix:{self._folder}/socket"
 
+    @property
+    def pid(self) -> int:
+        """Of the process group that the daemon runs in; 0 if none runs."""
+        return 0 if self._process is None else self._process.pid
+
     def stop(self) -> None:
         """Ends it; a later `address` starts another one."""
         with self._lock:
