@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a frame takes in Python and in C++: blocks of frames of both, in turn, so that other load affects both alike.
 
-usage: clients_bench.py DAEMON CLIENT_FRAMES [--blocks N] [--frames N] [--side N] [--json]
+usage: clients_bench.py DAEMON CLIENT_FRAMES [--blocks N] [--frames N] [--side N] [--scenes few all] [--json]
 
 Each frame brings the positions of a sheet of SIDE * SIDE vertices (296: 1 MB). `ratio` is Python's median time of a frame
 over that of C++, `ratio beyond engine` the same without the time that the daemon's engine takes. Rows "few" have triangles in
@@ -98,11 +98,13 @@ def main():
     parser.add_argument("--blocks", type=int, default=20)
     parser.add_argument("--frames", type=int, default=25)
     parser.add_argument("--side", type=int, default=296)
+    parser.add_argument("--scenes", nargs="+", default=["few", "all"], choices=["few", "all"])
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
     rows = []
     daemon = OwnDaemon(program=arguments.daemon)
-    for scene, cells in (("few", 4), ("all", arguments.side - 1)):
+    scenes = {"few": 4, "all": arguments.side - 1}
+    for scene, cells in ((name, cells) for name, cells in scenes.items() if name in arguments.scenes):
         rows += [{"scene": scene, **compare(arguments, daemon.address, transport, cells)} for transport in TRANSPORTS]
     daemon.stop()
     if arguments.json:
