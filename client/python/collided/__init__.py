@@ -26,7 +26,8 @@ from collided.watch import Watched, Watcher
 
 __version__ = "0.1.0"
 __all__ = ["Aborted", "AlreadyExists", "Box", "Cancelled", "Client", "ConnectOptions", "Contacts", "DataLoss",
-           "DeadlineExceeded", "Edit", "Error", "FailedPrecondition", "Flag", "FrameOptions", "Internal", "InvalidArgument",
-           "Mesh", "NotFound", "OwnDaemon", "PermissionDenied", "ResourceExhausted", "Rigid", "Scene", "SceneOptions", "Session", "Sparse",
-           "Unauthenticated", "Unavailable", "Unimplemented", "Watched", "Watcher", "detect", "move_along", "move_rigidly", "pack_quantized",
-           "proximity", "unpack_quantized"]
+           "DeadlineExceeded", "Edit", "Error", "FailedPrecondition", "Flag", "FrameOptions", "Internal",
+           "InvalidArgument", "Mesh", "NotFound", "OwnDaemon", "PermissionDenied", "ResourceExhausted", "Rigid",
+           "Scene", "SceneOptions", "Session", "Sparse", "Unauthenticated", "Unavailable", "Unimplemented",
+           "Watched", "Watcher", "detect", "move_along", "move_rigidly", "pack_quantized", "proximity",
+           "unpack_quantized"]

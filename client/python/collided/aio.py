@@ -1,8 +1,8 @@
 """The same for asyncio: `async with collided.aio.Session(meshes) as session: contacts = await session.step(V)`.
 
-Each object has a thread of its own that waits for the daemon, so that the event loop never does; numpy and sockets release
-the interpreter's lock. Arguments, answers and errors are those of the package. A call that is cancelled loses nothing: a frame
-that was sent stays in flight, and the next `receive` has its contacts.
+Each object has a thread of its own that waits for the daemon, so that the event loop never does; numpy and sockets
+release the interpreter's lock. Arguments, answers and errors are those of the package. A call that is cancelled loses
+nothing: a frame that was sent stays in flight, and the next `receive` has its contacts.
 """
 
 from __future__ import annotations
@@ -89,7 +89,8 @@ class Session:
         await self.send(positions, start, **options)
         return await self.receive()
 
-    async def run(self, frames: Iterable[Any] | AsyncIterable[Any], **options: Unpack[FrameOptions]) -> AsyncIterator[Contacts]:
+    async def run(self, frames: Iterable[Any] | AsyncIterable[Any],
+                  **options: Unpack[FrameOptions]) -> AsyncIterator[Contacts]:
         """As `collided.Session.run`; frames may be made asynchronously."""
         async for positions in _each(frames):
             while self.sync.in_flight >= self.sync.window:
@@ -134,7 +135,7 @@ class Watcher:
         assert self._watcher is not None, "the watcher is not open: use `async with`"
         frames = iter(self._watcher)
         while True:
-            frame = await self._thread.start(next, frames, None)
+            frame: Watched | None = await self._thread.start(lambda: next(frames, None))
             if frame is None:
                 return
             yield frame

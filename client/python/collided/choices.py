@@ -7,7 +7,7 @@ from typing import Any
 from collided.errors import InvalidArgument
 
 
-def choice(enum: Any, prefix: str, value: str | int | None, argument: str) -> int:
+def choice(enum: Any, prefix: str, value: str | int | None, argument: str) -> Any:
     """The value of `enum` that a word such as "certified" names; 0 for None. Numbers of the protocol are kept."""
     if value is None:
         return 0

@@ -43,7 +43,8 @@ class Layout:
     @staticmethod
     def of_spec(spec: scene_pb2.SceneSpec) -> Layout:
         """As the daemon tells it, without elements; meshes without vertices were removed."""
-        meshes = (Mesh(name=mesh.name, vertex_count=mesh.vertex_count) if mesh.vertex_count else None for mesh in spec.meshes)
+        meshes = (Mesh(name=mesh.name, vertex_count=mesh.vertex_count) if mesh.vertex_count else None
+                  for mesh in spec.meshes)
         counts = (mesh.triangle_count + mesh.edge_count + mesh.point_count for mesh in spec.meshes)
         return Layout(tuple(meshes), element_counts=tuple(counts))
 

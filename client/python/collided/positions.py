@@ -5,6 +5,7 @@ Every operation is in binary64, none fused, and the result is rounded to the sce
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,8 +22,8 @@ _LAST_STEP = 65535
 class Box:
     """The box that Q16 positions are encoded in: corners of three finite coordinates each, in order."""
 
-    lower: tuple[float, float, float]
-    upper: tuple[float, float, float]
+    lower: Sequence[float]
+    upper: Sequence[float]
 
     def __post_init__(self) -> None:
         lower, upper = (numbers(corner, f"box.{name}") for name, corner in (("lower", self.lower), ("upper", self.upper)))
@@ -39,8 +40,7 @@ class Box:
     def around(*positions: Any) -> Box:
         """The smallest box of all these positions."""
         arrays = [points(p, "positions") for p in positions]
-        return Box(tuple(np.min([a.min(axis=0) for a in arrays], axis=0)),
-                   tuple(np.max([a.max(axis=0) for a in arrays], axis=0)))
+        return Box(np.min([a.min(axis=0) for a in arrays], axis=0), np.max([a.max(axis=0) for a in arrays], axis=0))
 
     @property
     def step(self) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from collided.connection.client import Client
 from collided.connection.options import ConnectOptions
@@ -12,6 +12,10 @@ from collided.frames.track import Track
 from collided.layout import Layout
 from collided.options import SceneOptions
 from collided.v1 import scene_pb2
+from collided.watch import Watcher
+
+if TYPE_CHECKING:
+    from collided.session import Session
 
 _CONNECT = {field.name for field in dataclasses.fields(ConnectOptions)}
 _SCENE = {field.name for field in dataclasses.fields(SceneOptions)}
@@ -32,8 +36,8 @@ class Scene:
                  **options: Any) -> None:
         unknown = options.keys() - _CONNECT - _SCENE
         if unknown:
-            raise InvalidArgument(f"{min(unknown)!r} is no option of a scene; these are {', '.join(sorted(_SCENE | _CONNECT))}",
-                                  field=min(unknown))
+            known = ", ".join(sorted(_SCENE | _CONNECT))
+            raise InvalidArgument(f"{min(unknown)!r} is no option of a scene; these are {known}", field=min(unknown))
         connect = {name: value for name, value in options.items() if name in _CONNECT}
         if isinstance(server, Client) and connect:
             raise InvalidArgument(f"{min(connect)} is given with a Client, which has its own", field=min(connect))
@@ -66,16 +70,14 @@ class Scene:
             pass
         self.message = self.client.create_scene(self.track.creatable, self.options, self.lease_seconds)
 
-    def session(self, **options: Any) -> Any:
+    def session(self, **options: Any) -> Session:
         """A Session on this scene, with its options; one at a time."""
-        from collided.session import Session
+        from collided.session import Session  # which makes scenes itself
 
         return Session(self, **options)
 
-    def watch(self, **options: Any) -> Any:
+    def watch(self, **options: Any) -> Watcher:
         """A Watcher of the frames that anyone sends to this scene, with its options."""
-        from collided.watch import Watcher
-
         return Watcher(self.client, self.id, **options)
 
     def close(self) -> None:

@@ -89,7 +89,7 @@ class Cancelled(unittest.TestCase):
         async def play(daemon, transport):
             async with collided.aio.Session(meshes(), server=daemon.address, transport=transport) as session:
                 await session.step({"tip": TIP})
-                daemon.process.send_signal(signal.SIGSTOP)
+                daemon.freeze()
                 with self.assertRaises(TimeoutError):
                     async with asyncio.timeout(0.1):
                         await session.step({"tip": lowered(2)})
@@ -111,7 +111,7 @@ class Cancelled(unittest.TestCase):
         async def play(daemon, transport):
             async with collided.aio.Session(meshes(), server=daemon.address, transport=transport, deadline=0.5) as session:
                 await session.step({"tip": TIP})
-                daemon.process.send_signal(signal.SIGSTOP)
+                daemon.freeze()
                 with self.assertRaises(TimeoutError):
                     async with asyncio.timeout(0.1):
                         await session.step({"tip": lowered(2)})

@@ -7,7 +7,6 @@ import subprocess
 import sys
 import tempfile
 import time
-import unittest
 
 from support import COLLIDECTL, DAEMON, FLOOR, ONE, TIP, Case, assert_same, lowered, main, meshes, np
 

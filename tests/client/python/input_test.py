@@ -125,7 +125,7 @@ class Frames(Case):
                 wrong = lowered(1)
                 wrong[1, 2] = bad
                 error = self.refused(BAD, "vertex 1|updates", session.step, {"tip": wrong})
-                self.assertEqual((error.field, error.frame_id), ("frame.updates[0].positions", session._sent))
+                self.assertEqual((error.field, error.frame_id), ("frame.updates[0].positions", session._stream.sent))
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
                 self.refused(BAD, "", session.step, {"tip": lowered(1).astype(float) * 1e300})

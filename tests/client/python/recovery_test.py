@@ -3,11 +3,10 @@
 
 import signal
 import socket
-import threading
 import time
 import unittest
 
-from support import DAEMON, FLOOR, ONE, STREAMS, TIP, Case, Daemon, Supervised, assert_same, lowered, main, meshes, np
+from support import DAEMON, ONE, STREAMS, TIP, Case, Daemon, Supervised, assert_same, lowered, main, meshes, np
 
 import collided
 
@@ -154,9 +153,9 @@ class Killed(unittest.TestCase):
 def break_connection(session):
     """As a network that fails would."""
     if session.is_local:
-        session._transport._socket.shutdown(socket.SHUT_RDWR)
+        session._stream._transport._socket.shutdown(socket.SHUT_RDWR)
     else:
-        session._transport._messages._call.cancel()
+        session._stream._transport._messages._call.cancel()
 
 
 class Broken(Case):
@@ -176,7 +175,7 @@ class Broken(Case):
             session.send({"tip": lowered(2)})
             session.send({"tip": TIP})
             for _ in range(2):  # both are applied, and their answers lost
-                session._transport.read(None)
+                session._stream._transport.read(None)
             break_connection(session)
             self.expect_hit(session.receive(), 2)
             np.testing.assert_allclose(session.receive().toi, [0.5], atol=1e-3)
@@ -212,7 +211,7 @@ class Stopped(unittest.TestCase):
             self.addCleanup(daemon.close)
             session = collided.Session(meshes(), server=daemon.address, transport=transport)
             session.step({"tip": TIP})
-            daemon.process.send_signal(signal.SIGSTOP)
+            daemon.freeze()
             with self.assertRaises(TimeoutError):
                 session.step({"tip": lowered(2)}, timeout=0.2)
             self.assertEqual(session.in_flight, 1)

@@ -76,6 +76,12 @@ class Supervised:
         self.process.send_signal(signal.SIGKILL)
         self.process.wait()
 
+    def freeze(self):
+        """Stops it in the middle of whatever it does, until it is sent SIGCONT."""
+        self.process.send_signal(signal.SIGSTOP)
+        while pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(") ")[2][0] != "T":
+            time.sleep(0.001)
+
     def close(self):
         self._stopping.set()
         self._thread.join()

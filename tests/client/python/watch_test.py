@@ -3,7 +3,7 @@
 
 import threading
 
-from support import ONE, TIP, Case, lowered, main, meshes, np
+from support import ONE, TIP, Case, lowered, main, np
 
 import collided
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import grpc
 
 from collided.connection.options import ConnectOptions, is_local_address
@@ -18,9 +20,10 @@ _CONNECTION = (("grpc.keepalive_time_ms", 10_000), ("grpc.keepalive_timeout_ms",
 
 def open_channel(address: str, options: ConnectOptions) -> grpc.Channel:
     """A channel of its own, which connects with its first call."""
-    settings = [("grpc.max_receive_message_length", _MAX_ANSWER_BYTES), ("grpc.max_send_message_length", -1),
-                # Otherwise gRPC shares connections within a process, and failed attempts of one delay the others.
-                ("grpc.use_local_subchannel_pool", 1), *_CONNECTION]
+    settings: list[tuple[str, Any]] = [
+        ("grpc.max_receive_message_length", _MAX_ANSWER_BYTES), ("grpc.max_send_message_length", -1),
+        # Otherwise gRPC shares connections within a process, and failed attempts of one delay the others.
+        ("grpc.use_local_subchannel_pool", 1), *_CONNECTION]
     if is_local_address(address):
         settings.append(("grpc.enable_http_proxy", 0))
     if options.tls_server_name:

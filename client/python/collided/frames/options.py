@@ -40,8 +40,8 @@ def frame_head(options: FrameOptions) -> frame_pb2.Frame:
     """A frame without its id, its updates and its edit."""
     unknown = options.keys() - FrameOptions.__annotations__.keys()
     if unknown:
-        raise InvalidArgument(f"{min(unknown)!r} is no option of a frame; these are {', '.join(FrameOptions.__annotations__)}",
-                              field=min(unknown))
+        known = ", ".join(FrameOptions.__annotations__)
+        raise InvalidArgument(f"{min(unknown)!r} is no option of a frame; these are {known}", field=min(unknown))
     head = frame_pb2.Frame(
         mode=choice(scene_pb2.DetectionMode, "DETECTION_MODE_", options.get("mode"), "mode"),
         accuracy=choice(scene_pb2.Accuracy, "ACCURACY_", options.get("accuracy"), "accuracy"),

@@ -103,7 +103,8 @@ class Track:
             update = Update(index)
             updates.append(update)
         if update.indices is not None:
-            raise InvalidArgument(f"positions[{mesh.name!r}] are sparse, and it is the mesh's first frame", field="positions")
+            raise InvalidArgument(f"positions[{mesh.name!r}] are sparse, and it is the mesh's first frame",
+                                  field="positions")
         needs_start = has_start and self.has_starts and mesh.motion == "deformable" and update.start is None
         if update.positions is not None and not (needs_start and mesh.vertices is not None):
             return
@@ -146,10 +147,11 @@ class Track:
         places = [(i, mesh, state[i]) for i, mesh in self.layout.present()]
         for _, mesh, place in places:
             if place.positions.dtype != self.form.dtype:
-                raise FailedPrecondition(f"mesh {mesh.name!r} is between the steps of Q16 after an advance, where a new scene "
-                                         "cannot be put")
+                raise FailedPrecondition(f"mesh {mesh.name!r} is between the steps of Q16 after an advance, where a new "
+                                         "scene cannot be put")
         at_rest = {i for i, mesh, place in places if mesh.exclude_rest_pairs and place.rest is not place.base}
-        first = [Update(i, positions=place.rest if i in at_rest else place.positions, pose=place.pose) for i, _, place in places]
+        first = [Update(i, positions=place.rest if i in at_rest else place.positions, pose=place.pose)
+                 for i, _, place in places]
         then = [Update(i, positions=place.positions, start=place.positions if self.has_starts else None)
                 for i, mesh, place in places if i in at_rest and not mesh.is_rigid]
         removed = frame_pb2.Frame()

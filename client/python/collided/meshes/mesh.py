@@ -16,8 +16,6 @@ from collided.meshes.files import read_mesh_file
 from collided.meshes.foreign import parts_of
 from collided.v1 import scene_pb2
 
-_NO_TRIANGLES, _NO_EDGES, _NO_POINTS = ids((), "", 3), ids((), "", 2), ids((), "")
-
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
@@ -25,7 +23,8 @@ class Mesh:
 
     vertices: float[n][3], where the mesh is before the first frame, in the unit of the positions; a scene that is given
         them begins there, and frames need not name meshes that stand still. None: the first frame has them.
-    triangles, edges, points: integers of shape (n, 3), (n, 2), (n,): vertex numbers within the mesh.
+    triangles, edges, points: integers of shape (n, 3), (n, 2), (n,): vertex numbers within the mesh. All arrays are numpy's
+        once the mesh is made: copies, or uint32 as they were.
     name: 1 to 128 bytes, unique in the scene; empty: the scene chooses "mesh 0" and so on.
     vertex_count: needed without `vertices` only where vertices follow the last one that an element has.
     motion: "deformable"; "static", which never moves; or "rigid", which `Rigid` moves after the first frame.
@@ -37,10 +36,10 @@ class Mesh:
     Raises InvalidArgument for shapes, dtypes and vertex numbers that cannot be.
     """
 
-    vertices: np.ndarray | None = None
-    triangles: np.ndarray = field(default_factory=lambda: _NO_TRIANGLES)
-    edges: np.ndarray = field(default_factory=lambda: _NO_EDGES, kw_only=True)
-    points: np.ndarray = field(default_factory=lambda: _NO_POINTS, kw_only=True)
+    vertices: Any = None
+    triangles: Any = ()
+    edges: Any = field(default=(), kw_only=True)
+    points: Any = field(default=(), kw_only=True)
     name: str = field(default="", kw_only=True)
     vertex_count: int = field(default=0, kw_only=True)
     motion: str = field(default="deformable", kw_only=True)

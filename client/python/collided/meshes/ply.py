@@ -48,7 +48,7 @@ class _Body(Protocol):
 def read_ply(data: bytes) -> dict[str, Any]:
     """Vertices and triangles, as arguments of Mesh."""
     order, elements, body_at = _header(data)
-    body: _Body = _Text(data[body_at:]) if order == "" else _Binary(data, body_at, order)
+    body: _Body = _Binary(data, body_at, order) if order else _Text(data[body_at:])
     vertices, triangles = np.empty((0, 3)), np.empty((0, 3), np.int64)
     for element in elements:
         if element.name == "vertex":
@@ -121,7 +121,7 @@ def _dtype(element: _Element, lengths: dict[str, int], order: str) -> np.dtype:
     return np.dtype(fields)
 
 
-class _Binary:
+class _Binary(_Body):
     def __init__(self, data: bytes, at: int, order: str) -> None:
         self._data, self._at, self._order = data, at, order
 
@@ -136,7 +136,7 @@ class _Binary:
         self._at += rows * _dtype(element, lengths, self._order).itemsize
 
 
-class _Text:
+class _Text(_Body):
     def __init__(self, text: bytes) -> None:
         try:
             self._numbers = np.array(text.split(), dtype="S").astype("<f8")

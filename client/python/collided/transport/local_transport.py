@@ -1,4 +1,4 @@
-"""A frame stream over the daemon's local socket: positions and contacts are in shared memory, only small packets are sent."""
+"""A frame stream over the daemon's local socket: positions and contacts are in shared memory."""
 
 from __future__ import annotations
 
