@@ -3,7 +3,8 @@
     contacts = collided.detect(V0, V1, F)
 
 `detect` and `proximity` ask one question; a `Session` streams frames of a scene, whose meshes go up once. Without a server
-they use $COLLIDED_SERVER, or a daemon that this process starts for itself. `collided.aio` has the same for asyncio.
+they use $COLLIDED_SERVER, or a daemon that this process starts for itself. `collided.aio` has the same for asyncio,
+`collided.gpu` sessions whose positions and contacts stay on the daemon's GPU.
 """
 
 from collided.connection.client import Client

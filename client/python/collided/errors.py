@@ -5,7 +5,7 @@ from __future__ import annotations
 import grpc
 from google.protobuf.message import DecodeError
 
-from collided.v1 import error_details_pb2
+from collided.v1 import error_details_pb2, frame_pb2
 
 
 class Error(Exception):
@@ -132,6 +132,12 @@ def error_of(code: int, message: str, *, field: str = "", quota: str = "", retry
              frame_id: int = 0) -> Error:
     """The error of a google.rpc code."""
     return _CLASSES.get(code, Error)(message, field=field, quota=quota, retry_after=retry_after, frame_id=frame_id)
+
+
+def error_of_frame(refused: frame_pb2.FrameError, frame_id: int) -> Error:
+    """Why a frame was refused."""
+    return error_of(refused.code, refused.message, field=refused.field, retry_after=refused.retry_after_seconds or None,
+                    frame_id=frame_id)
 
 
 def error_of_call(error: grpc.RpcError) -> Error:

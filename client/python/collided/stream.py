@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from collided.contacts.answer import Answer
 from collided.contacts.columns import Part, read_chunk
 from collided.contacts.contacts import Contacts
-from collided.errors import DataLoss, Error, NotFound, ResourceExhausted, error_of
+from collided.errors import DataLoss, Error, NotFound, ResourceExhausted, error_of_frame
 from collided.frames.track import Request
 from collided.layout import Layout
 from collided.scene import Scene
@@ -165,7 +165,7 @@ class Stream:
             self.ready.append(self._contacts(pending, response.done))
         elif kind == "error":
             self._track.refuse()
-            self.ready.append(_refusal(response.error, pending.frame_id))
+            self.ready.append(error_of_frame(response.error, pending.frame_id))
         else:
             answer = Answer(pending.frame_id, frame_pb2.FrameDone(earliest_toi=1), self._track.layout, None, False, True)
             self.ready.append(Contacts.of_parts(answer, []))
@@ -188,7 +188,7 @@ class Stream:
             if response.frame_id != wire_id or response.WhichOneof("response") == "contacts":
                 continue
             if response.WhichOneof("response") == "error":
-                raise _refusal(response.error, wire_id)
+                raise error_of_frame(response.error, wire_id)
             if request.is_counted:
                 self._track.apply(request, response.done, wire_id)
             elif not head.trial:
@@ -269,8 +269,3 @@ class Stream:
         if self._transport is not None:
             self._transport.close()
             self._transport = None
-
-
-def _refusal(error: frame_pb2.FrameError, frame_id: int) -> Error:
-    return error_of(error.code, error.message, field=error.field, retry_after=error.retry_after_seconds or None,
-                    frame_id=frame_id)

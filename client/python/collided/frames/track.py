@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -78,13 +79,15 @@ class Track:
         return {i: first_placement(self.form.encode(mesh.vertices, f"vertices of {mesh.name!r}", None), mesh.is_rigid)
                 for i, mesh in self.layout.present()}
 
-    def request(self, layout: Layout, is_first: bool, positions: Any, start: Any, options: FrameOptions) -> Request:
-        """A frame, checked. layout: of the scene by then. is_first: no frame has been sent before."""
+    def request(self, layout: Layout, is_first: bool, positions: Any, start: Any, options: FrameOptions,
+                placed: Sequence[Update] = ()) -> Request:
+        """A frame, checked. layout: of the scene by then. is_first: no frame has been sent before. placed: updates that
+        `positions` do not have, in memory that they cannot name."""
         head = frame_head(options)
         edit = options.get("edit")
         applied = None if edit is None else apply_edit(edit, layout)
         context = Context(layout if applied is None else applied.layout, self.form, self.has_starts)
-        updates = updates_of(context, positions, start)
+        updates = [*updates_of(context, positions, start), *placed]
         if applied is not None:
             head.edit.CopyFrom(applied.message)
             before = {i for i, _ in layout.present()}

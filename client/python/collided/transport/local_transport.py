@@ -14,7 +14,7 @@ from collided.errors import DataLoss, Unavailable, error_of
 from collided.frames.updates import Update
 from collided.transport.base import NotSent
 from collided.transport.peer import check_trusted, connect_to_socket
-from collided.transport.region import ALIGNMENT, MAX_PACKET_BYTES, Region, RegionLayout
+from collided.transport.region import ALIGNMENT, MAX_PACKET_BYTES, Memory
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2, local_pb2, shared_range_pb2
 
@@ -35,25 +35,27 @@ class LocalPeer:
 class LocalTransport:
     is_local = True
 
-    def __init__(self, peer: LocalPeer, layout: RegionLayout) -> None:
+    def __init__(self, peer: LocalPeer, memory: Memory) -> None:
+        self._memory = memory
         self._socket = connect_to_socket(peer.path, socket.SOCK_SEQPACKET)
         try:
             check_trusted(self._socket, peer.path, peer.address, peer.daemon_user)
-            self._region = Region(layout.input_bytes + layout.output_bytes)
         except Exception:
             self._socket.close()
             raise
-        self._layout = layout
         self._token = peer.token
         self._frames = 0  # sent so far; the next one's part of the input follows from it
         self._used = 0  # bytes of that part that are taken
 
     def open(self, request: api.OpenStream) -> None:
-        opening = local_pb2.LocalOpen(version=_VERSION, token=self._token, input_bytes=self._layout.input_bytes,
-                                      output_bytes=self._layout.output_bytes, open=request)
+        opening = local_pb2.LocalOpen(version=_VERSION, token=self._token, open=request)
+        files = self._memory.describe(opening)
         packet = local_pb2.LocalRequest(open=opening).SerializeToString()
         try:
-            socket.send_fds(self._socket, [packet], [self._region.file])
+            if files:
+                socket.send_fds(self._socket, [packet], files)
+            else:
+                self._socket.send(packet)
         except OSError:
             pass  # a daemon that refuses the connection has closed it by now, and its answer can still be read
 
@@ -101,11 +103,7 @@ class LocalTransport:
         return b""
 
     def shared(self, shared_range: shared_range_pb2.SharedRange) -> memoryview:
-        start, size, room = shared_range.offset, shared_range.size, self._layout.output_bytes
-        if start > room or size > room - start:
-            raise DataLoss(f"contacts.shared names {size} bytes at offset {start}; the output region has {room}")
-        at = self._layout.input_bytes + start
-        return self._region.bytes[at:at + size].data
+        return self._memory.output(shared_range.offset, shared_range.size)
 
     def close(self) -> None:
         try:
@@ -113,7 +111,7 @@ class LocalTransport:
         except OSError:
             pass  # it has ended already
         self._socket.close()
-        self._region.close()
+        self._memory.close()
 
     def _add(self, update: Update, frame: frame_pb2.Frame) -> None:
         out = frame.updates.add(mesh=update.mesh)
@@ -126,23 +124,30 @@ class LocalTransport:
         self._put(update.start, out, "shared_start_positions", "start_positions")
         self._put(update.positions, out, "shared_positions", "positions")
 
-    def _put(self, array: np.ndarray | None, out: Any, shared: str, inline: str) -> None:
+    def _put(self, array: Any, out: Any, shared: str, inline: str) -> None:
         """In the input region; in the packet itself if it is small, or there is no room."""
-        if array is None or not array.size:
+        if array is None or not array.nbytes:
             return
-        placed = self._place(array.reshape(-1).view(np.uint8)) if array.nbytes > _MAX_INLINE_BYTES else None
-        if placed is None:
+        is_small = array.nbytes <= _MAX_INLINE_BYTES and isinstance(array, np.ndarray)
+        placed = None if is_small else self._place(array)
+        if placed is not None:
+            getattr(out, shared).CopyFrom(placed)
+        elif isinstance(array, np.ndarray):
             setattr(out, inline, array.tobytes())
         else:
-            getattr(out, shared).CopyFrom(placed)
+            self._used = 0
+            raise NotSent(f"{inline} have {array.nbytes} bytes, more than the memory for one frame has left; edit_bytes makes "
+                          "room", field="frame")
 
-    def _place(self, data: np.ndarray) -> shared_range_pb2.SharedRange | None:
-        if data.size > self._layout.frame_bytes - self._used:
+    def _place(self, array: Any) -> shared_range_pb2.SharedRange | None:
+        """None if there is no room."""
+        room = self._memory.layout.frame_bytes
+        if array.nbytes > room - self._used:
             return None
-        start = self._frames % self._layout.window * self._layout.frame_bytes + self._used
-        self._used = min(-(-(self._used + data.size) // ALIGNMENT) * ALIGNMENT, self._layout.frame_bytes)
-        np.copyto(self._region.bytes[start:start + data.size], data)
-        return shared_range_pb2.SharedRange(offset=start, size=data.size)
+        start = self._memory.start_of(self._frames) + self._used
+        self._used = min(-(-(self._used + array.nbytes) // ALIGNMENT) * ALIGNMENT, room)
+        self._memory.write(start, array)
+        return shared_range_pb2.SharedRange(offset=start, size=array.nbytes)
 
     def _in_region(self, frame: frame_pb2.Frame) -> bytes:
         """The packet that names where the frame's message lies, as it is too long for one."""

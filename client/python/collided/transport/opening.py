@@ -14,7 +14,7 @@ from collided.transport.base import Transport
 from collided.transport.call_transport import CallTransport
 from collided.transport.grpc_transport import GrpcTransport
 from collided.transport.local_transport import LocalPeer, LocalTransport
-from collided.transport.region import region_layout
+from collided.transport.region import Region, region_layout
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import scene_pb2
 
@@ -51,19 +51,19 @@ def open_transport(client: Client, scene: scene_pb2.Scene, options: StreamOption
     refusal = ""
     if options.transport == "calls":
         calls = CallTransport(client)
-        return calls, _opened(calls, opening), ""
+        return calls, opened_by(calls, opening), ""
     if options.transport != "grpc":
         try:
             local = _local(client, scene, options, opening)
             if local is not None:
-                return local, _opened(local, opening), ""
+                return local, opened_by(local, opening), ""
         except Error as error:
             if options.transport == "shared_memory":
                 raise
             refusal = error.message  # if gRPC fails as well, its error is raised
     transport = GrpcTransport(client.separate_channel(scene.endpoint), metadata(client.options, scene.scene_id),
                               client.info.limits.max_message_bytes)
-    return transport, _opened(transport, opening), refusal
+    return transport, opened_by(transport, opening), refusal
 
 
 def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
@@ -82,10 +82,10 @@ def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
     opening.window = window
     spec = client.get_scene(scene.scene_id).spec
     return LocalTransport(LocalPeer(path, client.address, options.daemon_user, client.options.token),
-                          region_layout(spec, window, options.output_bytes, options.edit_bytes))
+                          Region(region_layout(spec, window, options.output_bytes, options.edit_bytes)))
 
 
-def _opened(transport: Transport, opening: api.OpenStream) -> api.StreamOpened:
+def opened_by(transport: Transport, opening: api.OpenStream) -> api.StreamOpened:
     try:
         transport.open(opening)
         response = transport.read(None)

@@ -6,13 +6,14 @@ import fcntl
 import mmap
 import os
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
-from collided.errors import ResourceExhausted
-from collided.v1 import scene_pb2
+from collided.errors import DataLoss, ResourceExhausted
+from collided.v1 import local_pb2, scene_pb2
 
-PAGE, ALIGNMENT = 4096, 64
+PAGE, ALIGNMENT = 4096, 64  # bytes
 MAX_PACKET_BYTES = 64 << 10
 _UPDATE_BYTES = 256  # of each mesh: its update's message, and the alignment of its arrays
 _MAX_OUTPUT_BYTES, _MAX_EDIT_BYTES = 1 << 30, 256 << 20
@@ -38,33 +39,66 @@ def region_layout(spec: scene_pb2.SceneSpec, window: int, output_bytes: int, edi
     positions = 1 if spec.mode == scene_pb2.DETECTION_MODE_DCD else 2
     vertices = sum(mesh.vertex_count for mesh in spec.meshes)
     message = MAX_PACKET_BYTES + len(spec.meshes) * _UPDATE_BYTES
-    frame = _whole_pages(vertices * (positions * _POSITION_BYTES[spec.position_format] + 4) + message)
-    edit = min(_whole_pages(edit_bytes), _MAX_EDIT_BYTES // window // PAGE * PAGE)
-    output = min(_whole_pages(output_bytes), _MAX_OUTPUT_BYTES // window // PAGE * PAGE)
+    frame = whole_pages(vertices * (positions * _POSITION_BYTES[spec.position_format] + 4) + message)
+    edit = min(whole_pages(edit_bytes), _MAX_EDIT_BYTES // window // PAGE * PAGE)
+    output = min(whole_pages(output_bytes), _MAX_OUTPUT_BYTES // window // PAGE * PAGE)
     return RegionLayout(window, frame + edit, window * output)
 
 
-def _whole_pages(size: int) -> int:
+def whole_pages(size: int) -> int:
     return -(-size // PAGE) * PAGE
+
+
+class Memory(Protocol):
+    """What client and daemon share: a Region, or memory of a GPU."""
+
+    layout: RegionLayout
+
+    def describe(self, opening: local_pb2.LocalOpen) -> list[int]: ...
+
+    def start_of(self, frame: int) -> int: ...
+
+    def write(self, start: int, array: Any) -> None: ...
+
+    def output(self, start: int, size: int) -> memoryview: ...
+
+    def close(self) -> None: ...
 
 
 class Region:
     """Neither side can shrink or grow it. Pages are allocated on first touch; unmapped once nothing views them."""
 
-    def __init__(self, size: int) -> None:
+    def __init__(self, layout: RegionLayout) -> None:
+        self.layout = layout
+        size = layout.input_bytes + layout.output_bytes
         try:
             self._file = open(os.memfd_create("collided", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING), "r+b", buffering=0)
-            os.ftruncate(self.file, size)
-            fcntl.fcntl(self.file, fcntl.F_ADD_SEALS, _SEALS)
-            self.bytes = np.frombuffer(mmap.mmap(self.file, size), np.uint8)
+            os.ftruncate(self._file.fileno(), size)
+            fcntl.fcntl(self._file.fileno(), fcntl.F_ADD_SEALS, _SEALS)
+            self._bytes = np.frombuffer(mmap.mmap(self._file.fileno(), size), np.uint8)
         except OSError as error:
             raise ResourceExhausted(f"no shared memory of {size} bytes: {error.strerror}") from None
 
-    @property
-    def file(self) -> int:
-        """The descriptor to hand over."""
-        return self._file.fileno()
+    def describe(self, opening: local_pb2.LocalOpen) -> list[int]:
+        """Tells the daemon of it. The descriptors to hand over."""
+        opening.input_bytes, opening.output_bytes = self.layout.input_bytes, self.layout.output_bytes
+        return [self._file.fileno()]
+
+    def start_of(self, frame: int) -> int:
+        """Where a frame's part of the input begins."""
+        return frame % self.layout.window * self.layout.frame_bytes
+
+    def write(self, start: int, array: Any) -> None:
+        np.copyto(self._bytes[start:start + array.nbytes], array.reshape(-1).view(np.uint8))
+
+    def output(self, start: int, size: int) -> memoryview:
+        """Bytes of the output."""
+        room = self.layout.output_bytes
+        if start > room or size > room - start:
+            raise DataLoss(f"contacts.shared names {size} bytes at offset {start}; the output region has {room}")
+        at = self.layout.input_bytes + start
+        return self._bytes[at:at + size].data
 
     def close(self) -> None:
         self._file.close()
-        self.bytes = self.bytes[:0]
+        self._bytes = np.empty(0, np.uint8)
