@@ -7,6 +7,9 @@ they use $COLLIDED_SERVER, or a daemon that this process starts for itself. `col
 `collided.gpu` sessions whose positions and contacts stay on the daemon's GPU.
 """
 
+import importlib
+from typing import Any
+
 from collided.connection.client import Client
 from collided.connection.options import ConnectOptions
 from collided.connection.own_daemon import OwnDaemon
@@ -32,3 +35,10 @@ __all__ = ["Aborted", "AlreadyExists", "Box", "Cancelled", "Client", "ConnectOpt
            "Scene", "SceneOptions", "Session", "Sparse", "Unauthenticated", "Unavailable", "Unimplemented",
            "Watched", "Watcher", "detect", "move_along", "move_rigidly", "pack_quantized", "proximity",
            "unpack_quantized"]
+
+
+def __getattr__(name: str) -> Any:
+    """`collided.aio` and `collided.gpu`, imported when they are first used."""
+    if name in ("aio", "gpu"):
+        return importlib.import_module(f"collided.{name}")
+    raise AttributeError(f"module 'collided' has no attribute {name!r}")
