@@ -35,7 +35,7 @@ class BuildWithStubs(build_py):
 
     def run(self):
         super().run()
-        if self.editable_mode:
+        if getattr(self, "editable_mode", False):
             sys.exit("collided cannot be installed in editable mode: its messages are generated into the build")
         files = sorted(PROTO.glob("collided/v1/*.proto"))
         if not files:

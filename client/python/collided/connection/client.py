@@ -141,6 +141,8 @@ class Client:
                 request, timeout=timeout or self.options.deadline, metadata=metadata(self.options, scene_id))
         except grpc.RpcError as error:
             raise error_of_call(error) from None
+        except ValueError:  # of gRPC, where another thread has closed the channel meanwhile
+            raise Unavailable("the connection was closed during the call") from None
 
     def _create(self, request: api.CreateSceneRequest) -> scene_pb2.Scene:
         for tries in range(1, _CREATE_TRIES + 1):

@@ -71,9 +71,8 @@ class OwnDaemon:
 
     def _start(self) -> None:
         program = self._program or find_daemon()
-        self._folder = tempfile.mkdtemp(prefix="collided-")
-        if len(self._folder) > 90:  # the path of a socket has at most 107 bytes
-            self._folder = tempfile.mkdtemp(prefix="collided-", dir="/tmp")
+        is_long = len(tempfile.gettempdir()) > 80  # the path of a socket has at most 107 bytes
+        self._folder = tempfile.mkdtemp(prefix="collided-", dir="/tmp" if is_long else None)
         ready = pathlib.Path(self._folder, "ready")
         log = pathlib.Path(self._folder, "log")
         command = [program, "--address", f"unix:{self._folder}/socket", "--local-socket", f"{self._folder}/local",

@@ -24,7 +24,7 @@ class Mesh:
     vertices: float[n][3], where the mesh is before the first frame, in the unit of the positions; a scene that is given
         them begins there, and frames need not name meshes that stand still. None: the first frame has them.
     triangles, edges, points: integers of shape (n, 3), (n, 2), (n,): vertex numbers within the mesh. All arrays are numpy's
-        once the mesh is made: copies, or uint32 as they were.
+        once the mesh is made: copies, read-only.
     name: 1 to 128 bytes, unique in the scene; empty: the scene chooses "mesh 0" and so on.
     vertex_count: needed without `vertices` only where vertices follow the last one that an element has.
     motion: "deformable"; "static", which never moves; or "rigid", which `Rigid` moves after the first frame.
@@ -52,10 +52,9 @@ class Mesh:
     def __post_init__(self) -> None:
         for name, corners in (("triangles", 3), ("edges", 2), ("points", 0)):
             given = getattr(self, name)
-            object.__setattr__(self, name, ids(() if given is None else given, name, corners))
+            self._keep(name, ids(() if given is None else given, name, corners))
         if self.vertices is not None:
-            # A copy: the scene begins here, whatever becomes of the caller's array.
-            object.__setattr__(self, "vertices", np.array(points(self.vertices, "vertices"), order="C"))
+            self._keep("vertices", points(self.vertices, "vertices"))
         object.__setattr__(self, "vertex_count", self._count())
         for name in ("triangles", "edges", "points"):
             check_below(getattr(self, name), self.vertex_count, name)
@@ -65,6 +64,12 @@ class Mesh:
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not 0 <= value <= limit:
                 raise InvalidArgument(f"{name} is {value!r}; it must be from 0 to {limit}", field=name)
+
+    def _keep(self, name: str, array: np.ndarray) -> None:
+        """A copy: the scene is made of it, perhaps again, whatever becomes of the caller's array."""
+        own = np.array(array, order="C")
+        own.flags.writeable = False
+        object.__setattr__(self, name, own)
 
     def _count(self) -> int:
         if self.vertices is not None:
