@@ -129,13 +129,14 @@ class Stream:
         return self._pending[0].frame_id
 
     def _transmit_or_recover(self, pending: _Pending) -> None:
+        is_open = self._transport is not None
         try:
-            if self._transport is None:
-                self._reopen()
-            else:
+            if is_open:
                 self._transmit(pending)
+            else:
+                self._reopen()
         except Error as error:
-            if not error.is_connection_lost:
+            if is_open and isinstance(error, NotSent):
                 raise
             self._after(error)
 
@@ -164,7 +165,6 @@ class Stream:
             del response.done.contacts[:]
             self.ready.append(self._contacts(pending, response.done))
         elif kind == "error":
-            self._track.refuse()
             self.ready.append(error_of_frame(response.error, pending.frame_id))
         else:
             answer = Answer(pending.frame_id, frame_pb2.FrameDone(earliest_toi=1), self._track.layout, None, False, True)
@@ -200,7 +200,7 @@ class Stream:
     def _after(self, error: Error) -> None:
         """Goes on after the stream has ended, or raises why it cannot."""
         self._close_transport()
-        has_idled = isinstance(error, ResourceExhausted) and self._has_answered
+        has_idled = isinstance(error, ResourceExhausted) and self._has_answered and not isinstance(error, NotSent)
         if not (error.is_connection_lost or has_idled):
             self._failure = error
             raise error

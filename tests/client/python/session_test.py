@@ -226,6 +226,38 @@ class Formats(Case):
                 np.testing.assert_allclose(session.positions["tip"], lowered(2), atol=1e-3)
                 session.close()
 
+    def test_where_an_advance_leaves_encoded_positions_is_known_to_the_bit(self):
+        box = collided.Box((-16, -16, -16), (16, 16, 16))
+        for transport in STREAMS:
+            session = self.session(transport=transport, position_format="q16", quantization_box=box, min_separation=0.01)
+            gone = session.step({"tip": lowered(2)}, advance=True)
+            start, target = (collided.unpack_quantized(collided.pack_quantized(p, box), box) for p in (TIP, lowered(2)))
+            expected = collided.move_along(start, target, gone.advanced)
+            np.testing.assert_array_equal(session.positions["tip"], expected)
+            session.step({"tip": collided.Sparse([1], target[1:2])})
+            expected[1] = target[1]
+            np.testing.assert_array_equal(session.positions["tip"], expected)
+            watcher = session.scene.watch(meshes=["tip"])
+            session.step()
+            np.testing.assert_array_equal(watcher.receive(timeout=30).positions["tip"], expected)
+            watcher.close()
+
+    def test_what_the_client_knows_is_where_the_daemon_is(self):
+        session = self.session({"tip": (TIP, ONE), "other": collided.Mesh(TIP + [3, 0, 0], ONE, motion="rigid")})
+        watcher = session.scene.watch(meshes=["tip", "other"])
+        last = None
+        turn = np.array([[0.8, -0.6, 0, 0.1], [0.6, 0.8, 0, 0.2], [0, 0, 1, 0.3]])
+        for positions, options in (({"tip": lowered(0.7)}, {}), ({"tip": collided.Sparse([2], TIP[:1])}, {}),
+                                   ({"tip": lowered(1.3)}, {"trial": True}), ({}, {"from_last_fraction": 1 / 3}),
+                                   ({"tip": TIP, "other": collided.Rigid(np.eye(3, 4) + [[0, 0, 0, 0.7]])}, {"advance": True}),
+                                   ({"other": collided.Rigid(turn)}, {})):
+            session.step(positions, **options)
+            while last is None or last.contacts.frame_id != session.scene.track.last_applied:
+                last = watcher.receive(timeout=30)
+            for name, expected in session.positions.items():
+                np.testing.assert_array_equal(last.positions[name], expected, f"{name}, {options}")
+        watcher.close()
+
     def test_points_are_those_of_the_conventions(self):
         for mode, start in (("ccd", {"tip": TIP}), ("dcd", None)):
             session = self.session(mode=mode, thickness=0.01)

@@ -47,16 +47,16 @@ class Placement:
         positions = self.positions
         return replace(self, base=positions, rest=positions, patches=()) if self.pose is None else self
 
-    def moved(self, indices: np.ndarray | None, positions: np.ndarray) -> Placement:
+    def moved(self, indices: np.ndarray | None, positions: np.ndarray, form: Format) -> Placement:
         """With new positions of the vertices `indices`, or of all."""
         if indices is None:
             return replace(self, base=positions, patches=())
+        if self.base.dtype != positions.dtype:  # between the steps of Q16
+            positions = form.decode(positions)
         patches = (*self.patches, (indices, positions))
-        if len(patches) <= _MAX_PATCHES and self.base.dtype == positions.dtype:
+        if len(patches) <= _MAX_PATCHES:
             return replace(self, patches=patches)
-        out = self.positions.copy()
-        out[indices] = positions
-        return replace(self, base=out, patches=())
+        return replace(self, base=replace(self, patches=patches).positions, patches=())
 
 
 State = dict[int, Placement]
@@ -95,7 +95,7 @@ def way_of(updates: list[Update], before: State, begun: frozenset[int], layout: 
         old = None if update.mesh in begun else before.get(update.mesh)
         if old is not None and update.positions is not None and layout.mesh(update.mesh).motion != "deformable":
             old = None  # static and rigid meshes that an edit replaced may begin again
-        begins, ends = _first(update, layout.mesh(update.mesh).is_rigid) if old is None else _next(update, old)
+        begins, ends = _first(update, layout.mesh(update.mesh).is_rigid) if old is None else _next(update, old, form)
         start[update.mesh], end[update.mesh] = begins, ends
     present = {i for i, _ in layout.present()}
     return Way({i: p for i, p in start.items() if i in present}, {i: p for i, p in end.items() if i in present},
@@ -116,9 +116,9 @@ def _first(update: Update, is_rigid: bool) -> tuple[Placement, Placement]:
     return (end if update.start_pose is None else replace(end, pose=update.start_pose)), end
 
 
-def _next(update: Update, old: Placement) -> tuple[Placement, Placement]:
+def _next(update: Update, old: Placement, form: Format) -> tuple[Placement, Placement]:
     if update.pose is not None:
         return (old if update.start_pose is None else replace(old, pose=update.start_pose)), replace(old, pose=update.pose)
     assert update.positions is not None
-    start = old if update.start is None else old.moved(update.indices, update.start)
-    return start, old.moved(update.indices, update.positions)
+    start = old if update.start is None else old.moved(update.indices, update.start, form)
+    return start, old.moved(update.indices, update.positions, form)

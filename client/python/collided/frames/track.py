@@ -38,7 +38,7 @@ class Request:
 class Track:
     """The scene as of its last answered frame. `state` is empty before the first one.
 
-    way: of the last frame, on which the next one may begin; None after one that was refused.
+    way: of the last frame that was not refused, on which the next one may begin, if the daemon lets it.
     """
 
     layout: Layout
@@ -137,10 +137,6 @@ class Track:
             self.state, self.layout, self.last_applied = self.way.end, layout, wire_id
         return way
 
-    def refuse(self) -> None:
-        """A frame was refused: the scene is where it was, and has no last way."""
-        self.way = None
-
     def beginning(self, state: State) -> Request:
         """The first frame of a scene whose meshes all have vertices."""
         return Request(frame_pb2.Frame(), [Update(i, positions=place.positions) for i, place in state.items()])
@@ -152,7 +148,7 @@ class Track:
             if place.positions.dtype != self.form.dtype:
                 raise FailedPrecondition(f"mesh {mesh.name!r} is between the steps of Q16 after an advance, where a new "
                                          "scene cannot be put")
-        at_rest = {i for i, mesh, place in places if mesh.exclude_rest_pairs and place.rest is not place.base}
+        at_rest = {i for i, mesh, place in places if mesh.exclude_rest_pairs and place.rest is not place.positions}
         first = [Update(i, positions=place.rest if i in at_rest else place.positions, pose=place.pose)
                  for i, _, place in places]
         then = [Update(i, positions=place.positions, start=place.positions if self.has_starts else None)

@@ -6,7 +6,7 @@ from collections import deque
 from typing import Any
 
 from collided.connection.client import Client
-from collided.errors import DataLoss, Error, FailedPrecondition, InvalidArgument, ResourceExhausted
+from collided.errors import DataLoss, Error, FailedPrecondition, InvalidArgument, NotFound, ResourceExhausted, Unavailable
 from collided.frames.updates import Update
 from collided.frames.wire import encode_frame
 from collided.v1 import collision_service_pb2 as api
@@ -37,6 +37,8 @@ class CallTransport:
         except (InvalidArgument, ResourceExhausted, FailedPrecondition) as error:
             self._answers.append(api.StreamFramesResponse(frame_id=head.frame_id, error=_refusal(error)))
             return kept
+        except NotFound as error:  # its lease may have ended, as no stream keeps it
+            raise Unavailable(error.message) from None
         answer.done.contacts.extend(answer.contacts)
         self._answers.append(api.StreamFramesResponse(frame_id=head.frame_id, done=answer.done))
         return kept
