@@ -164,7 +164,9 @@ class Session:
     # The end.
 
     def close(self) -> None:
-        """Ends the stream, and deletes the scene if it is the session's own. Frames in flight are given up."""
+        """Ends the stream, and deletes the scene if it is the session's own. Answers in flight are given up."""
+        if not self._owns_scene:
+            self._stream.finish()
         self._stream.close(FailedPrecondition("the session is closed"))
         self._close_scene()
 

@@ -19,6 +19,7 @@ from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.02, 1.0
+_FINISH_SECONDS = 5.0
 
 
 @dataclass(eq=False)
@@ -48,7 +49,8 @@ class Stream:
         self.window = 0
         self.reconnects = 0
         self.recreations = 0
-        self._open(resume=take_over)
+        if self._open(resume=take_over) != self._track.last_applied:
+            self._recreate()
 
     @property
     def in_flight(self) -> int:
@@ -123,6 +125,18 @@ class Stream:
         """No other transport will be opened."""
         self._failure = reason
         self._close_transport()
+
+    def finish(self) -> None:
+        """Waits until the daemon has ended the stream, so that the scene is free for another one, and where the track says."""
+        if self._transport is None:
+            return
+        self._transport.half_close()
+        deadline = time.monotonic() + _FINISH_SECONDS
+        try:
+            while (response := self._transport.read(max(0.0, deadline - time.monotonic()))) is not None:
+                self._take(response)
+        except Error:  # the end
+            pass
 
     def first_unanswered(self) -> int:
         """Number of the frame that is waited for."""

@@ -195,6 +195,18 @@ class Sessions(Case):
                     self.assertEqual(len(session.step({"tip": TIP})), 1)
             self.refused(collided.NotFound, "", client.get_scene, scene.id)
 
+    def test_a_scene_outlives_its_sessions_and_is_where_they_left_it(self):
+        scene = collided.Scene(meshes(), server=self.server)
+        self.addCleanup(scene.close)
+        for step in range(12):
+            with scene.session(transport=TRANSPORTS[step % 3]) as session:
+                self.assertEqual(session.recreations, 0)
+                session.send({"tip": lowered(2 * (step % 2))})
+                if step % 4 == 0:
+                    session.receive()
+        with scene.session() as session:
+            np.testing.assert_allclose(session.step({"tip": TIP}).toi, [0.5], atol=1e-3)
+
     def test_what_a_scene_declares_reaches_the_daemon(self):
         cloth = collided.Mesh(TIP, ONE, exclude_rings=2, exclude_rest_pairs=True, groups=3, collide_mask=5,
                               self_contacts=False, edges=[[0, 1]], points=[2])

@@ -15,8 +15,9 @@ from collided.gpu.cuda import Cuda
 from collided.gpu.memory import DeviceMemory
 from collided.layout import Layout
 from collided.scene import Scene
-from collided.transport.local_transport import LocalPeer, LocalTransport
+from collided.transport.local_transport import LocalTransport
 from collided.transport.opening import opened_by
+from collided.transport.peer import LocalPeer
 from collided.transport.region import region_layout
 from collided.v1 import collision_service_pb2 as api
 

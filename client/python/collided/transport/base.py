@@ -32,5 +32,8 @@ class Transport(Protocol):
     def shared(self, shared_range: Any) -> memoryview:
         """Bytes of the output region."""
 
+    def half_close(self) -> None:
+        """No more frames will come: the daemon answers those in flight, and ends the stream."""
+
     def close(self) -> None:
         """Ends the stream, and frames in flight, if it has not ended."""

@@ -44,10 +44,15 @@ class CallTransport:
         return kept
 
     def read(self, timeout: float | None) -> api.StreamFramesResponse | None:
+        if not self._answers:
+            raise Unavailable("no call is open")
         return self._answers.popleft()
 
     def shared(self, shared_range: Any) -> memoryview:
         raise DataLoss(f"contacts.shared names {shared_range.size} bytes, but there is no shared memory")
+
+    def half_close(self) -> None:
+        pass  # there is no stream
 
     def close(self) -> None:
         self._answers.clear()

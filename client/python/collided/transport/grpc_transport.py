@@ -46,6 +46,9 @@ class GrpcTransport:
     def shared(self, shared_range: Any) -> memoryview:
         raise DataLoss(f"contacts.shared names {shared_range.size} bytes, but there is no shared memory over gRPC")
 
+    def half_close(self) -> None:
+        self._requests.put(None)
+
     def close(self) -> None:
         self._requests.put(None)
         self._messages.cancel()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import select
 import socket
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from google.protobuf.message import DecodeError
 from collided.errors import DataLoss, Unavailable, error_of
 from collided.frames.updates import Update
 from collided.transport.base import NotSent
-from collided.transport.peer import check_trusted, connect_to_socket
+from collided.transport.peer import LocalPeer, connect_to_trusted
 from collided.transport.region import ALIGNMENT, MAX_PACKET_BYTES, Memory
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2, local_pb2, shared_range_pb2
@@ -22,26 +22,15 @@ _VERSION = 1
 _MAX_INLINE_BYTES = 64  # up to this many go into the packet itself
 
 
-@dataclass(frozen=True)
-class LocalPeer:
-    """The socket to connect to, and who may listen there."""
-
-    path: str
-    address: str
-    daemon_user: int | None
-    token: str
-
-
 class LocalTransport:
     is_local = True
 
     def __init__(self, peer: LocalPeer, memory: Memory) -> None:
         self._memory = memory
-        self._socket = connect_to_socket(peer.path, socket.SOCK_SEQPACKET)
         try:
-            check_trusted(self._socket, peer.path, peer.address, peer.daemon_user)
+            self._socket = connect_to_trusted(peer)
         except Exception:
-            self._socket.close()
+            memory.close()
             raise
         self._token = peer.token
         self._frames = 0  # sent so far; the next one's part of the input follows from it
@@ -105,13 +94,19 @@ class LocalTransport:
     def shared(self, shared_range: shared_range_pb2.SharedRange) -> memoryview:
         return self._memory.output(shared_range.offset, shared_range.size)
 
+    def half_close(self) -> None:
+        self._shut_down(socket.SHUT_WR)
+
     def close(self) -> None:
-        try:
-            self._socket.shutdown(socket.SHUT_RDWR)
-        except OSError:
-            pass  # it has ended already
+        self._shut_down(socket.SHUT_RDWR)
         self._socket.close()
         self._memory.close()
+
+    def _shut_down(self, how: int) -> None:
+        try:
+            self._socket.shutdown(how)
+        except OSError:
+            pass  # it has ended already
 
     def _add(self, update: Update, frame: frame_pb2.Frame) -> None:
         out = frame.updates.add(mesh=update.mesh)

@@ -13,7 +13,8 @@ from collided.errors import Error, FailedPrecondition, Internal, InvalidArgument
 from collided.transport.base import Transport
 from collided.transport.call_transport import CallTransport
 from collided.transport.grpc_transport import GrpcTransport
-from collided.transport.local_transport import LocalPeer, LocalTransport
+from collided.transport.local_transport import LocalTransport
+from collided.transport.peer import LocalPeer
 from collided.transport.region import Region, region_layout
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import scene_pb2

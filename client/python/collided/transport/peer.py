@@ -7,10 +7,32 @@ import pathlib
 import socket
 import stat
 import struct
+from dataclasses import dataclass
 
 from collided.errors import InvalidArgument, PermissionDenied, Unavailable
 
 _ROOT = 0
+
+
+@dataclass(frozen=True)
+class LocalPeer:
+    """The socket to connect to, and who may listen there: `daemon_user`, or whoever does at `address`."""
+
+    path: str
+    address: str
+    daemon_user: int | None
+    token: str
+
+
+def connect_to_trusted(peer: LocalPeer) -> socket.socket:
+    """A connection to the daemon's local socket. Raises Unavailable, or PermissionDenied for a user who is not trusted."""
+    connection = connect_to_socket(peer.path, socket.SOCK_SEQPACKET)
+    try:
+        check_trusted(connection, peer.path, peer.address, peer.daemon_user)
+    except Exception:
+        connection.close()
+        raise
+    return connection
 
 
 def connect_to_socket(path: str, kind: socket.SocketKind) -> socket.socket:
