@@ -28,7 +28,7 @@ class StreamOptions:
     """How a stream is opened; Session says what each is."""
 
     window: int
-    delivery: int
+    delivery: Any
     transport: str
     output_bytes: int
     edit_bytes: int
