@@ -1,0 +1,112 @@
+package test
+
+import (
+	"context"
+	"errors"
+	"testing"
+	"time"
+
+	"google.golang.org/grpc/codes"
+
+	collided "collided/client/go"
+	v1 "collided/client/go/v1"
+)
+
+func TestASceneIsCreatedListedEstimatedAndDeleted(t *testing.T) {
+	ctx, client := connected(t)
+	scene, err := client.CreateScene(ctx, &v1.SceneSpec{Mode: ccd}, twoTriangles(), time.Minute)
+	must(t, err)
+	same(t, scene.State, v1.SceneState_SCENE_STATE_READY)
+	same(t, [4]float64{float64(scene.VertexCount), float64(scene.EdgeCount), float64(scene.TriangleCount), scene.LeaseSeconds}, [4]float64{6, 6, 2, 60})
+	known, err := client.GetScene(ctx, scene.SceneId)
+	must(t, err)
+	same(t, known.SceneId, scene.SceneId)
+	scenes, err := client.ListScenes(ctx)
+	must(t, err)
+	same(t, len(scenes), 1)
+	estimate, err := client.EstimateScene(ctx, &v1.SceneSpec{Mode: ccd}, twoTriangles())
+	must(t, err)
+	same(t, estimate.FirstFrameBytes, 72)
+	must(t, client.DeleteScene(ctx, scene.SceneId))
+	_, err = client.GetScene(ctx, scene.SceneId)
+	refused(t, err, codes.NotFound, "scene_id", "deleted")
+}
+
+func TestTrianglesGoUpInChunks(t *testing.T) {
+	ctx, client := connected(t)
+	meshes, _ := sheets(230) // 1.27 MB of triangles a mesh: two chunks
+	scene := create(ctx, t, client, &v1.SceneSpec{Mode: dcd}, meshes)
+	same(t, scene.State, v1.SceneState_SCENE_STATE_READY)
+	same(t, scene.TriangleCount, 2*2*230*230)
+}
+
+func TestARefusedUploadLeavesNoScene(t *testing.T) {
+	ctx, client := connected(t)
+	meshes := twoTriangles()
+	meshes[1].Triangles = [][3]uint32{{0, 1, 7}}
+	_, err := client.CreateScene(ctx, &v1.SceneSpec{Mode: ccd}, meshes, 0)
+	refused(t, err, codes.InvalidArgument, "triangles[0]", "vertex 7")
+	scenes, err := client.ListScenes(ctx)
+	must(t, err)
+	same(t, len(scenes), 0)
+}
+
+func TestABadSpecIsRefusedByName(t *testing.T) {
+	ctx, client := connected(t)
+	cases := []struct {
+		spec  *v1.SceneSpec
+		code  codes.Code
+		field string
+	}{
+		{nil, codes.InvalidArgument, "spec.mode"},
+		{&v1.SceneSpec{Mode: 77}, codes.InvalidArgument, "spec.mode"},
+		{&v1.SceneSpec{Mode: ccd, Thickness: -1}, codes.InvalidArgument, "spec.thickness"},
+		{&v1.SceneSpec{Mode: ccd, PositionFormat: formatQ16}, codes.InvalidArgument, "spec.quantization_box"},
+		{&v1.SceneSpec{Mode: ccd, MemoryBudgetBytes: 1}, codes.ResourceExhausted, "spec.memory_budget_bytes"},
+		{&v1.SceneSpec{Mode: ccd, Meshes: []*v1.MeshSpec{{}}}, codes.InvalidArgument, "spec.meshes"},
+	}
+	for _, c := range cases {
+		_, err := client.CreateScene(ctx, c.spec, twoTriangles(), 0)
+		refused(t, err, c.code, c.field, ".")
+		_, err = client.EstimateScene(ctx, c.spec, twoTriangles())
+		refused(t, err, c.code, c.field, ".")
+	}
+	_, err := client.CreateScene(ctx, &v1.SceneSpec{Mode: ccd}, nil, 0)
+	refused(t, err, codes.InvalidArgument, "spec.meshes", ".")
+	_, err = client.CreateScene(ctx, &v1.SceneSpec{Mode: ccd}, twoTriangles(), -time.Second)
+	refused(t, err, codes.InvalidArgument, "lease_seconds", "-1")
+}
+
+func TestAContextEndsACall(t *testing.T) {
+	_, client := connected(t)
+	over, cancel := context.WithCancel(context.Background())
+	cancel()
+	if _, err := client.GetServerInfo(over); !errors.Is(err, context.Canceled) {
+		t.Fatal(err)
+	}
+	late, cancel := context.WithTimeout(context.Background(), 0)
+	defer cancel()
+	if _, err := client.GetServerInfo(late); !errors.Is(err, context.DeadlineExceeded) {
+		t.Fatal(err)
+	}
+}
+
+// sheets are two sheets of n * n cells, one just above the other: many contacts.
+func sheets(n int) ([]collided.Mesh, []collided.F32) {
+	side := uint32(n + 1)
+	var triangles [][3]uint32
+	for cell := 0; cell < n*n; cell++ {
+		a := uint32(cell/n)*side + uint32(cell%n)
+		triangles = append(triangles, [3]uint32{a, a + 1, a + side}, [3]uint32{a + 1, a + side + 1, a + side})
+	}
+	sheet := func(x, z float32) (positions collided.F32) {
+		for i := uint32(0); i < side*side; i++ {
+			positions = append(positions, [3]float32{float32(i%side) + x, float32(i/side) + x, z})
+		}
+		return positions
+	}
+	mesh := func(name string) collided.Mesh {
+		return collided.Mesh{Name: name, VertexCount: side * side, Triangles: triangles, NoSelfContacts: true}
+	}
+	return []collided.Mesh{mesh("lower"), mesh("upper")}, []collided.F32{sheet(0, 0), sheet(0.25, 0.1)}
+}
