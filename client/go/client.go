@@ -89,7 +89,7 @@ func (c *Client) GetServerInfo(ctx context.Context) (*v1.GetServerInfoResponse, 
 
 // CreateScene creates a scene of spec, which must have no meshes, and meshes, ready for frames. It retries if the answer is
 // lost, without ever creating two scenes. The scene is deleted after lease without a stream or a call; 0: the daemon's default.
-func (c *Client) CreateScene(ctx context.Context, spec *v1.SceneSpec, meshes []Mesh, lease time.Duration) (*v1.Scene, error) {
+func (c *Client) CreateScene(ctx context.Context, spec *SceneSpec, meshes []Mesh, lease time.Duration) (*Scene, error) {
 	input, err := newSceneInput(spec, meshes)
 	if err != nil {
 		return nil, err
@@ -97,7 +97,7 @@ func (c *Client) CreateScene(ctx context.Context, spec *v1.SceneSpec, meshes []M
 	return c.createScene(ctx, input, lease)
 }
 
-func (c *Client) createScene(ctx context.Context, input *sceneInput, lease time.Duration) (*v1.Scene, error) {
+func (c *Client) createScene(ctx context.Context, input *sceneInput, lease time.Duration) (*Scene, error) {
 	scene, err := c.create(ctx, &v1.CreateSceneRequest{RequestId: randomID(), Spec: input.spec, LeaseSeconds: lease.Seconds()})
 	if err != nil {
 		return nil, err
@@ -115,7 +115,7 @@ func (c *Client) createScene(ctx context.Context, input *sceneInput, lease time.
 	return scene, nil
 }
 
-func (c *Client) create(ctx context.Context, request *v1.CreateSceneRequest) (*v1.Scene, error) {
+func (c *Client) create(ctx context.Context, request *v1.CreateSceneRequest) (*Scene, error) {
 	for try := 1; ; try++ {
 		answer, err := call(c, ctx, "", c.service.CreateScene, request)
 		if err == nil {
@@ -130,7 +130,7 @@ func (c *Client) create(ctx context.Context, request *v1.CreateSceneRequest) (*v
 	}
 }
 
-func (c *Client) upload(ctx context.Context, sceneID string, mesh uint32, triangles []byte) (*v1.Scene, error) {
+func (c *Client) upload(ctx context.Context, sceneID string, mesh uint32, triangles []byte) (*Scene, error) {
 	more := time.Duration(len(triangles)/chunkBytes+1) * time.Second
 	ctx, cancel := c.connector.callContext(ctx, sceneID, more)
 	defer cancel()
@@ -150,7 +150,7 @@ func (c *Client) upload(ctx context.Context, sceneID string, mesh uint32, triang
 }
 
 // EstimateScene tells what CreateScene of the same arguments would cost, before anything is made; no triangle is sent.
-func (c *Client) EstimateScene(ctx context.Context, spec *v1.SceneSpec, meshes []Mesh) (*v1.EstimateSceneResponse, error) {
+func (c *Client) EstimateScene(ctx context.Context, spec *SceneSpec, meshes []Mesh) (*v1.EstimateSceneResponse, error) {
 	input, err := newSceneInput(spec, meshes)
 	if err != nil {
 		return nil, err
@@ -159,13 +159,13 @@ func (c *Client) EstimateScene(ctx context.Context, spec *v1.SceneSpec, meshes [
 }
 
 // GetScene asks for state and memory of a scene.
-func (c *Client) GetScene(ctx context.Context, sceneID string) (*v1.Scene, error) {
+func (c *Client) GetScene(ctx context.Context, sceneID string) (*Scene, error) {
 	answer, err := call(c, ctx, sceneID, c.service.GetScene, &v1.GetSceneRequest{SceneId: sceneID})
 	return answer.GetScene(), err
 }
 
 // ListScenes lists this client's scenes, by id.
-func (c *Client) ListScenes(ctx context.Context) (scenes []*v1.Scene, err error) {
+func (c *Client) ListScenes(ctx context.Context) (scenes []*Scene, err error) {
 	for token := ""; ; {
 		page, err := call(c, ctx, "", c.service.ListScenes, &v1.ListScenesRequest{PageToken: token})
 		if err != nil {
@@ -185,7 +185,7 @@ func (c *Client) DeleteScene(ctx context.Context, sceneID string) error {
 }
 
 // Detect is one frame, one answer, of a scene without an open stream. frame.ID is needed. It fails if the frame is refused.
-func (c *Client) Detect(ctx context.Context, scene *v1.Scene, frame Frame) (*Output, error) {
+func (c *Client) Detect(ctx context.Context, scene *Scene, frame Frame) (*Output, error) {
 	message, err := frame.message(scene.GetSpec().GetPositionFormat())
 	if err != nil {
 		return nil, err
@@ -203,7 +203,7 @@ func (c *Client) Detect(ctx context.Context, scene *v1.Scene, frame Frame) (*Out
 }
 
 // Stream opens a stream, on a connection of its own to the scene's endpoint. The stream ends with ctx.
-func (c *Client) Stream(ctx context.Context, scene *v1.Scene, options StreamOptions) (*Stream, error) {
+func (c *Client) Stream(ctx context.Context, scene *Scene, options StreamOptions) (*Stream, error) {
 	connection, err := c.connector.connect(ctx, scene.GetEndpoint())
 	if err != nil {
 		return nil, err
@@ -214,7 +214,7 @@ func (c *Client) Stream(ctx context.Context, scene *v1.Scene, options StreamOpti
 
 // Resume resumes a scene whose stream broke, and takes it over from one that may still be open: send the frames after the new
 // stream's Scene().LastFrameId again.
-func (c *Client) Resume(ctx context.Context, scene *v1.Scene, options StreamOptions) (*Stream, error) {
+func (c *Client) Resume(ctx context.Context, scene *Scene, options StreamOptions) (*Stream, error) {
 	options.ResumeToken = scene.GetResumeToken()
 	return c.Stream(ctx, scene, options)
 }
@@ -229,7 +229,7 @@ func (c *Client) Watch(ctx context.Context, sceneID string, options WatchOptions
 }
 
 // Session creates a scene and a stream that survive the loss of the connection and of the daemon. The session ends with ctx.
-func (c *Client) Session(ctx context.Context, spec *v1.SceneSpec, meshes []Mesh, options SessionOptions) (*Session, error) {
+func (c *Client) Session(ctx context.Context, spec *SceneSpec, meshes []Mesh, options SessionOptions) (*Session, error) {
 	input, err := newSceneInput(spec, meshes)
 	if err != nil {
 		return nil, err

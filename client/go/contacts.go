@@ -25,7 +25,7 @@ type Contacts struct {
 	Weights [][2]float64
 	// Normals are of unit length, from the second feature to the first.
 	Normals [][3]float32
-	// Flags are bytes of masks: flags & byte(v1.ContactFlag_CONTACT_FLAG_INITIAL).
+	// Flags are bytes of masks: flags & IsInitial.
 	Flags []byte
 }
 
@@ -37,11 +37,11 @@ type ContactSet struct {
 // add appends a chunk. DataLoss if the length of an array is not what the chunk's count asks for.
 func (s *ContactSet) add(chunk *v1.ContactChunk) error {
 	switch chunk.Kind {
-	case v1.ContactKind_CONTACT_KIND_VERTEX_TRIANGLE:
+	case VertexTriangle:
 		return s.VertexTriangle.add(chunk)
-	case v1.ContactKind_CONTACT_KIND_EDGE_EDGE:
+	case EdgeEdge:
 		return s.EdgeEdge.add(chunk)
-	case v1.ContactKind_CONTACT_KIND_TRIANGLE_TRIANGLE:
+	case TriangleTriangle:
 		return s.TriangleTriangle.add(chunk)
 	}
 	return failf(codes.DataLoss, "", "contacts.kind is %v, which this client does not know", chunk.Kind)

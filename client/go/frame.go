@@ -27,7 +27,7 @@ type Frame struct {
 	// FromLastFraction begins this far along the way of the last frame, in [0, 1].
 	FromLastFraction *float64
 	// Edit changes what the scene is made of: EditedMesh, RemovedMesh, and pairs of meshes.
-	Edit *v1.SceneEdit
+	Edit *SceneEdit
 }
 
 // Update has new positions of one mesh, or the pose of a rigid one.
@@ -59,7 +59,7 @@ func (f *Frame) message(format v1.PositionFormat) (*v1.Frame, error) {
 		FromLastFraction: f.FromLastFraction,
 	}
 	if f.Edit != nil {
-		frame.Edit = proto.Clone(f.Edit).(*v1.SceneEdit)
+		frame.Edit = proto.Clone(f.Edit).(*SceneEdit)
 	}
 	for i := range f.Updates {
 		update, err := f.Updates[i].message(format, fmt.Sprintf("frame.updates[%d]", i))

@@ -65,18 +65,18 @@ func RemovedMesh(index uint32) *v1.MeshEdit { return &v1.MeshEdit{Mesh: index} }
 
 // sceneInput is what a scene is created from, and created from again.
 type sceneInput struct {
-	spec      *v1.SceneSpec // without triangles
-	triangles [][]byte      // of each mesh
+	spec      *SceneSpec // without triangles
+	triangles [][]byte   // of each mesh
 }
 
 // newSceneInput copies what the caller has passed. `spec` may be nil, and must have no meshes.
-func newSceneInput(spec *v1.SceneSpec, meshes []Mesh) (*sceneInput, error) {
+func newSceneInput(spec *SceneSpec, meshes []Mesh) (*sceneInput, error) {
 	if len(spec.GetMeshes()) > 0 {
 		return nil, invalidf("spec.meshes", "has %d meshes; pass them as the next argument", len(spec.GetMeshes()))
 	}
-	input := &sceneInput{spec: &v1.SceneSpec{}}
+	input := &sceneInput{spec: &SceneSpec{}}
 	if spec != nil {
-		input.spec = proto.Clone(spec).(*v1.SceneSpec)
+		input.spec = proto.Clone(spec).(*SceneSpec)
 	}
 	for i := range meshes {
 		input.spec.Meshes = append(input.spec.Meshes, meshes[i].message())

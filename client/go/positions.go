@@ -30,9 +30,9 @@ type Matrix [12]float64
 // Real is what positions are computed with.
 type Real interface{ ~float32 | ~float64 }
 
-func (F32) format() v1.PositionFormat { return v1.PositionFormat_POSITION_FORMAT_F32 }
-func (F64) format() v1.PositionFormat { return v1.PositionFormat_POSITION_FORMAT_F64 }
-func (Q16) format() v1.PositionFormat { return v1.PositionFormat_POSITION_FORMAT_Q16 }
+func (F32) format() v1.PositionFormat { return FormatF32 }
+func (F64) format() v1.PositionFormat { return FormatF64 }
+func (Q16) format() v1.PositionFormat { return FormatQ16 }
 
 func (positions F32) pack() []byte {
 	bytes := make([]byte, 0, 12*len(positions))
@@ -81,7 +81,7 @@ func packPositions(positions Positions, format v1.PositionFormat, field string) 
 		return nil, nil
 	}
 	if format == v1.PositionFormat_POSITION_FORMAT_UNSPECIFIED {
-		format = v1.PositionFormat_POSITION_FORMAT_F32
+		format = FormatF32
 	}
 	if positions.format() != format {
 		return nil, invalidf(field, "is %T; the scene's position_format is %v", positions, format)
@@ -132,7 +132,7 @@ const lastQ16 = 65535
 
 // PackQuantized encodes positions as Q16, each coordinate to the nearest step of the box. InvalidArgument for a box without
 // three finite coordinates each, in order, and for a position that is not in it: what is clamped is not where it was.
-func PackQuantized[T Real](positions [][3]T, box *v1.QuantizationBox) (Q16, error) {
+func PackQuantized[T Real](positions [][3]T, box *QuantizationBox) (Q16, error) {
 	steps, err := stepsOf(box)
 	if err != nil {
 		return nil, err
@@ -153,7 +153,7 @@ func PackQuantized[T Real](positions [][3]T, box *v1.QuantizationBox) (Q16, erro
 }
 
 // UnpackQuantized tells where the daemon has positions that are encoded as Q16.
-func UnpackQuantized(encoded Q16, box *v1.QuantizationBox) (F32, error) {
+func UnpackQuantized(encoded Q16, box *QuantizationBox) (F32, error) {
 	steps, err := stepsOf(box)
 	if err != nil {
 		return nil, err
@@ -167,7 +167,7 @@ func UnpackQuantized(encoded Q16, box *v1.QuantizationBox) (F32, error) {
 	return out, nil
 }
 
-func stepsOf(box *v1.QuantizationBox) ([3]float64, error) {
+func stepsOf(box *QuantizationBox) ([3]float64, error) {
 	var steps [3]float64
 	if len(box.GetLower()) != 3 || len(box.GetUpper()) != 3 {
 		return steps, invalidf("box", "has %d and %d coordinates, 3 each are needed", len(box.GetLower()), len(box.GetUpper()))

@@ -36,7 +36,7 @@ type Session struct {
 	input     *sceneInput
 	options   SessionOptions
 	busy      sync.Mutex
-	scene     *v1.Scene
+	scene     *Scene
 	stream    *Stream   // nil: lost
 	first     *v1.Frame // the scene's, which fixes static and rigid meshes and what is at rest
 
@@ -68,7 +68,7 @@ func openSession(ctx context.Context, connector *connector, input *sceneInput, o
 }
 
 // Scene is as it was created last.
-func (s *Session) Scene() *v1.Scene { return s.scene }
+func (s *Session) Scene() *Scene { return s.scene }
 
 // Detect sends a frame and waits for its output, over as many connections as it takes. It fails if the frame is refused, if
 // there is no connection for GiveUp, once ctx ends, and for frames that depend on more than positions: Edit, FromLastFraction.
@@ -213,9 +213,9 @@ func (s *Session) restore(ctx context.Context, stream *Stream) error {
 func (s *Session) restoring() Frame {
 	frame := Frame{Updates: append([]Update(nil), s.options.Restore()...)}
 	switch s.input.spec.Mode {
-	case v1.DetectionMode_DETECTION_MODE_DCD:
-	case v1.DetectionMode_DETECTION_MODE_DCD_AND_CCD:
-		frame.Mode = v1.DetectionMode_DETECTION_MODE_DCD
+	case DCD:
+	case DCDAndCCD:
+		frame.Mode = DCD
 	default:
 		for i := range frame.Updates {
 			update := &frame.Updates[i]

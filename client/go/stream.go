@@ -85,7 +85,7 @@ func (s *Stream) open(ctx context.Context, sceneID string, options StreamOptions
 }
 
 // Scene is as of the opening: LastFrameId is the last frame that was applied before this stream.
-func (s *Stream) Scene() *v1.Scene { return s.opened.Scene }
+func (s *Stream) Scene() *Scene { return s.opened.Scene }
 
 // Window is how many frames may be in flight.
 func (s *Stream) Window() uint32 { return s.opened.Window }

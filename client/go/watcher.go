@@ -87,7 +87,7 @@ func (w *Watcher) open() error {
 }
 
 // Scene is as of the opening, without triangles.
-func (w *Watcher) Scene() *v1.Scene { return w.opened.Scene }
+func (w *Watcher) Scene() *Scene { return w.opened.Scene }
 
 // VertexStride is of all positions; 0 if none were asked for.
 func (w *Watcher) VertexStride() uint32 { return w.opened.VertexStride }
@@ -122,7 +122,7 @@ func (w *Watcher) Close() {
 }
 
 func unpackPositions(bytes []byte, format v1.PositionFormat) Positions {
-	if format == v1.PositionFormat_POSITION_FORMAT_F64 {
+	if format == FormatF64 {
 		positions := make(F64, len(bytes)/24)
 		for i := range positions {
 			for k := range positions[i] {

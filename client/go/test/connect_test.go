@@ -11,7 +11,6 @@ import (
 	"google.golang.org/grpc/codes"
 
 	collided "collided/client/go"
-	v1 "collided/client/go/v1"
 )
 
 // certificates makes an authority of its own, with a certificate for localhost and one for a client.
@@ -43,7 +42,7 @@ func served(t *testing.T, address string, options collided.Options) {
 	client, err := collided.Connect(ctx, address, options)
 	must(t, err)
 	defer client.Close()
-	s := stream(ctx, t, client, create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles()), collided.StreamOptions{})
+	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{})
 	same(t, detect(ctx, t, s, fall(0, 2)).VertexTriangle.Count, 1)
 }
 
@@ -135,7 +134,7 @@ func TestADaemonOfOnesOwnEndsWithItsClient(t *testing.T) {
 	ctx := within(t)
 	client, err := collided.Connect(ctx, "", collided.Options{})
 	must(t, err)
-	create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles())
+	create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
 	client.Close()
 	_, err = client.GetServerInfo(ctx)
 	refused(t, err, codes.Canceled, "", "closing")

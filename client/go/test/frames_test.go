@@ -14,7 +14,7 @@ import (
 
 func TestAContactIsWhereItWasBuiltIn(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles())
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
 	output, err := client.Detect(ctx, scene, fall(1, 2))
 	must(t, err)
 	contacts := output.VertexTriangle
@@ -24,13 +24,13 @@ func TestAContactIsWhereItWasBuiltIn(t *testing.T) {
 	if toi := contacts.TOI[0]; toi > 0.5 || toi < 0.499 || toi != output.Done.EarliestToi {
 		t.Fatal(toi)
 	}
-	same(t, contacts.Flags[0]&byte(v1.ContactFlag_CONTACT_FLAG_INITIAL), 0)
+	same(t, contacts.Flags[0]&collided.IsInitial, 0)
 	same(t, output.Done.ContactCount, 1)
 }
 
 func TestIDsHaveAllTheirBits(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles())
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
 	for _, id := range []uint64{1<<53 + 1, 1<<63 - 1} {
 		output, err := client.Detect(ctx, scene, fall(id, 2))
 		must(t, err)
@@ -44,10 +44,10 @@ func TestIDsHaveAllTheirBits(t *testing.T) {
 
 func TestOptionsHoldForTheirFrameAlone(t *testing.T) {
 	ctx, client := connected(t)
-	s := stream(ctx, t, client, create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles()), collided.StreamOptions{})
+	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{})
 	delta := 1e-3
 	hit := fall(0, 2)
-	hit.Report, hit.Accuracy, hit.Delta = v1.Report_REPORT_ANY_HIT, v1.Accuracy_ACCURACY_FAST, &delta
+	hit.Report, hit.Accuracy, hit.Delta = collided.ReportAnyHit, collided.Fast, &delta
 	output := detect(ctx, t, s, hit)
 	same(t, output.VertexTriangle.Count, 0)
 	same(t, output.Done.AnyContact, true)
@@ -58,7 +58,7 @@ func TestOptionsHoldForTheirFrameAlone(t *testing.T) {
 
 func TestARefusedFrameLeavesTheStreamOpen(t *testing.T) {
 	ctx, client := connected(t)
-	s := stream(ctx, t, client, create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles()), collided.StreamOptions{})
+	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{})
 	detect(ctx, t, s, fall(0, 2))
 	bad := tipAt(1)
 	bad[1][2] = float32(math.NaN())
@@ -87,7 +87,7 @@ func TestARefusedFrameLeavesTheStreamOpen(t *testing.T) {
 
 func TestARefusalTellsWhenToTryAgain(t *testing.T) {
 	ctx, client := connected(t, "--max-frames-per-second", "1")
-	s := stream(ctx, t, client, create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles()), collided.StreamOptions{})
+	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{})
 	var refusal *collided.Error
 	for refusal == nil {
 		if _, err := s.Detect(ctx, fall(0, 2)); err != nil {
@@ -103,7 +103,7 @@ func TestARefusalTellsWhenToTryAgain(t *testing.T) {
 func TestAFrameThatIsTooLargeIsRefusedBeforeItIsSent(t *testing.T) {
 	ctx, client := connected(t, "--max-message-mb", "4")
 	meshes, positions := sheets(60)
-	s := stream(ctx, t, client, create(ctx, t, client, &v1.SceneSpec{Mode: dcd, Thickness: 0.5}, meshes), collided.StreamOptions{})
+	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.DCD, Thickness: 0.5}, meshes), collided.StreamOptions{})
 	var many collided.Frame
 	for len(many.Updates)*44652 < 4<<20 {
 		many.Updates = append(many.Updates, collided.Update{Mesh: 0, Positions: positions[0]})
@@ -111,16 +111,16 @@ func TestAFrameThatIsTooLargeIsRefusedBeforeItIsSent(t *testing.T) {
 	_, err := s.Detect(ctx, many)
 	refused(t, err, codes.ResourceExhausted, "frame", `bytes; the daemon's limit is \d+`)
 	both := collided.Frame{Updates: []collided.Update{{Mesh: 0, Positions: positions[0]}, {Mesh: 1, Positions: positions[1]}}}
-	both.Report = v1.Report_REPORT_ANY_HIT
+	both.Report = collided.ReportAnyHit
 	same(t, detect(ctx, t, s, both).Done.AnyContact, true)
 }
 
 func TestContactsOfManyChunksAreTheSame(t *testing.T) {
 	ctx, client := connected(t)
 	meshes, positions := sheets(40)
-	fields := []v1.ContactField{v1.ContactField_CONTACT_FIELD_ELEMENTS, v1.ContactField_CONTACT_FIELD_STENCIL,
-		v1.ContactField_CONTACT_FIELD_DISTANCE, v1.ContactField_CONTACT_FIELD_WEIGHTS, v1.ContactField_CONTACT_FIELD_FLAGS}
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: dcd, Thickness: 0.5, Fields: fields}, meshes)
+	fields := []v1.ContactField{collided.FieldElements, collided.FieldStencil,
+		collided.FieldDistance, collided.FieldWeights, collided.FieldFlags}
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.DCD, Thickness: 0.5, Fields: fields}, meshes)
 	s := stream(ctx, t, client, scene, collided.StreamOptions{})
 	frame := collided.Frame{Updates: []collided.Update{{Mesh: 0, Positions: positions[0]}, {Mesh: 1, Positions: positions[1]}}}
 	first, second := detect(ctx, t, s, frame), detect(ctx, t, s, frame)

@@ -17,7 +17,7 @@ type seen struct {
 	positions collided.Positions
 }
 
-func whereTheDaemonHasThem(t *testing.T, spec *v1.SceneSpec, meshes []collided.Mesh, frames []collided.Frame) (out []seen) {
+func whereTheDaemonHasThem(t *testing.T, spec *collided.SceneSpec, meshes []collided.Mesh, frames []collided.Frame) (out []seen) {
 	t.Helper()
 	ctx, client := connected(t)
 	scene := create(ctx, t, client, spec, meshes)
@@ -64,8 +64,8 @@ func TestMoveAlongGoesWhereTheDaemonGoes(t *testing.T) {
 		narrow = append(narrow, collided.Frame{Advance: true, Updates: []collided.Update{{Mesh: 1, Positions: p}}})
 		wide = append(wide, collided.Frame{Advance: true, Updates: []collided.Update{{Mesh: 1, Positions: f64(p)}}})
 	}
-	asF32 := whereTheDaemonHasThem(t, &v1.SceneSpec{Mode: ccd, MinSeparation: 1e-3}, twoTriangles(), narrow)
-	asF64 := whereTheDaemonHasThem(t, &v1.SceneSpec{Mode: ccd, MinSeparation: 1e-3, PositionFormat: formatF64}, twoTriangles(), wide)
+	asF32 := whereTheDaemonHasThem(t, &collided.SceneSpec{Mode: collided.CCD, MinSeparation: 1e-3}, twoTriangles(), narrow)
+	asF64 := whereTheDaemonHasThem(t, &collided.SceneSpec{Mode: collided.CCD, MinSeparation: 1e-3, PositionFormat: collided.FormatF64}, twoTriangles(), wide)
 	for i, p := range steps(x) {
 		must(t, collided.MoveAlong(x, p, asF32[i+1].done.GetAdvanced()))
 		must(t, collided.MoveAlong(x64, f64(p), asF64[i+1].done.GetAdvanced()))
@@ -86,12 +86,12 @@ func TestMoveRigidlyGoesWhereTheDaemonGoes(t *testing.T) {
 	c, s := math.Cos(0.7), math.Sin(0.7)
 	pose := &collided.Matrix{c, -s, 0, 0.1, s, c, 0, -0.3, 0, 0, 1, 1.0 / 3}
 	meshes := twoTriangles()
-	meshes[1].Motion = motionRigid
+	meshes[1].Motion = collided.Rigid
 	x := tipAt(1.1)
 	x64 := f64(x)
 	move := collided.Frame{Updates: []collided.Update{{Mesh: 1, Transform: pose}}}
-	asF32 := whereTheDaemonHasThem(t, &v1.SceneSpec{Mode: ccd}, meshes, []collided.Frame{first(floor, x), move})
-	asF64 := whereTheDaemonHasThem(t, &v1.SceneSpec{Mode: ccd, PositionFormat: formatF64}, meshes, []collided.Frame{first(f64(floor), x64), move})
+	asF32 := whereTheDaemonHasThem(t, &collided.SceneSpec{Mode: collided.CCD}, meshes, []collided.Frame{first(floor, x), move})
+	asF64 := whereTheDaemonHasThem(t, &collided.SceneSpec{Mode: collided.CCD, PositionFormat: collided.FormatF64}, meshes, []collided.Frame{first(f64(floor), x64), move})
 	collided.MoveRigidly(x, pose)
 	collided.MoveRigidly(x64, pose)
 	if !reflect.DeepEqual(asF32[1].positions, x) || !reflect.DeepEqual(asF64[1].positions, x64) {
@@ -101,26 +101,26 @@ func TestMoveRigidlyGoesWhereTheDaemonGoes(t *testing.T) {
 }
 
 func TestQ16IsPackedAsTheDaemonReadsIt(t *testing.T) {
-	box := &v1.QuantizationBox{Lower: []float64{-1, -2, -3}, Upper: []float64{5, 6.5, 9.1}}
+	box := &collided.QuantizationBox{Lower: []float64{-1, -2, -3}, Upper: []float64{5, 6.5, 9.1}}
 	tip, err := collided.PackQuantized(tipAt(1.0/3), box)
 	must(t, err)
 	ground, err := collided.PackQuantized(floor, box)
 	must(t, err)
-	spec := &v1.SceneSpec{Mode: ccd, PositionFormat: formatQ16, QuantizationBox: box}
+	spec := &collided.SceneSpec{Mode: collided.CCD, PositionFormat: collided.FormatQ16, QuantizationBox: box}
 	there := whereTheDaemonHasThem(t, spec, twoTriangles(), []collided.Frame{first(ground, tip)})
 	unpacked, err := collided.UnpackQuantized(tip, box)
 	must(t, err)
 	if !reflect.DeepEqual(there[0].positions, unpacked) {
 		t.Fatal(there[0].positions, unpacked)
 	}
-	unit := &v1.QuantizationBox{Lower: []float64{0, 0, 0}, Upper: []float64{1, 1, 0}}
+	unit := &collided.QuantizationBox{Lower: []float64{0, 0, 0}, Upper: []float64{1, 1, 0}}
 	q, err := collided.PackQuantized([][3]float64{{1, 0.5, 0}}, unit)
 	must(t, err)
 	same(t, q[0], [3]uint16{65535, 32768, 0})
 }
 
 func TestHelpersRefuseWhatTheyCannotDo(t *testing.T) {
-	unit := &v1.QuantizationBox{Lower: []float64{0, 0, 0}, Upper: []float64{1, 1, 1}}
+	unit := &collided.QuantizationBox{Lower: []float64{0, 0, 0}, Upper: []float64{1, 1, 1}}
 	three := make([][3]float32, 1)
 	_, err := collided.PackQuantized([][3]float64{{0, 2, 0}}, unit)
 	refused(t, err, codes.InvalidArgument, "positions", `positions\[0\]\[1\] is 2, outside the box, 0 to 1`)
@@ -128,9 +128,9 @@ func TestHelpersRefuseWhatTheyCannotDo(t *testing.T) {
 	refused(t, err, codes.InvalidArgument, "positions", "NaN")
 	_, err = collided.PackQuantized(three, nil)
 	refused(t, err, codes.InvalidArgument, "box", "3 each are needed")
-	_, err = collided.PackQuantized(three, &v1.QuantizationBox{Lower: unit.Upper, Upper: unit.Lower})
+	_, err = collided.PackQuantized(three, &collided.QuantizationBox{Lower: unit.Upper, Upper: unit.Lower})
 	refused(t, err, codes.InvalidArgument, "box", "in order")
-	_, err = collided.UnpackQuantized(nil, &v1.QuantizationBox{Lower: []float64{math.NaN(), 0, 0}, Upper: unit.Upper})
+	_, err = collided.UnpackQuantized(nil, &collided.QuantizationBox{Lower: []float64{math.NaN(), 0, 0}, Upper: unit.Upper})
 	refused(t, err, codes.InvalidArgument, "box", "finite")
 	refused(t, collided.MoveAlong(three, make([][3]float32, 2), 0.5), codes.InvalidArgument, "target", "has 2 vertices")
 	refused(t, collided.MoveAlong(three, three, math.NaN()), codes.InvalidArgument, "fraction", "from 0 to 1")
@@ -139,13 +139,13 @@ func TestHelpersRefuseWhatTheyCannotDo(t *testing.T) {
 
 func TestContactPointsLieWhereTheConventionsSay(t *testing.T) {
 	ctx, client := connected(t)
-	fields := []v1.ContactField{v1.ContactField_CONTACT_FIELD_STENCIL, v1.ContactField_CONTACT_FIELD_TOI, v1.ContactField_CONTACT_FIELD_WEIGHTS}
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: ccd, Fields: fields}, twoTriangles())
+	fields := []v1.ContactField{collided.FieldStencil, collided.FieldTOI, collided.FieldWeights}
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD, Fields: fields}, twoTriangles())
 	output, err := client.Detect(ctx, scene, fall(1, 2))
 	must(t, err)
 	start, end := append(append(collided.F32{}, floor...), tipAt(1)...), append(append(collided.F32{}, floor...), tipAt(-1)...)
 	contacts := &output.VertexTriangle
-	ours, theirs, err := collided.ContactPoints(vertexFace, contacts, start, end)
+	ours, theirs, err := collided.ContactPoints(collided.VertexTriangle, contacts, start, end)
 	must(t, err)
 	for _, p := range [][3]float64{ours[0], theirs[0]} {
 		if math.Abs(p[0]-1) > 1e-9 || math.Abs(p[1]-1) > 1e-9 || math.Abs(p[2]) > 1e-6 {
@@ -153,11 +153,11 @@ func TestContactPointsLieWhereTheConventionsSay(t *testing.T) {
 		}
 	}
 	same(t, collided.ElementKindOf(contacts.Stencils[0]), collided.Triangle)
-	_, _, err = collided.ContactPoints(vertexFace, contacts, start[:3], end[:3])
+	_, _, err = collided.ContactPoints(collided.VertexTriangle, contacts, start[:3], end[:3])
 	refused(t, err, codes.InvalidArgument, "end", "has 3 vertices, but a contact has vertex 3")
-	_, _, err = collided.ContactPoints(vertexFace, contacts, start[:3], end)
+	_, _, err = collided.ContactPoints(collided.VertexTriangle, contacts, start[:3], end)
 	refused(t, err, codes.InvalidArgument, "start", "has 3 vertices, end has 6")
-	_, _, err = collided.ContactPoints(vertexFace, &collided.Contacts{Count: 1}, nil, end)
+	_, _, err = collided.ContactPoints(collided.VertexTriangle, &collided.Contacts{Count: 1}, nil, end)
 	refused(t, err, codes.InvalidArgument, "contacts", "ask for these fields")
 }
 
@@ -167,7 +167,7 @@ func TestHairAndParticlesMeetAsEdgesAndPoints(t *testing.T) {
 		{Name: "strand", VertexCount: 3, Edges: [][2]uint32{{0, 1}, {1, 2}}},
 		{Name: "drops", VertexCount: 3, Points: []uint32{0, 1, 2}},
 	}
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: ccd, Thickness: 0.02}, meshes)
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD, Thickness: 0.02}, meshes)
 	output, err := client.Detect(ctx, scene, collided.Frame{ID: 1, Updates: []collided.Update{
 		{Mesh: 0, Positions: collided.F32{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}},
 		{Mesh: 1, StartPositions: collided.F32{{0.25, 0, 1}, {5, 0, 0}, {5.5, 0, 0}}, Positions: collided.F32{{0.25, 0, -1}, {6, 0, 0}, {4.5, 0, 0}}},
@@ -181,7 +181,7 @@ func TestHairAndParticlesMeetAsEdgesAndPoints(t *testing.T) {
 
 func TestSparseUpdatesAndEditsChangeWhatTheyName(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles())
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
 	s := stream(ctx, t, client, scene, collided.StreamOptions{})
 	to := func(z float32) collided.Update {
 		return collided.Update{Mesh: 1, Indices: []uint32{0}, Positions: collided.F32{{1, 1, z}}}
@@ -190,15 +190,15 @@ func TestSparseUpdatesAndEditsChangeWhatTheyName(t *testing.T) {
 	same(t, detect(ctx, t, s, collided.Frame{Updates: []collided.Update{to(-1)}}).VertexTriangle.Elements[0], [2]uint32{3, 0})
 	_, err := s.Detect(ctx, collided.Frame{Updates: []collided.Update{{Mesh: 1, Indices: []uint32{2, 0}, Positions: collided.F32{{}, {}}}}})
 	refused(t, err, codes.InvalidArgument, "frame.updates[0].sparse.indices", ".")
-	edit := func(edit *v1.SceneEdit, updates ...collided.Update) *collided.Output {
+	edit := func(edit *collided.SceneEdit, updates ...collided.Update) *collided.Output {
 		return detect(ctx, t, s, collided.Frame{Edit: edit, Updates: updates})
 	}
-	same(t, edit(&v1.SceneEdit{Meshes: []*v1.MeshEdit{collided.RemovedMesh(0)}}).Done.ContactCount, 0)
+	same(t, edit(&collided.SceneEdit{Meshes: []*v1.MeshEdit{collided.RemovedMesh(0)}}).Done.ContactCount, 0)
 	static := twoTriangles()[0]
-	static.Motion = motionStatic
-	added := &v1.SceneEdit{Meshes: []*v1.MeshEdit{collided.EditedMesh(0, static)}}
+	static.Motion = collided.Static
+	added := &collided.SceneEdit{Meshes: []*v1.MeshEdit{collided.EditedMesh(0, static)}}
 	same(t, edit(added, collided.Update{Mesh: 0, Positions: floor}, to(1)).VertexTriangle.Elements[0], [2]uint32{3, 0})
-	apart := &v1.SceneEdit{ExcludeMeshes: []*v1.MeshPair{{First: 0, Second: 1}}}
+	apart := &collided.SceneEdit{ExcludeMeshes: []*collided.MeshPair{{First: 0, Second: 1}}}
 	same(t, edit(apart, to(-1)).Done.ContactCount, 0)
 	known, err := client.GetScene(ctx, scene.SceneId)
 	must(t, err)

@@ -14,7 +14,7 @@ import (
 
 func TestASceneIsCreatedListedEstimatedAndDeleted(t *testing.T) {
 	ctx, client := connected(t)
-	scene, err := client.CreateScene(ctx, &v1.SceneSpec{Mode: ccd}, twoTriangles(), time.Minute)
+	scene, err := client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles(), time.Minute)
 	must(t, err)
 	same(t, scene.State, v1.SceneState_SCENE_STATE_READY)
 	same(t, [4]float64{float64(scene.VertexCount), float64(scene.EdgeCount), float64(scene.TriangleCount), scene.LeaseSeconds}, [4]float64{6, 6, 2, 60})
@@ -24,7 +24,7 @@ func TestASceneIsCreatedListedEstimatedAndDeleted(t *testing.T) {
 	scenes, err := client.ListScenes(ctx)
 	must(t, err)
 	same(t, len(scenes), 1)
-	estimate, err := client.EstimateScene(ctx, &v1.SceneSpec{Mode: ccd}, twoTriangles())
+	estimate, err := client.EstimateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
 	must(t, err)
 	same(t, estimate.FirstFrameBytes, 72)
 	must(t, client.DeleteScene(ctx, scene.SceneId))
@@ -35,7 +35,7 @@ func TestASceneIsCreatedListedEstimatedAndDeleted(t *testing.T) {
 func TestTrianglesGoUpInChunks(t *testing.T) {
 	ctx, client := connected(t)
 	meshes, _ := sheets(230) // 1.27 MB of triangles a mesh: two chunks
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: dcd}, meshes)
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.DCD}, meshes)
 	same(t, scene.State, v1.SceneState_SCENE_STATE_READY)
 	same(t, scene.TriangleCount, 2*2*230*230)
 }
@@ -44,7 +44,7 @@ func TestARefusedUploadLeavesNoScene(t *testing.T) {
 	ctx, client := connected(t)
 	meshes := twoTriangles()
 	meshes[1].Triangles = [][3]uint32{{0, 1, 7}}
-	_, err := client.CreateScene(ctx, &v1.SceneSpec{Mode: ccd}, meshes, 0)
+	_, err := client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, meshes, 0)
 	refused(t, err, codes.InvalidArgument, "triangles[0]", "vertex 7")
 	scenes, err := client.ListScenes(ctx)
 	must(t, err)
@@ -54,16 +54,16 @@ func TestARefusedUploadLeavesNoScene(t *testing.T) {
 func TestABadSpecIsRefusedByName(t *testing.T) {
 	ctx, client := connected(t)
 	cases := []struct {
-		spec  *v1.SceneSpec
+		spec  *collided.SceneSpec
 		code  codes.Code
 		field string
 	}{
 		{nil, codes.InvalidArgument, "spec.mode"},
-		{&v1.SceneSpec{Mode: 77}, codes.InvalidArgument, "spec.mode"},
-		{&v1.SceneSpec{Mode: ccd, Thickness: -1}, codes.InvalidArgument, "spec.thickness"},
-		{&v1.SceneSpec{Mode: ccd, PositionFormat: formatQ16}, codes.InvalidArgument, "spec.quantization_box"},
-		{&v1.SceneSpec{Mode: ccd, MemoryBudgetBytes: 1}, codes.ResourceExhausted, "spec.memory_budget_bytes"},
-		{&v1.SceneSpec{Mode: ccd, Meshes: []*v1.MeshSpec{{}}}, codes.InvalidArgument, "spec.meshes"},
+		{&collided.SceneSpec{Mode: 77}, codes.InvalidArgument, "spec.mode"},
+		{&collided.SceneSpec{Mode: collided.CCD, Thickness: -1}, codes.InvalidArgument, "spec.thickness"},
+		{&collided.SceneSpec{Mode: collided.CCD, PositionFormat: collided.FormatQ16}, codes.InvalidArgument, "spec.quantization_box"},
+		{&collided.SceneSpec{Mode: collided.CCD, MemoryBudgetBytes: 1}, codes.ResourceExhausted, "spec.memory_budget_bytes"},
+		{&collided.SceneSpec{Mode: collided.CCD, Meshes: []*v1.MeshSpec{{}}}, codes.InvalidArgument, "spec.meshes"},
 	}
 	for _, c := range cases {
 		_, err := client.CreateScene(ctx, c.spec, twoTriangles(), 0)
@@ -71,9 +71,9 @@ func TestABadSpecIsRefusedByName(t *testing.T) {
 		_, err = client.EstimateScene(ctx, c.spec, twoTriangles())
 		refused(t, err, c.code, c.field, ".")
 	}
-	_, err := client.CreateScene(ctx, &v1.SceneSpec{Mode: ccd}, nil, 0)
+	_, err := client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, nil, 0)
 	refused(t, err, codes.InvalidArgument, "spec.meshes", ".")
-	_, err = client.CreateScene(ctx, &v1.SceneSpec{Mode: ccd}, twoTriangles(), -time.Second)
+	_, err = client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles(), -time.Second)
 	refused(t, err, codes.InvalidArgument, "lease_seconds", "-1")
 }
 

@@ -16,7 +16,7 @@ const frames = 12
 // play has the tip go up and down through the floor: each frame's contacts depend on where the last one left it.
 type play struct {
 	name    string
-	spec    *v1.SceneSpec
+	spec    *collided.SceneSpec
 	motion  v1.MeshMotion // of the tip
 	disturb func(frame int)
 	session *collided.Session
@@ -31,12 +31,12 @@ func heightAt(frame int) float32 {
 
 func (p *play) meshes() []collided.Mesh {
 	meshes := twoTriangles()
-	meshes[0].Motion, meshes[1].Motion = motionStatic, p.motion
+	meshes[0].Motion, meshes[1].Motion = collided.Static, p.motion
 	return meshes
 }
 
 func (p *play) updateAt(frame int) collided.Update {
-	if p.motion != motionRigid {
+	if p.motion != collided.Rigid {
 		return collided.Update{Mesh: 1, Positions: tipAt(heightAt(frame))}
 	}
 	up := float64(heightAt(frame)) - float64(heightAt(0))
@@ -77,9 +77,9 @@ func (p *play) run(t *testing.T, address string) (contacts []collided.ContactSet
 
 func TestWhatIsLostIsRestored(t *testing.T) {
 	plays := []*play{
-		{name: "deformable", spec: &v1.SceneSpec{Mode: ccd}},
-		{name: "rigid", spec: &v1.SceneSpec{Mode: ccd}, motion: motionRigid},
-		{name: "both questions", spec: &v1.SceneSpec{Mode: dcdAndCCD, MinSeparation: 1e-3}},
+		{name: "deformable", spec: &collided.SceneSpec{Mode: collided.CCD}},
+		{name: "rigid", spec: &collided.SceneSpec{Mode: collided.CCD}, motion: collided.Rigid},
+		{name: "both questions", spec: &collided.SceneSpec{Mode: collided.DCDAndCCD, MinSeparation: 1e-3}},
 	}
 	for _, p := range plays {
 		t.Run(p.name, func(t *testing.T) {
@@ -113,7 +113,7 @@ func TestWhatIsLostIsRestored(t *testing.T) {
 
 func TestAStreamThatIdledOutIsOpenedAgain(t *testing.T) {
 	ctx, client := connected(t, "--max-idle-seconds", "1")
-	p := &play{spec: &v1.SceneSpec{Mode: ccd}}
+	p := &play{spec: &collided.SceneSpec{Mode: collided.CCD}}
 	restore := func() []collided.Update { return []collided.Update{p.updateAt(0)} }
 	session, err := client.Session(ctx, p.spec, p.meshes(), collided.SessionOptions{Restore: restore, Lease: time.Minute})
 	must(t, err)
@@ -133,14 +133,14 @@ func TestASessionTellsWhatItCannotDo(t *testing.T) {
 	client, err := collided.Connect(ctx, d.Address, collided.Options{Patience: 100 * time.Millisecond})
 	must(t, err)
 	defer client.Close()
-	p := &play{spec: &v1.SceneSpec{Mode: ccd}}
+	p := &play{spec: &collided.SceneSpec{Mode: collided.CCD}}
 	_, err = client.Session(ctx, p.spec, p.meshes(), collided.SessionOptions{})
 	refused(t, err, codes.InvalidArgument, "options.restore", "is not set")
 	restore := func() []collided.Update { return []collided.Update{p.updateAt(0)} }
 	session, err := client.Session(ctx, p.spec, p.meshes(), collided.SessionOptions{Restore: restore, GiveUp: 200 * time.Millisecond})
 	must(t, err)
 	half := 0.5
-	_, err = session.Detect(ctx, collided.Frame{Edit: &v1.SceneEdit{}})
+	_, err = session.Detect(ctx, collided.Frame{Edit: &collided.SceneEdit{}})
 	refused(t, err, codes.InvalidArgument, "frame.edit", "cannot be restored")
 	_, err = session.Detect(ctx, collided.Frame{FromLastFraction: &half})
 	refused(t, err, codes.InvalidArgument, "frame.from_last_fraction", "cannot be restored")

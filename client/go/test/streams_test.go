@@ -10,12 +10,11 @@ import (
 	"google.golang.org/grpc/codes"
 
 	collided "collided/client/go"
-	v1 "collided/client/go/v1"
 )
 
 func TestAWindowOfFramesIsInFlight(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles())
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
 	s := stream(ctx, t, client, scene, collided.StreamOptions{Window: 3})
 	same(t, s.Window(), 3)
 	const count = 20
@@ -55,7 +54,7 @@ func TestAWindowOfFramesIsInFlight(t *testing.T) {
 
 func TestManyGoroutinesShareAStream(t *testing.T) {
 	ctx, client := connected(t)
-	s := stream(ctx, t, client, create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles()), collided.StreamOptions{Window: 4})
+	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{Window: 4})
 	detect(ctx, t, s, fall(0, 2))
 	failures := make(chan error)
 	for i := 0; i < 8; i++ {
@@ -81,8 +80,8 @@ func TestManyGoroutinesShareAStream(t *testing.T) {
 
 func TestLatestWinsTellsWhichFramesWereSkipped(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles())
-	latest := collided.StreamOptions{Window: 8, Delivery: v1.DeliveryPolicy_DELIVERY_POLICY_LATEST_WINS}
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
+	latest := collided.StreamOptions{Window: 8, Delivery: collided.LatestWins}
 	s := stream(ctx, t, client, scene, latest)
 	const count = 200
 	for i := 0; i < count; i++ {
@@ -101,7 +100,7 @@ func TestLatestWinsTellsWhichFramesWereSkipped(t *testing.T) {
 
 func TestAStreamIsOpenedAsAskedOrNotAtAll(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles())
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
 	_, err := client.Stream(ctx, scene, collided.StreamOptions{Window: 100_000})
 	refused(t, err, codes.ResourceExhausted, "open.window", "100000")
 	first := stream(ctx, t, client, scene, collided.StreamOptions{})
@@ -123,7 +122,7 @@ func TestAStreamIsOpenedAsAskedOrNotAtAll(t *testing.T) {
 
 func TestWhoeverWaitsIsTold(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles())
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
 	s := stream(ctx, t, client, scene, collided.StreamOptions{})
 	soon, cancel := context.WithTimeout(ctx, 10*time.Millisecond)
 	defer cancel()
@@ -139,7 +138,7 @@ func TestWhoeverWaitsIsTold(t *testing.T) {
 	refused(t, <-received, codes.NotFound, "scene_id", "deleted")
 	refused(t, s.Finish(ctx), codes.NotFound, "scene_id", "deleted")
 	over, end := context.WithCancel(ctx)
-	other, err := client.Stream(over, create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles()), collided.StreamOptions{})
+	other, err := client.Stream(over, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{})
 	must(t, err)
 	end()
 	if _, err := other.Receive(ctx); !errors.Is(err, context.Canceled) {
@@ -153,7 +152,7 @@ func TestADrainIsAnnounced(t *testing.T) {
 	client, err := collided.Connect(ctx, d.Address, collided.Options{})
 	must(t, err)
 	defer client.Close()
-	s := stream(ctx, t, client, create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles()), collided.StreamOptions{})
+	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{})
 	stopped := make(chan struct{})
 	go func() {
 		d.Stop()

@@ -11,18 +11,6 @@ import (
 	"google.golang.org/grpc/codes"
 
 	collided "collided/client/go"
-	v1 "collided/client/go/v1"
-)
-
-const (
-	ccd          = v1.DetectionMode_DETECTION_MODE_CCD
-	dcd          = v1.DetectionMode_DETECTION_MODE_DCD
-	dcdAndCCD    = v1.DetectionMode_DETECTION_MODE_DCD_AND_CCD
-	formatF64    = v1.PositionFormat_POSITION_FORMAT_F64
-	formatQ16    = v1.PositionFormat_POSITION_FORMAT_Q16
-	vertexFace   = v1.ContactKind_CONTACT_KIND_VERTEX_TRIANGLE
-	motionRigid  = v1.MeshMotion_MESH_MOTION_RIGID
-	motionStatic = v1.MeshMotion_MESH_MOTION_STATIC
 )
 
 var (
@@ -75,14 +63,14 @@ func fall(id uint64, depth float32) collided.Frame {
 	}}
 }
 
-func create(ctx context.Context, t *testing.T, client *collided.Client, spec *v1.SceneSpec, meshes []collided.Mesh) *v1.Scene {
+func create(ctx context.Context, t *testing.T, client *collided.Client, spec *collided.SceneSpec, meshes []collided.Mesh) *collided.Scene {
 	t.Helper()
 	scene, err := client.CreateScene(ctx, spec, meshes, 0)
 	must(t, err)
 	return scene
 }
 
-func stream(ctx context.Context, t *testing.T, client *collided.Client, scene *v1.Scene, options collided.StreamOptions) *collided.Stream {
+func stream(ctx context.Context, t *testing.T, client *collided.Client, scene *collided.Scene, options collided.StreamOptions) *collided.Stream {
 	t.Helper()
 	stream, err := client.Stream(ctx, scene, options)
 	must(t, err)

@@ -10,12 +10,11 @@ import (
 	"google.golang.org/grpc/codes"
 
 	collided "collided/client/go"
-	v1 "collided/client/go/v1"
 )
 
 func TestAWatcherSeesEachFrame(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles())
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
 	watcher, err := client.Watch(ctx, scene.SceneId, collided.WatchOptions{MaxContactsPerKind: 1, PositionMeshes: []uint32{1, 0}, VertexStride: 2})
 	must(t, err)
 	defer watcher.Close()
@@ -43,7 +42,7 @@ func TestAWatcherSeesEachFrame(t *testing.T) {
 
 func TestASlowWatcherIsToldWhatItMissed(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles())
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
 	watcher, err := client.Watch(ctx, scene.SceneId, collided.WatchOptions{})
 	must(t, err)
 	s := stream(ctx, t, client, scene, collided.StreamOptions{})
@@ -67,7 +66,7 @@ func TestASlowWatcherIsToldWhatItMissed(t *testing.T) {
 
 func TestAWatchThatCannotBeIsRefused(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &v1.SceneSpec{Mode: ccd}, twoTriangles())
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
 	_, err := client.Watch(ctx, scene.SceneId, collided.WatchOptions{PositionMeshes: []uint32{7}})
 	refused(t, err, codes.InvalidArgument, "position_meshes[0]", "7")
 	_, err = client.Watch(ctx, "none", collided.WatchOptions{})

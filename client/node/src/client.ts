@@ -138,8 +138,8 @@ export class Client {
    * Resumes a scene whose stream broke, and takes it over from one that may still be open: send the frames after the new
    * stream's scene.lastFrameId again.
    */
-  resume(scene: Scene, options: StreamOptions = {}): Promise<FrameStream> {
-    return this.stream(scene, { ...options, resumeToken: scene.resumeToken });
+  async resume(scene: Scene, options: StreamOptions = {}): Promise<FrameStream> {
+    return this.stream(scene, { ...options, resumeToken: scene?.resumeToken });
   }
 
   /** Watches the frames that others send to a scene of this client, on a connection of its own. */

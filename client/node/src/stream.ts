@@ -46,7 +46,8 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   readonly #inFlight: InFlight[] = [];
   readonly #ready: FrameOutput[] = [];
   readonly #ended: Promise<void>;
-  #opened!: StreamOpened;
+  #opened: StreamOpened | undefined;
+  #isOpen = () => {};
   #lastId = 0n;
   #credits = 0;
   #awaitingCredit: (() => void)[] = [];
@@ -74,12 +75,12 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
 
   /** The scene as of the opening: lastFrameId is the last frame that was applied before this stream. */
   get scene(): Scene {
-    return this.#opened.scene!;
+    return this.#opened!.scene!;
   }
 
   /** How many frames may be in flight. */
   get window(): number {
-    return this.#opened.window;
+    return this.#opened!.window;
   }
 
   /** Set once the stream has ended: with an error, unless `finish` ended it. */
@@ -138,19 +139,19 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   }
 
   async #open(open: OpenStream): Promise<void> {
+    const opened = new Promise<void>((resolve) => (this.#isOpen = resolve));
+    this.#call.on("data", (response: StreamFramesResponse) => this.#take(response));
     this.#call.write(StreamFramesRequest.encode({ request: { $case: "open", value: open } }).finish());
-    const answer = await new Promise<StreamFramesResponse | undefined>((resolve) => {
-      this.#call.once("data", resolve);
-      void this.#ended.then(() => resolve(undefined));
-    });
-    if (answer?.response?.$case !== "opened") {
-      this.cancel();
-      throw this.#end?.error ?? new CollidedError(Code.INTERNAL, "the daemon's first answer does not open the stream");
-    }
-    this.#opened = answer.response.value;
+    await Promise.race([opened, this.#ended]);
+    if (!this.#opened) throw this.#whyEnded();
+  }
+
+  #begin(response: StreamFramesResponse["response"]): void {
+    if (response?.$case !== "opened") throw new CollidedError(Code.INTERNAL, "the daemon's first answer does not open the stream");
+    this.#opened = response.value;
     this.#lastId = this.scene.lastFrameId;
     this.#credits = this.window;
-    this.#call.on("data", (response: StreamFramesResponse) => this.#take(response));
+    this.#isOpen();
   }
 
   async #post(input: FrameInput, taker: Taker): Promise<bigint> {
@@ -176,6 +177,7 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   /** An answer that contradicts itself ends the stream: what follows cannot be trusted. */
   #take({ frameId, response }: StreamFramesResponse): void {
     try {
+      if (!this.#opened) return this.#begin(response);
       if (response?.$case === "draining") this.#drainsAt = performance.now() + 1000 * response.value.deadlineSeconds;
       if (response?.$case === "contacts") this.#oldest(frameId).chunks.push(response.value);
       if (response?.$case === "done") this.#complete(frameId, { done: response.value });

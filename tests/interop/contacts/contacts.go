@@ -9,7 +9,6 @@ import (
 	"os"
 
 	collided "collided/client/go"
-	v1 "collided/client/go/v1"
 )
 
 const side = 17
@@ -64,11 +63,11 @@ func main() {
 	client, err := collided.Connect(ctx, os.Args[1], collided.Options{})
 	check(err)
 	defer client.Close()
-	spec := &v1.SceneSpec{Mode: v1.DetectionMode_DETECTION_MODE_CCD, PositionFormat: v1.PositionFormat_POSITION_FORMAT_F64}
-	for field := v1.ContactField_CONTACT_FIELD_ELEMENTS; field <= v1.ContactField_CONTACT_FIELD_FLAGS; field++ {
+	spec := &collided.SceneSpec{Mode: collided.CCD, PositionFormat: collided.FormatF64}
+	for field := collided.FieldElements; field <= collided.FieldFlags; field++ {
 		spec.Fields = append(spec.Fields, field)
 	}
-	lower := collided.Mesh{Name: "lower", VertexCount: side * side, Triangles: triangles(), Motion: v1.MeshMotion_MESH_MOTION_STATIC}
+	lower := collided.Mesh{Name: "lower", VertexCount: side * side, Triangles: triangles(), Motion: collided.Static}
 	upper := collided.Mesh{Name: "upper", VertexCount: side * side, Triangles: triangles()}
 	scene, err := client.CreateScene(ctx, spec, []collided.Mesh{lower, upper}, 0)
 	check(err)

@@ -9,7 +9,6 @@ import (
 	"strings"
 
 	collided "collided/client/go"
-	v1 "collided/client/go/v1"
 )
 
 func main() {
@@ -19,7 +18,7 @@ func main() {
 	defer client.Close()
 	one := [][3]uint32{{0, 1, 2}}
 	meshes := []collided.Mesh{{Name: "floor", VertexCount: 3, Triangles: one}, {Name: "falling", VertexCount: 3, Triangles: one}}
-	scene, err := client.CreateScene(ctx, &v1.SceneSpec{Mode: v1.DetectionMode_DETECTION_MODE_CCD}, meshes, 0)
+	scene, err := client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, meshes, 0)
 	check(err)
 	output, err := client.Detect(ctx, scene, collided.Frame{ID: 1, Updates: []collided.Update{
 		{Mesh: 0, Positions: collided.F32{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
