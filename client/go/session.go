@@ -39,6 +39,7 @@ type Session struct {
 	scene     *Scene
 	stream    *Stream   // nil: lost
 	first     *v1.Frame // the scene's, which fixes static and rigid meshes and what is at rest
+	isClosed  bool
 
 	// Reconnects counts how often a stream was opened again.
 	Reconnects int
@@ -77,6 +78,9 @@ func (s *Session) Detect(ctx context.Context, frame Frame) (*Output, error) {
 		return nil, failf(codes.FailedPrecondition, "", "Detect was called before its last call was over")
 	}
 	defer s.busy.Unlock()
+	if s.isClosed {
+		return nil, failf(codes.FailedPrecondition, "", "the session is closed")
+	}
 	message, err := s.repeatable(frame)
 	if err != nil {
 		return nil, err
@@ -88,12 +92,25 @@ func (s *Session) Detect(ctx context.Context, frame Frame) (*Output, error) {
 	return output, err
 }
 
-// Close ends the stream and deletes the scene.
+// Close waits for a Detect to be over, ends the stream and deletes the scene.
 func (s *Session) Close(ctx context.Context) error {
 	s.busy.Lock()
 	defer s.busy.Unlock()
+	s.isClosed = true
 	s.drop()
-	return s.withClient(ctx, func(client *Client) error { return client.DeleteScene(ctx, s.scene.SceneId) })
+	return s.withClient(ctx, func(client *Client) error { return s.deleteIfThere(ctx, client) })
+}
+
+func (s *Session) deleteIfThere(ctx context.Context, client *Client) error {
+	if err := client.DeleteScene(ctx, s.scene.SceneId); !isNotFound(err) {
+		return err
+	}
+	return nil
+}
+
+func isNotFound(err error) bool {
+	e, _ := err.(*Error)
+	return e != nil && e.Code == codes.NotFound
 }
 
 func (s *Session) repeatable(frame Frame) (*v1.Frame, error) {
@@ -112,6 +129,9 @@ func (s *Session) insist(ctx context.Context, frame *v1.Frame) (*Output, error) 
 	giveUp := time.Now().Add(s.options.GiveUp)
 	for pause := firstPause; ; pause = minDuration(2*pause, longestPause) {
 		output, err := s.try(ctx, frame, giveUp)
+		if ctx.Err() != nil {
+			s.drop() // the frame may have been applied: the next one restores
+		}
 		if err == nil || !s.isLoss(ctx, err) || time.Now().Add(pause).After(giveUp) {
 			return output, err
 		}
@@ -176,9 +196,9 @@ func (s *Session) resume(ctx context.Context, client *Client) (stream *Stream, e
 	if s.first != nil {
 		stream, err = client.Resume(s.ctx, s.scene, StreamOptions{})
 	} else {
-		err = client.DeleteScene(ctx, s.scene.SceneId)
+		err = s.deleteIfThere(ctx, client)
 	}
-	if stream != nil || err != nil && err.(*Error).Code != codes.NotFound {
+	if stream != nil || err != nil && !isNotFound(err) {
 		return stream, err
 	}
 	s.Recreations++

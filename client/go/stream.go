@@ -212,11 +212,12 @@ func (s *Stream) post(ctx context.Context, frame *v1.Frame, answer chan *Output)
 	}
 	s.sending.Lock()
 	defer s.sending.Unlock()
-	if err := s.book(frame, answer); err != nil {
+	request := &v1.StreamFramesRequest{Request: &v1.StreamFramesRequest_Frame{Frame: frame}}
+	if err := s.book(request, answer); err != nil {
 		s.credits <- struct{}{}
 		return 0, err
 	}
-	if err := s.call.Send(&v1.StreamFramesRequest{Request: &v1.StreamFramesRequest_Frame{Frame: frame}}); err != nil {
+	if err := s.call.Send(request); err != nil {
 		<-s.ended // then its reason is known
 		return 0, s.Err()
 	}
@@ -224,6 +225,9 @@ func (s *Stream) post(ctx context.Context, frame *v1.Frame, answer chan *Output)
 }
 
 func (s *Stream) takeCredit(ctx context.Context) error {
+	if ctx.Err() != nil {
+		return contextError(ctx.Err())
+	}
 	select {
 	case <-s.credits:
 		return nil
@@ -235,7 +239,8 @@ func (s *Stream) takeCredit(ctx context.Context) error {
 }
 
 // book gives the frame an id if it has none, and expects its answer.
-func (s *Stream) book(frame *v1.Frame, answer chan *Output) error {
+func (s *Stream) book(request *v1.StreamFramesRequest, answer chan *Output) error {
+	frame := request.GetFrame()
 	s.mutex.Lock()
 	defer s.mutex.Unlock()
 	if s.err != nil {
@@ -247,7 +252,7 @@ func (s *Stream) book(frame *v1.Frame, answer chan *Output) error {
 	if frame.FrameId == 0 {
 		frame.FrameId = s.lastID + 1
 	}
-	if bytes := uint64(proto.Size(frame)); bytes+16 > s.maxBytes { // the frame is in a message with two tags and lengths
+	if bytes := uint64(proto.Size(request)); bytes > s.maxBytes {
 		return failf(codes.ResourceExhausted, "frame", "frame is %d bytes; the daemon's limit is %d (--max-message-mb)", bytes, s.maxBytes)
 	}
 	s.lastID = frame.FrameId

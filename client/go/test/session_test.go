@@ -1,6 +1,8 @@
 package test
 
 import (
+	"context"
+	"errors"
 	"reflect"
 	"testing"
 	"time"
@@ -151,6 +153,21 @@ func TestASessionTellsWhatItCannotDo(t *testing.T) {
 	_, err = session.Detect(ctx, collided.Frame{Updates: []collided.Update{{Mesh: 1, Positions: tipAt(1)[:1]}}})
 	refused(t, err, codes.InvalidArgument, "frame.updates[0].positions", ".")
 	same(t, session.Reconnects, 0)
+	over, cancel := context.WithCancel(ctx)
+	cancel()
+	if _, err = session.Detect(over, collided.Frame{Updates: []collided.Update{p.updateAt(1)}}); !errors.Is(err, context.Canceled) {
+		t.Fatal(err)
+	}
+	output, err := session.Detect(ctx, collided.Frame{Updates: []collided.Update{p.updateAt(1)}})
+	must(t, err)
+	same(t, output.VertexTriangle.Count, 1) // it begins where Restore has it, below the floor
+	same(t, session.Reconnects, 1)
+	closing, err := client.Session(ctx, p.spec, p.meshes(), collided.SessionOptions{Restore: restore})
+	must(t, err)
+	must(t, client.DeleteScene(ctx, closing.Scene().SceneId))
+	must(t, closing.Close(ctx))
+	_, err = closing.Detect(ctx, first(floor, tipAt(1)))
+	refused(t, err, codes.FailedPrecondition, "", "closed")
 	d.Stop()
 	_, err = session.Detect(ctx, collided.Frame{Updates: []collided.Update{p.updateAt(1)}})
 	refused(t, err, codes.Unavailable, "", "no daemon answers at unix:")

@@ -1,7 +1,7 @@
 // Between JavaScript's arrays and the protocol's packed little-endian bytes.
 
 import { endianness } from "node:os";
-import { isUint32, show } from "./check.js";
+import { checkValue, show, uint32 } from "./check.js";
 import { Code, CollidedError, invalid } from "./errors.js";
 import { PositionFormat } from "./generated/collided/v1/scene.js";
 
@@ -44,8 +44,8 @@ export function packIndices(indices: Indices | undefined, width: number, field: 
 
 /** Uint32Array.from would wrap -1 and turn 0.5 into 0. */
 function uint32Array(numbers: readonly number[], field: string): Uint32Array {
-  const bad = numbers.findIndex((number) => !isUint32(number));
-  if (bad >= 0) throw invalid(`${field}[${bad}]`, `is ${show(numbers[bad])}; it must be an integer from 0 to 4294967295`);
+  const bad = numbers.findIndex((number) => uint32(number) !== undefined);
+  if (bad >= 0) checkValue(numbers[bad], uint32, `${field}[${bad}]`);
   return Uint32Array.from(numbers);
 }
 

@@ -11,10 +11,10 @@ export type Rules<T> = { [K in keyof Required<T>]: Rule };
 
 const LAST_UINT32 = 2 ** 32 - 1;
 
-export const isUint32 = (value: unknown): value is number =>
-  Number.isInteger(value) && (value as number) >= 0 && (value as number) <= LAST_UINT32;
-
-export const uint32: Rule = (value) => (isUint32(value) ? undefined : `an integer from 0 to ${LAST_UINT32}`);
+export const uint32: Rule = (value) => {
+  const isUint32 = Number.isInteger(value) && (value as number) >= 0 && (value as number) <= LAST_UINT32;
+  return isUint32 ? undefined : `an integer from 0 to ${LAST_UINT32}`;
+};
 export const finite: Rule = (value) => (Number.isFinite(value) ? undefined : "a finite number");
 export const seconds: Rule = (value) => (Number.isFinite(value) && (value as number) >= 0 ? undefined : "0 or more seconds");
 export const boolean: Rule = (value) => (typeof value === "boolean" ? undefined : "true or false");

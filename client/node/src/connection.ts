@@ -12,7 +12,7 @@ import {
   type StatusObject,
   credentials,
 } from "@grpc/grpc-js";
-import { type Rules, boolean, check, checkValue, join, seconds, string } from "./check.js";
+import { type Rules, boolean, check, join, seconds, show, string } from "./check.js";
 import { Code, CollidedError, errorOfStatus, invalid } from "./errors.js";
 import { CollisionServiceDefinition } from "./generated/collided/v1/collision_service.js";
 
@@ -69,7 +69,7 @@ export class Connector {
     readonly address: string,
     options: ConnectOptions,
   ) {
-    checkValue(address, (value) => (string(value) ?? value === "" ? "host:port or unix:/path" : undefined), "address");
+    if (typeof address !== "string" || address === "") throw invalid("address", `is ${show(address)}; it must be host:port or unix:/path`);
     check(options, OPTIONS, "options");
     this.#options = { ...options };
     checkTogether(this.#options, address);

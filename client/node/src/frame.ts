@@ -136,7 +136,7 @@ function editMessage(input: SceneEditInput, path: string): SceneEdit {
       const at = `${path}.meshes[${i}]`;
       check(mesh, { mesh: uint32, spec: anything }, at);
       checkValue(mesh.mesh, uint32, `${at}.mesh`);
-      return { mesh: mesh.mesh, spec: mesh.spec && meshSpec(mesh.spec, `${at}.spec`) };
+      return { mesh: mesh.mesh, spec: mesh.spec === undefined ? undefined : meshSpec(mesh.spec, `${at}.spec`) };
     }),
     excludeMeshes: meshPairs(excludeMeshes, `${path}.exclude_meshes`),
     includeMeshes: meshPairs(includeMeshes, `${path}.include_meshes`),

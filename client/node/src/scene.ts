@@ -1,7 +1,7 @@
 // What callers pass to create a scene, and the messages that it becomes.
 
 import { type Indices, packIndices } from "./arrays.js";
-import { type Rules, anything, boolean, check, finite, join, list, listOf, oneOf, show, string, uint32, uint64 } from "./check.js";
+import { type Rules, anything, boolean, check, checkValue, finite, join, list, listOf, oneOf, show, string, uint32, uint64 } from "./check.js";
 import { invalid } from "./errors.js";
 import { ContactField, ContactKind } from "./generated/collided/v1/contact.js";
 import {
@@ -166,6 +166,9 @@ export function meshPairs(pairs: readonly (readonly [number, number])[] | undefi
 
 function boxOf(box: SceneInput["quantizationBox"]): QuantizationBox | undefined {
   if (box === undefined) return undefined;
-  check(box, { lower: listOf(finite), upper: listOf(finite) }, "spec.quantization_box");
+  const path = "spec.quantization_box";
+  check(box, { lower: anything, upper: anything }, path);
+  checkValue(box.lower, listOf(finite), `${path}.lower`);
+  checkValue(box.upper, listOf(finite), `${path}.upper`);
   return { lower: [...box.lower], upper: [...box.upper] };
 }

@@ -45,7 +45,8 @@ export class Session {
   #scene!: Scene;
   #stream: FrameStream | undefined;
   #first: FrameInput | undefined; // the scene's, which fixes static and rigid meshes and what is at rest
-  #isBusy = false;
+  #running: Promise<FrameOutput> | undefined; // the frame that is on its way
+  #isClosed = false;
 
   private constructor(connect: Connect, input: SceneInput, options: SessionOptions) {
     this.#connect = connect;
@@ -72,23 +73,25 @@ export class Session {
    * is no connection for giveUpSeconds, and for frames that depend on more than positions: `edit` and `fromLastFraction`.
    */
   async detect(frame: FrameInput): Promise<FrameOutput> {
-    if (this.#isBusy) throw new CollidedError(Code.FAILED_PRECONDITION, "detect() was called before its last call was over");
+    if (this.#running) throw new CollidedError(Code.FAILED_PRECONDITION, "detect() was called before its last call was over");
     checkRepeatable(frame);
-    this.#isBusy = true;
+    if (this.#isClosed) throw closed();
+    this.#running = this.#insist(frame);
     try {
-      const output = await this.#insist(frame);
+      const output = await this.#running;
       if (!frame.trial) this.#first ??= structuredClone(frame);
       return output;
     } finally {
-      this.#isBusy = false;
+      this.#running = undefined;
     }
   }
 
-  /** Ends the stream and deletes the scene. */
+  /** Ends the stream and deletes the scene; a frame in flight is withdrawn. */
   async close(): Promise<void> {
+    this.#isClosed = true;
     this.#stream?.cancel();
-    this.#stream = undefined;
-    await this.#withClient((client) => client.deleteScene(this.#scene));
+    await this.#running?.catch(() => {});
+    await this.#withClient((client) => deleteIfThere(client, this.#scene));
   }
 
   async #insist(frame: FrameInput): Promise<FrameOutput> {
@@ -98,6 +101,7 @@ export class Session {
         if (!this.#stream || this.#isIdledOut(this.#stream)) await this.#reopen((giveUp - performance.now()) / 1000);
         return await this.#stream!.detect(frame);
       } catch (error) {
+        if (this.#isClosed) throw closed();
         if (!this.#isLoss(error) || performance.now() + wait > giveUp) throw error;
         this.#stream = undefined;
         await pause(wait);
@@ -128,15 +132,16 @@ export class Session {
     }
     this.reconnects += 1;
     this.#stream = stream;
+    if (this.#isClosed) stream.cancel();
   }
 
   /** Without a first frame nobody can tell what an unanswered one has fixed: the scene begins anew. */
   async #resume(client: Client): Promise<FrameStream> {
     try {
       if (this.#first) return await client.resume(this.#scene);
-      await client.deleteScene(this.#scene);
+      await deleteIfThere(client, this.#scene);
     } catch (error) {
-      if (!(error instanceof CollidedError) || error.code !== Code.NOT_FOUND) throw error;
+      if (!isNotFound(error)) throw error;
     }
     this.recreations += 1;
     return this.#create(client);
@@ -164,6 +169,20 @@ export class Session {
       await client.close();
     }
   }
+}
+
+function isNotFound(error: unknown): boolean {
+  return error instanceof CollidedError && error.code === Code.NOT_FOUND;
+}
+
+async function deleteIfThere(client: Client, scene: Scene): Promise<void> {
+  await client.deleteScene(scene).catch((error: unknown) => {
+    if (!isNotFound(error)) throw error;
+  });
+}
+
+function closed(): CollidedError {
+  return new CollidedError(Code.FAILED_PRECONDITION, "the session is closed");
 }
 
 function standingStill({ mesh, positions, transform }: MeshUpdateInput): MeshUpdateInput {

@@ -71,7 +71,8 @@ export class Watcher implements AsyncIterable<WatchedFrame> {
   readonly #call: ClientReadableStream<WatchSceneResponse>;
   readonly #received: WatchSceneResponse[] = [];
   #opened!: WatchOpened;
-  #wake: () => void = () => {};
+  #awaiting: (() => void)[] = [];
+  #isCancelled = false;
   #end: { error: CollidedError | undefined } | undefined;
 
   private constructor(connection: Connection, request: WatchSceneRequest) {
@@ -126,8 +127,8 @@ export class Watcher implements AsyncIterable<WatchedFrame> {
     try {
       for (;;) yield await this.receive();
     } catch (error) {
-      const isOver = error instanceof CollidedError && [Code.NOT_FOUND, Code.CANCELLED].includes(error.code);
-      if (!isOver) throw error;
+      const isGone = error instanceof CollidedError && error.code === Code.NOT_FOUND;
+      if (!isGone && !this.#isCancelled) throw error;
     } finally {
       this.cancel();
     }
@@ -135,6 +136,7 @@ export class Watcher implements AsyncIterable<WatchedFrame> {
 
   /** Ends the watch. */
   cancel(): void {
+    this.#isCancelled = true;
     this.#call.cancel();
     this.#call.resume();
   }
@@ -142,11 +144,15 @@ export class Watcher implements AsyncIterable<WatchedFrame> {
   /** Undefined once the watch has ended. */
   async #next(): Promise<WatchSceneResponse | undefined> {
     while (this.#received.length === 0 && !this.#end) {
-      const news = new Promise<void>((resolve) => (this.#wake = resolve));
+      const news = new Promise<void>((resolve) => this.#awaiting.push(resolve));
       this.#call.resume();
       await news;
     }
     return this.#received.shift();
+  }
+
+  #wake(): void {
+    for (const resume of this.#awaiting.splice(0)) resume();
   }
 }
 

@@ -149,6 +149,7 @@ test("sparse updates and edits change what they name", async () => {
   assert.equal(apart.done.contactCount, 0n);
   assert.equal((await used.client.getScene(scene.sceneId)).editCount, 3n);
   await refused(() => stream.detect({ edit: { meshes: [{ mesh: 9 }] } }), Code.INVALID_ARGUMENT, "frame.edit.meshes[0].mesh");
+  await refused(() => stream.detect({ edit: { meshes: [{ mesh: 0, spec: null as never }] } }), Code.INVALID_ARGUMENT, "frame.edit.meshes[0].spec");
   await refused(() => stream.detect({ edit: { remove: [1] } as never }), Code.INVALID_ARGUMENT, "frame.edit.remove");
   await stream.finish();
 });

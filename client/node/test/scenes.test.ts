@@ -63,6 +63,7 @@ test("a value that cannot be is refused by name before anything is sent", async 
     [{ meshes: [{ ...floor, edges: new Uint32Array(3) }] }, "spec.meshes[0].edges", /multiple of 2/],
     [{ excludedMeshes: [[0]] }, "spec.excluded_meshes[0]", /must be two indices/],
     [{ quantizationBox: { lower: [0, 0, 0], upper: "1" } }, "spec.quantization_box.upper", /must be an array/],
+    [{ quantizationBox: { lower: [0, 0, 0] } }, "spec.quantization_box.upper", /is undefined; it must be an array/],
   ];
   for (const [more, field, message] of cases) {
     await refused(() => used.client.createScene({ ...TWO_TRIANGLES, ...more }), Code.INVALID_ARGUMENT, field, message);

@@ -102,6 +102,12 @@ test("a session tells what it cannot do", async () => {
   await first;
   await refused(() => session.detect({ updates: [{ mesh: 1, positions: FLOOR.subarray(3) }] }), Code.INVALID_ARGUMENT, "frame.updates[0].positions");
   assert.equal(session.reconnects, 0);
+  const closing = await client.session(FALLING, options);
+  const withdrawn = closing.detect(frameAt(FALLING, 0));
+  await Promise.all([closing.close(), withdrawn.catch(() => {})]);
+  await refused(() => closing.detect(frameAt(FALLING, 0)), Code.FAILED_PRECONDITION, "", /closed/);
+  await closing.close();
+  assert.deepEqual((await client.listScenes()).map(({ sceneId }) => sceneId), [session.scene.sceneId]);
   await daemon.stop();
   await refused(() => session.detect(frameAt(FALLING, 1)), Code.UNAVAILABLE, "", /no daemon answers at unix:/);
   daemon = await OwnDaemon.start(HASTY);
