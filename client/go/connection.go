@@ -44,6 +44,9 @@ type connector struct {
 	secure  credentials.TransportCredentials // nil: plain text
 }
 
+// A peer that is gone is noticed within 15 s.
+var pings = keepalive.ClientParameters{Time: 10 * time.Second, Timeout: 5 * time.Second, PermitWithoutStream: true}
+
 var visible = regexp.MustCompile(`^[!-~]+$`)
 
 func newConnector(address string, options Options) (*connector, error) {
@@ -132,7 +135,7 @@ func (c *connector) dialOptions(address string) (string, []grpc.DialOption) {
 	options := []grpc.DialOption{
 		grpc.WithBlock(),
 		grpc.WithReturnConnectionError(),
-		grpc.WithKeepaliveParams(keepalive.ClientParameters{Time: 10 * time.Second, Timeout: 5 * time.Second, PermitWithoutStream: true}),
+		grpc.WithKeepaliveParams(pings),
 	}
 	if c.secure == nil {
 		options = append(options, grpc.WithInsecure())

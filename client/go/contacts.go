@@ -80,7 +80,8 @@ func read[T any](r *reader, field string, out []T, bytes []byte, width int, entr
 		return out
 	}
 	if len(bytes) != r.count*width || len(out) != r.before {
-		r.err = failf(codes.DataLoss, "", "contacts.%s has %d bytes for %d contacts; it needs %d", field, len(bytes), r.count, r.count*width)
+		r.err = failf(codes.DataLoss, "", "contacts.%s has %d bytes for %d contacts; it needs %d",
+			field, len(bytes), r.count, r.count*width)
 		return out
 	}
 	for at := 0; at < len(bytes); at += width {

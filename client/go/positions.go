@@ -2,9 +2,8 @@ package collided
 
 import (
 	"encoding/binary"
+	"fmt"
 	"math"
-
-	"google.golang.org/grpc/codes"
 
 	v1 "collided/client/go/v1"
 )
@@ -142,7 +141,8 @@ func PackQuantized[T Real](positions [][3]T, box *QuantizationBox) (Q16, error) 
 		for k := range positions[i] {
 			x, lower, upper := float64(positions[i][k]), box.Lower[k], box.Upper[k]
 			if !(x >= lower && x <= upper) {
-				return nil, failf(codes.InvalidArgument, "positions", "positions[%d][%d] is %v, outside the box, %v to %v", i, k, x, lower, upper)
+				field := fmt.Sprintf("positions[%d][%d]", i, k)
+				return nil, invalidf(field, "is %v, outside the box, %v to %v", x, lower, upper)
 			}
 			if steps[k] > 0 {
 				out[i][k] = uint16(math.Min(math.Round((x-lower)/steps[k]), lastQ16))

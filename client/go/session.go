@@ -6,7 +6,6 @@ import (
 	"time"
 
 	"google.golang.org/grpc/codes"
-	"google.golang.org/protobuf/proto"
 
 	v1 "collided/client/go/v1"
 )
@@ -150,7 +149,8 @@ func (s *Session) try(ctx context.Context, frame *v1.Frame, giveUp time.Time) (*
 			return nil, err
 		}
 	}
-	return s.stream.detect(ctx, proto.Clone(frame).(*v1.Frame)) // which gets another id
+	frame.FrameId = 0 // of the stream before
+	return s.stream.detect(ctx, frame)
 }
 
 // isLoss: a refusal leaves the stream open, whatever its code.
@@ -219,9 +219,8 @@ func (s *Session) restore(ctx context.Context, stream *Stream) error {
 		return nil
 	}
 	if stream.Scene().LastFrameId == 0 {
-		first := proto.Clone(s.first).(*v1.Frame)
-		first.FrameId = 0
-		if _, err := stream.detect(ctx, first); err != nil {
+		s.first.FrameId = 0
+		if _, err := stream.detect(ctx, s.first); err != nil {
 			return err
 		}
 	}

@@ -51,7 +51,8 @@ type inFlight struct {
 	detect chan *Output // has room for the output; nil: Receive gives it
 }
 
-func openStream(ctx context.Context, connection *grpc.ClientConn, sceneID string, options StreamOptions, maxBytes uint64) (*Stream, error) {
+func openStream(ctx context.Context, connection *grpc.ClientConn, sceneID string, options StreamOptions,
+	maxBytes uint64) (*Stream, error) {
 	ctx, cancel := context.WithCancel(ctx)
 	s := &Stream{connection: connection, cancel: cancel, maxBytes: maxBytes, ended: make(chan struct{}), news: make(chan struct{})}
 	if err := s.open(ctx, sceneID, options); err != nil {
@@ -253,7 +254,8 @@ func (s *Stream) book(request *v1.StreamFramesRequest, answer chan *Output) erro
 		frame.FrameId = s.lastID + 1
 	}
 	if bytes := uint64(proto.Size(request)); bytes > s.maxBytes {
-		return failf(codes.ResourceExhausted, "frame", "frame is %d bytes; the daemon's limit is %d (--max-message-mb)", bytes, s.maxBytes)
+		return failf(codes.ResourceExhausted, "frame", "frame is %d bytes; the daemon's limit is %d (--max-message-mb)",
+			bytes, s.maxBytes)
 	}
 	s.lastID = frame.FrameId
 	s.inFlight = append(s.inFlight, &inFlight{&Output{FrameID: frame.FrameId}, answer})

@@ -42,7 +42,7 @@ func served(t *testing.T, address string, options collided.Options) {
 	client, err := collided.Connect(ctx, address, options)
 	must(t, err)
 	defer client.Close()
-	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{})
+	s := fallStream(ctx, t, client)
 	same(t, detect(ctx, t, s, fall(0, 2)).VertexTriangle.Count, 1)
 }
 
@@ -57,8 +57,8 @@ func TestTLSACertificateAndATokenGetThrough(t *testing.T) {
 			port = address[strings.LastIndex(address, ":"):]
 		}
 	}
-	good := collided.Options{TLSCA: file("ca.pem"), TLSCertificate: file("me.pem"), TLSKey: file("me.key"), Token: "token-of-client-a",
-		Patience: time.Second}
+	good := collided.Options{TLSCA: file("ca.pem"), TLSCertificate: file("me.pem"), TLSKey: file("me.key"),
+		Token: "token-of-client-a", Patience: time.Second}
 	served(t, "localhost"+port, good)
 	served(t, d.Address, collided.Options{Token: good.Token})
 	named := good
@@ -134,7 +134,7 @@ func TestADaemonOfOnesOwnEndsWithItsClient(t *testing.T) {
 	ctx := within(t)
 	client, err := collided.Connect(ctx, "", collided.Options{})
 	must(t, err)
-	create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
+	fallScene(ctx, t, client)
 	client.Close()
 	_, err = client.GetServerInfo(ctx)
 	refused(t, err, codes.Canceled, "", "closing")

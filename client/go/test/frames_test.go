@@ -14,7 +14,7 @@ import (
 
 func TestAContactIsWhereItWasBuiltIn(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
+	scene := fallScene(ctx, t, client)
 	output, err := client.Detect(ctx, scene, fall(1, 2))
 	must(t, err)
 	contacts := output.VertexTriangle
@@ -30,7 +30,7 @@ func TestAContactIsWhereItWasBuiltIn(t *testing.T) {
 
 func TestIDsHaveAllTheirBits(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
+	scene := fallScene(ctx, t, client)
 	for _, id := range []uint64{1<<53 + 1, 1<<63 - 1} {
 		output, err := client.Detect(ctx, scene, fall(id, 2))
 		must(t, err)
@@ -44,7 +44,7 @@ func TestIDsHaveAllTheirBits(t *testing.T) {
 
 func TestOptionsHoldForTheirFrameAlone(t *testing.T) {
 	ctx, client := connected(t)
-	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{})
+	s := fallStream(ctx, t, client)
 	delta := 1e-3
 	hit := fall(0, 2)
 	hit.Report, hit.Accuracy, hit.Delta = collided.ReportAnyHit, collided.Fast, &delta
@@ -58,21 +58,22 @@ func TestOptionsHoldForTheirFrameAlone(t *testing.T) {
 
 func TestARefusedFrameLeavesTheStreamOpen(t *testing.T) {
 	ctx, client := connected(t)
-	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{})
+	s := fallStream(ctx, t, client)
 	detect(ctx, t, s, fall(0, 2))
 	bad := tipAt(1)
 	bad[1][2] = float32(math.NaN())
 	two := 2.0
+	one := func(update collided.Update) collided.Frame { return collided.Frame{Updates: []collided.Update{update}} }
 	cases := []struct {
 		frame collided.Frame
 		field string
 		says  string
 	}{
-		{collided.Frame{Updates: []collided.Update{{Mesh: 1, Positions: bad}}}, "frame.updates[0].positions", "(?i)nan"},
-		{collided.Frame{Updates: []collided.Update{{Mesh: 1, Positions: bad[:2]}}}, "frame.updates[0].positions", "24"},
-		{collided.Frame{Updates: []collided.Update{{Mesh: 7, Positions: floor}}}, "frame.updates[0].mesh", "7"},
-		{collided.Frame{Updates: []collided.Update{{Mesh: 1, Positions: collided.F64{}}}}, "frame.updates[0].positions", "is collided.F64; .*F32"},
-		{collided.Frame{Updates: []collided.Update{{Mesh: 1, StartTransform: &collided.Matrix{}}}}, "frame.updates[0].start_transform", "needs Transform"},
+		{one(collided.Update{Mesh: 1, Positions: bad}), "frame.updates[0].positions", "(?i)nan"},
+		{one(collided.Update{Mesh: 1, Positions: bad[:2]}), "frame.updates[0].positions", "24"},
+		{one(collided.Update{Mesh: 7, Positions: floor}), "frame.updates[0].mesh", "7"},
+		{one(collided.Update{Mesh: 1, Positions: collided.F64{}}), "frame.updates[0].positions", "is collided.F64; .*F32"},
+		{one(collided.Update{Mesh: 1, StartTransform: &collided.Matrix{}}), "frame.updates[0].start_transform", "needs Transform"},
 		{collided.Frame{FromLastFraction: &two}, "frame.from_last_fraction", "2"},
 	}
 	for _, c := range cases {
@@ -87,7 +88,7 @@ func TestARefusedFrameLeavesTheStreamOpen(t *testing.T) {
 
 func TestARefusalTellsWhenToTryAgain(t *testing.T) {
 	ctx, client := connected(t, "--max-frames-per-second", "1")
-	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{})
+	s := fallStream(ctx, t, client)
 	var refusal *collided.Error
 	for refusal == nil {
 		if _, err := s.Detect(ctx, fall(0, 2)); err != nil {
@@ -103,7 +104,8 @@ func TestARefusalTellsWhenToTryAgain(t *testing.T) {
 func TestAFrameThatIsTooLargeIsRefusedBeforeItIsSent(t *testing.T) {
 	ctx, client := connected(t, "--max-message-mb", "4")
 	meshes, positions := sheets(60)
-	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.DCD, Thickness: 0.5}, meshes), collided.StreamOptions{})
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.DCD, Thickness: 0.5}, meshes)
+	s := stream(ctx, t, client, scene, collided.StreamOptions{})
 	var many collided.Frame
 	for len(many.Updates)*44652 < 4<<20 {
 		many.Updates = append(many.Updates, collided.Update{Mesh: 0, Positions: positions[0]})

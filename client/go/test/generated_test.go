@@ -19,7 +19,8 @@ func TestTheGeneratedCodeIsThatOfTheProtocol(t *testing.T) {
 	}
 	set := filepath.Join(t.TempDir(), "set")
 	const folder = "../../../proto"
-	cmd := exec.Command(protoc, "-I", folder, "-o", set, "--include_imports", "collided/v1/collision_service.proto", "collided/v1/error_details.proto")
+	cmd := exec.Command(protoc, "-I", folder, "-o", set, "--include_imports",
+		"collided/v1/collision_service.proto", "collided/v1/error_details.proto")
 	if said, err := cmd.CombinedOutput(); err != nil {
 		t.Fatal(string(said))
 	}

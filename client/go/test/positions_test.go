@@ -64,8 +64,10 @@ func TestMoveAlongGoesWhereTheDaemonGoes(t *testing.T) {
 		narrow = append(narrow, collided.Frame{Advance: true, Updates: []collided.Update{{Mesh: 1, Positions: p}}})
 		wide = append(wide, collided.Frame{Advance: true, Updates: []collided.Update{{Mesh: 1, Positions: f64(p)}}})
 	}
-	asF32 := whereTheDaemonHasThem(t, &collided.SceneSpec{Mode: collided.CCD, MinSeparation: 1e-3}, twoTriangles(), narrow)
-	asF64 := whereTheDaemonHasThem(t, &collided.SceneSpec{Mode: collided.CCD, MinSeparation: 1e-3, PositionFormat: collided.FormatF64}, twoTriangles(), wide)
+	spec := &collided.SceneSpec{Mode: collided.CCD, MinSeparation: 1e-3}
+	asF32 := whereTheDaemonHasThem(t, spec, twoTriangles(), narrow)
+	spec.PositionFormat = collided.FormatF64
+	asF64 := whereTheDaemonHasThem(t, spec, twoTriangles(), wide)
 	for i, p := range steps(x) {
 		must(t, collided.MoveAlong(x, p, asF32[i+1].done.GetAdvanced()))
 		must(t, collided.MoveAlong(x64, f64(p), asF64[i+1].done.GetAdvanced()))
@@ -90,8 +92,10 @@ func TestMoveRigidlyGoesWhereTheDaemonGoes(t *testing.T) {
 	x := tipAt(1.1)
 	x64 := f64(x)
 	move := collided.Frame{Updates: []collided.Update{{Mesh: 1, Transform: pose}}}
-	asF32 := whereTheDaemonHasThem(t, &collided.SceneSpec{Mode: collided.CCD}, meshes, []collided.Frame{first(floor, x), move})
-	asF64 := whereTheDaemonHasThem(t, &collided.SceneSpec{Mode: collided.CCD, PositionFormat: collided.FormatF64}, meshes, []collided.Frame{first(f64(floor), x64), move})
+	spec := &collided.SceneSpec{Mode: collided.CCD}
+	asF32 := whereTheDaemonHasThem(t, spec, meshes, []collided.Frame{first(floor, x), move})
+	spec.PositionFormat = collided.FormatF64
+	asF64 := whereTheDaemonHasThem(t, spec, meshes, []collided.Frame{first(f64(floor), x64), move})
 	collided.MoveRigidly(x, pose)
 	collided.MoveRigidly(x64, pose)
 	if !reflect.DeepEqual(asF32[1].positions, x) || !reflect.DeepEqual(asF64[1].positions, x64) {
@@ -123,9 +127,9 @@ func TestHelpersRefuseWhatTheyCannotDo(t *testing.T) {
 	unit := &collided.QuantizationBox{Lower: []float64{0, 0, 0}, Upper: []float64{1, 1, 1}}
 	three := make([][3]float32, 1)
 	_, err := collided.PackQuantized([][3]float64{{0, 2, 0}}, unit)
-	refused(t, err, codes.InvalidArgument, "positions", `positions\[0\]\[1\] is 2, outside the box, 0 to 1`)
+	refused(t, err, codes.InvalidArgument, "positions[0][1]", "is 2, outside the box, 0 to 1")
 	_, err = collided.PackQuantized([][3]float64{{math.NaN(), 0, 0}}, unit)
-	refused(t, err, codes.InvalidArgument, "positions", "NaN")
+	refused(t, err, codes.InvalidArgument, "positions[0][0]", "NaN")
 	_, err = collided.PackQuantized(three, nil)
 	refused(t, err, codes.InvalidArgument, "box", "3 each are needed")
 	_, err = collided.PackQuantized(three, &collided.QuantizationBox{Lower: unit.Upper, Upper: unit.Lower})
@@ -170,7 +174,8 @@ func TestHairAndParticlesMeetAsEdgesAndPoints(t *testing.T) {
 	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD, Thickness: 0.02}, meshes)
 	output, err := client.Detect(ctx, scene, collided.Frame{ID: 1, Updates: []collided.Update{
 		{Mesh: 0, Positions: collided.F32{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}},
-		{Mesh: 1, StartPositions: collided.F32{{0.25, 0, 1}, {5, 0, 0}, {5.5, 0, 0}}, Positions: collided.F32{{0.25, 0, -1}, {6, 0, 0}, {4.5, 0, 0}}},
+		{Mesh: 1, StartPositions: collided.F32{{0.25, 0, 1}, {5, 0, 0}, {5.5, 0, 0}},
+			Positions: collided.F32{{0.25, 0, -1}, {6, 0, 0}, {4.5, 0, 0}}},
 	}})
 	must(t, err)
 	contacts := output.VertexTriangle
@@ -181,14 +186,15 @@ func TestHairAndParticlesMeetAsEdgesAndPoints(t *testing.T) {
 
 func TestSparseUpdatesAndEditsChangeWhatTheyName(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
+	scene := fallScene(ctx, t, client)
 	s := stream(ctx, t, client, scene, collided.StreamOptions{})
 	to := func(z float32) collided.Update {
 		return collided.Update{Mesh: 1, Indices: []uint32{0}, Positions: collided.F32{{1, 1, z}}}
 	}
 	detect(ctx, t, s, fall(0, 0.5))
 	same(t, detect(ctx, t, s, collided.Frame{Updates: []collided.Update{to(-1)}}).VertexTriangle.Elements[0], [2]uint32{3, 0})
-	_, err := s.Detect(ctx, collided.Frame{Updates: []collided.Update{{Mesh: 1, Indices: []uint32{2, 0}, Positions: collided.F32{{}, {}}}}})
+	unordered := collided.Update{Mesh: 1, Indices: []uint32{2, 0}, Positions: collided.F32{{}, {}}}
+	_, err := s.Detect(ctx, collided.Frame{Updates: []collided.Update{unordered}})
 	refused(t, err, codes.InvalidArgument, "frame.updates[0].sparse.indices", ".")
 	edit := func(edit *collided.SceneEdit, updates ...collided.Update) *collided.Output {
 		return detect(ctx, t, s, collided.Frame{Edit: edit, Updates: updates})

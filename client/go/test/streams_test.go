@@ -14,7 +14,7 @@ import (
 
 func TestAWindowOfFramesIsInFlight(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
+	scene := fallScene(ctx, t, client)
 	s := stream(ctx, t, client, scene, collided.StreamOptions{Window: 3})
 	same(t, s.Window(), 3)
 	const count = 20
@@ -54,7 +54,7 @@ func TestAWindowOfFramesIsInFlight(t *testing.T) {
 
 func TestManyGoroutinesShareAStream(t *testing.T) {
 	ctx, client := connected(t)
-	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{Window: 4})
+	s := stream(ctx, t, client, fallScene(ctx, t, client), collided.StreamOptions{Window: 4})
 	detect(ctx, t, s, fall(0, 2))
 	failures := make(chan error)
 	for i := 0; i < 8; i++ {
@@ -80,7 +80,7 @@ func TestManyGoroutinesShareAStream(t *testing.T) {
 
 func TestLatestWinsTellsWhichFramesWereSkipped(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
+	scene := fallScene(ctx, t, client)
 	latest := collided.StreamOptions{Window: 8, Delivery: collided.LatestWins}
 	s := stream(ctx, t, client, scene, latest)
 	const count = 200
@@ -100,7 +100,7 @@ func TestLatestWinsTellsWhichFramesWereSkipped(t *testing.T) {
 
 func TestAStreamIsOpenedAsAskedOrNotAtAll(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
+	scene := fallScene(ctx, t, client)
 	_, err := client.Stream(ctx, scene, collided.StreamOptions{Window: 100_000})
 	refused(t, err, codes.ResourceExhausted, "open.window", "100000")
 	first := stream(ctx, t, client, scene, collided.StreamOptions{})
@@ -122,7 +122,7 @@ func TestAStreamIsOpenedAsAskedOrNotAtAll(t *testing.T) {
 
 func TestWhoeverWaitsIsTold(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
+	scene := fallScene(ctx, t, client)
 	s := stream(ctx, t, client, scene, collided.StreamOptions{})
 	soon, cancel := context.WithTimeout(ctx, 10*time.Millisecond)
 	defer cancel()
@@ -138,7 +138,7 @@ func TestWhoeverWaitsIsTold(t *testing.T) {
 	refused(t, <-received, codes.NotFound, "scene_id", "deleted")
 	refused(t, s.Finish(ctx), codes.NotFound, "scene_id", "deleted")
 	over, end := context.WithCancel(ctx)
-	other, err := client.Stream(over, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{})
+	other, err := client.Stream(over, fallScene(ctx, t, client), collided.StreamOptions{})
 	must(t, err)
 	end()
 	if _, err := other.Receive(ctx); !errors.Is(err, context.Canceled) {
@@ -152,7 +152,7 @@ func TestADrainIsAnnounced(t *testing.T) {
 	client, err := collided.Connect(ctx, d.Address, collided.Options{})
 	must(t, err)
 	defer client.Close()
-	s := stream(ctx, t, client, create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles()), collided.StreamOptions{})
+	s := fallStream(ctx, t, client)
 	stopped := make(chan struct{})
 	go func() {
 		d.Stop()

@@ -63,14 +63,27 @@ func fall(id uint64, depth float32) collided.Frame {
 	}}
 }
 
-func create(ctx context.Context, t *testing.T, client *collided.Client, spec *collided.SceneSpec, meshes []collided.Mesh) *collided.Scene {
+// fallScene is that of fall.
+func fallScene(ctx context.Context, t *testing.T, client *collided.Client) *collided.Scene {
+	t.Helper()
+	return create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
+}
+
+func fallStream(ctx context.Context, t *testing.T, client *collided.Client) *collided.Stream {
+	t.Helper()
+	return stream(ctx, t, client, fallScene(ctx, t, client), collided.StreamOptions{})
+}
+
+func create(ctx context.Context, t *testing.T, client *collided.Client, spec *collided.SceneSpec,
+	meshes []collided.Mesh) *collided.Scene {
 	t.Helper()
 	scene, err := client.CreateScene(ctx, spec, meshes, 0)
 	must(t, err)
 	return scene
 }
 
-func stream(ctx context.Context, t *testing.T, client *collided.Client, scene *collided.Scene, options collided.StreamOptions) *collided.Stream {
+func stream(ctx context.Context, t *testing.T, client *collided.Client, scene *collided.Scene,
+	options collided.StreamOptions) *collided.Stream {
 	t.Helper()
 	stream, err := client.Stream(ctx, scene, options)
 	must(t, err)

@@ -14,8 +14,9 @@ import (
 
 func TestAWatcherSeesEachFrame(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
-	watcher, err := client.Watch(ctx, scene.SceneId, collided.WatchOptions{MaxContactsPerKind: 1, PositionMeshes: []uint32{1, 0}, VertexStride: 2})
+	scene := fallScene(ctx, t, client)
+	options := collided.WatchOptions{MaxContactsPerKind: 1, PositionMeshes: []uint32{1, 0}, VertexStride: 2}
+	watcher, err := client.Watch(ctx, scene.SceneId, options)
 	must(t, err)
 	defer watcher.Close()
 	same(t, watcher.VertexStride(), 2)
@@ -42,7 +43,7 @@ func TestAWatcherSeesEachFrame(t *testing.T) {
 
 func TestASlowWatcherIsToldWhatItMissed(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
+	scene := fallScene(ctx, t, client)
 	watcher, err := client.Watch(ctx, scene.SceneId, collided.WatchOptions{})
 	must(t, err)
 	s := stream(ctx, t, client, scene, collided.StreamOptions{})
@@ -66,7 +67,7 @@ func TestASlowWatcherIsToldWhatItMissed(t *testing.T) {
 
 func TestAWatchThatCannotBeIsRefused(t *testing.T) {
 	ctx, client := connected(t)
-	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
+	scene := fallScene(ctx, t, client)
 	_, err := client.Watch(ctx, scene.SceneId, collided.WatchOptions{PositionMeshes: []uint32{7}})
 	refused(t, err, codes.InvalidArgument, "position_meshes[0]", "7")
 	_, err = client.Watch(ctx, "none", collided.WatchOptions{})

@@ -50,10 +50,14 @@ export function listOf(rule: Rule): Rule {
 export function check<T extends object>(value: T, rules: Rules<T>, path: string): void {
   if (typeof value !== "object" || value === null) throw invalid(path, `is ${show(value)}; it must be an object`);
   for (const [name, field] of Object.entries(value)) {
-    if (!Object.hasOwn(rules, name)) throw invalid(join(path, name), `is not known; ${path} has ${Object.keys(rules).map(protocolName).join(", ")}`);
+    if (!Object.hasOwn(rules, name)) throw invalid(join(path, name), `is not known; ${path} has ${namesOf(rules)}`);
     const must = field === undefined ? undefined : rules[name as keyof T](field);
     if (must !== undefined) throw invalid(join(path, name), `is ${show(field)}; it must be ${must}`);
   }
+}
+
+function namesOf(rules: object): string {
+  return Object.keys(rules).map(protocolName).join(", ");
 }
 
 /** The same for a single value, which must be there. */
@@ -79,4 +83,3 @@ export function show(value: unknown): string {
   const text = typeof value === "string" ? JSON.stringify(value) : String(value);
   return text.length > 60 ? `${text.slice(0, 60)}...` : text;
 }
-

@@ -69,7 +69,9 @@ export class Connector {
     readonly address: string,
     options: ConnectOptions,
   ) {
-    if (typeof address !== "string" || address === "") throw invalid("address", `is ${show(address)}; it must be host:port or unix:/path`);
+    if (typeof address !== "string" || address === "") {
+      throw invalid("address", `is ${show(address)}; it must be host:port or unix:/path`);
+    }
     check(options, OPTIONS, "options");
     this.#options = { ...options };
     checkTogether(this.#options, address);
@@ -115,7 +117,10 @@ export class Connection {
     const failed = await new Promise<boolean>((resolve) => this.#client().waitForReady(until, (error) => resolve(!!error)));
     if (!failed) return;
     // gRPC tells the reason to calls alone.
-    const why = await this.unary("getServerInfo", {}, "", 1).then(() => undefined, (error: CollidedError) => error);
+    const why = await this.unary("getServerInfo", {}, "", 1).then(
+      () => undefined,
+      (error: CollidedError) => error,
+    );
     if (why === undefined) return;
     this.close();
     const reason = why.code === Code.UNAVAILABLE ? `: ${why.message}` : "";
@@ -141,8 +146,13 @@ export class Connection {
   ): ClientWritableStream<Request<N>> {
     const { path, encode, decode } = method(name);
     const deadline = this.#deadline(limitSeconds);
-    return this.#client().makeClientStreamRequest(path, encode, decode, this.#metadata(sceneId), { deadline }, (error, answer) =>
-      done(error ? errorOfStatus(error) : undefined, answer),
+    return this.#client().makeClientStreamRequest(
+      path,
+      encode,
+      decode,
+      this.#metadata(sceneId),
+      { deadline },
+      (error, answer) => done(error ? errorOfStatus(error) : undefined, answer),
     );
   }
 
@@ -254,8 +264,10 @@ function hostOf(address: string): string {
   return isIP(rest) === 6 ? rest : rest.split(":")[0];
 }
 
+type Reading = ClientReadableStream<unknown> | ClientDuplexStream<never, unknown>;
+
 /** Resolves once a call has handed over its last message: with its error, or undefined if it ended well. */
-export function endOf(call: ClientReadableStream<unknown> | ClientDuplexStream<never, unknown>): Promise<CollidedError | undefined> {
+export function endOf(call: Reading): Promise<CollidedError | undefined> {
   const read = new Promise<void>((resolve) => call.once("end", resolve));
   const status = new Promise<StatusObject>((resolve) => call.once("status", resolve));
   call.on("error", () => {}); // the status says the same

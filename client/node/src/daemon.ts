@@ -9,9 +9,12 @@ import { setTimeout as pause } from "node:timers/promises";
 import { Code, CollidedError } from "./errors.js";
 
 /** Its only client may use everything. */
-const OWN = ["--max-scenes-per-client", "--max-streams-per-client", "--max-device-mb-per-client", "--max-frame-seconds"].flatMap(
-  (limit) => [limit, "1000000"],
-);
+const OWN = [
+  "--max-scenes-per-client",
+  "--max-streams-per-client",
+  "--max-device-mb-per-client",
+  "--max-frame-seconds",
+].flatMap((limit) => [limit, "1000000"]);
 const READY_MS = 60_000;
 const STOP_MS = 10_000;
 const POLL_MS = 5;
@@ -61,8 +64,8 @@ export class OwnDaemon {
     this.#folder = folder;
     this.address = `unix:${folder}/socket`;
     const log = openSync(join(folder, "log"), "a", 0o600);
-    const words = ["--address", this.address, "--ready-file", join(folder, "ready"), "--log-level", "warning", ...OWN, ...options];
-    const [program, ...rest] = [...endingWithParent(), findDaemon(), ...words];
+    const words = ["--address", this.address, "--ready-file", join(folder, "ready"), "--log-level", "warning", ...OWN];
+    const [program, ...rest] = [...endingWithParent(), findDaemon(), ...words, ...options];
     this.#process = spawn(program, rest, { stdio: ["ignore", log, log] });
     this.#process.on("error", () => {}); // told by #waitUntilReady
     closeSync(log);
@@ -113,7 +116,11 @@ export class OwnDaemon {
 
   #lastWords(): string {
     const lines = readFileSync(join(this.#folder, "log"), "utf8").split("\n");
-    return lines.filter((line) => line !== "").slice(-2).map((line) => `: ${line}`).join("");
+    return lines
+      .filter((line) => line !== "")
+      .slice(-2)
+      .map((line) => `: ${line}`)
+      .join("");
   }
 
   #kill(): void {

@@ -115,9 +115,7 @@ function updateMessage(input: MeshUpdateInput, format: PositionFormat, path: str
     positions: packPositions(input.positions, format, join(path, "positions")),
     startPositions: packPositions(input.startPositions, format, join(path, "startPositions")),
     sparse:
-      indices === undefined
-        ? undefined
-        : { indices: packIndices(indices, 1, join(path, "indices")), sharedIndices: undefined },
+      indices === undefined ? undefined : { indices: packIndices(indices, 1, join(path, "indices")), sharedIndices: undefined },
     rigid:
       transform === undefined
         ? undefined

@@ -27,10 +27,11 @@ export class FrameOutput implements ContactsByKind {
     chunks: readonly ContactChunk[],
     { done, error }: FrameEnd,
   ) {
-    ({ vertexTriangle: this.vertexTriangle, edgeEdge: this.edgeEdge, triangleTriangle: this.triangleTriangle } = contactsOf([
-      ...chunks,
-      ...(done?.contacts ?? []),
-    ]));
+    ({
+      vertexTriangle: this.vertexTriangle,
+      edgeEdge: this.edgeEdge,
+      triangleTriangle: this.triangleTriangle,
+    } = contactsOf([...chunks, ...(done?.contacts ?? [])]));
     this.error = error;
     this.skipped = !done && !error;
     this.#done = done && { ...done, contacts: [] };

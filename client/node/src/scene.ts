@@ -1,7 +1,8 @@
 // What callers pass to create a scene, and the messages that it becomes.
 
 import { type Indices, packIndices } from "./arrays.js";
-import { type Rules, anything, boolean, check, checkValue, finite, join, list, listOf, oneOf, show, string, uint32, uint64 } from "./check.js";
+import { type Rules, anything, boolean, check, checkValue, finite, join, list, listOf } from "./check.js";
+import { oneOf, show, string, uint32, uint64 } from "./check.js";
 import { invalid } from "./errors.js";
 import { ContactField, ContactKind } from "./generated/collided/v1/contact.js";
 import {

@@ -4,10 +4,10 @@ import { setTimeout as pause } from "node:timers/promises";
 import { type Rules, anything, check, finite, seconds } from "./check.js";
 import type { Client } from "./client.js";
 import { Code, CollidedError, invalid } from "./errors.js";
-import type { FrameInput, MeshUpdateInput } from "./frame.js";
+import { type FrameInput, type MeshUpdateInput, frameMessage } from "./frame.js";
 import { DetectionMode, type Scene } from "./generated/collided/v1/scene.js";
 import type { FrameOutput } from "./output.js";
-import type { SceneInput } from "./scene.js";
+import { type SceneInput, sceneSpec } from "./scene.js";
 import type { FrameStream } from "./stream.js";
 
 /** How a session is opened. */
@@ -58,8 +58,9 @@ export class Session {
   static async open(connect: Connect, input: SceneInput, options: SessionOptions): Promise<Session> {
     check(options, OPTIONS, "options");
     if (typeof options.restore !== "function") throw invalid("options.restore", "is no function");
+    sceneSpec(input); // throws what createScene would throw, before it is copied
     const session = new Session(connect, input, options);
-    await session.#withClient((client) => session.#create(client));
+    session.#stream = await session.#withClient((client) => session.#create(client));
     return session;
   }
 
@@ -70,16 +71,18 @@ export class Session {
 
   /**
    * Sends a frame and waits for its output, over as many connections as it takes. Rejects if the frame is refused, if there
-   * is no connection for giveUpSeconds, and for frames that depend on more than positions: `edit` and `fromLastFraction`.
+   * is no connection for giveUpSeconds, and for frames that depend on more than positions: `edit` and `fromLastFraction`. The
+   * frame's arrays must stay as they are until then: it may be sent again.
    */
   async detect(frame: FrameInput): Promise<FrameOutput> {
     if (this.#running) throw new CollidedError(Code.FAILED_PRECONDITION, "detect() was called before its last call was over");
     checkRepeatable(frame);
     if (this.#isClosed) throw closed();
+    const first = this.#first || frame.trial ? undefined : this.#copyOf(frame);
     this.#running = this.#insist(frame);
     try {
       const output = await this.#running;
-      if (!frame.trial) this.#first ??= structuredClone(frame);
+      this.#first ??= first;
       return output;
     } finally {
       this.#running = undefined;
@@ -92,6 +95,11 @@ export class Session {
     this.#stream?.cancel();
     await this.#running?.catch(() => {});
     await this.#withClient((client) => deleteIfThere(client, this.#scene));
+  }
+
+  #copyOf(frame: FrameInput): FrameInput {
+    frameMessage(frame, 0n, this.#scene.spec!.positionFormat); // throws what detect would throw
+    return structuredClone(frame);
   }
 
   async #insist(frame: FrameInput): Promise<FrameOutput> {
@@ -149,8 +157,7 @@ export class Session {
 
   async #create(client: Client): Promise<FrameStream> {
     this.#scene = await client.createScene(this.#input, { leaseSeconds: this.#options.leaseSeconds ?? 0 });
-    this.#stream = await client.stream(this.#scene);
-    return this.#stream;
+    return client.stream(this.#scene);
   }
 
   /** Stands still, so that it costs little and meets nothing on a way that nobody went. */
@@ -186,11 +193,16 @@ function closed(): CollidedError {
 }
 
 function standingStill({ mesh, positions, transform }: MeshUpdateInput): MeshUpdateInput {
-  return { mesh, ...(positions && { positions, startPositions: positions }), ...(transform && { transform, startTransform: transform }) };
+  const still = positions && { positions, startPositions: positions };
+  return { mesh, ...still, ...(transform && { transform, startTransform: transform }) };
 }
 
 function checkRepeatable(frame: FrameInput): void {
-  for (const [name, field] of [["edit", "edit"], ["fromLastFraction", "from_last_fraction"], ["frameId", "frame_id"]] as const) {
+  for (const [name, field] of [
+    ["edit", "edit"],
+    ["fromLastFraction", "from_last_fraction"],
+    ["frameId", "frame_id"],
+  ] as const) {
     if (frame?.[name] !== undefined) throw invalid(`frame.${field}`, "cannot be restored by a session; use a stream");
   }
 }

@@ -67,7 +67,12 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   }
 
   /** Opens a stream on a connection, which it closes when it ends. */
-  static async open(connection: Connection, scene: Scene, options: StreamOptions, maxMessageBytes: bigint): Promise<FrameStream> {
+  static async open(
+    connection: Connection,
+    scene: Scene,
+    options: StreamOptions,
+    maxMessageBytes: bigint,
+  ): Promise<FrameStream> {
     const stream = new FrameStream(connection, scene.sceneId, maxMessageBytes);
     await stream.#open(OpenStream.create({ ...options, sceneId: scene.sceneId }));
     return stream;
@@ -147,7 +152,8 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   }
 
   #begin(response: StreamFramesResponse["response"]): void {
-    if (response?.$case !== "opened") throw new CollidedError(Code.INTERNAL, "the daemon's first answer does not open the stream");
+    if (response?.$case !== "opened")
+      throw new CollidedError(Code.INTERNAL, "the daemon's first answer does not open the stream");
     this.#opened = response.value;
     this.#lastId = this.scene.lastFrameId;
     this.#credits = this.window;
@@ -192,7 +198,10 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   #oldest(frameId: bigint): InFlight {
     const oldest = this.#inFlight[0];
     if (oldest?.id === frameId) return oldest;
-    throw new CollidedError(Code.DATA_LOSS, `an answer is of frame ${frameId}; the oldest in flight is ${oldest?.id ?? "none"}`);
+    throw new CollidedError(
+      Code.DATA_LOSS,
+      `an answer is of frame ${frameId}; the oldest in flight is ${oldest?.id ?? "none"}`,
+    );
   }
 
   #complete(frameId: bigint, end: FrameEnd): void {

@@ -23,7 +23,23 @@ function makeCertificates(): void {
   writeFileSync(file("names"), "subjectAltName=DNS:localhost,DNS:daemon.example");
   for (const name of ["localhost", "me"]) {
     openssl("req", ...curve, "-keyout", `${name}.key`, "-out", `${name}.csr`, "-subj", `/CN=${name}`);
-    openssl("x509", "-req", "-in", `${name}.csr`, "-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-out", `${name}.pem`, "-days", "2", "-extfile", "names");
+    openssl(
+      "x509",
+      "-req",
+      "-in",
+      `${name}.csr`,
+      "-CA",
+      "ca.pem",
+      "-CAkey",
+      "ca.key",
+      "-CAcreateserial",
+      "-out",
+      `${name}.pem`,
+      "-days",
+      "2",
+      "-extfile",
+      "names",
+    );
   }
 }
 
@@ -41,9 +57,19 @@ async function served(address: string, options: ConnectOptions): Promise<void> {
 test("TLS, a client certificate and a token get through, and nothing else does", async () => {
   makeCertificates();
   writeFileSync(file("tokens"), '[[tokens]]\nname = "a"\ntoken = "token-of-client-a"\n');
-  const tls = ["--tls-certificate", file("localhost.pem"), "--tls-key", file("localhost.key"), "--tls-client-ca", file("ca.pem")];
+  const tls = [
+    "--tls-certificate",
+    file("localhost.pem"),
+    "--tls-key",
+    file("localhost.key"),
+    "--tls-client-ca",
+    file("ca.pem"),
+  ];
   const daemon = await OwnDaemon.start(["--address", "127.0.0.1:0", "--tokens-file", file("tokens"), ...tls]);
-  const port = daemon.addresses.find((address) => !address.startsWith("unix:"))!.split(":").at(-1);
+  const port = daemon.addresses
+    .find((address) => !address.startsWith("unix:"))!
+    .split(":")
+    .at(-1);
   const good = { tlsCa: file("ca.pem"), tlsCertificate: file("me.pem"), tlsKey: file("me.key"), token: "token-of-client-a" };
   await served(`localhost:${port}`, good);
   await served(`127.0.0.1:${port}`, { ...good, tlsServerName: "daemon.example" });
@@ -84,7 +110,12 @@ test("options that cannot be are refused by name, and a token is not told to str
 });
 
 test("nobody answers: the reason is told", async () => {
-  await refused(() => connect(`unix:${file("no socket")}`, { patienceSeconds: 0.2 }), Code.UNAVAILABLE, "", /no daemon answers at unix:.*ENOENT/);
+  await refused(
+    () => connect(`unix:${file("no socket")}`, { patienceSeconds: 0.2 }),
+    Code.UNAVAILABLE,
+    "",
+    /no daemon answers at unix:.*ENOENT/,
+  );
 });
 
 test("the daemon's program is named, found on the PATH, or missed", async () => {
@@ -101,7 +132,12 @@ test("the daemon's program is named, found on the PATH, or missed", async () => 
   } finally {
     Object.assign(process.env, { COLLIDED_DAEMON, PATH });
   }
-  await refused(() => OwnDaemon.start(["--no-such-option"]), Code.UNAVAILABLE, "", /ended before it was ready: .*no-such-option/);
+  await refused(
+    () => OwnDaemon.start(["--no-such-option"]),
+    Code.UNAVAILABLE,
+    "",
+    /ended before it was ready: .*no-such-option/,
+  );
 });
 
 test("a daemon of one's own ends with its client, even one that is killed", async () => {
@@ -111,7 +147,8 @@ test("a daemon of one's own ends with its client, even one that is killed", asyn
   const address = await new Promise<string>((resolve) => child.stdout.once("data", (text) => resolve(String(text).trim())));
   const alive = await connect(address);
   child.kill("SIGKILL");
-  while ((await alive.getServerInfo().catch(() => undefined)) !== undefined) await new Promise((resolve) => setTimeout(resolve, 10));
+  while ((await alive.getServerInfo().catch(() => undefined)) !== undefined)
+    await new Promise((resolve) => setTimeout(resolve, 10));
   await alive.close();
   rmSync(address.replace(/^unix:|\/socket$/g, ""), { recursive: true });
 });

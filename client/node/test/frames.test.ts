@@ -16,7 +16,13 @@ test("a contact is where it was built in", () =>
     const output = await used.client.detect(scene, fall(2, { frameId: 1 }));
     const { vertexTriangle: contacts, edgeEdge, triangleTriangle, done } = output;
     assert.deepEqual([contacts.count, edgeEdge.count, triangleTriangle.count], [1, 0, 0]);
-    assert.deepEqual([[...contacts.elements], [...contacts.stencils]], [[3, 0], [3, 0, 1, 2]]);
+    assert.deepEqual(
+      [[...contacts.elements], [...contacts.stencils]],
+      [
+        [3, 0],
+        [3, 0, 1, 2],
+      ],
+    );
     assert(contacts.toi[0] <= 0.5 && contacts.toi[0] > 0.499);
     assert.equal(contacts.flags[0] & ContactFlag.INITIAL, 0);
     assert.notEqual(contacts.flags[0] & ContactFlag.CERTIFIED, 0);
@@ -31,7 +37,12 @@ test("ids have all their 64 bits", () =>
       assert.equal((await used.client.getScene(scene.sceneId)).lastFrameId, frameId);
     }
     await refused(() => used.client.detect(scene, fall(2, { frameId: 2n ** 63n })), Code.INVALID_ARGUMENT, "frame.frame_id");
-    await refused(() => used.client.detect(scene, fall(2, { frameId: 2 ** 53 })), Code.INVALID_ARGUMENT, "frame.frame_id", /2\^53 - 1/);
+    await refused(
+      () => used.client.detect(scene, fall(2, { frameId: 2 ** 53 })),
+      Code.INVALID_ARGUMENT,
+      "frame.frame_id",
+      /2\^53 - 1/,
+    );
     await refused(() => used.client.detect(scene, fall(2)), Code.INVALID_ARGUMENT, "frame.frame_id", /is undefined/);
   }));
 
@@ -59,7 +70,11 @@ test("a frame that is refused leaves the stream open", () =>
       [one({ mesh: -1, positions: FLOOR }), "frame.updates[0].mesh", /is -1; it must be an integer/],
       [one({ positions: FLOOR }), "frame.updates[0].mesh", /is undefined/],
       [one({ mesh: 1, position: FLOOR }), "frame.updates[0].position", /is not known/],
-      [one({ mesh: 1, positions: new Float64Array(9) }), "frame.updates[0].positions", /is a Float64Array; position_format F32 needs a Float32Array/],
+      [
+        one({ mesh: 1, positions: new Float64Array(9) }),
+        "frame.updates[0].positions",
+        /is a Float64Array; position_format F32 needs a Float32Array/,
+      ],
       [one({ mesh: 1, positions: [1, 2, 3] }), "frame.updates[0].positions", /an array of 3/],
       [one({ mesh: 1, positions: FLOOR, transform: [1, 2] }), "frame.updates[0].transform", /12 finite numbers/],
       [one({ mesh: 1, startTransform: new Float64Array(12) }), "frame.updates[0].start_transform", /needs transform/],
@@ -77,7 +92,7 @@ test("a frame that is refused leaves the stream open", () =>
   }));
 
 test("a frame that is too large is refused before it is sent", async () => {
-  const { scene, positions } = sheets(60)
+  const { scene, positions } = sheets(60);
   const created = await used.client.createScene(scene);
   const stream = await used.client.stream(created);
   const updates = positions.map((of, mesh) => ({ mesh, positions: of }));
@@ -102,7 +117,10 @@ test("contacts of many chunks are the same over every call, however their bytes 
   for (const kind of ["vertexTriangle", "edgeEdge"] as const) {
     const { count, elements, stencils, distance, weights, flags, toi } = first[kind];
     const lengths = [elements, stencils, distance, weights, flags, toi].map((array) => array.length);
-    assert.deepEqual(lengths, [2, 4, 1, 2, 1, 0].map((entries) => entries * count));
+    assert.deepEqual(
+      lengths,
+      [2, 4, 1, 2, 1, 0].map((entries) => entries * count),
+    );
     assert.deepEqual(second[kind], first[kind]);
   }
   await stream.finish();
@@ -114,7 +132,10 @@ test("positions go as they are, from any part of a buffer", () =>
     async (scene) => {
       const all = new Float64Array([9, ...FLOOR, ...tipAt(1), ...tipAt(-1)]);
       const [floor, start, end] = [1, 10, 19].map((at) => all.subarray(at, at + 9));
-      const updates = [{ mesh: 0, positions: floor }, { mesh: 1, startPositions: start, positions: end }];
+      const updates = [
+        { mesh: 0, positions: floor },
+        { mesh: 1, startPositions: start, positions: end },
+      ];
       const { vertexTriangle } = await used.client.detect(scene, { frameId: 1, updates });
       assert.deepEqual([...vertexTriangle.elements], [3, 0]);
     },

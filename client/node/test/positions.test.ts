@@ -42,7 +42,12 @@ for (const Type of [Float32Array, Float64Array]) {
     const spec = { ...TWO_TRIANGLES, positionFormat, minSeparation: 1e-3 };
     const x = Type.from(tipAt(1.1));
     const steps = [0.3, 0.7, 1.9].map((drop, step) => x.map((c, i) => (i % 3 === 2 ? c - drop : c + 0.013 * (i + step))));
-    const frames = [[{ mesh: 0, positions: Type.from(FLOOR) }, { mesh: 1, positions: x.slice() }]];
+    const frames = [
+      [
+        { mesh: 0, positions: Type.from(FLOOR) },
+        { mesh: 1, positions: x.slice() },
+      ],
+    ];
     frames.push(...steps.map((positions) => [{ mesh: 1, positions }]));
     const seen = await whereTheDaemonHasThem(used.client, spec, frames as MeshUpdateInput[][], { advance: true });
     for (const [i, target] of steps.entries()) {
@@ -61,7 +66,13 @@ for (const Type of [Float32Array, Float64Array]) {
     const [c, s] = [Math.cos(0.7), Math.sin(0.7)];
     const transform = [c, -s, 0, 0.1, s, c, 0, -0.3, 0, 0, 1, 1 / 3];
     const first = Type.from(tipAt(1.1));
-    const frames = [[{ mesh: 0, positions: Type.from(FLOOR) }, { mesh: 1, positions: first }], [{ mesh: 1, transform }]];
+    const frames = [
+      [
+        { mesh: 0, positions: Type.from(FLOOR) },
+        { mesh: 1, positions: first },
+      ],
+      [{ mesh: 1, transform }],
+    ];
     const seen = await whereTheDaemonHasThem(used.client, spec, frames as MeshUpdateInput[][]);
     const moved = first.slice();
     moveRigidly(moved, transform);
@@ -74,7 +85,12 @@ test("Q16 is packed as the daemon reads it", async () => {
   const quantizationBox = { lower: [-1, -2, -3], upper: [5, 6.5, 9.1] };
   const spec = { ...TWO_TRIANGLES, positionFormat: PositionFormat.Q16, quantizationBox };
   const [floor, tip] = [FLOOR, tipAt(1 / 3)].map((positions) => packQuantized(positions, quantizationBox));
-  const [{ positions }] = await whereTheDaemonHasThem(used.client, spec, [[{ mesh: 0, positions: floor }, { mesh: 1, positions: tip }]]);
+  const [{ positions }] = await whereTheDaemonHasThem(used.client, spec, [
+    [
+      { mesh: 0, positions: floor },
+      { mesh: 1, positions: tip },
+    ],
+  ]);
   assert.deepEqual(unpackQuantized(tip, quantizationBox), positions);
   positions.forEach((x, i) => assert(Math.abs(x - tipAt(1 / 3)[i]) <= 12.1 / 65535));
   assert.deepEqual([...packQuantized([0, 0, 0], { lower: [0, 0, 0], upper: [0, 0, 0] })], [0, 0, 0]);
@@ -97,16 +113,33 @@ test("helpers refuse what they cannot do", async () => {
 });
 
 test("contact points lie where CONVENTIONS.md says", async () => {
-  const scene = await used.client.createScene({ ...TWO_TRIANGLES, fields: [ContactField.STENCIL, ContactField.TOI, ContactField.WEIGHTS] });
+  const scene = await used.client.createScene({
+    ...TWO_TRIANGLES,
+    fields: [ContactField.STENCIL, ContactField.TOI, ContactField.WEIGHTS],
+  });
   const { vertexTriangle } = await used.client.detect(scene, fall(2, { frameId: 1 }));
   const [start, end] = [1, -1].map((z) => [...FLOOR, ...tipAt(z)]);
   const { first, second } = contactPoints(ContactKind.VERTEX_TRIANGLE, vertexTriangle, end, start);
   const near = (points: Float64Array) => [...points].map((x) => Math.round(x * 1e6) / 1e6 + 0);
-  assert.deepEqual([near(first), near(second)], [[1, 1, 0], [1, 1, 0]]);
+  assert.deepEqual(
+    [near(first), near(second)],
+    [
+      [1, 1, 0],
+      [1, 1, 0],
+    ],
+  );
   assert.equal(elementKind(vertexTriangle, 0), "triangle");
   await refused(() => elementKind(vertexTriangle, 1), Code.INVALID_ARGUMENT, "i");
-  await refused(() => contactPoints(ContactKind.VERTEX_TRIANGLE, vertexTriangle, end.slice(9), start.slice(9)), Code.INVALID_ARGUMENT, "end");
-  await refused(() => contactPoints(ContactKind.VERTEX_TRIANGLE, { ...vertexTriangle, weights: new Float64Array() }, end), Code.INVALID_ARGUMENT, "contacts.weights");
+  await refused(
+    () => contactPoints(ContactKind.VERTEX_TRIANGLE, vertexTriangle, end.slice(9), start.slice(9)),
+    Code.INVALID_ARGUMENT,
+    "end",
+  );
+  await refused(
+    () => contactPoints(ContactKind.VERTEX_TRIANGLE, { ...vertexTriangle, weights: new Float64Array() }, end),
+    Code.INVALID_ARGUMENT,
+    "contacts.weights",
+  );
 });
 
 test("hair and particles meet as edges and points", async () => {
@@ -125,7 +158,10 @@ test("hair and particles meet as edges and points", async () => {
   ];
   const { vertexTriangle } = await used.client.detect(scene, { frameId: 1, updates });
   assert.deepEqual([...vertexTriangle.elements], [3, 0, 4, 4]);
-  assert.deepEqual([0, 1].map((i) => elementKind(vertexTriangle, i)), ["edge", "point"]);
+  assert.deepEqual(
+    [0, 1].map((i) => elementKind(vertexTriangle, i)),
+    ["edge", "point"],
+  );
 });
 
 test("sparse updates and edits change what they name", async () => {
@@ -143,13 +179,23 @@ test("sparse updates and edits change what they name", async () => {
   assert.equal(removed.done.contactCount, 0n);
   const floor = { ...TWO_TRIANGLES.meshes[0], motion: MeshMotion.STATIC };
   const up = { mesh: 1, indices: [0], positions: new Float32Array([1, 1, 1]) };
-  const again = await stream.detect({ edit: { meshes: [{ mesh: 0, spec: floor }] }, updates: [{ mesh: 0, positions: FLOOR }, up] });
+  const again = await stream.detect({
+    edit: { meshes: [{ mesh: 0, spec: floor }] },
+    updates: [{ mesh: 0, positions: FLOOR }, up],
+  });
   assert.deepEqual([...again.vertexTriangle.elements], [3, 0]);
-  const apart = await stream.detect({ edit: { excludeMeshes: [[0, 1]] }, updates: [{ ...up, positions: new Float32Array([1, 1, -1]) }] });
+  const apart = await stream.detect({
+    edit: { excludeMeshes: [[0, 1]] },
+    updates: [{ ...up, positions: new Float32Array([1, 1, -1]) }],
+  });
   assert.equal(apart.done.contactCount, 0n);
   assert.equal((await used.client.getScene(scene.sceneId)).editCount, 3n);
   await refused(() => stream.detect({ edit: { meshes: [{ mesh: 9 }] } }), Code.INVALID_ARGUMENT, "frame.edit.meshes[0].mesh");
-  await refused(() => stream.detect({ edit: { meshes: [{ mesh: 0, spec: null as never }] } }), Code.INVALID_ARGUMENT, "frame.edit.meshes[0].spec");
+  await refused(
+    () => stream.detect({ edit: { meshes: [{ mesh: 0, spec: null as never }] } }),
+    Code.INVALID_ARGUMENT,
+    "frame.edit.meshes[0].spec",
+  );
   await refused(() => stream.detect({ edit: { remove: [1] } as never }), Code.INVALID_ARGUMENT, "frame.edit.remove");
   await stream.finish();
 });

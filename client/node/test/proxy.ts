@@ -11,7 +11,10 @@ export class Proxy {
   readonly #sockets = new Set<Socket>();
   readonly #server = createServer((near) => {
     const far = connect(this.#path);
-    for (const [socket, other] of [[near, far], [far, near]]) {
+    for (const [socket, other] of [
+      [near, far],
+      [far, near],
+    ]) {
       this.#sockets.add(socket);
       socket.on("error", () => {});
       socket.on("close", () => {

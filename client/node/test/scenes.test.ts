@@ -38,7 +38,11 @@ test("triangles go up in chunks, whole ones, however many there are", async () =
 test("a refused upload leaves no scene", async () => {
   const before = (await used.client.listScenes()).length;
   const bad = { ...tip, triangles: [0, 1, 7] };
-  await refused(() => used.client.createScene({ ...TWO_TRIANGLES, meshes: [floor, bad] }), Code.INVALID_ARGUMENT, "triangles[0]");
+  await refused(
+    () => used.client.createScene({ ...TWO_TRIANGLES, meshes: [floor, bad] }),
+    Code.INVALID_ARGUMENT,
+    "triangles[0]",
+  );
   assert.equal((await used.client.listScenes()).length, before);
 });
 
@@ -55,11 +59,19 @@ test("a value that cannot be is refused by name before anything is sent", async 
     [{ fields: ContactField.TOI }, "spec.fields", /must be an array/],
     [{ meshes: floor }, "spec.meshes", /must be an array/],
     [{ meshes: [floor, null] }, "spec.meshes[1]", /is null; it must be an object/],
-    [{ meshes: [{ ...floor, vertexCount: -3 }] }, "spec.meshes[0].vertex_count", /is -3; it must be an integer from 0 to 4294967295/],
+    [
+      { meshes: [{ ...floor, vertexCount: -3 }] },
+      "spec.meshes[0].vertex_count",
+      /is -3; it must be an integer from 0 to 4294967295/,
+    ],
     [{ meshes: [{ ...floor, vertexCount: 2.5 }] }, "spec.meshes[0].vertex_count", /is 2.5/],
     [{ meshes: [{ ...floor, triangles: [0, 1, -1] }] }, "spec.meshes[0].triangles[2]", /is -1/],
     [{ meshes: [{ ...floor, triangles: [0, 1] }] }, "spec.meshes[0].triangles", /has 2 indices, which is no multiple of 3/],
-    [{ meshes: [{ ...floor, triangles: new Int32Array(3) }] }, "spec.meshes[0].triangles", /is a Int32Array; it must be a Uint32Array/],
+    [
+      { meshes: [{ ...floor, triangles: new Int32Array(3) }] },
+      "spec.meshes[0].triangles",
+      /is a Int32Array; it must be a Uint32Array/,
+    ],
     [{ meshes: [{ ...floor, edges: new Uint32Array(3) }] }, "spec.meshes[0].edges", /multiple of 2/],
     [{ excludedMeshes: [[0]] }, "spec.excluded_meshes[0]", /must be two indices/],
     [{ quantizationBox: { lower: [0, 0, 0], upper: "1" } }, "spec.quantization_box.upper", /must be an array/],
@@ -82,7 +94,8 @@ test("what only the daemon knows, it refuses by name", async () => {
     [{ positionFormat: PositionFormat.Q16 }, Code.INVALID_ARGUMENT, "spec.quantization_box"],
     [{ memoryBudgetBytes: 1 }, Code.RESOURCE_EXHAUSTED, "spec.memory_budget_bytes"],
   ];
-  for (const [more, code, field] of cases) await refused(() => used.client.createScene({ ...TWO_TRIANGLES, ...more }), code, field);
+  for (const [more, code, field] of cases)
+    await refused(() => used.client.createScene({ ...TWO_TRIANGLES, ...more }), code, field);
   await refused(() => used.client.getScene("no such scene"), Code.NOT_FOUND, "scene_id");
 });
 

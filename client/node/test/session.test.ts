@@ -26,7 +26,12 @@ const updateAt = (scene: SceneInput, frame: number): MeshUpdateInput =>
   scene === TURNING
     ? { mesh: 1, transform: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, heightAt(frame) - heightAt(0)] }
     : { mesh: 1, positions: tipAt(heightAt(frame)) };
-const FIRST: FrameInput = { updates: [{ mesh: 0, positions: FLOOR }, { mesh: 1, positions: tipAt(heightAt(0)) }] };
+const FIRST: FrameInput = {
+  updates: [
+    { mesh: 0, positions: FLOOR },
+    { mesh: 1, positions: tipAt(heightAt(0)) },
+  ],
+};
 const frameAt = (scene: SceneInput, frame: number): FrameInput => (frame === 0 ? FIRST : { updates: [updateAt(scene, frame)] });
 
 /** Contacts of each frame; `disturb` is called while a frame is being sent, if that frame is in flight. */
@@ -100,14 +105,21 @@ test("a session tells what it cannot do", async () => {
   const first = session.detect(frameAt(FALLING, 0));
   await refused(() => session.detect(frameAt(FALLING, 1)), Code.FAILED_PRECONDITION, "", /before its last call was over/);
   await first;
-  await refused(() => session.detect({ updates: [{ mesh: 1, positions: FLOOR.subarray(3) }] }), Code.INVALID_ARGUMENT, "frame.updates[0].positions");
+  await refused(
+    () => session.detect({ updates: [{ mesh: 1, positions: FLOOR.subarray(3) }] }),
+    Code.INVALID_ARGUMENT,
+    "frame.updates[0].positions",
+  );
   assert.equal(session.reconnects, 0);
   const closing = await client.session(FALLING, options);
   const withdrawn = closing.detect(frameAt(FALLING, 0));
   await Promise.all([closing.close(), withdrawn.catch(() => {})]);
   await refused(() => closing.detect(frameAt(FALLING, 0)), Code.FAILED_PRECONDITION, "", /closed/);
   await closing.close();
-  assert.deepEqual((await client.listScenes()).map(({ sceneId }) => sceneId), [session.scene.sceneId]);
+  assert.deepEqual(
+    (await client.listScenes()).map(({ sceneId }) => sceneId),
+    [session.scene.sceneId],
+  );
   await daemon.stop();
   await refused(() => session.detect(frameAt(FALLING, 1)), Code.UNAVAILABLE, "", /no daemon answers at unix:/);
   daemon = await OwnDaemon.start(HASTY);

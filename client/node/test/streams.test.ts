@@ -34,8 +34,14 @@ test("frames are sent and received by different tasks, refused ones among them",
   }
   await stream.finish();
   await reader;
-  assert.deepEqual(received.map(({ frameId }) => frameId), [1n, 2n, 3n, 4n, 5n, 6n]);
-  assert.deepEqual(received.filter(({ error }) => error).map(({ frameId, error }) => [frameId, error!.field]), [[4n, "frame.updates[0].positions"]]);
+  assert.deepEqual(
+    received.map(({ frameId }) => frameId),
+    [1n, 2n, 3n, 4n, 5n, 6n],
+  );
+  assert.deepEqual(
+    received.filter(({ error }) => error).map(({ frameId, error }) => [frameId, error!.field]),
+    [[4n, "frame.updates[0].positions"]],
+  );
   assert.throws(() => received[3].done, { code: Code.INVALID_ARGUMENT });
   assert.throws(() => received[3].check(), { code: Code.INVALID_ARGUMENT });
   await refused(() => stream.receive(), Code.FAILED_PRECONDITION, "", /as finish\(\) asked for/);
@@ -51,7 +57,10 @@ test("LATEST_WINS tells which frames were skipped", async () => {
   await stream.finish();
   const outputs: FrameOutput[] = [];
   for await (const output of stream) outputs.push(output);
-  assert.deepEqual(outputs.map(({ frameId }) => Number(frameId)), Array.from({ length: count }, (_, i) => i + 1));
+  assert.deepEqual(
+    outputs.map(({ frameId }) => Number(frameId)),
+    Array.from({ length: count }, (_, i) => i + 1),
+  );
   for (const { skipped, vertexTriangle } of outputs) assert.equal(vertexTriangle.count, skipped ? 0 : 1);
   const skipped = outputs.find((output) => output.skipped);
   if (skipped) assert.throws(() => skipped.done, { code: Code.ABORTED });
@@ -91,7 +100,11 @@ test("a stream that is cancelled, or whose scene is deleted, tells all who wait"
   await refused(() => cancelled.detect(fall(2)), Code.CANCELLED, "");
   const stream = await used.client.resume(scene);
   await used.client.deleteScene(scene);
-  await refused(async () => {
-    for await (const _ of stream);
-  }, Code.NOT_FOUND, "scene_id");
+  await refused(
+    async () => {
+      for await (const _ of stream);
+    },
+    Code.NOT_FOUND,
+    "scene_id",
+  );
 });

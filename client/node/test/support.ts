@@ -2,7 +2,16 @@
 
 import assert from "node:assert/strict";
 import { after, before } from "node:test";
-import { type Client, Code, CollidedError, DetectionMode, type FrameInput, OwnDaemon, type SceneInput, connect } from "../src/index.js";
+import {
+  type Client,
+  Code,
+  CollidedError,
+  DetectionMode,
+  type FrameInput,
+  OwnDaemon,
+  type SceneInput,
+  connect,
+} from "../src/index.js";
 
 /** Starts a daemon before the file's tests, and stops it and the client after them. */
 export function useDaemon(options: readonly string[] = []): { readonly client: Client; readonly address: string } {

@@ -14,9 +14,18 @@ test("a watcher sees each frame, its first contacts and positions", async () => 
   const seen = await watcher.receive();
   assert.deepEqual(seen.vertexTriangle, sent.vertexTriangle);
   assert.deepEqual([seen.frameId, seen.skippedFrames, seen.omittedContacts, seen.editCount], [1n, 0n, 0n, 0n]);
-  assert.deepEqual(seen.positions.map(({ mesh, vertexStride }) => [mesh, vertexStride]), [[1, 2], [0, 2]]);
+  assert.deepEqual(
+    seen.positions.map(({ mesh, vertexStride }) => [mesh, vertexStride]),
+    [
+      [1, 2],
+      [0, 2],
+    ],
+  );
   const everySecond = (positions: Float32Array) => Float32Array.from([...positions.subarray(0, 3), ...positions.subarray(6)]);
-  assert.deepEqual(seen.positions.map(({ positions }) => positions), [tipAt(-1), FLOOR].map(everySecond));
+  assert.deepEqual(
+    seen.positions.map(({ positions }) => positions),
+    [tipAt(-1), FLOOR].map(everySecond),
+  );
   await stream.finish();
   const frames: WatchedFrame[] = [];
   await used.client.deleteScene(scene);
