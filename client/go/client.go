@@ -84,7 +84,7 @@ func (c *Client) ServerInfo() *v1.GetServerInfoResponse { return c.info }
 
 // GetServerInfo asks for version, devices and limits of the daemon.
 func (c *Client) GetServerInfo(ctx context.Context) (*v1.GetServerInfoResponse, error) {
-	return call(c, ctx, "", c.service.GetServerInfo, &v1.GetServerInfoRequest{})
+	return call(ctx, c, "", c.service.GetServerInfo, &v1.GetServerInfoRequest{})
 }
 
 // CreateScene creates a scene of spec, which must have no meshes, and meshes, ready for frames. It retries if the answer is
@@ -108,16 +108,23 @@ func (c *Client) createScene(ctx context.Context, input *sceneInput, lease time.
 			continue
 		}
 		if scene, err = c.upload(ctx, id, uint32(mesh), triangles); err != nil {
-			_ = c.DeleteScene(ctx, id) // the upload's error is the one to tell
+			c.tryDelete(id)
 			return nil, err
 		}
 	}
 	return scene, nil
 }
 
+// tryDelete cleans up after an upload whose error is the one to tell; its context may be over.
+func (c *Client) tryDelete(sceneID string) {
+	ctx, cancel := context.WithTimeout(context.Background(), time.Second)
+	defer cancel()
+	_ = c.DeleteScene(ctx, sceneID)
+}
+
 func (c *Client) create(ctx context.Context, request *v1.CreateSceneRequest) (*Scene, error) {
 	for try := 1; ; try++ {
-		answer, err := call(c, ctx, "", c.service.CreateScene, request)
+		answer, err := call(ctx, c, "", c.service.CreateScene, request)
 		if err == nil {
 			return answer.Scene, nil
 		}
@@ -155,19 +162,19 @@ func (c *Client) EstimateScene(ctx context.Context, spec *SceneSpec, meshes []Me
 	if err != nil {
 		return nil, err
 	}
-	return call(c, ctx, "", c.service.EstimateScene, &v1.EstimateSceneRequest{Spec: input.spec})
+	return call(ctx, c, "", c.service.EstimateScene, &v1.EstimateSceneRequest{Spec: input.spec})
 }
 
 // GetScene asks for state and memory of a scene.
 func (c *Client) GetScene(ctx context.Context, sceneID string) (*Scene, error) {
-	answer, err := call(c, ctx, sceneID, c.service.GetScene, &v1.GetSceneRequest{SceneId: sceneID})
+	answer, err := call(ctx, c, sceneID, c.service.GetScene, &v1.GetSceneRequest{SceneId: sceneID})
 	return answer.GetScene(), err
 }
 
 // ListScenes lists this client's scenes, by id.
 func (c *Client) ListScenes(ctx context.Context) (scenes []*Scene, err error) {
 	for token := ""; ; {
-		page, err := call(c, ctx, "", c.service.ListScenes, &v1.ListScenesRequest{PageToken: token})
+		page, err := call(ctx, c, "", c.service.ListScenes, &v1.ListScenesRequest{PageToken: token})
 		if err != nil {
 			return nil, err
 		}
@@ -180,7 +187,7 @@ func (c *Client) ListScenes(ctx context.Context) (scenes []*Scene, err error) {
 
 // DeleteScene deletes a scene and frees its memory; its stream ends with NotFound.
 func (c *Client) DeleteScene(ctx context.Context, sceneID string) error {
-	_, err := call(c, ctx, sceneID, c.service.DeleteScene, &v1.DeleteSceneRequest{SceneId: sceneID})
+	_, err := call(ctx, c, sceneID, c.service.DeleteScene, &v1.DeleteSceneRequest{SceneId: sceneID})
 	return err
 }
 
@@ -191,7 +198,7 @@ func (c *Client) Detect(ctx context.Context, scene *Scene, frame Frame) (*Output
 		return nil, err
 	}
 	request := &v1.DetectFrameRequest{SceneId: scene.GetSceneId(), Frame: message}
-	answer, err := call(c, ctx, scene.GetSceneId(), c.service.DetectFrame, request)
+	answer, err := call(ctx, c, scene.GetSceneId(), c.service.DetectFrame, request)
 	if err != nil {
 		return nil, err
 	}
@@ -237,7 +244,7 @@ func (c *Client) Session(ctx context.Context, spec *SceneSpec, meshes []Mesh, op
 	return openSession(ctx, c.connector, input, options)
 }
 
-func call[Q, A any](c *Client, ctx context.Context, sceneID string,
+func call[Q, A any](ctx context.Context, c *Client, sceneID string,
 	method func(context.Context, *Q, ...grpc.CallOption) (*A, error), request *Q) (*A, error) {
 	ctx, cancel := c.connector.callContext(ctx, sceneID, 0)
 	defer cancel()

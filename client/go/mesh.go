@@ -2,6 +2,8 @@ package collided
 
 import (
 	"encoding/binary"
+	"fmt"
+	"unicode/utf8"
 
 	"google.golang.org/protobuf/proto"
 
@@ -78,7 +80,13 @@ func newSceneInput(spec *SceneSpec, meshes []Mesh) (*sceneInput, error) {
 	if spec != nil {
 		input.spec = proto.Clone(spec).(*SceneSpec)
 	}
+	if !utf8.ValidString(input.spec.DisplayName) {
+		return nil, invalidf("spec.display_name", "is %q, which is not UTF-8", input.spec.DisplayName)
+	}
 	for i := range meshes {
+		if !utf8.ValidString(meshes[i].Name) {
+			return nil, invalidf(fmt.Sprintf("spec.meshes[%d].name", i), "is %q, which is not UTF-8", meshes[i].Name)
+		}
 		input.spec.Meshes = append(input.spec.Meshes, meshes[i].message())
 		input.triangles = append(input.triangles, packTriangles(meshes[i].Triangles))
 	}

@@ -74,6 +74,10 @@ func TestABadSpecIsRefusedByName(t *testing.T) {
 	}
 	_, err := client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, nil, 0)
 	refused(t, err, codes.InvalidArgument, "spec.meshes", ".")
+	unnamed := twoTriangles()
+	unnamed[1].Name = "\xff"
+	_, err = client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, unnamed, 0)
+	refused(t, err, codes.InvalidArgument, "spec.meshes[1].name", "not UTF-8")
 	_, err = client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles(), -time.Second)
 	refused(t, err, codes.InvalidArgument, "lease_seconds", "-1")
 }

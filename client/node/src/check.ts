@@ -10,15 +10,22 @@ export type Rule = (value: unknown) => string | undefined;
 export type Rules<T> = { [K in keyof Required<T>]: Rule };
 
 const LAST_UINT32 = 2 ** 32 - 1;
+const MAX_SECONDS = 2_000_000;
 
 export const uint32: Rule = (value) => {
   const isUint32 = Number.isInteger(value) && (value as number) >= 0 && (value as number) <= LAST_UINT32;
   return isUint32 ? undefined : `an integer from 0 to ${LAST_UINT32}`;
 };
 export const finite: Rule = (value) => (Number.isFinite(value) ? undefined : "a finite number");
-export const seconds: Rule = (value) => (Number.isFinite(value) && (value as number) >= 0 ? undefined : "0 or more seconds");
+/** A timer of Node's takes no more. */
+export const seconds: Rule = (value) => {
+  const isTime = Number.isFinite(value) && (value as number) >= 0 && (value as number) <= MAX_SECONDS;
+  return isTime ? undefined : `seconds from 0 to ${MAX_SECONDS}`;
+};
 export const boolean: Rule = (value) => (typeof value === "boolean" ? undefined : "true or false");
-export const string: Rule = (value) => (typeof value === "string" ? undefined : "a string");
+/** UTF-8 has no half of a pair of surrogates. */
+export const string: Rule = (value) =>
+  typeof value === "string" && !/\p{Surrogate}/u.test(value) ? undefined : "a string of whole characters";
 export const list: Rule = (value) => (Array.isArray(value) ? undefined : "an array");
 /** Checked where it is used. */
 export const anything: Rule = () => undefined;

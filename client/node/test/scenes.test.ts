@@ -50,6 +50,7 @@ test("a value that cannot be is refused by name before anything is sent", async 
   const cases: [object, string, RegExp][] = [
     [{ thicknes: 0.1 }, "spec.thicknes", /is not known; spec has mode, .*thickness/],
     [{ mode: "CCD" }, "spec.mode", /is "CCD"; it must be one of UNSPECIFIED, DCD, CCD/],
+    [{ displayName: "\ud800" }, "spec.display_name", /a string of whole characters/],
     [{ mode: 77 }, "spec.mode", /is 77; it must be one of/],
     [{ thickness: "0.1" }, "spec.thickness", /is "0.1"; it must be a finite number/],
     [{ thickness: NaN }, "spec.thickness", /is NaN/],
