@@ -2,6 +2,7 @@ package collided
 
 import (
 	"context"
+	"strings"
 	"sync"
 	"time"
 
@@ -142,7 +143,7 @@ func (s *Session) insist(ctx context.Context, frame *v1.Frame) (*Output, error) 
 }
 
 func (s *Session) try(ctx context.Context, frame *v1.Frame, giveUp time.Time) (*Output, error) {
-	if s.stream == nil || s.hasIdledOut() {
+	if s.stream == nil {
 		limited, cancel := context.WithDeadline(ctx, giveUp)
 		defer cancel()
 		if err := s.reopen(limited); err != nil {
@@ -156,13 +157,13 @@ func (s *Session) try(ctx context.Context, frame *v1.Frame, giveUp time.Time) (*
 // isLoss: a refusal leaves the stream open, whatever its code.
 func (s *Session) isLoss(ctx context.Context, err error) bool {
 	isOpen := s.stream != nil && s.stream.Err() == nil
-	return !isOpen && ctx.Err() == nil && s.ctx.Err() == nil && IsConnectionLost(err)
+	return !isOpen && ctx.Err() == nil && s.ctx.Err() == nil && (IsConnectionLost(err) || hasIdledOut(err))
 }
 
 // hasIdledOut: a stream that waited too long for a frame has ended, and the scene's lease runs.
-func (s *Session) hasIdledOut() bool {
-	end, _ := s.stream.Err().(*Error)
-	return end != nil && end.Code == codes.ResourceExhausted
+func hasIdledOut(err error) bool {
+	e, _ := err.(*Error)
+	return e != nil && e.Code == codes.ResourceExhausted && strings.Contains(e.Quota, "max_idle_seconds")
 }
 
 func (s *Session) drop() {
@@ -173,7 +174,6 @@ func (s *Session) drop() {
 }
 
 func (s *Session) reopen(ctx context.Context) error {
-	s.drop()
 	var stream *Stream
 	err := s.withClient(ctx, func(client *Client) (err error) {
 		stream, err = s.resume(ctx, client)

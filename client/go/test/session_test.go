@@ -121,7 +121,11 @@ func TestAStreamThatIdledOutIsOpenedAgain(t *testing.T) {
 	must(t, err)
 	_, err = session.Detect(ctx, first(floor, tipAt(heightAt(0))))
 	must(t, err)
-	time.Sleep(2 * time.Second)
+	var probe *collided.Stream
+	for probe == nil { // refused while the session's is open
+		probe, _ = client.Stream(ctx, session.Scene(), collided.StreamOptions{})
+	}
+	must(t, probe.Finish(ctx))
 	output, err := session.Detect(ctx, collided.Frame{Updates: []collided.Update{p.updateAt(1)}})
 	must(t, err)
 	same(t, output.VertexTriangle.Count, 1)

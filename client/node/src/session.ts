@@ -106,8 +106,9 @@ export class Session {
     const giveUp = performance.now() + 1000 * (this.#options.giveUpSeconds ?? 60);
     for (let wait = FIRST_PAUSE_MS; ; wait = Math.min(2 * wait, LONGEST_PAUSE_MS)) {
       try {
-        if (!this.#stream || this.#isIdledOut(this.#stream)) await this.#reopen((giveUp - performance.now()) / 1000);
-        return await this.#stream!.detect(frame);
+        this.#stream ??= await this.#reopen((giveUp - performance.now()) / 1000);
+        if (this.#isClosed) this.#stream.cancel();
+        return await this.#stream.detect(frame);
       } catch (error) {
         if (this.#isClosed) throw closed();
         if (!this.#isLoss(error) || performance.now() + wait > giveUp) throw error;
@@ -120,16 +121,10 @@ export class Session {
   /** A refusal leaves the stream open, whatever its code. */
   #isLoss(error: unknown): boolean {
     const isOpen = this.#stream && !this.#stream.end;
-    return !isOpen && error instanceof CollidedError && error.isConnectionLost;
+    return !isOpen && error instanceof CollidedError && (error.isConnectionLost || hasIdledOut(error));
   }
 
-  /** A stream that waited too long for a frame has ended, and the scene's lease runs. */
-  #isIdledOut(stream: FrameStream): boolean {
-    return stream.end?.error?.code === Code.RESOURCE_EXHAUSTED;
-  }
-
-  async #reopen(patienceSeconds: number): Promise<void> {
-    this.#stream = undefined;
+  async #reopen(patienceSeconds: number): Promise<FrameStream> {
     const stream = await this.#withClient((client) => this.#resume(client), Math.max(0, patienceSeconds));
     try {
       if (this.#first && stream.scene.lastFrameId === 0n) await stream.detect(this.#first);
@@ -139,8 +134,7 @@ export class Session {
       throw error;
     }
     this.reconnects += 1;
-    this.#stream = stream;
-    if (this.#isClosed) stream.cancel();
+    return stream;
   }
 
   /** Without a first frame nobody can tell what an unanswered one has fixed: the scene begins anew. */
@@ -176,6 +170,11 @@ export class Session {
       await client.close();
     }
   }
+}
+
+/** A stream that waited too long for a frame has ended, and the scene's lease runs. */
+function hasIdledOut(error: CollidedError): boolean {
+  return error.code === Code.RESOURCE_EXHAUSTED && error.quota.includes("max_idle_seconds");
 }
 
 function isNotFound(error: unknown): boolean {

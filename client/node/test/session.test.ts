@@ -5,6 +5,7 @@ import {
   DetectionMode,
   type FrameInput,
   type FrameOutput,
+  type FrameStream,
   MeshMotion,
   type MeshUpdateInput,
   OwnDaemon,
@@ -86,7 +87,9 @@ test("a stream that idled out is opened again", async () => {
   const client = await connect(impatient.address);
   const session = await client.session(FALLING, { restore: () => [updateAt(FALLING, 0)], leaseSeconds: 60 });
   await session.detect(frameAt(FALLING, 0));
-  await new Promise((resolve) => setTimeout(resolve, 2000));
+  let probe: FrameStream | undefined;
+  while (!probe) probe = await client.stream(session.scene).catch(() => undefined); // refused while the session's is open
+  await probe.finish();
   assert.equal((await session.detect(frameAt(FALLING, 1))).vertexTriangle.count, 1);
   assert.deepEqual([session.reconnects, session.recreations], [1, 0]);
   await session.close();
