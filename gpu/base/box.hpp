@@ -44,17 +44,6 @@ struct Motion {
   const Vec3<Real>* start;
   const Vec3<Real>* end;
   Real inflation;  ///< half the thickness
-
-  /// Box of the vertex's straight path.
-  COLLIDED_HD Box<Real> swept(uint32_t v) const {
-    const Box<Real> a{start[v], start[v]}, b{end[v], end[v]};
-    return join(a, b);
-  }
-  COLLIDED_HD Box<Real> vertex_box(uint32_t v) const { return inflate(swept(v), inflation); }
-  COLLIDED_HD Box<Real> edge_box(uint32_t a, uint32_t b) const { return inflate(join(swept(a), swept(b)), inflation); }
-  COLLIDED_HD Box<Real> triangle_box(uint32_t a, uint32_t b, uint32_t c) const {
-    return inflate(join(swept(a), join(swept(b), swept(c))), inflation);
-  }
 };
 
 }  // namespace collided

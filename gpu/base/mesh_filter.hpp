@@ -12,6 +12,22 @@ struct MeshRule {
   uint32_t is_static, has_self_contacts;  ///< 0 or 1
 };
 
+/// What is known of the meshes of several triangles together. Of none: they touch nothing.
+struct MeshesTogether {
+  static constexpr uint32_t kMoves = 1, kHasSelfContacts = 2;
+
+  uint32_t lowest = ~0u, highest = 0;
+  uint32_t groups = 0, collide_masks = 0;
+  uint32_t traits = 0;  ///< kMoves, kHasSelfContacts: some mesh does
+
+  COLLIDED_HD void add(const MeshesTogether& more) {
+    lowest = min(lowest, more.lowest), highest = max(highest, more.highest);
+    groups |= more.groups, collide_masks |= more.collide_masks;
+    traits |= more.traits;
+  }
+  COLLIDED_HD bool is_one() const { return lowest == highest; }
+};
+
 struct PairFilter {
   const uint32_t* mesh_of_triangle = nullptr;
   const MeshRule* rules = nullptr;
@@ -25,7 +41,31 @@ struct PairFilter {
     if (p.is_static != 0 && q.is_static != 0) return false;
     if (mesh_a == mesh_b) return p.has_self_contacts != 0;
     if ((p.groups & q.collide_mask) == 0 || (q.groups & p.collide_mask) == 0) return false;
-    return !excluded.has(pack_ids(min(mesh_a, mesh_b), max(mesh_a, mesh_b)));
+    return !excludes(mesh_a, mesh_b);
+  }
+
+  /// Of one triangle. Only where the filter is needed, like what follows.
+  COLLIDED_HD MeshesTogether meshes_of(uint32_t triangle) const {
+    const uint32_t mesh = mesh_of_triangle[triangle];
+    const MeshRule rule = rules[mesh];
+    const uint32_t moves = rule.is_static != 0 ? 0u : MeshesTogether::kMoves;
+    const uint32_t has_self = rule.has_self_contacts != 0 ? MeshesTogether::kHasSelfContacts : 0u;
+    return {mesh, mesh, rule.groups, rule.collide_mask, moves | has_self};
+  }
+  /// Whether some triangle of p and some triangle of q may pass; never false where a pair does.
+  COLLIDED_HD bool may_pass(const MeshesTogether& p, const MeshesTogether& q) const {
+    if (((p.traits | q.traits) & MeshesTogether::kMoves) == 0) return false;
+    const bool can_share_mesh = p.lowest <= q.highest && q.lowest <= p.highest;
+    if (can_share_mesh && (p.traits & q.traits & MeshesTogether::kHasSelfContacts) != 0) return true;
+    const bool are_one_each = p.is_one() && q.is_one();
+    if (are_one_each && p.lowest == q.lowest) return false;
+    if ((p.groups & q.collide_masks) == 0 || (q.groups & p.collide_masks) == 0) return false;
+    return !are_one_each || !excludes(p.lowest, q.lowest);
+  }
+
+ private:
+  COLLIDED_HD bool excludes(uint32_t mesh, uint32_t other) const {
+    return excluded.has(pack_ids(min(mesh, other), max(mesh, other)));
   }
 };
 

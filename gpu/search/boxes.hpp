@@ -28,7 +28,7 @@ struct alignas(16) CornerRecord {
   COLLIDED_HD Box<Real> swept() const { return join(Box<Real>{start, start}, Box<Real>{end, end}); }
 };
 
-/// The box of an edge's path, and its vertices.
+/// An edge's inflated box, and its vertices.
 template <class Real>
 struct alignas(16) EdgeRecord {
   Vec3<Real> lo;
@@ -36,7 +36,7 @@ struct alignas(16) EdgeRecord {
   alignas(16) Vec3<Real> hi;
   uint32_t to;
 
-  COLLIDED_HD Box<Real> swept() const { return {lo, hi}; }
+  COLLIDED_HD Box<Real> box() const { return {lo, hi}; }
 };
 
 template <class Real>
@@ -62,36 +62,36 @@ struct BoxTriangles {
   uint64_t first, count;       ///< of the triangles to box
   Span<Box<float>> boxes;
   Span<TriangleRecord<Real>> records;
+  Span<Real> inflations;  ///< empty: that of `motion` is each triangle's
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Shared& shared) const {
     const uint64_t begin = first + i * kGroupSize;
     const uint32_t size = static_cast<uint32_t>(min(uint64_t{kGroupSize}, first + count - begin));
     for (uint32_t k = group.rank; k < size; k += group.size) {
       const Triangle t = triangles[begin + k];
-      boxes[begin + k] = outward_float(box(t));
-      shared.record[k] = record(t, begin + k);
+      const Real inflation = deviations.inflation(motion.inflation, t.x);
+      const TriangleRecord<Real> made = shared.record[k] = record(t, begin + k, inflation);
+      boxes[begin + k] = outward_float(join(made.edge[0].box(), made.edge[1].box()));
+      if (!inflations.empty()) inflations[begin + k] = inflation;
     }
     group.sync();
     group.copy(&records[begin], shared.record, size);
   }
 
  private:
-  COLLIDED_HD Box<Real> box(const Triangle& t) const {
-    const Motion<Real> widened{motion.start, motion.end, deviations.inflation(motion.inflation, t.x)};
-    return widened.triangle_box(t.x, t.y, t.z);
-  }
-  COLLIDED_HD TriangleRecord<Real> record(const Triangle& t, uint64_t triangle) const {
+  COLLIDED_HD TriangleRecord<Real> record(const Triangle& t, uint64_t triangle, Real inflation) const {
     const Triangle e = edges.empty() ? Triangle{0, 0, 0} : edges[triangle];
     const uint32_t own = owned[triangle];
     const CornerRecord<Real> a = corner(t.x, e.x, own), b = corner(t.y, e.y, own >> 1), c = corner(t.z, e.z, own >> 2);
-    return {{a, b, c}, {edge(a, b), edge(b, c), edge(c, a)}};
+    return {{a, b, c}, {edge(a, b, inflation), edge(b, c, inflation), edge(c, a, inflation)}};
   }
   /// Bit 0 of `own`: owns the vertex; bit 3: owns the edge.
   COLLIDED_HD CornerRecord<Real> corner(uint32_t v, uint32_t e, uint32_t own) const {
     return {motion.start[v], v | (own & 1u) << 31, motion.end[v], e | (own >> 3 & 1u) << 31};
   }
-  COLLIDED_HD static EdgeRecord<Real> edge(const CornerRecord<Real>& from, const CornerRecord<Real>& to) {
-    const Box<Real> box = join(from.swept(), to.swept());
+  COLLIDED_HD static EdgeRecord<Real> edge(const CornerRecord<Real>& from, const CornerRecord<Real>& to,
+                                           Real inflation) {
+    const Box<Real> box = inflate(join(from.swept(), to.swept()), inflation);
     return {box.lo, from.vertex_id(), box.hi, to.vertex_id()};
   }
 };

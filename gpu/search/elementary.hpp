@@ -20,20 +20,20 @@ struct CandidatePoints {
   FeaturePoints<Real> points;
 };
 
-/// What boxes of features are inflated by: half the thickness.
+/// What the boxes of a triangle's features are inflated by: half the thickness.
 template <class Real>
 struct EvenInflation {
   Real half;
 
   COLLIDED_HD Real of(uint32_t) const { return half; }
 };
-/// And how far the meshes of vertices may be from their paths.
+/// And how far its mesh may be from its path.
 template <class Real>
-struct InflationByMesh {
+struct InflationByTriangle {
   Real half;
-  Deviations deviations;
+  Span<const Real> inflations;  ///< of each triangle; empty: no mesh turns
 
-  COLLIDED_HD Real of(uint32_t vertex) const { return deviations.inflation(half, vertex); }
+  COLLIDED_HD Real of(uint32_t triangle) const { return inflations.empty() ? half : inflations[triangle]; }
 };
 
 template <class Real, class Inflation = EvenInflation<Real>, class Elements = TrianglesAlone>
@@ -68,8 +68,7 @@ struct ElementaryTests {
   COLLIDED_HD ElementRole role(uint32_t triangle) const { return role_of(owned[triangle]); }
   /// Box of a corner's path; those of edges and triangles are joined from them.
   COLLIDED_HD Box<Real> corner_box(uint32_t triangle, int k) const {
-    const CornerRecord<Real>& corner = records[triangle].corner[k];
-    return inflate(corner.swept(), inflation.of(corner.vertex_id()));
+    return inflate(records[triangle].corner[k].swept(), inflation.of(triangle));
   }
   COLLIDED_HD Triangle vertices_of(uint32_t triangle) const {
     const TriangleRecord<Real>& t = records[triangle];
@@ -87,12 +86,12 @@ struct ElementaryTests {
     const EdgeRecord<Real> e = t.edge[0], f = t.edge[1];
     const uint32_t id = v.vertex_id();
     if (id == e.from || id == f.from || id == f.to) return false;
-    return overlap_inflated(id, v.swept(), e.from, join(e.swept(), f.swept()));
+    return overlap(inflate(v.swept(), inflation.of(test < 3 ? a : b)), join(e.box(), f.box()));
   }
   COLLIDED_HD bool edge_edge_overlap(uint32_t a, uint32_t b, int test) const {
     const EdgeRecord<Real> e = records[a].edge[first_edge_of(test)], f = records[b].edge[second_edge_of(test)];
     if (e.from == f.from || e.from == f.to || e.to == f.from || e.to == f.to) return false;
-    return overlap_inflated(e.from, e.swept(), f.from, f.swept());
+    return overlap(e.box(), f.box());
   }
 
   COLLIDED_HD CandidatePoints<Real> vertex_triangle_points(uint32_t a, uint32_t b, int test) const {
@@ -123,10 +122,6 @@ struct ElementaryTests {
       a0 = p.corner[k], a1 = p.corner[next(k)], b0 = q.corner[m], b1 = q.corner[next(m)];
     }
   };
-  /// Of two features, told by a vertex of each.
-  COLLIDED_HD bool overlap_inflated(uint32_t v, const Box<Real>& p, uint32_t w, const Box<Real>& q) const {
-    return overlap(inflate(p, inflation.of(v)), inflate(q, inflation.of(w)));
-  }
 };
 
 }  // namespace collided

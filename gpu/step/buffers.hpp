@@ -171,6 +171,7 @@ struct WorkBuffers {
   explicit WorkBuffers(Exec& exec)
       : boxes(exec, "boxes"),
         records(exec, "records"),
+        inflations(exec, "records"),
         state(exec, "counters"),
         octree(exec),
         bvh(exec),
@@ -189,6 +190,7 @@ struct WorkBuffers {
 
   Buffer<Box<float>, Exec> boxes;
   Buffer<TriangleRecord<Real>, Exec> records;
+  Buffer<Real, Exec> inflations;  ///< of each triangle's boxes; scenes with meshes that may turn
   Buffer<StepState, Exec> state;
   OctreeBuffers<Exec> octree;
   BvhBuffers<Exec> bvh;
@@ -213,7 +215,11 @@ struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
   void reserve_boxes(uint64_t triangles) {
     this->boxes.allocate(triangles);
     this->records.allocate(triangles);
+    if (may_turn()) this->inflations.allocate(triangles);
   }
+
+  /// Of each triangle's boxes; empty where no mesh may turn, whatever an edit that was undone left there.
+  Span<Real> triangle_inflations() const { return may_turn() ? this->inflations.all() : Span<Real>{}; }
 
   /// At t = 0; in DCD the frame's own.
   const Vec3<Real>* positions_at_start(bool is_ccd) const { return is_ccd ? this->start.data() : this->end.data(); }
@@ -224,6 +230,9 @@ struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
     const RigidBuffers<Exec, Real>& rigid = this->rigid;
     return {rigid.first_vertex.data(), rigid.deviations.data(), static_cast<uint32_t>(rigid.first_vertex.capacity())};
   }
+
+ private:
+  bool may_turn() const { return this->rigid.deviations.capacity() > 0; }
 };
 
 }  // namespace collided

@@ -85,9 +85,10 @@ class OctreePhase {
   void box_triangles(bool all) {
     using Work = BoxTriangles<Real>;
     for (const TriangleRun& run : runs(all))
-      exec_.for_each_group("box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
-                           Work{motion(), scene_.deviations(is_ccd_), triangles(), edges(), scene_.topology.owned.all(),
-                                run.first, run.count, scene_.boxes.all(), scene_.records.all()});
+      exec_.for_each_group(
+          "box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
+          Work{motion(), scene_.deviations(is_ccd_), triangles(), edges(), scene_.topology.owned.all(), run.first,
+               run.count, scene_.boxes.all(), scene_.records.all(), scene_.triangle_inflations()});
   }
 
   // Section 3.2: number of levels.
@@ -212,10 +213,10 @@ class OctreePhase {
             wanted.edge_edge};
   }
   /// The same where boxes are inflated by more in some meshes, or some elements are no triangles.
-  ElementaryTests<Real, InflationByMesh<Real>, MixedElements> elementary_of_any(const PerKind<bool>& wanted) const {
+  ElementaryTests<Real, InflationByTriangle<Real>, MixedElements> elementary_of_any(const PerKind<bool>& wanted) const {
     return {scene_.records.all(),
             scene_.topology.owned.all(),
-            {motion().inflation, scene_.deviations(is_ccd_)},
+            {motion().inflation, scene_.triangle_inflations()},
             wanted.vertex_triangle,
             wanted.edge_edge};
   }

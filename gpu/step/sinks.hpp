@@ -62,11 +62,12 @@ struct FeatureSink {
   COLLIDED_HD static constexpr uint32_t wanted_tests(ElementRole a, ElementRole b, bool a_is_lower) {
     return Tests::wanted_tests(a, b, a_is_lower);
   }
-  COLLIDED_HD bool is_first(uint32_t a, uint32_t b, int test) const {
-    return tests.vertex_triangle_overlap(a, b, test) && !excludes_first(a, b, test);
+  /// Whether the features share no vertex and their boxes overlap.
+  COLLIDED_HD bool overlap_first(uint32_t a, uint32_t b, int test) const {
+    return tests.vertex_triangle_overlap(a, b, test);
   }
-  COLLIDED_HD bool is_second(uint32_t a, uint32_t b, int test) const {
-    return tests.edge_edge_overlap(a, b, test) && !excludes_second(a, b, test);
+  COLLIDED_HD bool overlap_second(uint32_t a, uint32_t b, int test) const {
+    return tests.edge_edge_overlap(a, b, test);
   }
   /// Whether features whose boxes overlap are no candidate all the same.
   COLLIDED_HD bool excludes_first(uint32_t a, uint32_t b, int test) const {

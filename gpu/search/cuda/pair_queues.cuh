@@ -52,7 +52,7 @@ struct PairQueuesShared {
   WarpQueue<kPairsAtOnce> pairs;
   WarpQueue<6> first_tests;  ///< features whose boxes have to be tested
   WarpQueue<9> second_tests;
-  WarpQueue<1> first, second;  ///< candidates
+  WarpQueue<1> first, second;  ///< candidates, but for those that are left out
 };
 
 /// All lanes of the warp call together.
@@ -134,24 +134,28 @@ class PairQueues {
   }
   __device__ void drain_first_tests(unsigned count) {
     const Entry e = take(shared_.first_tests, first_tests_, count);
-    push(shared_.first, first_, e.active && sink_.is_first(e.a, e.b, e.test), e.packed);
+    push(shared_.first, first_, e.active && sink_.overlap_first(e.a, e.b, e.test), e.packed);
     if (first_ >= 32) drain_first(32);
   }
   __device__ void drain_second_tests(unsigned count) {
     const Entry e = take(shared_.second_tests, second_tests_, count);
-    push(shared_.second, second_, e.active && sink_.is_second(e.a, e.b, e.test + Sink::kFirstOfSecondKind), e.packed);
+    push(shared_.second, second_, e.active && sink_.overlap_second(e.a, e.b, e.test + Sink::kFirstOfSecondKind),
+         e.packed);
     if (second_ >= 32) drain_second(32);
   }
   __device__ void drain_first(unsigned count) {
     const Entry e = take(shared_.first, first_, count);
-    first_count_ += count;
-    overfull_ |= e.active && !sink_.take_first(e.a, e.b, e.test);
+    const bool is_candidate = e.active && !sink_.excludes_first(e.a, e.b, e.test);
+    first_count_ += __popc(__ballot_sync(kAllLanes, is_candidate));
+    overfull_ |= is_candidate && !sink_.take_first(e.a, e.b, e.test);
     __syncwarp();
   }
   __device__ void drain_second(unsigned count) {
     const Entry e = take(shared_.second, second_, count);
-    second_count_ += count;
-    overfull_ |= e.active && !sink_.take_second(e.a, e.b, e.test + Sink::kFirstOfSecondKind);
+    const int test = e.test + Sink::kFirstOfSecondKind;
+    const bool is_candidate = e.active && !sink_.excludes_second(e.a, e.b, test);
+    second_count_ += __popc(__ballot_sync(kAllLanes, is_candidate));
+    overfull_ |= is_candidate && !sink_.take_second(e.a, e.b, test);
     __syncwarp();
   }
 

@@ -26,7 +26,7 @@ struct OneLeaf {
       });
   }
   LeafPairs source() {
-    return {&grid,          {},      span_of(boxes),    span_of(leaves), span_of(registered),
+    return {&grid,          filter,  span_of(boxes),    span_of(leaves), span_of(registered),
             span_of(items), &totals, registered.size(), ~uint64_t{0}};
   }
   std::vector<std::pair<uint32_t, uint32_t>> pairs() {
@@ -39,6 +39,7 @@ struct OneLeaf {
   }
 
   LevelGrid grid{{0, 0, 0}, 1, 0, 0};
+  PairFilter filter;
   std::vector<Box<float>> boxes;
   std::vector<uint32_t> registered;
   std::vector<Leaf> leaves;
@@ -120,6 +121,62 @@ TEST(PairFilter, FollowsGroupsMasksStaticAndSelf) {
   EXPECT_FALSE(may(2, 3)) << "both static";
   EXPECT_FALSE(may(2, 2)) << "static with itself";
   EXPECT_TRUE(may(0, 3));
+}
+
+/// Triangles of a few meshes with random rules.
+struct RandomMeshes {
+  explicit RandomMeshes(std::mt19937& random) : mesh(140) {
+    const auto below = [&](uint32_t n) { return static_cast<uint32_t>(random() % n); };
+    for (MeshRule& rule : rules) rule = {1u << below(3), below(8), below(2), below(2)};
+    const uint32_t first = below(6), count = 1 + below(3);
+    for (uint32_t& m : mesh) m = std::min(first + below(count), 5u);
+    if (below(2) == 0) std::sort(mesh.begin(), mesh.end());
+    add_key(excluded, pack_ids(0, 1));
+    add_key(excluded, pack_ids(2, 5));
+  }
+  PairFilter filter() const { return {mesh.data(), rules.data(), {{excluded.data(), excluded.size()}}}; }
+
+  std::vector<MeshRule> rules = std::vector<MeshRule>(6);
+  std::vector<uint32_t> mesh;
+  std::vector<uint64_t> excluded = std::vector<uint64_t>(key_slots(2), kNoKey);
+};
+
+TEST(PairFilter, RulesOutTogetherOnlyWhatItRulesOutAlone) {
+  std::mt19937 random(5);
+  int ruled_out = 0, needless = 0;
+  for (int run = 0; run < 4000; ++run) {
+    const RandomMeshes meshes(random);
+    const PairFilter may = meshes.filter();
+    MeshesTogether p, q;
+    for (uint32_t k = 0; k < 4; ++k) p.add(may.meshes_of(k)), q.add(may.meshes_of(100 + k));
+    bool any = false;
+    for (uint32_t a = 0; a < 4; ++a)
+      for (uint32_t b = 0; b < 4; ++b) any = any || may(a, 100 + b);
+    const bool together = may.may_pass(p, q);
+    ASSERT_TRUE(together || !any) << run;
+    ASSERT_EQ(together, may.may_pass(q, p)) << run;
+    ruled_out += together ? 0 : 1;
+    needless += together && !any ? 1 : 0;
+  }
+  EXPECT_GT(ruled_out, 1000);
+  EXPECT_LT(needless, ruled_out / 4);
+  EXPECT_FALSE(PairFilter{}.may_pass({}, {})) << "no triangles at all";
+}
+
+TEST(PairTests, TilesThatAreRuledOutHaveNoPairThatPasses) {
+  std::mt19937 random(6);
+  for (int run = 0; run < 60; ++run) {
+    const RandomMeshes meshes(random);
+    OneLeaf leaf(static_cast<uint32_t>(meshes.mesh.size()));
+    const PairFilter may = leaf.filter = meshes.filter();
+    auto pairs = leaf.pairs();
+    std::sort(pairs.begin(), pairs.end());
+    std::vector<std::pair<uint32_t, uint32_t>> expected;
+    for (uint32_t a = 0; a < meshes.mesh.size(); ++a)
+      for (uint32_t b = a + 1; b < meshes.mesh.size(); ++b)
+        if (may(a, b)) expected.emplace_back(a, b);
+    ASSERT_EQ(pairs, expected) << run;
+  }
 }
 
 // Meshes with neighbouring numbers, whose keys may not crowd each other out.

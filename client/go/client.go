@@ -1,0 +1,278 @@
+// Package collided is a client of the daemon collided, which finds the contacts of moving meshes. Connect connects, a Client
+// creates scenes, and a Stream takes frames and gives their contacts. Every error is an *Error. The messages of the protocol,
+// with the unit and range of each field, are in package v1.
+package collided
+
+//go:generate ./generate
+
+import (
+	"context"
+	"crypto/rand"
+	"encoding/hex"
+	"time"
+
+	"google.golang.org/grpc"
+	"google.golang.org/grpc/codes"
+
+	v1 "collided/client/go/v1"
+)
+
+const (
+	createTries = 3
+	chunkBytes  = (1 << 20) / 12 * 12 // whole triangles, well below the limit of any daemon
+)
+
+// Client is a connection to a daemon. Any goroutine may use it.
+type Client struct {
+	connector  *connector
+	connection *grpc.ClientConn
+	service    v1.CollisionServiceClient
+	info       *v1.GetServerInfoResponse
+	daemon     *Daemon // its own; nil: none
+}
+
+// Connect connects to the daemon at address, host:port or unix:/path. If it is empty, it starts a daemon of its own, which
+// Close stops: $COLLIDED_DAEMON, or collided on the PATH.
+func Connect(ctx context.Context, address string, options Options) (*Client, error) {
+	var daemon *Daemon
+	if address == "" {
+		var err error
+		if daemon, err = StartDaemon(ctx); err != nil {
+			return nil, err
+		}
+		address = daemon.Address
+	}
+	client, err := connect(ctx, address, options)
+	if err != nil {
+		daemon.Stop()
+		return nil, err
+	}
+	client.daemon = daemon
+	return client, nil
+}
+
+func connect(ctx context.Context, address string, options Options) (*Client, error) {
+	connector, err := newConnector(address, options)
+	if err != nil {
+		return nil, err
+	}
+	return connector.client(ctx)
+}
+
+// client makes a new connection.
+func (c *connector) client(ctx context.Context) (*Client, error) {
+	connection, err := c.connect(ctx, "")
+	if err != nil {
+		return nil, err
+	}
+	client := &Client{connector: c, connection: connection, service: v1.NewCollisionServiceClient(connection)}
+	if client.info, err = client.GetServerInfo(ctx); err != nil {
+		connection.Close()
+		return nil, err
+	}
+	return client, nil
+}
+
+// Close closes the connection, and stops the daemon if it is the client's own. Streams and watches have their own connections.
+func (c *Client) Close() {
+	c.connection.Close()
+	c.daemon.Stop()
+}
+
+// ServerInfo has version, devices and limits of the daemon when the client connected.
+func (c *Client) ServerInfo() *v1.GetServerInfoResponse { return c.info }
+
+// GetServerInfo asks for version, devices and limits of the daemon.
+func (c *Client) GetServerInfo(ctx context.Context) (*v1.GetServerInfoResponse, error) {
+	return call(ctx, c, "", c.service.GetServerInfo, &v1.GetServerInfoRequest{})
+}
+
+// CreateScene creates a scene of spec, which must have no meshes, and meshes, ready for frames. It retries if the answer is
+// lost, without ever creating two scenes. The scene is deleted after lease without a stream or a call; 0: the daemon's default.
+func (c *Client) CreateScene(ctx context.Context, spec *SceneSpec, meshes []Mesh, lease time.Duration) (*Scene, error) {
+	input, err := newSceneInput(spec, meshes)
+	if err != nil {
+		return nil, err
+	}
+	return c.createScene(ctx, input, lease)
+}
+
+func (c *Client) createScene(ctx context.Context, input *sceneInput, lease time.Duration) (*Scene, error) {
+	scene, err := c.create(ctx, &v1.CreateSceneRequest{RequestId: randomID(), Spec: input.spec, LeaseSeconds: lease.Seconds()})
+	if err != nil {
+		return nil, err
+	}
+	id := scene.SceneId
+	for mesh, triangles := range input.triangles {
+		if len(triangles) == 0 {
+			continue
+		}
+		if scene, err = c.upload(ctx, id, uint32(mesh), triangles); err != nil {
+			c.tryDelete(id)
+			return nil, err
+		}
+	}
+	return scene, nil
+}
+
+// tryDelete cleans up after an upload whose error is the one to tell; its context may be over.
+func (c *Client) tryDelete(sceneID string) {
+	ctx, cancel := context.WithTimeout(context.Background(), time.Second)
+	defer cancel()
+	_ = c.DeleteScene(ctx, sceneID)
+}
+
+func (c *Client) create(ctx context.Context, request *v1.CreateSceneRequest) (*Scene, error) {
+	for try := 1; ; try++ {
+		answer, err := call(ctx, c, "", c.service.CreateScene, request)
+		if err == nil {
+			return answer.Scene, nil
+		}
+		if err.(*Error).Code != codes.Unavailable || try == createTries {
+			return nil, err
+		}
+		if err := sleep(ctx, time.Duration(try)*200*time.Millisecond); err != nil {
+			return nil, err
+		}
+	}
+}
+
+func (c *Client) upload(ctx context.Context, sceneID string, mesh uint32, triangles []byte) (*Scene, error) {
+	more := time.Duration(len(triangles)/chunkBytes+1) * time.Second
+	ctx, cancel := c.connector.callContext(ctx, sceneID, more)
+	defer cancel()
+	upload, err := c.service.UploadMesh(ctx)
+	if err != nil {
+		return nil, errorOf(err)
+	}
+	for len(triangles) > 0 {
+		chunk := triangles[:min(chunkBytes, len(triangles))]
+		if upload.Send(&v1.UploadMeshRequest{SceneId: sceneID, Mesh: mesh, Triangles: chunk}) != nil {
+			break // CloseAndRecv says why
+		}
+		triangles = triangles[len(chunk):]
+	}
+	answer, err := upload.CloseAndRecv()
+	return answer.GetScene(), errorOf(err)
+}
+
+// EstimateScene tells what CreateScene of the same arguments would cost, before anything is made; no triangle is sent.
+func (c *Client) EstimateScene(ctx context.Context, spec *SceneSpec, meshes []Mesh) (*v1.EstimateSceneResponse, error) {
+	input, err := newSceneInput(spec, meshes)
+	if err != nil {
+		return nil, err
+	}
+	return call(ctx, c, "", c.service.EstimateScene, &v1.EstimateSceneRequest{Spec: input.spec})
+}
+
+// GetScene asks for state and memory of a scene.
+func (c *Client) GetScene(ctx context.Context, sceneID string) (*Scene, error) {
+	answer, err := call(ctx, c, sceneID, c.service.GetScene, &v1.GetSceneRequest{SceneId: sceneID})
+	return answer.GetScene(), err
+}
+
+// ListScenes lists this client's scenes, by id.
+func (c *Client) ListScenes(ctx context.Context) (scenes []*Scene, err error) {
+	for token := ""; ; {
+		page, err := call(ctx, c, "", c.service.ListScenes, &v1.ListScenesRequest{PageToken: token})
+		if err != nil {
+			return nil, err
+		}
+		scenes = append(scenes, page.Scenes...)
+		if token = page.NextPageToken; token == "" {
+			return scenes, nil
+		}
+	}
+}
+
+// DeleteScene deletes a scene and frees its memory; its stream ends with NotFound.
+func (c *Client) DeleteScene(ctx context.Context, sceneID string) error {
+	_, err := call(ctx, c, sceneID, c.service.DeleteScene, &v1.DeleteSceneRequest{SceneId: sceneID})
+	return err
+}
+
+// Detect is one frame, one answer, of a scene without an open stream. frame.ID is needed. It fails if the frame is refused.
+func (c *Client) Detect(ctx context.Context, scene *Scene, frame Frame) (*Output, error) {
+	message, err := frame.message(scene.GetSpec().GetPositionFormat())
+	if err != nil {
+		return nil, err
+	}
+	request := &v1.DetectFrameRequest{SceneId: scene.GetSceneId(), Frame: message}
+	answer, err := call(ctx, c, scene.GetSceneId(), c.service.DetectFrame, request)
+	if err != nil {
+		return nil, err
+	}
+	output := &Output{FrameID: frame.ID}
+	if err := output.addAll(answer.Contacts); err != nil {
+		return nil, err
+	}
+	return output, output.finish(answer.Done)
+}
+
+// Stream opens a stream, on a connection of its own to the scene's endpoint. The stream ends with ctx.
+func (c *Client) Stream(ctx context.Context, scene *Scene, options StreamOptions) (*Stream, error) {
+	connection, err := c.connector.connect(ctx, scene.GetEndpoint())
+	if err != nil {
+		return nil, err
+	}
+	id := scene.GetSceneId()
+	return openStream(c.connector.streamContext(ctx, id), connection, id, options, c.info.GetLimits().GetMaxMessageBytes())
+}
+
+// Resume resumes a scene whose stream broke, and takes it over from one that may still be open: send the frames after the new
+// stream's Scene().LastFrameId again.
+func (c *Client) Resume(ctx context.Context, scene *Scene, options StreamOptions) (*Stream, error) {
+	options.ResumeToken = scene.GetResumeToken()
+	return c.Stream(ctx, scene, options)
+}
+
+// Watch watches the frames that others send to a scene of this client, on a connection of its own. The watch ends with ctx.
+func (c *Client) Watch(ctx context.Context, sceneID string, options WatchOptions) (*Watcher, error) {
+	connection, err := c.connector.connect(ctx, "")
+	if err != nil {
+		return nil, err
+	}
+	return openWatcher(c.connector.streamContext(ctx, sceneID), connection, sceneID, options)
+}
+
+// Session creates a scene and a stream that survive the loss of the connection and of the daemon. The session ends with ctx.
+func (c *Client) Session(ctx context.Context, spec *SceneSpec, meshes []Mesh, options SessionOptions) (*Session, error) {
+	input, err := newSceneInput(spec, meshes)
+	if err != nil {
+		return nil, err
+	}
+	return openSession(ctx, c.connector, input, options)
+}
+
+func call[Q, A any](ctx context.Context, c *Client, sceneID string,
+	method func(context.Context, *Q, ...grpc.CallOption) (*A, error), request *Q) (*A, error) {
+	ctx, cancel := c.connector.callContext(ctx, sceneID, 0)
+	defer cancel()
+	answer, err := method(ctx, request)
+	return answer, errorOf(err)
+}
+
+func sleep(ctx context.Context, pause time.Duration) error {
+	select {
+	case <-time.After(pause):
+		return nil
+	case <-ctx.Done():
+		return contextError(ctx.Err())
+	}
+}
+
+// randomID has 128 random bits as hexadecimal digits.
+func randomID() string {
+	var bits [16]byte
+	if _, err := rand.Read(bits[:]); err != nil {
+		panic(err) // the system has no randomness
+	}
+	return hex.EncodeToString(bits[:])
+}
+
+func min(a, b int) int {
+	if a < b {
+		return a
+	}
+	return b
+}

@@ -1,0 +1,184 @@
+package collided
+
+import (
+	"encoding/binary"
+	"fmt"
+	"math"
+
+	v1 "collided/client/go/v1"
+)
+
+// Positions of vertices, x y z each, as a scene's format has them: F32, F64 or Q16.
+type Positions interface {
+	format() v1.PositionFormat
+	pack() []byte
+}
+
+// F32 are positions of scenes of POSITION_FORMAT_F32, which is the default.
+type F32 [][3]float32
+
+// F64 are positions of scenes of POSITION_FORMAT_F64.
+type F64 [][3]float64
+
+// Q16 are positions of scenes of POSITION_FORMAT_Q16: PackQuantized.
+type Q16 [][3]uint16
+
+// Matrix has the rows of [R | t], which move p to R p + t.
+type Matrix [12]float64
+
+// Real is what positions are computed with.
+type Real interface{ ~float32 | ~float64 }
+
+func (F32) format() v1.PositionFormat { return FormatF32 }
+func (F64) format() v1.PositionFormat { return FormatF64 }
+func (Q16) format() v1.PositionFormat { return FormatQ16 }
+
+func (positions F32) pack() []byte {
+	bytes := make([]byte, 0, 12*len(positions))
+	for _, p := range positions {
+		for _, x := range p {
+			bytes = binary.LittleEndian.AppendUint32(bytes, math.Float32bits(x))
+		}
+	}
+	return bytes
+}
+
+func (positions F64) pack() []byte {
+	bytes := make([]byte, 0, 24*len(positions))
+	for _, p := range positions {
+		for _, x := range p {
+			bytes = binary.LittleEndian.AppendUint64(bytes, math.Float64bits(x))
+		}
+	}
+	return bytes
+}
+
+func (positions Q16) pack() []byte {
+	bytes := make([]byte, 0, 6*len(positions))
+	for _, p := range positions {
+		for _, q := range p {
+			bytes = binary.LittleEndian.AppendUint16(bytes, q)
+		}
+	}
+	return bytes
+}
+
+func (m *Matrix) pack() []byte {
+	if m == nil {
+		return nil
+	}
+	bytes := make([]byte, 0, 8*len(m))
+	for _, x := range m {
+		bytes = binary.LittleEndian.AppendUint64(bytes, math.Float64bits(x))
+	}
+	return bytes
+}
+
+// packPositions refuses those of another format: to round them or not is for the caller to say.
+func packPositions(positions Positions, format v1.PositionFormat, field string) ([]byte, error) {
+	if positions == nil {
+		return nil, nil
+	}
+	if format == v1.PositionFormat_POSITION_FORMAT_UNSPECIFIED {
+		format = FormatF32
+	}
+	if positions.format() != format {
+		return nil, invalidf(field, "is %T; the scene's position_format is %v", positions, format)
+	}
+	return positions.pack(), nil
+}
+
+// MoveAlong moves positions in place the fraction of the way to target that the daemon moved them: Done.Advanced, or a
+// frame's FromLastFraction. Every bit is the daemon's; client/STEPPING.md has the formula. InvalidArgument if there are
+// not as many of one as of the other, or the fraction is not from 0 to 1.
+func MoveAlong[T Real](positions, target [][3]T, fraction float64) error {
+	if len(positions) != len(target) {
+		return invalidf("target", "has %d vertices, positions have %d", len(target), len(positions))
+	}
+	if !(fraction >= 0 && fraction <= 1) {
+		return invalidf("fraction", "is %v; it must be from 0 to 1", fraction)
+	}
+	switch fraction {
+	case 0:
+	case 1:
+		copy(positions, target)
+	default:
+		for i := range positions {
+			for k := range positions[i] {
+				x := float64(positions[i][k])
+				// Without the conversions a compiler may fuse the operations, which rounds less often.
+				positions[i][k] = T(x + float64(fraction*float64(float64(target[i][k])-x)))
+			}
+		}
+	}
+	return nil
+}
+
+// MoveRigidly moves the first positions of a rigid mesh in place to where the pose has them. Every bit is the daemon's;
+// proto/CONVENTIONS.md has the formula.
+func MoveRigidly[T Real](positions [][3]T, pose *Matrix) {
+	for i := range positions {
+		x, y, z := float64(positions[i][0]), float64(positions[i][1]), float64(positions[i][2])
+		for row := range positions[i] {
+			r := pose[4*row : 4*row+4]
+			// Not fused, as in MoveAlong.
+			positions[i][row] = T(float64(float64(float64(r[0]*x)+float64(r[1]*y))+float64(r[2]*z)) + r[3])
+		}
+	}
+}
+
+const lastQ16 = 65535
+
+// PackQuantized encodes positions as Q16, each coordinate to the nearest step of the box. InvalidArgument for a box without
+// three finite coordinates each, in order, and for a position that is not in it: what is clamped is not where it was.
+func PackQuantized[T Real](positions [][3]T, box *QuantizationBox) (Q16, error) {
+	steps, err := stepsOf(box)
+	if err != nil {
+		return nil, err
+	}
+	out := make(Q16, len(positions))
+	for i := range positions {
+		for k := range positions[i] {
+			x, lower, upper := float64(positions[i][k]), box.Lower[k], box.Upper[k]
+			if !(x >= lower && x <= upper) {
+				field := fmt.Sprintf("positions[%d][%d]", i, k)
+				return nil, invalidf(field, "is %v, outside the box, %v to %v", x, lower, upper)
+			}
+			if steps[k] > 0 {
+				out[i][k] = uint16(math.Min(math.Round((x-lower)/steps[k]), lastQ16))
+			}
+		}
+	}
+	return out, nil
+}
+
+// UnpackQuantized tells where the daemon has positions that are encoded as Q16.
+func UnpackQuantized(encoded Q16, box *QuantizationBox) (F32, error) {
+	steps, err := stepsOf(box)
+	if err != nil {
+		return nil, err
+	}
+	out := make(F32, len(encoded))
+	for i := range encoded {
+		for k, q := range encoded[i] {
+			out[i][k] = float32(box.Lower[k] + float64(float64(q)*steps[k]))
+		}
+	}
+	return out, nil
+}
+
+func stepsOf(box *QuantizationBox) ([3]float64, error) {
+	var steps [3]float64
+	if len(box.GetLower()) != 3 || len(box.GetUpper()) != 3 {
+		return steps, invalidf("box", "has %d and %d coordinates, 3 each are needed", len(box.GetLower()), len(box.GetUpper()))
+	}
+	for k := range steps {
+		lower, upper := box.Lower[k], box.Upper[k]
+		isFinite := !math.IsInf(lower, 0) && !math.IsInf(upper, 0)
+		if !isFinite || !(lower <= upper) {
+			return steps, invalidf("box", "is from %v to %v; both must be finite and in order", lower, upper)
+		}
+		steps[k] = (upper - lower) / lastQ16
+	}
+	return steps, nil
+}

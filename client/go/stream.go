@@ -1,0 +1,343 @@
+package collided
+
+import (
+	"context"
+	"io"
+	"sync"
+	"time"
+
+	"google.golang.org/grpc"
+	"google.golang.org/grpc/codes"
+	"google.golang.org/protobuf/proto"
+
+	v1 "collided/client/go/v1"
+)
+
+// StreamOptions tell how a stream is opened.
+type StreamOptions struct {
+	// Window is how many frames may be in flight, up to the daemon's limit; 0: the daemon chooses.
+	Window uint32
+	// Delivery is whether each frame is answered, or waiting ones give way to later ones.
+	Delivery v1.DeliveryPolicy
+	// ResumeToken is the scene's; takes it over from a stream that may still be open.
+	ResumeToken string
+}
+
+// Stream takes frames and gives outputs, in their order. Any goroutine may use it; it has a connection of its own, and reads
+// answers as they come.
+type Stream struct {
+	call       v1.CollisionService_StreamFramesClient
+	connection *grpc.ClientConn
+	cancel     context.CancelFunc
+	opened     *v1.StreamOpened
+	maxBytes   uint64
+	credits    chan struct{} // an entry for each frame that may be sent
+	ended      chan struct{} // closed once err is set
+	sending    sync.Mutex    // frames go out in the order of their ids
+
+	mutex       sync.Mutex // guards what follows
+	lastID      uint64
+	inFlight    []*inFlight
+	ready       []*Output
+	news        chan struct{} // closed, and made anew, when there is an output
+	isFinishing bool
+	err         error // why the stream has ended
+	drainsAt    time.Time
+}
+
+// inFlight is a frame without an answer yet.
+type inFlight struct {
+	output *Output
+	detect chan *Output // has room for the output; nil: Receive gives it
+}
+
+func openStream(ctx context.Context, connection *grpc.ClientConn, sceneID string, options StreamOptions,
+	maxBytes uint64) (*Stream, error) {
+	ctx, cancel := context.WithCancel(ctx)
+	s := &Stream{connection: connection, cancel: cancel, maxBytes: maxBytes, ended: make(chan struct{}), news: make(chan struct{})}
+	if err := s.open(ctx, sceneID, options); err != nil {
+		s.release()
+		return nil, err
+	}
+	s.lastID = s.Scene().LastFrameId
+	s.credits = make(chan struct{}, s.Window())
+	for i := uint32(0); i < s.Window(); i++ {
+		s.credits <- struct{}{}
+	}
+	go s.readAll()
+	return s, nil
+}
+
+func (s *Stream) open(ctx context.Context, sceneID string, options StreamOptions) (err error) {
+	if s.call, err = v1.NewCollisionServiceClient(s.connection).StreamFrames(ctx); err != nil {
+		return errorOf(err)
+	}
+	open := &v1.OpenStream{SceneId: sceneID, Window: options.Window, Delivery: options.Delivery, ResumeToken: options.ResumeToken}
+	// If it fails, Recv says why.
+	_ = s.call.Send(&v1.StreamFramesRequest{Request: &v1.StreamFramesRequest_Open{Open: open}})
+	answer, err := s.call.Recv()
+	if err != nil {
+		return errorOf(err)
+	}
+	if s.opened = answer.GetOpened(); s.opened.GetScene() == nil {
+		return failf(codes.Internal, "", "the daemon's first answer does not open the stream")
+	}
+	return nil
+}
+
+// Scene is as of the opening: LastFrameId is the last frame that was applied before this stream.
+func (s *Stream) Scene() *Scene { return s.opened.Scene }
+
+// Window is how many frames may be in flight.
+func (s *Stream) Window() uint32 { return s.opened.Window }
+
+// Draining tells whether the daemon is stopping, and how long until it closes the stream.
+func (s *Stream) Draining() (left time.Duration, isDraining bool) {
+	s.mutex.Lock()
+	defer s.mutex.Unlock()
+	if s.drainsAt.IsZero() {
+		return 0, false
+	}
+	if left = time.Until(s.drainsAt); left < 0 {
+		left = 0
+	}
+	return left, true
+}
+
+// Err is why the stream has ended; nil while it has not.
+func (s *Stream) Err() error {
+	s.mutex.Lock()
+	defer s.mutex.Unlock()
+	return s.err
+}
+
+// Send waits until fewer frames than the window are in flight, then sends, and returns the frame's id. Receive has its
+// output. The frame's slices may change once Send has returned.
+func (s *Stream) Send(ctx context.Context, frame Frame) (uint64, error) {
+	message, err := frame.message(s.Scene().Spec.PositionFormat)
+	if err != nil {
+		return 0, err
+	}
+	return s.post(ctx, message, nil)
+}
+
+// Detect sends a frame and waits for its output. It fails if the frame is refused; the stream goes on. A frame whose context
+// ends after it was sent is applied all the same.
+func (s *Stream) Detect(ctx context.Context, frame Frame) (*Output, error) {
+	message, err := frame.message(s.Scene().Spec.PositionFormat)
+	if err != nil {
+		return nil, err
+	}
+	return s.detect(ctx, message)
+}
+
+func (s *Stream) detect(ctx context.Context, frame *v1.Frame) (*Output, error) {
+	answer := make(chan *Output, 1)
+	if _, err := s.post(ctx, frame, answer); err != nil {
+		return nil, err
+	}
+	select {
+	case output := <-answer:
+		return output, output.Err
+	case <-ctx.Done():
+		return nil, contextError(ctx.Err())
+	case <-s.ended:
+	}
+	select {
+	case output := <-answer: // it was the last one
+		return output, output.Err
+	default:
+		return nil, s.Err()
+	}
+}
+
+// Receive waits for the next output of Send. It fails once the stream has ended, or ctx has. Output.Err is of a frame that was
+// refused.
+func (s *Stream) Receive(ctx context.Context) (*Output, error) {
+	for {
+		s.mutex.Lock()
+		if len(s.ready) > 0 {
+			output := s.ready[0]
+			s.ready = s.ready[1:]
+			s.mutex.Unlock()
+			return output, nil
+		}
+		err, news := s.err, s.news
+		s.mutex.Unlock()
+		if err != nil {
+			return nil, err
+		}
+		select {
+		case <-news:
+		case <-s.ended:
+		case <-ctx.Done():
+			return nil, contextError(ctx.Err())
+		}
+	}
+}
+
+// Finish tells the daemon that no more frames will come, and waits until all are answered. Outputs can still be received.
+func (s *Stream) Finish(ctx context.Context) error {
+	s.sending.Lock()
+	s.mutex.Lock()
+	isFirst := !s.isFinishing
+	s.isFinishing = true
+	s.mutex.Unlock()
+	if isFirst {
+		_ = s.call.CloseSend()
+	}
+	s.sending.Unlock()
+	select {
+	case <-s.ended:
+	case <-ctx.Done():
+		return contextError(ctx.Err())
+	}
+	if err := s.Err(); err != errFinished {
+		return err
+	}
+	return nil
+}
+
+// Close ends the stream; frames in flight are withdrawn.
+func (s *Stream) Close() {
+	s.cancel()
+	<-s.ended
+}
+
+var errFinished error = failf(codes.FailedPrecondition, "", "the stream has ended, as Finish asked for")
+
+// post sends a frame. answer: where its output goes; nil: to Receive.
+func (s *Stream) post(ctx context.Context, frame *v1.Frame, answer chan *Output) (uint64, error) {
+	if err := s.takeCredit(ctx); err != nil {
+		return 0, err
+	}
+	s.sending.Lock()
+	defer s.sending.Unlock()
+	request := &v1.StreamFramesRequest{Request: &v1.StreamFramesRequest_Frame{Frame: frame}}
+	if err := s.book(request, answer); err != nil {
+		s.credits <- struct{}{}
+		return 0, err
+	}
+	if err := s.call.Send(request); err != nil {
+		<-s.ended // then its reason is known
+		return 0, s.Err()
+	}
+	return frame.FrameId, nil
+}
+
+func (s *Stream) takeCredit(ctx context.Context) error {
+	if ctx.Err() != nil {
+		return contextError(ctx.Err())
+	}
+	select {
+	case <-s.credits:
+		return nil
+	case <-s.ended:
+		return s.Err()
+	case <-ctx.Done():
+		return contextError(ctx.Err())
+	}
+}
+
+// book gives the frame an id if it has none, and expects its answer.
+func (s *Stream) book(request *v1.StreamFramesRequest, answer chan *Output) error {
+	frame := request.GetFrame()
+	s.mutex.Lock()
+	defer s.mutex.Unlock()
+	if s.err != nil {
+		return s.err
+	}
+	if s.isFinishing {
+		return errFinished
+	}
+	if frame.FrameId == 0 {
+		frame.FrameId = s.lastID + 1
+	}
+	if bytes := uint64(proto.Size(request)); bytes > s.maxBytes {
+		return failf(codes.ResourceExhausted, "frame", "frame is %d bytes; the daemon's limit is %d (--max-message-mb)",
+			bytes, s.maxBytes)
+	}
+	s.lastID = frame.FrameId
+	s.inFlight = append(s.inFlight, &inFlight{&Output{FrameID: frame.FrameId}, answer})
+	return nil
+}
+
+// readAll reads until the stream ends. An answer that contradicts itself ends it: what follows cannot be trusted.
+func (s *Stream) readAll() {
+	for {
+		response, err := s.call.Recv()
+		if err == nil {
+			if err = s.take(response); err == nil {
+				continue
+			}
+		}
+		s.conclude(err)
+		s.release()
+		return
+	}
+}
+
+func (s *Stream) release() {
+	s.cancel()
+	s.connection.Close()
+}
+
+func (s *Stream) conclude(err error) {
+	s.mutex.Lock()
+	defer s.mutex.Unlock()
+	switch {
+	case err != io.EOF:
+		s.err = errorOf(err)
+	case s.isFinishing:
+		s.err = errFinished
+	default:
+		s.err = failf(codes.Unavailable, "", "the stream has ended")
+	}
+	close(s.ended)
+}
+
+func (s *Stream) take(response *v1.StreamFramesResponse) error {
+	s.mutex.Lock()
+	defer s.mutex.Unlock()
+	if draining := response.GetDraining(); draining != nil {
+		s.drainsAt = time.Now().Add(time.Duration(draining.DeadlineSeconds * float64(time.Second)))
+		return nil
+	}
+	if response.Response == nil {
+		return nil // of a later version
+	}
+	if len(s.inFlight) == 0 || s.inFlight[0].output.FrameID != response.FrameId {
+		return failf(codes.DataLoss, "", "an answer is of frame %d, which is not the oldest in flight", response.FrameId)
+	}
+	output := s.inFlight[0].output
+	switch answer := response.Response.(type) {
+	case *v1.StreamFramesResponse_Contacts:
+		return output.add(answer.Contacts)
+	case *v1.StreamFramesResponse_Done:
+		if err := output.finish(answer.Done); err != nil {
+			return err
+		}
+	case *v1.StreamFramesResponse_Error:
+		output.Err = errorOfFrame(answer.Error)
+	case *v1.StreamFramesResponse_Skipped:
+		output.Skipped = true
+	default:
+		return failf(codes.DataLoss, "", "the answer of frame %d is %T", response.FrameId, answer)
+	}
+	s.complete()
+	return nil
+}
+
+// complete gives the oldest output to whom it belongs. The mutex is held.
+func (s *Stream) complete() {
+	oldest := s.inFlight[0]
+	s.inFlight = s.inFlight[1:]
+	s.credits <- struct{}{} // there is room: one was taken for the frame
+	if oldest.detect != nil {
+		oldest.detect <- oldest.output
+		return
+	}
+	s.ready = append(s.ready, oldest.output)
+	close(s.news)
+	s.news = make(chan struct{})
+}

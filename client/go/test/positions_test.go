@@ -1,0 +1,212 @@
+package test
+
+import (
+	"math"
+	"reflect"
+	"testing"
+
+	"google.golang.org/grpc/codes"
+
+	collided "collided/client/go"
+	v1 "collided/client/go/v1"
+)
+
+// seen is a frame's totals, and where the daemon has the vertices of mesh 1 after it.
+type seen struct {
+	done      *v1.FrameDone
+	positions collided.Positions
+}
+
+func whereTheDaemonHasThem(t *testing.T, spec *collided.SceneSpec, meshes []collided.Mesh, frames []collided.Frame) (out []seen) {
+	t.Helper()
+	ctx, client := connected(t)
+	scene := create(ctx, t, client, spec, meshes)
+	watcher, err := client.Watch(ctx, scene.SceneId, collided.WatchOptions{PositionMeshes: []uint32{1}})
+	must(t, err)
+	defer watcher.Close()
+	s := stream(ctx, t, client, scene, collided.StreamOptions{})
+	for _, frame := range frames {
+		output := detect(ctx, t, s, frame)
+		shown, err := watcher.Receive()
+		must(t, err)
+		out = append(out, seen{output.Done, shown.Positions[0].Positions})
+	}
+	must(t, s.Finish(ctx))
+	return out
+}
+
+func f64(positions collided.F32) (out collided.F64) {
+	for _, p := range positions {
+		out = append(out, [3]float64{float64(p[0]), float64(p[1]), float64(p[2])})
+	}
+	return out
+}
+
+// steps end in a fall that is cut short.
+func steps(x collided.F32) (out []collided.F32) {
+	for step, drop := range []float32{0.3, 0.7, 1.9} {
+		p := append(collided.F32{}, x...)
+		for i := range p {
+			p[i][0] += 0.013 * float32(i+step)
+			p[i][1] += 0.017 * float32(i+step)
+			p[i][2] -= drop
+		}
+		out = append(out, p)
+	}
+	return out
+}
+
+func TestMoveAlongGoesWhereTheDaemonGoes(t *testing.T) {
+	x := tipAt(1.1)
+	x64 := f64(x)
+	narrow, wide := []collided.Frame{first(floor, x)}, []collided.Frame{first(f64(floor), x64)}
+	for _, p := range steps(x) {
+		narrow = append(narrow, collided.Frame{Advance: true, Updates: []collided.Update{{Mesh: 1, Positions: p}}})
+		wide = append(wide, collided.Frame{Advance: true, Updates: []collided.Update{{Mesh: 1, Positions: f64(p)}}})
+	}
+	spec := &collided.SceneSpec{Mode: collided.CCD, MinSeparation: 1e-3}
+	asF32 := whereTheDaemonHasThem(t, spec, twoTriangles(), narrow)
+	spec.PositionFormat = collided.FormatF64
+	asF64 := whereTheDaemonHasThem(t, spec, twoTriangles(), wide)
+	for i, p := range steps(x) {
+		must(t, collided.MoveAlong(x, p, asF32[i+1].done.GetAdvanced()))
+		must(t, collided.MoveAlong(x64, f64(p), asF64[i+1].done.GetAdvanced()))
+		if !reflect.DeepEqual(asF32[i+1].positions, x) || !reflect.DeepEqual(asF64[i+1].positions, x64) {
+			t.Fatal(i, asF32[i+1].positions, x, asF64[i+1].positions, x64)
+		}
+	}
+	if a := asF64[3].done.GetAdvanced(); a <= 0 || a >= 1 {
+		t.Fatal(a, "tests no rounding")
+	}
+}
+
+func first(still, moving collided.Positions) collided.Frame {
+	return collided.Frame{Updates: []collided.Update{{Mesh: 0, Positions: still}, {Mesh: 1, Positions: moving}}}
+}
+
+func TestMoveRigidlyGoesWhereTheDaemonGoes(t *testing.T) {
+	c, s := math.Cos(0.7), math.Sin(0.7)
+	pose := &collided.Matrix{c, -s, 0, 0.1, s, c, 0, -0.3, 0, 0, 1, 1.0 / 3}
+	meshes := twoTriangles()
+	meshes[1].Motion = collided.Rigid
+	x := tipAt(1.1)
+	x64 := f64(x)
+	move := collided.Frame{Updates: []collided.Update{{Mesh: 1, Transform: pose}}}
+	spec := &collided.SceneSpec{Mode: collided.CCD}
+	asF32 := whereTheDaemonHasThem(t, spec, meshes, []collided.Frame{first(floor, x), move})
+	spec.PositionFormat = collided.FormatF64
+	asF64 := whereTheDaemonHasThem(t, spec, meshes, []collided.Frame{first(f64(floor), x64), move})
+	collided.MoveRigidly(x, pose)
+	collided.MoveRigidly(x64, pose)
+	if !reflect.DeepEqual(asF32[1].positions, x) || !reflect.DeepEqual(asF64[1].positions, x64) {
+		t.Fatal(asF32[1].positions, x, asF64[1].positions, x64)
+	}
+	same(t, asF32[1].done.Metrics.BytesIn, 96)
+}
+
+func TestQ16IsPackedAsTheDaemonReadsIt(t *testing.T) {
+	box := &collided.QuantizationBox{Lower: []float64{-1, -2, -3}, Upper: []float64{5, 6.5, 9.1}}
+	tip, err := collided.PackQuantized(tipAt(1.0/3), box)
+	must(t, err)
+	ground, err := collided.PackQuantized(floor, box)
+	must(t, err)
+	spec := &collided.SceneSpec{Mode: collided.CCD, PositionFormat: collided.FormatQ16, QuantizationBox: box}
+	there := whereTheDaemonHasThem(t, spec, twoTriangles(), []collided.Frame{first(ground, tip)})
+	unpacked, err := collided.UnpackQuantized(tip, box)
+	must(t, err)
+	if !reflect.DeepEqual(there[0].positions, unpacked) {
+		t.Fatal(there[0].positions, unpacked)
+	}
+	unit := &collided.QuantizationBox{Lower: []float64{0, 0, 0}, Upper: []float64{1, 1, 0}}
+	q, err := collided.PackQuantized([][3]float64{{1, 0.5, 0}}, unit)
+	must(t, err)
+	same(t, q[0], [3]uint16{65535, 32768, 0})
+}
+
+func TestHelpersRefuseWhatTheyCannotDo(t *testing.T) {
+	unit := &collided.QuantizationBox{Lower: []float64{0, 0, 0}, Upper: []float64{1, 1, 1}}
+	three := make([][3]float32, 1)
+	_, err := collided.PackQuantized([][3]float64{{0, 2, 0}}, unit)
+	refused(t, err, codes.InvalidArgument, "positions[0][1]", "is 2, outside the box, 0 to 1")
+	_, err = collided.PackQuantized([][3]float64{{math.NaN(), 0, 0}}, unit)
+	refused(t, err, codes.InvalidArgument, "positions[0][0]", "NaN")
+	_, err = collided.PackQuantized(three, nil)
+	refused(t, err, codes.InvalidArgument, "box", "3 each are needed")
+	_, err = collided.PackQuantized(three, &collided.QuantizationBox{Lower: unit.Upper, Upper: unit.Lower})
+	refused(t, err, codes.InvalidArgument, "box", "in order")
+	_, err = collided.UnpackQuantized(nil, &collided.QuantizationBox{Lower: []float64{math.NaN(), 0, 0}, Upper: unit.Upper})
+	refused(t, err, codes.InvalidArgument, "box", "finite")
+	refused(t, collided.MoveAlong(three, make([][3]float32, 2), 0.5), codes.InvalidArgument, "target", "has 2 vertices")
+	refused(t, collided.MoveAlong(three, three, math.NaN()), codes.InvalidArgument, "fraction", "from 0 to 1")
+	refused(t, collided.MoveAlong(three, three, 1.1), codes.InvalidArgument, "fraction", "is 1.1")
+}
+
+func TestContactPointsLieWhereTheConventionsSay(t *testing.T) {
+	ctx, client := connected(t)
+	fields := []v1.ContactField{collided.FieldStencil, collided.FieldTOI, collided.FieldWeights}
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD, Fields: fields}, twoTriangles())
+	output, err := client.Detect(ctx, scene, fall(1, 2))
+	must(t, err)
+	start, end := append(append(collided.F32{}, floor...), tipAt(1)...), append(append(collided.F32{}, floor...), tipAt(-1)...)
+	contacts := &output.VertexTriangle
+	ours, theirs, err := collided.ContactPoints(collided.VertexTriangle, contacts, start, end)
+	must(t, err)
+	for _, p := range [][3]float64{ours[0], theirs[0]} {
+		if math.Abs(p[0]-1) > 1e-9 || math.Abs(p[1]-1) > 1e-9 || math.Abs(p[2]) > 1e-6 {
+			t.Fatal(p)
+		}
+	}
+	same(t, collided.ElementKindOf(contacts.Stencils[0]), collided.Triangle)
+	_, _, err = collided.ContactPoints(collided.VertexTriangle, contacts, start[:3], end[:3])
+	refused(t, err, codes.InvalidArgument, "end", "has 3 vertices, but a contact has vertex 3")
+	_, _, err = collided.ContactPoints(collided.VertexTriangle, contacts, start[:3], end)
+	refused(t, err, codes.InvalidArgument, "start", "has 3 vertices, end has 6")
+	_, _, err = collided.ContactPoints(collided.VertexTriangle, &collided.Contacts{Count: 1}, nil, end)
+	refused(t, err, codes.InvalidArgument, "contacts", "ask for these fields")
+}
+
+func TestHairAndParticlesMeetAsEdgesAndPoints(t *testing.T) {
+	ctx, client := connected(t)
+	meshes := []collided.Mesh{
+		{Name: "strand", VertexCount: 3, Edges: [][2]uint32{{0, 1}, {1, 2}}},
+		{Name: "drops", VertexCount: 3, Points: []uint32{0, 1, 2}},
+	}
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD, Thickness: 0.02}, meshes)
+	output, err := client.Detect(ctx, scene, collided.Frame{ID: 1, Updates: []collided.Update{
+		{Mesh: 0, Positions: collided.F32{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}},
+		{Mesh: 1, StartPositions: collided.F32{{0.25, 0, 1}, {5, 0, 0}, {5.5, 0, 0}},
+			Positions: collided.F32{{0.25, 0, -1}, {6, 0, 0}, {4.5, 0, 0}}},
+	}})
+	must(t, err)
+	contacts := output.VertexTriangle
+	same(t, [2][2]uint32{contacts.Elements[0], contacts.Elements[1]}, [2][2]uint32{{3, 0}, {4, 4}})
+	same(t, collided.ElementKindOf(contacts.Stencils[0]), collided.Edge)
+	same(t, collided.ElementKindOf(contacts.Stencils[1]), collided.Point)
+}
+
+func TestSparseUpdatesAndEditsChangeWhatTheyName(t *testing.T) {
+	ctx, client := connected(t)
+	scene := fallScene(ctx, t, client)
+	s := stream(ctx, t, client, scene, collided.StreamOptions{})
+	to := func(z float32) collided.Update {
+		return collided.Update{Mesh: 1, Indices: []uint32{0}, Positions: collided.F32{{1, 1, z}}}
+	}
+	detect(ctx, t, s, fall(0, 0.5))
+	same(t, detect(ctx, t, s, collided.Frame{Updates: []collided.Update{to(-1)}}).VertexTriangle.Elements[0], [2]uint32{3, 0})
+	unordered := collided.Update{Mesh: 1, Indices: []uint32{2, 0}, Positions: collided.F32{{}, {}}}
+	_, err := s.Detect(ctx, collided.Frame{Updates: []collided.Update{unordered}})
+	refused(t, err, codes.InvalidArgument, "frame.updates[0].sparse.indices", ".")
+	edit := func(edit *collided.SceneEdit, updates ...collided.Update) *collided.Output {
+		return detect(ctx, t, s, collided.Frame{Edit: edit, Updates: updates})
+	}
+	same(t, edit(&collided.SceneEdit{Meshes: []*v1.MeshEdit{collided.RemovedMesh(0)}}).Done.ContactCount, 0)
+	static := twoTriangles()[0]
+	static.Motion = collided.Static
+	added := &collided.SceneEdit{Meshes: []*v1.MeshEdit{collided.EditedMesh(0, static)}}
+	same(t, edit(added, collided.Update{Mesh: 0, Positions: floor}, to(1)).VertexTriangle.Elements[0], [2]uint32{3, 0})
+	apart := &collided.SceneEdit{ExcludeMeshes: []*collided.MeshPair{{First: 0, Second: 1}}}
+	same(t, edit(apart, to(-1)).Done.ContactCount, 0)
+	known, err := client.GetScene(ctx, scene.SceneId)
+	must(t, err)
+	same(t, known.EditCount, 3)
+}

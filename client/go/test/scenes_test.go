@@ -1,0 +1,117 @@
+package test
+
+import (
+	"context"
+	"errors"
+	"testing"
+	"time"
+
+	"google.golang.org/grpc/codes"
+
+	collided "collided/client/go"
+	v1 "collided/client/go/v1"
+)
+
+func TestASceneIsCreatedListedEstimatedAndDeleted(t *testing.T) {
+	ctx, client := connected(t)
+	scene, err := client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles(), time.Minute)
+	must(t, err)
+	same(t, scene.State, v1.SceneState_SCENE_STATE_READY)
+	same(t, [3]uint64{scene.VertexCount, scene.EdgeCount, scene.TriangleCount}, [3]uint64{6, 6, 2})
+	same(t, scene.LeaseSeconds, 60)
+	known, err := client.GetScene(ctx, scene.SceneId)
+	must(t, err)
+	same(t, known.SceneId, scene.SceneId)
+	scenes, err := client.ListScenes(ctx)
+	must(t, err)
+	same(t, len(scenes), 1)
+	estimate, err := client.EstimateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles())
+	must(t, err)
+	same(t, estimate.FirstFrameBytes, 72)
+	must(t, client.DeleteScene(ctx, scene.SceneId))
+	_, err = client.GetScene(ctx, scene.SceneId)
+	refused(t, err, codes.NotFound, "scene_id", "deleted")
+}
+
+func TestTrianglesGoUpInChunks(t *testing.T) {
+	ctx, client := connected(t)
+	meshes, _ := sheets(230) // 1.27 MB of triangles a mesh: two chunks
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.DCD}, meshes)
+	same(t, scene.State, v1.SceneState_SCENE_STATE_READY)
+	same(t, scene.TriangleCount, 2*2*230*230)
+}
+
+func TestARefusedUploadLeavesNoScene(t *testing.T) {
+	ctx, client := connected(t)
+	meshes := twoTriangles()
+	meshes[1].Triangles = [][3]uint32{{0, 1, 7}}
+	_, err := client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, meshes, 0)
+	refused(t, err, codes.InvalidArgument, "triangles[0]", "vertex 7")
+	scenes, err := client.ListScenes(ctx)
+	must(t, err)
+	same(t, len(scenes), 0)
+}
+
+func TestABadSpecIsRefusedByName(t *testing.T) {
+	ctx, client := connected(t)
+	cases := []struct {
+		spec  *collided.SceneSpec
+		code  codes.Code
+		field string
+	}{
+		{nil, codes.InvalidArgument, "spec.mode"},
+		{&collided.SceneSpec{Mode: 77}, codes.InvalidArgument, "spec.mode"},
+		{&collided.SceneSpec{Mode: collided.CCD, Thickness: -1}, codes.InvalidArgument, "spec.thickness"},
+		{&collided.SceneSpec{Mode: collided.CCD, PositionFormat: collided.FormatQ16}, codes.InvalidArgument, "spec.quantization_box"},
+		{&collided.SceneSpec{Mode: collided.CCD, MemoryBudgetBytes: 1}, codes.ResourceExhausted, "spec.memory_budget_bytes"},
+		{&collided.SceneSpec{Mode: collided.CCD, Meshes: []*v1.MeshSpec{{}}}, codes.InvalidArgument, "spec.meshes"},
+	}
+	for _, c := range cases {
+		_, err := client.CreateScene(ctx, c.spec, twoTriangles(), 0)
+		refused(t, err, c.code, c.field, ".")
+		_, err = client.EstimateScene(ctx, c.spec, twoTriangles())
+		refused(t, err, c.code, c.field, ".")
+	}
+	_, err := client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, nil, 0)
+	refused(t, err, codes.InvalidArgument, "spec.meshes", ".")
+	unnamed := twoTriangles()
+	unnamed[1].Name = "\xff"
+	_, err = client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, unnamed, 0)
+	refused(t, err, codes.InvalidArgument, "spec.meshes[1].name", "not UTF-8")
+	_, err = client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles(), -time.Second)
+	refused(t, err, codes.InvalidArgument, "lease_seconds", "-1")
+}
+
+func TestAContextEndsACall(t *testing.T) {
+	_, client := connected(t)
+	over, cancel := context.WithCancel(context.Background())
+	cancel()
+	if _, err := client.GetServerInfo(over); !errors.Is(err, context.Canceled) {
+		t.Fatal(err)
+	}
+	late, cancel := context.WithTimeout(context.Background(), 0)
+	defer cancel()
+	if _, err := client.GetServerInfo(late); !errors.Is(err, context.DeadlineExceeded) {
+		t.Fatal(err)
+	}
+}
+
+// sheets are two sheets of n * n cells, one just above the other: many contacts.
+func sheets(n int) ([]collided.Mesh, []collided.F32) {
+	side := uint32(n + 1)
+	var triangles [][3]uint32
+	for cell := 0; cell < n*n; cell++ {
+		a := uint32(cell/n)*side + uint32(cell%n)
+		triangles = append(triangles, [3]uint32{a, a + 1, a + side}, [3]uint32{a + 1, a + side + 1, a + side})
+	}
+	sheet := func(x, z float32) (positions collided.F32) {
+		for i := uint32(0); i < side*side; i++ {
+			positions = append(positions, [3]float32{float32(i%side) + x, float32(i/side) + x, z})
+		}
+		return positions
+	}
+	mesh := func(name string) collided.Mesh {
+		return collided.Mesh{Name: name, VertexCount: side * side, Triangles: triangles, NoSelfContacts: true}
+	}
+	return []collided.Mesh{mesh("lower"), mesh("upper")}, []collided.F32{sheet(0, 0), sheet(0.25, 0.1)}
+}

@@ -1,0 +1,187 @@
+// A connection to a daemon: scenes and streams. Everything rejects with a CollidedError.
+
+import { randomBytes } from "node:crypto";
+import { setTimeout as pause } from "node:timers/promises";
+import { type Rules, check, checkValue, finite, string } from "./check.js";
+import { type ConnectOptions, type Connection, Connector } from "./connection.js";
+import { OwnDaemon } from "./daemon.js";
+import { Code, CollidedError, invalid } from "./errors.js";
+import { type FrameInput, frameIdOf, frameMessage } from "./frame.js";
+import {
+  CreateSceneRequest,
+  DetectFrameRequest,
+  type EstimateSceneResponse,
+  type GetServerInfoResponse,
+} from "./generated/collided/v1/collision_service.js";
+import type { Scene, SceneSpec } from "./generated/collided/v1/scene.js";
+import { FrameOutput } from "./output.js";
+import { type SceneInput, sceneSpec } from "./scene.js";
+import { Session, type SessionOptions } from "./session.js";
+import { FrameStream, type StreamOptions, checkStreamOptions } from "./stream.js";
+import { uploadMesh } from "./upload.js";
+import { type WatchOptions, Watcher, checkWatchOptions } from "./watcher.js";
+
+/** How a scene is created. */
+export interface CreateOptions {
+  /** Seconds without a stream or a call after which it is deleted; 0: the daemon's default. */
+  leaseSeconds?: number;
+}
+
+const CREATE: Rules<CreateOptions> = { leaseSeconds: finite };
+const CREATE_TRIES = 3;
+
+/**
+ * Connects to the daemon at `address`, host:port or unix:/path. Without an address it starts a daemon of its own, which
+ * close() stops: $COLLIDED_DAEMON, or `collided` on the PATH.
+ */
+export async function connect(address?: string, options: ConnectOptions = {}): Promise<Client> {
+  if (address !== undefined) return Client.open(new Connector(address, options));
+  const daemon = await OwnDaemon.start();
+  try {
+    return await Client.open(new Connector(daemon.address, options), daemon);
+  } catch (error) {
+    await daemon.stop();
+    throw error;
+  }
+}
+
+export class Client {
+  private constructor(
+    private readonly connector: Connector,
+    private readonly connection: Connection,
+    /** Version, devices and limits of the daemon when the client connected. */
+    readonly serverInfo: GetServerInfoResponse,
+    private readonly daemon: OwnDaemon | undefined,
+  ) {}
+
+  /** `daemon` is stopped when the client is closed. `patienceSeconds`: of this connection, instead of the connector's. */
+  static async open(connector: Connector, daemon?: OwnDaemon, patienceSeconds?: number): Promise<Client> {
+    const connection = await connector.connect(undefined, patienceSeconds);
+    try {
+      return new Client(connector, connection, await connection.unary("getServerInfo", {}), daemon);
+    } catch (error) {
+      connection.close();
+      throw error;
+    }
+  }
+
+  /** Version, devices and limits of the daemon. */
+  getServerInfo(): Promise<GetServerInfoResponse> {
+    return this.connection.unary("getServerInfo", {});
+  }
+
+  /** Creates a scene, ready for frames. Retries if the answer is lost, without ever creating two. */
+  async createScene(input: SceneInput, options: CreateOptions = {}): Promise<Scene> {
+    check(options, CREATE, "options");
+    const { spec, triangles } = withoutTriangles(input);
+    const requestId = randomBytes(16).toString("hex");
+    let scene = await this.#create(CreateSceneRequest.create({ requestId, leaseSeconds: options.leaseSeconds ?? 0, spec }));
+    const { sceneId } = scene;
+    try {
+      for (const [mesh, bytes] of triangles.entries()) {
+        if (bytes.length > 0) scene = await uploadMesh(this.connection, sceneId, mesh, bytes);
+      }
+    } catch (error) {
+      await this.deleteScene(scene).catch(() => {}); // the upload's error is the one to tell
+      throw error;
+    }
+    return scene;
+  }
+
+  /** What createScene of the same input would cost, before anything is made; no triangle is sent. */
+  async estimateScene(input: SceneInput): Promise<EstimateSceneResponse> {
+    return this.connection.unary("estimateScene", { spec: withoutTriangles(input).spec });
+  }
+
+  /** State and memory of a scene. */
+  async getScene(sceneId: string): Promise<Scene> {
+    checkValue(sceneId, string, "scene_id");
+    return (await this.connection.unary("getScene", { sceneId }, sceneId)).scene!;
+  }
+
+  /** This client's scenes, by id. */
+  async listScenes(): Promise<Scene[]> {
+    const scenes: Scene[] = [];
+    let pageToken = "";
+    do {
+      const page = await this.connection.unary("listScenes", { pageSize: 0, pageToken });
+      scenes.push(...page.scenes);
+      pageToken = page.nextPageToken;
+    } while (pageToken !== "");
+    return scenes;
+  }
+
+  /** Deletes a scene and frees its memory; its stream ends with NOT_FOUND. */
+  async deleteScene(scene: Scene | string): Promise<void> {
+    const sceneId = typeof scene === "string" ? scene : sceneIdOf(scene);
+    await this.connection.unary("deleteScene", { sceneId }, sceneId);
+  }
+
+  /** One frame, one answer, of a scene without an open stream. Rejects if the frame is refused. `frame.frameId` is needed. */
+  async detect(scene: Scene, frame: FrameInput): Promise<FrameOutput> {
+    const sceneId = sceneIdOf(scene);
+    const frameId = frameIdOf(frame);
+    const request: DetectFrameRequest = { sceneId, frame: frameMessage(frame, frameId, scene.spec!.positionFormat) };
+    const answer = await this.connection.unary("detectFrame", request, sceneId);
+    return new FrameOutput(frameId, answer.contacts, { done: answer.done! });
+  }
+
+  /** Opens a stream, on a connection of its own to the scene's endpoint. */
+  async stream(scene: Scene, options: StreamOptions = {}): Promise<FrameStream> {
+    sceneIdOf(scene);
+    checkStreamOptions(options);
+    const connection = await this.connector.connect(scene.endpoint || undefined);
+    return FrameStream.open(connection, scene, options, this.serverInfo.limits!.maxMessageBytes);
+  }
+
+  /**
+   * Resumes a scene whose stream broke, and takes it over from one that may still be open: send the frames after the new
+   * stream's scene.lastFrameId again.
+   */
+  async resume(scene: Scene, options: StreamOptions = {}): Promise<FrameStream> {
+    return this.stream(scene, { ...options, resumeToken: scene?.resumeToken });
+  }
+
+  /** Watches the frames that others send to a scene of this client, on a connection of its own. */
+  async watch(scene: Scene | string, options: WatchOptions = {}): Promise<Watcher> {
+    const sceneId = typeof scene === "string" ? scene : sceneIdOf(scene);
+    checkWatchOptions(options);
+    return Watcher.open(await this.connector.connect(), sceneId, options);
+  }
+
+  /** Creates a scene and a stream that survive the loss of the connection and of the daemon. */
+  session(input: SceneInput, options: SessionOptions): Promise<Session> {
+    return Session.open((patienceSeconds) => Client.open(this.connector, undefined, patienceSeconds), input, options);
+  }
+
+  /** Closes the connection, and stops the daemon if it is the client's own. Streams and watches have their own connections. */
+  async close(): Promise<void> {
+    this.connection.close();
+    await this.daemon?.stop();
+  }
+
+  async #create(request: CreateSceneRequest): Promise<Scene> {
+    for (let tries = 1; ; ++tries) {
+      try {
+        return (await this.connection.unary("createScene", request)).scene!;
+      } catch (error) {
+        const isLost = error instanceof CollidedError && error.code === Code.UNAVAILABLE;
+        if (!isLost || tries === CREATE_TRIES) throw error;
+        await pause(200 * tries);
+      }
+    }
+  }
+}
+
+/** The spec without triangles but with their number, and the triangles of each mesh. */
+function withoutTriangles(input: SceneInput): { spec: SceneSpec; triangles: Uint8Array[] } {
+  const spec = sceneSpec(input);
+  const triangles = spec.meshes.map((mesh) => mesh.triangles);
+  for (const mesh of spec.meshes) mesh.triangles = new Uint8Array();
+  return { spec, triangles };
+}
+
+function sceneIdOf(scene: Scene): string {
+  if (typeof scene?.sceneId === "string" && scene.spec) return scene.sceneId;
+  throw invalid("scene", "is not one of createScene or getScene");
+}

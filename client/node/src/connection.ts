@@ -1,0 +1,275 @@
+// Connections to one address with its credentials, and calls on them.
+
+import { readFileSync } from "node:fs";
+import { isIP } from "node:net";
+import {
+  type ChannelOptions,
+  Client as GrpcClient,
+  type ClientDuplexStream,
+  type ClientReadableStream,
+  type ClientWritableStream,
+  Metadata,
+  type StatusObject,
+  credentials,
+} from "@grpc/grpc-js";
+import { type Rules, boolean, check, join, seconds, show, string } from "./check.js";
+import { Code, CollidedError, errorOfStatus, invalid } from "./errors.js";
+import { CollisionServiceDefinition } from "./generated/collided/v1/collision_service.js";
+
+/** How a client reaches its daemon. Files are in PEM format. TLS is used if tlsCa is set, else plain text. */
+export interface ConnectOptions {
+  /** Seconds to wait for the connection; 5. */
+  patienceSeconds?: number;
+  /** Seconds for one call; 60. Streams have no limit. */
+  deadlineSeconds?: number;
+  /** Bearer token. */
+  token?: string;
+  /** File with the certificates to trust. */
+  tlsCa?: string;
+  /** File of the client's own certificate (mTLS); needs tlsKey. */
+  tlsCertificate?: string;
+  /** File of its private key. */
+  tlsKey?: string;
+  /** Name in the daemon's certificate if it is not the address's. */
+  tlsServerName?: string;
+  /** Send the token in plain text even to another host. */
+  allowInsecureToken?: boolean;
+}
+
+const OPTIONS: Rules<ConnectOptions> = {
+  patienceSeconds: seconds,
+  deadlineSeconds: seconds,
+  token: string,
+  tlsCa: string,
+  tlsCertificate: string,
+  tlsKey: string,
+  tlsServerName: string,
+  allowInsecureToken: boolean,
+};
+
+/** Answers larger than gRPC's own default are never sent. */
+const MAX_ANSWER_BYTES = 4 << 20;
+
+type Methods = (typeof CollisionServiceDefinition)["methods"];
+type Message<T> = T extends { create(base?: never): infer M } ? M : never;
+type Request<N extends keyof Methods> = Message<Methods[N]["requestType"]>;
+type Answer<N extends keyof Methods> = Message<Methods[N]["responseType"]>;
+
+interface Coder<T> {
+  encode(message: T): { finish(): Uint8Array };
+  decode(bytes: Uint8Array): T;
+}
+
+/** Checks and reads the options once; each `connect` makes a connection of its own. */
+export class Connector {
+  readonly #options: ConnectOptions;
+  readonly #credentials;
+
+  constructor(
+    readonly address: string,
+    options: ConnectOptions,
+  ) {
+    if (typeof address !== "string" || address === "") {
+      throw invalid("address", `is ${show(address)}; it must be host:port or unix:/path`);
+    }
+    check(options, OPTIONS, "options");
+    this.#options = { ...options };
+    checkTogether(this.#options, address);
+    this.#credentials = credentialsOf(this.#options);
+  }
+
+  /** A connection to this address, or to another one with the same credentials. UNAVAILABLE if no daemon answers in time. */
+  async connect(address = this.address, patienceSeconds = this.#options.patienceSeconds ?? 5): Promise<Connection> {
+    checkToken(this.#options, address);
+    const local = isLocalAddress(address);
+    const channel: ChannelOptions = {
+      "grpc.max_receive_message_length": MAX_ANSWER_BYTES,
+      "grpc.use_local_subchannel_pool": 1, // each stream has a connection of its own
+      "grpc.keepalive_time_ms": 10_000,
+      "grpc.keepalive_timeout_ms": 5_000,
+      "grpc.keepalive_permit_without_calls": 1,
+      "grpc.initial_reconnect_backoff_ms": 100,
+      "grpc.max_reconnect_backoff_ms": 2_000,
+      "grpc.enable_retries": 0, // they would keep a copy of each message
+      ...(local ? { "grpc.enable_http_proxy": 0 } : {}),
+      ...(this.#options.tlsServerName ? { "grpc.ssl_target_name_override": this.#options.tlsServerName } : {}),
+    };
+    const connection = new Connection(new GrpcClient(address, this.#credentials, channel), this.#options);
+    await connection.ready(address, patienceSeconds);
+    return connection;
+  }
+}
+
+/** One connection. */
+export class Connection {
+  readonly #grpc: GrpcClient;
+  readonly #options: ConnectOptions;
+  #isClosed = false;
+
+  constructor(client: GrpcClient, options: ConnectOptions) {
+    this.#grpc = client;
+    this.#options = options;
+  }
+
+  /** Waits until it is connected, or closes it. */
+  async ready(address: string, patienceSeconds: number): Promise<void> {
+    const until = Date.now() + 1000 * patienceSeconds;
+    const failed = await new Promise<boolean>((resolve) => this.#client().waitForReady(until, (error) => resolve(!!error)));
+    if (!failed) return;
+    // gRPC tells the reason to calls alone.
+    const why = await this.unary("getServerInfo", {}, "", 1).then(
+      () => undefined,
+      (error: CollidedError) => error,
+    );
+    if (why === undefined) return;
+    this.close();
+    const reason = why.code === Code.UNAVAILABLE ? `: ${why.message}` : "";
+    throw new CollidedError(Code.UNAVAILABLE, `no daemon answers at ${address}${reason}`);
+  }
+
+  unary<N extends keyof Methods>(name: N, request: Request<N>, sceneId = "", limitSeconds?: number): Promise<Answer<N>> {
+    const { path, encode, decode } = method(name);
+    return new Promise((resolve, reject) => {
+      const deadline = this.#deadline(limitSeconds);
+      this.#client().makeUnaryRequest(path, encode, decode, request, this.#metadata(sceneId), { deadline }, (error, answer) =>
+        error ? reject(errorOfStatus(error)) : resolve(answer as Answer<N>),
+      );
+    });
+  }
+
+  /** A call with many requests; `done` is called once, with an error or the answer. */
+  upload<N extends keyof Methods>(
+    name: N,
+    sceneId: string,
+    limitSeconds: number,
+    done: (error: CollidedError | undefined, answer: Answer<N> | undefined) => void,
+  ): ClientWritableStream<Request<N>> {
+    const { path, encode, decode } = method(name);
+    const deadline = this.#deadline(limitSeconds);
+    return this.#client().makeClientStreamRequest(
+      path,
+      encode,
+      decode,
+      this.#metadata(sceneId),
+      { deadline },
+      (error, answer) => done(error ? errorOfStatus(error) : undefined, answer),
+    );
+  }
+
+  serverStream<N extends keyof Methods>(name: N, request: Request<N>, sceneId: string): ClientReadableStream<Answer<N>> {
+    const { path, encode, decode } = method(name);
+    return this.#client().makeServerStreamRequest(path, encode, decode, request, this.#metadata(sceneId));
+  }
+
+  /** Requests are messages that are encoded already. */
+  duplex<N extends keyof Methods>(name: N, sceneId: string): ClientDuplexStream<Uint8Array, Answer<N>> {
+    const { path, decode } = method(name);
+    return this.#client().makeBidiStreamRequest(path, bufferOf, decode, this.#metadata(sceneId));
+  }
+
+  get deadlineSeconds(): number {
+    return this.#options.deadlineSeconds ?? 60;
+  }
+
+  close(): void {
+    this.#isClosed = true;
+    this.#grpc.close();
+  }
+
+  #client(): GrpcClient {
+    if (!this.#isClosed) return this.#grpc;
+    throw new CollidedError(Code.FAILED_PRECONDITION, "the client is closed");
+  }
+
+  #deadline(limitSeconds = this.deadlineSeconds): number {
+    return Date.now() + 1000 * limitSeconds;
+  }
+
+  /** The token, and the scene's id, by which proxies find its daemon. */
+  #metadata(sceneId: string): Metadata {
+    const metadata = new Metadata();
+    // Not as call credentials, which gRPC refuses on plain-text channels, Unix sockets included.
+    if (this.#options.token) metadata.set("authorization", `Bearer ${this.#options.token}`);
+    if (isVisible(sceneId)) metadata.set("scene-id", sceneId);
+    return metadata;
+  }
+}
+
+function method<N extends keyof Methods>(name: N) {
+  const { fullName, methods } = CollisionServiceDefinition;
+  const { name: rpc, requestType, responseType } = methods[name];
+  const request = requestType as unknown as Coder<Request<N>>;
+  const answer = responseType as unknown as Coder<Answer<N>>;
+  return {
+    path: `/${fullName}/${rpc}`,
+    encode: (message: Request<N>): Buffer => bufferOf(request.encode(message).finish()),
+    decode: (bytes: Buffer): Answer<N> => answer.decode(bytes),
+  };
+}
+
+/** Buffer.from(bytes) would copy. */
+function bufferOf(bytes: Uint8Array): Buffer {
+  return Buffer.from(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+}
+
+function credentialsOf(options: ConnectOptions) {
+  if (!options.tlsCa) return credentials.createInsecure();
+  const read = (name: "tlsCa" | "tlsCertificate" | "tlsKey") => (options[name] ? readFile(options[name], name) : null);
+  return credentials.createSsl(read("tlsCa"), read("tlsKey"), read("tlsCertificate"));
+}
+
+function readFile(path: string, option: string): Buffer {
+  try {
+    const bytes = readFileSync(path);
+    if (bytes.length > 0) return bytes;
+  } catch {
+    // told below, like an empty file
+  }
+  throw invalid(join("options", option), `is '${path}', which cannot be read`);
+}
+
+function checkTogether(options: ConnectOptions, address: string): void {
+  const { token = "", tlsCa, tlsCertificate, tlsKey, tlsServerName } = options;
+  if (!tlsCertificate !== !tlsKey) throw invalid("options.tls_key", "and tls_certificate go together; only one is set");
+  if (!tlsCa && (tlsCertificate || tlsServerName)) {
+    throw invalid("options.tls_ca", "is not set; tls_certificate and tls_server_name need it");
+  }
+  if (token !== "" && !isVisible(token)) throw invalid("options.token", "has a character that is not visible ASCII");
+  checkToken(options, address);
+}
+
+function checkToken({ token, tlsCa, allowInsecureToken }: ConnectOptions, address: string): void {
+  if (!token || tlsCa || allowInsecureToken || isLocalAddress(address)) return;
+  throw invalid("options.token", `is not sent to '${address}' in plain text; use TLS (tlsCa) or allowInsecureToken`);
+}
+
+/** Whether gRPC metadata can carry it. */
+function isVisible(text: string): boolean {
+  return /^[!-~]+$/.test(text);
+}
+
+/** Whether a gRPC address is on this host for certain: unix:..., localhost or a loopback IP. */
+export function isLocalAddress(address: string): boolean {
+  if (/^unix(-abstract)?:/.test(address)) return true;
+  const host = hostOf(address);
+  if (isIP(host) === 4) return host.startsWith("127.");
+  return host === "::1" || host === "localhost";
+}
+
+/** "[::1]:50051" to "::1", "dns:///localhost:50051" to "localhost". */
+function hostOf(address: string): string {
+  const rest = address.replace(/^(dns|ipv4|ipv6):\/*/, "");
+  const bracketed = /^\[([^\]]*)\]/.exec(rest);
+  if (bracketed) return bracketed[1];
+  return isIP(rest) === 6 ? rest : rest.split(":")[0];
+}
+
+type Reading = ClientReadableStream<unknown> | ClientDuplexStream<never, unknown>;
+
+/** Resolves once a call has handed over its last message: with its error, or undefined if it ended well. */
+export function endOf(call: Reading): Promise<CollidedError | undefined> {
+  const read = new Promise<void>((resolve) => call.once("end", resolve));
+  const status = new Promise<StatusObject>((resolve) => call.once("status", resolve));
+  call.on("error", () => {}); // the status says the same
+  return Promise.all([status, read]).then(([end]) => (end.code === Code.OK ? undefined : errorOfStatus(end)));
+}

@@ -1,0 +1,83 @@
+// A frame's contacts as typed arrays, assembled from the daemon's chunks.
+
+import { join } from "./arrays.js";
+import { Code, CollidedError } from "./errors.js";
+import { type ContactChunk, ContactKind } from "./generated/collided/v1/contact.js";
+
+/** Contacts of one kind in canonical order. An array is empty if it was not requested or not computed. */
+export interface Contacts {
+  count: number;
+  /** Two ids for each contact: vertex and element, or two edges, or two triangles; scene-wide. */
+  elements: Uint32Array;
+  /** Four vertices for each contact; scene-wide. */
+  stencils: Uint32Array;
+  /** Time of impact for each contact, in [0, 1] of the step. */
+  toi: Float64Array;
+  /** For each contact, >= 0, in the unit of the positions. */
+  distance: Float64Array;
+  /** Two for each contact: `contactPoints` turns them into points. */
+  weights: Float64Array;
+  /** x y z for each contact, of unit length, from the second feature to the first. */
+  normals: Float32Array;
+  /** A byte of masks for each contact: `flags[i] & ContactFlag.INITIAL`. */
+  flags: Uint8Array;
+}
+
+/** Contacts of all kinds. */
+export interface ContactsByKind {
+  vertexTriangle: Contacts;
+  edgeEdge: Contacts;
+  triangleTriangle: Contacts;
+}
+
+type Field = Exclude<keyof Contacts, "count">;
+
+const ENTRIES: Record<Field, number> = { elements: 2, stencils: 4, toi: 1, distance: 1, weights: 2, normals: 3, flags: 1 };
+
+/** Throws (DATA_LOSS) if an array's length is not what its chunk's count asks for, or a kind is not known. */
+export function contactsOf(chunks: readonly ContactChunk[]): ContactsByKind {
+  const known = [ContactKind.VERTEX_TRIANGLE, ContactKind.EDGE_EDGE, ContactKind.TRIANGLE_TRIANGLE];
+  const stranger = chunks.find((chunk) => !known.includes(chunk.kind));
+  if (stranger) throw dataLoss(`contacts.kind is ${stranger.kind}, which this client does not know`);
+  const ofKind = (kind: ContactKind) => assemble(chunks.filter((chunk) => chunk.kind === kind));
+  return {
+    vertexTriangle: ofKind(ContactKind.VERTEX_TRIANGLE),
+    edgeEdge: ofKind(ContactKind.EDGE_EDGE),
+    triangleTriangle: ofKind(ContactKind.TRIANGLE_TRIANGLE),
+  };
+}
+
+function assemble(chunks: ContactChunk[]): Contacts {
+  const count = chunks.reduce((sum, chunk) => sum + chunk.count, 0);
+  const array = <T extends ArrayBufferView & { length: number }>(Type: new (buffer: ArrayBuffer) => T, field: Field): T => {
+    const joined = join(Type, whole(chunks, field, Type as unknown as { BYTES_PER_ELEMENT: number }));
+    if (joined.length > 0 && joined.length !== count * ENTRIES[field]) {
+      throw dataLoss(`contacts.${field} has ${joined.length} entries for ${count} contacts`);
+    }
+    return joined;
+  };
+  return {
+    count,
+    elements: array(Uint32Array, "elements"),
+    stencils: array(Uint32Array, "stencils"),
+    toi: array(Float64Array, "toi"),
+    distance: array(Float64Array, "distance"),
+    weights: array(Float64Array, "weights"),
+    normals: array(Float32Array, "normals"),
+    flags: array(Uint8Array, "flags"),
+  };
+}
+
+function whole(chunks: ContactChunk[], field: Field, { BYTES_PER_ELEMENT }: { BYTES_PER_ELEMENT: number }): Uint8Array[] {
+  for (const chunk of chunks) {
+    const needed = chunk.count * ENTRIES[field] * BYTES_PER_ELEMENT;
+    if (chunk[field].length !== 0 && chunk[field].length !== needed) {
+      throw dataLoss(`contacts.${field} has ${chunk[field].length} bytes for ${chunk.count} contacts; it needs ${needed}`);
+    }
+  }
+  return chunks.map((chunk) => chunk[field]);
+}
+
+function dataLoss(message: string): CollidedError {
+  return new CollidedError(Code.DATA_LOSS, message);
+}

@@ -1,0 +1,51 @@
+// The daemon's answer to one frame.
+
+import { type Contacts, type ContactsByKind, contactsOf } from "./contacts.js";
+import { Code, CollidedError } from "./errors.js";
+import type { ContactChunk } from "./generated/collided/v1/contact.js";
+import type { FrameDone } from "./generated/collided/v1/frame.js";
+
+/** How a frame ended: `done` with its totals, `error` if it was refused, neither if it was skipped (LATEST_WINS). */
+export interface FrameEnd {
+  done?: FrameDone;
+  error?: CollidedError;
+}
+
+/** The whole answer to one frame. A frame that was refused or skipped has no contacts. */
+export class FrameOutput implements ContactsByKind {
+  readonly vertexTriangle: Contacts;
+  readonly edgeEdge: Contacts;
+  readonly triangleTriangle: Contacts;
+  /** The frame was refused, and the scene is as it was; a stream goes on. */
+  readonly error: CollidedError | undefined;
+  /** A later frame replaced it (LATEST_WINS). */
+  readonly skipped: boolean;
+  readonly #done: FrameDone | undefined;
+
+  constructor(
+    readonly frameId: bigint,
+    chunks: readonly ContactChunk[],
+    { done, error }: FrameEnd,
+  ) {
+    ({
+      vertexTriangle: this.vertexTriangle,
+      edgeEdge: this.edgeEdge,
+      triangleTriangle: this.triangleTriangle,
+    } = contactsOf([...chunks, ...(done?.contacts ?? [])]));
+    this.error = error;
+    this.skipped = !done && !error;
+    this.#done = done && { ...done, contacts: [] };
+  }
+
+  /** Totals and metrics. Throws if the frame was refused or skipped. */
+  get done(): FrameDone {
+    if (this.#done) return this.#done;
+    throw this.error ?? new CollidedError(Code.ABORTED, `frame ${this.frameId} was skipped: a later one replaced it`);
+  }
+
+  /** Throws if the frame was refused; returns itself. */
+  check(): this {
+    if (this.error) throw this.error;
+    return this;
+  }
+}

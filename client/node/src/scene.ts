@@ -1,0 +1,175 @@
+// What callers pass to create a scene, and the messages that it becomes.
+
+import { type Indices, packIndices } from "./arrays.js";
+import { type Rules, anything, boolean, check, checkValue, finite, join, list, listOf } from "./check.js";
+import { oneOf, show, string, uint32, uint64 } from "./check.js";
+import { invalid } from "./errors.js";
+import { ContactField, ContactKind } from "./generated/collided/v1/contact.js";
+import {
+  Accuracy,
+  Backend,
+  BroadPhaseEngine,
+  DetectionMode,
+  type MeshPair,
+  MeshMotion,
+  MeshSpec,
+  PositionFormat,
+  QuantizationBox,
+  Report,
+  type SceneSpec,
+} from "./generated/collided/v1/scene.js";
+
+/** A mesh of triangles, loose edges and loose points, of any of which it has one or more. Ids are numbered within it. */
+export interface MeshInput {
+  /** Unique in the scene, 1 to 128 bytes. In an edit it may be left out: the mesh's own stays. */
+  name?: string;
+  /** 1 to the daemon's limit. */
+  vertexCount: number;
+  /** Three vertices each. Any number: they are uploaded in chunks. */
+  triangles?: Indices;
+  /** Two vertices each, such as the segments of a hair. */
+  edges?: Indices;
+  /** A vertex each, such as particles. */
+  points?: Indices;
+  /** Deformable if left out. */
+  motion?: MeshMotion;
+  /** Bits of the groups that it is in; 0: the first. */
+  groups?: number;
+  /** Bits of the groups that it can touch; 0: all. */
+  collideMask?: number;
+  /** Leave out its contacts with itself. */
+  noSelfContacts?: boolean;
+  /** Leave out self contacts of features that so many edges or fewer connect, 0 to 8. */
+  excludeRings?: number;
+  /** Likewise of features within the scene's restDistance in its first frame. */
+  excludeRestPairs?: boolean;
+}
+
+/** A scene to create; proto/collided/v1/scene.proto describes each field of SceneSpec. */
+export interface SceneInput {
+  /** What counts as a contact: DCD, CCD or DCD_AND_CCD. */
+  mode: DetectionMode;
+  /** The meshes, in the order of their indices. */
+  meshes: readonly MeshInput[];
+  /** F32 if left out. */
+  positionFormat?: PositionFormat;
+  /** CERTIFIED if left out. */
+  accuracy?: Accuracy;
+  /** Contact distance, >= 0, in the unit of the positions. */
+  thickness?: number;
+  /** CCD: distance that `advance` keeps, >= 0. */
+  minSeparation?: number;
+  /** Tolerance of CCD from GUARDED on, >= 0; 0: relative to each pair's size. */
+  delta?: number;
+  /** Vertex-triangle and edge-edge if left out. */
+  kinds?: readonly ContactKind[];
+  /** Elements, stencil, and what the level computes of toi, distance and flags, if left out. */
+  fields?: readonly ContactField[];
+  /** What each frame reports; all contacts if left out. */
+  report?: Report;
+  /** Pairs of meshes, by index, that are not tested. */
+  excludedMeshes?: readonly (readonly [number, number])[];
+  /** Distance of excludeRestPairs; 0: the thickness. */
+  restDistance?: number;
+  /** Box of Q16 positions. */
+  quantizationBox?: { lower: readonly number[]; upper: readonly number[] };
+  /** CPU cores or a GPU; the daemon's default if left out. */
+  backend?: Backend;
+  /** The daemon chooses if left out. */
+  broadPhaseEngine?: BroadPhaseEngine;
+  /** Bytes that the scene may hold; 0: the daemon's limit. */
+  memoryBudgetBytes?: bigint | number;
+  /** For people. */
+  displayName?: string;
+}
+
+const MESH: Rules<MeshInput> = {
+  name: string,
+  vertexCount: uint32,
+  triangles: anything,
+  edges: anything,
+  points: anything,
+  motion: oneOf(MeshMotion),
+  groups: uint32,
+  collideMask: uint32,
+  noSelfContacts: boolean,
+  excludeRings: uint32,
+  excludeRestPairs: boolean,
+};
+
+const SCENE: Rules<SceneInput> = {
+  mode: oneOf(DetectionMode),
+  meshes: list,
+  positionFormat: oneOf(PositionFormat),
+  accuracy: oneOf(Accuracy),
+  thickness: finite,
+  minSeparation: finite,
+  delta: finite,
+  kinds: listOf(oneOf(ContactKind)),
+  fields: listOf(oneOf(ContactField)),
+  report: oneOf(Report),
+  excludedMeshes: list,
+  restDistance: finite,
+  quantizationBox: anything,
+  backend: oneOf(Backend),
+  broadPhaseEngine: oneOf(BroadPhaseEngine),
+  memoryBudgetBytes: uint64,
+  displayName: string,
+};
+
+/** The message of a mesh with its elements. */
+export function meshSpec(mesh: MeshInput, path: string): MeshSpec {
+  check(mesh, MESH, path);
+  const { triangles, edges, points, ...rest } = mesh;
+  const packed = packIndices(triangles, 3, join(path, "triangles"));
+  return {
+    ...MeshSpec.create(rest),
+    triangles: packed,
+    triangleCount: packed.length / 12,
+    edges: packIndices(edges, 2, join(path, "edges")),
+    points: packIndices(points, 1, join(path, "points")),
+  };
+}
+
+/** The message of a scene. Its meshes have their triangles, which an upload may send instead. */
+export function sceneSpec(scene: SceneInput): SceneSpec {
+  check(scene, SCENE, "spec");
+  if (!Array.isArray(scene.meshes)) throw invalid("spec.meshes", "is not there; a scene has one mesh or more");
+  return {
+    displayName: scene.displayName ?? "",
+    backend: scene.backend ?? Backend.UNSPECIFIED,
+    mode: scene.mode ?? DetectionMode.UNSPECIFIED,
+    accuracy: scene.accuracy ?? Accuracy.UNSPECIFIED,
+    positionFormat: scene.positionFormat ?? PositionFormat.F32,
+    thickness: scene.thickness ?? 0,
+    delta: scene.delta ?? 0,
+    kinds: [...(scene.kinds ?? [])],
+    fields: [...(scene.fields ?? [])],
+    memoryBudgetBytes: BigInt(scene.memoryBudgetBytes ?? 0),
+    meshes: scene.meshes.map((mesh, i) => meshSpec(mesh, `spec.meshes[${i}]`)),
+    report: scene.report ?? Report.UNSPECIFIED,
+    broadPhaseEngine: scene.broadPhaseEngine ?? BroadPhaseEngine.UNSPECIFIED,
+    minSeparation: scene.minSeparation ?? 0,
+    excludedMeshes: meshPairs(scene.excludedMeshes, "spec.excluded_meshes"),
+    restDistance: scene.restDistance ?? 0,
+    quantizationBox: boxOf(scene.quantizationBox),
+  };
+}
+
+/** Pairs of indices as messages. */
+export function meshPairs(pairs: readonly (readonly [number, number])[] | undefined, path: string): MeshPair[] {
+  return (pairs ?? []).map((pair, i) => {
+    const isPair = Array.isArray(pair) && pair.length === 2 && pair.every((index) => uint32(index) === undefined);
+    if (!isPair) throw invalid(`${path}[${i}]`, `is ${show(pair)}; it must be two indices of meshes`);
+    return { first: pair[0], second: pair[1] };
+  });
+}
+
+function boxOf(box: SceneInput["quantizationBox"]): QuantizationBox | undefined {
+  if (box === undefined) return undefined;
+  const path = "spec.quantization_box";
+  check(box, { lower: anything, upper: anything }, path);
+  checkValue(box.lower, listOf(finite), `${path}.lower`);
+  checkValue(box.upper, listOf(finite), `${path}.upper`);
+  return { lower: [...box.lower], upper: [...box.upper] };
+}

@@ -1,0 +1,246 @@
+// Frames in, contacts out: one stream to one scene.
+
+import type { ClientDuplexStream } from "@grpc/grpc-js";
+import { type Rules, check, oneOf, string, uint32 } from "./check.js";
+import { type Connection, endOf } from "./connection.js";
+import { Code, CollidedError, errorOfFrame } from "./errors.js";
+import { type FrameInput, frameIdOf, frameMessage } from "./frame.js";
+import {
+  DeliveryPolicy,
+  OpenStream,
+  type StreamOpened,
+  StreamFramesRequest,
+  type StreamFramesResponse,
+} from "./generated/collided/v1/collision_service.js";
+import type { ContactChunk } from "./generated/collided/v1/contact.js";
+import type { Scene } from "./generated/collided/v1/scene.js";
+import { type FrameEnd, FrameOutput } from "./output.js";
+
+/** How a stream is opened. */
+export interface StreamOptions {
+  /** Frames in flight, up to the daemon's limit; 0: the daemon chooses. */
+  window?: number;
+  /** Whether each frame is answered, or waiting ones give way to later ones. */
+  delivery?: DeliveryPolicy;
+  /** The scene's; takes it over from a stream that may still be open. */
+  resumeToken?: string;
+}
+
+const OPTIONS: Rules<StreamOptions> = { window: uint32, delivery: oneOf(DeliveryPolicy), resumeToken: string };
+
+/** What becomes of a frame's output, or of the stream's end before it. */
+interface Taker {
+  give(output: FrameOutput): void;
+  fail(error: CollidedError): void;
+}
+
+interface InFlight extends Taker {
+  id: bigint;
+  chunks: ContactChunk[];
+}
+
+/** Outputs come in the order of the frames. The stream has its own connection, and reads answers as they come. */
+export class FrameStream implements AsyncIterable<FrameOutput> {
+  readonly #call: ClientDuplexStream<Uint8Array, StreamFramesResponse>;
+  readonly #maxMessageBytes: bigint;
+  readonly #inFlight: InFlight[] = [];
+  readonly #ready: FrameOutput[] = [];
+  readonly #ended: Promise<void>;
+  #opened: StreamOpened | undefined;
+  #isOpen = () => {};
+  #lastId = 0n;
+  #credits = 0;
+  #awaitingCredit: (() => void)[] = [];
+  #awaitingOutput: (() => void)[] = [];
+  #isFinishing = false;
+  #end: { error: CollidedError | undefined } | undefined;
+  #malformed: CollidedError | undefined;
+  #drainsAt: number | undefined;
+
+  private constructor(connection: Connection, sceneId: string, maxMessageBytes: bigint) {
+    this.#maxMessageBytes = maxMessageBytes;
+    this.#call = connection.duplex("streamFrames", sceneId);
+    this.#ended = endOf(this.#call).then((error) => {
+      connection.close();
+      this.#conclude(this.#malformed ?? error);
+    });
+  }
+
+  /** Opens a stream on a connection, which it closes when it ends. */
+  static async open(
+    connection: Connection,
+    scene: Scene,
+    options: StreamOptions,
+    maxMessageBytes: bigint,
+  ): Promise<FrameStream> {
+    const stream = new FrameStream(connection, scene.sceneId, maxMessageBytes);
+    await stream.#open(OpenStream.create({ ...options, sceneId: scene.sceneId }));
+    return stream;
+  }
+
+  /** The scene as of the opening: lastFrameId is the last frame that was applied before this stream. */
+  get scene(): Scene {
+    return this.#opened!.scene!;
+  }
+
+  /** How many frames may be in flight. */
+  get window(): number {
+    return this.#opened!.window;
+  }
+
+  /** Set once the stream has ended: with an error, unless `finish` ended it. */
+  get end(): { error: CollidedError | undefined } | undefined {
+    return this.#end;
+  }
+
+  /** Seconds until the daemon, which is stopping, closes the stream; undefined unless it is stopping. */
+  get drainingSeconds(): number | undefined {
+    return this.#drainsAt && Math.max(0, (this.#drainsAt - performance.now()) / 1000);
+  }
+
+  /**
+   * Waits until fewer frames than the window are in flight, then sends; resolves with the frame's id. The frame is encoded
+   * at once, so that its arrays may change as soon as the call has returned. `receive` or the iterator has its output.
+   */
+  async send(frame: FrameInput): Promise<bigint> {
+    return this.#post(frame, { give: (output) => this.#keep(output), fail: () => {} });
+  }
+
+  /** Sends a frame and waits for its output. Rejects if the frame was refused; the stream goes on. */
+  async detect(frame: FrameInput): Promise<FrameOutput> {
+    const output = await new Promise<FrameOutput>((give, fail) => {
+      this.#post(frame, { give, fail }).catch(fail);
+    });
+    return output.check();
+  }
+
+  /** The next output of `send`. Rejects once the stream has ended, and if no frame is in flight. */
+  async receive(): Promise<FrameOutput> {
+    if (this.#ready.length === 0 && this.#inFlight.length === 0 && !this.#end) {
+      throw new CollidedError(Code.FAILED_PRECONDITION, "receive() was called with no frame in flight");
+    }
+    const output = await this.#next();
+    if (!output) throw this.#whyEnded();
+    return output;
+  }
+
+  /** Outputs of `send`, until the stream has ended. Throws unless `finish` ended it. */
+  async *[Symbol.asyncIterator](): AsyncGenerator<FrameOutput, void> {
+    for (let output = await this.#next(); output; output = await this.#next()) yield output;
+    if (this.#end?.error) throw this.#end.error;
+  }
+
+  /** Tells the daemon that no more frames will come, and waits until all are answered. Outputs can still be received. */
+  async finish(): Promise<void> {
+    if (!this.#isFinishing) this.#call.end();
+    this.#isFinishing = true;
+    await this.#ended;
+    if (this.#end?.error) throw this.#end.error;
+  }
+
+  /** Ends the stream; frames in flight are withdrawn. */
+  cancel(): void {
+    this.#call.cancel();
+  }
+
+  async #open(open: OpenStream): Promise<void> {
+    const opened = new Promise<void>((resolve) => (this.#isOpen = resolve));
+    this.#call.on("data", (response: StreamFramesResponse) => this.#take(response));
+    this.#call.write(StreamFramesRequest.encode({ request: { $case: "open", value: open } }).finish());
+    await Promise.race([opened, this.#ended]);
+    if (!this.#opened) throw this.#whyEnded();
+  }
+
+  #begin(response: StreamFramesResponse["response"]): void {
+    if (response?.$case !== "opened")
+      throw new CollidedError(Code.INTERNAL, "the daemon's first answer does not open the stream");
+    this.#opened = response.value;
+    this.#lastId = this.scene.lastFrameId;
+    this.#credits = this.window;
+    this.#isOpen();
+  }
+
+  async #post(input: FrameInput, taker: Taker): Promise<bigint> {
+    const id = input?.frameId === undefined ? this.#lastId + 1n : frameIdOf(input);
+    const bytes = this.#encode(input, id);
+    this.#lastId = id;
+    if (this.#credits > 0) this.#credits -= 1;
+    else if (!this.#end) await new Promise<void>((resolve) => this.#awaitingCredit.push(resolve));
+    if (this.#end || this.#isFinishing) throw this.#whyEnded();
+    this.#inFlight.push({ id, chunks: [], ...taker });
+    this.#call.write(bytes);
+    return id;
+  }
+
+  #encode(input: FrameInput, id: bigint): Uint8Array {
+    const value = frameMessage(input, id, this.scene.spec!.positionFormat);
+    const bytes = StreamFramesRequest.encode({ request: { $case: "frame", value } }).finish();
+    if (bytes.length <= this.#maxMessageBytes) return bytes;
+    const text = `frame is ${bytes.length} bytes; the daemon's limit is ${this.#maxMessageBytes} (--max-message-mb)`;
+    throw new CollidedError(Code.RESOURCE_EXHAUSTED, text, { field: "frame" });
+  }
+
+  /** An answer that contradicts itself ends the stream: what follows cannot be trusted. */
+  #take({ frameId, response }: StreamFramesResponse): void {
+    try {
+      if (!this.#opened) return this.#begin(response);
+      if (response?.$case === "draining") this.#drainsAt = performance.now() + 1000 * response.value.deadlineSeconds;
+      if (response?.$case === "contacts") this.#oldest(frameId).chunks.push(response.value);
+      if (response?.$case === "done") this.#complete(frameId, { done: response.value });
+      if (response?.$case === "error") this.#complete(frameId, { error: errorOfFrame(response.value) });
+      if (response?.$case === "skipped") this.#complete(frameId, {});
+    } catch (error) {
+      this.#malformed = error as CollidedError;
+      this.cancel();
+    }
+  }
+
+  #oldest(frameId: bigint): InFlight {
+    const oldest = this.#inFlight[0];
+    if (oldest?.id === frameId) return oldest;
+    throw new CollidedError(
+      Code.DATA_LOSS,
+      `an answer is of frame ${frameId}; the oldest in flight is ${oldest?.id ?? "none"}`,
+    );
+  }
+
+  #complete(frameId: bigint, end: FrameEnd): void {
+    const { chunks, give } = this.#oldest(frameId);
+    const output = new FrameOutput(frameId, chunks, end);
+    this.#inFlight.shift();
+    const next = this.#awaitingCredit.shift();
+    if (next) next();
+    else this.#credits += 1;
+    give(output);
+  }
+
+  #keep(output: FrameOutput): void {
+    this.#ready.push(output);
+    this.#awaitingOutput.shift()?.();
+  }
+
+  /** Undefined once the stream has ended. */
+  async #next(): Promise<FrameOutput | undefined> {
+    while (this.#ready.length === 0 && !this.#end) {
+      await new Promise<void>((resolve) => this.#awaitingOutput.push(resolve));
+    }
+    return this.#ready.shift();
+  }
+
+  #conclude(error: CollidedError | undefined): void {
+    this.#end = { error };
+    for (const { fail } of this.#inFlight.splice(0)) fail(this.#whyEnded());
+    for (const resume of [...this.#awaitingCredit.splice(0), ...this.#awaitingOutput.splice(0)]) resume();
+  }
+
+  #whyEnded(): CollidedError {
+    if (this.#end?.error) return this.#end.error;
+    if (this.#isFinishing) return new CollidedError(Code.FAILED_PRECONDITION, "the stream has ended, as finish() asked for");
+    return new CollidedError(Code.UNAVAILABLE, "the stream has ended");
+  }
+}
+
+/** Throws for options that are not known or not of their type. */
+export function checkStreamOptions(options: StreamOptions): void {
+  check(options, OPTIONS, "options");
+}

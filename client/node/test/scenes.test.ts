@@ -1,0 +1,109 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Accuracy, Code, ContactField, DetectionMode, PositionFormat, SceneState, connect } from "../src/index.js";
+import { TWO_TRIANGLES, fall, refused, sheets, useDaemon } from "./support.js";
+
+const used = useDaemon();
+const [floor, tip] = TWO_TRIANGLES.meshes;
+
+test("the daemon tells its version, devices and limits", async () => {
+  const info = await used.client.getServerInfo();
+  assert.match(info.version, /^\d+\.\d+/);
+  assert.equal(typeof info.limits?.maxMessageBytes, "bigint");
+  assert.deepEqual(used.client.serverInfo.devices, info.devices);
+});
+
+test("a scene is created, listed, estimated and deleted", async () => {
+  const { client } = used;
+  const scene = await client.createScene(TWO_TRIANGLES, { leaseSeconds: 60 });
+  assert.equal(scene.state, SceneState.READY);
+  assert.deepEqual([scene.vertexCount, scene.edgeCount, scene.triangleCount, scene.leaseSeconds], [6n, 6n, 2n, 60]);
+  assert.equal(scene.spec?.accuracy, Accuracy.CERTIFIED);
+  assert.equal((await client.getScene(scene.sceneId)).sceneId, scene.sceneId);
+  assert((await client.listScenes()).some(({ sceneId }) => sceneId === scene.sceneId));
+  const estimate = await client.estimateScene(TWO_TRIANGLES);
+  assert.deepEqual([estimate.vertexCount, estimate.triangleCount, estimate.firstFrameBytes], [6n, 2n, 72n]);
+  await client.deleteScene(scene);
+  await refused(() => client.getScene(scene.sceneId), Code.NOT_FOUND, "scene_id");
+});
+
+test("triangles go up in chunks, whole ones, however many there are", async () => {
+  const { scene } = sheets(230); // 1.27 MB of triangles a mesh: two chunks
+  const created = await used.client.createScene(scene);
+  assert.equal(created.state, SceneState.READY);
+  assert.equal(created.triangleCount, 2n * 2n * 230n * 230n);
+  await used.client.deleteScene(created);
+});
+
+test("a refused upload leaves no scene", async () => {
+  const before = (await used.client.listScenes()).length;
+  const bad = { ...tip, triangles: [0, 1, 7] };
+  await refused(
+    () => used.client.createScene({ ...TWO_TRIANGLES, meshes: [floor, bad] }),
+    Code.INVALID_ARGUMENT,
+    "triangles[0]",
+  );
+  assert.equal((await used.client.listScenes()).length, before);
+});
+
+test("a value that cannot be is refused by name before anything is sent", async () => {
+  const cases: [object, string, RegExp][] = [
+    [{ thicknes: 0.1 }, "spec.thicknes", /is not known; spec has mode, .*thickness/],
+    [{ mode: "CCD" }, "spec.mode", /is "CCD"; it must be one of UNSPECIFIED, DCD, CCD/],
+    [{ displayName: "\ud800" }, "spec.display_name", /a string of whole characters/],
+    [{ mode: 77 }, "spec.mode", /is 77; it must be one of/],
+    [{ thickness: "0.1" }, "spec.thickness", /is "0.1"; it must be a finite number/],
+    [{ thickness: NaN }, "spec.thickness", /is NaN/],
+    [{ memoryBudgetBytes: -1n }, "spec.memory_budget_bytes", /is -1; it must be a bigint from 0/],
+    [{ memoryBudgetBytes: 2 ** 60 }, "spec.memory_budget_bytes", /up to 2\^53 - 1/],
+    [{ kinds: [1, 9] }, "spec.kinds", /\[1\], 9, one of/],
+    [{ fields: ContactField.TOI }, "spec.fields", /must be an array/],
+    [{ meshes: floor }, "spec.meshes", /must be an array/],
+    [{ meshes: [floor, null] }, "spec.meshes[1]", /is null; it must be an object/],
+    [
+      { meshes: [{ ...floor, vertexCount: -3 }] },
+      "spec.meshes[0].vertex_count",
+      /is -3; it must be an integer from 0 to 4294967295/,
+    ],
+    [{ meshes: [{ ...floor, vertexCount: 2.5 }] }, "spec.meshes[0].vertex_count", /is 2.5/],
+    [{ meshes: [{ ...floor, triangles: [0, 1, -1] }] }, "spec.meshes[0].triangles[2]", /is -1/],
+    [{ meshes: [{ ...floor, triangles: [0, 1] }] }, "spec.meshes[0].triangles", /has 2 indices, which is no multiple of 3/],
+    [
+      { meshes: [{ ...floor, triangles: new Int32Array(3) }] },
+      "spec.meshes[0].triangles",
+      /is a Int32Array; it must be a Uint32Array/,
+    ],
+    [{ meshes: [{ ...floor, edges: new Uint32Array(3) }] }, "spec.meshes[0].edges", /multiple of 2/],
+    [{ excludedMeshes: [[0]] }, "spec.excluded_meshes[0]", /must be two indices/],
+    [{ quantizationBox: { lower: [0, 0, 0], upper: "1" } }, "spec.quantization_box.upper", /must be an array/],
+    [{ quantizationBox: { lower: [0, 0, 0] } }, "spec.quantization_box.upper", /is undefined; it must be an array/],
+  ];
+  for (const [more, field, message] of cases) {
+    await refused(() => used.client.createScene({ ...TWO_TRIANGLES, ...more }), Code.INVALID_ARGUMENT, field, message);
+  }
+  await refused(() => used.client.createScene(TWO_TRIANGLES, { lease: 3 } as never), Code.INVALID_ARGUMENT, "options.lease");
+  await refused(() => used.client.createScene(undefined as never), Code.INVALID_ARGUMENT, "spec");
+  await refused(() => used.client.deleteScene({} as never), Code.INVALID_ARGUMENT, "scene");
+});
+
+test("what only the daemon knows, it refuses by name", async () => {
+  const cases: [object, Code, string][] = [
+    [{ mode: DetectionMode.UNSPECIFIED }, Code.INVALID_ARGUMENT, "spec.mode"],
+    [{ meshes: [] }, Code.INVALID_ARGUMENT, "spec.meshes"],
+    [{ meshes: [floor, floor] }, Code.INVALID_ARGUMENT, "spec.meshes[1].name"],
+    [{ thickness: -1 }, Code.INVALID_ARGUMENT, "spec.thickness"],
+    [{ positionFormat: PositionFormat.Q16 }, Code.INVALID_ARGUMENT, "spec.quantization_box"],
+    [{ memoryBudgetBytes: 1 }, Code.RESOURCE_EXHAUSTED, "spec.memory_budget_bytes"],
+  ];
+  for (const [more, code, field] of cases)
+    await refused(() => used.client.createScene({ ...TWO_TRIANGLES, ...more }), code, field);
+  await refused(() => used.client.getScene("no such scene"), Code.NOT_FOUND, "scene_id");
+});
+
+test("a client of its own daemon ends with it", async () => {
+  const client = await connect();
+  const scene = await client.createScene(TWO_TRIANGLES);
+  assert.equal((await client.detect(scene, fall(2, { frameId: 1 }))).vertexTriangle.count, 1);
+  await client.close();
+  await refused(() => client.getServerInfo(), Code.FAILED_PRECONDITION, "", /closed/);
+});
