@@ -6,6 +6,7 @@ Moved down by `depth`, the corner meets the floor at t = 1 / depth, and nothing 
 Tests get these arguments: DAEMON COLLIDECTL REPOSITORY.
 """
 
+import faulthandler
 import os
 import pathlib
 import signal
@@ -134,6 +135,7 @@ def assert_same(test, first, second):
 
 
 def main():
+    faulthandler.dump_traceback_later(200, exit=True)  # where it hangs, before ctest ends it
     os.environ.pop("COLLIDED_SERVER", None)
     os.environ["COLLIDED_DAEMON"] = str(DAEMON)
     unittest.main(argv=sys.argv[:1], verbosity=2)

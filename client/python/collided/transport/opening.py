@@ -9,7 +9,7 @@ import numpy as np
 
 from collided.connection.channel import metadata
 from collided.connection.client import Client
-from collided.errors import Error, FailedPrecondition, Internal, InvalidArgument, ResourceExhausted
+from collided.errors import Error, FailedPrecondition, Internal, InvalidArgument, ResourceExhausted, Unavailable
 from collided.transport.base import Transport
 from collided.transport.call_transport import CallTransport
 from collided.transport.grpc_transport import GrpcTransport
@@ -20,6 +20,7 @@ from collided.v1 import collision_service_pb2 as api
 from collided.v1 import scene_pb2
 
 _DEFAULT_WINDOW = 2
+_OPEN_SECONDS = 60.0
 _TRANSPORTS = ("auto", "shared_memory", "grpc", "calls")
 
 
@@ -89,8 +90,11 @@ def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
 def opened_by(transport: Transport, opening: api.OpenStream) -> api.StreamOpened:
     try:
         transport.open(opening)
-        response = transport.read(None)
-        if response is None or not response.HasField("opened"):
+        # Over gRPC keepalive notices a daemon that hangs.
+        response = transport.read(_OPEN_SECONDS if transport.is_local else None)
+        if response is None:
+            raise Unavailable(f"the daemon did not open the stream within {_OPEN_SECONDS:g} s")
+        if not response.HasField("opened"):
             raise Internal("the daemon's first answer does not open the stream")
         return response.opened
     except Error:
