@@ -66,7 +66,7 @@ class Python(WithDaemon):
         self.assertEqual(run, "PYTHONPATH=stubs python3 example.py")
         for line in lines:
             self.run_line(line)
-        (program,) = EXAMPLES.blocks("python")
+        (program,) = EXAMPLES.blocks("python", after="Python, with nothing but stubs")
         printed = run_python(program, self.daemon.address, self.folder / "stubs")
         self.assertEqual(printed, "vertex 3, triangle 0, t = 0.500000000\n")
         self.assertIn(f"# {printed}", program)

@@ -11,8 +11,13 @@ README_SOCKET = "unix:/run/collided/socket"
 def run_python(program, address, stubs):
     """What a page's program prints; its only change is the daemon's address."""
     assert README_SOCKET in program, program
+    return run_with_package(program.replace(README_SOCKET, address), address, stubs)
+
+
+def run_with_package(program, address, package):
+    """What a program prints that finds the daemon by itself."""
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run([sys.executable, "-c", program.replace(README_SOCKET, address)], cwd=folder, text=True,
-                              capture_output=True, timeout=60, env={**os.environ, "PYTHONPATH": str(stubs)})
+        done = subprocess.run([sys.executable, "-c", program], cwd=folder, text=True, capture_output=True, timeout=60,
+                              env={**os.environ, "PYTHONPATH": str(package), "COLLIDED_SERVER": address})
     assert done.returncode == 0, done.stderr
     return done.stdout

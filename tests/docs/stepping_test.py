@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """client/STEPPING.md: its programs in C++ and Python against a real daemon. They come to rest, and print the same bits.
 
-usage: stepping_test.py DAEMON EXAMPLE STUBS_FOLDER REPOSITORY
+usage: stepping_test.py DAEMON EXAMPLE PYTHON_PACKAGE REPOSITORY
 """
 
 import os
@@ -17,11 +17,11 @@ except ImportError as missing:
     print(f"skipped: {missing} (Debian: python3-grpcio, python3-numpy)")
     sys.exit(77)
 
-DAEMON, EXAMPLE, STUBS, REPOSITORY = *sys.argv[1:4], pathlib.Path(sys.argv[4])
+DAEMON, EXAMPLE, PACKAGE, REPOSITORY = *sys.argv[1:4], pathlib.Path(sys.argv[4])
 sys.path.insert(0, str(REPOSITORY / "tests" / "interop"))
 from daemon import Daemon  # noqa: E402
 from markdown import Page  # noqa: E402
-from run_page import run_python  # noqa: E402
+from run_page import run_with_package  # noqa: E402
 
 PAGE = Page(REPOSITORY / "client" / "STEPPING.md")
 
@@ -36,7 +36,7 @@ class Stepping(unittest.TestCase):
                               env={**os.environ, "COLLIDED_SERVER": self.daemon.address})
         self.assertEqual(done.returncode, 0, done.stderr)
         (program,) = PAGE.blocks("python")
-        self.assertEqual(done.stdout, run_python(program, self.daemon.address, STUBS))
+        self.assertEqual(done.stdout, run_with_package(program, self.daemon.address, PACKAGE))
         heights = [float(line.split()[0]) for line in done.stdout.splitlines()]
         self.assertEqual(len(heights), 6)
         self.assertLess(heights[-1], 0.1)

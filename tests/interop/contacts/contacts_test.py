@@ -3,7 +3,7 @@
 
 usage: contacts_test.py DAEMON CPP_PROGRAM LANGUAGE REPOSITORY BUILD_FOLDER
 
-LANGUAGE is python, node or go; its client is compared with that in C++. Two sheets of bumps pass through each other
+LANGUAGE is python (plain stubs), package (that of Python), node or go; its client is compared with that in C++. Two sheets of bumps pass through each other
 in five frames, the last one sparse; each client prints, for each frame, the arrays of its contacts.
 """
 
@@ -38,6 +38,11 @@ def python_client():
     return lambda address: printed([sys.executable, HERE / "contacts.py", address], PYTHONPATH=stubs)
 
 
+def package_client():
+    package = str(BUILD / "tests" / "client" / "python" / "package")
+    return lambda address: printed([sys.executable, HERE / "contacts_package.py", address, "grpc"], PYTHONPATH=package)
+
+
 def node_client():
     """Inside the package, where its own name is known."""
     program, node = node_package.built(REPOSITORY, BUILD) / "contacts.mjs", node_package.node()
@@ -51,7 +56,7 @@ def go_client():
 
 
 try:
-    CLIENT = {"python": python_client, "node": node_client, "go": go_client}[LANGUAGE]()
+    CLIENT = {"python": python_client, "package": package_client, "node": node_client, "go": go_client}[LANGUAGE]()
 except (go_workspace.Missing, node_package.Missing) as missing:
     print(f"skipped: {missing}")
     sys.exit(77)

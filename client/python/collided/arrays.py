@@ -1,0 +1,69 @@
+"""Arrays that callers pass, checked and in the form of the wire: little-endian, contiguous."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from collided.errors import InvalidArgument
+
+UINT32_MAX = 2**32 - 1
+INDEX = np.dtype("<u4")
+
+
+def numbers(values: Any, argument: str) -> np.ndarray:
+    """An array of real numbers."""
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError) as error:
+        raise InvalidArgument(f"{argument} is no array of numbers: {error}", field=argument) from None
+    if array.dtype.kind not in "fiu":
+        raise InvalidArgument(f"{argument} has dtype {array.dtype}; it must be of real numbers", field=argument)
+    return array
+
+
+def points(values: Any, argument: str, count: int | None = None) -> np.ndarray:
+    """An array of shape (n, 3), of `count` rows if that is given."""
+    array = numbers(values, argument)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise InvalidArgument(f"{argument} has shape {array.shape}; it must be (n, 3)", field=argument)
+    if count is not None and len(array) != count:
+        raise InvalidArgument(f"{argument} has {len(array)} rows; it must have {count}", field=argument)
+    return array
+
+
+def ids(values: Any, argument: str, corners: int = 0) -> np.ndarray:
+    """Vertex numbers as uint32, of shape (n, corners), or (n,) for 0 corners."""
+    array = np.asarray(values) if not isinstance(values, np.ndarray) else values
+    shape = f"(n, {corners})" if corners else "(n,)"
+    if array.size == 0:
+        return np.empty((0, corners) if corners else (0,), INDEX)
+    if array.dtype.kind not in "iu":
+        raise InvalidArgument(f"{argument} has dtype {array.dtype}; it must be of integers", field=argument)
+    if array.ndim != (2 if corners else 1) or (corners and array.shape[1] != corners):
+        raise InvalidArgument(f"{argument} has shape {array.shape}; it must be {shape}", field=argument)
+    low, high = int(array.min()), int(array.max())
+    if low < 0 or high > UINT32_MAX:
+        raise InvalidArgument(f"{argument} has index {low if low < 0 else high}; indices are from 0 to {UINT32_MAX}",
+                              field=argument)
+    return np.ascontiguousarray(array, INDEX)
+
+
+def check_below(array: np.ndarray, limit: int, argument: str) -> None:
+    """Whether all vertex numbers are of a mesh that has `limit` vertices."""
+    if array.size and int(array.max()) >= limit:
+        raise InvalidArgument(f"{argument} has index {int(array.max())}; the mesh has {limit} vertices", field=argument)
+
+
+def matrix(values: Any, argument: str) -> np.ndarray:
+    """The rows of [R | t] as float64 of shape (3, 4), from that or from a matrix of shape (4, 4)."""
+    array = numbers(values, argument)
+    if array.shape == (4, 4):
+        if not np.array_equal(array[3], (0, 0, 0, 1)):
+            raise InvalidArgument(f"{argument} has the last row {array[3].tolist()}; it must be 0 0 0 1",
+                                  field=argument)
+        array = array[:3]
+    if array.shape != (3, 4):
+        raise InvalidArgument(f"{argument} has shape {array.shape}; it must be (3, 4) or (4, 4)", field=argument)
+    return np.array(array, "<f8", order="C")

@@ -1,0 +1,27 @@
+"""Values of the protocol's enumerations by name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from collided.errors import InvalidArgument
+
+
+def choice(enum: Any, prefix: str, value: str | int | None, argument: str) -> Any:
+    """The value of `enum` that a word such as "certified" names; 0 for None. Numbers of the protocol are kept."""
+    if value is None:
+        return 0
+    words = {name.removeprefix(prefix).lower(): number for name, number in enum.items()}
+    if isinstance(value, str):
+        known = words.get(value.lower().replace("-", "_"))
+        if known:
+            return known
+    elif not isinstance(value, bool) and value in words.values():
+        return int(value)
+    usable = ", ".join(word for word, number in words.items() if number)
+    raise InvalidArgument(f"{argument} is {value!r}; it must be one of {usable}", field=argument)
+
+
+def word(enum: Any, prefix: str, number: int) -> str:
+    """The word that names a value."""
+    return enum.Name(number).removeprefix(prefix).lower()

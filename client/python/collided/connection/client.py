@@ -1,0 +1,183 @@
+"""A connection to a daemon: everything that is asked with one call."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+import uuid
+from typing import Any
+
+import grpc
+
+from collided.connection.channel import ask_for_info, metadata, open_channel
+from collided.connection.options import ConnectOptions, is_local_address
+from collided.connection.own_daemon import OwnDaemon, shared_daemon
+from collided.errors import Error, Unavailable, error_of_call
+from collided.layout import Layout
+from collided.options import SceneOptions
+from collided.v1 import collision_service_pb2 as api
+from collided.v1 import scene_pb2
+from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
+
+_TRIANGLES_PER_CHUNK = (1 << 20) // 12  # 1 MiB, well below the limit of any daemon
+_CREATE_TRIES, _RETRY_SECONDS = 3, 0.2
+
+
+class Client:
+    """A connection, made when it is first needed, and made again when it is lost. May be used by several threads.
+
+    server: "host:port" or "unix:/path"; None: $COLLIDED_SERVER, or a daemon that this process starts for itself.
+    daemon: an OwnDaemon to use instead of the one that this process shares.
+    options: those of ConnectOptions, such as token="..." and tls_ca="ca.pem".
+
+    Calls raise Error: Unavailable if no daemon answers, DeadlineExceeded after `deadline` seconds, and what the daemon
+    refuses with.
+    """
+
+    def __init__(self, server: str | None = None, *, daemon: OwnDaemon | None = None, **options: Any) -> None:
+        self.options = ConnectOptions(**options)
+        self._server = server or (None if daemon else os.environ.get("COLLIDED_SERVER")) or None
+        self._own = None if self._server else daemon or shared_daemon()
+        if self._server:
+            self.options.check(self._server)
+        self._lock = threading.Lock()
+        self._channel: grpc.Channel | None = None
+        self._info: api.GetServerInfoResponse | None = None
+
+    @property
+    def address(self) -> str:
+        """Of the daemon. Starts one where none was named."""
+        return self._server if self._own is None else self._own.address  # type: ignore[return-value]
+
+    @property
+    def info(self) -> api.GetServerInfoResponse:
+        """Version, devices and limits of the daemon, as of this connection."""
+        self.channel()
+        assert self._info is not None
+        return self._info
+
+    def estimate(self, meshes: Any, **options: Any) -> api.EstimateSceneResponse:
+        """What a scene would cost, before it is made: memory, bytes of its frames, stages. Arguments of Scene."""
+        asked = SceneOptions(**options)
+        spec = full_spec(Layout.of(meshes, asked.exclude), asked)
+        return self.call("EstimateScene", api.EstimateSceneRequest(spec=spec))
+
+    def scenes(self) -> list[scene_pb2.Scene]:
+        """All scenes of this client, by id."""
+        out: list[scene_pb2.Scene] = []
+        token = ""
+        while True:
+            page = self.call("ListScenes", api.ListScenesRequest(page_token=token))
+            out += page.scenes
+            token = page.next_page_token
+            if not token:
+                return out
+
+    def get_scene(self, scene_id: str) -> scene_pb2.Scene:
+        """State and memory of a scene; restarts its lease. NotFound."""
+        return self.call("GetScene", api.GetSceneRequest(scene_id=scene_id), scene_id).scene
+
+    def delete_scene(self, scene_id: str) -> None:
+        """Frees a scene's memory. NotFound."""
+        self.call("DeleteScene", api.DeleteSceneRequest(scene_id=scene_id), scene_id)
+
+    def create_scene(self, layout: Layout, options: SceneOptions, lease_seconds: float) -> scene_pb2.Scene:
+        """Retries if the answer is lost, without ever creating two scenes."""
+        spec = full_spec(layout, options)
+        request = api.CreateSceneRequest(request_id=uuid.uuid4().hex, spec=spec, lease_seconds=lease_seconds)
+        scene = self._create(request)
+        try:
+            for index, mesh in layout.present():
+                if len(mesh.triangles):
+                    scene = self._upload(scene.scene_id, index, mesh.triangles)
+        except Error:
+            self._try_delete(scene.scene_id)
+            raise
+        return scene
+
+    def channel(self) -> grpc.Channel:
+        """The connection, made if there is none."""
+        with self._lock:
+            if self._channel is None:
+                self._channel, self._info = self._connect()
+            return self._channel
+
+    def _connect(self) -> tuple[grpc.Channel, api.GetServerInfoResponse]:
+        address = self.address
+        self.options.check(address)
+        channel = open_channel(address, self.options)
+        try:
+            return channel, ask_for_info(channel, address, self.options)
+        except Error:
+            channel.close()
+            raise
+
+    def separate_channel(self, endpoint: str = "") -> grpc.Channel:
+        """A connection of its own for a stream, to the scene's endpoint if it has one."""
+        address = endpoint or self.address
+        self.options.check(address)
+        return open_channel(address, self.options)
+
+    def local_socket(self, endpoint: str) -> str:
+        """Path of the daemon's local socket, if it has one and is on this host; else empty."""
+        return self.info.local_socket if not endpoint and is_local_address(self.address) else ""
+
+    def reconnect(self) -> None:
+        """Forgets the connection: the daemon may be another one now."""
+        with self._lock:
+            channel, self._channel, self._info = self._channel, None, None
+        if channel is not None:
+            channel.close()
+
+    def close(self) -> None:
+        """Ends the connection. The client connects again if it is used again."""
+        self.reconnect()
+
+    def call(self, method: str, request: Any, scene_id: str = "", timeout: float | None = None) -> Any:
+        """One unary call."""
+        try:
+            return getattr(CollisionServiceStub(self.channel()), method)(
+                request, timeout=timeout or self.options.deadline, metadata=metadata(self.options, scene_id))
+        except grpc.RpcError as error:
+            raise error_of_call(error) from None
+        except ValueError:  # of gRPC, where another thread has closed the channel meanwhile
+            raise Unavailable("the connection was closed during the call") from None
+
+    def _create(self, request: api.CreateSceneRequest) -> scene_pb2.Scene:
+        for tries in range(1, _CREATE_TRIES + 1):
+            try:
+                return self.call("CreateScene", request).scene
+            except Unavailable:
+                if tries == _CREATE_TRIES:
+                    raise
+                time.sleep(_RETRY_SECONDS * tries)
+        raise AssertionError
+
+    def _upload(self, scene_id: str, mesh: int, triangles: Any) -> scene_pb2.Scene:
+        starts = range(0, len(triangles), _TRIANGLES_PER_CHUNK)
+        chunks = (api.UploadMeshRequest(scene_id=scene_id, mesh=mesh,
+                                        triangles=triangles[at:at + _TRIANGLES_PER_CHUNK].tobytes()) for at in starts)
+        return self.call("UploadMesh", chunks, scene_id, self.options.deadline + len(starts)).scene
+
+    def _try_delete(self, scene_id: str) -> None:
+        """Cleans up after a failed upload, whose error is the one to report."""
+        try:
+            self.delete_scene(scene_id)
+        except Error:
+            pass
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def full_spec(layout: Layout, options: SceneOptions) -> scene_pb2.SceneSpec:
+    """The spec of a scene, whose triangles are uploaded."""
+    spec = options.spec()
+    spec.position_format = scene_pb2.PositionFormat.Value("POSITION_FORMAT_" + options.format(layout).name.upper())
+    spec.meshes.extend(mesh.spec(with_triangles=False) for _, mesh in layout.present())
+    spec.excluded_meshes.extend(scene_pb2.MeshPair(first=a, second=b) for a, b in sorted(layout.excluded))
+    return spec

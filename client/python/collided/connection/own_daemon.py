@@ -1,0 +1,117 @@
+"""A daemon of this process's own, on a Unix socket with shared memory."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import threading
+import time
+
+from collided.errors import FailedPrecondition, Unavailable
+
+_READY_SECONDS, _STOP_SECONDS, _POLL_SECONDS = 60.0, 10.0, 0.01
+# Ends the daemon when this process is gone, however it ended: then the pipe to standard input is closed. Not by
+# PR_SET_PDEATHSIG, which goes by the thread that started the daemon.
+_GUARD = ('exec 3<&0; "$@" </dev/null & daemon=$!; { cat >/dev/null; kill $daemon; } <&3 2>/dev/null & '
+          "wait $daemon; code=$?; kill $! 2>/dev/null; exit $code")
+
+
+def find_daemon() -> str:
+    """The program: $COLLIDED_DAEMON, or `collided` on PATH. Raises FailedPrecondition if there is none."""
+    named = os.environ.get("COLLIDED_DAEMON")
+    found = shutil.which(named) if named else shutil.which("collided")
+    if found is None:
+        raise FailedPrecondition(f"COLLIDED_DAEMON is {named!r}, which is not a program" if named else
+                                 "no daemon 'collided' is on PATH; set COLLIDED_DAEMON, or name a server")
+    return found
+
+
+class OwnDaemon:
+    """Runs until it is stopped, or this process ends. `address` starts it, and starts it again if it has ended."""
+
+    def __init__(self, *options: str, program: str | None = None) -> None:
+        """options: more of the daemon's, such as "--backend", "cpu". program: None: as find_daemon() finds it."""
+        self._options = options
+        self._program = program
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
+        self._folder = ""
+
+    @property
+    def address(self) -> str:
+        """Raises Unavailable if the daemon does not become ready."""
+        with self._lock:
+            if self._process is None or self._process.poll() is not None:
+                self._remove()
+                self._start()
+            return f"unix:{self._folder}/socket"
+
+    @property
+    def pid(self) -> int:
+        """Of the process group that the daemon runs in; 0 if none runs."""
+        return 0 if self._process is None else self._process.pid
+
+    def stop(self) -> None:
+        """Ends it; a later `address` starts another one."""
+        with self._lock:
+            if self._process is None:
+                return
+            assert self._process.stdin is not None
+            self._process.stdin.close()
+            try:
+                self._process.wait(_STOP_SECONDS)
+            except subprocess.TimeoutExpired:
+                os.killpg(self._process.pid, 9)
+                self._process.wait()
+            self._remove()
+
+    def _start(self) -> None:
+        program = self._program or find_daemon()
+        is_long = len(tempfile.gettempdir()) > 80  # the path of a socket has at most 107 bytes
+        self._folder = tempfile.mkdtemp(prefix="collided-", dir="/tmp" if is_long else None)
+        ready = pathlib.Path(self._folder, "ready")
+        log = pathlib.Path(self._folder, "log")
+        command = [program, "--address", f"unix:{self._folder}/socket", "--local-socket", f"{self._folder}/local",
+                   "--ready-file", str(ready), "--log-level", "warning", "--max-message-mb", "2047",
+                   # Its only client may use everything.
+                   "--max-scenes-per-client", "1000000", "--max-streams-per-client", "1000000",
+                   "--max-device-mb-per-client", "16777216", "--max-frame-seconds", "1000000", *self._options]
+        with log.open("wb") as out:
+            self._process = subprocess.Popen(["/bin/sh", "-c", _GUARD, "sh", *command], stdin=subprocess.PIPE,
+                                             stdout=out, stderr=out, start_new_session=True)
+        deadline = time.monotonic() + _READY_SECONDS
+        while not ready.exists():
+            if self._process.poll() is not None or time.monotonic() > deadline:
+                said = log.read_text(errors="replace").strip().splitlines()
+                self._process.kill()
+                self._remove()
+                raise Unavailable(f"daemon {program} did not become ready{': ' + said[-1] if said else ''}")
+            time.sleep(_POLL_SECONDS)
+
+    def _remove(self) -> None:
+        if self._process is not None:
+            if self._process.stdin is not None and not self._process.stdin.closed:
+                self._process.stdin.close()
+            self._process.wait()
+        self._process = None
+        if self._folder:
+            shutil.rmtree(self._folder, ignore_errors=True)
+        self._folder = ""
+
+
+_shared: OwnDaemon | None = None
+_shared_lock = threading.Lock()
+
+
+def shared_daemon() -> OwnDaemon:
+    """The one that everything in this process uses where no server is named."""
+    global _shared
+    with _shared_lock:
+        if _shared is None:
+            _shared = OwnDaemon()
+            atexit.register(_shared.stop)
+        return _shared

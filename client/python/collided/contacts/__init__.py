@@ -1,0 +1,5 @@
+"""Contacts of a frame."""
+
+from collided.contacts.contacts import Contacts, Flag
+
+__all__ = ["Contacts", "Flag"]

@@ -1,0 +1,1 @@
+"""One frame: what a caller says, what goes on the wire, and where it leaves the scene."""

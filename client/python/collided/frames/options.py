@@ -1,0 +1,59 @@
+"""What a frame asks besides its positions."""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+import numpy as np
+
+from collided.choices import choice
+from collided.errors import InvalidArgument
+from collided.frames.edit import Edit
+from collided.options import check_length
+from collided.v1 import frame_pb2, scene_pb2
+
+
+class FrameOptions(TypedDict, total=False):
+    """Settings of one frame; those that are not given are the scene's.
+
+    mode: "dcd" or "ccd", in scenes of "dcd_and_ccd".
+    accuracy, delta, report: as in SceneOptions, for this frame.
+    ignore_separating: leave features that rest on each other out of `earliest_toi` and the reports of one contact.
+    advance: go only as far towards the positions as is certified to be free of contact; `Contacts.advanced` tells how far.
+    trial: answer, and leave the scene where it was.
+    from_last_fraction: begin so far along the way of the last frame, in [0, 1].
+    edit: changes of what the scene is made of.
+    """
+
+    mode: str | None
+    accuracy: str | None
+    delta: float | None
+    report: str | None
+    ignore_separating: bool
+    advance: bool
+    trial: bool
+    from_last_fraction: float | None
+    edit: Edit | None
+
+
+def frame_head(options: FrameOptions) -> frame_pb2.Frame:
+    """A frame without its id, its updates and its edit."""
+    unknown = options.keys() - FrameOptions.__annotations__.keys()
+    if unknown:
+        known = ", ".join(FrameOptions.__annotations__)
+        raise InvalidArgument(f"{min(unknown)!r} is no option of a frame; these are {known}", field=min(unknown))
+    head = frame_pb2.Frame(
+        mode=choice(scene_pb2.DetectionMode, "DETECTION_MODE_", options.get("mode"), "mode"),
+        accuracy=choice(scene_pb2.Accuracy, "ACCURACY_", options.get("accuracy"), "accuracy"),
+        report=choice(scene_pb2.Report, "REPORT_", options.get("report"), "report"),
+        ignore_separating=bool(options.get("ignore_separating")), advance=bool(options.get("advance")),
+        trial=bool(options.get("trial")))
+    delta, fraction = options.get("delta"), options.get("from_last_fraction")
+    if delta is not None:
+        check_length(delta, "delta")
+        head.delta = delta
+    if fraction is not None:
+        if not isinstance(fraction, (int, float, np.number)) or not 0 <= fraction <= 1:
+            raise InvalidArgument(f"from_last_fraction is {fraction!r}; it must be from 0 to 1", field="from_last_fraction")
+        head.from_last_fraction = fraction
+    return head

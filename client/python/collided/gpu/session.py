@@ -1,0 +1,148 @@
+"""Frames whose positions and contacts stay on the daemon's GPU."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from typing import Any, Unpack, cast
+
+from collided.errors import Error, FailedPrecondition, InvalidArgument, ResourceExhausted, error_of_frame
+from collided.frames.options import FrameOptions
+from collided.frames.updates import Update
+from collided.gpu.arrays import incoming, is_on_device
+from collided.gpu.contacts import DeviceContacts
+from collided.gpu.cuda import Cuda
+from collided.gpu.memory import DeviceMemory
+from collided.layout import Layout
+from collided.scene import Scene
+from collided.transport.local_transport import LocalTransport
+from collided.transport.opening import opened_by
+from collided.transport.peer import LocalPeer
+from collided.transport.region import region_layout
+from collided.v1 import collision_service_pb2 as api
+
+
+class DeviceSession:
+    """As Session, for simulators on the daemon's GPU: only a frame's status crosses PCIe. A context manager.
+
+    meshes: a Scene on the GPU, or what Scene takes, with its options.
+    window: frames in flight, 1 to the daemon's limit.
+    output_bytes: room for each frame's contacts on the device; those beyond it come to the host.
+    cuda: calls on the device that the scene is on; None: libcudart's on the current one.
+
+    Positions are arrays with `__cuda_array_interface__` or DLPack, of the scene's own type, (n, 3) and contiguous, or in host
+    memory, or `Sparse` or `Rigid`. Arrays may be changed once `send` returns. The client does not know where the scene is: a
+    daemon that is lost is not put back, and raises Unavailable.
+    """
+
+    def __init__(self, meshes: Any, *, window: int = 2, output_bytes: int = 16 << 20, edit_bytes: int = 0,
+                 daemon_user: int | None = None, cuda: Cuda | None = None, **scene_options: Any) -> None:
+        self._owns_scene = not isinstance(meshes, Scene)
+        self.scene = meshes if isinstance(meshes, Scene) else Scene(meshes, **scene_options)
+        try:
+            self._open(cuda or Cuda(), window, (output_bytes, edit_bytes), daemon_user)
+        except Error:
+            self._close_scene()
+            raise
+        self.window = window
+        self._sent = 0
+        self._has_begun = False
+        self._layout: Layout = self.scene.layout
+        self._pending: deque[tuple[int, DeviceContacts]] = deque()
+
+    def _open(self, cuda: Cuda, window: int, room: tuple[int, int], daemon_user: int | None) -> None:
+        client = self.scene.client
+        limit = client.info.limits.max_window
+        if not 1 <= window <= limit:
+            raise ResourceExhausted(f"window is {window}; the daemon's limit is {limit}", field="window")
+        path = client.local_socket(self.scene.message.endpoint)
+        if not path:
+            raise FailedPrecondition("the daemon has no local socket here (--local-socket)")
+        self._memory = DeviceMemory(cuda, region_layout(self.scene.refresh().spec, window, *room))
+        self._transport = LocalTransport(LocalPeer(path, client.address, daemon_user, client.options.token), self._memory)
+        opened_by(self._transport, api.OpenStream(scene_id=self.scene.id, window=window))
+
+    def step(self, positions: Any = None, start: Any = None, **options: Unpack[FrameOptions]) -> DeviceContacts:
+        """Sends a frame and waits for its contacts."""
+        if self._pending:
+            raise FailedPrecondition(f"step() with {len(self._pending)} frames in flight: receive them first")
+        self.send(positions, start, **options)
+        return self.receive()
+
+    def send(self, positions: Any = None, start: Any = None, **options: Unpack[FrameOptions]) -> int:
+        """Sends a frame. FailedPrecondition while a whole window is in flight."""
+        if len(self._pending) >= self.window:
+            raise FailedPrecondition(f"{self.window} frames are in flight, the whole window: receive one first")
+        there, elsewhere = self._split(positions), self._split(start)
+        track = self.scene.track
+        alone = elsewhere[0].keys() - there[0].keys()
+        if alone:
+            raise InvalidArgument(f"start names mesh {min(alone)} on the device, and positions do not", field="start")
+        placed = [Update(i, positions=array, start=elsewhere[0].get(i)) for i, array in there[0].items()]
+        is_first = not (self._has_begun or self._pending)
+        request = track.request(self._layout, is_first, there[1], elsewhere[1], cast(FrameOptions, options), placed)
+        wire_id = request.head.frame_id = track.next_id()
+        self._transport.send(request.head, request.updates)
+        if request.edit is not None:
+            self._layout = request.edit.layout
+        self._sent += 1
+        self._pending.append((wire_id, DeviceContacts(self._sent)))
+        return self._sent
+
+    def receive(self) -> DeviceContacts:
+        """The next frame's contacts; raises what the daemon refused it with."""
+        if not self._pending:
+            raise FailedPrecondition("receive() with no frame in flight")
+        wire_id, contacts = self._pending[0]
+        while True:
+            response = self._transport.read(None)
+            kind = response.WhichOneof("response") if response is not None else None
+            if response is None or response.frame_id != wire_id:
+                continue
+            if kind == "contacts":
+                contacts.add(response.contacts, self._memory)
+                continue
+            self._pending.popleft()
+            if kind == "error":
+                raise error_of_frame(response.error, contacts.frame_id)
+            for chunk in response.done.contacts:
+                contacts.add(chunk, self._memory)
+            del response.done.contacts[:]
+            contacts.done = response.done
+            self._has_begun = True
+            return contacts
+
+    def _split(self, values: Any) -> tuple[dict[int, Any], Any]:
+        """Arrays on the device by mesh, and all else."""
+        if values is None or not (isinstance(values, Mapping) or is_on_device(values)):
+            return {}, values
+        if not isinstance(values, Mapping):
+            movable = [i for i, mesh in self._layout.present() if not mesh.is_static]
+            if len(movable) != 1:
+                raise InvalidArgument(f"positions are not a mapping of meshes, and {len(movable)} meshes can move",
+                                      field="positions")
+            values = {movable[0]: values}
+        dtype, there, rest = self.scene.track.form.dtype, {}, {}
+        for name, value in values.items():
+            if is_on_device(value):
+                index = self._layout.index(name)
+                mesh = self._layout.mesh(index)
+                there[index] = incoming(value, dtype, mesh.vertex_count, f"positions[{mesh.name!r}]")
+            else:
+                rest[name] = value
+        return there, rest
+
+    def close(self) -> None:
+        """Ends the stream, and deletes the scene if it is the session's own."""
+        self._transport.close()
+        self._close_scene()
+
+    def _close_scene(self) -> None:
+        if self._owns_scene:
+            self.scene.close()
+
+    def __enter__(self) -> DeviceSession:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,95 @@
+"""What a scene is made of at one moment, and how its features are numbered."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from collided.errors import InvalidArgument
+from collided.meshes import Mesh, as_mesh
+from collided.v1 import scene_pb2
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Meshes by index; None where an edit removed one. Pairs of indices that are not tested."""
+
+    meshes: tuple[Mesh | None, ...]
+    excluded: frozenset[tuple[int, int]] = field(default_factory=frozenset)
+    element_counts: tuple[int, ...] | None = None  # of meshes whose elements are not known here
+
+    @staticmethod
+    def of(source: Any, exclude: Iterable[Any] = ()) -> Layout:
+        """From a mapping of names to meshes, a list of meshes, or one mesh. exclude: pairs that are not tested."""
+        if isinstance(source, Mapping) and not {"vertices", "triangles", "edges", "points"} & source.keys():
+            named = list(source.items())
+        elif isinstance(source, (list, tuple)) and source and all(isinstance(mesh, Mesh) for mesh in source):
+            named = [(mesh.name or f"mesh {i}", mesh) for i, mesh in enumerate(source)]
+        else:
+            named = [(source.name if isinstance(source, Mesh) and source.name else "mesh", source)]
+        if not named:
+            raise InvalidArgument("a scene needs one mesh or more", field="meshes")
+        layout = Layout(tuple(as_mesh(mesh, name) for name, mesh in named))
+        return replace(layout, excluded=frozenset(map(layout.pair, exclude)))
+
+    @cached_property
+    def _indices(self) -> dict[str, int]:
+        return {mesh.name: i for i, mesh in enumerate(self.meshes) if mesh is not None}
+
+    @staticmethod
+    def of_spec(spec: scene_pb2.SceneSpec) -> Layout:
+        """As the daemon tells it, without elements; meshes without vertices were removed."""
+        meshes = (Mesh(name=mesh.name, vertex_count=mesh.vertex_count) if mesh.vertex_count else None
+                  for mesh in spec.meshes)
+        counts = (mesh.triangle_count + mesh.edge_count + mesh.point_count for mesh in spec.meshes)
+        return Layout(tuple(meshes), element_counts=tuple(counts))
+
+    def index(self, mesh: str | int) -> int:
+        """Index of a mesh that is there, by name or index."""
+        if isinstance(mesh, str):
+            if mesh not in self._indices:
+                known = ", ".join(map(repr, self._indices))
+                raise InvalidArgument(f"mesh {mesh!r} is not in the scene, which has {known[:400]}", field="mesh")
+            return self._indices[mesh]
+        if isinstance(mesh, bool) or not isinstance(mesh, (int, np.integer)) or not 0 <= mesh < len(self.meshes):
+            raise InvalidArgument(f"mesh is {mesh!r}; it must be a name, or an index below {len(self.meshes)}",
+                                  field="mesh")
+        if self.meshes[mesh] is None:
+            raise InvalidArgument(f"mesh {mesh} was removed", field="mesh")
+        return int(mesh)
+
+    def mesh(self, index: int) -> Mesh:
+        """A mesh that is there."""
+        mesh = self.meshes[index]
+        assert mesh is not None
+        return mesh
+
+    def present(self) -> Iterable[tuple[int, Mesh]]:
+        return ((i, mesh) for i, mesh in enumerate(self.meshes) if mesh is not None)
+
+    @cached_property
+    def vertex_offsets(self) -> np.ndarray:
+        """First scene-wide vertex of each mesh, and the number of all."""
+        return _sums([0 if mesh is None else mesh.vertex_count for mesh in self.meshes])
+
+    @cached_property
+    def element_offsets(self) -> np.ndarray:
+        """First scene-wide element (triangle, loose edge or loose point) of each mesh, and the number of all."""
+        return _sums(self.element_counts or [0 if mesh is None else mesh.element_count for mesh in self.meshes])
+
+    def pair(self, pair: Any) -> tuple[int, int]:
+        """Two meshes, in order."""
+        try:
+            first, second = pair
+        except (TypeError, ValueError):
+            raise InvalidArgument(f"{pair!r} is no pair of meshes", field="excluded_meshes") from None
+        low, high = sorted((self.index(first), self.index(second)))
+        return low, high
+
+
+def _sums(counts: Iterable[int]) -> np.ndarray:
+    return np.concatenate([[0], np.cumsum(list(counts), dtype=np.int64)]).astype(np.int64)

@@ -1,0 +1,141 @@
+"""A mesh of a scene."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from collided.arrays import UINT32_MAX, check_below, ids, points
+from collided.choices import choice, word
+from collided.errors import InvalidArgument
+from collided.meshes.files import read_mesh_file
+from collided.meshes.foreign import parts_of
+from collided.v1 import scene_pb2
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles, loose edges (hair, threads) and loose points (particles), of any of which it has one or more.
+
+    vertices: float[n][3], where the mesh is before the first frame, in the unit of the positions; a scene that is given
+        them begins there, and frames need not name meshes that stand still. None: the first frame has them.
+    triangles, edges, points: integers of shape (n, 3), (n, 2), (n,): vertex numbers within the mesh. All arrays are numpy's
+        once the mesh is made: copies, read-only.
+    name: 1 to 128 bytes, unique in the scene; empty: the scene chooses "mesh 0" and so on.
+    vertex_count: needed without `vertices` only where vertices follow the last one that an element has.
+    motion: "deformable"; "static", which never moves; or "rigid", which `Rigid` moves after the first frame.
+    groups, collide_mask: bits of 32; two meshes are tested if each one's mask has a group of the other. 0: group 1, all.
+    self_contacts: whether the mesh is tested with itself.
+    exclude_rings: 0 to 8; leave out self contacts of features that so many edges or fewer connect.
+    exclude_rest_pairs: leave out self contacts of features within the scene's rest_distance where the mesh begins.
+
+    Raises InvalidArgument for shapes, dtypes and vertex numbers that cannot be.
+    """
+
+    vertices: Any = None
+    triangles: Any = ()
+    edges: Any = field(default=(), kw_only=True)
+    points: Any = field(default=(), kw_only=True)
+    name: str = field(default="", kw_only=True)
+    vertex_count: int = field(default=0, kw_only=True)
+    motion: str = field(default="deformable", kw_only=True)
+    groups: int = field(default=0, kw_only=True)
+    collide_mask: int = field(default=0, kw_only=True)
+    self_contacts: bool = field(default=True, kw_only=True)
+    exclude_rings: int = field(default=0, kw_only=True)
+    exclude_rest_pairs: bool = field(default=False, kw_only=True)
+
+    def __post_init__(self) -> None:
+        for name, corners in (("triangles", 3), ("edges", 2), ("points", 0)):
+            given = getattr(self, name)
+            self._keep(name, ids(() if given is None else given, name, corners))
+        if self.vertices is not None:
+            self._keep("vertices", points(self.vertices, "vertices"))
+        object.__setattr__(self, "vertex_count", self._count())
+        for name in ("triangles", "edges", "points"):
+            check_below(getattr(self, name), self.vertex_count, name)
+        motion = choice(scene_pb2.MeshMotion, "MESH_MOTION_", self.motion, "motion")
+        object.__setattr__(self, "motion", word(scene_pb2.MeshMotion, "MESH_MOTION_", motion or 1))
+        for name, limit in (("groups", UINT32_MAX), ("collide_mask", UINT32_MAX), ("exclude_rings", 8)):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not 0 <= value <= limit:
+                raise InvalidArgument(f"{name} is {value!r}; it must be from 0 to {limit}", field=name)
+
+    def _keep(self, name: str, array: np.ndarray) -> None:
+        """A copy: the scene is made of it, perhaps again, whatever becomes of the caller's array."""
+        own = np.array(array, order="C")
+        own.flags.writeable = False
+        object.__setattr__(self, name, own)
+
+    def _count(self) -> int:
+        if self.vertices is not None:
+            if self.vertex_count not in (0, len(self.vertices)):
+                raise InvalidArgument(f"vertex_count is {self.vertex_count}; vertices have {len(self.vertices)} rows",
+                                      field="vertex_count")
+            return len(self.vertices)
+        arrays = [array for array in (self.triangles, self.edges, self.points) if array.size]
+        named = 1 + max((int(array.max()) for array in arrays), default=-1)
+        if not 0 <= self.vertex_count <= UINT32_MAX or 0 < self.vertex_count < named:
+            raise InvalidArgument(f"vertex_count is {self.vertex_count}; elements name {named} vertices",
+                                  field="vertex_count")
+        return self.vertex_count or named
+
+    @staticmethod
+    def read(path: str | os.PathLike[str], **options: Any) -> Mesh:
+        """The mesh of an OBJ or PLY file: every vertex keeps its number and every position its exact double.
+
+        Polygons become fans of triangles; of an OBJ `l` lines are loose edges and `p` lines loose points. options: those
+        of Mesh. Raises InvalidArgument naming file and line for what cannot be read.
+        """
+        return Mesh(**{**read_mesh_file(os.fspath(path)), **options})
+
+    @staticmethod
+    def of(source: Any, **options: Any) -> Mesh:
+        """The mesh of a Mesh, a path, a trimesh-like object (`vertices`, `faces`), a meshio mesh (`points`, `cells_dict`),
+        a pair (vertices, triangles), a mapping of Mesh's arguments, or an array of triangles alone. options: those of Mesh.
+        """
+        if isinstance(source, Mesh):
+            return replace(source, **options)
+        if isinstance(source, (str, os.PathLike)):
+            return Mesh.read(source, **options)
+        if isinstance(source, Mapping):
+            return Mesh(**{**source, **options})
+        return Mesh(**{**parts_of(source), **options})
+
+    @property
+    def element_count(self) -> int:
+        """Triangles, loose edges and loose points."""
+        return len(self.triangles) + len(self.edges) + len(self.points)
+
+    @property
+    def is_static(self) -> bool:
+        return self.motion == "static"
+
+    @property
+    def is_rigid(self) -> bool:
+        return self.motion == "rigid"
+
+    def spec(self, with_triangles: bool = True) -> scene_pb2.MeshSpec:
+        """The mesh as the protocol has it."""
+        spec = scene_pb2.MeshSpec(
+            name=self.name, vertex_count=self.vertex_count, groups=self.groups, collide_mask=self.collide_mask,
+            motion=choice(scene_pb2.MeshMotion, "MESH_MOTION_", self.motion, "motion"),
+            no_self_contacts=not self.self_contacts, exclude_rings=self.exclude_rings,
+            exclude_rest_pairs=self.exclude_rest_pairs, triangle_count=len(self.triangles),
+            edges=self.edges.tobytes(), points=self.points.tobytes())
+        if with_triangles:
+            spec.triangles = self.triangles.tobytes()
+        return spec
+
+
+def as_mesh(source: Any, name: str) -> Mesh:
+    """A mesh of a scene, with the name that it has there."""
+    try:
+        mesh = Mesh.of(source)
+        return mesh if mesh.name == name else replace(mesh, name=name)
+    except InvalidArgument as error:
+        raise InvalidArgument(f"mesh {name!r}: {error.message}", field=error.field) from None

@@ -1,0 +1,117 @@
+"""What a scene asks for: everything of its spec but its meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from collided.choices import choice, word
+from collided.errors import InvalidArgument
+from collided.layout import Layout
+from collided.positions import Box, Format, format_named
+from collided.v1 import contact_pb2, scene_pb2
+
+FIELDS = ("elements", "stencil", "toi", "distance", "weights", "normal", "flags")
+KINDS = ("vertex_triangle", "edge_edge", "triangle_triangle")
+_SHORT_KINDS = {"vt": "vertex_triangle", "ee": "edge_edge", "tt": "triangle_triangle"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneOptions:
+    """Options of a scene. Lengths are in the unit of the positions. What goes together only the daemon decides.
+
+    mode: "ccd" (what touches on the way to a frame's positions), "dcd" (what is near there), or "dcd_and_ccd", where
+        each frame says which.
+    accuracy: "candidates", "fast", "guarded", "certified" or "exact"; None: the daemon's default, "certified".
+    position_format: "f32", "f64" or "q16"; None: "f32" if all meshes have float32 vertices, else "f64".
+    quantization_box: the Box of "q16".
+    thickness, delta, min_separation, rest_distance: lengths >= 0.
+    kinds: of "vt", "ee" and "tt"; empty: the first two.
+    fields: of FIELDS; those that are left out are neither computed nor sent.
+    report: "all", "earliest_only" or "any_hit".
+    backend: "auto", "cpu" or "cuda".
+    broad_phase: an engine, such as "octree" or "lbvh"; None: the daemon chooses.
+    memory_budget: bytes that the scene may hold; 0: the daemon's limit.
+    exclude: pairs of meshes that are not tested.
+    display_name: for people, at most 128 bytes.
+    """
+
+    mode: str = "ccd"
+    accuracy: str | None = None
+    position_format: str | None = None
+    quantization_box: Box | None = None
+    thickness: float = 0.0
+    delta: float = 0.0
+    min_separation: float = 0.0
+    rest_distance: float = 0.0
+    kinds: Iterable[str] = ()
+    fields: Iterable[str] = FIELDS
+    report: str | None = None
+    backend: str | None = None
+    broad_phase: str | None = None
+    memory_budget: int = 0
+    exclude: Iterable[tuple[str | int, str | int]] = ()
+    display_name: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("thickness", "delta", "min_separation", "rest_distance"):
+            check_length(getattr(self, name), name)
+        if not isinstance(self.memory_budget, (int, np.integer)) or not 0 <= self.memory_budget < 2**64:
+            raise InvalidArgument(f"memory_budget is {self.memory_budget!r}; it must be from 0 to 2^64 - 1",
+                                  field="memory_budget")
+        mode = choice(scene_pb2.DetectionMode, "DETECTION_MODE_", self.mode, "mode")
+        object.__setattr__(self, "mode", word(scene_pb2.DetectionMode, "DETECTION_MODE_", mode))
+        object.__setattr__(self, "exclude", tuple(self.exclude))
+        object.__setattr__(self, "kinds", tuple(words(self.kinds, "kinds")))
+        object.__setattr__(self, "fields", tuple(words(self.fields, "fields")))
+        self.spec()
+
+    def format(self, layout: Layout) -> Format:
+        """The format of all positions."""
+        name = word(scene_pb2.PositionFormat, "POSITION_FORMAT_",
+                    choice(scene_pb2.PositionFormat, "POSITION_FORMAT_", self.position_format or _natural(layout),
+                           "position_format"))
+        return format_named(name, self.quantization_box)
+
+    def spec(self) -> scene_pb2.SceneSpec:
+        """The spec without meshes, and without what depends on them."""
+        spec = scene_pb2.SceneSpec(
+            display_name=self.display_name, thickness=self.thickness, delta=self.delta,
+            min_separation=self.min_separation, rest_distance=self.rest_distance, memory_budget_bytes=self.memory_budget,
+            mode=choice(scene_pb2.DetectionMode, "DETECTION_MODE_", self.mode, "mode"),
+            accuracy=choice(scene_pb2.Accuracy, "ACCURACY_", self.accuracy, "accuracy"),
+            report=choice(scene_pb2.Report, "REPORT_", self.report, "report"),
+            backend=choice(scene_pb2.Backend, "BACKEND_", self.backend, "backend"),
+            broad_phase_engine=choice(scene_pb2.BroadPhaseEngine, "BROAD_PHASE_ENGINE_", self.broad_phase, "broad_phase"),
+            kinds=[choice(contact_pb2.ContactKind, "CONTACT_KIND_", _SHORT_KINDS.get(kind, kind), "kinds")
+                   for kind in self.kinds],
+            fields=[choice(contact_pb2.ContactField, "CONTACT_FIELD_", name, "fields")
+                    for name in self.fields])
+        if self.quantization_box is not None:
+            spec.quantization_box.lower.extend(self.quantization_box.lower)
+            spec.quantization_box.upper.extend(self.quantization_box.upper)
+        return spec
+
+
+def words(values: Iterable[str], argument: str) -> list[str]:
+    """A list of words, which a single word is not."""
+    if isinstance(values, str):
+        raise InvalidArgument(f"{argument} is {values!r}; it must be a list, such as [{values!r}]", field=argument)
+    return list(values)
+
+
+def check_length(value: Any, argument: str) -> None:
+    """Whether it is a length: finite, and at least 0."""
+    is_number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    if not is_number or not np.isfinite(value) or value < 0:
+        raise InvalidArgument(f"{argument} is {value!r}; it must be finite and at least 0", field=argument)
+
+
+def _natural(layout: Layout) -> str:
+    """The format that rounds nothing."""
+    arrays = [mesh.vertices for _, mesh in layout.present()]
+    is_single = all(a is not None and a.dtype in (np.dtype("<f4"), np.dtype("<f2")) for a in arrays)
+    return "f32" if is_single else "f64"

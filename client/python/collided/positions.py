@@ -1,0 +1,129 @@
+"""Positions: their formats on the wire, and the formulas by which a client has the daemon's bits.
+
+Every operation is in binary64, none fused, and the result is rounded to the scene's format once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from collided.arrays import matrix as as_matrix
+from collided.arrays import numbers, points
+from collided.errors import InvalidArgument
+
+_LAST_STEP = 65535
+
+
+@dataclass(frozen=True)
+class Box:
+    """The box that Q16 positions are encoded in: corners of three finite coordinates each, in order."""
+
+    lower: Sequence[float]
+    upper: Sequence[float]
+
+    def __post_init__(self) -> None:
+        lower, upper = (numbers(corner, f"box.{name}") for name, corner in (("lower", self.lower), ("upper", self.upper)))
+        for name, corner in (("lower", lower), ("upper", upper)):
+            if corner.shape != (3,):
+                raise InvalidArgument(f"box.{name} has shape {corner.shape}; it must be (3,)", field="quantization_box")
+        if not (np.isfinite([lower, upper]).all() and (lower <= upper).all()):
+            raise InvalidArgument(f"the box is from {lower.tolist()} to {upper.tolist()}; corners must be finite and "
+                                  "in order", field="quantization_box")
+        object.__setattr__(self, "lower", tuple(map(float, lower)))
+        object.__setattr__(self, "upper", tuple(map(float, upper)))
+
+    @staticmethod
+    def around(*positions: Any) -> Box:
+        """The smallest box of all these positions."""
+        arrays = [points(p, "positions") for p in positions]
+        return Box(np.min([a.min(axis=0) for a in arrays], axis=0), np.max([a.max(axis=0) for a in arrays], axis=0))
+
+    @property
+    def step(self) -> np.ndarray:
+        """Length of a step along each axis."""
+        return (np.array(self.upper) - np.array(self.lower)) / _LAST_STEP
+
+
+def pack_quantized(positions: Any, box: Box) -> np.ndarray:
+    """Positions as Q16: uint16[n][3], each coordinate at the nearest step of the box.
+
+    Raises InvalidArgument for a position outside the box: what was clamped into it would not be where it was.
+    """
+    p = points(positions, "positions").astype("<f8", copy=False)
+    lower, upper, step = np.array(box.lower), np.array(box.upper), box.step
+    outside = ~((p >= lower) & (p <= upper))
+    if outside.any():
+        vertex, axis = np.argwhere(outside)[0]
+        raise InvalidArgument(f"positions[{vertex}].{'xyz'[axis]} is {p[vertex, axis]!r}, outside the box, "
+                              f"{lower[axis]!r} to {upper[axis]!r}", field="positions")
+    quotient = np.divide(p - lower, step, out=np.zeros_like(p), where=step > 0)
+    # Away from zero at a half, where numpy's own rounding goes to even.
+    floor = np.floor(quotient)
+    rounded = floor + (quotient - floor >= 0.5)
+    return np.minimum(rounded, _LAST_STEP).astype("<u2")
+
+
+def unpack_quantized(encoded: np.ndarray, box: Box) -> np.ndarray:
+    """The float32 positions that the daemon computes with."""
+    return (np.array(box.lower) + encoded.astype("<f8") * box.step).astype("<f4")
+
+
+def move_along(positions: np.ndarray, target: np.ndarray, fraction: float) -> np.ndarray:
+    """Where the daemon is after it went `fraction` (0 to 1) of the way from `positions` to `target`, in their dtype.
+
+    fraction: `Contacts.advanced`, or a frame's `from_last_fraction`.
+    """
+    x, p = numbers(positions, "positions"), numbers(target, "target")
+    if x.shape != p.shape:
+        raise InvalidArgument(f"target has shape {p.shape}, positions have {x.shape}", field="target")
+    if not 0 <= fraction <= 1:
+        raise InvalidArgument(f"fraction is {fraction!r}; it must be from 0 to 1", field="fraction")
+    if fraction in (0, 1):
+        return (p if fraction else x).astype(x.dtype)
+    x64 = x.astype("<f8")
+    return (x64 + fraction * (p.astype("<f8") - x64)).astype(x.dtype)
+
+
+def move_rigidly(positions: np.ndarray, transform: Any) -> np.ndarray:
+    """Where a pose, the rows of [R | t], puts the vertices of a rigid mesh from where its first frame had them."""
+    x, rows = points(positions, "positions"), as_matrix(transform, "transform")
+    x64 = x.astype("<f8")
+    columns = [((r[0] * x64[:, 0] + r[1] * x64[:, 1]) + r[2] * x64[:, 2]) + r[3] for r in rows]
+    return np.stack(columns, axis=1).astype(x.dtype)
+
+
+@dataclass(frozen=True)
+class Format:
+    """How a scene's positions are on the wire (`dtype`) and in the engine (`real`)."""
+
+    name: str
+    dtype: np.dtype
+    real: np.dtype
+    box: Box | None = None
+
+    def encode(self, values: Any, argument: str, count: int | None) -> np.ndarray:
+        """Positions as contiguous bytes of the wire. May be the caller's own memory, or a copy."""
+        array = points(values, argument, count)
+        if self.box is not None:
+            return array if array.dtype == self.dtype and array.flags.c_contiguous else pack_quantized(array, self.box)
+        if array.dtype == self.dtype:
+            return np.ascontiguousarray(array)
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused by the daemon, with its vertex
+            return np.ascontiguousarray(array, self.dtype)
+
+    def decode(self, wire: np.ndarray) -> np.ndarray:
+        """Positions as the engine has them."""
+        return wire if self.box is None or wire.dtype == self.real else unpack_quantized(wire, self.box)
+
+
+def format_named(name: str, box: Box | None) -> Format:
+    """The format "f32", "f64" or "q16", which needs a box."""
+    if (name == "q16") != (box is not None):
+        raise InvalidArgument(f"position_format is {name!r} and quantization_box is {box}; 'q16' and a box go together",
+                              field="quantization_box")
+    wire = {"f32": "<f4", "f64": "<f8", "q16": "<u2"}[name]
+    return Format(name, np.dtype(wire), np.dtype("<f8" if name == "f64" else "<f4"), box)

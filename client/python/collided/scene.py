@@ -1,0 +1,101 @@
+"""A scene on a daemon."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any
+
+from collided.connection.client import Client
+from collided.connection.options import ConnectOptions
+from collided.errors import DeadlineExceeded, Error, InvalidArgument, NotFound
+from collided.frames.track import Track
+from collided.layout import Layout
+from collided.options import SceneOptions
+from collided.v1 import scene_pb2
+from collided.watch import Watcher
+
+if TYPE_CHECKING:
+    from collided.session import Session
+
+_CONNECT = {field.name for field in dataclasses.fields(ConnectOptions)}
+_SCENE = {field.name for field in dataclasses.fields(SceneOptions)}
+
+
+class Scene:
+    """Meshes that stay resident on a daemon, as a context manager: made at the beginning, deleted at the end.
+
+    meshes: a mapping of names to meshes, a list of Mesh, or one mesh; a mesh is whatever `Mesh.of` takes.
+    server: "host:port" or "unix:/path"; None: $COLLIDED_SERVER, or a daemon of this process's own. Or a Client.
+    lease_seconds: without a stream or a call for so long the daemon deletes the scene; 0: its default.
+    options: those of SceneOptions, and, without a Client, of ConnectOptions.
+
+    Raises InvalidArgument for bad meshes and options, ResourceExhausted past the daemon's limits.
+    """
+
+    def __init__(self, meshes: Any, *, server: str | Client | None = None, lease_seconds: float = 0.0,
+                 **options: Any) -> None:
+        unknown = options.keys() - _CONNECT - _SCENE
+        if unknown:
+            known = ", ".join(sorted(_SCENE | _CONNECT))
+            raise InvalidArgument(f"{min(unknown)!r} is no option of a scene; these are {known}", field=min(unknown))
+        connect = {name: value for name, value in options.items() if name in _CONNECT}
+        if isinstance(server, Client) and connect:
+            raise InvalidArgument(f"{min(connect)} is given with a Client, which has its own", field=min(connect))
+        self.options = SceneOptions(**{name: value for name, value in options.items() if name in _SCENE})
+        self.track = Track(Layout.of(meshes, self.options.exclude), self.options)
+        self.lease_seconds = lease_seconds
+        self.owns_client = not isinstance(server, Client)
+        self.client = server if isinstance(server, Client) else Client(server, **connect)
+        self.message = self.client.create_scene(self.track.layout, self.options, lease_seconds)
+
+    @property
+    def id(self) -> str:
+        """The daemon's id of the scene; another one once the scene was created again."""
+        return self.message.scene_id
+
+    @property
+    def layout(self) -> Layout:
+        """Meshes as of the last answered frame, and how their features are numbered."""
+        return self.track.layout
+
+    def refresh(self) -> scene_pb2.Scene:
+        """The scene's state and memory, as the daemon has it now; restarts the lease."""
+        return self.client.get_scene(self.id)
+
+    def create_again(self) -> None:
+        """A new scene, of the same meshes, in place of one that is gone, or deleted here."""
+        try:
+            self.client.delete_scene(self.id)
+        except NotFound:
+            pass
+        self.message = self.client.create_scene(self.track.creatable, self.options, self.lease_seconds)
+
+    def session(self, **options: Any) -> Session:
+        """A Session on this scene, with its options; one at a time."""
+        from collided.session import Session  # which makes scenes itself
+
+        return Session(self, **options)
+
+    def watch(self, **options: Any) -> Watcher:
+        """A Watcher of the frames that anyone sends to this scene, with its options."""
+        return Watcher(self.client, self.id, **options)
+
+    def close(self) -> None:
+        """Deletes the scene, and ends the connection unless it was the caller's.
+
+        A daemon that is gone or does not answer is left alone: the scene's lease ends there.
+        """
+        try:
+            self.client.delete_scene(self.id)
+        except Error as error:
+            if not (error.is_connection_lost or isinstance(error, (NotFound, DeadlineExceeded))):
+                raise
+        finally:
+            if self.owns_client:
+                self.client.close()
+
+    def __enter__(self) -> Scene:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,285 @@
+"""A stream of frames that goes on when its connection or its daemon is lost."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from dataclasses import dataclass, field
+
+from collided.contacts.answer import Answer
+from collided.contacts.columns import Part, read_chunk
+from collided.contacts.contacts import Contacts
+from collided.errors import DataLoss, Error, NotFound, ResourceExhausted, error_of_frame
+from collided.frames.track import Request
+from collided.layout import Layout
+from collided.scene import Scene
+from collided.transport.base import NotSent, Transport
+from collided.transport.opening import StreamOptions, open_transport
+from collided.v1 import collision_service_pb2 as api
+from collided.v1 import frame_pb2
+
+_FIRST_PAUSE, _LONGEST_PAUSE = 0.02, 1.0
+_FINISH_SECONDS = 5.0
+
+
+@dataclass(eq=False)
+class _Pending:
+    """A frame that was sent and is not answered yet. wire_id: its id on the current stream."""
+
+    frame_id: int
+    request: Request
+    wire_id: int = 0
+    parts: list[Part] = field(default_factory=list)
+
+
+class Stream:
+    """Frames in flight, their answers in order, and the transport of the moment."""
+
+    def __init__(self, scene: Scene, options: StreamOptions, reconnect_seconds: float, take_over: bool) -> None:
+        self._scene, self._options, self._reconnect_seconds = scene, options, reconnect_seconds
+        self._track = scene.track
+        self._transport: Transport | None = None
+        self._pending: deque[_Pending] = deque()
+        self._has_answered = False  # the current transport
+        self._failure: Error | None = None  # why no other one will be opened
+        self.ready: deque[Contacts | Error] = deque()
+        self.sent = 0
+        self.draining: float | None = None
+        self.local_refusal = ""
+        self.window = 0
+        self.reconnects = 0
+        self.recreations = 0
+        if self._open(resume=take_over) != self._track.last_applied:
+            self._recreate()
+
+    @property
+    def in_flight(self) -> int:
+        """Frames that were sent and whose answers were not taken."""
+        return len(self._pending) + len(self.ready)
+
+    @property
+    def is_local(self) -> bool:
+        return self._transport is not None and self._transport.is_local
+
+    @property
+    def layout(self) -> Layout:
+        """Of the scene once all that was sent is answered."""
+        edits = (pending.request.edit for pending in reversed(self._pending) if pending.request.edit is not None)
+        last = next(edits, None)
+        return self._track.layout if last is None else last.layout
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether the scene has positions, or will have."""
+        return bool(self._track.state) or any(not pending.request.head.trial for pending in self._pending)
+
+    def check_open(self) -> None:
+        """Raises why the stream has ended, if it has for good."""
+        if self._failure is not None:
+            raise self._failure
+
+    def begin(self) -> None:
+        """Puts a scene whose meshes all have vertices there."""
+        while not self.has_begun:
+            state = self._track.initial()
+            if state is None:
+                return
+            try:
+                if self._transport is None:
+                    self._reopen()
+                self._exchange(self._track.beginning(state))
+            except Error as error:
+                if isinstance(error, NotSent) or error.frame_id:
+                    raise
+                self._after(error)
+
+    def send(self, request: Request) -> int:
+        """Waits for a credit, and sends. Nothing is in flight that was not before if it raises Error."""
+        while self._transport is not None and len(self._pending) >= self.window:
+            self.read(None)
+        pending = _Pending(self.sent + 1, request)
+        self._pending.append(pending)
+        try:
+            self._transmit_or_recover(pending)
+        except Error:
+            self._pending.remove(pending)
+            raise
+        self.sent += 1
+        return self.sent
+
+    def read(self, timeout: float | None) -> bool:
+        """Takes one message; False if none came in time."""
+        try:
+            if self._transport is None:
+                self._reopen()
+                return True
+            response = self._transport.read(timeout)
+            if response is not None:
+                self._take(response)
+            return response is not None
+        except Error as error:
+            self._after(error)
+            return True
+
+    def close(self, reason: Error) -> None:
+        """No other transport will be opened."""
+        self._failure = reason
+        self._close_transport()
+
+    def finish(self) -> None:
+        """Waits until the daemon has ended the stream, so that the scene is free for another one, and where the track says."""
+        if self._transport is None:
+            return
+        self._transport.half_close()
+        deadline = time.monotonic() + _FINISH_SECONDS
+        try:
+            while (response := self._transport.read(max(0.0, deadline - time.monotonic()))) is not None:
+                self._take(response)
+        except Error:  # the end
+            pass
+
+    def first_unanswered(self) -> int:
+        """Number of the frame that is waited for."""
+        return self._pending[0].frame_id
+
+    def _transmit_or_recover(self, pending: _Pending) -> None:
+        is_open = self._transport is not None
+        try:
+            if is_open:
+                self._transmit(pending)
+            else:
+                self._reopen()
+        except Error as error:
+            if is_open and isinstance(error, NotSent):
+                raise
+            self._after(error)
+
+    def _transmit(self, pending: _Pending) -> None:
+        assert self._transport is not None
+        pending.wire_id = pending.request.head.frame_id = self._track.next_id()
+        pending.parts.clear()
+        pending.request.updates = self._transport.send(pending.request.head, pending.request.updates)
+
+    def _take(self, response: api.StreamFramesResponse) -> None:
+        kind = response.WhichOneof("response")
+        self._has_answered = True
+        if kind == "draining":
+            self.draining = time.monotonic() + response.draining.deadline_seconds
+            return
+        pending = self._pending[0] if self._pending else None
+        if pending is None or response.frame_id != pending.wire_id:
+            raise DataLoss(f"the daemon answers frame {response.frame_id}, which is not the next in flight")
+        assert self._transport is not None
+        if kind == "contacts":
+            pending.parts.append(read_chunk(response.contacts, self._transport.shared))
+            return
+        self._pending.popleft()
+        if kind == "done":
+            pending.parts += [read_chunk(chunk, self._transport.shared) for chunk in response.done.contacts]
+            del response.done.contacts[:]
+            self.ready.append(self._contacts(pending, response.done))
+        elif kind == "error":
+            self.ready.append(error_of_frame(response.error, pending.frame_id))
+        else:
+            answer = Answer(pending.frame_id, frame_pb2.FrameDone(earliest_toi=1), self._track.layout, None, False, True)
+            self.ready.append(Contacts.of_parts(answer, []))
+
+    def _contacts(self, pending: _Pending, done: frame_pb2.FrameDone) -> Contacts:
+        head = pending.request.head
+        way = self._track.apply(pending.request, done, pending.wire_id)
+        answer = Answer(pending.frame_id, done, way.layout, way, self._track.has_motion(head))
+        return Contacts.of_parts(answer, pending.parts)
+
+    def _exchange(self, request: Request) -> None:
+        """A frame of the stream's own. Raises Error with its id if it is refused."""
+        assert self._transport is not None
+        head = request.head
+        wire_id = head.frame_id = self._track.next_id()
+        request.updates = self._transport.send(head, request.updates)
+        while True:
+            response = self._transport.read(None)
+            assert response is not None
+            if response.frame_id != wire_id or response.WhichOneof("response") == "contacts":
+                continue
+            if response.WhichOneof("response") == "error":
+                raise error_of_frame(response.error, wire_id)
+            if request.is_counted:
+                self._track.apply(request, response.done, wire_id)
+            elif not head.trial:
+                self._track.last_applied = wire_id
+            return
+
+    # Losing and finding the daemon.
+
+    def _after(self, error: Error) -> None:
+        """Goes on after the stream has ended, or raises why it cannot."""
+        self._close_transport()
+        has_idled = isinstance(error, ResourceExhausted) and self._has_answered and not isinstance(error, NotSent)
+        if not (error.is_connection_lost or has_idled):
+            self._failure = error
+            raise error
+        deadline = time.monotonic() + self._reconnect_seconds
+        pause = _FIRST_PAUSE
+        while True:
+            if time.monotonic() >= deadline:
+                raise error
+            try:
+                return self._reopen()
+            except Error as again:
+                self._close_transport()
+                if not again.is_connection_lost:
+                    raise
+                error = again
+            time.sleep(min(pause, max(0.0, deadline - time.monotonic())))
+            pause = min(2 * pause, _LONGEST_PAUSE)
+
+    def _reopen(self) -> None:
+        """A stream on which everything that is in flight was sent again. Raises Error."""
+        self.check_open()
+        self._scene.client.reconnect()
+        try:
+            last_applied = self._open(resume=True)
+        except NotFound:
+            last_applied = -1
+        if last_applied != self._track.last_applied:
+            self._recreate()
+        self.reconnects += 1
+        self.draining = None
+        self._transmit_all()
+
+    def _transmit_all(self) -> None:
+        """As many at a time as the window has, which may be another one than before."""
+        waiting = list(self._pending)
+        for sent, pending in enumerate(waiting):
+            while sent - (len(waiting) - len(self._pending)) >= self.window:
+                assert self._transport is not None
+                response = self._transport.read(None)
+                assert response is not None
+                self._take(response)
+            self._transmit(pending)
+
+    def _recreate(self) -> None:
+        """A new scene where the old one was: it is gone, or has applied frames whose answers were lost."""
+        self._close_transport()
+        self._scene.create_again()
+        self._open(resume=False)
+        if self._track.state:
+            for request in self._track.replaying():
+                self._exchange(request)
+        else:
+            self._track.last_applied = 0
+        self.recreations += 1
+
+    def _open(self, resume: bool) -> int:
+        """Opens a stream. Returns the last frame that the scene has applied, by its id on the wire."""
+        self._transport, opened, self.local_refusal = open_transport(
+            self._scene.client, self._scene.message, self._options, resume)
+        self.window = opened.window
+        self._has_answered = False
+        self._track.last_sent = max(self._track.last_sent, opened.scene.last_frame_id)
+        return opened.scene.last_frame_id
+
+    def _close_transport(self) -> None:
+        if self._transport is not None:
+            self._transport.close()
+            self._transport = None

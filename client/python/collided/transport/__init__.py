@@ -1,0 +1,1 @@
+"""How a session's frames reach the daemon: over gRPC, or through memory that both share."""

@@ -1,0 +1,102 @@
+"""Opens a stream: through shared memory where that can be, else over gRPC."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from collided.connection.channel import metadata
+from collided.connection.client import Client
+from collided.errors import Error, FailedPrecondition, Internal, InvalidArgument, ResourceExhausted, Unavailable
+from collided.transport.base import Transport
+from collided.transport.call_transport import CallTransport
+from collided.transport.grpc_transport import GrpcTransport
+from collided.transport.local_transport import LocalTransport
+from collided.transport.peer import LocalPeer
+from collided.transport.region import Region, region_layout
+from collided.v1 import collision_service_pb2 as api
+from collided.v1 import scene_pb2
+
+_DEFAULT_WINDOW = 2
+_OPEN_SECONDS = 60.0
+_TRANSPORTS = ("auto", "shared_memory", "grpc", "calls")
+
+
+@dataclass(frozen=True, kw_only=True)
+class StreamOptions:
+    """How a stream is opened; Session says what each is."""
+
+    window: int
+    delivery: Any
+    transport: str
+    output_bytes: int
+    edit_bytes: int
+    daemon_user: int | None
+
+    def __post_init__(self) -> None:
+        if self.transport not in _TRANSPORTS:
+            raise InvalidArgument(f"transport is {self.transport!r}; it must be one of {', '.join(_TRANSPORTS)}",
+                                  field="transport")
+        for name, limit in (("window", 2**32 - 1), ("output_bytes", 2**63), ("edit_bytes", 2**63)):
+            value: Any = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not 0 <= value <= limit:
+                raise InvalidArgument(f"{name} is {value!r}; it must be from 0 to {limit}", field=name)
+
+
+def open_transport(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
+                   resume: bool) -> tuple[Transport, api.StreamOpened, str]:
+    """A stream of the scene, the daemon's answer, and why it is not through shared memory where that was tried."""
+    opening = api.OpenStream(scene_id=scene.scene_id, window=options.window, delivery=options.delivery,
+                             resume_token=scene.resume_token if resume else "")
+    refusal = ""
+    if options.transport == "calls":
+        calls = CallTransport(client)
+        return calls, opened_by(calls, opening), ""
+    if options.transport != "grpc":
+        try:
+            local = _local(client, scene, options, opening)
+            if local is not None:
+                return local, opened_by(local, opening), ""
+        except Error as error:
+            if options.transport == "shared_memory":
+                raise
+            refusal = error.message  # if gRPC fails as well, its error is raised
+    transport = GrpcTransport(client.separate_channel(scene.endpoint), metadata(client.options, scene.scene_id),
+                              client.info.limits.max_message_bytes)
+    return transport, opened_by(transport, opening), refusal
+
+
+def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
+           opening: api.OpenStream) -> LocalTransport | None:
+    """None if the daemon has no local socket, or is on another host."""
+    path = client.local_socket(scene.endpoint)
+    if not path and options.transport == "auto":
+        return None
+    if not path:
+        raise FailedPrecondition("transport is 'shared_memory', but the daemon has no local socket here (--local-socket)",
+                                 field="transport")
+    limit = client.info.limits.max_window
+    window = options.window or min(_DEFAULT_WINDOW, limit)
+    if not 1 <= window <= limit:
+        raise ResourceExhausted(f"window is {window}; the daemon's limit is {limit}", field="window")
+    opening.window = window
+    spec = client.get_scene(scene.scene_id).spec
+    return LocalTransport(LocalPeer(path, client.address, options.daemon_user, client.options.token),
+                          Region(region_layout(spec, window, options.output_bytes, options.edit_bytes)))
+
+
+def opened_by(transport: Transport, opening: api.OpenStream) -> api.StreamOpened:
+    try:
+        transport.open(opening)
+        # Over gRPC keepalive notices a daemon that hangs.
+        response = transport.read(_OPEN_SECONDS if transport.is_local else None)
+        if response is None:
+            raise Unavailable(f"the daemon did not open the stream within {_OPEN_SECONDS:g} s")
+        if not response.HasField("opened"):
+            raise Internal("the daemon's first answer does not open the stream")
+        return response.opened
+    except Error:
+        transport.close()
+        raise

@@ -1,0 +1,111 @@
+"""The frames of a scene as an observer sees them, whoever sends them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from collided.connection.channel import metadata
+from collided.connection.client import Client
+from collided.contacts.answer import Answer
+from collided.contacts.columns import read_chunk
+from collided.contacts.contacts import Contacts
+from collided.errors import Cancelled, DataLoss, NotFound
+from collided.layout import Layout
+from collided.transport.messages import Messages
+from collided.v1 import collision_service_pb2 as api
+from collided.v1 import scene_pb2
+from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
+
+
+@dataclass(frozen=True, eq=False)
+class Watched:
+    """One frame.
+
+    contacts: the first of each kind; `frame_id` is the sender's on the wire, and totals are the frame's own.
+    skipped_frames: frames that were not shown since the last one. omitted_contacts: those that the frame has besides these.
+    positions: of the meshes that were asked for, by name: of every `vertex_stride`-th vertex, (n, 3).
+    edit_count: edits that the scene has had.
+    """
+
+    contacts: Contacts
+    skipped_frames: int
+    omitted_contacts: int
+    positions: dict[str, np.ndarray]
+    vertex_stride: int
+    edit_count: int
+
+
+class Watcher:
+    """Frames that anyone sends to a scene of this client, as an iterator that ends when the scene does.
+
+    frame_interval: every so many frames; 0: every one. max_frames_per_second: 0: as many as are read.
+    max_contacts_per_kind: 0 to 8192, the first in canonical order; 0: only their numbers.
+    meshes: names or indices of those whose positions are sent, of every `vertex_stride`-th vertex; 0: as many as fit.
+
+    Watching never slows frames down: who reads too slowly is not shown every frame, but always the latest.
+    """
+
+    def __init__(self, client: Client, scene_id: str, *, frame_interval: int = 0, max_frames_per_second: float = 0.0,
+                 max_contacts_per_kind: int = 0, meshes: Iterable[str | int] = (), vertex_stride: int = 0) -> None:
+        self._client, self._scene_id = client, scene_id
+        self._see(client.get_scene(scene_id))
+        request = api.WatchSceneRequest(
+            scene_id=scene_id, frame_interval=frame_interval, max_frames_per_second=max_frames_per_second,
+            max_contacts_per_kind=max_contacts_per_kind, vertex_stride=vertex_stride,
+            position_meshes=[self._layout.index(mesh) for mesh in meshes])
+        self._channel = client.separate_channel(self.scene.endpoint)
+        self._messages = Messages(CollisionServiceStub(self._channel).WatchScene(
+            request, metadata=metadata(client.options, scene_id)))
+        try:
+            opened = self._messages.next(None)
+            if not opened.HasField("opened"):
+                raise DataLoss("the first message of a watch does not open it")
+        except Exception:
+            self.close()
+            raise
+        self._see(opened.opened.scene)
+
+    def receive(self, timeout: float | None = None) -> Watched | None:
+        """The next frame; None if none came within `timeout` seconds. NotFound once the scene is gone."""
+        message = self._messages.next(timeout)
+        if message is None:
+            return None
+        if message.edit_count != self.scene.edit_count:
+            self._see(self._client.get_scene(self._scene_id))
+        parts = [read_chunk(chunk) for chunk in message.done.contacts]
+        del message.done.contacts[:]
+        answer = Answer(message.frame_id, message.done, self._layout, None, False)
+        return Watched(Contacts.of_parts(answer, parts), message.skipped_frames, message.omitted_contacts,
+                       {self._layout.mesh(sample.mesh).name: self._positions(sample) for sample in message.positions},
+                       message.positions[0].vertex_stride if message.positions else 0, message.edit_count)
+
+    def __iter__(self) -> Iterator[Watched]:
+        while True:
+            try:
+                frame = self.receive()
+            except (NotFound, Cancelled):
+                return
+            assert frame is not None
+            yield frame
+
+    def close(self) -> None:
+        """Ends the watch; from any thread."""
+        self._messages.cancel()
+        self._channel.close()
+
+    def __enter__(self) -> Watcher:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _see(self, scene: scene_pb2.Scene) -> None:
+        self.scene = scene
+        self._layout = Layout.of_spec(scene.spec)
+
+    def _positions(self, sample: api.VertexSample) -> np.ndarray:
+        is_double = self.scene.spec.position_format == scene_pb2.POSITION_FORMAT_F64
+        return np.frombuffer(sample.positions, "<f8" if is_double else "<f4").reshape(-1, 3)

@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""The examples of the package and the programs of its README, with what they print."""
+
+import os
+import subprocess
+import sys
+import unittest
+
+from support import DAEMON, REPOSITORY, main
+
+sys.path.insert(0, str(REPOSITORY / "tests" / "docs"))
+from markdown import Page  # noqa: E402
+
+PACKAGE = REPOSITORY / "client" / "python"
+PRINTED = {
+    "first_contact": "vertex 3 meets triangle 0 at t = 0.500000000, at [1. 1. 0.]\n",
+    "line_search": "first contact at 0.350, went 0.25, contacts 0, height 0.5\n",
+    "sparse_update": "28 bytes, 0 vertex meets the ceiling\n28 bytes, 1 vertex meets the ceiling\n",
+    "resume_after_kill": "".join(f"frame {frame}: {int(frame == 3)} contacts, {int(frame > 2)} recreations\n"
+                                 for frame in range(1, 7)),
+    "rest_shape_exclusions": "nothing excluded: flat 3080, folded 11928 contacts\n"
+                             "{'exclude_rings': 1, 'exclude_rest_pairs': True}: flat 0, folded 8488 contacts\n",
+}
+
+
+def printed_by(*words):
+    return subprocess.run([sys.executable, *words], text=True, capture_output=True, timeout=60,
+                          env={**os.environ, "COLLIDED_DAEMON": str(DAEMON)})
+
+
+class Examples(unittest.TestCase):
+    def test_each_prints_what_it_should(self):
+        examples = {path.stem: path for path in (PACKAGE / "examples").glob("*.py")}
+        self.assertEqual(examples.keys(), PRINTED.keys())
+        for name, path in examples.items():
+            with self.subTest(name):
+                done = printed_by(path)
+                self.assertEqual((done.stdout, done.returncode), (PRINTED[name], 0), done.stderr)
+
+    def test_programs_of_the_page_print_what_it_shows(self):
+        page = Page(PACKAGE / "README.md")
+        done = printed_by("-c", "\n".join(page.blocks("python")))
+        self.assertEqual((done.stdout, done.returncode), ("".join(page.blocks("text")), 0), done.stderr)
+
+
+if __name__ == "__main__":
+    main()

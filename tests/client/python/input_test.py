@@ -1,0 +1,183 @@
+#!/usr/bin/env python3
+"""Bad input of every kind: what is wrong is named, with its value and its limit, and nothing goes wrong afterwards."""
+
+import math
+import types
+import warnings
+
+from support import FLOOR, ONE, STREAMS, TIP, Case, lowered, main, meshes, np
+
+import collided
+
+BAD = collided.InvalidArgument
+
+
+class Meshes(Case):
+    def test_arrays_that_cannot_be(self):
+        for pattern, arguments in (
+                (r"triangles has shape \(3,\); it must be \(n, 3\)", {"triangles": [0, 1, 2]}),
+                (r"triangles has shape \(1, 4\)", {"triangles": [[0, 1, 2, 3]]}),
+                ("triangles has dtype float64; it must be of integers", {"triangles": [[0.0, 1, 2]]}),
+                ("triangles has index -1; indices are from 0 to", {"triangles": [[0, 1, -1]]}),
+                ("triangles has index 4294967296", {"triangles": [[0, 1, 2**32]]}),
+                ("triangles has index 3; the mesh has 3 vertices", {"vertices": FLOOR, "triangles": [[0, 1, 3]]}),
+                ("edges has index 7; the mesh has 3 vertices", {"vertices": FLOOR, "edges": [[0, 7]]}),
+                (r"points has shape \(1, 1\)", {"points": [[0]]}),
+                (r"vertices has shape \(3, 2\); it must be \(n, 3\)", {"vertices": FLOOR[:, :2], "triangles": ONE}),
+                ("vertices has dtype complex", {"vertices": FLOOR + 1j, "triangles": ONE}),
+                ("vertices has dtype <U1", {"vertices": [["a", "b", "c"]], "triangles": ONE}),
+                ("vertices", {"vertices": [[1, 2, 3], [1, 2]], "triangles": ONE}),
+                ("vertex_count is 2; elements name 3", {"triangles": ONE, "vertex_count": 2}),
+                ("vertex_count is 4; vertices have 3 rows", {"vertices": FLOOR, "triangles": ONE, "vertex_count": 4}),
+                ("motion is 'fast'; it must be one of deformable, static, rigid", {"triangles": ONE, "motion": "fast"}),
+                ("groups is -1; it must be from 0 to 4294967295", {"triangles": ONE, "groups": -1}),
+                ("exclude_rings is 9; it must be from 0 to 8", {"triangles": ONE, "exclude_rings": 9}),
+                ("collide_mask is True", {"triangles": ONE, "collide_mask": True})):
+            with self.subTest(pattern):
+                self.refused(BAD, pattern, collided.Mesh, **arguments)
+
+    def test_what_no_mesh_can_be_made_of(self):
+        for source in (None, 5, object(), {"faces": ONE}, types.SimpleNamespace(vertices=FLOOR)):
+            with self.subTest(source=str(source)[:20]), self.assertRaises((BAD, TypeError)):
+                collided.Mesh.of(source)
+        self.refused(BAD, "mesh 'cloth': triangles has dtype", collided.Scene, {"cloth": (FLOOR, [[0.5, 1, 2]])})
+        self.refused(BAD, "one mesh or more", collided.Scene, {})
+
+
+class Scenes(Case):
+    def test_options_that_cannot_be(self):
+        for pattern, options in (
+                ("thickness is -1; it must be finite and at least 0", {"thickness": -1}),
+                ("delta is nan", {"delta": math.nan}),
+                ("min_separation is 'a'", {"min_separation": "a"}),
+                ("mode is 'both'; it must be one of dcd, ccd, dcd_and_ccd", {"mode": "both"}),
+                ("accuracy is 'sure'; it must be one of candidates, fast, guarded", {"accuracy": "sure"}),
+                ("kinds is 'vt'; it must be a list", {"kinds": "vt"}),
+                ("fields is 'all'; it must be a list", {"fields": "all"}),
+                ("fields is 'colour'", {"fields": ["colour"]}),
+                ("position_format is 'q16' and quantization_box is None", {"position_format": "q16"}),
+                ("memory_budget is -5", {"memory_budget": -5}),
+                ("'walls' is not in the scene", {"exclude": [("tip", "walls")]}),
+                ("is no pair", {"exclude": ["tip"]}),
+                ("'thicknes' is no option of a scene", {"thicknes": 1}),
+                ("window is -1", {"window": -1}),
+                ("transport is 'pigeon'; it must be one of auto, shared_memory, grpc", {"transport": "pigeon"}),
+                ("delivery is 'never'", {"delivery": "never"}),
+                ("token has a character", {"token": "a b"}),
+                ("tls_ca is empty", {"tls_server_name": "a"}),
+                ("go together", {"tls_key": "a"})):
+            with self.subTest(pattern):
+                self.refused(BAD, pattern, self.session, None, **options)
+
+    def test_what_the_daemon_refuses_names_its_field(self):
+        error = self.refused(BAD, "EXACT", self.session, mode="ccd", kinds=["tt"], accuracy="exact")
+        self.assertEqual(error.code, "INVALID_ARGUMENT")
+        self.assertTrue(error.field.startswith("spec."), error.field)
+        error = self.refused(collided.ResourceExhausted, "window", self.session, window=1000, transport="shared_memory")
+        self.refused(collided.ResourceExhausted, "budget", self.session, memory_budget=1)
+
+    def test_empty_meshes_are_refused(self):
+        for empty in (collided.Mesh(np.empty((0, 3)), np.empty((0, 3), int)), collided.Mesh(FLOOR)):
+            self.refused(BAD, "", self.session, {"empty": empty})
+
+    def test_nobody_answers(self):
+        self.refused(collided.Unavailable, "no daemon answers at unix:/nowhere/socket", collided.Scene, meshes(),
+                     server="unix:/nowhere/socket", patience=0.2)
+        self.refused(ConnectionError, "127.0.0.1:1", collided.Scene, meshes(), server="127.0.0.1:1", patience=0.2)
+
+
+class Frames(Case):
+    def test_frames_that_cannot_be_are_refused_before_they_are_sent(self):
+        for transport in STREAMS:
+            session = self.session(transport=transport)
+            session.step()
+            for pattern, arguments, options in (
+                    (r"positions\['tip'\] has shape \(2, 3\)|has 2 rows; it must have 3", ({"tip": TIP[:2]},), {}),
+                    (r"positions\['tip'\] has shape \(9,\)", ({"tip": TIP.ravel()},), {}),
+                    ("has dtype bool", ({"tip": TIP > 0},), {}),
+                    ("has dtype object", ({"tip": TIP.astype(object)},), {}),
+                    ("has dtype datetime64", ({"tip": TIP.astype("M8[s]")},), {}),
+                    ("mesh 'tap' is not in the scene, which has 'floor', 'tip'", ({"tap": TIP},), {}),
+                    ("mesh is 2; it must be a name, or an index below 2", ({2: TIP},), {}),
+                    ("mesh is -1", ({-1: TIP},), {}),
+                    ("start names mesh 1", (None, {"tip": TIP}), {}),
+                    (r"start\['tip'\] has 1 rows", ({"tip": TIP}, {"tip": TIP[:1]}), {}),
+                    ("is a pose, and the mesh's motion is 'deformable'", ({"tip": collided.Rigid(np.eye(4))},), {}),
+                    (r"indices\[1\] is 0, after 1; they must ascend", ({"tip": collided.Sparse([1, 0], TIP[:2])},), {}),
+                    ("must ascend", ({"tip": collided.Sparse([1, 1], TIP[:2])},), {}),
+                    ("indices has index 3; the mesh has 3", ({"tip": collided.Sparse([3], TIP[:1])},), {}),
+                    ("indices has index -1", ({"tip": collided.Sparse([-1], TIP[:1])},), {}),
+                    ("positions has 3 rows; it must have 1", ({"tip": collided.Sparse([0], TIP)},), {}),
+                    ("from_last_fraction is 1.5", (), {"from_last_fraction": 1.5}),
+                    ("delta is -1", (), {"delta": -1}),
+                    ("report is 'some'", (), {"report": "some"}),
+                    ("'advnce' is no option of a frame", (), {"advnce": True}),
+                    ("edit.meshes has 9", (), {"edit": collided.Edit({9: None})})):
+                with self.subTest(pattern, transport=transport):
+                    self.refused(ValueError, pattern, session.step, *arguments, **options)
+            self.expect_hit(session.step({"tip": lowered(2)}), 2)
+            self.assertEqual((session.reconnects, session.in_flight), (0, 0))
+
+    def test_numbers_that_cannot_be_are_refused_by_the_daemon_and_the_session_goes_on(self):
+        for transport in (*STREAMS, "calls"):
+            session = self.session(transport=transport)
+            for bad in (np.nan, np.inf, 3e38):
+                wrong = lowered(1)
+                wrong[1, 2] = bad
+                error = self.refused(BAD, "vertex 1|updates", session.step, {"tip": wrong})
+                self.assertEqual((error.field, error.frame_id), ("frame.updates[0].positions", session._stream.sent))
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                self.refused(BAD, "", session.step, {"tip": lowered(1).astype(float) * 1e300})
+            self.expect_hit(session.step({"tip": lowered(2)}), 2)
+            session.close()
+
+    def test_a_refused_frame_comes_in_its_turn_and_the_others_are_answered(self):
+        for transport in STREAMS:
+            session = self.session(window=3, transport=transport)
+            wrong = lowered(1)
+            wrong[0] = np.nan
+            for positions in (lowered(2), wrong, TIP):
+                session.send({"tip": positions})
+            self.expect_hit(session.receive(), 2)
+            self.assertEqual(self.refused(BAD, "", session.receive).frame_id, 2)
+            self.assertEqual(session.receive().frame_id, 3)
+            np.testing.assert_array_equal(session.positions["tip"], TIP)
+
+    def test_order_of_calls(self):
+        session = self.session()
+        self.refused(collided.FailedPrecondition, "no frame in flight", session.receive)
+        session.send({"tip": lowered(2)})
+        self.refused(collided.FailedPrecondition, "receive them first", session.step, {"tip": TIP})
+        session.receive()
+        self.refused(BAD, "static", session.step, {"floor": FLOOR})
+        session.close()
+        session.close()
+        self.refused(collided.FailedPrecondition, "closed", session.step, {"tip": TIP})
+
+    def test_detect_names_its_own_arguments(self):
+        for pattern, arguments in (("V1 has 2 rows; it must have 3", (TIP, TIP[:2], ONE)), ("V0 has shape", (5, TIP, ONE)),
+                                   ("vertex_count is 3; elements name 10", (TIP, TIP, [[0, 1, 9]])),
+                                   ("no triangles, edges or particles", (TIP, TIP))):
+            self.refused(ValueError, pattern, collided.detect, *arguments, server=self.server)
+        self.refused(BAD, "NaN|nan|finite", collided.detect, TIP, TIP * np.nan, ONE, server=self.server)
+
+
+class Limits(Case):
+    options = ("--max-message-mb", "1")
+
+    def test_a_message_beyond_the_limit_is_refused_and_nothing_is_lost(self):
+        many = np.zeros((90_000, 3), "<f4")
+        session = self.session({"many": collided.Mesh(triangles=ONE, vertex_count=len(many))}, transport="grpc",
+                               position_format="f32")
+        for _ in range(2):
+            error = self.refused(collided.ResourceExhausted, "frame has 1080.* bytes; the daemon's limit", session.step, many)
+            self.assertEqual((error.field, session.in_flight, session.reconnects), ("frame", 0, 0))
+        near = self.session({"many": collided.Mesh(many, ONE)})  # shared memory has no such limit
+        self.assertEqual(len(near.step(many)), 0)
+        far = self.session({"many": collided.Mesh(many, ONE)}, transport="grpc")
+        self.refused(collided.ResourceExhausted, "frame has", far.step, collided.Sparse([0], many[:1]))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,250 @@
+#!/usr/bin/env python3
+"""Connections and daemons that are lost in the middle of a stream: answers are those of an unbroken run, to the bit."""
+
+import signal
+import socket
+import time
+import unittest
+
+from support import DAEMON, ONE, STREAMS, TIP, Case, Daemon, Supervised, assert_same, lowered, main, meshes, np
+
+import collided
+
+
+def sheet(cells, height):
+    """A square of so many cells each way, at a height that waves, and its triangles."""
+    y, x = np.mgrid[:cells + 1, :cells + 1] / cells
+    vertices = np.stack([x, y, height + 0.02 * np.sin(9 * x) * np.cos(7 * y)], axis=2).reshape(-1, 3)
+    corner = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).reshape(-1, 1)
+    triangles = np.concatenate([corner + [0, 1, cells + 1], corner + [1, cells + 2, cells + 1]], axis=1).reshape(-1, 3)
+    return vertices, triangles
+
+
+def scene(**cloth):
+    ground, triangles = sheet(9, 0)
+    cloth_at, cells = sheet(8, 0.06)
+    ball = np.array([[0.4, 0.4, 0.2], [0.6, 0.4, 0.2], [0.5, 0.6, 0.1]])
+    return {"ground": collided.Mesh(ground, triangles, motion="static"), "ball": collided.Mesh(ball, ONE, motion="rigid"),
+            "cloth": collided.Mesh(cloth_at, cells, **cloth)}
+
+
+def pose(step):
+    return np.hstack([np.eye(3), [[0.01 * step], [0], [-0.01 * step]]])
+
+
+def frames(count):
+    """Whole and sparse updates, poses, advances, trials, fractions, edits: all that a new scene has to be told."""
+    start = sheet(8, 0.06)[0]
+    extra = collided.Mesh(np.array([[2, 2, 2], [3, 2, 2], [2, 3, 2.0]]), ONE)
+    for step in range(1, count + 1):
+        height = 0.04 * np.sin(0.9 * step)
+        match step % 8:
+            case 1:
+                yield {"cloth": start - [0, 0, 0.05 + height], "ball": collided.Rigid(pose(step))}, {}
+            case 2:
+                yield {"cloth": collided.Sparse(np.arange(0, 81, 3), (start + [0, 0, height])[::3])}, {}
+            case 3:
+                yield {"cloth": start + [0, 0, height]}, {"trial": True}
+            case 4:
+                yield {}, {"from_last_fraction": 0.375}
+            case 5:
+                yield {"cloth": start - [0, 0, height]}, {"edit": collided.Edit({"extra": extra}, exclude=[("extra", "ball")])}
+            case 6:
+                yield {"cloth": start + [0, 0, 0.03 + height]}, {"edit": collided.Edit({"extra": None})}
+            case 7:
+                yield {"cloth": start + [0, 0, 0.1]}, {"report": "earliest_only"}
+            case _:
+                yield {"cloth": start + [0, 0, 0.03]}, {"advance": step > 8, "accuracy": "certified"}
+
+
+def play(session, count, disturb=lambda sent: None):
+    """All contacts, with the window full; `disturb` may do harm between two frames."""
+    answers = []
+    for sent, (positions, options) in enumerate(frames(count), 1):
+        while session.in_flight >= session.window:
+            answers.append(session.receive())
+        session.send(positions, **options)
+        disturb(sent)
+    while session.in_flight:
+        answers.append(session.receive())
+    return answers
+
+
+class Killed(unittest.TestCase):
+    COUNT = 25
+
+    def setUp(self):
+        self.daemon = Supervised("--grace-seconds", "0.1")
+        self.addCleanup(self.daemon.close)
+
+    def session(self, **options):
+        session = collided.Session(scene(), **{"server": self.daemon.address, "position_format": "f64", "edit_bytes": 8192,
+                                               "window": 3, **options})
+        self.addCleanup(session.close)
+        return session
+
+    def expect_the_unbroken_run(self, answers, expected):
+        self.assertEqual([answer.frame_id for answer in answers], list(range(1, self.COUNT + 1)))
+        for answer, other in zip(answers, expected):
+            assert_same(self, answer, other)
+
+    def test_a_daemon_that_is_killed_is_found_again_wherever_it_was(self):
+        for transport in STREAMS:
+            expected = play(self.session(transport=transport), self.COUNT)
+            self.assertGreater(sum(map(len, expected)), 100)
+            for at in (3, 9, 14) if transport == "grpc" else range(2, 11):
+                with self.subTest(transport=transport, killed_at=at):
+                    session = self.session(transport=transport)
+                    answers = play(session, self.COUNT, lambda sent: self.daemon.kill() if sent == at else None)
+                    self.assertEqual((session.reconnects, session.recreations), (1, 1))
+                    self.expect_the_unbroken_run(answers, expected)
+                    session.close()
+
+    def test_rest_pairs_stay_those_of_the_beginning(self):
+        def run(kill_at):
+            meshes = scene(exclude_rest_pairs=True)
+            session = collided.Session(meshes, server=self.daemon.address, mode="dcd", thickness=0.13, rest_distance=0.13)
+            answers = []
+            for step in range(6):
+                if step == kill_at:
+                    self.daemon.kill()
+                moved = meshes["cloth"].vertices * [1 - 0.1 * step, 1, 1]
+                answers.append(session.step({"cloth": moved}).of_mesh("cloth"))
+            self.assertEqual(session.recreations, int(kill_at >= 0))
+            session.close()
+            return answers
+
+        expected = run(-1)
+        self.assertGreater(len(expected[-1]), len(expected[0]))
+        for answer, other in zip(run(3), expected):
+            assert_same(self, answer, other)
+
+    def test_before_the_first_frame_and_with_nothing_in_flight_nothing_is_noticed(self):
+        session = self.session()
+        self.daemon.kill()
+        (positions, options), *_ = frames(1)
+        session.step(positions, **options)
+        self.daemon.kill()
+        session.step(positions, **options)
+        self.assertEqual(session.recreations, 2)
+
+    def test_calls_survive_it_too(self):
+        expected = play(self.session(transport="calls", window=0), 9)
+        session = self.session(transport="calls", window=0)
+        answers = play(session, 9, lambda sent: self.daemon.kill() if sent == 4 else None)
+        self.assertEqual(session.recreations, 1)
+        for answer, other in zip(answers, expected):
+            assert_same(self, answer, other)
+
+    def test_a_daemon_that_stops_and_starts_is_the_same(self):
+        session = self.session(transport="grpc")
+        first = self.daemon.process
+
+        def stop(sent):
+            if sent == 9:
+                first.terminate()
+                first.wait()
+
+        answers = play(session, self.COUNT, stop)
+        self.assertEqual(session.recreations, 1)
+        self.expect_the_unbroken_run(answers, play(self.session(transport="grpc"), self.COUNT))
+
+
+def break_connection(session):
+    """As a network that fails would."""
+    if session.is_local:
+        session._stream._transport._socket.shutdown(socket.SHUT_RDWR)
+    else:
+        session._stream._transport._messages._call.cancel()
+
+
+class Broken(Case):
+    def test_a_connection_that_breaks_is_resumed_without_a_new_scene(self):
+        for transport in STREAMS:
+            session = self.session(transport=transport)
+            self.expect_hit(session.step({"tip": lowered(2)}), 2)
+            break_connection(session)
+            np.testing.assert_allclose(session.step({"tip": TIP}).toi, [0.5], atol=1e-3)
+            self.assertEqual((session.reconnects, session.recreations), (1, 0))
+
+    def test_answers_that_were_lost_are_asked_for_again(self):
+        for transport in STREAMS:
+            session = self.session(transport=transport)
+            session.send({"tip": lowered(2)})
+            session.send({"tip": TIP})
+            for _ in range(2):  # both are applied, and their answers lost
+                session._stream._transport.read(None)
+            break_connection(session)
+            self.expect_hit(session.receive(), 2)
+            np.testing.assert_allclose(session.receive().toi, [0.5], atol=1e-3)
+            self.assertEqual((session.reconnects, session.recreations), (1, 1))
+
+    def test_a_scene_that_another_stream_takes_over_is_left_to_it(self):
+        session = self.session()
+        self.expect_hit(session.step({"tip": lowered(2)}), 2)
+        self.refused(collided.FailedPrecondition, "stream", collided.Session, session.scene)
+        other = self.session(session.scene, take_over=True)
+        for _ in range(2):
+            self.refused(collided.Aborted, "", session.step, {"tip": TIP})
+        self.expect_hit(other.step({"tip": lowered(2)}, start={"tip": TIP}), 2)
+
+    def test_a_scene_that_was_deleted_stays_deleted(self):
+        session = self.session()
+        session.scene.client.delete_scene(session.scene.id)
+        for _ in range(2):
+            self.refused(collided.NotFound, "", session.step, {"tip": lowered(2)})
+
+
+class Idle(Case):
+    options = ("--max-idle-seconds", "0.3")
+
+    def test_a_stream_that_was_idle_for_too_long_is_opened_again(self):
+        session = self.session(transport="grpc")
+        self.expect_hit(session.step({"tip": lowered(2)}), 2)
+        time.sleep(1)
+        self.expect_hit(session.step({"tip": lowered(2)}, start={"tip": TIP}), 2)
+        self.assertGreaterEqual(session.reconnects, 1)
+        self.assertEqual(session.recreations, 0)
+
+    def test_a_scene_whose_lease_ended_is_created_again(self):
+        for transport, pause in (("calls", 0.8), ("grpc", 1.3)):  # no stream keeps it; its stream was idle for too long
+            session = self.session(transport=transport, lease_seconds=0.2)
+            self.expect_hit(session.step({"tip": lowered(2)}), 2)
+            time.sleep(pause)
+            np.testing.assert_allclose(session.step({"tip": TIP}).toi, [0.5], atol=1e-3)
+            self.assertGreaterEqual(session.recreations, 1)
+
+
+class Stopped(unittest.TestCase):
+    def test_a_daemon_that_hangs_is_told_from_a_slow_one_by_the_caller(self):
+        for transport in STREAMS:
+            daemon = Supervised()
+            self.addCleanup(daemon.close)
+            session = collided.Session(meshes(), server=daemon.address, transport=transport)
+            session.step({"tip": TIP})
+            daemon.freeze()
+            with self.assertRaises(TimeoutError):
+                session.step({"tip": lowered(2)}, timeout=0.2)
+            self.assertEqual(session.in_flight, 1)
+            with self.assertRaisesRegex(collided.DeadlineExceeded, "frame 2 was not answered within 0.1 s"):
+                session.receive(timeout=0.1)
+            daemon.process.send_signal(signal.SIGCONT)
+            np.testing.assert_allclose(session.receive(timeout=30).toi, [0.5], atol=1e-3)
+            self.assertEqual(session.reconnects, 0)
+            session.close()
+
+    def test_who_does_not_wait_is_told_and_loses_no_frame(self):
+        daemon = Daemon(str(DAEMON))
+        self.addCleanup(daemon.kill)
+        session = collided.Session(meshes(), server=daemon.address, reconnect_seconds=0)
+        session.send({"tip": lowered(2)})
+        daemon.process.kill()
+        daemon.process.wait()
+        with self.assertRaises(collided.Unavailable):
+            for _ in range(3):
+                session.receive()
+                session.send({"tip": TIP})
+
+
+if __name__ == "__main__":
+    main()

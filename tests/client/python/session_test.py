@@ -1,0 +1,283 @@
+#!/usr/bin/env python3
+"""Frames and their contacts, over every transport."""
+
+from support import FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, assert_same, lowered, main, meshes, np
+
+import collided
+
+
+class Sessions(Case):
+    def test_frames_have_the_contact_that_was_built_in_over_every_transport(self):
+        for transport in TRANSPORTS:
+            with self.subTest(transport):
+                session = self.session(transport=transport)
+                self.assertEqual(session.is_local, transport == "shared_memory")
+                for depth in (1.25, 2, 3.5):
+                    self.expect_hit(session.step({"tip": lowered(depth)}, start={"tip": TIP}), depth)
+                self.assertEqual(len(session.step({"tip": TIP}, start={"tip": TIP})), 0)
+                session.close()
+
+    def test_a_scene_begins_at_its_vertices_and_goes_on_where_it_was(self):
+        session = self.session()
+        self.assertEqual(len(session.step({"tip": lowered(0.5)})), 0)
+        contacts = session.step({"tip": lowered(1.5)})
+        np.testing.assert_allclose(contacts.toi, [0.5], atol=1e-3)
+        np.testing.assert_array_equal(session.positions["tip"], lowered(1.5))
+
+    def test_without_vertices_the_first_frame_has_all_positions(self):
+        session = self.session({"floor": ONE, "tip": ONE}, position_format="f32")
+        self.refused(collided.InvalidArgument, "mesh 'floor' has no positions", session.step, {"tip": TIP})
+        self.expect_hit(session.step({"floor": FLOOR, "tip": lowered(2)}, start={"tip": TIP}), 2)
+
+    def test_one_moving_mesh_needs_no_name(self):
+        self.expect_hit(self.session().step(lowered(2)), 2)
+
+    def test_a_window_of_frames_is_answered_in_order(self):
+        for transport in STREAMS:
+            session = self.session(window=4, transport=transport)
+            self.assertEqual(session.window, 4)
+            depths = [0, 2] * 8
+            answers = list(session.run({"tip": lowered(depth)} for depth in depths))
+            self.assertEqual([answer.frame_id for answer in answers], list(range(1, 17)))
+            self.assertEqual([len(answer) for answer in answers], [0] + [1] * 15)
+
+    def test_arrays_may_change_once_they_are_sent(self):
+        for transport in STREAMS:
+            session = self.session(window=2, transport=transport)
+            moving = lowered(2)
+            session.send({"tip": moving})
+            moving[:] = 1e6
+            self.expect_hit(session.receive(), 2)
+            np.testing.assert_array_equal(session.positions["tip"], lowered(2))
+
+    def test_any_layout_and_number_type_of_arrays_gives_the_same(self):
+        forms = {"float64": lowered(2).astype(float), "big-endian": lowered(2).astype(">f4"),
+                 "column-major": np.asfortranarray(lowered(2)), "list": lowered(2).tolist(),
+                 "every other": np.repeat(lowered(2), 2, axis=0)[::2], "reversed": lowered(2)[::-1].copy()[::-1]}
+        for transport in STREAMS:
+            expected = self.session(transport=transport).step({"tip": lowered(2)})
+            for name, positions in forms.items():
+                with self.subTest(name, transport=transport):
+                    assert_same(self, self.session(transport=transport).step({"tip": positions}), expected)
+
+    def test_sparse_and_whole_updates_agree(self):
+        for transport in STREAMS:
+            whole, sparse = self.session(transport=transport), self.session(transport=transport)
+            moved = TIP.copy()
+            for step in range(70):  # more than the client keeps apart
+                moved = moved.copy()
+                moved[0, 2] = (-1) ** step
+                expected = whole.step({"tip": moved})
+                found = sparse.step({"tip": collided.Sparse([0], moved[:1])})
+                assert_same(self, found, expected)
+            np.testing.assert_array_equal(sparse.positions["tip"], whole.positions["tip"])
+
+    def test_no_vertices_may_be_moved(self):
+        for transport in STREAMS:
+            session = self.session(transport=transport)
+            nothing = collided.Sparse([], np.empty((0, 3)))
+            self.assertEqual(len(session.step({"tip": nothing})), 0)
+
+    def test_rigid_meshes_move_by_their_pose(self):
+        down = np.eye(4)
+        down[2, 3] = -2
+        for transport in TRANSPORTS:
+            session = self.session(meshes(motion="rigid"), transport=transport)
+            self.expect_hit(session.step({"tip": collided.Rigid(down)}), 2)
+            np.testing.assert_array_equal(session.positions["tip"], lowered(2))
+            self.expect_hit(session.step({"tip": collided.Rigid(down[:3], start=np.eye(4))}), 2)
+            session.close()
+
+    def test_an_advance_goes_to_the_daemons_bits(self):
+        for transport in STREAMS:
+            session = self.session(transport=transport, min_separation=0.01)
+            gone = session.step({"tip": lowered(2)}, advance=True)
+            self.assertTrue(0.4 < gone.advanced < 0.5)
+            expected = collided.move_along(TIP, lowered(2), gone.advanced)
+            np.testing.assert_array_equal(session.positions["tip"], expected)
+            again = session.step({"tip": expected}, start={"tip": expected})
+            self.assertEqual(len(again), 0)
+            self.assertEqual(session.step(advance=True).advanced, 1)
+
+    def test_trials_leave_the_scene_and_fractions_go_on_along_them(self):
+        session = self.session()
+        tried = session.step({"tip": lowered(2)}, trial=True)
+        self.expect_hit(tried, 2)
+        np.testing.assert_array_equal(session.positions["tip"], TIP)
+        self.assertEqual(len(session.step(from_last_fraction=0.25)), 0)
+        np.testing.assert_array_equal(session.positions["tip"], lowered(0.5))
+
+    def test_a_scene_of_both_modes_asks_frame_by_frame(self):
+        session = self.session(mode="dcd_and_ccd", thickness=1.5)
+        self.assertEqual(session.step(mode="dcd").distance.min(), 1)
+        self.expect_hit(session.step({"tip": lowered(2)}), 2)
+
+    def test_an_edit_comes_with_its_frame_and_ids_follow(self):
+        for transport in TRANSPORTS:
+            session = self.session(transport=transport, edit_bytes=4096)
+            second = collided.Mesh(lowered(3), ONE)
+            contacts = session.step({"tip": lowered(2)}, edit=collided.Edit({"second": second}))
+            self.assertEqual(contacts.of_mesh("tip").elements.tolist(), [[3, 0]])
+            self.assertEqual(session.scene.layout.index("second"), 2)
+            gone = session.step({"second": TIP}, start={"second": TIP}, edit=collided.Edit({"floor": None}))
+            self.assertEqual(len(gone), 0)
+            self.refused(collided.InvalidArgument, "'floor' is not in the scene", gone.of_mesh, "floor")
+            back = session.step({"tip": lowered(2)}, start={"tip": TIP},
+                                edit=collided.Edit({0: collided.Mesh(FLOOR, ONE, motion="static", name="floor")}))
+            self.assertEqual(len(back.between("tip", "floor")), 1)
+            session.close()
+
+    def test_an_edit_of_rules_keeps_elements_and_positions(self):
+        session = self.session()
+        session.step({"tip": lowered(0.5)})
+        self.assertEqual(len(session.step({"tip": lowered(2)}, edit=collided.Edit(exclude=[("tip", "floor")]))), 0)
+        session.step({"tip": TIP})
+        self.assertEqual(len(session.step({"tip": lowered(2)}, edit=collided.Edit(include=[("floor", "tip")]))), 1)
+        session.step({"tip": TIP})
+        other = collided.Mesh(vertex_count=3, groups=2, collide_mask=2)
+        self.assertEqual(len(session.step({"tip": lowered(2)}, edit=collided.Edit({"tip": other}))), 0)
+
+    def test_more_vertices_begin_where_the_edit_says(self):
+        session = self.session()
+        longer = collided.Mesh(np.concatenate([TIP, TIP + 20]), [[0, 1, 2], [3, 4, 5]])
+        moved = np.concatenate([lowered(2), TIP + 20])
+        self.expect_hit(session.step({"tip": moved}, edit=collided.Edit({"tip": longer})), 2)
+
+    def test_frames_override_what_the_scene_says(self):
+        session = self.session()
+        contacts = session.step({"tip": lowered(2)}, report="any_hit", accuracy="fast", delta=1e-3)
+        self.assertEqual((len(contacts), contacts.any_contact), (0, True))
+        session.step({"tip": TIP})
+        first = session.step({"tip": lowered(2)}, report="earliest_only", ignore_separating=True)
+        self.expect_hit(first, 2)
+
+    def test_latest_wins_reports_what_it_skipped(self):
+        session = self.session(window=8, delivery="latest_wins")
+        for step in range(8):
+            session.send({"tip": lowered(2 * (step % 2))})
+        answers = [session.receive() for _ in range(8)]
+        self.assertEqual([answer.frame_id for answer in answers], list(range(1, 9)))
+        self.assertFalse(answers[-1].skipped)
+        self.assertTrue(all(len(answer) == 0 for answer in answers if answer.skipped))
+        np.testing.assert_array_equal(session.positions["tip"], lowered(2))
+
+    def test_contacts_without_room_in_shared_memory_are_all_there(self):
+        sheet = np.stack([*np.meshgrid(np.arange(24.0), np.arange(24.0)), np.zeros((24, 24))], axis=2).reshape(-1, 3)
+        corner = (np.arange(23)[:, None] * 24 + np.arange(23)).reshape(-1, 1)
+        cells = np.concatenate([corner + [0, 1, 24], corner + [1, 25, 24]], axis=1).reshape(-1, 3)
+        two = {"low": (sheet, cells), "high": (sheet + [0.25, 0.25, 1], cells)}
+        found = [self.session(two, transport=transport, output_bytes=room).step({"high": sheet + [0.25, 0.25, -1]})
+                 for transport, room in (("grpc", 0), ("shared_memory", 0), ("shared_memory", 8192), ("shared_memory", 8 << 20))]
+        self.assertGreater(len(found[0]), 500)
+        for other in found[1:]:
+            assert_same(self, other, found[0])
+
+    def test_the_first_frame_may_be_refused_and_sent_again(self):
+        session = self.session({"floor": ONE, "tip": ONE}, position_format="f32", window=2)
+        bad = FLOOR.copy()
+        bad[1, 1] = np.nan
+        session.send({"floor": bad, "tip": TIP})
+        error = self.refused(collided.InvalidArgument, "updates", session.receive)
+        self.assertEqual(error.frame_id, 1)
+        self.expect_hit(session.step({"floor": FLOOR, "tip": lowered(2)}, start={"tip": TIP}), 2)
+
+    def test_scenes_are_listed_estimated_and_deleted(self):
+        with collided.Client(self.server) as client:
+            self.assertTrue(client.info.version)
+            estimate = client.estimate(meshes(), thickness=0.1)
+            self.assertEqual((estimate.vertex_count, estimate.triangle_count), (6, 2))
+            with collided.Scene(meshes(), server=client, lease_seconds=60) as scene:
+                self.assertIn(scene.id, [known.scene_id for known in client.scenes()])
+                self.assertEqual(scene.refresh().lease_seconds, 60)
+                with scene.session() as session:
+                    self.expect_hit(session.step({"tip": lowered(2)}), 2)
+                with scene.session(transport="calls") as session:  # goes on where the other one was
+                    self.assertEqual(len(session.step({"tip": TIP})), 1)
+            self.refused(collided.NotFound, "", client.get_scene, scene.id)
+
+    def test_a_scene_outlives_its_sessions_and_is_where_they_left_it(self):
+        scene = collided.Scene(meshes(), server=self.server)
+        self.addCleanup(scene.close)
+        for step in range(12):
+            with scene.session(transport=TRANSPORTS[step % 3]) as session:
+                self.assertEqual(session.recreations, 0)
+                session.send({"tip": lowered(2 * (step % 2))})
+                if step % 4 == 0:
+                    session.receive()
+        with scene.session() as session:
+            np.testing.assert_allclose(session.step({"tip": TIP}).toi, [0.5], atol=1e-3)
+
+    def test_what_a_scene_declares_reaches_the_daemon(self):
+        cloth = collided.Mesh(TIP, ONE, exclude_rings=2, exclude_rest_pairs=True, groups=3, collide_mask=5,
+                              self_contacts=False, edges=[[0, 1]], points=[2])
+        options = {"mode": "dcd_and_ccd", "accuracy": "guarded", "thickness": 0.5, "delta": 0.25, "min_separation": 0.125,
+                   "rest_distance": 2.0, "kinds": ["vt"], "fields": ["elements", "toi"], "report": "all", "backend": "cpu",
+                   "broad_phase": "lbvh", "memory_budget": 1 << 28, "exclude": [("cloth", "floor")], "display_name": "all",
+                   "position_format": "q16", "quantization_box": collided.Box((-9, -9, -9), (9, 9, 9))}
+        scene = collided.Scene({"floor": meshes()["floor"], "cloth": cloth}, server=self.server, **options)
+        self.addCleanup(scene.close)
+        spec, mesh = scene.refresh().spec, scene.refresh().spec.meshes[1]
+        for name in ("thickness", "delta", "min_separation", "rest_distance", "display_name"):
+            self.assertEqual(getattr(spec, name), options[name])
+        self.assertEqual((spec.memory_budget_bytes, list(spec.kinds), list(spec.fields)), (1 << 28, [1], [1, 3]))
+        self.assertEqual((spec.mode, spec.accuracy, spec.report, spec.backend, spec.broad_phase_engine), (3, 3, 1, 2, 6))
+        self.assertEqual([(pair.first, pair.second) for pair in spec.excluded_meshes], [(0, 1)])
+        self.assertEqual((spec.position_format, list(spec.quantization_box.upper)), (3, [9, 9, 9]))
+        self.assertEqual((mesh.exclude_rings, mesh.exclude_rest_pairs, mesh.groups, mesh.collide_mask), (2, True, 3, 5))
+        self.assertEqual((mesh.no_self_contacts, mesh.edge_count, mesh.point_count, mesh.triangle_count), (True, 1, 1, 1))
+
+
+class Formats(Case):
+    def test_encoded_and_double_positions_find_the_same(self):
+        box = collided.Box((-16, -16, -16), (16, 16, 16))
+        for options in ({"position_format": "f64"}, {"position_format": "q16", "quantization_box": box}):
+            for transport in TRANSPORTS:
+                session = self.session(transport=transport, **options)
+                contacts = session.step({"tip": lowered(2)})
+                np.testing.assert_allclose(contacts.toi, [0.5], atol=1e-2)
+                np.testing.assert_allclose(session.positions["tip"], lowered(2), atol=1e-3)
+                session.close()
+
+    def test_where_an_advance_leaves_encoded_positions_is_known_to_the_bit(self):
+        box = collided.Box((-16, -16, -16), (16, 16, 16))
+        for transport in STREAMS:
+            session = self.session(transport=transport, position_format="q16", quantization_box=box, min_separation=0.01)
+            gone = session.step({"tip": lowered(2)}, advance=True)
+            start, target = (collided.unpack_quantized(collided.pack_quantized(p, box), box) for p in (TIP, lowered(2)))
+            expected = collided.move_along(start, target, gone.advanced)
+            np.testing.assert_array_equal(session.positions["tip"], expected)
+            session.step({"tip": collided.Sparse([1], target[1:2])})
+            expected[1] = target[1]
+            np.testing.assert_array_equal(session.positions["tip"], expected)
+            watcher = session.scene.watch(meshes=["tip"])
+            session.step()
+            np.testing.assert_array_equal(watcher.receive(timeout=30).positions["tip"], expected)
+            watcher.close()
+
+    def test_what_the_client_knows_is_where_the_daemon_is(self):
+        session = self.session({"tip": (TIP, ONE), "other": collided.Mesh(TIP + [3, 0, 0], ONE, motion="rigid")})
+        watcher = session.scene.watch(meshes=["tip", "other"])
+        last = None
+        turn = np.array([[0.8, -0.6, 0, 0.1], [0.6, 0.8, 0, 0.2], [0, 0, 1, 0.3]])
+        for positions, options in (({"tip": lowered(0.7)}, {}), ({"tip": collided.Sparse([2], TIP[:1])}, {}),
+                                   ({"tip": lowered(1.3)}, {"trial": True}), ({}, {"from_last_fraction": 1 / 3}),
+                                   ({"tip": TIP, "other": collided.Rigid(np.eye(3, 4) + [[0, 0, 0, 0.7]])}, {"advance": True}),
+                                   ({"other": collided.Rigid(turn)}, {})):
+            session.step(positions, **options)
+            while last is None or last.contacts.frame_id != session.scene.track.last_applied:
+                last = watcher.receive(timeout=30)
+            for name, expected in session.positions.items():
+                np.testing.assert_array_equal(last.positions[name], expected, f"{name}, {options}")
+        watcher.close()
+
+    def test_points_are_those_of_the_conventions(self):
+        for mode, start in (("ccd", {"tip": TIP}), ("dcd", None)):
+            session = self.session(mode=mode, thickness=0.01)
+            contacts = session.step({"tip": lowered(1.005 if mode == "dcd" else 2)}, start)
+            first, second = contacts.points
+            np.testing.assert_allclose(np.linalg.norm(first - second, axis=1), contacts.distance, atol=1e-6)
+            np.testing.assert_allclose(second, [[1, 1, 0]], atol=1e-6)
+
+
+if __name__ == "__main__":
+    main()

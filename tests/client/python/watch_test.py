@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""The frames of a scene as an observer sees them."""
+
+import threading
+
+from support import ONE, TIP, Case, lowered, main, np
+
+import collided
+
+
+class Watching(Case):
+    def watch(self, session, **options):
+        watcher = session.scene.watch(**options)
+        self.addCleanup(watcher.close)
+        return watcher
+
+    def test_frames_contacts_and_positions(self):
+        for form in ("f32", "f64"):
+            session = self.session(position_format=form)
+            session.step()
+            watcher = self.watch(session, max_contacts_per_kind=8, meshes=["tip", 0])
+            self.assertEqual(watcher.scene.scene_id, session.scene.id)
+            sent = session.step({"tip": lowered(2)})
+            frame = watcher.receive(timeout=30)
+            self.assertEqual(frame.contacts.stencils.tolist(), sent.stencils.tolist())
+            self.assertEqual(frame.contacts.of_mesh("tip").toi.tolist(), sent.toi.tolist())
+            self.assertEqual((frame.skipped_frames, frame.omitted_contacts, frame.vertex_stride), (0, 0, 1))
+            np.testing.assert_array_equal(frame.positions["tip"], lowered(2))
+            self.assertEqual(frame.positions["tip"].dtype, session.positions["tip"].dtype)
+            self.assertEqual(list(frame.positions), ["tip", "floor"])
+            self.refused(collided.FailedPrecondition, "watched", getattr, frame.contacts, "points")
+            self.assertIsNone(watcher.receive(timeout=0.05))
+
+    def test_what_is_left_out_is_counted(self):
+        session = self.session()
+        session.step()
+        watcher = self.watch(session, frame_interval=2)
+        for depth in (0, 2, 0, 2):
+            session.step({"tip": lowered(depth)})
+        frames = [watcher.receive(timeout=30) for _ in range(2)]
+        self.assertEqual(sum(frame.skipped_frames + 1 for frame in frames) <= 4, True)
+        self.assertGreaterEqual(max(frame.omitted_contacts for frame in frames), 1)
+
+    def test_edits_are_followed(self):
+        session = self.session(edit_bytes=4096)
+        session.step()
+        watcher = self.watch(session, max_contacts_per_kind=8)
+        session.step({"tip": lowered(2)}, edit=collided.Edit({"far": collided.Mesh(TIP + 50, ONE)}))
+        frame = watcher.receive(timeout=30)
+        self.assertEqual((frame.edit_count, len(frame.contacts.of_mesh("far")), len(frame.contacts.of_mesh("tip"))), (1, 0, 1))
+
+    def test_it_ends_with_the_scene_or_when_it_is_told(self):
+        for end in (lambda session, watcher: session.close(), lambda session, watcher: watcher.close()):
+            session = self.session()
+            session.step()
+            watcher = self.watch(session)
+            seen = []
+            thread = threading.Thread(target=lambda: seen.extend(watcher))
+            thread.start()
+            session.step({"tip": lowered(2)})
+            end(session, watcher)
+            thread.join(30)
+            self.assertFalse(thread.is_alive())
+            self.assertLessEqual(len(seen), 1)
+
+    def test_bad_requests_are_refused(self):
+        session = self.session()
+        self.refused(collided.InvalidArgument, "mesh 'wall'", session.scene.watch, meshes=["wall"])
+        self.refused(collided.InvalidArgument, "", session.scene.watch, max_contacts_per_kind=9000)
+        self.refused(collided.NotFound, "", collided.Watcher, session.scene.client, "no scene")
+        self.refused(collided.InvalidArgument, "max_frames_per_second", session.scene.watch, max_frames_per_second=-1.0)
+
+
+if __name__ == "__main__":
+    main()

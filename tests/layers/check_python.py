@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""Checks what the modules of the Python package import: folders know only those below them, and few packages of others.
+
+usage: check_python.py ROOT
+"""
+
+import ast
+import pathlib
+import sys
+
+PACKAGE = "client/python/collided"
+# What each folder may use besides itself and the protocol's messages (v1); modules of the root by name. The root uses all.
+ROOMS = {
+    "meshes": {"arrays", "choices", "errors"},
+    "frames": {"arrays", "choices", "errors", "layout", "meshes", "options", "positions"},
+    "contacts": {"errors", "frames", "layout"},
+    "connection": {"errors", "layout", "options"},
+    "transport": {"connection", "errors", "frames"},
+    "gpu": {"contacts", "errors", "frames", "layout", "scene", "transport"},
+}
+# Packages of others, and where they may be used; numpy everywhere.
+OTHERS = {"grpc": ("errors", "connection", "transport"), "google": ("errors", "transport"), "pandas": ("contacts",)}
+
+
+def imports(text):
+    """Names of the modules that a module imports, with their lines; those that are imported for types alone are not told."""
+    tree = ast.parse(text)
+    guards = [node for node in ast.walk(tree) if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
+    for guard in guards:
+        guard.body.clear()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from ((alias.name, node.lineno) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield "." * node.level + (node.module or ""), node.lineno
+
+
+def complaint(room, name):
+    """Why a module of the folder or root module `room` may not import `name`; None if it may."""
+    if name.startswith("."):
+        return "imports are absolute"
+    first, *rest = name.split(".")
+    if first == "collided":
+        other = rest[0] if rest else None
+        if room in ROOMS and other not in ROOMS[room] | {room, "v1"}:
+            return f"{room} must not know {name}"
+        return None
+    if first in OTHERS:
+        return None if room in OTHERS[first] else f"{first} belongs to {', '.join(OTHERS[first])}"
+    return None if first == "numpy" or first in sys.stdlib_module_names else f"{first} is not a package that it needs"
+
+
+def bad_imports(root):
+    files = sorted((pathlib.Path(root) / PACKAGE).rglob("*.py"))
+    found = []
+    for file in files:
+        room = file.relative_to(pathlib.Path(root) / PACKAGE).parts[0].removesuffix(".py")
+        for name, line in imports(file.read_text()):
+            why = complaint(room, name)
+            if why:
+                found.append(f"{file.relative_to(root)}:{line}: {name}: {why}")
+    return found, len(files)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    problems, count = bad_imports(sys.argv[1])
+    print("\n".join(problems))
+    print(f"{count} files, {len(problems)} problems")
+    sys.exit(1 if problems or not count else 0)
