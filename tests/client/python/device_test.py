@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+"""Positions and contacts of other libraries' arrays on a real GPU: the same bytes as over the host.
+
+usage: device_test.py DAEMON COLLIDECTL REPOSITORY. Skipped without a GPU, or without torch and cupy.
+"""
+
+import importlib.util
+import sys
+import unittest
+
+from support import DAEMON, np
+
+import collided
+from collided.v1 import scene_pb2
+
+LIBRARIES = [name for name in ("torch", "cupy") if importlib.util.find_spec(name)]
+FIELDS = ("elements", "stencils", "toi", "distance", "weights", "normals", "flags")
+
+
+def sheet(n, height, depth):
+    """n x n vertices in waves of this depth."""
+    u, v = np.meshgrid(np.linspace(0, 1, n), np.linspace(0, 1, n), indexing="ij")
+    vertices = np.stack([u, v, height + depth * np.sin(9 * u) * np.cos(7 * v)], -1).reshape(-1, 3)
+    corner = np.arange(n * n).reshape(n, n)
+    a, b, c, d = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
+    triangles = np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, b, c), (a, c, d))])
+    return vertices.astype(np.float32), triangles
+
+
+class ByDlpack:
+    """An array that has nothing but DLPack."""
+
+    def __init__(self, array):
+        self._array = array
+
+    def __dlpack__(self, stream=None):
+        return self._array.__dlpack__()
+
+    def __dlpack_device__(self):
+        return self._array.__dlpack_device__()
+
+
+def on_device(library, array):
+    if library == "cupy":
+        import cupy
+        return cupy.asarray(array)
+    import torch
+    return torch.from_numpy(array).cuda()
+
+
+class OnTheDevice(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.client = collided.Client(daemon=collided.OwnDaemon("--cuda-ipc", program=str(DAEMON)))
+        cls.addClassCleanup(cls.client.close)
+        if not any(device.backend == scene_pb2.BACKEND_CUDA for device in cls.client.info.devices):
+            raise unittest.SkipTest("no GPU here")
+        if not LIBRARIES:
+            raise unittest.SkipTest("neither torch nor cupy is installed")
+        low, high = sheet(200, 0, 0.05), sheet(150, 0.1, 0.02)
+        cls.meshes = {"low": collided.Mesh(*low), "high": collided.Mesh(*high)}
+        cls.frames = [high[0] - np.float32([0, 0, 0.03 * step]) for step in range(1, 6)]
+        with collided.Session(cls.meshes, server=cls.client, backend="cuda") as session:
+            cls.expected = [session.step({"high": frame}) for frame in cls.frames]
+
+    def check_same_bytes(self, make):
+        with collided.gpu.DeviceSession(self.meshes, server=self.client, backend="cuda", output_bytes=32 << 20) as session:
+            for frame, expected in zip(self.frames, self.expected):
+                found = session.step({"high": make(frame)})
+                for kind in ("vt", "ee"):
+                    for field in FIELDS:
+                        got = getattr(getattr(found, kind), field).to_host()
+                        wanted = np.ascontiguousarray(getattr(getattr(expected, kind), field)).astype(got.dtype)
+                        self.assertEqual(got.tobytes(), wanted.tobytes(), (kind, field))
+        self.assertGreater(len(expected), 10000)
+
+    def test_arrays_of_other_libraries_go_in(self):
+        for library in LIBRARIES:
+            with self.subTest(library):
+                self.check_same_bytes(lambda frame: on_device(library, frame))
+
+    def test_dlpack_goes_in(self):
+        self.check_same_bytes(lambda frame: ByDlpack(on_device(LIBRARIES[0], frame)))
+
+    def test_contacts_are_arrays_of_other_libraries(self):
+        with collided.gpu.DeviceSession(self.meshes, server=self.client, backend="cuda") as session:
+            for frame in self.frames:
+                found = session.step({"high": on_device(LIBRARIES[0], frame)})
+            library = __import__(LIBRARIES[0])
+            toi = library.as_tensor(found.vt.toi, device="cuda") if LIBRARIES[0] == "torch" else library.asarray(found.vt.toi)
+            self.assertEqual(float(toi.min()), float(self.expected[-1].vt.toi.min()))
+
+
+if __name__ == "__main__":
+    program = unittest.main(argv=sys.argv[:1], verbosity=2, exit=False)
+    sys.exit(77 if program.result.skipped and not program.result.testsRun else not program.result.wasSuccessful())
