@@ -1,0 +1,156 @@
+// collidectl load: the order of its steps.
+
+#include "client/measure/load/run.hpp"
+
+#include <cstdio>
+#include <stdexcept>
+
+#include "client/cli/daemon/interrupt.hpp"
+#include "client/cli/output/output.hpp"
+#include "client/measure/load/daemon/limits.hpp"
+#include "client/measure/load/drive/fleet.hpp"
+#include "client/measure/load/report/html.hpp"
+#include "client/measure/load/report/outcome.hpp"
+#include "client/measure/load/report/text.hpp"
+#include "client/measure/load/search.hpp"
+
+namespace collided::cli::load {
+
+namespace {
+
+constexpr double kTrialDrainSeconds = 1;
+
+Fleet::OnSecond progress() {
+  return [previous = 0.0](const SeriesPoint& point) mutable {
+    std::fprintf(stderr, "%s\n", second_text(point, previous).c_str());
+    previous = point.at;
+  };
+}
+
+void warm_up(Fleet& fleet, const StreamSettings& streams) {
+  if (streams.warm_up == 0) return;
+  const PhaseResult result = fleet.run({.max_frames = streams.warm_up});
+  check_interrupt();
+  for (const auto& [code, refusals] : result.tally.refused)
+    throw std::runtime_error("the daemon refused frames of the warm-up: " + code + ": " + refusals.first);
+}
+
+/// Why a trial did not hold; empty if it did.
+std::string failure_of(const PhaseResult& result, double p99_ms) {
+  const Tally& tally = result.tally;
+  if (!result.ended.empty()) return "streams ended";
+  if (tally.refused_count() > 0) return std::to_string(tally.refused_count()) + " refused";
+  if (tally.skipped > 0) return std::to_string(tally.skipped) + " skipped";
+  if (tally.unanswered + tally.unsent > 0) return std::to_string(tally.unanswered + tally.unsent) + " not answered";
+  if (tally.answered == 0) return "no frame was due";
+  return tally.latency.percentile(99) > p99_ms ? "p99 too high" : "";
+}
+
+Trial trial_of(double rate, const PhaseResult& result, double p99_ms) {
+  const Histogram& latency = result.tally.latency;
+  return {.rate = rate,
+          .failure = failure_of(result, p99_ms),
+          .p50 = latency.percentile(50),
+          .p99 = latency.percentile(99),
+          .max = latency.max(),
+          .answered = result.tally.answered};
+}
+
+void show(const Trial& trial) {
+  std::fprintf(stderr, "trial: %.6g frames/s, p99 %.4g ms: %s\n", trial.rate, trial.p99,
+               trial.failure.empty() ? "held" : trial.failure.c_str());
+}
+
+void find_max(Fleet& fleet, const LoadSettings& settings, Outcome& outcome) {
+  const FindMaxSettings& wanted = settings.find_max;
+  const double streams = settings.streams.count();
+  RateSearch search(wanted.from > 0 ? wanted.from : 10 * streams, wanted.precision);
+  bool has_best = false;
+  while (const auto rate = search.next()) {
+    const RateProfile profile(*rate / streams, wanted.trial_seconds);
+    PhaseResult result = fleet.run({.profile = &profile,
+                                    .arrivals = settings.pace.arrivals,
+                                    .seed = settings.pace.seed,
+                                    .drain_seconds = kTrialDrainSeconds});
+    outcome.counted.add(result.tally);
+    const Trial trial = trial_of(*rate, result, wanted.p99_ms);
+    const bool held = trial.failure.empty(), is_over = result.is_interrupted || !result.ended.empty();
+    if (!result.is_interrupted) {
+      show(trial);
+      outcome.trials.push_back(trial);
+      search.report(held);
+    }
+    if (held || !has_best || is_over) outcome.result = std::move(result);
+    has_best = has_best || held;
+    if (is_over || !fleet.settle()) break;
+  }
+  outcome.best = search.best();
+}
+
+void run_once(Fleet& fleet, const LoadSettings& settings, Outcome& outcome) {
+  const PaceSettings& pace = settings.pace;
+  outcome.result = fleet.run({.profile = pace.profile ? &*pace.profile : nullptr,
+                              .arrivals = pace.arrivals,
+                              .seed = pace.seed,
+                              .seconds = pace.seconds,
+                              .drain_seconds = pace.drain_seconds},
+                             progress());
+  outcome.counted.add(outcome.result.tally);
+}
+
+/// What was measured is reported even if the daemon can no longer be asked.
+void add_counters(Outcome& outcome, const Samples& before, const Target& target) {
+  try {
+    outcome.daemon = growth(before, *target.samples());
+  } catch (const std::runtime_error& e) {
+    std::fprintf(stderr, "warning: %s\n", e.what());
+  }
+}
+
+Outcome measure(Target& target, Fleet& fleet, const LoadSettings& settings) {
+  Outcome outcome;
+  outcome.scene = fleet.scene();
+  outcome.bytes_per_frame = fleet.bytes_per_frame();
+  outcome.connections = fleet.connections();
+  outcome.threads = fleet.threads();
+  warm_up(fleet, settings.streams);
+  const auto before = target.samples();
+  if (settings.find_max.p99_ms > 0)
+    find_max(fleet, settings, outcome);
+  else
+    run_once(fleet, settings, outcome);
+  if (before) add_counters(outcome, *before, target);
+  return outcome;
+}
+
+void report(const LoadSettings& settings, const Outcome& outcome) {
+  const Json json = outcome_json(settings, outcome);
+  if (!settings.out.empty()) write_text(settings.out, json.dump(2) + "\n");
+  if (!settings.html.empty()) write_text(settings.html, outcome_html(json));
+  if (settings.json)
+    std::printf("%s\n", json.dump().c_str());
+  else
+    print_summary(settings.out, outcome_text(json));
+}
+
+}  // namespace
+
+void run_load(const LoadSettings& settings) {
+  const Motion motion = make_motion(settings.input);
+  Target target(settings);
+  const v1::ServerLimits& limits = target.client().server_info().limits();
+  if (settings.pace.profile)
+    if (const auto warning = rate_warning(limits, settings.pace.profile->max_rate() * settings.streams.count());
+        !warning.empty())
+      std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  defer_interrupts();
+  Fleet fleet(target, settings, motion);
+  Outcome outcome = measure(target, fleet, settings);
+  outcome.input = motion.name;
+  report(settings, outcome);
+  fleet.finish();
+  if (outcome.result.is_interrupted) check_interrupt();
+  if (!outcome.result.ended.empty()) throw std::runtime_error(warnings_of(settings, outcome).front());
+}
+
+}  // namespace collided::cli::load
