@@ -9,6 +9,7 @@
 #include "client/cli/output/output.hpp"
 #include "client/measure/load/daemon/limits.hpp"
 #include "client/measure/load/drive/fleet.hpp"
+#include "client/measure/load/drive/phase_run.hpp"
 #include "client/measure/load/report/html.hpp"
 #include "client/measure/load/report/outcome.hpp"
 #include "client/measure/load/report/text.hpp"
@@ -20,19 +21,10 @@ namespace {
 
 constexpr double kTrialDrainSeconds = 1;
 
-Fleet::OnSecond progress() {
-  return [previous = 0.0](const SeriesPoint& point) mutable {
-    std::fprintf(stderr, "%s\n", second_text(point, previous).c_str());
-    previous = point.at;
-  };
-}
-
-void warm_up(Fleet& fleet, const StreamSettings& streams) {
-  if (streams.warm_up == 0) return;
-  const PhaseResult result = fleet.run({.max_frames = streams.warm_up});
-  check_interrupt();
-  for (const auto& [code, refusals] : result.tally.refused)
-    throw std::runtime_error("the daemon refused frames of the warm-up: " + code + ": " + refusals.first);
+/// A line for each second; the rest of one at the end is too short to say anything.
+void show(const SeriesPoint& point) {
+  constexpr double kWorthALine = 0.5;
+  if (point.end - point.begin >= kWorthALine) std::fprintf(stderr, "%s\n", second_text(point).c_str());
 }
 
 /// Why a trial did not hold; empty if it did.
@@ -68,11 +60,11 @@ void find_max(Fleet& fleet, const LoadSettings& settings, Outcome& outcome) {
   bool has_best = false;
   while (const auto rate = search.next()) {
     const RateProfile profile(*rate / streams, wanted.trial_seconds);
-    PhaseResult result = fleet.run({.profile = &profile,
-                                    .arrivals = settings.pace.arrivals,
-                                    .seed = settings.pace.seed,
-                                    .drain_seconds = kTrialDrainSeconds});
-    outcome.counted.add(result.tally);
+    PhaseResult result = run_phase(fleet, {.profile = &profile,
+                                           .arrivals = settings.pace.arrivals,
+                                           .seed = settings.pace.seed,
+                                           .drain_seconds = kTrialDrainSeconds});
+    outcome.counted += result.tally;
     const Trial trial = trial_of(*rate, result, wanted.p99_ms);
     const bool held = trial.failure.empty(), is_over = result.is_interrupted || !result.ended.empty();
     if (!result.is_interrupted) {
@@ -82,20 +74,21 @@ void find_max(Fleet& fleet, const LoadSettings& settings, Outcome& outcome) {
     }
     if (held || !has_best || is_over) outcome.result = std::move(result);
     has_best = has_best || held;
-    if (is_over || !fleet.settle()) break;
+    if (is_over || !settle(fleet)) break;
   }
   outcome.best = search.best();
 }
 
 void run_once(Fleet& fleet, const LoadSettings& settings, Outcome& outcome) {
   const PaceSettings& pace = settings.pace;
-  outcome.result = fleet.run({.profile = pace.profile ? &*pace.profile : nullptr,
+  outcome.result = run_phase(fleet,
+                             {.profile = pace.profile ? &*pace.profile : nullptr,
                               .arrivals = pace.arrivals,
                               .seed = pace.seed,
                               .seconds = pace.seconds,
                               .drain_seconds = pace.drain_seconds},
-                             progress());
-  outcome.counted.add(outcome.result.tally);
+                             [](const SeriesPoint& point) { show(point); });
+  outcome.counted += outcome.result.tally;
 }
 
 /// What was measured is reported even if the daemon can no longer be asked.
@@ -113,7 +106,7 @@ Outcome measure(Target& target, Fleet& fleet, const LoadSettings& settings) {
   outcome.bytes_per_frame = fleet.bytes_per_frame();
   outcome.connections = fleet.connections();
   outcome.threads = fleet.threads();
-  warm_up(fleet, settings.streams);
+  warm_up(fleet, settings.streams.warm_up);
   const auto before = target.samples();
   if (settings.find_max.p99_ms > 0)
     find_max(fleet, settings, outcome);

@@ -2,8 +2,6 @@
 
 #include "client/measure/load/drive/fleet.hpp"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <stdexcept>
 #include <thread>
@@ -20,8 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kPoll = 10ms;
-constexpr auto kStartDelay = 20ms;  // so that the first frames are not late
-constexpr auto kOpenTimeout = 60s, kSettleTimeout = 60s, kFinishTimeout = 5s;
+constexpr auto kOpenTimeout = 60s, kFinishTimeout = 5s;
 constexpr size_t kOpenedAtOnce = 64;  // more would wait for each other in the daemon's queues
 
 uint32_t worker_count(const StreamSettings& streams) {
@@ -30,22 +27,10 @@ uint32_t worker_count(const StreamSettings& streams) {
   return std::min(streams.workers ? streams.workers : fitting, streams.count());
 }
 
-double process_cpu_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& time) {
-    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-client::ChannelFactory factory_of(const Target& target, const v1::Scene& scene) {
-  return {scene.endpoint().empty() ? target.address() : scene.endpoint(), target.connect_options()};
-}
-
 v1::SceneSpec spec_of(const LoadSettings& settings, const Motion& motion) {
   v1::SceneSpec spec = scene_spec(settings.server, settings.detection, format_of(settings.input.position_format));
-  spec.set_display_name("load: " + motion.name.substr(0, 100));
+  spec.set_display_name("load");
+  for (size_t i = 0; i < motion.frames; ++i) grow_box(spec, motion.positions(i));
   return spec;
 }
 
@@ -53,82 +38,61 @@ v1::SceneSpec spec_of(const LoadSettings& settings, const Motion& motion) {
 
 struct Fleet::State {
   State(Target& target, const LoadSettings& settings, const Motion& motion)
-      : settings(settings.streams), spec(spec_of(settings, motion)), messages(motion, spec) {
-    scenes = target.create_scenes(spec, mesh_inputs(motion.meshes), settings.streams.count());
-    for (uint32_t i = 0; i < worker_count(settings.streams); ++i) lanes.push_back(std::make_unique<Lane>(messages));
+      : streams(settings.streams), spec(spec_of(settings, motion)), messages(motion, spec) {
+    scenes = target.create_scenes(spec, mesh_inputs(motion.meshes), streams.count());
+    for (uint32_t i = 0; i < worker_count(streams); ++i) lanes.push_back(std::make_unique<Lane>(messages));
   }
 
-  LaneState lane_state() const {
-    LaneState sum;
-    for (const auto& lane : lanes) sum += lane->state();
-    return sum;
-  }
-  bool is_idle() const {
-    return std::all_of(lanes.begin(), lanes.end(), [](const auto& lane) { return lane->is_idle(); });
-  }
-  double busiest_thread_seconds() const {
-    double seconds = 0;
-    for (const auto& lane : lanes) seconds = std::max(seconds, lane->busiest_thread_seconds());
-    return seconds;
-  }
-  Second take_second() const {
-    Second sum;
-    for (const auto& lane : lanes) sum.add(lane->take_second());
-    return sum;
-  }
-  Tally take_tally() const {
-    Tally sum;
-    for (const auto& lane : lanes) sum.add(lane->take_tally());
-    return sum;
+  template <class Sum, class Part>
+  Sum sum(const Part& part) const {
+    Sum all;
+    for (const auto& lane : lanes) all += part(*lane);
+    return all;
   }
   void open_streams(const Target& target);
   void await_open(size_t opened);
 
-  const StreamSettings& settings;
-  v1::SceneSpec spec;
-  Messages messages;
+  const StreamSettings streams;
+  const v1::SceneSpec spec;
+  const Messages messages;
   std::vector<std::shared_ptr<const SceneGuard>> scenes;
-  std::vector<std::unique_ptr<Lane>> lanes;  // before the scenes are deleted, their streams end
+  std::vector<std::unique_ptr<Lane>> lanes;  // after the scenes: streams end before their scenes are deleted
   size_t connections = 0;
 };
 
 void Fleet::State::open_streams(const Target& target) {
-  const client::ChannelFactory factory = factory_of(target, **scenes.front());
+  const std::string& endpoint = (*scenes.front())->endpoint();
+  const client::ChannelFactory channels(endpoint.empty() ? target.address() : endpoint, target.connect_options());
   std::shared_ptr<grpc::Channel> channel;
   Progress progress;
-  for (uint32_t i = 0; i < scenes.size(); ++i) {
-    if (!settings.shares_connections || i % settings.scenes == 0) {
-      channel = factory.make();
+  const auto count = static_cast<uint32_t>(scenes.size());
+  for (uint32_t i = 0; i < count; ++i) {
+    if (!streams.shares_connections || i % streams.scenes == 0) {
+      channel = channels.make();
       ++connections;
     }
     v1::OpenStream open;
     open.set_scene_id((*scenes[i])->scene_id());
-    open.set_window(settings.window);
-    if (settings.latest_wins) open.set_delivery(v1::DELIVERY_POLICY_LATEST_WINS);
-    const StreamPlace place{i, static_cast<uint32_t>(scenes.size())};
-    lanes[i % lanes.size()]->open(channel, factory.context(open.scene_id()), open, place);
-    const bool is_batch_full = (i + 1) % kOpenedAtOnce == 0 || i + 1 == scenes.size();
-    if (is_batch_full) await_open(i + 1);
-    progress.show("streams", static_cast<int>(i) + 1, static_cast<int>(scenes.size()));
+    open.set_window(streams.window);
+    if (streams.latest_wins) open.set_delivery(v1::DELIVERY_POLICY_LATEST_WINS);
+    lanes[i % lanes.size()]->open(channel, channels.context(open.scene_id()), open, {i, count});
+    if ((i + 1) % kOpenedAtOnce == 0 || i + 1 == count) await_open(i + 1);
+    progress.show("streams", static_cast<int>(i) + 1, static_cast<int>(count));
   }
 }
 
 void Fleet::State::await_open(size_t opened) {
-  const Time deadline = Clock::now() + kOpenTimeout;
-  for (;;) {
+  const std::string of_all = " of " + std::to_string(scenes.size());
+  for (const Time deadline = Clock::now() + kOpenTimeout;; std::this_thread::sleep_for(kPoll)) {
     check_interrupt();
-    const LaneState now = lane_state();
-    if (now.ended > 0) {
-      const auto& [code, refusals] = *now.ends.begin();
-      throw std::runtime_error("stream " + std::to_string(now.open + 1) + " of " + std::to_string(scenes.size()) +
-                               " was not opened: " + code + ": " + refusals.first);
-    }
+    const auto now = sum<StreamStates>([](Lane& lane) { return lane.states(); });
     if (now.open == opened) return;
+    const std::string next = "stream " + std::to_string(now.open + 1) + of_all + " was not opened";
+    if (now.ended > 0)
+      throw std::runtime_error(next + ": " + now.ends.begin()->first + ": " + now.ends.begin()->second.first);
     if (Clock::now() > deadline)
-      throw std::runtime_error("only " + std::to_string(now.open) + " of " + std::to_string(scenes.size()) +
-                               " streams were opened within a minute; does the daemon's --max-connections allow " +
+      throw std::runtime_error(next + " within a minute; does --max-connections of the daemon allow " +
                                std::to_string(connections) + "?");
-    std::this_thread::sleep_for(kPoll);
   }
 }
 
@@ -140,82 +104,50 @@ Fleet::Fleet(Target& target, const LoadSettings& settings, const Motion& motion)
 Fleet::~Fleet() = default;
 
 const v1::Scene& Fleet::scene() const { return **state_->scenes.front(); }
+uint32_t Fleet::stream_count() const { return state_->streams.count(); }
 uint64_t Fleet::bytes_per_frame() const { return state_->messages.bytes(); }
 size_t Fleet::connections() const { return state_->connections; }
-size_t Fleet::threads() const { return 2 * state_->lanes.size(); }
+size_t Fleet::threads() const { return Lane::kThreads * state_->lanes.size(); }
 
-namespace {
-
-/// Follows a phase second by second.
-class Watch {
- public:
-  Watch(Time start, const Fleet::OnSecond& on_second, PhaseResult& result)
-      : start_(start), on_second_(on_second), result_(result) {}
-
-  bool is_over() const { return Clock::now() >= start_ + std::chrono::seconds(result_.series.size() + 1); }
-  void close_second(const Second& second) {
-    const double at = std::min(ms_between(start_, Clock::now()) / 1000, result_.series.size() + 1.0);
-    result_.series.push_back(point_of(at, second));
-    if (on_second_) on_second_(result_.series.back());
-  }
-
- private:
-  const Time start_;
-  const Fleet::OnSecond& on_second_;
-  PhaseResult& result_;
-};
-
-}  // namespace
-
-PhaseResult Fleet::run(const PhasePlan& plan, const OnSecond& on_second) {
-  const auto seconds_of = [](double seconds) {
-    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-  };
-  PhaseResult result;
-  state_->take_tally();
-  state_->take_second();
-  const double cpu_before = process_cpu_seconds(), thread_before = state_->busiest_thread_seconds();
-  Phase phase{
-      .start = Clock::now() + kStartDelay, .profile = plan.profile, .arrivals = plan.arrivals, .seed = plan.seed};
-  if (plan.max_frames > 0) phase.max_frames = plan.max_frames;
-  const Time end =
-      plan.max_frames > 0 ? kNever : phase.start + seconds_of(plan.profile ? plan.profile->seconds() : plan.seconds);
+void Fleet::begin(const Phase& phase) {
   for (const auto& lane : state_->lanes) lane->begin(phase);
-  Watch watch(phase.start, on_second, result);
-  bool is_stopped = plan.max_frames > 0;
-  for (Time now = Clock::now(); !(is_stopped && state_->is_idle()); now = Clock::now()) {
-    const LaneState streams = state_->lane_state();
-    result.is_interrupted = is_interrupted();
-    if (result.is_interrupted || streams.open == 0) break;
-    if (end != kNever && now > end + seconds_of(plan.drain_seconds)) break;
-    if (now >= end && !std::exchange(is_stopped, true) && !plan.profile)
-      for (const auto& lane : state_->lanes) lane->stop();
-    if (watch.is_over()) watch.close_second(state_->take_second());
-    std::this_thread::sleep_for(kPoll);
-  }
-  const Time stopped = Clock::now();
-  for (const auto& lane : state_->lanes) lane->give_up(stopped);
-  result.seconds = ms_between(phase.start, stopped) / 1000;
-  watch.close_second(state_->take_second());
-  result.tally = state_->take_tally();
-  result.cost = {.cpu_seconds = process_cpu_seconds() - cpu_before,
-                 .busiest_thread = (state_->busiest_thread_seconds() - thread_before) / result.seconds};
-  result.ended = state_->lane_state().ends;
-  return result;
 }
 
-bool Fleet::settle() {
-  const Time deadline = Clock::now() + kSettleTimeout;
-  for (; !state_->is_idle(); std::this_thread::sleep_for(kPoll))
-    if (is_interrupted() || Clock::now() > deadline) return false;
-  return true;
+void Fleet::stop() {
+  for (const auto& lane : state_->lanes) lane->stop();
+}
+
+bool Fleet::is_idle() const {
+  return std::all_of(state_->lanes.begin(), state_->lanes.end(), [](const auto& lane) { return lane->is_idle(); });
+}
+
+void Fleet::give_up(Time now) {
+  for (const auto& lane : state_->lanes) lane->give_up(now);
+}
+
+StreamStates Fleet::states() const {
+  return state_->sum<StreamStates>([](Lane& lane) { return lane.states(); });
+}
+
+Tally Fleet::take_tally() {
+  return state_->sum<Tally>([](Lane& lane) { return lane.take_tally(); });
+}
+
+Second Fleet::take_second() {
+  return state_->sum<Second>([](Lane& lane) { return lane.take_second(); });
+}
+
+double Fleet::busiest_thread_seconds() const {
+  double seconds = 0;
+  for (const auto& lane : state_->lanes) seconds = std::max(seconds, lane->busiest_thread_seconds());
+  return seconds;
 }
 
 void Fleet::finish() {
   for (const auto& lane : state_->lanes) lane->finish();
-  const Time deadline = Clock::now() + kFinishTimeout;
-  const auto is_done = [&] { return state_->lane_state().open == 0; };
-  while (!is_done() && !is_interrupted() && Clock::now() < deadline) std::this_thread::sleep_for(kPoll);
+  for (const Time deadline = Clock::now() + kFinishTimeout;
+       states().open > 0 && !is_interrupted() && Clock::now() < deadline;)
+    std::this_thread::sleep_for(kPoll);
   state_->lanes.clear();
   state_->scenes.clear();
 }

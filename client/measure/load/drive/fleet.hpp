@@ -1,43 +1,42 @@
 #pragma once
-// All streams: opened together, driven through the phases of a run, and ended together.
+// All streams: opened together, driven together, ended together.
 
-#include <functional>
 #include <memory>
-#include <vector>
 
 #include "client/measure/load/daemon/target.hpp"
 #include "client/measure/load/drive/motion.hpp"
-#include "client/measure/load/drive/phase_result.hpp"
+#include "client/measure/load/drive/stream_pace.hpp"
+#include "client/measure/load/tally/stream_states.hpp"
 
 namespace collided::cli::load {
 
-/// Which frames are sent when, and for how long.
-struct PhasePlan {
-  const RateProfile* profile = nullptr;  ///< null: closed loop
-  Arrivals arrivals = Arrivals::kFixed;
-  uint64_t seed = 1;
-  double seconds = 0;       ///< of a closed loop; an open one has those of its profile
-  uint64_t max_frames = 0;  ///< of each stream in a closed loop; 0: no limit
-  double drain_seconds = 5;
-};
-
 class Fleet {
  public:
-  using OnSecond = std::function<void(const SeriesPoint&)>;
-
   /// Creates the scenes and opens a stream to each. Throws Error, std::runtime_error, Interrupted.
   Fleet(Target& target, const LoadSettings& settings, const Motion& motion);
   ~Fleet();
 
   const v1::Scene& scene() const;  ///< one of them; all are alike
+  uint32_t stream_count() const;
   uint64_t bytes_per_frame() const;
   size_t connections() const;
   size_t threads() const;
-  /// Ends early if it is interrupted, or if all streams have ended.
-  PhaseResult run(const PhasePlan& plan, const OnSecond& on_second = {});
-  /// Waits until every stream has all answers to what it has sent. False if that takes too long.
-  bool settle();
-  /// Ends the streams and deletes the scenes.
+
+  void begin(const Phase& phase);
+  /// A closed loop sends nothing more.
+  void stop();
+  /// Whether every open stream has sent all of its frames, and has all answers.
+  bool is_idle() const;
+  /// Counts what is overdue or unanswered as such.
+  void give_up(Time now);
+  StreamStates states() const;
+  /// What was counted since the last call.
+  Tally take_tally();
+  Second take_second();
+  /// CPU time of the thread that has worked most.
+  double busiest_thread_seconds() const;
+
+  /// Ends the streams in good order and deletes the scenes.
   void finish();
 
  private:

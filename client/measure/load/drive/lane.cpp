@@ -23,14 +23,6 @@ double cpu_seconds(std::thread& thread) {
 
 }  // namespace
 
-LaneState& LaneState::operator+=(const LaneState& other) {
-  opening += other.opening;
-  open += other.open;
-  ended += other.ended;
-  for (const auto& [code, refusals] : other.ends) add(ends, code, refusals.first, refusals.count);
-  return *this;
-}
-
 Lane::Lane(const Messages& messages)
     : messages_(messages), sender_([this] { run_sender(); }), receiver_([this] { run_receiver(); }) {}
 
@@ -54,13 +46,13 @@ void Lane::open(std::shared_ptr<grpc::Channel> channel, std::unique_ptr<grpc::Cl
   stream->open = open;
   stream->place = place;
   streams_.push_back(std::move(stream));
-  ++state_.opening;
+  ++states_.opening;
   streams_.back()->call->start();
 }
 
-LaneState Lane::state() const {
+StreamStates Lane::states() const {
   const std::lock_guard lock(mutex_);
-  return state_;
+  return states_;
 }
 
 void Lane::begin(const Phase& phase) {
@@ -149,8 +141,8 @@ void Lane::take(Stream& stream, const v1::StreamFramesResponse& message, Time no
   if (message.has_opened()) {
     stream.pace.open(message.opened().window());
     stream.state = State::kOpen;
-    --state_.opening;
-    ++state_.open;
+    --states_.opening;
+    ++states_.open;
   } else if (message.has_done() || message.has_error() || message.has_skipped()) {
     stream.pace.take(message, now, books());
   }
@@ -180,11 +172,11 @@ void Lane::handle(Stream& stream, FrameCall::Event event, bool is_ok, Time now) 
 }
 
 void Lane::end(Stream& stream) {
-  --(stream.state == State::kOpen ? state_.open : state_.opening);
-  ++state_.ended;
+  --(stream.state == State::kOpen ? states_.open : states_.opening);
+  ++states_.ended;
   stream.state = State::kEnded;
   const grpc::Status& status = stream.call->status();
-  if (!is_finishing_ || !status.ok()) add(state_.ends, client::code_name(status.error_code()), status.error_message());
+  if (!is_finishing_ || !status.ok()) add(states_.ends, client::code_name(status.error_code()), status.error_message());
 }
 
 /// Sends the stream's next frame if it is due and there is room. If it is not due yet, the sender will; if there is no

@@ -11,18 +11,14 @@
 #include "client/measure/load/drive/frame_call.hpp"
 #include "client/measure/load/drive/messages.hpp"
 #include "client/measure/load/drive/stream_pace.hpp"
+#include "client/measure/load/tally/stream_states.hpp"
 
 namespace collided::cli::load {
 
-/// How far the streams of a lane are.
-struct LaneState {
-  size_t opening = 0, open = 0, ended = 0;
-  RefusalsByCode ends;  ///< of streams that were not told to end
-  LaneState& operator+=(const LaneState& other);
-};
-
 class Lane {
  public:
+  static constexpr size_t kThreads = 2;
+
   /// `messages` must outlive it.
   explicit Lane(const Messages& messages);
   Lane(const Lane&) = delete;
@@ -30,10 +26,10 @@ class Lane {
   /// Cancels streams that are still open.
   ~Lane();
 
-  /// Begins to open a stream; state() tells how that goes.
+  /// Begins to open a stream; states() tells how that goes.
   void open(std::shared_ptr<grpc::Channel> channel, std::unique_ptr<grpc::ClientContext> context,
             const v1::OpenStream& open, StreamPlace place);
-  LaneState state() const;
+  StreamStates states() const;
 
   void begin(const Phase& phase);
   /// A closed loop sends nothing more.
@@ -44,7 +40,7 @@ class Lane {
   /// What was counted since the last call.
   Tally take_tally();
   Second take_second();
-  /// Tells the daemon that no more frames will come; state() tells when all streams have ended.
+  /// Tells the daemon that no more frames will come; states() tells when all streams have ended.
   void finish();
   /// CPU time of its two threads; the larger.
   double busiest_thread_seconds();
@@ -80,7 +76,7 @@ class Lane {
   std::condition_variable changed_;
   std::vector<std::unique_ptr<Stream>> streams_;
   std::priority_queue<Due> due_;
-  LaneState state_;
+  StreamStates states_;
   Tally tally_;
   Second second_;
   bool is_finishing_ = false, is_closing_ = false;

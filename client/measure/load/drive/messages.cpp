@@ -26,8 +26,7 @@ grpc::Slice updates_of(const Motion& motion, size_t frame, uint64_t id, const v1
 
 }  // namespace
 
-Messages::Messages(const Motion& motion, v1::SceneSpec& spec) {
-  for (size_t i = 0; i < motion.frames; ++i) grow_box(spec, motion.positions(i));
+Messages::Messages(const Motion& motion, const v1::SceneSpec& spec) {
   for (size_t i = 0; i < motion.frames; ++i) later_.push_back(updates_of(motion, i, kLater, spec));
   first_ = updates_of(motion, 0, kFirst, spec);
 }

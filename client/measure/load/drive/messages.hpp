@@ -12,8 +12,8 @@ namespace collided::cli::load {
 
 class Messages {
  public:
-  /// `spec`: of the scenes; its box of Q16 positions is made large enough.
-  Messages(const Motion& motion, v1::SceneSpec& spec);
+  /// `spec`: of the scenes.
+  Messages(const Motion& motion, const v1::SceneSpec& spec);
   /// A StreamFramesRequest. Ids count from 1; the first frame has the static meshes, too.
   grpc::ByteBuffer frame(uint64_t id) const;
   /// Bytes of positions of a frame after the first.

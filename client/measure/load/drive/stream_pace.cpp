@@ -9,20 +9,13 @@
 
 namespace collided::cli::load {
 
-namespace {
-
-Clock::duration seconds_of(double seconds) {
-  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-}
-
-}  // namespace
-
 void StreamPace::begin(const Phase& phase, StreamPlace place) {
   schedule_.reset();
   if (phase.profile) schedule_.emplace(*phase.profile, phase.arrivals, place, phase.seed);
   start_ = able_since_ = phase.start;
   frames_left_ = phase.max_frames;
   due_ = phase.start;
+  if (place.index < phase.first_stream || place.index >= phase.end_stream) return stop();
   plan_next();
 }
 

@@ -18,13 +18,18 @@ constexpr Time kNever = Time::max();
 
 inline double ms_between(Time from, Time to) { return std::chrono::duration<double, std::milli>(to - from).count(); }
 
+inline Clock::duration seconds_of(double seconds) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
 /// Part of a run, in which all streams send in the same way.
 struct Phase {
-  Time start;
+  Time start = {};
   const RateProfile* profile = nullptr;  ///< of each stream, outlives the phase; null: closed loop
   Arrivals arrivals = Arrivals::kFixed;
   uint64_t seed = 1;
-  uint64_t max_frames = std::numeric_limits<uint64_t>::max();  ///< of each stream, in a closed loop
+  uint64_t max_frames = std::numeric_limits<uint64_t>::max();                    ///< of each stream, in a closed loop
+  uint32_t first_stream = 0, end_stream = std::numeric_limits<uint32_t>::max();  ///< the others send nothing
 };
 
 /// Where a frame that ends is counted.

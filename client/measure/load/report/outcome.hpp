@@ -7,7 +7,7 @@
 
 #include "client/cli/report/json.hpp"
 #include "client/measure/load/daemon/counters.hpp"
-#include "client/measure/load/drive/phase_result.hpp"
+#include "client/measure/load/drive/phase_run.hpp"
 #include "client/measure/load/settings.hpp"
 
 namespace collided::cli::load {

@@ -15,6 +15,9 @@ namespace {
 
 std::string count(const Json& value) { return count_text(value.get<uint64_t>()); }
 std::string number(const char* format, const Json& value) { return format_double(format, value.get<double>()); }
+std::string plural(const Json& value, const std::string& noun) {
+  return count(value) + " " + noun + (value == 1 ? "" : "s");
+}
 std::string ms(const Json& value) { return milliseconds_text(value.get<double>()); }
 /// As count_text where there are no decimals to lose.
 std::string rate(const Json& value) {
@@ -30,22 +33,6 @@ std::string profile_text(const Json& load) {
            rate(stretch.at("to")) + " frames/s of each stream for " + number("%g", stretch.at("seconds")) + " s";
   }
   return out;
-}
-
-std::string head_text(const Json& outcome) {
-  const Json &load = outcome.at("load"), &input = outcome.at("input"), &scene = input.at("scene");
-  std::string out = count(load.at("streams")) + " streams (" + count(load.at("clients")) + " clients, " +
-                    count(load.at("scenes_per_client")) + " scenes each) on " + count(load.at("connections")) +
-                    " connections, window " + count(load.at("window")) + ", " + load.at("delivery").get<std::string>() +
-                    "\n";
-  out += input.at("name").get<std::string>() + ": " + count(scene.at("triangles")) + " triangles, " +
-         count(input.at("bytes_per_frame")) + " bytes a frame; " + scene.at("device").get<std::string>() + "\n";
-  if (load.at("loop") == "closed")
-    return out +
-           "closed loop: a frame is sent when an answer makes room for it, so that no queue beyond the window is "
-           "seen\n";
-  out += "open loop, " + load.at("arrivals").get<std::string>() + " arrivals";
-  return out + (load.contains("frames_per_second_each") ? ": " + profile_text(load) : "") + "\n";
 }
 
 std::string row(const std::string& name, const std::vector<std::string>& cells) {
@@ -130,17 +117,33 @@ std::string search_text(const Json& outcome) {
 
 }  // namespace
 
+std::string load_text(const Json& outcome) {
+  const Json &load = outcome.at("load"), &input = outcome.at("input"), &scene = input.at("scene");
+  std::string out = plural(load.at("streams"), "stream") + " (" + plural(load.at("clients"), "client") + ", " +
+                    plural(load.at("scenes_per_client"), "scene") + " each) on " +
+                    plural(load.at("connections"), "connection") + ", window " + count(load.at("window")) + ", " +
+                    load.at("delivery").get<std::string>() + "\n";
+  out += input.at("name").get<std::string>() + ": " + count(scene.at("triangles")) + " triangles, " +
+         count(input.at("bytes_per_frame")) + " bytes a frame; " + scene.at("device").get<std::string>() + "\n";
+  if (load.at("loop") == "closed")
+    return out +
+           "closed loop: a frame is sent when an answer makes room for it, so that no queue beyond the window is "
+           "seen\n";
+  out += "open loop, " + load.at("arrivals").get<std::string>() + " arrivals";
+  return out + (load.contains("frames_per_second_each") ? ": " + profile_text(load) : "") + "\n";
+}
+
 std::string outcome_text(const Json& outcome) {
-  std::string out = head_text(outcome) + search_text(outcome) + times_text(outcome) + counts_text(outcome) +
+  std::string out = load_text(outcome) + search_text(outcome) + times_text(outcome) + counts_text(outcome) +
                     tester_text(outcome.at("tester")) + comparison_text(outcome);
   for (const Json& warning : outcome.at("warnings")) out += "warning: " + warning.get<std::string>() + "\n";
   return out;
 }
 
-std::string second_text(const SeriesPoint& point, double previous) {
-  const double seconds = std::max(point.at - previous, 1e-3);
+std::string second_text(const SeriesPoint& point) {
+  const double seconds = std::max(point.end - point.begin, 1e-3);
   const auto per_second = [&](uint64_t frames) { return rate(static_cast<double>(frames) / seconds); };
-  std::string out = format_double("%.0f s: ", point.at) + per_second(point.sent) + " sent/s, " +
+  std::string out = format_double("%.0f s: ", point.end) + per_second(point.sent) + " sent/s, " +
                     per_second(point.answered) + " answered/s";
   if (point.answered > 0)
     out += ", p50 " + milliseconds_text(point.p50) + " ms, p99 " + milliseconds_text(point.p99) + " ms";

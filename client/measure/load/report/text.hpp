@@ -8,10 +8,11 @@
 
 namespace collided::cli::load {
 
-/// Of an outcome_json().
+/// Of an outcome_json(): who sent what, and how; and the whole report.
+std::string load_text(const Json& outcome);
 std::string outcome_text(const Json& outcome);
 
 /// The progress line of a second.
-std::string second_text(const SeriesPoint& point, double previous);
+std::string second_text(const SeriesPoint& point);
 
 }  // namespace collided::cli::load

@@ -54,13 +54,6 @@ void Histogram::add(const Histogram& other) {
   count_ += other.count_;
 }
 
-void Histogram::clear() {
-  if (count_ == 0) return;
-  bins_->all.reset();
-  count_ = 0;
-  sum_ = min_ = max_ = 0;
-}
-
 double Histogram::percentile(double percent) const {
   const auto rank = static_cast<uint64_t>(std::ceil(percent / 100 * static_cast<double>(count_)));
   const Axis& axis = bins_->all.axis();

@@ -24,7 +24,6 @@ class Histogram {
 
   void add(double ms);
   void add(const Histogram& other);
-  void clear();
 
   uint64_t count() const { return count_; }
   double min() const { return min_; }  ///< 0 if it is empty, as the others

@@ -16,7 +16,7 @@ uint64_t Tally::refused_count() const {
   return count;
 }
 
-void Tally::add(const Tally& other) {
+Tally& Tally::operator+=(const Tally& other) {
   for (uint64_t Tally::*count : {&Tally::sent, &Tally::answered, &Tally::skipped, &Tally::unanswered, &Tally::unsent,
                                  &Tally::contacts, &Tally::bytes_in, &Tally::bytes_out})
     this->*count += other.*count;
@@ -24,23 +24,21 @@ void Tally::add(const Tally& other) {
   for (Histogram Tally::*times : {&Tally::latency, &Tally::service, &Tally::delay, &Tally::total, &Tally::queue,
                                   &Tally::decode, &Tally::engine, &Tally::encode})
     (this->*times).add(other.*times);
+  return *this;
 }
 
-void Second::add(const Second& other) {
+Second& Second::operator+=(const Second& other) {
   sent += other.sent;
   answered += other.answered;
   skipped += other.skipped;
   refused += other.refused;
   latency.add(other.latency);
+  return *this;
 }
 
-void Second::clear() {
-  sent = answered = skipped = refused = 0;
-  latency.clear();
-}
-
-SeriesPoint point_of(double at, const Second& second) {
-  return {.at = at,
+SeriesPoint point_of(double begin, double end, const Second& second) {
+  return {.begin = begin,
+          .end = end,
           .sent = second.sent,
           .answered = second.answered,
           .skipped = second.skipped,

@@ -36,7 +36,7 @@ struct Tally {
 
   uint64_t refused_count() const;
   uint64_t due() const { return answered + skipped + refused_count() + unanswered + unsent; }
-  void add(const Tally& other);
+  Tally& operator+=(const Tally& other);
 };
 
 /// One second of a run.
@@ -44,17 +44,16 @@ struct Second {
   uint64_t sent = 0, answered = 0, skipped = 0, refused = 0;
   Histogram latency;  ///< of the frames that were answered in it
 
-  void add(const Second& other);
-  void clear();
+  Second& operator+=(const Second& other);
 };
 
 /// What is kept of a second.
 struct SeriesPoint {
-  double at = 0;  ///< seconds since the start, at its end
+  double begin = 0, end = 0;  ///< seconds since the start; the last one is shorter
   uint64_t sent = 0, answered = 0, skipped = 0, refused = 0;
   double p50 = 0, p99 = 0, max = 0;  ///< 0 if none was answered
 };
 
-SeriesPoint point_of(double at, const Second& second);
+SeriesPoint point_of(double begin, double end, const Second& second);
 
 }  // namespace collided::cli::load
