@@ -63,8 +63,8 @@ void run(const LoadOptions& options) {
 
 CLI::Range count() { return CLI::Range(1, 100000); }
 
-void add_number(CLI::App& command, const char* name, double& value, const char* help, double min, double max) {
-  command.add_option(name, value, help)->check(finite())->check(CLI::Range(min, max))->capture_default_str();
+CLI::Option* add_number(CLI::App& command, const char* name, double& value, const char* help, double min, double max) {
+  return command.add_option(name, value, help)->check(finite())->check(CLI::Range(min, max))->capture_default_str();
 }
 
 void add_input_options(CLI::App& command, load::InputSettings& input) {
@@ -103,11 +103,10 @@ void add_stream_options(CLI::App& command, LoadOptions& options) {
 
 void add_pace_options(CLI::App& command, LoadOptions& options) {
   load::PaceSettings& pace = options.settings.pace;
-  add_number(command, "--rate", options.rate, "Open loop: frames a second of each stream", 0.001, 1e6);
+  add_number(command, "--rate", options.rate, "Open loop: frames a second of each stream", 0.001, 1e6)->default_str("");
   command.add_option("--ramp", options.ramp, "Open loop at a changing rate: FROM:TO:SECONDS, or several with commas");
   command.add_flag("--closed-loop", options.is_closed, "Each stream keeps its window full");
-  add_number(command, "--seconds", options.seconds, "Duration", 0.01, 1e6);
-  command.get_option("--seconds")->excludes("--ramp");
+  add_number(command, "--seconds", options.seconds, "Duration", 0.01, 1e6)->excludes("--ramp");
   command.add_option("--arrivals", options.arrivals, "Frames of a stream come evenly, or at random (poisson)")
       ->check(CLI::IsMember({"fixed", "poisson"}))
       ->excludes("--closed-loop")
@@ -121,6 +120,7 @@ void add_search_options(CLI::App& command, LoadOptions& options) {
   command.add_flag("--find-max", options.is_search, "Find the highest rate of all streams that holds --p99")
       ->excludes("--seconds");
   command.add_option("--p99", options.p99_ms, "Bound of the latency's 99th percentile, such as 5ms, 800us, 0.1s")
+      ->type_name("TIME")
       ->transform(CLI::AsNumberWithUnit(std::map<std::string, double>{{"us", 1e-3}, {"ms", 1}, {"s", 1e3}}));
   add_number(command, "--from", search.from, "Rate to begin with; 0: 10 frames a second of each stream", 0, 1e6);
   add_number(command, "--trial-seconds", search.trial_seconds, "Duration of one trial", 0.1, 1e5);
@@ -128,8 +128,10 @@ void add_search_options(CLI::App& command, LoadOptions& options) {
 }
 
 void add_output_options(CLI::App& command, LoadSettings& settings) {
-  command.add_option("--metrics-url", settings.metrics_url,
-                     "Metrics of a running daemon, such as http://127.0.0.1:9464/metrics, to compare counts with");
+  command
+      .add_option("--metrics-url", settings.metrics_url,
+                  "Metrics of a running daemon, such as http://127.0.0.1:9464/metrics, to compare counts with")
+      ->needs("--server");
   command.add_option("--out", settings.out, "JSON file; -: standard output");
   command.add_option("--html", settings.html, "One HTML page with plots");
   command.add_flag("--json", settings.json, "Print one JSON object instead of the report");

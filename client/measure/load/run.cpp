@@ -35,7 +35,8 @@ std::string failure_of(const PhaseResult& result, double p99_ms) {
   if (tally.skipped > 0) return std::to_string(tally.skipped) + " skipped";
   if (tally.unanswered + tally.unsent > 0) return std::to_string(tally.unanswered + tally.unsent) + " not answered";
   if (tally.answered == 0) return "no frame was due";
-  return tally.latency.percentile(99) > p99_ms ? "p99 too high" : "";
+  if (tally.latency.percentile(99) <= p99_ms) return "";
+  return is_tester_slow(result) ? "p99 too high, but the tester itself was slow" : "p99 too high";
 }
 
 Trial trial_of(double rate, const PhaseResult& result, double p99_ms) {
@@ -53,28 +54,34 @@ void show(const Trial& trial) {
                trial.failure.empty() ? "held" : trial.failure.c_str());
 }
 
+/// Takes the result of the best trial or, while none has held, of the last; and how the last one ended.
+void keep(Outcome& outcome, PhaseResult result, bool is_better) {
+  outcome.counted += result.tally;
+  const bool is_interrupted = result.is_interrupted;
+  RefusalsByCode ended = result.ended;
+  if (is_better) outcome.result = std::move(result);
+  outcome.result.is_interrupted = is_interrupted;
+  outcome.result.ended = std::move(ended);
+}
+
 void find_max(Fleet& fleet, const LoadSettings& settings, Outcome& outcome) {
   const FindMaxSettings& wanted = settings.find_max;
   const double streams = settings.streams.count();
   RateSearch search(wanted.from > 0 ? wanted.from : 10 * streams, wanted.precision);
-  bool has_best = false;
   while (const auto rate = search.next()) {
     const RateProfile profile(*rate / streams, wanted.trial_seconds);
     PhaseResult result = run_phase(fleet, {.profile = &profile,
                                            .arrivals = settings.pace.arrivals,
                                            .seed = settings.pace.seed,
                                            .drain_seconds = kTrialDrainSeconds});
-    outcome.counted += result.tally;
     const Trial trial = trial_of(*rate, result, wanted.p99_ms);
     const bool held = trial.failure.empty(), is_over = result.is_interrupted || !result.ended.empty();
-    if (!result.is_interrupted) {
-      show(trial);
-      outcome.trials.push_back(trial);
-      search.report(held);
-    }
-    if (held || !has_best || is_over) outcome.result = std::move(result);
-    has_best = has_best || held;
-    if (is_over || !settle(fleet)) break;
+    keep(outcome, std::move(result), !search.best() || (held && !is_over));
+    if (is_over) break;
+    show(trial);
+    outcome.trials.push_back(trial);
+    search.report(held);
+    if (!settle(fleet)) break;
   }
   outcome.best = search.best();
 }

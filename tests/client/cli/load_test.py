@@ -83,11 +83,11 @@ class Runs(LoadTest):
 
     def test_its_own_daemon_lets_all_streams_in(self):
         result = self.load(*ONE_CPU, "--clients", "200", "--shared-connections", "--rate", "1", "--seconds", "1",
-                           "--warm-up", "1")
+                           "--warm-up", "1", "--workers", "2")
         self.assertEqual(result["load"]["streams"], 200)
         self.assertEqual(result["frames"]["answered"], 200)
         self.assertEqual(result["comparison"]["answered"], {"tester": 200, "daemon": 200})
-        self.assertLessEqual(result["tester"]["threads"], 8, "not one for each stream")
+        self.assertEqual(result["tester"]["threads"], 4, "not one for each stream")
 
     def test_poisson_arrivals_and_a_ramp(self):
         words = [*ONE_CPU, "--clients", "2", "--ramp", "0:100:1,100:100:0.2", "--arrivals", "poisson"]
@@ -142,6 +142,12 @@ class Refusals(LoadTest):
             self.refused(1, "--max-scenes 64, --max-scenes-per-client 16, --max-streams 256", *words)
             self.refused(1, "start it with --max-scenes 300", *words)
 
+    def test_metrics_that_are_not_there_are_told_before_the_work(self):
+        with self.daemon() as address:
+            words = ["load", *SMALL, "--rate", "1", "--server", address, "--metrics-url"]
+            self.refused(1, "no metrics from http://127.0.0.1:1/metrics", *words, "127.0.0.1:1")
+            self.refused(2, "--metrics-url", *words, "https://127.0.0.1:1/metrics")
+
     def test_bad_options(self):
         self.refused(2, "one of --rate, --ramp, --closed-loop and --find-max", "load", *SMALL)
         self.refused(2, "one of --rate, --ramp, --closed-loop and --find-max", "load", *SMALL, "--rate", "1",
@@ -154,10 +160,10 @@ class Refusals(LoadTest):
         self.refused(2, "--p99", "load", *SMALL, "--find-max", "--p99", "5 apples")
         self.refused(2, "two frames or more", "load", "--frames", self.frame0, "--rate", "1")
         self.refused(2, "--html", "load", *SMALL, "--rate", "1", "--html", "-")
-        self.refused(2, "is not known", "load", "--scene", "nothing", "--rate", "1")
-        self.refused(2, "--metrics-url", "load", *SMALL, "--rate", "1", "--metrics-url", "https://host:1/m", *ONE_CPU)
+        self.refused(2, "--metrics-url", "load", *SMALL, "--rate", "1", "--metrics-url", "127.0.0.1:1")
         for rate in ("0", "-1", "nan"):
             self.refused(2, "--rate", "load", *SMALL, f"--rate={rate}")
+        self.refused(1, "is not known", "load", "--scene", "nothing", "--rate", "1")
         self.refused(1, "nonexistent", "load", *SMALL, "--rate", "1", "--html", "/nonexistent/load.html")
 
 
@@ -193,7 +199,7 @@ class Standstill(LoadTest):
         result = self.load_a_daemon_that_stands_still("--closed-loop")
         latency = result["latency_ms"]
         self.assertGreater(latency["max"], 1500)
-        self.assertLess(latency["p99"], 1500)
+        self.assertLess(latency["p90"], 1000)
         self.assertLess(latency["mean"], 200)
 
 

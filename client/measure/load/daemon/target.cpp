@@ -26,6 +26,7 @@ Target::Target(const LoadSettings& settings) : address_(settings.server.server) 
   } else {
     options_ = cli::connect_options(settings.server);
   }
+  if (metrics_) http_get(*metrics_);  // an address that is wrong is told before the work
   client_.emplace(client::Client::connect(address_, options_));
   const auto in_the_way = limits_in_the_way(client_->server_info().limits(), streams);
   if (!in_the_way.empty()) throw std::runtime_error(explain(in_the_way));

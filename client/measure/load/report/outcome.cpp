@@ -144,7 +144,15 @@ Json measured_json(const Tally& tally) {
             {"encode", times_json(tally.encode)}}}};
 }
 
+bool is_busy(const PhaseResult& result) { return result.cost.busiest_thread > kBusy; }
+
+bool is_late(const Tally& tally) {
+  return tally.delay.percentile(99) > std::max(kMinLateMs, kLate * tally.latency.percentile(99));
+}
+
 }  // namespace
+
+bool is_tester_slow(const PhaseResult& result) { return is_busy(result) || is_late(result.tally); }
 
 std::vector<std::string> warnings_of(const LoadSettings& settings, const Outcome& outcome) {
   const PhaseResult& result = outcome.result;
@@ -152,13 +160,13 @@ std::vector<std::string> warnings_of(const LoadSettings& settings, const Outcome
   for (const auto& [code, ended] : result.ended)
     out.push_back(std::to_string(ended.count) + " of " + std::to_string(settings.streams.count()) +
                   " streams ended early: " + code + ": " + ended.first);
-  if (result.cost.busiest_thread > kBusy)
+  if (is_busy(result))
     out.push_back("the tester itself was slow: its busiest thread worked " +
                   format_double("%.0f", 100 * result.cost.busiest_thread) +
                   " % of the time; use more --workers, or more cores");
-  const double delay = result.tally.delay.percentile(99);
-  if (delay > std::max(kMinLateMs, kLate * result.tally.latency.percentile(99)))
-    out.push_back("the tester itself was late: one frame in a hundred left " + milliseconds_text(delay) +
+  if (is_late(result.tally))
+    out.push_back("the tester itself was late: one frame in a hundred left " +
+                  milliseconds_text(result.tally.delay.percentile(99)) +
                   " ms late or later; other work takes its cores");
   if (!outcome.daemon) return out;
   const Comparison comparison = compare(outcome.counted, *outcome.daemon);

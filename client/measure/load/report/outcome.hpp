@@ -32,6 +32,9 @@ struct Outcome {
   Tally counted;                  ///< what the tester counted in that time, all trials together
 };
 
+/// Whether the tester itself was too slow or too late for its figures to be the daemon's.
+bool is_tester_slow(const PhaseResult& result);
+
 /// What a reader of the figures should know: streams that ended, a tester that was itself too slow, counts that differ
 /// from the daemon's.
 std::vector<std::string> warnings_of(const LoadSettings& settings, const Outcome& outcome);

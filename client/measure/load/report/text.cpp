@@ -82,7 +82,7 @@ std::string counts_text(const Json& outcome) {
 }
 
 std::string tester_text(const Json& tester) {
-  return "tester: " + number("%.3g", tester.at("cpu_us_per_frame")) + " us of CPU a frame, " +
+  return "tester: " + milliseconds_text(tester.at("cpu_us_per_frame").get<double>()) + " us of CPU a frame, " +
          number("%.2g", tester.at("cores")) + " cores, " + count(tester.at("threads")) +
          " threads, the busiest of which worked " +
          format_double("%.0f", 100 * tester.at("busiest_thread").get<double>()) + " % of the time\n";
