@@ -17,6 +17,8 @@ namespace {
 
 using load::LoadSettings;
 
+constexpr uint64_t kMaxStreams = 100000;
+
 struct LoadOptions {
   LoadSettings settings;
   double rate = 0, seconds = 10, p99_ms = 0;
@@ -40,6 +42,11 @@ void check_input(const LoadSettings& settings) {
   if (!settings.input.scene.empty()) scenes::check_scene(settings.input.scene, settings.input.scale);
 }
 
+void check_count(const load::StreamSettings& streams) {
+  if (uint64_t{streams.clients} * streams.scenes > kMaxStreams)
+    throw UsageError("--clients times --scenes is at most " + std::to_string(kMaxStreams));
+}
+
 void check_outputs(const LoadSettings& settings) {
   check_one_output(settings.out, settings.json);
   if (is_standard_output(settings.html)) throw UsageError("--html is a file; standard output (-) is none");
@@ -51,6 +58,7 @@ void run(const LoadOptions& options) {
   LoadSettings settings = options.settings;
   check_pace(options);
   check_input(settings);
+  check_count(settings.streams);
   settings.pace.arrivals = options.arrivals == "poisson" ? load::Arrivals::kPoisson : load::Arrivals::kFixed;
   settings.pace.seconds = options.seconds;
   if (options.rate > 0) settings.pace.profile.emplace(options.rate, options.seconds);
@@ -61,7 +69,7 @@ void run(const LoadOptions& options) {
   load::run_load(settings);
 }
 
-CLI::Range count() { return CLI::Range(1, 100000); }
+CLI::Range count() { return CLI::Range(uint64_t{1}, kMaxStreams); }
 
 CLI::Option* add_number(CLI::App& command, const char* name, double& value, const char* help, double min, double max) {
   return command.add_option(name, value, help)->check(finite())->check(CLI::Range(min, max))->capture_default_str();
@@ -138,11 +146,9 @@ void add_output_options(CLI::App& command, LoadSettings& settings) {
 }
 
 constexpr auto kFooter =
-    "Latency runs from when a frame should have been sent to its complete answer, so that a daemon that stands still "
-    "is\n"
-    "seen in every frame that it delays; service time runs from when it was sent. A closed loop sends only what "
-    "answers\n"
-    "make room for, and cannot show queues beyond its window. Streams run over gRPC.\n"
+    "Latency runs from when a frame should have been sent to its complete answer, so that a daemon that stands\n"
+    "still is seen in every frame that it delays; service time runs from when it was sent. A closed loop sends\n"
+    "only what answers make room for, and cannot show queues beyond its window. Streams run over gRPC.\n"
     "\n"
     "  collidectl load --scene reef_knot --clients 10 --scenes 4 --rate 30 --seconds 60 --html load.html\n"
     "  collidectl load --scene funnel --scale 0.2 --clients 20 --ramp 10:100:30 --arrivals poisson\n"

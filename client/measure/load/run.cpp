@@ -82,6 +82,7 @@ void find_max(Fleet& fleet, const LoadSettings& settings, Outcome& outcome) {
     outcome.trials.push_back(trial);
     search.report(held);
     if (!settle(fleet)) break;
+    outcome.counted += fleet.take_tally();
   }
   outcome.best = search.best();
 }
@@ -123,6 +124,12 @@ Outcome measure(Target& target, Fleet& fleet, const LoadSettings& settings) {
   return outcome;
 }
 
+void warn_of_rate(const LoadSettings& settings, const v1::ServerLimits& limits) {
+  if (!settings.pace.profile) return;
+  const std::string warning = rate_warning(limits, settings.pace.profile->max_rate() * settings.streams.count());
+  if (!warning.empty()) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+}
+
 void report(const LoadSettings& settings, const Outcome& outcome) {
   const Json json = outcome_json(settings, outcome);
   if (!settings.out.empty()) write_text(settings.out, json.dump(2) + "\n");
@@ -138,11 +145,7 @@ void report(const LoadSettings& settings, const Outcome& outcome) {
 void run_load(const LoadSettings& settings) {
   const Motion motion = make_motion(settings.input);
   Target target(settings);
-  const v1::ServerLimits& limits = target.client().server_info().limits();
-  if (settings.pace.profile)
-    if (const auto warning = rate_warning(limits, settings.pace.profile->max_rate() * settings.streams.count());
-        !warning.empty())
-      std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  warn_of_rate(settings, target.client().server_info().limits());
   defer_interrupts();
   Fleet fleet(target, settings, motion);
   Outcome outcome = measure(target, fleet, settings);

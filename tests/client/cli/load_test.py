@@ -161,6 +161,7 @@ class Refusals(LoadTest):
         self.refused(2, "two frames or more", "load", "--frames", self.frame0, "--rate", "1")
         self.refused(2, "--html", "load", *SMALL, "--rate", "1", "--html", "-")
         self.refused(2, "--metrics-url", "load", *SMALL, "--rate", "1", "--metrics-url", "127.0.0.1:1")
+        self.refused(2, "at most 100000", "load", *SMALL, "--rate", "1", "--clients", "70000", "--scenes", "70000")
         for rate in ("0", "-1", "nan"):
             self.refused(2, "--rate", "load", *SMALL, f"--rate={rate}")
         self.refused(1, "is not known", "load", "--scene", "nothing", "--rate", "1")

@@ -73,7 +73,7 @@ Comparison compare(const Tally& tally, const Samples& growth) {
     out.max_difference = std::max(out.max_difference, std::abs(tester - daemon) / std::max(tester, daemon));
     out.counts[name] = {{"tester", tester}, {"daemon", daemon}};
   };
-  add("answered", static_cast<double>(tally.answered), value_of(growth, kFrames));
+  add("answered", static_cast<double>(tally.answered + tally.late), value_of(growth, kFrames));
   add("skipped", static_cast<double>(tally.skipped), value_of(growth, kSkipped));
   for (const auto& [code, refusals] : tally.refused)
     add("refused " + code, static_cast<double>(refusals.count), value_of(growth, rejected_name(code)));

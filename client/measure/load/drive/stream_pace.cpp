@@ -49,7 +49,10 @@ void StreamPace::take(const v1::StreamFramesResponse& answer, Time now, Books bo
   const InFlight frame = in_flight_.front();
   in_flight_.pop_front();
   able_since_ = now;
-  if (frame.is_counted) return;
+  if (frame.is_counted) {
+    books.tally.late += answer.has_done();
+    return;
+  }
   if (answer.has_done()) {
     count_done(frame, answer.done(), now, books);
   } else if (answer.has_error()) {

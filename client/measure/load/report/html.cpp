@@ -47,11 +47,8 @@ std::string times_table(const Json& outcome) {
   Cells head{"milliseconds", "frames", "mean", "min"};
   for (const auto& [percentile, percent] : kPercentiles) head.emplace_back(percentile);
   head.emplace_back("max");
-  std::vector<Cells> rows{head, times_cells("latency, from when due", outcome.at("latency_ms")),
-                          times_cells("service, from when sent", outcome.at("service_ms"))};
-  for (const auto& [name, times] : outcome.at("daemon_ms").items())
-    rows.push_back(times_cells("daemon: " + name, times));
-  rows.push_back(times_cells("tester: sent late by", outcome.at("tester").at("delay_ms")));
+  std::vector<Cells> rows{head};
+  for (const auto& [name, times] : timed(outcome)) rows.push_back(times_cells(name, times));
   return table("Times", rows);
 }
 

@@ -173,7 +173,7 @@ std::vector<std::string> warnings_of(const LoadSettings& settings, const Outcome
   if (comparison.max_difference > kMaxDifference)
     out.push_back("the daemon's counters differ from the tester's by up to " +
                   format_double("%.2g", 100 * comparison.max_difference) +
-                  " %: others use this daemon, or answers were lost");
+                  " %: others use this daemon, or answers came after the end");
   return out;
 }
 

@@ -58,11 +58,8 @@ std::string times_text(const Json& outcome) {
   for (const auto& [percentile, percent] : kPercentiles) names.emplace_back(percentile);
   names.emplace_back("max");
   std::string out = "\n" + row("milliseconds", names);
-  const bool is_open = outcome.at("load").at("loop") == "open";
-  out += times_row(is_open ? "latency, from when due" : "latency", outcome.at("latency_ms"));
-  if (is_open) out += times_row("service, from when sent", outcome.at("service_ms"));
-  for (const auto& [name, times] : outcome.at("daemon_ms").items()) out += times_row("daemon: " + name, times);
-  return out + times_row("tester: sent late by", outcome.at("tester").at("delay_ms"));
+  for (const auto& [name, times] : timed(outcome)) out += times_row(name, times);
+  return out;
 }
 
 std::string counts_text(const Json& outcome) {
@@ -131,6 +128,16 @@ std::string load_text(const Json& outcome) {
            "seen\n";
   out += "open loop, " + load.at("arrivals").get<std::string>() + " arrivals";
   return out + (load.contains("frames_per_second_each") ? ": " + profile_text(load) : "") + "\n";
+}
+
+std::vector<std::pair<std::string, Json>> timed(const Json& outcome) {
+  const bool is_open = outcome.at("load").at("loop") == "open";
+  std::vector<std::pair<std::string, Json>> out;
+  out.emplace_back(is_open ? "latency, from when due" : "latency", outcome.at("latency_ms"));
+  if (is_open) out.emplace_back("service, from when sent", outcome.at("service_ms"));
+  for (const auto& [name, times] : outcome.at("daemon_ms").items()) out.emplace_back("daemon: " + name, times);
+  out.emplace_back("tester: sent late by", outcome.at("tester").at("delay_ms"));
+  return out;
 }
 
 std::string outcome_text(const Json& outcome) {

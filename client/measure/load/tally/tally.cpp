@@ -18,7 +18,7 @@ uint64_t Tally::refused_count() const {
 
 Tally& Tally::operator+=(const Tally& other) {
   for (uint64_t Tally::*count : {&Tally::sent, &Tally::answered, &Tally::skipped, &Tally::unanswered, &Tally::unsent,
-                                 &Tally::contacts, &Tally::bytes_in, &Tally::bytes_out})
+                                 &Tally::late, &Tally::contacts, &Tally::bytes_in, &Tally::bytes_out})
     this->*count += other.*count;
   for (const auto& [code, refusals] : other.refused) load::add(refused, code, refusals.first, refusals.count);
   for (Histogram Tally::*times : {&Tally::latency, &Tally::service, &Tally::delay, &Tally::total, &Tally::queue,

@@ -23,6 +23,7 @@ struct Tally {
   uint64_t sent = 0, answered = 0, skipped = 0;
   uint64_t unanswered = 0;  ///< sent, but without an answer by the end
   uint64_t unsent = 0;      ///< due, but never sent: the window was full until the end
+  uint64_t late = 0;        ///< answered after it had been counted as unanswered
   RefusalsByCode refused;
 
   /// From when the frame should have been sent to its complete answer. Frames that are unanswered or unsent count with

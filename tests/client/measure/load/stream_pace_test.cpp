@@ -114,6 +114,7 @@ TEST_F(LoadStreamPace, WhatIsNotAnsweredCountsWithTheTimeThatItWaited) {
   answer(at(2000));
   EXPECT_TRUE(pace_.is_idle());
   EXPECT_EQ(tally_.answered, 0U);
+  EXPECT_EQ(tally_.late, 2U);
   EXPECT_EQ(tally_.latency.count(), 10U);
 }
 
