@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <sstream>
 
@@ -18,6 +19,8 @@ double value_of(const Samples& samples, const std::string& name) {
   const auto at = samples.find(name);
   return at == samples.end() ? 0 : at->second;
 }
+
+int64_t count_of(const Samples& samples, const std::string& name) { return std::llround(value_of(samples, name)); }
 
 std::string rejected_name(const std::string& code) { return "collided_rejected_total{reason=\"" + code + "\"}"; }
 
@@ -59,8 +62,8 @@ Json daemon_json(const Samples& growth) {
   Json phases = Json::object();
   for (const char* phase : kPhases)
     phases[phase] = mean_ms(growth, "collided_phase_seconds", std::string("{phase=\"") + phase + "\"}");
-  return {{"answered", std::llround(value_of(growth, kFrames))},
-          {"skipped", std::llround(value_of(growth, kSkipped))},
+  return {{"answered", count_of(growth, kFrames)},
+          {"skipped", count_of(growth, kSkipped)},
           {"rejected", rejected_json(growth)},
           {"mean_frame_ms", mean_ms(growth, "collided_frame_seconds")},
           {"mean_phase_ms", phases}};
@@ -68,15 +71,16 @@ Json daemon_json(const Samples& growth) {
 
 Comparison compare(const Tally& tally, const Samples& growth) {
   Comparison out;
-  const auto add = [&](const std::string& name, double tester, double daemon) {
-    if (tester == 0 && daemon == 0) return;
-    out.max_difference = std::max(out.max_difference, std::abs(tester - daemon) / std::max(tester, daemon));
+  const auto add = [&](const std::string& name, auto tester, auto daemon) {
+    const auto a = static_cast<double>(tester), b = static_cast<double>(daemon);
+    if (a == 0 && b == 0) return;
+    out.max_difference = std::max(out.max_difference, std::abs(a - b) / std::max(a, b));
     out.counts[name] = {{"tester", tester}, {"daemon", daemon}};
   };
-  add("answered", static_cast<double>(tally.answered + tally.late), value_of(growth, kFrames));
-  add("skipped", static_cast<double>(tally.skipped), value_of(growth, kSkipped));
+  add("answered", tally.answered + tally.late, count_of(growth, kFrames));
+  add("skipped", tally.skipped, count_of(growth, kSkipped));
   for (const auto& [code, refusals] : tally.refused)
-    add("refused " + code, static_cast<double>(refusals.count), value_of(growth, rejected_name(code)));
+    add("refused " + code, refusals.count, count_of(growth, rejected_name(code)));
   add("mean_frame_ms", tally.total.mean(), mean_ms(growth, "collided_frame_seconds"));
   return out;
 }

@@ -92,7 +92,7 @@ class Drawing {
     for (size_t i = chart_.lines.size(); i-- > 0;) {
       const std::string& name = chart_.lines[i].name;
       text("tick", x, 14, "end", name);
-      x -= kLetter * static_cast<double>(name.size()) + 4;
+      x -= kLetter * static_cast<double>(name.size()) + 10;
       stroke("line" + std::to_string(i), x - kSwatch, 10, x, 10);
       x -= kSwatch + kGap;
     }
