@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "client/cli/commands.hpp"
+#include "client/cli/options/options.hpp"
 #include "client/cli/options/scene_options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/output.hpp"

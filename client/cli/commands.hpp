@@ -14,5 +14,6 @@ void add_export(CLI::App& app);
 void add_info(CLI::App& app);
 void add_tradeoff(CLI::App& app);
 void add_bench(CLI::App& app);
+void add_load(CLI::App& app);
 
 }  // namespace collided::cli

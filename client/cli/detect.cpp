@@ -8,6 +8,7 @@
 #include "client/cli/daemon/connection.hpp"
 #include "client/cli/input/mesh_input.hpp"
 #include "client/cli/options/exclusion_options.hpp"
+#include "client/cli/options/options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/csv.hpp"
 #include "client/cli/output/output.hpp"

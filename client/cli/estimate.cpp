@@ -8,6 +8,8 @@
 #include "client/cli/input/mesh_input.hpp"
 #include "client/cli/input/step_input.hpp"
 #include "client/cli/options/exclusion_options.hpp"
+#include "client/cli/options/options.hpp"
+#include "client/cli/options/scene_options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/report/json.hpp"
 #include "client/cli/report/text.hpp"

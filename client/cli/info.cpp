@@ -5,6 +5,7 @@
 
 #include "client/cli/commands.hpp"
 #include "client/cli/daemon/connection.hpp"
+#include "client/cli/options/options.hpp"
 #include "client/cli/report/json.hpp"
 #include "client/cli/report/text.hpp"
 

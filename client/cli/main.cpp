@@ -62,6 +62,7 @@ int main(int argc, char** argv) {
   add_info(app);
   add_tradeoff(app);
   add_bench(app);
+  add_load(app);
   try {
     app.parse(argc, argv);
     return finish(0);

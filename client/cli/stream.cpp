@@ -12,6 +12,7 @@
 #include "client/cli/input/mesh_input.hpp"
 #include "client/cli/input/rigid_motion.hpp"
 #include "client/cli/options/exclusion_options.hpp"
+#include "client/cli/options/options.hpp"
 #include "client/cli/options/scene_options.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/report/contacts.hpp"

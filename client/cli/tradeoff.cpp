@@ -8,6 +8,7 @@
 #include "client/cli/daemon/interrupt.hpp"
 #include "client/cli/options/finite.hpp"
 #include "client/cli/options/options.hpp"
+#include "client/cli/options/scene_options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/output.hpp"
 #include "client/measure/tradeoff/report.hpp"

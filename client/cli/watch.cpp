@@ -9,6 +9,7 @@
 #include "client/cli/commands.hpp"
 #include "client/cli/daemon/connection.hpp"
 #include "client/cli/daemon/interrupt.hpp"
+#include "client/cli/options/options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/output.hpp"
 #include "client/cli/report/json.hpp"

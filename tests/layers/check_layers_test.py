@@ -101,6 +101,8 @@ BAD = [
     ("client/cli/report/bad.cpp", '#include "client/cli/commands.hpp"'),
     ("client/cli/report/bad.cpp", '#include "client/measure/statistics.hpp"'),
     ("client/measure/bench/bad.cpp", '#include "client/cli/commands.hpp"'),
+    ("client/measure/bench/bad.cpp", '#include "client/cli/options/options.hpp"'),
+    ("client/cli/report/bad.cpp", "#include <CLI/CLI.hpp>"),
 ]
 
 

@@ -7,7 +7,7 @@
 
 #include "client/cli/daemon/interrupt.hpp"
 #include "client/cli/daemon/own_daemon.hpp"
-#include "client/cli/options/options.hpp"
+#include "client/cli/options/values.hpp"
 #include "client/cpp/client.hpp"
 
 namespace collided::cli {

@@ -39,6 +39,13 @@ fs::path make_directory() {
   return name;
 }
 
+/// One client may have all of them. Its other calls take connections, too.
+void add_stream_limits(std::vector<std::string>& words, uint32_t streams) {
+  constexpr uint32_t kOtherConnections = 16;
+  words.insert(words.end(), {"--max-scenes", std::to_string(streams), "--max-streams", std::to_string(streams),
+                             "--max-connections", std::to_string(streams + kOtherConnections), "--max-window", "1024"});
+}
+
 /// Without the address of the Unix socket.
 std::vector<std::string> command_line(const fs::path& program, const fs::path& directory,
                                       const DaemonOptions& options) {
@@ -52,12 +59,15 @@ std::vector<std::string> command_line(const fs::path& program, const fs::path& d
                                  "--ready-file",
                                  (directory / "ready").string(),
                                  "--log-level",
-                                 "warning",
+                                 options.metrics ? "info" : "warning",  // the address of the metrics is logged
                                  "--max-message-mb",
                                  "2047"};
   // Its only client may use everything.
   words.insert(words.end(), {"--max-scenes-per-client", "1000000", "--max-streams-per-client", "1000000",
-                             "--max-device-mb-per-client", "16777216", "--max-frame-seconds", "1000000"});
+                             "--max-device-mb-per-client", "16777216", "--max-frame-seconds", "1000000",
+                             "--max-frames-per-second", "1000000000"});
+  if (options.streams > 0) add_stream_limits(words, options.streams);
+  if (options.metrics) words.insert(words.end(), {"--http-address", "127.0.0.1:0"});
   if (options.cuda_ipc) words.push_back("--cuda-ipc");
   if (!options.all_transports) return words;
   words.insert(words.end(), {"--address", "127.0.0.1:0", "--local-socket", (directory / "local").string()});
@@ -126,6 +136,17 @@ std::string OwnDaemon::tcp_address() const {
   std::ifstream in(directory_ / "ready");
   for (std::string line; std::getline(in, line);)
     if (!line.starts_with("unix:")) return line;
+  return "";
+}
+
+std::string OwnDaemon::metrics_address() const {
+  constexpr std::string_view kBefore = "metrics and health on ";
+  std::ifstream in(directory_ / "log");
+  for (std::string line; std::getline(in, line);)
+    if (const size_t at = line.find(kBefore); at != std::string::npos) {
+      const std::string rest = line.substr(at + kBefore.size());
+      return rest.substr(0, rest.find(' '));
+    }
   return "";
 }
 

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -13,6 +14,8 @@ struct DaemonOptions {
   int threads = 0;              ///< 0: all cores
   bool all_transports = false;  ///< loopback TCP and shared memory as well
   bool cuda_ipc = false;        ///< and device memory of clients
+  uint32_t streams = 0;         ///< limits allow so many scenes, each with a stream on a connection of its own
+  bool metrics = false;         ///< served over HTTP
 };
 
 class OwnDaemon {
@@ -26,6 +29,8 @@ class OwnDaemon {
   std::string address() const { return "unix:" + (directory_ / "socket").string(); }
   /// host:port if all transports were started, else empty.
   std::string tcp_address() const;
+  /// host:port of its metrics, if they were asked for.
+  std::string metrics_address() const;
 
  private:
   void start(const std::filesystem::path& program, const DaemonOptions& options);

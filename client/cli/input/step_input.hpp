@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/options/scene_options.hpp"
+#include "client/cli/options/values.hpp"
 #include "client/cpp/client.hpp"
 #include "client/scenes/scene.hpp"
 

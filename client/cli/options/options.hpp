@@ -5,31 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "collided/v1/scene.pb.h"
+#include "client/cli/options/values.hpp"
 
 namespace collided::cli {
-
-/// Which daemon to work with.
-struct ServerOptions {
-  std::string server;  ///< empty: start one
-  std::string backend = "auto";
-  int threads = 0;
-  std::string token_file, tls_ca, tls_certificate, tls_key;  ///< for a running daemon
-  std::string daemon_user;  ///< name or id of another user who may listen on the local socket
-};
-
-/// What to detect.
-struct DetectionOptions {
-  std::string mode = "ccd";
-  std::string accuracy = "certified";
-  double thickness = 0;
-  double delta = 0;
-  std::string report = "all";
-  std::vector<std::string> kinds{"vt", "ee"};
-  std::string engine = "auto";
-  bool advance = false;
-  double min_separation = 0;  ///< that `advance` keeps
-};
 
 void add_server_options(CLI::App& command, ServerOptions& options);
 void add_detection_options(CLI::App& command, DetectionOptions& options);
@@ -40,24 +18,5 @@ void add_advance_options(CLI::App& command, DetectionOptions& options);
 void add_engines_option(CLI::App& command, std::vector<std::string>& engines);
 /// --position-format, one of position_formats().
 void add_position_format_option(CLI::App& command, std::string& format);
-
-/// Throws UsageError for options that contradict each other.
-void check_usage(const DetectionOptions& options);
-
-/// A spec without meshes.
-v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);
-
-/// "f32", "f64", "q16".
-std::vector<std::string> position_formats();
-/// `name` is one of position_formats().
-v1::PositionFormat format_of(const std::string& name);
-
-/// The protocol's values in the options' spelling.
-std::string name_of(v1::Backend backend);
-std::string name_of(v1::PositionFormat format);
-std::string name_of(v1::Accuracy accuracy);
-std::string name_of(v1::Report report);
-std::string name_of(v1::ContactKind kind);
-std::string name_of(v1::BroadPhaseEngine engine);
 
 }  // namespace collided::cli

@@ -1,24 +1,12 @@
 #pragma once
-// The procedural scene that a subcommand plays.
+// Options for the procedural scene that a subcommand plays.
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <string>
 
 #include "client/cli/options/finite.hpp"
+#include "client/cli/options/values.hpp"
 
 namespace collided::cli {
-
-struct SceneOptions {
-  std::string name;
-  double scale = 1;
-  int frames = 60;
-  double t0 = 0;
-  double dt = 1.0 / 60;
-
-  /// Time of a frame; a scene ends at 1 and stands still from then on.
-  double time(int frame) const { return std::min(1.0, t0 + dt * frame); }
-};
 
 inline void add_scale_option(CLI::App& command, double& scale) {
   command.add_option("--scale", scale, "Refines the grids: triangles grow by about its square")->capture_default_str();

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <utility>
 
-#include "client/cli/options/options.hpp"
+#include "client/cli/options/values.hpp"
 #include "client/cli/output/output.hpp"
 #include "client/cli/report/contacts.hpp"
 

@@ -6,7 +6,7 @@
 #include <set>
 #include <string_view>
 
-#include "client/cli/options/options.hpp"
+#include "client/cli/options/values.hpp"
 
 namespace collided::cli {
 

@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "client/cli/options/options.hpp"
+#include "client/cli/options/values.hpp"
 #include "client/cli/report/numbers.hpp"
 #include "client/measure/stage_medians.hpp"
 #include "client/measure/statistics.hpp"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "client/cli/options/options.hpp"
+#include "client/cli/options/values.hpp"
 
 namespace collided::cli {
 

@@ -2,7 +2,7 @@
 // Runs levels, deltas and position formats over one step and judges them.
 
 #include "client/cli/input/step_input.hpp"
-#include "client/cli/options/options.hpp"
+#include "client/cli/options/values.hpp"
 #include "client/measure/tradeoff/result.hpp"
 
 namespace collided::cli {

@@ -1,0 +1,48 @@
+#pragma once
+// A line chart as inline SVG: no script, no other file. Points tell their values when the pointer rests on them.
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace collided::cli::load {
+
+/// Where a value of an axis is written out.
+struct Tick {
+  double value = 0;
+  std::string text;
+};
+
+struct Axis {
+  std::string label;
+  double min = 0, max = 1;
+  bool is_log = false;  ///< then min > 0
+  std::vector<Tick> ticks = {};
+};
+
+/// From 0 to at least `max`, in steps of 1, 2 or 5.
+Axis linear_axis(const std::string& label, double max);
+/// Whole decades around `min` and `max`, which are > 0, in milliseconds.
+Axis log_ms_axis(const std::string& label, double min, double max);
+
+struct Line {
+  std::string name;
+  std::vector<std::pair<double, double>> points;
+  std::vector<std::string> hints = {};  ///< of the points
+};
+
+struct Chart {
+  std::string title;
+  Axis x, y;
+  std::vector<Line> lines;           ///< at most three
+  std::optional<double> bound = {};  ///< a horizontal line
+  std::string bound_name = {};
+};
+
+std::string chart_svg(const Chart& chart);
+
+/// For text and attributes of HTML.
+std::string escape_html(const std::string& text);
+
+}  // namespace collided::cli::load
