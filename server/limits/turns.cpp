@@ -10,6 +10,11 @@ namespace collided::server {
 namespace {
 
 constexpr auto kCancelPoll = std::chrono::milliseconds(10);
+constexpr size_t kWaitersOfOnePoll = 16;
+
+/// How long each of so many waits before it asks whether it is cancelled. Each asks by itself: the more there are, the
+/// less often, so that a thousand do not keep the processors busy with asking.
+std::chrono::milliseconds poll_of(size_t waiters) { return kCancelPoll * (1 + waiters / kWaitersOfOnePoll); }
 
 }  // namespace
 
@@ -61,7 +66,7 @@ void Turns::await(Lock& lock, TurnAccount& account, const std::function<bool()>&
   Waiter waiter{&account, {}};
   const auto place = waiting_.insert(waiting_.end(), &waiter);
   while (next() != &waiter) {
-    waiter.woken.wait_for(lock, kCancelPoll);
+    waiter.woken.wait_for(lock, poll_of(waiting_.size()));
     charge_running();
     if (!cancelled || !cancelled()) continue;
     waiting_.erase(place);

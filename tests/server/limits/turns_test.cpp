@@ -131,6 +131,37 @@ TEST(Turns, ACancelledWaitLeavesTheQueue) {
   EXPECT_TRUE(is_free(turns));
 }
 
+// A hundred that wait ask together about as often as sixteen do.
+TEST(Turns, TheMoreWaitTheLessOftenEachAsksWhetherItIsCancelled) {
+  constexpr int kWaiters = 100;
+  Turns turns(1);
+  std::vector<TurnAccount> accounts(kWaiters + 1);
+  std::atomic<int> asked = 0, cancelled = 0;
+  std::atomic<bool> is_over = false;
+  std::vector<std::thread> threads;
+  {
+    const auto held = turns.take(accounts[kWaiters]);
+    for (int i = 0; i < kWaiters; ++i)
+      threads.emplace_back([&, i] {
+        try {
+          turns.take(accounts[i], [&] { return ++asked, is_over.load(); });
+        } catch (const Cancelled&) {
+          ++cancelled;
+        }
+      });
+    ASSERT_TRUE(wait_until([&] { return asked >= kWaiters; }));
+    const auto begin = Clock::now();
+    const int before = asked;
+    std::this_thread::sleep_for(milliseconds(300));
+    const int asks = asked - before;
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    EXPECT_LT(asks, kWaiters * (seconds / 0.06 + 1)) << "in " << seconds << " s";
+    is_over = true;
+    ASSERT_TRUE(wait_until([&] { return cancelled == kWaiters; }));
+  }
+  for (std::thread& thread : threads) thread.join();
+}
+
 TEST(Turns, ATurnThatIsFreeIsNotCancelled) {
   Turns turns(1);
   TurnAccount account;
