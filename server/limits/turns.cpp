@@ -63,19 +63,33 @@ Turns::Turn Turns::take(TurnAccount& account, const std::function<bool()>& cance
 }
 
 void Turns::await(Lock& lock, TurnAccount& account, const std::function<bool()>& cancelled) {
-  Waiter waiter{&account, {}};
-  const auto place = waiting_.insert(waiting_.end(), &waiter);
+  TurnWaiter waiter{&account, account.used_, arrivals_++, {}};
+  join(waiter);
   while (next() != &waiter) {
-    waiter.woken.wait_for(lock, poll_of(waiting_.size()));
+    waiter.woken.wait_for(lock, poll_of(waiting_));
     charge_running();
     if (!cancelled || !cancelled()) continue;
-    waiting_.erase(place);
+    leave(waiter);
     wake_next();
     throw Cancelled();
   }
-  waiting_.erase(place);
+  leave(waiter);
   begin(account);
   wake_next();
+}
+
+void Turns::join(TurnWaiter& waiter) {
+  TurnClient& client = *waiter.account->client_;
+  if (client.waiting_.empty()) waiting_clients_.push_back(&client);
+  client.waiting_.insert(&waiter);
+  ++waiting_;
+}
+
+void Turns::leave(TurnWaiter& waiter) {
+  TurnClient& client = *waiter.account->client_;
+  client.waiting_.erase(&waiter);
+  if (client.waiting_.empty()) std::erase(waiting_clients_, &client);
+  --waiting_;
 }
 
 void Turns::begin(TurnAccount& account) {
@@ -123,29 +137,25 @@ unsigned Turns::live_clients() const {
 }
 
 // Ties go to the earliest waiter.
-Turns::Waiter* Turns::next() const {
+TurnWaiter* Turns::next() const {
   if (free_ == 0) return nullptr;
-  Waiter* best = nullptr;
-  for (Waiter* waiter : waiting_) {
-    const TurnAccount& account = *waiter->account;
-    if (!may_run(*account.client_)) continue;
-    const bool is_same_client = best && best->account->client_ == account.client_;
-    if (!best || (is_same_client ? account.used_ < best->account->used_
-                                 : account.client_->used_ < best->account->client_->used_))
-      best = waiter;
-  }
-  return best;
+  const auto rank = [](const TurnClient& client) {
+    return std::pair(client.used_, (*client.waiting_.begin())->arrival);
+  };
+  const TurnClient* best = nullptr;
+  for (const TurnClient* client : waiting_clients_)
+    if ((!best || rank(*client) < rank(*best)) && may_run(*client)) best = client;
+  return best ? *best->waiting_.begin() : nullptr;
 }
 
 void Turns::wake_next() {
-  if (Waiter* waiter = next()) waiter->woken.notify_one();
+  if (TurnWaiter* waiter = next()) waiter->woken.notify_one();
 }
 
 // The scenes of one client do not yield to each other: that would only delay all its frames.
 bool Turns::should_yield(const TurnAccount& account) const {
-  return free_ == 0 && std::ranges::any_of(waiting_, [&](const Waiter* waiter) {
-           const TurnClient& other = *waiter->account->client_;
-           return &other != account.client_.get() && other.used_ < account.client_->used_;
+  return free_ == 0 && std::ranges::any_of(waiting_clients_, [&](const TurnClient* other) {
+           return other != account.client_.get() && other->used_ < account.client_->used_;
          });
 }
 

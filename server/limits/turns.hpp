@@ -4,10 +4,10 @@
 
 #include <condition_variable>
 #include <functional>
-#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,9 +15,26 @@
 
 namespace collided::server {
 
+class TurnAccount;
+
+/// A frame that waits for its turn.
+struct TurnWaiter {
+  TurnAccount* account;
+  double used;       // by the scene, in seconds
+  uint64_t arrival;  // its number among all
+  std::condition_variable woken;
+};
+/// Of one client's.
+struct GoesFirst {
+  bool operator()(const TurnWaiter* a, const TurnWaiter* b) const {
+    return std::pair(a->used, a->arrival) < std::pair(b->used, b->arrival);
+  }
+};
+
 /// The time that one client's scenes have used together.
 class TurnClient {
   friend class Turns;
+  std::set<TurnWaiter*, GoesFirst> waiting_;
   double used_ = 0;          // seconds
   double virtual_time_ = 0;  // lower bound of a scene's time when it becomes busy again
   unsigned running_ = 0;     // turns
@@ -79,26 +96,26 @@ class Turns {
 
  private:
   using Lock = std::unique_lock<std::mutex>;
-  struct Waiter {
-    TurnAccount* account;
-    std::condition_variable woken;
-  };
 
   // The caller holds the lock.
   void await(Lock& lock, TurnAccount& account, const std::function<bool()>& cancelled);
+  void join(TurnWaiter& waiter);
+  void leave(TurnWaiter& waiter);
   void begin(TurnAccount& account);
   void end(TurnAccount& account);
   void begin_quantum(TurnAccount& account);
   void charge_running();
   bool may_run(const TurnClient& client) const;
-  Waiter* next() const;
+  TurnWaiter* next() const;
   void wake_next();
   bool should_yield(const TurnAccount& account) const;
   unsigned live_clients() const;
 
   const Options options_;
-  std::mutex mutex_;  // guards what follows, and all accounts
-  std::list<Waiter*> waiting_;
+  std::mutex mutex_;                          // guards what follows, and all accounts
+  std::vector<TurnClient*> waiting_clients_;  // each has a waiter
+  size_t waiting_ = 0;                        // of all clients
+  uint64_t arrivals_ = 0;
   std::vector<TurnAccount*> running_;
   std::map<std::string, std::weak_ptr<TurnClient>> clients_;
   unsigned free_;
