@@ -96,5 +96,8 @@ class OnTheDevice(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    program = unittest.main(argv=sys.argv[:1], verbosity=2, exit=False)
-    sys.exit(77 if program.result.skipped and not program.result.testsRun else not program.result.wasSuccessful())
+    result = unittest.main(argv=sys.argv[:1], verbosity=2, exit=False).result
+    if result.skipped and not result.testsRun:
+        print(f"skipped: {result.skipped[0][1]}")
+        sys.exit(77)
+    sys.exit(not result.wasSuccessful())
