@@ -92,4 +92,14 @@ void FrameStream::finish() {
   if (state_->failure) throw *state_->failure;
 }
 
+void FrameStream::cancel() {
+  const std::lock_guard lock(state_->mutex);
+  if (!state_->ended) state_->transport->cancel();
+}
+
+bool FrameStream::has_ended() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->ended;
+}
+
 }  // namespace collided::client

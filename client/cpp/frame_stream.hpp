@@ -100,6 +100,11 @@ class FrameStream {
   std::optional<FrameOutput> receive_within(std::chrono::milliseconds timeout);
   /// Tells the daemon that no more frames will come and waits until it ends the stream. Throws Error if it ends badly.
   void finish();
+  /// Ends the stream at once, from any thread: those that wait throw Error (CANCELLED), and frames in flight are
+  /// withdrawn.
+  void cancel();
+  /// Whether the stream has ended. Outputs that came before can still be received.
+  bool has_ended() const;
 
  private:
   struct State;

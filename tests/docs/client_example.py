@@ -10,6 +10,7 @@ import sys
 from markdown import Page
 
 TO_ANOTHER_HOST = 'Client::connect("gpu-host:50551", {.token = token, .tls_ca = "ca.pem"})'
+SESSION_THERE = 'Session::open("gpu-host:50551", spec, meshes, {.connect = {.token = token, .tls_ca = "ca.pem"}})'
 PROGRAM = """\
 #include <chrono>
 #include <cstdio>
@@ -22,7 +23,7 @@ PROGRAM = """\
 
 #include <grpcpp/support/status_code_enum.h>
 
-#include "client/cpp/client.hpp"
+#include "client/cpp/session.hpp"
 
 using namespace collided::client;
 using namespace std::chrono_literals;
@@ -46,6 +47,11 @@ FrameOutput over_tls(const v1::SceneSpec& spec, std::span<const MeshInput> meshe
                      const std::vector<float>& positions, uint64_t id) {
 @first@
   return output;
+}
+
+void keep_session(const v1::SceneSpec& spec, std::span<const MeshInput> meshes, const std::vector<float>& positions) {
+@session here@
+  std::printf("session: frame %zu\\n", static_cast<size_t>(output.frame_id));
 }
 
 v1::Scene make(const v1::SceneSpec& spec, std::span<const MeshInput> meshes, const std::vector<float>& positions,
@@ -84,6 +90,7 @@ int main(int argc, char**) {
   v1::SceneSpec spec;
   spec.set_mode(v1::DETECTION_MODE_CCD);
   if (argc > 1) over_tls(spec, {&mesh, 1}, "", before, 1);
+  keep_session(spec, {&mesh, 1}, before);
   const v1::Scene scene = make(spec, {&mesh, 1}, before, 1);
   Client client = Client::connect(address, options);
   share(client, scene, 2);
@@ -92,11 +99,13 @@ int main(int argc, char**) {
 """
 
 repository, output = map(pathlib.Path, sys.argv[1:])
-first, second, third = Page(repository / "client" / "cpp" / "README.md").blocks("cpp")
-if TO_ANOTHER_HOST not in first:
-    sys.exit(f"the first C++ of client/cpp/README.md lacks {TO_ANOTHER_HOST}")
+session, first, second, third = Page(repository / "client" / "cpp" / "README.md").blocks("cpp")
+for text, part in ((first, TO_ANOTHER_HOST), (session, SESSION_THERE)):
+    if part not in text:
+        sys.exit(f"the C++ of client/cpp/README.md lacks {part}")
 program = PROGRAM
 for name, text in (("first", first), ("second", second), ("third", third),
+                   ("session here", session.replace(SESSION_THERE, "Session::open(address, spec, meshes)")),
                    ("first here", first.replace(TO_ANOTHER_HOST, "Client::connect(address, options)"))):
     program = program.replace(f"@{name}@", text)
 output.write_text(program)

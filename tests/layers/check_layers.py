@@ -126,8 +126,8 @@ EXACT_BASE = {"gpu/base/host_device.hpp", "gpu/base/vec3.hpp"}
 CLIENT_RULES = [
     (r"client/scenes/", r"client/(?!scenes/)", "scenes know only themselves"),
     (r"client/cpp/", r"client/(?!cpp/)", "the C++ library knows only itself and the protocol"),
-    (r"client/cpp/(?!frame_stream_state)\w+\.hpp$", r"client/cpp/transport/", "public headers show no transport"),
-    (r"client/cpp/transport/", r"client/cpp/(client|frame_stream)", "transports know no stream"),
+    (r"client/cpp/(?!frame_stream_state)\w+\.hpp$", r"client/cpp/(transport|session)/", "public headers show nothing inside"),
+    (r"client/cpp/transport/", r"client/cpp/(client|frame_stream|session)", "transports know no stream"),
     (r"client/cli/\w+/", r"client/(cli/\w+\.hpp$|measure/)", "what commands share knows no command and no measurement"),
     (r"client/measure/", r"client/cli/\w+\.hpp$", "measurements know no command"),
     (r"client/(measure|cli/(daemon|input|output|report))/", r"CLI/|client/cli/options/(?!values|usage_error)",

@@ -43,6 +43,8 @@ class TcpProxy {
   void cut() { become(State::kCut); }
   /// Nothing gets through from now on, in either direction.
   void unplug() { become(State::kUnplugged); }
+  /// Everything gets through again.
+  void plug() { become(State::kPlugged); }
 
  private:
   enum class State { kPlugged, kUnplugged, kCut };

@@ -1,0 +1,73 @@
+#pragma once
+// A scene and its stream that survive the loss of the connection, and of the daemon.
+
+#include <chrono>
+#include <future>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "client/cpp/client.hpp"
+
+namespace collided::client {
+
+/// How a session is opened, and how long it insists.
+struct SessionOptions {
+  ConnectOptions connect = {};
+  /// Without a resume token, LATEST_WINS and handles of device memory, which a session refuses.
+  StreamOptions stream = {};
+  double lease_seconds = 0;  ///< of the scene, as of create_scene
+  /// Time after a loss, 0 or more, in which a frame must be answered; then all frames in flight fail.
+  std::chrono::milliseconds give_up = std::chrono::seconds(60);
+  uint32_t max_attempts = 0;                      ///< to reconnect within that time; 0: any number
+  std::chrono::milliseconds first_pause{50};      ///< between attempts, 0 or more; it doubles
+  std::chrono::milliseconds longest_pause{2000};  ///< no less than first_pause
+};
+
+/// Frames in, contacts out, over as many connections as it takes. After a loss the session connects again, resumes its
+/// scene, or creates it anew if it is gone, puts it where the last answered frame left it, and sends the frames in
+/// flight again, in order: each is answered once, with the contacts of an undisturbed run. So a session keeps copies of
+/// the scene, its first frame, where its meshes are, and the frames in flight. Any thread may call any function; frames
+/// are in the order of the calls. A loss is noticed, and the connection restored, only for a frame.
+class Session {
+ public:
+  /// Connects, and creates a scene of `spec` (which must have no meshes) and `meshes`. `address` is host:port or
+  /// unix:/path. Tries once. Throws Error as Client::connect, create_scene and stream do, and INVALID_ARGUMENT for
+  /// options out of range.
+  static Session open(const std::string& address, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
+                      const SessionOptions& options = {});
+  Session(Session&&) noexcept;
+  Session& operator=(Session&&) noexcept;
+  /// Withdraws frames in flight. The scene lives until its lease ends. Waits for a call that is under way
+  /// (ConnectOptions::patience, deadline).
+  ~Session();
+
+  /// Sends a frame and waits for its output, whose frame_id counts the session's frames from 1. The first frame names
+  /// every mesh. Throws Error if the frame is refused, which leaves the session open, and once the session gives up:
+  /// then all frames in flight fail, and the next frame tries again from where the last answered one ended.
+  FrameOutput detect(std::span<const FrameUpdate> updates, const FrameOptions& options = {});
+  /// Copies a frame, sends it and returns: the future has what detect would return or throw. Waits while a whole window
+  /// of frames is in flight. Throws Error: INVALID_ARGUMENT for options that a session could not repeat (`edit`,
+  /// `from_last_fraction`, and `advance` in a scene with Q16 positions, which cannot name where that ends);
+  /// FAILED_PRECONDITION once the session is closed.
+  std::future<FrameOutput> submit(std::span<const FrameUpdate> updates, const FrameOptions& options = {});
+  /// Ends the session and deletes its scene. Frames in flight fail with CANCELLED. Throws Error if the scene could not
+  /// be deleted; then its lease ends it.
+  void close();
+
+  /// The scene as it was created last.
+  v1::Scene scene() const;
+  /// How many frames may be in flight.
+  uint32_t window() const;
+  /// How often a stream was opened again.
+  uint64_t reconnects() const;
+  /// How often the scene was created again.
+  uint64_t recreations() const;
+
+ private:
+  struct State;
+  explicit Session(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace collided::client

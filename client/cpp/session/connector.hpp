@@ -1,0 +1,50 @@
+#pragma once
+// Connects a session to its scene, as often as it takes.
+
+#include <chrono>
+#include <string>
+
+#include "client/cpp/session.hpp"
+#include "client/cpp/session/owned_frame.hpp"
+#include "client/cpp/session/scene_memory.hpp"
+
+namespace collided::client {
+
+/// Whether a loss, or what keeps a session from its scene, may pass.
+bool may_pass(const Error& error);
+
+class Connector {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  struct Opened {
+    v1::Scene scene;
+    FrameStream stream;
+    bool is_new;
+  };
+
+  /// Throws Error (INVALID_ARGUMENT) for what a session cannot have.
+  Connector(std::string address, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
+            const SessionOptions& options);
+
+  const SessionOptions& options() const { return options_; }
+  const OwnedScene& input() const { return input_; }
+  /// Creates the scene, and opens its stream.
+  Opened create() const;
+  /// Resumes the scene, or creates it if it is gone. Its calls end by the deadline. What a frame without an answer has
+  /// fixed of a scene without others nobody can tell: it is not reusable, and deleted.
+  Opened reopen(const v1::Scene& scene, bool is_reusable, Time deadline) const;
+  /// Ignores that it is gone.
+  void remove(const v1::Scene& scene) const;
+
+ private:
+  Opened create(Client& client) const;
+
+  const std::string address_;
+  const SessionOptions options_;
+  const OwnedScene input_;
+};
+
+/// Puts a scene where `memory` has it. Returns the last frame's id.
+uint64_t restore(FrameStream& stream, const SceneMemory& memory);
+
+}  // namespace collided::client

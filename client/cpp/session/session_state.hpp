@@ -1,0 +1,69 @@
+#pragma once
+// Inside a Session: its frames in flight, the thread that receives their answers, and what happens after a loss.
+
+#include <chrono>
+#include <condition_variable>
+#include <future>
+#include <list>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "client/cpp/session.hpp"
+#include "client/cpp/session/connector.hpp"
+
+namespace collided::client {
+
+/// A frame without an answer.
+struct FrameInFlight {
+  uint64_t number;   ///< of the session
+  uint64_t wire_id;  ///< of the stream; 0: not sent on this one
+  OwnedFrame frame;
+  std::promise<FrameOutput> answer;
+};
+
+/// Since a loss, until a frame is answered.
+struct Trouble {
+  std::chrono::steady_clock::time_point deadline;
+  std::chrono::milliseconds pause;
+  uint32_t attempts;
+};
+
+struct Session::State {
+  using Lock = std::unique_lock<std::mutex>;
+
+  State(const std::string& address, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
+        const SessionOptions& options);
+  ~State() { stop(); }
+  std::future<FrameOutput> submit(OwnedFrame frame);
+  /// Frames in flight fail. False if this has happened before.
+  bool stop();
+
+  /// The receiver's thread.
+  void run();
+  void receive_one(Lock& lock);
+  void reopen(Lock& lock);
+  void lose(Lock& lock, const Error& error);
+  void wait_for_next_attempt(Lock& lock, const Error& error);
+  void fail_all(Lock& lock, const Error& error);
+  /// Needs is_ready, and that nobody is sending: then nobody else does.
+  void send_unsent(Lock& lock);
+
+  const Connector connector;
+  SceneMemory memory;  ///< used by the receiver only
+  std::mutex mutex;
+  std::condition_variable changed;
+  v1::Scene scene;
+  std::optional<FrameStream> stream;  ///< opened and dropped by the receiver only
+  uint32_t window = 0;
+  bool is_ready = true;  ///< the stream's scene is where `memory` is
+  bool is_closed = false;
+  std::list<FrameInFlight> frames;
+  uint64_t sending = 0;  ///< wire_id of the frame that a thread is sending
+  uint64_t last_wire_id = 0, last_number = 0;
+  std::optional<Trouble> trouble;
+  uint64_t reconnects = 0, recreations = 0;
+  std::thread receiver;
+};
+
+}  // namespace collided::client
