@@ -1,8 +1,12 @@
 #!/usr/bin/env python3
 """The example that simulates a cloth on a sphere: nothing ever crosses, and the cloth lies, folds and moves."""
 
+import os
+import pathlib
 import statistics
+import subprocess
 import sys
+import tempfile
 import unittest
 
 import numpy as np
@@ -18,6 +22,8 @@ CELLS, FRAMES = 16, 300
 
 class Motion(Case):
     """One run, about which each test asks something else."""
+
+    options = ("--threads", "1")  # steps are too short for two threads to pay on a busy machine
 
     @classmethod
     def setUpClass(cls):
@@ -59,6 +65,41 @@ class Motion(Case):
             for _ in range(frames):
                 sim.frame()
             self.assertEqual(sim.session.positions["cloth"].tobytes(), self.cloth[frames - 1].tobytes())
+
+
+class Program(Case):
+    """The example as it is run."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def printed(self, *options):
+        done = subprocess.run([sys.executable, EXAMPLE, "--cells", "8", "--frames", "4", *options], text=True,
+                              capture_output=True, timeout=100, env={**os.environ, "COLLIDED_SERVER": self.server})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def test_it_tells_how_it_goes(self):
+        self.assertEqual(self.printed(), "frame 4: 0 crossings so far, 0 contacts, 0 of folds, "
+                                         "advanced 1.000 (least 1.000)\n")
+
+    def test_it_draws_what_moves(self):
+        try:
+            from PIL import Image
+        except ImportError as missing:
+            self.skipTest(f"{missing} (Debian: python3-pil)")
+        animation, sheet, folder = self.folder / "a.gif", self.folder / "sheet.png", self.folder / "frames"
+        self.printed("--every", "2", "--size", "120", "90", "--animation", animation, "--sheet", sheet,
+                     "--pictures", folder)
+        self.assertEqual(sorted(path.name for path in folder.iterdir()), ["0002.png", "0004.png"])
+        with Image.open(animation) as moving, Image.open(sheet) as still:
+            self.assertEqual((moving.n_frames, still.size), (2, (240, 90)))
+        first, second = (np.asarray(Image.open(folder / name)).astype(int) for name in ("0002.png", "0004.png"))
+        red, green, blue = first.reshape(-1, 3).T
+        self.assertTrue((blue > red + 50).any() and (red > blue + 50).any(), "neither cloth nor sphere is seen")
+        self.assertGreater(np.abs(first - second).max(), 50)
 
 
 if __name__ == "__main__":

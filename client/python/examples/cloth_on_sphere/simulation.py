@@ -14,7 +14,7 @@ SWEEPS = 8  # over all constraints of a step
 SETTLE = 100  # at most, over contacts alone at a step's end, until no pair comes closer than it was
 GRAVITY = np.array([0, 0, -9.8])
 AIR = 0.5  # part of the velocity that is lost in a second
-SIDE, DENSITY = 1.8, 0.2  # of the cloth: m, kg / m^2
+SIDE, DENSITY, DROP = 1.8, 0.2, 0.12  # of the cloth: m, kg / m^2, m above the sphere
 RADIUS, HEIGHT, TURN = 0.3, 0.4, 2.0  # of the sphere: m, m, rad/s
 # How near features are looked for, what they are kept apart, how much of that is made up for in a step, and what no
 # step ever goes below; m. A cell of the cloth is larger, so that no pair of features has to be left out.
@@ -36,7 +36,7 @@ class Simulation:
 
     def __init__(self, cells=40, **options):
         ground, sphere = shapes.floor(4.0), shapes.sphere(RADIUS, HEIGHT)
-        sheet = shapes.sheet(cells, SIDE, HEIGHT + RADIUS + 0.03)
+        sheet = shapes.sheet(cells, SIDE, HEIGHT + RADIUS + DROP)
         self.meshes = {"floor": collided.Mesh(*ground, motion="static"),
                        "sphere": collided.Mesh(*sphere, self_contacts=False), "cloth": collided.Mesh(*sheet)}
         self.session = collided.Session(self.meshes, mode="dcd_and_ccd", position_format="f32", thickness=REACH,
@@ -85,11 +85,13 @@ class Simulation:
     def turned_sphere(self, angle):
         """The sphere's vertices. It is a deformable mesh: a rigid one that turns moves on arcs, and cannot advance."""
         c, s = np.cos(angle), np.sin(angle)
-        return self.sphere @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+        x, y, z = self.sphere.T
+        return np.stack([c * x - s * y, s * x + c * y, z], axis=1)
 
     def folds(self, near):
         """Those of the contacts in which the cloth lies on itself."""
         own = near.between("cloth", "cloth")
+        # Vertices 0 and 3 are of different features, whatever the kind.
         rest = self.meshes["cloth"].vertices[own.local_stencils]
         return own[np.linalg.norm(rest[:, 0] - rest[:, 3], axis=1) > FOLD]
 
