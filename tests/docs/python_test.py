@@ -46,6 +46,10 @@ class Pages(unittest.TestCase):
             for program, shown in zip(programs, page.blocks("text"), strict=True):
                 self.assertEqual(self.printed_by(program), shown)
 
+    def test_the_tutorial_is_one_program(self):
+        page = Page(REPOSITORY / "client" / "TUTORIAL.md")
+        self.assertEqual(self.printed_by("\n".join(page.blocks("python"))), "".join(page.blocks("text")))
+
     def test_the_first_example(self):
         program = Page(REPOSITORY / "client" / "EXAMPLES.md").blocks("python")[0]
         printed = self.printed_by(program)
