@@ -38,8 +38,12 @@ void add_advance_options(CLI::App& command, DetectionOptions& options);
 
 /// Replaces --engine of add_detection_options with one that takes several engines.
 void add_engines_option(CLI::App& command, std::vector<std::string>& engines);
-/// --position-format, one of position_formats().
+/// --position-format, one of f32, f64 and q16.
 void add_position_format_option(CLI::App& command, std::string& format);
+
+/// The same, or kAutomaticFormat, for subcommands that read mesh files.
+void add_automatic_format_option(CLI::App& command, std::string& format);
+constexpr const char* kAutomaticFormat = "auto";
 
 /// Throws UsageError for options that contradict each other.
 void check_usage(const DetectionOptions& options);
@@ -47,10 +51,10 @@ void check_usage(const DetectionOptions& options);
 /// A spec without meshes.
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);
 
-/// "f32", "f64", "q16".
-std::vector<std::string> position_formats();
-/// `name` is one of position_formats().
+/// `name` is one of "f32", "f64", "q16".
 v1::PositionFormat format_of(const std::string& name);
+/// The same, or kAutomaticFormat: F64 if a position is not exactly a float, so that nothing is rounded.
+v1::PositionFormat choose_format(const std::string& name, bool is_double);
 
 /// The protocol's values in the options' spelling.
 std::string name_of(v1::Backend backend);

@@ -74,6 +74,7 @@ class Usage(support.CollidectlTest):
     def test_help_tells_how_many_files_go_in(self):
         self.assertIn("detect [OPTIONS] FRAME [FRAME]\n", self.ok("detect", "--help"))
         self.assertIn("tradeoff [OPTIONS] [FRAME [FRAME]]\n", self.ok("tradeoff", "--help"))
+        self.assertIn("stream [OPTIONS] [FRAME...]\n", self.ok("stream", "--help"))
         for command in ("detect", "stream", "estimate", "scenes", "export", "info", "tradeoff", "bench"):
             text = self.ok(command, "--help")
             self.assertNotIn("x)", text.splitlines()[1], command)
