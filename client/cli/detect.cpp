@@ -1,5 +1,6 @@
 // collidectl detect: one step, from mesh files to contacts.
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -12,6 +13,7 @@
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/csv.hpp"
 #include "client/cli/output/output.hpp"
+#include "client/cli/output/paraview.hpp"
 #include "client/cli/report/contacts.hpp"
 #include "client/cli/report/json.hpp"
 #include "client/cli/report/text.hpp"
@@ -26,9 +28,19 @@ struct DetectOptions {
   ExclusionOptions exclusions;
   std::vector<std::string> frames;
   std::string position_format = kAutomaticFormat;
-  std::string out;
+  std::string out, vtp, ply;
   bool json = false;
 };
+
+/// The other forms of contacts need their points.
+void check_points(const DetectOptions& options, const char* name, const std::string& file) {
+  if (file.empty()) return;
+  const DetectionOptions& detection = options.detection;
+  if (is_standard_output(file)) throw UsageError(std::string(name) + " is a file here; standard output (-) is none");
+  if (detection.accuracy == "candidates" || std::count(detection.kinds.begin(), detection.kinds.end(), "tt") > 0)
+    throw UsageError(std::string(name) +
+                     " needs contact points, which --accuracy candidates and --kinds tt do not have");
+}
 
 void check_usage(const DetectOptions& options) {
   const size_t frames = options.frames.size();
@@ -37,6 +49,8 @@ void check_usage(const DetectOptions& options) {
   if (options.detection.mode == "dcd" && frames != 1) throw UsageError("--mode dcd needs one frame; 2 were given");
   check_usage(options.detection);
   check_one_output(options.out, options.json);
+  check_points(options, "--vtp", options.vtp);
+  check_points(options, "--ply", options.ply);
 }
 
 StepInput read_step(const DetectOptions& options) {
@@ -62,27 +76,41 @@ void print(const DetectOptions& options, const Json& summary) {
     print_summary(options.out, report_text(summary));
 }
 
-/// Prints the result even if its file cannot be written.
-void report(const DetectOptions& options, Json summary, const client::FrameOutput& output) {
+using WriteContacts = void (*)(const std::string&, const client::FrameOutput&, const StepPositions&);
+
+/// Prints the result even if its files cannot be written.
+void report(const DetectOptions& options, Json summary, const client::FrameOutput& output, const StepInput& step) {
   std::exception_ptr failure;
-  if (!options.out.empty()) try {
-      write_csv(options.out, output);
-      summary["out"] = options.out;
-    } catch (const std::runtime_error&) {
-      failure = std::current_exception();
-    }
+  const auto write = [&](const char* name, const std::string& file, WriteContacts write_contacts) {
+    if (!file.empty()) try {
+        write_contacts(file, output, {step.start, step.end});
+        summary[name] = file;
+      } catch (const std::runtime_error&) {
+        failure = std::current_exception();
+      }
+  };
+  write("out", options.out, write_csv);
+  write("vtp", options.vtp, write_vtp);
+  write("ply", options.ply, write_ply);
   print(options, summary);
   if (failure) std::rethrow_exception(failure);
+}
+
+bool has_files(const DetectOptions& options) {
+  return !options.out.empty() || !options.vtp.empty() || !options.ply.empty();
 }
 
 void run(const DetectOptions& options) {
   check_usage(options);
   check_writable("--out", options.out);
+  check_writable("--vtp", options.vtp);
+  check_writable("--ply", options.ply);
   const StepInput step = read_step(options);
   std::vector<client::MeshInput> meshes = mesh_inputs(step.meshes);
   options.exclusions.apply_to(meshes);
   v1::SceneSpec spec =
       scene_spec(options.server, options.detection, choose_format(options.position_format, step.is_double));
+  if (has_files(options)) ask_for_all_fields(spec);
   grow_box(spec, step.start);
   grow_box(spec, step.end);
   v1::Frame frame = step_frame(step, 1, spec);
@@ -96,7 +124,7 @@ void run(const DetectOptions& options) {
   summary.update(contacts_json(options, output));
   summary.update(frame_json(output.done, spec.report()));
   summary.update(transport_json(stream));
-  report(options, std::move(summary), output);
+  report(options, std::move(summary), output, step);
 }
 
 }  // namespace
@@ -112,7 +140,10 @@ void add_detect(CLI::App& app) {
   add_ring_option(command, options->exclusions);
   add_server_options(command, options->server);
   add_automatic_format_option(command, options->position_format);
-  command.add_option("--out", options->out, "CSV file for the contacts; -: standard output");
+  command.add_option("--out", options->out,
+                     "CSV file for the contacts, their weights, points and normals; -: standard output");
+  command.add_option("--vtp", options->vtp, "VTK file (PolyData) with a point for each contact, for ParaView");
+  command.add_option("--ply", options->ply, "PLY file with a point for each contact");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");
   command.callback([options] { run(*options); });
 }
