@@ -55,6 +55,7 @@ int main(int argc, char** argv) {
   app.formatter(usage_formatter());
   add_detect(app);
   add_stream(app);
+  add_replay(app);
   add_watch(app);
   add_estimate(app);
   add_scenes(app);

@@ -10,6 +10,8 @@
 #include "client/cli/input/rigid_motion.hpp"
 #include "client/cli/options/exclusion_options.hpp"
 #include "client/cli/options/usage_error.hpp"
+#include "client/cli/output/output.hpp"
+#include "client/cli/recording/writer.hpp"
 #include "client/measure/play/run.hpp"
 
 namespace collided::cli {
@@ -24,12 +26,14 @@ struct StreamOptions {
   std::vector<std::string> files;
   std::vector<std::string> rigid;  ///< names of meshes
   std::string position_format = kAutomaticFormat;
+  std::string record;
   bool json = false;
 };
 
 void check_usage(const StreamOptions& options) {
   if (options.scene.name.empty() == options.files.empty()) throw UsageError("stream needs one of FRAME... and --scene");
   check_usage(options.detection);
+  if (is_standard_output(options.record)) throw UsageError("--record writes a file; standard output (-) is none");
 }
 
 /// What a stream plays.
@@ -65,6 +69,15 @@ FrameSource frames_of(const Play& played) {
   return {.frames = played.motion.frames, .next = next};
 }
 
+/// From now on the frames are recorded as they are sent.
+void record(FrameSource& source, RecordingWriter& recording) {
+  source.next = [next = std::move(source.next), &recording] {
+    std::optional<v1::Frame> frame = next();
+    if (frame) recording.add(*frame);
+    return frame;
+  };
+}
+
 Json input_json(const StreamOptions& options, const Motion& motion) {
   if (motion.files.empty()) return {{"name", motion.name}, {"scale", options.scene.scale}};
   return {{"name", motion.name}};
@@ -72,6 +85,7 @@ Json input_json(const StreamOptions& options, const Motion& motion) {
 
 void run(const StreamOptions& options) {
   check_usage(options);
+  check_writable("--record", options.record);
   const Motion motion = options.files.empty() ? scene_motion(options.scene) : file_motion(options.files);
   std::vector<client::MeshInput> meshes = mesh_inputs(motion.meshes);
   options.exclusions.apply_to(meshes);
@@ -84,11 +98,20 @@ void run(const StreamOptions& options) {
   Connection connection(options.server);
   const SceneGuard scene = connection.create_scene(played.spec, meshes);
   client::FrameStream stream = connection.stream(*scene);
-  play_and_report(stream, *scene, frames_of(played),
-                  {.input = input_json(options, motion),
-                   .has_lines = !motion.files.empty(),
-                   .files = motion.files,
-                   .json = options.json});
+  FrameSource source = frames_of(played);
+  std::optional<RecordingWriter> recording;
+  if (!options.record.empty()) record(source, recording.emplace(options.record, played.spec, meshes));
+  const PlayOptions how{.input = input_json(options, motion),
+                        .has_lines = !motion.files.empty() || recording,
+                        .files = motion.files,
+                        .json = options.json};
+  try {
+    play_and_report(stream, *scene, source, how);
+  } catch (const std::exception&) {  // what was sent until then can be played again
+    if (recording) recording->finish();
+    throw;
+  }
+  if (recording) recording->finish();
 }
 
 }  // namespace
@@ -111,6 +134,7 @@ void add_stream(CLI::App& app) {
   add_rest_options(command, options->exclusions);
   add_server_options(command, options->server);
   add_automatic_format_option(command, options->position_format);
+  command.add_option("--record", options->record, "File that takes the scene and its frames, for 'collidectl replay'");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");
   command.callback([options] { run(*options); });
 }

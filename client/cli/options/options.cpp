@@ -173,11 +173,13 @@ void check_usage(const DetectionOptions& options) {
     throw UsageError("--mode dcd with --accuracy fast needs a --thickness greater than 0 for the kinds vt and ee");
 }
 
+v1::Backend backend_of(const ServerOptions& server) {
+  return server.backend == "cpu" ? v1::BACKEND_CPU : server.backend == "cuda" ? v1::BACKEND_CUDA : v1::BACKEND_AUTO;
+}
+
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format) {
   v1::SceneSpec spec;
-  spec.set_backend(server.backend == "cpu"    ? v1::BACKEND_CPU
-                   : server.backend == "cuda" ? v1::BACKEND_CUDA
-                                              : v1::BACKEND_AUTO);
+  spec.set_backend(backend_of(server));
   spec.set_mode(detection.mode == "dcd" ? v1::DETECTION_MODE_DCD : v1::DETECTION_MODE_CCD);
   spec.set_accuracy(value_of(kAccuracies, detection.accuracy));
   spec.set_thickness(detection.thickness);

@@ -48,6 +48,9 @@ constexpr const char* kAutomaticFormat = "auto";
 /// Throws UsageError for options that contradict each other.
 void check_usage(const DetectionOptions& options);
 
+/// Where a scene is to live.
+v1::Backend backend_of(const ServerOptions& server);
+
 /// A spec without meshes.
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);
 
