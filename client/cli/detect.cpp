@@ -1,5 +1,6 @@
 // collidectl detect: one step, from mesh files to contacts.
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -7,31 +8,40 @@
 #include "client/cli/commands.hpp"
 #include "client/cli/daemon/connection.hpp"
 #include "client/cli/input/mesh_input.hpp"
+#include "client/cli/input/step_input.hpp"
 #include "client/cli/options/exclusion_options.hpp"
 #include "client/cli/options/options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/csv.hpp"
 #include "client/cli/output/output.hpp"
+#include "client/cli/output/paraview.hpp"
 #include "client/cli/report/contacts.hpp"
 #include "client/cli/report/json.hpp"
 #include "client/cli/report/text.hpp"
-#include "client/scenes/mesh_files/mesh_file.hpp"
 
 namespace collided::cli {
 
 namespace {
-
-constexpr const char* kAutomatic = "auto";
 
 struct DetectOptions {
   ServerOptions server;
   DetectionOptions detection;
   ExclusionOptions exclusions;
   std::vector<std::string> frames;
-  std::string position_format = kAutomatic;
-  std::string out;
+  std::string position_format = kAutomaticFormat;
+  std::string out, vtp, ply;
   bool json = false;
 };
+
+/// The other forms of contacts need their points.
+void check_points(const DetectOptions& options, const char* name, const std::string& file) {
+  if (file.empty()) return;
+  const DetectionOptions& detection = options.detection;
+  if (is_standard_output(file)) throw UsageError(std::string(name) + " is a file here; standard output (-) is none");
+  if (detection.accuracy == "candidates" || std::count(detection.kinds.begin(), detection.kinds.end(), "tt") > 0)
+    throw UsageError(std::string(name) +
+                     " needs contact points, which --accuracy candidates and --kinds tt do not have");
+}
 
 void check_usage(const DetectOptions& options) {
   const size_t frames = options.frames.size();
@@ -40,40 +50,13 @@ void check_usage(const DetectOptions& options) {
   if (options.detection.mode == "dcd" && frames != 1) throw UsageError("--mode dcd needs one frame; 2 were given");
   check_usage(options.detection);
   check_one_output(options.out, options.json);
+  check_points(options, "--vtp", options.vtp);
+  check_points(options, "--ply", options.ply);
 }
 
-void check_count(const DetectOptions& options, const char* what, size_t a, size_t b) {
-  if (a != b)
-    throw std::runtime_error("the frames differ: " + options.frames[0] + " has " + std::to_string(a) + " " + what +
-                             ", " + options.frames[1] + " has " + std::to_string(b));
-}
-
-std::vector<scenes::MeshFile> read_frames(const DetectOptions& options) {
-  std::vector<scenes::MeshFile> frames;
-  for (const std::string& file : options.frames) frames.push_back(scenes::read_mesh(file));
-  for (const scenes::MeshFile& frame : frames) {
-    check_count(options, "vertices", frames[0].positions.size(), frame.positions.size());
-    check_count(options, "triangles", frames[0].triangles.size(), frame.triangles.size());
-  }
-  const auto& a = frames.front().triangles;
-  const auto& b = frames.back().triangles;
-  for (size_t t = 0; t < a.size(); ++t)
-    if (a[t] != b[t])
-      throw std::runtime_error("the frames differ: of " + std::to_string(a.size()) + " and " +
-                               std::to_string(b.size()) + " triangles, triangle " + std::to_string(t) +
-                               " has other vertices in " + options.frames[1]);
-  if (frames.front().edges != frames.back().edges || frames.front().points != frames.back().points)
-    throw std::runtime_error("the frames differ: " + options.frames[1] + " has other loose edges or points than " +
-                             options.frames[0]);
-  return frames;
-}
-
-/// auto: F64 if a position is not exactly a float, so that nothing is rounded.
-v1::PositionFormat choose_format(const std::string& wanted, const std::vector<scenes::MeshFile>& frames) {
-  if (wanted != kAutomatic) return format_of(wanted);
-  for (const scenes::MeshFile& frame : frames)
-    if (frame.is_double) return v1::POSITION_FORMAT_F64;
-  return v1::POSITION_FORMAT_F32;
+StepInput read_step(const DetectOptions& options) {
+  const std::vector<std::string>& frames = options.frames;
+  return frames.size() == 2 ? file_step(frames[0], frames[1]) : file_frame(frames[0]);
 }
 
 Json contacts_json(const DetectOptions& options, const client::FrameOutput& output) {
@@ -89,42 +72,50 @@ Json contacts_json(const DetectOptions& options, const client::FrameOutput& outp
 
 void print(const DetectOptions& options, const Json& summary) {
   if (options.json)
-    std::printf("%s\n", summary.dump().c_str());
+    std::printf("%s\n", json_text(summary).c_str());
   else
     print_summary(options.out, report_text(summary));
 }
 
-/// Prints the result even if its file cannot be written.
-void report(const DetectOptions& options, Json summary, const client::FrameOutput& output) {
+using WriteContacts = void (*)(const std::string&, const client::FrameOutput&, const StepPositions&);
+
+/// Prints the result even if its files cannot be written.
+void report(const DetectOptions& options, Json summary, const client::FrameOutput& output, const StepInput& step) {
   std::exception_ptr failure;
-  if (!options.out.empty()) try {
-      write_csv(options.out, output);
-      summary["out"] = options.out;
-    } catch (const std::runtime_error&) {
-      failure = std::current_exception();
-    }
+  const auto write = [&](const char* name, const std::string& file, WriteContacts write_contacts) {
+    if (!file.empty()) try {
+        write_contacts(file, output, {step.start, step.end});
+        summary[name] = file;
+      } catch (const std::runtime_error&) {
+        failure = std::current_exception();
+      }
+  };
+  write("out", options.out, write_csv);
+  write("vtp", options.vtp, write_vtp);
+  write("ply", options.ply, write_ply);
   print(options, summary);
   if (failure) std::rethrow_exception(failure);
+}
+
+bool has_files(const DetectOptions& options) {
+  return !options.out.empty() || !options.vtp.empty() || !options.ply.empty();
 }
 
 void run(const DetectOptions& options) {
   check_usage(options);
   check_writable("--out", options.out);
-  const std::vector<scenes::MeshFile> frames = read_frames(options);
-  const v1::PositionFormat format = choose_format(options.position_format, frames);
-  std::vector<client::MeshInput> meshes{{.name = "mesh",
-                                         .vertex_count = static_cast<uint32_t>(frames[0].positions.size()),
-                                         .triangles = frames[0].triangles,
-                                         .edges = frames[0].edges,
-                                         .points = frames[0].points}};
+  check_writable("--vtp", options.vtp);
+  check_writable("--ply", options.ply);
+  const StepInput step = read_step(options);
+  std::vector<client::MeshInput> meshes = mesh_inputs(step.meshes);
   options.exclusions.apply_to(meshes);
-  v1::Frame frame;
-  v1::SceneSpec spec = scene_spec(options.server, options.detection, format);
-  for (const scenes::MeshFile& mesh : frames) grow_box(spec, mesh.positions);
-  frame.set_frame_id(1);
+  v1::SceneSpec spec =
+      scene_spec(options.server, options.detection, choose_format(options.position_format, step.is_double));
+  if (has_files(options)) ask_for_all_fields(spec);
+  grow_box(spec, step.start);
+  grow_box(spec, step.end);
+  v1::Frame frame = step_frame(step, 1, spec);
   frame.set_advance(options.detection.advance);
-  *frame.add_updates() = frames.size() == 2 ? update_of(0, spec, frames[1].positions, frames[0].positions)
-                                            : update_of(0, spec, frames[0].positions);
   Connection connection(options.server);
   const SceneGuard scene = connection.create_scene(spec, meshes);
   client::FrameStream stream = connection.stream(*scene);
@@ -134,7 +125,7 @@ void run(const DetectOptions& options) {
   summary.update(contacts_json(options, output));
   summary.update(frame_json(output.done, spec.report()));
   summary.update(transport_json(stream));
-  report(options, std::move(summary), output);
+  report(options, std::move(summary), output, step);
 }
 
 }  // namespace
@@ -149,12 +140,11 @@ void add_detect(CLI::App& app) {
   add_advance_options(command, options->detection);
   add_ring_option(command, options->exclusions);
   add_server_options(command, options->server);
-  std::vector<std::string> formats = position_formats();
-  formats.insert(formats.begin(), kAutomatic);
-  command.add_option("--position-format", options->position_format, "auto: f64 if a position is not exactly a float")
-      ->check(CLI::IsMember(formats))
-      ->capture_default_str();
-  command.add_option("--out", options->out, "CSV file for the contacts; -: standard output");
+  add_automatic_format_option(command, options->position_format);
+  command.add_option("--out", options->out,
+                     "CSV file for the contacts, their weights, points and normals; -: standard output");
+  command.add_option("--vtp", options->vtp, "VTK file (PolyData) with a point for each contact, for ParaView");
+  command.add_option("--ply", options->ply, "PLY file with a point for each contact");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");
   command.callback([options] { run(*options); });
 }

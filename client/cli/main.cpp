@@ -1,5 +1,4 @@
-// collidectl: collision detection from the command line. Exit codes: 0 done, 1 failure, 2 bad usage,
-// 128 + n interrupted by signal n.
+// collidectl: collision detection from the command line.
 
 #include <grpc/support/log.h>
 #include <signal.h>
@@ -51,10 +50,12 @@ int main(int argc, char** argv) {
   signal(SIGPIPE, SIG_IGN);  // writing fails instead, so that no daemon and no scene is left behind
   CLI::App app{"Collision detection with a collided daemon, its own or a running one"};
   app.set_version_flag("--version", std::string("collidectl " COLLIDED_VERSION));
+  app.footer("Exit codes: 0 done, 1 failure, 2 bad usage, 128 + n interrupted by signal n.");
   app.require_subcommand(1);
   app.formatter(usage_formatter());
   add_detect(app);
   add_stream(app);
+  add_replay(app);
   add_watch(app);
   add_estimate(app);
   add_scenes(app);

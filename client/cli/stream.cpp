@@ -1,26 +1,20 @@
-// collidectl stream: plays a procedural scene through a daemon and reports what its frames cost.
+// collidectl stream: plays mesh files or a procedural scene through a daemon and reports what the frames cost.
 
-#include <chrono>
-#include <cstdio>
-#include <exception>
 #include <memory>
 #include <optional>
 
 #include "client/cli/commands.hpp"
 #include "client/cli/daemon/connection.hpp"
-#include "client/cli/daemon/interrupt.hpp"
 #include "client/cli/input/mesh_input.hpp"
+#include "client/cli/input/motion.hpp"
 #include "client/cli/input/rigid_motion.hpp"
 #include "client/cli/options/exclusion_options.hpp"
 #include "client/cli/options/options.hpp"
 #include "client/cli/options/scene_options.hpp"
-#include "client/cli/output/progress.hpp"
-#include "client/cli/report/contacts.hpp"
-#include "client/cli/report/json.hpp"
-#include "client/cli/report/text.hpp"
-#include "client/measure/stage_medians.hpp"
-#include "client/measure/statistics.hpp"
-#include "client/scenes/scene.hpp"
+#include "client/cli/options/usage_error.hpp"
+#include "client/cli/output/output.hpp"
+#include "client/cli/recording/writer.hpp"
+#include "client/measure/play/run.hpp"
 
 namespace collided::cli {
 
@@ -31,168 +25,107 @@ struct StreamOptions {
   DetectionOptions detection;
   ExclusionOptions exclusions;
   SceneOptions scene;
+  std::vector<std::string> files;
   std::vector<std::string> rigid;  ///< names of meshes
-  std::string position_format = "f32";
+  std::string position_format = kAutomaticFormat;
+  std::string record;
   bool json = false;
 };
 
-/// Sums over the frames. Contacts are counted and dropped, except the earliest.
-struct Totals {
-  std::vector<v1::FrameMetrics> metrics;
-  uint64_t contacts = 0;
-  client::PerKind<uint64_t> of_kind;
-  uint64_t bytes_in = 0, bytes_out = 0, replays = 0;
-  bool any_contact = false;
-  std::optional<double> least_advanced;
-  std::optional<Json> earliest;
-
-  void add(client::FrameOutput output) {
-    output.check();
-    const v1::FrameMetrics& m = output.done.metrics();
-    contacts += output.done.contact_count();
-    for_each_kind([](v1::ContactKind, uint64_t& sum, const client::Contacts& found) { sum += found.count; }, of_kind,
-                  output);
-    any_contact |= output.done.any_contact();
-    bytes_in += m.bytes_in();
-    bytes_out += m.bytes_out();
-    replays += m.replays();
-    if (output.done.has_advanced()) least_advanced = std::min(least_advanced.value_or(1), output.done.advanced());
-    keep_earliest(output);
-    metrics.push_back(std::move(*output.done.mutable_metrics()));
-  }
-
- private:
-  void keep_earliest(const client::FrameOutput& output) {
-    const auto contact = earliest_contact(output);
-    if (!contact || (earliest && earliest->at("toi") <= contact->at("toi"))) return;
-    earliest = Json{{"frame", output.frame_id}};
-    earliest->update(*contact);
-  }
-};
+void check_usage(const StreamOptions& options) {
+  if (options.scene.name.empty() == options.files.empty()) throw UsageError("stream needs one of FRAME... and --scene");
+  check_usage(options.detection);
+  if (is_standard_output(options.record)) throw UsageError("--record writes a file; standard output (-) is none");
+}
 
 /// What a stream plays.
 struct Play {
   const StreamOptions& options;
-  const scenes::Scene& scene;
-  const v1::SceneSpec& spec;
-  std::vector<uint32_t> rigid;
+  const Motion& motion;
+  v1::SceneSpec spec;
+  std::vector<uint32_t> rigid;  ///< indices of meshes
 };
 
-/// Adds to the totals frame by frame, so that they are valid however this ends.
-void play(client::FrameStream& stream, const Play& played, Totals& totals) {
-  const SceneOptions& options = played.options.scene;
-  RigidMotion rigid(played.scene.meshes(), played.rigid);
-  Progress progress;
-  const auto take = [&] {
-    totals.add(receive(stream));
-    progress.show("frames", static_cast<int>(totals.metrics.size()), options.frames);
-  };
-  for (int sent = 0; sent < options.frames; ++sent) {
-    check_interrupt();
-    if (sent >= static_cast<int>(totals.metrics.size() + stream.window())) take();
-    const auto id = static_cast<uint64_t>(sent) + 1;
-    std::vector<scenes::Vec3d> positions = played.scene.positions(options.time(sent));
-    v1::Frame frame = make_frame(played.scene.meshes(), id, played.spec, positions);
+v1::SceneSpec spec_of(const StreamOptions& options, const Motion& motion) {
+  v1::SceneSpec spec =
+      scene_spec(options.server, options.detection, choose_format(options.position_format, motion.is_double));
+  spec.set_display_name(options.scene.name);
+  spec.set_rest_distance(options.exclusions.rest_distance);
+  for (int frame = 0; frame < motion.frames && spec.position_format() == v1::POSITION_FORMAT_Q16; ++frame)
+    grow_box(spec, motion.positions(frame));
+  return spec;
+}
+
+FrameSource frames_of(const Play& played) {
+  const auto rigid = std::make_shared<RigidMotion>(played.motion.meshes, played.rigid);
+  const auto sent = std::make_shared<int>(0);
+  const auto next = [&played, rigid, sent]() -> std::optional<v1::Frame> {
+    const Motion& motion = played.motion;
+    if (*sent == motion.frames) return {};
+    std::vector<scenes::Vec3d> positions = motion.positions(*sent);
+    v1::Frame frame = make_frame(motion.meshes, static_cast<uint64_t>(++*sent), played.spec, positions);
     frame.set_advance(played.options.detection.advance);
-    if (!played.rigid.empty()) rigid.apply_to(frame, std::move(positions));
-    stream.send(frame);
-  }
-  while (static_cast<int>(totals.metrics.size()) < options.frames) take();
-  stream.finish();
-}
-
-Json contacts_json(const StreamOptions& options, const Totals& totals) {
-  if (options.detection.report == "any") return {{"contact_count", nullptr}, {"any_contact", totals.any_contact}};
-  Json out = {{"contact_count", totals.contacts}};
-  out.update(contact_counts_json(totals.of_kind));
-  out["any_contact"] = totals.any_contact;
-  if (totals.least_advanced) out["least_advanced"] = *totals.least_advanced;
-  if (totals.earliest) out["earliest"] = *totals.earliest;
-  return out;
-}
-
-/// Medians over the frames.
-Json times_json(const std::vector<v1::FrameMetrics>& frames) {
-  const auto median_of = [&](double (v1::FrameMetrics::*time)() const) {
-    std::vector<double> ms;
-    for (const v1::FrameMetrics& frame : frames) ms.push_back((frame.*time)());
-    return median(std::move(ms));
+    if (!played.rigid.empty()) rigid->apply_to(frame, std::move(positions));
+    return frame;
   };
-  Json stages = median_stages(frames);
-  stages.erase("total");
-  return {{"total_ms", median_of(&v1::FrameMetrics::total_milliseconds)},
-          {"queue_ms", median_of(&v1::FrameMetrics::queue_milliseconds)},
-          {"step_ms", median_of(&v1::FrameMetrics::step_milliseconds)},
-          {"stage_ms", stages}};
+  return {.frames = played.motion.frames, .next = next};
 }
 
-Json summary_json(const StreamOptions& options, const v1::Scene& scene, const Totals& totals, double seconds) {
-  const v1::FrameMetrics& last = totals.metrics.back();
-  Json counts = counts_json(last.counts());
-  if (options.detection.report == "any") clear_contact_counts(counts);
-  Json out = {{"name", options.scene.name},
-              {"scale", options.scene.scale},
-              {"scene", scene_json(scene)},
-              {"frames", totals.metrics.size()},
-              {"seconds", seconds}};
-  out.update(contacts_json(options, totals));
-  out["median"] = times_json(totals.metrics);
-  out["last_frame"] = {{"counts", counts}, {"device_bytes", last.device_bytes()}};
-  out["replays"] = totals.replays;
-  out["bytes_in"] = totals.bytes_in;
-  out["bytes_out"] = totals.bytes_out;
-  out["warnings"] = warnings_json(totals.metrics);
-  return out;
+/// From now on the frames are recorded as they are sent.
+void record(FrameSource& source, RecordingWriter& recording) {
+  source.next = [next = std::move(source.next), &recording] {
+    std::optional<v1::Frame> frame = next();
+    if (frame) recording.add(*frame);
+    return frame;
+  };
 }
 
-/// If something ends it early, reports the frames so far.
-void play_and_report(const Play& played, const v1::Scene& scene, client::FrameStream& stream) {
-  const StreamOptions& options = played.options;
-  const auto start = std::chrono::steady_clock::now();
-  Totals totals;
-  std::exception_ptr failure;
-  try {
-    play(stream, played, totals);
-  } catch (const std::exception&) {
-    failure = std::current_exception();
-  }
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  if (!totals.metrics.empty()) {
-    Json summary = summary_json(options, scene, totals, took.count());
-    summary.update(transport_json(stream));
-    std::printf("%s", options.json ? (summary.dump() + "\n").c_str() : report_text(summary).c_str());
-  }
-  if (failure) std::rethrow_exception(failure);
+Json input_json(const StreamOptions& options, const Motion& motion) {
+  if (motion.files.empty()) return {{"name", motion.name}, {"scale", options.scene.scale}};
+  return {{"name", motion.name}};
 }
 
 void run(const StreamOptions& options) {
-  check_usage(options.detection);
-  const auto procedural = scenes::make_scene(options.scene.name, options.scene.scale);
-  v1::SceneSpec spec = scene_spec(options.server, options.detection, format_of(options.position_format));
-  spec.set_display_name(options.scene.name);
-  spec.set_rest_distance(options.exclusions.rest_distance);
-  for (int frame = 0; frame < options.scene.frames && options.position_format == "q16"; ++frame)
-    grow_box(spec, procedural->positions(options.scene.time(frame)));
-  std::vector<client::MeshInput> meshes = mesh_inputs(procedural->meshes());
+  check_usage(options);
+  check_writable("--record", options.record);
+  const Motion motion = options.files.empty() ? scene_motion(options.scene) : file_motion(options.files);
+  std::vector<client::MeshInput> meshes = mesh_inputs(motion.meshes);
   options.exclusions.apply_to(meshes);
-  options.exclusions.exclude_meshes(spec, meshes);
-  Play played{options, *procedural, spec, {}};
+  Play played{options, motion, spec_of(options, motion), {}};
+  options.exclusions.exclude_meshes(played.spec, meshes);
   for (const std::string& name : options.rigid) {
     played.rigid.push_back(mesh_of(meshes, "--rigid", name));
     meshes[played.rigid.back()].is_rigid = true;
   }
   Connection connection(options.server);
-  const SceneGuard scene = connection.create_scene(spec, meshes);
+  const SceneGuard scene = connection.create_scene(played.spec, meshes);
   client::FrameStream stream = connection.stream(*scene);
-  play_and_report(played, *scene, stream);
+  FrameSource source = frames_of(played);
+  std::optional<RecordingWriter> recording;
+  if (!options.record.empty()) record(source, recording.emplace(options.record, played.spec, meshes));
+  const PlayOptions how{.input = input_json(options, motion),
+                        .has_lines = !motion.files.empty() || recording,
+                        .files = motion.files,
+                        .json = options.json};
+  try {
+    play_and_report(stream, *scene, source, how);
+  } catch (const std::exception&) {  // what was sent until then can be played again
+    if (recording) recording->finish();
+    throw;
+  }
+  if (recording) recording->finish();
 }
 
 }  // namespace
 
 void add_stream(CLI::App& app) {
   auto options = std::make_shared<StreamOptions>();
-  CLI::App& command = *app.add_subcommand("stream", "Play a procedural scene and tell what its frames cost");
+  CLI::App& command =
+      *app.add_subcommand("stream", "Play mesh files or a procedural scene and tell what the frames cost");
+  command.add_option("FRAME", options->files, "OBJ or PLY, a frame each, in natural order: frame2 before frame10");
   add_scene_options(command, options->scene);
+  CLI::Option* scene = command.get_option("--scene")->required(false);
+  for (const char* of_scenes : {"--frames", "--t0", "--dt", "--scale"}) command.get_option(of_scenes)->needs(scene);
   add_detection_options(command, options->detection);
   add_advance_options(command, options->detection);
   command.add_option("--rigid", options->rigid, "Meshes that move as rigid bodies, and send poses, such as ball")
@@ -202,7 +135,8 @@ void add_stream(CLI::App& app) {
   add_ring_option(command, options->exclusions);
   add_rest_options(command, options->exclusions);
   add_server_options(command, options->server);
-  add_position_format_option(command, options->position_format);
+  add_automatic_format_option(command, options->position_format);
+  command.add_option("--record", options->record, "File that takes the scene and its frames, for 'collidectl replay'");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");
   command.callback([options] { run(*options); });
 }

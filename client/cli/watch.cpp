@@ -1,8 +1,6 @@
 // collidectl watch: the frames that others send to a scene, a line each.
 
-#include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <memory>
 #include <thread>
 
@@ -12,7 +10,7 @@
 #include "client/cli/options/options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/output.hpp"
-#include "client/cli/report/json.hpp"
+#include "client/cli/report/frame_line.hpp"
 
 namespace collided::cli {
 
@@ -40,33 +38,13 @@ class EndOnInterrupt {
   std::jthread thread_;
 };
 
-Json frame_line(const client::WatchedFrame& frame, v1::Report report) {
-  Json line = {{"frame", frame.frame_id},
-               {"skipped_frames", frame.skipped_frames},
-               {"contact_count", frame.done.contact_count()},
-               {"any_contact", frame.done.any_contact()},
-               {"earliest_toi", frame.done.earliest_toi()}};
-  line.update(frame_json(frame.done, report));
-  return line;
-}
-
-std::string text_line(const client::WatchedFrame& frame) {
-  const v1::FrameCounts& counts = frame.done.metrics().counts();
-  char line[256];
-  std::snprintf(
-      line, sizeof line, "frame %llu: %llu contacts (%llu vt, %llu ee, %llu tt), earliest %.6g, %.3f ms, %llu skipped",
-      static_cast<unsigned long long>(frame.frame_id), static_cast<unsigned long long>(frame.done.contact_count()),
-      static_cast<unsigned long long>(counts.contacts_vertex_triangle()),
-      static_cast<unsigned long long>(counts.contacts_edge_edge()),
-      static_cast<unsigned long long>(counts.contacts_triangle_triangle()), frame.done.earliest_toi(),
-      frame.done.metrics().total_milliseconds(), static_cast<unsigned long long>(frame.skipped_frames));
-  return line;
-}
-
-/// Each line is flushed: whoever reads it watches, too.
-void print(const WatchCommand& options, const client::WatchedFrame& frame, v1::Report report) {
-  const std::string line = options.json ? frame_line(frame, report).dump() : text_line(frame);
-  if (std::printf("%s\n", line.c_str()) < 0 || std::fflush(stdout) != 0) throw OutputClosed(errno);
+std::string line_of(const WatchCommand& options, const client::WatchedFrame& frame, v1::Report report) {
+  if (!options.json)
+    return "frame " + std::to_string(frame.frame_id) + ": " + frame_text(frame.done, report) + ", " +
+           std::to_string(frame.skipped_frames) + " skipped";
+  Json line = {{"frame", frame.frame_id}, {"skipped_frames", frame.skipped_frames}};
+  line.update(frame_result_json(frame.done, report));
+  return line.dump();
 }
 
 void run(const WatchCommand& options) {
@@ -77,7 +55,7 @@ void run(const WatchCommand& options) {
   const EndOnInterrupt end(watcher);
   try {
     for (uint64_t shown = 0; options.frames == 0 || shown < options.frames; ++shown)
-      print(options, watcher.receive(), watcher.scene().spec().report());
+      print_line(line_of(options, watcher.receive(), watcher.scene().spec().report()));
   } catch (const client::Error&) {
     check_interrupt();
     throw;

@@ -27,7 +27,8 @@ SMALLER = {
     "tradeoff --scene": "--scale 0.2 --repeats 1 --levels fast,exact --formats f32",
     "tradeoff before.ply": "--repeats 1 --levels fast,exact --formats f32",
     "bench --scene": "--scale 0.2 --steps 1 --warm-up 0",
-    "stream": "--scale 0.3",
+    "stream --scene": "--scale 0.3",
+    "export --scene": "--scale 0.3",
 }
 NOT_RUN = {
     "bench --end-to-end": "a minute; collidectl_end_to_end runs it, smaller",

@@ -3,21 +3,15 @@
 #include "client/cli/input/step_input.hpp"
 
 #include <filesystem>
-#include <stdexcept>
+#include <utility>
 
+#include "client/cli/input/frame_files.hpp"
 #include "client/cli/input/mesh_input.hpp"
 #include "client/cli/report/numbers.hpp"
-#include "client/scenes/mesh_files/mesh_file.hpp"
 
 namespace collided::cli {
 
 namespace {
-
-void check_same(const std::string& what, size_t a, size_t b) {
-  if (a != b)
-    throw std::runtime_error("the frames differ: the first has " + std::to_string(a) + " " + what + ", the second " +
-                             std::to_string(b));
-}
 
 std::string stem(const std::string& file) { return std::filesystem::path(file).stem().string(); }
 
@@ -36,33 +30,23 @@ StepInput scene_step(const SceneOptions& options) {
 }
 
 StepInput file_step(const std::string& first, const std::string& second) {
-  scenes::MeshFile a = scenes::read_mesh(first), b = scenes::read_mesh(second);
-  check_same("vertices", a.positions.size(), b.positions.size());
-  check_same("triangles", a.triangles.size(), b.triangles.size());
-  for (size_t t = 0; t < a.triangles.size(); ++t)
-    if (a.triangles[t] != b.triangles[t])
-      throw std::runtime_error("the frames differ: triangle " + std::to_string(t) + " has other vertices in " + second);
-  if (a.edges != b.edges || a.points != b.points)
-    throw std::runtime_error("the frames differ: " + second + " has other loose edges or points than the first");
-  const auto vertex_count = static_cast<uint32_t>(a.positions.size());
+  FileFrame a = read_frame(first), b = read_frame(second, a.mesh, first);
   return {.name = stem(first) + " to " + stem(second),
           .description = "frames " + first + " and " + second,
-          .meshes = {{"mesh", vertex_count, std::move(a.triangles), false, std::move(a.edges), std::move(a.points)}},
+          .meshes = {std::move(a.mesh)},
           .start = std::move(a.positions),
           .end = std::move(b.positions),
           .is_double = a.is_double || b.is_double};
 }
 
 StepInput file_frame(const std::string& file) {
-  scenes::MeshFile mesh = scenes::read_mesh(file);
-  const auto vertex_count = static_cast<uint32_t>(mesh.positions.size());
+  FileFrame frame = read_frame(file);
   return {.name = stem(file),
           .description = "frame " + file,
-          .meshes = {{"mesh", vertex_count, std::move(mesh.triangles), false, std::move(mesh.edges),
-                      std::move(mesh.points)}},
+          .meshes = {std::move(frame.mesh)},
           .start = {},
-          .end = std::move(mesh.positions),
-          .is_double = mesh.is_double};
+          .end = std::move(frame.positions),
+          .is_double = frame.is_double};
 }
 
 v1::Frame step_frame(const StepInput& step, uint64_t id, const v1::SceneSpec& spec) {

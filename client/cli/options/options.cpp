@@ -144,6 +144,18 @@ void add_position_format_option(CLI::App& command, std::string& format) {
       ->capture_default_str();
 }
 
+void add_automatic_format_option(CLI::App& command, std::string& format) {
+  std::vector<std::string> names = names_of(kFormats);
+  names.insert(names.begin(), kAutomaticFormat);
+  command
+      .add_option(
+          "--position-format", format,
+          "Positions on the wire; auto: f64 if one in a file is not exactly a float, else f32; q16: 16 bits in the "
+          "box of the whole motion")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+}
+
 void check_usage(const DetectionOptions& options) {
   const v1::Accuracy accuracy = value_of(kAccuracies, options.accuracy);
   const bool dcd = options.mode == "dcd";
@@ -161,11 +173,13 @@ void check_usage(const DetectionOptions& options) {
     throw UsageError("--mode dcd with --accuracy fast needs a --thickness greater than 0 for the kinds vt and ee");
 }
 
+v1::Backend backend_of(const ServerOptions& server) {
+  return server.backend == "cpu" ? v1::BACKEND_CPU : server.backend == "cuda" ? v1::BACKEND_CUDA : v1::BACKEND_AUTO;
+}
+
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format) {
   v1::SceneSpec spec;
-  spec.set_backend(server.backend == "cpu"    ? v1::BACKEND_CPU
-                   : server.backend == "cuda" ? v1::BACKEND_CUDA
-                                              : v1::BACKEND_AUTO);
+  spec.set_backend(backend_of(server));
   spec.set_mode(detection.mode == "dcd" ? v1::DETECTION_MODE_DCD : v1::DETECTION_MODE_CCD);
   spec.set_accuracy(value_of(kAccuracies, detection.accuracy));
   spec.set_thickness(detection.thickness);
@@ -178,8 +192,11 @@ v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& de
   return spec;
 }
 
-std::vector<std::string> position_formats() { return names_of(kFormats); }
 v1::PositionFormat format_of(const std::string& name) { return value_of(kFormats, name); }
+v1::PositionFormat choose_format(const std::string& name, bool is_double) {
+  if (name != kAutomaticFormat) return format_of(name);
+  return is_double ? v1::POSITION_FORMAT_F64 : v1::POSITION_FORMAT_F32;
+}
 
 std::string name_of(v1::Backend backend) {
   switch (backend) {

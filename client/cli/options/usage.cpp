@@ -65,6 +65,7 @@ class UsageFormatter : public CLI::Formatter {
  public:
   std::string make_option_usage(const CLI::Option* option) const override {
     const std::string name = make_option_name(option, true);
+    if (option->get_expected_max() == CLI::detail::expected_max_vector_size) return "[" + name + "...]";
     std::string usage = name;
     for (int i = 1; i < option->get_expected_max(); ++i)
       usage += i < option->get_expected_min() ? " " + name : " [" + name + "]";

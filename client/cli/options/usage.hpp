@@ -17,7 +17,7 @@ std::string nearest(const std::string& word, const std::vector<std::string>& kno
 /// What is wrong with a command line that `app` could not parse, in one line.
 std::string usage_message(const CLI::App& app, const CLI::Error& error);
 
-/// Help whose usage line shows every file that can be given, as in "FRAME [FRAME]".
+/// Help whose usage line shows every file that can be given, as in "FRAME [FRAME]" or "[FRAME...]".
 std::shared_ptr<CLI::FormatterBase> usage_formatter();
 
 }  // namespace collided::cli

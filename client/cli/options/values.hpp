@@ -47,13 +47,17 @@ struct SceneOptions {
 /// Throws UsageError for options that contradict each other.
 void check_usage(const DetectionOptions& options);
 
+/// Where a scene is to live.
+v1::Backend backend_of(const ServerOptions& server);
+
 /// A spec without meshes.
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);
 
-/// "f32", "f64", "q16".
-std::vector<std::string> position_formats();
-/// `name` is one of position_formats().
+/// `name` is one of "f32", "f64", "q16".
 v1::PositionFormat format_of(const std::string& name);
+constexpr const char* kAutomaticFormat = "auto";
+/// The same, or kAutomaticFormat: F64 if a position is not exactly a float, so that nothing is rounded.
+v1::PositionFormat choose_format(const std::string& name, bool is_double);
 
 /// The protocol's values in the options' spelling.
 std::string name_of(v1::Backend backend);

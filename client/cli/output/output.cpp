@@ -61,6 +61,10 @@ void print_summary(const std::string& out, const std::string& text) {
   std::fflush(to);
 }
 
+void print_line(const std::string& line) {
+  if (std::printf("%s\n", line.c_str()) < 0 || std::fflush(stdout) != 0) throw OutputClosed(errno);
+}
+
 OutputFile::OutputFile(const std::string& name)
     : name_(name), file_(is_standard_output(name) ? stdout : std::fopen(name.c_str(), "wb")) {
   if (file_ == nullptr) fail();

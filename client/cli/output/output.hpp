@@ -29,6 +29,9 @@ void check_one_output(const std::string& out, bool json);
 /// Prints a summary for people: to standard output, or to standard error if `out` is standard output.
 void print_summary(const std::string& out, const std::string& text);
 
+/// Prints a line to standard output and flushes it: whoever reads it watches. Throws OutputClosed.
+void print_line(const std::string& line);
+
 /// A file or standard output. Throws std::runtime_error naming the file and the reason.
 class OutputFile {
  public:

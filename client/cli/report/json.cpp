@@ -16,6 +16,8 @@ std::string contact_count_name(v1::ContactKind kind) { return "contacts_" + long
 
 }  // namespace
 
+std::string json_text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
 Json scene_json(const v1::Scene& scene) {
   const v1::SceneSpec& spec = scene.spec();
   Json kinds = Json::array();

@@ -12,6 +12,8 @@ namespace collided::cli {
 
 using Json = nlohmann::ordered_json;
 
+/// In one line. Bytes that are not UTF-8, as names of files may have, are replaced.
+std::string json_text(const Json& json);
 Json scene_json(const v1::Scene& scene);
 /// Milliseconds of each stage by name, in their order; a stage that ran twice is summed.
 Json stages_json(const v1::FrameMetrics& metrics);

@@ -5,6 +5,8 @@ Usage: detect_test.py COLLIDECTL DAEMON"""
 import csv
 import json
 import os
+import re
+import xml.etree.ElementTree
 
 import support
 from support import ONE_CPU, FRAME0
@@ -54,6 +56,66 @@ class Detect(support.CollidectlTest):
         self.assertEqual([(row["kind"], row["element_a"], row["element_b"]) for row in self.rows(out)], [("vt", "1", "0")])
         others = frame("c.obj", -1, points="1")
         self.refused(1, "has other loose edges or points", "detect", frame("a.obj", 1), others, *ONE_CPU)
+
+    def test_a_csv_has_weights_points_and_normals(self):
+        out = os.path.join(self.folder.name, "c.csv")
+        self.ok("detect", self.frame0, self.frame1, *ONE_CPU, "--accuracy", "exact", "--out", out)
+        (row,) = [row for row in self.rows(out) if row["kind"] == "vt"]
+        self.assertEqual([float(row[name]) for name in ("w0", "w1")], [0.25, 0.25])
+        for point in ("point_a", "point_b"):
+            for axis, expected in zip("xyz", (1, 1, 0)):
+                self.assertAlmostEqual(float(row[f"{point}_{axis}"]), expected, places=5)
+        self.assertEqual([float(row["normal_" + axis]) for axis in "xyz"], [0, 0, 1])
+
+    def test_a_contact_that_parts_says_so(self):
+        apart = self.put("apart.obj", FRAME0.replace("v 1 1 1\n", "v 1 1 0.1\n"))
+        further = self.put("further.obj", FRAME0)
+        out = os.path.join(self.folder.name, "c.csv")
+        self.ok("detect", apart, further, *ONE_CPU, "--thickness", "0.2", "--out", out)
+        self.assertIn("separating", [word for row in self.rows(out) for word in row["flags"].split("|")])
+
+    def test_files_for_paraview_hold_what_the_csv_holds(self):
+        out, vtp, ply = (os.path.join(self.folder.name, "c." + ending) for ending in ("csv", "vtp", "ply"))
+        words = ["detect", self.frame0, self.frame1, *ONE_CPU]
+        summary = json.loads(self.ok(*words, "--out", out, "--vtp", vtp, "--ply", ply, "--json"))
+        self.assertEqual([summary[name] for name in ("out", "vtp", "ply")], [out, vtp, ply])
+        rows = self.rows(out)
+        self.assertGreater(len(rows), 0)
+        piece = xml.etree.ElementTree.parse(vtp).getroot().find("PolyData/Piece")
+        self.assertEqual((piece.get("NumberOfPoints"), piece.get("NumberOfVerts")), (str(len(rows)),) * 2)
+        arrays = {array.get("Name"): array.text.split() for array in piece.iter("DataArray")}
+        columns = {"points": "point_a_x point_a_y point_a_z", "other_point": "point_b_x point_b_y point_b_z", "toi": "toi",
+                   "distance": "distance", "normal": "normal_x normal_y normal_z", "elements": "element_a element_b",
+                   "stencil": "v0 v1 v2 v3", "weights": "w0 w1"}
+        for name, cells in columns.items():
+            self.assertEqual(arrays[name], [row[cell] for row in rows for cell in cells.split()], name)
+        self.assertEqual(arrays["kind"], [{"vt": "1", "ee": "2"}[row["kind"]] for row in rows])
+        self.assertEqual(arrays["connectivity"], [str(i) for i in range(len(rows))])
+        self.assertEqual(arrays["offsets"], [str(i + 1) for i in range(len(rows))])
+        with open(ply, encoding="ascii") as file:
+            header, lines = file.read().split("end_header\n")
+        self.assertIn(f"element vertex {len(rows)}\n", header)
+        names = re.findall(r"property \w+ (\w+)", header)
+        self.assertEqual([line.split()[:3] for line in lines.splitlines()],
+                         [[row["point_a_" + axis] for axis in "xyz"] for row in rows])
+        for line, row in zip(lines.splitlines(), rows):
+            found = dict(zip(names, line.split(), strict=True))
+            self.assertEqual([found[name] for name in ("toi", "element_a", "v3", "w1")],
+                             [row[name] for name in ("toi", "element_a", "v3", "w1")])
+
+    def test_files_for_paraview_without_contacts_or_times(self):
+        vtp, ply = (os.path.join(self.folder.name, "c." + ending) for ending in ("vtp", "ply"))
+        self.ok("detect", self.frame0, self.frame0, *ONE_CPU, "--vtp", vtp, "--ply", ply)
+        self.assertEqual(xml.etree.ElementTree.parse(vtp).find("PolyData/Piece").get("NumberOfPoints"), "0")
+        self.ok("detect", self.frame1, *ONE_CPU, "--mode", "dcd", "--thickness", "1", "--vtp", vtp, "--ply", ply)
+        piece = xml.etree.ElementTree.parse(vtp).find("PolyData/Piece")
+        self.assertGreater(int(piece.get("NumberOfPoints")), 0)
+        self.assertNotIn("toi", [array.get("Name") for array in piece.iter("DataArray")])
+        for option in ("--vtp", "--ply"):
+            self.refused(2, f"{option} needs contact points", "detect", self.frame1, "--mode", "dcd", "--kinds", "tt", option,
+                         vtp)
+            self.refused(2, f"{option} is a file here", "detect", self.frame0, self.frame1, option, "-")
+            self.refused(1, "Is a directory", "detect", self.frame0, self.frame1, option, self.folder.name)
 
     def test_encoded_positions_miss_nothing(self):
         words = ["detect", self.frame0, self.frame1, *ONE_CPU, "--position-format", "q16"]

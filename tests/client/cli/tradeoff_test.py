@@ -111,7 +111,7 @@ class Tradeoff(support.CollidectlTest):
         self.put_truth("3,0,maybe,0.5\n")
         self.refused(1, "vf.csv:2: collides is 'maybe'", "tradeoff", *frames, *out, "--truth", self.folder.name)
         other = self.put("other.obj", FRAME0 + "v 9 9 9\n")
-        self.refused(1, "the first has 6 vertices, the second 7", "tradeoff", self.frame0, other, *out)
+        self.refused(1, "a.obj has 6 vertices, ", "tradeoff", self.frame0, other, *out)
         turned = self.put("turned.obj", FRAME0.replace("f 1 2 3", "f 1 3 2"))
         self.refused(1, "triangle 0 has other vertices", "tradeoff", self.frame0, turned, *out)
         self.refused(1, "is not known", "tradeoff", "--scene", "nothing", *out)

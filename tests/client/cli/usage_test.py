@@ -71,9 +71,13 @@ class Usage(support.CollidectlTest):
         self.refused(2, "a command is needed: detect, stream")
         self.refused(2, "--verson is not an option of collidectl; did you mean --version?", "--verson")
 
+    def test_help_tells_the_exit_codes(self):
+        self.assertIn("Exit codes: 0 done, 1 failure, 2 bad usage, 128 + n interrupted by signal n.", self.ok("--help"))
+
     def test_help_tells_how_many_files_go_in(self):
         self.assertIn("detect [OPTIONS] FRAME [FRAME]\n", self.ok("detect", "--help"))
         self.assertIn("tradeoff [OPTIONS] [FRAME [FRAME]]\n", self.ok("tradeoff", "--help"))
+        self.assertIn("stream [OPTIONS] [FRAME...]\n", self.ok("stream", "--help"))
         for command in ("detect", "stream", "estimate", "scenes", "export", "info", "tradeoff", "bench", "load"):
             text = self.ok(command, "--help")
             self.assertNotIn("x)", text.splitlines()[1], command)

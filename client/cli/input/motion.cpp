@@ -1,0 +1,46 @@
+// Frames to play, one after the other: of a procedural scene, or in mesh files.
+
+#include "client/cli/input/motion.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "client/cli/daemon/interrupt.hpp"
+#include "client/cli/input/frame_files.hpp"
+#include "client/cli/output/progress.hpp"
+
+namespace collided::cli {
+
+Motion scene_motion(const SceneOptions& options) {
+  const std::shared_ptr<const scenes::Scene> scene = scenes::make_scene(options.name, options.scale);
+  return {.name = options.name,
+          .meshes = scene->meshes(),
+          .frames = options.frames,
+          .files = {},
+          .positions = [scene, options](int frame) { return scene->positions(options.time(frame)); }};
+}
+
+Motion file_motion(std::vector<std::string> files) {
+  sort_naturally(files);
+  FileFrame first = read_frame(files[0]);
+  bool is_double = first.is_double;
+  const int frames = static_cast<int>(files.size());
+  Progress progress;
+  for (int i = 1; i < frames; ++i) {
+    check_interrupt();
+    is_double |= read_frame(files[static_cast<size_t>(i)], first.mesh, files[0]).is_double;
+    progress.show("reading", i + 1, frames);
+  }
+  const auto mesh = std::make_shared<const scenes::Mesh>(std::move(first.mesh));
+  return {.name = std::filesystem::path(files[0]).stem().string(),
+          .meshes = {*mesh},
+          .frames = frames,
+          .files = files,
+          .is_double = is_double,
+          .positions = [mesh, files](int frame) {
+            return read_frame(files[static_cast<size_t>(frame)], *mesh, files[0]).positions;
+          }};
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,27 @@
+#pragma once
+// Where contacts are: the closest points of their two features, at the time of the contact.
+
+#include <optional>
+
+#include "client/cpp/frame_stream.hpp"
+#include "client/cpp/positions.hpp"
+
+namespace collided::cli {
+
+/// Positions of all vertices of a scene, at both ends of a step.
+struct StepPositions {
+  client::Positions start, end;  ///< DCD has no start
+};
+
+struct ContactPoints {
+  std::array<double, 3> first{}, second{};
+};
+
+/// Of contact `i`, by the formula of proto/CONVENTIONS.md. Nothing if its weights were not computed.
+std::optional<ContactPoints> contact_points(v1::ContactKind kind, const client::Contacts& contacts, size_t i,
+                                            const StepPositions& positions);
+
+/// Every field of a contact, for SceneSpec.fields.
+void ask_for_all_fields(v1::SceneSpec& spec);
+
+}  // namespace collided::cli

@@ -1,0 +1,30 @@
+// Plays frames through a stream.
+
+#include "client/measure/play/play.hpp"
+
+#include "client/cli/daemon/connection.hpp"
+#include "client/cli/daemon/interrupt.hpp"
+#include "client/cli/output/progress.hpp"
+
+namespace collided::cli {
+
+void play(client::FrameStream& stream, const FrameSource& source,
+          const std::function<void(client::FrameOutput)>& take) {
+  Progress progress;
+  int sent = 0, taken = 0;
+  const auto take_one = [&] {
+    take(receive(stream));
+    ++taken;
+    if (!source.is_quiet) progress.show("frames", taken, source.frames);
+  };
+  while (const auto frame = source.next()) {
+    check_interrupt();
+    if (sent - taken >= static_cast<int>(stream.window())) take_one();
+    stream.send(*frame);
+    ++sent;
+  }
+  while (taken < sent) take_one();
+  stream.finish();
+}
+
+}  // namespace collided::cli
