@@ -61,7 +61,7 @@ class Watching(Case):
             end(session, watcher)
             thread.join(30)
             self.assertFalse(thread.is_alive())
-            self.assertLessEqual(len(seen), 1)
+            self.assertLessEqual(len(seen), 2)  # the frame before the watch may be answered before it is shown
 
     def test_bad_requests_are_refused(self):
         session = self.session()
