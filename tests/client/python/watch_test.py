@@ -14,6 +14,11 @@ class Watching(Case):
         self.addCleanup(watcher.close)
         return watcher
 
+    def shown(self, watcher):
+        """The first frame after frame 1, which was answered before the watch, but may be shown after that."""
+        frame = watcher.receive(timeout=30)
+        return frame if frame.contacts.frame_id > 1 else watcher.receive(timeout=30)
+
     def test_frames_contacts_and_positions(self):
         for form in ("f32", "f64"):
             session = self.session(position_format=form)
@@ -21,7 +26,7 @@ class Watching(Case):
             watcher = self.watch(session, max_contacts_per_kind=8, meshes=["tip", 0])
             self.assertEqual(watcher.scene.scene_id, session.scene.id)
             sent = session.step({"tip": lowered(2)})
-            frame = watcher.receive(timeout=30)
+            frame = self.shown(watcher)
             self.assertEqual(frame.contacts.stencils.tolist(), sent.stencils.tolist())
             self.assertEqual(frame.contacts.of_mesh("tip").toi.tolist(), sent.toi.tolist())
             self.assertEqual((frame.skipped_frames, frame.omitted_contacts, frame.vertex_stride), (0, 0, 1))
@@ -46,7 +51,7 @@ class Watching(Case):
         session.step()
         watcher = self.watch(session, max_contacts_per_kind=8)
         session.step({"tip": lowered(2)}, edit=collided.Edit({"far": collided.Mesh(TIP + 50, ONE)}))
-        frame = watcher.receive(timeout=30)
+        frame = self.shown(watcher)
         self.assertEqual((frame.edit_count, len(frame.contacts.of_mesh("far")), len(frame.contacts.of_mesh("tip"))), (1, 0, 1))
 
     def test_it_ends_with_the_scene_or_when_it_is_told(self):
@@ -61,7 +66,7 @@ class Watching(Case):
             end(session, watcher)
             thread.join(30)
             self.assertFalse(thread.is_alive())
-            self.assertLessEqual(len(seen), 2)  # the frame before the watch may be answered before it is shown
+            self.assertLessEqual(len(seen), 2)  # as of shown()
 
     def test_bad_requests_are_refused(self):
         session = self.session()
