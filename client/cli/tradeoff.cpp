@@ -95,7 +95,7 @@ void add_run_options(CLI::App& command, TradeoffSettings& settings) {
   command.add_option("--formats", settings.formats, "Positions on the wire: f32, f64, q16 (not with exact)")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember({"f32", "f64", "q16"}))
+      ->check(CLI::IsMember(position_formats()))
       ->capture_default_str();
   command.add_option("--repeats", settings.repeats, "Measured steps, whose median counts, after one warm-up step")
       ->check(CLI::Range(1, 100000))

@@ -145,7 +145,7 @@ void add_position_format_option(CLI::App& command, std::string& format) {
 }
 
 void add_automatic_format_option(CLI::App& command, std::string& format) {
-  std::vector<std::string> names = names_of(kFormats);
+  std::vector<std::string> names = position_formats();
   names.insert(names.begin(), kAutomaticFormat);
   command
       .add_option(
@@ -192,6 +192,7 @@ v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& de
   return spec;
 }
 
+std::vector<std::string> position_formats() { return names_of(kFormats); }
 v1::PositionFormat format_of(const std::string& name) { return value_of(kFormats, name); }
 v1::PositionFormat choose_format(const std::string& name, bool is_double) {
   if (name != kAutomaticFormat) return format_of(name);

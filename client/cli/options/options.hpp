@@ -16,7 +16,7 @@ void add_advance_options(CLI::App& command, DetectionOptions& options);
 
 /// Replaces --engine of add_detection_options with one that takes several engines.
 void add_engines_option(CLI::App& command, std::vector<std::string>& engines);
-/// --position-format, one of f32, f64 and q16.
+/// --position-format, one of position_formats().
 void add_position_format_option(CLI::App& command, std::string& format);
 
 /// The same, or kAutomaticFormat, for subcommands that read mesh files.

@@ -53,7 +53,9 @@ v1::Backend backend_of(const ServerOptions& server);
 /// A spec without meshes.
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);
 
-/// `name` is one of "f32", "f64", "q16".
+/// "f32", "f64", "q16".
+std::vector<std::string> position_formats();
+/// `name` is one of position_formats().
 v1::PositionFormat format_of(const std::string& name);
 constexpr const char* kAutomaticFormat = "auto";
 /// The same, or kAutomaticFormat: F64 if a position is not exactly a float, so that nothing is rounded.

@@ -30,7 +30,7 @@ uint32_t worker_count(const StreamSettings& streams) {
 v1::SceneSpec spec_of(const LoadSettings& settings, const Motion& motion) {
   v1::SceneSpec spec = scene_spec(settings.server, settings.detection, format_of(settings.input.position_format));
   spec.set_display_name("load");
-  for (size_t i = 0; i < motion.frames; ++i) grow_box(spec, motion.positions(i));
+  for (int i = 0; i < motion.frames; ++i) grow_box(spec, motion.positions(i));
   return spec;
 }
 

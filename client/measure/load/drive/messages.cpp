@@ -18,7 +18,7 @@ using google::protobuf::io::CodedOutputStream;
 constexpr uint64_t kFirst = 1, kLater = 2;  // ids for make_frame
 
 /// A frame's updates in wire format, without its id.
-grpc::Slice updates_of(const Motion& motion, size_t frame, uint64_t id, const v1::SceneSpec& spec) {
+grpc::Slice updates_of(const Motion& motion, int frame, uint64_t id, const v1::SceneSpec& spec) {
   v1::Frame message = make_frame(motion.meshes, id, spec, motion.positions(frame));
   message.clear_frame_id();
   return grpc::Slice(message.SerializeAsString());
@@ -27,7 +27,7 @@ grpc::Slice updates_of(const Motion& motion, size_t frame, uint64_t id, const v1
 }  // namespace
 
 Messages::Messages(const Motion& motion, const v1::SceneSpec& spec) {
-  for (size_t i = 0; i < motion.frames; ++i) later_.push_back(updates_of(motion, i, kLater, spec));
+  for (int i = 0; i < motion.frames; ++i) later_.push_back(updates_of(motion, i, kLater, spec));
   first_ = updates_of(motion, 0, kFirst, spec);
 }
 

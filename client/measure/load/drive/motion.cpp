@@ -4,36 +4,38 @@
 
 #include <memory>
 
-#include "client/cli/input/step_input.hpp"
+#include "client/cli/input/frame_files.hpp"
 
 namespace collided::cli::load {
 
 namespace {
 
-Motion scene_motion(const InputSettings& input) {
+Motion motion_of_scene(const InputSettings& input) {
   const std::shared_ptr<const scenes::Scene> scene = scenes::make_scene(input.scene, input.scale);
   const int steps = input.steps;
   return {.name = input.scene,
           .meshes = scene->meshes(),
-          .frames = static_cast<size_t>(steps),
-          .positions = [scene, steps](size_t frame) { return scene->positions(static_cast<double>(frame) / steps); }};
+          .frames = steps,
+          .files = {},
+          .positions = [scene, steps](int frame) { return scene->positions(static_cast<double>(frame) / steps); }};
 }
 
-Motion file_motion(const std::vector<std::string>& files) {
-  StepInput first = file_frame(files.front());
+Motion motion_of_files(const std::vector<std::string>& files) {
+  FileFrame first = read_frame(files.front());
   const auto all = std::make_shared<std::vector<std::vector<scenes::Vec3d>>>();
-  all->push_back(std::move(first.end));
-  for (size_t i = 1; i < files.size(); ++i) all->push_back(file_step(files[i - 1], files[i]).end);
+  all->push_back(std::move(first.positions));
+  for (size_t i = 1; i < files.size(); ++i) all->push_back(read_frame(files[i], first.mesh, files.front()).positions);
   return {.name = std::to_string(files.size()) + " recorded frames from " + files.front(),
-          .meshes = std::move(first.meshes),
-          .frames = files.size(),
-          .positions = [all](size_t frame) { return all->at(frame); }};
+          .meshes = {std::move(first.mesh)},
+          .frames = static_cast<int>(files.size()),
+          .files = files,
+          .positions = [all](int frame) { return all->at(static_cast<size_t>(frame)); }};
 }
 
 }  // namespace
 
 Motion make_motion(const InputSettings& input) {
-  return input.files.empty() ? scene_motion(input) : file_motion(input.files);
+  return input.files.empty() ? motion_of_scene(input) : motion_of_files(input.files);
 }
 
 size_t place_in_motion(uint64_t n, size_t frames) {
