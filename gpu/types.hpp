@@ -93,10 +93,22 @@ enum class Scalar { kF32, kF64 };
 /// Bytes of one position.
 constexpr uint64_t position_bytes(Scalar scalar) { return scalar == Scalar::kF64 ? 24 : 12; }
 
-/// Broad phase: which triangle pairs are tested at all. The pairs found are the same. kAuto lets the scene choose from
-/// what the last frames cost; kOctree is the two-stage adaptive octree grid of the paper, kTopDown and kBottomUp its
+/// Broad phase: which triangle pairs are tested at all. The pairs found are the same. kAuto lets the scene choose by
+/// measured times; kOctree is the two-stage adaptive octree grid of the paper, kTopDown and kBottomUp its
 /// one-stage forms.
 enum class Engine { kAuto, kOctree, kTopDown, kBottomUp, kUniformGrid, kTwoLevelGrid, kLbvh };
+
+/// Why a frame's engine was chosen: the spec names it; no comparison yet; none yet, and the octree's counters looked
+/// wrong; it won the last comparison; a comparison is on.
+enum class EngineReason { kAsked, kFirst, kCounters, kFaster, kTrial };
+
+/// The engine that found a frame's pairs, never kAuto, and what the last comparison measured of each: milliseconds from
+/// positions to candidates; 0 before the first.
+struct EngineFacts {
+  Engine engine = Engine::kOctree;
+  EngineReason reason = EngineReason::kAsked;
+  double octree_milliseconds = 0, lbvh_milliseconds = 0;
+};
 
 /// How a mesh moves: any vertex in any frame; not after the first frame; as a whole, by transforms of the positions
 /// that its first frame brought.
@@ -290,7 +302,7 @@ struct FrameResult : PerKind<ContactSet> {
   /// From resident positions to contacts in canonical order, on the backend: all runs of the step, as in `stages`,
   /// without the time spent in FrameInput::cancelled on CPU cores.
   double step_milliseconds = 0;
-  Engine engine = Engine::kOctree;  ///< that found the pairs; never kAuto
+  EngineFacts broad_phase;
   double earliest_toi = 1;          ///< CCD; from kGuarded on no contact is earlier
   /// How far the scene went, in [0, 1], by the formula of positions/blend.hpp; where the frame asked to advance.
   std::optional<double> advanced = {};

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "gpu/contacts/scene_counts.hpp"
-#include "gpu/step/engine_choice.hpp"
+#include "gpu/step/engine_choices.hpp"
 #include "gpu/step/lbvh_phase.hpp"
 #include "gpu/step/narrow_phase.hpp"
 #include "gpu/step/octree_phase.hpp"
@@ -35,7 +35,7 @@ class Pipeline {
         narrow_(exec, ranks_, scene),
         placing_(exec, scene),
         results_(exec, spec, scene, placing_),
-        choice_(spec.engine),
+        choices_(spec.engine),
         levels_{.deepest = deepest_base(counts_.triangles)} {
     narrow_.expect_loose_elements(counts_.has_loose_elements());
   }
@@ -82,13 +82,25 @@ class Pipeline {
     result_ = {};
     placing_.begin(room);
     const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == thickness;
+    result_.broad_phase = choices_.begin(needs);
     run_step(needs, boxes_static || !is_boxed);
     boxed_thickness_ = thickness;
     describe();
     results_.collect(state_, needs, {bytes_beside_contact, room.first_on_host}, result_);
     result_.stages = exec_.stage_times();
     result_.allocations = exec_.allocations();
+    choices_.end(result_, counts_.triangles, state_.bricks[0] > 0);
+    release_idle_engines();
     return std::move(result_);
+  }
+
+  /// Whoever lost a comparison holds no memory.
+  void release_idle_engines() {
+    if (scene_.bvh.nodes.capacity() > 0 && choices_.is_idle(Engine::kLbvh)) scene_.bvh = BvhBuffers<Exec>(exec_);
+    if (scene_.octree.counts.capacity() > 0 && choices_.is_idle(Engine::kOctree)) {
+      scene_.octree = OctreeBuffers<Exec>(exec_);
+      sent_levels_ = {.deepest = -1};
+    }
   }
 
   static FeatureRanks ranks_of(const SceneSpec& spec, const SceneCounts& counts) {
@@ -108,8 +120,22 @@ class Pipeline {
 
   const LevelNeeds& needs() const { return plan_.needs; }
 
-  /// Runs the step until everything it found had room.
   void run_step(const LevelNeeds& needs, bool boxes_static) {
+    try {
+      run_until_room(needs, boxes_static);
+    } catch (const ResourceExhausted&) {
+      const std::optional<EngineFacts> other = choices_.retreat();
+      if (!other) throw;
+      result_.broad_phase = *other;
+      release_idle_engines();
+      run_until_room(needs, boxes_static);
+    } catch (...) {
+      choices_.abandon();
+      throw;
+    }
+  }
+  /// Until everything the step found had room.
+  void run_until_room(const LevelNeeds& needs, bool boxes_static) {
     scene_.state.allocate(1);
     for (;;) {
       plan_ = {needs, plan_octree(), boxes_static, narrow_.plan_order()};
@@ -289,7 +315,7 @@ class Pipeline {
   }
 
   OctreePlan plan_octree() const {
-    const Engine engine = choice_.engine();
+    const Engine engine = result_.broad_phase.engine;
     OctreePlan plan{engine, {cut_rule_of(engine), kRegistrationCost}};
     plan.levels = levels_.deepest + 1, plan.base = levels_.deepest;
     if (has_cells_of_triangles(engine))
@@ -318,13 +344,11 @@ class Pipeline {
           if (needs().has_filter()) survivors = state_.kept[index_of(kind)];
         },
         c.candidates, c.survivors);
-    result_.engine = choice_.engine();
-    if (result_.engine == Engine::kLbvh)
+    const Engine engine = result_.broad_phase.engine;
+    if (engine == Engine::kLbvh)
       lbvh_.describe(c);
-    else if (!has_cells_of_triangles(result_.engine))
+    else if (!has_cells_of_triangles(engine))
       levels_ = next_levels({state_.grid.grid.top, state_.grid.grid.base, levels_.deepest}, leaves.level_registrations);
-    if (needs().settings.report != Report::kAnyHit && !needs().finds_rest_pairs)
-      choice_.observe(c, counts_.triangles, state_.bricks[0] > 0);
     result_.input_resolution = needs().judges_resolution() && is_coarse();
     result_.step_milliseconds = exec_.step_milliseconds();
     result_.graph_launches = exec_.graph_launches();
@@ -341,7 +365,7 @@ class Pipeline {
   NarrowPhase<Exec, Real> narrow_;
   Placing<Exec, Real> placing_;
   Results<Exec, Real> results_;
-  EngineChoice choice_;
+  EngineChoices choices_;
   Refinement refinement_;
   ActiveLevels levels_, sent_levels_{.deepest = -1};  ///< the latter are on the backend
   UsagePredictor large_;                              ///< triangles that cover many cells

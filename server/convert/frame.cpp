@@ -79,7 +79,10 @@ void fill_result(const FrameResult& result, pb::FrameDone* out) {
   metrics->set_allocations(result.allocations);
   metrics->set_graph_launches(result.graph_launches);
   metrics->set_step_milliseconds(result.step_milliseconds);
-  metrics->set_broad_phase_engine(to_message(result.engine));
+  metrics->set_broad_phase_engine(to_message(result.broad_phase.engine));
+  metrics->set_broad_phase_reason(to_message(result.broad_phase.reason));
+  metrics->set_octree_milliseconds(result.broad_phase.octree_milliseconds);
+  metrics->set_lbvh_milliseconds(result.broad_phase.lbvh_milliseconds);
   if (result.input_resolution) metrics->add_warnings(pb::FRAME_WARNING_INPUT_RESOLUTION);
   out->set_contact_count(count_contacts(result));
   out->set_earliest_toi(result.earliest_toi);

@@ -2,8 +2,10 @@
 #include "server/convert/options.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <iterator>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -34,6 +36,13 @@ constexpr std::pair<pb::BroadPhaseEngine, Engine> kEngines[] = {
     {pb::BROAD_PHASE_ENGINE_UNIFORM_GRID, Engine::kUniformGrid},
     {pb::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, Engine::kTwoLevelGrid},
     {pb::BROAD_PHASE_ENGINE_LBVH, Engine::kLbvh}};
+
+constexpr std::pair<pb::BroadPhaseReason, EngineReason> kReasons[] = {
+    {pb::BROAD_PHASE_REASON_REQUESTED, EngineReason::kAsked},
+    {pb::BROAD_PHASE_REASON_FIRST_FRAMES, EngineReason::kFirst},
+    {pb::BROAD_PHASE_REASON_COUNTERS, EngineReason::kCounters},
+    {pb::BROAD_PHASE_REASON_FASTER, EngineReason::kFaster},
+    {pb::BROAD_PHASE_REASON_TRIAL, EngineReason::kTrial}};
 
 constexpr std::pair<pb::MeshMotion, MeshMotion> kMotions[] = {{pb::MESH_MOTION_DEFORMABLE, MeshMotion::kDeformable},
                                                               {pb::MESH_MOTION_STATIC, MeshMotion::kStatic},
@@ -81,6 +90,12 @@ PositionBox parse_box(const pb::QuantizationBox& box, const std::string& field) 
   corner(box.lower(), ".lower", out.lower);
   corner(box.upper(), ".upper", out.upper);
   return out;
+}
+
+std::string label_of(std::string name, std::string_view prefix) {
+  name.erase(0, prefix.size());
+  for (char& letter : name) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return name;
 }
 
 std::string name_of(Accuracy accuracy) { return pb::Accuracy_Name(to_message(accuracy)); }
@@ -168,6 +183,14 @@ pb::Accuracy to_message(Accuracy accuracy) { return from_engine(kAccuracies, acc
 pb::Report to_message(Report report) { return from_engine(kReports, report); }
 pb::MeshMotion to_message(MeshMotion motion) { return from_engine(kMotions, motion); }
 pb::BroadPhaseEngine to_message(Engine engine) { return from_engine(kEngines, engine); }
+pb::BroadPhaseReason to_message(EngineReason reason) { return from_engine(kReasons, reason); }
+
+std::string label_of(Engine engine) {
+  return label_of(pb::BroadPhaseEngine_Name(to_message(engine)), "BROAD_PHASE_ENGINE_");
+}
+std::string label_of(EngineReason reason) {
+  return label_of(pb::BroadPhaseReason_Name(to_message(reason)), "BROAD_PHASE_REASON_");
+}
 
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out) {
   for (const auto& [field, column] : kFields)

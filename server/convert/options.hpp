@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "collided/v1/metrics.pb.h"
 #include "collided/v1/scene.pb.h"
 #include "gpu/detector.hpp"
 #include "server/scenes/scene_plan.hpp"
@@ -43,6 +44,10 @@ pb::Report to_message(Report report);
 pb::MeshMotion to_message(MeshMotion motion);
 /// kAuto is the unspecified value.
 pb::BroadPhaseEngine to_message(Engine engine);
+pb::BroadPhaseReason to_message(EngineReason reason);
+/// As labels of metrics: "octree", "first_frames".
+std::string label_of(Engine engine);
+std::string label_of(EngineReason reason);
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out);
 
 /// Throws the engine's refusal of a scene's options, with the path of the field of `spec` that they come from.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "server/convert/options.hpp"
 #include "server/ops/log.hpp"
 #include "server/refusals/status.hpp"
 
@@ -36,6 +37,7 @@ void ServiceObserver::answered(const Scene&, const AnsweredFrame& frame) {
   for (const auto& stage : frame.result.stages)
     if (stage.stage != kUpload && stage.stage != kDownload)
       metrics_.observe_stage(stage.stage, stage.milliseconds / kSecond);
+  metrics_.count_engine(label_of(frame.result.broad_phase.engine), label_of(frame.result.broad_phase.reason));
   metrics_.count_frame({cost.total_milliseconds / kSecond, count_contacts(frame.result), cost.bytes_in, cost.bytes_out,
                         frame.result.replays});
 }

@@ -26,7 +26,7 @@ using prometheus::Histogram;
 using prometheus::Labels;
 using prometheus::Registry;
 
-constexpr size_t kMaxStages = 64, kMaxReasons = 32, kMaxCalls = 512;
+constexpr size_t kMaxStages = 64, kMaxReasons = 32, kMaxCalls = 512, kMaxEngines = 64;
 constexpr std::string_view kOther = "other";
 constexpr std::array<const char*, 6> kPhases = {"queue", "decode", "upload", "compute", "download", "encode"};
 
@@ -48,6 +48,16 @@ Family<Histogram>& histograms(Registry& registry, const char* name, const char* 
 
 Gauge& gauge(Registry& registry, const char* name, const char* help, const Labels& labels = {}) {
   return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add(labels);
+}
+
+// Two labels as one key.
+std::string pair_key(std::string_view first, std::string_view second) {
+  return std::string(first).append("/").append(second);
+}
+
+Counter& add_pair(Family<Counter>& family, const char* first, const char* second, std::string_view key) {
+  const auto slash = std::min(key.find('/'), key.size() - 1);
+  return family.Add({{first, std::string(key.substr(0, slash))}, {second, std::string(key.substr(slash + 1))}});
 }
 
 // Metrics of one family by label value. Past `max` of them all others share one, so that callers cannot create an
@@ -99,10 +109,11 @@ struct Metrics::Families {
   Family<Histogram>& stage_family;
   Family<Counter>& rejected_family;
   Family<Counter>& call_family;
+  Family<Counter>& engine_family;
   Family<Counter>& certificate_family;
   std::vector<Histogram*> phases;
   ByLabel<Histogram> stages;
-  ByLabel<Counter> rejected, calls;
+  ByLabel<Counter> rejected, calls, engines;
   mutable std::mutex gauges_mutex;
   std::function<Gauges()> gauges;  // guarded by gauges_mutex
 };
@@ -143,6 +154,8 @@ Metrics::Families::Families()
       rejected_family(
           counters(registry, "collided_rejected_total", "Refused frames and calls, by the name of the gRPC code")),
       call_family(counters(registry, "collided_calls_total", "Ended calls, by method and name of the gRPC code")),
+      engine_family(counters(registry, "collided_broad_phase_frames_total",
+                             "Answered frames, by what found their pairs, and why it was chosen")),
       certificate_family(
           counters(registry, "collided_certificate_reloads_total", "Changed TLS files, by result: taken or refused")),
       stages(
@@ -156,11 +169,9 @@ Metrics::Families::Families()
             return rejected_family.Add({{"reason", std::string(key)}});
           }),
       calls(
-          kMaxCalls, [this](std::string_view key) -> auto& {
-            const auto slash = std::min(key.find('/'), key.size() - 1);
-            return call_family.Add(
-                {{"method", std::string(key.substr(0, slash))}, {"code", std::string(key.substr(slash + 1))}});
-          }) {
+          kMaxCalls, [this](auto key) -> auto& { return add_pair(call_family, "method", "code", key); }),
+      engines(
+          kMaxEngines, [this](auto key) -> auto& { return add_pair(engine_family, "engine", "reason", key); }) {
   for (const auto* phase : kPhases) phases.push_back(&phase_family.Add({{"phase", phase}}, buckets()));
   gauge(registry, "collided_build_info", "1, labelled with the version", {{"version", COLLIDED_VERSION}}).Set(1);
   gauge(registry, "process_start_time_seconds", "Start time of the process since the Unix epoch in seconds")
@@ -202,6 +213,9 @@ void Metrics::count_frame(const FrameTotals& frame) {
   families_->replays.Increment(static_cast<double>(frame.replays));
 }
 
+void Metrics::count_engine(std::string_view engine, std::string_view reason) {
+  families_->engines.at(pair_key(engine, reason)).Increment();
+}
 void Metrics::count_skipped(uint64_t frames) { families_->skipped.Increment(static_cast<double>(frames)); }
 void Metrics::count_not_shown(uint64_t frames) { families_->not_shown.Increment(static_cast<double>(frames)); }
 void Metrics::count_rejected(std::string_view reason) { families_->rejected.at(reason).Increment(); }
@@ -214,8 +228,7 @@ void Metrics::count_certificate_reload(bool is_taken) {
 }
 
 void Metrics::count_call(std::string_view method, std::string_view code) {
-  std::string key(method);
-  families_->calls.at(key.append("/").append(code)).Increment();
+  families_->calls.at(pair_key(method, code)).Increment();
   if (code != "OK" && code != "CANCELLED") count_rejected(code);
 }
 

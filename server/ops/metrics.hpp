@@ -44,6 +44,8 @@ class Metrics {
   /// A stage of the engine. At most 64 names are distinguished; the others count as "other".
   void observe_stage(std::string_view stage, double seconds);
   void count_frame(const FrameTotals& frame);
+  /// A frame's engine and why it was chosen, names as in FrameMetrics.
+  void count_engine(std::string_view engine, std::string_view reason);
   /// Frames skipped by LATEST_WINS.
   void count_skipped(uint64_t frames = 1);
   /// Frames that a watcher was not sent.

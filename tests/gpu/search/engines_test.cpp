@@ -22,7 +22,7 @@ SceneSpec settings_of(Engine engine, Mode mode, double thickness = 0, Accuracy a
 }
 
 void expect_same(const FrameResult& octree, const FrameResult& other, Engine engine) {
-  EXPECT_EQ(other.engine, engine);
+  EXPECT_EQ(other.broad_phase.engine, engine);
   EXPECT_TRUE(same_contacts(octree, other))
       << octree.vertex_triangle.size() << " + " << octree.edge_edge.size() << " against "
       << other.vertex_triangle.size() << " + " << other.edge_edge.size();
@@ -209,9 +209,9 @@ TEST_F(Engines, HoldOnlyTheirOwnBuffersAndRunOnlyTheirOwnStages) {
 }
 
 TEST_F(Engines, AutoStartsWithTheOctree) {
-  const Case c = soup(146, 300, 1, 0.1, 0.02);
-  SceneSpec spec = settings_of(Engine::kAuto, Mode::kCcd);
-  EXPECT_EQ(run_case(c, spec).engine, Engine::kOctree);
+  const FrameResult result = run_case(soup(146, 300, 1, 0.1, 0.02), settings_of(Engine::kAuto, Mode::kCcd));
+  EXPECT_EQ(result.broad_phase.engine, Engine::kOctree);
+  EXPECT_EQ(result.broad_phase.reason, EngineReason::kFirst);
 }
 
 // Knots of very different sizes, one frame after the other: it leaves them to the hierarchy, and the answer is the
@@ -221,9 +221,71 @@ TEST_F(Engines, AutoGivesTheOctreesAnswer) {
   const auto detector = Detector::create(spec_for(c, settings_of(Engine::kAuto, Mode::kCcd)));
   const Frame frame(c, Mode::kCcd, Scalar::kF32);
   const FrameResult first = detector->detect(frame.input()), second = detector->detect(frame.input());
-  EXPECT_EQ(first.engine, Engine::kOctree);
-  EXPECT_EQ(second.engine, Engine::kLbvh);
-  expect_same(first, second, second.engine);
+  EXPECT_EQ(first.broad_phase.engine, Engine::kOctree);
+  EXPECT_EQ(second.broad_phase.engine, Engine::kLbvh);
+  EXPECT_EQ(second.broad_phase.reason, EngineReason::kCounters);
+  expect_same(first, second, second.broad_phase.engine);
+}
+
+// Compares engines on its way, and gives their memory back.
+class AutoComparesEngines : public OnBackend<::testing::Test> {
+ protected:
+  static constexpr int kFrames = 40;
+
+  bool holds(const std::string& part) const {
+    const auto parts = detector_->memory();
+    return std::any_of(parts.begin(), parts.end(),
+                       [&](const MemoryPart& held) { return held.part == part && held.bytes > 0; });
+  }
+  void begin(const SceneSpec& spec) { detector_ = Detector::create(spec_for(case_, spec)); }
+  FrameResult next_frame() { return detector_->detect(Frame(case_, Mode::kCcd, Scalar::kF32).input()); }
+
+  const Case case_ = rounded(case_of(*scenes::make_scene("cloth_ball", 0.4), 0.8 - 1.0 / 60, 0.8), Scalar::kF32);
+  std::unique_ptr<Detector> detector_;
+};
+
+TEST_F(AutoComparesEngines, WithTheSameAnswers) {
+  begin(settings_of(Engine::kAuto, Mode::kCcd));
+  const FrameResult first = next_frame();
+  FrameResult last;
+  int trials = 0;
+  for (int frame = 1; frame < kFrames; ++frame) {
+    last = next_frame();
+    EXPECT_TRUE(same_contacts(first, last)) << frame;
+    trials += last.broad_phase.reason == EngineReason::kTrial;
+  }
+  EXPECT_GE(trials, 1);
+  ASSERT_EQ(last.broad_phase.reason, EngineReason::kFaster);
+  EXPECT_GT(last.broad_phase.octree_milliseconds, 0);
+  EXPECT_GT(last.broad_phase.lbvh_milliseconds, 0);
+  const bool is_octree = last.broad_phase.engine == Engine::kOctree;
+  EXPECT_EQ(holds("registrations"), is_octree);
+  EXPECT_EQ(holds("bvh"), !is_octree);
+}
+
+// A budget of what the octree needs.
+TEST_F(AutoComparesEngines, WithoutRefusingAFrameForWantOfRoom) {
+  SceneSpec spec = settings_of(Engine::kOctree, Mode::kCcd);
+  begin(spec);
+  for (int frame = 0; frame < 3; ++frame) next_frame();
+  spec.memory_budget = 0;
+  for (const MemoryPart& part : detector_->memory())
+    if (part.part != "answers" && part.part != "pinned") spec.memory_budget += part.bytes;  // those are the host's
+  spec.engine = Engine::kAuto;
+  begin(spec);
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const EngineFacts facts = next_frame().broad_phase;
+    EXPECT_EQ(facts.engine, Engine::kOctree);
+    EXPECT_EQ(facts.reason, EngineReason::kFirst);
+  }
+}
+
+// Such frames take as long as they take until they have one, whatever the engine.
+TEST_F(AutoComparesEngines, NotByFramesThatEndWithAnyHit) {
+  SceneSpec spec = settings_of(Engine::kAuto, Mode::kCcd, 0, Accuracy::kCertified);
+  spec.report = Report::kAnyHit;
+  begin(spec);
+  for (int frame = 0; frame < kFrames; ++frame) EXPECT_EQ(next_frame().broad_phase.reason, EngineReason::kFirst);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ TEST(FrameAnswer, DoneTellsWhatTheFrameCost) {
   result.allocations = 2;
   result.graph_launches = 3;
   result.step_milliseconds = 0.25;
+  result.broad_phase = {Engine::kOctree, EngineReason::kFaster, 0.5, 0.75};
   FrameCost& cost = frame.cost;
   cost.queue_milliseconds = 1;
   cost.decode_milliseconds = 2;
@@ -25,7 +26,7 @@ TEST(FrameAnswer, DoneTellsWhatTheFrameCost) {
   cost.bytes_in = 12;
   cost.bytes_out = 13;
   for (const auto& [message, engine] : kEngines) {
-    result.engine = engine;
+    result.broad_phase.engine = engine;
     const pb::FrameDone done = done_message(frame);
     EXPECT_EQ(done.metrics().queue_milliseconds(), 1);
     EXPECT_EQ(done.metrics().decode_milliseconds(), 2);
@@ -40,6 +41,9 @@ TEST(FrameAnswer, DoneTellsWhatTheFrameCost) {
     EXPECT_EQ(done.metrics().graph_launches(), 3u);
     EXPECT_EQ(done.metrics().step_milliseconds(), 0.25);
     EXPECT_EQ(done.metrics().broad_phase_engine(), message);
+    EXPECT_EQ(done.metrics().broad_phase_reason(), pb::BROAD_PHASE_REASON_FASTER);
+    EXPECT_EQ(done.metrics().octree_milliseconds(), 0.5);
+    EXPECT_EQ(done.metrics().lbvh_milliseconds(), 0.75);
   }
 }
 

@@ -29,6 +29,7 @@ void fill(Metrics& metrics) {
   metrics.observe_phase(Phase::kEncode, 2);
   metrics.observe_stage("narrow", 3e-3);
   metrics.count_frame({.seconds = 0.01, .contacts = 5, .bytes_in = 100, .bytes_out = 200, .replays = 1});
+  metrics.count_engine("lbvh", "faster");
   metrics.count_skipped(3);
   metrics.count_rejected("INVALID_ARGUMENT");
   metrics.count_reconnect();
@@ -50,6 +51,7 @@ TEST(Metrics, CountWhatHappened) {
                            "collided_rejected_total{reason=\"INVALID_ARGUMENT\"} 1",
                            "collided_reconnects_total 1",
                            "collided_calls_total{code=\"OK\",method=\"CreateScene\"} 2",
+                           "collided_broad_phase_frames_total{engine=\"lbvh\",reason=\"faster\"} 1",
                            "collided_scenes 2",
                            "collided_streams 3",
                            "collided_calls_in_work 6",

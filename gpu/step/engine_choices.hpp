@@ -1,0 +1,80 @@
+#pragma once
+// The choices of a scene between engines, and what they go by: how long the search for candidates took.
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <string_view>
+#include <vector>
+
+#include "gpu/step/engine_choice.hpp"
+#include "gpu/step/level_needs.hpp"
+
+namespace collided {
+
+/// Of the last step among the stages, from positions to candidates.
+inline double search_milliseconds(const std::vector<StageTime>& stages) {
+  static constexpr std::string_view kFirst = "boxes";
+  static constexpr std::string_view kOthers[] = {"levels",       "count", "refine",    "bottom_up", "top_down",
+                                                 "registration", "sort",  "hierarchy", "pairs",     "pairs_tt"};
+  double milliseconds = 0;
+  for (auto stage = stages.rbegin(); stage != stages.rend(); ++stage) {
+    if (stage->stage == kFirst) return milliseconds + stage->milliseconds;
+    if (std::ranges::find(kOthers, stage->stage) != std::end(kOthers)) milliseconds += stage->milliseconds;
+  }
+  return milliseconds;
+}
+
+/// Frames whose searches are alike share a choice. A step that may end early, or that no frame asked for, tells nothing
+/// of the engines: it goes by what the others chose.
+class EngineChoices {
+ public:
+  explicit EngineChoices(Engine wanted) : is_open_(wanted == Engine::kAuto) { choices_.fill(EngineChoice(wanted)); }
+
+  /// A step begins.
+  EngineFacts begin(const LevelNeeds& needs) {
+    const size_t which = 2 * needs.is_ccd() + needs.has_filter();
+    is_used_[which] = true;
+    is_observed_ = !needs.is_any_hit() && !needs.finds_rest_pairs;
+    choice_ = &choices_[which];
+    begin_ = Clock::now();
+    return is_observed_ ? choice_->next() : choice_->settled();
+  }
+  /// It has ended. `refined`: with bricks.
+  void end(const FrameResult& result, uint64_t triangles, bool refined) {
+    if (!is_observed_) return;
+    const std::chrono::duration<double, std::milli> total = Clock::now() - begin_;
+    const bool is_octree = result.broad_phase.engine == Engine::kOctree;
+    choice_->observe({search_milliseconds(result.stages), total.count(), result.replays == 0 && result.allocations == 0,
+                      is_octree && looks_wrong(result.counts, triangles, refined)});
+  }
+  /// It did not end.
+  void abandon() {
+    if (is_observed_) choice_->abandon();
+  }
+  /// There was no room for it: the engine that it is to be done with instead, if there is another.
+  std::optional<EngineFacts> retreat() {
+    if (!is_observed_ || !choice_->retreat()) return {};
+    return choice_->next();
+  }
+
+  /// None of the frames so far would use the engine next.
+  bool is_idle(Engine engine) const {
+    if (!is_open_) return false;
+    for (size_t i = 0; i < choices_.size(); ++i)
+      if (is_used_[i] && (choices_[i].next().engine == engine || choices_[i].settled().engine == engine)) return false;
+    return true;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool is_open_;
+  std::array<EngineChoice, 4> choices_;
+  std::array<bool, 4> is_used_ = {};
+  EngineChoice* choice_ = nullptr;  ///< of the step in work
+  bool is_observed_ = false;
+  Clock::time_point begin_;
+};
+
+}  // namespace collided
