@@ -296,7 +296,7 @@ struct FrameResult : PerKind<ContactSet> {
   PerKind<ContactSet> first;  ///< as ContactRoom::first_on_host asks
   std::vector<StageTime> stages;
   FrameCounts counts;
-  uint32_t replays = 0;         ///< runs of the step that were too short of memory
+  uint32_t replays = 0;         ///< runs of the step, or of a part of it, that were too short of memory
   uint32_t allocations = 0;     ///< of memory on the backend
   uint32_t graph_launches = 0;  ///< CUDA graphs launched; 0 on the CPU
   /// From resident positions to contacts in canonical order, on the backend: all runs of the step, as in `stages`,

@@ -213,6 +213,11 @@ concept RunsFrames = requires(Exec& exec, const Exec& same, const char* name, ui
   /// copyable value that it left at `result` on the backend. Steps of one key must put the same work in line: a backend
   /// may call f() more than once, or replay what it recorded, as long as no memory was allocated since.
   { exec.step(key, result, f) } -> std::same_as<uint64_t>;
+  /// Runs f() as a step that is not recorded: f() may look at what it has done so far, allocate, and go on as that
+  /// demands. Returns the value at `result` in the end.
+  { exec.step_by_parts(result, f) } -> std::same_as<uint64_t>;
+  /// Within such a step: the value at `result`, of all that is in line. Waits as a step does.
+  { exec.peek(result) } -> std::same_as<uint64_t>;
   /// Runs f() as a stage with a time of its own. Asks first whether the frame goes on, unless a step is only put in
   /// line.
   { exec.stage(name, f) } -> std::same_as<void>;

@@ -74,6 +74,15 @@ class DryRun {
     enqueue();
     return T{};
   }
+  template <class F, class T>
+  T step_by_parts(const T*, const F& f) {
+    f();
+    return T{};
+  }
+  template <class T>
+  T peek(const T*) const {
+    return T{};
+  }
   template <class F>
   void stage(const char* name, const F& f) {
     stages_.push_back({name, 0});

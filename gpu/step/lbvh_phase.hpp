@@ -42,7 +42,6 @@ class LbvhPhase {
     sorted_ = exec_.sort_pairs("sort_leaves", keys.bits(),
                                {bvh.keys[0].span(leaves()), bvh.keys[1].span(leaves()), bvh.triangles[0].span(leaves()),
                                 bvh.triangles[1].span(leaves())});
-    is_counted_ = false;
   }
 
   void build() {
@@ -55,13 +54,12 @@ class LbvhPhase {
                                   bvh.nodes.all()});
   }
 
-  /// What the walks of all leaves find goes to the sink. The first search of a step counts the tests.
+  /// What the walks of all leaves find goes to the sink. `counts_tests`: once for each step.
   template <class Sink>
-  void search(const char* name, const Sink& sink, uint64_t* next_item) {
+  void search(const char* name, const Sink& sink, uint64_t* next_item, bool counts_tests) {
     StepState* state = scene_.state.data();
     const BvhPairs source{scene_.bvh.nodes.all(), static_cast<uint32_t>(leaves()), scene_.topology.filter(),
-                          is_counted_ ? nullptr : &state->leaves[LeafSum::kTests]};
-    is_counted_ = true;
+                          counts_tests ? &state->leaves[LeafSum::kTests] : nullptr};
     searcher_.walk(name, leaves(), next_item, source, sink);
   }
 
@@ -81,8 +79,7 @@ class LbvhPhase {
   SceneBuffers<Exec, Real>& scene_;
   double thickness_ = 0;
   bool is_ccd_ = true;
-  int sorted_ = 0;           ///< which of the buffers holds the leaves in order
-  bool is_counted_ = false;  ///< a search of the step has counted its tests
+  int sorted_ = 0;  ///< which of the buffers holds the leaves in order
 };
 
 }  // namespace collided

@@ -44,8 +44,8 @@ class NarrowPhase {
         needs().kinds);
   }
 
-  /// Makes room for what a step asked for; whether it has to run again.
-  bool grow(const StepState& need) {
+  /// Makes room for what a step asked for; whether it has to run again. The first `kept` contacts stay.
+  bool grow(const StepState& need, uint64_t kept) {
     bool short_of_room = false;
     const auto check = [&](auto& buffer, uint64_t count) {
       if (count <= buffer.capacity()) return;
@@ -58,13 +58,18 @@ class NarrowPhase {
       check(scene_.candidates[kind].resumable, need.resumable[kind]);
     }
     check(scene_.triangle_pairs, need.triangle_pairs);
-    for (auto [buffers, count] : {std::pair(&scene_.contacts, need.contacts), {&scene_.earliest, need.earliest}}) {
-      if (count <= buffers->keys.capacity()) continue;
+    const auto check_contacts = [&](ContactBuffers<Exec, Real>& contacts, uint64_t count, uint64_t kept_of_them) {
+      if (count <= contacts.keys.capacity()) return;
       short_of_room = true;
-      reserve(*buffers, count + count / 4);
-    }
-    const bool reorder = order_.observe(needs().is_earliest_only() ? need.earliest : need.contacts);
-    return (reorder && Exec::kLaunchesCost) || short_of_room;
+      enlarge(contacts, count + count / 4, kept_of_them);
+    };
+    check_contacts(scene_.contacts, need.contacts, kept);
+    check_contacts(scene_.earliest, need.earliest, 0);
+    return short_of_room;
+  }
+  /// Looks at how many contacts a step found; whether they have to be put in order by another plan.
+  bool reorders(const StepState& found) {
+    return order_.observe(needs().is_earliest_only() ? found.earliest : found.contacts) && Exec::kLaunchesCost;
   }
   OrderPlan plan_order() const { return order_.plan(); }
 
@@ -86,10 +91,18 @@ class NarrowPhase {
     });
   }
 
-  /// After the last kind: contacts that the report does not want go, the others are completed and put in order.
+  /// After the last kind: contacts that the report does not want go.
+  void keep_earliest() {
+    exec_.stage("earliest", [&] {
+      StepState* state = scene_.state.data();
+      exec_.for_each("keep_earliest", Counted{&state->contacts, scene_.contacts.keys.capacity()},
+                     KeepEarliest<Real>{scene_.contacts.keys.all(), scene_.contacts.data.all(), &state->shortcut,
+                                        list(scene_.earliest, &state->earliest)});
+    });
+  }
+  /// The others are completed and put in order.
   void finish() {
     if (needs().is_any_hit() && !needs().is_exact()) return;
-    if (needs().is_earliest_only()) exec_.stage("earliest", [&] { keep_earliest(); });
     if (needs().columns().has(ContactField::kNormals)) exec_.stage("normals", [&] { write_normals(); });
     exec_.stage("order", [&] { order(); });
   }
@@ -119,6 +132,16 @@ class NarrowPhase {
   void reserve(ContactBuffers<Exec, Real>& contacts, uint64_t count) {
     contacts.keys.allocate(count);
     if (needs().has_data()) contacts.data.allocate(contacts.keys.capacity());
+  }
+
+  void enlarge(ContactBuffers<Exec, Real>& contacts, uint64_t count, uint64_t kept) {
+    if (kept == 0) return reserve(contacts, count);
+    ContactBuffers<Exec, Real> larger(exec_);
+    reserve(larger, count);
+    exec_.copy(larger.keys.data(), contacts.keys.data(), kept * sizeof(uint64_t));
+    if (needs().has_data()) exec_.copy(larger.data.data(), contacts.data.data(), kept * sizeof(ContactData<Real>));
+    exec_.wait();
+    contacts = std::move(larger);
   }
 
   void reserve(CandidateBuffers<Exec>& candidates, uint64_t count) {
@@ -219,13 +242,6 @@ class NarrowPhase {
     put_in_order(exec_, scene_.order,
                  Unordered<WriteContact<Real>>{wanted_count(), wanted().keys.all(), ranks_, &state->kinds, write},
                  plan_.order, id_counts(), &state->crowded_ranks);
-  }
-
-  void keep_earliest() {
-    StepState* state = scene_.state.data();
-    exec_.for_each("keep_earliest", Counted{&state->contacts, scene_.contacts.keys.capacity()},
-                   KeepEarliest<Real>{scene_.contacts.keys.all(), scene_.contacts.data.all(), &state->shortcut,
-                                      list(scene_.earliest, &state->earliest)});
   }
 
   Exec& exec_;

@@ -7,16 +7,15 @@
 #include <utility>
 
 #include "gpu/contacts/scene_counts.hpp"
+#include "gpu/step/candidate_phase.hpp"
 #include "gpu/step/engine_choices.hpp"
 #include "gpu/step/lbvh_phase.hpp"
 #include "gpu/step/narrow_phase.hpp"
 #include "gpu/step/octree_phase.hpp"
+#include "gpu/step/octree_planner.hpp"
 #include "gpu/step/placing.hpp"
 #include "gpu/step/plan.hpp"
-#include "gpu/step/refinement.hpp"
 #include "gpu/step/results.hpp"
-#include "gpu/step/sinks.hpp"
-#include "gpu/step/usage_predictor.hpp"
 
 namespace collided {
 
@@ -33,10 +32,11 @@ class Pipeline {
         octree_(exec, searcher_, spec, counts_, scene),
         lbvh_(exec, searcher_, counts_, scene),
         narrow_(exec, ranks_, scene),
+        candidates_(exec, counts_, ranks_, scene, octree_, lbvh_, narrow_),
         placing_(exec, scene),
         results_(exec, spec, scene, placing_),
         choices_(spec.engine),
-        levels_{.deepest = deepest_base(counts_.triangles)} {
+        planner_(counts_.triangles) {
     narrow_.expect_loose_elements(counts_.has_loose_elements());
   }
 
@@ -52,8 +52,7 @@ class Pipeline {
   void resize(SceneCounts counts) {
     ranks_ = ranks_of(spec_, counts);
     counts_ = std::move(counts);
-    const int deepest = deepest_base(counts_.triangles);
-    if (deepest != levels_.deepest) levels_ = {.deepest = deepest};
+    planner_.resize(counts_.triangles);
     narrow_.expect_loose_elements(counts_.has_loose_elements());
     boxed_thickness_.reset();
     numbers_.begin_anew();
@@ -72,10 +71,6 @@ class Pipeline {
   uint64_t answer_bytes() const { return results_.answer_bytes(); }
 
  private:
-  /// In pair tests. From 0 to 4 it makes no difference to the time beyond 2 % in all (tests/bench/results, registration
-  /// weight); with 0 no other cut of the same grid makes fewer tests.
-  static constexpr float kRegistrationCost = 0;
-
   FrameResult detect(bool boxes_static, const LevelNeeds& needs, uint64_t bytes_beside_contact,
                      const ContactRoom& room) {
     const double thickness = needs.settings.reach();
@@ -134,44 +129,100 @@ class Pipeline {
       throw;
     }
   }
-  /// Until everything the step found had room.
+  /// Until everything the step found had room. A step that will not be as it is again, because memory was allocated for
+  /// it, runs by parts: where it was short of room only the last part runs again. On CPU cores all do.
   void run_until_room(const LevelNeeds& needs, bool boxes_static) {
-    scene_.state.allocate(1);
+    begin_state();
     for (;;) {
       plan_ = {needs, plan_octree(), boxes_static, narrow_.plan_order()};
       octree_.begin(needs.settings.reach(), needs.is_ccd());
       lbvh_.begin(needs.settings.reach(), needs.is_ccd());
       narrow_.begin(plan_);
+      candidates_.begin(plan_);
       reserve();
+      by_parts_ = !Exec::kLaunchesCost || exec_.allocations() > 0;
+      if (by_parts_) {
+        state_ = exec_.step_by_parts(scene_.state.data(), [&] { enqueue(); });
+        return;
+      }
       state_ = exec_.step(numbers_.number_of(plan_), scene_.state.data(), [&] { enqueue(); });
       if (!must_rerun()) return;
       ++result_.replays;
     }
   }
+  /// The second is what the first was before a part.
+  void begin_state() {
+    if (scene_.state.capacity() > 0) return;
+    scene_.state.allocate(2);
+    exec_.fill_zero(scene_.state.data(), 2 * sizeof(StepState));
+  }
 
-  /// Makes room for what the step asked for.
+  /// Part of a step. After it, where steps run by parts, `must_rerun` makes room for what it asked for.
+  template <class Put, class MustRerun>
+  void part(const Put& put, const MustRerun& must_rerun) {
+    if (!by_parts_) return put();
+    StepState* state = scene_.state.data();
+    exec_.copy(state + 1, state, sizeof(StepState));
+    for (;;) {
+      put();
+      state_ = exec_.peek(state);
+      if (!must_rerun()) return;
+      ++result_.replays;
+      exec_.copy(state, state + 1, sizeof(StepState));
+    }
+  }
+  template <class Put>
+  void part(const Put& put) {
+    const uint64_t contacts_before = state_.contacts;
+    part(put, [&] { return narrow_.grow(state_, contacts_before); });
+  }
+
+  /// Of a whole step.
   bool must_rerun() {
-    const bool octree_grew = octree_.grow(state_), narrow_grew = narrow_.grow(state_),
-               missed_large = large_.observe(state_.large > 0) && !plan_.octree.has_large;
-    // A step that was short of room tells nothing of what refinement is good for.
-    return octree_grew || narrow_grew || missed_large || needs_refinement();
+    const bool octree_grew = octree_.grow(state_), narrow_grew = narrow_.grow(state_, 0),
+               reorders = narrow_.reorders(state_), missed_large = planner_.missed_large(state_, plan_.octree);
+    return octree_grew || narrow_grew || reorders || missed_large || planner_.needs_refinement(state_, plan_.octree);
   }
-  bool needs_refinement() {
-    return plan_.octree.engine == Engine::kOctree && refinement_.observe(state_, counts_.triangles);
+  /// Of the part that makes the octree, or the hierarchy.
+  bool must_rebuild() {
+    const bool grew = octree_.grow(state_), missed_large = planner_.missed_large(state_, plan_.octree);
+    if (!grew && !missed_large && !planner_.needs_refinement(state_, plan_.octree)) return false;
+    plan_.octree = plan_octree();
+    candidates_.begin(plan_);
+    reserve();
+    return true;
   }
+  OctreePlan plan_octree() const { return planner_.plan(result_.broad_phase.engine, !Exec::kLaunchesCost); }
 
   void reserve() {
     scene_.reserve_boxes(counts_.triangles);
     narrow_.reserve();
     if (is_lbvh()) return lbvh_.reserve();
     octree_.reserve(plan_.octree);
-    if (std::exchange(sent_levels_, levels_) == levels_) return;
+    if (std::exchange(sent_levels_, planner_.levels()) == planner_.levels()) return;
     exec_.upload(scene_.octree.wanted.data(), &sent_levels_, sizeof(sent_levels_));
   }
   bool is_lbvh() const { return plan_.octree.engine == Engine::kLbvh; }
 
   /// Fig. 7.
   void enqueue() {
+    part([&] { make_tree(); }, [&] { return must_rebuild(); });
+    if (is_of_features(first_kind())) detect_features();
+    if (needs().kinds.triangle_triangle) detect_triangles();
+    if (needs().is_earliest_only()) part([&] { narrow_.keep_earliest(); });
+    if (by_parts_) plan_order();
+    narrow_.finish();
+    if (needs().places_contacts()) exec_.stage("place", [&] { placing_.place(needs()); });
+  }
+  /// How many contacts there are is known.
+  void plan_order() {
+    narrow_.reorders(state_);
+    plan_.order = narrow_.plan_order();
+    narrow_.begin(plan_);
+    narrow_.reserve();
+  }
+
+  void make_tree() {
     exec_.stage("boxes", [&] {
       exec_.concurrently([&] { octree_.box_triangles(plan_.boxes_static); }, [&] { octree_.clear(plan_.octree); });
     });
@@ -181,12 +232,7 @@ class Pipeline {
       exec_.concurrently(build, [&] { octree_.count_small_triangles(); });
     else
       build();
-    if (is_of_features(first_kind())) detect_features();
-    if (needs().kinds.triangle_triangle) detect_triangles();
-    narrow_.finish();
-    if (needs().places_contacts()) exec_.stage("place", [&] { placing_.place(needs()); });
   }
-
   void build_octree(const OctreePlan& plan) {
     exec_.stage("count", [&] { octree_.count_overlapped_cells(plan); });
     if (plan.rounds > 0) exec_.stage("refine", [&] { octree_.refine(plan); });
@@ -225,16 +271,16 @@ class Pipeline {
 
   void detect_features() {
     if (needs().has_narrow_phase() && needs().is_any_hit()) return detect_in_turn();
-    search(needs().kinds);
-    if (needs().has_narrow_phase()) detect_side_by_side();
+    part([&] { candidates_.search(needs().kinds); });
+    if (needs().has_narrow_phase()) part([&] { detect_side_by_side(); });
   }
   /// One kind may answer for all.
   void detect_in_turn() {
     for_each_features([&]<class Kind>(const Kind& kind) {
       PerKind<bool> alone;
       value_of(alone, Kind::kKind) = true;
-      search(alone);
-      narrow_.detect(kind);
+      part([&] { candidates_.search(alone); });
+      part([&] { narrow_.detect(kind); });
     });
   }
   /// The first kind beside the others.
@@ -250,84 +296,11 @@ class Pipeline {
     exec_.concurrently([&] { detect(true); }, [&] { detect(false); });
   }
 
-  /// 6.-8. Pairs, the boxes of the wanted features, and the filter of the level.
-  void search(const PerKind<bool>& wanted) {
-    exec_.stage("pairs", [&] {
-      with_filter<Real>(needs(), needs().settings.reach(), scene_.state.data(),
-                        [&](const auto& keep) { search_for(keep, wanted); });
-    });
-  }
-  /// Scenes of triangles alone that leave nothing out and whose meshes keep to their paths have a search of their own,
-  /// which does not ask.
-  template <class Keep>
-  void search_for(const Keep& keep, const PerKind<bool>& wanted) {
-    // Rest pairs that rings leave out as well are kept, too: an edit may take the rings away.
-    const ExcludedPairs excluded = needs().finds_rest_pairs ? ExcludedPairs{} : scene_.topology.excluded_pairs();
-    const bool has_deviations = scene_.deviations(needs().is_ccd()).is_needed();
-    if (excluded.is_needed() || has_deviations || counts_.has_loose_elements())
-      search_for(keep, wanted, octree_.elementary_of_any(wanted), excluded);
-    else
-      search_for(keep, wanted, octree_.elementary(wanted), NothingExcluded{});
-  }
-  template <class Keep, class Tests, class Excluded>
-  void search_for(const Keep& keep, const PerKind<bool>& wanted, const Tests& tests, const Excluded& excluded) {
-    StepState* state = scene_.state.data();
-    const bool is_narrow = needs().has_narrow_phase();
-    const auto list = [&](ContactKind kind) { return is_narrow ? narrow_.kept(kind) : all_contacts(); };
-    find_pairs("find_candidates", first_of(wanted),
-               FeatureSink<Real, Keep, Tests, Excluded>{
-                   tests,
-                   keep,
-                   list(ContactKind::kVertexTriangle),
-                   list(ContactKind::kEdgeEdge),
-                   is_narrow ? 0 : ranks_.begin[kIndexOf<EdgeEdge>],
-                   narrow_.early_exit(),
-                   {pairs_counter(first_of(wanted)), &state->candidates[kIndexOf<VertexTriangle>],
-                    &state->candidates[kIndexOf<EdgeEdge>]},
-                   excluded});
-  }
-
   void detect_triangles() {
-    constexpr ContactKind kKind = ContactKind::kTriangleTriangle;
-    const bool is_narrow = needs().tests_triangles();
-    exec_.stage("pairs_tt", [&] {
-      const AppendList<uint64_t> pairs{scene_.triangle_pairs.all(), &scene_.state.data()->triangle_pairs};
-      find_pairs("find_triangle_pairs", kKind,
-                 TrianglePairSink{scene_.topology.triangles.all(),
-                                  is_narrow ? pairs : all_contacts(),
-                                  is_narrow ? 0 : ranks_.begin[index_of(kKind)],
-                                  narrow_.early_exit(),
-                                  {pairs_counter(kKind), nullptr, nullptr},
-                                  scene_.topology.rings()});
-    });
-    if (is_narrow) narrow_.detect_triangles();
+    part([&] { candidates_.search_triangles(); });
+    if (needs().tests_triangles()) part([&] { narrow_.detect_triangles(); });
   }
 
-  AppendList<uint64_t> all_contacts() const { return {scene_.contacts.keys.all(), &scene_.state.data()->contacts}; }
-  /// Of a search that is for this kind first: the step's first search counts the pairs.
-  uint64_t* pairs_counter(ContactKind first) const {
-    return first == first_kind() ? &scene_.state.data()->pairs : nullptr;
-  }
-  template <class Sink>
-  void find_pairs(const char* name, ContactKind first, const Sink& sink) {
-    uint64_t* next_item = &scene_.state.data()->next_item[index_of(first)];
-    is_lbvh() ? lbvh_.search(name, sink, next_item) : octree_.search(name, plan_.octree, sink, next_item);
-  }
-
-  OctreePlan plan_octree() const {
-    const Engine engine = result_.broad_phase.engine;
-    OctreePlan plan{engine, {cut_rule_of(engine), kRegistrationCost}};
-    plan.levels = levels_.deepest + 1, plan.base = levels_.deepest;
-    if (has_cells_of_triangles(engine))
-      plan.levels = engine == Engine::kUniformGrid ? 1 : kLevelsOfCrowdedCell + 1;
-    else if (levels_.base >= 0)
-      plan.levels = levels_.base - levels_.top + 1, plan.base = levels_.base;
-    plan.has_large = large_.is_expected() || !Exec::kLaunchesCost;
-    if (engine != Engine::kOctree) return plan;
-    plan.rounds = refinement_.rounds();
-    plan.max_crowded_tests = refinement_.limit(counts_.triangles);
-    return plan;
-  }
   /// Counts of the step, and what follows from them for the next.
   void describe() {
     FrameCounts& c = result_.counts;
@@ -348,7 +321,7 @@ class Pipeline {
     if (engine == Engine::kLbvh)
       lbvh_.describe(c);
     else if (!has_cells_of_triangles(engine))
-      levels_ = next_levels({state_.grid.grid.top, state_.grid.grid.base, levels_.deepest}, leaves.level_registrations);
+      planner_.learn_levels(state_);
     result_.input_resolution = needs().judges_resolution() && is_coarse();
     result_.step_milliseconds = exec_.step_milliseconds();
     result_.graph_launches = exec_.graph_launches();
@@ -363,14 +336,15 @@ class Pipeline {
   OctreePhase<Exec, Real> octree_;
   LbvhPhase<Exec, Real> lbvh_;
   NarrowPhase<Exec, Real> narrow_;
+  CandidatePhase<Exec, Real> candidates_;
   Placing<Exec, Real> placing_;
   Results<Exec, Real> results_;
   EngineChoices choices_;
-  Refinement refinement_;
-  ActiveLevels levels_, sent_levels_{.deepest = -1};  ///< the latter are on the backend
-  UsagePredictor large_;                              ///< triangles that cover many cells
-  StepPlan plan_;                                     ///< of the last step
-  std::optional<double> boxed_thickness_;             ///< that all boxes have
+  OctreePlanner planner_;
+  ActiveLevels sent_levels_{.deepest = -1};  ///< that are on the backend
+  bool by_parts_ = false;                    ///< the step in work
+  StepPlan plan_;                            ///< of the last step
+  std::optional<double> boxed_thickness_;    ///< that all boxes have
   PlanNumbers numbers_;
   StepState state_{};
   FrameResult result_;

@@ -113,9 +113,17 @@ class CpuExec {
 
   template <class F, class T>
   T step(uint64_t, const T* result, const F& enqueue) {
+    return step_by_parts(result, enqueue);
+  }
+  template <class F, class T>
+  T step_by_parts(const T* result, const F& f) {
     const WorkTime time(loops_.asks);
-    enqueue();
+    f();
     step_milliseconds_ += time.milliseconds();
+    return *result;
+  }
+  template <class T>
+  T peek(const T* result) const {
     return *result;
   }
   double step_milliseconds() const { return step_milliseconds_; }

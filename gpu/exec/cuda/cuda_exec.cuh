@@ -21,6 +21,7 @@
 #include "gpu/exec/cuda/nvtx.cuh"
 #include "gpu/exec/cuda/reduce.cuh"
 #include "gpu/exec/cuda/resumable.cuh"
+#include "gpu/exec/cuda/stage_events.cuh"
 #include "gpu/exec/cuda/staging.cuh"
 #include "gpu/exec/cuda/step_graph.cuh"
 
@@ -56,7 +57,6 @@ class CudaExec {
   CudaExec(const CudaExec&) = delete;
   CudaExec& operator=(const CudaExec&) = delete;
   ~CudaExec() {
-    for (cudaEvent_t event : events_) cudaEventDestroy(event);
     cudaStreamDestroy(stream_);
     cudaStreamDestroy(side_);
     cudaStreamDestroy(stopper_);
@@ -183,7 +183,27 @@ class CudaExec {
     graph->keep_times(host_.data() + sizeof(T));
     std::memcpy(&host, host_.data(), sizeof(T));
     step_milliseconds_ += graph->milliseconds();
-    graph->add_stage_times(step_stages_);
+    stage_events_.add(*graph);
+    return host;
+  }
+  /// Its stages are timed by events, and nothing runs side by side.
+  template <class F, class T>
+  T step_by_parts(const T* result, const F& f) {
+    asks().ask();
+    const NvtxRange range("step by parts");
+    check_cuda(cudaEventRecord(fork_, stream_), "step");
+    f();
+    check_cuda(cudaEventRecord(join_, stream_), "step");
+    const T found = peek(result);
+    step_milliseconds_ += milliseconds_between(fork_, join_);
+    return found;
+  }
+  template <class T>
+  T peek(const T* result) {
+    T host;
+    download_async(host_memory(sizeof(T)), result, sizeof(T));
+    wait_for_step();
+    std::memcpy(&host, host_.data(), sizeof(T));
     return host;
   }
   double step_milliseconds() const { return step_milliseconds_; }
@@ -253,17 +273,11 @@ class CudaExec {
     }
     if (reserving_) return f();
     asks().ask();
-    const size_t first = 2 * names_.size();
-    while (events_.size() < first + 2) events_.push_back(make_event());
-    names_.push_back({name, step_stages_.size()});
-    check_cuda(cudaEventRecord(events_[first], stream_), name);
-    f();
-    check_cuda(cudaEventRecord(events_[first + 1], stream_), name);
+    stage_events_.time(name, stream_, f);
   }
   void begin_frame() {
     check_cuda(cudaSetDevice(device_), "cudaSetDevice");  // the calling thread may be a new one
-    names_.clear();
-    step_stages_.clear();
+    stage_events_.begin_frame();
     allocations_ = 0;
     graph_launches_ = 0;
     step_milliseconds_ = 0;
@@ -278,14 +292,7 @@ class CudaExec {
   }
   std::vector<StageTime> stage_times() {
     wait();
-    std::vector<StageTime> times;
-    size_t of_steps = 0;
-    for (size_t i = 0; i < names_.size(); ++i) {
-      for (; of_steps < names_[i].after; ++of_steps) times.push_back(step_stages_[of_steps]);
-      times.push_back({names_[i].name, milliseconds_between(events_[2 * i], events_[2 * i + 1])});
-    }
-    times.insert(times.end(), step_stages_.begin() + static_cast<std::ptrdiff_t>(of_steps), step_stages_.end());
-    return times;
+    return stage_events_.all();
   }
 
   // For kernels of others.
@@ -317,11 +324,6 @@ class CudaExec {
 
  private:
   static constexpr unsigned kBlock = 256;
-  struct NamedStage {
-    const char* name;
-    size_t after;  ///< stages of steps before it
-  };
-
   /// While it lives, what is put in line goes to the side stream; also if it ends with a throw.
   class OnSideStream {
    public:
@@ -401,9 +403,7 @@ class CudaExec {
   PinnedMemory pinned_{memory_.ledger()};
   Buffer<std::byte, PinnedMemory> host_{pinned_, "downloads"};
   Buffer<uint32_t, PinnedMemory> stop_word_{pinned_, "stop"};  ///< what stop_ is set to
-  std::vector<cudaEvent_t> events_;
-  std::vector<NamedStage> names_;
-  std::vector<StageTime> step_stages_;
+  StageEvents stage_events_;
   double step_milliseconds_ = 0;
   uint32_t allocations_ = 0, graph_launches_ = 0;
 };

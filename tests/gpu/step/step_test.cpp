@@ -25,7 +25,13 @@ class Player {
     const auto start = std::chrono::steady_clock::now();
     FrameResult result = detector_->detect(input);
     const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start;
-    EXPECT_EQ(result.graph_launches, kBackend == Backend::kCuda ? 1 + result.replays : 0);
+    // Steps that memory is allocated for are not recorded.
+    if (kBackend == Backend::kCpu)
+      EXPECT_EQ(result.graph_launches, 0u);
+    else if (result.allocations == 0)
+      EXPECT_EQ(result.graph_launches, 1 + result.replays);
+    else
+      EXPECT_LE(result.graph_launches, 1 + result.replays);
     EXPECT_GT(result.step_milliseconds, 0);
     EXPECT_LE(result.step_milliseconds, wall.count());
     EXPECT_LE(result.replays, kMaxReplays) << "lists grow to what was asked for, not bit by bit";

@@ -1,0 +1,104 @@
+#pragma once
+// Steps 6 to 8 of Fig. 7: what the octree, or the hierarchy, finds goes to the sinks that make candidates of it.
+
+#include "gpu/contacts/scene_counts.hpp"
+#include "gpu/step/lbvh_phase.hpp"
+#include "gpu/step/narrow_phase.hpp"
+#include "gpu/step/octree_phase.hpp"
+#include "gpu/step/plan.hpp"
+#include "gpu/step/sinks.hpp"
+
+namespace collided {
+
+template <Executor Exec, class Real>
+class CandidatePhase {
+ public:
+  CandidatePhase(Exec& exec, const SceneCounts& counts, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene,
+                 OctreePhase<Exec, Real>& octree, LbvhPhase<Exec, Real>& lbvh, NarrowPhase<Exec, Real>& narrow)
+      : exec_(exec), counts_(counts), ranks_(ranks), scene_(scene), octree_(octree), lbvh_(lbvh), narrow_(narrow) {}
+
+  /// What the next searches are for.
+  void begin(const StepPlan& plan) { plan_ = plan; }
+
+  /// 6.-8. Pairs, the boxes of the wanted features, and the filter of the level.
+  void search(const PerKind<bool>& wanted) {
+    exec_.stage("pairs", [&] {
+      with_filter<Real>(needs(), needs().settings.reach(), scene_.state.data(),
+                        [&](const auto& keep) { search_for(keep, wanted); });
+    });
+  }
+  /// Pairs of triangles, which are contacts where nothing looks at them more closely.
+  void search_triangles() {
+    constexpr ContactKind kKind = ContactKind::kTriangleTriangle;
+    const bool is_narrow = needs().tests_triangles();
+    exec_.stage("pairs_tt", [&] {
+      const AppendList<uint64_t> pairs{scene_.triangle_pairs.all(), &scene_.state.data()->triangle_pairs};
+      find_pairs("find_triangle_pairs", kKind,
+                 TrianglePairSink{scene_.topology.triangles.all(),
+                                  is_narrow ? pairs : all_contacts(),
+                                  is_narrow ? 0 : ranks_.begin[index_of(kKind)],
+                                  narrow_.early_exit(),
+                                  {pairs_counter(kKind), nullptr, nullptr},
+                                  scene_.topology.rings()});
+    });
+  }
+
+ private:
+  const LevelNeeds& needs() const { return plan_.needs; }
+  ContactKind first_kind() const { return first_of(needs().kinds); }
+
+  /// Scenes of triangles alone that leave nothing out and whose meshes keep to their paths have a search of their own,
+  /// which does not ask.
+  template <class Keep>
+  void search_for(const Keep& keep, const PerKind<bool>& wanted) {
+    // Rest pairs that rings leave out as well are kept, too: an edit may take the rings away.
+    const ExcludedPairs excluded = needs().finds_rest_pairs ? ExcludedPairs{} : scene_.topology.excluded_pairs();
+    const bool has_deviations = scene_.deviations(needs().is_ccd()).is_needed();
+    if (excluded.is_needed() || has_deviations || counts_.has_loose_elements())
+      search_for(keep, wanted, octree_.elementary_of_any(wanted), excluded);
+    else
+      search_for(keep, wanted, octree_.elementary(wanted), NothingExcluded{});
+  }
+  template <class Keep, class Tests, class Excluded>
+  void search_for(const Keep& keep, const PerKind<bool>& wanted, const Tests& tests, const Excluded& excluded) {
+    StepState* state = scene_.state.data();
+    const bool is_narrow = needs().has_narrow_phase();
+    const auto list = [&](ContactKind kind) { return is_narrow ? narrow_.kept(kind) : all_contacts(); };
+    find_pairs("find_candidates", first_of(wanted),
+               FeatureSink<Real, Keep, Tests, Excluded>{
+                   tests,
+                   keep,
+                   list(ContactKind::kVertexTriangle),
+                   list(ContactKind::kEdgeEdge),
+                   is_narrow ? 0 : ranks_.begin[kIndexOf<EdgeEdge>],
+                   narrow_.early_exit(),
+                   {pairs_counter(first_of(wanted)), &state->candidates[kIndexOf<VertexTriangle>],
+                    &state->candidates[kIndexOf<EdgeEdge>]},
+                   excluded});
+  }
+
+  AppendList<uint64_t> all_contacts() const { return {scene_.contacts.keys.all(), &scene_.state.data()->contacts}; }
+  /// Of a search that is for this kind first: the step's first search counts the pairs.
+  uint64_t* pairs_counter(ContactKind first) const {
+    return first == first_kind() ? &scene_.state.data()->pairs : nullptr;
+  }
+  template <class Sink>
+  void find_pairs(const char* name, ContactKind first, const Sink& sink) {
+    uint64_t* next_item = &scene_.state.data()->next_item[index_of(first)];
+    if (plan_.octree.engine == Engine::kLbvh)
+      lbvh_.search(name, sink, next_item, first == first_kind());
+    else
+      octree_.search(name, plan_.octree, sink, next_item);
+  }
+
+  Exec& exec_;
+  const SceneCounts& counts_;
+  const FeatureRanks& ranks_;
+  SceneBuffers<Exec, Real>& scene_;
+  OctreePhase<Exec, Real>& octree_;
+  LbvhPhase<Exec, Real>& lbvh_;
+  NarrowPhase<Exec, Real>& narrow_;
+  StepPlan plan_;
+};
+
+}  // namespace collided

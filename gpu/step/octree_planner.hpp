@@ -1,0 +1,64 @@
+#pragma once
+// What the octree's next step is like, from what the last ones found.
+
+#include "gpu/step/engine_choice.hpp"
+#include "gpu/step/plan.hpp"
+#include "gpu/step/refinement.hpp"
+#include "gpu/step/usage_predictor.hpp"
+
+namespace collided {
+
+class OctreePlanner {
+ public:
+  explicit OctreePlanner(uint64_t triangles) { resize(triangles); }
+
+  /// The scene has so many triangles from the next step on.
+  void resize(uint64_t triangles) {
+    triangles_ = triangles;
+    const int deepest = deepest_base(triangles);
+    if (deepest != levels_.deepest) levels_ = {.deepest = deepest};
+  }
+
+  /// `is_ready`: for triangles that cover many cells, whether or not any are expected.
+  OctreePlan plan(Engine engine, bool is_ready) const {
+    OctreePlan plan{engine, {cut_rule_of(engine), kRegistrationCost}};
+    plan.levels = levels_.deepest + 1, plan.base = levels_.deepest;
+    if (has_cells_of_triangles(engine))
+      plan.levels = engine == Engine::kUniformGrid ? 1 : kLevelsOfCrowdedCell + 1;
+    else if (levels_.base >= 0)
+      plan.levels = levels_.base - levels_.top + 1, plan.base = levels_.base;
+    plan.has_large = large_.is_expected() || is_ready;
+    if (engine != Engine::kOctree) return plan;
+    plan.rounds = refinement_.rounds();
+    plan.max_crowded_tests = refinement_.limit(triangles_);
+    return plan;
+  }
+  const ActiveLevels& levels() const { return levels_; }
+
+  // Of a step that ran: whether it has to run again, by another plan.
+  bool missed_large(const StepState& step, const OctreePlan& plan) {
+    return large_.observe(step.large > 0) && !plan.has_large;
+  }
+  /// Only where the step had room for all that it found: else it tells nothing of what refinement is good for.
+  bool needs_refinement(const StepState& step, const OctreePlan& plan) {
+    return plan.engine == Engine::kOctree && refinement_.observe(step, triangles_);
+  }
+
+  /// Looks at the last run of a step of an engine that chooses its levels.
+  void learn_levels(const StepState& step) {
+    const auto& grid = step.grid.grid;
+    levels_ = next_levels({grid.top, grid.base, levels_.deepest}, step.leaves.level_registrations);
+  }
+
+ private:
+  /// In pair tests. From 0 to 4 it makes no difference to the time beyond 2 % in all (tests/bench/results, registration
+  /// weight); with 0 no other cut of the same grid makes fewer tests.
+  static constexpr float kRegistrationCost = 0;
+
+  uint64_t triangles_ = 0;
+  ActiveLevels levels_{.deepest = -1};
+  Refinement refinement_;
+  UsagePredictor large_;  ///< triangles that cover many cells
+};
+
+}  // namespace collided
