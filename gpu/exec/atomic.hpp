@@ -126,7 +126,7 @@ struct AppendList {
   /// If more is asked for, it is better to enlarge the list before the rest is counted: what is found in vain stays
   /// below what there has to be room for.
   COLLIDED_HD uint64_t most_in_vain() const {
-    constexpr uint64_t kAlways = 1u << 20;
+    constexpr uint64_t kAlways = 1u << 22;
     const uint64_t most = 4 * items.size();
     return most < kAlways ? kAlways : most;
   }

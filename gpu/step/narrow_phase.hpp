@@ -26,6 +26,9 @@ class NarrowPhase {
   /// What the next steps do.
   void begin(const StepPlan& plan) { plan_ = plan; }
 
+  /// Where the step runs by parts: what it has found so far; else null.
+  void follow(const StepState* found) { found_ = found; }
+
   /// Lists start at what most scenes need.
   void reserve() {
     const uint64_t first = first_length(scene_.topology.triangles.capacity());
@@ -73,16 +76,17 @@ class NarrowPhase {
   }
   OrderPlan plan_order() const { return order_.plan(); }
 
-  /// From kFast on: the narrow phase of one kind of features, over what the filter kept.
-  template <class Kind>
-  void detect(const Kind& kind) {
+  /// From kFast on: the narrow phase of one kind of features, over what the filter kept. Each loop that appends to a
+  /// list is a part(put) of the step.
+  template <class Kind, class Part>
+  void detect(const Kind& kind, const Part& part) {
     exec_.stage(Kind::kNarrow, [&] {
       const AppendList<uint64_t> list = kept(Kind::kKind);
       const Counted count{list.count, list.items.size(), list.most_in_vain()};
       if (needs().is_screened())
-        detect_screened(kind, count);
+        detect_screened(kind, count, part);
       else
-        run(kind, count, list.items);
+        part([&] { run(kind, count, list.items); });
     });
   }
   void detect_triangles() {
@@ -161,24 +165,40 @@ class NarrowPhase {
             kind,
             candidates.all()};
   }
-  template <class Kind>
-  void detect_screened(const Kind& kind, const Counted& kept) {
+  template <class Kind, class Part>
+  void detect_screened(const Kind& kind, const Counted& kept, const Part& part) {
     constexpr int k = kIndexOf<Kind>;
     StepState* state = scene_.state.data();
     const CandidateBuffers<Exec>& lists = candidates_of(Kind::kKind);
-    const Counted screened{&state->screened[k], lists.screened.capacity()};
-    exec_.for_each("screen_ccd", kept,
-                   ScreenCcd<Real, Kind>{queries(kind, lists.kept), {lists.screened.all(), &state->screened[k]}});
-    if (!needs().is_approached()) return advance_ccd<float>(kind, screened, lists.screened);
-    exec_.for_each_resumable(
-        "approach_ccd", screened, &state->next_query[k][0],
-        ApproachCcd<Real, Kind>{queries(kind, lists.screened), {lists.resumable.all(), &state->resumable[k]}});
-    advance_ccd<double>(kind, {&state->resumable[k], lists.resumable.capacity()}, lists.resumable);
+    part([&] {
+      exec_.for_each("screen_ccd", kept,
+                     ScreenCcd<Real, Kind>{queries(kind, lists.kept), {lists.screened.all(), &state->screened[k]}});
+    });
+    if (!needs().is_approached()) {
+      if (found_ != nullptr) expect_contacts(lists, found_->screened[k]);
+      return part([&] { advance_ccd<float>(kind, &state->screened[k], lists.screened); });
+    }
+    part([&] {
+      exec_.for_each_resumable(
+          "approach_ccd", {&state->screened[k], lists.screened.capacity()}, &state->next_query[k][0],
+          ApproachCcd<Real, Kind>{queries(kind, lists.screened), {lists.resumable.all(), &state->resumable[k]}});
+    });
+    if (found_ != nullptr) expect_contacts(lists, found_->resumable[k]);
+    part([&] { advance_ccd<double>(kind, &state->resumable[k], lists.resumable); });
+  }
+  /// Contacts are at most as many as queries. Room for all of them spares the queries a second run; where that takes
+  /// more than the candidates' lists do, room is made as it is needed.
+  void expect_contacts(const CandidateBuffers<Exec>& lists, uint64_t queries) {
+    const uint64_t held = (lists.kept.capacity() + lists.screened.capacity()) * sizeof(uint64_t) +
+                          lists.resumable.capacity() * sizeof(ResumableQuery),
+                   most = found_->contacts + queries;
+    if (most > scene_.contacts.keys.capacity() && most * (sizeof(uint64_t) + sizeof(ContactData<Real>)) <= held)
+      enlarge(scene_.contacts, most, found_->contacts);
   }
   template <class Work, class Kind, class Candidate>
-  void advance_ccd(const Kind& kind, const Counted& count, const Buffer<Candidate, Exec>& candidates) {
+  void advance_ccd(const Kind& kind, const uint64_t* count, const Buffer<Candidate, Exec>& candidates) {
     exec_.for_each_resumable(
-        "advance_ccd", count, &scene_.state.data()->next_query[kIndexOf<Kind>][1],
+        "advance_ccd", {count, candidates.capacity()}, &scene_.state.data()->next_query[kIndexOf<Kind>][1],
         AdvanceCcd<Work, Real, Kind, Candidate>{queries(kind, candidates), needs().settings.start_thickness,
                                                 needs().skips_separating(), sink(Kind::kKind)});
   }
@@ -248,6 +268,7 @@ class NarrowPhase {
   const FeatureRanks& ranks_;
   SceneBuffers<Exec, Real>& scene_;
   bool has_loose_elements_ = false;
+  const StepState* found_ = nullptr;
   StepPlan plan_;
   OrderPredictor order_;
 };

@@ -141,6 +141,7 @@ class Pipeline {
       candidates_.begin(plan_);
       reserve();
       by_parts_ = !Exec::kLaunchesCost || exec_.allocations() > 0;
+      narrow_.follow(by_parts_ ? &state_ : nullptr);
       if (by_parts_) {
         state_ = exec_.step_by_parts(scene_.state.data(), [&] { enqueue(); });
         return;
@@ -272,7 +273,11 @@ class Pipeline {
   void detect_features() {
     if (needs().has_narrow_phase() && needs().is_any_hit()) return detect_in_turn();
     part([&] { candidates_.search(needs().kinds); });
-    if (needs().has_narrow_phase()) part([&] { detect_side_by_side(); });
+    if (needs().has_narrow_phase()) detect_side_by_side();
+  }
+  template <class Kind>
+  void detect(const Kind& kind) {
+    narrow_.detect(kind, [&](const auto& put) { part(put); });
   }
   /// One kind may answer for all.
   void detect_in_turn() {
@@ -280,7 +285,7 @@ class Pipeline {
       PerKind<bool> alone;
       value_of(alone, Kind::kKind) = true;
       part([&] { candidates_.search(alone); });
-      part([&] { narrow_.detect(kind); });
+      detect(kind);
     });
   }
   /// The first kind beside the others.
@@ -289,7 +294,7 @@ class Pipeline {
     for_each_features([&](const auto&) { ++kinds; });
     const auto detect = [&](bool first) {
       for_each_features([&]<class Kind>(const Kind& kind) {
-        if ((Kind::kKind == first_kind()) == first) narrow_.detect(kind);
+        if ((Kind::kKind == first_kind()) == first) this->detect(kind);
       });
     };
     if (kinds == 1) return detect(true);
