@@ -192,7 +192,7 @@ class CudaExec {
     asks().ask();
     const NvtxRange range("step by parts");
     check_cuda(cudaEventRecord(fork_, stream_), "step");
-    f();
+    draining_if_thrown(f);
     check_cuda(cudaEventRecord(join_, stream_), "step");
     const T found = peek(result);
     step_milliseconds_ += milliseconds_between(fork_, join_);
@@ -355,11 +355,17 @@ class CudaExec {
     begin_now();
   }
 
-  /// Asks while the device works. If that ends the frame, what is in line drains: the loops that take long see stop_.
+  /// Asks while the device works. If anything ends the frame, what is in line drains: the loops that take long see stop_.
   void wait_for_step() {
-    try {
+    draining_if_thrown([&] {
       for (cudaError_t state; (state = cudaStreamQuery(stream_)) != cudaSuccess; asks().ask_if_due())
         if (state != cudaErrorNotReady) check_cuda(state, "step");
+    });
+  }
+  template <class F>
+  void draining_if_thrown(const F& f) {
+    try {
+      f();
     } catch (const DeviceError&) {
       throw;
     } catch (...) {
