@@ -19,6 +19,8 @@ _CLASSES = (preferences.Preferences, settings.Settings, detect.DetectContacts, d
 
 
 def register():
+    if bpy.app.version >= (4, 0, 0):  # node groups have other sockets there
+        raise RuntimeError(f"the add-on collided is for Blender 3.4 to 3.6; this is {bpy.app.version_string}")
     for kind in _CLASSES:
         bpy.utils.register_class(kind)
     bpy.types.Scene.collided = bpy.props.PointerProperty(type=settings.Settings)

@@ -9,16 +9,24 @@ from .reports import Failed, conclude, errors_reported
 from .search import Search, objects_to_test
 
 
-class DetectContacts(bpy.types.Operator):
-    """Mark where the selected objects touch or cross at the current frame, each other and themselves"""
+class OnObjects:
+    """What operators that need selected objects have in common."""
 
-    bl_idname = "collided.detect"
-    bl_label = "Detect Contacts"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
-        return has_objects(cls, context)
+        if objects_to_test(context):
+            return True
+        cls.poll_message_set("Select one or more meshes, curves or texts")
+        return False
+
+
+class DetectContacts(OnObjects, bpy.types.Operator):
+    """Mark where the selected objects touch or cross at the current frame, each other and themselves"""
+
+    bl_idname = "collided.detect"
+    bl_label = "Detect Contacts"
 
     def execute(self, context):
         try:
@@ -29,10 +37,3 @@ class DetectContacts(bpy.types.Operator):
         except Failed:
             return {"CANCELLED"}
         return {"FINISHED"}
-
-
-def has_objects(operator, context):
-    if objects_to_test(context):
-        return True
-    operator.poll_message_set("Select one or more meshes, curves or texts")
-    return False

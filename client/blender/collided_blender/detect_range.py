@@ -3,7 +3,7 @@
 import bpy
 
 from .connection import connect
-from .detect import has_objects
+from .detect import OnObjects
 from .modes import out_of_edit_mode
 from .preferences import preferences
 from .reports import Failed, conclude, errors_reported
@@ -12,16 +12,11 @@ from .search import Search
 _TICK = 0.001  # seconds
 
 
-class DetectContactsInRange(bpy.types.Operator):
+class DetectContactsInRange(OnObjects, bpy.types.Operator):
     """Mark where the selected objects touch or cross in the frame range, also between two frames. Esc ends the search early"""
 
     bl_idname = "collided.detect_range"
     bl_label = "Detect Over Frame Range"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return has_objects(cls, context)
 
     def execute(self, context):
         """All at once, as scripts call it."""
@@ -95,7 +90,7 @@ class DetectContactsInRange(bpy.types.Operator):
     def _end(self, context, is_cancelled=False):
         self._close(context)
         with errors_reported(self):
-            conclude(self, self._search, True, f"; stopped after {self._done} of {len(self._frames)} frames" if is_cancelled else "")
+            conclude(self, self._search, True, f"stopped after {self._done} of {len(self._frames)} frames" if is_cancelled else "")
 
     def _close(self, context):
         self._search.close()

@@ -32,5 +32,6 @@ class ContactsPanel(bpy.types.Panel):
         column = layout.column(align=True)
         column.operator(tools.SelectTouchedFaces.bl_idname, icon="RESTRICT_SELECT_OFF")
         column.operator(tools.ClearContacts.bl_idname, icon="X")
-        if settings.summary:
-            layout.label(text=settings.summary)
+        column = layout.column(align=True)
+        for line in settings.summary.splitlines():
+            column.label(text=line)

@@ -28,12 +28,12 @@ def _errors():
         return (Refused,)
 
 
-def conclude(operator, search, by_frame, suffix=""):
+def conclude(operator, search, by_frame, ending=""):
     """Marks what was found, and says so."""
     skipped = mark(search, by_frame)
-    summary = summary_of(search.findings, by_frame) + suffix
-    search.settings.summary = summary
-    operator.report({"INFO"}, summary)
+    lines = [*summary_of(search.findings, by_frame), *([ending] if ending else [])]
+    search.settings.summary = "\n".join(lines)
+    operator.report({"INFO"}, ", ".join(lines))
     if skipped:
         names = ", ".join(skipped[:3]) + (f" and {len(skipped) - 3} more" if len(skipped) > 3 else "")
         operator.report({"WARNING"}, f"Touched vertices and faces are not marked in {names}: its modifiers make others, it is no "
@@ -41,11 +41,11 @@ def conclude(operator, search, by_frame, suffix=""):
 
 
 def summary_of(findings, by_frame):
-    """For people: "3 contacts, 1 crossing"."""
+    """Lines for people: "3 contacts, 1 crossing"."""
     counts = [f"{count} {noun}{'' if count == 1 else 's'}" for count, noun in
               zip(findings.count, ("contact", "crossing")) if count]
     if not counts:
-        return "No contacts"
+        return ["No contacts"]
     frames = findings.frames
-    where = f" in {len(frames)} of {len(findings.by_frame)} frames, first in frame {frames[0]}" if by_frame else ""
-    return ", ".join(counts) + where
+    where = [f"in {len(frames)} of {len(findings.by_frame)} frames, first in {frames[0]}"] if by_frame else []
+    return [", ".join(counts), *where]

@@ -36,7 +36,7 @@ def skip_without_programs():
 def display(out):
     """Starts a virtual display on a free number. Returns it and its name."""
     read, write = os.pipe()
-    screen = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1000x700x24"], pass_fds=[write],
+    screen = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "640x480x24"], pass_fds=[write],
                               stdout=out, stderr=out)
     os.close(write)
     with os.fdopen(read) as number:

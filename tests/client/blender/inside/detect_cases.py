@@ -131,7 +131,7 @@ class Objects(Case):
         self.settings.distance = 0.02
         DETECT()
         ends = lines("collided contacts")
-        self.assertEqual(sorted(ends[:, 0, 2].round(4).tolist()), [0.005, 0.01])
+        self.assertEqual(sorted(ends[:, 0, 2].astype(float).round(4)), [0.005, 0.01])
         self.assertEqual([touched_vertices(thing) for thing in (wire, dust)], [[0], [0]])
 
     def test_curves_and_texts(self):

@@ -35,7 +35,7 @@ class Range(Case):
         corner = np.argmin(values("collided contacts", "toi")[:, 0])
         np.testing.assert_allclose(first[corner], [(0.3, 0.2, 0)] * 2, atol=1e-6)
         self.assertAlmostEqual(values("collided contacts", "toi")[corner, 0], 0.5, places=5)
-        self.assertEqual(self.settings.summary, f"{len(first)} contacts in 1 of 5 frames, first in frame 4")
+        self.assertEqual(self.settings.summary, f"{len(first)} contacts\nin 1 of 5 frames, first in 4")
         self.assertEqual(self.scene.frame_current, 2)
         self.assertEqual(touched_vertices(tip), [0, 1, 2])
         self.assertEqual(drawn("collided contacts"), 0)
