@@ -1,4 +1,5 @@
-"""The add-on in a window: the panel is drawn, the search of a frame range can be watched, ends, and is stopped by Esc.
+"""The add-on in a window: the panel is drawn, the search of a frame range can be watched, ends, is stopped by Esc and
+undone.
 
 Goes on from step to step by a timer, between which Blender handles events.
 """
@@ -79,6 +80,14 @@ def steps():
     expect(scene.collided.summary.endswith("in 1 of 4 frames, first in 2"), scene.collided.summary)
     while drawn[-1] != scene.collided.summary:
         yield
+    start(bpy.ops.ed.undo)
+    yield
+    expect("stopped after" in bpy.context.scene.collided.summary, "undo does not bring the earlier marks back")
+    bpy.context.scene.frame_set(2)
+    expect(support.drawn("collided contacts") > 0, "marks that undo has brought back show nothing")
+    start(bpy.ops.ed.undo)
+    yield
+    expect("collided contacts" not in bpy.data.objects, "undo leaves marks")
 
 
 def go_on(walk):
