@@ -7,6 +7,9 @@ from .package import collided
 from .refused import Refused
 
 
+_LESS = ". A shorter distance, fewer objects or no self contacts need less"
+
+
 class Failed(Exception):
     """It has been reported."""
 
@@ -17,7 +20,7 @@ def errors_reported(operator):
     try:
         yield
     except _errors() as error:
-        operator.report({"ERROR"}, error.message)
+        operator.report({"ERROR"}, error.message + (_LESS if getattr(error, "code", "") == "RESOURCE_EXHAUSTED" else ""))
         raise Failed from None
 
 

@@ -36,8 +36,6 @@ def shape_of(thing, depsgraph):
     """The shape of an object with its modifiers, at the graph's frame. Raises Refused."""
     evaluated = thing.evaluated_get(depsgraph)
     mesh = evaluated.to_mesh()
-    if mesh is None:
-        raise Refused(f"{thing.name} has no mesh")
     try:
         return _shape(thing, mesh, np.array(evaluated.matrix_world, np.float64))
     finally:

@@ -124,6 +124,17 @@ class Errors(Case):
         DETECT()
         self.assertEqual(self.settings.summary, "No contacts")
 
+    def test_what_a_daemon_has_no_room_for(self):
+        from collided_blender.connection import stop_daemons
+
+        stop_daemons()
+        self.addCleanup(stop_daemons)
+        self.addCleanup(os.environ.pop, "COLLIDED_MAX_TRIANGLES")
+        os.environ["COLLIDED_MAX_TRIANGLES"] = "4"
+        cube("cube")
+        preferences().server, preferences().program = "", DAEMON
+        self.refused(DETECT, "12 triangles.*fewer objects or no self contacts need less")
+
     def tearDown(self):
         for name in ("program", "token_file", "tls_key"):
             preferences().property_unset(name)
