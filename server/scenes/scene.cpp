@@ -253,6 +253,10 @@ void Scene::make_detector() {
   held_.resize(plan_bytes(*shown_.plan) + topology_bytes(detector_->topology()));
 }
 
+std::string Scene::mesh_name(uint32_t mesh) const {
+  return fmt::format("mesh {} (\"{}\")", mesh, plan()->meshes[mesh].name);
+}
+
 void Scene::add_triangles(uint32_t mesh, ReceivedTriangles& triangles) {
   check_open();
   const uint64_t wanted = awaited(mesh);
@@ -260,8 +264,9 @@ void Scene::add_triangles(uint32_t mesh, ReceivedTriangles& triangles) {
     throw FailedPrecondition(
         "mesh", fmt::format("mesh is {} (\"{}\"), which awaits no triangles", mesh, shown_.plan->meshes[mesh].name));
   if (triangles.size() != wanted)
-    throw InvalidInput("triangles", fmt::format("triangles is incomplete: the upload ended after {} of {} triangles",
-                                                triangles.size(), wanted));
+    throw InvalidInput("triangles",
+                       fmt::format("triangles is incomplete: the upload ended after {} of {} triangles, in {}",
+                                   triangles.size(), wanted, mesh_name(mesh)));
   triangles.move_to(pending_.meshes[mesh].triangles, held_);  // may throw, so the mesh is complete only afterwards
   {
     std::lock_guard lock(mutex_);

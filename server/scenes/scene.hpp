@@ -87,6 +87,8 @@ class Scene {
   const std::shared_ptr<DeviceBytes>& quota() const { return quota_; }
   /// Number of triangles that a mesh still awaits.
   uint64_t awaited(uint32_t mesh) const;
+  /// `mesh 1 ("tip")`, for messages.
+  std::string mesh_name(uint32_t mesh) const;
   /// Reserves a mesh for one upload, so that open uploads hold no more than the scene awaits. Throws
   /// FailedPrecondition.
   void begin_upload(uint32_t mesh);

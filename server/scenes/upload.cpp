@@ -88,11 +88,12 @@ void Upload::begin(const SceneUse& scene, uint32_t mesh, std::shared_ptr<void> t
 
 Scene* Upload::scene() const { return scene_ ? &**scene_ : nullptr; }
 
+std::string Upload::mesh_name() const { return (*scene_)->mesh_name(mesh_); }
+
 void Upload::reserve(uint64_t count) {
   const uint64_t awaited = (*scene_)->awaited(mesh_), come = triangles_->size() + count;
   if (come > awaited)
-    throw InvalidInput("triangles", fmt::format("triangles has {} or more, but mesh {} (\"{}\") awaits {}", come, mesh_,
-                                                (*scene_)->plan()->meshes[mesh_].name, awaited));
+    throw InvalidInput("triangles", fmt::format("triangles has {} or more, but {} awaits", come, awaited));
   triangles_->reserve(count);
 }
 

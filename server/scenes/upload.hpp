@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "gpu/detector.hpp"
@@ -65,6 +66,7 @@ class Upload {
   /// Null before begin().
   Scene* scene() const;
   uint32_t mesh() const { return mesh_; }
+  std::string mesh_name() const;  ///< with its index, for messages
   ReceivedTriangles& triangles() { return *triangles_; }
   /// Accounts for `count` more triangles. Throws InvalidInput for more than the mesh awaits, LimitExceeded.
   void reserve(uint64_t count);

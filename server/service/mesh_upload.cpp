@@ -1,6 +1,8 @@
 // One UploadMesh call.
 #include "server/service/mesh_upload.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "server/convert/facts.hpp"
@@ -77,13 +79,15 @@ void MeshUpload::finish(const grpc::Status& status) {
   if (upload_->end()) Finish(status);
 }
 
-void MeshUpload::take() {
+void MeshUpload::take() try {
   const uint32_t vertices = upload_->scene()->plan()->engine.meshes[upload_->mesh()].vertex_count;
   ReceivedTriangles& triangles = upload_->triangles();
   const std::string& bytes = request_.triangles();
   upload_->reserve(bytes.size() / sizeof(TriangleCorners));
   for_each_triangle(bytes, vertices, {"triangles", triangles.size()},
                     [&](const TriangleCorners& triangle) { triangles.push(triangle); });
+} catch (const InvalidInput& e) {
+  throw InvalidInput(e.field(), fmt::format("{}, in {}", e.what(), upload_->mesh_name()));
 }
 
 // The reads of a cancelled call end like those of a complete one.

@@ -78,7 +78,8 @@ class Session:
         return self.receive(timeout)
 
     def send(self, positions: Any = None, start: Any = None, **options: Unpack[FrameOptions]) -> int:
-        """Sends a frame, and waits for that while a whole window is in flight. Returns the frame's number, from 1.
+        """Sends a frame, and waits for that while a whole window is in flight. Returns the frame's number, from 1: its
+        contacts' `frame_id`, not the `wire_id` that watchers see.
 
         Arguments as of `step`. Arrays may be changed once this returns.
         """
@@ -120,10 +121,13 @@ class Session:
 
     @property
     def positions(self) -> dict[str, np.ndarray]:
-        """Where each mesh is after the last answered frame: the daemon's bits, (n, 3), in the scene's format, read-only."""
+        """Where each mesh is after the last answered frame: the daemon's bits, (n, 3), in the scene's format, read-only.
+
+        Before the first one: where the meshes' vertices are; empty if a mesh has none, as then nothing is anywhere yet.
+        """
         track = self.scene.track
-        return {mesh.name: _read_only(track.state[i].real(track.form))
-                for i, mesh in track.layout.present() if i in track.state}
+        state = track.state or track.initial() or {}
+        return {mesh.name: _read_only(state[i].real(track.form)) for i, mesh in track.layout.present() if i in state}
 
     @property
     def in_flight(self) -> int:

@@ -181,13 +181,14 @@ class Stream:
         elif kind == "error":
             self.ready.append(error_of_frame(response.error, pending.frame_id))
         else:
-            answer = Answer(pending.frame_id, frame_pb2.FrameDone(earliest_toi=1), self._track.layout, None, False, True)
+            done = frame_pb2.FrameDone(earliest_toi=1)
+            answer = Answer(pending.frame_id, pending.wire_id, done, self._track.layout, None, False, True)
             self.ready.append(Contacts.of_parts(answer, []))
 
     def _contacts(self, pending: _Pending, done: frame_pb2.FrameDone) -> Contacts:
         head = pending.request.head
         way = self._track.apply(pending.request, done, pending.wire_id)
-        answer = Answer(pending.frame_id, done, way.layout, way, self._track.has_motion(head))
+        answer = Answer(pending.frame_id, pending.wire_id, done, way.layout, way, self._track.has_motion(head))
         return Contacts.of_parts(answer, pending.parts)
 
     def _exchange(self, request: Request) -> None:

@@ -24,7 +24,8 @@ from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
 class Watched:
     """One frame.
 
-    contacts: the first of each kind; `frame_id` is the sender's on the wire, and totals are the frame's own.
+    contacts: the first of each kind; `frame_id` is the one on the wire, that of the sender's `Contacts.wire_id`, and totals are
+        the frame's own.
     skipped_frames: frames that were not shown since the last one. omitted_contacts: those that the frame has besides these.
     positions: of the meshes that were asked for, by name: of every `vertex_stride`-th vertex, (n, 3).
     edit_count: edits that the scene has had.
@@ -77,7 +78,7 @@ class Watcher:
             self._see(self._client.get_scene(self._scene_id))
         parts = [read_chunk(chunk) for chunk in message.done.contacts]
         del message.done.contacts[:]
-        answer = Answer(message.frame_id, message.done, self._layout, None, False)
+        answer = Answer(message.frame_id, message.frame_id, message.done, self._layout, None, False)
         return Watched(Contacts.of_parts(answer, parts), message.skipped_frames, message.omitted_contacts,
                        {self._layout.mesh(sample.mesh).name: self._positions(sample) for sample in message.positions},
                        message.positions[0].vertex_stride if message.positions else 0, message.edit_count)

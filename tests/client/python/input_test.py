@@ -76,6 +76,12 @@ class Scenes(Case):
         error = self.refused(collided.ResourceExhausted, "window", self.session, window=1000, transport="shared_memory")
         self.refused(collided.ResourceExhausted, "budget", self.session, memory_budget=1)
 
+    def test_an_upload_that_is_refused_names_its_mesh(self):
+        twice = {"floor": collided.Mesh(FLOOR, ONE), "tip": collided.Mesh(TIP, [[0, 1, 2], [1, 1, 2]])}
+        error = self.refused(collided.InvalidArgument, r"triangles\[1\] has a corner twice: 1 1 2, in mesh 1 \(\"tip\"\)",
+                             self.session, twice)
+        self.assertEqual(error.field, "triangles[1]")
+
     def test_empty_meshes_are_refused(self):
         for empty in (collided.Mesh(np.empty((0, 3)), np.empty((0, 3), int)), collided.Mesh(FLOOR)):
             self.refused(BAD, "", self.session, {"empty": empty})

@@ -19,6 +19,7 @@ class Sessions(Case):
 
     def test_a_scene_begins_at_its_vertices_and_goes_on_where_it_was(self):
         session = self.session()
+        np.testing.assert_array_equal(session.positions["tip"], TIP)
         self.assertEqual(len(session.step({"tip": lowered(0.5)})), 0)
         contacts = session.step({"tip": lowered(1.5)})
         np.testing.assert_allclose(contacts.toi, [0.5], atol=1e-3)
@@ -26,6 +27,7 @@ class Sessions(Case):
 
     def test_without_vertices_the_first_frame_has_all_positions(self):
         session = self.session({"floor": ONE, "tip": ONE}, position_format="f32")
+        self.assertEqual(session.positions, {})
         self.refused(collided.InvalidArgument, "mesh 'floor' has no positions", session.step, {"tip": TIP})
         self.expect_hit(session.step({"floor": FLOOR, "tip": lowered(2)}, start={"tip": TIP}), 2)
 

@@ -54,6 +54,15 @@ class Watching(Case):
         frame = self.shown(watcher)
         self.assertEqual((frame.edit_count, len(frame.contacts.of_mesh("far")), len(frame.contacts.of_mesh("tip"))), (1, 0, 1))
 
+    def test_wire_ids_tell_which_frame_of_the_session_is_shown(self):
+        session = self.session(edit_bytes=4096)
+        session.step()
+        watcher = self.watch(session)
+        edited = session.step({"tip": lowered(2)}, edit=collided.Edit({"far": collided.Mesh(TIP + 50, ONE)}))
+        self.assertEqual((self.shown(watcher).contacts.wire_id, edited.frame_id), (edited.wire_id, 2))
+        moved = session.step({"tip": lowered(3)})
+        self.assertEqual((watcher.receive(timeout=30).contacts.frame_id, moved.frame_id), (moved.wire_id, 3))
+
     def test_it_ends_with_the_scene_or_when_it_is_told(self):
         for end in (lambda session, watcher: session.close(), lambda session, watcher: watcher.close()):
             session = self.session()

@@ -85,6 +85,7 @@ class Client:
     def create_scene(self, layout: Layout, options: SceneOptions, lease_seconds: float) -> scene_pb2.Scene:
         """Retries if the answer is lost, without ever creating two scenes."""
         spec = full_spec(layout, options)
+        self.channel()  # a daemon that does not answer at all is waited for once
         request = api.CreateSceneRequest(request_id=uuid.uuid4().hex, spec=spec, lease_seconds=lease_seconds)
         scene = self._create(request)
         try:

@@ -17,6 +17,7 @@ class Answer:
     """The end of a frame. way: None where the client does not know the positions, as of a frame that it watches."""
 
     frame_id: int
+    wire_id: int
     done: frame_pb2.FrameDone
     layout: Layout
     way: Way | None

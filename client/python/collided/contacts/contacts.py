@@ -61,8 +61,14 @@ class Contacts:
 
     @property
     def frame_id(self) -> int:
-        """Number of the frame in its session, from 1."""
+        """Number of the frame in its session, from 1; of a frame that is watched, its wire_id."""
         return self.answer.frame_id
+
+    @property
+    def wire_id(self) -> int:
+        """The frame's id on the wire, as watchers and the daemon's log have it. It counts frames that a session sends of its
+        own, too: one that puts meshes where their vertices are, those that bring a new scene to where the old one was."""
+        return self.answer.wire_id
 
     @property
     def skipped(self) -> bool:
