@@ -122,8 +122,8 @@ class Undocumented(unittest.TestCase):
             self.assertFalse((tree / "out").exists())
 
     def test_a_field_of_the_protocol(self):
-        self.refused("proto/collided/v1/scene.proto", "\nenum Backend {", "\nmessage Bare {\n  uint32 x = 1;\n}\nenum Backend {",
-                     "collided.v1.Bare.x", "no comment")
+        self.refused("proto/collided/v1/scene.proto", "\nenum Backend {",
+                     "\nmessage Bare {\n  uint32 x = 1;\n}\nenum Backend {", "collided.v1.Bare.x", "no comment")
 
     def test_a_method_in_python(self):
         self.refused("client/python/collided/watch.py", "\n    def ", "\n    def bare(self) -> None:\n        pass\n\n    def ",
@@ -131,8 +131,8 @@ class Undocumented(unittest.TestCase):
 
     def test_a_class_and_a_function_in_cpp(self):
         self.refused("client/cpp/watcher.hpp", "/// One thread reads; any may cancel.\n",
-                     "class Bare {\n public:\n  /// One.\n  int one();\n};\nvoid bare();\n\n/// One.\n", "Compound collided::client::Bare is not documented",
-                     "Member bare() (function)")
+                     "class Bare {\n public:\n  /// One.\n  int one();\n};\nvoid bare();\n\n/// One.\n",
+                     "Compound collided::client::Bare is not documented", "Member bare() (function)")
 
 
 if __name__ == "__main__":

@@ -146,7 +146,8 @@ class Fish(WithFiles):
             words = f"{program} {command or ''}".strip()
             long_names = [name for name in options if name.startswith("--")]
             self.assertEqual(sorted(word.split("=")[0] for word in fish(f"{words} --")), sorted(long_names))
-        self.assertEqual(sorted(fish("collidectl detect --accuracy ")), sorted(help_text.options(COLLIDECTL, "detect")["--accuracy"]))
+        levels = help_text.options(COLLIDECTL, "detect")["--accuracy"]
+        self.assertEqual(sorted(fish("collidectl detect --accuracy ")), sorted(levels))
 
     def test_commands_lists_files_and_folders(self):
         self.assertEqual(sorted(fish("collidectl ")), sorted(help_text.commands(COLLIDECTL)))

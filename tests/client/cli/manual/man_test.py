@@ -56,6 +56,13 @@ class ManPages(unittest.TestCase):
         self.assertIn(".SH EXAMPLES", load)
         self.assertIn("\ncollidectl load --scene reef_knot --clients 8 --find-max --p99 5ms\n", load)
 
+    def test_only_builds_write_them(self):
+        self.assertNotIn("manual", help_text.commands(COLLIDECTL))
+        done = subprocess.run([COLLIDECTL, "manual", "/dev/null/share", "--date", "2026-11-23"], capture_output=True,
+                              text=True, timeout=60)
+        self.assertEqual((done.returncode, done.stderr),
+                         (1, "collidectl: /dev/null/share/man/man1/collidectl.1 cannot be written\n"))
+
     @needs("mandoc", "mandoc")
     def test_mandoc_finds_nothing(self):
         done = subprocess.run(["mandoc", "-Tlint", *PAGES], capture_output=True, text=True, timeout=60)
