@@ -17,11 +17,12 @@ namespace {
 using manual::Program;
 
 constexpr auto kFooter =
-    "Packages install them. For a collidectl that was built by hand, in the shell's configuration:\n"
+    "An installed collidectl has these scripts where shells find them. For one in a build tree, the shell's\n"
+    "configuration needs one line:\n"
     "\n"
-    "  bash: source <(collidectl completion bash)\n"
-    "  zsh: source <(collidectl completion zsh)  # after compinit\n"
-    "  fish: collidectl completion fish | source\n"
+    "  source <(collidectl completion bash)    # ~/.bashrc\n"
+    "  source <(collidectl completion zsh)     # ~/.zshrc, after compinit\n"
+    "  collidectl completion fish | source     # ~/.config/fish/config.fish\n"
     "\n"
     "Exit codes: 0 done, 1 failure, 2 bad usage.";
 
