@@ -50,7 +50,8 @@ const manual::ConfigFile kConfigFile{
     .intro =
         "A TOML file that --config names, and SIGHUP reads again. Each key is an option of collided without its "
         "dashes. Flags and variables override the file; an empty value counts as unset. Keys that are not known, "
-        "and values out of range, are errors that name the line: --check finds them.",
+        "and values out of range, are errors that name the line: --check finds them. The example in "
+        "PREFIX/share/doc/collided/examples marks with (R) the keys that take effect at SIGHUP, without a restart.",
     .example =
         "address = [\"127.0.0.1:50551\", \"unix:/run/collided/socket\"]\n"
         "http-address = \"127.0.0.1:9464\"\n"
