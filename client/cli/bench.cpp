@@ -118,10 +118,12 @@ void run(const BenchOptions& options) {
 
 void add_input_options(CLI::App& command, BenchOptions& options) {
   command.add_option("--scene", options.scenes, "Procedural scenes, see 'collidectl scenes', such as funnel,nbody")
+      ->type_name("SCENE")
       ->delimiter(',')
       ->allow_extra_args(false);
   add_scale_option(command, options.scale);
   command.add_option("--frames", options.frames, "OBJ or PLY: FRAME0 FRAME1 for ccd, one for dcd, the same each step")
+      ->type_name("FILE")
       ->expected(1, 2)
       ->excludes(command.get_option("--scale"));
 }
@@ -170,7 +172,8 @@ void add_bench(CLI::App& app) {
   add_position_format_option(command, options->settings.position_format);
   add_server_options(command, options->settings.server);
   add_end_to_end_options(command, *options);
-  command.add_option("--out", options->out, "JSON file for all runs, written after each; -: standard output");
+  command.add_option("--out", options->out, "JSON file for all runs, written after each; -: standard output")
+      ->type_name("FILE");
   command.add_flag("--json", options->json, "Print all runs as one JSON object instead of the table");
   command.callback([options] { run(*options); });
 }

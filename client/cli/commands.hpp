@@ -16,5 +16,7 @@ void add_info(CLI::App& app);
 void add_tradeoff(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_load(CLI::App& app);
+void add_completion(CLI::App& app);
+void add_manual(CLI::App& app);
 
 }  // namespace collided::cli

@@ -134,6 +134,7 @@ void add_detect(CLI::App& app) {
   auto options = std::make_shared<DetectOptions>();
   CLI::App& command = *app.add_subcommand("detect", "Contacts of one step between mesh files");
   command.add_option("FRAME", options->frames, "OBJ or PLY: FRAME0 FRAME1 for ccd, one for dcd")
+      ->type_name("FILE")
       ->required()
       ->expected(1, 2);
   add_detection_options(command, options->detection);
@@ -141,10 +142,13 @@ void add_detect(CLI::App& app) {
   add_ring_option(command, options->exclusions);
   add_server_options(command, options->server);
   add_automatic_format_option(command, options->position_format);
-  command.add_option("--out", options->out,
-                     "CSV file for the contacts, their weights, points and normals; -: standard output");
-  command.add_option("--vtp", options->vtp, "VTK file (PolyData) with a point for each contact, for ParaView");
-  command.add_option("--ply", options->ply, "PLY file with a point for each contact");
+  command
+      .add_option("--out", options->out,
+                  "CSV file for the contacts, their weights, points and normals; -: standard output")
+      ->type_name("FILE");
+  command.add_option("--vtp", options->vtp, "VTK file (PolyData) with a point for each contact, for ParaView")
+      ->type_name("FILE");
+  command.add_option("--ply", options->ply, "PLY file with a point for each contact")->type_name("FILE");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");
   command.callback([options] { run(*options); });
 }

@@ -92,9 +92,11 @@ void add_estimate(CLI::App& app) {
       "finds depends on the positions and is not known. Nothing is sent but the numbers of vertices and triangles, "
       "and\n"
       "which vertices loose edges and points have.");
-  command.add_option("FRAME", options->frame, "OBJ or PLY, whose vertices and elements the scene has");
+  command.add_option("FRAME", options->frame, "OBJ or PLY, whose vertices and elements the scene has")
+      ->type_name("FILE");
   CLI::Option* scene =
-      command.add_option("--scene", options->scene.name, "Name of a scene instead, see 'collidectl scenes'");
+      command.add_option("--scene", options->scene.name, "Name of a scene instead, see 'collidectl scenes'")
+          ->type_name("SCENE");
   add_scale_option(command, options->scene.scale);
   command.get_option("--scale")->needs(scene);
   add_detection_options(command, options->detection);

@@ -54,7 +54,7 @@ void add_export(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App& command = *app.add_subcommand("export", "Write frames of a procedural scene as mesh files");
   add_scene_options(command, options->scene);
-  command.add_option("--out", options->out, "Folder; created if missing")->required();
+  command.add_option("--out", options->out, "Folder; created if missing")->type_name("FOLDER")->required();
   command.add_option("--format", options->format, "ply (binary doubles) or obj")
       ->check(CLI::IsMember({"ply", "obj"}))
       ->capture_default_str();

@@ -77,12 +77,14 @@ CLI::Option* add_number(CLI::App& command, const char* name, double& value, cons
 }
 
 void add_input_options(CLI::App& command, load::InputSettings& input) {
-  command.add_option("--scene", input.scene, "Procedural scene, see 'collidectl scenes', played back and forth");
+  command.add_option("--scene", input.scene, "Procedural scene, see 'collidectl scenes', played back and forth")
+      ->type_name("SCENE");
   add_scale_option(command, input.scale);
   command.add_option("--steps", input.steps, "Frames of the scene from its beginning to its end")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command.add_option("--frames", input.files, "Recorded frames, OBJ or PLY, in order, such as frames/*.ply")
+      ->type_name("FILE")
       ->excludes("--scene")
       ->excludes("--scale")
       ->excludes("--steps");
@@ -113,7 +115,8 @@ void add_stream_options(CLI::App& command, LoadOptions& options) {
 void add_pace_options(CLI::App& command, LoadOptions& options) {
   load::PaceSettings& pace = options.settings.pace;
   add_number(command, "--rate", options.rate, "Open loop: frames a second of each stream", 0.001, 1e6)->default_str("");
-  command.add_option("--ramp", options.ramp, "Open loop at a changing rate: FROM:TO:SECONDS, or several with commas");
+  command.add_option("--ramp", options.ramp, "Open loop at a changing rate: FROM:TO:SECONDS, or several with commas")
+      ->type_name("RAMP");
   command.add_flag("--closed-loop", options.is_closed, "Each stream keeps its window full");
   add_number(command, "--seconds", options.seconds, "Duration", 0.01, 1e6)->excludes("--ramp");
   command.add_option("--arrivals", options.arrivals, "Frames of a stream come evenly, or at random (poisson)")
@@ -140,9 +143,10 @@ void add_output_options(CLI::App& command, LoadSettings& settings) {
   command
       .add_option("--metrics-url", settings.metrics_url,
                   "Metrics of a running daemon, such as http://127.0.0.1:9464/metrics, to compare counts with")
+      ->type_name("URL")
       ->needs("--server");
-  command.add_option("--out", settings.out, "JSON file; -: standard output");
-  command.add_option("--html", settings.html, "One HTML page with plots");
+  command.add_option("--out", settings.out, "JSON file; -: standard output")->type_name("FILE");
+  command.add_option("--html", settings.html, "One HTML page with plots")->type_name("FILE");
   command.add_flag("--json", settings.json, "Print one JSON object instead of the report");
 }
 

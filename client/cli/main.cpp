@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
   using namespace collided::cli;
   silence_grpc();
   signal(SIGPIPE, SIG_IGN);  // writing fails instead, so that no daemon and no scene is left behind
-  CLI::App app{"Collision detection with a collided daemon, its own or a running one"};
+  CLI::App app{"Collision detection with a collided daemon, its own or a running one", "collidectl"};
   app.set_version_flag("--version", std::string("collidectl " COLLIDED_VERSION));
   app.footer("Exit codes: 0 done, 1 failure, 2 bad usage, 128 + n interrupted by signal n.");
   app.require_subcommand(1);
@@ -64,6 +64,8 @@ int main(int argc, char** argv) {
   add_tradeoff(app);
   add_bench(app);
   add_load(app);
+  add_completion(app);
+  add_manual(app);
   try {
     app.parse(argc, argv);
     return finish(0);

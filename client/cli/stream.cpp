@@ -122,13 +122,15 @@ void add_stream(CLI::App& app) {
   auto options = std::make_shared<StreamOptions>();
   CLI::App& command =
       *app.add_subcommand("stream", "Play mesh files or a procedural scene and tell what the frames cost");
-  command.add_option("FRAME", options->files, "OBJ or PLY, a frame each, in natural order: frame2 before frame10");
+  command.add_option("FRAME", options->files, "OBJ or PLY, a frame each, in natural order: frame2 before frame10")
+      ->type_name("FILE");
   add_scene_options(command, options->scene);
   CLI::Option* scene = command.get_option("--scene")->required(false);
   for (const char* of_scenes : {"--frames", "--t0", "--dt", "--scale"}) command.get_option(of_scenes)->needs(scene);
   add_detection_options(command, options->detection);
   add_advance_options(command, options->detection);
   command.add_option("--rigid", options->rigid, "Meshes that move as rigid bodies, and send poses, such as ball")
+      ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);
   add_mesh_pairs_option(command, options->exclusions);
@@ -136,7 +138,8 @@ void add_stream(CLI::App& app) {
   add_rest_options(command, options->exclusions);
   add_server_options(command, options->server);
   add_automatic_format_option(command, options->position_format);
-  command.add_option("--record", options->record, "File that takes the scene and its frames, for 'collidectl replay'");
+  command.add_option("--record", options->record, "File that takes the scene and its frames, for 'collidectl replay'")
+      ->type_name("FILE");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");
   command.callback([options] { run(*options); });
 }

@@ -69,15 +69,17 @@ void run(const TradeoffOptions& options) {
 
 void add_input_options(CLI::App& command, TradeoffOptions& options) {
   command.add_option("FRAME", options.frames, "OBJ or PLY: FRAME0 FRAME1, the start and the end of the step")
+      ->type_name("FILE")
       ->expected(1, 2);
   add_scene_options(command, options.scene);
   command.remove_option(command.get_option("--frames"));
   CLI::Option* scene = command.get_option("--scene")->required(false);
   for (const char* name : {"--t0", "--dt", "--scale"}) command.get_option(name)->needs(scene);
-  command.add_option(
-      "--truth", options.settings.truth,
-      "Folder with vf.csv (vertex,triangle,collides,toi) and ee.csv (a0,a1,b0,b1,collides,toi) for FRAME0 "
-      "FRAME1; judges float positions only if every position is one. Default: the level exact");
+  command
+      .add_option("--truth", options.settings.truth,
+                  "Folder with vf.csv (vertex,triangle,collides,toi) and ee.csv (a0,a1,b0,b1,collides,toi) for FRAME0 "
+                  "FRAME1; judges float positions only if every position is one. Default: the level exact")
+      ->type_name("FOLDER");
 }
 
 void add_run_options(CLI::App& command, TradeoffSettings& settings) {
@@ -120,9 +122,9 @@ void add_tradeoff(CLI::App& app) {
   add_input_options(command, *options);
   add_run_options(command, options->settings);
   add_server_options(command, options->settings.server);
-  command.add_option("--out", options->out, "Folder; created if missing")->required();
-  command.add_option("--date", options->date, "Recorded in the result");
-  command.add_option("--commit", options->commit, "Recorded in the result");
+  command.add_option("--out", options->out, "Folder; created if missing")->type_name("FOLDER")->required();
+  command.add_option("--date", options->date, "Recorded in the result")->type_name("DATE");
+  command.add_option("--commit", options->commit, "Recorded in the result")->type_name("COMMIT");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");
   command.callback([options] { run(*options); });
 }

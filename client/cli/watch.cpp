@@ -67,7 +67,7 @@ void run(const WatchCommand& options) {
 void add_watch(CLI::App& app) {
   auto options = std::make_shared<WatchCommand>();
   CLI::App& command = *app.add_subcommand("watch", "Show the frames that others send to a scene, a line each");
-  command.add_option("scene", options->scene_id, "Id of the scene")->required();
+  command.add_option("scene", options->scene_id, "Id of the scene")->type_name("ID")->required();
   command.add_option("--interval", options->watch.frame_interval, "Every so many frames (default: every one)");
   command.add_option("--rate", options->watch.max_frames_per_second, "At most so many frames a second (0: no limit)");
   command.add_option("--frames", options->frames, "End after so many lines (0: with the scene)");

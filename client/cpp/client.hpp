@@ -47,6 +47,7 @@ struct StreamOptions {
   KeeperPace keeper = {};         ///< of the thread that reads while no caller waits
 };
 
+/// A connection to a daemon, and the scenes that it creates.
 class Client {
  public:
   /// `address` is host:port or unix:/path. Waits for the connection. Throws Error: UNAVAILABLE if no daemon answers in
@@ -56,6 +57,7 @@ class Client {
   Client& operator=(Client&&) noexcept;
   ~Client();
 
+  /// The daemon's version, devices and limits, as of the connection.
   const v1::GetServerInfoResponse& server_info() const;
   /// Creates a scene of `spec` (which must have no meshes) and `meshes`, ready for frames. Retries if the answer is
   /// lost, without ever creating two scenes. The scene is deleted after `lease_seconds` without a stream or a call; 0:
@@ -64,7 +66,9 @@ class Client {
   /// What create_scene of the same arguments would cost, before anything is made: no triangle is sent, loose elements
   /// are. Throws what it would throw for a bad spec.
   v1::EstimateSceneResponse estimate_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes);
+  /// A scene of this client as it is now, without triangles. Throws Error: NOT_FOUND if there is none.
   v1::Scene get_scene(const std::string& scene_id);
+  /// Ends its stream and frees its memory at once. Throws Error as get_scene does.
   void delete_scene(const std::string& scene_id);
   /// Opens a stream: over shared memory if options.local allows it, else on a separate connection to the scene's
   /// endpoint.

@@ -14,13 +14,13 @@ class FrameTransport;
 /// Each array has one entry per contact, or is empty if it was not requested or not computed.
 struct Contacts {
   uint64_t count = 0;
-  std::vector<std::array<uint32_t, 2>> elements;
-  std::vector<std::array<uint32_t, 4>> stencils;
-  std::vector<double> toi;
-  std::vector<double> distance;
-  std::vector<std::array<double, 2>> weights;
-  std::vector<std::array<float, 3>> normals;
-  std::vector<uint8_t> flags;
+  std::vector<std::array<uint32_t, 2>> elements;  ///< the two features, by ids of the whole scene
+  std::vector<std::array<uint32_t, 4>> stencils;  ///< their vertices
+  std::vector<double> toi;                        ///< fraction of the step, 0 to 1
+  std::vector<double> distance;                   ///< in the unit of the positions
+  std::vector<std::array<double, 2>> weights;     ///< of the triangle's second and third corner, or along each edge
+  std::vector<std::array<float, 3>> normals;      ///< unit, from the second feature to the first
+  std::vector<uint8_t> flags;                     ///< masks of v1::ContactFlag
 };
 
 /// An array in memory of the device: so many bytes, `offset` bytes from the start of that memory. No bytes: there is

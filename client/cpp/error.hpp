@@ -18,16 +18,22 @@ struct ErrorDetails {
   std::optional<double> retry_after_seconds = {};  ///< when the same request may succeed
 };
 
+/// A request that was refused, or a connection or a daemon that was lost.
 class Error : public std::runtime_error {
  public:
+  /// `field` is as in ErrorDetails.
   Error(int code, const std::string& message, std::string field = "");
+  /// As an answer refuses a request.
   Error(int code, const std::string& message, ErrorDetails details);
   /// A google.rpc.Code, such as 3 for INVALID_ARGUMENT.
   int code() const { return code_; }
   /// The message alone; what() begins with the code's name.
   const std::string& message() const { return message_; }
+  /// Path of the refused field; may be empty.
   const std::string& field() const { return details_.field; }
+  /// The limit that was reached; may be empty.
   const std::string& quota() const { return details_.quota; }
+  /// When the same request may succeed, if waiting helps.
   std::optional<double> retry_after_seconds() const { return details_.retry_after_seconds; }
 
  private:

@@ -6,12 +6,14 @@
 
 namespace collided::client {
 
+/// Whether a stream shares memory with the daemon.
 enum class Local {
   kAutomatic,  ///< if the daemon is on this host and offers it; else gRPC
   kOff,        ///< never: gRPC
   kOn,         ///< always: else opening the stream fails
 };
 
+/// Memory that a stream shares with a daemon on the same host.
 struct LocalOptions {
   Local use = Local::kAutomatic;
   /// Room for each frame's contacts, at most 1 GiB for the whole window. Contacts beyond it come over the socket, which

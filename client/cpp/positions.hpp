@@ -11,6 +11,7 @@
 
 namespace collided::client {
 
+/// x, y and z of each vertex, borrowed.
 using Positions = std::span<const std::array<double, 3>>;
 
 /// Bytes of one vertex's position: 12 (F32), 24 (F64) or 6 (Q16). Throws Error (INVALID_ARGUMENT) for other formats.
@@ -34,12 +35,14 @@ v1::MeshUpdate rigid_update(uint32_t mesh, const RigidMatrix& matrix, const Rigi
 /// Where a pose puts the vertices of a rigid mesh, from where its first frame had them. Every bit is the daemon's;
 /// proto/CONVENTIONS.md has the formula. Throws Error (INVALID_ARGUMENT) if coordinates are no multiple of three.
 void move_rigidly(std::span<float> positions, const RigidMatrix& matrix);
+/// The same in double precision.
 void move_rigidly(std::span<double> positions, const RigidMatrix& matrix);
 
 /// Moves coordinates the fraction of the way to `target` that the daemon moved them: FrameDone.advanced, or a frame's
 /// from_last_fraction. Every bit is the daemon's; client/STEPPING.md has the formula. Throws Error (INVALID_ARGUMENT)
 /// if there are not as many of one as of the other, or the fraction is not from 0 to 1.
 void move_along(std::span<float> positions, std::span<const float> target, double fraction);
+/// The same in double precision.
 void move_along(std::span<double> positions, std::span<const double> target, double fraction);
 
 }  // namespace collided::client

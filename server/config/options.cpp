@@ -13,23 +13,24 @@ namespace {
 
 constexpr int kBadConfig = 2;
 
-struct Switches {
-  std::string config_file;
-  bool check = false;
-};
+}  // namespace
 
-void define(CLI::App& app, Config& config, Switches& switches) {
+void define_options(CLI::App& app, Config& config, Switches& switches) {
+  config.limits = underived_limits();
   app.set_version_flag("--version", std::string("collided " COLLIDED_VERSION))->configurable(false);
   app.get_help_ptr()->configurable(false);
   app.footer(
       "Each option comes from its flag, else the environment (--max-scenes is COLLIDED_MAX_SCENES), else the --config\n"
       "file (key max-scenes), else its default. SIGHUP reads them again.");
   add(app, "--config", switches.config_file, "TOML file with options; deploy/collided.toml documents it")
+      ->type_name("FILE")
       ->configurable(false);
   app.add_flag("--check", switches.check, "Check the configuration and exit")->configurable(false);
   add_serve_options(app, config);
   add_limit_options(app, config.limits);
 }
+
+namespace {
 
 ParsedConfig stop(const CLI::App& app, const CLI::ParseError& error) {
   std::ostringstream out, err;
@@ -58,10 +59,9 @@ std::string variable_of(const std::string& flag) {
 
 ParsedConfig parse_config(int argc, const char* const* argv) {
   ParsedConfig parsed;
-  parsed.config.limits = underived_limits();
   Switches switches;
-  CLI::App app("collided: collision detection as a service", "collided");
-  define(app, parsed.config, switches);
+  CLI::App app(kSummary, kProgram);
+  define_options(app, parsed.config, switches);
   try {
     app.parse(argc, argv);
     // Not by CLI11's own set_config, which lets the file override the environment.

@@ -11,6 +11,18 @@
 
 namespace collided::server {
 
+inline constexpr auto kProgram = "collided";
+inline constexpr auto kSummary = "collided: collision detection as a service";
+
+/// Options that are not part of the configuration.
+struct Switches {
+  std::string config_file;
+  bool check = false;
+};
+
+/// All options, with their defaults in `config`.
+void define_options(CLI::App& app, Config& config, Switches& switches);
+
 /// Addresses, security, engine, time and log: all but the limits.
 void add_serve_options(CLI::App& app, Config& config);
 void add_limit_options(CLI::App& app, Limits& limits);

@@ -12,14 +12,18 @@ CLI::Validator or_empty(std::string (*check)(const std::string&)) {
 
 void add_addresses(CLI::App& app, Config& config) {
   add(app, "--address", config.addresses, "host:port (port 0: any free one) or unix:/path; may be repeated")
+      ->type_name("ADDRESS")
       ->delimiter(',')
       ->check(CLI::Validator(check_address, ""));
   add(app, "--endpoint", config.endpoint, "Address advertised to clients for streaming; empty: the one they used")
+      ->type_name("ADDRESS")
       ->check(or_empty(check_address));
   add(app, "--http-address", config.http_address, "host:port of /metrics, /readyz and /healthz; empty: off")
+      ->type_name("ADDRESS")
       ->check(or_empty(check_http_address));
   add(app, "--local-socket", config.local_socket,
       "Path of the socket for clients on this host that share memory; empty: off")
+      ->type_name("FILE")
       ->check(or_empty(check_socket_path));
   add(app, "--allow-uid", config.allowed_uids,
       "User that may use the local socket besides the daemon's own; may be repeated")
@@ -27,15 +31,18 @@ void add_addresses(CLI::App& app, Config& config) {
       ->transform(number<uint32_t>(0, 4'294'967'294));
   add_switch(app, "--cuda-ipc", config.cuda_ipc, "Accept device memory of clients on the same GPU");
   add(app, "--ready-file", config.ready_file,
-      "File that receives the bound addresses once the daemon serves; empty: none");
+      "File that receives the bound addresses once the daemon serves; empty: none")
+      ->type_name("FILE");
 }
 
 void add_security(CLI::App& app, Config& config) {
-  add(app, "--tls-certificate", config.tls.certificate, "PEM file of the certificate chain; empty: plain text");
-  add(app, "--tls-key", config.tls.key, "PEM file of its private key");
+  add(app, "--tls-certificate", config.tls.certificate, "PEM file of the certificate chain; empty: plain text")
+      ->type_name("FILE");
+  add(app, "--tls-key", config.tls.key, "PEM file of its private key")->type_name("FILE");
   add(app, "--tls-client-ca", config.tls.client_ca,
-      "PEM file of the CAs that sign client certificates, which are then required");
-  add(app, "--tokens-file", config.tokens_file, "TOML file of clients' bearer tokens; empty: none");
+      "PEM file of the CAs that sign client certificates, which are then required")
+      ->type_name("FILE");
+  add(app, "--tokens-file", config.tokens_file, "TOML file of clients' bearer tokens; empty: none")->type_name("FILE");
   add_switch(app, "--open-reflection", config.open_reflection,
              "Serve reflection to callers without a token or certificate, too");
   add_switch(app, "--allow-insecure", config.allow_insecure,

@@ -56,6 +56,11 @@ class Pages(unittest.TestCase):
         self.assertEqual(printed, "vertex 3, triangle 0, t = 0.500000000\n")
         self.assertIn(f"# {printed}", program)
 
+    def test_the_five_lines_of_the_clients(self):
+        (program,) = Page(REPOSITORY / "client" / "README.md").blocks("python")
+        self.assertLessEqual(len(program.splitlines()), 5)
+        self.assertEqual(self.printed_by(program), "[[3 0]] [0.5]\n")
+
     def test_the_lines_of_the_readme(self):
         (program,) = Page(REPOSITORY / "README.md").blocks("python")
         self.assertEqual(self.printed_by(FRAMES + program), "[[3 0]] [0.5]\n")

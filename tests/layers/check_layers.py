@@ -128,6 +128,8 @@ CLIENT_RULES = [
     (r"client/cpp/", r"client/(?!cpp/)", "the C++ library knows only itself and the protocol"),
     (r"client/cpp/(?!frame_stream_state)\w+\.hpp$", r"client/cpp/(transport|session)/", "public headers show nothing inside"),
     (r"client/cpp/transport/", r"client/cpp/(client|frame_stream|session)", "transports know no stream"),
+    (r"client/cli/manual/", r"client/(?!cli/manual/)", "what is made from options knows nothing of what they are for"),
+    (r"client/cli/manual/(?!describe)", r"CLI/", "describe() is the only one that knows CLI11"),
     (r"client/cli/\w+/", r"client/(cli/\w+\.hpp$|measure/)", "what commands share knows no command and no measurement"),
     (r"client/measure/", r"client/cli/\w+\.hpp$", "measurements know no command"),
     (r"client/(measure|cli/(daemon|input|output|recording|report))/", r"CLI/|client/cli/options/(?!values|usage_error)",

@@ -100,6 +100,8 @@ BAD = [
     ("client/cpp/transport/grpc/bad.cpp", '#include "client/cpp/frame_stream.hpp"'),
     ("client/cli/report/bad.cpp", '#include "client/cli/commands.hpp"'),
     ("client/cli/report/bad.cpp", '#include "client/measure/statistics.hpp"'),
+    ("client/cli/manual/bad.cpp", '#include "client/cli/options/values.hpp"'),
+    ("client/cli/manual/bad.cpp", "#include <CLI/CLI.hpp>"),
     ("client/measure/bench/bad.cpp", '#include "client/cli/commands.hpp"'),
     ("client/measure/bench/bad.cpp", '#include "client/cli/options/options.hpp"'),
     ("client/cli/report/bad.cpp", "#include <CLI/CLI.hpp>"),

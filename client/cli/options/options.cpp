@@ -64,23 +64,30 @@ bool wants(const DetectionOptions& options, const char* kind) {
 }
 
 void add_security_options(CLI::App& command, ServerOptions& options, CLI::Option* server) {
-  command.add_option("--token-file", options.token_file, "File with the bearer token")->needs(server);
+  command.add_option("--token-file", options.token_file, "File with the bearer token")
+      ->type_name("FILE")
+      ->needs(server);
   auto* ca = command.add_option("--tls-ca", options.tls_ca, "Certificates to trust (PEM); with it, TLS is used")
+                 ->type_name("FILE")
                  ->needs(server);
-  auto* certificate =
-      command.add_option("--tls-cert", options.tls_certificate, "The client's own certificate (PEM)")->needs(ca);
-  auto* key = command.add_option("--tls-key", options.tls_key, "Its private key (PEM)")->needs(certificate);
+  auto* certificate = command.add_option("--tls-cert", options.tls_certificate, "The client's own certificate (PEM)")
+                          ->type_name("FILE")
+                          ->needs(ca);
+  auto* key =
+      command.add_option("--tls-key", options.tls_key, "Its private key (PEM)")->type_name("FILE")->needs(certificate);
   certificate->needs(key);
   command
       .add_option("--daemon-user", options.daemon_user,
                   "User, by name or id, to share memory with besides root and oneself")
+      ->type_name("USER")
       ->needs(server);
 }
 
 }  // namespace
 
 void add_server_options(CLI::App& command, ServerOptions& options) {
-  auto* server = command.add_option("--server", options.server, "Address of a running daemon; default: start one");
+  auto* server = command.add_option("--server", options.server, "Address of a running daemon; default: start one")
+                     ->type_name("ADDRESS");
   command.add_option("--backend", options.backend, "Where the scene lives: auto, cpu or cuda")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();

@@ -13,7 +13,9 @@ inline void add_scale_option(CLI::App& command, double& scale) {
 }
 
 inline void add_scene_options(CLI::App& command, SceneOptions& options) {
-  command.add_option("--scene", options.name, "Name of the scene, see 'collidectl scenes'")->required();
+  command.add_option("--scene", options.name, "Name of the scene, see 'collidectl scenes'")
+      ->type_name("SCENE")
+      ->required();
   command.add_option("--frames", options.frames, "Number of frames")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();

@@ -18,7 +18,7 @@ const CLI::App& command_of(const CLI::App& app) {
 
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App* one) { return !one->get_group().empty(); }))
     names.push_back(command->get_name());
   return names;
 }
@@ -108,6 +108,10 @@ std::string usage_message(const CLI::App& app, const CLI::Error& error) {
   return error.what();
 }
 
-std::shared_ptr<CLI::FormatterBase> usage_formatter() { return std::make_shared<UsageFormatter>(); }
+std::shared_ptr<CLI::FormatterBase> usage_formatter() {
+  auto formatter = std::make_shared<UsageFormatter>();
+  formatter->label("SUBCOMMAND", "COMMAND");
+  return formatter;
+}
 
 }  // namespace collided::cli

@@ -24,6 +24,7 @@ const (
 type ContactKind int32
 
 const (
+	// Refused with INVALID_ARGUMENT.
 	ContactKind_CONTACT_KIND_UNSPECIFIED ContactKind = 0
 	// A vertex and a triangle that does not have it as a corner. Also a loose point (MeshSpec.points) and a loose edge, or two
 	// loose points, the second as a triangle whose last two or three corners are the same vertex.
@@ -82,6 +83,7 @@ func (ContactKind) EnumDescriptor() ([]byte, []int) {
 type ContactField int32
 
 const (
+	// Refused with INVALID_ARGUMENT.
 	ContactField_CONTACT_FIELD_UNSPECIFIED ContactField = 0
 	// The ids of the two features.
 	ContactField_CONTACT_FIELD_ELEMENTS ContactField = 1
@@ -155,6 +157,7 @@ func (ContactField) EnumDescriptor() ([]byte, []int) {
 type ContactFlag int32
 
 const (
+	// No flag.
 	ContactFlag_CONTACT_FLAG_UNSPECIFIED ContactFlag = 0
 	// The hit is certain in exact arithmetic.
 	ContactFlag_CONTACT_FLAG_CERTIFIED ContactFlag = 1
@@ -222,14 +225,20 @@ type SharedArrays struct {
 	sizeCache     protoimpl.SizeCache
 	unknownFields protoimpl.UnknownFields
 
-	// Instead of ContactChunk.elements, and so on.
+	// Instead of ContactChunk.elements.
 	Elements *SharedRange `protobuf:"bytes,1,opt,name=elements,proto3" json:"elements,omitempty"`
+	// Instead of ContactChunk.stencils.
 	Stencils *SharedRange `protobuf:"bytes,2,opt,name=stencils,proto3" json:"stencils,omitempty"`
-	Toi      *SharedRange `protobuf:"bytes,3,opt,name=toi,proto3" json:"toi,omitempty"`
+	// Instead of ContactChunk.toi.
+	Toi *SharedRange `protobuf:"bytes,3,opt,name=toi,proto3" json:"toi,omitempty"`
+	// Instead of ContactChunk.distance.
 	Distance *SharedRange `protobuf:"bytes,4,opt,name=distance,proto3" json:"distance,omitempty"`
-	Weights  *SharedRange `protobuf:"bytes,5,opt,name=weights,proto3" json:"weights,omitempty"`
-	Normals  *SharedRange `protobuf:"bytes,6,opt,name=normals,proto3" json:"normals,omitempty"`
-	Flags    *SharedRange `protobuf:"bytes,7,opt,name=flags,proto3" json:"flags,omitempty"`
+	// Instead of ContactChunk.weights.
+	Weights *SharedRange `protobuf:"bytes,5,opt,name=weights,proto3" json:"weights,omitempty"`
+	// Instead of ContactChunk.normals.
+	Normals *SharedRange `protobuf:"bytes,6,opt,name=normals,proto3" json:"normals,omitempty"`
+	// Instead of ContactChunk.flags.
+	Flags *SharedRange `protobuf:"bytes,7,opt,name=flags,proto3" json:"flags,omitempty"`
 }
 
 func (x *SharedArrays) Reset() {

@@ -89,6 +89,7 @@ func (BroadPhaseReason) EnumDescriptor() ([]byte, []int) {
 type FrameWarning int32
 
 const (
+	// Never sent.
 	FrameWarning_FRAME_WARNING_UNSPECIFIED FrameWarning = 0
 	// The spacing of the input's own numbers at the largest coordinate is coarser than delta (if delta is 0: than a
 	// thousandth of the size of most triangles). Verdicts hold for the positions as given; these may be off by that much.

@@ -453,6 +453,7 @@ func (MeshMotion) EnumDescriptor() ([]byte, []int) {
 type SceneState int32
 
 const (
+	// Never sent.
 	SceneState_SCENE_STATE_UNSPECIFIED SceneState = 0
 	// Triangles are still to be sent by UploadMesh.
 	SceneState_SCENE_STATE_AWAITING_MESHES SceneState = 1

@@ -101,6 +101,7 @@ class Session:
 
     @property
     def positions(self) -> dict[str, np.ndarray]:
+        """Where each mesh is after the last answered frame, as of `collided.Session`."""
         return self.sync.positions
 
     async def close(self) -> None:

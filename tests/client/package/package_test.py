@@ -52,7 +52,11 @@ class Package(unittest.TestCase):
     def test_programs_library_and_public_headers_are_installed(self):
         installed = {path.relative_to(self.prefix).as_posix() for path in self.prefix.rglob("*") if path.is_file()}
         self.assertLessEqual({"bin/collided", "bin/collidectl", "include/collided/client/cpp/session.hpp",
-                              "include/collided/collided/v1/scene.pb.h"}, installed)
+                              "include/collided/collided/v1/scene.pb.h",
+                              "share/man/man1/collidectl-stream.1", "share/man/man8/collided.8",
+                              "share/man/man5/collided.toml.5", "share/bash-completion/completions/collided",
+                              "share/zsh/site-functions/_collidectl", "share/doc/collided/examples/collided.toml",
+                              "share/fish/vendor_completions.d/collidectl.fish"}, installed)
         self.assertFalse([path for path in installed if "transport" in path or "_state.hpp" in path])
 
     def test_the_example_finds_the_package_and_prints_the_contact(self):

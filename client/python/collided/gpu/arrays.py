@@ -28,6 +28,7 @@ class DeviceArray:
 
     @property
     def nbytes(self) -> int:
+        """Bytes of the whole array."""
         return int(np.prod(self.shape, dtype=int)) * self.dtype.itemsize
 
     @property

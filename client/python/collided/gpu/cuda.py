@@ -31,6 +31,7 @@ class Cuda:
         return address.value or 0
 
     def free(self, address: int) -> None:
+        """Gives back memory that `allocate` gave."""
         self._library.cudaFree(ctypes.c_void_p(address))
 
     def handle(self, address: int) -> bytes:

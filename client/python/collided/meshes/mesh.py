@@ -113,10 +113,12 @@ class Mesh:
 
     @property
     def is_static(self) -> bool:
+        """Whether `motion` is "static"."""
         return self.motion == "static"
 
     @property
     def is_rigid(self) -> bool:
+        """Whether `motion` is "rigid"."""
         return self.motion == "rigid"
 
     def spec(self, with_triangles: bool = True) -> scene_pb2.MeshSpec:
