@@ -36,6 +36,9 @@ class Session {
   /// options out of range.
   static Session open(const std::string& address, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
                       const SessionOptions& options = {});
+  /// To where `client` leads, with its ConnectOptions; options.connect is not used. The client may be destroyed.
+  static Session open(const Client& client, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
+                      const SessionOptions& options = {});
   Session(Session&&) noexcept;
   Session& operator=(Session&&) noexcept;
   /// Withdraws frames in flight. The scene lives until its lease ends. Waits for a call that is under way

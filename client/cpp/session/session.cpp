@@ -34,7 +34,12 @@ Session::~Session() = default;
 
 Session Session::open(const std::string& address, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
                       const SessionOptions& options) {
-  return Session(std::make_unique<State>(address, spec, meshes, options));
+  return Session(std::make_unique<State>(ChannelFactory(address, options.connect), spec, meshes, options));
+}
+
+Session Session::open(const Client& client, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
+                      const SessionOptions& options) {
+  return Session(std::make_unique<State>(client.channels(), spec, meshes, options));
 }
 
 FrameOutput Session::detect(std::span<const FrameUpdate> updates, const FrameOptions& options) {

@@ -54,9 +54,10 @@ std::optional<Error> try_send(FrameStream& stream, const FrameInFlight& frame) t
 
 }  // namespace
 
-Session::State::State(const std::string& address, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
+Session::State::State(ChannelFactory channels, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
                       const SessionOptions& options)
-    : connector(address, spec, meshes, options), memory(connector.input().spec(), connector.input().meshes()) {
+    : connector(std::move(channels), spec, meshes, options),
+      memory(connector.input().spec(), connector.input().meshes()) {
   Connector::Opened opened = connector.create();
   scene = std::move(opened.scene);
   stream.emplace(std::move(opened.stream));

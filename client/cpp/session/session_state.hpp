@@ -32,7 +32,7 @@ struct Trouble {
 struct Session::State {
   using Lock = std::unique_lock<std::mutex>;
 
-  State(const std::string& address, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
+  State(ChannelFactory channels, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
         const SessionOptions& options);
   ~State() { stop(); }
   std::future<FrameOutput> submit(OwnedFrame frame);
