@@ -155,7 +155,7 @@ bool InProcessStream::submit(LentFrame frame) {
   PendingFrame pending = admit_frame(rules_.host, scene, std::move(incoming));
   {
     const std::lock_guard lock(mutex_);
-    if (end_) return false;
+    if (end_ || is_half_closed_) return false;
     ++in_flight_;
     if (pending.input.edit) edit_id_ = pending.frame_id;
   }

@@ -57,8 +57,8 @@ class InProcessStream final : public FrameSink, public std::enable_shared_from_t
   /// Memory for positions of the next frame, which are not copied from there. Waits while an edit is in flight. Throws
   /// LimitExceeded past what a frame of the scene can have, and where there is no memory.
   std::span<std::byte> input(uint64_t bytes);
-  /// Sends a frame, of which no more than the window may be unanswered. Waits while an edit is in flight. False once
-  /// the stream has ended.
+  /// Sends a frame, of which no more than the window may be unanswered. Waits while an edit is in flight. False after
+  /// half_close(), and once the stream has ended.
   bool submit(LentFrame frame);
   /// Waits for the next answer until `deadline`; Time::max() is for ever.
   Arrival read(InProcessAnswer& answer, Time deadline);

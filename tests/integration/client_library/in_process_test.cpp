@@ -4,13 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <future>
-#include <mutex>
 #include <optional>
-#include <set>
 
 #include "tests/integration/client_library/client_ways.hpp"
 #include "tests/integration/client_library/session_daemon.hpp"
@@ -132,11 +129,11 @@ TEST(InProcess, AnEngineEndsWithTheLastThatUsesItAndItsThreadsWithIt) {
 }
 
 TEST(InProcess, AClientEndsWhileAnotherThreadStreams) {
-  for (int round = 0; round < 5; ++round) {
+  for (int round = 0; round < 3; ++round) {
     std::optional<Client> client = local();
     FrameStream stream = client->stream(make_layers(*client), {.window = 4});
     auto sender = std::async(std::launch::async, [&] {
-      for (uint64_t id = 1; id <= 20; ++id) ask_whole(stream, id);
+      for (uint64_t id = 1; id <= 5; ++id) ask_whole(stream, id);
     });
     client.reset();
     EXPECT_NO_THROW(sender.get());
@@ -163,16 +160,6 @@ TEST(InProcess, OptionsOutOfRangeAreRefused) {
       "options.local.cuda_ipc_handle");
 }
 
-std::set<std::string> masks_of_threads() {
-  std::set<std::string> masks;
-  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::ifstream status(thread.path() / "status");
-    for (std::string line; std::getline(status, line);)
-      if (line.starts_with("SigBlk:")) masks.insert(line);
-  }
-  return masks;
-}
-
 TEST(InProcess, TheProcessKeepsItsOutputItsSignalsAndItsThreadsMask) {
   std::vector<struct sigaction> before(NSIG);
   for (int signal = 1; signal < NSIG; ++signal) sigaction(signal, nullptr, &before[static_cast<size_t>(signal)]);
@@ -193,8 +180,8 @@ TEST(InProcess, TheProcessKeepsItsOutputItsSignalsAndItsThreadsMask) {
     EXPECT_EQ(now.sa_handler, before[static_cast<size_t>(signal)].sa_handler) << signal;
   }
   pthread_sigmask(SIG_SETMASK, nullptr, &mask);
-  EXPECT_EQ(std::memcmp(&mask, &mask_before, sizeof mask), 0);
-  for (const auto& x : masks_of_threads()) std::fprintf(stderr, "%s\n", x.c_str());
+  for (int signal = 1; signal < NSIG; ++signal)
+    EXPECT_EQ(sigismember(&mask, signal), sigismember(&mask_before, signal)) << signal;
 }
 
 TEST(InProcess, TheLogGoesToTheFunctionThatIsSet) {
