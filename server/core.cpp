@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "gpu/detector.hpp"
-#include "server/config/host_memory.hpp"
 
 namespace collided::server {
 namespace {
@@ -16,15 +15,6 @@ const Config& checked(const Config& config) {
 }
 
 }  // namespace
-
-Memory usable_memory(const Config& config) {
-  Memory memory{host_memory(), 0};
-  if (config.backend == "cpu") return memory;
-  for (const auto& device : list_devices())
-    if (device.backend == Backend::kCuda && (memory.device == 0 || device.memory_bytes < memory.device))
-      memory.device = device.memory_bytes;
-  return memory;
-}
 
 Core::Core(const Config& config, Lifecycle& lifecycle)
     : authenticator(checked(config)),

@@ -3,7 +3,6 @@
 
 #include "server/auth/authenticator.hpp"
 #include "server/config/config.hpp"
-#include "server/config/memory_limits.hpp"
 #include "server/frames/observer.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/metrics.hpp"
@@ -12,9 +11,6 @@
 #include "server/transport/grpc/rpc_router.hpp"
 
 namespace collided::server {
-
-/// The memory that scenes may have: on a CUDA device where there is one, unless the backend is "cpu".
-Memory usable_memory(const Config& config);
 
 /// Its parts know each other, and nothing of what is around them.
 struct Core {

@@ -9,6 +9,7 @@
 
 #include "gpu/detector.hpp"
 #include "server/errors.hpp"
+#include "server/usable_memory.hpp"
 
 namespace collided::server {
 namespace {

@@ -26,6 +26,7 @@
 #include "server/ops/exit_deadline.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/log.hpp"
+#include "server/usable_memory.hpp"
 
 namespace {
 

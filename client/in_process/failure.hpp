@@ -2,7 +2,7 @@
 // The server's exceptions as the client's.
 
 #include "client/cpp/error.hpp"
-#include "server/refusals/status.hpp"
+#include "server/in_process.hpp"
 
 namespace collided::client {
 

@@ -12,7 +12,6 @@
 #include "server/frames/answer.hpp"
 #include "server/frames/decode.hpp"
 #include "server/frames/log.hpp"
-#include "server/frames/shared_arrays.hpp"
 
 namespace collided::server {
 namespace {

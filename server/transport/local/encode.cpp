@@ -8,7 +8,6 @@
 #include "proto/constants.hpp"
 #include "server/frames/answer.hpp"
 #include "server/frames/messages.hpp"
-#include "server/frames/shared_arrays.hpp"
 
 namespace collided::server {
 namespace {
