@@ -38,7 +38,6 @@ GOOD = {
     "server/transport/local/packets.cpp": '#include "proto/constants.hpp"\n#include "server/frames/session.hpp"\n',
     "server/service/service.cpp": '#include "collided/v1/frame.pb.h"\n#include "server/transport/grpc/call.hpp"\n',
     "client/cpp/client.hpp": '#include "collided/v1/collision_service.grpc.pb.h"\n',
-    "client/in_process/local.hpp": '#include "client/cpp/client.hpp"\n',
     "client/in_process/local.cpp": '#include "client/cpp/transport/channel.hpp"\n#include "server/in_process.hpp"\n',
 }
 BAD = [
