@@ -11,7 +11,6 @@
 #include <stdexcept>
 #include <thread>
 
-#include "gpu/detector.hpp"
 #include "server/ops/log.hpp"
 #include "server/transport/grpc/call_watch.hpp"
 
@@ -77,23 +76,19 @@ LocalOptions local_options(const Config& config) {
 
 Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
     : lifecycle_(lifecycle),
-      authenticator_(config),
-      observer_(metrics_, lifecycle),
-      host_(config, observer_),
-      service_(config, host_, authenticator_),
-      reflection_(service_.parts(), config.open_reflection),
-      health_(service_.parts()),
-      entrance_(config, metrics_) {
-  if (config.backend == "cuda" && !cuda_available())
-    throw std::runtime_error("--backend is cuda, but there is no usable CUDA device");
+      core_(config, lifecycle),
+      reflection_(core_.service.parts(), config.open_reflection),
+      health_(core_.service.parts()),
+      entrance_(config, core_.metrics) {
   gpr_set_log_function(log_grpc);
   google::protobuf::SetLogHandler(log_protobuf);
-  if (!config.http_address.empty()) http_ = std::make_unique<HttpServer>(config.http_address, metrics_, lifecycle_);
+  if (!config.http_address.empty())
+    http_ = std::make_unique<HttpServer>(config.http_address, core_.metrics, lifecycle_);
   if (!config.local_socket.empty())
-    local_ = std::make_unique<LocalServer>(local_options(config), host_, authenticator_, metrics_);
+    local_ = std::make_unique<LocalServer>(local_options(config), core_.host, core_.authenticator, core_.metrics);
   listen(config);
-  metrics_.set_gauges([this] { return gauges(); });
-  authenticator_.watch([this](std::string_view peer, const ClientIdentity& client) {
+  core_.metrics.set_gauges([this] { return gauges(); });
+  core_.authenticator.watch([this](std::string_view peer, const ClientIdentity& client) {
     entrance_.connections().identified(peer, client.name);
   });
   health_.set_serving(true);
@@ -102,12 +97,12 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
 }
 
 Gauges Daemon::gauges() const {
-  const HostTotals totals = host_.totals();
+  const HostTotals totals = core_.host.totals();
   const uint64_t outgoing = calls_->outgoing_bytes() + (local_ ? local_->outgoing_bytes() : 0);
   return {totals.scenes,
           totals.streams,
           totals.watchers,
-          service_.in_work(),
+          core_.service.in_work(),
           totals.device_bytes,
           totals.waiting_frames,
           outgoing,
@@ -123,16 +118,15 @@ void Daemon::listen(const Config& config) {
   const uint32_t max_calls = max_concurrent_calls(config.limits);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, static_cast<int>(max_calls));
   entrance_.add_to(builder, max_calls, [this] { end_flood("unix:"); });
-  builder.RegisterService(&service_);
-  service_.add_to(router_);
-  health_.add_to(router_, pb::CollisionService::service_full_name());
-  reflection_.add_to(router_, {pb::CollisionService::service_full_name(), "grpc.health.v1.Health"});
-  builder.RegisterCallbackGenericService(&router_);
-  calls_ = std::make_unique<FrameCalls>(
-      builder, service_,
-      FrameCallParts{host_, authenticator_, metrics_, service_.waiting(), config.limits.max_message_bytes, events_});
+  core_.add_to(builder);
+  health_.add_to(core_.router, pb::CollisionService::service_full_name());
+  reflection_.add_to(core_.router, {pb::CollisionService::service_full_name(), "grpc.health.v1.Health"});
+  calls_ =
+      std::make_unique<FrameCalls>(builder, core_.service,
+                                   FrameCallParts{core_.host, core_.authenticator, core_.metrics,
+                                                  core_.service.waiting(), config.limits.max_message_bytes, events_});
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> watches;
-  watches.push_back(std::make_unique<CallWatches>(metrics_, events_));
+  watches.push_back(std::make_unique<CallWatches>(core_.metrics, events_));
   builder.experimental().SetInterceptorCreators(std::move(watches));
   server_ = builder.BuildAndStart();
   if (!server_) throw std::runtime_error("gRPC cannot start the server");
@@ -141,7 +135,7 @@ void Daemon::listen(const Config& config) {
 
 void Daemon::end_flood(const std::string& peer) {
   if (!entrance_.connections().abandoned(peer)) return;
-  metrics_.count_reset_flood();
+  core_.metrics.count_reset_flood();
   log_event(spdlog::level::warn, "connection ended: its client keeps opening and resetting streams", {{"peer", peer}});
 }
 
@@ -152,8 +146,8 @@ Daemon::~Daemon() {
 }
 
 void Daemon::reload(const Config& config) {
-  authenticator_.reload(config);
-  host_.set_limits(config.limits);
+  core_.authenticator.reload(config);
+  core_.host.set_limits(config.limits);
   entrance_.set_limit(config);
 }
 
@@ -161,20 +155,20 @@ void Daemon::begin_stop(double grace_seconds) {
   entrance_.end_probe();
   health_.set_serving(false);
   lifecycle_.drain();
-  host_.announce_stop(grace_seconds);
+  core_.host.announce_stop(grace_seconds);
   calls_->announce_stop();
 }
 
 bool Daemon::wait_idle(std::chrono::steady_clock::time_point deadline) const {
   constexpr auto kPoll = std::chrono::milliseconds(5);
-  for (; service_.in_work() > 0 || calls_->open() > 0 || (local_ && local_->connections() > 0);
+  for (; core_.service.in_work() > 0 || calls_->open() > 0 || (local_ && local_->connections() > 0);
        std::this_thread::sleep_for(kPoll))
     if (std::chrono::steady_clock::now() >= deadline) return false;
   return true;
 }
 
 void Daemon::stop() {
-  host_.end_streams();
+  core_.host.end_streams();
   const bool idle = wait_idle(std::chrono::steady_clock::now() + kLastAnswers);
   entrance_.close();
   // Shutdown also waits for idle connections, which some clients never close, hence no longer than for the last
@@ -183,8 +177,8 @@ void Daemon::stop() {
   calls_->stop();
   if (local_) local_->stop();
   server_->Wait();
-  metrics_.set_gauges({});
-  host_.scenes().clear();
+  core_.metrics.set_gauges({});
+  core_.host.scenes().clear();
   server_.reset();
 }
 

@@ -9,17 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "server/auth/authenticator.hpp"
 #include "server/builtin/health.hpp"
 #include "server/builtin/reflection.hpp"
 #include "server/config/config.hpp"
+#include "server/core.hpp"
 #include "server/entrance.hpp"
-#include "server/frames/observer.hpp"
 #include "server/ops/http_server.hpp"
 #include "server/ops/lifecycle.hpp"
-#include "server/ops/metrics.hpp"
-#include "server/scenes/scene_host.hpp"
-#include "server/service/service.hpp"
 #include "server/transport/grpc/frame_calls.hpp"
 #include "server/transport/local/local_server.hpp"
 
@@ -54,14 +50,9 @@ class Daemon {
   Gauges gauges() const;
 
   Lifecycle& lifecycle_;
-  Metrics metrics_;
-  Authenticator authenticator_;
-  ServiceObserver observer_;
-  SceneHost host_;
-  CollisionService service_;
+  Core core_;
   Reflection reflection_;
   Health health_;
-  RpcRouter router_;
   Entrance entrance_;
   const CallEvents events_{[this](const grpc::ServerContextBase& call) { entrance_.accepted(call); },
                            [this](const std::string& peer) { end_flood(peer); }};

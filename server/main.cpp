@@ -19,7 +19,6 @@
 #include "server/auth/authenticator.hpp"
 #include "server/auth/tls_files.hpp"
 #include "server/config/config.hpp"
-#include "server/config/host_memory.hpp"
 #include "server/config/memory_limits.hpp"
 #include "server/config/rules.hpp"
 #include "server/daemon.hpp"
@@ -27,6 +26,7 @@
 #include "server/ops/exit_deadline.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/log.hpp"
+#include "server/usable_memory.hpp"
 
 namespace {
 
@@ -74,16 +74,6 @@ void raise_limit() {
 
 // gRPC's own shutdown can wait 10 s for a poll that nothing wakes, so it is left to the end of the process.
 void keep_grpc() { grpc_init(); }
-
-// Scenes live on a CUDA device where there is one, unless --backend is cpu.
-Memory usable_memory(const Config& config) {
-  Memory memory{collided::server::host_memory(), 0};
-  if (config.backend == "cpu") return memory;
-  for (const auto& device : collided::list_devices())
-    if (device.backend == collided::Backend::kCuda && (memory.device == 0 || device.memory_bytes < memory.device))
-      memory.device = device.memory_bytes;
-  return memory;
-}
 
 // Renamed into place, so that no reader sees a partial file.
 void write_ready_file(const std::string& path, const std::vector<std::string>& addresses) {
@@ -188,7 +178,7 @@ int main(int argc, char** argv) try {
   }
   collided::server::set_up_log(config.log_format, config.log_level);
   collided::server::flush_log_at_crash();
-  const Memory memory = usable_memory(config);
+  const Memory memory = collided::server::usable_memory(config);
   derive_limits(config.limits, memory);
   return is_check ? check(config, memory) : serve({argc, argv, memory}, config, signals);
 } catch (const ConfigError& error) {

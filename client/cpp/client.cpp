@@ -62,6 +62,16 @@ void check_handles(const LocalOptions& local) {
               std::string("options.local.") + field);
 }
 
+/// Device memory of this process cannot be opened by its handle.
+FrameStream stream_in_process(const InProcess& daemon, const v1::OpenStream& open, const StreamOptions& options) {
+  const LocalOptions& local = options.local;
+  if (!local.cuda_ipc_handle.empty() || !local.output_cuda_ipc_handle.empty())
+    throw Error(
+        grpc::FAILED_PRECONDITION, "options.local has a handle of device memory, which needs a daemon of its own",
+        local.cuda_ipc_handle.empty() ? "options.local.output_cuda_ipc_handle" : "options.local.cuda_ipc_handle");
+  return FrameStream::open(daemon.transport(), open, {.is_local = true, .keeper = options.keeper});
+}
+
 }  // namespace
 
 v1::MeshEdit edited_mesh(uint32_t mesh, const MeshInput& input) {
@@ -79,7 +89,7 @@ v1::MeshEdit removed_mesh(uint32_t mesh) {
 }
 
 struct Client::State {
-  explicit State(ChannelFactory maker) : channels(std::move(maker)) {
+  explicit State(const ChannelFactory& maker) : channels(maker) {
     stub = v1::CollisionService::NewStub(channels.connect());
     info = call(&Service::GetServerInfo, v1::GetServerInfoRequest());
   }
@@ -165,8 +175,12 @@ Client& Client::operator=(Client&&) noexcept = default;
 Client::~Client() = default;
 
 Client Client::connect(const std::string& address, const ConnectOptions& options) {
-  return Client(std::make_unique<State>(ChannelFactory(address, options)));
+  return connect(ChannelFactory(address, options));
 }
+
+Client Client::connect(const ChannelFactory& channels) { return Client(std::make_unique<State>(channels)); }
+
+const ChannelFactory& Client::channels() const { return state_->channels; }
 
 const v1::GetServerInfoResponse& Client::server_info() const { return state_->info; }
 
@@ -216,6 +230,7 @@ FrameStream Client::stream(const v1::Scene& scene, const StreamOptions& options)
   const ChannelFactory& own = state_->channels;
   std::string local_refusal;
   check_handles(options.local);
+  if (own.in_process()) return stream_in_process(*own.in_process(), open, options);
   if (options.local.use == Local::kOn) return state_->stream_locally(scene, open, options);
   if (options.local.use == Local::kAutomatic && is_local_address(own.address()) && state_->has_local(scene)) try {
       return state_->stream_locally(scene, open, options);

@@ -38,6 +38,8 @@ v1::MeshEdit edited_mesh(uint32_t mesh, const MeshInput& input);
 /// Removes a mesh.
 v1::MeshEdit removed_mesh(uint32_t mesh);
 
+class ChannelFactory;
+
 /// How a stream is opened.
 struct StreamOptions {
   uint32_t window = 0;  ///< frames in flight, up to the daemon's limit; 0: the daemon chooses
@@ -53,6 +55,9 @@ class Client {
   /// `address` is host:port or unix:/path. Waits for the connection. Throws Error: UNAVAILABLE if no daemon answers in
   /// time, INVALID_ARGUMENT for bad options.
   static Client connect(const std::string& address, const ConnectOptions& options = {});
+  /// For the library's own use: a session connects again, and collided::local() to what it has made.
+  static Client connect(const ChannelFactory& channels);
+  const ChannelFactory& channels() const;
   Client(Client&&) noexcept;
   Client& operator=(Client&&) noexcept;
   ~Client();
@@ -71,7 +76,7 @@ class Client {
   /// Ends its stream and frees its memory at once. Throws Error as get_scene does.
   void delete_scene(const std::string& scene_id);
   /// Opens a stream: over shared memory if options.local allows it, else on a separate connection to the scene's
-  /// endpoint.
+  /// endpoint; in process neither is needed.
   FrameStream stream(const v1::Scene& scene, const StreamOptions& options = {});
   /// Resumes a scene whose stream broke: send the frames after the new stream's scene().last_frame_id() again. Takes
   /// all of `options` but the token, which is the scene's.

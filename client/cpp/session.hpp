@@ -2,10 +2,13 @@
 // A scene and its stream that survive the loss of the connection, and of the daemon.
 
 #include <chrono>
+#include <functional>
 #include <future>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "client/cpp/client.hpp"
 
@@ -24,6 +27,29 @@ struct SessionOptions {
   std::chrono::milliseconds longest_pause{2000};  ///< no less than first_pause
 };
 
+/// What became of a frame: its output, or the error that detect() would have thrown.
+class FrameResult {
+ public:
+  FrameResult(uint64_t frame_id, FrameOutput output) : frame_id_(frame_id), output_(std::move(output)) {}
+  FrameResult(uint64_t frame_id, Error error) : frame_id_(frame_id), error_(std::move(error)) {}
+
+  /// Counts the session's frames from 1, for those that failed, too.
+  uint64_t frame_id() const { return frame_id_; }
+  bool ok() const { return !error_; }
+  /// Null if the frame was answered.
+  const Error* error() const { return error_ ? &*error_ : nullptr; }
+  /// Throws the error if there is one.
+  FrameOutput& output() {
+    if (error_) throw *error_;
+    return output_;
+  }
+
+ private:
+  uint64_t frame_id_;
+  FrameOutput output_;
+  std::optional<Error> error_;
+};
+
 /// Frames in, contacts out, over as many connections as it takes. After a loss the session connects again, resumes its
 /// scene, or creates it anew if it is gone, puts it where the last answered frame left it, and sends the frames in
 /// flight again, in order: each is answered once, with the contacts of an undisturbed run. So a session keeps copies of
@@ -36,10 +62,13 @@ class Session {
   /// options out of range.
   static Session open(const std::string& address, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
                       const SessionOptions& options = {});
+  /// To where `client` leads, with its ConnectOptions; options.connect is not used. The client may be destroyed.
+  static Session open(const Client& client, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
+                      const SessionOptions& options = {});
   Session(Session&&) noexcept;
   Session& operator=(Session&&) noexcept;
   /// Withdraws frames in flight. The scene lives until its lease ends. Waits for a call that is under way
-  /// (ConnectOptions::patience, deadline).
+  /// (ConnectOptions::patience, deadline) and for the function of a frame, unless that destroys it.
   ~Session();
 
   /// Sends a frame and waits for its output, whose frame_id counts the session's frames from 1. The first frame names
@@ -51,6 +80,15 @@ class Session {
   /// `from_last_fraction`, and `advance` in a scene with Q16 positions, which cannot name where that ends);
   /// FAILED_PRECONDITION once the session is closed.
   std::future<FrameOutput> submit(std::span<const FrameUpdate> updates, const FrameOptions& options = {});
+  /// The same with a function that is called once, instead of a future. The session's own thread calls it, one frame at
+  /// a time, in the order of the frames; only a frame that is too large to be sent fails at once, on the thread that
+  /// sends it. Answers that come meanwhile wait, so it should be quick. It may submit frames, which then never wait for
+  /// a place in the window, and close or destroy the session, whose other frames fail after it has returned. It must
+  /// not call detect(), or wait for a future of the same session: detect() throws Error (FAILED_PRECONDITION) there. It
+  /// must not throw: that ends the program (std::terminate). What this throws itself is as above, and then the
+  /// function is not called.
+  void submit(std::span<const FrameUpdate> updates, std::function<void(FrameResult)> done,
+              const FrameOptions& options = {});
   /// Ends the session and deletes its scene. Frames in flight fail with CANCELLED. Throws Error if the scene could not
   /// be deleted; then its lease ends it.
   void close();
@@ -66,8 +104,8 @@ class Session {
 
  private:
   struct State;
-  explicit Session(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit Session(std::shared_ptr<State> state);
+  std::shared_ptr<State> state_;  // its thread has it, too
 };
 
 }  // namespace collided::client

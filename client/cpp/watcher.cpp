@@ -44,8 +44,9 @@ WatchedFrame frame_of(v1::WatchSceneResponse& response) {
 }  // namespace
 
 struct Watcher::State {
-  State(const ChannelFactory& channels, const std::string& scene_id, const WatchOptions& options)
-      : stub(v1::CollisionService::NewStub(channels.connect())),
+  State(const ChannelFactory& maker, const std::string& scene_id, const WatchOptions& options)
+      : channels(maker),
+        stub(v1::CollisionService::NewStub(channels.connect())),
         context(channels.context(scene_id)),
         reader(stub->WatchScene(context.get(), request_of(scene_id, options))) {
     if (!read().has_opened()) throw Error(kDataLoss, "the first message of a watch is not `opened`");
@@ -64,6 +65,7 @@ struct Watcher::State {
     throw Error(kDataLoss, "the daemon ended the watch without a reason");
   }
 
+  const ChannelFactory channels;  // which keeps a daemon in this process
   const std::unique_ptr<v1::CollisionService::Stub> stub;
   const std::unique_ptr<grpc::ClientContext> context;
   std::unique_ptr<grpc::ClientReader<v1::WatchSceneResponse>> reader;  // null once the watch has ended

@@ -80,6 +80,7 @@ struct Config {
   double grace_seconds = 5;              ///< for open streams when the daemon stops
   std::string log_level = "info";
   std::string log_format = "text";  ///< text or json
+  bool gives_back_memory = true;    ///< that was freed, to the system: not in a process of others; no option
   std::string ready_file;           ///< receives the bound addresses, one per line; empty: none
 
   bool operator==(const Config&) const = default;

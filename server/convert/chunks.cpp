@@ -6,6 +6,11 @@
 namespace collided::server {
 namespace {
 
+// Field numbers of SharedArrays are those of ContactChunk, which has kind and count first.
+constexpr int kFieldShift = 2;
+static_assert(int{pb::ContactChunk::kElementsFieldNumber} == pb::SharedArrays::kElementsFieldNumber + kFieldShift);
+static_assert(int{pb::ContactChunk::kFlagsFieldNumber} == pb::SharedArrays::kFlagsFieldNumber + kFieldShift);
+
 // The engine's bytes go out as they are.
 static_assert(kFlagCertified == int{pb::CONTACT_FLAG_CERTIFIED} && kFlagNear == int{pb::CONTACT_FLAG_NEAR} &&
               kFlagCapped == int{pb::CONTACT_FLAG_CAPPED} && kFlagInitial == int{pb::CONTACT_FLAG_INITIAL} &&
@@ -91,6 +96,20 @@ void fill_chunk(const Chunk& chunk, const Topology& topology, pb::ContactChunk* 
                                     std::string(reinterpret_cast<const char*>(array.bytes.data()), array.bytes.size()));
   const auto stencils = chunk.stencils(topology);
   out->set_stencils(stencils.data(), stencils.size() * sizeof(Stencil));
+}
+
+pb::SharedRange* range_of(pb::SharedArrays* shared, int field) {
+  const auto* range = pb::SharedArrays::descriptor()->FindFieldByNumber(field - kFieldShift);
+  return static_cast<pb::SharedRange*>(shared->GetReflection()->MutableMessage(shared, range));
+}
+
+void share_chunk(const Chunk& chunk, std::span<const Stencil> stencils, pb::ContactChunk* out,
+                 const std::function<void(std::span<const std::byte> bytes, pb::SharedRange* range)>& put) {
+  out->set_kind(to_message(chunk.kind));
+  out->set_count(chunk.count());
+  pb::SharedArrays* const shared = out->mutable_shared();
+  for (const ChunkArray& array : chunk.arrays()) put(array.bytes, range_of(shared, array.field));
+  if (!stencils.empty()) put(std::as_bytes(stencils), range_of(shared, pb::ContactChunk::kStencilsFieldNumber));
 }
 
 }  // namespace collided::server

@@ -2,6 +2,7 @@
 // Cuts a frame's contacts into chunks that fit a message.
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -49,5 +50,12 @@ size_t fit_at_end(std::span<const size_t> sizes, size_t max_bytes);
 
 /// The chunk as a message that contains its arrays.
 void fill_chunk(const Chunk& chunk, const Topology& topology, pb::ContactChunk* out);
+
+/// The chunk as a message that names ranges of memory: each array, `stencils` last where there are some, is passed with
+/// its range to `put`.
+void share_chunk(const Chunk& chunk, std::span<const Stencil> stencils, pb::ContactChunk* out,
+                 const std::function<void(std::span<const std::byte> bytes, pb::SharedRange* range)>& put);
+/// The range of one of ContactChunk's arrays, by its field there.
+pb::SharedRange* range_of(pb::SharedArrays* shared, int field);
 
 }  // namespace collided::server

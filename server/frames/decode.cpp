@@ -201,11 +201,15 @@ DecodedRequest decode_request(google::protobuf::io::ZeroCopyInputStream& wire, s
   return Decoder(in, expected, room).decode();
 }
 
+void check_update_count(const pb::Frame& frame, size_t meshes, const char* path) {
+  if (has_too_many_updates(frame, meshes)) throw_too_many_updates(path, meshes);
+}
+
 pb::Frame parse_bounded_frame(const std::string& bytes, size_t meshes, const char* path) {
   FieldCount(path, max_fields(max_frame_meshes(meshes))).add_message(bytes, *pb::Frame::descriptor(), path);
   pb::Frame frame;
   if (!frame.ParseFromString(bytes)) throw_malformed(path);
-  if (has_too_many_updates(frame, meshes)) throw_too_many_updates(path, meshes);
+  check_update_count(frame, meshes, path);
   return frame;
 }
 

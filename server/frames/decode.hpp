@@ -36,6 +36,9 @@ struct Expected {
 DecodedRequest decode_request(google::protobuf::io::ZeroCopyInputStream& wire, size_t bytes, const Expected& expected,
                               const std::function<std::span<std::byte>()>& room);
 
+/// Throws InvalidInput for more updates than a scene of so many meshes can have. `path` names the frame.
+void check_update_count(const pb::Frame& frame, size_t meshes, const char* path);
+
 /// Parses a whole frame, with at most as many updates as the scene has meshes. `path` names it in refusals.
 /// Throws InvalidInput, LimitExceeded.
 pb::Frame parse_bounded_frame(const std::string& bytes, size_t meshes, const char* path);

@@ -8,10 +8,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <utility>
 
 #include "server/ops/line_writer.hpp"
 
@@ -144,6 +146,28 @@ spdlog::logger& the_logger() {
   return *logger;
 }
 
+// Hands lines to a function instead of writing them.
+class FunctionSink final : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  void set(LineTaker take) {
+    const std::lock_guard lock(mutex_);
+    take_ = std::move(take);
+  }
+
+ private:
+  void sink_it_(const spdlog::details::log_msg& line) override {
+    std::string text = text_line(line);
+    text.pop_back();
+    if (take_) take_(line.level, text);
+  }
+  void flush_() override {}
+
+  LineTaker take_;
+};
+
+// Where log_event() logs to; null: nowhere. Loggers are never destroyed, as other threads may be using them.
+std::atomic<spdlog::logger*> current_logger = nullptr;
+
 constexpr auto kMoment = std::chrono::milliseconds(500);
 
 extern "C" void flush_and_die(int signal) {
@@ -157,6 +181,19 @@ void set_up_log(const std::string& format, const std::string& level) {
   auto& logger = the_logger();
   for (const auto& sink : logger.sinks()) sink->set_formatter(std::make_unique<LineFormatter>(format == "json"));
   logger.set_level(spdlog::level::from_str(level));
+  current_logger = &logger;
+}
+
+void send_log_to(spdlog::level::level_enum level, LineTaker take) {
+  static const auto sink = new std::shared_ptr<FunctionSink>(std::make_shared<FunctionSink>());
+  static const auto logger = [] {
+    auto* const made = new spdlog::logger("collided", *sink);
+    made->set_error_handler([](const std::string&) {});
+    return made;
+  }();
+  logger->set_level(take ? level : spdlog::level::off);
+  (*sink)->set(std::move(take));
+  current_logger = logger;
 }
 
 void flush_log() { the_writer().drain(kMoment); }
@@ -180,8 +217,8 @@ void write_line(const std::string& text) {
 uint64_t dropped_log_lines() { return the_writer().dropped(); }
 
 void log_event(spdlog::level::level_enum level, std::string_view message, std::initializer_list<LogField> fields) {
-  auto* logger = spdlog::default_logger_raw();
-  if (!logger->should_log(level)) return;
+  auto* const logger = current_logger.load();
+  if (!logger || !logger->should_log(level)) return;
   fields_of_line = {fields.begin(), fields.size()};
   logger->log(level, spdlog::string_view_t(message.data(), message.size()));
   fields_of_line = {};

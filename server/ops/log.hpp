@@ -5,6 +5,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -16,6 +17,13 @@ namespace collided::server {
 /// dropped and counted once 1 MiB waits, and a line says how many once it accepts data again. `format`: text or json;
 /// `level`: as spdlog names them. May be called again at any time.
 void set_up_log(const std::string& format, const std::string& level);
+
+/// Takes a line of text, without its end, from any thread, one at a time. It must not log.
+using LineTaker = std::function<void(spdlog::level::level_enum level, const std::string& line)>;
+/// Log lines go to `take` instead, as text; null: nowhere, which is also where they go before either is called. Neither
+/// stderr nor spdlog's default logger is touched. Once this has returned, the function that was set before is not
+/// running.
+void send_log_to(spdlog::level::level_enum level, LineTaker take);
 
 /// Waits until all lines are written, for at most half a second. Happens by itself when the process exits.
 void flush_log();

@@ -33,6 +33,7 @@ SceneHost::SceneHost(const Config& config, SceneObserver& observer, const Now& n
       turns_(turn_options(config, now)),
       usage_(config.limits, now),
       scenes_(config.limits.max_scenes, config.limits.max_window, {turns_, observer, config.endpoint, now}),
+      freed_(config.gives_back_memory ? std::optional<FreedMemory>(std::in_place) : std::nullopt),
       watch_([this] { watch(); }) {}
 
 SceneHost::~SceneHost() {
@@ -113,7 +114,7 @@ void SceneHost::watch_once() {
   end_idle_streams();
   end_unread_watches();
   end_stale_uploads();
-  if (++watches_ % kWatchesPerTrim == 0) freed_.give_back();
+  if (freed_ && ++watches_ % kWatchesPerTrim == 0) freed_->give_back();
 }
 
 void SceneHost::end_stale_uploads() {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "server/config/config.hpp"
@@ -65,7 +66,7 @@ class SceneHost {
   ClientUsage usage_;
   OpenUploads uploads_;
   SceneStore scenes_;
-  FreedMemory freed_;  // from here on used by the watch thread only
+  std::optional<FreedMemory> freed_;  // from here on used by the watch thread only; none: it stays with the process
   uint64_t watches_ = 0;
   std::thread watch_;
 };

@@ -1,7 +1,7 @@
 """The benchmarks' output is complete and consistent. Usage: bench_test.py CHECK PROGRAM
 
 CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench), embree (collided_embree_bench), watch
-(collided_watch_bench) or switches (collided_switches_bench).
+(collided_watch_bench), in_process (collided_in_process_bench) or switches (collided_switches_bench).
 """
 
 import json
@@ -73,6 +73,14 @@ class Bench(unittest.TestCase):
             self.assertLess(0, ran[of]["p50"])
             self.assertLessEqual(ran[of]["p50"], ran[of]["p99"])
         self.assertAlmostEqual(ran["ratio"]["p99"], ran["watched_ms"]["p99"] / ran["alone_ms"]["p99"])
+
+    def check_in_process(self):
+        ran, = parsed(*SMALL, "--backend", "cpu", "--threads", "1", "--frames", "3")["runs"]
+        self.assertEqual([lane["name"] for lane in ran["transports"]], ["grpc", "shared_memory", "in_process"])
+        for lane in ran["transports"]:
+            self.assertLess(0, lane["beside_engine_ms"]["p50"])
+            self.assertLess(lane["beside_engine_ms"]["p50"], lane["whole_ms"])
+        self.assertEqual(ran["transports"][1]["ratio_to_shared_memory"]["p50"], 1)
 
     def check_switches(self):
         runs = {run["name"]: run for run in parsed("--backend", "cpu", "--scale", "0.3", "--frames", "3",

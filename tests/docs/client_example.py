@@ -24,6 +24,7 @@ PROGRAM = """\
 #include <grpcpp/support/status_code_enum.h>
 
 #include "client/cpp/session.hpp"
+#include "client/in_process/local.hpp"
 
 using namespace collided::client;
 using namespace std::chrono_literals;
@@ -52,6 +53,17 @@ FrameOutput over_tls(const v1::SceneSpec& spec, std::span<const MeshInput> meshe
 void keep_session(const v1::SceneSpec& spec, std::span<const MeshInput> meshes, const std::vector<float>& positions) {
 @session here@
   std::printf("session: frame %zu\\n", static_cast<size_t>(output.frame_id));
+}
+
+void respond(const FrameOutput& output) {
+  std::printf("callback: frame %zu\\n", static_cast<size_t>(output.frame_id));
+}
+
+void call_back(const v1::SceneSpec& spec, std::span<const MeshInput> meshes, const std::vector<float>& positions) {
+@here@
+  const FrameUpdate update{.mesh = 0, .positions = std::as_bytes(std::span(positions))};
+@callback@
+  session.detect({&update, 1});  // after it
 }
 
 v1::Scene make(const v1::SceneSpec& spec, std::span<const MeshInput> meshes, const std::vector<float>& positions,
@@ -91,6 +103,7 @@ int main(int argc, char**) {
   spec.set_mode(v1::DETECTION_MODE_CCD);
   if (argc > 1) over_tls(spec, {&mesh, 1}, "", before, 1);
   keep_session(spec, {&mesh, 1}, before);
+  call_back(spec, {&mesh, 1}, before);
   const v1::Scene scene = make(spec, {&mesh, 1}, before, 1);
   Client client = Client::connect(address, options);
   share(client, scene, 2);
@@ -99,12 +112,12 @@ int main(int argc, char**) {
 """
 
 repository, output = map(pathlib.Path, sys.argv[1:])
-session, first, second, third = Page(repository / "client" / "cpp" / "README.md").blocks("cpp")
+session, callback, first, second, here, third = Page(repository / "client" / "cpp" / "README.md").blocks("cpp")
 for text, part in ((first, TO_ANOTHER_HOST), (session, SESSION_THERE)):
     if part not in text:
         sys.exit(f"the C++ of client/cpp/README.md lacks {part}")
 program = PROGRAM
-for name, text in (("first", first), ("second", second), ("third", third),
+for name, text in (("callback", callback), ("here", here), ("first", first), ("second", second), ("third", third),
                    ("session here", session.replace(SESSION_THERE, "Session::open(address, spec, meshes)")),
                    ("first here", first.replace(TO_ANOTHER_HOST, "Client::connect(address, options)"))):
     program = program.replace(f"@{name}@", text)

@@ -18,6 +18,7 @@ from daemon import Daemon  # noqa: E402
 # Odd frames have the tip above the floor, even ones below it.
 SAID = """\
 session: frame 1
+callback: frame 1
 first, shared memory: 0 vertex-triangle contacts
 shared, shared memory: 1 vertex-triangle contacts
 frame 3, shared memory: 1 vertex-triangle contacts

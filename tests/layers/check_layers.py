@@ -40,6 +40,7 @@ SERVER_ROOMS = {
     "convert": {"refusals", "config", "auth", "scenes"},
     "frames": {"refusals", "config", "ops", "limits", "scenes", "convert"},
     "transport/local": {"refusals", "net", "ops", "auth", "scenes", "convert", "frames"},
+    "transport/in_process": {"refusals", "ops", "auth", "scenes", "convert", "frames"},
     "transport/grpc": {"refusals", "ops", "auth", "limits", "scenes", "convert", "frames"},
     "service": {"refusals", "config", "ops", "auth", "limits", "scenes", "convert", "frames", "transport/grpc"},
     "builtin": {"refusals", "ops", "auth", "limits", "convert", "transport/grpc"},
@@ -122,6 +123,10 @@ def engine_complaint(path, target):
 EXACT_API = {"gpu/exact/exact.hpp", "gpu/exact/decision.hpp", "gpu/exact/poll.hpp"}
 EXACT_BASE = {"gpu/base/host_device.hpp", "gpu/base/vec3.hpp"}
 
+# The one room above client/cpp and server, and what it may know of the server.
+IN_PROCESS = "client/in_process/"
+SERVER_IN_PROCESS = {"server/in_process.hpp"}
+
 # Inside the client: who must not include what, and why.
 CLIENT_RULES = [
     (r"client/scenes/", r"client/(?!scenes/)", "scenes know only themselves"),
@@ -130,6 +135,9 @@ CLIENT_RULES = [
     (r"client/cpp/transport/", r"client/cpp/(client|frame_stream|session)", "transports know no stream"),
     (r"client/cli/manual/", r"client/(?!cli/manual/)", "what is made from options knows nothing of what they are for"),
     (r"client/cli/manual/(?!describe)", r"CLI/", "describe() is the only one that knows CLI11"),
+    (r"client/in_process/", r"client/(?!in_process/|cpp/)", "the engine in a process is a part of the C++ library"),
+    (r"client/(?!in_process/)", r"client/in_process/", "what is linked with the client alone knows no engine"),
+    (r"client/in_process/local\.hpp$", r"server/|client/cpp/transport/", "public headers show nothing inside"),
     (r"client/cli/\w+/", r"client/(cli/\w+\.hpp$|measure/)", "what commands share knows no command and no measurement"),
     (r"client/measure/", r"client/cli/\w+\.hpp$", "measurements know no command"),
     (r"client/(measure|cli/(daemon|input|output|recording|report))/", r"CLI/|client/cli/options/(?!values|usage_error)",
@@ -162,7 +170,10 @@ def complaint(path, quote, target):
     if layer == "proto" and not STANDARD.match(target):
         return "the protocol's constants need the standard library alone"
     if layer == "client" and target.startswith(("gpu/", "server/")):
-        return "the client knows the protocol alone"
+        if not path.startswith(IN_PROCESS):
+            return "the client knows the protocol alone"
+        if target not in SERVER_IN_PROCESS:
+            return "client/in_process knows the server by server/in_process.hpp alone"
     for includer, included, why in CLIENT_RULES:
         if re.match(includer, path) and re.match(included, target):
             return why

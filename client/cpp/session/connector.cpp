@@ -67,12 +67,12 @@ bool may_pass(const Error& error) {
          error.retry_after_seconds() || has_idled_out(error);
 }
 
-Connector::Connector(std::string address, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
+Connector::Connector(ChannelFactory channels, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
                      const SessionOptions& options)
-    : address_(std::move(address)), options_(checked(options)), input_(checked(spec), meshes) {}
+    : channels_(std::move(channels)), options_(checked(options)), input_(checked(spec), meshes) {}
 
 Connector::Opened Connector::create() const {
-  Client client = Client::connect(address_, options_.connect);
+  Client client = Client::connect(channels_.with(channels_.options()));
   return create(client);
 }
 
@@ -89,10 +89,10 @@ Connector::Opened Connector::create(Client& client) const {
 
 Connector::Opened Connector::reopen(const v1::Scene& scene, bool is_reusable, Time deadline) const {
   const auto left = std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
-  ConnectOptions connect = options_.connect;
+  ConnectOptions connect = channels_.options();
   connect.patience = std::min(std::max(left, milliseconds(1)), connect.patience);
   connect.deadline = std::min(std::max(left, milliseconds(1)), connect.deadline);
-  Client client = Client::connect(address_, connect);
+  Client client = Client::connect(channels_.with(connect));
   try {
     if (is_reusable) return {scene, client.resume(scene, options_.stream), false};
     client.delete_scene(scene.scene_id());
@@ -103,7 +103,7 @@ Connector::Opened Connector::reopen(const v1::Scene& scene, bool is_reusable, Ti
 }
 
 void Connector::remove(const v1::Scene& scene) const try {
-  Client::connect(address_, options_.connect).delete_scene(scene.scene_id());
+  Client::connect(channels_.with(channels_.options())).delete_scene(scene.scene_id());
 } catch (const Error& e) {
   if (e.code() != grpc::NOT_FOUND) throw;
 }

@@ -2,11 +2,11 @@
 // Connects a session to its scene, as often as it takes.
 
 #include <chrono>
-#include <string>
 
 #include "client/cpp/session.hpp"
 #include "client/cpp/session/owned_frame.hpp"
 #include "client/cpp/session/scene_memory.hpp"
+#include "client/cpp/transport/grpc/channel.hpp"
 
 namespace collided::client {
 
@@ -23,7 +23,7 @@ class Connector {
   };
 
   /// Throws Error (INVALID_ARGUMENT) for what a session cannot have.
-  Connector(std::string address, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
+  Connector(ChannelFactory channels, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
             const SessionOptions& options);
 
   const SessionOptions& options() const { return options_; }
@@ -39,7 +39,7 @@ class Connector {
  private:
   Opened create(Client& client) const;
 
-  const std::string address_;
+  const ChannelFactory channels_;
   const SessionOptions options_;
   const OwnedScene input_;
 };

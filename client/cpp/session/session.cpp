@@ -27,23 +27,52 @@ void check_repeatable(const FrameOptions& options, v1::PositionFormat format) {
 
 }  // namespace
 
-Session::Session(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Session::Session(std::shared_ptr<State> state) : state_(std::move(state)) {}
 Session::Session(Session&&) noexcept = default;
-Session& Session::operator=(Session&&) noexcept = default;
-Session::~Session() = default;
+Session& Session::operator=(Session&& other) noexcept {
+  const Session before(std::move(*this));
+  state_ = std::move(other.state_);
+  return *this;
+}
+Session::~Session() {
+  if (state_) state_->end();
+}
 
 Session Session::open(const std::string& address, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
                       const SessionOptions& options) {
-  return Session(std::make_unique<State>(address, spec, meshes, options));
+  return Session(State::begin(ChannelFactory(address, options.connect), spec, meshes, options));
+}
+
+Session Session::open(const Client& client, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
+                      const SessionOptions& options) {
+  return Session(State::begin(client.channels(), spec, meshes, options));
 }
 
 FrameOutput Session::detect(std::span<const FrameUpdate> updates, const FrameOptions& options) {
+  if (state_->is_own_thread())
+    throw Error(grpc::FAILED_PRECONDITION, "detect() would wait for the function that calls it; use submit()");
   return submit(updates, options).get();
 }
 
 std::future<FrameOutput> Session::submit(std::span<const FrameUpdate> updates, const FrameOptions& options) {
+  const auto answer = std::make_shared<std::promise<FrameOutput>>();  // a function can be copied
+  submit(
+      updates,
+      [answer](FrameResult result) {
+        if (result.ok())
+          answer->set_value(std::move(result.output()));
+        else
+          answer->set_exception(std::make_exception_ptr(*result.error()));
+      },
+      options);
+  return answer->get_future();
+}
+
+void Session::submit(std::span<const FrameUpdate> updates, std::function<void(FrameResult)> done,
+                     const FrameOptions& options) {
+  if (!done) refuse("done", "is null; it is called with the frame's result");
   check_repeatable(options, state_->connector.input().spec().position_format());
-  return state_->submit(OwnedFrame(updates, options));
+  state_->submit(OwnedFrame(updates, options), std::move(done));
 }
 
 void Session::close() {

@@ -32,13 +32,21 @@ Error gave_up(const Error& last, uint32_t attempts) {
       ErrorDetails{.field = last.field(), .quota = last.quota(), .retry_after_seconds = last.retry_after_seconds()}};
 }
 
-void fail(FrameInFlight& frame, const Error& error) { frame.answer.set_exception(std::make_exception_ptr(error)); }
+/// Callers' functions must not throw: nobody could take it, and the frame has its answer.
+void tell(const FrameInFlight& frame, FrameResult result) noexcept { frame.done(std::move(result)); }
 
-void answer(FrameInFlight& frame, FrameOutput output) try {
+void fail(const FrameInFlight& frame, const Error& error) { tell(frame, {frame.number, error}); }
+
+std::optional<Error> refusal_of(const FrameOutput& output) try {
   output.check();
-  frame.answer.set_value(std::move(output));
+  return std::nullopt;
 } catch (const Error& refusal) {
-  fail(frame, refusal);
+  return refusal;
+}
+
+void answer(const FrameInFlight& frame, FrameOutput output) {
+  if (const auto refusal = refusal_of(output)) return fail(frame, *refusal);
+  tell(frame, {frame.number, std::move(output)});
 }
 
 /// The error of a frame that the stream cannot carry; none if it was sent, or if the stream has ended, which the
@@ -54,25 +62,35 @@ std::optional<Error> try_send(FrameStream& stream, const FrameInFlight& frame) t
 
 }  // namespace
 
-Session::State::State(const std::string& address, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
+Session::State::State(ChannelFactory channels, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
                       const SessionOptions& options)
-    : connector(address, spec, meshes, options), memory(connector.input().spec(), connector.input().meshes()) {
+    : connector(std::move(channels), spec, meshes, options),
+      memory(connector.input().spec(), connector.input().meshes()) {
   Connector::Opened opened = connector.create();
   scene = std::move(opened.scene);
   stream.emplace(std::move(opened.stream));
   window = stream->window();
-  receiver = std::thread([this] { run(); });
 }
 
-std::future<FrameOutput> Session::State::submit(OwnedFrame frame) {
+std::shared_ptr<Session::State> Session::State::begin(ChannelFactory channels, const v1::SceneSpec& spec,
+                                                      std::span<const MeshInput> meshes,
+                                                      const SessionOptions& options) {
+  auto state = std::make_shared<State>(std::move(channels), spec, meshes, options);
+  const Lock lock(state->mutex);  // which the receiver waits for
+  state->receiver = std::thread([state] { state->run(); });
+  state->receiver_id = state->receiver.get_id();
+  return state;
+}
+
+// The receiver makes places, and so cannot wait for one. A function that is called meanwhile may destroy the session.
+void Session::State::submit(OwnedFrame frame, Done done) {
+  const auto self = shared_from_this();
   Lock lock(mutex);
-  changed.wait(lock, [&] { return is_closed || frames.size() < window; });
+  if (!is_own_thread()) changed.wait(lock, [&] { return is_closed || frames.size() < window; });
   if (is_closed) throw closed(grpc::FAILED_PRECONDITION, "");
-  frames.push_back({++last_number, 0, std::move(frame), {}});
-  std::future<FrameOutput> output = frames.back().answer.get_future();
+  frames.push_back({++last_number, 0, std::move(frame), std::move(done)});
   changed.notify_all();
   if (is_ready && sending == 0) send_unsent(lock);
-  return output;
 }
 
 void Session::State::send_unsent(Lock& lock) {
@@ -85,8 +103,9 @@ void Session::State::send_unsent(Lock& lock) {
     sending = 0;
     changed.notify_all();
     if (!refusal) continue;
-    fail(*next, *refusal);
-    frames.erase(next);
+    std::list<FrameInFlight> refused;
+    refused.splice(refused.end(), frames, next);
+    unlocked(lock, [&] { fail(refused.front(), *refusal); });
   }
 }
 
@@ -94,7 +113,7 @@ void Session::State::run() {
   Lock lock(mutex);
   for (;;) {
     changed.wait(lock, [&] { return is_closed || !frames.empty(); });
-    if (is_closed) return;
+    if (is_closed) break;
     try {
       is_ready ? receive_one(lock) : reopen(lock);
     } catch (const Error& e) {
@@ -103,6 +122,8 @@ void Session::State::run() {
       lose(lock, Error(grpc::RESOURCE_EXHAUSTED, std::string("an answer could not be taken: ") + e.what()));
     }
   }
+  changed.wait(lock, [&] { return sending == 0; });
+  fail_all(lock, closed(grpc::CANCELLED, "; the frame was not answered"));
 }
 
 void Session::State::receive_one(Lock& lock) {
@@ -171,10 +192,15 @@ bool Session::State::stop() {
   if (std::exchange(is_closed, true)) return false;
   if (stream) stream->cancel();
   changed.notify_all();
-  if (receiver.joinable()) unlocked(lock, [&] { receiver.join(); });
-  changed.wait(lock, [&] { return sending == 0; });
-  fail_all(lock, closed(grpc::CANCELLED, "; the frame was not answered"));
+  lock.unlock();
+  if (!is_own_thread()) receiver.join();
   return true;
+}
+
+void Session::State::end() {
+  stop();
+  if (!receiver.joinable()) return;
+  is_own_thread() ? receiver.detach() : receiver.join();
 }
 
 }  // namespace collided::client

@@ -3,8 +3,9 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <future>
+#include <functional>
 #include <list>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -14,12 +15,14 @@
 
 namespace collided::client {
 
+using Done = std::function<void(FrameResult)>;
+
 /// A frame without an answer.
 struct FrameInFlight {
   uint64_t number;   ///< of the session
   uint64_t wire_id;  ///< of the stream; 0: not sent on this one
   OwnedFrame frame;
-  std::promise<FrameOutput> answer;
+  Done done;
 };
 
 /// Since a loss, until a frame is answered.
@@ -29,15 +32,22 @@ struct Trouble {
   uint32_t attempts;
 };
 
-struct Session::State {
+struct Session::State : std::enable_shared_from_this<Session::State> {
   using Lock = std::unique_lock<std::mutex>;
 
-  State(const std::string& address, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
+  /// Connects, and starts the receiver, which keeps the state until it ends.
+  static std::shared_ptr<State> begin(ChannelFactory channels, const v1::SceneSpec& spec,
+                                      std::span<const MeshInput> meshes, const SessionOptions& options);
+  State(ChannelFactory channels, const v1::SceneSpec& spec, std::span<const MeshInput> meshes,
         const SessionOptions& options);
-  ~State() { stop(); }
-  std::future<FrameOutput> submit(OwnedFrame frame);
-  /// Frames in flight fail. False if this has happened before.
+  void submit(OwnedFrame frame, Done done);
+  /// Frames in flight fail, and the receiver ends: before this returns, unless it is the receiver that calls. False if
+  /// this has happened before.
   bool stop();
+  /// The same for good: nobody but the receiver uses the state afterwards.
+  void end();
+  /// Whether the receiver calls: a function of a frame does.
+  bool is_own_thread() const { return receiver_id == std::this_thread::get_id(); }
 
   /// The receiver's thread.
   void run();
@@ -64,6 +74,7 @@ struct Session::State {
   std::optional<Trouble> trouble;
   uint64_t reconnects = 0, recreations = 0;
   std::thread receiver;
+  std::thread::id receiver_id;  ///< set before anyone else has the state
 };
 
 }  // namespace collided::client

@@ -16,11 +16,6 @@ constexpr size_t kMaxArrays = 7;                   // of a chunk
 constexpr size_t kInlineBytes = size_t{48} << 10;  // of arrays in one packet
 constexpr size_t kNoCut = size_t{1} << 31;         // so that a chunk's count fits its field
 
-// Field numbers of SharedArrays are those of ContactChunk, which has kind and count first.
-constexpr int kFieldShift = 2;
-static_assert(int{pb::ContactChunk::kElementsFieldNumber} == pb::SharedArrays::kElementsFieldNumber + kFieldShift);
-static_assert(int{pb::ContactChunk::kFlagsFieldNumber} == pb::SharedArrays::kFlagsFieldNumber + kFieldShift);
-
 // One frame's part of the output region.
 class OutputPart {
  public:
@@ -45,22 +40,6 @@ class OutputPart {
   size_t used_ = 0;
 };
 
-// The range of one of ContactChunk's arrays.
-pb::SharedRange* range_of(pb::SharedArrays* shared, int field) {
-  const auto* range = pb::SharedArrays::descriptor()->FindFieldByNumber(field - kFieldShift);
-  return static_cast<pb::SharedRange*>(shared->GetReflection()->MutableMessage(shared, range));
-}
-
-void share_chunk(const Chunk& chunk, const Topology& topology, OutputPart& part, pb::ContactChunk* out) {
-  out->set_kind(to_message(chunk.kind));
-  out->set_count(chunk.count());
-  pb::SharedArrays* const shared = out->mutable_shared();
-  for (const ChunkArray& array : chunk.arrays()) part.put(array.bytes, range_of(shared, array.field));
-  const auto stencils = chunk.stencils(topology);
-  if (!stencils.empty())
-    part.put(std::as_bytes(std::span(stencils)), range_of(shared, pb::ContactChunk::kStencilsFieldNumber));
-}
-
 // Contacts that the device has put into the part at `offset`.
 void name_placed(ContactKind kind, const PlacedContacts& placed, uint64_t offset, pb::ContactChunk* out) {
   out->set_kind(to_message(kind));
@@ -78,7 +57,9 @@ void put_chunk(const Chunk& chunk, const Topology& topology, OutputPart& part, s
   const size_t bytes = chunk.fields.contact_bytes();
   Chunk piece = chunk;
   piece.end = piece.begin + std::min<size_t>(part.room_for(bytes), chunk.count());
-  if (piece.count() > 0) share_chunk(piece, topology, part, &pieces.emplace_back());
+  if (piece.count() > 0)
+    share_chunk(piece, piece.stencils(topology), &pieces.emplace_back(),
+                [&](std::span<const std::byte> array, pb::SharedRange* range) { part.put(array, range); });
   const size_t step = std::max<size_t>(1, kInlineBytes / std::max<size_t>(1, bytes));
   for (piece.begin = piece.end; piece.begin < chunk.end; piece.begin = piece.end) {
     piece.end = std::min(piece.begin + step, chunk.end);

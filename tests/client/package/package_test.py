@@ -14,11 +14,13 @@ import unittest
 CMAKE = sys.argv[1]
 REPOSITORY, BUILD, EXAMPLE_BUILD = (pathlib.Path(argument).resolve() for argument in sys.argv[2:5])
 EXAMPLE = REPOSITORY / "client" / "cpp" / "examples" / "first_contact"
+TWO_PLACES = REPOSITORY / "client" / "in_process" / "example"
 sys.path.insert(0, str(REPOSITORY / "tests" / "interop"))
 from daemon import Daemon  # noqa: E402
 
 # The example is built as the library was.
-SETTINGS = ("CMAKE_GENERATOR", "CMAKE_BUILD_TYPE", "CMAKE_CXX_COMPILER", "CMAKE_CXX_COMPILER_LAUNCHER", "CMAKE_CXX_FLAGS")
+SETTINGS = ("CMAKE_GENERATOR", "CMAKE_BUILD_TYPE", "CMAKE_CXX_COMPILER", "CMAKE_CXX_COMPILER_LAUNCHER", "CMAKE_CXX_FLAGS",
+            "CUDAToolkit_ROOT")
 PRINTED = """step 0: 0 contacts
 step 1: 0 contacts
 step 2: 0 contacts
@@ -52,22 +54,33 @@ class Package(unittest.TestCase):
     def test_programs_library_and_public_headers_are_installed(self):
         installed = {path.relative_to(self.prefix).as_posix() for path in self.prefix.rglob("*") if path.is_file()}
         self.assertLessEqual({"bin/collided", "bin/collidectl", "include/collided/client/cpp/session.hpp",
-                              "include/collided/collided/v1/scene.pb.h",
+                              "include/collided/client/in_process/local.hpp", "include/collided/collided/v1/scene.pb.h",
                               "share/man/man1/collidectl-stream.1", "share/man/man8/collided.8",
                               "share/man/man5/collided.toml.5", "share/bash-completion/completions/collided",
                               "share/zsh/site-functions/_collidectl", "share/doc/collided/examples/collided.toml",
                               "share/fish/vendor_completions.d/collidectl.fish"}, installed)
         self.assertFalse([path for path in installed if "transport" in path or "_state.hpp" in path])
+        self.assertFalse([path for path in installed if "/server/" in path or "/gpu/" in path])
 
-    def test_the_example_finds_the_package_and_prints_the_contact(self):
+    def build(self, example):
         known = settings()
         shutil.rmtree(EXAMPLE_BUILD, ignore_errors=True)
-        run(CMAKE, "-S", EXAMPLE, "-B", EXAMPLE_BUILD, "-G", known.pop("CMAKE_GENERATOR"),
+        run(CMAKE, "-S", example, "-B", EXAMPLE_BUILD, "-G", known.pop("CMAKE_GENERATOR"),
             f"-DCMAKE_PREFIX_PATH={self.prefix}", *(f"-D{key}={value}" for key, value in known.items()))
         run(CMAKE, "--build", EXAMPLE_BUILD)
         daemon = Daemon(self.prefix / "bin" / "collided")
         self.addCleanup(daemon.kill)
+        return daemon
+
+    def test_the_example_finds_the_package_and_prints_the_contact(self):
+        daemon = self.build(EXAMPLE)
         self.assertEqual(run(EXAMPLE_BUILD / "first_contact", daemon.address), PRINTED)
+        daemon.stop()
+
+    def test_a_program_with_the_engine_linked_in_prints_the_same_without_a_daemon(self):
+        daemon = self.build(TWO_PLACES)
+        for arguments in ([], [daemon.address]):
+            self.assertEqual(run(EXAMPLE_BUILD / "two_places", *arguments), PRINTED)
         daemon.stop()
 
     def test_another_minor_version_is_not_found(self):

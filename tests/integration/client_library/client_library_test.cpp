@@ -6,7 +6,7 @@
 #include <span>
 
 #include "tests/integration/client_library/client_layers.hpp"
-#include "tests/integration/local/local_daemon.hpp"
+#include "tests/integration/client_library/client_ways.hpp"
 #include "tests/integration/support/peers/tcp_proxy.hpp"
 
 namespace collided::test {
@@ -51,26 +51,28 @@ TEST(ClientLibrary, FramesAreTheSameOverEveryTransport) {
   LocalDaemon daemon({"--address", "127.0.0.1:0"});
   Client unix_client = Client::connect(daemon.process().address());
   Client tcp_client = Client::connect(daemon.process().tcp_address());
-  struct Way {
+  Client here = local();
+  struct Place {
     Client* client;
     client::LocalOptions local;
     bool is_shared;
   };
-  const Way ways[] = {{&unix_client, {.use = Local::kOff}, false},
-                      {&tcp_client, {.use = Local::kOff}, false},
-                      {&unix_client, {}, true},
-                      {&tcp_client, {}, true},
-                      {&unix_client, {.use = Local::kOn, .output_bytes = 32 << 10}, true},
-                      {&unix_client, {.use = Local::kOn, .output_bytes = 0}, true}};
+  const Place places[] = {{&here, {}, true},
+                          {&unix_client, {.use = Local::kOff}, false},
+                          {&tcp_client, {.use = Local::kOff}, false},
+                          {&unix_client, {}, true},
+                          {&tcp_client, {}, true},
+                          {&unix_client, {.use = Local::kOn, .output_bytes = 32 << 10}, true},
+                          {&unix_client, {.use = Local::kOn, .output_bytes = 0}, true}};
   std::vector<FrameStream> streams;
-  for (const Way& way : ways) {
-    streams.push_back(way.client->stream(make_layers(*way.client), {.local = way.local}));
-    EXPECT_EQ(!streams.back().input(64).empty(), way.is_shared);
+  for (const Place& place : places) {
+    streams.push_back(place.client->stream(make_layers(*place.client), {.local = place.local}));
+    EXPECT_EQ(!streams.back().input(64).empty(), place.is_shared);
   }
   for (uint64_t id = 1; id <= 6; ++id) {
     const FrameOutput expected = ask_whole(streams[0], id);
     for (size_t i = 1; i < streams.size(); ++i) {
-      SCOPED_TRACE("frame " + std::to_string(id) + ", way " + std::to_string(i));
+      SCOPED_TRACE("frame " + std::to_string(id) + ", place " + std::to_string(i));
       expect_equal(expected, ask_whole(streams[i], id));
     }
   }
@@ -79,15 +81,17 @@ TEST(ClientLibrary, FramesAreTheSameOverEveryTransport) {
 
 TEST(ClientLibrary, PositionsThatAreWrittenIntoSharedMemoryAreThoseOfTheFrame) {
   LocalDaemon daemon;
-  Client client = Client::connect(daemon.process().address());
-  FrameStream near = client.stream(make_layers(client), {.local = {.use = Local::kOn}});
-  FrameStream far = client.stream(make_layers(client), {.local = {.use = Local::kOff}});
-  for (uint64_t id = 1; id <= 6; ++id) {
-    const std::string positions = layers_at(id);
-    const auto room = near.input(positions.size());
-    ASSERT_EQ(room.size(), positions.size());
-    std::memcpy(room.data(), positions.data(), positions.size());
-    expect_equal(ask(near, id, {.positions = room}), ask_whole(far, id));
+  for (const Way way : {Way::kSharedMemory, Way::kInProcess}) {
+    Client client = client_by(way, daemon.process().address());
+    FrameStream near = client.stream(make_layers(client));
+    FrameStream far = client.stream(make_layers(client), {.local = {.use = Local::kOff}});
+    for (uint64_t id = 1; id <= 6; ++id) {
+      const std::string positions = layers_at(id);
+      const auto room = near.input(positions.size());
+      ASSERT_EQ(room.size(), positions.size());
+      std::memcpy(room.data(), positions.data(), positions.size());
+      expect_equal(ask(near, id, {.positions = room}), ask_whole(far, id));
+    }
   }
 }
 

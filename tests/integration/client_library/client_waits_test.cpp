@@ -10,17 +10,16 @@
 #include <string_view>
 
 #include "tests/integration/client_library/client_layers.hpp"
-#include "tests/integration/local/local_daemon.hpp"
+#include "tests/integration/client_library/client_ways.hpp"
 #include "tests/integration/support/peers/tcp_proxy.hpp"
 
 namespace collided::test {
 namespace {
 
 using client::Error;
-using client::Local;
 using std::chrono::milliseconds;
 
-constexpr Local kWays[] = {Local::kOff, Local::kOn};
+constexpr Way kToADaemon[] = {Way::kGrpc, Way::kSharedMemory};
 constexpr auto kForEver = milliseconds::max();
 // The keeper in the midst of frames, and after a rest, without the wait in between.
 constexpr client::KeeperPace kLooks{.quiet_pauses = std::numeric_limits<int>::max()}, kStays{.quiet_pauses = 0};
@@ -33,12 +32,14 @@ struct Waiting {
     return more;
   }
   /// All contacts come over the socket, even with shared memory.
-  FrameStream stream(const pb::Scene& scene, Local use, uint32_t window, client::KeeperPace keeper = {}) {
-    return client.resume(scene, {.window = window, .local = {.use = use, .output_bytes = 0}, .keeper = keeper});
+  FrameStream stream(const pb::Scene& scene, Way way, uint32_t window, client::KeeperPace keeper = {}) {
+    return client(way).resume(scene,
+                              {.window = window, .local = {.use = use_of(way), .output_bytes = 0}, .keeper = keeper});
   }
+  Client& client(Way way) { return way == Way::kInProcess ? here : there; }
 
   LocalDaemon daemon;
-  Client client = Client::connect(daemon.process().tcp_address());
+  Client there = Client::connect(daemon.process().tcp_address()), here = local();
 };
 
 void send_frame(FrameStream& stream, uint64_t id, uint32_t side = kSide) {
@@ -62,8 +63,8 @@ void expect_frame(const FrameOutput& output, uint64_t id, uint64_t contacts) {
 TEST(ClientWaits, OneThreadSendsWhileAnotherReceives) {
   constexpr uint64_t kFrames = 60, kKnown = 3;
   Waiting waiting;
-  for (const Local use : kWays) {
-    FrameStream stream = waiting.stream(make_layers(waiting.client), use, 4);
+  for (const Way way : kEveryWay) {
+    FrameStream stream = waiting.stream(make_layers(waiting.client(way)), way, 4);
     std::vector<uint64_t> contacts;
     for (uint64_t id = 1; id <= kKnown; ++id) contacts.push_back(ask_whole(stream, id).vertex_triangle.count);
     auto sender = std::async(std::launch::async, [&] { send_frames(stream, kKnown + 1, kFrames); });
@@ -78,8 +79,8 @@ TEST(ClientWaits, OneThreadSendsWhileAnotherReceives) {
 TEST(ClientWaits, ASenderThatWaitsForCreditsTakesTheAnswers) {
   constexpr uint64_t kFrames = 20;
   Waiting waiting;
-  for (const Local use : kWays) {
-    FrameStream stream = waiting.stream(make_layers(waiting.client), use, 4);
+  for (const Way way : kEveryWay) {
+    FrameStream stream = waiting.stream(make_layers(waiting.client(way)), way, 4);
     send_frames(stream, 1, kFrames);
     for (uint64_t id = 1; id <= kFrames; ++id) EXPECT_EQ(stream.receive().frame_id, id);
     EXPECT_THROW(stream.receive(), Error);  // nothing is in flight
@@ -93,8 +94,8 @@ TEST(ClientWaits, AnswersComeWhileNobodyWaits) {
   double answered = 0;
   Waiting waiting;
   const Probe& probe = waiting.daemon.probe();
-  for (const Local use : kWays) {
-    FrameStream stream = waiting.stream(make_layers(waiting.client, kLarge), use, kFrames);
+  for (const Way way : kToADaemon) {
+    FrameStream stream = waiting.stream(make_layers(waiting.client(way), kLarge), way, kFrames);
     send_frames(stream, 1, kFrames, kLarge);
     EXPECT_TRUE(probe.becomes("collided_frames_total", answered += kFrames));
     EXPECT_TRUE(probe.becomes("collided_outgoing_bytes", 0));
@@ -105,15 +106,15 @@ TEST(ClientWaits, AnswersComeWhileNobodyWaits) {
 TEST(ClientWaits, AStreamIsDestroyedWithFramesInFlight) {
   constexpr uint32_t kWindow = 4;
   Waiting waiting;
-  for (const Local use : kWays) {
-    const pb::Scene scene = make_layers(waiting.client);
+  for (const Way way : kEveryWay) {
+    const pb::Scene scene = make_layers(waiting.client(way));
     for (int round = 0; round < 10; ++round) {
-      FrameStream stream = waiting.stream(scene, use, kWindow);
+      FrameStream stream = waiting.stream(scene, way, kWindow);
       const uint64_t last = stream.scene().last_frame_id();
       send_frames(stream, last + 1, last + kWindow);
     }
-    EXPECT_TRUE(waiting.daemon.probe().streams_become(0));
-    FrameStream stream = waiting.stream(scene, use, kWindow);
+    EXPECT_TRUE(way == Way::kInProcess || waiting.daemon.probe().streams_become(0));
+    FrameStream stream = waiting.stream(scene, way, kWindow);
     EXPECT_GT(ask_whole(stream, stream.scene().last_frame_id() + 1).vertex_triangle.count, 0u);
   }
 }
@@ -132,9 +133,9 @@ uint64_t receive_all(FrameStream& stream) {
 TEST(ClientWaits, AnotherThreadFinishesWhileOneReceives) {
   constexpr uint64_t kFrames = 4;
   Waiting waiting;
-  for (const Local use : kWays)
+  for (const Way way : kEveryWay)
     for (const uint64_t frames : {uint64_t{0}, kFrames}) {
-      FrameStream stream = waiting.stream(make_layers(waiting.client), use, kFrames);
+      FrameStream stream = waiting.stream(make_layers(waiting.client(way)), way, kFrames);
       auto outputs = std::async(std::launch::async, [&] { return receive_all(stream); });
       send_frames(stream, 1, frames);
       EXPECT_NO_THROW(stream.finish());
@@ -154,9 +155,9 @@ int send_until_refused(FrameStream& stream) {
 
 TEST(ClientWaits, AnotherThreadFinishesWhileOneSends) {
   Waiting waiting;
-  for (const Local use : kWays)
+  for (const Way way : kEveryWay)
     for (int round = 0; round < 5; ++round) {
-      FrameStream stream = waiting.stream(make_layers(waiting.client), use, 2);
+      FrameStream stream = waiting.stream(make_layers(waiting.client(way)), way, 2);
       auto code = std::async(std::launch::async, [&] { return send_until_refused(stream); });
       EXPECT_TRUE(stream.receive_within(kForEver));
       EXPECT_NO_THROW(stream.finish());
@@ -166,10 +167,10 @@ TEST(ClientWaits, AnotherThreadFinishesWhileOneSends) {
 
 TEST(ClientWaits, AnIdleStreamIsToldThatTheDaemonStops) {
   constexpr double kGrace = 30;
-  for (const Local use : kWays)
+  for (const Way way : kToADaemon)
     for (const client::KeeperPace pace : {kLooks, kStays}) {
       Waiting waiting({"--grace-seconds", std::to_string(kGrace)});
-      std::optional<FrameStream> stream = waiting.stream(make_layers(waiting.client), use, 2, pace);
+      std::optional<FrameStream> stream = waiting.stream(make_layers(waiting.client(way)), way, 2, pace);
       ask_whole(*stream, 1);
       EXPECT_FALSE(stream->draining_deadline());
       waiting.daemon.process().signal(SIGTERM);
@@ -215,7 +216,7 @@ TEST(ClientWaits, AnIdleClientAnswersPings) {
     TcpProxy proxy(waiting.daemon.process().tcp_address(),
                    [&](size_t connection, std::string_view bytes) { answers.take(connection, bytes); });
     Client client = Client::connect(proxy.address());
-    FrameStream stream = client.stream(make_layers(client), {.local = {.use = Local::kOff}, .keeper = pace});
+    FrameStream stream = client.stream(make_layers(client), {.local = {.use = client::Local::kOff}, .keeper = pace});
     ask_whole(stream, 1);
     const int before = answers.count();
     EXPECT_TRUE(eventually("pings are answered", [&] { return answers.count() >= before + 2; }));

@@ -1,14 +1,14 @@
-// Scenes that are edited while frames flow, over gRPC and over shared memory.
+// Scenes that are edited while frames flow, whichever way they go.
 #include <gtest/gtest.h>
 
+#include "client/cpp/transport/grpc/channel.hpp"
 #include "tests/integration/client_library/client_layers.hpp"
-#include "tests/integration/local/local_daemon.hpp"
+#include "tests/integration/client_library/client_ways.hpp"
 #include "tests/integration/support/watch.hpp"
 
 namespace collided::test {
 namespace {
 
-using client::Local;
 using client::MeshInput;
 using Points3 = std::vector<std::array<double, 3>>;
 
@@ -44,16 +44,16 @@ pb::Frame first_frame() {
   return frame;
 }
 
-class Edits : public ::testing::TestWithParam<Local> {
+class Edits : public ::testing::TestWithParam<Way> {
  protected:
   FrameStream open(uint32_t window = 4, pb::DeliveryPolicy delivery = pb::DELIVERY_POLICY_UNSPECIFIED) {
     return client_.stream(
-        scene_, {.window = window, .delivery = delivery, .local = {.use = GetParam(), .edit_bytes = 1u << 16}});
+        scene_, {.window = window, .delivery = delivery, .local = {.use = use_of(GetParam()), .edit_bytes = 1u << 16}});
   }
   pb::Scene now() { return client_.get_scene(scene_.scene_id()); }
 
   LocalDaemon daemon_{{}};
-  Client client_ = Client::connect(daemon_.process().address());
+  Client client_ = client_by(GetParam(), daemon_.process().address());
   const pb::Scene scene_ = make_scene(client_);
 };
 
@@ -209,8 +209,8 @@ TEST_P(Edits, AreSeenByWatchers) {
   FrameStream stream = open();
   stream.send(first_frame());
   stream.receive().check();
-  Watch watch(daemon_.stub(),
-              watch_request(scene_.scene_id(), [](pb::WatchSceneRequest& r) { r.add_position_meshes(1); }));
+  const auto stub = pb::CollisionService::NewStub(client_.channels().connect());
+  Watch watch(*stub, watch_request(scene_.scene_id(), [](pb::WatchSceneRequest& r) { r.add_position_meshes(1); }));
   ASSERT_TRUE(watch.opened());
   pb::Frame tear = frame_of(2);
   *tear.mutable_edit()->add_meshes() = client::edited_mesh(1, {.vertex_count = 4, .triangles = kTwo});
@@ -234,8 +234,8 @@ TEST_P(Edits, AreSeenByWatchers) {
   EXPECT_EQ(last->positions(0).positions(), "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, Edits, ::testing::Values(Local::kOff, Local::kOn),
-                         [](const auto& info) { return info.param == Local::kOn ? "SharedMemory" : "Grpc"; });
+INSTANTIATE_TEST_SUITE_P(Over, Edits, ::testing::ValuesIn(kEveryWay),
+                         [](const auto& info) { return name_of(info.param); });
 
 // One frame in one call.
 TEST(EditsOfOneFrame, AreTakenByDetectFrameToo) {

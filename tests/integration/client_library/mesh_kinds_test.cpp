@@ -1,15 +1,14 @@
-// Scenes with rigid meshes, encoded positions and loose elements through the client library, over gRPC and over shared
-// memory.
+// Scenes with rigid meshes, encoded positions and loose elements through the client library, whichever way they
+// go.
 #include <gtest/gtest.h>
 
 #include "tests/integration/client_library/client_layers.hpp"
-#include "tests/integration/local/local_daemon.hpp"
+#include "tests/integration/client_library/client_ways.hpp"
 
 namespace collided::test {
 namespace {
 
 using client::Error;
-using client::Local;
 using client::MeshInput;
 using client::RigidMatrix;
 using Points = std::vector<std::array<double, 3>>;
@@ -58,12 +57,12 @@ FrameOutput answer_to(FrameStream& stream, uint64_t id, const client::FrameUpdat
   return stream.receive();
 }
 
-class MeshKinds : public ::testing::TestWithParam<Local> {
+class MeshKinds : public ::testing::TestWithParam<Way> {
  protected:
-  FrameStream open(const pb::Scene& scene) { return client_.stream(scene, {.local = {.use = GetParam()}}); }
+  FrameStream open(const pb::Scene& scene) { return client_.stream(scene, {.local = {.use = use_of(GetParam())}}); }
 
   LocalDaemon daemon_{{}};
-  Client client_ = Client::connect(daemon_.process().address());
+  Client client_ = client_by(GetParam(), daemon_.process().address());
 };
 
 TEST_P(MeshKinds, ARigidMeshIsMovedByTwelveNumbers) {
@@ -191,8 +190,8 @@ TEST_P(MeshKinds, LooseElementsMeetEachOtherAndTriangles) {
   EXPECT_EQ(watcher.receive().vertex_triangle.stencils, expected);
 }
 
-INSTANTIATE_TEST_SUITE_P(Transports, MeshKinds, ::testing::Values(Local::kOff, Local::kOn),
-                         [](const auto& way) { return way.param == Local::kOff ? "Grpc" : "SharedMemory"; });
+INSTANTIATE_TEST_SUITE_P(Transports, MeshKinds, ::testing::ValuesIn(kEveryWay),
+                         [](const auto& info) { return name_of(info.param); });
 
 }  // namespace
 }  // namespace collided::test

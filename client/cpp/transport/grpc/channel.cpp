@@ -78,6 +78,12 @@ void check_options(const ConnectOptions& options) {
     throw Error(grpc::INVALID_ARGUMENT, "tls_ca is empty; tls_certificate and tls_server_name need it", "tls_ca");
 }
 
+grpc::ChannelArguments call_arguments() {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(v1::kMaxAnswerBytes);
+  return arguments;
+}
+
 std::shared_ptr<grpc::ChannelCredentials> credentials_of(const ConnectOptions& options) {
   if (options.tls_ca.empty()) return grpc::InsecureChannelCredentials();
   grpc::SslCredentialsOptions tls;
@@ -108,9 +114,21 @@ ChannelFactory::ChannelFactory(std::string address, ConnectOptions options)
   credentials_ = credentials_of(options_);
 }
 
+ChannelFactory::ChannelFactory(std::shared_ptr<const InProcess> daemon, ConnectOptions options)
+    : in_process_(std::move(daemon)), options_(std::move(options)) {
+  check_options(options_);
+  if (!options_.token.empty() || !options_.tls_ca.empty())
+    throw Error(grpc::INVALID_ARGUMENT, "token and tls_ca are for a daemon elsewhere; this one is in the process",
+                options_.token.empty() ? "tls_ca" : "token");
+}
+
+ChannelFactory ChannelFactory::with(ConnectOptions options) const {
+  if (in_process_) return {in_process_, std::move(options)};
+  return {address_, std::move(options)};
+}
+
 std::shared_ptr<grpc::Channel> ChannelFactory::make() const {
-  grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(v1::kMaxAnswerBytes);
+  grpc::ChannelArguments arguments = call_arguments();
   // Otherwise gRPC shares connections within a process, and failed attempts of one delay the others.
   arguments.SetInt("grpc.use_local_subchannel_pool", 1);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
@@ -123,6 +141,7 @@ std::shared_ptr<grpc::Channel> ChannelFactory::make() const {
 }
 
 std::shared_ptr<grpc::Channel> ChannelFactory::connect() const {
+  if (in_process_) return in_process_->channel(call_arguments());
   auto channel = make();
   if (!channel->WaitForConnected(deadline_in(options_.patience)))
     throw Error(grpc::UNAVAILABLE, "no daemon answers at " + address_ + reason_of(channel));

@@ -1,5 +1,5 @@
 #pragma once
-// Connections to one address with its credentials, and the metadata of calls.
+// Connections to one address with its credentials, or to a daemon in this process, and the metadata of calls.
 
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
@@ -9,6 +9,7 @@
 #include <string>
 
 #include "client/cpp/connect_options.hpp"
+#include "client/cpp/transport/in_process.hpp"
 
 namespace collided::client {
 
@@ -20,12 +21,20 @@ class ChannelFactory {
   /// Reads the files. Throws Error (INVALID_ARGUMENT) for options that contradict each other, a file that cannot be
   /// read, or a token that would go to another host in plain text.
   ChannelFactory(std::string address, ConnectOptions options);
+  /// To a daemon in this process, which needs no credentials. Throws Error (INVALID_ARGUMENT) for options that it
+  /// cannot have.
+  ChannelFactory(std::shared_ptr<const InProcess> daemon, ConnectOptions options);
+  /// The same with other options: files are read again.
+  ChannelFactory with(ConnectOptions options) const;
 
+  /// Empty in this process.
   const std::string& address() const { return address_; }
+  /// Null for a daemon elsewhere.
+  const std::shared_ptr<const InProcess>& in_process() const { return in_process_; }
   const ConnectOptions& options() const { return options_; }
-  /// A channel with its own connection, not yet connected.
+  /// A channel with its own connection, not yet connected. Not in this process.
   std::shared_ptr<grpc::Channel> make() const;
-  /// The same, connected. Throws Error (UNAVAILABLE) after options().patience.
+  /// A connected one. Throws Error (UNAVAILABLE) after options().patience.
   std::shared_ptr<grpc::Channel> connect() const;
   /// Has the token and, for a call about a scene, the metadata `scene-id`, by which proxies find its daemon.
   std::unique_ptr<grpc::ClientContext> context(const std::string& scene_id = "") const;
@@ -34,6 +43,7 @@ class ChannelFactory {
                                                     std::chrono::milliseconds more = {}) const;
 
  private:
+  std::shared_ptr<const InProcess> in_process_;
   std::string address_;
   ConnectOptions options_;
   std::shared_ptr<grpc::ChannelCredentials> credentials_;
