@@ -34,6 +34,7 @@ struct ViewCommand {
   std::vector<std::string> files;  ///< a demo, too
   FeedOptions feed;
   std::string listen = "127.0.0.1:0";
+  std::string secret_file;
   std::string page;
 };
 
@@ -121,6 +122,7 @@ void run(const ViewCommand& options) {
   check_usage(options);
   const ListenAddress listen = parse_listen_address(options.listen);
   std::string text = read_page(options.page);
+  std::string secret = options.secret_file.empty() ? make_secret() : read_secret(options.secret_file);
   Connection connection(options.server);
   FeedOptions shown = options.feed;
   std::optional<Demo> demo;
@@ -131,7 +133,7 @@ void run(const ViewCommand& options) {
   else
     only_scene(*connection);
   defer_interrupts();
-  PageServer page(listen, std::move(text));
+  PageServer page(listen, std::move(text), std::move(secret));
   serve(options, page, connection, shown, demo ? &*demo : nullptr);
 }
 
@@ -164,6 +166,9 @@ void add_view(CLI::App& app) {
   command.footer(kFooter);
   command.add_option("SCENE", options->feed.scene_id, "Id of the scene; default: the one that there is");
   command.add_option("--listen", options->listen, "HOST:PORT of the page; port 0: any")->capture_default_str();
+  command.add_option("--secret-file", options->secret_file,
+                     "File with the secret of the page's address; default: a new one each time. With it and a fixed "
+                     "port, open pages come back once collidectl is started anew");
   command.add_option("--rate", options->feed.max_frames_per_second, "At most so many frames a second")
       ->check(finite())
       ->check(CLI::Range(0.1, 1000.0))

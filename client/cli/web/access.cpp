@@ -7,7 +7,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <fstream>
+#include <iomanip>
 #include <random>
+#include <stdexcept>
 
 #include "client/cli/options/usage_error.hpp"
 
@@ -33,7 +36,8 @@ struct HostAndPort {
       host = text.substr(0, is_ipv6 ? std::string_view::npos : colon);
       rest = text.substr(host.size());
     }
-    is_valid = !host.empty() && (rest.empty() || rest[0] == ':');
+    const bool is_cut_off = text.starts_with('[') && bracket == std::string_view::npos;
+    is_valid = !host.empty() && !is_cut_off && (rest.empty() || rest[0] == ':');
     if (is_valid && !rest.empty()) port = rest.substr(1);
   }
   std::string host, rest, port;
@@ -66,6 +70,20 @@ std::string make_secret() {
     std::snprintf(digits, sizeof digits, "%08x", static_cast<unsigned>(device()));
     secret += digits;
   }
+  return secret;
+}
+
+std::string read_secret(const std::string& file) {
+  constexpr size_t kShortest = 16, kLongest = 128;
+  std::ifstream in(file);
+  std::string secret, more;
+  const bool is_one_word = (in >> std::setw(kLongest + 1) >> secret) && !(in >> std::setw(1) >> more);
+  const bool is_plain = std::all_of(secret.begin(), secret.end(),
+                                    [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; });
+  if (!is_one_word || !is_plain || secret.size() < kShortest || secret.size() > kLongest)
+    throw std::runtime_error(
+        "--secret-file " + file +
+        ": must hold one word of 16 to 128 letters, digits, - and _, such as of 'openssl rand -hex 16'");
   return secret;
 }
 

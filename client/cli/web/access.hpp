@@ -18,6 +18,8 @@ ListenAddress parse_listen_address(const std::string& text);
 
 /// 128 random bits as hexadecimal digits.
 std::string make_secret();
+/// The one word in a file, 16 to 128 letters, digits, - and _. Throws std::runtime_error naming --secret-file.
+std::string read_secret(const std::string& file);
 /// In constant time.
 bool is_equal_secret(std::string_view a, std::string_view b);
 

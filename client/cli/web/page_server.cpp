@@ -150,7 +150,8 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
 
 class PageServer::State : public std::enable_shared_from_this<State> {
  public:
-  State(const ListenAddress& listen, std::string page) try : identity_{std::move(page), make_secret(), listen.host} {
+  State(const ListenAddress& listen, std::string page, std::string secret) try
+      : identity_{std::move(page), std::move(secret), listen.host} {
     const auto found = Tcp::resolver(context_).resolve(listen.host, listen.port, Tcp::resolver::passive);
     const Tcp::endpoint endpoint = *found.begin();
     acceptor_.open(endpoint.protocol());
@@ -285,8 +286,8 @@ class PageServer::State : public std::enable_shared_from_this<State> {
   std::jthread thread_;
 };
 
-PageServer::PageServer(const ListenAddress& listen, std::string page)
-    : state_(std::make_shared<State>(listen, std::move(page))) {
+PageServer::PageServer(const ListenAddress& listen, std::string page, std::string secret)
+    : state_(std::make_shared<State>(listen, std::move(page), std::move(secret))) {
   state_->run();
 }
 

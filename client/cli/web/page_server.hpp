@@ -11,8 +11,8 @@ namespace collided::cli {
 
 class PageServer {
  public:
-  /// Listens. Throws std::runtime_error naming --listen.
-  PageServer(const ListenAddress& listen, std::string page);
+  /// Listens. `secret` is part of the page's address. Throws std::runtime_error naming --listen.
+  PageServer(const ListenAddress& listen, std::string page, std::string secret);
   PageServer(const PageServer&) = delete;
   PageServer& operator=(const PageServer&) = delete;
   /// Ends all connections.

@@ -62,7 +62,7 @@ export class Charts {
   useTheme(): void {
     this.contactPlot?.destroy();
     this.contactPlot = new uPlot(
-      options(this.contactPlace, KINDS.map(({ color }) => ({ stroke: themeColor(color), width: 1.5 }))),
+      options(this.contactPlace, KINDS.map(({ color }) => ({ stroke: themeColor(color), width: 1.5 })), largest),
       [[], ...KINDS.map(() => [])],
       this.contactPlace,
     );
@@ -75,7 +75,7 @@ export class Charts {
     this.stagePlot?.destroy();
     // The sums are drawn from the largest down; each hides what is below it but its own band.
     const series = colors.map((color) => ({ stroke: color, fill: color, width: 0 }));
-    this.stagePlot = new uPlot(options(this.stagePlace, series), [[], ...series.map(() => [])], this.stagePlace);
+    this.stagePlot = new uPlot(options(this.stagePlace, series, usualMaximum), [[], ...series.map(() => [])], this.stagePlace);
     this.showLegend(this.stages.map((name, index) => ({ name, color: colors[index] })));
   }
 
@@ -83,9 +83,15 @@ export class Charts {
     const now = performance.now() / 1000;
     this.samples = this.samples.filter(({ time }) => time > now - SECONDS);
     const times = this.samples.map(({ time }) => time - now);
-    this.contactPlot!.setData([times, ...KINDS.map((_, kind) => this.samples.map(({ contacts }) => contacts[kind]))]);
+    this.contactPlot!.setData([times, ...KINDS.map((_, kind) => this.contacts(kind))]);
     this.chooseStages();
     this.stagePlot!.setData([times, ...this.sums()]);
+  }
+
+  /** No line for a kind that the scene does not have. */
+  private contacts(kind: number): (number | null)[] {
+    const has = kind < 2 || this.samples.some(({ contacts }) => contacts[kind]);
+    return this.samples.map(({ contacts }) => (has ? contacts[kind] : null));
   }
 
   /** The stages that take longest get a band each; the choice changes only if others have come to take longer by far. */
@@ -120,7 +126,16 @@ export class Charts {
 const stageColor = (name: string, index: number): string =>
   themeColor(name === OTHER_STAGES ? "--stage-5" : `--stage-${index}`);
 
-function options(place: HTMLElement, series: uPlot.Series[]): uPlot.Options {
+/** Without the few largest values, next to which all others would be flat. */
+function usualMaximum(values: number[]): number {
+  const sorted = [...values].sort((a, b) => a - b);
+  return sorted[Math.min(sorted.length - 1, Math.ceil(0.98 * sorted.length))] ?? 0;
+}
+
+const largest = (values: (number | null)[]): number => values.reduce((most: number, value) => Math.max(most, value ?? 0), 0);
+
+/** `maximum`: of the values of a series, as far as it matters for the scale. */
+function options(place: HTMLElement, series: uPlot.Series[], maximum: (values: number[]) => number): uPlot.Options {
   const grid = { stroke: themeColor("--line"), width: 1 };
   const shared = { stroke: themeColor("--soft"), font: "11px system-ui, sans-serif", grid, ticks: { show: false } };
   return {
@@ -128,13 +143,13 @@ function options(place: HTMLElement, series: uPlot.Series[]): uPlot.Options {
     height: HEIGHT,
     cursor: { show: false },
     legend: { show: false },
-    padding: [8, 8, 0, 0],
+    padding: [8, 18, 0, 0],
     scales: {
       x: { time: false, range: [-SECONDS, 0] },
-      y: { range: (_, __, max) => [0, Math.max(max * 1.1, 1e-3)] },
+      y: { range: (plot) => [0, 1.15 * Math.max(...plot.data.slice(1).map((values) => maximum(values as number[]))) || 1] },
     },
     axes: [
-      { ...shared, size: 22, splits: () => [-60, -40, -20, 0], values: (_, at) => at.map((s) => (s ? `${s} s` : "now")) },
+      { ...shared, size: 22, splits: () => [-60, -40, -20, 0], values: (_, at) => at.map((s) => (s ? `−${-s} s` : "now")) },
       { ...shared, size: 46, values: (_, at) => at.map((value) => axis(value)) },
     ],
     series: [{}, ...series.map((one) => ({ points: { show: false }, ...one }))],

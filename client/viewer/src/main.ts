@@ -29,6 +29,7 @@ function showStatus(): void {
   const isLive = status.state === "live";
   const waits = isLive && !latest;
   element("status").dataset.state = isLive && isPaused ? "paused" : waits ? "waiting" : status.state;
+  document.body.classList.toggle("stale", !isLive);
   element("status-text").textContent = isLive ? (isPaused ? "Paused" : waits ? "Waiting for a frame" : "Live") : status.message;
   element("empty").hidden = latest !== undefined;
   element("empty").textContent = isLive ? "The scene is there. Its first frame will appear here." : status.message;
@@ -50,7 +51,7 @@ function showPosition(): void {
     ? ""
     : isPaused
       ? `frame ${count(at.frame)}${before ? `, ${count(before)} before the latest` : ""}`
-      : `live, last ${count(history.length)} frames kept`;
+      : `last ${count(history.length)} frames kept`;
 }
 
 function takeScene(message: SceneMessage): void {

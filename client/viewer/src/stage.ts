@@ -38,8 +38,8 @@ export class Stage {
   useTheme(): void {
     this.sky.color.set(themeColor("--sky"));
     this.sky.groundColor.set(themeColor("--ground"));
-    this.sky.intensity = 1.7;
-    this.lamp.intensity = 1.6;
+    this.sky.intensity = 2.2;
+    this.lamp.intensity = 1.9;
     this.surfaces.useTheme();
     this.contacts.useTheme();
     this.draw();

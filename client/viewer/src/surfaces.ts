@@ -75,8 +75,10 @@ export class Surfaces {
   }
 
   boundingSphere(): THREE.Sphere | null {
-    const box = new THREE.Box3().setFromBufferAttribute(this.position);
-    return box.isEmpty() ? null : box.getBoundingSphere(new THREE.Sphere());
+    if (this.position.count === 0) return null;
+    const geometry = new THREE.BufferGeometry().setAttribute("position", this.position);
+    geometry.computeBoundingSphere();
+    return geometry.boundingSphere;
   }
 
   private makeMesh(indices: Uint32Array): THREE.Mesh<THREE.BufferGeometry, THREE.MeshStandardMaterial> {

@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""The page of collidectl view in a headless browser, on a live cloth_ball: what it shows is what the daemon found.
+
+With COLLIDED_PICTURES=FOLDER the screenshots stay there.
+"""
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+from viewer_support import COLLIDECTL, ViewerCase, main
+
+REPOSITORY = pathlib.Path(sys.argv[3]).resolve()
+TOOLS = REPOSITORY / "build" / "tools" / "viewer"
+
+
+def skip(why):
+    print(f"skipped: {why}")
+    sys.exit(77)
+
+
+BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
+if not shutil.which("node"):
+    skip("Node is not installed")
+if not (TOOLS / "installed.json").exists():
+    skip("what client/viewer is built with is not installed (client/viewer/build)")
+
+
+def run(*words, **options):
+    done = subprocess.run([str(word) for word in words], text=True, capture_output=True, timeout=200, **options)
+    assert done.returncode == 0, f"{words}:\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+class Sources(ViewerCase):
+    def test_the_types_fit(self):
+        folder = pathlib.Path(self.local.name) / "viewer"
+        shutil.copytree(REPOSITORY / "client" / "viewer", folder, ignore=shutil.ignore_patterns("node_modules"))
+        (folder / "node_modules").symlink_to(TOOLS / "node_modules")
+        run("node", TOOLS / "node_modules" / "typescript" / "bin" / "tsc", "-p", folder)
+
+    def test_the_lock_file_names_no_registry(self):
+        self.assertNotIn('"resolved"', (REPOSITORY / "client" / "viewer" / "package-lock.json").read_text())
+
+    def test_the_page_is_one_file_that_may_load_nothing(self):
+        page = built_page(self).read_text()
+        self.assertIn("default-src 'none'; script-src 'sha256-", page)
+        self.assertEqual(re.findall(r'<(?:script|link|img|iframe)[^>]*(?:src|href)="(?!data:)', page), [])
+
+
+def built_page(case):
+    page = pathlib.Path(case.local.name) / "viewer.html"
+    run("node", REPOSITORY / "client" / "viewer" / "bundle.js", TOOLS, page)
+    return page
+
+
+class Page(ViewerCase):
+    def setUp(self):
+        if not BROWSER:
+            self.skipTest("chromium is not installed (Debian: chromium)")
+
+    def start(self, *words):
+        process = subprocess.Popen([str(word) for word in words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.stdin.close)
+        return process
+
+    def test_it_shows_a_live_scene(self):
+        pictures = os.environ.get("COLLIDED_PICTURES") or self.local.name
+        pathlib.Path(pictures).mkdir(parents=True, exist_ok=True)
+        stream = self.start(COLLIDECTL, "stream", "--scene", "cloth_ball", "--scale", os.environ.get("COLLIDED_SCALE", "0.3"),
+                            "--t0", "0.5", "--dt", "0.0004", "--frames", "100000", "--server", self.server)
+        viewer = self.view("--server", self.server, "--rate", "8", page=str(built_page(self)))
+        watch = self.start(COLLIDECTL, "watch", self.scene_id(), "--json", "--server", self.server)
+        browser = self.start("node", REPOSITORY / "tests" / "client" / "viewer" / "page.mjs", TOOLS, BROWSER, viewer.url, pictures)
+        seen = json.loads(browser.stdout.readline())
+        self.assertNotIn("failed", seen, seen)
+        self.assertEqual(seen["errors"], [])
+        self.check_shown(seen)
+        self.check_counts(seen, watch)
+        self.daemon.process.kill()
+        browser.stdin.write("\n")
+        browser.stdin.flush()
+        end = json.loads(browser.stdout.readline())
+        self.assertIn("Nothing comes from the daemon", end["status"])
+        self.assertEqual(end["errors"], [])
+        self.assertNotEqual(stream.wait(60), 0)
+
+    def scene_id(self):
+        import collided
+        with collided.Client(self.server) as client:
+            while not (scenes := client.scenes()):
+                pass
+            return scenes[0].scene_id
+
+    def check_shown(self, seen):
+        self.assertEqual(seen["name"], "cloth_ball")
+        self.assertRegex(seen["facts"], r"^[\d,]+ triangles · [\d,]+ vertices · CCD · certified · CPU")
+        self.assertEqual(seen["live"]["status"], "Live")
+        self.assertEqual(seen["live"]["text"], f"{seen['live']['contacts']:,}")
+        self.assertGreater(seen["pixels"]["colors"], 500)
+        self.assertGreater(seen["pixels"]["drawn"], 0.05)
+        self.assertEqual(seen["nothing_visible"]["drawn"], 0)
+        paused = seen["paused"]
+        self.assertEqual(paused["status"], "Paused")
+        self.assertEqual(seen["still_paused"], paused)
+        self.assertEqual(seen["newest"], paused)
+        self.assertLess(seen["oldest"]["frame"], seen["one_back"]["frame"])
+        self.assertLess(seen["one_back"]["frame"], paused["frame"])
+        self.assertGreater(seen["again"]["frame"], paused["frame"])
+
+    def check_counts(self, seen, watch):
+        """The page's counts are those of the frame that it names, as another watcher was told."""
+        shown = {seen[at]["frame"]: seen[at] for at in ("live", "paused", "one_back", "again")}
+        for line in watch.stdout:
+            frame = json.loads(line)
+            if page := shown.pop(frame["frame"], None):
+                told = [frame["contact_count"], *(frame["counts"][f"contacts_{kind}"] for kind in ("vertex_triangle", "edge_edge"))]
+                self.assertEqual([page["contacts"], page["vertex_triangle"], page["edge_edge"]], told)
+                self.assertEqual(page["contacts"], page["vertex_triangle"] + page["edge_edge"])
+            if not shown:
+                return
+            self.assertLessEqual(frame["frame"], seen["again"]["frame"], f"not told of: {sorted(shown)}")
+
+
+if __name__ == "__main__":
+    main()
