@@ -18,6 +18,7 @@ function set(id: string, text: string, value?: number | null): void {
 
 export class Panel {
   private stages: StageShare[] = [];
+  private shown?: FrameMessage;
   private shownTimes: number[] = [];
 
   constructor(setKindVisible: (facts: KindFacts, isVisible: boolean) => void) {
@@ -62,8 +63,8 @@ export class Panel {
       set(facts.kind, number === null ? "–" : count(number), number);
       element(`row-${facts.kind}`).hidden = facts.kind === "triangle_triangle" && !number;
     }
-    for (const { name } of this.stages)
-      set(`stage-${name}`, milliseconds(stageMilliseconds(frame, name, this.stages.map((stage) => stage.name))));
+    this.shown = frame;
+    this.showStageTimes();
     this.showNote(frame, scene);
   }
 
@@ -86,6 +87,13 @@ export class Panel {
         return row;
       }),
     );
+    this.showStageTimes();
+  }
+
+  private showStageTimes(): void {
+    const names = this.stages.map(({ name }) => name);
+    for (const name of this.shown ? names : [])
+      set(`stage-${name}`, milliseconds(stageMilliseconds(this.shown!, name, names)));
   }
 
   private showNote(frame: FrameMessage, scene: SceneMessage): void {

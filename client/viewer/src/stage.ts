@@ -69,7 +69,7 @@ export class Stage {
     const direction = this.isFitted ? this.camera.position.clone().sub(this.controls.target) : this.startDirection();
     this.isFitted = true;
     this.controls.target.copy(sphere.center);
-    this.camera.position.copy(sphere.center).addScaledVector(direction.normalize(), 1.02 * distance);
+    this.camera.position.copy(sphere.center).addScaledVector(direction.normalize(), 1.12 * distance);
     this.camera.near = distance / 500;
     this.camera.far = distance * 50;
     this.camera.updateProjectionMatrix();

@@ -26,14 +26,14 @@ try {
   const text = (id) => page.$eval(`#${id}`, (place) => place.textContent);
   const until = (condition, ...values) => page.waitForFunction(condition, { timeout: TIMEOUT, polling: 50 }, ...values);
   const frameAfter = (frame) => until((last) => Number(document.getElementById("frame").dataset.value) > last, frame);
-  const shown = async () => ({
-    frame: await value("frame"),
-    contacts: await value("contacts"),
-    vertex_triangle: await value("vertex_triangle"),
-    edge_edge: await value("edge_edge"),
-    text: await text("contacts"),
-    status: await text("status-text"),
-  });
+  // All of one frame.
+  const shown = () =>
+    page.evaluate(() => {
+      const out = {};
+      for (const id of ["frame", "contacts", "vertex_triangle", "edge_edge"]) out[id] = Number(document.getElementById(id).dataset.value);
+      for (const id of ["contacts", "status-text"]) out[`${id} text`] = document.getElementById(id).textContent;
+      return out;
+    });
   // Colours of the canvas: how many there are, and how many pixels are drawn at all.
   const pixels = () =>
     page.$eval("#stage", (canvas) => {
@@ -72,15 +72,15 @@ try {
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   out.nothing_visible = await pixels();
 
-  await page.keyboard.press("Space");
+  await page.click("#pause");
   await frameAfter(out.paused.frame);
   out.again = await shown();
   console.log(JSON.stringify({ ...out, errors }));
   process.stdin.once("data", async () => {
     // Its daemon is gone.
     await until(() => document.getElementById("status").dataset.state === "waiting");
-    console.log(JSON.stringify({ status: await text("status-text"), errors }));
     await picture("waiting", "light");
+    console.log(JSON.stringify({ status: await text("status-text"), errors }));
     await browser.close();
     process.exit(0);
   });
