@@ -3,7 +3,8 @@
 #include "client/cli/web/demo.hpp"
 
 #include <chrono>
-#include <thread>
+#include <condition_variable>
+#include <mutex>
 
 #include "client/cli/daemon/connection.hpp"
 #include "client/cli/input/mesh_input.hpp"
@@ -20,11 +21,14 @@ void play_to_and_fro(client::FrameStream& stream, const Motion& motion, const v1
                      const std::stop_token& stop) {
   using Clock = std::chrono::steady_clock;
   const auto interval = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate));
+  std::mutex mutex;
+  std::condition_variable_any stopped;
   for (uint64_t step = 0; !stop.stop_requested(); ++step) {
     const auto next = Clock::now() + interval;
     const auto positions = motion.positions(frame_to_and_fro(step, motion.frames));
     run_frame(stream, make_frame(motion.meshes, step + 1, spec, positions));
-    std::this_thread::sleep_until(next);
+    std::unique_lock lock(mutex);
+    stopped.wait_until(lock, stop, next, [] { return false; });
   }
 }
 

@@ -66,12 +66,12 @@ ShownScene Feed::look_at(const std::string& scene_id) {
   return shown;
 }
 
-/// Until the scene is edited. Throws Error.
-void Feed::show_frames(const std::string& scene_id) {
+/// Until the scene is edited, or it is told to stop. Throws Error.
+void Feed::show_frames(const std::string& scene_id, const std::stop_token& stop) {
   ShownScene shown = look_at(scene_id);
   page_.show_scene(scene_message(shown));
   page_.show_status(status_message("live", ""));
-  for (;;) {
+  while (!stop.stop_requested()) {  // from here on it cancels the watcher
     const client::WatchedFrame frame = watcher_->receive();
     if (frame.edit_count != shown.scene.edit_count()) return;
     page_.show_frame(frame_message(shown, frame));
@@ -104,7 +104,7 @@ void Feed::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) try {
       const std::string scene_id = find_scene();
       if (!scene_id.empty()) {
-        show_frames(scene_id);
+        show_frames(scene_id, stop);
         continue;
       }
       if (epoch_ == 0) page_.show_status(status_message("waiting", "The daemon has no scene yet."));

@@ -32,7 +32,7 @@ class Feed {
  private:
   std::string find_scene();
   ShownScene look_at(const std::string& scene_id);
-  void show_frames(const std::string& scene_id);
+  void show_frames(const std::string& scene_id, const std::stop_token& stop);
   void wait_before_retry(const std::stop_token& stop);
   bool may_go_on(const client::Error& error);
 

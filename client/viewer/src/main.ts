@@ -73,7 +73,7 @@ function takeFrame(frame: FrameMessage): void {
   latest = frame;
   charts.add(frame);
   panel.showRate(frame);
-  if (isPaused) return;
+  if (isPaused) return showPosition();
   history.add(frame);
   show(frame);
   showPosition();

@@ -56,7 +56,7 @@ try {
   await until(() => Number(document.getElementById("time").max) >= 5);
   await page.keyboard.press("Space");
   out.paused = await shown();
-  await new Promise((done) => setTimeout(done, 500));
+  await until(() => document.getElementById("position").textContent.includes("before the latest")); // others have come
   out.still_paused = await shown();
   await page.keyboard.press("ArrowLeft");
   out.one_back = await shown();

@@ -21,8 +21,7 @@ TEST(ListenAddress, IsHostAndPort) {
   EXPECT_EQ(parsed("localhost"), "localhost 0");
   EXPECT_EQ(parsed("[::1]:0"), "::1 0");
   EXPECT_EQ(parsed("::1"), "::1 0");
-  for (const char* wrong :
-       {"", ":80", "host:", "host:x", "host:65536", "host:-1", "[::1", "[::1]80", "[]:1"})
+  for (const char* wrong : {"", ":80", "host:", "host:x", "host:65536", "host:-1", "[::1", "[::1]80", "[]:1"})
     EXPECT_THROW(parse_listen_address(wrong), UsageError) << wrong;
 }
 
