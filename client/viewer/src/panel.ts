@@ -7,6 +7,7 @@ import { OTHER_STAGES, stageMilliseconds } from "./stages";
 
 export const element = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
+const RATE_MS = 3000; // or the last two frames, if these are further apart
 const SHAPES = ["disc", "diamond", "triangle"];
 
 /** Sets the text, and its number for programs that read the page. */
@@ -71,7 +72,7 @@ export class Panel {
   /** Frames a second, as they are shown. */
   showRate(frame: FrameMessage): void {
     const now = performance.now();
-    this.shownTimes = [...this.shownTimes.filter((time) => time > now - 2000), now];
+    this.shownTimes = [...this.shownTimes, now].filter((time, i, all) => time > now - RATE_MS || i >= all.length - 2);
     const seconds = (now - this.shownTimes[0]) / 1000;
     const rate = seconds > 0 ? (this.shownTimes.length - 1) / seconds : 0;
     set("rate", `${plain(rate)} a second${frame.skipped_frames ? `, 1 of ${count(frame.skipped_frames + 1)}` : ""}`);
@@ -102,7 +103,7 @@ export class Panel {
       frame.contact_count && shown < frame.contact_count
         ? `${count(shown)} of ${count(frame.contact_count)} contacts are drawn.`
         : "",
-      scene.vertex_stride > 1 ? `Coarsened: 1 of ${count(scene.vertex_stride)} vertices is drawn.` : "",
+      scene.vertex_stride > 1 ? `Coarsened: 1 in ${count(scene.vertex_stride)} vertices is drawn.` : "",
       frame.warnings.length ? `Warning: ${frame.warnings.map((name) => words(name.toLowerCase())).join(", ")}.` : "",
     ];
     element("note").textContent = notes.filter(Boolean).join(" ");
