@@ -81,6 +81,12 @@ try {
     await until(() => document.getElementById("status").dataset.state === "waiting");
     await picture("waiting", "light");
     console.log(JSON.stringify({ status: await text("status-text"), errors }));
+    // And so is collidectl; then another one is at its place.
+    await until(() => document.getElementById("status").dataset.state === "lost");
+    console.log(JSON.stringify({ status: await text("status-text") }));
+    await until(() => document.getElementById("name").textContent === "reef_knot" && document.getElementById("status").dataset.state === "live");
+    await frameAfter(0);
+    console.log(JSON.stringify({ status: await text("status-text") }));
     await browser.close();
     process.exit(0);
   });

@@ -11,6 +11,7 @@ import re
 import shutil
 import subprocess
 import sys
+import urllib.parse
 
 from viewer_support import COLLIDECTL, ViewerCase, main
 
@@ -81,7 +82,10 @@ class Page(ViewerCase):
             stream = self.start(COLLIDECTL, "stream", "--scene", "cloth_ball", "--scale", "0.3", "--t0", "0.5", "--dt", "0.0004",
                                 "--mode", "dcd", "--thickness", "0.004", "--frames", "100000", "--server", self.server,
                                 "--record", "/dev/null", stdout=file)
-        viewer = self.view("--server", self.server, "--rate", "8", page=str(built_page(self)))
+        secret = pathlib.Path(self.local.name) / "secret"
+        secret.write_text("0123456789abcdef")
+        page = str(built_page(self))
+        viewer = self.view("--server", self.server, "--rate", "8", "--secret-file", str(secret), page=page)
         browser = self.start("node", REPOSITORY / "tests" / "client" / "viewer" / "page.mjs", TOOLS, BROWSER, viewer.url, pictures)
         seen = json.loads(browser.stdout.readline())
         self.assertNotIn("failed", seen, seen)
@@ -95,6 +99,11 @@ class Page(ViewerCase):
         end = json.loads(browser.stdout.readline())
         self.assertIn("Nothing comes from the daemon", end["status"])
         self.assertEqual(end["errors"], [])
+        viewer.interrupt()
+        self.assertIn("collidectl does not answer", json.loads(browser.stdout.readline())["status"])
+        self.view("--scene", "reef_knot", "--scale", "0.2", "--backend", "cpu", "--listen", urllib.parse.urlsplit(viewer.url).netloc,
+                  "--secret-file", str(secret), page=page)
+        self.assertEqual(json.loads(browser.stdout.readline())["status"], "Live")
 
     def check_shown(self, seen):
         self.assertEqual(seen["name"], "cloth_ball")
