@@ -9,6 +9,7 @@ void add_detect(CLI::App& app);
 void add_stream(CLI::App& app);
 void add_replay(CLI::App& app);
 void add_watch(CLI::App& app);
+void add_view(CLI::App& app);
 void add_estimate(CLI::App& app);
 void add_scenes(CLI::App& app);
 void add_export(CLI::App& app);

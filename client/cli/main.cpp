@@ -57,6 +57,7 @@ int main(int argc, char** argv) {
   add_stream(app);
   add_replay(app);
   add_watch(app);
+  add_view(app);
   add_estimate(app);
   add_scenes(app);
   add_export(app);

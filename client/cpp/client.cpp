@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <random>
 #include <thread>
 
@@ -21,7 +22,7 @@ namespace {
 using Service = v1::CollisionService::Stub;
 
 constexpr size_t kTrianglesPerChunk = (1 << 20) / 12;  // 1 MiB, well below the limit of any daemon
-constexpr int kCreateTries = 3;
+constexpr int kCreateTries = 3, kReadTries = 8;
 constexpr std::chrono::milliseconds kRetryPause(200);
 
 /// 128 random bits as hexadecimal digits.
@@ -70,6 +71,24 @@ FrameStream stream_in_process(const InProcess& daemon, const v1::OpenStream& ope
         grpc::FAILED_PRECONDITION, "options.local has a handle of device memory, which needs a daemon of its own",
         local.cuda_ipc_handle.empty() ? "options.local.output_cuda_ipc_handle" : "options.local.cuda_ipc_handle");
   return FrameStream::open(daemon.transport(), open, {.is_local = true, .keeper = options.keeper});
+}
+
+/// Appends a page. Throws Error (DATA_LOSS) for one that does not fit its mesh.
+void append_page(MeshElements& mesh, const v1::GetMeshResponse& page) {
+  using Element = std::array<uint32_t, 3>;
+  const size_t before = mesh.elements.size(), count = page.elements().size() / sizeof(Element);
+  const bool is_short = count == 0 && before < page.element_count();
+  if (page.elements().size() % sizeof(Element) != 0 || before + count > page.element_count() || is_short)
+    throw Error(grpc::DATA_LOSS, "elements: a page of " + std::to_string(page.elements().size()) + " bytes after " +
+                                     std::to_string(before) + " of " + std::to_string(page.element_count()) +
+                                     " elements");
+  mesh.elements.resize(before + count);
+  if (count > 0) std::memcpy(mesh.elements[before].data(), page.elements().data(), page.elements().size());
+  for (size_t i = before; i < mesh.elements.size(); ++i)
+    for (const uint32_t vertex : mesh.elements[i])
+      if (vertex >= page.vertex_count())
+        throw Error(grpc::DATA_LOSS, "elements[" + std::to_string(i) + "] names vertex " + std::to_string(vertex) +
+                                         " of " + std::to_string(page.vertex_count()));
 }
 
 }  // namespace
@@ -213,6 +232,40 @@ v1::Scene Client::get_scene(const std::string& scene_id) {
   v1::GetSceneRequest request;
   request.set_scene_id(scene_id);
   return std::move(*state_->call(&Service::GetScene, request, scene_id).mutable_scene());
+}
+
+std::vector<v1::Scene> Client::list_scenes() {
+  std::vector<v1::Scene> scenes;
+  v1::ListScenesRequest request;
+  do {
+    v1::ListScenesResponse page = state_->call(&Service::ListScenes, request);
+    for (v1::Scene& scene : *page.mutable_scenes()) scenes.push_back(std::move(scene));
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  return scenes;
+}
+
+MeshElements Client::mesh_elements(const std::string& scene_id, uint32_t mesh) {
+  v1::GetMeshRequest request;
+  request.set_scene_id(scene_id);
+  request.set_mesh(mesh);
+  MeshElements out;
+  int tries = kReadTries;
+  for (uint64_t total = 1; out.elements.size() < total;) {
+    request.set_first_element(static_cast<uint32_t>(out.elements.size()));
+    const v1::GetMeshResponse page = state_->call(&Service::GetMesh, request, scene_id);
+    const bool is_edited = !out.elements.empty() && page.edit_count() != out.edit_count;
+    if (is_edited) {  // between two pages
+      if (--tries == 0) throw Error(grpc::ABORTED, "mesh " + std::to_string(mesh) + " was edited as it was read");
+      out = {};
+      continue;
+    }
+    append_page(out, page);
+    out.vertex_count = page.vertex_count();
+    out.edit_count = page.edit_count();
+    total = page.element_count();
+  }
+  return out;
 }
 
 void Client::delete_scene(const std::string& scene_id) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "client/cpp/connect_options.hpp"
 #include "client/cpp/error.hpp"
@@ -37,6 +38,15 @@ struct MeshInput {
 v1::MeshEdit edited_mesh(uint32_t mesh, const MeshInput& input);
 /// Removes a mesh.
 v1::MeshEdit removed_mesh(uint32_t mesh);
+
+/// A mesh of a living scene.
+struct MeshElements {
+  uint32_t vertex_count = 0;  ///< 0: it was removed
+  /// In the order of their scene-wide ids: triangles, then loose edges as a b b, then loose points as a a a, numbered
+  /// within the mesh.
+  std::vector<std::array<uint32_t, 3>> elements;
+  uint64_t edit_count = 0;  ///< of the scene, when this was so
+};
 
 class ChannelFactory;
 
@@ -73,6 +83,10 @@ class Client {
   v1::EstimateSceneResponse estimate_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes);
   /// A scene of this client as it is now, without triangles. Throws Error: NOT_FOUND if there is none.
   v1::Scene get_scene(const std::string& scene_id);
+  /// The scenes of this client, by id.
+  std::vector<v1::Scene> list_scenes();
+  /// What a mesh of the scene is made of, whoever created it. Throws Error (ABORTED) if edits keep changing it.
+  MeshElements mesh_elements(const std::string& scene_id, uint32_t mesh);
   /// Ends its stream and frees its memory at once. Throws Error as get_scene does.
   void delete_scene(const std::string& scene_id);
   /// Opens a stream: over shared memory if options.local allows it, else on a separate connection to the scene's

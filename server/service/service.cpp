@@ -6,6 +6,7 @@
 
 #include "server/convert/facts.hpp"
 #include "server/errors.hpp"
+#include "server/service/get_mesh.hpp"
 #include "server/service/mesh_upload.hpp"
 #include "server/service/watch_call.hpp"
 #include "server/shorten.hpp"
@@ -60,6 +61,7 @@ void CollisionService::add_to(RpcRouter& router) {
   add(router, "CreateScene", &CollisionService::create_scene);
   add(router, "EstimateScene", &CollisionService::estimate_scene);
   add(router, "GetScene", &CollisionService::get_scene);
+  add(router, "GetMesh", &CollisionService::get_mesh);
   add(router, "ListScenes", &CollisionService::list_scenes);
   add(router, "DeleteScene", &CollisionService::delete_scene);
   add(router, "DetectFrame", &CollisionService::detect_frame);
@@ -146,6 +148,10 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* CollisionService::UploadMesh(grpc::Ca
 void CollisionService::get_scene(UnaryCall<pb::GetSceneRequest, pb::GetSceneResponse>& call) {
   fill_scene(*host_.scenes().find(call.caller().client, call.request().scene_id()), call.response().mutable_scene());
   call.finish();
+}
+
+void CollisionService::get_mesh(UnaryCall<pb::GetMeshRequest, pb::GetMeshResponse>& call) {
+  server::get_mesh(call, host_, calls_);
 }
 
 void CollisionService::list_scenes(UnaryCall<pb::ListScenesRequest, pb::ListScenesResponse>& call) {

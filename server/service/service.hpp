@@ -47,6 +47,7 @@ class CollisionService final : public RawService {
   void create_scene(UnaryCall<pb::CreateSceneRequest, pb::CreateSceneResponse>& call);
   void estimate_scene(UnaryCall<pb::EstimateSceneRequest, pb::EstimateSceneResponse>& call);
   void get_scene(UnaryCall<pb::GetSceneRequest, pb::GetSceneResponse>& call);
+  void get_mesh(UnaryCall<pb::GetMeshRequest, pb::GetMeshResponse>& call);
   void list_scenes(UnaryCall<pb::ListScenesRequest, pb::ListScenesResponse>& call);
   void delete_scene(UnaryCall<pb::DeleteSceneRequest, pb::DeleteSceneResponse>& call);
   void detect_frame(UnaryCall<pb::DetectFrameRequest, pb::DetectFrameResponse>& call);

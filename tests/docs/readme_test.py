@@ -31,6 +31,7 @@ SMALLER = {
     "export --scene": "--scale 0.3",
 }
 NOT_RUN = {
+    "view --scene": "serves until it is interrupted; client.viewer.* run it",
     "bench --end-to-end": "a minute; collidectl_end_to_end runs it, smaller",
     "info --server gpu-host": "another host; integration.collidectl_security has TLS and tokens",
 }

@@ -116,6 +116,8 @@ BAD = [
     ("client/measure/bench/bad.cpp", '#include "client/cli/commands.hpp"'),
     ("client/measure/bench/bad.cpp", '#include "client/cli/options/options.hpp"'),
     ("client/cli/report/bad.cpp", "#include <CLI/CLI.hpp>"),
+    ("client/cli/web/bad.cpp", '#include "client/cli/commands.hpp"'),
+    ("client/cli/web/bad.cpp", "#include <boost/beast/core.hpp>"),
 ]
 
 

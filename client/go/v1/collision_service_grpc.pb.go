@@ -36,6 +36,9 @@ type CollisionServiceClient interface {
 	UploadMesh(ctx context.Context, opts ...grpc.CallOption) (CollisionService_UploadMeshClient, error)
 	// State and memory of a scene. NOT_FOUND.
 	GetScene(ctx context.Context, in *GetSceneRequest, opts ...grpc.CallOption) (*GetSceneResponse, error)
+	// What a mesh of a scene is made of, in pages: for who watches a scene and did not create it. NOT_FOUND, INVALID_ARGUMENT for
+	// a mesh that the scene does not have or an element past its last one, FAILED_PRECONDITION while triangles are still to be sent.
+	GetMesh(ctx context.Context, in *GetMeshRequest, opts ...grpc.CallOption) (*GetMeshResponse, error)
 	// The client's scenes, by id.
 	ListScenes(ctx context.Context, in *ListScenesRequest, opts ...grpc.CallOption) (*ListScenesResponse, error)
 	// Deletes a scene and frees its memory once its running frame is done; its stream ends with NOT_FOUND. NOT_FOUND.
@@ -136,6 +139,15 @@ func (x *collisionServiceUploadMeshClient) CloseAndRecv() (*UploadMeshResponse, 
 func (c *collisionServiceClient) GetScene(ctx context.Context, in *GetSceneRequest, opts ...grpc.CallOption) (*GetSceneResponse, error) {
 	out := new(GetSceneResponse)
 	err := c.cc.Invoke(ctx, "/collided.v1.CollisionService/GetScene", in, out, opts...)
+	if err != nil {
+		return nil, err
+	}
+	return out, nil
+}
+
+func (c *collisionServiceClient) GetMesh(ctx context.Context, in *GetMeshRequest, opts ...grpc.CallOption) (*GetMeshResponse, error) {
+	out := new(GetMeshResponse)
+	err := c.cc.Invoke(ctx, "/collided.v1.CollisionService/GetMesh", in, out, opts...)
 	if err != nil {
 		return nil, err
 	}
@@ -255,6 +267,9 @@ type CollisionServiceServer interface {
 	UploadMesh(CollisionService_UploadMeshServer) error
 	// State and memory of a scene. NOT_FOUND.
 	GetScene(context.Context, *GetSceneRequest) (*GetSceneResponse, error)
+	// What a mesh of a scene is made of, in pages: for who watches a scene and did not create it. NOT_FOUND, INVALID_ARGUMENT for
+	// a mesh that the scene does not have or an element past its last one, FAILED_PRECONDITION while triangles are still to be sent.
+	GetMesh(context.Context, *GetMeshRequest) (*GetMeshResponse, error)
 	// The client's scenes, by id.
 	ListScenes(context.Context, *ListScenesRequest) (*ListScenesResponse, error)
 	// Deletes a scene and frees its memory once its running frame is done; its stream ends with NOT_FOUND. NOT_FOUND.
@@ -302,6 +317,9 @@ func (UnimplementedCollisionServiceServer) UploadMesh(CollisionService_UploadMes
 }
 func (UnimplementedCollisionServiceServer) GetScene(context.Context, *GetSceneRequest) (*GetSceneResponse, error) {
 	return nil, status.Errorf(codes.Unimplemented, "method GetScene not implemented")
+}
+func (UnimplementedCollisionServiceServer) GetMesh(context.Context, *GetMeshRequest) (*GetMeshResponse, error) {
+	return nil, status.Errorf(codes.Unimplemented, "method GetMesh not implemented")
 }
 func (UnimplementedCollisionServiceServer) ListScenes(context.Context, *ListScenesRequest) (*ListScenesResponse, error) {
 	return nil, status.Errorf(codes.Unimplemented, "method ListScenes not implemented")
@@ -429,6 +447,24 @@ func _CollisionService_GetScene_Handler(srv interface{}, ctx context.Context, de
 	return interceptor(ctx, in, info, handler)
 }
 
+func _CollisionService_GetMesh_Handler(srv interface{}, ctx context.Context, dec func(interface{}) error, interceptor grpc.UnaryServerInterceptor) (interface{}, error) {
+	in := new(GetMeshRequest)
+	if err := dec(in); err != nil {
+		return nil, err
+	}
+	if interceptor == nil {
+		return srv.(CollisionServiceServer).GetMesh(ctx, in)
+	}
+	info := &grpc.UnaryServerInfo{
+		Server:     srv,
+		FullMethod: "/collided.v1.CollisionService/GetMesh",
+	}
+	handler := func(ctx context.Context, req interface{}) (interface{}, error) {
+		return srv.(CollisionServiceServer).GetMesh(ctx, req.(*GetMeshRequest))
+	}
+	return interceptor(ctx, in, info, handler)
+}
+
 func _CollisionService_ListScenes_Handler(srv interface{}, ctx context.Context, dec func(interface{}) error, interceptor grpc.UnaryServerInterceptor) (interface{}, error) {
 	in := new(ListScenesRequest)
 	if err := dec(in); err != nil {
@@ -549,6 +585,10 @@ var _CollisionService_serviceDesc = grpc.ServiceDesc{
 		{
 			MethodName: "GetScene",
 			Handler:    _CollisionService_GetScene_Handler,
+		},
+		{
+			MethodName: "GetMesh",
+			Handler:    _CollisionService_GetMesh_Handler,
 		},
 		{
 			MethodName: "ListScenes",

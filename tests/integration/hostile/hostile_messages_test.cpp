@@ -95,8 +95,8 @@ TEST(HostileMessages, OtherMessagesAreBoundedToo) {
   const std::string unknown = repeated(varint(1000 << 3) + '\1', 4 << 20);
   for (const std::string& request : {meshes, kinds, unknown})
     EXPECT_EQ(raw_call(channel, method_path("CreateScene"), request).error_code(), grpc::RESOURCE_EXHAUSTED);
-  for (const char* method :
-       {"GetServerInfo", "EstimateScene", "GetScene", "ListScenes", "DeleteScene", "UploadMesh", "StreamFrames"}) {
+  for (const char* method : {"GetServerInfo", "EstimateScene", "GetScene", "GetMesh", "ListScenes", "DeleteScene",
+                             "UploadMesh", "StreamFrames"}) {
     const auto status = raw_call(channel, method_path(method), unknown);
     EXPECT_EQ(status.error_code(), grpc::RESOURCE_EXHAUSTED) << method << ": " << status.error_message();
   }
@@ -165,6 +165,7 @@ TEST(HostileMessages, MalformedOnesAreNamed) {
                                                           {"CreateScene", "CreateSceneRequest"},
                                                           {"EstimateScene", "EstimateSceneRequest"},
                                                           {"GetScene", "GetSceneRequest"},
+                                                          {"GetMesh", "GetMeshRequest"},
                                                           {"ListScenes", "ListScenesRequest"},
                                                           {"DeleteScene", "DeleteSceneRequest"},
                                                           {"DetectFrame", "DetectFrameRequest"},

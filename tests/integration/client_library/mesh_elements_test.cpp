@@ -1,0 +1,110 @@
+// What a scene is made of, asked by who did not create it.
+#include <gtest/gtest.h>
+
+#include "tests/integration/client_library/client_layers.hpp"
+#include "tests/integration/support/daemon_process.hpp"
+
+namespace collided::test {
+namespace {
+
+using client::MeshElements;
+using client::MeshInput;
+using Elements = std::vector<std::array<uint32_t, 3>>;
+
+constexpr std::array<std::array<uint32_t, 3>, 1> kOne{{{0, 1, 2}}};
+constexpr std::array<std::array<uint32_t, 2>, 1> kEdge{{{4, 3}}};
+constexpr std::array<uint32_t, 1> kPoint{5};
+
+class ElementsOfMeshes : public ::testing::Test {
+ protected:
+  pb::Scene make_scene() {
+    pb::SceneSpec spec;
+    spec.set_mode(pb::DETECTION_MODE_CCD);
+    const MeshInput meshes[] = {
+        {.name = "floor", .vertex_count = 3, .triangles = kOne, .is_static = true},
+        {.name = "all", .vertex_count = 6, .triangles = kOne, .edges = kEdge, .points = kPoint}};
+    return maker_.create_scene(spec, meshes);
+  }
+  void expect_refused(const std::string& scene, uint32_t mesh, uint32_t first, int code, const std::string& field) {
+    grpc::ClientContext context;
+    set_deadline(context);
+    pb::GetMeshRequest request;
+    request.set_scene_id(scene);
+    request.set_mesh(mesh);
+    request.set_first_element(first);
+    pb::GetMeshResponse response;
+    const auto status = pb::CollisionService::NewStub(daemon_.channel())->GetMesh(&context, request, &response);
+    EXPECT_EQ(status.error_code(), code) << status.error_message();
+    EXPECT_EQ(details_of(status).fields, std::vector<std::string>{field});
+  }
+
+  DaemonProcess daemon_;
+  Client maker_ = Client::connect(daemon_.address());
+  Client other_ = Client::connect(daemon_.address());
+};
+
+TEST_F(ElementsOfMeshes, AreTrianglesThenEdgesThenPointsNumberedWithinTheMesh) {
+  const std::string id = make_scene().scene_id();
+  EXPECT_EQ(other_.mesh_elements(id, 0).elements, (Elements{{0, 1, 2}}));
+  const MeshElements all = other_.mesh_elements(id, 1);
+  EXPECT_EQ(all.elements, (Elements{{0, 1, 2}, {4, 3, 3}, {5, 5, 5}}));
+  EXPECT_EQ(all.vertex_count, 6u);
+  EXPECT_EQ(all.edit_count, 0u);
+}
+
+TEST_F(ElementsOfMeshes, ComeInPagesWhereTheyAreMany) {
+  constexpr uint32_t kLarge = 260;  // 268,324 triangles, 3.2 MB
+  const MeshElements mesh = other_.mesh_elements(make_layers(maker_, kLarge).scene_id(), 0);
+  Elements expected;
+  const auto corners = layer_triangles(kLarge);
+  for (size_t i = 0; i < corners.size(); i += 3) expected.push_back({corners[i], corners[i + 1], corners[i + 2]});
+  EXPECT_TRUE(mesh.elements == expected);
+}
+
+TEST_F(ElementsOfMeshes, FollowEdits) {
+  const std::string id = make_layers(maker_).scene_id();
+  FrameStream stream = maker_.stream(maker_.get_scene(id));
+  ask_whole(stream, 1);
+  pb::Frame frame;
+  frame.set_frame_id(2);
+  *frame.mutable_edit()->add_meshes() = client::removed_mesh(0);
+  *frame.mutable_edit()->add_meshes() = client::edited_mesh(1, {.name = "new", .vertex_count = 3, .triangles = kOne});
+  auto& update = *frame.add_updates();
+  update.set_mesh(1);
+  update.set_positions(pack<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}));
+  auto watcher = other_.watch(id);
+  stream.send(frame);
+  stream.receive().check();
+  client::WatchedFrame seen = watcher.receive();
+  if (seen.frame_id == 1) {  // answered before the watch, but perhaps shown after that
+    EXPECT_EQ(seen.edit_count, 0u);
+    seen = watcher.receive();
+  }
+  EXPECT_EQ(seen.edit_count, 1u);
+  EXPECT_TRUE(other_.mesh_elements(id, 0).elements.empty());
+  EXPECT_EQ(other_.mesh_elements(id, 0).vertex_count, 0u);
+  EXPECT_EQ(other_.mesh_elements(id, 1).elements, (Elements{{0, 1, 2}}));
+  EXPECT_EQ(other_.mesh_elements(id, 1).edit_count, 1u);
+}
+
+TEST_F(ElementsOfMeshes, ThatAreNotThereAreNamed) {
+  const std::string id = make_scene().scene_id();
+  expect_refused(id, 2, 0, grpc::INVALID_ARGUMENT, "mesh");
+  expect_refused(id, ~0u, 0, grpc::INVALID_ARGUMENT, "mesh");
+  expect_refused(id, 1, 4, grpc::INVALID_ARGUMENT, "first_element");
+  expect_refused("none", 0, 0, grpc::NOT_FOUND, "scene_id");
+  auto awaiting = layers_request(4);
+  awaiting.mutable_spec()->mutable_meshes(0)->set_triangle_count(1000);
+  const auto stub = pb::CollisionService::NewStub(daemon_.channel());
+  expect_refused(test::make_scene(*stub, awaiting), 0, 0, grpc::FAILED_PRECONDITION, "scene_id");
+}
+
+TEST_F(ElementsOfMeshes, BelongToScenesThatAreListed) {
+  std::vector<std::string> made{make_scene().scene_id(), make_scene().scene_id()}, listed;
+  std::sort(made.begin(), made.end());
+  for (const pb::Scene& scene : other_.list_scenes()) listed.push_back(scene.scene_id());
+  EXPECT_EQ(listed, made);
+}
+
+}  // namespace
+}  // namespace collided::test
