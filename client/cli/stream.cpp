@@ -51,8 +51,7 @@ v1::SceneSpec spec_of(const StreamOptions& options, const Motion& motion) {
       scene_spec(options.server, options.detection, choose_format(options.position_format, motion.is_double));
   spec.set_display_name(options.scene.name);
   spec.set_rest_distance(options.exclusions.rest_distance);
-  for (int frame = 0; frame < motion.frames && spec.position_format() == v1::POSITION_FORMAT_Q16; ++frame)
-    grow_box(spec, motion.positions(frame));
+  grow_box(spec, motion);
   return spec;
 }
 
@@ -123,9 +122,7 @@ void add_stream(CLI::App& app) {
   CLI::App& command =
       *app.add_subcommand("stream", "Play mesh files or a procedural scene and tell what the frames cost");
   command.add_option("FRAME", options->files, "OBJ or PLY, a frame each, in natural order: frame2 before frame10");
-  add_scene_options(command, options->scene);
-  CLI::Option* scene = command.get_option("--scene")->required(false);
-  for (const char* of_scenes : {"--frames", "--t0", "--dt", "--scale"}) command.get_option(of_scenes)->needs(scene);
+  add_optional_scene_options(command, options->scene);
   add_detection_options(command, options->detection);
   add_advance_options(command, options->detection);
   command.add_option("--rigid", options->rigid, "Meshes that move as rigid bodies, and send poses, such as ball")
