@@ -29,6 +29,7 @@ WatchedFrame frame_of(v1::WatchSceneResponse& response) {
   frame.frame_id = response.frame_id();
   frame.skipped_frames = response.skipped_frames();
   frame.omitted_contacts = response.omitted_contacts();
+  frame.edit_count = response.edit_count();
   for_each_kind(
       [&](v1::ContactKind kind, Contacts& contacts) {
         for (const v1::ContactChunk& chunk : response.done().contacts())

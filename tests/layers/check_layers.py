@@ -130,7 +130,7 @@ CLIENT_RULES = [
     (r"client/cpp/transport/", r"client/cpp/(client|frame_stream|session)", "transports know no stream"),
     (r"client/cli/\w+/", r"client/(cli/\w+\.hpp$|measure/)", "what commands share knows no command and no measurement"),
     (r"client/measure/", r"client/cli/\w+\.hpp$", "measurements know no command"),
-    (r"client/(measure|cli/(daemon|input|output|picture|recording|report))/", r"CLI/|client/cli/options/(?!values|usage_error)",
+    (r"client/(measure|cli/(daemon|input|live|output|picture|recording|report))/", r"CLI/|client/cli/options/(?!values|usage_error)",
      "what options have chosen is in options/values.hpp; CLI11 takes longer to compile than all else"),
 ]
 
