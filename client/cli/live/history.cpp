@@ -35,7 +35,8 @@ void History::put_counts(const Json& counts) {
 }
 
 void History::put(const std::string& name, Series::Unit unit, double value) {
-  auto found = std::find_if(series_.begin(), series_.end(), [&](const Series& one) { return one.name == name; });
+  auto found = std::find_if(series_.begin(), series_.end(),
+                            [&](const Series& one) { return one.unit == unit && one.name == name; });
   if (found == series_.end()) {
     if (value == 0 && unit == Series::Unit::kCount && name.starts_with(' ')) return;
     // After those of its unit, so that a stage that a later frame needs stands with the others.

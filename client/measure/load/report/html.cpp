@@ -97,7 +97,7 @@ std::string figures(const Json& outcome) {
     out += figure(ms(latency.at(name)) + " ms", std::string("latency, ") + name);
   out += figure(format_double("%.4g", outcome.at("throughput").at("frames_per_second")), "frames a second");
   out += figure(count(frames.at("answered")), "answered of " + count(frames.at("due")));
-  out += figure(ms(outcome.at("tester").at("cpu_us_per_frame")) + " us", "the tester's CPU a frame");
+  out += figure(ms(outcome.at("tester").at("cpu_ms_per_frame")) + " ms", "the tester's CPU a frame");
   return out + "</div>\n";
 }
 

@@ -69,6 +69,20 @@ TEST(History, StagesAndCountsStandWithTheirKind) {
                                              "  contacts_vertex_triangle", "bytes_in", "bytes_out", "device_bytes"}));
 }
 
+TEST(History, AStageAndACountMayHaveTheSameName) {
+  History history;
+  client::WatchedFrame both = frame(1, 4, 1);
+  both.done.mutable_metrics()->mutable_counts()->set_pairs(99);
+  v1::StageTime& stage = *both.done.mutable_metrics()->add_stages();
+  stage.set_stage("pairs");
+  stage.set_milliseconds(0.5);
+  history.add(both, v1::REPORT_ALL, {});
+  std::vector<double> values;
+  for (const Series& series : history.series())
+    if (series.name == "  pairs") values.insert(values.end(), series.values.begin(), series.values.end());
+  EXPECT_EQ(values, (std::vector<double>{0.5, 99}));
+}
+
 TEST(History, WhatIsNotCountedIsNotShown) {
   History history;
   history.add(frame(1, 4, 5), v1::REPORT_ANY_HIT, {});
