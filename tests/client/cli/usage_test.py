@@ -78,7 +78,7 @@ class Usage(support.CollidectlTest):
         self.assertIn("detect [OPTIONS] FRAME [FRAME]\n", self.ok("detect", "--help"))
         self.assertIn("tradeoff [OPTIONS] [FRAME [FRAME]]\n", self.ok("tradeoff", "--help"))
         self.assertIn("stream [OPTIONS] [FRAME...]\n", self.ok("stream", "--help"))
-        for command in ("detect", "stream", "estimate", "scenes", "export", "info", "tradeoff", "bench", "load"):
+        for command in ("detect", "stream", "render", "watch", "replay", "estimate", "scenes", "export", "info", "tradeoff", "bench", "load"):
             text = self.ok(command, "--help")
             self.assertNotIn("x)", text.splitlines()[1], command)
 
