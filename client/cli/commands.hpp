@@ -8,6 +8,7 @@ namespace collided::cli {
 void add_detect(CLI::App& app);
 void add_stream(CLI::App& app);
 void add_replay(CLI::App& app);
+void add_render(CLI::App& app);
 void add_watch(CLI::App& app);
 void add_view(CLI::App& app);
 void add_estimate(CLI::App& app);

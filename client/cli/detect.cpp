@@ -1,6 +1,5 @@
 // collidectl detect: one step, from mesh files to contacts.
 
-#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -12,9 +11,8 @@
 #include "client/cli/options/exclusion_options.hpp"
 #include "client/cli/options/options.hpp"
 #include "client/cli/options/usage_error.hpp"
-#include "client/cli/output/csv.hpp"
+#include "client/cli/output/contact_files.hpp"
 #include "client/cli/output/output.hpp"
-#include "client/cli/output/paraview.hpp"
 #include "client/cli/report/contacts.hpp"
 #include "client/cli/report/json.hpp"
 #include "client/cli/report/text.hpp"
@@ -33,16 +31,6 @@ struct DetectOptions {
   bool json = false;
 };
 
-/// The other forms of contacts need their points.
-void check_points(const DetectOptions& options, const char* name, const std::string& file) {
-  if (file.empty()) return;
-  const DetectionOptions& detection = options.detection;
-  if (is_standard_output(file)) throw UsageError(std::string(name) + " is a file here; standard output (-) is none");
-  if (detection.accuracy == "candidates" || std::count(detection.kinds.begin(), detection.kinds.end(), "tt") > 0)
-    throw UsageError(std::string(name) +
-                     " needs contact points, which --accuracy candidates and --kinds tt do not have");
-}
-
 void check_usage(const DetectOptions& options) {
   const size_t frames = options.frames.size();
   if (options.detection.mode == "ccd" && frames != 2)
@@ -50,8 +38,8 @@ void check_usage(const DetectOptions& options) {
   if (options.detection.mode == "dcd" && frames != 1) throw UsageError("--mode dcd needs one frame; 2 were given");
   check_usage(options.detection);
   check_one_output(options.out, options.json);
-  check_points(options, "--vtp", options.vtp);
-  check_points(options, "--ply", options.ply);
+  check_points(options.detection, "--vtp", options.vtp);
+  check_points(options.detection, "--ply", options.ply);
 }
 
 StepInput read_step(const DetectOptions& options) {

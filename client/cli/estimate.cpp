@@ -59,7 +59,7 @@ Json estimate_json(const v1::EstimateSceneResponse& estimate) {
   described.erase("edges");  // not counted
   const v1::ContactBytes& contact = estimate.contact_bytes();
   return {{"scene", described},
-          {"memory", memory_json(estimate)},
+          {"part_bytes", memory_json(estimate)},
           {"contact_bytes",
            {{"vertex_triangle", contact.vertex_triangle()},
             {"edge_edge", contact.edge_edge()},

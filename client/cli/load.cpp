@@ -83,7 +83,7 @@ void add_input_options(CLI::App& command, load::InputSettings& input) {
   command.add_option("--steps", input.steps, "Frames of the scene from its beginning to its end")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command.add_option("--frames", input.files, "Recorded frames, OBJ or PLY, in order, such as frames/*.ply")
+  command.add_option("--frames", input.files, "Recorded frames, OBJ or PLY, in natural order, such as frames/*.ply")
       ->type_name("FILE")
       ->excludes("--scene")
       ->excludes("--scale")

@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
   add_detect(app);
   add_stream(app);
   add_replay(app);
+  add_render(app);
   add_watch(app);
   add_view(app);
   add_estimate(app);

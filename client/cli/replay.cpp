@@ -1,4 +1,4 @@
-// collidectl replay: plays a recording of 'stream --record' again.
+// collidectl replay: plays a recording of 'stream --record' or 'watch --record' again.
 
 #include <filesystem>
 #include <memory>
@@ -40,7 +40,7 @@ void run(const ReplayOptions& options) {
 
 void add_replay(CLI::App& app) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App& command = *app.add_subcommand("replay", "Play a recording of 'stream --record' again");
+  CLI::App& command = *app.add_subcommand("replay", "Play a recording of 'stream --record' or 'watch --record' again");
   command.add_option("FILE", options->file, "The recording")->type_name("FILE")->required();
   add_server_options(command, options->server);
   command.add_flag("--json", options->json, "Print the summary as one JSON object");

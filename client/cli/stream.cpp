@@ -1,7 +1,9 @@
 // collidectl stream: plays mesh files or a procedural scene through a daemon and reports what the frames cost.
 
+#include <deque>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "client/cli/commands.hpp"
 #include "client/cli/daemon/connection.hpp"
@@ -12,6 +14,7 @@
 #include "client/cli/options/options.hpp"
 #include "client/cli/options/scene_options.hpp"
 #include "client/cli/options/usage_error.hpp"
+#include "client/cli/output/contact_files.hpp"
 #include "client/cli/output/output.hpp"
 #include "client/cli/recording/writer.hpp"
 #include "client/measure/play/run.hpp"
@@ -29,6 +32,7 @@ struct StreamOptions {
   std::vector<std::string> rigid;  ///< names of meshes
   std::string position_format = kAutomaticFormat;
   std::string record;
+  ContactFileNames contacts;
   bool json = false;
 };
 
@@ -36,6 +40,9 @@ void check_usage(const StreamOptions& options) {
   if (options.scene.name.empty() == options.files.empty()) throw UsageError("stream needs one of FRAME... and --scene");
   check_usage(options.detection);
   if (is_standard_output(options.record)) throw UsageError("--record writes a file; standard output (-) is none");
+  check_one_output(options.contacts.csv, options.json);
+  if (!options.contacts.is_empty() && (options.detection.advance || !options.rigid.empty()))
+    throw UsageError("--out, --vtp and --ply need straight, whole steps, not --advance or --rigid");
 }
 
 /// What a stream plays.
@@ -43,7 +50,8 @@ struct Play {
   const StreamOptions& options;
   const Motion& motion;
   v1::SceneSpec spec;
-  std::vector<uint32_t> rigid;  ///< indices of meshes
+  std::vector<uint32_t> rigid;                            ///< indices of meshes
+  std::deque<std::vector<scenes::Vec3d>> in_flight = {};  ///< positions of frames without an answer, if files need them
 };
 
 v1::SceneSpec spec_of(const StreamOptions& options, const Motion& motion) {
@@ -51,12 +59,12 @@ v1::SceneSpec spec_of(const StreamOptions& options, const Motion& motion) {
       scene_spec(options.server, options.detection, choose_format(options.position_format, motion.is_double));
   spec.set_display_name(options.scene.name);
   spec.set_rest_distance(options.exclusions.rest_distance);
-  for (int frame = 0; frame < motion.frames && spec.position_format() == v1::POSITION_FORMAT_Q16; ++frame)
-    grow_box(spec, motion.positions(frame));
+  grow_box(spec, motion);
+  if (!options.contacts.is_empty()) ask_for_all_fields(spec);
   return spec;
 }
 
-FrameSource frames_of(const Play& played) {
+FrameSource frames_of(Play& played) {
   const auto rigid = std::make_shared<RigidMotion>(played.motion.meshes, played.rigid);
   const auto sent = std::make_shared<int>(0);
   const auto next = [&played, rigid, sent]() -> std::optional<v1::Frame> {
@@ -65,6 +73,7 @@ FrameSource frames_of(const Play& played) {
     std::vector<scenes::Vec3d> positions = motion.positions(*sent);
     v1::Frame frame = make_frame(motion.meshes, static_cast<uint64_t>(++*sent), played.spec, positions);
     frame.set_advance(played.options.detection.advance);
+    if (!played.options.contacts.is_empty()) played.in_flight.push_back(positions);
     if (!played.rigid.empty()) rigid->apply_to(frame, std::move(positions));
     return frame;
   };
@@ -80,14 +89,67 @@ void record(FrameSource& source, RecordingWriter& recording) {
   };
 }
 
+/// Writes the contacts of each answer.
+class ContactWriter {
+ public:
+  explicit ContactWriter(Play& played) : played_(played), files_(played.options.contacts) {}
+  void add(const client::FrameOutput& output) {
+    std::vector<scenes::Vec3d> end = std::move(played_.in_flight.front());
+    played_.in_flight.pop_front();
+    files_.add(output, {last_, end});
+    if (played_.spec.mode() != v1::DETECTION_MODE_DCD) last_ = std::move(end);
+  }
+  void finish() { files_.finish(); }
+
+ private:
+  Play& played_;
+  ContactFiles files_;
+  std::vector<scenes::Vec3d> last_;  ///< where the next step starts; the first one stands still
+};
+
 Json input_json(const StreamOptions& options, const Motion& motion) {
-  if (motion.files.empty()) return {{"name", motion.name}, {"scale", options.scene.scale}};
-  return {{"name", motion.name}};
+  Json out = {{"name", motion.name}};
+  if (motion.files.empty()) out["scale"] = options.scene.scale;
+  const ContactFileNames& names = options.contacts;
+  for (const auto& [key, name] : {std::pair("out", names.csv), {"vtp", names.vtp}, {"ply", names.ply}})
+    if (!name.empty()) out[key] = name;
+  return out;
+}
+
+/// Plays, and leaves whole files of what was sent and answered until something ends it.
+void play_into_files(client::FrameStream& stream, const v1::Scene& scene, const std::vector<client::MeshInput>& meshes,
+                     Play& played) {
+  const StreamOptions& options = played.options;
+  FrameSource source = frames_of(played);
+  std::optional<RecordingWriter> recording;
+  if (!options.record.empty()) record(source, recording.emplace(options.record, played.spec, meshes));
+  std::optional<ContactWriter> contacts;
+  PlayOptions how{.input = input_json(options, played.motion),
+                  .has_lines = (!options.files.empty() || recording) && !is_standard_output(options.contacts.csv),
+                  .files = played.motion.files,
+                  .json = options.json,
+                  .out = options.contacts.csv};
+  if (!options.contacts.is_empty()) {
+    contacts.emplace(played);
+    how.take = [&](const client::FrameOutput& output) { contacts->add(output); };
+  }
+  const auto finish = [&] {
+    if (recording) recording->finish();
+    if (contacts) contacts->finish();
+  };
+  try {
+    play_and_report(stream, scene, source, how);
+  } catch (const std::exception&) {
+    finish();
+    throw;
+  }
+  finish();
 }
 
 void run(const StreamOptions& options) {
   check_usage(options);
   check_writable("--record", options.record);
+  check_files(options.detection, options.contacts);
   const Motion motion = options.files.empty() ? scene_motion(options.scene) : file_motion(options.files);
   std::vector<client::MeshInput> meshes = mesh_inputs(motion.meshes);
   options.exclusions.apply_to(meshes);
@@ -100,20 +162,7 @@ void run(const StreamOptions& options) {
   Connection connection(options.server);
   const SceneGuard scene = connection.create_scene(played.spec, meshes);
   client::FrameStream stream = connection.stream(*scene);
-  FrameSource source = frames_of(played);
-  std::optional<RecordingWriter> recording;
-  if (!options.record.empty()) record(source, recording.emplace(options.record, played.spec, meshes));
-  const PlayOptions how{.input = input_json(options, motion),
-                        .has_lines = !motion.files.empty() || recording,
-                        .files = motion.files,
-                        .json = options.json};
-  try {
-    play_and_report(stream, *scene, source, how);
-  } catch (const std::exception&) {  // what was sent until then can be played again
-    if (recording) recording->finish();
-    throw;
-  }
-  if (recording) recording->finish();
+  play_into_files(stream, *scene, meshes, played);
 }
 
 }  // namespace
@@ -124,9 +173,7 @@ void add_stream(CLI::App& app) {
       *app.add_subcommand("stream", "Play mesh files or a procedural scene and tell what the frames cost");
   command.add_option("FRAME", options->files, "OBJ or PLY, a frame each, in natural order: frame2 before frame10")
       ->type_name("FILE");
-  add_scene_options(command, options->scene);
-  CLI::Option* scene = command.get_option("--scene")->required(false);
-  for (const char* of_scenes : {"--frames", "--t0", "--dt", "--scale"}) command.get_option(of_scenes)->needs(scene);
+  add_optional_scene_options(command, options->scene);
   add_detection_options(command, options->detection);
   add_advance_options(command, options->detection);
   command.add_option("--rigid", options->rigid, "Meshes that move as rigid bodies, and send poses, such as ball")
@@ -139,6 +186,16 @@ void add_stream(CLI::App& app) {
   add_server_options(command, options->server);
   add_automatic_format_option(command, options->position_format);
   command.add_option("--record", options->record, "File that takes the scene and its frames, for 'collidectl replay'")
+      ->type_name("FILE");
+  command
+      .add_option("--out", options->contacts.csv,
+                  "CSV file for the contacts of all frames, or with {frame} in its name one each; -: standard output")
+      ->type_name("FILE");
+  command
+      .add_option("--vtp", options->contacts.vtp,
+                  "VTK files of contacts as points, such as contacts_{frame}.vtp, and contacts.pvd, their series")
+      ->type_name("FILE");
+  command.add_option("--ply", options->contacts.ply, "PLY files of contacts as points, such as contacts_{frame}.ply")
       ->type_name("FILE");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");
   command.callback([options] { run(*options); });

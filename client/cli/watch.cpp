@@ -1,15 +1,21 @@
-// collidectl watch: the frames that others send to a scene, a line each.
+// collidectl watch: the frames that others send to a scene, as a table that follows them or a line each.
 
 #include <chrono>
+#include <cstdio>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "client/cli/commands.hpp"
 #include "client/cli/daemon/connection.hpp"
 #include "client/cli/daemon/interrupt.hpp"
+#include "client/cli/live/live_table.hpp"
+#include "client/cli/live/screen.hpp"
 #include "client/cli/options/options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/output.hpp"
+#include "client/cli/recording/live.hpp"
+#include "client/cli/report/digest.hpp"
 #include "client/cli/report/frame_line.hpp"
 
 namespace collided::cli {
@@ -21,7 +27,9 @@ struct WatchCommand {
   std::string scene_id;
   client::WatchOptions watch;
   uint64_t frames = 0;
-  bool json = false;
+  std::string record;
+  std::vector<std::string> meshes;  ///< files
+  bool table = false, plain = false, json = false;
 };
 
 /// Ends the watch after an interrupt, which its thread, waiting for a frame, would not notice.
@@ -44,34 +52,114 @@ std::string line_of(const WatchCommand& options, const client::WatchedFrame& fra
            std::to_string(frame.skipped_frames) + " skipped";
   Json line = {{"frame", frame.frame_id}, {"skipped_frames", frame.skipped_frames}};
   line.update(frame_result_json(frame.done, report));
+  // A digest of all contacts, or none.
+  if (!options.record.empty() && frame.omitted_contacts == 0) line["contacts_digest"] = digest_of(frame);
   return line.dump();
 }
 
-void run(const WatchCommand& options) {
+void check_usage(const WatchCommand& options) {
   if (options.server.server.empty()) throw UsageError("watch needs --server, the daemon that has the scene");
-  defer_interrupts();
-  Connection connection(options.server);
-  client::Watcher watcher = connection->watch(options.scene_id, options.watch);
+  if (options.table + options.plain + options.json > 1)
+    throw UsageError("watch takes one of --table, --plain and --json");
+  if (options.table && !has_screen()) throw UsageError("--table needs a terminal as standard output");
+  if (options.record.empty()) return;
+  if (is_standard_output(options.record)) throw UsageError("--record writes a file; standard output (-) is none");
+  if (options.watch.frame_interval > 1 || options.watch.max_frames_per_second > 0)
+    throw UsageError("--record needs every frame; --interval and --rate leave some out");
+}
+
+void show_lines(const WatchCommand& options, client::Watcher& watcher, const ReceiveFrame& receive) {
   const EndOnInterrupt end(watcher);
   try {
-    for (uint64_t shown = 0; options.frames == 0 || shown < options.frames; ++shown)
-      print_line(line_of(options, watcher.receive(), watcher.scene().spec().report()));
+    while (const auto frame = receive()) print_line(line_of(options, *frame, watcher.scene().spec().report()));
   } catch (const client::Error&) {
     check_interrupt();
     throw;
   }
 }
 
+bool is_table(const WatchCommand& options) {
+  return options.table || (!options.plain && !options.json && has_screen());
+}
+
+/// Frames as they come, recorded if that is wanted.
+class Frames {
+ public:
+  Frames(const WatchCommand& options, Connection& connection)
+      : left_(options.frames == 0 ? ~uint64_t{0} : options.frames),
+        watcher_(connection->watch(options.scene_id, watch_options(options, connection))) {
+    if (!options.record.empty()) recorder_.emplace(options.record, watcher_.scene(), options.meshes);
+  }
+  client::Watcher& watcher() { return watcher_; }
+  /// The next one; nothing after the last.
+  std::optional<client::WatchedFrame> receive() {
+    if (left_-- == 0) return {};
+    client::WatchedFrame frame = watcher_.receive();
+    if (recorder_ && !recorder_->add(frame)) return {};
+    return frame;
+  }
+  /// What was recorded can be replayed from now on.
+  void finish() {
+    if (!recorder_) return;
+    recorder_->finish();
+    std::fputs(recorder_->summary().c_str(), stderr);
+  }
+
+ private:
+  static client::WatchOptions watch_options(const WatchCommand& options, Connection& connection) {
+    if (options.record.empty()) return options.watch;
+    return LiveRecorder::watch_options(connection->get_scene(options.scene_id));
+  }
+
+  uint64_t left_;
+  client::Watcher watcher_;
+  std::optional<LiveRecorder> recorder_;
+};
+
+void show(const WatchCommand& options, Frames& frames) {
+  const auto receive = [&] { return frames.receive(); };
+  client::Watcher& watcher = frames.watcher();
+  if (is_table(options))
+    show_live(watcher.scene(), receive, [&] { watcher.cancel(); });
+  else
+    show_lines(options, watcher, receive);
+}
+
+void run(const WatchCommand& options) {
+  check_usage(options);
+  check_writable("--record", options.record);
+  defer_interrupts();
+  Connection connection(options.server);
+  Frames frames(options, connection);
+  try {
+    show(options, frames);
+  } catch (const std::exception&) {
+    frames.finish();
+    throw;
+  }
+  frames.finish();
+}
+
 }  // namespace
 
 void add_watch(CLI::App& app) {
   auto options = std::make_shared<WatchCommand>();
-  CLI::App& command = *app.add_subcommand("watch", "Show the frames that others send to a scene, a line each");
+  CLI::App& command = *app.add_subcommand("watch", "Show the frames that others send to a scene");
+  command.footer(
+      "On a terminal the last frames are a table, which the key q or an interrupt ends; else each frame is a line.");
   command.add_option("scene", options->scene_id, "Id of the scene")->type_name("ID")->required();
   command.add_option("--interval", options->watch.frame_interval, "Every so many frames (default: every one)");
   command.add_option("--rate", options->watch.max_frames_per_second, "At most so many frames a second (0: no limit)");
-  command.add_option("--frames", options->frames, "End after so many lines (0: with the scene)");
+  command.add_option("--frames", options->frames, "End after so many of them (0: with the scene)");
+  auto* record = command.add_option("--record", options->record, "File that takes the frames, for 'collidectl replay'");
+  auto* mesh = command.add_option("--mesh", options->meshes,
+                                  "OBJ or PLY with the scene's meshes, in its order, which --record needs for their "
+                                  "elements: in one file or several");
+  mesh->needs(record);
+  record->needs(mesh);
   add_server_options(command, options->server);
+  command.add_flag("--table", options->table, "A table that follows the frames, the default on a terminal");
+  command.add_flag("--plain", options->plain, "A line for each frame, the default otherwise");
   command.add_flag("--json", options->json, "Print each frame as one JSON object");
   command.callback([options] { run(*options); });
 }

@@ -27,6 +27,7 @@ struct WatchedFrame : FrameOutput {
   uint64_t omitted_contacts = 0;  ///< that the frame has besides these
   uint64_t edit_count = 0;        ///< of the scene; where it has risen, its meshes are others now
   std::vector<v1::VertexSample> positions;
+  uint64_t edit_count = 0;  ///< of the scene; where it has risen, Client::get_scene tells what it is made of now
 };
 
 /// One thread reads; any may cancel.

@@ -17,9 +17,12 @@ namespace {
 
 volatile sig_atomic_t daemon_pid = 0;
 volatile sig_atomic_t has_open_line = 0;
+std::atomic<void (*)()> restore_terminal = nullptr;
+static_assert(std::atomic<void (*)()>::is_always_lock_free);
 std::array<char, 128> folder_path, socket_path, ready_path, local_path, log_path;
 
 void stop_all(int signal_number) {
+  if (void (*const restore)() = restore_terminal) restore();
   if (has_open_line) std::ignore = write(STDERR_FILENO, "\n", 1);
   if (daemon_pid > 0) {
     kill(daemon_pid, SIGTERM);
@@ -67,6 +70,8 @@ bool is_interrupted() { return deferred_signal != 0; }
 void check_interrupt() {
   if (const int signal_number = deferred_signal) throw Interrupted(signal_number);
 }
+
+void restore_on_forced_end(void (*restore)()) { restore_terminal = restore; }
 
 void set_open_line(bool is_open) { has_open_line = is_open; }
 

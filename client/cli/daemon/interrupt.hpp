@@ -28,6 +28,10 @@ bool is_interrupted();
 /// Throws Interrupted after an interrupt.
 void check_interrupt();
 
+/// Calls `restore`, which may only make async-signal-safe calls, before an interrupt ends collidectl at once; nullptr:
+/// nothing.
+void restore_on_forced_end(void (*restore)());
+
 /// Whether standard error is in the middle of a line, which an interrupt then ends.
 void set_open_line(bool is_open);
 

@@ -10,6 +10,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <deque>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -74,13 +75,20 @@ std::vector<std::string> command_line(const fs::path& program, const fs::path& d
   return words;
 }
 
-/// The last line of a daemon's log, after ": "; empty if there is none.
-std::string last_log_line(const fs::path& log) {
+/// The last lines of a daemon's log in one, after ": "; empty if there are none. The advice to run it with --help is
+/// left out: nobody typed its command line.
+std::string last_log_lines(const fs::path& log) {
+  constexpr size_t kMaxLines = 3;
   std::ifstream in(log);
-  std::string last;
-  for (std::string line; std::getline(in, line);)
-    if (!line.empty()) last = line;
-  return last.empty() ? "" : ": " + last;
+  std::deque<std::string> last;
+  for (std::string line; std::getline(in, line);) {
+    if (line.empty() || line.starts_with("Run with --help")) continue;
+    last.push_back(line);
+    if (last.size() > kMaxLines) last.pop_front();
+  }
+  std::string out;
+  for (const std::string& line : last) out += (out.empty() ? ": " : "; ") + line;
+  return out;
 }
 
 /// Gives the child its own process group, so that only collidectl gets the terminal's interrupts, and logs its output.
@@ -128,7 +136,7 @@ OwnDaemon::OwnDaemon(const DaemonOptions& options) {
 OwnDaemon::~OwnDaemon() {
   if (has_ended())
     std::fprintf(stderr, "collidectl: its daemon ended with %s%s\n", describe(status_).c_str(),
-                 last_log_line(directory_ / "log").c_str());
+                 last_log_lines(directory_ / "log").c_str());
   stop();
 }
 
@@ -173,7 +181,7 @@ void OwnDaemon::wait_until_ready(const fs::path& program) {
   while (!(fs::exists(directory_ / "ready", error) && fs::file_size(directory_ / "ready", error) > 0)) {
     if (has_ended())
       throw std::runtime_error("daemon " + program.string() + " ended with " + describe(status_) +
-                               " before it was ready" + last_log_line(directory_ / "log"));
+                               " before it was ready" + last_log_lines(directory_ / "log"));
     if (std::chrono::steady_clock::now() > deadline)
       throw std::runtime_error("daemon " + program.string() + " was not ready after 60 seconds");
     std::this_thread::sleep_for(kPoll);

@@ -8,9 +8,15 @@
 
 #include "client/cli/daemon/interrupt.hpp"
 #include "client/cli/input/frame_files.hpp"
+#include "client/cli/input/mesh_input.hpp"
 #include "client/cli/output/progress.hpp"
 
 namespace collided::cli {
+
+void grow_box(v1::SceneSpec& spec, const Motion& motion) {
+  for (int frame = 0; frame < motion.frames && spec.position_format() == v1::POSITION_FORMAT_Q16; ++frame)
+    grow_box(spec, motion.positions(frame));
+}
 
 Motion scene_motion(const SceneOptions& options) {
   const std::shared_ptr<const scenes::Scene> scene = scenes::make_scene(options.name, options.scale);

@@ -19,6 +19,9 @@ struct Motion {
   std::function<std::vector<scenes::Vec3d>(int frame)> positions;  ///< of all meshes; frames count from 0
 };
 
+/// Makes room for all frames in the box that Q16 positions are encoded in; nothing for other formats.
+void grow_box(v1::SceneSpec& spec, const Motion& motion);
+
 Motion scene_motion(const SceneOptions& options);
 
 /// Frames in mesh files, in their natural order. All are read once, so that one that does not fit is found before the

@@ -3,28 +3,18 @@
 #include "client/cli/input/rigid_motion.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
+
+#include "client/scenes/vec3.hpp"
 
 namespace collided::cli {
 
 namespace {
 
-using scenes::Vec3d;
+using scenes::cross, scenes::dot, scenes::length, scenes::minus, scenes::unit, scenes::Vec3d;
 
 constexpr double kTolerance = 1e-6;  // of the mesh's extent, by which a vertex may miss the pose
-
-Vec3d minus(const Vec3d& a, const Vec3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double length(const Vec3d& a) { return std::sqrt(dot(a, a)); }
-Vec3d cross(const Vec3d& a, const Vec3d& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-Vec3d unit(const Vec3d& a) {
-  const double l = length(a);
-  return {a[0] / l, a[1] / l, a[2] / l};
-}
 
 /// Vertices that span the mesh: the first, the farthest from it, and the farthest from the line through both.
 struct Corners {

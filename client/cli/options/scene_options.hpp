@@ -30,4 +30,11 @@ inline void add_scene_options(CLI::App& command, SceneOptions& options) {
   add_scale_option(command, options.scale);
 }
 
+/// For subcommands that play mesh files instead, if no scene is named.
+inline void add_optional_scene_options(CLI::App& command, SceneOptions& options) {
+  add_scene_options(command, options);
+  CLI::Option* scene = command.get_option("--scene")->required(false);
+  for (const char* of_scenes : {"--frames", "--t0", "--dt", "--scale"}) command.get_option(of_scenes)->needs(scene);
+}
+
 }  // namespace collided::cli

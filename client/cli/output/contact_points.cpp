@@ -2,19 +2,15 @@
 
 #include "client/cli/output/contact_points.hpp"
 
+#include "client/scenes/vec3.hpp"
 #include "collided/v1/scene.pb.h"
 
 namespace collided::cli {
 
 namespace {
 
-using Point = std::array<double, 3>;
-
-Point between(const Point& a, const Point& b, double t) {
-  Point out;
-  for (size_t axis = 0; axis < 3; ++axis) out[axis] = (1 - t) * a[axis] + t * b[axis];
-  return out;
-}
+using scenes::between;
+using Point = scenes::Vec3d;
 
 Point in_triangle(const std::array<Point, 4>& x, const std::array<double, 2>& w) {
   Point out;

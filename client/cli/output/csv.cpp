@@ -3,7 +3,6 @@
 #include "client/cli/output/csv.hpp"
 
 #include "client/cli/options/values.hpp"
-#include "client/cli/output/number_file.hpp"
 #include "client/cli/report/contacts.hpp"
 
 namespace collided::cli {
@@ -46,11 +45,11 @@ void point_cells(NumberFile& rows, const std::optional<ContactPoints>& points) {
     for (const double x : point) rows.text(",").number(x);
 }
 
-void write_kind(NumberFile& rows, v1::ContactKind kind, const client::Contacts& contacts,
+/// `first`: the cells before the contact's own.
+void write_kind(NumberFile& rows, const std::string& first, const client::Contacts& contacts, v1::ContactKind kind,
                 const StepPositions& positions) {
-  const std::string word = name_of(kind);
   for (uint64_t i = 0; i < contacts.count; ++i) {
-    rows.text(word);
+    rows.text(first);
     cells(rows, contacts.elements, i);
     cells(rows, contacts.stencils, i);
     cell(rows, contacts.toi, i);
@@ -65,15 +64,20 @@ void write_kind(NumberFile& rows, v1::ContactKind kind, const client::Contacts& 
 
 }  // namespace
 
-void write_csv(const std::string& file, const client::FrameOutput& output, const StepPositions& positions) {
-  NumberFile rows(file);
-  rows.text(
+CsvFile::CsvFile(const std::string& file, Frames frames) : rows_(file), frames_(frames) {
+  if (frames == Frames::kMany) rows_.text("frame,");
+  rows_.text(
       "kind,element_a,element_b,v0,v1,v2,v3,toi,distance,flags,w0,w1,"
       "point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,normal_x,normal_y,normal_z\n");
+}
+
+void CsvFile::add(const client::FrameOutput& output, const StepPositions& positions) {
+  const std::string frame = frames_ == Frames::kMany ? std::to_string(output.frame_id) + "," : "";
   for_each_kind(
-      [&](v1::ContactKind kind, const client::Contacts& contacts) { write_kind(rows, kind, contacts, positions); },
+      [&](v1::ContactKind kind, const client::Contacts& contacts) {
+        write_kind(rows_, frame + name_of(kind), contacts, kind, positions);
+      },
       output);
-  rows.finish();
 }
 
 }  // namespace collided::cli

@@ -5,10 +5,29 @@
 #include <string>
 
 #include "client/cli/output/contact_points.hpp"
+#include "client/cli/output/number_file.hpp"
 
 namespace collided::cli {
 
-/// Writes to a file, or to standard output if its name is "-". Throws std::runtime_error if the file cannot be written.
-void write_csv(const std::string& file, const client::FrameOutput& output, const StepPositions& positions);
+/// A file of the contacts of several frames, which its first column tells apart, or of one frame, without that column.
+class CsvFile {
+ public:
+  enum class Frames { kOne, kMany };
+  /// Standard output if its name is "-". Throws std::runtime_error if the file cannot be written, as do all.
+  CsvFile(const std::string& file, Frames frames);
+  void add(const client::FrameOutput& output, const StepPositions& positions);
+  void finish() { rows_.finish(); }
+
+ private:
+  NumberFile rows_;
+  Frames frames_;
+};
+
+/// Writes the contacts of one frame.
+inline void write_csv(const std::string& file, const client::FrameOutput& output, const StepPositions& positions) {
+  CsvFile csv(file, CsvFile::Frames::kOne);
+  csv.add(output, positions);
+  csv.finish();
+}
 
 }  // namespace collided::cli

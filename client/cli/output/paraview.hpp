@@ -3,6 +3,7 @@
 // whose points are not computed, of triangle pairs and candidates, cannot be written.
 
 #include <string>
+#include <vector>
 
 #include "client/cli/output/contact_points.hpp"
 
@@ -14,5 +15,12 @@ void write_vtp(const std::string& file, const client::FrameOutput& output, const
 
 /// PLY in ASCII: fields that were not computed are 0.
 void write_ply(const std::string& file, const client::FrameOutput& output, const StepPositions& positions);
+
+/// A series of files that ParaView plays (.pvd): the name of each, as seen from the series' folder, and its time.
+struct TimedFile {
+  double time;
+  std::string file;
+};
+void write_pvd(const std::string& file, const std::vector<TimedFile>& files);
 
 }  // namespace collided::cli

@@ -77,8 +77,8 @@ Json end_to_end_json(const EndToEndRun& run) {
               {"vertices", run.scene.vertex_count()},
               {"triangles", run.scene.triangle_count()},
               {"frames", run.bare.tcp.size()},
-              {"bytes_up", median(run.bytes_up)},
-              {"bytes_down", median(run.bytes_down)},
+              {"bytes_in", median(run.bytes_up)},
+              {"bytes_out", median(run.bytes_down)},
               {"bare_ms",
                {{"tcp", times_json(run.bare.tcp)},
                 {"tcp, held", times_json(run.held.tcp)},
@@ -104,7 +104,7 @@ Json end_to_end_file(const std::vector<EndToEndRun>& runs, int warm_up) {
 std::string end_to_end_lines(const Json& run) {
   const auto count = [&](const char* name) { return count_text(run.at(name).get<uint64_t>()); };
   std::string out = run.at("scene").get<std::string>() + ", scale " + format_double("%.4g", run.at("scale")) + ": " +
-                    count("triangles") + " triangles, " + count("bytes_up") + " bytes up, " + count("bytes_down") +
+                    count("triangles") + " triangles, " + count("bytes_in") + " bytes up, " + count("bytes_out") +
                     " bytes down, " + count("frames") + " frames\n";
   out += line(
       {"milliseconds", "p50", "p99", "engine", "overhead", "p99", "to bare", "to held", "decode", "encode", "queue"});

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "client/cli/output/output.hpp"
+#include "client/cli/report/digest.hpp"
 #include "client/cli/report/frame_line.hpp"
 
 namespace collided::cli {
@@ -21,6 +22,7 @@ void FrameLines::add(const client::FrameOutput& output) {
   Json frame = {{"frame", output.frame_id}};
   if (!file.empty()) frame["file"] = file;
   frame.update(frame_result_json(output.done, options_.report));
+  if (options_.report != v1::REPORT_ANY_HIT) frame["contacts_digest"] = digest_of(output);
   frames_.push_back(std::move(frame));
 }
 

@@ -3,10 +3,10 @@
 #include "client/measure/play/run.hpp"
 
 #include <chrono>
-#include <cstdio>
 #include <exception>
 #include <utility>
 
+#include "client/cli/output/output.hpp"
 #include "client/cli/report/text.hpp"
 #include "client/measure/play/frame_lines.hpp"
 #include "client/measure/play/totals.hpp"
@@ -37,6 +37,7 @@ void play_and_report(client::FrameStream& stream, const v1::Scene& scene, FrameS
   source.is_quiet = options.has_lines && lines.show_progress();
   std::exception_ptr failure;
   const auto take = [&](client::FrameOutput output) {
+    if (options.take && !output.error) options.take(output);
     if (options.has_lines) lines.add(output);
     totals.add(std::move(output));
   };
@@ -47,7 +48,7 @@ void play_and_report(client::FrameStream& stream, const v1::Scene& scene, FrameS
     summary.update(totals.json());
     summary.update(transport_json(stream));
     if (options.has_lines && options.json) summary["per_frame"] = lines.json();
-    std::printf("%s", options.json ? (json_text(summary) + "\n").c_str() : report_text(summary).c_str());
+    print_summary(options.out, options.json ? json_text(summary) + "\n" : report_text(summary));
   }
   if (failure) std::rethrow_exception(failure);
 }

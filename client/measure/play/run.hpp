@@ -1,6 +1,7 @@
 #pragma once
 // Plays frames and reports what they found and cost.
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct PlayOptions {
   bool has_lines = false;               ///< a line for each frame, or an object in the summary
   std::vector<std::string> files = {};  ///< of the frames, for the lines
   bool json = false;
+  std::function<void(const client::FrameOutput&)> take = {};  ///< each answer, besides
+  std::string out = {};  ///< where `take` writes; if that is standard output, the report is not
 };
 
 /// If something ends it early, reports the frames so far, and throws what ended it.

@@ -3,8 +3,6 @@
 #include "client/measure/play/totals.hpp"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstring>
 #include <utility>
 
 #include "client/cli/report/contacts.hpp"
@@ -13,32 +11,13 @@
 
 namespace collided::cli {
 
-namespace {
-
-/// Continues a digest, a multiplication for every eight bytes. It finds differences, not forgeries.
-template <class T>
-uint64_t digest(uint64_t before, const std::vector<T>& values) {
-  constexpr uint64_t kPrime = 0x9e3779b97f4a7c15;
-  const uint64_t bytes = values.size() * sizeof(T);
-  uint64_t out = (before ^ bytes) * kPrime;
-  for (uint64_t at = 0; at < bytes; at += sizeof(uint64_t)) {
-    uint64_t word = 0;
-    std::memcpy(&word, reinterpret_cast<const char*>(values.data()) + at, std::min(sizeof word, bytes - at));
-    out = (out ^ word) * kPrime;
-    out ^= out >> 32;
-  }
-  return out;
-}
-
-}  // namespace
-
 void Totals::add(client::FrameOutput output) {
   output.check();
   const v1::FrameMetrics& m = output.done.metrics();
   contacts_ += output.done.contact_count();
   for_each_kind([](v1::ContactKind, uint64_t& sum, const client::Contacts& found) { sum += found.count; }, of_kind_,
                 output);
-  for_each_kind([&](v1::ContactKind, const client::Contacts& found) { add_to_digest(found); }, output);
+  digest_.add(output);
   any_contact_ |= output.done.any_contact();
   bytes_in_ += m.bytes_in();
   bytes_out_ += m.bytes_out();
@@ -46,16 +25,6 @@ void Totals::add(client::FrameOutput output) {
   if (output.done.has_advanced()) least_advanced_ = std::min(least_advanced_.value_or(1), output.done.advanced());
   keep_earliest(output);
   metrics_.push_back(std::move(*output.done.mutable_metrics()));
-}
-
-void Totals::add_to_digest(const client::Contacts& contacts) {
-  digest_ = digest(digest_, contacts.elements);
-  digest_ = digest(digest_, contacts.stencils);
-  digest_ = digest(digest_, contacts.toi);
-  digest_ = digest(digest_, contacts.distance);
-  digest_ = digest(digest_, contacts.weights);
-  digest_ = digest(digest_, contacts.normals);
-  digest_ = digest(digest_, contacts.flags);
 }
 
 void Totals::keep_earliest(const client::FrameOutput& output) {
@@ -70,9 +39,7 @@ Json Totals::contacts_json() const {
   Json out = {{"contact_count", contacts_}};
   out.update(contact_counts_json(of_kind_));
   out["any_contact"] = any_contact_;
-  char digest[17];
-  std::snprintf(digest, sizeof digest, "%016llx", static_cast<unsigned long long>(digest_));
-  out["contacts_digest"] = digest;
+  out["contacts_digest"] = digest_.text();
   if (least_advanced_) out["least_advanced"] = *least_advanced_;
   if (earliest_) out["earliest"] = *earliest_;
   return out;

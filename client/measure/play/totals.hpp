@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "client/cli/report/digest.hpp"
 #include "client/cli/report/json.hpp"
 
 namespace collided::cli {
@@ -22,14 +23,14 @@ class Totals {
   Json json() const;
 
  private:
-  void add_to_digest(const client::Contacts& contacts);
   void keep_earliest(const client::FrameOutput& output);
   Json contacts_json() const;
   Json times_json() const;
 
   v1::Report report_;
   std::vector<v1::FrameMetrics> metrics_;
-  uint64_t contacts_ = 0, digest_ = 0;
+  uint64_t contacts_ = 0;
+  ContactsDigest digest_;
   client::PerKind<uint64_t> of_kind_;
   uint64_t bytes_in_ = 0, bytes_out_ = 0, replays_ = 0;
   bool any_contact_ = false;

@@ -5,19 +5,21 @@ Usage: end_to_end_test.py COLLIDECTL DAEMON"""
 import json
 import os
 
+import json_keys
 import support
 from support import ONE_CPU
 
 TIMES = ["latency_ms", "engine_ms", "overhead_ms"]
 
 
-class EndToEnd(support.CollidectlTest):
+class EndToEnd(json_keys.KeyChecks, support.CollidectlTest):
     def measure(self, *words):
         out = os.path.join(self.folder.name, "bench.json")
         table = self.ok("bench", "--end-to-end", *words, *ONE_CPU, "--out", out)
         with open(out, encoding="ascii") as file:
             result = json.load(file)
         self.assertEqual(list(result), ["device", "settings", "runs"])
+        self.check(result, "bench --end-to-end")
         for run in result["runs"]:
             self.check_run(run, table)
         return result
@@ -47,14 +49,14 @@ class EndToEnd(support.CollidectlTest):
         self.assertEqual([(run["scene"], run["frames"]) for run in runs], [("funnel", 4)] * 3)
         self.assertEqual(runs[0]["scale"], 0.2)
         for run, bytes_up in zip(runs[1:], (50e3, 200e3)):
-            self.assertLess(abs(run["bytes_up"] - bytes_up), 0.2 * bytes_up)
+            self.assertLess(abs(run["bytes_in"] - bytes_up), 0.2 * bytes_up)
 
     def test_discrete_frames_in_doubles(self):
         scene = ["--scene", "cloth_ball", "--scale", "0.1", "--position-format", "f64"]
         words = [*scene, "--mode", "dcd", "--thickness", "0.05"]
         run = self.measure(*words, "--steps", "2", "--warm-up", "0", "--megabytes", "0.02")["runs"][0]
-        self.assertEqual((run["scene"], run["bytes_up"]), ("cloth_ball", 24 * run["vertices"]))
-        self.assertGreater(run["bytes_down"], 0)
+        self.assertEqual((run["scene"], run["bytes_in"]), ("cloth_ball", 24 * run["vertices"]))
+        self.assertGreater(run["bytes_out"], 0)
 
     def test_the_scale_is_that_of_the_scene_which_is_played_by_default(self):
         words = ["--scale", "0.1", "--steps", "1", "--warm-up", "0", "--megabytes", "0.02"]

@@ -18,7 +18,7 @@ class Estimate(support.CollidectlTest):
         self.assertEqual((scene["vertices"], scene["triangles"], scene["device"]), (6, 2, "CPU, 1 threads"))
         self.assertNotIn("edges", scene)
         self.assertEqual((told["first_frame_bytes"], told["frame_bytes"]), (6 * 12, 6 * 12))
-        self.assertEqual(told["memory_bytes"], sum(told["memory"].values()))
+        self.assertEqual(told["memory_bytes"], sum(told["part_bytes"].values()))
         self.assertLess(told["memory_bytes"], 256 << 10)
         self.assertEqual(told["contact_bytes"]["triangle_triangle"], 0)
         self.assertEqual(told["stages"][0], "upload")
@@ -33,7 +33,7 @@ class Estimate(support.CollidectlTest):
         pairs = self.told(self.frame0, "--mode", "dcd", "--kinds", "tt")
         self.assertEqual(pairs["contact_bytes"]["vertex_triangle"], 0)
         self.assertGreater(pairs["contact_bytes"]["triangle_triangle"], 0)
-        self.assertIn("last_good", pairs["memory"])
+        self.assertIn("last_good", pairs["part_bytes"])
 
     def test_a_scene_is_told_as_it_is_then_made(self):
         scene = ["--scene", "funnel", "--scale", "0.1"]

@@ -5,6 +5,7 @@ Usage: frames_test.py COLLIDECTL DAEMON"""
 import json
 import os
 import re
+import xml.etree.ElementTree
 
 import support
 from support import FRAME0, FRAME1, ONE_CPU
@@ -60,6 +61,67 @@ class Frames(support.CollidectlTest):
         self.refused(1, "none.obj: does not exist", "stream", *self.files, os.path.join(self.folder.name, "none.obj"),
                      **nothing)
         self.refused(1, "neither .obj nor .ply", "stream", self.put("frame5.txt", ""), **nothing)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def test_contacts_of_all_frames_are_in_one_file(self):
+        out = self.path("contacts.csv")
+        played = json.loads(self.ok("stream", *self.files, *ONE_CPU, "--out", out, "--json"))
+        self.assertEqual(played["out"], out)
+        rows = self.rows(out)
+        counts = [frame["contact_count"] for frame in played["per_frame"]]
+        self.assertEqual([sum(row["frame"] == str(id) for row in rows) for id in (1, 2, 3)], counts)
+        step = self.path("step.csv")
+        self.ok("detect", *self.files[:2], *ONE_CPU, "--out", step)
+        second = [{name: cell for name, cell in row.items() if name != "frame"} for row in rows if row["frame"] == "2"]
+        self.assertEqual(second, self.rows(step))
+        text = self.ok("stream", *self.files, *ONE_CPU, "--out", "-")
+        with open(out, encoding="ascii") as file:
+            self.assertEqual(text, file.read())
+
+    def test_contacts_of_each_frame_are_in_a_file(self):
+        names = {form: self.path("c_{frame}." + form) for form in ("csv", "vtp", "ply")}
+        words = ["--out", names["csv"], "--vtp", names["vtp"], "--ply", names["ply"]]
+        played = json.loads(self.ok("stream", *self.files, *ONE_CPU, *words, "--json"))
+        for id, frame in enumerate(played["per_frame"], 1):
+            count = frame["contact_count"]
+            self.assertEqual(len(self.rows(names["csv"].format(frame=f"{id:04}"))), count)
+            piece = xml.etree.ElementTree.parse(names["vtp"].format(frame=f"{id:04}")).find("PolyData/Piece")
+            self.assertEqual(piece.get("NumberOfPoints"), str(count))
+            with open(names["ply"].format(frame=f"{id:04}"), encoding="ascii") as file:
+                self.assertIn(f"element vertex {count}\n", file.read())
+        points = [self.path(f"step.{form}") for form in ("vtp", "ply")]
+        self.ok("detect", *self.files[:2], *ONE_CPU, "--vtp", points[0], "--ply", points[1])
+        for file, of_stream in zip(points, (names["vtp"], names["ply"])):
+            with open(file, encoding="ascii") as step, open(of_stream.format(frame="0002"), encoding="ascii") as frame:
+                self.assertEqual(step.read(), frame.read())
+        series = xml.etree.ElementTree.parse(self.path("c.pvd")).getroot().findall("Collection/DataSet")
+        self.assertEqual([(one.get("timestep"), one.get("file")) for one in series],
+                         [(str(id), f"c_{id:04}.vtp") for id in (1, 2, 3)])
+
+    def test_contacts_of_many_frames_in_flight_are_those_of_their_frames(self):
+        words = ["--scene", "reef_knot", "--scale", "0.2", "--t0", "0.5", "--frames", "20", "--thickness", "0.05", *ONE_CPU]
+        out, same = self.path("all.csv"), self.path("{frame}.csv")
+        self.ok("stream", *words, "--out", out)
+        self.ok("stream", *words, "--mode", "dcd", "--out", same)
+        for row in self.rows(out)[::50]:
+            gap = sum((float(row["point_a_" + axis]) - float(row["point_b_" + axis]))**2 for axis in "xyz")**0.5
+            self.assertAlmostEqual(gap, float(row["distance"]), delta=1e-4)
+        self.assertEqual(len([name for name in os.listdir(self.folder.name) if name[:4].isdigit()]), 20)
+
+    def test_contact_files_that_do_not_fit(self):
+        nothing = {"COLLIDED_DAEMON": "/nonexistent"}
+        for form in ("vtp", "ply"):
+            self.refused(2, f"needs {{frame}} in its name, such as contacts_{{frame}}.{form}", "stream", *self.files,
+                         f"--{form}", f"c.{form}", **nothing)
+            self.refused(2, "not of its folder", "stream", *self.files, f"--{form}", f"{{frame}}/{{frame}}.{form}", **nothing)
+            self.refused(2, "needs contact points", "stream", *self.files, "--mode", "dcd", "--kinds", "tt", f"--{form}",
+                         f"{{frame}}.{form}", **nothing)
+        self.refused(2, "--json and --out -", "stream", *self.files, "--json", "--out", "-")
+        self.refused(2, "not --advance", "stream", *self.files, "--advance", "--out", "c.csv")
+        self.refused(1, "Is a directory", "stream", *self.files, "--out", self.folder.name, **nothing)
+        self.refused(1, "No such file", "stream", *self.files, "--vtp", "/nonexistent/{frame}.vtp", **nothing)
 
     def test_files_or_a_scene(self):
         self.refused(2, "stream needs one of FRAME... and --scene", "stream", *ONE_CPU)

@@ -78,7 +78,7 @@ class Usage(support.CollidectlTest):
         self.assertIn("detect [OPTIONS] FRAME [FRAME]\n", self.ok("detect", "--help"))
         self.assertIn("tradeoff [OPTIONS] [FRAME [FRAME]]\n", self.ok("tradeoff", "--help"))
         self.assertIn("stream [OPTIONS] [FRAME...]\n", self.ok("stream", "--help"))
-        for command in ("detect", "stream", "estimate", "scenes", "export", "info", "tradeoff", "bench", "load"):
+        for command in ("detect", "stream", "render", "watch", "replay", "estimate", "scenes", "export", "info", "tradeoff", "bench", "load"):
             text = self.ok(command, "--help")
             self.assertNotIn("x)", text.splitlines()[1], command)
 
@@ -114,6 +114,8 @@ class Usage(support.CollidectlTest):
         self.refused(1, "nonexistent", "info", "--server", "unix:/nonexistent/socket")
         self.refused(1, "COLLIDED_DAEMON", "detect", self.frame0, self.frame1, COLLIDED_DAEMON="/nonexistent")
         self.refused(1, "ended with exit code 1", "info", COLLIDED_DAEMON="/bin/false")
+        self.refused(1, 'before it was ready: --max-scenes: "abc" is not a number from 1 to 1000000\n', "info",
+                     COLLIDED_MAX_SCENES="abc")
         self.refused(1, "does not exist", "detect", self.folder.name + "/none.obj", self.frame0)
         folder = os.path.join(self.folder.name, "folder.obj")
         os.mkdir(folder)

@@ -6,7 +6,9 @@
 namespace collided::cli::load {
 
 struct HttpUrl {
-  std::string host, port, path;
+  std::string host;
+  int port = 0;
+  std::string path;
 };
 
 /// "http://host:port/path"; without a path it is /metrics, without "http://" that is assumed. Throws UsageError that

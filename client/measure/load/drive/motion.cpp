@@ -20,7 +20,8 @@ Motion motion_of_scene(const InputSettings& input) {
           .positions = [scene, steps](int frame) { return scene->positions(static_cast<double>(frame) / steps); }};
 }
 
-Motion motion_of_files(const std::vector<std::string>& files) {
+Motion motion_of_files(std::vector<std::string> files) {
+  sort_naturally(files);
   FileFrame first = read_frame(files.front());
   const auto all = std::make_shared<std::vector<std::vector<scenes::Vec3d>>>();
   all->push_back(std::move(first.positions));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/cli/output/markup.hpp"
 #include "client/cli/report/numbers.hpp"
 
 namespace collided::cli::load {
@@ -34,7 +35,7 @@ class Drawing {
 
   std::string svg() {
     out_ = "<figure><svg viewBox=\"0 0 " + number(kWidth) + " " + number(kHeight) + "\" role=\"img\" aria-label=\"" +
-           escape_html(chart_.title) + "\">\n";
+           escape_markup(chart_.title) + "\">\n";
     text("title", 0, 14, "start", chart_.title);
     draw_axes();
     draw_bound();
@@ -49,7 +50,7 @@ class Drawing {
 
   void text(const char* kind, double x, double y, const char* anchor, const std::string& words) {
     out_ += std::string("<text class=\"") + kind + "\" x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" +
-            anchor + "\">" + escape_html(words) + "</text>\n";
+            anchor + "\">" + escape_markup(words) + "</text>\n";
   }
   void stroke(const std::string& kind, double x0, double y0, double x1, double y1) {
     out_ += "<line class=\"" + kind + "\" x1=\"" + number(x0) + "\" y1=\"" + number(y0) + "\" x2=\"" + number(x1) +
@@ -83,7 +84,7 @@ class Drawing {
   }
   void draw_dot(const std::string& kind, const std::pair<double, double>& point, const std::string& hint) {
     out_ += "<circle class=\"" + kind + "\" cx=\"" + number(x_of(point.first)) + "\" cy=\"" +
-            number(y_of(point.second)) + "\" r=\"2.5\"><title>" + escape_html(hint) + "</title></circle>\n";
+            number(y_of(point.second)) + "\" r=\"2.5\"><title>" + escape_markup(hint) + "</title></circle>\n";
   }
   /// On the right, above the plot.
   void draw_legend() {
@@ -125,26 +126,5 @@ Axis log_ms_axis(const std::string& label, double min, double max) {
 }
 
 std::string chart_svg(const Chart& chart) { return Drawing(chart).svg(); }
-
-std::string escape_html(const std::string& text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  return out;
-}
 
 }  // namespace collided::cli::load

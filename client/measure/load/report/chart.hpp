@@ -42,7 +42,4 @@ struct Chart {
 
 std::string chart_svg(const Chart& chart);
 
-/// For text and attributes of HTML.
-std::string escape_html(const std::string& text);
-
 }  // namespace collided::cli::load

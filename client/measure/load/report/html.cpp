@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "client/cli/output/markup.hpp"
 #include "client/cli/report/numbers.hpp"
 #include "client/measure/load/report/chart.hpp"
 #include "client/measure/load/report/plots.hpp"
@@ -20,7 +21,7 @@ using Cells = std::vector<std::string>;
 std::string ms(const Json& value) { return milliseconds_text(value.get<double>()); }
 std::string count(const Json& value) { return count_text(value.get<uint64_t>()); }
 std::string element(const std::string& name, const std::string& text) {
-  return "<" + name + ">" + escape_html(text) + "</" + name + ">";
+  return "<" + name + ">" + escape_markup(text) + "</" + name + ">";
 }
 
 std::string table_row(const char* cell, const Cells& cells) {
@@ -97,7 +98,7 @@ std::string figures(const Json& outcome) {
     out += figure(ms(latency.at(name)) + " ms", std::string("latency, ") + name);
   out += figure(format_double("%.4g", outcome.at("throughput").at("frames_per_second")), "frames a second");
   out += figure(count(frames.at("answered")), "answered of " + count(frames.at("due")));
-  out += figure(ms(outcome.at("tester").at("cpu_us_per_frame")) + " us", "the tester's CPU a frame");
+  out += figure(ms(outcome.at("tester").at("cpu_ms_per_frame")) + " ms", "the tester's CPU a frame");
   return out + "</div>\n";
 }
 
@@ -115,7 +116,7 @@ std::string paragraphs(const std::string& text) {
 std::string warnings(const Json& outcome) {
   std::string out;
   for (const Json& warning : outcome.at("warnings"))
-    out += "<div class=\"warning\">" + escape_html(warning.get<std::string>()) + "</div>\n";
+    out += "<div class=\"warning\">" + escape_markup(warning.get<std::string>()) + "</div>\n";
   return out;
 }
 

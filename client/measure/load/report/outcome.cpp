@@ -89,14 +89,14 @@ Json throughput_json(const PhaseResult& result) {
   return {{"seconds", result.seconds},
           {"frames_per_second", static_cast<double>(tally.answered) / seconds},
           {"contacts_per_second", static_cast<double>(tally.contacts) / seconds},
-          {"mb_in_per_second", static_cast<double>(tally.bytes_in) / 1e6 / seconds},
-          {"mb_out_per_second", static_cast<double>(tally.bytes_out) / 1e6 / seconds}};
+          {"bytes_in_per_second", static_cast<double>(tally.bytes_in) / seconds},
+          {"bytes_out_per_second", static_cast<double>(tally.bytes_out) / seconds}};
 }
 
 Json tester_json(const Outcome& outcome) {
   const PhaseResult& result = outcome.result;
   const double frames = std::max<double>(1, static_cast<double>(result.tally.sent));
-  return {{"cpu_us_per_frame", 1e6 * result.cost.cpu_seconds / frames},
+  return {{"cpu_ms_per_frame", 1e3 * result.cost.cpu_seconds / frames},
           {"cores", result.cost.cpu_seconds / std::max(result.seconds, 1e-9)},
           {"busiest_thread", result.cost.busiest_thread},
           {"threads", outcome.threads},
@@ -106,8 +106,8 @@ Json tester_json(const Outcome& outcome) {
 Json series_json(const std::vector<SeriesPoint>& series) {
   Json out = Json::array();
   for (const SeriesPoint& point : series)
-    out.push_back({{"begin", point.begin},
-                   {"end", point.end},
+    out.push_back({{"begin_seconds", point.begin},
+                   {"end_seconds", point.end},
                    {"sent", point.sent},
                    {"answered", point.answered},
                    {"skipped", point.skipped},

@@ -60,7 +60,7 @@ template <class Value>
 Line over_time(const std::string& name, const Json& series, const Value& value) {
   Line line{.name = name, .points = {}, .hints = {}};
   for (const Json& second : series) {
-    const double begin = second.at("begin"), end = second.at("end"), y = value(second, end - begin);
+    const double begin = second.at("begin_seconds"), end = second.at("end_seconds"), y = value(second, end - begin);
     if (end - begin < kWorthAPoint || y < 0) continue;
     line.points.emplace_back(end, y);
     line.hints.push_back(format_double("%.0f s: ", end) + format_double("%.4g", y));
@@ -69,8 +69,8 @@ Line over_time(const std::string& name, const Json& series, const Value& value) 
 }
 
 Axis time_axis(const Json& series) {
-  Axis axis = linear_axis("seconds", series.back().at("end"));
-  axis.max = series.back().at("end");
+  Axis axis = linear_axis("seconds", series.back().at("end_seconds"));
+  axis.max = series.back().at("end_seconds");
   std::erase_if(axis.ticks, [&](const Tick& tick) { return tick.value > axis.max; });
   return axis;
 }

@@ -73,15 +73,14 @@ std::string counts_text(const Json& outcome) {
            ", such as: " + refused.at("first").get<std::string>() + "\n";
   const Json& throughput = outcome.at("throughput");
   return out + "throughput: " + rate(throughput.at("frames_per_second")) + " frames/s, " +
-         number("%.3g", throughput.at("mb_in_per_second")) + " MB/s in, " +
-         number("%.3g", throughput.at("mb_out_per_second")) + " MB/s of contacts out, over " +
+         bytes_text(throughput.at("bytes_in_per_second")) + "/s in, " +
+         bytes_text(throughput.at("bytes_out_per_second")) + "/s of contacts out, over " +
          number("%.3g", throughput.at("seconds")) + " s\n";
 }
 
 std::string tester_text(const Json& tester) {
-  return "tester: " + milliseconds_text(tester.at("cpu_us_per_frame").get<double>()) + " us of CPU a frame, " +
-         number("%.2g", tester.at("cores")) + " cores, " + count(tester.at("threads")) +
-         " threads, the busiest of which worked " +
+  return "tester: " + ms(tester.at("cpu_ms_per_frame")) + " ms of CPU a frame, " + number("%.2g", tester.at("cores")) +
+         " cores, " + count(tester.at("threads")) + " threads, the busiest of which worked " +
          format_double("%.0f", 100 * tester.at("busiest_thread").get<double>()) + " % of the time\n";
 }
 

@@ -30,8 +30,8 @@ EndToEndRun sample() {
 TEST(EndToEnd, ARunTellsOverheadAndBareSockets) {
   const Json run = end_to_end_json(sample());
   EXPECT_EQ(run["frames"], 100);
-  EXPECT_EQ(run["bytes_up"], 1200);
-  EXPECT_EQ(run["bytes_down"], 50.5);
+  EXPECT_EQ(run["bytes_in"], 1200);
+  EXPECT_EQ(run["bytes_out"], 50.5);
   EXPECT_EQ(run["bare_ms"]["tcp"], (Json{{"p50", 0.5}, {"p99", 0.5}}));
   EXPECT_EQ(run["bare_ms"]["unix"]["p99"], 0.99);
   EXPECT_EQ(run["bare_ms"]["unix, held"]["p50"], 0.7);

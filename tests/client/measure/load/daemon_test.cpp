@@ -40,7 +40,7 @@ TEST(LoadCounters, ARunIsComparedWithWhatItAdded) {
 }
 
 TEST(LoadCounters, AddressesOfMetrics) {
-  const auto words = [](const HttpUrl& url) { return url.host + " " + url.port + " " + url.path; };
+  const auto words = [](const HttpUrl& url) { return url.host + " " + std::to_string(url.port) + " " + url.path; };
   EXPECT_EQ(words(parse_url("--metrics-url", "http://127.0.0.1:9464/metrics")), "127.0.0.1 9464 /metrics");
   EXPECT_EQ(words(parse_url("--metrics-url", "host:80")), "host 80 /metrics");
   EXPECT_EQ(words(parse_url("--metrics-url", "http://[::1]:80/m")), "::1 80 /m");

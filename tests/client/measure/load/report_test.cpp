@@ -46,7 +46,7 @@ TEST(LoadReport, JsonHasPercentilesThroughputAndTheTestersOwnCost) {
   EXPECT_EQ(json["latency_ms"]["max"], 300);
   EXPECT_EQ(json["frames"]["answered"], 300);
   EXPECT_EQ(json["throughput"]["frames_per_second"], 100);
-  EXPECT_DOUBLE_EQ(json["tester"]["cpu_us_per_frame"].get<double>(), 100);
+  EXPECT_DOUBLE_EQ(json["tester"]["cpu_ms_per_frame"].get<double>(), 0.1);
   EXPECT_EQ(json["series"].size(), 3U);
   EXPECT_EQ(json["latency_curve"].back(), (Json{100, 300}));
   EXPECT_EQ(json["load"]["loop"], "open");
