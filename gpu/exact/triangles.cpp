@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "gpu/exact/exact.hpp"
+#include "gpu/exact/fixed/differences.hpp"
 #include "gpu/exact/integers.hpp"
 
 namespace collided {
@@ -8,8 +9,18 @@ namespace {
 
 using Point = Vec3<double>;
 
+template <int W>
+int fixed_orientation(const exact::fixed::Unit& unit, const Point (&p)[4]) {
+  const auto at = exact::fixed::differences_of<ContactKind::kVertexTriangle, W>(unit, {p[0], p[1], p[2], p[3]});
+  return -wide_dot(at.d[0], wide_cross(at.d[1], at.d[2])).sign();
+}
+
 /// Sign of the volume of a, b, c, d.
 int orientation(const Point& a, const Point& b, const Point& c, const Point& d) {
+  exact::fixed::Unit unit;
+  unit.see({a, b, c, d});
+  if (unit.fits<1>()) return fixed_orientation<1>(unit, {a, b, c, d});
+  if (unit.fits<2>()) return fixed_orientation<2>(unit, {a, b, c, d});
   const exact::ExactQuery query = exact::at_rest({a, b, c, d}, 0);
   const auto& [A, B, C, D] = query.points;
   return sgn(triple(B - A, C - A, D - A).c.front());
