@@ -12,7 +12,8 @@ ExactImpact exact_ccd(ContactKind kind, const Vec3<double> (&start)[4], const Ve
                       double thickness) {
   if (thickness == 0) {
     const exact::fixed::Verdict verdict = exact::fixed::decide(kind, start, end);
-    if (verdict.outcome != Outcome::kOpen) return {verdict.outcome != Outcome::kApart, verdict.toi};
+    if (verdict.outcome != Outcome::kOpen)
+      return {verdict.outcome != Outcome::kApart, verdict.toi, verdict.outcome == Outcome::kAtStart};
   }
   return exact::first_impact(exact::contact_of(kind, exact::in_motion(start, end, thickness)));
 }

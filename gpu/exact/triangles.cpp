@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include "gpu/exact/exact.hpp"
 #include "gpu/exact/fixed/differences.hpp"
@@ -11,8 +12,9 @@ using Point = Vec3<double>;
 
 template <int W>
 int fixed_orientation(const exact::fixed::Unit& unit, const Point (&p)[4]) {
-  const auto at = exact::fixed::differences_of<ContactKind::kVertexTriangle, W>(unit, {p[0], p[1], p[2], p[3]});
-  return -wide_dot(at.d[0], wide_cross(at.d[1], at.d[2])).sign();
+  const auto [a, b, c, d] =
+      std::array{unit.count<W>(p[0]), unit.count<W>(p[1]), unit.count<W>(p[2]), unit.count<W>(p[3])};
+  return wide_dot(b - a, wide_cross(c - a, d - a)).sign();
 }
 
 /// Sign of the volume of a, b, c, d.

@@ -11,7 +11,7 @@
 #include <climits>
 
 #include "gpu/contact_set.hpp"
-#include "gpu/exact/fixed/integer.hpp"
+#include "gpu/exact/fixed/motion.hpp"
 
 namespace collided::exact::fixed {
 
@@ -84,18 +84,23 @@ class Unit {
 };
 
 /// A = v - a, B = v - b, C = v - c; or A = a0 - b0, B = a0 - b1, C = a1 - b0, D = a1 - b1, as in exact/features.cpp.
-template <int W>
-struct Differences {
-  Vec3<Integer<W>> d[4];
-};
-
 template <ContactKind kind, int W>
-COLLIDED_HD Differences<W> differences_of(const Unit& unit, const Vec3<double> (&points)[4]) {
-  Vec3<Integer<W>> p[4];
-  for (int i = 0; i < 4; ++i) p[i] = unit.count<W>(points[i]);
-  if constexpr (kind == ContactKind::kVertexTriangle) return {{p[0] - p[1], p[0] - p[2], p[0] - p[3], {}}};
-  return {{p[0] - p[2], p[0] - p[3], p[1] - p[2], p[1] - p[3]}};
-}
+struct Differences {
+  static constexpr int kCount = kind == ContactKind::kVertexTriangle ? 3 : 4;
+  Moving<W> d[kCount];
+
+  COLLIDED_HD Differences(const Unit& unit, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4]) {
+    set(unit, start, 0);
+    set(unit, end, 1);
+  }
+
+ private:
+  COLLIDED_HD void set(const Unit& unit, const Vec3<double> (&points)[4], int at) {
+    Vec3<Integer<W>> p[4];
+    for (int i = 0; i < 4; ++i) p[i] = unit.count<W>(points[i]);
+    for (int i = 0; i < kCount; ++i) d[i].p[at] = kCount == 3 ? p[0] - p[i + 1] : p[i / 2] - p[2 + i % 2];
+  }
+};
 
 /// The differences whose cross product P x Q tells on which side of one side of the features their common point is.
 struct Side {

@@ -103,6 +103,10 @@ COLLIDED_HD Integer<N + M> wide_dot(const Vec3<Integer<N>>& a, const Vec3<Intege
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 template <int N>
+COLLIDED_HD Vec3<double> to_double(const Vec3<Integer<N>>& a) {
+  return {to_double(a.x), to_double(a.y), to_double(a.z)};
+}
+template <int N>
 COLLIDED_HD bool is_zero(const Vec3<Integer<N>>& a) {
   return a.x.is_zero() && a.y.is_zero() && a.z.is_zero();
 }

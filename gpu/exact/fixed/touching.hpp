@@ -15,12 +15,15 @@ COLLIDED_HD int sign_along(const Vec3<Integer<N>>& a, const Vec3<Integer<N>>& n)
 
 // In one plane all cross products are parallel to the normal n, and P x Q times n tells the side. Without a normal, by
 // the sides alone: the point is on one if P and Q are parallel and do not lead to the same side.
+//
+// `at`: 0 or 1, the time.
 template <ContactKind kind, int W>
-COLLIDED_HD bool touch(const Differences<W>& at) {
+COLLIDED_HD bool touch(const Differences<kind, W>& features, int at) {
   constexpr int kCount = Sides<kind>::kCount;
-  if (!wide_dot(at.d[0], wide_cross(at.d[1], at.d[2])).is_zero()) return false;
+  const auto d = [&](int i) -> const Vec3<Integer<W>>& { return features.d[i].p[at]; };
+  if (!wide_dot(d(0), wide_cross(d(1), d(2))).is_zero()) return false;
   Vec3<Integer<2 * W>> sides[kCount];
-  for (int i = 0; i < kCount; ++i) sides[i] = wide_cross(at.d[Sides<kind>::at(i).p], at.d[Sides<kind>::at(i).q]);
+  for (int i = 0; i < kCount; ++i) sides[i] = wide_cross(d(Sides<kind>::at(i).p), d(Sides<kind>::at(i).q));
   const auto n = normal_of<kind>(sides);
   const bool has_normal = !is_zero(n);
   for (int i = 0; i < kCount; ++i) {
@@ -28,7 +31,7 @@ COLLIDED_HD bool touch(const Differences<W>& at) {
       if (sign_along(sides[i], n) < 0) return false;
     } else if (is_zero(sides[i])) {
       const Side side = Sides<kind>::at(i);
-      if (wide_dot(at.d[side.p], at.d[side.q]).sign() <= 0) return true;
+      if (wide_dot(d(side.p), d(side.q)).sign() <= 0) return true;
     }
   }
   return has_normal;

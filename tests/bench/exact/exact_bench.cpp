@@ -62,7 +62,12 @@ Case resting(const Rest& rest, double scale) {
     });
   };
   Case c{rest.name, {}, {}, {}};
-  add_mesh(c, grid_triangles(cells), grid(cells, [](uint32_t i, uint32_t j) { return Vec3d{double(i), double(j), 0}; }), {}, true);
+  add_mesh(c, grid_triangles(cells),
+           grid(cells,
+                [](uint32_t i, uint32_t j) {
+                  return Vec3d{double(i), double(j), 0};
+                }),
+           {}, true);
   add_mesh(c, grid_triangles(cells), cloth(0, 0), cloth(rest.along, 1.0 / 64));
   return c;
 }
