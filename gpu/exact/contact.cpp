@@ -78,15 +78,15 @@ bool holds_at_start(const Contact& contact) {
 // because C fails there. Every root that passes is a time of contact, so the first of them is T; the least of their
 // rounded times is T's, as rounding is monotone.
 ExactImpact first_impact(const Contact& contact) {
-  if (holds_at_start(contact)) return {true, 0};
+  if (holds_at_start(contact)) return {true, 0, true};
   double first = kNever;
   if (!contact.necessary.vanishes()) {
     first = first_root(contact.necessary, contact.cases);
   } else {
     for (const Case& c : contact.cases) first = std::min(first, first_root(c));
   }
-  if (first < kNever) return {true, first};
-  if (holds_at_end(contact)) return {true, 1};
+  if (first < kNever) return {true, first, false};
+  if (holds_at_end(contact)) return {true, 1, false};
   return {};
 }
 

@@ -6,9 +6,7 @@ ExactAnswer decide_exactly(const ExactQuestion& question, const ExactPoints& p) 
   const Vec3<double> start[4] = {p[0], p[1], p[2], p[3]}, end[4] = {p[4], p[5], p[6], p[7]};
   if (!question.continuous) return {exact_proximity(question.kind, end, question.thickness), 0, false};
   const ExactImpact impact = exact_ccd(question.kind, start, end, question.thickness);
-  // A time below 2^-60 is rounded to 0 too.
-  const bool may_be_initial = impact.hit && impact.toi == 0;
-  return {impact.hit, impact.toi, may_be_initial && exact_proximity(question.kind, start, question.thickness)};
+  return {impact.hit, impact.toi, impact.initial};
 }
 
 ExactAnswer decide_triangles_exactly(const ExactTriangles& p) {

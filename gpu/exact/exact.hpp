@@ -13,6 +13,7 @@ struct ExactImpact {
   bool hit = false;
   /// Time of the first contact in [0, 1], rounded down to a multiple of 2^-60 and then to a double; 1 if no hit.
   double toi = 1;
+  bool initial = false;  ///< in contact at t = 0
 };
 
 /// Vertex v against triangle a b c, or edge a0 a1 against edge b0 b1; `start` and `end` hold v a b c, or a0 a1 b0 b1,

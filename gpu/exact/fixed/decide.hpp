@@ -1,0 +1,88 @@
+#pragma once
+// The decisions of exact.hpp, without thickness, for what most queries are: coordinates whose exponents lie together,
+// and features that touch at an end of the step, or meet between where no two conditions hold just so. The rest is left
+// open.
+
+#include "gpu/exact/fixed/crossing.hpp"
+#include "gpu/exact/fixed/sliding.hpp"
+#include "gpu/exact/fixed/touching.hpp"
+
+namespace collided::exact::fixed {
+
+/// `kOpen`: not decided.
+enum class Outcome : uint8_t { kOpen, kApart, kAtStart, kBetween, kAtEnd };
+
+struct Verdict {
+  Outcome outcome = Outcome::kOpen;
+  double toi = 1;  ///< as ExactImpact::toi
+};
+
+template <ContactKind kind, int W>
+class Decision {
+ public:
+  COLLIDED_HD Decision(const Unit& unit, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4])
+      : features_(unit, start, end) {}
+
+  COLLIDED_HD Verdict verdict() const {
+    if (touch(features_, 0)) return {Outcome::kAtStart, 0};
+    const Cubic<3 * W> f = volume();
+    uint64_t first = kOne;
+    const Look found = f.first_sign() == 0 ? slide(first) : cross_at_roots(f, first);
+    if (found == Look::kOpen) return {};
+    if (found == Look::kFound) return {Outcome::kBetween, time_of(first)};
+    return {f.c[3].is_zero() && touch(features_, 1) ? Outcome::kAtEnd : Outcome::kApart, 1};
+  }
+
+ private:
+  COLLIDED_HD Look cross_at_roots(const Cubic<3 * W>& f, uint64_t& first) const {
+    return for_each_root(f, [&](uint64_t k, bool is_alone) {
+      first = k;
+      return Crossing<kind, W>(features_, k, is_alone).look();
+    });
+  }
+  COLLIDED_HD Look slide(uint64_t& first) const {
+    Sliding<kind, W> sliding(features_);
+    const Look found = sliding.look();
+    first = sliding.time();
+    return found;
+  }
+  COLLIDED_HD Cubic<3 * W> volume() const {
+    const MovingProduct<W> bc(features_.d[1], features_.d[2]);
+    const Vec3<Integer<W>>(&a)[2] = features_.d[0].p;
+    return {{wide_dot(a[0], bc.c[0]), wide_dot(a[0], bc.c[1]) + wide_dot(a[1], bc.c[0]),
+             wide_dot(a[0], bc.c[2]) + wide_dot(a[1], bc.c[1]), wide_dot(a[1], bc.c[2])}};
+  }
+
+  Differences<kind, W> features_;
+};
+
+template <ContactKind kind>
+COLLIDED_HD Verdict decide(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4]) {
+  Unit unit;
+  unit.see(start);
+  unit.see(end);
+  if (unit.fits<1>()) return Decision<kind, 1>(unit, start, end).verdict();
+  if (unit.fits<2>()) return Decision<kind, 2>(unit, start, end).verdict();
+  return {};
+}
+COLLIDED_HD inline Verdict decide(ContactKind kind, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4]) {
+  return kind == ContactKind::kVertexTriangle ? decide<ContactKind::kVertexTriangle>(start, end)
+                                              : decide<ContactKind::kEdgeEdge>(start, end);
+}
+
+/// kAtStart: they touch.
+template <ContactKind kind>
+COLLIDED_HD Outcome decide_at_rest(const Vec3<double> (&p)[4]) {
+  Unit unit;
+  unit.see(p);
+  const auto outcome = [](bool touches) { return touches ? Outcome::kAtStart : Outcome::kApart; };
+  if (unit.fits<1>()) return outcome(touch(Differences<kind, 1>(unit, p, p), 0));
+  if (unit.fits<2>()) return outcome(touch(Differences<kind, 2>(unit, p, p), 0));
+  return Outcome::kOpen;
+}
+COLLIDED_HD inline Outcome decide_at_rest(ContactKind kind, const Vec3<double> (&p)[4]) {
+  return kind == ContactKind::kVertexTriangle ? decide_at_rest<ContactKind::kVertexTriangle>(p)
+                                              : decide_at_rest<ContactKind::kEdgeEdge>(p);
+}
+
+}  // namespace collided::exact::fixed

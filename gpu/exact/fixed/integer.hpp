@@ -1,0 +1,121 @@
+#pragma once
+// Integers of a fixed number of 64-bit limbs, without memory of their own. A product is as wide as both factors
+// together, so that none overflows; sums have to fit (the bounds are in differences.hpp).
+
+#include "gpu/base/rounding.hpp"
+#include "gpu/base/vec3.hpp"
+
+namespace collided::exact::fixed {
+
+/// Unrolled into each other, the loops of a GPU's code take minutes to compile, and more registers than there are.
+#ifdef __CUDACC__
+#define COLLIDED_CALLED __noinline__
+#else
+#define COLLIDED_CALLED
+#endif
+
+__extension__ using Double = unsigned __int128;  ///< a product of two limbs
+
+/// Two's complement, the lowest limb first.
+template <int N>
+struct Integer {
+  uint64_t limb[N];
+
+  COLLIDED_HD static Integer of(int64_t x) {
+    Integer r;
+    r.limb[0] = static_cast<uint64_t>(x);
+    for (int i = 1; i < N; ++i) r.limb[i] = x < 0 ? ~uint64_t{0} : 0;
+    return r;
+  }
+  COLLIDED_HD bool is_negative() const { return (limb[N - 1] >> 63) != 0; }
+  COLLIDED_HD bool is_zero() const {
+    uint64_t any = 0;
+    for (int i = 0; i < N; ++i) any |= limb[i];
+    return any == 0;
+  }
+  COLLIDED_HD int sign() const { return is_negative() ? -1 : is_zero() ? 0 : 1; }
+};
+
+template <int N>
+COLLIDED_HD Integer<N> operator+(const Integer<N>& a, const Integer<N>& b) {
+  Integer<N> r;
+  Double sum = 0;
+  for (int i = 0; i < N; ++i) {
+    sum = (sum >> 64) + a.limb[i] + b.limb[i];
+    r.limb[i] = static_cast<uint64_t>(sum);
+  }
+  return r;
+}
+template <int N>
+COLLIDED_HD Integer<N> operator-(const Integer<N>& a, const Integer<N>& b) {
+  Integer<N> r;
+  Double sum = Double{1} << 64;  // a + ~b + 1
+  for (int i = 0; i < N; ++i) {
+    sum = (sum >> 64) + a.limb[i] + ~b.limb[i];
+    r.limb[i] = static_cast<uint64_t>(sum);
+  }
+  return r;
+}
+
+/// b from a's limb `at` on is taken from a, modulo 2^(64 N).
+template <int N, int M>
+COLLIDED_HD void subtract_above(Integer<N>& a, const Integer<M>& b, int at) {
+  Double sum = Double{1} << 64;
+  for (int i = at; i < N; ++i) {
+    sum = (sum >> 64) + a.limb[i] + ~b.limb[i - at];
+    a.limb[i] = static_cast<uint64_t>(sum);
+  }
+}
+
+// Of the limbs as numbers without signs; a negative factor was taken for 2^(64 N) more than it is.
+template <int N, int M>
+COLLIDED_HD COLLIDED_CALLED Integer<N + M> operator*(const Integer<N>& a, const Integer<M>& b) {
+  Integer<N + M> r = Integer<N + M>::of(0);
+  for (int i = 0; i < N; ++i) {
+    Double sum = 0;
+    for (int j = 0; j < M; ++j) {
+      sum = (sum >> 64) + r.limb[i + j] + Double{a.limb[i]} * b.limb[j];
+      r.limb[i + j] = static_cast<uint64_t>(sum);
+    }
+    r.limb[i + M] = static_cast<uint64_t>(sum >> 64);
+  }
+  if (a.is_negative()) subtract_above(r, b, N);
+  if (b.is_negative()) subtract_above(r, a, M);
+  return r;
+}
+
+/// The same number in more limbs.
+template <int To, int N>
+COLLIDED_HD Integer<To> widened(const Integer<N>& a) {
+  Integer<To> r;
+  for (int i = 0; i < To; ++i) r.limb[i] = i < N ? a.limb[i] : a.is_negative() ? ~uint64_t{0} : 0;
+  return r;
+}
+
+/// a within 2^-51 of its magnitude.
+template <int N>
+COLLIDED_HD double to_double(const Integer<N>& a) {
+  const Integer<N> size = a.is_negative() ? Integer<N>::of(0) - a : a;
+  double value = 0, unit = 1;
+  for (int i = 0; i < N; ++i, unit *= 0x1p64) value += static_cast<double>(size.limb[i]) * unit;
+  return a.is_negative() ? -value : value;
+}
+
+template <int N, int M>
+COLLIDED_HD Vec3<Integer<N + M>> wide_cross(const Vec3<Integer<N>>& a, const Vec3<Integer<M>>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <int N, int M>
+COLLIDED_HD Integer<N + M> wide_dot(const Vec3<Integer<N>>& a, const Vec3<Integer<M>>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <int N>
+COLLIDED_HD Vec3<double> to_double(const Vec3<Integer<N>>& a) {
+  return {to_double(a.x), to_double(a.y), to_double(a.z)};
+}
+template <int N>
+COLLIDED_HD bool is_zero(const Vec3<Integer<N>>& a) {
+  return a.x.is_zero() && a.y.is_zero() && a.z.is_zero();
+}
+
+}  // namespace collided::exact::fixed
