@@ -35,11 +35,12 @@ View Drawing::view_of(const Drawn& drawn) const {
   constexpr double kMargin = 0.05, kLeast = 0.03;  // of the marks' extent, of the scene's
   Framing marks(options_.view), scene(options_.view);
   for (const scenes::Vec3d& position : drawn.positions) scene.add(position);
+  const View whole = scene.view();  // which refuses scenes that are too large, however near the marks are
   for (const scenes::Vec3d& point : drawn.marks.vertices) marks.add(point);
   for (const EdgeMark& edge : drawn.marks.edges) marks.add(edge.point);
   for (const auto& ends : drawn.marks.crossings)
     for (const scenes::Vec3d& point : ends) marks.add(point);
-  if (marks.is_empty()) return scene.view();
+  if (marks.is_empty()) return whole;
   return marks.view(std::max(kMargin * marks.size(), kLeast * scene.size()));
 }
 

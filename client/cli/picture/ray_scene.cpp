@@ -117,7 +117,8 @@ std::optional<RayHit> RayScene::first_hit(const Vec3d& origin, const Vec3d& dire
   rtcIntersect1(scene_, &context, &query);
   const RTCHit& hit = query.hit;
   if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  Vec3d normal = scenes::unit({hit.Ng_x, hit.Ng_y, hit.Ng_z});
+  Vec3d normal{hit.Ng_x, hit.Ng_y, hit.Ng_z};
+  normal = scenes::length(normal) > 0 ? scenes::unit(normal) : direction;
   if (scenes::dot(normal, direction) > 0) normal = scenes::times(normal, -1);
   return RayHit{query.ray.tfar, normal, hit.geomID, hit.primID, hit.u, hit.v};
 }

@@ -3,7 +3,9 @@
 #include "client/cli/picture/view.hpp"
 
 #include <cmath>
+#include <stdexcept>
 
+#include "client/cli/report/numbers.hpp"
 #include "client/scenes/math.hpp"
 
 namespace collided::cli {
@@ -13,9 +15,10 @@ namespace {
 using scenes::Vec3d;
 
 constexpr double kDegree = scenes::kPi / 180;
-constexpr double kHalfAngle = 15 * kDegree;  // of view, along the shorter side of the picture
-constexpr double kRim = 0.94;                // part of the picture that is filled
-constexpr double kNearest = 0.1;             // of the scene's size, that the eye is before it
+constexpr double kHalfAngle = 15 * kDegree;             // of view, along the shorter side of the picture
+constexpr double kRim = 0.94;                           // part of the picture that is filled
+constexpr double kNearest = 0.1;                        // of the scene's size, that the eye is before it
+constexpr double kLargest = 1e100, kSmallest = 1e-100;  // sizes whose third powers are doubles
 
 }  // namespace
 
@@ -72,7 +75,10 @@ void Framing::add(const Vec3d& position) {
 
 View Framing::view(double margin) const {
   if (is_empty()) return View(options_, {0, 0, -1 / tangents_[0]}, 0, 2);
-  if (size() + margin == 0) return view(1);
+  if (!(size() <= kLargest))  // an infinity, too
+    throw std::runtime_error("the scene is too large for a picture: it has a size of " + format_double("%g", size()) +
+                             "; the limit is " + format_double("%g", kLargest));
+  if (size() + margin < kSmallest) return view(1);
   Vec3d eye{0, 0, lower_[2] - kNearest * size()};
   for (size_t i = 0; i < sides_.size(); ++i) {
     const double tangent = kRim * tangents_[i];

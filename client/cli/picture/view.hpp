@@ -55,7 +55,7 @@ class Framing {
   bool is_empty() const { return lower_[0] > upper_[0]; }
   /// Of the box around all positions.
   double size() const { return scenes::length(scenes::minus(upper_, lower_)); }
-  /// With so much room to all sides.
+  /// With so much room to all sides. Throws std::runtime_error for a scene that is too large.
   View view(double margin = 0) const;
 
  private:

@@ -147,6 +147,9 @@ class Render(support.CollidectlTest):
         for option, value in (("--width", "0"), ("--height", "100000"), ("--azimuth", "nan"), ("--elevation", "91"),
                               ("--time", "-1"), ("--up", "x")):
             self.refused(2, option, "render", *frames, option, value)
+        huge = [self.put(name, text.replace("v 4 0 0", "v 1e300 0 0")) for name, text in (("0.obj", FRAME0), ("1.obj", FRAME1))]
+        for more in ([], ["--zoom-contacts"]):
+            self.refused(1, "too large for a picture", "render", *huge, *SMALL, *ONE_CPU, *more, "--out", "x.png")
         self.refused(2, "--json and --out -", "render", *frames, "--json", "--out", "-")
         self.refused(1, "Is a directory", "render", *frames, "--out", self.folder.name, COLLIDED_DAEMON="/nonexistent")
         self.refused(1, "/dev/full: cannot be written: No space", "render", *frames, *SMALL, *ONE_CPU, "--out", "/dev/full")

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <stdexcept>
 #include <vector>
 
 namespace collided::cli {
@@ -71,6 +72,19 @@ TEST(Framing, OnePointAndNoneHaveAView) {
   const auto [column, row] = seen_at(framing.view(), {1, 2, 3});
   EXPECT_NEAR(column, 600, 1e-6);
   EXPECT_NEAR(row, 450, 1e-6);
+}
+
+TEST(Framing, ASceneThatIsTooLargeIsRefused) {
+  for (const double far : {1e101, 1e200, 1e307}) {
+    Framing framing({});
+    framing.add({0, 0, 0});
+    framing.add({far, 0, 0});
+    EXPECT_THROW(framing.view(), std::runtime_error) << far;
+  }
+  Framing tiny({});
+  tiny.add({0, 0, 0});
+  tiny.add({1e-300, 0, 0});
+  EXPECT_TRUE(std::isfinite(tiny.view().from_scene({1e-300, 0, 0})[0]));
 }
 
 TEST(Framing, AMarginShowsMore) {
