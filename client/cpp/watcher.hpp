@@ -25,9 +25,8 @@ struct WatchOptions {
 struct WatchedFrame : FrameOutput {
   uint64_t skipped_frames = 0;    ///< that were not sent since the last one
   uint64_t omitted_contacts = 0;  ///< that the frame has besides these
-  uint64_t edit_count = 0;        ///< of the scene; where it has risen, its meshes are others now
+  uint64_t edit_count = 0;        ///< of the scene; where it has risen, Client::get_scene tells its meshes now
   std::vector<v1::VertexSample> positions;
-  uint64_t edit_count = 0;  ///< of the scene; where it has risen, Client::get_scene tells what it is made of now
 };
 
 /// One thread reads; any may cancel.
