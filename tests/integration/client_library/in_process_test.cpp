@@ -10,32 +10,16 @@
 #include <optional>
 
 #include "tests/integration/client_library/client_ways.hpp"
+#include "tests/integration/client_library/session_calls.hpp"
 #include "tests/integration/client_library/session_daemon.hpp"
-#include "tests/integration/client_library/session_scene.hpp"
 
 namespace collided::test {
 namespace {
 
 using client::Error;
 
-constexpr auto kMode = pb::DETECTION_MODE_CCD;
-
 Session open_session(const Client& client, const SessionOptions& options = {}) {
   return Session::open(client, session_spec(kMode), SessionMeshes().inputs, options);
-}
-
-FrameOutput detect(Session& session, uint64_t id) {
-  const SessionFrame frame = session_frame(id, kMode);
-  return session.detect(frame.updates(), frame.options);
-}
-
-/// The error that `call` throws; OK if it throws none.
-template <class Call>
-Error error_of(const Call& call) try {
-  call();
-  return {0, "nothing was thrown"};
-} catch (const Error& error) {
-  return error;
 }
 
 size_t threads_now() {

@@ -8,16 +8,14 @@
 #include <thread>
 
 #include "tests/integration/client_library/client_ways.hpp"
+#include "tests/integration/client_library/session_calls.hpp"
 #include "tests/integration/client_library/session_daemon.hpp"
-#include "tests/integration/client_library/session_scene.hpp"
 
 namespace collided::test {
 namespace {
 
 using client::Error;
 using client::FrameResult;
-
-constexpr auto kMode = pb::DETECTION_MODE_CCD;
 
 Session open_session(const Client& client, client::Local use = client::Local::kAutomatic) {
   return Session::open(client, session_spec(kMode), SessionMeshes().inputs,
@@ -27,11 +25,6 @@ Session open_session(const Client& client, client::Local use = client::Local::kA
 void submit(Session& session, uint64_t id, std::function<void(FrameResult)> done) {
   const SessionFrame frame = session_frame(id, kMode);
   session.submit(frame.updates(), std::move(done), frame.options);
-}
-
-FrameOutput detect(Session& session, uint64_t id) {
-  const SessionFrame frame = session_frame(id, kMode);
-  return session.detect(frame.updates(), frame.options);
 }
 
 /// Results as they come, until there are `count` of them.

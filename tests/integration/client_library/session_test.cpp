@@ -3,8 +3,8 @@
 
 #include <future>
 
+#include "tests/integration/client_library/session_calls.hpp"
 #include "tests/integration/client_library/session_daemon.hpp"
-#include "tests/integration/client_library/session_scene.hpp"
 
 namespace collided::test {
 namespace {
@@ -13,7 +13,6 @@ using client::Error;
 using client::Local;
 using std::chrono::milliseconds;
 
-constexpr auto kMode = pb::DETECTION_MODE_CCD;
 constexpr Local kWays[] = {Local::kOff, Local::kOn};
 
 Session open_session(const std::string& address, const SessionOptions& options = {},
@@ -21,23 +20,9 @@ Session open_session(const std::string& address, const SessionOptions& options =
   return Session::open(address, spec, SessionMeshes().inputs, options);
 }
 
-FrameOutput detect(Session& session, uint64_t id) {
-  const SessionFrame frame = session_frame(id, kMode);
-  return session.detect(frame.updates(), frame.options);
-}
-
 std::future<FrameOutput> submit(Session& session, uint64_t id) {
   const SessionFrame frame = session_frame(id, kMode);
   return session.submit(frame.updates(), frame.options);
-}
-
-/// The error that `call` throws; OK if it throws none.
-template <class Call>
-Error error_of(const Call& call) try {
-  call();
-  return {0, "nothing was thrown"};
-} catch (const Error& error) {
-  return error;
 }
 
 TEST(SessionLimits, ARefusedFrameFailsAloneAndTheSessionGoesOn) {

@@ -85,6 +85,7 @@ class Serving {
   Client client() const { return authenticator_.identify("", ""); }
   SceneHost& host() { return host_; }
   LocalServer& server() { return *server_; }
+  const Authenticator& authenticator() const { return authenticator_; }
   Metrics& metrics() { return metrics_; }
   std::string path() const { return folder_.file("local"); }
 
