@@ -53,7 +53,7 @@ struct Shortcut {
 struct EarlyExit {
   Shortcut* shortcut = nullptr;  ///< null: every contact is wanted
   Report report = Report::kAll;
-  bool only_certain = false;  ///< only certain contacts with final times count; the others are decided later
+  bool only_certain = false;  ///< only certain contacts count, by when they are; the rest is decided later
 
   COLLIDED_HD bool is_over() const { return report == Report::kAnyHit && atomic_read(shortcut->has_contact) != 0; }
   /// Contacts after this time do not matter.
@@ -61,13 +61,12 @@ struct EarlyExit {
     if (report != Report::kEarliestOnly) return 1;
     return detail::bit_copy<double>(atomic_read(shortcut->earliest_bits));
   }
-  COLLIDED_HD void found(double toi, uint8_t flags) const {
+  /// `by`: a time at which the features have met, if that is certain.
+  COLLIDED_HD void found(double toi, double by, uint8_t flags) const {
     if (report == Report::kAll || (only_certain && (flags & kFlagCertified) == 0)) return;
     if (report == Report::kAnyHit) atomic_write(shortcut->has_contact, uint32_t{1});
-    const bool is_open = (flags & kFlagCapped) != 0 || (toi == 0 && (flags & kFlagInitial) == 0);
-    const bool is_final = !only_certain || !is_open;
-    if (report == Report::kEarliestOnly && is_final)
-      atomic_min(shortcut->earliest_bits, detail::bit_copy<uint64_t>(toi));
+    if (report == Report::kEarliestOnly)
+      atomic_min(shortcut->earliest_bits, detail::bit_copy<uint64_t>(only_certain ? by : toi));
   }
 };
 
@@ -79,9 +78,10 @@ struct ContactSink {
   EarlyExit early_exit;
   uint32_t first_rank;  ///< of the kind's first features
 
-  COLLIDED_HD void report(uint64_t key, const ContactData<Real>& contact) const {
+  COLLIDED_HD void report(uint64_t key, const ContactData<Real>& contact) const { report(key, contact, contact.toi); }
+  COLLIDED_HD void report(uint64_t key, const ContactData<Real>& contact, double by) const {
     list.push(key + (uint64_t{first_rank} << 32), contact);
-    early_exit.found(contact.toi, contact.flags);
+    early_exit.found(contact.toi, by, contact.flags);
   }
 };
 

@@ -73,17 +73,19 @@ COLLIDED_HD bool touches_at(const Differences<Work, N>& d, Work t, Work thicknes
   return gap_at(d, t).length * (1 + 8 * u) + 64 * u * d.extent <= thickness * (1 - 4 * u);
 }
 
-/// Whether a hit that advance() found at t is certain.
+constexpr double kNeverCertain = 2;
+
+/// A time by which a hit that advance() found at t has certainly come; kNeverCertain if it may be none.
 template <class Work, int N>
-COLLIDED_HD bool is_certain(const Differences<Work, N>& d, Work t, Work thickness) {
+COLLIDED_HD double certain_by(const Differences<Work, N>& d, Work t, Work thickness) {
   constexpr int kWidths = 4;
   // Wide enough for f to leave its rounding errors behind, narrow enough for the conditions to hold still.
   Work width = sizeof(Work) == 8 ? Work(1e-10) : Work(1e-5);
   for (int i = 0; i < kWidths; ++i, width = width * (sizeof(Work) == 8 ? 100 : 10)) {
     const Work from = max(t - width, Work(0)), to = min(t + width, Work(1));
-    if (thickness > 0 ? touches_at(d, to, thickness) : crosses_between(d, from, to)) return true;
+    if (thickness > 0 ? touches_at(d, to, thickness) : crosses_between(d, from, to)) return to;
   }
-  return false;
+  return kNeverCertain;
 }
 
 }  // namespace collided

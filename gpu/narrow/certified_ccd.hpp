@@ -152,15 +152,21 @@ struct AdvanceCcd {
     const double doubt = queries.doubt_of(state.key);
     const bool separating = doubt == 0 && is_separating(state);
     if (separating && skips_separating) return;
-    const uint8_t flags = flags_of(features, doubt) | (separating ? kFlagSeparating : 0);
-    contacts.report(state.key, contact_at<Real>(features.d, features.time(), flags));
+    const double by = known_by(features, doubt);
+    const uint8_t flags = flags_of(features, doubt, by < kNeverCertain) | (separating ? kFlagSeparating : 0);
+    contacts.report(state.key, contact_at<Real>(features.d, features.time(), flags), by);
   }
 
  private:
-  COLLIDED_HD uint8_t flags_of(const AdvancementOf<Work, Kind>& features, double doubt) const {
+  /// As certain_by.
+  COLLIDED_HD double known_by(const AdvancementOf<Work, Kind>& features, double doubt) const {
+    const double certain = certain_distance(start_thickness, doubt);
+    if (doubt > 0 && certain == 0) return kNeverCertain;
+    return certain_by(features.d, features.time(), scaled_thickness<Work>(certain, features.d.scale));
+  }
+  COLLIDED_HD uint8_t flags_of(const AdvancementOf<Work, Kind>& features, double doubt, bool is_sure) const {
     const double certain = certain_distance(start_thickness, doubt);
     const Work t = features.time(), thickness = scaled_thickness<Work>(certain, features.d.scale);
-    const bool is_sure = (doubt == 0 || certain > 0) && is_certain(features.d, t, thickness);
     uint8_t flags = is_sure ? kFlagCertified : kFlagNear;
     if (features.is_capped()) flags |= kFlagCapped;
     // A sure contact may come after its lower bound 0.

@@ -8,7 +8,8 @@ namespace {
 constexpr uint64_t kAtATime = 1u << 17;  ///< contacts
 
 bool is_undecided(const ContactSet& set, size_t i) {
-  return (set.flags[i] & (kFlagCertified | kFlagCapped)) != kFlagCertified || (!set.toi.empty() && set.toi[i] == 0);
+  return (set.flags[i] & (kFlagCertified | kFlagCapped)) != kFlagCertified ||
+         (!set.toi.empty() && set.toi[i] == 0 && (set.flags[i] & kFlagInitial) == 0);
 }
 
 /// Keeps entry i of every array if keep[i].
@@ -72,16 +73,18 @@ std::vector<size_t> undecided(CpuLoops& loops, const ContactSet& set, size_t cou
 void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places, const std::vector<ExactAnswer>& answers,
            const std::vector<Normal>& normals) {
   std::vector<bool> keep(set.size(), true);
+  size_t kept = set.size();
   loops.in_turn(places.size(), kAtATime, [&](uint64_t first, uint64_t end) {
     for (size_t k = first; k < end; ++k) {
       const size_t i = places[k];
       keep[i] = answers[k].hit;
+      kept -= answers[k].hit ? 0 : 1;
       set.flags[i] = kFlagCertified | (answers[k].initial ? kFlagInitial : 0) | (set.flags[i] & kFlagSeparating);
       if (!set.toi.empty()) set.toi[i] = answers[k].toi;
       if (!normals.empty()) set.normals[i] = normals[k];
     }
   });
-  filter(loops, set, keep);
+  if (kept < set.size()) filter(loops, set, keep);
 }
 
 void keep_earliest(CpuLoops& loops, PerKind<ContactSet>& contacts) {

@@ -7,8 +7,8 @@
 
 namespace collided {
 
-/// Contacts that only exact arithmetic can decide: those that are not certain, those whose time of impact is 0, which
-/// tells nothing of whether they touch at the start, and those whose time was left far off by the limit of iterations.
+/// Contacts that only exact arithmetic can decide: those that are not certain, those whose time of impact is 0 though
+/// they may not touch at the start, and those whose time was left far off by the limit of iterations.
 size_t count_undecided(CpuLoops& loops, const ContactSet& set);
 /// Their places; `count`: of them.
 std::vector<size_t> undecided(CpuLoops& loops, const ContactSet& set, size_t count);

@@ -34,6 +34,8 @@ struct LevelNeeds {
   bool keeps_contacts() const { return has_room && !is_any_hit(); }
   /// The step itself puts them where they are to stay; at kExact the host decides first which are contacts.
   bool places_contacts() const { return keeps_contacts() && !is_exact(); }
+  /// At kExact: contacts of features are decided in the step, as far as that goes.
+  bool decides_in_step() const { return is_exact() && settings.thickness == 0; }
   bool has_times() const { return columns().has(ContactField::kToi); }
 
   /// Contacts have more than their ids.

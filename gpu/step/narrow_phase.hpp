@@ -9,6 +9,7 @@
 #include "gpu/narrow/proximity.hpp"
 #include "gpu/narrow/triangle_pairs.hpp"
 #include "gpu/step/buffers.hpp"
+#include "gpu/step/deciding.hpp"
 #include "gpu/step/order_predictor.hpp"
 #include "gpu/step/plan.hpp"
 
@@ -90,6 +91,7 @@ class NarrowPhase {
   void finish() {
     if (needs().is_any_hit() && !needs().is_exact()) return;
     if (needs().is_earliest_only()) exec_.stage("earliest", [&] { keep_earliest(); });
+    if (needs().decides_in_step()) exec_.stage("decide", [&] { decide(); });
     if (needs().columns().has(ContactField::kNormals)) exec_.stage("normals", [&] { write_normals(); });
     exec_.stage("order", [&] { order(); });
   }
@@ -201,6 +203,14 @@ class NarrowPhase {
   Counted wanted_count() {
     StepState* state = scene_.state.data();
     return {needs().is_earliest_only() ? &state->earliest : &state->contacts, wanted().keys.capacity()};
+  }
+  void decide() {
+    StepState* state = scene_.state.data();
+    exec_.for_each(
+        "decide_contacts", wanted_count(),
+        DecideContacts<Real>{scene_.positions_at_start(needs().is_ccd()), scene_.end.data(), needs().is_ccd(),
+                             FeatureKinds::of(scene_.topology), ranks_, wanted().keys.all(), wanted().data.all(),
+                             &state->exact_decisions, &state->undecided});
   }
   void write_normals() {
     const bool has_float_times = std::is_same_v<Real, float> && needs().settings.accuracy == Accuracy::kFast;

@@ -50,7 +50,7 @@ class Results {
     const uint64_t found = needs_.is_earliest_only() ? step.earliest : step.contacts;
     if (needs_.places_contacts()) return collect_placed(step, found);
     exec_.stage("download", [&] { download(0, found, step.kinds); });
-    if (needs_.is_exact()) exec_.stage("exact", [&] { settle_all(); });
+    if (needs_.is_exact()) settle_all(step);
     report();
     if (needs_.keeps_contacts()) exec_.stage("place", [&] { place_settled(); });
   }
@@ -169,28 +169,42 @@ class Results {
   }
 
   // EXACT: what is left open goes to the host's exact arithmetic.
-  void settle_all() {
-    FeatureKinds::of(scene_.topology).for_each([&]<class Kind>(const Kind& kind) {
-      settle(value_of(contacts(), Kind::kKind), [&](const auto& keys, ExactAnswer* answers, Normal* normals) {
-        decide_features(kind, keys, answers, normals);
-      });
+  void settle_all(const StepState& step) {
+    result_->counts.exact_decisions = step.exact_decisions;
+    const bool features = !needs_.decides_in_step() || step.undecided > 0;
+    if (!features && !needs_.tests_triangles()) return;
+    exec_.stage("exact", [&] {
+      if (features) settle_features();
+      settle_triangles();
     });
-    settle(result_->triangle_triangle,
-           [&](const auto& keys, ExactAnswer* answers, Normal*) { decide_triangles(keys, answers); });
+  }
+  void settle_features() {
+    FeatureKinds::of(scene_.topology).for_each([&]<class Kind>(const Kind& kind) {
+      const size_t count =
+          settle(value_of(contacts(), Kind::kKind), [&](const auto& keys, ExactAnswer* answers, Normal* normals) {
+            decide_features(kind, keys, answers, normals);
+          });
+      if (!needs_.decides_in_step()) result_->counts.exact_decisions += count;
+    });
+  }
+  void settle_triangles() {
+    result_->counts.exact_decisions +=
+        settle(result_->triangle_triangle,
+               [&](const auto& keys, ExactAnswer* answers, Normal*) { decide_triangles(keys, answers); });
   }
   static uint64_t settling_bytes(size_t count) {
     constexpr size_t kPoints = 8 * (sizeof(Vec3<Real>) + sizeof(Vec3<double>)) + sizeof(uint64_t);
     return count * (sizeof(size_t) + sizeof(ExactAnswer) + sizeof(Normal)) + std::min(count, kSettledAtATime) * kPoints;
   }
+  /// Returns how many were decided.
   template <class Decide>
-  void settle(ContactSet& set, const Decide& decide) {
-    if (needs_.is_any_hit() && result_->any_contact) return;
+  size_t settle(ContactSet& set, const Decide& decide) {
+    if (needs_.is_any_hit() && result_->any_contact) return 0;
     CpuLoops& loops = exec_.host_loops();
     MemoryHold held(spec_.memory_quota);
     const size_t count = count_undecided(loops, set);
     held.resize(settling_bytes(count));
     const std::vector<size_t> places = undecided(loops, set, count);
-    result_->counts.exact_decisions += count;
     std::vector<ExactAnswer> answers(places.size());
     std::vector<Normal> normals(set.normals.empty() ? 0 : places.size());
     std::vector<uint64_t> keys;
@@ -202,6 +216,7 @@ class Results {
     }
     if (!places.empty()) apply(loops, set, places, answers, normals);
     result_->any_contact = result_->any_contact || set.size() > 0;
+    return count;
   }
 
   template <class Kind>

@@ -17,6 +17,8 @@ struct StepState {
   uint64_t triangle_pairs, contacts, earliest, crowded_ranks;
   KindBegins kinds;  ///< in the sorted list
 
+  uint64_t exact_decisions, undecided;  ///< at kExact; those that are left to the host
+
   uint64_t next_item[kContactKinds];      ///< of the searches for pairs, by the first kind that each is for
   uint64_t next_query[kFeatureKinds][2];  ///< of the narrow phase, in float and in double
   uint64_t small_triangles;

@@ -6,7 +6,7 @@ GROUPS = {
     "octree, hierarchy": ["count", "refine", "bottom_up", "top_down", "registration", "sort", "hierarchy"],
     # Results before commit 0c38451 have pair_tests, elementary and filter instead of pairs.
     "pairs, boxes of features, filter": ["pairs", "pair_tests", "elementary", "filter"],
-    "narrow phase": ["narrow", "exact"],
+    "narrow phase": ["narrow", "decide", "exact"],
     "order": ["order"],
     "download": ["download"],
     "other": [],

@@ -7,6 +7,13 @@
 
 namespace collided::exact::fixed {
 
+/// Unrolled into each other, the loops of a GPU's code take minutes to compile, and more registers than there are.
+#ifdef __CUDACC__
+#define COLLIDED_CALLED __noinline__
+#else
+#define COLLIDED_CALLED
+#endif
+
 __extension__ using Double = unsigned __int128;  ///< a product of two limbs
 
 /// Two's complement, the lowest limb first.
@@ -62,7 +69,7 @@ COLLIDED_HD void subtract_above(Integer<N>& a, const Integer<M>& b, int at) {
 
 // Of the limbs as numbers without signs; a negative factor was taken for 2^(64 N) more than it is.
 template <int N, int M>
-COLLIDED_HD Integer<N + M> operator*(const Integer<N>& a, const Integer<M>& b) {
+COLLIDED_HD COLLIDED_CALLED Integer<N + M> operator*(const Integer<N>& a, const Integer<M>& b) {
   Integer<N + M> r = Integer<N + M>::of(0);
   for (int i = 0; i < N; ++i) {
     Double sum = 0;

@@ -146,7 +146,7 @@ struct QueryFromStart {
     for (looks = 0; !features.is_over(); ++looks) features.iterate(1.0);
     return out;
   }
-  bool is_certain_at(double t) const { return is_certain(d, t, 0.0); }
+  bool is_certain_at(double t) const { return certain_by(d, t, 0.0) < kNeverCertain; }
 };
 template <class Kind>
 std::vector<QueryFromStart<Kind>> queries_from_start(const StageScene& s, const std::vector<uint64_t>& candidates) {
