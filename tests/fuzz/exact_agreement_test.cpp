@@ -4,8 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <map>
 
 #include "gpu/exact/exact.hpp"
+#include "gpu/exact/fixed/decide.hpp"
 #include "tests/support/verdicts/verdict_score_question.hpp"
 
 namespace collided::test {
@@ -92,6 +94,35 @@ TEST_P(ExactAgreement, Proximity) {
     q.thickness_share = 0.2;
     expect_agreement(q);
   }
+}
+
+/// Which integers decide: of one limb, of two, or of any size; and what they decide.
+using Rungs = std::map<std::pair<int, exact::fixed::Outcome>, int>;
+
+void count_rungs(const Query& query, Rungs& rungs) {
+  Corners start, end;
+  corners_of(query, 0, start);
+  corners_of(query, 4, end);
+  exact::fixed::Unit unit;
+  unit.see(start);
+  unit.see(end);
+  const int limbs = unit.fits<1>() ? 1 : unit.fits<2>() ? 2 : 0;
+  ++rungs[{limbs, exact::fixed::decide(contact_kind_of(query), start, end).outcome}];
+}
+
+// So that the tests above are tests of every rung.
+TEST(ExactLadder, EveryRungDecidesQueriesOfTheFamilies) {
+  using exact::fixed::Outcome;
+  Rungs rungs;
+  for (const auto& families : {fuzz_families(), extreme_families()})
+    for (const auto& [family, scalar] : cases_of(families))
+      for (QueryKind kind : kQueryKinds)
+        for (const Query& query : queries_of({family, kind, scalar, 3}, 60)) count_rungs(query, rungs);
+  for (const int limbs : {1, 2})
+    for (const Outcome outcome :
+         {Outcome::kOpen, Outcome::kApart, Outcome::kAtStart, Outcome::kBetween, Outcome::kAtEnd})
+      EXPECT_GT((rungs[{limbs, outcome}]), 0) << limbs << " limbs, outcome " << static_cast<int>(outcome);
+  EXPECT_GT((rungs[{0, Outcome::kOpen}]), 20) << "exponents far apart";
 }
 
 INSTANTIATE_TEST_SUITE_P(Fuzz, ExactAgreement, ::testing::ValuesIn(cases_of(fuzz_families())),
