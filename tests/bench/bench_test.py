@@ -1,7 +1,7 @@
 """The benchmarks' output is complete and consistent. Usage: bench_test.py CHECK PROGRAM
 
 CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench), embree (collided_embree_bench), watch
-(collided_watch_bench) or switches (collided_switches_bench).
+(collided_watch_bench), switches (collided_switches_bench) or exact (collided_exact_bench).
 """
 
 import json
@@ -92,6 +92,14 @@ class Bench(unittest.TestCase):
             self.assertEqual(runs[name]["bytes_in"], 2 * full["bytes_in"])
         for run in runs.values():
             self.assertLess(0, run["caller_ms"])
+
+    def check_exact(self):
+        runs = parsed("--backend", "cpu", "--scene", "coincident", "--scale", "0.2", "--frames", "2")["runs"]
+        self.assertEqual([run["scalar"] for run in runs], ["f32", "f64"])
+        for run in runs:
+            self.assertGreater(run["contacts"], 1000)
+            self.assertGreaterEqual(run["decisions"], run["contacts"])
+            self.assertAlmostEqual(run["ratio"], run["exact_ms"] / run["certified_ms"])
 
     def check_embree(self):
         """Exits with 1 where Embree and the engine find different numbers of pairs."""
