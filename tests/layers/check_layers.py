@@ -112,15 +112,18 @@ def engine_complaint(path, target):
     if other != room and other not in ROOMS[room]:
         return f"{room} must not know {other}"
     if room == "exact" and other == "base" and target not in EXACT_BASE:
-        return "of base, the exact decisions know host_device.hpp and vec3.hpp alone"
+        return "of base, the exact decisions know host_device.hpp, rounding.hpp and vec3.hpp alone"
     if other == "exact" and room != "exact" and target not in EXACT_API:
-        return "of gpu/exact, others know exact.hpp, decision.hpp and poll.hpp alone"
+        return "of gpu/exact, others know exact.hpp, decision.hpp, poll.hpp and fixed/decide.hpp alone"
+    if path.startswith(EXACT_FIXED) and other == "exact" and not target.startswith(EXACT_FIXED):
+        return "gpu/exact/fixed runs on every backend and knows nothing of the rest of gpu/exact"
     return None
 
 
 # What the rest of the engine may see of gpu/exact; GMP stays behind these headers.
-EXACT_API = {"gpu/exact/exact.hpp", "gpu/exact/decision.hpp", "gpu/exact/poll.hpp"}
-EXACT_BASE = {"gpu/base/host_device.hpp", "gpu/base/vec3.hpp"}
+EXACT_FIXED = "gpu/exact/fixed/"
+EXACT_API = {"gpu/exact/exact.hpp", "gpu/exact/decision.hpp", "gpu/exact/poll.hpp", "gpu/exact/fixed/decide.hpp"}
+EXACT_BASE = {"gpu/base/host_device.hpp", "gpu/base/rounding.hpp", "gpu/base/vec3.hpp"}
 
 # Inside the client: who must not include what, and why.
 CLIENT_RULES = [
@@ -139,7 +142,7 @@ def complaint(path, quote, target):
     """Why the file at `path` may not include `target`; None if it may."""
     layer = path.split("/")[0]
     if target in ("gmp.h", "gmpxx.h"):
-        if not path.startswith("gpu/exact/") or path in EXACT_API:
+        if not path.startswith("gpu/exact/") or path.startswith(EXACT_FIXED) or path in EXACT_API:
             return "GMP belongs to gpu/exact, but not to what others include of it"
         return None
     if (MESSAGES.search(target) or target.startswith("proto/")) and not may_see_messages(path):

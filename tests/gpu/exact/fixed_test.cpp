@@ -250,5 +250,21 @@ TEST(FixedDecision, AtRest) {
   EXPECT_EQ(outcome({1, 1, kTiniest}), Outcome::kOpen);
 }
 
+TEST(FixedDecision, AtRestWithoutArea) {
+  const Point a{0, 0, 0}, b{4, 0, 0};
+  const auto touches = [](ContactKind kind, const Point(&p)[4]) {
+    return exact::fixed::decide_at_rest(kind, p) == Outcome::kAtStart;
+  };
+  for (const double x : {0.0, 2.0, 4.0}) {
+    EXPECT_TRUE(touches(ContactKind::kVertexTriangle, {{x, 0, 0}, a, b, b})) << x;
+    EXPECT_TRUE(touches(ContactKind::kEdgeEdge, {{x, 0, 0}, {x + 7, 0, 0}, a, b})) << x;
+    EXPECT_TRUE(touches(ContactKind::kEdgeEdge, {a, b, {x, 0, 0}, {x, 0, 0}})) << x;
+  }
+  for (const double x : {-0x1p-40, 4 + 0x1p-40})
+    EXPECT_FALSE(touches(ContactKind::kVertexTriangle, {{x, 0, 0}, a, b, b}));
+  EXPECT_FALSE(touches(ContactKind::kEdgeEdge, {a, b, {5, 0, 0}, {7, 0, 0}}));
+  EXPECT_FALSE(touches(ContactKind::kEdgeEdge, {a, b, {0, 1, 0}, {4, 1, 0}}));
+}
+
 }  // namespace
 }  // namespace collided::test
