@@ -239,6 +239,15 @@ TEST(FixedDecision, WithinRoundingErrorsOfASide) {
   }
 }
 
+// All points are in a plane that turns about x, and is upright at t = 1/2; the vertex stays beside the triangle.
+TEST(FixedDecision, APlaneThatTurnsIsLeftOpen) {
+  const Point flat[4] = {{1, 5, 0}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+  Query q;
+  for (int i = 0; i < 4; ++i) q.start[i] = flat[i], q.end[i] = {flat[i].x, -flat[i].y, flat[i].y};
+  EXPECT_EQ(decide(ContactKind::kVertexTriangle, q).outcome, Outcome::kOpen);
+  expect_same({Outcome::kApart, 1}, vertex_triangle(q));
+}
+
 TEST(FixedDecision, AtRest) {
   const auto outcome = [](const Point& v) {
     return exact::fixed::decide_at_rest(ContactKind::kVertexTriangle, {v, kOrigin, {4, 0, 0}, {0, 4, 0}});
