@@ -2,6 +2,7 @@
 // EXACT without thickness: most contacts are decided where they are, in integers of fixed size, and get the time of
 // impact that exact arithmetic gives. The host decides what is left, and drops what is no contact.
 
+#include "gpu/base/keys.hpp"
 #include "gpu/contacts/kinds.hpp"
 #include "gpu/exact/fixed/decide.hpp"
 

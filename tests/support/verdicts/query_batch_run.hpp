@@ -80,7 +80,7 @@ class QueryRun {
       narrow_.reserve();
       const StepState state =
           exec_.step(numbers_.number_of(plan), scene_.state.data(), [&] { enqueue(kind, keys, extent); });
-      if (narrow_.grow(state)) continue;
+      if (narrow_.grow(state, 0)) continue;
       results_.collect(state, needs_, {}, result);
       return result;
     }
@@ -94,7 +94,7 @@ class QueryRun {
     exec_.for_each("prepare", 1, SetBounds{state, extent});
     exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, spec_.thickness});
     with_filter<Real>(needs_, spec_.thickness, state, [&](const auto& keep) { filter(kind, keys, keep); });
-    narrow_.detect(kind);
+    narrow_.detect(kind, [](const auto& put) { put(); });
     narrow_.finish();
   }
   template <class Kind, class Keep>
