@@ -80,7 +80,8 @@ class QueryRun {
       narrow_.reserve();
       const StepState state =
           exec_.step(numbers_.number_of(plan), scene_.state.data(), [&] { enqueue(kind, keys, extent); });
-      if (narrow_.grow(state, 0)) continue;
+      const bool grew = narrow_.grow(state, 0), reorders = narrow_.reorders(state);
+      if (grew || reorders) continue;
       results_.collect(state, needs_, {}, result);
       return result;
     }
