@@ -30,7 +30,7 @@ void bench_walk(StageScene& s, benchmark::State& state) {
   s.hierarchy.build();
   s.state().leaves[LeafSum::kTests] = 0;
   uint64_t pairs = 0;
-  const auto walk = [&] { s.hierarchy.search("count_pairs", CountPairs{&pairs}, s.state().next_item); };
+  const auto walk = [&] { s.hierarchy.search("count_pairs", CountPairs{&pairs}, s.state().next_item, true); };
   walk();  // the first one counts what it meets
   const uint64_t tests = s.state().leaves[LeafSum::kTests];
   measure(
