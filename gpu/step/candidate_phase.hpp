@@ -5,7 +5,7 @@
 #include "gpu/step/lbvh_phase.hpp"
 #include "gpu/step/narrow_phase.hpp"
 #include "gpu/step/octree_phase.hpp"
-#include "gpu/step/plan.hpp"
+#include "gpu/step/plan/plan.hpp"
 #include "gpu/step/sinks.hpp"
 
 namespace collided {

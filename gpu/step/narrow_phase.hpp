@@ -10,8 +10,8 @@
 #include "gpu/narrow/triangle_pairs.hpp"
 #include "gpu/step/buffers.hpp"
 #include "gpu/step/deciding.hpp"
-#include "gpu/step/order_predictor.hpp"
-#include "gpu/step/plan.hpp"
+#include "gpu/step/plan/order_predictor.hpp"
+#include "gpu/step/plan/plan.hpp"
 
 namespace collided {
 

@@ -12,7 +12,7 @@
 #include "gpu/search/resolution.hpp"
 #include "gpu/search/searcher.hpp"
 #include "gpu/step/buffers.hpp"
-#include "gpu/step/plan.hpp"
+#include "gpu/step/plan/plan.hpp"
 
 namespace collided {
 

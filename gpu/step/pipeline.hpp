@@ -8,13 +8,13 @@
 
 #include "gpu/contacts/scene_counts.hpp"
 #include "gpu/step/candidate_phase.hpp"
-#include "gpu/step/engine_choices.hpp"
 #include "gpu/step/lbvh_phase.hpp"
 #include "gpu/step/narrow_phase.hpp"
 #include "gpu/step/octree_phase.hpp"
-#include "gpu/step/octree_planner.hpp"
 #include "gpu/step/placing.hpp"
-#include "gpu/step/plan.hpp"
+#include "gpu/step/plan/engine_choices.hpp"
+#include "gpu/step/plan/octree_planner.hpp"
+#include "gpu/step/plan/plan.hpp"
 #include "gpu/step/results.hpp"
 
 namespace collided {

@@ -41,6 +41,7 @@ class Run {
     spec_.backend = backend;
     spec_.scalar = Scalar::kF32;
     spec_.threads = threads;
+    spec_.engine = Engine::kOctree;  // to compare engines takes time and memory of its own
     spec_.meshes = first.meshes;
     if (!variant.has_ball) spec_.meshes.pop_back();
     variant.declare(spec_);

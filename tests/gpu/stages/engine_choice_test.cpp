@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "gpu/step/engine_choices.hpp"
+#include "gpu/step/plan/engine_choices.hpp"
 
 namespace collided::test {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "gpu/contacts/order.hpp"
 #include "gpu/exec/cpu/cpu_exec.hpp"
-#include "gpu/step/order_predictor.hpp"
+#include "gpu/step/plan/order_predictor.hpp"
 
 namespace collided::test {
 namespace {

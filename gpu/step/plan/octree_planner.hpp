@@ -1,10 +1,11 @@
 #pragma once
 // What the octree's next step is like, from what the last ones found.
 
-#include "gpu/step/engine_choice.hpp"
-#include "gpu/step/plan.hpp"
-#include "gpu/step/refinement.hpp"
-#include "gpu/step/usage_predictor.hpp"
+#include "gpu/octree/cell_grid.hpp"
+#include "gpu/step/plan/engine_choice.hpp"
+#include "gpu/step/plan/plan.hpp"
+#include "gpu/step/plan/refinement.hpp"
+#include "gpu/step/plan/usage_predictor.hpp"
 
 namespace collided {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "gpu/step/engine_choice.hpp"
 #include "gpu/step/level_needs.hpp"
+#include "gpu/step/plan/engine_choice.hpp"
 
 namespace collided {
 
