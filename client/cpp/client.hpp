@@ -67,6 +67,7 @@ class Client {
   static Client connect(const std::string& address, const ConnectOptions& options = {});
   /// For the library's own use: a session connects again, and collided::local() to what it has made.
   static Client connect(const ChannelFactory& channels);
+  /// What this client was made with; for the library's own use.
   const ChannelFactory& channels() const;
   Client(Client&&) noexcept;
   Client& operator=(Client&&) noexcept;

@@ -30,11 +30,14 @@ struct SessionOptions {
 /// What became of a frame: its output, or the error that detect() would have thrown.
 class FrameResult {
  public:
+  /// Of a frame that was answered.
   FrameResult(uint64_t frame_id, FrameOutput output) : frame_id_(frame_id), output_(std::move(output)) {}
+  /// Of one that failed.
   FrameResult(uint64_t frame_id, Error error) : frame_id_(frame_id), error_(std::move(error)) {}
 
   /// Counts the session's frames from 1, for those that failed, too.
   uint64_t frame_id() const { return frame_id_; }
+  /// Whether the frame was answered.
   bool ok() const { return !error_; }
   /// Null if the frame was answered.
   const Error* error() const { return error_ ? &*error_ : nullptr; }

@@ -21,11 +21,12 @@ struct LocalEngine {
 /// Starts an engine, and returns a client of it. Streams, sessions (Session::open(client, ...)) and watchers are made
 /// as of a daemon; the engine ends, and its threads with it, with the last of these and of the client. Each call
 /// starts an engine of its own. Nothing else in the process is touched: no signal handler, logger, environment,
-/// standard stream or socket. The threads that it starts block all signals but
-/// those of faults. Throws client::Error: INVALID_ARGUMENT for options out of
-/// range, with their field(), FAILED_PRECONDITION for "cuda" where no device can be used.
+/// standard stream or socket. The threads that it starts block all signals but those of faults. Throws
+/// client::Error: INVALID_ARGUMENT for options out of range, with their field(), FAILED_PRECONDITION for "cuda" where
+/// no device can be used.
 client::Client local(const LocalEngine& engine = {}, const client::ConnectOptions& options = {});
 
+/// Of a line of the log, from what only developers need on.
 enum class LogLevel { kDebug, kInfo, kWarning, kError };
 
 /// From now on all engines of the process pass their log lines, of `level` and above and without line ends, to `take`:

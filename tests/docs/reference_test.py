@@ -14,7 +14,7 @@ import tempfile
 import unittest
 
 REPOSITORY = pathlib.Path(sys.argv[1]).resolve()
-NEEDED = ("client/cpp", "client/go", "client/python", "client/reference", "proto", "CMakeLists.txt")
+NEEDED = ("client/cpp", "client/in_process", "client/go", "client/python", "client/reference", "proto", "CMakeLists.txt")
 BUILT = shutil.ignore_patterns("node_modules", "__pycache__", "*.gif", "*.png")
 
 

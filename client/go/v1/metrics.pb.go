@@ -24,6 +24,7 @@ const (
 type BroadPhaseReason int32
 
 const (
+	// Never sent.
 	BroadPhaseReason_BROAD_PHASE_REASON_UNSPECIFIED BroadPhaseReason = 0
 	// SceneSpec.broad_phase_engine asks for it.
 	BroadPhaseReason_BROAD_PHASE_REASON_REQUESTED BroadPhaseReason = 1
@@ -417,7 +418,8 @@ type FrameMetrics struct {
 	// engine; 0 before the first. Frames with and without a filter before the narrow phase, and those of CCD and DCD, are
 	// compared apart.
 	OctreeMilliseconds float64 `protobuf:"fixed64,18,opt,name=octree_milliseconds,json=octreeMilliseconds,proto3" json:"octree_milliseconds,omitempty"`
-	LbvhMilliseconds   float64 `protobuf:"fixed64,19,opt,name=lbvh_milliseconds,json=lbvhMilliseconds,proto3" json:"lbvh_milliseconds,omitempty"`
+	// As octree_milliseconds, of the hierarchy.
+	LbvhMilliseconds float64 `protobuf:"fixed64,19,opt,name=lbvh_milliseconds,json=lbvhMilliseconds,proto3" json:"lbvh_milliseconds,omitempty"`
 }
 
 func (x *FrameMetrics) Reset() {
