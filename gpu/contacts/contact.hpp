@@ -16,6 +16,18 @@ struct ContactData {
   uint8_t flags;
 };
 
+// At kExact. `is_at_zero`: the contact has a time of impact, which is 0.
+
+/// Whether only exact arithmetic can decide a contact: it is not certain, its time was left far off by the limit of
+/// iterations, or is 0 though the features may not touch at the start.
+COLLIDED_HD inline bool is_undecided(uint8_t flags, bool is_at_zero) {
+  return (flags & (kFlagCertified | kFlagCapped)) != kFlagCertified || (is_at_zero && (flags & kFlagInitial) == 0);
+}
+/// Those of a contact that exact arithmetic has decided.
+COLLIDED_HD inline uint8_t decided_flags(uint8_t before, bool is_initial) {
+  return static_cast<uint8_t>(kFlagCertified | (is_initial ? kFlagInitial : 0) | (before & kFlagSeparating));
+}
+
 /// Contacts in two lists that share their slots: keys to sort by, and the rest.
 template <class Real>
 struct ContactList {

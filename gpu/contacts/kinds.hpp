@@ -1,6 +1,7 @@
 #pragma once
 // The kinds of contacts: their features, their stages, and their order among each other.
 
+#include "gpu/base/keys.hpp"
 #include "gpu/contacts/contact.hpp"
 
 namespace collided {
@@ -105,6 +106,14 @@ struct FeatureRanks {
   /// Rank of the first feature of the same kind.
   COLLIDED_HD uint32_t first_of_kind(uint32_t rank) const { return begin[kind_of(rank)]; }
 };
+
+/// use(kind, key) for a contact's key, where it is of features; the key that it gets counts those of its kind alone.
+template <class Use>
+COLLIDED_HD void use_contact(const FeatureKinds& kinds, const FeatureRanks& ranks, uint64_t key, const Use& use) {
+  const uint32_t rank = first_id(key);
+  const uint64_t own = pack_ids(rank - ranks.first_of_kind(rank), second_id(key));
+  kinds.use_one(ranks.kind_of(rank), [&](const auto& kind) { use(kind, own); });
+}
 
 /// Where the kinds begin in a sorted list.
 struct KindBegins {

@@ -84,9 +84,8 @@ struct WriteNormals {
   Span<Normal> normals;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    const uint32_t rank = first_id(keys[i]);
-    const uint64_t key = pack_ids(rank - ranks.first_of_kind(rank), second_id(keys[i]));
-    kinds.use_one(ranks.kind_of(rank), [&](const auto& kind) { normals[i] = normal_of(kind, key, data[i].toi); });
+    use_contact(kinds, ranks, keys[i],
+                [&](const auto& kind, uint64_t key) { normals[i] = normal_of(kind, key, data[i].toi); });
   }
 
  private:

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 
+#include "gpu/contacts/contact.hpp"
+
 namespace collided {
 namespace {
 
 constexpr uint64_t kAtATime = 1u << 17;  ///< contacts
 
 bool is_undecided(const ContactSet& set, size_t i) {
-  return (set.flags[i] & (kFlagCertified | kFlagCapped)) != kFlagCertified ||
-         (!set.toi.empty() && set.toi[i] == 0 && (set.flags[i] & kFlagInitial) == 0);
+  return collided::is_undecided(set.flags[i], !set.toi.empty() && set.toi[i] == 0);
 }
 
 /// Keeps entry i of every array if keep[i].
@@ -79,7 +80,7 @@ void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places, 
       const size_t i = places[k];
       keep[i] = answers[k].hit;
       kept -= answers[k].hit ? 0 : 1;
-      set.flags[i] = kFlagCertified | (answers[k].initial ? kFlagInitial : 0) | (set.flags[i] & kFlagSeparating);
+      set.flags[i] = decided_flags(set.flags[i], answers[k].initial);
       if (!set.toi.empty()) set.toi[i] = answers[k].toi;
       if (!normals.empty()) set.normals[i] = normals[k];
     }

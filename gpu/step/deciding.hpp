@@ -2,7 +2,6 @@
 // EXACT without thickness: most contacts are decided where they are, in integers of fixed size, and get the time of
 // impact that exact arithmetic gives. The host decides what is left, and drops what is no contact.
 
-#include "gpu/base/keys.hpp"
 #include "gpu/contacts/kinds.hpp"
 #include "gpu/exact/fixed/decide.hpp"
 
@@ -22,16 +21,14 @@ struct DecideContacts {
   uint64_t* undecided;  ///< contacts that are left to the host
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    const uint32_t rank = first_id(keys[i]);
-    const uint64_t key = pack_ids(rank - ranks.first_of_kind(rank), second_id(keys[i]));
-    kinds.use_one(ranks.kind_of(rank), [&](const auto& kind) { decide(kind, kind.stencil(key), data[i]); });
+    use_contact(kinds, ranks, keys[i],
+                [&](const auto& kind, uint64_t key) { decide(kind, kind.stencil(key), data[i]); });
   }
 
  private:
   template <class Kind>
   COLLIDED_HD void decide(const Kind&, const Stencil& stencil, ContactData<Real>& contact) const {
-    const bool is_open = (contact.flags & (kFlagCertified | kFlagCapped)) != kFlagCertified ||
-                         (is_ccd && contact.toi == 0 && (contact.flags & kFlagInitial) == 0);
+    const bool is_open = is_undecided(contact.flags, is_ccd && contact.toi == 0);
     if (!is_open && !is_ccd) return;
     const exact::fixed::Verdict verdict = verdict_of<Kind>(points_of(stencil, start, end));
     const bool is_decided = verdict.outcome > exact::fixed::Outcome::kApart;
@@ -42,8 +39,7 @@ struct DecideContacts {
       return;
     }
     const bool is_initial = is_ccd && verdict.outcome == exact::fixed::Outcome::kAtStart;
-    contact.flags =
-        static_cast<uint8_t>(kFlagCertified | (is_initial ? kFlagInitial : 0) | (contact.flags & kFlagSeparating));
+    contact.flags = decided_flags(contact.flags, is_initial);
     contact.toi = is_ccd ? verdict.toi : 0;
   }
   template <class Kind>
