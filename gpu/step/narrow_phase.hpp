@@ -247,13 +247,29 @@ class NarrowPhase {
     StepState* state = scene_.state.data();
     return {needs().is_earliest_only() ? &state->earliest : &state->contacts, wanted().keys.capacity()};
   }
+  // Candidates have been looked at by now: contacts wait in their lists, which hold as many.
   void decide() {
     StepState* state = scene_.state.data();
-    exec_.for_each(
-        "decide_contacts", wanted_count(),
-        DecideContacts<Real>{scene_.positions_at_start(needs().is_ccd()), scene_.end.data(), needs().is_ccd(),
-                             FeatureKinds::of(scene_.topology), ranks_, wanted().keys.all(), wanted().data.all(),
-                             &state->exact_decisions, &state->undecided});
+    const FeatureKinds kinds = FeatureKinds::of(scene_.topology);
+    const DecidedContacts<Real> contacts{scene_.positions_at_start(needs().is_ccd()),
+                                         scene_.end.data(),
+                                         needs().is_ccd(),
+                                         kinds,
+                                         ranks_,
+                                         wanted().keys.all(),
+                                         wanted().data.all(),
+                                         &state->exact_decisions};
+    DecideSoon<Real> soon{contacts, {}};
+    for (int kind = 0; kind < kFeatureKinds; ++kind)
+      soon.others[kind] = {scene_.candidates[kind].kept.all(), &state->decided_last[kind]};
+    exec_.for_each("decide_soon", wanted_count(), soon);
+    kinds.for_each([&]<class Kind>(const Kind&) {
+      if (!value_of(needs().kinds, Kind::kKind)) return;
+      const AppendList<uint64_t>& others = soon.others[kIndexOf<Kind>];
+      exec_.for_each_resumable("decide_others", {others.count, others.items.size()},
+                               &state->next_decision[kIndexOf<Kind>],
+                               DecideOther<Real, Kind>{contacts, others.items, &state->undecided});
+    });
   }
   void write_normals() {
     const bool has_float_times = std::is_same_v<Real, float> && needs().settings.accuracy == Accuracy::kFast;

@@ -17,10 +17,12 @@ struct StepState {
   uint64_t triangle_pairs, contacts, earliest, crowded_ranks;
   KindBegins kinds;  ///< in the sorted list
 
-  uint64_t exact_decisions, undecided;  ///< at kExact; those that are left to the host
+  uint64_t exact_decisions, undecided;   ///< at kExact; those that are left to the host
+  uint64_t decided_last[kFeatureKinds];  ///< contacts that are not simple
 
   uint64_t next_item[kContactKinds];      ///< of the searches for pairs, by the first kind that each is for
   uint64_t next_query[kFeatureKinds][2];  ///< of the narrow phase, in float and in double
+  uint64_t next_decision[kFeatureKinds];
   uint64_t small_triangles;
   Box<float> bounds;
   LevelTotals totals;

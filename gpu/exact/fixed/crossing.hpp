@@ -1,18 +1,13 @@
 #pragma once
 // Whether features meet at a time at which their volume vanishes, between 0 and 1.
 //
-// The time is in [k, k + 1] / 2^60. The weights of the features' common point (as in exact/features.cpp: cross products
-// times the normal) are not negative then if they meet. In double precision, with u = 2^-53, components that are at
-// most L and change by at most V there (Nearby):
-// - a weight is at most 48 products of four, and all roundings together are below 2048u L^4,
-// - it changes by at most 4 * 48 V L^3.
-// A weight within these bounds may be 0. Then P x Q = 0, for in one plane it is parallel to the normal: the common
-// point is on the line of that side. Components of P x Q, or of P, or of Q, that are multiples of each other vanish
-// together, so that a change of sign in the interval proves that they do; the volume vanishes with P x Q, and where it
-// has one root in the interval this is the time.
+// The time is in [k, k + 1] / 2^60. A weight (weights.hpp) that double precision cannot tell from 0 may be 0. Then
+// P x Q = 0, for in one plane it is parallel to the normal: the common point is on the line of that side. Components of
+// P x Q, or of P, or of Q, that are multiples of each other vanish together, so that a change of sign in the interval
+// proves that they do; the volume vanishes with P x Q, and where it has one root in the interval this is the time.
 
-#include "gpu/exact/fixed/differences.hpp"
 #include "gpu/exact/fixed/root.hpp"
+#include "gpu/exact/fixed/weights.hpp"
 
 namespace collided::exact::fixed {
 
@@ -32,23 +27,18 @@ class Crossing {
       : d_(features.d), k_(k), is_alone_(is_alone) {}
 
   COLLIDED_HD Look look() const {
-    constexpr int kCount = Sides<kind>::kCount;
     Nearby nearby;
-    Vec3<double> d[Differences<kind, W>::kCount], sides[kCount];
+    Vec3<double> d[Differences<kind, W>::kCount];
     for (int i = 0; i < Differences<kind, W>::kCount; ++i) d[i] = nearby.see(d_[i], k_);
-    const double size = nearby.largest, error = (2048 * 0x1p-53 * size + 256 * nearby.change) * (size * size * size);
-    for (int i = 0; i < kCount; ++i) sides[i] = cross(d[Sides<kind>::at(i).p], d[Sides<kind>::at(i).q]);
-    const Vec3<double> n = normal_of<kind>(sides);
-    bool has_normal = false, may_vanish[kCount];
-    for (int i = 0; i < kCount; ++i) {
-      const double weight = dot(sides[i], n);
-      if (weight < -error) return Look::kGoOn;
-      may_vanish[i] = !(weight > error);
-      has_normal = has_normal || !may_vanish[i];
+    const Weights<kind> weights(d, nearby.largest, nearby.change);
+    bool has_normal = false;
+    for (int i = 0; i < weights.kCount; ++i) {
+      if (weights.is_negative(i)) return Look::kGoOn;
+      has_normal = has_normal || weights.is_positive(i);
     }
     if (!has_normal) return Look::kOpen;
-    for (int i = 0; i < kCount; ++i)
-      if (may_vanish[i] && !vanishes(Sides<kind>::at(i))) return Look::kOpen;
+    for (int i = 0; i < weights.kCount; ++i)
+      if (!weights.is_positive(i) && !vanishes(Sides<kind>::at(i))) return Look::kOpen;
     return Look::kFound;
   }
 

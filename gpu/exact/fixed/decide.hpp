@@ -5,6 +5,7 @@
 
 #include "gpu/exact/fixed/crossing.hpp"
 #include "gpu/exact/fixed/sliding.hpp"
+#include "gpu/exact/fixed/soon.hpp"
 #include "gpu/exact/fixed/touching.hpp"
 
 namespace collided::exact::fixed {
@@ -32,6 +33,8 @@ class Decision {
     if (found == Look::kFound) return {Outcome::kBetween, time_of(first)};
     return {f.c[3].is_zero() && touch(features_, 1) ? Outcome::kAtEnd : Outcome::kApart, 1};
   }
+  /// Whether they meet at a root of their volume that has no other beside it in [k, k + 1] / 2^60.
+  COLLIDED_HD bool meet_at(uint64_t k) const { return Crossing<kind, W>(features_, k, true).look() == Look::kFound; }
 
  private:
   COLLIDED_HD Look cross_at_roots(const Cubic<3 * W>& f, uint64_t& first) const {
@@ -56,18 +59,52 @@ class Decision {
   Differences<kind, W> features_;
 };
 
-template <ContactKind kind>
-COLLIDED_HD Verdict decide(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4]) {
+/// use(decision) of the size that the coordinates need; false: they need more than there is.
+template <ContactKind kind, class Use>
+COLLIDED_HD bool with_decision(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], const Use& use) {
   Unit unit;
   unit.see(start);
   unit.see(end);
-  if (unit.fits<1>()) return Decision<kind, 1>(unit, start, end).verdict();
-  if (unit.fits<2>()) return Decision<kind, 2>(unit, start, end).verdict();
-  return {};
+  if (unit.fits<1>())
+    use(Decision<kind, 1>(unit, start, end));
+  else if (unit.fits<2>())
+    use(Decision<kind, 2>(unit, start, end));
+  else
+    return false;
+  return true;
+}
+
+template <ContactKind kind>
+COLLIDED_HD Verdict decide(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4]) {
+  Verdict verdict;
+  with_decision<kind>(start, end, [&](const auto& decision) { verdict = decision.verdict(); });
+  return verdict;
 }
 COLLIDED_HD inline Verdict decide(ContactKind kind, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4]) {
   return kind == ContactKind::kVertexTriangle ? decide<ContactKind::kVertexTriangle>(start, end)
                                               : decide<ContactKind::kEdgeEdge>(start, end);
+}
+
+// Of features that do not meet before `from`, a time in [0, 1]: much is known of them if they meet soon after it.
+
+/// kBetween, where they do and nothing is just so; else left open.
+template <ContactKind kind>
+COLLIDED_HD Verdict decide_soon(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double from) {
+  const SoonMeeting<kind> soon(start, end);
+  uint64_t k = 0;
+  if (!soon.find_root(from, k) || !soon.meet_at(k)) return {};
+  return {Outcome::kBetween, time_of(k)};
+}
+/// As decide(), but faster where they do.
+template <ContactKind kind>
+COLLIDED_HD Verdict decide_from(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double from) {
+  uint64_t k = 0;
+  const bool is_known = SoonMeeting<kind>(start, end).find_root(from, k);
+  Verdict verdict;
+  with_decision<kind>(start, end, [&](const auto& decision) {
+    verdict = is_known && decision.meet_at(k) ? Verdict{Outcome::kBetween, time_of(k)} : decision.verdict();
+  });
+  return verdict;
 }
 
 /// kAtStart: they touch.
