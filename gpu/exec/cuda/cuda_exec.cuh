@@ -8,6 +8,7 @@
 #include <cub/cub.cuh>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -23,7 +24,9 @@
 #include "gpu/exec/cuda/resumable.cuh"
 #include "gpu/exec/cuda/stage_events.cuh"
 #include "gpu/exec/cuda/staging.cuh"
+#include "gpu/exec/cuda/step_answer.cuh"
 #include "gpu/exec/cuda/step_graph.cuh"
+#include "gpu/exec/cuda/stop_word.cuh"
 
 namespace collided {
 
@@ -31,17 +34,14 @@ class CudaExec {
  public:
   /// `threads`: of the host, for what is done there; 0: all cores.
   CudaExec(int device, int threads, MemoryLimits memory)
-      : device_(device),
+      : device_(use_device(device)),
         memory_(std::make_shared<MemoryLedger>(std::move(memory))),
         loops_(threads),
         scratch_(*this, "scratch"),
         arrived_(*this, "counters"),
-        stop_(*this, "counters"),
         times_(*this, "counters") {
-    check_cuda(cudaSetDevice(device), "cudaSetDevice");
     check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate");
     check_cuda(cudaStreamCreateWithFlags(&side_, cudaStreamNonBlocking), "cudaStreamCreate");
-    check_cuda(cudaStreamCreateWithFlags(&stopper_, cudaStreamNonBlocking), "cudaStreamCreate");
     cudaDeviceProp properties{};
     check_cuda(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
     info_ = {Backend::kCuda, properties.name, properties.totalGlobalMem};
@@ -49,17 +49,12 @@ class CudaExec {
     times_.allocate(StepGraph::kMaxTimes);
     arrived_.allocate(1);
     check_cuda(cudaMemsetAsync(arrived_.data(), 0, sizeof(unsigned), stream_), "cudaMemset");
-    stop_.allocate(1);
-    check_cuda(cudaMemsetAsync(stop_.data(), 0, sizeof(uint32_t), stream_), "cudaMemset");
-    stop_word_.allocate(1);
-    *stop_word_.data() = 1;
   }
   CudaExec(const CudaExec&) = delete;
   CudaExec& operator=(const CudaExec&) = delete;
   ~CudaExec() {
     cudaStreamDestroy(stream_);
     cudaStreamDestroy(side_);
-    cudaStreamDestroy(stopper_);
     cudaEventDestroy(fork_);
     cudaEventDestroy(join_);
   }
@@ -122,7 +117,7 @@ class CudaExec {
     if (n.most == 0) return;
     const unsigned most = blocks_for(n.most, kResumableBlock / 32);  // a warp may take as little as one
     const unsigned blocks = std::min(most, resident_blocks(name, for_each_resumable_kernel<F>, kResumableBlock));
-    launch(name, for_each_resumable_kernel<F>, blocks, kResumableBlock, n, next, stop_.data(), f);
+    launch(name, for_each_resumable_kernel<F>, blocks, kResumableBlock, n, next, stop(), f);
   }
 
   template <class T, class F, class Op, class Then = NothingMore>
@@ -175,13 +170,15 @@ class CudaExec {
       });
     }
     const NvtxRange range("step");
-    T host;
-    constexpr uint64_t kTimes = StepGraph::kMaxTimes * sizeof(uint64_t);
-    graph->launch(stream_, result, sizeof(T), host_memory(sizeof(T) + kTimes), times_.data());
+    static_assert(sizeof(T) % sizeof(uint64_t) == 0 && alignof(T) % alignof(uint64_t) == 0, "answers are words");
+    constexpr uint64_t kWords = sizeof(T) / sizeof(uint64_t);
+    graph->launch(stream_);
+    answer_.send(stream_, {reinterpret_cast<const uint64_t*>(result), kWords}, times_.all());
     ++graph_launches_;
-    wait_for_step();
-    graph->keep_times(host_.data() + sizeof(T));
-    std::memcpy(&host, host_.data(), sizeof(T));
+    wait_for_answer();
+    graph->keep_times(answer_.second(kWords));
+    T host;
+    std::memcpy(&host, answer_.first(), sizeof(T));
     step_milliseconds_ += graph->milliseconds();
     stage_events_.add(*graph);
     return host;
@@ -276,7 +273,7 @@ class CudaExec {
     stage_events_.time(name, stream_, f);
   }
   void begin_frame() {
-    check_cuda(cudaSetDevice(device_), "cudaSetDevice");  // the calling thread may be a new one
+    use_device(device_);  // the calling thread may be a new one
     stage_events_.begin_frame();
     allocations_ = 0;
     graph_launches_ = 0;
@@ -316,8 +313,7 @@ class CudaExec {
     check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&resident, kernel, static_cast<int>(block), 0), name);
     return static_cast<unsigned>(std::max(resident, 1)) * processors_;
   }
-  /// 1 on the device: the frame has ended, loops that take long do no more.
-  const uint32_t* stop() const { return stop_.data(); }
+  const uint32_t* stop() const { return stop_.on_device(); }
 
   Asks& asks() { return loops_.asks; }
   CpuLoops& host_loops() { return loops_; }
@@ -355,12 +351,28 @@ class CudaExec {
     begin_now();
   }
 
-  /// Asks while the device works. If anything ends the frame, what is in line drains: the loops that take long see stop_.
+  // The host asks while the device works. If anything ends the frame, what is in line drains: the loops that take long
+  // see the stop word.
+
+  void wait_for_answer() {
+    constexpr unsigned kLooks = 1024;  // before the driver is asked, which knows of errors
+    draining_if_thrown([&] {
+      for (unsigned look = 1; !answer_.has_come(); ++look) {
+        if (look % kLooks == 0) is_step_over();
+        if (look % 16 == 0) std::this_thread::yield();
+        asks().ask_if_due();
+      }
+    });
+  }
   void wait_for_step() {
     draining_if_thrown([&] {
-      for (cudaError_t state; (state = cudaStreamQuery(stream_)) != cudaSuccess; asks().ask_if_due())
-        if (state != cudaErrorNotReady) check_cuda(state, "step");
+      while (!is_step_over()) asks().ask_if_due();
     });
+  }
+  bool is_step_over() {
+    const cudaError_t state = cudaStreamQuery(stream_);
+    if (state != cudaErrorNotReady) check_cuda(state, "step");
+    return state == cudaSuccess;
   }
   template <class F>
   void draining_if_thrown(const F& f) {
@@ -369,11 +381,9 @@ class CudaExec {
     } catch (const DeviceError&) {
       throw;
     } catch (...) {
-      check_cuda(cudaMemcpyAsync(stop_.data(), stop_word_.data(), sizeof(uint32_t), cudaMemcpyHostToDevice, stopper_),
-                 "stop");
-      check_cuda(cudaStreamSynchronize(stopper_), "stop");
+      stop_.set();
       wait();
-      check_cuda(cudaMemsetAsync(stop_.data(), 0, sizeof(uint32_t), stream_), "stop");
+      stop_.clear(stream_);
       throw;
     }
   }
@@ -396,19 +406,19 @@ class CudaExec {
   DeviceInfo info_;
   DeviceMemory memory_;
   CpuLoops loops_;
-  cudaStream_t stream_ = nullptr, side_ = nullptr, stopper_ = nullptr;
+  cudaStream_t stream_ = nullptr, side_ = nullptr;
   cudaEvent_t fork_ = make_event(), join_ = make_event();
   uint64_t generation_ = 0;  ///< of the buffers: changes whenever one does
   StepGraphs graphs_;
   bool reserving_ = false;  ///< a step is gone through for its memory alone
   Buffer<char, CudaExec> scratch_;
   Buffer<unsigned, CudaExec> arrived_;  ///< of a reduction's blocks
-  Buffer<uint32_t, CudaExec> stop_;     ///< 1: the frame has ended, what takes long does no more
   Buffer<uint64_t, CudaExec> times_;    ///< at which the stages of a recorded step begin and end
   uint64_t* begin_ = nullptr;           ///< where the next kernel notes when it begins
   PinnedMemory pinned_{memory_.ledger()};
   Buffer<std::byte, PinnedMemory> host_{pinned_, "downloads"};
-  Buffer<uint32_t, PinnedMemory> stop_word_{pinned_, "stop"};  ///< what stop_ is set to
+  StopWord stop_{memory_, pinned_};
+  StepAnswer answer_{pinned_};
   StageEvents stage_events_;
   double step_milliseconds_ = 0;
   uint32_t allocations_ = 0, graph_launches_ = 0;

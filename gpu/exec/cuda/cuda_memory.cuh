@@ -19,6 +19,12 @@ inline void check_cuda(cudaError_t error, const char* what) {
   throw DeviceError(text);
 }
 
+/// For the calling thread; returns the device.
+inline int use_device(int device) {
+  check_cuda(cudaSetDevice(device), "cudaSetDevice");
+  return device;
+}
+
 /// Memory of the device, booked in a scene's ledger. From any thread.
 class DeviceMemory {
  public:

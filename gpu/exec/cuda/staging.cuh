@@ -29,7 +29,8 @@ __global__ void __launch_bounds__(kCheckBlock) check_kernel(uint64_t n, Check ch
 /// On a stream of its own.
 class CudaStaging {
  public:
-  CudaStaging(int device, std::shared_ptr<MemoryLedger> ledger) : device_(on(device)), memory_(std::move(ledger)) {
+  CudaStaging(int device, std::shared_ptr<MemoryLedger> ledger)
+      : device_(use_device(device)), memory_(std::move(ledger)) {
     verdict_.allocate(1);
   }
   CudaStaging(const CudaStaging&) = delete;
@@ -42,7 +43,7 @@ class CudaStaging {
 
   /// Pinned.
   std::span<std::byte> room(uint64_t bytes) {
-    on(device_);
+    use_device(device_);  // the calling thread may be a new one
     if (bytes > room_.capacity()) wait_idle();
     room_.ensure(bytes);
     return {room_.data(), room_.capacity()};
@@ -51,7 +52,7 @@ class CudaStaging {
   /// The device reads the sources after this call, but for memory that it cannot read, which is copied here.
   std::vector<const std::byte*> bring(const std::vector<Source>& sources, uint64_t alignment) {
     const NvtxRange range("send");
-    on(device_);
+    use_device(device_);
     wait_idle();
     const uint64_t bytes = lay_out(sources, alignment);
     arrival_.ensure(bytes);
@@ -114,11 +115,6 @@ class CudaStaging {
     uint64_t bytes, offset;
     bool is_pageable, is_own;  ///< is_own: in room() or spilled, where neighbours are copied as one
   };
-
-  static int on(int device) {
-    check_cuda(cudaSetDevice(device), "cudaSetDevice");  // the calling thread may be a new one
-    return device;
-  }
 
   /// Waits until nothing of the last frame's is in use.
   void wait_idle() {

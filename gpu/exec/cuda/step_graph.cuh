@@ -69,17 +69,13 @@ class StepGraph {
   size_t stages() const { return stages_.size(); }
   size_t end() { return last_ = new_time(); }
 
-  /// Puts the graph in line, then to bring `bytes` from the device to pinned memory of the host, and the times, which
-  /// it has room for too.
-  void launch(cudaStream_t stream, const void* result, uint64_t bytes, std::byte* host, const uint64_t* times) {
+  void launch(cudaStream_t stream) {
     check_cuda(cudaEventRecord(begin_, stream), "step");
     check_cuda(cudaGraphLaunch(executable_, stream), "step");
     check_cuda(cudaEventRecord(end_, stream), "step");
-    check_cuda(cudaMemcpyAsync(host, result, bytes, cudaMemcpyDeviceToHost, stream), "step");
-    check_cuda(cudaMemcpyAsync(host + bytes, times, sizeof(times_), cudaMemcpyDeviceToHost, stream), "step");
   }
-  /// Once they have come.
-  void keep_times(const std::byte* times) { std::memcpy(times_, times, sizeof(times_)); }
+  /// Of the launch, once it is over; kMaxTimes of them.
+  void keep_times(const uint64_t* times) { std::memcpy(times_, times, sizeof(times_)); }
 
   // Of the last launch.
   double milliseconds() const { return milliseconds_between(begin_, end_); }
