@@ -1,6 +1,8 @@
 #pragma once
 // What serves scenes and calls, whichever way they come in: a daemon's core, or a library's.
 
+#include <cstdint>
+
 #include "server/auth/authenticator.hpp"
 #include "server/config/config.hpp"
 #include "server/frames/observer.hpp"
@@ -16,7 +18,8 @@ namespace collided::server {
 struct Core {
   /// `lifecycle` must outlive it. Throws ConfigError, and std::runtime_error where the backend cannot be used.
   Core(const Config& config, Lifecycle& lifecycle);
-  /// Adds the service, without StreamFrames, and the router. Before the server is built; both outlive it.
+  /// Adds the service, without StreamFrames, the router, and the limits of messages. Before the server is built, which
+  /// the core outlives.
   void add_to(grpc::ServerBuilder& builder);
 
   Metrics metrics;
@@ -25,6 +28,7 @@ struct Core {
   SceneHost host;
   CollisionService service;
   RpcRouter router;
+  const uint64_t max_message_bytes;  ///< of a received message
 };
 
 }  // namespace collided::server

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <climits>
 #include <stdexcept>
 #include <thread>
 
@@ -41,15 +40,6 @@ void set_quota(grpc::ServerBuilder& builder, const Limits& limits) {
 uint32_t max_concurrent_calls(const Limits& limits) {
   constexpr uint32_t kMin = 256, kMax = 1'000'000;
   return std::clamp(2 * limits.max_streams, kMin, kMax);
-}
-
-// The slack lets our own refusal, which names the option, come first for messages not far above the limit. Compressed
-// messages could expand a thousandfold within gRPC, which does not limit that.
-void set_message_limits(grpc::ServerBuilder& builder, const Limits& limits) {
-  constexpr uint64_t kSlack = uint64_t{1} << 20;
-  builder.SetMaxReceiveMessageSize(static_cast<int>(std::min<uint64_t>(limits.max_message_bytes + kSlack, INT_MAX)));
-  for (const auto algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP})
-    builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
 }
 
 // Such as invalid UTF-8; the client is told, too.
@@ -112,7 +102,6 @@ Gauges Daemon::gauges() const {
 
 void Daemon::listen(const Config& config) {
   grpc::ServerBuilder builder;
-  set_message_limits(builder, config.limits);
   set_quota(builder, config.limits);
   set_keepalive(builder, config);
   const uint32_t max_calls = max_concurrent_calls(config.limits);

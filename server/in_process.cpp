@@ -4,7 +4,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <chrono>
-#include <climits>
 #include <stdexcept>
 
 #include "gpu/detector.hpp"
@@ -14,8 +13,9 @@
 namespace collided::server {
 namespace {
 
-constexpr int kMaxThreads = 4096;   // as --threads has it
-constexpr double kUnlimited = 1e9;  // frames a second, and seconds of a frame
+constexpr int kMaxThreads = 4096;                            // as --threads has it
+constexpr uint64_t kMaxMessageBytes = uint64_t{2047} << 20;  // the most that --max-message-mb can set
+constexpr double kUnlimited = 1e9;                           // frames a second, and seconds of a frame
 
 void check_number(const char* field, int value, int max) {
   if (value < 0 || value > max)
@@ -25,17 +25,19 @@ void check_number(const char* field, int value, int max) {
 void check(const InProcessOptions& options) {
   const std::string& backend = options.backend;
   if (backend != "auto" && backend != "cpu" && backend != "cuda")
-    throw InvalidInput("options.backend",
-                       fmt::format("options.backend is \"{}\"; it must be auto, cpu or cuda", backend));
+    throw InvalidInput("engine.backend",
+                       fmt::format("engine.backend is \"{}\"; it must be auto, cpu or cuda", backend));
   if (backend == "cuda" && !cuda_available())
-    throw FailedPrecondition("options.backend", "options.backend is cuda, but there is no usable CUDA device");
-  check_number("options.threads", options.threads, kMaxThreads);
-  check_number("options.concurrent_frames", options.concurrent_frames, kMaxThreads);
+    throw FailedPrecondition("engine.backend", "engine.backend is cuda, but there is no usable CUDA device");
+  check_number("engine.threads", options.threads, kMaxThreads);
+  check_number("engine.concurrent_frames", options.concurrent_frames, kMaxThreads);
 }
 
 // There is one client, which has what others would share, and nobody who would have to wait for its frames.
 Limits limits_of(const Config& config, uint64_t max_device_bytes) {
   Limits limits = underived_limits();
+  limits.max_message_bytes =
+      kMaxMessageBytes;  // which bounds the first frame of a scene, too, though none is a message
   limits.max_device_bytes = max_device_bytes;
   derive_limits(limits, usable_memory(config));
   limits.max_scene_bytes = limits.client.max_device_bytes = limits.max_device_bytes;
@@ -63,7 +65,6 @@ InProcessServer::InProcessServer(const InProcessOptions& options) : InProcessSer
 
 InProcessServer::InProcessServer(const Config& config, std::nullptr_t) : core_(config, lifecycle_) {
   grpc::ServerBuilder builder;
-  builder.SetMaxReceiveMessageSize(static_cast<int>(config.limits.max_message_bytes + (uint64_t{1} << 20)));
   core_.add_to(builder);
   server_ = builder.BuildAndStart();
   if (!server_) throw std::runtime_error("gRPC cannot start the server");

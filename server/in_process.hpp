@@ -23,7 +23,8 @@ struct InProcessOptions {
 
 class InProcessServer {
  public:
-  /// Throws InvalidInput for bad options, FailedPrecondition for "cuda" without a usable device.
+  /// Throws InvalidInput for bad options, which it calls `engine` as collided::local() does, FailedPrecondition for
+  /// "cuda" without a usable device.
   explicit InProcessServer(const InProcessOptions& options);
   /// Ends streams and calls, and waits for all of its threads. Channels and streams must be gone.
   ~InProcessServer();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -92,10 +93,15 @@ PositionBox parse_box(const pb::QuantizationBox& box, const std::string& field) 
   return out;
 }
 
-std::string label_of(std::string name, std::string_view prefix) {
-  name.erase(0, prefix.size());
-  for (char& letter : name) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  return name;
+/// The names of an enum's values without their prefix, in lower case, by number.
+std::map<int, std::string> labels_of(const google::protobuf::EnumDescriptor& values, std::string_view prefix) {
+  std::map<int, std::string> labels;
+  for (int i = 0; i < values.value_count(); ++i) {
+    std::string label = values.value(i)->name().substr(prefix.size());
+    for (char& letter : label) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    labels.emplace(values.value(i)->number(), std::move(label));
+  }
+  return labels;
 }
 
 std::string name_of(Accuracy accuracy) { return pb::Accuracy_Name(to_message(accuracy)); }
@@ -185,11 +191,13 @@ pb::MeshMotion to_message(MeshMotion motion) { return from_engine(kMotions, moti
 pb::BroadPhaseEngine to_message(Engine engine) { return from_engine(kEngines, engine); }
 pb::BroadPhaseReason to_message(EngineReason reason) { return from_engine(kReasons, reason); }
 
-std::string label_of(Engine engine) {
-  return label_of(pb::BroadPhaseEngine_Name(to_message(engine)), "BROAD_PHASE_ENGINE_");
+std::string_view label_of(Engine engine) {
+  static const auto labels = labels_of(*pb::BroadPhaseEngine_descriptor(), "BROAD_PHASE_ENGINE_");
+  return labels.at(to_message(engine));
 }
-std::string label_of(EngineReason reason) {
-  return label_of(pb::BroadPhaseReason_Name(to_message(reason)), "BROAD_PHASE_REASON_");
+std::string_view label_of(EngineReason reason) {
+  static const auto labels = labels_of(*pb::BroadPhaseReason_descriptor(), "BROAD_PHASE_REASON_");
+  return labels.at(to_message(reason));
 }
 
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out) {

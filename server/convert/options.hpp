@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "collided/v1/metrics.pb.h"
 #include "collided/v1/scene.pb.h"
@@ -45,9 +46,9 @@ pb::MeshMotion to_message(MeshMotion motion);
 /// kAuto is the unspecified value.
 pb::BroadPhaseEngine to_message(Engine engine);
 pb::BroadPhaseReason to_message(EngineReason reason);
-/// As labels of metrics: "octree", "first_frames".
-std::string label_of(Engine engine);
-std::string label_of(EngineReason reason);
+/// As labels of metrics: "octree", "first_frames". Never allocated anew: every frame asks for both.
+std::string_view label_of(Engine engine);
+std::string_view label_of(EngineReason reason);
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out);
 
 /// Throws the engine's refusal of a scene's options, with the path of the field of `spec` that they come from.

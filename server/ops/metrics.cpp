@@ -27,7 +27,7 @@ using prometheus::Labels;
 using prometheus::Registry;
 
 constexpr size_t kMaxStages = 64, kMaxReasons = 32, kMaxCalls = 512, kMaxEngines = 64;
-constexpr std::string_view kOther = "other";
+constexpr const char* kOther = "other";
 constexpr std::array<const char*, 6> kPhases = {"queue", "decode", "upload", "compute", "download", "encode"};
 
 Histogram::BucketBoundaries buckets() {
@@ -50,47 +50,61 @@ Gauge& gauge(Registry& registry, const char* name, const char* help, const Label
   return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add(labels);
 }
 
-// Two labels as one key.
-std::string pair_key(std::string_view first, std::string_view second) {
-  return std::string(first).append("/").append(second);
-}
+/// The values of a metric's labels; the second is empty where there is one label.
+using LabelValues = std::pair<std::string, std::string>;
+using LabelViews = std::pair<std::string_view, std::string_view>;
 
-Counter& add_pair(Family<Counter>& family, const char* first, const char* second, std::string_view key) {
-  const auto slash = std::min(key.find('/'), key.size() - 1);
-  return family.Add({{first, std::string(key.substr(0, slash))}, {second, std::string(key.substr(slash + 1))}});
-}
+struct LabelOrder {
+  using is_transparent = void;
+  template <class A, class B>
+  bool operator()(const A& a, const B& b) const {
+    return LabelViews(a) < LabelViews(b);
+  }
+};
 
-// Metrics of one family by label value. Past `max` of them all others share one, so that callers cannot create an
-// unbounded number.
+// Metrics of one family by label values. Past `max` of them all others share one, so that callers cannot create an
+// unbounded number. What is known is found without an allocation, as each frame is.
 template <class Metric>
-class ByLabel {
+class ByLabels {
  public:
-  using Make = std::function<Metric&(std::string_view)>;
-  ByLabel(size_t max, Make make) : max_(max), make_(std::move(make)) {}
+  using Make = std::function<Metric&(const LabelValues&)>;
+  ByLabels(size_t max, LabelValues shared, Make make) : max_(max), shared_(std::move(shared)), make_(std::move(make)) {}
 
-  Metric& at(std::string_view key) {
+  Metric& at(std::string_view first, std::string_view second = {}) {
+    const LabelViews key(first, second);
     {
       std::shared_lock lock(mutex_);
       if (const auto found = metrics_.find(key); found != metrics_.end()) return *found->second;
     }
     std::unique_lock lock(mutex_);
-    const auto known = metrics_.find(key);
-    if (known != metrics_.end()) return *known->second;
-    return metrics_.size() < max_ ? add(key) : shared();
+    if (const auto known = metrics_.find(key); known != metrics_.end()) return *known->second;
+    return add(metrics_.size() < max_ ? LabelValues(key) : shared_);
   }
 
  private:
-  Metric& add(std::string_view key) { return *metrics_.emplace(key, &make_(key)).first->second; }
-  Metric& shared() {
-    const auto found = metrics_.find(kOther);
-    return found != metrics_.end() ? *found->second : add(kOther);
+  Metric& add(const LabelValues& key) {
+    const auto [at, is_new] = metrics_.try_emplace(key, nullptr);
+    if (is_new) at->second = &make_(key);
+    return *at->second;
   }
 
   const size_t max_;
+  const LabelValues shared_;
   const Make make_;
   std::shared_mutex mutex_;
-  std::map<std::string, Metric*, std::less<>> metrics_;  // guarded by mutex_
+  std::map<LabelValues, Metric*, LabelOrder> metrics_;  // guarded by mutex_
 };
+
+template <class Metric>
+ByLabels<Metric> by_label(size_t max, typename ByLabels<Metric>::Make make) {
+  return {max, {kOther, ""}, std::move(make)};
+}
+
+ByLabels<Counter> by_pair(size_t max, Family<Counter>& family, const char* first, const char* second) {
+  return {max, {kOther, kOther}, [&family, first, second](const LabelValues& values) -> Counter& {
+            return family.Add({{first, values.first}, {second, values.second}});
+          }};
+}
 
 }  // namespace
 
@@ -112,8 +126,8 @@ struct Metrics::Families {
   Family<Counter>& engine_family;
   Family<Counter>& certificate_family;
   std::vector<Histogram*> phases;
-  ByLabel<Histogram> stages;
-  ByLabel<Counter> rejected, calls, engines;
+  ByLabels<Histogram> stages;
+  ByLabels<Counter> rejected, calls, engines;
   mutable std::mutex gauges_mutex;
   std::function<Gauges()> gauges;  // guarded by gauges_mutex
 };
@@ -158,20 +172,16 @@ Metrics::Families::Families()
                              "Answered frames, by what found their pairs, and why it was chosen")),
       certificate_family(
           counters(registry, "collided_certificate_reloads_total", "Changed TLS files, by result: taken or refused")),
-      stages(
-          kMaxStages,
-          [this](auto key) -> auto& {
-            return stage_family.Add({{"stage", std::string(key)}}, buckets());
-          }),
-      rejected(
-          kMaxReasons,
-          [this](auto key) -> auto& {
-            return rejected_family.Add({{"reason", std::string(key)}});
-          }),
-      calls(
-          kMaxCalls, [this](auto key) -> auto& { return add_pair(call_family, "method", "code", key); }),
-      engines(
-          kMaxEngines, [this](auto key) -> auto& { return add_pair(engine_family, "engine", "reason", key); }) {
+      stages(by_label<Histogram>(kMaxStages,
+                                 [this](const LabelValues& values) -> Histogram& {
+                                   return stage_family.Add({{"stage", values.first}}, buckets());
+                                 })),
+      rejected(by_label<Counter>(kMaxReasons,
+                                 [this](const LabelValues& values) -> Counter& {
+                                   return rejected_family.Add({{"reason", values.first}});
+                                 })),
+      calls(by_pair(kMaxCalls, call_family, "method", "code")),
+      engines(by_pair(kMaxEngines, engine_family, "engine", "reason")) {
   for (const auto* phase : kPhases) phases.push_back(&phase_family.Add({{"phase", phase}}, buckets()));
   gauge(registry, "collided_build_info", "1, labelled with the version", {{"version", COLLIDED_VERSION}}).Set(1);
   gauge(registry, "process_start_time_seconds", "Start time of the process since the Unix epoch in seconds")
@@ -214,7 +224,7 @@ void Metrics::count_frame(const FrameTotals& frame) {
 }
 
 void Metrics::count_engine(std::string_view engine, std::string_view reason) {
-  families_->engines.at(pair_key(engine, reason)).Increment();
+  families_->engines.at(engine, reason).Increment();
 }
 void Metrics::count_skipped(uint64_t frames) { families_->skipped.Increment(static_cast<double>(frames)); }
 void Metrics::count_not_shown(uint64_t frames) { families_->not_shown.Increment(static_cast<double>(frames)); }
@@ -228,7 +238,7 @@ void Metrics::count_certificate_reload(bool is_taken) {
 }
 
 void Metrics::count_call(std::string_view method, std::string_view code) {
-  families_->calls.at(pair_key(method, code)).Increment();
+  families_->calls.at(method, code).Increment();
   if (code != "OK" && code != "CANCELLED") count_rejected(code);
 }
 

@@ -93,7 +93,7 @@ std::string Upload::mesh_name() const { return (*scene_)->mesh_name(mesh_); }
 void Upload::reserve(uint64_t count) {
   const uint64_t awaited = (*scene_)->awaited(mesh_), come = triangles_->size() + count;
   if (come > awaited)
-    throw InvalidInput("triangles", fmt::format("triangles has {} or more, but {} awaits", come, awaited));
+    throw InvalidInput("triangles", fmt::format("triangles has {} or more, but the mesh awaits {}", come, awaited));
   triangles_->reserve(count);
 }
 

@@ -65,7 +65,7 @@ class DetectContactsInRange(OnObjects, bpy.types.Operator):
         first, last = ((scene.frame_preview_start, scene.frame_preview_end) if scene.use_preview_range else
                        (scene.frame_start, scene.frame_end))
         self._frames = range(first, last + 1, scene.frame_step)
-        self._before, self._timer, self._done = scene.frame_current, None, 0
+        self._before, self._timer, self._done = (scene.frame_current, scene.frame_subframe), None, 0
         with errors_reported(self):
             self._search = Search(context, connect(preferences(context)))
         self._steps = self._search.over(self._frames)
@@ -99,4 +99,5 @@ class DetectContactsInRange(OnObjects, bpy.types.Operator):
             context.window_manager.event_timer_remove(self._timer)
         if context.workspace is not None:
             context.workspace.status_text_set(None)
-        context.scene.frame_set(self._before)
+        frame, subframe = self._before
+        context.scene.frame_set(frame, subframe=subframe)

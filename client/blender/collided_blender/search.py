@@ -42,7 +42,9 @@ class Search:
 
     @property
     def size(self):
-        """Diagonal of the box around what was tested last."""
+        """Diagonal of the box around what was tested last; 0 if nothing was."""
+        if not self._shapes:
+            return 0.0
         corners = np.concatenate([shape.vertices for shape in self._shapes])
         return float(np.linalg.norm(np.ptp(corners, axis=0)))
 

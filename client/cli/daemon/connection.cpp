@@ -15,6 +15,7 @@ namespace {
 
 std::string read_token(const std::string& file) {
   std::ifstream in(file);
+  if (!in) throw std::runtime_error("--token-file " + file + ": cannot be read");
   std::string token, more;
   if (!(in >> token) || in >> more)
     throw std::runtime_error("--token-file " + file + ": holds no token, or more than one");

@@ -9,6 +9,7 @@ namespace collided::cli {
 void History::add(const client::WatchedFrame& frame, v1::Report report, Clock::time_point now) {
   using Unit = Series::Unit;
   const v1::FrameMetrics& m = frame.done.metrics();
+  begin_frame();
   put("total", Unit::kMilliseconds, m.total_milliseconds());
   put("queue", Unit::kMilliseconds, m.queue_milliseconds());
   put("step", Unit::kMilliseconds, m.step_milliseconds());
@@ -29,6 +30,14 @@ void History::add(const client::WatchedFrame& frame, v1::Report report, Clock::t
   any_contact_ = frame.done.any_contact();
 }
 
+// A stage that does not run in a frame takes no time there: its last value is that of the last frame, as of all others.
+void History::begin_frame() {
+  for (Series& one : series_) {
+    one.values.push_back(0);
+    if (one.values.size() > kFrames) one.values.pop_front();
+  }
+}
+
 void History::put_counts(const Json& counts) {
   for (const auto& [name, value] : counts.items())
     if (!value.is_null()) put("  " + name, Series::Unit::kCount, value.get<double>());
@@ -41,10 +50,9 @@ void History::put(const std::string& name, Series::Unit unit, double value) {
     if (value == 0 && unit == Series::Unit::kCount && name.starts_with(' ')) return;
     // After those of its unit, so that a stage that a later frame needs stands with the others.
     found = std::find_if(series_.rbegin(), series_.rend(), [&](const Series& one) { return one.unit <= unit; }).base();
-    found = series_.insert(found, {name, unit});
+    found = series_.insert(found, {name, unit, {0}});
   }
-  found->values.push_back(value);
-  if (found->values.size() > kFrames) found->values.pop_front();
+  found->values.back() = value;
 }
 
 double History::rate() const {

@@ -17,7 +17,7 @@ struct Series {
   enum class Unit { kMilliseconds, kCount, kBytes };
   std::string name;
   Unit unit = Unit::kCount;
-  std::deque<double> values = {};  ///< the oldest first; only of frames that had it
+  std::deque<double> values = {};  ///< a frame each, the oldest first, since it appeared; 0 of frames without it
 };
 
 class History {
@@ -45,6 +45,7 @@ class History {
     uint64_t frames;  ///< it and those skipped before it
   };
 
+  void begin_frame();
   void put(const std::string& name, Series::Unit unit, double value);
   void put_counts(const Json& counts);
 

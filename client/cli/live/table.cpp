@@ -7,6 +7,7 @@
 
 #include "client/cli/options/values.hpp"
 #include "client/cli/report/numbers.hpp"
+#include "client/cli/report/text.hpp"
 
 namespace collided::cli {
 
@@ -80,10 +81,7 @@ std::string curve(const std::deque<double>& values, size_t width, bool has_unico
 
 std::vector<std::string> table_title(const v1::Scene& scene) {
   const v1::SceneSpec& spec = scene.spec();
-  std::string name = spec.display_name().empty() ? "" : spec.display_name() + ", ";
-  // Whoever made the scene chose its name: it must not steer the terminal.
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c >= 0x7f; }, '?');
+  const std::string name = spec.display_name().empty() ? "" : shown_name(spec.display_name()) + ", ";
   return {name + "scene " + scene.scene_id(),
           count_text(static_cast<uint64_t>(spec.meshes_size())) + " meshes, " + count_text(scene.vertex_count()) +
               " vertices, " + count_text(scene.triangle_count()) + " triangles; " + name_of(spec.accuracy()) + ", " +

@@ -2,6 +2,9 @@
 
 #include "client/cli/output/contact_points.hpp"
 
+#include <grpcpp/support/status_code_enum.h>
+
+#include "client/cpp/error.hpp"
 #include "client/scenes/vec3.hpp"
 #include "collided/v1/scene.pb.h"
 
@@ -21,13 +24,19 @@ Point in_triangle(const std::array<Point, 4>& x, const std::array<double, 2>& w)
 
 }  // namespace
 
+uint32_t checked_id(const char* what, uint32_t id, size_t count) {
+  if (id < count) return id;
+  throw client::Error(grpc::DATA_LOSS, std::string("the daemon's contacts name ") + what + " " + std::to_string(id) +
+                                           "; the scene has " + std::to_string(count));
+}
+
 std::optional<ContactPoints> contact_points(v1::ContactKind kind, const client::Contacts& contacts, size_t i,
                                             const StepPositions& positions) {
   if (contacts.weights.empty() || contacts.stencils.empty()) return {};
   const bool moves = !positions.start.empty() && !contacts.toi.empty();
   std::array<Point, 4> x;
   for (size_t k = 0; k < x.size(); ++k) {
-    const uint32_t vertex = contacts.stencils[i][k];
+    const uint32_t vertex = checked_id("vertex", contacts.stencils[i][k], positions.end.size());
     x[k] = moves ? between(positions.start[vertex], positions.end[vertex], contacts.toi[i]) : positions.end[vertex];
   }
   const auto& w = contacts.weights[i];

@@ -62,7 +62,7 @@ void mark_contacts(Marks& marks, const client::FrameOutput& output, const StepPo
 void mark_crossings(Marks& marks, const client::Contacts& pairs, std::span<const Element> elements,
                     client::Positions positions) {
   const auto corners = [&](uint32_t id) {
-    const Element& element = elements[id];
+    const Element& element = elements[checked_id("element", id, elements.size())];
     return Corners{positions[element[0]], positions[element[1]], positions[element[2]]};
   };
   for (const auto& [a, b] : pairs.elements) {

@@ -95,8 +95,10 @@ Painter::Painter(const View& view, const Elements& elements, client::Positions p
 }
 
 void Painter::tint(const std::vector<uint32_t>& elements, const Colour& colour) {
-  for (const uint32_t element : elements)
+  for (const uint32_t id : elements) {
+    const uint32_t element = checked_id("element", id, colours_.size());
     colours_[element] = mix(kMeshes[elements_.mesh[element] % std::size(kMeshes)], colour, 0.4);
+  }
 }
 
 void Painter::add_surfaces() {

@@ -158,6 +158,9 @@ bool LiveRecorder::add(const client::WatchedFrame& frame) {
   v1::Frame recorded;
   recorded.set_frame_id(frame.frame_id);
   for (const v1::VertexSample& sample : frame.positions) {
+    if (sample.mesh() >= static_cast<uint32_t>(scene_.spec().meshes_size()))
+      refuse("the daemon sent positions of mesh " + std::to_string(sample.mesh()) + "; the scene has " +
+             std::to_string(scene_.spec().meshes_size()) + " meshes");
     const v1::MeshSpec& mesh = scene_.spec().meshes(static_cast<int>(sample.mesh()));
     if (frames_ > 0 && mesh.motion() == v1::MESH_MOTION_STATIC) continue;
     v1::MeshUpdate& update = *recorded.add_updates();

@@ -79,4 +79,10 @@ std::string report_text(const Json& object, size_t indent) {
   return out;
 }
 
+std::string shown_name(std::string name) {
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c >= 0x7f; }, '?');
+  return name;
+}
+
 }  // namespace collided::cli

@@ -11,4 +11,7 @@ namespace collided::cli {
 /// "step  12.3 ms". null means that something was not counted.
 std::string report_text(const Json& object, size_t indent = 0);
 
+/// A name that somebody else chose, which must not steer the terminal: what is not printable ASCII is shown as "?".
+std::string shown_name(std::string name);
+
 }  // namespace collided::cli

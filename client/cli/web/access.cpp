@@ -76,6 +76,7 @@ std::string make_secret() {
 std::string read_secret(const std::string& file) {
   constexpr size_t kShortest = 16, kLongest = 128;
   std::ifstream in(file);
+  if (!in) throw std::runtime_error("--secret-file " + file + ": cannot be read");
   std::string secret, more;
   const bool is_one_word = (in >> std::setw(kLongest + 1) >> secret) && !(in >> std::setw(1) >> more);
   const bool is_plain = std::all_of(secret.begin(), secret.end(),

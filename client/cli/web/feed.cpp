@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "client/cli/options/usage_error.hpp"
+#include "client/cli/report/text.hpp"
 
 namespace collided::cli {
 
@@ -35,7 +36,7 @@ std::string only_scene(client::Client& client) {
   constexpr size_t kNamed = 8;
   std::string names;
   for (size_t i = 0; i < std::min(scenes.size(), kNamed); ++i)
-    names += (i ? ", " : "") + scenes[i].scene_id() + " (" + scenes[i].spec().display_name() + ")";
+    names += (i ? ", " : "") + scenes[i].scene_id() + " (" + shown_name(scenes[i].spec().display_name()) + ")";
   if (scenes.size() > kNamed) names += " and " + std::to_string(scenes.size() - kNamed) + " more";
   throw UsageError("the daemon has " + std::to_string(scenes.size()) + " scenes; name the one to view: " + names);
 }

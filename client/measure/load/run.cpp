@@ -2,6 +2,7 @@
 
 #include "client/measure/load/run.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <stdexcept>
 
@@ -19,7 +20,7 @@ namespace collided::cli::load {
 
 namespace {
 
-constexpr double kTrialDrainSeconds = 1;
+constexpr double kTrialDrainSeconds = 1;  // or the bound itself: until then nothing is too late
 
 /// A line for each second; the rest of one at the end is too short to say anything.
 void show(const SeriesPoint& point) {
@@ -73,7 +74,7 @@ void find_max(Fleet& fleet, const LoadSettings& settings, Outcome& outcome) {
     PhaseResult result = run_phase(fleet, {.profile = &profile,
                                            .arrivals = settings.pace.arrivals,
                                            .seed = settings.pace.seed,
-                                           .drain_seconds = kTrialDrainSeconds});
+                                           .drain_seconds = std::max(kTrialDrainSeconds, wanted.p99_ms / 1000)});
     const Trial trial = trial_of(*rate, result, wanted.p99_ms);
     const bool held = trial.failure.empty(), is_over = result.is_interrupted || !result.ended.empty();
     keep(outcome, std::move(result), !search.best() || (held && !is_over));

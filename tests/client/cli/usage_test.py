@@ -134,7 +134,7 @@ class Usage(support.CollidectlTest):
         self.refused(2, "--tls-key", *nobody, "--tls-ca", "ca.pem", "--tls-cert", "a.pem")
         self.refused(2, "--tls-ca", *nobody, "--tls-cert", "a.pem", "--tls-key", "b.pem")
         self.refused(1, "holds no token", *nobody, "--token-file", self.put("empty", "\n"))
-        self.refused(1, "holds no token", *nobody, "--token-file", "/nonexistent")
+        self.refused(1, "/nonexistent: cannot be read", *nobody, "--token-file", "/nonexistent")
         self.refused(1, "in plain text", *nobody, *token)
         self.refused(2, "--server", "stream", "--scene", "funnel", "--daemon-user", "0")
         for user in ("no_such_user", "-1", "1x", "99999999999"):

@@ -167,6 +167,12 @@ class OneQuestion(Case):
         session.step({"tip": lowered(2)})
         return session.step({"tip": TIP})
 
+    def test_a_daemon_that_does_not_start_says_why(self):
+        for option, why in (("--backend=abacus", "--backend: abacus not in"), ("--max-scenes=0", "--max-scenes: ")):
+            daemon = collided.OwnDaemon(option, program=str(DAEMON))
+            error = self.refused(collided.Unavailable, "did not become ready: " + why, lambda: daemon.address)
+            self.assertNotIn("--help", str(error))
+
     def test_the_daemon_of_a_process_that_dies_dies_with_it(self):
         program = ("import collided, os\n"
                    "from collided.connection.own_daemon import shared_daemon\n"

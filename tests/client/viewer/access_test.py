@@ -142,6 +142,7 @@ class Usage(ViewerCase):
         self.expect_error("--page", 1, *server, "--page", "/none")
         for secret in ("", "short", "two words of it", "x" * 129, "no/slashes/in/addresses"):
             self.expect_error("--secret-file", 1, *server, *page, "--secret-file", self.put("secret", secret))
+        self.expect_error("/nonexistent: cannot be read", 1, *server, *page, "--secret-file", "/nonexistent")
         with sockets.create_server(("127.0.0.1", 0)) as taken:
             self.expect_error("in use", 1, *server, *page, "--listen", f"127.0.0.1:{taken.getsockname()[1]}")
 

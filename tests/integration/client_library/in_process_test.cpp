@@ -130,9 +130,9 @@ TEST(InProcess, OptionsOutOfRangeAreRefused) {
     EXPECT_EQ(error.code(), grpc::INVALID_ARGUMENT) << error.what();
     return error.field();
   };
-  EXPECT_EQ(field_of({.backend = "tpu"}), "options.backend");
-  EXPECT_EQ(field_of({.threads = -1}), "options.threads");
-  EXPECT_EQ(field_of({.concurrent_frames = 5000}), "options.concurrent_frames");
+  EXPECT_EQ(field_of({.backend = "tpu"}), "engine.backend");
+  EXPECT_EQ(field_of({.threads = -1}), "engine.threads");
+  EXPECT_EQ(field_of({.concurrent_frames = 5000}), "engine.concurrent_frames");
   EXPECT_EQ(error_of([] { local({}, {.token = "secret"}); }).field(), "token");
   Client small = local({.memory_bytes = 4096});
   const Error full = error_of([&] { make_layers(small); });
@@ -142,6 +142,21 @@ TEST(InProcess, OptionsOutOfRangeAreRefused) {
   EXPECT_EQ(
       error_of([&] { client.stream(scene, {.local = {.use = client::Local::kOn, .cuda_ipc_handle = "x"}}); }).field(),
       "options.local.cuda_ipc_handle");
+}
+
+TEST(InProcess, AFirstFrameMayBeLargerThanADaemonsMessages) {
+  constexpr uint32_t kVertices = 6'000'000;  // 72 MB; a daemon takes 64 MiB
+  const std::vector<std::array<uint32_t, 3>> corners{{0, 1, 2}};
+  const client::MeshInput mesh{.name = "large", .vertex_count = kVertices, .triangles = corners};
+  pb::SceneSpec spec;
+  spec.set_mode(pb::DETECTION_MODE_DCD);
+  spec.set_thickness(0.1);
+  Client client = local({.threads = 1});
+  FrameStream stream = client.stream(client.create_scene(spec, {&mesh, 1}));
+  const std::vector<float> positions(size_t{3} * kVertices, 1.0f);
+  const FrameUpdate update{.positions = std::as_bytes(std::span(positions))};
+  stream.send(1, {&update, 1});
+  EXPECT_EQ(stream.receive().done.metrics().bytes_in(), positions.size() * sizeof(float));
 }
 
 TEST(InProcess, TheProcessKeepsItsOutputItsSignalsAndItsThreadsMask) {

@@ -47,7 +47,7 @@ TEST_F(UploadLimits, OpenUploadsStayWithinTheDaemonsBytes) {
   constexpr double kLimit = 64 * kMebi;
   constexpr uint32_t kTriangles = 200'000;  // 2.3 MiB per upload
   start({"--max-device-mb", "64", "--max-device-mb-per-client", "16384", "--max-scene-mb", "16384",
-         "--max-scenes-per-client", "64"});
+         "--max-scenes-per-client", "64", "--max-silent-seconds", "600"});  // longer than a busy machine needs
   Aftermath aftermath(*probe_, daemon_->address());
   expect_quota(create_scene(*stub_, awaiting(36'000'000)), "max_device_bytes", "daemon");
   const double before = probe_->resident_bytes();

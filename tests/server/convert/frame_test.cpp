@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/convert/options.hpp"
 #include "server/errors.hpp"
 #include "tests/server/convert/scene_request.hpp"
 
@@ -160,6 +161,13 @@ TEST(ConvertFrame, RefusesWhatThisTransportDoesNotServe) {
   EXPECT_EQ(field_of([](pb::MeshUpdate& u) { u.mutable_sparse()->mutable_shared_indices(); }),
             "frame.updates[1].sparse.shared_indices");
   EXPECT_EQ(field_of([](pb::MeshUpdate& u) { u.mutable_sparse(); }), "");
+}
+
+TEST(EngineLabels, AreTheProtocolsNamesAndMadeOnce) {
+  EXPECT_EQ(label_of(Engine::kTopDown), "top_down_octree");
+  EXPECT_EQ(label_of(Engine::kAuto), "unspecified");
+  EXPECT_EQ(label_of(EngineReason::kFirst), "first_frames");
+  EXPECT_EQ(label_of(Engine::kUniformGrid).data(), label_of(Engine::kUniformGrid).data());
 }
 
 }  // namespace

@@ -93,6 +93,7 @@ TEST(Metrics, NamesWithoutEndShareOne) {
   expect_line(metrics, "collided_stage_seconds_count{stage=\"other\"} 936");
   expect_line(metrics, "collided_rejected_total{reason=\"other\"} 968");
   EXPECT_EQ(count_of(text, "\ncollided_calls_total"), 513u);
+  expect_line(metrics, "collided_calls_total{code=\"other\",method=\"other\"} 488");
 }
 
 TEST(Metrics, HostileNamesAreEscaped) {

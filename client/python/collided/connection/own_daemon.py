@@ -14,6 +14,7 @@ import time
 from collided.errors import FailedPrecondition, Unavailable
 
 _READY_SECONDS, _STOP_SECONDS, _POLL_SECONDS = 60.0, 10.0, 0.01
+_SAID_LINES = 3  # of a daemon that does not start
 # Ends the daemon when this process is gone, however it ended: then the pipe to standard input is closed. Not by
 # PR_SET_PDEATHSIG, which goes by the thread that started the daemon.
 _GUARD = ('exec 3<&0; "$@" </dev/null & daemon=$!; { cat >/dev/null; kill $daemon; } <&3 2>/dev/null & '
@@ -79,17 +80,18 @@ class OwnDaemon:
                    "--ready-file", str(ready), "--log-level", "warning", "--max-message-mb", "2047",
                    # Its only client may use everything.
                    "--max-scenes-per-client", "1000000", "--max-streams-per-client", "1000000",
-                   "--max-device-mb-per-client", "16777216", "--max-frame-seconds", "1000000", *self._options]
+                   "--max-device-mb-per-client", "16777216", "--max-frame-seconds", "1000000",
+                   "--max-frames-per-second", "1000000000", *self._options]
         with log.open("wb") as out:
             self._process = subprocess.Popen(["/bin/sh", "-c", _GUARD, "sh", *command], stdin=subprocess.PIPE,
                                              stdout=out, stderr=out, start_new_session=True)
         deadline = time.monotonic() + _READY_SECONDS
         while not ready.exists():
             if self._process.poll() is not None or time.monotonic() > deadline:
-                said = log.read_text(errors="replace").strip().splitlines()
+                said = _last_lines(log)
                 self._process.kill()
                 self._remove()
-                raise Unavailable(f"daemon {program} did not become ready{': ' + said[-1] if said else ''}")
+                raise Unavailable(f"daemon {program} did not become ready{': ' + said if said else ''}")
             time.sleep(_POLL_SECONDS)
 
     def _remove(self) -> None:
@@ -101,6 +103,13 @@ class OwnDaemon:
         if self._folder:
             shutil.rmtree(self._folder, ignore_errors=True)
         self._folder = ""
+
+
+def _last_lines(log: pathlib.Path) -> str:
+    """The end of a daemon's log as one line, as collidectl has it. The advice to run it with --help is left out: nobody
+    typed its command line."""
+    lines = log.read_text(errors="replace").splitlines()
+    return "; ".join([line for line in lines if line and not line.startswith("Run with --help")][-_SAID_LINES:])
 
 
 _shared: OwnDaemon | None = None

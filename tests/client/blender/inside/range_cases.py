@@ -27,7 +27,7 @@ class Range(Case):
         tip, floor = drop("tip", [3, 2, 1, -1, -2]), square()
         select(tip, floor)
         self.scene.frame_end = 5
-        self.scene.frame_set(2)
+        self.scene.frame_set(2, subframe=0.5)
         RANGE()
         first = lines("collided contacts")
         self.assertEqual(self.markers().keys(), {4})
@@ -36,11 +36,19 @@ class Range(Case):
         np.testing.assert_allclose(first[corner], [(0.3, 0.2, 0)] * 2, atol=1e-6)
         self.assertAlmostEqual(values("collided contacts", "toi")[corner, 0], 0.5, places=5)
         self.assertEqual(self.settings.summary, f"{len(first)} contacts\nin 1 of 5 frames, first in 4")
-        self.assertEqual(self.scene.frame_current, 2)
+        self.assertEqual((self.scene.frame_current, self.scene.frame_subframe), (2, 0.5))
         self.assertEqual(touched_vertices(tip), [0, 1, 2])
         self.assertEqual(drawn("collided contacts"), 0)
         self.scene.frame_set(4)
         self.assertGreater(drawn("collided contacts"), 0)
+
+    def test_a_search_that_is_stopped_before_its_first_frame_marks_nothing(self):
+        from collided_blender import connection, marks, preferences, search
+
+        select(square())
+        with search.Search(bpy.context, connection.connect(preferences.preferences(bpy.context))) as stopped:
+            self.assertEqual(marks.mark(stopped, True), [])
+        self.assertNotIn("collided contacts", bpy.data.objects)
 
     def test_crossings_of_each_frame(self):
         select(drop("tip", [3, -0.1, -0.1, 3]), square())

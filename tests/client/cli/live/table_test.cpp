@@ -69,6 +69,20 @@ TEST(History, StagesAndCountsStandWithTheirKind) {
                                              "  contacts_vertex_triangle", "bytes_in", "bytes_out", "device_bytes"}));
 }
 
+TEST(History, AStageThatDidNotRunTookNoTime) {
+  History history = three_frames();
+  client::WatchedFrame without = frame(5, 3, 7);
+  without.done.mutable_metrics()->mutable_stages(0)->set_stage("exact");
+  history.add(without, v1::REPORT_ALL, History::Clock::time_point(milliseconds(300)));
+  const auto values_of = [&](const std::string& name) {
+    const auto found = std::find_if(history.series().begin(), history.series().end(),
+                                    [&](const Series& series) { return series.name == name; });
+    return found == history.series().end() ? std::deque<double>{} : found->values;
+  };
+  EXPECT_EQ(values_of("  search"), (std::deque<double>{2, 4, 1, 0}));
+  EXPECT_EQ(values_of("  exact"), (std::deque<double>{1.5}));
+}
+
 TEST(History, AStageAndACountMayHaveTheSameName) {
   History history;
   client::WatchedFrame both = frame(1, 4, 1);

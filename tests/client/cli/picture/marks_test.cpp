@@ -48,5 +48,20 @@ TEST(MarkCrossings, NamesTheElementsOfBoth) {
   EXPECT_EQ(marks.crossed, (std::vector<uint32_t>{0, 1}));
 }
 
+TEST(Marks, IdsThatTheSceneDoesNotHaveAreRefused) {
+  const std::vector<scenes::Vec3d> positions{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+  const std::vector<Element> elements{{0, 1, 2}};
+  Marks marks;
+  client::Contacts pairs;
+  pairs.elements = {{0, 1}};
+  EXPECT_THROW(mark_crossings(marks, pairs, elements, positions), client::Error);
+  client::FrameOutput output;
+  output.vertex_triangle.count = 1;
+  output.vertex_triangle.elements = {{3, 0}};
+  output.vertex_triangle.stencils = {{3, 0, 1, 2}};
+  output.vertex_triangle.weights = {{0.25, 0.25}};
+  EXPECT_THROW(mark_contacts(marks, output, {{}, positions}), client::Error);
+}
+
 }  // namespace
 }  // namespace collided::cli

@@ -84,6 +84,13 @@ TEST_F(LiveRecorderTest, WhatWasWatchedIsReadBack) {
   EXPECT_NE(recorder.summary().find("3 frames were missed in 1 gaps"), std::string::npos) << recorder.summary();
 }
 
+TEST_F(LiveRecorderTest, PositionsOfAMeshThatIsNotThereAreRefused) {
+  LiveRecorder recorder(recording(), scene_of_two(), {both()});
+  client::WatchedFrame wrong = frame(1);
+  wrong.positions[1].set_mesh(2);
+  EXPECT_THROW(recorder.add(wrong), std::runtime_error);
+}
+
 TEST_F(LiveRecorderTest, AnEditEndsTheRecording) {
   LiveRecorder recorder(recording(), scene_of_two(), {both()});
   EXPECT_TRUE(recorder.add(frame(1)));

@@ -9,6 +9,8 @@
 namespace collided::cli {
 namespace {
 
+TEST(ShownName, HasNothingThatSteersATerminal) { EXPECT_EQ(shown_name("knot\x1b[2J\n\x9b\x7f"), "knot?[2J???"); }
+
 TEST(ReportText, LinesAreAlignedAndNumbersHaveTheirUnits) {
   EXPECT_EQ(report_text({{"scene", {{"triangles", 91872}, {"delta", 0.0}, {"kinds", {"vt", "ee"}}}},
                          {"contact_count", nullptr},

@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+"""The tables of tests/bench/FIGURES.md have the numbers of the results that they link to, and every result is described.
+
+usage: figures_test.py REPOSITORY
+"""
+
+import fnmatch
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+REPOSITORY = pathlib.Path(sys.argv[1]).resolve()
+BENCH = REPOSITORY / "tests" / "bench"
+RESULTS = BENCH / "results"
+from markdown import Page  # noqa: E402
+
+FIGURES, DESCRIBED = Page(BENCH / "FIGURES.md"), Page(RESULTS / "README.md")
+NOT_BROAD = re.compile("narrow_|order|upload|download")
+NO_HEAD = {"2026-11-22-cpu-sorts.json"}  # as Google Benchmark writes it
+
+
+def result(path):
+    return json.loads((RESULTS / path).read_text())
+
+
+def words_of(path):
+    """What tests/bench/table prints of a result, as rows of cells."""
+    printed = subprocess.run([sys.executable, BENCH / "table", RESULTS / path], capture_output=True, text=True, check=True)
+    return {tuple(cell.strip() for cell in line.strip("|").split("|")) for line in printed.stdout.splitlines()
+            if line.startswith("|")}
+
+
+class Figures(unittest.TestCase):
+    def expect(self, shown, value, where):
+        """`shown` is the value, rounded to as many digits."""
+        digits = len(shown.partition(".")[2])
+        self.assertAlmostEqual(float(shown.replace(",", "")), value, delta=0.5000001 * 10**-digits, msg=where)
+
+    def test_steps(self):
+        frames = {"cloth_ball_92_93 (real frames)": "cloth_ball92 to cloth_ball93", "cloth_funnel_227_228 (real frames)": "227 to 228"}
+        found = {(run["scene"], run["triangles"], run["steps"], run["engine"]): run
+                 for run in result("steps/2026-11-22-h200-steps.json")["runs"]}
+        for name, triangles, _, step, broad, lbvh in FIGURES.table("A step runs as one CUDA graph launch")[1:]:
+            scene, _, steps = name.partition(", ")
+            key = frames.get(scene, scene), int(triangles.replace(",", "")), int(steps.split()[0]) if steps else 50
+            self.expect(step, found[*key, "octree"]["step_ms"]["median"], name)
+            self.expect(broad, self.broad(found[*key, "octree"]), name)
+            if lbvh:
+                self.expect(lbvh, self.broad(found[*key, "lbvh"]), name)
+
+    @staticmethod
+    def broad(run):
+        return sum(ms for stage, ms in run["stage_ms"].items() if not NOT_BROAD.match(stage))
+
+    def test_many_streams(self):
+        fastest, thousand = (result(f"load/2026-11-23-h200-{name}.json") for name in ("find-max", "load-1000"))
+        shown = re.search(r"hold ([\d,]+)\nframes a second with a p99 below 5 ms \(([\d.]+)\), the daemon's engine taking "
+                          r"([\d.]+) ms.* with a median of ([\d.]+) ms .* p99 of (\d+)\.", FIGURES.text, re.DOTALL).groups()
+        self.assertAlmostEqual(int(shown[0].replace(",", "")), fastest["find_max"]["frames_per_second"], delta=50)
+        self.expect(shown[1], fastest["latency_ms"]["p99"], "p99 of 8 streams")
+        self.expect(shown[2], fastest["daemon_ms"]["engine"]["p50"], "engine")
+        self.expect(shown[3], thousand["latency_ms"]["p50"], "median of 1,000 streams")
+        self.expect(shown[4], thousand["latency_ms"]["p99"], "p99 of 1,000 streams")
+
+    def test_tests_of_engines(self):
+        self.expect_rows("| tests | octree |", "steps/2026-11-21-engines-tests.json")
+
+    def test_switches(self):
+        self.expect_rows("commit 32be86c ([file](results/updates", "updates/2026-11-23-h200-switches.json")
+        self.expect_rows("commit eb3e53a", "updates/2026-11-23-cpu-switches.json")
+
+    def expect_rows(self, after, path):
+        rows, printed = FIGURES.table(after)[1:], words_of(path)
+        self.assertGreater(len(rows), 10)
+        for row in rows:
+            self.assertIn(tuple(row), printed)
+
+    def test_levels(self):
+        columns = ("guarded", "certified", "exact", "certified earliest", "certified any")
+        for positions, scene, *shown in FIGURES.table("The cost of the levels")[1:]:
+            scenes = result(f"levels/2026-11-21-cpu-levels-{positions.lower()}.json")["scenes"]
+            levels = {level["level"]: level for row in scenes if row["scene"] == scene for level in row["levels"]}
+            for level, ratio in zip(columns, shown, strict=True):
+                self.expect(ratio, levels[level]["total_ratio"], f"{positions} {scene} {level}")
+
+    def test_whole_frames(self):
+        for after, path in (("commit 504aaa8", "h200"), ("commit 2bdc9d4", "cpu")):
+            runs = result(f"steps/2026-11-21-{path}-end-to-end.json")["runs"]
+            for row, run in zip(FIGURES.table(after)[1:], runs, strict=True):
+                lanes = {lane["transport"]: lane for lane in run["transports"]}
+                self.expect(row[0].split()[0], run["bytes_up"] / 1e6, path)
+                self.expect(row[1], lanes["grpc tcp"]["engine_ms"]["p50"], path)
+                for shown, lane in zip(row[2:5], ("grpc tcp", "shared, copied", "shared, in place")):
+                    self.expect_pair(shown, lanes[lane]["overhead_ms"]["p50"], lanes[lane]["overhead_to_held_tcp"])
+                self.expect(row[5], run["bare_ms"]["tcp, held"]["p50"], path)
+                self.expect(row[6], run["bare_ms"]["few bytes, held"]["p50"], path)
+
+    def expect_pair(self, shown, first, second):
+        self.expect(shown.split()[0], first, shown)
+        self.expect(shown.split()[1].strip("()"), second, shown)
+
+    def test_in_process(self):
+        runs = result("steps/2026-11-23-cpu-in-process.json")["runs"]
+        for row, run in zip(FIGURES.table("of an engine in the client's own process")[1:], runs, strict=True):
+            lanes = {lane["name"]: lane for lane in run["transports"]}
+            self.expect(row[0], run["triangles"], "triangles")
+            self.expect(row[3], lanes["shared_memory"]["beside_engine_ms"]["p50"], "shared memory")
+            for shown, name in ((row[2], "grpc"), (row[4], "in_process")):
+                self.expect_pair(shown, lanes[name]["beside_engine_ms"]["p50"], lanes[name]["ratio_to_shared_memory"]["p50"])
+
+    def test_device(self):
+        runs = result("steps/2026-11-23-h200-device.json")["runs"]
+        lanes = ("device to device", "device to device, client polls", "device to host", "host to host")
+        for row, run in zip(FIGURES.table("A simulator on the daemon's GPU can leave")[1:], runs, strict=True):
+            found = {lane["lane"]: lane for lane in run["lanes"]}
+            self.expect(row[1], run["triangles"], "triangles")
+            self.expect(row[3], found["device to device, client polls"]["step_ms"]["p50"], row[0])
+            for shown, lane in zip(row[4:], lanes, strict=True):
+                self.expect(shown, found[lane]["over_step_ms"]["p50"], f"{row[0]}, {lane}")
+
+
+class Results(unittest.TestCase):
+    def test_each_has_its_date_and_its_commit(self):
+        files = sorted(RESULTS.glob("*/*.json"))
+        self.assertGreater(len(files), 30)
+        for file in files:
+            if file.name not in NO_HEAD:
+                head = json.loads(file.read_text())
+                self.assertEqual(head["date"], file.name[:10], file.name)
+                self.assertRegex(head["commit"], "^[0-9a-f]{7}", file.name)
+
+    def test_each_is_described(self):
+        patterns = [name for row in DESCRIBED.table("| files |")[1:] for name in re.findall(r"`([^`]*)`", row[0] + row[2])]
+        for file in sorted(RESULTS.glob("*/*")):
+            name = file.name[len("2026-11-23-"):]
+            self.assertTrue(any(fnmatch.fnmatch(name, pattern) for pattern in patterns), file.name)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
