@@ -17,7 +17,7 @@ namespace collided::server {
 struct InProcessOptions {
   std::string backend = "auto";   ///< auto, cpu or cuda
   int threads = 0;                ///< CPU threads of a scene; 0: all cores
-  int concurrent_frames = 0;      ///< frames computed at once; 0: 4 with a GPU, else 2
+  int concurrent_frames = 0;      ///< frames computed at once; 0: 4 to 12 with a GPU, else 2
   uint64_t max_device_bytes = 0;  ///< of all scenes; 0: as derive_limits() has it
 };
 

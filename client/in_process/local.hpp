@@ -14,7 +14,8 @@ namespace collided {
 struct LocalEngine {
   std::string backend = "auto";  ///< "cpu", "cuda", or "auto": a GPU where there is one
   int threads = 0;               ///< CPU threads of a scene, up to 4096; 0: all cores
-  int concurrent_frames = 0;     ///< frames computed at once, of different scenes, up to 4096; 0: 4 with a GPU, else 2
+  int concurrent_frames =
+      0;  ///< frames computed at once, of different scenes, up to 4096; 0: 4 to 12 with a GPU, else 2
   uint64_t memory_bytes = 0;  ///< of all scenes; 0: half of the host's memory, or 9/10 of the device's if that is less
 };
 

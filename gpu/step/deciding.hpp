@@ -53,7 +53,7 @@ struct DecideSoon {
     if (!contacts.is_ccd && !contacts.is_open(contact)) return;
     contacts.use_points(i, [&]<class Kind>(const Kind&, const auto& from, const auto& to) {
       exact::fixed::Verdict verdict;
-      if (contacts.is_ccd) verdict = exact::fixed::decide_soon<Kind::kKind>(from, to, contact.toi);
+      if (contacts.is_ccd && contact.toi > 0) verdict = exact::fixed::decide_soon<Kind::kKind>(from, to, contact.toi);
       if (verdict.outcome == exact::fixed::Outcome::kOpen)
         others[kIndexOf<Kind>].push(i);
       else

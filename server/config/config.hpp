@@ -73,7 +73,7 @@ struct Config {
   bool allow_insecure = false;   ///< allow plain text on addresses that other hosts can reach
   std::string backend = "auto";  ///< auto, cpu or cuda
   int threads = 0;               ///< CPU threads of a scene; 0: all cores
-  int concurrent_frames = 0;     ///< frames computed at once; 0: 4 with a GPU, else 2
+  int concurrent_frames = 0;     ///< frames computed at once; 0: 4 to 12 with a GPU, else 2
   Limits limits;
   double keepalive_seconds = 10;         ///< between pings to a silent client
   double keepalive_timeout_seconds = 5;  ///< until a client that does not answer a ping is dropped

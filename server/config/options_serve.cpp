@@ -54,7 +54,7 @@ void add_engine(CLI::App& app, Config& config) {
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}));
   add<int>(app, "--threads", config.threads, 0, 4096, "CPU threads of a scene; 0: all cores");
   add<int>(app, "--concurrent-frames", config.concurrent_frames, 0, 4096,
-           "Frames of different scenes computed at once; 0: 4 with a GPU, else 2");
+           "Frames of different scenes computed at once; 0: 4 to 12 with a GPU, else 2");
 }
 
 void add_times(CLI::App& app, Config& config) {

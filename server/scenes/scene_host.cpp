@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <thread>
 #include <utility>
 
 #include "server/errors.hpp"
@@ -17,11 +18,13 @@ constexpr uint64_t kWatchesPerTrim = 8;  // trimming memory that is soon reused 
 
 // On a GPU the host's part of one frame overlaps with the device's part of another; on CPU cores a second frame keeps
 // all cores busy during the first one's serial parts. A step on a GPU cannot yield before its end: a client that held
-// all turns would block the others for that long.
+// all turns would block the others for that long. The host's part is a thread's that waits awake, so that a quarter of
+// the cores is left for the frames that come and go.
 Turns::Options turn_options(const Config& config, const Now& now) {
-  constexpr unsigned kOnGpu = 4, kOnCpu = 2;
+  constexpr unsigned kLeastOnGpu = 4, kMostOnGpu = 12, kOnCpu = 2;
   const bool on_gpu = config.backend != "cpu" && cuda_available();
-  const unsigned by_default = on_gpu ? kOnGpu : kOnCpu, asked = static_cast<unsigned>(config.concurrent_frames);
+  const unsigned on_gpus = std::clamp(std::thread::hardware_concurrency() / 4 * 3, kLeastOnGpu, kMostOnGpu);
+  const unsigned by_default = on_gpu ? on_gpus : kOnCpu, asked = static_cast<unsigned>(config.concurrent_frames);
   return {.concurrent = asked > 0 ? asked : by_default, .reserves_one = on_gpu, .now = now};
 }
 

@@ -6,6 +6,7 @@ import math
 
 TRADEOFF_FORMAT = "collided tradeoff 1"
 ADVANCE_FORMAT = "collided advance 1"
+STREAMS_FORMAT = "collided streams 1"
 LEVELS = ("fast", "guarded", "certified", "exact")
 POSITION_FORMATS = ("f32", "f64", "q16")
 
@@ -45,9 +46,20 @@ class Simulation:
 
 
 @dataclasses.dataclass
+class Curve:
+    """One scene's throughput and latency against its number of streams."""
+    label: str
+    streams: list[float]
+    frames_per_second: list[float]
+    p50_ms: list[float]
+    p99_ms: list[float]
+
+
+@dataclasses.dataclass
 class Results:
     tradeoffs: list[Tradeoff]
     simulations: list[Simulation]
+    curves: list[Curve]
     runs: list[dict]  # of `collidectl bench` and `collided_bench --compare-engines`, each with its device
 
 
@@ -93,6 +105,12 @@ def simulation(run):
                       [number(fraction) for fraction in run["advanced"]])
 
 
+def curve(result, scene):
+    runs = [run for run in result["runs"] if run["scene"] == scene]
+    columns = {name: [number(run[name]) for run in runs] for name in ("streams", "frames_per_second", "p50_ms", "p99_ms")}
+    return Curve(f"{scene}: {number(runs[0]['triangles']):,} triangles", **columns)
+
+
 def step_run(run, device):
     """The run with its device, checked: not all runs have stages, times and memory."""
     for name in ("scene", "engine"):
@@ -120,10 +138,12 @@ def add_file(path, results):
     try:
         if "format" not in result:
             results.runs += [step_run(run, result["device"]) for run in result["runs"]]
-        elif known(result["format"], [TRADEOFF_FORMAT, ADVANCE_FORMAT]) == TRADEOFF_FORMAT:
+        elif known(result["format"], [TRADEOFF_FORMAT, ADVANCE_FORMAT, STREAMS_FORMAT]) == TRADEOFF_FORMAT:
             results.tradeoffs.append(tradeoff(result))
-        else:
+        elif result["format"] == ADVANCE_FORMAT:
             results.simulations += map(simulation, result["runs"])
+        else:
+            results.curves += [curve(result, scene) for scene in dict.fromkeys(run["scene"] for run in result["runs"])]
     except KeyError as missing:
         raise BadResult(f"{path}: is not a measurement result: {missing} is missing") from None
     except (AttributeError, TypeError, ValueError) as error:
@@ -132,7 +152,7 @@ def add_file(path, results):
 
 def read_results(paths):
     """Throws BadResult, and OSError for a file that cannot be read."""
-    results = Results([], [], [])
+    results = Results([], [], [], [])
     for path in paths:
         add_file(path, results)
     if len(devices := sorted({run["device"] for run in results.runs})) > 1:

@@ -99,7 +99,7 @@ COLLIDED_HD Verdict decide_soon(const Vec3<double> (&start)[4], const Vec3<doubl
 template <ContactKind kind>
 COLLIDED_HD Verdict decide_from(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double from) {
   uint64_t k = 0;
-  const bool is_known = SoonMeeting<kind>(start, end).find_root(from, k);
+  const bool is_known = from > 0 && SoonMeeting<kind>(start, end).find_root(from, k);
   Verdict verdict;
   with_decision<kind>(start, end, [&](const auto& decision) {
     verdict = is_known && decision.meet_at(k) ? Verdict{Outcome::kBetween, time_of(k)} : decision.verdict();

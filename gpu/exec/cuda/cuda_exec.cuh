@@ -189,7 +189,9 @@ class CudaExec {
     asks().ask();
     const NvtxRange range("step by parts");
     check_cuda(cudaEventRecord(fork_, stream_), "step");
+    in_parts_ = true;
     draining_if_thrown(f);
+    in_parts_ = false;
     check_cuda(cudaEventRecord(join_, stream_), "step");
     const T found = peek(result);
     step_milliseconds_ += milliseconds_between(fork_, join_);
@@ -259,7 +261,7 @@ class CudaExec {
     check_cuda(cudaStreamWaitEvent(stream_, join_), "join");
   }
 
-  /// Within a step its name, and the time it begins at, become part of the recording; elsewhere events are around it.
+  /// Within a step its name, and the time it begins at, become part of the recording.
   template <class F>
   void stage(const char* name, const F& f) {
     const NvtxRange range(name);
@@ -270,7 +272,7 @@ class CudaExec {
     }
     if (reserving_) return f();
     asks().ask();
-    stage_events_.time(name, stream_, f);
+    in_parts_ ? stage_events_.time_in_line(name, stream_, f) : stage_events_.time(name, f);
   }
   void begin_frame() {
     use_device(device_);  // the calling thread may be a new one
@@ -278,7 +280,7 @@ class CudaExec {
     allocations_ = 0;
     graph_launches_ = 0;
     step_milliseconds_ = 0;
-    reserving_ = false;  // a frame may have ended with a throw
+    reserving_ = in_parts_ = false;  // a frame may have ended with a throw
     begin_ = nullptr;
   }
   template <class F>
@@ -288,7 +290,7 @@ class CudaExec {
     return f();
   }
   std::vector<StageTime> stage_times() {
-    wait();
+    if (stage_events_.are_in_line()) wait();
     return stage_events_.all();
   }
 
@@ -411,6 +413,7 @@ class CudaExec {
   uint64_t generation_ = 0;  ///< of the buffers: changes whenever one does
   StepGraphs graphs_;
   bool reserving_ = false;  ///< a step is gone through for its memory alone
+  bool in_parts_ = false;   ///< a step by parts is in line
   Buffer<char, CudaExec> scratch_;
   Buffer<unsigned, CudaExec> arrived_;  ///< of a reduction's blocks
   Buffer<uint64_t, CudaExec> times_;    ///< at which the stages of a recorded step begin and end

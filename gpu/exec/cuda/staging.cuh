@@ -83,6 +83,7 @@ class CudaStaging {
   template <class Check>
   void check(uint64_t n, const Check& check) {
     constexpr uint64_t kMaxBlocks = 2048;
+    in_line_ = true;
     *verdict_.data() = kNoBadPlace;
     if (n != 0) {
       const unsigned blocks = static_cast<unsigned>(std::min(kMaxBlocks, (n + kCheckBlock - 1) / kCheckBlock));
@@ -95,6 +96,7 @@ class CudaStaging {
   uint64_t first_bad() {
     const NvtxRange range("arrive");
     check_cuda(cudaEventSynchronize(arrived_), "arrival of positions");
+    in_line_ = false;
     return *verdict_.data();
   }
 
@@ -118,7 +120,8 @@ class CudaStaging {
 
   /// Waits until nothing of the last frame's is in use.
   void wait_idle() {
-    check_cuda(cudaStreamSynchronize(stream_), "arrival of positions");
+    if (in_line_) check_cuda(cudaStreamSynchronize(stream_), "arrival of positions");
+    in_line_ = false;
     check_cuda(cudaEventSynchronize(placed_), "placing of positions");
   }
 
@@ -175,7 +178,9 @@ class CudaStaging {
   }
 
   void copy(void* to, const void* from, uint64_t bytes) {
-    if (bytes != 0) check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault, stream_), "copy of positions");
+    if (bytes == 0) return;
+    in_line_ = true;
+    check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault, stream_), "copy of positions");
   }
 
   int device_;
@@ -188,6 +193,7 @@ class CudaStaging {
       table_room_{pinned_, "staging"};
   Buffer<uint64_t, PinnedMemory> verdict_{pinned_, "staging"};
   uint64_t table_bytes_ = 0;  ///< of the table that is there
+  bool in_line_ = false;      ///< something may be, on the stream
   std::vector<Piece> pieces_;
 };
 

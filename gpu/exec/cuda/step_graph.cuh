@@ -28,14 +28,11 @@ class StepGraph {
  public:
   static constexpr size_t kMaxTimes = 64;
 
-  StepGraph(uint64_t key, uint64_t generation)
-      : key_(key), generation_(generation), begin_(make_event()), end_(make_event()) {}
+  StepGraph(uint64_t key, uint64_t generation) : key_(key), generation_(generation) {}
   StepGraph(const StepGraph&) = delete;
   StepGraph& operator=(const StepGraph&) = delete;
   ~StepGraph() {
     if (executable_ != nullptr) cudaGraphExecDestroy(executable_);
-    cudaEventDestroy(begin_);
-    cudaEventDestroy(end_);
   }
 
   bool fits(uint64_t key, uint64_t generation) const { return key_ == key && generation_ == generation; }
@@ -69,23 +66,21 @@ class StepGraph {
   size_t stages() const { return stages_.size(); }
   size_t end() { return last_ = new_time(); }
 
-  void launch(cudaStream_t stream) {
-    check_cuda(cudaEventRecord(begin_, stream), "step");
-    check_cuda(cudaGraphLaunch(executable_, stream), "step");
-    check_cuda(cudaEventRecord(end_, stream), "step");
-  }
+  void launch(cudaStream_t stream) { check_cuda(cudaGraphLaunch(executable_, stream), "step"); }
   /// Of the launch, once it is over; kMaxTimes of them.
   void keep_times(const uint64_t* times) { std::memcpy(times_, times, sizeof(times_)); }
 
   // Of the last launch.
-  double milliseconds() const { return milliseconds_between(begin_, end_); }
+  double milliseconds() const {
+    return stages_.empty() ? 0 : static_cast<double>(times_[last_] - times_[stages_.front().begin]) / kMillisecond;
+  }
   void add_stage_times(std::vector<StageTime>& times) const {
-    constexpr double kMillisecond = 1e6;
     for (size_t i = 0; i < stages_.size(); ++i)
       times.push_back({stages_[i].name, static_cast<double>(end_of(i) - times_[stages_[i].begin]) / kMillisecond});
   }
 
  private:
+  static constexpr double kMillisecond = 1e6;
   static constexpr size_t kNoTime = kMaxTimes;
   struct Stage {
     const char* name;
@@ -102,7 +97,6 @@ class StepGraph {
   uint64_t key_;
   uint64_t generation_;  ///< of the buffers that the recording holds addresses of
   cudaGraphExec_t executable_ = nullptr;
-  cudaEvent_t begin_, end_;
   std::vector<Stage> stages_;
   size_t times_used_ = 0, last_ = 0;
   uint64_t times_[kMaxTimes] = {};  ///< in nanoseconds, of the last launch

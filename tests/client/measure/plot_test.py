@@ -185,6 +185,16 @@ class Steps(PlotTest):
         for name in ("cloth_on_sphere", "sheets", "soft_boxes", "box_stack", "knot"):
             self.assertIn(f"{name}: 0 crossings", texts)
 
+    def test_streams_have_a_line_for_each_scene(self):
+        runs = [{"scene": scene, "streams": streams, "triangles": 500, "frames_per_second": 1000.0 * streams,
+                 "p50_ms": 1.0, "p99_ms": 2.0} for scene in ("small", "large") for streams in (1, 4)]
+        result = {"format": "collided streams 1", "device": "a device", "runs": runs}
+        words = Svg(self.draw(self.put("streams.json", result))["streams"]).texts()
+        self.assertIn("small: 500 triangles", words)
+        self.assertIn("large: 500 triangles", words)
+        del runs[3]["p99_ms"]
+        self.refused(1, "'p99_ms' is missing", self.put("streams.json", result))
+
     def test_one_picture_shows_one_device(self):
         run = {"scene": "funnel", "engine": "octree", "triangles": 1, "counts": {"tests": 1}}
         other = self.put("other.json", {"device": "CPU", "runs": [run]})

@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+"""Throughput and latency of a daemon against the number of streams, by `collidectl load`.
+
+usage: streams_bench.py DAEMON COLLIDECTL [--backend auto|cpu|cuda] [--streams N ...] [--seconds S] [--scale F]
+                        [--out FILE] [--date DATE] [--commit COMMIT]
+
+Each scene alone with 1 to 64 streams that keep two frames in flight (closed loop): frames a second of all streams, and
+the median and the 99th percentile of a frame, in ms. `mixed` is 32 streams of the small scene at 30 frames a second
+each, alone and beside a stream of the large one that keeps its window full. The daemon is its own, a new one for each
+measurement.
+"""
+
+import argparse
+import contextlib
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+SCENES = {"small": ("reef_knot", 0.15), "medium": ("reef_knot", 1.0), "large": ("cloth_ball", 1.04)}
+LIGHT_STREAMS, LIGHT_RATE = 32, 30
+START_SECONDS = 30
+
+
+@contextlib.contextmanager
+def daemon(program, backend):
+    """Its address."""
+    with tempfile.TemporaryDirectory() as folder:
+        address = f"unix:{folder}/socket"
+        process = subprocess.Popen([program, "--address", address, "--backend", backend, "--log-level", "error",
+                                    "--max-scenes-per-client", "128"])
+        try:
+            wait_until_up(process, address)
+            yield address
+        finally:
+            process.terminate()
+            process.wait(START_SECONDS)
+
+
+def wait_until_up(process, address):
+    deadline = time.monotonic() + START_SECONDS
+    while not pathlib.Path(address.removeprefix("unix:")).exists():
+        if process.poll() is not None or time.monotonic() > deadline:
+            sys.exit("streams_bench.py: the daemon does not start")
+        time.sleep(0.05)
+
+
+def load_command(arguments, address, scene, *options):
+    name, scale = SCENES[scene]
+    return [arguments.collidectl, "load", "--scene", name, "--scale", str(scale * arguments.scale), "--server", address, "--json",
+            *map(str, options)]
+
+
+def started(command):
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def result_of(process):
+    out, errors = process.communicate()
+    if process.returncode != 0:
+        sys.exit(f"streams_bench.py: {' '.join(process.args)}: {errors}")
+    return json.loads(out)
+
+
+def figures(result):
+    return {"triangles": result["input"]["scene"]["triangles"],
+            "frames_per_second": result["throughput"]["frames_per_second"],
+            "p50_ms": result["service_ms"]["p50"], "p99_ms": result["service_ms"]["p99"],
+            "latency_p99_ms": result["latency_ms"]["p99"], "device": result["input"]["scene"]["device"]}
+
+
+def alone(arguments, scene, streams):
+    with daemon(arguments.daemon, arguments.backend) as address:
+        return figures(result_of(started(load_command(arguments, address, scene, "--clients", streams, "--closed-loop",
+                                                      "--seconds", arguments.seconds))))
+
+
+def light(arguments, with_heavy):
+    """Of the light streams, beside the heavy one or not."""
+    with daemon(arguments.daemon, arguments.backend) as address:
+        heavy = started(load_command(arguments, address, "large", "--closed-loop", "--seconds",
+                                     arguments.seconds + 2)) if with_heavy else None
+        found = figures(result_of(started(load_command(arguments, address, "small", "--clients", LIGHT_STREAMS, "--rate",
+                                                       LIGHT_RATE, "--seconds", arguments.seconds))))
+        if heavy:
+            found["heavy_frames_per_second"] = figures(result_of(heavy))["frames_per_second"]
+        return found
+
+
+def measure(arguments):
+    runs = []
+    for scene in SCENES:
+        for streams in arguments.streams:
+            runs.append({"scene": scene, "streams": streams, **alone(arguments, scene, streams)})
+            print(runs[-1], file=sys.stderr)
+    mixed = {"streams": LIGHT_STREAMS, "rate": LIGHT_RATE, "alone": light(arguments, False),
+             "beside_heavy": light(arguments, True)}
+    print(mixed, file=sys.stderr)
+    device = runs[0]["device"]
+    for run in [*runs, mixed["alone"], mixed["beside_heavy"]]:
+        run.pop("device")
+    return {"format": "collided streams 1", "date": arguments.date, "commit": arguments.commit, "device": device,
+            "seconds": arguments.seconds, "runs": runs, "mixed": mixed}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("daemon")
+    parser.add_argument("collidectl")
+    parser.add_argument("--backend", choices=("auto", "cpu", "cuda"), default="auto")
+    parser.add_argument("--streams", type=int, nargs="+", default=[1, 2, 4, 8, 16, 32, 48, 64])
+    parser.add_argument("--seconds", type=float, default=3)
+    parser.add_argument("--scale", type=float, default=1, help="of the scenes: triangles grow with its square")
+    parser.add_argument("--out", type=pathlib.Path)
+    parser.add_argument("--date", default="")
+    parser.add_argument("--commit", default="")
+    arguments = parser.parse_args()
+    text = json.dumps(measure(arguments), indent=1)
+    if arguments.out:
+        arguments.out.write_text(text + "\n")
+    else:
+        print(text)
+
+
+if __name__ == "__main__":
+    main()
