@@ -54,6 +54,28 @@ class Watching(Case):
         frame = self.shown(watcher)
         self.assertEqual((frame.edit_count, len(frame.contacts.of_mesh("far")), len(frame.contacts.of_mesh("tip"))), (1, 0, 1))
 
+    def test_what_meshes_are_made_of_is_told_as_edits_leave_it(self):
+        hair = collided.Mesh(triangles=ONE, edges=[[2, 3], [3, 4]], points=[5], vertices=np.eye(6, 3))
+        session = self.session({"tip": collided.Mesh(TIP, ONE), "hair": hair}, edit_bytes=4096)
+        client, scene = session.scene.client, session.scene
+        mesh = client.get_mesh(scene.id, 1)
+        self.assertEqual((mesh.vertex_count, mesh.edit_count), (6, 0))
+        self.assertEqual(mesh.elements.tolist(), [[0, 1, 2], [2, 3, 3], [3, 4, 4], [5, 5, 5]])
+        self.assertEqual([mesh.triangles.tolist(), mesh.edges.tolist(), mesh.points.tolist()],
+                         [[[0, 1, 2]], [[2, 3], [3, 4]], [5]])
+        session.step(edit=collided.Edit({"hair": None}))
+        mesh = client.get_mesh(scene.id, 1)
+        self.assertEqual((mesh.elements.shape, mesh.vertex_count, mesh.edit_count), ((0, 3), 0, 1))
+        for bad in (2, -1, 1.5, True, 2**32):
+            self.assertIn("mesh", self.refused(collided.InvalidArgument, "mesh", client.get_mesh, scene.id, bad).field)
+        self.refused(collided.NotFound, "", client.get_mesh, "none", 0)
+
+    def test_a_mesh_of_several_pages_is_read_whole(self):
+        triangles = np.arange(120_000)[:, None] + [0, 1, 2]
+        with collided.Scene(collided.Mesh(triangles=triangles, vertex_count=120_002), server=self.server,
+                            position_format="f32") as scene:
+            np.testing.assert_array_equal(scene.client.get_mesh(scene.id, 0).triangles, triangles)
+
     def test_wire_ids_tell_which_frame_of_the_session_is_shown(self):
         session = self.session(edit_bytes=4096)
         session.step()
