@@ -6,6 +6,7 @@ import os
 import threading
 import time
 import uuid
+from collections.abc import Callable
 from typing import Any
 
 import grpc
@@ -151,11 +152,12 @@ class Client:
         """Ends the connection. The client connects again if it is used again."""
         self.reconnect()
 
-    def call(self, method: str, request: Any, scene_id: str = "", timeout: float | None = None) -> Any:
-        """One unary call."""
+    def call(self, method: str | Callable[..., Any], request: Any, scene_id: str = "",
+             timeout: float | None = None) -> Any:
+        """One call. method: its name, or what the channel gives for it."""
         try:
-            return getattr(CollisionServiceStub(self.channel()), method)(
-                request, timeout=timeout or self.options.deadline, metadata=metadata(self.options, scene_id))
+            call = getattr(CollisionServiceStub(self.channel()), method) if isinstance(method, str) else method
+            return call(request, timeout=timeout or self.options.deadline, metadata=metadata(self.options, scene_id))
         except grpc.RpcError as error:
             raise error_of_call(error) from None
         except ValueError:  # of gRPC, where another thread has closed the channel meanwhile
