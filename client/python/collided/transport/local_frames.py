@@ -12,8 +12,6 @@ from collided.transport.region import ALIGNMENT, MAX_PACKET_BYTES, Memory, Part
 from collided.v1 import frame_pb2, local_pb2
 
 _MAX_INLINE_BYTES = 64  # up to this many go into the packet itself
-
-
 _NOTHING = Part(0, 0)
 
 
@@ -29,7 +27,7 @@ class LocalFrames:
 
     def pack(self, head: frame_pb2.Frame, updates: list[Update]) -> bytes:
         """The packet. Raises NotSent."""
-        self._begin(self._lasting(updates) or self._memory.part(self._frames))
+        self._begin(self._lasting_part(updates) or self._memory.part(self._frames))
         message = local_pb2.LocalRequest(frame=head)
         for update in updates:
             self._add(update, message.frame)
@@ -52,7 +50,7 @@ class LocalFrames:
         view = self._views.get(id(array))
         return array.copy() if view is None else view
 
-    def _lasting(self, updates: list[Update]) -> Part | None:
+    def _lasting_part(self, updates: list[Update]) -> Part | None:
         """A part for positions of whole meshes. Not for those of a first frame, which may be needed for good."""
         if not self._frames:
             return None

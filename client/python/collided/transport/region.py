@@ -119,9 +119,9 @@ class Region:
         for index, taken_by in enumerate(self._lasting):
             if size <= room and taken_by() is None:
                 start = self.layout.lasting_at + index * room
-                view = np.frombuffer(self._bytes, np.uint8, room, start)  # which all views of it keep, as they do not own memory
-                self._lasting[index] = weakref.ref(view)
-                return Part(start, room, view)
+                array = np.frombuffer(self._bytes, np.uint8, room, start)  # which numpy keeps as the base of all views of it
+                self._lasting[index] = weakref.ref(array)
+                return Part(start, room, array)
         return None
 
     def write(self, start: int, array: Any) -> None:
