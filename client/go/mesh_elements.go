@@ -33,10 +33,11 @@ func (c *Client) GetMesh(ctx context.Context, sceneID string, mesh uint32) (*Mes
 	for tries := readTries; ; {
 		request.FirstElement = uint32(len(out.Elements))
 		page, err := call(ctx, c, sceneID, c.service.GetMesh, request)
-		if err != nil {
+		hasFewer := err != nil && len(out.Elements) > 0 && err.(*Error).Field == "first_element"
+		if err != nil && !hasFewer {
 			return nil, err
 		}
-		if len(out.Elements) > 0 && page.EditCount != out.EditCount { // edited between two pages
+		if hasFewer || len(out.Elements) > 0 && page.EditCount != out.EditCount { // edited between two pages
 			if tries--; tries == 0 {
 				return nil, failf(codes.Aborted, "", "the scene was edited while mesh %d was read, %d times", mesh, readTries)
 			}

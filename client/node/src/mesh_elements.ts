@@ -44,12 +44,17 @@ async function readPages(pageFrom: PageFrom): Promise<GetMeshResponse[] | undefi
   const pages = [await pageFrom(0)];
   const [{ elementCount, editCount }] = pages;
   for (let read = countOf(pages[0], 0); read < elementCount; ) {
-    const page = await pageFrom(read);
-    if (page.editCount !== editCount) return undefined;
+    const page = await pageFrom(read).catch(hasFewer);
+    if (page?.editCount !== editCount) return undefined;
     read += countOf(page, read);
     pages.push(page);
   }
   return pages;
+}
+
+/** What a page is refused with if the mesh has lost its elements since the last one. */
+function hasFewer(error: CollidedError): undefined {
+  if (error.field !== "first_element") throw error;
 }
 
 /** Elements of a page that comes after `before` of them. */

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from collided.errors import Aborted, DataLoss
+from collided.errors import Aborted, DataLoss, InvalidArgument
 from collided.v1 import collision_service_pb2 as api
 
 _TRIES = 8
@@ -48,19 +48,32 @@ def read_elements(page_from: Callable[[int], api.GetMeshResponse]) -> MeshElemen
     """All pages, where `page_from` gives the one from an element on; from the start again if the scene is edited meanwhile."""
     for _ in range(_TRIES):
         first = page_from(0)
-        pages, read = [_elements(first, 0)], len(first.elements) // 12
-        while read < first.element_count:
-            page = page_from(read)
-            if page.edit_count != first.edit_count:
-                break
-            pages.append(_elements(page, read))
-            read += len(pages[-1])
-        else:
-            elements = np.concatenate(pages)
-            if elements.size and elements.max() >= first.vertex_count:
-                raise DataLoss(f"elements name vertex {elements.max()} of {first.vertex_count}")
-            return MeshElements(elements, first.vertex_count, first.edit_count)
+        pages = _pages(first, page_from)
+        if pages is None:
+            continue
+        elements = np.concatenate(pages)
+        if elements.size and elements.max() >= first.vertex_count:
+            raise DataLoss(f"elements name vertex {elements.max()} of {first.vertex_count}")
+        return MeshElements(elements, first.vertex_count, first.edit_count)
     raise Aborted(f"the scene was edited while the mesh was read, {_TRIES} times")
+
+
+def _pages(first: api.GetMeshResponse, page_from: Callable[[int], api.GetMeshResponse]) -> list[np.ndarray] | None:
+    """None if the scene was edited between two pages."""
+    pages = [_elements(first, 0)]
+    read = len(pages[0])
+    while read < first.element_count:
+        try:
+            page = page_from(read)
+        except InvalidArgument as error:
+            if error.field == "first_element":  # the mesh has fewer now
+                return None
+            raise
+        if page.edit_count != first.edit_count:
+            return None
+        pages.append(_elements(page, read))
+        read += len(pages[-1])
+    return pages
 
 
 def _elements(page: api.GetMeshResponse, before: int) -> np.ndarray:
