@@ -39,6 +39,28 @@ func TestTrianglesGoUpInChunks(t *testing.T) {
 	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.DCD}, meshes)
 	same(t, scene.State, v1.SceneState_SCENE_STATE_READY)
 	same(t, scene.TriangleCount, 2*2*230*230)
+	mesh, err := client.GetMesh(ctx, scene.SceneId, 1)
+	must(t, err)
+	same(t, len(mesh.Elements), len(meshes[1].Triangles))
+	for i, triangle := range meshes[1].Triangles {
+		same(t, mesh.Elements[i], triangle)
+	}
+}
+
+func TestWhatAMeshIsMadeOfIsTold(t *testing.T) {
+	ctx, client := connected(t)
+	hair := collided.Mesh{Name: "hair", VertexCount: 6, Triangles: [][3]uint32{{0, 1, 2}}, Edges: [][2]uint32{{2, 3}}, Points: []uint32{5}}
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.CCD}, []collided.Mesh{hair})
+	mesh, err := client.GetMesh(ctx, scene.SceneId, 0)
+	must(t, err)
+	same(t, len(mesh.Elements), 3)
+	same(t, *(*[3][3]uint32)(mesh.Elements), [3][3]uint32{{0, 1, 2}, {2, 3, 3}, {5, 5, 5}})
+	same(t, mesh.VertexCount, 6)
+	same(t, mesh.EditCount, 0)
+	_, err = client.GetMesh(ctx, scene.SceneId, 1)
+	refused(t, err, codes.InvalidArgument, "mesh", "1")
+	_, err = client.GetMesh(ctx, "none", 0)
+	refused(t, err, codes.NotFound, "scene_id", "none")
 }
 
 func TestARefusedUploadLeavesNoScene(t *testing.T) {

@@ -2,7 +2,7 @@
 
 import { randomBytes } from "node:crypto";
 import { setTimeout as pause } from "node:timers/promises";
-import { type Rules, check, checkValue, finite, string } from "./check.js";
+import { type Rules, check, checkValue, finite, string, uint32 } from "./check.js";
 import { type ConnectOptions, type Connection, Connector } from "./connection.js";
 import { OwnDaemon } from "./daemon.js";
 import { Code, CollidedError, invalid } from "./errors.js";
@@ -14,6 +14,7 @@ import {
   type GetServerInfoResponse,
 } from "./generated/collided/v1/collision_service.js";
 import type { Scene, SceneSpec } from "./generated/collided/v1/scene.js";
+import { type MeshElements, readElements } from "./mesh_elements.js";
 import { FrameOutput } from "./output.js";
 import { type SceneInput, sceneSpec } from "./scene.js";
 import { Session, type SessionOptions } from "./session.js";
@@ -97,6 +98,13 @@ export class Client {
   async getScene(sceneId: string): Promise<Scene> {
     checkValue(sceneId, string, "scene_id");
     return (await this.connection.unary("getScene", { sceneId }, sceneId)).scene!;
+  }
+
+  /** What a mesh of a scene is made of now, whoever created it. `mesh`: its index in the scene's spec. */
+  async getMesh(scene: Scene | string, mesh: number): Promise<MeshElements> {
+    const sceneId = typeof scene === "string" ? scene : sceneIdOf(scene);
+    checkValue(mesh, uint32, "mesh");
+    return readElements((firstElement) => this.connection.unary("getMesh", { sceneId, mesh, firstElement }, sceneId));
   }
 
   /** This client's scenes, by id. */

@@ -6,6 +6,7 @@ export { OwnDaemon, findDaemon } from "./daemon.js";
 export { Code, CollidedError, type ErrorDetails } from "./errors.js";
 export type { Indices, Positions, RigidMatrix } from "./arrays.js";
 export type { MeshInput, SceneInput } from "./scene.js";
+export type { MeshElements } from "./mesh_elements.js";
 export type { FrameInput, MeshEditInput, MeshUpdateInput, SceneEditInput } from "./frame.js";
 export type { Contacts, ContactsByKind } from "./contacts.js";
 export type { FrameOutput } from "./output.js";

@@ -27,12 +27,25 @@ test("a scene is created, listed, estimated and deleted", async () => {
   await refused(() => client.getScene(scene.sceneId), Code.NOT_FOUND, "scene_id");
 });
 
-test("triangles go up in chunks, whole ones, however many there are", async () => {
+test("triangles go up in chunks, whole ones, however many there are, and can be read again", async () => {
   const { scene } = sheets(230); // 1.27 MB of triangles a mesh: two chunks
   const created = await used.client.createScene(scene);
   assert.equal(created.state, SceneState.READY);
   assert.equal(created.triangleCount, 2n * 2n * 230n * 230n);
+  assert.deepEqual((await used.client.getMesh(created, 1)).elements, scene.meshes[1].triangles);
   await used.client.deleteScene(created);
+});
+
+test("what a mesh is made of is told to whoever asks", async () => {
+  const hair = { name: "hair", vertexCount: 6, triangles: [0, 1, 2], edges: [2, 3, 3, 4], points: [5] };
+  const scene = await used.client.createScene({ mode: DetectionMode.CCD, meshes: [hair] });
+  const mesh = await used.client.getMesh(scene.sceneId, 0);
+  assert.deepEqual([...mesh.elements], [0, 1, 2, 2, 3, 3, 3, 4, 4, 5, 5, 5]);
+  assert.deepEqual([mesh.vertexCount, mesh.editCount], [6, 0n]);
+  await refused(() => used.client.getMesh(scene, 1), Code.INVALID_ARGUMENT, "mesh");
+  await refused(() => used.client.getMesh(scene, -1), Code.INVALID_ARGUMENT, "mesh", /is -1/);
+  await refused(() => used.client.getMesh("none", 0), Code.NOT_FOUND, "scene_id");
+  await used.client.deleteScene(scene);
 });
 
 test("a refused upload leaves no scene", async () => {

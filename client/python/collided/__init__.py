@@ -11,6 +11,7 @@ import importlib
 from typing import Any
 
 from collided.connection.client import Client
+from collided.connection.mesh_elements import MeshElements
 from collided.connection.options import ConnectOptions
 from collided.connection.own_daemon import OwnDaemon
 from collided.contacts import Contacts, Flag
@@ -31,8 +32,8 @@ from collided.watch import Watched, Watcher
 __version__ = "0.1.0"
 __all__ = ["Aborted", "AlreadyExists", "Box", "Cancelled", "Client", "ConnectOptions", "Contacts", "DataLoss",
            "DeadlineExceeded", "Edit", "Error", "FailedPrecondition", "Flag", "FrameOptions", "Internal",
-           "InvalidArgument", "Mesh", "NotFound", "OwnDaemon", "PermissionDenied", "ResourceExhausted", "Rigid",
-           "Scene", "SceneOptions", "Session", "Sparse", "Unauthenticated", "Unavailable", "Unimplemented",
+           "InvalidArgument", "Mesh", "MeshElements", "NotFound", "OwnDaemon", "PermissionDenied", "ResourceExhausted",
+           "Rigid", "Scene", "SceneOptions", "Session", "Sparse", "Unauthenticated", "Unavailable", "Unimplemented",
            "Watched", "Watcher", "detect", "move_along", "move_rigidly", "pack_quantized", "proximity",
            "unpack_quantized"]
 

@@ -72,6 +72,16 @@ class Layout:
         return ((i, mesh) for i, mesh in enumerate(self.meshes) if mesh is not None)
 
     @cached_property
+    def movable(self) -> list[int]:
+        """Indices of the meshes that are not static."""
+        return [i for i, mesh in self.present() if not mesh.is_static]
+
+    @cached_property
+    def removed(self) -> list[int]:
+        """Indices of meshes that an edit has removed."""
+        return [i for i, mesh in enumerate(self.meshes) if mesh is None]
+
+    @cached_property
     def vertex_offsets(self) -> np.ndarray:
         """First scene-wide vertex of each mesh, and the number of all."""
         return _sums([0 if mesh is None else mesh.vertex_count for mesh in self.meshes])

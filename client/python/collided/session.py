@@ -84,8 +84,7 @@ class Session:
         Arguments as of `step`. Arrays may be changed once this returns.
         """
         self._stream.check_open()
-        self._stream.begin()
-        is_first = not self._stream.has_begun
+        is_first = not self._stream.begin()
         return self._stream.send(self.scene.track.request(self._stream.layout, is_first, positions, start,
                                                           cast(FrameOptions, options)))
 

@@ -64,9 +64,10 @@ class Stream:
     @property
     def layout(self) -> Layout:
         """Of the scene once all that was sent is answered."""
-        edits = (pending.request.edit for pending in reversed(self._pending) if pending.request.edit is not None)
-        last = next(edits, None)
-        return self._track.layout if last is None else last.layout
+        for pending in reversed(self._pending):
+            if pending.request.edit is not None:
+                return pending.request.edit.layout
+        return self._track.layout
 
     @property
     def has_begun(self) -> bool:
@@ -78,12 +79,12 @@ class Stream:
         if self._failure is not None:
             raise self._failure
 
-    def begin(self) -> None:
-        """Puts a scene whose meshes all have vertices there."""
+    def begin(self) -> bool:
+        """Puts a scene whose meshes all have vertices there. Whether the scene has positions, or will have."""
         while not self.has_begun:
             state = self._track.initial()
             if state is None:
-                return
+                return False
             try:
                 if self._transport is None:
                     self._reopen()
@@ -92,6 +93,7 @@ class Stream:
                 if isinstance(error, NotSent) or error.frame_id:
                     raise
                 self._after(error)
+        return True
 
     def send(self, request: Request) -> int:
         """Waits for a credit, and sends. Nothing is in flight that was not before if it raises Error."""

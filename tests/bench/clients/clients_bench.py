@@ -5,7 +5,8 @@ usage: clients_bench.py DAEMON CLIENT_FRAMES [--blocks N] [--frames N] [--side N
 
 Each frame brings the positions of a sheet of SIDE * SIDE vertices (296: 1 MB). `ratio` is Python's median time of a frame
 over that of C++, `ratio beyond engine` the same without the time that the daemon's engine takes. Rows "few" have triangles in
-4 cells, so that there is little but the way there and back; rows "all" have them everywhere, as scenes do.
+4 cells, so that there is little but the way there and back; rows "all" have them everywhere, as scenes do. Rows "calls" are
+Python's calls for single frames beside the gRPC stream of C++.
 """
 
 import argparse
@@ -19,7 +20,7 @@ import numpy as np
 import collided
 from collided.connection.own_daemon import OwnDaemon
 
-TRANSPORTS = ("grpc", "shared_memory")
+TRANSPORTS = {"grpc": "grpc", "calls": "grpc", "shared_memory": "shared_memory"}  # of Python, and of C++
 
 
 def triangles(side, cells):
@@ -75,7 +76,7 @@ class Cpp:
 def compare(arguments, server, transport, cells):
     """Medians over all blocks, in microseconds."""
     lanes = {"python": Python(server, transport, arguments.side, cells),
-             "cpp": Cpp(arguments.client_frames, server, transport, arguments.side, cells)}
+             "cpp": Cpp(arguments.client_frames, server, TRANSPORTS[transport], arguments.side, cells)}
     times = {name: [] for name in lanes}
     for lane in lanes.values():
         lane.frames(arguments.frames)  # warm

@@ -4,6 +4,7 @@
 from support import FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, assert_same, lowered, main, meshes, np
 
 import collided
+from collided.transport.region import Region, RegionLayout
 
 
 class Sessions(Case):
@@ -51,6 +52,30 @@ class Sessions(Case):
             moving[:] = 1e6
             self.expect_hit(session.receive(), 2)
             np.testing.assert_array_equal(session.positions["tip"], lowered(2))
+
+    def test_positions_that_are_kept_stay_those_of_their_frame(self):
+        for transport in STREAMS:
+            for window in (1, 16):  # with and without memory for positions to stay in
+                session = self.session(window=window, transport=transport, position_format="f64")
+                kept = []
+                for step in range(12):
+                    contacts = session.step({"tip": lowered(step / 16)})
+                    kept.append((contacts, session.positions["tip"]))
+                for step, (contacts, positions) in enumerate(kept):
+                    np.testing.assert_array_equal(positions, lowered(step / 16))
+                    np.testing.assert_array_equal(contacts.answer.ends[3:], lowered(step / 16))
+
+    def test_shared_memory_is_used_again_once_nothing_views_it(self):
+        region = Region(RegionLayout(window=1, frame_bytes=4096, lasting=2, lasting_bytes=4096, output_bytes=0))
+        self.addCleanup(region.close)
+        first, second = region.lasting_part(4096), region.lasting_part(4096)
+        view, starts = first.bytes[8:16].view("<f4").reshape(2, 1), (first.start, second.start)
+        self.assertEqual(starts, (4096, 8192))
+        del first
+        self.assertIsNone(region.lasting_part(1))
+        del view
+        self.assertIsNone(region.lasting_part(4097))
+        self.assertEqual(region.lasting_part(1).start, starts[0])
 
     def test_any_layout_and_number_type_of_arrays_gives_the_same(self):
         forms = {"float64": lowered(2).astype(float), "big-endian": lowered(2).astype(">f4"),

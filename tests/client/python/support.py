@@ -74,8 +74,9 @@ class Supervised:
 
     def kill(self):
         """As kill -9 would, in the middle of whatever it does."""
-        self.process.send_signal(signal.SIGKILL)
-        self.process.wait()
+        process = self.process  # the supervisor may have started another one before wait()
+        process.send_signal(signal.SIGKILL)
+        process.wait()
 
     def freeze(self):
         """Stops it in the middle of whatever it does, until it is sent SIGCONT."""

@@ -6,6 +6,8 @@ import threading
 from support import ONE, TIP, Case, lowered, main, np
 
 import collided
+from collided.connection.mesh_elements import read_elements
+from collided.v1 import collision_service_pb2 as api
 
 
 class Watching(Case):
@@ -14,10 +16,11 @@ class Watching(Case):
         self.addCleanup(watcher.close)
         return watcher
 
-    def shown(self, watcher):
-        """The first frame after frame 1, which was answered before the watch, but may be shown after that."""
-        frame = watcher.receive(timeout=30)
-        return frame if frame.contacts.frame_id > 1 else watcher.receive(timeout=30)
+    def shown(self, watcher, sent):
+        """A frame that was sent after the watch began. One that was answered before may be shown after that, too."""
+        while (frame := watcher.receive(timeout=30)).contacts.wire_id < sent.wire_id:
+            continue
+        return frame
 
     def test_frames_contacts_and_positions(self):
         for form in ("f32", "f64"):
@@ -26,7 +29,7 @@ class Watching(Case):
             watcher = self.watch(session, max_contacts_per_kind=8, meshes=["tip", 0])
             self.assertEqual(watcher.scene.scene_id, session.scene.id)
             sent = session.step({"tip": lowered(2)})
-            frame = self.shown(watcher)
+            frame = self.shown(watcher, sent)
             self.assertEqual(frame.contacts.stencils.tolist(), sent.stencils.tolist())
             self.assertEqual(frame.contacts.of_mesh("tip").toi.tolist(), sent.toi.tolist())
             self.assertEqual((frame.skipped_frames, frame.omitted_contacts, frame.vertex_stride), (0, 0, 1))
@@ -50,16 +53,55 @@ class Watching(Case):
         session = self.session(edit_bytes=4096)
         session.step()
         watcher = self.watch(session, max_contacts_per_kind=8)
-        session.step({"tip": lowered(2)}, edit=collided.Edit({"far": collided.Mesh(TIP + 50, ONE)}))
-        frame = self.shown(watcher)
+        sent = session.step({"tip": lowered(2)}, edit=collided.Edit({"far": collided.Mesh(TIP + 50, ONE)}))
+        frame = self.shown(watcher, sent)
         self.assertEqual((frame.edit_count, len(frame.contacts.of_mesh("far")), len(frame.contacts.of_mesh("tip"))), (1, 0, 1))
+
+    def test_what_meshes_are_made_of_is_told_as_edits_leave_it(self):
+        hair = collided.Mesh(triangles=ONE, edges=[[2, 3], [3, 4]], points=[5], vertices=np.eye(6, 3))
+        session = self.session({"tip": collided.Mesh(TIP, ONE), "hair": hair}, edit_bytes=4096)
+        client, scene = session.scene.client, session.scene
+        mesh = client.get_mesh(scene.id, 1)
+        self.assertEqual((mesh.vertex_count, mesh.edit_count), (6, 0))
+        self.assertEqual(mesh.elements.tolist(), [[0, 1, 2], [2, 3, 3], [3, 4, 4], [5, 5, 5]])
+        self.assertEqual([mesh.triangles.tolist(), mesh.edges.tolist(), mesh.points.tolist()],
+                         [[[0, 1, 2]], [[2, 3], [3, 4]], [5]])
+        session.step(edit=collided.Edit({"hair": None}))
+        mesh = client.get_mesh(scene.id, 1)
+        self.assertEqual((mesh.elements.shape, mesh.vertex_count, mesh.edit_count), ((0, 3), 0, 1))
+        for bad in (2, -1, 1.5, True, 2**32):
+            self.assertIn("mesh", self.refused(collided.InvalidArgument, "mesh", client.get_mesh, scene.id, bad).field)
+        self.refused(collided.NotFound, "", client.get_mesh, "none", 0)
+
+    def test_a_mesh_of_several_pages_is_read_whole(self):
+        triangles = np.arange(120_000)[:, None] + [0, 1, 2]
+        with collided.Scene(collided.Mesh(triangles=triangles, vertex_count=120_002), server=self.server,
+                            position_format="f32") as scene:
+            np.testing.assert_array_equal(scene.client.get_mesh(scene.id, 0).triangles, triangles)
+
+    def test_a_mesh_that_is_edited_between_two_pages_is_read_again(self):
+        triangles = np.arange(90_000)[:, None] + [0, 1, 2]
+        strip = collided.Mesh(triangles=triangles, vertices=np.arange(90_002)[:, None] * [1, 0, 0], self_contacts=False)
+        session = self.session({"strip": strip}, transport="grpc")
+        session.step()
+        asked = []
+
+        def page_from(element):
+            asked.append(element)
+            page = session.scene.client.call("GetMesh", api.GetMeshRequest(scene_id=session.scene.id, first_element=element))
+            if len(asked) == 1:
+                session.step(edit=collided.Edit({"strip": collided.Mesh(triangles=ONE, vertex_count=90_002, self_contacts=False)}))
+            return page
+
+        mesh = read_elements(page_from)
+        self.assertEqual((mesh.elements.tolist(), mesh.edit_count, len(asked)), (ONE.tolist(), 1, 3))
 
     def test_wire_ids_tell_which_frame_of_the_session_is_shown(self):
         session = self.session(edit_bytes=4096)
         session.step()
         watcher = self.watch(session)
         edited = session.step({"tip": lowered(2)}, edit=collided.Edit({"far": collided.Mesh(TIP + 50, ONE)}))
-        self.assertEqual((self.shown(watcher).contacts.wire_id, edited.frame_id), (edited.wire_id, 2))
+        self.assertEqual((self.shown(watcher, edited).contacts.wire_id, edited.frame_id), (edited.wire_id, 2))
         moved = session.step({"tip": lowered(3)})
         self.assertEqual((watcher.receive(timeout=30).contacts.frame_id, moved.frame_id), (moved.wire_id, 3))
 

@@ -6,14 +6,17 @@ import os
 import threading
 import time
 import uuid
+from collections.abc import Callable
 from typing import Any
 
 import grpc
+import numpy as np
 
 from collided.connection.channel import ask_for_info, metadata, open_channel
+from collided.connection.mesh_elements import MeshElements, read_elements
 from collided.connection.options import ConnectOptions, is_local_address
 from collided.connection.own_daemon import OwnDaemon, shared_daemon
-from collided.errors import Error, Unavailable, error_of_call
+from collided.errors import Error, InvalidArgument, Unavailable, error_of_call
 from collided.layout import Layout
 from collided.options import SceneOptions
 from collided.v1 import collision_service_pb2 as api
@@ -22,6 +25,7 @@ from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
 
 _TRIANGLES_PER_CHUNK = (1 << 20) // 12  # 1 MiB, well below the limit of any daemon
 _CREATE_TRIES, _RETRY_SECONDS = 3, 0.2
+_UINT32_MAX = 2**32 - 1
 
 
 class Client:
@@ -77,6 +81,19 @@ class Client:
     def get_scene(self, scene_id: str) -> scene_pb2.Scene:
         """State and memory of a scene; restarts its lease. NotFound."""
         return self.call("GetScene", api.GetSceneRequest(scene_id=scene_id), scene_id).scene
+
+    def get_mesh(self, scene_id: str, mesh: int) -> MeshElements:
+        """What a mesh of a scene is made of now, whoever created it. mesh: its index in the scene's spec.
+
+        NotFound; InvalidArgument for a mesh that the scene does not have; Aborted if edits keep changing it.
+        """
+        if isinstance(mesh, bool) or not isinstance(mesh, (int, np.integer)) or not 0 <= mesh <= _UINT32_MAX:
+            raise InvalidArgument(f"mesh is {mesh!r}; it must be an index from 0", field="mesh")
+
+        def page_from(element: int) -> api.GetMeshResponse:
+            return self.call("GetMesh", api.GetMeshRequest(scene_id=scene_id, mesh=mesh, first_element=element), scene_id)
+
+        return read_elements(page_from)
 
     def delete_scene(self, scene_id: str) -> None:
         """Frees a scene's memory. NotFound."""
@@ -135,11 +152,12 @@ class Client:
         """Ends the connection. The client connects again if it is used again."""
         self.reconnect()
 
-    def call(self, method: str, request: Any, scene_id: str = "", timeout: float | None = None) -> Any:
-        """One unary call."""
+    def call(self, method: str | Callable[..., Any], request: Any, scene_id: str = "",
+             timeout: float | None = None) -> Any:
+        """One call. method: its name, or what the channel gives for it."""
         try:
-            return getattr(CollisionServiceStub(self.channel()), method)(
-                request, timeout=timeout or self.options.deadline, metadata=metadata(self.options, scene_id))
+            call = getattr(CollisionServiceStub(self.channel()), method) if isinstance(method, str) else method
+            return call(request, timeout=timeout or self.options.deadline, metadata=metadata(self.options, scene_id))
         except grpc.RpcError as error:
             raise error_of_call(error) from None
         except ValueError:  # of gRPC, where another thread has closed the channel meanwhile

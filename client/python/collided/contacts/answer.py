@@ -12,7 +12,7 @@ from collided.layout import Layout
 from collided.v1 import frame_pb2
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Answer:
     """The end of a frame. way: None where the client does not know the positions, as of a frame that it watches."""
 

@@ -42,6 +42,8 @@ def frame_head(options: FrameOptions) -> frame_pb2.Frame:
     if unknown:
         known = ", ".join(FrameOptions.__annotations__)
         raise InvalidArgument(f"{min(unknown)!r} is no option of a frame; these are {known}", field=min(unknown))
+    if not options:
+        return frame_pb2.Frame()
     head = frame_pb2.Frame(
         mode=choice(scene_pb2.DetectionMode, "DETECTION_MODE_", options.get("mode"), "mode"),
         accuracy=choice(scene_pb2.Accuracy, "ACCURACY_", options.get("accuracy"), "accuracy"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -50,7 +51,7 @@ class Placement:
     def moved(self, indices: np.ndarray | None, positions: np.ndarray, form: Format) -> Placement:
         """With new positions of the vertices `indices`, or of all."""
         if indices is None:
-            return replace(self, base=positions, patches=())
+            return Placement(positions, self.rest, self.pose)
         if self.base.dtype != positions.dtype:  # between the steps of Q16
             positions = form.decode(positions)
         patches = (*self.patches, (indices, positions))
@@ -62,8 +63,7 @@ class Placement:
 State = dict[int, Placement]
 
 
-@dataclass(frozen=True, eq=False)
-class Way:
+class Way(NamedTuple):
     """From where to where a frame's meshes moved, whether or not they went all of it."""
 
     start: State
@@ -97,9 +97,10 @@ def way_of(updates: list[Update], before: State, begun: frozenset[int], layout: 
             old = None  # static and rigid meshes that an edit replaced may begin again
         begins, ends = _first(update, layout.mesh(update.mesh).is_rigid) if old is None else _next(update, old, form)
         start[update.mesh], end[update.mesh] = begins, ends
-    present = {i for i, _ in layout.present()}
-    return Way({i: p for i, p in start.items() if i in present}, {i: p for i, p in end.items() if i in present},
-               layout, form)
+    for index in layout.removed:
+        start.pop(index, None)
+        end.pop(index, None)
+    return Way(start, end, layout, form)
 
 
 def first_placement(positions: np.ndarray, is_rigid: bool, pose: np.ndarray | None = None) -> Placement:

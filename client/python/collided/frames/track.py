@@ -154,7 +154,7 @@ class Track:
         then = [Update(i, positions=place.positions, start=place.positions if self.has_starts else None)
                 for i, mesh, place in places if i in at_rest and not mesh.is_rigid]
         removed = frame_pb2.Frame()
-        for i in (i for i, mesh in enumerate(self.layout.meshes) if mesh is None):
+        for i in self.layout.removed:
             first.append(Update(i, positions=np.zeros((1, 3), self.form.dtype)))
             removed.edit.meshes.add(mesh=i)
         requests = [Request(frame_pb2.Frame(), first, is_counted=False)]

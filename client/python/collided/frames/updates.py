@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -50,21 +50,19 @@ class Update:
     start_pose: np.ndarray | None = None
 
 
-@dataclass(frozen=True)
-class Context:
-    """What a frame's updates are checked against."""
+class Context(NamedTuple):
+    """What a frame's updates are checked against. has_starts: not in scenes of DCD."""
 
     layout: Layout
     format: Format
-    has_starts: bool = field(default=True)  # not in scenes of DCD
+    has_starts: bool = True
 
 
 def updates_of(context: Context, positions: Any, start: Any) -> list[Update]:
     """Updates of the meshes that `positions` names; `start` may name the same."""
     moved = _by_mesh(context.layout, positions, "positions")
     starts = _by_mesh(context.layout, start, "start")
-    alone = starts.keys() - moved.keys()
-    if alone:
+    if alone := starts.keys() - moved.keys():
         raise InvalidArgument(f"start names mesh {min(alone)}, and positions do not", field="start")
     return [_update(context, index, value, starts.get(index)) for index, value in sorted(moved.items())]
 
@@ -74,11 +72,10 @@ def _by_mesh(layout: Layout, values: Any, argument: str) -> dict[int, Any]:
         return {}
     if isinstance(values, Mapping):
         return {layout.index(mesh): value for mesh, value in values.items()}
-    movable = [i for i, mesh in layout.present() if not mesh.is_static]
-    if len(movable) != 1:
-        raise InvalidArgument(f"{argument} is not a mapping of meshes, which the scene needs: {len(movable)} of its meshes "
-                              "can move", field=argument)
-    return {movable[0]: values}
+    if len(layout.movable) != 1:
+        raise InvalidArgument(f"{argument} is not a mapping of meshes, which the scene needs: {len(layout.movable)} of its "
+                              "meshes can move", field=argument)
+    return {layout.movable[0]: values}
 
 
 def _update(context: Context, index: int, value: Any, start: Any) -> Update:

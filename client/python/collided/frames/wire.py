@@ -1,7 +1,8 @@
-"""A frame as the bytes of a StreamFramesRequest: encoded here because protobuf's own encoder copies positions twice."""
+"""A frame as the bytes of a request: encoded here because protobuf's own encoder copies positions twice."""
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,8 @@ from collided.frames.updates import Update
 from collided.v1 import frame_pb2
 
 # Tags of fields that have a length: number << 3 | 2.
-_FRAME = b"\x12"  # StreamFramesRequest.frame
+_SCENE_ID = b"\x0a"  # DetectFrameRequest.scene_id
+_FRAME = b"\x12"  # StreamFramesRequest.frame and DetectFrameRequest.frame
 _UPDATES = b"\x1a"  # Frame.updates
 _MESH = b"\x08"  # MeshUpdate.mesh, a varint
 _SPARSE, _RIGID, _START, _POSITIONS = b"\x12", b"\x1a", b"\x22", b"\x2a"
@@ -18,6 +20,7 @@ _INDICES = b"\x0a"
 _MATRIX, _START_MATRIX = b"\x0a", b"\x12"
 
 
+@lru_cache(256)  # sizes are the same from frame to frame
 def varint(value: int) -> bytes:
     """As protobuf writes an unsigned number."""
     out = bytearray()
@@ -53,14 +56,21 @@ class _Parts:
         self.size += parts.size
 
 
-def encode_frame(head: frame_pb2.Frame, updates: list[Update]) -> tuple[bytes, list[Update]]:
-    """The message, and the updates as views of it. head: the frame without its updates."""
+def encode_frame(head: frame_pb2.Frame, updates: list[Update], scene_id: str = "") -> tuple[bytes, list[Update]]:
+    """A StreamFramesRequest, or with a scene's id a DetectFrameRequest; and the updates as views of it.
+
+    head: the frame without its updates.
+    """
     frame = _Parts()
     options = head.SerializeToString()
     frame.add(options, len(options))
     for update in updates:
         frame.message(_UPDATES, _update(update))
     request = _Parts()
+    if scene_id:
+        scene = scene_id.encode()
+        field = _SCENE_ID + varint(len(scene)) + scene
+        request.add(field, len(field))
     request.message(_FRAME, frame)
     message = b"".join(request.pieces)
     return message, _views(message, request.pieces, updates)

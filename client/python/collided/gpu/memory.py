@@ -9,7 +9,7 @@ import numpy as np
 from collided.errors import DataLoss
 from collided.gpu.arrays import Incoming
 from collided.gpu.cuda import Cuda
-from collided.transport.region import RegionLayout
+from collided.transport.region import Part, RegionLayout
 from collided.v1 import local_pb2
 
 
@@ -27,9 +27,14 @@ class DeviceMemory:
         opening.output_bytes = self.layout.output_bytes
         return []
 
-    def start_of(self, frame: int) -> int:
-        """Where a frame's part of the input begins."""
-        return self.layout.output_bytes + frame % self.layout.window * self.layout.frame_bytes
+    def part(self, frame: int) -> Part:
+        """For a frame, until it is answered."""
+        start = self.layout.output_bytes + frame % self.layout.window * self.layout.frame_bytes
+        return Part(start, self.layout.frame_bytes)
+
+    def lasting_part(self, size: int) -> Part | None:
+        """None: positions are not needed once they were sent."""
+        return None
 
     def write(self, start: int, array: Any) -> None:
         """Complete once this returns."""

@@ -117,7 +117,7 @@ class DeviceSession:
         if values is None or not (isinstance(values, Mapping) or is_on_device(values)):
             return {}, values
         if not isinstance(values, Mapping):
-            movable = [i for i, mesh in self._layout.present() if not mesh.is_static]
+            movable = self._layout.movable
             if len(movable) != 1:
                 raise InvalidArgument(f"positions are not a mapping of meshes, and {len(movable)} meshes can move",
                                       field="positions")

@@ -12,6 +12,7 @@ from collided.frames.wire import encode_frame
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2
 
+_METHOD = "/collided.v1.CollisionService/DetectFrame"
 _CODES = {InvalidArgument: 3, ResourceExhausted: 8, FailedPrecondition: 9}
 
 
@@ -20,6 +21,8 @@ class CallTransport:
 
     def __init__(self, client: Client) -> None:
         self._client = client
+        self._detect_frame = client.channel().unary_unary(_METHOD, request_serializer=None,
+                                                          response_deserializer=api.DetectFrameResponse.FromString)
         self._scene_id = ""
         self._answers: deque[api.StreamFramesResponse] = deque()
 
@@ -29,11 +32,9 @@ class CallTransport:
         self._answers.append(api.StreamFramesResponse(opened=opened))
 
     def send(self, head: frame_pb2.Frame, updates: list[Update]) -> list[Update]:
-        message, kept = encode_frame(head, updates)
-        frame = api.StreamFramesRequest.FromString(message).frame
-        request = api.DetectFrameRequest(scene_id=self._scene_id, frame=frame)
+        request, kept = encode_frame(head, updates, self._scene_id)
         try:
-            answer = self._client.call("DetectFrame", request, self._scene_id)
+            answer = self._client.call(self._detect_frame, request, self._scene_id)
         except (InvalidArgument, ResourceExhausted, FailedPrecondition) as error:
             self._answers.append(api.StreamFramesResponse(frame_id=head.frame_id, error=_refusal(error)))
             return kept

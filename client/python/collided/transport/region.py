@@ -5,8 +5,10 @@ from __future__ import annotations
 import fcntl
 import mmap
 import os
+import weakref
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -23,26 +25,46 @@ _POSITION_BYTES = {scene_pb2.POSITION_FORMAT_F32: 12, scene_pb2.POSITION_FORMAT_
 
 @dataclass(frozen=True)
 class RegionLayout:
-    """How the memory is divided: input for each frame of the window, then contacts of all frames."""
+    """How the memory is divided: input for each frame of the window, positions that stay there, then contacts of all frames.
+
+    lasting, lasting_bytes: how many frames' positions may stay, and bytes of each.
+    """
 
     window: int
     frame_bytes: int
+    lasting: int
+    lasting_bytes: int
     output_bytes: int
 
     @property
-    def input_bytes(self) -> int:
+    def lasting_at(self) -> int:
         return self.window * self.frame_bytes
 
+    @property
+    def input_bytes(self) -> int:
+        return self.lasting_at + self.lasting * self.lasting_bytes
 
-def region_layout(spec: scene_pb2.SceneSpec, window: int, output_bytes: int, edit_bytes: int) -> RegionLayout:
-    """Room for any frame of the scene."""
+
+class Part(NamedTuple):
+    """A frame's part of the input. bytes: if it is this frame's until no array views them any more."""
+
+    start: int
+    size: int
+    bytes: np.ndarray | None = None
+
+
+def region_layout(spec: scene_pb2.SceneSpec, window: int, output_bytes: int, edit_bytes: int,
+                  lasting: int = 0) -> RegionLayout:
+    """Room for any frame of the scene, and for the positions of `lasting` frames to stay."""
     positions = 1 if spec.mode == scene_pb2.DETECTION_MODE_DCD else 2
     vertices = sum(mesh.vertex_count for mesh in spec.meshes)
     message = MAX_PACKET_BYTES + len(spec.meshes) * _UPDATE_BYTES
-    frame = whole_pages(vertices * (positions * _POSITION_BYTES[spec.position_format] + 4) + message)
+    position = _POSITION_BYTES[spec.position_format]
+    frame = whole_pages(vertices * (positions * position + 4) + message)
+    all_positions = whole_pages(vertices * position + len(spec.meshes) * ALIGNMENT)
     edit = min(whole_pages(edit_bytes), _MAX_EDIT_BYTES // window // PAGE * PAGE)
     output = min(whole_pages(output_bytes), _MAX_OUTPUT_BYTES // window // PAGE * PAGE)
-    return RegionLayout(window, frame + edit, window * output)
+    return RegionLayout(window, frame + edit, lasting, all_positions, window * output)
 
 
 def whole_pages(size: int) -> int:
@@ -56,7 +78,9 @@ class Memory(Protocol):
 
     def describe(self, opening: local_pb2.LocalOpen) -> list[int]: ...
 
-    def start_of(self, frame: int) -> int: ...
+    def part(self, frame: int) -> Part: ...
+
+    def lasting_part(self, size: int) -> Part | None: ...
 
     def write(self, start: int, array: Any) -> None: ...
 
@@ -75,21 +99,33 @@ class Region:
             self._file = open(os.memfd_create("collided", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING), "r+b", buffering=0)
             os.ftruncate(self._file.fileno(), size)
             fcntl.fcntl(self._file.fileno(), fcntl.F_ADD_SEALS, _SEALS)
-            self._bytes = np.frombuffer(mmap.mmap(self._file.fileno(), size), np.uint8)
+            self._bytes = memoryview(mmap.mmap(self._file.fileno(), size))
         except OSError as error:
             raise ResourceExhausted(f"no shared memory of {size} bytes: {error.strerror}") from None
+        self._lasting: list[Callable[[], object]] = [lambda: None] * layout.lasting  # what each part is taken by
 
     def describe(self, opening: local_pb2.LocalOpen) -> list[int]:
         """Tells the daemon of it. The descriptors to hand over."""
         opening.input_bytes, opening.output_bytes = self.layout.input_bytes, self.layout.output_bytes
         return [self._file.fileno()]
 
-    def start_of(self, frame: int) -> int:
-        """Where a frame's part of the input begins."""
-        return frame % self.layout.window * self.layout.frame_bytes
+    def part(self, frame: int) -> Part:
+        """For a frame, until it is answered."""
+        return Part(frame % self.layout.window * self.layout.frame_bytes, self.layout.frame_bytes)
+
+    def lasting_part(self, size: int) -> Part | None:
+        """A part of so many bytes that nothing views any more; None if there is none."""
+        room = self.layout.lasting_bytes
+        for index, taken_by in enumerate(self._lasting):
+            if size <= room and taken_by() is None:
+                start = self.layout.lasting_at + index * room
+                array = np.frombuffer(self._bytes, np.uint8, room, start)  # which numpy keeps as the base of all views of it
+                self._lasting[index] = weakref.ref(array)
+                return Part(start, room, array)
+        return None
 
     def write(self, start: int, array: Any) -> None:
-        np.copyto(self._bytes[start:start + array.nbytes], array.reshape(-1).view(np.uint8))
+        self._bytes[start:start + array.nbytes] = array.reshape(-1).view(np.uint8).data
 
     def output(self, start: int, size: int) -> memoryview:
         """Bytes of the output."""
@@ -97,8 +133,8 @@ class Region:
         if start > room or size > room - start:
             raise DataLoss(f"contacts.shared names {size} bytes at offset {start}; the output region has {room}")
         at = self.layout.input_bytes + start
-        return self._bytes[at:at + size].data
+        return self._bytes[at:at + size]
 
     def close(self) -> None:
         self._file.close()
-        self._bytes = np.empty(0, np.uint8)
+        self._bytes = memoryview(b"")
