@@ -8,7 +8,6 @@
 #include <cub/cub.cuh>
 #include <memory>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -16,6 +15,7 @@
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/concepts.hpp"
 #include "gpu/exec/cpu/cpu_loops.hpp"
+#include "gpu/exec/cuda/awake.cuh"
 #include "gpu/exec/cuda/cuda_memory.cuh"
 #include "gpu/exec/cuda/for_each.cuh"
 #include "gpu/exec/cuda/in_parts.cuh"
@@ -359,9 +359,10 @@ class CudaExec {
   void wait_for_answer() {
     constexpr unsigned kLooks = 1024;  // before the driver is asked, which knows of errors
     draining_if_thrown([&] {
+      const Awake awake;
       for (unsigned look = 1; !answer_.has_come(); ++look) {
         if (look % kLooks == 0) is_step_over();
-        if (look % 16 == 0) std::this_thread::yield();
+        awake.rest(look);
         asks().ask_if_due();
       }
     });
