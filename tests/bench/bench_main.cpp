@@ -32,7 +32,8 @@ const Names<Engine> kEngines{{"auto", Engine::kAuto},
                              {"bottom-up", Engine::kBottomUp},
                              {"uniform-grid", Engine::kUniformGrid},
                              {"two-level-grid", Engine::kTwoLevelGrid},
-                             {"lbvh", Engine::kLbvh}};
+                             {"lbvh", Engine::kLbvh},
+                             {"vss", Engine::kVss}};
 
 struct Options {
   SceneSpec spec;
@@ -65,7 +66,7 @@ void add_options(CLI::App& app, Options& o) {
   add_choice(app, "--accuracy", o.spec.accuracy, kLevels, "candidates, fast, guarded, certified or exact");
   add_choice(app, "--scalar", o.spec.scalar, kScalars, "f32 or f64");
   add_choice(app, "--engine", o.spec.engine, kEngines,
-             "auto, octree, top-down, bottom-up, uniform-grid, two-level-grid or lbvh");
+             "auto, octree, top-down, bottom-up, uniform-grid, two-level-grid, lbvh or vss");
   app.add_flag("--normals", o.normals, "Contacts have normals too");
   app.add_option("--thickness", o.spec.thickness, "Contact distance")->capture_default_str();
   app.add_option("--threads", o.spec.threads, "CPU threads; 0: all cores")->capture_default_str();
