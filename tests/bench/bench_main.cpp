@@ -84,8 +84,10 @@ void add_options(CLI::App& app, Options& o) {
   app.add_flag("--compare-levels", o.compare_levels,
                "Run all levels side by side (CCD): per scene and level, narrow phase and all stages, as times and as "
                "ratios to FAST");
-  app.add_flag("--compare-engines", o.compare_engines,
-               "Run all engines: per scene and engine, tests, registrations and pairs of each step (no times)");
+  app.add_flag(
+      "--compare-engines", o.compare_engines,
+      "Run all engines, or that of --engine: per scene and engine, tests, registrations and pairs of each step (no "
+      "times)");
 }
 
 uint64_t bytes_of(const Detector& detector) {
@@ -170,7 +172,8 @@ RunReport run_all(const Options& o) {
 }
 
 void compare_engines(const Options& o) {
-  const Names<Engine> engines(std::next(kEngines.begin()), kEngines.end());  // all but auto
+  Names<Engine> engines(std::next(kEngines.begin()), kEngines.end());  // all but auto
+  if (o.spec.engine != Engine::kAuto) engines = {{name_of(kEngines, o.spec.engine), o.spec.engine}};
   std::vector<EngineRun> runs;
   for (const BenchInput& input : bench_inputs(o.scene, o.scale)) {
     std::cerr << input.name << "\n";
