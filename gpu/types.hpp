@@ -95,8 +95,8 @@ constexpr uint64_t position_bytes(Scalar scalar) { return scalar == Scalar::kF64
 
 /// Broad phase: which triangle pairs are tested at all. The pairs found are the same. kAuto lets the scene choose by
 /// measured times; kOctree is the two-stage adaptive octree grid of the paper, kTopDown and kBottomUp its
-/// one-stage forms.
-enum class Engine { kAuto, kOctree, kTopDown, kBottomUp, kUniformGrid, kTwoLevelGrid, kLbvh };
+/// one-stage forms, kVss the uniform grid with virtual subdivision that it is compared with.
+enum class Engine { kAuto, kOctree, kTopDown, kBottomUp, kUniformGrid, kTwoLevelGrid, kLbvh, kVss };
 
 /// Why a frame's engine was chosen: the spec names it; no comparison yet; none yet, and the octree's counters looked
 /// wrong; it won the last comparison; a comparison is on.
@@ -303,7 +303,7 @@ struct FrameResult : PerKind<ContactSet> {
   /// without the time spent in FrameInput::cancelled on CPU cores.
   double step_milliseconds = 0;
   EngineFacts broad_phase;
-  double earliest_toi = 1;          ///< CCD; from kGuarded on no contact is earlier
+  double earliest_toi = 1;  ///< CCD; from kGuarded on no contact is earlier
   /// How far the scene went, in [0, 1], by the formula of positions/blend.hpp; where the frame asked to advance.
   std::optional<double> advanced = {};
   bool any_contact = false;

@@ -13,10 +13,11 @@ namespace collided {
 constexpr int kLevelsOfCrowdedCell = 2;
 
 /// A base level whose cells are `cell_per_mean` times smaller than the mean triangle is large, or as small as
-/// `deepest` allows; all levels above are active.
+/// `deepest` allows; all levels above are active. `mean()` is the length that it is.
+template <class Mean>
 struct SpanCells {
   const Box<float>* bounds;
-  MeanExtent mean;
+  Mean mean;
   double cell_per_mean;
   int deepest;
   LevelGrid* grid;

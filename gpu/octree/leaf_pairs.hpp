@@ -6,6 +6,7 @@
 #include "gpu/base/lattice.hpp"
 #include "gpu/base/mesh_filter.hpp"
 #include "gpu/base/tiles.hpp"
+#include "gpu/octree/control_bits.hpp"
 
 namespace collided {
 
@@ -19,7 +20,8 @@ struct LeafPairs {
   Span<const PairItem> items;
   const LeafTotals* totals;
   uint64_t registration_capacity;
-  uint64_t max_crowded_tests;  ///< beyond this the octree has to be refined first
+  uint64_t max_crowded_tests;                ///< beyond this the octree has to be refined first
+  Span<const MembersByStart> by_start = {};  ///< of each leaf, where members are in that order
 
   /// Whether the step will run again anyway, so that the search would be in vain: what does not fit was not written.
   COLLIDED_HD bool must_rerun() const {
@@ -37,16 +39,26 @@ struct LeafPairs {
     const PairItem item = items[i];
     const Leaf leaf = leaves[item.leaf];
     return {leaf, registered.data + leaf.offset, item.row * kTile, item.column * kTile,
-            min((item.column + tiles_of_item(leaf.count)) * kTile, leaf.count)};
+            min((item.column + tiles_of_item(leaf.count)) * kTile, end_of_row(item, leaf))};
   }
   /// Bit k: whether the box starts in the leaf's cell on axis k.
   COLLIDED_HD uint32_t axes_of_start(const Work& work, const Box<float>& box) const {
-    const Coords start = shifted(grid->deepest_cell(box.lo), kDeepest - work.leaf.level), cell = work.leaf.cell;
+    return axes_of_start(work.leaf, box);
+  }
+  COLLIDED_HD uint32_t axes_of_start(const Leaf& leaf, const Box<float>& box) const {
+    const Coords start = shifted(grid->deepest_cell(box.lo), kDeepest - leaf.level), cell = leaf.cell;
     return (start.x == cell.x ? 1u : 0u) | (start.y == cell.y ? 2u : 0u) | (start.z == cell.z ? 4u : 0u);
   }
   /// Whether a pair whose boxes overlap is this leaf's to report: on each axis one of them starts in the cell, for
   /// neither starts behind it.
   COLLIDED_HD static bool reports(uint32_t axes_a, uint32_t axes_b) { return (axes_a | axes_b) == 7u; }
+
+ private:
+  /// Behind the last member that those of the item's row may report a pair with; whole tiles.
+  COLLIDED_HD uint32_t end_of_row(const PairItem& item, const Leaf& leaf) const {
+    if (by_start.empty()) return leaf.count;
+    return min(leaf.count, tiles_of(by_start[item.leaf].end_for(item.row * kTile)) * kTile);
+  }
 };
 
 }  // namespace collided

@@ -69,7 +69,9 @@ struct OctreeBuffers {
         leaves(exec, "octree"),
         cursor(exec, "octree"),
         registered(exec, "registrations"),
-        items(exec, "octree") {}
+        items(exec, "octree"),
+        ordered(exec, "registrations"),
+        by_start(exec, "octree") {}
 
   Buffer<ActiveLevels, Exec> wanted;
   Buffer<uint32_t, Exec> counts;
@@ -85,6 +87,8 @@ struct OctreeBuffers {
   Buffer<uint32_t, Exec> cursor;
   Buffer<uint32_t, Exec> registered;
   Buffer<PairItem, Exec> items;
+  Buffer<uint32_t, Exec> ordered;         ///< `registered` by control bits; kVss
+  Buffer<MembersByStart, Exec> by_start;  ///< likewise
 };
 
 /// The bounding volume hierarchy of one frame.

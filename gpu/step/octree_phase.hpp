@@ -9,6 +9,7 @@
 #include "gpu/octree/cell_grid.hpp"
 #include "gpu/octree/refine.hpp"
 #include "gpu/octree/registration.hpp"
+#include "gpu/octree/subdivision.hpp"
 #include "gpu/search/resolution.hpp"
 #include "gpu/search/searcher.hpp"
 #include "gpu/step/buffers.hpp"
@@ -49,6 +50,9 @@ class OctreePhase {
     tree.cursor.allocate(tree.leaves.capacity());
     if (tree.registered.capacity() == 0) tree.registered.allocate(6 * n + first_length(n));
     if (tree.items.capacity() == 0) tree.items.allocate(n + first_length(n));
+    if (!has_control_bits(plan)) return;
+    tree.ordered.allocate(tree.registered.capacity());
+    tree.by_start.allocate(tree.leaves.capacity());
   }
 
   /// Makes room for what a step asked for; whether it has to run again.
@@ -104,17 +108,22 @@ class OctreePhase {
 
   // The same for grids whose cells are as large as the triangles.
   void choose_cells(const OctreePlan& plan) {
-    const bool uniform = plan.engine == Engine::kUniformGrid;
     StepState* state = scene_.state.data();
     const MeanExtent mean{&state->bounds, &state->extents, triangle_count()};
     LevelGrid* grid = &state->grid.grid;
     exec_.reduce_into("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
+    const auto span = [&]<class Mean>(const Mean& length) {
+      return SpanCells<Mean>{&state->bounds, length, kCellPerMean, deepest_base(triangle_count()), grid};
+    };
     exec_.reduce_into("extents", triangle_count(), ExtentOf{&state->bounds, boxes()}, uint64_t{0}, AddExtents{},
-                      &state->extents,
-                      SpanCells{&state->bounds, mean, kCellPerMean, deepest_base(triangle_count()), grid});
+                      &state->extents, span(mean));
+    if (plan.engine == Engine::kVss)  // then by those that are not large
+      exec_.reduce_into("ordinary_extents", triangle_count(), OrdinaryExtentOf{mean, boxes()}, OrdinaryExtents{},
+                        AddOrdinaryExtents{}, &state->ordinary, span(OrdinaryMean{&state->bounds, &state->ordinary}));
     exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevelOf{grid, boxes()}, LevelTotals{},
                       AddTotals{}, &state->totals,
-                      ChooseCells{&state->totals, triangle_count(), uniform ? 0 : kLevelsOfCrowdedCell, &state->grid});
+                      ChooseCells{&state->totals, triangle_count(),
+                                  plan.engine == Engine::kTwoLevelGrid ? kLevelsOfCrowdedCell : 0, &state->grid});
     exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, thickness_, scene_.deviations(is_ccd_)});
   }
 
@@ -179,6 +188,11 @@ class OctreePhase {
     for (int round = 0; round < plan.rounds; ++round)
       exec_.for_each_part("register_in_bricks", brick_items(round),
                           RegisterTriangles<CellsInBricks>{registration, {registration.tree, boxes(), round}});
+    if (!has_control_bits(plan)) return;
+    const Counted leaves{&scene_.state.data()->leaves[LeafSum::kLeaves], octree.leaves.capacity()};
+    exec_.for_each_group("order_by_control_bits", leaves,
+                         OrderByControlBits{leaf_pairs(plan, octree.registered.all()), octree.ordered.all(),
+                                            octree.by_start.all(), &scene_.state.data()->leaves});
   }
 
   // 6.-7. Broad-phase tests, spread evenly; what they find goes to the sink.
@@ -186,15 +200,8 @@ class OctreePhase {
   void search(const char* name, const OctreePlan& plan, const Sink& sink, uint64_t* next_item) {
     StepState* state = scene_.state.data();
     const OctreeBuffers<Exec>& octree = scene_.octree;
-    const LeafPairs source{grid(),
-                           scene_.topology.filter(),
-                           boxes(),
-                           octree.leaves.all(),
-                           octree.registered.all(),
-                           octree.items.all(),
-                           &state->leaves,
-                           octree.registered.capacity(),
-                           plan.max_crowded_tests};
+    LeafPairs source = leaf_pairs(plan, octree.registered.all());
+    if (has_control_bits(plan)) source.registered = octree.ordered.all(), source.by_start = octree.by_start.all();
     searcher_.search(name, Counted{&state->leaves[LeafSum::kItems], octree.items.capacity()}, next_item, source, sink);
   }
 
@@ -228,6 +235,19 @@ class OctreePhase {
   Span<const Triangle> triangles() const { return scene_.topology.triangles.all(); }
   Span<const Triangle> edges() const { return scene_.topology.triangle_edges.all(); }
   const LevelGrid* grid() const { return &scene_.state.data()->grid.grid; }
+  static bool has_control_bits(const OctreePlan& plan) { return plan.engine == Engine::kVss; }
+  LeafPairs leaf_pairs(const OctreePlan& plan, Span<const uint32_t> registered) const {
+    const OctreeBuffers<Exec>& octree = scene_.octree;
+    return {grid(),
+            scene_.topology.filter(),
+            boxes(),
+            octree.leaves.all(),
+            registered,
+            octree.items.all(),
+            &scene_.state.data()->leaves,
+            octree.registered.capacity(),
+            plan.max_crowded_tests};
+  }
   CellsOfLarge cells_of_large() const { return {grid(), boxes(), scene_.octree.large.all()}; }
 
   /// Triangles [first, first + count).

@@ -6,6 +6,7 @@
 #include "gpu/contacts/kinds.hpp"
 #include "gpu/narrow/coplanarity_filter.hpp"
 #include "gpu/octree/levels.hpp"
+#include "gpu/octree/subdivision.hpp"
 
 namespace collided {
 
@@ -27,6 +28,7 @@ struct StepState {
   Box<float> bounds;
   LevelTotals totals;
   uint64_t extents;  ///< of all triangles, for engines that need their mean
+  OrdinaryExtents ordinary;
   GridState grid;
   FilterScale filter;
   Shortcut shortcut;

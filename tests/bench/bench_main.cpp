@@ -32,7 +32,8 @@ const Names<Engine> kEngines{{"auto", Engine::kAuto},
                              {"bottom-up", Engine::kBottomUp},
                              {"uniform-grid", Engine::kUniformGrid},
                              {"two-level-grid", Engine::kTwoLevelGrid},
-                             {"lbvh", Engine::kLbvh}};
+                             {"lbvh", Engine::kLbvh},
+                             {"vss", Engine::kVss}};
 
 struct Options {
   SceneSpec spec;
@@ -65,7 +66,7 @@ void add_options(CLI::App& app, Options& o) {
   add_choice(app, "--accuracy", o.spec.accuracy, kLevels, "candidates, fast, guarded, certified or exact");
   add_choice(app, "--scalar", o.spec.scalar, kScalars, "f32 or f64");
   add_choice(app, "--engine", o.spec.engine, kEngines,
-             "auto, octree, top-down, bottom-up, uniform-grid, two-level-grid or lbvh");
+             "auto, octree, top-down, bottom-up, uniform-grid, two-level-grid, lbvh or vss");
   app.add_flag("--normals", o.normals, "Contacts have normals too");
   app.add_option("--thickness", o.spec.thickness, "Contact distance")->capture_default_str();
   app.add_option("--threads", o.spec.threads, "CPU threads; 0: all cores")->capture_default_str();
@@ -83,8 +84,10 @@ void add_options(CLI::App& app, Options& o) {
   app.add_flag("--compare-levels", o.compare_levels,
                "Run all levels side by side (CCD): per scene and level, narrow phase and all stages, as times and as "
                "ratios to FAST");
-  app.add_flag("--compare-engines", o.compare_engines,
-               "Run all engines: per scene and engine, tests, registrations and pairs of each step (no times)");
+  app.add_flag(
+      "--compare-engines", o.compare_engines,
+      "Run all engines, or that of --engine: per scene and engine, tests, registrations and pairs of each step (no "
+      "times)");
 }
 
 uint64_t bytes_of(const Detector& detector) {
@@ -169,7 +172,8 @@ RunReport run_all(const Options& o) {
 }
 
 void compare_engines(const Options& o) {
-  const Names<Engine> engines(std::next(kEngines.begin()), kEngines.end());  // all but auto
+  Names<Engine> engines(std::next(kEngines.begin()), kEngines.end());  // all but auto
+  if (o.spec.engine != Engine::kAuto) engines = {{name_of(kEngines, o.spec.engine), o.spec.engine}};
   std::vector<EngineRun> runs;
   for (const BenchInput& input : bench_inputs(o.scene, o.scale)) {
     std::cerr << input.name << "\n";

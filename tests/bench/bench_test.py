@@ -1,8 +1,8 @@
 """The benchmarks' output is complete and consistent. Usage: bench_test.py CHECK PROGRAM
 
 CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench), embree (collided_embree_bench), watch
-(collided_watch_bench), in_process (collided_in_process_bench), switches (collided_switches_bench) or exact
-(collided_exact_bench).
+(collided_watch_bench), in_process (collided_in_process_bench), switches (collided_switches_bench), exact (collided_exact_bench) or subdivision
+(collided_subdivision_bench).
 """
 
 import json
@@ -53,7 +53,7 @@ class Bench(unittest.TestCase):
     def check_engines(self):
         runs = parsed(*SMALL, "--steps", str(STEPS), "--compare-engines")["runs"]
         self.assertEqual([run["engine"] for run in runs],
-                         ["octree", "top-down", "bottom-up", "uniform-grid", "two-level-grid", "lbvh"])
+                         ["octree", "top-down", "bottom-up", "uniform-grid", "two-level-grid", "lbvh", "vss"])
         for run in runs:
             self.assertEqual(run["pairs_by_step"], runs[0]["pairs_by_step"], run["engine"])
             self.assertEqual(len(run["tests_by_step"]), STEPS)
@@ -109,6 +109,16 @@ class Bench(unittest.TestCase):
             self.assertGreater(run["contacts"], 1000)
             self.assertGreaterEqual(run["decisions"], run["contacts"])
             self.assertAlmostEqual(run["ratio"], run["exact_ms"] / run["certified_ms"])
+
+    def check_subdivision(self):
+        """Smaller pieces are in no more cells, and find no more."""
+        (scene,) = parsed("--scene", "funnel", "--scale", "0.4", "--steps", str(STEPS))["scenes"]
+        boxes, triangles = scene["boxes"], scene["triangles"]
+        for count in ("registrations", "tests", "pairs"):
+            self.assertLessEqual(triangles[count], boxes[count], count)
+        self.assertLess(triangles["registrations"], boxes["registrations"])
+        self.assertGreater(triangles["pairs"], 0.9 * boxes["pairs"])
+        self.assertGreaterEqual(boxes["tests"], boxes["pairs"])
 
     def check_embree(self):
         """Exits with 1 where Embree and the engine find different numbers of pairs."""

@@ -34,7 +34,8 @@ const Words<v1::BroadPhaseEngine> kEngines{{"auto", v1::BROAD_PHASE_ENGINE_UNSPE
                                            {"bottom-up", v1::BROAD_PHASE_ENGINE_BOTTOM_UP_OCTREE},
                                            {"uniform-grid", v1::BROAD_PHASE_ENGINE_UNIFORM_GRID},
                                            {"two-level-grid", v1::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID},
-                                           {"lbvh", v1::BROAD_PHASE_ENGINE_LBVH}};
+                                           {"lbvh", v1::BROAD_PHASE_ENGINE_LBVH},
+                                           {"vss", v1::BROAD_PHASE_ENGINE_VSS}};
 
 template <class T>
 std::vector<std::string> names_of(const Words<T>& words) {

@@ -25,7 +25,7 @@ class OctreePlanner {
     OctreePlan plan{engine, {cut_rule_of(engine), kRegistrationCost}};
     plan.levels = levels_.deepest + 1, plan.base = levels_.deepest;
     if (has_cells_of_triangles(engine))
-      plan.levels = engine == Engine::kUniformGrid ? 1 : kLevelsOfCrowdedCell + 1;
+      plan.levels = has_one_level(engine) ? 1 : kLevelsOfCrowdedCell + 1;
     else if (levels_.base >= 0)
       plan.levels = levels_.base - levels_.top + 1, plan.base = levels_.base;
     plan.has_large = large_.is_expected() || is_ready;

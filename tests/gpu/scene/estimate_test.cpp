@@ -36,6 +36,7 @@ const Setting kSettings[] = {
     {"Octree", [](SceneSpec& spec, Case&) { spec.engine = Engine::kOctree; }},
     {"UniformGrid", [](SceneSpec& spec, Case&) { spec.engine = Engine::kUniformGrid; }},
     {"TwoLevelGrid", [](SceneSpec& spec, Case&) { spec.engine = Engine::kTwoLevelGrid; }},
+    {"VirtualSubdivision", [](SceneSpec& spec, Case&) { spec.engine = Engine::kVss; }},
     {"Hierarchy", [](SceneSpec& spec, Case&) { spec.engine = Engine::kLbvh; }},
     {"StaticMesh", [](SceneSpec&, Case& c) { c.meshes[0].motion = MeshMotion::kStatic; }},
     {"RigidMesh", [](SceneSpec&, Case& c) { c.meshes[0].motion = MeshMotion::kRigid; }},

@@ -15,8 +15,8 @@
 namespace collided::test {
 namespace {
 
-constexpr Engine kEngines[] = {Engine::kOctree,      Engine::kTopDown,      Engine::kBottomUp,
-                               Engine::kUniformGrid, Engine::kTwoLevelGrid, Engine::kLbvh};
+constexpr Engine kEngines[] = {Engine::kOctree,       Engine::kTopDown, Engine::kBottomUp, Engine::kUniformGrid,
+                               Engine::kTwoLevelGrid, Engine::kLbvh,    Engine::kVss};
 constexpr Accuracy kLevels[] = {Accuracy::kCandidates, Accuracy::kFast, Accuracy::kGuarded, Accuracy::kCertified,
                                 Accuracy::kExact};
 

@@ -12,8 +12,8 @@
 namespace collided::test {
 namespace {
 
-constexpr Engine kEngines[] = {Engine::kOctree,      Engine::kTopDown,      Engine::kBottomUp,
-                               Engine::kUniformGrid, Engine::kTwoLevelGrid, Engine::kLbvh};
+constexpr Engine kEngines[] = {Engine::kOctree,       Engine::kTopDown, Engine::kBottomUp, Engine::kUniformGrid,
+                               Engine::kTwoLevelGrid, Engine::kLbvh,    Engine::kVss};
 
 SceneSpec settings_of(Engine engine, Mode mode, double thickness = 0, Accuracy accuracy = Accuracy::kCandidates) {
   SceneSpec spec = settings(mode, accuracy, Scalar::kF32, thickness);

@@ -14,7 +14,7 @@ LevelGrid grid_of(float size, double cell_per_mean, int deepest = kMaxLevel) {
   const Box<float> bounds{{10, 10, 10}, {110, 60, 20}};
   const uint64_t extent = extent_of({{20, 20, 15}, {20 + size, 20, 15}}, bounds), sum = 50 * extent;
   LevelGrid grid{};
-  SpanCells{&bounds, {&bounds, &sum, 50}, cell_per_mean, deepest, &grid}(0);
+  SpanCells<MeanExtent>{&bounds, {&bounds, &sum, 50}, cell_per_mean, deepest, &grid}(0);
   return grid;
 }
 

@@ -113,12 +113,12 @@ TEST_F(BadInput, AnOverrideThatTheScenesReportForbids) {
 
 TEST_F(BadInput, AnUnknownEngine) {
   const auto status =
-      create([](auto& r) { r.mutable_spec()->set_broad_phase_engine(static_cast<pb::BroadPhaseEngine>(7)); });
+      create([](auto& r) { r.mutable_spec()->set_broad_phase_engine(static_cast<pb::BroadPhaseEngine>(8)); });
   EXPECT_EQ(status.error_code(), grpc::INVALID_ARGUMENT);
   EXPECT_EQ(status.error_message(),
-            "spec.broad_phase_engine is 7, but must be BROAD_PHASE_ENGINE_OCTREE, BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE, "
+            "spec.broad_phase_engine is 8, but must be BROAD_PHASE_ENGINE_OCTREE, BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE, "
             "BROAD_PHASE_ENGINE_BOTTOM_UP_OCTREE, BROAD_PHASE_ENGINE_UNIFORM_GRID, "
-            "BROAD_PHASE_ENGINE_TWO_LEVEL_GRID or BROAD_PHASE_ENGINE_LBVH");
+            "BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, BROAD_PHASE_ENGINE_LBVH or BROAD_PHASE_ENGINE_VSS");
 }
 
 TEST_F(BadInput, FirstFrameMustNameEveryMesh) {

@@ -46,6 +46,7 @@ constexpr std::pair<pb::BroadPhaseEngine, Engine> kEngines[] = {
     {pb::BROAD_PHASE_ENGINE_BOTTOM_UP_OCTREE, Engine::kBottomUp},
     {pb::BROAD_PHASE_ENGINE_UNIFORM_GRID, Engine::kUniformGrid},
     {pb::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, Engine::kTwoLevelGrid},
-    {pb::BROAD_PHASE_ENGINE_LBVH, Engine::kLbvh}};
+    {pb::BROAD_PHASE_ENGINE_LBVH, Engine::kLbvh},
+    {pb::BROAD_PHASE_ENGINE_VSS, Engine::kVss}};
 
 }  // namespace collided::server
