@@ -109,6 +109,19 @@ struct BvhBuffers {
   Buffer<BvhNode, Exec> nodes;
 };
 
+/// Pairs of features that are near each other, for several frames.
+template <Executor Exec, class Real>
+struct NeighbourBuffers {
+  explicit NeighbourBuffers(Exec& exec)
+      : widened(exec, "neighbours"),
+        tests{{exec, "neighbours"}, {exec, "neighbours"}},
+        counts(exec, "neighbours") {}
+
+  Buffer<Box<Real>, Exec> widened;   ///< of each vertex's path, when they were listed
+  Buffer<uint64_t, Exec> tests[2];   ///< of each kind of features
+  Buffer<uint64_t, Exec> counts;     ///< of both
+};
+
 /// Candidates of one kind on their way through the narrow phase.
 template <Executor Exec>
 struct CandidateBuffers {
@@ -175,6 +188,7 @@ struct WorkBuffers {
         state(exec, "counters"),
         octree(exec),
         bvh(exec),
+        neighbours(exec),
         triangle_pairs(exec, "pairs"),
         candidates(make_candidate_buffers(exec, std::make_index_sequence<kFeatureKinds>{})),
         contacts(exec),
@@ -194,6 +208,7 @@ struct WorkBuffers {
   Buffer<StepState, Exec> state;
   OctreeBuffers<Exec> octree;
   BvhBuffers<Exec> bvh;
+  NeighbourBuffers<Exec, Real> neighbours;
   Buffer<uint64_t, Exec> triangle_pairs;
   std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind
   ContactBuffers<Exec, Real> contacts;

@@ -28,7 +28,9 @@ class OctreePhase {
       : exec_(exec), searcher_(searcher), spec_(spec), counts_(counts), scene_(scene) {}
 
   /// What the next steps are like.
-  void begin(double thickness, bool is_ccd) { thickness_ = thickness, is_ccd_ = is_ccd; }
+  void begin(double thickness, bool is_ccd) { thickness_ = thickness, is_ccd_ = is_ccd, margin_ = 0; }
+  /// Boxes are wider by so much on every side from here on.
+  void widen(double margin) { margin_ = margin; }
 
   /// Lists start at what most scenes need. Those that go together may be of different lengths since a step that ran out
   /// of memory.
@@ -76,10 +78,12 @@ class OctreePhase {
 
   /// Makes the lists of a step empty.
   void clear(const OctreePlan& plan) {
-    exec_.fill_zero(scene_.state.data(), sizeof(StepState));
+    clear_state();
     if (plan.engine != Engine::kLbvh)
       exec_.fill_zero(scene_.octree.counts.data(), level_offset(plan.base + 1) * sizeof(uint32_t));
   }
+
+  void clear_state() { exec_.fill_zero(scene_.state.data(), sizeof(StepState)); }
 
   // 1. Bounding boxes: of all triangles, or of those of meshes that move.
   void box_triangles(bool all) {
@@ -285,7 +289,7 @@ class OctreePhase {
   }
 
   Motion<Real> motion() const {
-    const Real half = static_cast<Real>(thickness_) / 2;
+    const Real half = static_cast<Real>(thickness_) / 2 + static_cast<Real>(margin_);
     return {scene_.positions_at_start(is_ccd_), scene_.end.data(), half == 0 ? half : next_up(half)};
   }
 
@@ -318,7 +322,7 @@ class OctreePhase {
   const SceneSpec& spec_;
   const SceneCounts& counts_;
   SceneBuffers<Exec, Real>& scene_;
-  double thickness_ = 0;
+  double thickness_ = 0, margin_ = 0;
   bool is_ccd_ = true;
 };
 

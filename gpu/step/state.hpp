@@ -6,6 +6,7 @@
 #include "gpu/contacts/kinds.hpp"
 #include "gpu/narrow/coplanarity_filter.hpp"
 #include "gpu/octree/levels.hpp"
+#include "gpu/search/neighbours.hpp"
 
 namespace collided {
 
@@ -16,6 +17,9 @@ struct StepState {
   uint64_t pairs, candidates[kFeatureKinds], kept[kFeatureKinds], screened[kFeatureKinds], resumable[kFeatureKinds];
   uint64_t triangle_pairs, contacts, earliest, crowded_ranks;
   KindBegins kinds;  ///< in the sorted list
+
+  uint64_t neighbours[kFeatureKinds];  ///< that the step listed
+  Displacement displacement;           ///< of steps with lists of neighbours
 
   uint64_t exact_decisions, undecided;  ///< at kExact; those that are left to the host
 
