@@ -1,8 +1,8 @@
 #pragma once
-// Neighbours, as molecular dynamics calls them: pairs of features whose boxes, widened by a margin, overlap. As long as
-// the box of no vertex's path has left the widened box that it had when they were listed, they hold every candidate,
-// whatever mode, thickness and deviations the boxes are of: a feature's box is the least that holds those of its
-// vertices, and float boxes are rounded outward, both of which keep what holds what.
+// Neighbours: pairs of features that may touch in the next few frames, as molecular dynamics lists them. Each vertex is
+// expected to go on as it moved when they were listed (its track), and may be off by a margin. A frame is where the list
+// expects it if every vertex begins and ends within the margin of its track, and its inflation is no larger than it was;
+// then no pair is a contact that is not listed. Pairs that move alike keep apart for long, however fast they are.
 
 #include "gpu/exec/counted.hpp"
 #include "gpu/search/elementary.hpp"
@@ -23,37 +23,91 @@ struct PackedTest {
   }
 };
 
+/// When a step's frame is on the tracks: in frames since the one whose end they begin at.
+struct TrackTimes {
+  double from, to;
+  double margin;
+
+  /// The frame in which they are made.
+  COLLIDED_HD bool is_first() const { return to == 0; }
+};
+
+/// Where a vertex is expected, and what the boxes of its features were inflated by.
+template <class Real>
+struct alignas(16) Track {
+  Vec3<Real> at;
+  Real inflation;
+  Vec3<Real> step;  ///< a frame's
+
+  /// How far a position is from it at most along an axis, rounded up.
+  COLLIDED_HD double distance(const Vec3<Real>& p, double time) const {
+    return max(off(p.x, at.x, step.x, time), max(off(p.y, at.y, step.y, time), off(p.z, at.z, step.z, time)));
+  }
+
+ private:
+  /// The four roundings are off by less than 2^-52 of what they round.
+  COLLIDED_HD static double off(Real p, Real at, Real step, double time) {
+    const double way = time * static_cast<double>(step), there = static_cast<double>(at) + way;
+    const double largest = max(magnitude(static_cast<double>(p)), magnitude(static_cast<double>(at)));
+    return magnitude(static_cast<double>(p) - there) + 0x1p-50 * (largest + magnitude(way));
+  }
+};
+
+/// Where vertices end after so many frames more like this one, rounded away from where they are: with where they begin
+/// now it bounds all that their tracks pass through meanwhile.
+template <class Real>
+struct Extrapolate {
+  const Vec3<Real>* start;
+  const Vec3<Real>* end;
+  double frames;
+  Vec3<Real>* out;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const Vec3<Real> a = start[i], b = end[i];
+    out[i] = {beyond(b.x, b.x - a.x), beyond(b.y, b.y - a.y), beyond(b.z, b.z - a.z)};
+  }
+
+ private:
+  COLLIDED_HD Real beyond(Real at, Real step) const {
+    if (step == 0) return at;
+    const double there = static_cast<double>(at) + frames * static_cast<double>(step);
+    if (step > 0) return next_up(static_cast<Real>(next_up(next_up(there))));
+    return next_down(static_cast<Real>(next_down(next_down(there))));
+  }
+};
+
 /// What a search wrote.
 struct Neighbours {
   Span<const uint64_t> first, second;  ///< PackedTest, of vertices and triangles, and of edges
   const uint64_t* counts;              ///< of both
   const double* slack;                 ///< Displacement::slack of the step
 
-  /// The lists do not hold all candidates.
-  COLLIDED_HD bool must_rerun() const {
-    return *slack < 0 || counts[0] > first.size() || counts[1] > second.size();
-  }
+  /// The lists do not hold all that may touch.
+  COLLIDED_HD bool must_rerun() const { return *slack < 0 || counts[0] > first.size() || counts[1] > second.size(); }
   COLLIDED_HD uint64_t size(int kind) const { return must_rerun() ? 0 : counts[kind]; }
 };
 
-/// Notes the widened boxes of all vertices' paths: `tests` has the widened inflation.
+/// Tracks begin at the end of this frame.
 template <class Tests>
-struct NoteWidened {
+struct BeginTracks {
   using Real = typename Tests::Number;
   Tests tests;
-  Span<Box<Real>> widened;  ///< of each vertex that an element has
+  Span<Track<Real>> tracks;  ///< of each vertex that an element has
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const uint32_t triangle = static_cast<uint32_t>(i), own = tests.owned[i];
-    for (int k = 0; k < 3; ++k)
-      if ((own >> k & 1u) != 0) widened[tests.records[i].corner[k].vertex_id()] = tests.corner_box(triangle, k);
+    for (int k = 0; k < 3; ++k) {
+      if ((own >> k & 1u) == 0) continue;
+      const CornerRecord<Real> corner = tests.records[i].corner[k];
+      tracks[corner.vertex_id()] = {corner.end, tests.inflation.of(triangle), corner.end - corner.start};
+    }
   }
 };
 
 /// What a step with lists looks at all triangles for.
 struct Displacement {
   Box<float> bounds;
-  double slack;  ///< how far the box of any path may still move within its widened one; < 0: it has left that
+  double slack;  ///< of the margin, what no vertex has used; < 0: one has left it, -infinity: boxes are larger, too
 };
 
 struct JoinDisplacements {
@@ -67,28 +121,27 @@ struct DisplacementOf {
   using Real = typename Tests::Number;
   Tests tests;
   Span<const Box<float>> boxes;
-  Span<const Box<Real>> widened;
+  Span<const Track<Real>> tracks;
+  const TrackTimes* times;
 
   COLLIDED_HD Displacement operator()(uint64_t i) const {
+    Displacement all{boxes[i], times->margin};
+    if (times->is_first()) return all;
     const uint32_t own = tests.owned[i];
-    Displacement all{boxes[i], std::numeric_limits<double>::infinity()};
     for (int k = 0; k < 3; ++k)
-      if ((own >> k & 1u) != 0)
-        all.slack = min(all.slack, slack_of(tests.corner_box(static_cast<uint32_t>(i), k),
-                                            widened[tests.records[i].corner[k].vertex_id()]));
+      if ((own >> k & 1u) != 0) all.slack = min(all.slack, slack_of(static_cast<uint32_t>(i), k));
     return all;
   }
 
  private:
-  /// Its sign is exact; boxes that reach infinity have no other.
-  COLLIDED_HD static double slack_of(const Box<Real>& box, const Box<Real>& within) {
-    const bool holds = within.lo.x <= box.lo.x && within.lo.y <= box.lo.y && within.lo.z <= box.lo.z &&
-                       box.hi.x <= within.hi.x && box.hi.y <= within.hi.y && box.hi.z <= within.hi.z;
-    const Vec3<Real> below = box.lo - within.lo, above = within.hi - box.hi;
-    const double slack = static_cast<double>(
-        min(min(min(below.x, below.y), below.z), min(min(above.x, above.y), above.z)));
-    if (holds) return slack >= 0 ? slack : 0;
-    return slack < 0 ? slack : -std::numeric_limits<double>::infinity();
+  COLLIDED_HD double slack_of(uint32_t triangle, int k) const {
+    constexpr double kNone = -std::numeric_limits<double>::infinity();
+    const CornerRecord<Real> corner = tests.records[triangle].corner[k];
+    const Track<Real> track = tracks[corner.vertex_id()];
+    if (!(tests.inflation.of(triangle) <= track.inflation)) return kNone;
+    const double slack =
+        times->margin - max(track.distance(corner.start, times->from), track.distance(corner.end, times->to));
+    return slack >= 0 || slack < 0 ? slack : kNone;
   }
 };
 

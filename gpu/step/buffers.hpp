@@ -109,17 +109,21 @@ struct BvhBuffers {
   Buffer<BvhNode, Exec> nodes;
 };
 
-/// Pairs of features that are near each other, for several frames.
+/// Pairs of features that may touch in the next few frames.
 template <Executor Exec, class Real>
 struct NeighbourBuffers {
   explicit NeighbourBuffers(Exec& exec)
-      : widened(exec, "neighbours"),
+      : times(exec, "neighbours"),
+        tracks(exec, "neighbours"),
+        extrapolated(exec, "neighbours"),
         tests{{exec, "neighbours"}, {exec, "neighbours"}},
         counts(exec, "neighbours") {}
 
-  Buffer<Box<Real>, Exec> widened;   ///< of each vertex's path, when they were listed
-  Buffer<uint64_t, Exec> tests[2];   ///< of each kind of features
-  Buffer<uint64_t, Exec> counts;     ///< of both
+  Buffer<TrackTimes, Exec> times;
+  Buffer<Track<Real>, Exec> tracks;       ///< of each vertex
+  Buffer<Vec3<Real>, Exec> extrapolated;  ///< positions, while lists are made
+  Buffer<uint64_t, Exec> tests[2];        ///< of each kind of features
+  Buffer<uint64_t, Exec> counts;          ///< of both
 };
 
 /// Candidates of one kind on their way through the narrow phase.

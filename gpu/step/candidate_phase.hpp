@@ -100,9 +100,12 @@ class CandidatePhase {
 
   template <class Tests>
   void list_neighbours(const Tests& tests) {
+    const FrameSettings& settings = needs().settings;
+    const MayTouchSoon<Real> may_touch{settings.reach(), scene_.deviations(needs().is_ccd()), settings.delta,
+                                       plan_.lists.margin, plan_.lists.frames + 1};
     find_pairs("find_neighbours", first_kind(),
                NeighbourSink<Real, Tests>{{tests,
-                                           {},
+                                           may_touch,
                                            neighbours_.list(0),
                                            neighbours_.list(1),
                                            0,

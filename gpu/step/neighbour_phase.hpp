@@ -1,7 +1,7 @@
 #pragma once
-// Frames that resemble the last (search/neighbours.hpp). A step that makes lists searches with boxes that are wider by
-// the margin, and then goes on as steps that use the lists do: the boxes of this frame, a look at whether any vertex
-// has left its widened box, and the tests of the neighbours.
+// Frames that resemble the last (search/neighbours.hpp). A step that makes lists searches with the boxes of all that
+// vertices will pass through, wider by the margin, and then goes on as steps that use the lists do: the boxes of this
+// frame, a look at whether any vertex has left its track, and the tests of the neighbours.
 
 #include "gpu/contacts/scene_counts.hpp"
 #include "gpu/search/searcher.hpp"
@@ -19,8 +19,12 @@ class NeighbourPhase {
   NeighbourPhase(Exec& exec, Searcher<Exec>& searcher, const SceneCounts& counts, SceneBuffers<Exec, Real>& scene)
       : exec_(exec), searcher_(searcher), counts_(counts), scene_(scene) {}
 
-  void reserve() {
-    lists().widened.allocate(counts_.vertices);
+  /// `times`: of the next step; stays as it is until that is over.
+  void reserve(const TrackTimes& times) {
+    lists().times.allocate(1);
+    exec_.upload(lists().times.data(), &times, sizeof(times));
+    lists().tracks.allocate(counts_.vertices);
+    lists().extrapolated.allocate(counts_.vertices);
     lists().counts.allocate(2);
     for (auto& tests : lists().tests)
       if (tests.capacity() == 0) tests.allocate(2 * counts_.triangles + first_length(counts_.triangles));
@@ -41,10 +45,12 @@ class NeighbourPhase {
   }
   void release() { lists() = NeighbourBuffers<Exec, Real>(exec_); }
 
-  /// Boxes and records are the widened ones.
-  template <class Tests>
-  void note_widened(const Tests& tests) {
-    exec_.for_each("note_widened", counts_.triangles, NoteWidened<Tests>{tests, lists().widened.all()});
+  /// Where vertices will be.
+  const Vec3<Real>* extrapolate(double frames, bool is_ccd) {
+    exec_.for_each("extrapolate", counts_.vertices,
+                   Extrapolate<Real>{scene_.positions_at_start(is_ccd), scene_.end.data(), frames,
+                                     lists().extrapolated.data()});
+    return lists().extrapolated.data();
   }
   AppendList<uint64_t> list(int kind) const {
     return {lists().tests[kind].all(), &scene_.state.data()->neighbours[kind]};
@@ -54,12 +60,17 @@ class NeighbourPhase {
     exec_.copy(lists().counts.data(), scene_.state.data()->neighbours, 2 * sizeof(uint64_t));
   }
 
-  /// Boxes and records are those of the frame.
+  /// Boxes and records are those of the frame, here and below.
+  template <class Tests>
+  void begin_tracks(const Tests& tests) {
+    exec_.for_each("begin_tracks", counts_.triangles, BeginTracks<Tests>{tests, lists().tracks.all()});
+  }
   template <class Tests>
   void measure(const Tests& tests, double thickness, bool is_ccd) {
     StepState* state = scene_.state.data();
     exec_.reduce_into("displacement", counts_.triangles,
-                      DisplacementOf<Tests>{tests, scene_.boxes.span(counts_.triangles), lists().widened.all()},
+                      DisplacementOf<Tests>{tests, scene_.boxes.span(counts_.triangles), lists().tracks.all(),
+                                            lists().times.data()},
                       Displacement{empty_box(), std::numeric_limits<double>::infinity()}, JoinDisplacements{},
                       &state->displacement, Prepare{state, {state, thickness, scene_.deviations(is_ccd)}});
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "gpu/base/precision.hpp"
 #include "gpu/contacts/scene_counts.hpp"
 #include "gpu/octree/cell_grid.hpp"
 #include "gpu/octree/refine.hpp"
@@ -28,9 +29,14 @@ class OctreePhase {
       : exec_(exec), searcher_(searcher), spec_(spec), counts_(counts), scene_(scene) {}
 
   /// What the next steps are like.
-  void begin(double thickness, bool is_ccd) { thickness_ = thickness, is_ccd_ = is_ccd, margin_ = 0; }
-  /// Boxes are wider by so much on every side from here on.
-  void widen(double margin) { margin_ = margin; }
+  void begin(double thickness, bool is_ccd) {
+    thickness_ = thickness, is_ccd_ = is_ccd;
+    narrow();
+  }
+  /// From here on vertices end elsewhere, and boxes are wider by the margin.
+  void widen(double margin, const Vec3<Real>* end) { margin_ = round_up<Real>(margin), end_ = end; }
+  /// No longer.
+  void narrow() { margin_ = 0, end_ = nullptr; }
 
   /// Lists start at what most scenes need. Those that go together may be of different lengths since a step that ran out
   /// of memory.
@@ -92,7 +98,7 @@ class OctreePhase {
       exec_.for_each_group(
           "box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
           Work{motion(), scene_.deviations(is_ccd_), triangles(), edges(), scene_.topology.owned.all(), run.first,
-               run.count, scene_.boxes.all(), scene_.records.all(), scene_.triangle_inflations()});
+               run.count, scene_.boxes.all(), scene_.records.all(), scene_.triangle_inflations(), margin_});
   }
 
   // Section 3.2: number of levels.
@@ -212,7 +218,7 @@ class OctreePhase {
   ElementaryTests<Real> elementary(const PerKind<bool>& wanted) const {
     return {scene_.records.all(),
             scene_.topology.owned.all(),
-            {motion().inflation},
+            {widened(motion().inflation, margin_)},
             wanted.vertex_triangle,
             wanted.edge_edge};
   }
@@ -220,7 +226,7 @@ class OctreePhase {
   ElementaryTests<Real, InflationByTriangle<Real>, MixedElements> elementary_of_any(const PerKind<bool>& wanted) const {
     return {scene_.records.all(),
             scene_.topology.owned.all(),
-            {motion().inflation, scene_.triangle_inflations()},
+            {widened(motion().inflation, margin_), scene_.triangle_inflations()},
             wanted.vertex_triangle,
             wanted.edge_edge};
   }
@@ -289,8 +295,8 @@ class OctreePhase {
   }
 
   Motion<Real> motion() const {
-    const Real half = static_cast<Real>(thickness_) / 2 + static_cast<Real>(margin_);
-    return {scene_.positions_at_start(is_ccd_), scene_.end.data(), half == 0 ? half : next_up(half)};
+    const Real half = static_cast<Real>(thickness_) / 2;
+    return {scene_.positions_at_start(is_ccd_), end_ != nullptr ? end_ : scene_.end.data(), half == 0 ? half : next_up(half)};
   }
 
   static void check_length(const std::string& list, uint64_t need) {
@@ -322,8 +328,10 @@ class OctreePhase {
   const SceneSpec& spec_;
   const SceneCounts& counts_;
   SceneBuffers<Exec, Real>& scene_;
-  double thickness_ = 0, margin_ = 0;
+  double thickness_ = 0;
   bool is_ccd_ = true;
+  Real margin_ = 0;
+  const Vec3<Real>* end_ = nullptr;  ///< null: where the scene's vertices do
 };
 
 }  // namespace collided

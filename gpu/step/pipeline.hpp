@@ -217,7 +217,7 @@ class Pipeline {
   bool must_plan_anew() {
     if (!plan_.searches()) {
       if (state_.displacement.slack >= 0) return false;
-      lists_ = reuse_.replan(state_.displacement.slack);
+      lists_ = reuse_.miss(state_.displacement.slack);
       return true;
     }
     const bool grew = octree_.grow(state_), missed_large = planner_.missed_large(state_, plan_.octree);
@@ -234,7 +234,7 @@ class Pipeline {
   void reserve() {
     scene_.reserve_boxes(counts_.triangles);
     narrow_.reserve();
-    if (plan_.lists.use != ListUse::kNone) neighbours_.reserve();
+    if (plan_.lists.use != ListUse::kNone) neighbours_.reserve(times_ = reuse_.times(plan_.lists));
     if (!plan_.searches()) return;
     if (is_lbvh()) return lbvh_.reserve();
     octree_.reserve(plan_.octree);
@@ -262,14 +262,14 @@ class Pipeline {
     narrow_.reserve();
   }
 
-  /// With lists to be made: of boxes that are wider by their margin.
+  /// With lists to be made: of all that vertices will pass through.
   void make_tree() {
     const bool is_for_lists = plan_.lists.use == ListUse::kMade;
-    octree_.widen(plan_.lists.margin);
     exec_.stage(is_for_lists ? "widened_boxes" : "boxes", [&] {
+      if (is_for_lists)
+        octree_.widen(plan_.lists.margin, neighbours_.extrapolate(plan_.lists.frames, needs().is_ccd()));
       exec_.concurrently([&] { octree_.box_triangles(plan_.boxes_static || is_for_lists); },
                          [&] { octree_.clear(plan_.octree); });
-      if (is_for_lists) neighbours_.note_widened(octree_.elementary_of_any(needs().kinds));
     });
     exec_.stage("levels", [&] { choose_levels(plan_.octree); });
     const auto build = [&] { is_lbvh() ? build_hierarchy() : build_octree(plan_.octree); };
@@ -281,8 +281,11 @@ class Pipeline {
   bool judges_triangles() const { return needs().judges_resolution() && needs().settings.delta == 0; }
   void list_neighbours() {
     part([&] { candidates_.search_neighbours(); }, [&] { return must_list_anew(); });
-    octree_.widen(0);
-    exec_.stage("boxes", [&] { octree_.box_triangles(true); });
+    octree_.narrow();
+    exec_.stage("boxes", [&] {
+      octree_.box_triangles(true);
+      neighbours_.begin_tracks(octree_.elementary_of_any(needs().kinds));
+    });
     measure_displacement();
   }
   void look_for_displacement() {
@@ -418,6 +421,7 @@ class Pipeline {
   bool by_parts_ = false;                    ///< the step in work
   StepPlan plan_;                            ///< of the last step
   ListPlan lists_;                           ///< of the step in work
+  TrackTimes times_{};                       ///< likewise
   std::optional<double> boxed_thickness_;    ///< that all boxes have
   PlanNumbers numbers_;
   StepState state_{};

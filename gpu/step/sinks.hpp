@@ -6,6 +6,7 @@
 #include "gpu/search/elementary.hpp"
 #include "gpu/search/excluded_pairs.hpp"
 #include "gpu/search/neighbours.hpp"
+#include "gpu/step/may_touch_soon.hpp"
 #include "gpu/step/level_needs.hpp"
 #include "gpu/step/state.hpp"
 
@@ -102,16 +103,16 @@ struct FeatureSink {
   COLLIDED_HD void add(uint64_t pairs, uint64_t first, uint64_t second) const { totals(pairs, first, second); }
 };
 
-/// Pairs become tests of features whose boxes overlap (PackedTest), for the lists of neighbours.
+/// Pairs become tests of features that may touch (PackedTest), for the lists of neighbours.
 template <class Real, class Tests>
-struct NeighbourSink : FeatureSink<Real, KeepAll, Tests> {
+struct NeighbourSink : FeatureSink<Real, MayTouchSoon<Real>, Tests> {
   static constexpr bool kListsTests = true;
 
   COLLIDED_HD bool take_first(uint32_t a, uint32_t b, int test) const {
-    return this->vertex_triangle.push(PackedTest{a, b, test}.packed());
+    return !this->keeps_first(a, b, test) || this->vertex_triangle.push(PackedTest{a, b, test}.packed());
   }
   COLLIDED_HD bool take_second(uint32_t a, uint32_t b, int test) const {
-    return this->edge_edge.push(PackedTest{a, b, test - kFirstEdgeEdge}.packed());
+    return !this->keeps_second(a, b, test) || this->edge_edge.push(PackedTest{a, b, test - kFirstEdgeEdge}.packed());
   }
 };
 

@@ -28,6 +28,7 @@ struct OctreePlan {
 struct ListPlan {
   ListUse use = ListUse::kNone;
   double margin = 0;  ///< of lists that are made; unit of the positions
+  double frames = 0;  ///< that these are meant for
 
   bool operator==(const ListPlan&) const = default;
 };

@@ -99,7 +99,9 @@ class RunLength {
 class ReuseChoice {
  public:
   explicit ReuseChoice(Reuse wanted = Reuse::kAuto) : wanted_(wanted) {
-    if (wanted != Reuse::kAuto) reason_ = ReuseReason::kAsked;
+    if (wanted == Reuse::kAuto) return;
+    reason_ = ReuseReason::kAsked;
+    frames_to_wait_ = 0;
   }
 
   /// Of the next frame.

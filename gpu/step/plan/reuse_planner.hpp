@@ -1,5 +1,5 @@
 #pragma once
-// What the next step does with lists of neighbours: from the choice, and from how far vertices have moved.
+// What the next step does with lists of neighbours: from the choice, and from how vertices left their tracks.
 
 #include <array>
 #include <cmath>
@@ -11,41 +11,47 @@
 
 namespace collided {
 
-/// The lists at hand, and how fast their margin is used up.
+/// The lists at hand, and how vertices leave their tracks.
 class ListLife {
  public:
-  bool are_valid() const { return valid_; }
-  double margin() const { return margin_; }
-  uint64_t frames() const { return frames_; }
+  const ListPlan& plan() const { return plan_; }
+  /// Frames since they were made.
+  double frames() const { return frames_; }
   uint64_t length() const { return length_; }
-  /// By a frame's median of the last few; what moves at once and then rests leaves it as it is.
-  double per_frame() const { return steps_.median(); }
 
-  void forget() { valid_ = false; }
-  void make(double margin, uint64_t length) {
-    valid_ = true;
-    margin_ = margin, length_ = length;
-    used_ = frames_ = 0;
+  void forget() { plan_ = {}; }
+  /// For frames with these settings, or ones that reach no farther.
+  void make(const ListPlan& plan, const FrameSettings& settings, uint64_t length) {
+    plan_ = plan, settings_ = settings, length_ = length;
+    frames_ = off_ = last_ = 0;
+  }
+  bool serve(const FrameSettings& settings) const {
+    return plan_.use == ListUse::kMade && settings.reach() <= settings_.reach() && settings.delta <= settings_.delta &&
+           frames_ < plan_.frames && off_ + kUneven * last_ <= plan_.margin;
   }
   /// `slack`: Displacement::slack of a frame that reuses them, or tried to.
   void observe(double slack) {
     ++frames_;
-    const double used = margin_ - slack;
-    last_step_ = std::max(0.0, used - used_);
-    steps_.push(last_step_);
-    used_ = used;
+    if (!std::isfinite(slack)) return;
+    last_ = frames_ > 1 ? std::max(0.0, plan_.margin - slack - off_) : 0;
+    off_ = plan_.margin - slack;
   }
-  /// The next frame would probably leave the margin.
-  bool are_used_up() const {
-    constexpr double kUneven = 1.1;
-    return used_ + kUneven * std::max(last_step_, per_frame()) > margin_;
+  /// No frame reuses them any more.
+  void end() {
+    if (plan_.use == ListUse::kMade && frames_ > 0) growth_.push(off_ / (frames_ * frames_));
+    forget();
   }
+  /// What vertices need for so many frames: they leave their tracks as the square of the time.
+  double margin_for(double frames) const { return kUneven * growth_.median() * frames * frames; }
 
  private:
-  bool valid_ = false;
-  double margin_ = 0, used_ = 0, last_step_ = 0;
-  uint64_t frames_ = 0, length_ = 0;
-  LastTimes steps_;
+  static constexpr double kUneven = 1.25;
+
+  ListPlan plan_;
+  FrameSettings settings_{};
+  double frames_ = 0, off_ = 0, last_ = 0;  ///< how far the farthest was off, and by how much more than the frame before
+  uint64_t length_ = 0;
+  LastTimes growth_;  ///< of the last lists
 };
 
 /// Frames whose searches are alike share a choice; the lists serve all frames.
@@ -59,36 +65,44 @@ class ReusePlanner {
 
   /// A step begins. `bounds`: of the last one.
   ListPlan begin(const LevelNeeds& needs, const Box<float>& bounds) {
+    settings_ = needs.settings;
     bounds_ = bounds;
-    is_suited_ = !needs.is_any_hit() && !needs.finds_rest_pairs && !needs.kinds.triangle_triangle;
+    missed_ = false;
+    is_suited_ = settings_.accuracy >= Accuracy::kGuarded && !needs.is_any_hit() && !needs.finds_rest_pairs &&
+                 !needs.kinds.triangle_triangle;
     choice_ = &choices_[2 * needs.is_ccd() + needs.has_filter()];
     if (!is_suited_ || !choice_->uses_lists()) return {};
-    if (life_.are_valid() && life_.frames() > 0 && life_.are_used_up()) return make();
-    return life_.are_valid() ? ListPlan{ListUse::kReused} : make();
+    return life_.serve(settings_) ? ListPlan{ListUse::kReused} : make();
   }
-  /// A vertex left its margin.
-  ListPlan replan(double slack) {
+  /// Of a step by this plan.
+  TrackTimes times(const ListPlan& plan) const {
+    if (plan.use == ListUse::kMade) return {-1, 0, plan.margin};
+    const double to = life_.frames() + 1;
+    return {settings_.is_ccd() ? to - 1 : to, to, life_.plan().margin};
+  }
+  /// A vertex has left its track. Whatever made it do so: this is no frame to tell the next ones by.
+  ListPlan miss(double slack) {
     life_.observe(slack);
-    return make();
+    life_.end();
+    missed_ = true;
+    return {};
   }
   /// There was no room for lists.
   void refuse() {
     choice_->refuse();
     life_.forget();
   }
-  /// The step is making lists: until it has ended there are none.
-  void begin_making() { life_.forget(); }
   /// It has ended. `listed`: by steps that made lists.
   void end(const ListPlan& plan, double slack, uint64_t listed, double milliseconds, bool is_clean) {
-    if (plan.use == ListUse::kMade) life_.make(plan.margin, listed);
+    if (plan.use == ListUse::kMade) life_.make(plan, settings_, listed);
     if (plan.use == ListUse::kReused) life_.observe(slack);
-    if (is_suited_) choice_->observe(plan.use, milliseconds, is_clean);
+    if (is_suited_) choice_->observe(missed_ ? ListUse::kMade : plan.use, milliseconds, is_clean);
   }
   ReuseFacts facts(const ListPlan& plan) const {
     ReuseFacts facts = choice_->facts();
     facts.use = plan.use;
     if (!is_suited_) facts.reason = ReuseReason::kUnsuited;
-    if (plan.use != ListUse::kNone) facts.margin = life_.margin(), facts.frames = life_.frames();
+    if (plan.use != ListUse::kNone) facts.margin = life_.plan().margin, facts.frames = static_cast<uint64_t>(life_.frames());
     return facts;
   }
   /// Tests in the lists.
@@ -103,12 +117,19 @@ class ReusePlanner {
 
  private:
   ListPlan make() {
-    return {ListUse::kMade, rounded(std::min(choice_->run_length() * life_.per_frame(), widest()))};
+    life_.end();
+    const double frames = choice_->run_length();
+    return {ListUse::kMade, rounded(std::clamp(life_.margin_for(frames), narrowest(), widest())), frames};
+  }
+  /// What the check of tracks itself may be off, and more.
+  double narrowest() const {
+    const double largest = std::max(largest_component(bounds_.lo), largest_component(bounds_.hi));
+    return std::isfinite(largest) ? 0x1p-40 * largest : 0;
   }
   /// Of use at all.
   double widest() const {
     const double side = largest_side(bounds_) / 16;
-    return std::isfinite(side) ? side : 0;
+    return std::max(narrowest(), std::isfinite(side) ? side : 0);
   }
   /// To a power of the square root of 2: steps with other margins are recorded anew.
   static double rounded(double margin) {
@@ -117,7 +138,8 @@ class ReusePlanner {
 
   std::array<ReuseChoice, 4> choices_;
   ReuseChoice* choice_ = &choices_[0];  ///< of the step in work
-  bool is_suited_ = false;
+  FrameSettings settings_{};            ///< of that step
+  bool is_suited_ = false, missed_ = false;
   ListLife life_;
   Box<float> bounds_{};
 };
