@@ -1,8 +1,11 @@
 #pragma once
 // Neighbours: pairs of features that may touch in the next few frames, as molecular dynamics lists them. Each vertex is
 // expected to go on as it moved when they were listed (its track), and may be off by a margin. A frame is where the list
-// expects it if every vertex begins and ends within the margin of its track, and its inflation is no larger than it was;
-// then no pair is a contact that is not listed. Pairs that move alike keep apart for long, however fast they are.
+// expects it if every vertex begins and ends within the margin of its track, moves within half of it beside the track,
+// and has no larger inflation than it had; then no pair is a contact that is not listed. Pairs that move alike keep apart
+// for long, however fast they are.
+
+#include <cmath>
 
 #include "gpu/exec/counted.hpp"
 #include "gpu/search/elementary.hpp"
@@ -39,17 +42,22 @@ struct alignas(16) Track {
   Real inflation;
   Vec3<Real> step;  ///< a frame's
 
-  /// How far a position is from it at most along an axis, rounded up.
-  COLLIDED_HD double distance(const Vec3<Real>& p, double time) const {
-    return max(off(p.x, at.x, step.x, time), max(off(p.y, at.y, step.y, time), off(p.z, at.z, step.z, time)));
+  /// What is left of the margin by a path that begins at one time and ends at the other, rounded down.
+  COLLIDED_HD double slack(const Vec3<Real>& begin, const Vec3<Real>& end, const TrackTimes& times) const {
+    const Vec3<double> before = off(begin, times.from), after = off(end, times.to), change = after - before;
+    const double most = max(4 * dot(change, change), max(dot(before, before), dot(after, after)));
+    const double largest = max(largest_component(at), max(largest_component(begin), largest_component(end)));
+    // Each of the few roundings is off by 2^-53 of what it rounds.
+    const double doubt = 0x1p-48 * (largest + times.to * static_cast<double>(largest_component(step)));
+    return times.margin - (std::sqrt(most) * (1 + 0x1p-48) + doubt);
   }
 
  private:
-  /// The four roundings are off by less than 2^-52 of what they round.
+  COLLIDED_HD Vec3<double> off(const Vec3<Real>& p, double time) const {
+    return {off(p.x, at.x, step.x, time), off(p.y, at.y, step.y, time), off(p.z, at.z, step.z, time)};
+  }
   COLLIDED_HD static double off(Real p, Real at, Real step, double time) {
-    const double way = time * static_cast<double>(step), there = static_cast<double>(at) + way;
-    const double largest = max(magnitude(static_cast<double>(p)), magnitude(static_cast<double>(at)));
-    return magnitude(static_cast<double>(p) - there) + 0x1p-50 * (largest + magnitude(way));
+    return static_cast<double>(p) - (static_cast<double>(at) + time * static_cast<double>(step));
   }
 };
 
@@ -108,11 +116,12 @@ struct BeginTracks {
 struct Displacement {
   Box<float> bounds;
   double slack;  ///< of the margin, what no vertex has used; < 0: one has left it, -infinity: boxes are larger, too
+  double moved;  ///< the longest way of a vertex along an axis
 };
 
 struct JoinDisplacements {
   COLLIDED_HD Displacement operator()(const Displacement& a, const Displacement& b) const {
-    return {join(a.bounds, b.bounds), min(a.slack, b.slack)};
+    return {join(a.bounds, b.bounds), min(a.slack, b.slack), max(a.moved, b.moved)};
   }
 };
 
@@ -125,22 +134,23 @@ struct DisplacementOf {
   const TrackTimes* times;
 
   COLLIDED_HD Displacement operator()(uint64_t i) const {
-    Displacement all{boxes[i], times->margin};
-    if (times->is_first()) return all;
-    const uint32_t own = tests.owned[i];
-    for (int k = 0; k < 3; ++k)
-      if ((own >> k & 1u) != 0) all.slack = min(all.slack, slack_of(static_cast<uint32_t>(i), k));
+    Displacement all{boxes[i], times->margin, 0};
+    const uint32_t triangle = static_cast<uint32_t>(i), own = tests.owned[i];
+    for (int k = 0; k < 3; ++k) {
+      if ((own >> k & 1u) == 0) continue;
+      const CornerRecord<Real> corner = tests.records[i].corner[k];
+      all.moved = max(all.moved, static_cast<double>(largest_component(corner.end - corner.start)));
+      if (!times->is_first()) all.slack = min(all.slack, slack_of(triangle, corner));
+    }
     return all;
   }
 
  private:
-  COLLIDED_HD double slack_of(uint32_t triangle, int k) const {
+  COLLIDED_HD double slack_of(uint32_t triangle, const CornerRecord<Real>& corner) const {
     constexpr double kNone = -std::numeric_limits<double>::infinity();
-    const CornerRecord<Real> corner = tests.records[triangle].corner[k];
     const Track<Real> track = tracks[corner.vertex_id()];
     if (!(tests.inflation.of(triangle) <= track.inflation)) return kNone;
-    const double slack =
-        times->margin - max(track.distance(corner.start, times->from), track.distance(corner.end, times->to));
+    const double slack = track.slack(corner.start, corner.end, *times);
     return slack >= 0 || slack < 0 ? slack : kNone;
   }
 };

@@ -5,8 +5,8 @@
 //
 // The features' straight paths go from where this frame begins to where the tracks end, as in one long step; a direction
 // that keeps them apart over it does so in each frame. Of the distance that it has to keep,
-// - each of two vertices may be off its track by the margin along each axis: 2 sqrt(3) margins, and while a frame lasts
-//   they move against each other by `drift` and four times as much as one may be off;
+// - each of two vertices may be off its track by the margin, and while a frame lasts they move against each other by
+//   `drift` and half a margin each: three margins;
 // - an eighth of the pair's size is far more than float loses in the closest points of features that are well shaped,
 //   whose directions the narrow phase looks along: a triangle whose height is a 32nd of its sides, edges that are not
 //   nearly parallel. Exactly parallel edges and degenerate triangles are listed.
@@ -33,7 +33,7 @@ struct MayTouchSoon {
   }
 
  private:
-  static constexpr double kMargins = 11;  ///< 6 sqrt(3)
+  static constexpr double kMargins = 3.01;
 
   /// How far a vertex of one moves against one of the other, at most, scaled.
   template <int N>

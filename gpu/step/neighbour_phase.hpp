@@ -71,7 +71,7 @@ class NeighbourPhase {
     exec_.reduce_into("displacement", counts_.triangles,
                       DisplacementOf<Tests>{tests, scene_.boxes.span(counts_.triangles), lists().tracks.all(),
                                             lists().times.data()},
-                      Displacement{empty_box(), std::numeric_limits<double>::infinity()}, JoinDisplacements{},
+                      Displacement{empty_box(), std::numeric_limits<double>::infinity(), 0}, JoinDisplacements{},
                       &state->displacement, Prepare{state, {state, thickness, scene_.deviations(is_ccd)}});
   }
   template <class Sink>

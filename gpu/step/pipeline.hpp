@@ -91,7 +91,7 @@ class Pipeline {
     result_.stages = exec_.stage_times();
     result_.allocations = exec_.allocations();
     choices_.end(result_, counts_.triangles, state_.bricks[0] > 0);
-    reuse_.end(lists_, state_.displacement.slack, state_.neighbours[0] + state_.neighbours[1],
+    reuse_.end(lists_, state_.displacement, state_.neighbours[0] + state_.neighbours[1],
                result_.step_milliseconds, result_.allocations == 0);
     result_.reuse = reuse_.facts(lists_);
     release_idle_engines();
@@ -217,7 +217,7 @@ class Pipeline {
   bool must_plan_anew() {
     if (!plan_.searches()) {
       if (state_.displacement.slack >= 0) return false;
-      lists_ = reuse_.miss(state_.displacement.slack);
+      lists_ = reuse_.miss(state_.displacement);
       return true;
     }
     const bool grew = octree_.grow(state_), missed_large = planner_.missed_large(state_, plan_.octree);

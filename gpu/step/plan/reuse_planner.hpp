@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "gpu/base/box.hpp"
-#include "gpu/base/extent.hpp"
+#include "gpu/search/neighbours.hpp"
 #include "gpu/step/plan/plan.hpp"
 #include "gpu/step/plan/reuse_choice.hpp"
 
@@ -21,37 +21,48 @@ class ListLife {
 
   void forget() { plan_ = {}; }
   /// For frames with these settings, or ones that reach no farther.
-  void make(const ListPlan& plan, const FrameSettings& settings, uint64_t length) {
-    plan_ = plan, settings_ = settings, length_ = length;
+  void make(const ListPlan& plan, const FrameSettings& settings, uint64_t length, double moved) {
+    plan_ = plan, settings_ = settings, length_ = length, moved_ = moved;
     frames_ = off_ = last_ = 0;
   }
   bool serve(const FrameSettings& settings) const {
     return plan_.use == ListUse::kMade && settings.reach() <= settings_.reach() && settings.delta <= settings_.delta &&
            frames_ < plan_.frames && off_ + kUneven * last_ <= plan_.margin;
   }
-  /// `slack`: Displacement::slack of a frame that reuses them, or tried to.
-  void observe(double slack) {
+  /// A frame that reuses them, or tried to.
+  void observe(const Displacement& found) {
     ++frames_;
-    if (!std::isfinite(slack)) return;
-    last_ = frames_ > 1 ? std::max(0.0, plan_.margin - slack - off_) : 0;
-    off_ = plan_.margin - slack;
+    moved_ = found.moved;
+    if (!std::isfinite(found.slack)) return;
+    last_ = frames_ > 1 ? std::max(0.0, plan_.margin - found.slack - off_) : 0;
+    off_ = plan_.margin - found.slack;
   }
   /// No frame reuses them any more.
   void end() {
-    if (plan_.use == ListUse::kMade && frames_ > 0) growth_.push(off_ / (frames_ * frames_));
+    if (plan_.use == ListUse::kMade && frames_ > 0) {
+      if (settings_.is_ccd())
+        bend_.push(off_ / (frames_ * frames_));
+      else
+        speed_.push(off_ / frames_);
+    }
     forget();
   }
-  /// What vertices need for so many frames: they leave their tracks as the square of the time.
-  double margin_for(double frames) const { return kUneven * growth_.median() * frames * frames; }
+  /// What vertices need for so many frames: they leave their tracks as the square of the time. Those that need much of
+  /// the way that they go had better be looked at again. DCD knows of no way: tracks stand still.
+  double margin_for(double frames, bool is_ccd) const {
+    if (!is_ccd) return kUneven * speed_.median() * frames;
+    return std::min(kUneven * bend_.median() * frames * frames, kMaxOfWay * moved_ * frames);
+  }
 
  private:
-  static constexpr double kUneven = 1.25;
+  static constexpr double kUneven = 1.25, kMaxOfWay = 0.25;
 
   ListPlan plan_;
   FrameSettings settings_{};
   double frames_ = 0, off_ = 0, last_ = 0;  ///< how far the farthest was off, and by how much more than the frame before
+  double moved_ = 0;                        ///< how far the fastest moves in a frame
   uint64_t length_ = 0;
-  LastTimes growth_;  ///< of the last lists
+  LastTimes bend_, speed_;  ///< of vertices against the tracks of the last lists, in CCD and in DCD
 };
 
 /// Frames whose searches are alike share a choice; the lists serve all frames.
@@ -81,8 +92,8 @@ class ReusePlanner {
     return {settings_.is_ccd() ? to - 1 : to, to, life_.plan().margin};
   }
   /// A vertex has left its track. Whatever made it do so: this is no frame to tell the next ones by.
-  ListPlan miss(double slack) {
-    life_.observe(slack);
+  ListPlan miss(const Displacement& found) {
+    life_.observe(found);
     life_.end();
     missed_ = true;
     return {};
@@ -93,9 +104,9 @@ class ReusePlanner {
     life_.forget();
   }
   /// It has ended. `listed`: by steps that made lists.
-  void end(const ListPlan& plan, double slack, uint64_t listed, double milliseconds, bool is_clean) {
-    if (plan.use == ListUse::kMade) life_.make(plan, settings_, listed);
-    if (plan.use == ListUse::kReused) life_.observe(slack);
+  void end(const ListPlan& plan, const Displacement& found, uint64_t listed, double milliseconds, bool is_clean) {
+    if (plan.use == ListUse::kMade) life_.make(plan, settings_, listed, found.moved);
+    if (plan.use == ListUse::kReused) life_.observe(found);
     if (is_suited_) choice_->observe(missed_ ? ListUse::kMade : plan.use, milliseconds, is_clean);
   }
   ReuseFacts facts(const ListPlan& plan) const {
@@ -119,21 +130,16 @@ class ReusePlanner {
   ListPlan make() {
     life_.end();
     const double frames = choice_->run_length();
-    return {ListUse::kMade, rounded(std::clamp(life_.margin_for(frames), narrowest(), widest())), frames};
+    return {ListUse::kMade, rounded(std::max(life_.margin_for(frames, settings_.is_ccd()), narrowest())), frames};
   }
   /// What the check of tracks itself may be off, and more.
   double narrowest() const {
     const double largest = std::max(largest_component(bounds_.lo), largest_component(bounds_.hi));
     return std::isfinite(largest) ? 0x1p-40 * largest : 0;
   }
-  /// Of use at all.
-  double widest() const {
-    const double side = largest_side(bounds_) / 16;
-    return std::max(narrowest(), std::isfinite(side) ? side : 0);
-  }
   /// To a power of the square root of 2: steps with other margins are recorded anew.
   static double rounded(double margin) {
-    return margin > 0x1p-1000 ? std::exp2(std::ceil(2 * std::log2(margin)) / 2) : 0;
+    return margin > 0x1p-1000 && std::isfinite(margin) ? std::exp2(std::ceil(2 * std::log2(margin)) / 2) : 0;
   }
 
   std::array<ReuseChoice, 4> choices_;
