@@ -325,7 +325,7 @@ struct FrameResult : PerKind<ContactSet> {
   double step_milliseconds = 0;
   EngineFacts broad_phase;
   ReuseFacts reuse;
-  double earliest_toi = 1;          ///< CCD; from kGuarded on no contact is earlier
+  double earliest_toi = 1;  ///< CCD; from kGuarded on no contact is earlier
   /// How far the scene went, in [0, 1], by the formula of positions/blend.hpp; where the frame asked to advance.
   std::optional<double> advanced = {};
   bool any_contact = false;

@@ -1,9 +1,9 @@
 #pragma once
 // Neighbours: pairs of features that may touch in the next few frames, as molecular dynamics lists them. Each vertex is
-// expected to go on as it moved when they were listed (its track), and may be off by a margin. A frame is where the list
-// expects it if every vertex begins and ends within the margin of its track, moves within half of it beside the track,
-// and has no larger inflation than it had; then no pair is a contact that is not listed. Pairs that move alike keep apart
-// for long, however fast they are.
+// expected to go on as it moved when they were listed (its track), and may be off by a margin. A frame is where the
+// list expects it if every vertex begins and ends within the margin of its track, moves within half of it beside the
+// track, and has no larger inflation than it had; then no pair is a contact that is not listed. Pairs that move alike
+// keep apart for long, however fast they are.
 
 #include <cmath>
 
@@ -18,7 +18,9 @@ struct PackedTest {
   uint32_t a, b;
   int test;
 
-  COLLIDED_HD uint64_t packed() const { return uint64_t{a} << kIdBits | b | static_cast<uint64_t>(test) << (2 * kIdBits); }
+  COLLIDED_HD uint64_t packed() const {
+    return uint64_t{a} << kIdBits | b | static_cast<uint64_t>(test) << (2 * kIdBits);
+  }
   COLLIDED_HD static PackedTest unpacked(uint64_t packed) {
     constexpr uint64_t kIdMask = (1u << kIdBits) - 1u;
     return {static_cast<uint32_t>(packed >> kIdBits & kIdMask), static_cast<uint32_t>(packed & kIdMask),

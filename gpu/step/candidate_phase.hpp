@@ -15,8 +15,8 @@ template <Executor Exec, class Real>
 class CandidatePhase {
  public:
   CandidatePhase(Exec& exec, const SceneCounts& counts, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene,
-                 OctreePhase<Exec, Real>& octree, LbvhPhase<Exec, Real>& lbvh,
-                 NeighbourPhase<Exec, Real>& neighbours, NarrowPhase<Exec, Real>& narrow)
+                 OctreePhase<Exec, Real>& octree, LbvhPhase<Exec, Real>& lbvh, NeighbourPhase<Exec, Real>& neighbours,
+                 NarrowPhase<Exec, Real>& narrow)
       : exec_(exec),
         counts_(counts),
         ranks_(ranks),
@@ -77,9 +77,7 @@ class CandidatePhase {
     else
       search_for(keep, wanted, octree_.elementary(wanted), NothingExcluded{});
   }
-  bool is_plain() const {
-    return !scene_.deviations(needs().is_ccd()).is_needed() && !counts_.has_loose_elements();
-  }
+  bool is_plain() const { return !scene_.deviations(needs().is_ccd()).is_needed() && !counts_.has_loose_elements(); }
   template <class Keep, class Tests, class Excluded>
   void search_for(const Keep& keep, const PerKind<bool>& wanted, const Tests& tests, const Excluded& excluded) {
     StepState* state = scene_.state.data();

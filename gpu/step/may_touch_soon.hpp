@@ -1,10 +1,11 @@
 #pragma once
-// Which pairs of features the lists of neighbours hold: those that are not certain to keep so far apart, on their tracks
-// and within the margin of them, that the narrow phase of every frame there tells them apart at its first look. What it
-// cannot tell apart it reports, near or not, so that a pair must not be left out only because it does not touch.
+// Which pairs of features the lists of neighbours hold: those that are not certain to keep so far apart, on their
+// tracks and within the margin of them, that the narrow phase of every frame there tells them apart at its first look.
+// What it cannot tell apart it reports, near or not, so that a pair must not be left out only because it does not
+// touch.
 //
-// The features' straight paths go from where this frame begins to where the tracks end, as in one long step; a direction
-// that keeps them apart over it does so in each frame. Of the distance that it has to keep,
+// The features' straight paths go from where this frame begins to where the tracks end, as in one long step; a
+// direction that keeps them apart over it does so in each frame. Of the distance that it has to keep,
 // - each of two vertices may be off its track by the margin, and while a frame lasts they move against each other by
 //   `drift` and half a margin each: three margins;
 // - an eighth of the pair's size is far more than float loses in the closest points of features that are well shaped,

@@ -47,18 +47,16 @@ class NeighbourPhase {
 
   /// Where vertices will be.
   const Vec3<Real>* extrapolate(double frames, bool is_ccd) {
-    exec_.for_each("extrapolate", counts_.vertices,
-                   Extrapolate<Real>{scene_.positions_at_start(is_ccd), scene_.end.data(), frames,
-                                     lists().extrapolated.data()});
+    exec_.for_each(
+        "extrapolate", counts_.vertices,
+        Extrapolate<Real>{scene_.positions_at_start(is_ccd), scene_.end.data(), frames, lists().extrapolated.data()});
     return lists().extrapolated.data();
   }
   AppendList<uint64_t> list(int kind) const {
     return {lists().tests[kind].all(), &scene_.state.data()->neighbours[kind]};
   }
   /// After the search.
-  void keep_counts() {
-    exec_.copy(lists().counts.data(), scene_.state.data()->neighbours, 2 * sizeof(uint64_t));
-  }
+  void keep_counts() { exec_.copy(lists().counts.data(), scene_.state.data()->neighbours, 2 * sizeof(uint64_t)); }
 
   /// Boxes and records are those of the frame, here and below.
   template <class Tests>
@@ -68,11 +66,11 @@ class NeighbourPhase {
   template <class Tests>
   void measure(const Tests& tests, double thickness, bool is_ccd) {
     StepState* state = scene_.state.data();
-    exec_.reduce_into("displacement", counts_.triangles,
-                      DisplacementOf<Tests>{tests, scene_.boxes.span(counts_.triangles), lists().tracks.all(),
-                                            lists().times.data()},
-                      Displacement{empty_box(), std::numeric_limits<double>::infinity(), 0}, JoinDisplacements{},
-                      &state->displacement, Prepare{state, {state, thickness, scene_.deviations(is_ccd)}});
+    exec_.reduce_into(
+        "displacement", counts_.triangles,
+        DisplacementOf<Tests>{tests, scene_.boxes.span(counts_.triangles), lists().tracks.all(), lists().times.data()},
+        Displacement{empty_box(), std::numeric_limits<double>::infinity(), 0}, JoinDisplacements{},
+        &state->displacement, Prepare{state, {state, thickness, scene_.deviations(is_ccd)}});
   }
   template <class Sink>
   void test(const char* name, const Sink& sink) {

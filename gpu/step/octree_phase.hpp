@@ -296,7 +296,8 @@ class OctreePhase {
 
   Motion<Real> motion() const {
     const Real half = static_cast<Real>(thickness_) / 2;
-    return {scene_.positions_at_start(is_ccd_), end_ != nullptr ? end_ : scene_.end.data(), half == 0 ? half : next_up(half)};
+    return {scene_.positions_at_start(is_ccd_), end_ != nullptr ? end_ : scene_.end.data(),
+            half == 0 ? half : next_up(half)};
   }
 
   static void check_length(const std::string& list, uint64_t need) {

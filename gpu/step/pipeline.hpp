@@ -27,7 +27,7 @@ class Pipeline {
       : exec_(exec),
         spec_(spec),
         counts_(std::move(counts)),
-        ranks_(ranks_of(spec, counts_)),
+        ranks_(ranks_of(spec.kinds, counts_)),
         scene_(scene),
         searcher_(exec),
         octree_(exec, searcher_, spec, counts_, scene),
@@ -53,7 +53,7 @@ class Pipeline {
 
   /// The scene is made of so much from the next step on. Throws InvalidInput where that is too much.
   void resize(SceneCounts counts) {
-    ranks_ = ranks_of(spec_, counts);
+    ranks_ = ranks_of(spec_.kinds, counts);
     counts_ = std::move(counts);
     planner_.resize(counts_.triangles);
     narrow_.expect_loose_elements(counts_.has_loose_elements());
@@ -91,8 +91,8 @@ class Pipeline {
     result_.stages = exec_.stage_times();
     result_.allocations = exec_.allocations();
     choices_.end(result_, counts_.triangles, state_.bricks[0] > 0);
-    reuse_.end(lists_, state_.displacement, state_.neighbours[0] + state_.neighbours[1],
-               result_.step_milliseconds, result_.allocations == 0);
+    reuse_.end(lists_, state_.displacement, state_.neighbours[0] + state_.neighbours[1], result_.step_milliseconds,
+               result_.allocations == 0);
     result_.reuse = reuse_.facts(lists_);
     release_idle_engines();
     return std::move(result_);
@@ -105,26 +105,7 @@ class Pipeline {
       scene_.octree = OctreeBuffers<Exec>(exec_);
       sent_levels_ = {.deepest = -1};
     }
-    if (scene_.neighbours.counts.capacity() > 0 && reuse_.is_idle()) release_lists_of_neighbours();
-  }
-  void release_lists_of_neighbours() {
-    neighbours_.release();
-    reuse_.forget();
-  }
-
-  static FeatureRanks ranks_of(const SceneSpec& spec, const SceneCounts& counts) {
-    FeatureRanks ranks = {};
-    uint64_t count = 0;
-    for_each_kind(
-        [&](ContactKind kind, bool is_wanted, uint64_t features) {
-          if (is_wanted || is_of_features(kind)) count += features;
-          ranks.begin[index_of(kind) + 1] = static_cast<uint32_t>(count);
-        },
-        spec.kinds, counts.first_features());
-    if (count >= ~0u)
-      throw InvalidInput("meshes", "meshes have " + std::to_string(count) +
-                                       " vertices, edges and triangles, the limit is " + std::to_string(~0u - 1));
-    return ranks;
+    if (scene_.neighbours.counts.capacity() > 0 && reuse_.is_idle()) neighbours_.release(), reuse_.forget();
   }
 
   const LevelNeeds& needs() const { return plan_.needs; }
@@ -145,7 +126,7 @@ class Pipeline {
     }
   }
   void run_without_lists(const LevelNeeds& needs) {
-    release_lists_of_neighbours();
+    neighbours_.release();
     reuse_.refuse();
     lists_ = {};
     run_step(needs, true);
@@ -374,21 +355,8 @@ class Pipeline {
 
   /// Counts of the step, and what follows from them for the next.
   void describe() {
-    FrameCounts& c = result_.counts;
-    const LeafTotals& leaves = state_.leaves;
-    c.cells = leaves[LeafSum::kCells], c.leaves = leaves[LeafSum::kLeaves];
-    c.registrations = leaves[LeafSum::kRegistrations], c.tests = leaves[LeafSum::kTests];
-    c.top_level = static_cast<uint32_t>(state_.grid.grid.top);
-    c.base_level = static_cast<uint32_t>(state_.grid.grid.base);
-    c.pairs = state_.pairs;
+    FrameCounts& c = result_.counts = counts_of(state_, needs());
     if (!plan_.searches()) c.tests = reuse_.length();
-    for_each_kind(
-        [&](ContactKind kind, uint64_t& candidates, uint64_t& survivors) {
-          if (!is_of_features(kind)) return;
-          candidates = state_.candidates[index_of(kind)];
-          if (needs().has_filter()) survivors = state_.kept[index_of(kind)];
-        },
-        c.candidates, c.survivors);
     const Engine engine = result_.broad_phase.engine;
     if (!plan_.searches())
       c.top_level = c.base_level = 0;

@@ -46,14 +46,13 @@ constexpr std::pair<pb::BroadPhaseReason, EngineReason> kReasons[] = {
 
 constexpr std::pair<pb::Reuse, Reuse> kReuses[] = {{pb::REUSE_ON, Reuse::kOn}, {pb::REUSE_OFF, Reuse::kOff}};
 
-constexpr std::pair<pb::ListUse, ListUse> kListUses[] = {{pb::LIST_USE_NONE, ListUse::kNone},
-                                                         {pb::LIST_USE_MADE, ListUse::kMade},
-                                                         {pb::LIST_USE_REUSED, ListUse::kReused}};
+constexpr std::pair<pb::ListUse, ListUse> kListUses[] = {
+    {pb::LIST_USE_NONE, ListUse::kNone}, {pb::LIST_USE_MADE, ListUse::kMade}, {pb::LIST_USE_REUSED, ListUse::kReused}};
 
 constexpr std::pair<pb::ReuseReason, ReuseReason> kReuseReasons[] = {
-    {pb::REUSE_REASON_REQUESTED, ReuseReason::kAsked}, {pb::REUSE_REASON_UNSUITED, ReuseReason::kUnsuited},
+    {pb::REUSE_REASON_REQUESTED, ReuseReason::kAsked},    {pb::REUSE_REASON_UNSUITED, ReuseReason::kUnsuited},
     {pb::REUSE_REASON_FIRST_FRAMES, ReuseReason::kFirst}, {pb::REUSE_REASON_TRIAL, ReuseReason::kTrial},
-    {pb::REUSE_REASON_FASTER, ReuseReason::kFaster}, {pb::REUSE_REASON_SLOWER, ReuseReason::kSlower},
+    {pb::REUSE_REASON_FASTER, ReuseReason::kFaster},      {pb::REUSE_REASON_SLOWER, ReuseReason::kSlower},
     {pb::REUSE_REASON_NO_ROOM, ReuseReason::kNoRoom}};
 
 constexpr std::pair<pb::MeshMotion, MeshMotion> kMotions[] = {{pb::MESH_MOTION_DEFORMABLE, MeshMotion::kDeformable},

@@ -12,6 +12,14 @@ class NeighbourTester {
  public:
   explicit NeighbourTester(const Sink& sink) : sink_(sink), first_(sink.vertex_triangle), second_(sink.edge_edge) {}
 
+  /// Neighbours that are tested soon.
+  void prefetch(uint64_t packed) const {
+    const PackedTest test = PackedTest::unpacked(packed);
+    for (const uint32_t triangle : {test.a, test.b}) {
+      const char* record = reinterpret_cast<const char*>(&sink_.tests.records[triangle]);
+      for (size_t byte = 0; byte < sizeof(sink_.tests.records[triangle]); byte += 64) __builtin_prefetch(record + byte);
+    }
+  }
   void test_first(uint64_t packed) {
     const auto [a, b, test] = PackedTest::unpacked(packed);
     if (!sink_.overlap_first(a, b, test) || sink_.excludes_first(a, b, test)) return;

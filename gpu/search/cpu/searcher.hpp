@@ -50,8 +50,14 @@ class Searcher<CpuExec> {
       while (ItemRange* left = turn.next()) {
         if (sink.is_over()) left->first = left->end;
         const uint64_t end = std::min(left->end, left->first + kNeighbours);
-        for (; left->first < std::min(end, first); ++left->first) tester.test_first(neighbours.first[left->first]);
-        for (; left->first < end; ++left->first) tester.test_second(neighbours.second[left->first - first]);
+        for (; left->first < std::min(end, first); ++left->first) {
+          if (left->first + kAhead < first) tester.prefetch(neighbours.first[left->first + kAhead]);
+          tester.test_first(neighbours.first[left->first]);
+        }
+        for (; left->first < end; ++left->first) {
+          if (left->first + kAhead < all) tester.prefetch(neighbours.second[left->first + kAhead - first]);
+          tester.test_second(neighbours.second[left->first - first]);
+        }
       }
       tester.finish();
     });
@@ -59,6 +65,7 @@ class Searcher<CpuExec> {
 
  private:
   static constexpr uint64_t kNeighbours = 2048;  ///< that take a bounded time
+  static constexpr uint64_t kAhead = 8;
 
   /// use(turn, taker), by several threads (pair_taker.hpp).
   template <class Sink, class Use>

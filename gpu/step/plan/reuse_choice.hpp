@@ -24,9 +24,7 @@ class RunTimes {
     ++run_;
     if (is_clean) (use == ListUse::kMade ? made_ : reused_).push(milliseconds);
   }
-  bool is_measured() const {
-    return reused_.is_full() && ((last_run_ > 0 && made_.median() > 0) || run_ >= kLongRun);
-  }
+  bool is_measured() const { return reused_.is_full() && ((last_run_ > 0 && made_.median() > 0) || run_ >= kLongRun); }
   /// Lists are made and not reused, again and again.
   bool is_hopeless() const { return short_runs_ >= kMaxShortRuns; }
   double reused() const { return reused_.is_full() ? reused_.median() : 0; }
@@ -72,7 +70,7 @@ class RunLength {
   }
 
  private:
-  static constexpr double kGain = 0.98, kShortest = 2, kLongest = 256;
+  static constexpr double kGain = 0.98, kShortest = 2, kLongest = 64;
   static constexpr int kFirstPause = 4, kLongestPause = 1 << 10;
 
   void try_next() {
@@ -133,11 +131,11 @@ class ReuseChoice {
 
  private:
   enum class State { kSearching, kTrying, kUsing };
-  static constexpr double kShare = 0.02;   ///< of all time may go to comparisons
-  static constexpr double kGain = 0.97;    ///< what frames with lists have to take of the time
-  static constexpr double kChange = 1.3;   ///< from here on a scene has become another one
-  static constexpr int kFirstWait = 16;    ///< frames before the first comparison: engines are compared first
-  static constexpr int kFirstPause = 64;   ///< frames between comparisons; twice as many after each
+  static constexpr double kShare = 0.02;  ///< of all time may go to comparisons
+  static constexpr double kGain = 0.97;   ///< what frames with lists have to take of the time
+  static constexpr double kChange = 1.3;  ///< from here on a scene has become another one
+  static constexpr int kFirstWait = 16;   ///< frames before the first comparison: engines are compared first
+  static constexpr int kFirstPause = 64;  ///< frames between comparisons; twice as many after each
   static constexpr int kLongestPause = 1 << 14;
   static constexpr int kLongestTrial = 256, kSearches = 3;
 
@@ -213,13 +211,13 @@ class ReuseChoice {
   State state_ = State::kSearching;
   ReuseReason reason_ = ReuseReason::kFirst;
   RunLength length_;
-  RunTimes times_;                     ///< of lists of this length
-  LastTimes search_;                   ///< of frames without lists
-  double list_ = 0, without_ = 0;      ///< as measured last
-  double owed_ = 0;                    ///< milliseconds that comparisons took, less the share that they may take
+  RunTimes times_;                 ///< of lists of this length
+  LastTimes search_;               ///< of frames without lists
+  double list_ = 0, without_ = 0;  ///< as measured last
+  double owed_ = 0;                ///< milliseconds that comparisons took, less the share that they may take
   int frames_to_wait_ = kFirstWait, pause_ = kFirstPause;
   int trial_frames_ = 0;
-  int searches_left_ = 0;              ///< of a comparison while lists are in use
+  int searches_left_ = 0;  ///< of a comparison while lists are in use
 };
 
 }  // namespace collided

@@ -59,8 +59,9 @@ class ListLife {
 
   ListPlan plan_;
   FrameSettings settings_{};
-  double frames_ = 0, off_ = 0, last_ = 0;  ///< how far the farthest was off, and by how much more than the frame before
-  double moved_ = 0;                        ///< how far the fastest moves in a frame
+  double frames_ = 0, off_ = 0,
+         last_ = 0;   ///< how far the farthest was off, and by how much more than the frame before
+  double moved_ = 0;  ///< how far the fastest moves in a frame
   uint64_t length_ = 0;
   LastTimes bend_, speed_;  ///< of vertices against the tracks of the last lists, in CCD and in DCD
 };
@@ -113,7 +114,8 @@ class ReusePlanner {
     ReuseFacts facts = choice_->facts();
     facts.use = plan.use;
     if (!is_suited_) facts.reason = ReuseReason::kUnsuited;
-    if (plan.use != ListUse::kNone) facts.margin = life_.plan().margin, facts.frames = static_cast<uint64_t>(life_.frames());
+    if (plan.use != ListUse::kNone)
+      facts.margin = life_.plan().margin, facts.frames = static_cast<uint64_t>(life_.frames());
     return facts;
   }
   /// Tests in the lists.

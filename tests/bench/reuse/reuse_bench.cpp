@@ -77,7 +77,8 @@ class Motion {
 struct Side {
   std::unique_ptr<Detector> detector;
   double step_ms = 0, frame_ms = 0;
-  uint64_t uses[3] = {0, 0, 0};
+  uint64_t uses[3] = {0, 0, 0};  ///< steps by ListUse
+  double use_ms[3] = {0, 0, 0};
   FrameResult last = {};
 
   void run(const FrameInput& input, bool counts) {
@@ -87,12 +88,18 @@ struct Side {
     if (!counts) return;
     frame_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     step_ms += last.step_milliseconds;
-    ++uses[static_cast<int>(last.reuse.use)];
+    const int use = static_cast<int>(last.reuse.use);
+    ++uses[use];
+    use_ms[use] += last.step_milliseconds;
   }
   uint64_t list_bytes() const {
     uint64_t bytes = 0;
     for (const MemoryPart& part : detector->memory()) bytes += part.part == "neighbours" ? part.bytes : 0;
     return bytes;
+  }
+  json mean(ListUse use) const {
+    const int i = static_cast<int>(use);
+    return uses[i] > 0 ? json(use_ms[i] / static_cast<double>(uses[i])) : json();
   }
   json stages() const {
     json stages;
@@ -118,7 +125,8 @@ json measure(const std::string& name, const Options& o) {
   Side off = side(first, o, Reuse::kOff), reuse = side(first, o, o.reuse == "on" ? Reuse::kOn : Reuse::kAuto);
   for (int i = 0; i < kWarmUp + o.frames; ++i) {
     const Frame frame(motion.at(i), mode, Scalar::kF32, i == 0);
-    for (Side* s : i % 2 == 0 ? std::array{&off, &reuse} : std::array{&reuse, &off}) s->run(frame.input(), i >= kWarmUp);
+    for (Side* s : i % 2 == 0 ? std::array{&off, &reuse} : std::array{&reuse, &off})
+      s->run(frame.input(), i >= kWarmUp);
     if (!same_contacts(off.last, reuse.last) || off.last.earliest_toi != reuse.last.earliest_toi)
       throw std::runtime_error(name + ": frame " + std::to_string(i) + " has other contacts with lists");
   }
@@ -134,6 +142,9 @@ json measure(const std::string& name, const Options& o) {
           {"searched", reuse.uses[0]},
           {"made", reuse.uses[1]},
           {"reused", reuse.uses[2]},
+          {"searched_ms", reuse.mean(ListUse::kNone)},
+          {"made_ms", reuse.mean(ListUse::kMade)},
+          {"reused_ms", reuse.mean(ListUse::kReused)},
           {"margin", reuse.last.reuse.margin},
           {"list_bytes", reuse.list_bytes()},
           {"last_search_stages", off.stages()},
@@ -151,7 +162,8 @@ std::string device_name(Backend backend, int threads) {
 
 int main(int argc, char** argv) {
   using namespace collided::test;
-  CLI::App app("Times steps that may go by lists of neighbours beside steps that always search, as JSON, to standard output");
+  CLI::App app(
+      "Times steps that may go by lists of neighbours beside steps that always search, as JSON, to standard output");
   Options options;
   std::string backend = "cpu", date, commit;
   app.add_option("--backend", backend, "cpu or cuda")->check(CLI::IsMember({"cpu", "cuda"}))->capture_default_str();

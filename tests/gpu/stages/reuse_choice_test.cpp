@@ -95,7 +95,7 @@ TEST_F(ReuseTimes, FollowTheScene) {
 // Long runs where lists cost no more for it, short ones where they do.
 TEST_F(ReuseTimes, FindTheLengthOfRuns) {
   run(4000, {});
-  EXPECT_GE(choice_.run_length(), 64);
+  EXPECT_EQ(choice_.run_length(), 64);
   choice_ = ReuseChoice(Reuse::kAuto);
   run(4000, {.for_length = 0.1});
   EXPECT_LE(choice_.run_length(), 8);

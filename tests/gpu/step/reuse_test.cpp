@@ -126,10 +126,10 @@ class Stream {
     if (random(24) == 0) end[random(kSide)][1] = std::numeric_limits<double>::quiet_NaN();
     if (random(3) > 0) {
       const bool has_start = is_continuous() && random(6) == 0;
-      updates_.push_back({.mesh = mesh,
-                          .start = has_start ? pack(shaken(before, random(1u << 30), by), spec_.scalar)
-                                             : std::vector<std::byte>{},
-                          .end = pack(end, spec_.scalar)});
+      updates_.push_back(
+          {.mesh = mesh,
+           .start = has_start ? pack(shaken(before, random(1u << 30), by), spec_.scalar) : std::vector<std::byte>{},
+           .end = pack(end, spec_.scalar)});
       return;
     }
     std::vector<uint32_t> indices;
