@@ -70,7 +70,7 @@ class NeighbourPhase {
         "displacement", counts_.triangles,
         DisplacementOf<Tests>{tests, scene_.boxes.span(counts_.triangles), lists().tracks.all(), lists().times.data()},
         Displacement{empty_box(), std::numeric_limits<double>::infinity(), 0}, JoinDisplacements{},
-        &state->displacement, Prepare{state, {state, thickness, scene_.deviations(is_ccd)}});
+        &state->displacement, PrepareDisplaced{{state, thickness, scene_.deviations(is_ccd)}});
   }
   template <class Sink>
   void test(const char* name, const Sink& sink) {
@@ -81,17 +81,6 @@ class NeighbourPhase {
   }
 
  private:
-  /// As after any search.
-  struct Prepare {
-    StepState* state;
-    PrepareNarrow narrow;
-
-    COLLIDED_HD void operator()(uint64_t i) const {
-      state->bounds = state->displacement.bounds;
-      narrow(i);
-    }
-  };
-
   NeighbourBuffers<Exec, Real>& lists() const { return scene_.neighbours; }
 
   Exec& exec_;

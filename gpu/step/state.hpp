@@ -49,6 +49,16 @@ struct PrepareNarrow {
   }
 };
 
+/// The same for a step that looks at displacements instead.
+struct PrepareDisplaced {
+  PrepareNarrow narrow;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    narrow.state->bounds = narrow.state->displacement.bounds;
+    narrow(i);
+  }
+};
+
 /// All that is decided for a step from the bounds and the counts of its triangles.
 struct PrepareStep {
   ChooseGrid grid;
