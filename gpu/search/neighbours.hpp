@@ -116,8 +116,10 @@ struct BeginTracks {
 
 /// What a step with lists looks at all triangles for.
 struct Displacement {
+  static constexpr double kNone = -0x1p1023;
+
   Box<float> bounds;
-  double slack;  ///< of the margin, what no vertex has used; < 0: one has left it, -infinity: boxes are larger, too
+  double slack;  ///< of the margin, what no vertex has used; < 0: one has left it; kNone: nobody can tell how far
   double moved;  ///< the longest way of a vertex along an axis
 };
 
@@ -149,11 +151,10 @@ struct DisplacementOf {
 
  private:
   COLLIDED_HD double slack_of(uint32_t triangle, const CornerRecord<Real>& corner) const {
-    constexpr double kNone = -std::numeric_limits<double>::infinity();
     const Track<Real> track = tracks[corner.vertex_id()];
-    if (!(tests.inflation.of(triangle) <= track.inflation)) return kNone;
+    if (!(tests.inflation.of(triangle) <= track.inflation)) return Displacement::kNone;
     const double slack = track.slack(corner.start, corner.end, *times);
-    return slack >= 0 || slack < 0 ? slack : kNone;
+    return slack > Displacement::kNone ? slack : Displacement::kNone;
   }
 };
 

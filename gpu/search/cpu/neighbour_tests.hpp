@@ -1,6 +1,7 @@
 #pragma once
 // On CPU cores: the boxes of neighbours, as they are in this step, and what of them goes to the sink's lists.
 
+#include "gpu/contacts/kinds.hpp"
 #include "gpu/search/cpu/list_writer.hpp"
 #include "gpu/search/neighbours.hpp"
 

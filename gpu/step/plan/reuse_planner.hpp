@@ -33,7 +33,7 @@ class ListLife {
   void observe(const Displacement& found) {
     ++frames_;
     moved_ = found.moved;
-    if (!std::isfinite(found.slack)) return;
+    if (found.slack == Displacement::kNone) return;
     last_ = frames_ > 1 ? std::max(0.0, plan_.margin - found.slack - off_) : 0;
     off_ = plan_.margin - found.slack;
   }
