@@ -126,9 +126,7 @@ class Pipeline {
     }
   }
   void run_without_lists(const LevelNeeds& needs) {
-    neighbours_.release();
-    reuse_.refuse();
-    lists_ = {};
+    neighbours_.release(), reuse_.refuse(), lists_ = {};
     run_step(needs, true);
   }
   /// Until everything the step found had room. A step that will not be as it is again, because memory was allocated for
@@ -182,27 +180,30 @@ class Pipeline {
 
   /// Of a whole step.
   bool must_rerun() {
-    const bool plans_anew = must_plan_anew(), lists_grew = must_list_anew(), narrow_grew = narrow_.grow(state_, 0),
+    const bool missed = must_search(), lists_grew = must_list_anew(), narrow_grew = narrow_.grow(state_, 0),
                reorders = narrow_.reorders(state_);
-    return plans_anew || lists_grew || narrow_grew || reorders;
+    return missed || must_plan_anew(lists_grew || narrow_grew || reorders);
   }
   /// Of the part that makes the octree, or the hierarchy, or looks at what lists are still good for.
   bool must_rebuild() {
-    if (!must_plan_anew()) return false;
+    if (!must_search() && !must_plan_anew(false)) return false;
     plan_.octree = plan_octree();
     plan_.lists = lists_;
     candidates_.begin(plan_);
     reserve();
     return true;
   }
-  bool must_plan_anew() {
-    if (!plan_.searches()) {
-      if (state_.displacement.slack >= 0) return false;
-      lists_ = reuse_.miss(state_.displacement);
-      return true;
-    }
+  /// The lists do not hold all that may touch.
+  bool must_search() {
+    if (plan_.searches() || state_.displacement.slack >= 0) return false;
+    lists_ = reuse_.miss(state_.displacement);
+    return true;
+  }
+  /// The octree, or whatever else was too short.
+  bool must_plan_anew(bool others_grew) {
+    if (!plan_.searches()) return others_grew;
     const bool grew = octree_.grow(state_), missed_large = planner_.missed_large(state_, plan_.octree);
-    return grew | missed_large | planner_.needs_refinement(state_, plan_.octree);
+    return grew || others_grew || missed_large || planner_.needs_refinement(state_, plan_.octree);
   }
   /// Of the part that lists neighbours.
   bool must_list_anew() {

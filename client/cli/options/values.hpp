@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "collided/v1/metrics.pb.h"
 #include "collided/v1/scene.pb.h"
 
 namespace collided::cli {
