@@ -110,6 +110,26 @@ struct EngineFacts {
   double octree_milliseconds = 0, lbvh_milliseconds = 0;
 };
 
+/// Whether frames that resemble the last go by its list of neighbours: pairs of features that a search found close to
+/// each other hold all candidates for as long as no vertex has moved far. What is found is the same. kAuto: where
+/// measured times say that it pays, in scenes whose engine is kAuto. kOn: wherever it can be.
+enum class Reuse { kAuto, kOn, kOff };
+/// What a frame did with lists of neighbours: it searched for candidates, or for neighbours and found its candidates
+/// among them, or found them among those of a frame before.
+enum class ListUse { kNone, kMade, kReused };
+/// Why: the spec says so; what the frame asks for needs a search (kAnyHit, triangle pairs); no comparison yet; a
+/// comparison is on; it won or lost the last one; there was no room for the lists.
+enum class ReuseReason { kAsked, kUnsuited, kFirst, kTrial, kFaster, kSlower, kNoRoom };
+
+struct ReuseFacts {
+  ListUse use = ListUse::kNone;
+  ReuseReason reason = ReuseReason::kAsked;
+  double margin = 0;    ///< of the lists; unit of the positions
+  uint64_t frames = 0;  ///< since the lists were made
+  /// What the last comparison measured, milliseconds a step: with lists, on average, and without; 0 before the first.
+  double list_milliseconds = 0, search_milliseconds = 0;
+};
+
 /// How a mesh moves: any vertex in any frame; not after the first frame; as a whole, by transforms of the positions
 /// that its first frame brought.
 enum class MeshMotion { kDeformable, kStatic, kRigid };
@@ -151,6 +171,7 @@ struct SceneSpec {
   Accuracy accuracy = Accuracy::kCertified;
   Scalar scalar = Scalar::kF32;
   Engine engine = Engine::kAuto;
+  Reuse reuse = Reuse::kAuto;
   double thickness = 0;  ///< >= 0, finite, unit of the positions
   double delta = 0;      ///< tolerance of CCD from kGuarded on, unit of the positions; 0: relative to each pair's size
   /// CCD: distance that FrameInput::advance keeps; >= 0, finite, unit of the positions.
@@ -303,6 +324,7 @@ struct FrameResult : PerKind<ContactSet> {
   /// without the time spent in FrameInput::cancelled on CPU cores.
   double step_milliseconds = 0;
   EngineFacts broad_phase;
+  ReuseFacts reuse;
   double earliest_toi = 1;  ///< CCD; from kGuarded on no contact is earlier
   /// How far the scene went, in [0, 1], by the formula of positions/blend.hpp; where the frame asked to advance.
   std::optional<double> advanced = {};

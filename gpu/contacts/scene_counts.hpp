@@ -1,9 +1,10 @@
 #pragma once
 // How much there is of what a scene is made of: all that a step has to know of its topology on the host.
 
+#include <string>
 #include <vector>
 
-#include "gpu/types.hpp"
+#include "gpu/contacts/kinds.hpp"
 
 namespace collided {
 
@@ -27,5 +28,21 @@ struct SceneCounts {
     return {.vertex_triangle = vertices, .edge_edge = edges, .triangle_triangle = triangles};
   }
 };
+
+/// Of the kinds that are wanted, and of those of features. Throws InvalidInput where there are too many.
+inline FeatureRanks ranks_of(const PerKind<bool>& kinds, const SceneCounts& counts) {
+  FeatureRanks ranks = {};
+  uint64_t count = 0;
+  for_each_kind(
+      [&](ContactKind kind, bool is_wanted, uint64_t features) {
+        if (is_wanted || is_of_features(kind)) count += features;
+        ranks.begin[index_of(kind) + 1] = static_cast<uint32_t>(count);
+      },
+      kinds, counts.first_features());
+  if (count >= ~0u)
+    throw InvalidInput("meshes", "meshes have " + std::to_string(count) +
+                                     " vertices, edges and triangles, the limit is " + std::to_string(~0u - 1));
+  return ranks;
+}
 
 }  // namespace collided

@@ -39,6 +39,12 @@ struct alignas(16) EdgeRecord {
   COLLIDED_HD Box<Real> box() const { return {lo, hi}; }
 };
 
+/// An inflation and a margin, rounded up; exact where there is no margin.
+template <class Real>
+COLLIDED_HD Real widened(Real inflation, Real margin) {
+  return margin > 0 ? next_up(inflation + margin) : inflation;
+}
+
 template <class Real>
 struct TriangleRecord {
   CornerRecord<Real> corner[3];
@@ -63,13 +69,14 @@ struct BoxTriangles {
   Span<Box<float>> boxes;
   Span<TriangleRecord<Real>> records;
   Span<Real> inflations;  ///< empty: that of `motion` is each triangle's
+  Real margin = 0;        ///< added to all inflations
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Shared& shared) const {
     const uint64_t begin = first + i * kGroupSize;
     const uint32_t size = static_cast<uint32_t>(min(uint64_t{kGroupSize}, first + count - begin));
     for (uint32_t k = group.rank; k < size; k += group.size) {
       const Triangle t = triangles[begin + k];
-      const Real inflation = deviations.inflation(motion.inflation, t.x);
+      const Real inflation = widened(deviations.inflation(motion.inflation, t.x), margin);
       const TriangleRecord<Real> made = shared.record[k] = record(t, begin + k, inflation);
       boxes[begin + k] = outward_float(join(made.edge[0].box(), made.edge[1].box()));
       if (!inflations.empty()) inflations[begin + k] = inflation;

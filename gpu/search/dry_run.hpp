@@ -22,6 +22,8 @@ class Searcher<DryRun<backend>> {
   void walk(const char*, uint64_t triangles, uint64_t*, const Source&, const Sink&) {
     reserve<Sink>(triangles);
   }
+  template <class Sink>
+  void test(const char*, const Neighbours&, const Sink&) {}
 
  private:
   template <class Sink>

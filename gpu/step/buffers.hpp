@@ -113,6 +113,23 @@ struct BvhBuffers {
   Buffer<BvhNode, Exec> nodes;
 };
 
+/// Pairs of features that may touch in the next few frames.
+template <Executor Exec, class Real>
+struct NeighbourBuffers {
+  explicit NeighbourBuffers(Exec& exec)
+      : times(exec, "neighbours"),
+        tracks(exec, "neighbours"),
+        extrapolated(exec, "neighbours"),
+        tests{{exec, "neighbours"}, {exec, "neighbours"}},
+        counts(exec, "neighbours") {}
+
+  Buffer<TrackTimes, Exec> times;
+  Buffer<Track<Real>, Exec> tracks;       ///< of each vertex
+  Buffer<Vec3<Real>, Exec> extrapolated;  ///< positions, while lists are made
+  Buffer<uint64_t, Exec> tests[2];        ///< of each kind of features
+  Buffer<uint64_t, Exec> counts;          ///< of both
+};
+
 /// Candidates of one kind on their way through the narrow phase.
 template <Executor Exec>
 struct CandidateBuffers {
@@ -179,6 +196,7 @@ struct WorkBuffers {
         state(exec, "counters"),
         octree(exec),
         bvh(exec),
+        neighbours(exec),
         triangle_pairs(exec, "pairs"),
         candidates(make_candidate_buffers(exec, std::make_index_sequence<kFeatureKinds>{})),
         contacts(exec),
@@ -198,6 +216,7 @@ struct WorkBuffers {
   Buffer<StepState, Exec> state;
   OctreeBuffers<Exec> octree;
   BvhBuffers<Exec> bvh;
+  NeighbourBuffers<Exec, Real> neighbours;
   Buffer<uint64_t, Exec> triangle_pairs;
   std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind
   ContactBuffers<Exec, Real> contacts;

@@ -4,6 +4,7 @@
 #include "gpu/contacts/scene_counts.hpp"
 #include "gpu/step/lbvh_phase.hpp"
 #include "gpu/step/narrow_phase.hpp"
+#include "gpu/step/neighbour_phase.hpp"
 #include "gpu/step/octree_phase.hpp"
 #include "gpu/step/plan/plan.hpp"
 #include "gpu/step/sinks.hpp"
@@ -14,8 +15,16 @@ template <Executor Exec, class Real>
 class CandidatePhase {
  public:
   CandidatePhase(Exec& exec, const SceneCounts& counts, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene,
-                 OctreePhase<Exec, Real>& octree, LbvhPhase<Exec, Real>& lbvh, NarrowPhase<Exec, Real>& narrow)
-      : exec_(exec), counts_(counts), ranks_(ranks), scene_(scene), octree_(octree), lbvh_(lbvh), narrow_(narrow) {}
+                 OctreePhase<Exec, Real>& octree, LbvhPhase<Exec, Real>& lbvh, NeighbourPhase<Exec, Real>& neighbours,
+                 NarrowPhase<Exec, Real>& narrow)
+      : exec_(exec),
+        counts_(counts),
+        ranks_(ranks),
+        scene_(scene),
+        octree_(octree),
+        lbvh_(lbvh),
+        neighbours_(neighbours),
+        narrow_(narrow) {}
 
   /// What the next searches are for.
   void begin(const StepPlan& plan) { plan_ = plan; }
@@ -25,6 +34,16 @@ class CandidatePhase {
     exec_.stage("pairs", [&] {
       with_filter<Real>(needs(), needs().settings.reach(), scene_.state.data(),
                         [&](const auto& keep) { search_for(keep, wanted); });
+    });
+  }
+  /// 6.-7. Pairs, and the widened boxes of their features, for the lists of neighbours.
+  void search_neighbours() {
+    exec_.stage("neighbours", [&] {
+      if (is_plain())
+        list_neighbours(octree_.elementary(needs().kinds));
+      else
+        list_neighbours(octree_.elementary_of_any(needs().kinds));
+      neighbours_.keep_counts();
     });
   }
   /// Pairs of triangles, which are contacts where nothing looks at them more closely.
@@ -53,34 +72,55 @@ class CandidatePhase {
   void search_for(const Keep& keep, const PerKind<bool>& wanted) {
     // Rest pairs that rings leave out as well are kept, too: an edit may take the rings away.
     const ExcludedPairs excluded = needs().finds_rest_pairs ? ExcludedPairs{} : scene_.topology.excluded_pairs();
-    const bool has_deviations = scene_.deviations(needs().is_ccd()).is_needed();
-    if (excluded.is_needed() || has_deviations || counts_.has_loose_elements())
+    if (excluded.is_needed() || !is_plain())
       search_for(keep, wanted, octree_.elementary_of_any(wanted), excluded);
     else
       search_for(keep, wanted, octree_.elementary(wanted), NothingExcluded{});
   }
+  bool is_plain() const { return !scene_.deviations(needs().is_ccd()).is_needed() && !counts_.has_loose_elements(); }
   template <class Keep, class Tests, class Excluded>
   void search_for(const Keep& keep, const PerKind<bool>& wanted, const Tests& tests, const Excluded& excluded) {
     StepState* state = scene_.state.data();
     const bool is_narrow = needs().has_narrow_phase();
     const auto list = [&](ContactKind kind) { return is_narrow ? narrow_.kept(kind) : all_contacts(); };
-    find_pairs("find_candidates", first_of(wanted),
-               FeatureSink<Real, Keep, Tests, Excluded>{
-                   tests,
-                   keep,
-                   list(ContactKind::kVertexTriangle),
-                   list(ContactKind::kEdgeEdge),
-                   is_narrow ? 0 : ranks_.begin[kIndexOf<EdgeEdge>],
-                   narrow_.early_exit(),
-                   {pairs_counter(first_of(wanted)), &state->candidates[kIndexOf<VertexTriangle>],
-                    &state->candidates[kIndexOf<EdgeEdge>]},
-                   excluded});
+    find("find_candidates", first_of(wanted),
+         FeatureSink<Real, Keep, Tests, Excluded>{
+             tests,
+             keep,
+             list(ContactKind::kVertexTriangle),
+             list(ContactKind::kEdgeEdge),
+             is_narrow ? 0 : ranks_.begin[kIndexOf<EdgeEdge>],
+             narrow_.early_exit(),
+             {pairs_counter(first_of(wanted)), &state->candidates[kIndexOf<VertexTriangle>],
+              &state->candidates[kIndexOf<EdgeEdge>]},
+             excluded});
+  }
+
+  template <class Tests>
+  void list_neighbours(const Tests& tests) {
+    const FrameSettings& settings = needs().settings;
+    const MayTouchSoon<Real> may_touch{settings.reach(), scene_.deviations(needs().is_ccd()), settings.delta,
+                                       plan_.lists.margin, plan_.lists.frames + 1};
+    find_pairs("find_neighbours", first_kind(),
+               NeighbourSink<Real, Tests>{{tests,
+                                           may_touch,
+                                           neighbours_.list(0),
+                                           neighbours_.list(1),
+                                           0,
+                                           {},
+                                           {pairs_counter(first_kind()), nullptr, nullptr}}});
   }
 
   AppendList<uint64_t> all_contacts() const { return {scene_.contacts.keys.all(), &scene_.state.data()->contacts}; }
   /// Of a search that is for this kind first: the step's first search counts the pairs.
   uint64_t* pairs_counter(ContactKind first) const {
     return first == first_kind() ? &scene_.state.data()->pairs : nullptr;
+  }
+  /// By a search, or among the neighbours.
+  template <class Sink>
+  void find(const char* name, ContactKind first, const Sink& sink) {
+    if (plan_.lists.use == ListUse::kNone) return find_pairs(name, first, sink);
+    neighbours_.test(name, sink);
   }
   template <class Sink>
   void find_pairs(const char* name, ContactKind first, const Sink& sink) {
@@ -97,6 +137,7 @@ class CandidatePhase {
   SceneBuffers<Exec, Real>& scene_;
   OctreePhase<Exec, Real>& octree_;
   LbvhPhase<Exec, Real>& lbvh_;
+  NeighbourPhase<Exec, Real>& neighbours_;
   NarrowPhase<Exec, Real>& narrow_;
   StepPlan plan_;
 };

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "gpu/base/precision.hpp"
 #include "gpu/contacts/scene_counts.hpp"
 #include "gpu/octree/cell_grid.hpp"
 #include "gpu/octree/refine.hpp"
@@ -29,7 +30,14 @@ class OctreePhase {
       : exec_(exec), searcher_(searcher), spec_(spec), counts_(counts), scene_(scene) {}
 
   /// What the next steps are like.
-  void begin(double thickness, bool is_ccd) { thickness_ = thickness, is_ccd_ = is_ccd; }
+  void begin(double thickness, bool is_ccd) {
+    thickness_ = thickness, is_ccd_ = is_ccd;
+    narrow();
+  }
+  /// From here on vertices end elsewhere, and boxes are wider by the margin.
+  void widen(double margin, const Vec3<Real>* end) { margin_ = round_up<Real>(margin), end_ = end; }
+  /// No longer.
+  void narrow() { margin_ = 0, end_ = nullptr; }
 
   /// Lists start at what most scenes need. Those that go together may be of different lengths since a step that ran out
   /// of memory.
@@ -80,10 +88,12 @@ class OctreePhase {
 
   /// Makes the lists of a step empty.
   void clear(const OctreePlan& plan) {
-    exec_.fill_zero(scene_.state.data(), sizeof(StepState));
+    clear_state();
     if (plan.engine != Engine::kLbvh)
       exec_.fill_zero(scene_.octree.counts.data(), level_offset(plan.base + 1) * sizeof(uint32_t));
   }
+
+  void clear_state() { exec_.fill_zero(scene_.state.data(), sizeof(StepState)); }
 
   // 1. Bounding boxes: of all triangles, or of those of meshes that move.
   void box_triangles(bool all) {
@@ -92,7 +102,7 @@ class OctreePhase {
       exec_.for_each_group(
           "box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
           Work{motion(), scene_.deviations(is_ccd_), triangles(), edges(), scene_.topology.owned.all(), run.first,
-               run.count, scene_.boxes.all(), scene_.records.all(), scene_.triangle_inflations()});
+               run.count, scene_.boxes.all(), scene_.records.all(), scene_.triangle_inflations(), margin_});
   }
 
   // Section 3.2: number of levels.
@@ -215,7 +225,7 @@ class OctreePhase {
   ElementaryTests<Real> elementary(const PerKind<bool>& wanted) const {
     return {scene_.records.all(),
             scene_.topology.owned.all(),
-            {motion().inflation},
+            {widened(motion().inflation, margin_)},
             wanted.vertex_triangle,
             wanted.edge_edge};
   }
@@ -223,7 +233,7 @@ class OctreePhase {
   ElementaryTests<Real, InflationByTriangle<Real>, MixedElements> elementary_of_any(const PerKind<bool>& wanted) const {
     return {scene_.records.all(),
             scene_.topology.owned.all(),
-            {motion().inflation, scene_.triangle_inflations()},
+            {widened(motion().inflation, margin_), scene_.triangle_inflations()},
             wanted.vertex_triangle,
             wanted.edge_edge};
   }
@@ -306,7 +316,8 @@ class OctreePhase {
 
   Motion<Real> motion() const {
     const Real half = static_cast<Real>(thickness_) / 2;
-    return {scene_.positions_at_start(is_ccd_), scene_.end.data(), half == 0 ? half : next_up(half)};
+    return {scene_.positions_at_start(is_ccd_), end_ != nullptr ? end_ : scene_.end.data(),
+            half == 0 ? half : next_up(half)};
   }
 
   static void check_length(const std::string& list, uint64_t need) {
@@ -340,6 +351,8 @@ class OctreePhase {
   SceneBuffers<Exec, Real>& scene_;
   double thickness_ = 0;
   bool is_ccd_ = true;
+  Real margin_ = 0;
+  const Vec3<Real>* end_ = nullptr;  ///< null: where the scene's vertices do
 };
 
 }  // namespace collided

@@ -15,6 +15,7 @@
 #include "gpu/step/plan/engine_choices.hpp"
 #include "gpu/step/plan/octree_planner.hpp"
 #include "gpu/step/plan/plan.hpp"
+#include "gpu/step/plan/reuse_planner.hpp"
 #include "gpu/step/results.hpp"
 
 namespace collided {
@@ -26,16 +27,18 @@ class Pipeline {
       : exec_(exec),
         spec_(spec),
         counts_(std::move(counts)),
-        ranks_(ranks_of(spec, counts_)),
+        ranks_(ranks_of(spec.kinds, counts_)),
         scene_(scene),
         searcher_(exec),
         octree_(exec, searcher_, spec, counts_, scene),
         lbvh_(exec, searcher_, counts_, scene),
+        neighbours_(exec, searcher_, counts_, scene),
         narrow_(exec, ranks_, scene),
-        candidates_(exec, counts_, ranks_, scene, octree_, lbvh_, narrow_),
+        candidates_(exec, counts_, ranks_, scene, octree_, lbvh_, neighbours_, narrow_),
         placing_(exec, scene),
         results_(exec, spec, scene, placing_),
         choices_(spec.engine),
+        reuse_(spec),
         planner_(counts_.triangles) {
     narrow_.expect_loose_elements(counts_.has_loose_elements());
   }
@@ -50,11 +53,12 @@ class Pipeline {
 
   /// The scene is made of so much from the next step on. Throws InvalidInput where that is too much.
   void resize(SceneCounts counts) {
-    ranks_ = ranks_of(spec_, counts);
+    ranks_ = ranks_of(spec_.kinds, counts);
     counts_ = std::move(counts);
     planner_.resize(counts_.triangles);
     narrow_.expect_loose_elements(counts_.has_loose_elements());
     boxed_thickness_.reset();
+    reuse_.forget();
     numbers_.begin_anew();
   }
   /// Lists shrink to what they begin with.
@@ -64,6 +68,7 @@ class Pipeline {
     placing_.begin_anew();
     sent_levels_ = {.deepest = -1};
     boxed_thickness_.reset();
+    reuse_.forget();
   }
 
   /// Bounds of all triangles over the last step, rounded outward.
@@ -77,7 +82,8 @@ class Pipeline {
     result_ = {};
     placing_.begin(room);
     const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == thickness;
-    result_.broad_phase = choices_.begin(needs);
+    lists_ = reuse_.begin(needs, state_.bounds);
+    result_.broad_phase = choices_.begin(needs, lists_.use == ListUse::kNone);
     run_step(needs, boxes_static || !is_boxed);
     boxed_thickness_ = thickness;
     describe();
@@ -85,6 +91,9 @@ class Pipeline {
     result_.stages = exec_.stage_times();
     result_.allocations = exec_.allocations();
     choices_.end(result_, counts_.triangles, state_.bricks[0] > 0);
+    reuse_.end(lists_, state_.displacement, state_.neighbours[0] + state_.neighbours[1], result_.step_milliseconds,
+               result_.allocations == 0);
+    result_.reuse = reuse_.facts(lists_);
     release_idle_engines();
     return std::move(result_);
   }
@@ -96,21 +105,7 @@ class Pipeline {
       scene_.octree = OctreeBuffers<Exec>(exec_);
       sent_levels_ = {.deepest = -1};
     }
-  }
-
-  static FeatureRanks ranks_of(const SceneSpec& spec, const SceneCounts& counts) {
-    FeatureRanks ranks = {};
-    uint64_t count = 0;
-    for_each_kind(
-        [&](ContactKind kind, bool is_wanted, uint64_t features) {
-          if (is_wanted || is_of_features(kind)) count += features;
-          ranks.begin[index_of(kind) + 1] = static_cast<uint32_t>(count);
-        },
-        spec.kinds, counts.first_features());
-    if (count >= ~0u)
-      throw InvalidInput("meshes", "meshes have " + std::to_string(count) +
-                                       " vertices, edges and triangles, the limit is " + std::to_string(~0u - 1));
-    return ranks;
+    if (scene_.neighbours.counts.capacity() > 0 && reuse_.is_idle()) neighbours_.release(), reuse_.forget();
   }
 
   const LevelNeeds& needs() const { return plan_.needs; }
@@ -119,6 +114,7 @@ class Pipeline {
     try {
       run_until_room(needs, boxes_static);
     } catch (const ResourceExhausted&) {
+      if (lists_.use != ListUse::kNone) return run_without_lists(needs);
       const std::optional<EngineFacts> other = choices_.retreat();
       if (!other) throw;
       result_.broad_phase = *other;
@@ -129,12 +125,16 @@ class Pipeline {
       throw;
     }
   }
+  void run_without_lists(const LevelNeeds& needs) {
+    neighbours_.release(), reuse_.refuse(), lists_ = {};
+    run_step(needs, true);
+  }
   /// Until everything the step found had room. A step that will not be as it is again, because memory was allocated for
   /// it, runs by parts: where it was short of room only the last part runs again. On CPU cores all do.
   void run_until_room(const LevelNeeds& needs, bool boxes_static) {
     begin_state();
     for (;;) {
-      plan_ = {needs, plan_octree(), boxes_static, narrow_.plan_order()};
+      plan_ = {needs, plan_octree(), boxes_static, narrow_.plan_order(), lists_};
       octree_.begin(needs.settings.reach(), needs.is_ccd());
       lbvh_.begin(needs.settings.reach(), needs.is_ccd());
       narrow_.begin(plan_);
@@ -180,24 +180,44 @@ class Pipeline {
 
   /// Of a whole step.
   bool must_rerun() {
-    const bool octree_grew = octree_.grow(state_), narrow_grew = narrow_.grow(state_, 0),
-               reorders = narrow_.reorders(state_), missed_large = planner_.missed_large(state_, plan_.octree);
-    return octree_grew || narrow_grew || reorders || missed_large || planner_.needs_refinement(state_, plan_.octree);
+    const bool missed = must_search(), lists_grew = must_list_anew(), narrow_grew = narrow_.grow(state_, 0),
+               reorders = narrow_.reorders(state_);
+    return missed || must_plan_anew(lists_grew || narrow_grew || reorders);
   }
-  /// Of the part that makes the octree, or the hierarchy.
+  /// Of the part that makes the octree, or the hierarchy, or looks at what lists are still good for.
   bool must_rebuild() {
-    const bool grew = octree_.grow(state_), missed_large = planner_.missed_large(state_, plan_.octree);
-    if (!grew && !missed_large && !planner_.needs_refinement(state_, plan_.octree)) return false;
+    if (!must_search() && !must_plan_anew(false)) return false;
     plan_.octree = plan_octree();
+    plan_.lists = lists_;
     candidates_.begin(plan_);
     reserve();
     return true;
+  }
+  /// The lists do not hold all that may touch.
+  bool must_search() {
+    if (plan_.searches() || state_.displacement.slack >= 0) return false;
+    lists_ = reuse_.miss(state_.displacement);
+    return true;
+  }
+  /// The octree, or whatever else was too short.
+  bool must_plan_anew(bool others_grew) {
+    if (!plan_.searches()) return others_grew;
+    const bool grew = octree_.grow(state_), missed_large = planner_.missed_large(state_, plan_.octree);
+    return grew || others_grew || missed_large || planner_.needs_refinement(state_, plan_.octree);
+  }
+  /// Of the part that lists neighbours.
+  bool must_list_anew() {
+    if (plan_.lists.use != ListUse::kMade) return false;
+    if (neighbours_.are_too_long(state_)) throw ResourceExhausted("lists of neighbours are too long to be of use");
+    return neighbours_.grow(state_);
   }
   OctreePlan plan_octree() const { return planner_.plan(result_.broad_phase.engine, !Exec::kLaunchesCost); }
 
   void reserve() {
     scene_.reserve_boxes(counts_.triangles);
     narrow_.reserve();
+    if (plan_.lists.use != ListUse::kNone) neighbours_.reserve(times_ = reuse_.times(plan_.lists));
+    if (!plan_.searches()) return;
     if (is_lbvh()) return lbvh_.reserve();
     octree_.reserve(plan_.octree);
     if (std::exchange(sent_levels_, planner_.levels()) == planner_.levels()) return;
@@ -207,7 +227,8 @@ class Pipeline {
 
   /// Fig. 7.
   void enqueue() {
-    part([&] { make_tree(); }, [&] { return must_rebuild(); });
+    part([&] { plan_.searches() ? make_tree() : look_for_displacement(); }, [&] { return must_rebuild(); });
+    if (plan_.lists.use == ListUse::kMade) list_neighbours();
     if (is_of_features(first_kind())) detect_features();
     if (needs().kinds.triangle_triangle) detect_triangles();
     if (needs().is_earliest_only()) part([&] { narrow_.keep_earliest(); });
@@ -223,16 +244,43 @@ class Pipeline {
     narrow_.reserve();
   }
 
+  /// With lists to be made: of all that vertices will pass through.
   void make_tree() {
-    exec_.stage("boxes", [&] {
-      exec_.concurrently([&] { octree_.box_triangles(plan_.boxes_static); }, [&] { octree_.clear(plan_.octree); });
+    const bool is_for_lists = plan_.lists.use == ListUse::kMade;
+    exec_.stage(is_for_lists ? "widened_boxes" : "boxes", [&] {
+      if (is_for_lists)
+        octree_.widen(plan_.lists.margin, neighbours_.extrapolate(plan_.lists.frames, needs().is_ccd()));
+      exec_.concurrently([&] { octree_.box_triangles(plan_.boxes_static || is_for_lists); },
+                         [&] { octree_.clear(plan_.octree); });
     });
     exec_.stage("levels", [&] { choose_levels(plan_.octree); });
     const auto build = [&] { is_lbvh() ? build_hierarchy() : build_octree(plan_.octree); };
-    if (needs().judges_resolution() && needs().settings.delta == 0)
+    if (judges_triangles() && !is_for_lists)
       exec_.concurrently(build, [&] { octree_.count_small_triangles(); });
     else
       build();
+  }
+  bool judges_triangles() const { return needs().judges_resolution() && needs().settings.delta == 0; }
+  void list_neighbours() {
+    part([&] { candidates_.search_neighbours(); }, [&] { return must_list_anew(); });
+    octree_.narrow();
+    exec_.stage("boxes", [&] {
+      octree_.box_triangles(true);
+      neighbours_.begin_tracks(octree_.elementary_of_any(needs().kinds));
+    });
+    measure_displacement();
+  }
+  void look_for_displacement() {
+    exec_.stage("boxes", [&] {
+      exec_.concurrently([&] { octree_.box_triangles(plan_.boxes_static); }, [&] { octree_.clear_state(); });
+    });
+    measure_displacement();
+  }
+  void measure_displacement() {
+    exec_.stage("displacement", [&] {
+      neighbours_.measure(octree_.elementary_of_any(needs().kinds), needs().settings.reach(), needs().is_ccd());
+      if (judges_triangles()) octree_.count_small_triangles();
+    });
   }
   void build_octree(const OctreePlan& plan) {
     exec_.stage("count", [&] { octree_.count_overlapped_cells(plan); });
@@ -308,22 +356,12 @@ class Pipeline {
 
   /// Counts of the step, and what follows from them for the next.
   void describe() {
-    FrameCounts& c = result_.counts;
-    const LeafTotals& leaves = state_.leaves;
-    c.cells = leaves[LeafSum::kCells], c.leaves = leaves[LeafSum::kLeaves];
-    c.registrations = leaves[LeafSum::kRegistrations], c.tests = leaves[LeafSum::kTests];
-    c.top_level = static_cast<uint32_t>(state_.grid.grid.top);
-    c.base_level = static_cast<uint32_t>(state_.grid.grid.base);
-    c.pairs = state_.pairs;
-    for_each_kind(
-        [&](ContactKind kind, uint64_t& candidates, uint64_t& survivors) {
-          if (!is_of_features(kind)) return;
-          candidates = state_.candidates[index_of(kind)];
-          if (needs().has_filter()) survivors = state_.kept[index_of(kind)];
-        },
-        c.candidates, c.survivors);
+    FrameCounts& c = result_.counts = counts_of(state_, needs());
+    if (!plan_.searches()) c.tests = reuse_.length();
     const Engine engine = result_.broad_phase.engine;
-    if (engine == Engine::kLbvh)
+    if (!plan_.searches())
+      c.top_level = c.base_level = 0;
+    else if (engine == Engine::kLbvh)
       lbvh_.describe(c);
     else if (!has_cells_of_triangles(engine))
       planner_.learn_levels(state_);
@@ -340,15 +378,19 @@ class Pipeline {
   Searcher<Exec> searcher_;
   OctreePhase<Exec, Real> octree_;
   LbvhPhase<Exec, Real> lbvh_;
+  NeighbourPhase<Exec, Real> neighbours_;
   NarrowPhase<Exec, Real> narrow_;
   CandidatePhase<Exec, Real> candidates_;
   Placing<Exec, Real> placing_;
   Results<Exec, Real> results_;
   EngineChoices choices_;
+  ReusePlanner reuse_;
   OctreePlanner planner_;
   ActiveLevels sent_levels_{.deepest = -1};  ///< that are on the backend
   bool by_parts_ = false;                    ///< the step in work
   StepPlan plan_;                            ///< of the last step
+  ListPlan lists_;                           ///< of the step in work
+  TrackTimes times_{};                       ///< likewise
   std::optional<double> boxed_thickness_;    ///< that all boxes have
   PlanNumbers numbers_;
   StepState state_{};

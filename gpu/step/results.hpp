@@ -17,6 +17,25 @@
 
 namespace collided {
 
+/// Of the work until there are contacts.
+inline FrameCounts counts_of(const StepState& state, const LevelNeeds& needs) {
+  FrameCounts c;
+  const LeafTotals& leaves = state.leaves;
+  c.cells = leaves[LeafSum::kCells], c.leaves = leaves[LeafSum::kLeaves];
+  c.registrations = leaves[LeafSum::kRegistrations], c.tests = leaves[LeafSum::kTests];
+  c.top_level = static_cast<uint32_t>(state.grid.grid.top);
+  c.base_level = static_cast<uint32_t>(state.grid.grid.base);
+  c.pairs = state.pairs;
+  for_each_kind(
+      [&](ContactKind kind, uint64_t& candidates, uint64_t& survivors) {
+        if (!is_of_features(kind)) return;
+        candidates = state.candidates[index_of(kind)];
+        if (needs.has_filter()) survivors = state.kept[index_of(kind)];
+      },
+      c.candidates, c.survivors);
+  return c;
+}
+
 /// What is brought to the host.
 struct HostNeeds {
   uint64_t bytes_beside_contact = 0;  ///< as in FrameInput

@@ -5,7 +5,9 @@
 #include "gpu/narrow/coplanarity_filter.hpp"
 #include "gpu/search/elementary.hpp"
 #include "gpu/search/excluded_pairs.hpp"
+#include "gpu/search/neighbours.hpp"
 #include "gpu/step/level_needs.hpp"
+#include "gpu/step/may_touch_soon.hpp"
 #include "gpu/step/state.hpp"
 
 namespace collided {
@@ -28,15 +30,14 @@ void with_filter(const LevelNeeds &needs, double thickness, const StepState *sta
     use(NearInFloat<Real>{thickness});
 }
 
-/// Where a search adds what it counted.
+/// Where a search adds what it counted; null: another search counts that.
 struct PairTotals {
-  uint64_t *pairs;  ///< null: counted by another search
-  uint64_t *first, *second;
+  uint64_t *pairs, *first, *second;
 
   COLLIDED_HD void operator()(uint64_t all, uint64_t of_first, uint64_t of_second) const {
     if (pairs != nullptr && all != 0) atomic_add(*pairs, all);
-    if (of_first != 0) atomic_add(*first, of_first);
-    if (of_second != 0) atomic_add(*second, of_second);
+    if (first != nullptr && of_first != 0) atomic_add(*first, of_first);
+    if (second != nullptr && of_second != 0) atomic_add(*second, of_second);
   }
 };
 
@@ -100,6 +101,19 @@ struct FeatureSink {
     return early_exit.is_over() || vertex_triangle.is_overfull() || edge_edge.is_overfull();
   }
   COLLIDED_HD void add(uint64_t pairs, uint64_t first, uint64_t second) const { totals(pairs, first, second); }
+};
+
+/// Pairs become tests of features that may touch (PackedTest), for the lists of neighbours.
+template <class Real, class Tests>
+struct NeighbourSink : FeatureSink<Real, MayTouchSoon<Real>, Tests> {
+  static constexpr bool kListsTests = true;
+
+  COLLIDED_HD bool take_first(uint32_t a, uint32_t b, int test) const {
+    return !this->keeps_first(a, b, test) || this->vertex_triangle.push(PackedTest{a, b, test}.packed());
+  }
+  COLLIDED_HD bool take_second(uint32_t a, uint32_t b, int test) const {
+    return !this->keeps_second(a, b, test) || this->edge_edge.push(PackedTest{a, b, test - kFirstEdgeEdge}.packed());
+  }
 };
 
 /// Pairs of triangles that share no vertex, and that no ring connects, are wanted as they are; loose elements are in

@@ -7,6 +7,7 @@
 #include "gpu/narrow/coplanarity_filter.hpp"
 #include "gpu/octree/levels.hpp"
 #include "gpu/octree/subdivision.hpp"
+#include "gpu/search/neighbours.hpp"
 
 namespace collided {
 
@@ -17,6 +18,9 @@ struct StepState {
   uint64_t pairs, candidates[kFeatureKinds], kept[kFeatureKinds], screened[kFeatureKinds], resumable[kFeatureKinds];
   uint64_t triangle_pairs, contacts, earliest, crowded_ranks;
   KindBegins kinds;  ///< in the sorted list
+
+  uint64_t neighbours[kFeatureKinds];  ///< that the step listed
+  Displacement displacement;           ///< of steps with lists of neighbours
 
   uint64_t exact_decisions, undecided;   ///< at kExact; those that are left to the host
   uint64_t decided_last[kFeatureKinds];  ///< contacts that are not simple
@@ -46,6 +50,16 @@ struct PrepareNarrow {
     const double farthest = Deviations::widened(thickness, deviations.of_any_pair());
     state->filter = filter_scale(max(extent.x, max(extent.y, extent.z)), farthest);
     state->shortcut = {detail::bit_copy<uint64_t>(1.0), 0};
+  }
+};
+
+/// The same for a step that looks at displacements instead.
+struct PrepareDisplaced {
+  PrepareNarrow narrow;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    narrow.state->bounds = narrow.state->displacement.bounds;
+    narrow(i);
   }
 };
 

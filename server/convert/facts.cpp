@@ -47,6 +47,7 @@ void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   }
   out->set_report(to_message(engine.report));
   out->set_broad_phase_engine(to_message(engine.engine));
+  out->set_reuse(to_message(engine.reuse));
   fill_kinds(engine, out);
   fill_fields(plan.fields, out);
   out->set_memory_budget_bytes(engine.memory_budget);

@@ -67,6 +67,19 @@ FrameInput parse_frame(const pb::Frame& frame, std::span<const PlacedPositions> 
   return input;
 }
 
+namespace {
+
+void fill_reuse(const ReuseFacts& reuse, pb::FrameMetrics* out) {
+  out->set_list_use(to_message(reuse.use));
+  out->set_reuse_reason(to_message(reuse.reason));
+  out->set_list_margin(reuse.margin);
+  out->set_list_frames(reuse.frames);
+  out->set_list_milliseconds(reuse.list_milliseconds);
+  out->set_search_milliseconds(reuse.search_milliseconds);
+}
+
+}  // namespace
+
 void fill_result(const FrameResult& result, pb::FrameDone* out) {
   auto* metrics = out->mutable_metrics();
   for (const auto& stage : result.stages) {
@@ -83,6 +96,7 @@ void fill_result(const FrameResult& result, pb::FrameDone* out) {
   metrics->set_broad_phase_reason(to_message(result.broad_phase.reason));
   metrics->set_octree_milliseconds(result.broad_phase.octree_milliseconds);
   metrics->set_lbvh_milliseconds(result.broad_phase.lbvh_milliseconds);
+  fill_reuse(result.reuse, metrics);
   if (result.input_resolution) metrics->add_warnings(pb::FRAME_WARNING_INPUT_RESOLUTION);
   out->set_contact_count(count_contacts(result));
   out->set_earliest_toi(result.earliest_toi);

@@ -46,6 +46,17 @@ constexpr std::pair<pb::BroadPhaseReason, EngineReason> kReasons[] = {
     {pb::BROAD_PHASE_REASON_FASTER, EngineReason::kFaster},
     {pb::BROAD_PHASE_REASON_TRIAL, EngineReason::kTrial}};
 
+constexpr std::pair<pb::Reuse, Reuse> kReuses[] = {{pb::REUSE_ON, Reuse::kOn}, {pb::REUSE_OFF, Reuse::kOff}};
+
+constexpr std::pair<pb::ListUse, ListUse> kListUses[] = {
+    {pb::LIST_USE_NONE, ListUse::kNone}, {pb::LIST_USE_MADE, ListUse::kMade}, {pb::LIST_USE_REUSED, ListUse::kReused}};
+
+constexpr std::pair<pb::ReuseReason, ReuseReason> kReuseReasons[] = {
+    {pb::REUSE_REASON_REQUESTED, ReuseReason::kAsked},    {pb::REUSE_REASON_UNSUITED, ReuseReason::kUnsuited},
+    {pb::REUSE_REASON_FIRST_FRAMES, ReuseReason::kFirst}, {pb::REUSE_REASON_TRIAL, ReuseReason::kTrial},
+    {pb::REUSE_REASON_FASTER, ReuseReason::kFaster},      {pb::REUSE_REASON_SLOWER, ReuseReason::kSlower},
+    {pb::REUSE_REASON_NO_ROOM, ReuseReason::kNoRoom}};
+
 constexpr std::pair<pb::MeshMotion, MeshMotion> kMotions[] = {{pb::MESH_MOTION_DEFORMABLE, MeshMotion::kDeformable},
                                                               {pb::MESH_MOTION_STATIC, MeshMotion::kStatic},
                                                               {pb::MESH_MOTION_RIGID, MeshMotion::kRigid}};
@@ -150,6 +161,10 @@ Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field) {
   return to_engine(kEngines, engine, field).value_or(Engine::kAuto);
 }
 
+Reuse parse_reuse(pb::Reuse reuse, const std::string& field) {
+  return to_engine(kReuses, reuse, field).value_or(Reuse::kAuto);
+}
+
 MeshMotion parse_motion(pb::MeshMotion motion, const std::string& field) {
   return to_engine(kMotions, motion, field).value_or(MeshMotion::kDeformable);
 }
@@ -191,6 +206,9 @@ pb::Report to_message(Report report) { return from_engine(kReports, report); }
 pb::MeshMotion to_message(MeshMotion motion) { return from_engine(kMotions, motion); }
 pb::BroadPhaseEngine to_message(Engine engine) { return from_engine(kEngines, engine); }
 pb::BroadPhaseReason to_message(EngineReason reason) { return from_engine(kReasons, reason); }
+pb::Reuse to_message(Reuse reuse) { return from_engine(kReuses, reuse); }
+pb::ListUse to_message(ListUse use) { return from_engine(kListUses, use); }
+pb::ReuseReason to_message(ReuseReason reason) { return from_engine(kReuseReasons, reason); }
 
 std::string_view label_of(Engine engine) {
   static const auto labels = labels_of(*pb::BroadPhaseEngine_descriptor(), "BROAD_PHASE_ENGINE_");

@@ -29,6 +29,9 @@ void check_max_accuracy(Accuracy accuracy, Accuracy max, const std::string& fiel
 /// kAuto for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
 Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field);
 
+/// The same for lists of neighbours.
+Reuse parse_reuse(pb::Reuse reuse, const std::string& field);
+
 /// kDeformable for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
 MeshMotion parse_motion(pb::MeshMotion motion, const std::string& field);
 
@@ -46,6 +49,9 @@ pb::MeshMotion to_message(MeshMotion motion);
 /// kAuto is the unspecified value.
 pb::BroadPhaseEngine to_message(Engine engine);
 pb::BroadPhaseReason to_message(EngineReason reason);
+pb::Reuse to_message(Reuse reuse);
+pb::ListUse to_message(ListUse use);
+pb::ReuseReason to_message(ReuseReason reason);
 /// As labels of metrics: "octree", "first_frames". Never allocated anew: every frame asks for both.
 std::string_view label_of(Engine engine);
 std::string_view label_of(EngineReason reason);

@@ -120,6 +120,7 @@ ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   engine.rest_distance = spec.rest_distance();
   engine.report = parse_report(spec.report(), "spec.report").value_or(Report::kAll);
   engine.engine = parse_engine(spec.broad_phase_engine(), "spec.broad_phase_engine");
+  engine.reuse = parse_reuse(spec.reuse(), "spec.reuse");
   parse_kinds(spec, engine);
   check_scene_options(engine, spec);
   plan.fields = parse_fields(spec, engine.mode);

@@ -1,8 +1,8 @@
 """The benchmarks' output is complete and consistent. Usage: bench_test.py CHECK PROGRAM
 
 CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench), embree (collided_embree_bench), watch
-(collided_watch_bench), in_process (collided_in_process_bench), switches (collided_switches_bench), exact (collided_exact_bench) or subdivision
-(collided_subdivision_bench).
+(collided_watch_bench), in_process (collided_in_process_bench), switches (collided_switches_bench), exact
+(collided_exact_bench), subdivision (collided_subdivision_bench) or reuse (collided_reuse_bench).
 """
 
 import json
@@ -119,6 +119,15 @@ class Bench(unittest.TestCase):
         self.assertLess(triangles["registrations"], boxes["registrations"])
         self.assertGreater(triangles["pairs"], 0.9 * boxes["pairs"])
         self.assertGreaterEqual(boxes["tests"], boxes["pairs"])
+
+    def check_reuse(self):
+        """Exits with 1 where contacts differ."""
+        run, = parsed("--scene", "cloth_ball", "--scale", "0.2", "--frames", "40", "--threads", "1", "--reuse",
+                      "on")["runs"]
+        self.assertEqual(run["searched"] + run["made"] + run["reused"], 40)
+        self.assertGreater(run["reused"], run["made"])
+        self.assertGreater(run["list_bytes"], 0)
+        self.assertAlmostEqual(run["step_ratio"], run["reuse_step_ms"] / run["search_step_ms"])
 
     def check_embree(self):
         """Exits with 1 where Embree and the engine find different numbers of pairs."""

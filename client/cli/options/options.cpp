@@ -37,6 +37,10 @@ const Words<v1::BroadPhaseEngine> kEngines{{"auto", v1::BROAD_PHASE_ENGINE_UNSPE
                                            {"lbvh", v1::BROAD_PHASE_ENGINE_LBVH},
                                            {"vss", v1::BROAD_PHASE_ENGINE_VSS}};
 
+const Words<v1::Reuse> kReuses{{"auto", v1::REUSE_UNSPECIFIED}, {"on", v1::REUSE_ON}, {"off", v1::REUSE_OFF}};
+const Words<v1::ListUse> kListUses{
+    {"none", v1::LIST_USE_NONE}, {"made", v1::LIST_USE_MADE}, {"reused", v1::LIST_USE_REUSED}};
+
 template <class T>
 std::vector<std::string> names_of(const Words<T>& words) {
   std::vector<std::string> out;
@@ -127,6 +131,11 @@ void add_detection_options(CLI::App& command, DetectionOptions& options) {
   command.add_option("--engine", options.engine, "How pairs of triangles are found; auto: the daemon chooses")
       ->check(one_of(kEngines))
       ->capture_default_str();
+  command
+      .add_option("--reuse", options.reuse,
+                  "Lists of pairs that may touch in the next frames; auto: where they are faster, if --engine is auto")
+      ->check(one_of(kReuses))
+      ->capture_default_str();
 }
 
 void add_advance_options(CLI::App& command, DetectionOptions& options) {
@@ -195,6 +204,7 @@ v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& de
   spec.set_min_separation(detection.min_separation);
   spec.set_report(value_of(kReports, detection.report));
   spec.set_broad_phase_engine(value_of(kEngines, detection.engine));
+  spec.set_reuse(value_of(kReuses, detection.reuse));
   for (const std::string& kind : detection.kinds) spec.add_kinds(value_of(kKinds, kind));
   spec.set_position_format(format);
   return spec;
@@ -225,5 +235,7 @@ std::string name_of(v1::Accuracy accuracy) { return word_of(kAccuracies, accurac
 std::string name_of(v1::Report report) { return word_of(kReports, report); }
 std::string name_of(v1::ContactKind kind) { return word_of(kKinds, kind); }
 std::string name_of(v1::BroadPhaseEngine engine) { return word_of(kEngines, engine); }
+std::string name_of(v1::Reuse reuse) { return word_of(kReuses, reuse); }
+std::string name_of(v1::ListUse use) { return word_of(kListUses, use); }
 
 }  // namespace collided::cli

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "collided/v1/metrics.pb.h"
 #include "collided/v1/scene.pb.h"
 
 namespace collided::cli {
@@ -28,6 +29,7 @@ struct DetectionOptions {
   std::string report = "all";
   std::vector<std::string> kinds{"vt", "ee"};
   std::string engine = "auto";
+  std::string reuse = "auto";
   bool advance = false;
   double min_separation = 0;  ///< that `advance` keeps
 };
@@ -68,5 +70,7 @@ std::string name_of(v1::Accuracy accuracy);
 std::string name_of(v1::Report report);
 std::string name_of(v1::ContactKind kind);
 std::string name_of(v1::BroadPhaseEngine engine);
+std::string name_of(v1::Reuse reuse);
+std::string name_of(v1::ListUse use);
 
 }  // namespace collided::cli

@@ -36,7 +36,8 @@ Json scene_json(const v1::Scene& scene) {
           {"min_separation", spec.min_separation()},
           {"report", name_of(spec.report())},
           {"kinds", kinds},
-          {"engine", name_of(spec.broad_phase_engine())}};
+          {"engine", name_of(spec.broad_phase_engine())},
+          {"reuse", name_of(spec.reuse())}};
 }
 
 Json stages_json(const v1::FrameMetrics& metrics) {
@@ -69,6 +70,9 @@ Json frame_json(const v1::FrameDone& done, v1::Report report) {
               {"step_ms", m.step_milliseconds()},
               {"stage_ms", stages_json(m)},
               {"engine", name_of(m.broad_phase_engine())},
+              {"list_use", name_of(m.list_use())},
+              {"list_frames", m.list_frames()},
+              {"list_margin", m.list_margin()},
               {"counts", counts_json(m.counts())},
               {"replays", m.replays()},
               {"allocations", m.allocations()},

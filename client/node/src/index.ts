@@ -27,6 +27,7 @@ export {
   MeshMotion,
   PositionFormat,
   Report,
+  Reuse,
   SceneState,
 } from "./generated/collided/v1/scene.js";
 export type { QuantizationBox, Scene, SceneSpec } from "./generated/collided/v1/scene.js";

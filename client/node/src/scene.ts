@@ -16,6 +16,7 @@ import {
   PositionFormat,
   QuantizationBox,
   Report,
+  Reuse,
   type SceneSpec,
 } from "./generated/collided/v1/scene.js";
 
@@ -77,6 +78,8 @@ export interface SceneInput {
   backend?: Backend;
   /** The daemon chooses if left out. */
   broadPhaseEngine?: BroadPhaseEngine;
+  /** Whether frames that resemble the last reuse its list of neighbours; where it is faster if left out. */
+  reuse?: Reuse;
   /** Bytes that the scene may hold; 0: the daemon's limit. */
   memoryBudgetBytes?: bigint | number;
   /** For people. */
@@ -113,6 +116,7 @@ const SCENE: Rules<SceneInput> = {
   quantizationBox: anything,
   backend: oneOf(Backend),
   broadPhaseEngine: oneOf(BroadPhaseEngine),
+  reuse: oneOf(Reuse),
   memoryBudgetBytes: uint64,
   displayName: string,
 };
@@ -149,6 +153,7 @@ export function sceneSpec(scene: SceneInput): SceneSpec {
     meshes: scene.meshes.map((mesh, i) => meshSpec(mesh, `spec.meshes[${i}]`)),
     report: scene.report ?? Report.UNSPECIFIED,
     broadPhaseEngine: scene.broadPhaseEngine ?? BroadPhaseEngine.UNSPECIFIED,
+    reuse: scene.reuse ?? Reuse.UNSPECIFIED,
     minSeparation: scene.minSeparation ?? 0,
     excludedMeshes: meshPairs(scene.excludedMeshes, "spec.excluded_meshes"),
     restDistance: scene.restDistance ?? 0,

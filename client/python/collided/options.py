@@ -34,6 +34,7 @@ class SceneOptions:
     report: "all", "earliest_only" or "any_hit".
     backend: "auto", "cpu" or "cuda".
     broad_phase: an engine, such as "octree" or "lbvh"; None: the daemon chooses.
+    reuse: "on" or "off": whether frames that resemble the last reuse its list of neighbours; None: where it is faster.
     memory_budget: bytes that the scene may hold; 0: the daemon's limit.
     exclude: pairs of meshes that are not tested.
     display_name: for people, at most 128 bytes.
@@ -52,6 +53,7 @@ class SceneOptions:
     report: str | None = None
     backend: str | None = None
     broad_phase: str | None = None
+    reuse: str | None = None
     memory_budget: int = 0
     exclude: Iterable[tuple[str | int, str | int]] = ()
     display_name: str = ""
@@ -86,6 +88,7 @@ class SceneOptions:
             report=choice(scene_pb2.Report, "REPORT_", self.report, "report"),
             backend=choice(scene_pb2.Backend, "BACKEND_", self.backend, "backend"),
             broad_phase_engine=choice(scene_pb2.BroadPhaseEngine, "BROAD_PHASE_ENGINE_", self.broad_phase, "broad_phase"),
+            reuse=choice(scene_pb2.Reuse, "REUSE_", self.reuse, "reuse"),
             kinds=[choice(contact_pb2.ContactKind, "CONTACT_KIND_", _SHORT_KINDS.get(kind, kind), "kinds")
                    for kind in self.kinds],
             fields=[choice(contact_pb2.ContactField, "CONTACT_FIELD_", name, "fields")

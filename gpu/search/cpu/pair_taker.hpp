@@ -7,6 +7,7 @@
 
 #include "gpu/search/cpu/feature_tests.hpp"
 #include "gpu/search/cpu/list_writer.hpp"
+#include "gpu/search/neighbours.hpp"
 
 namespace collided {
 
@@ -70,6 +71,12 @@ class PassedTests {
   uint32_t size_ = 0;
 };
 
+/// Whether a sink lists the tests of candidates (PackedTest), not the candidates.
+template <class Sink>
+constexpr bool kListsTests = requires {
+  Sink::kListsTests;
+};
+
 /// For sinks that want the candidates of pairs.
 template <class Sink>
 class CandidateTaker {
@@ -111,8 +118,7 @@ class CandidateTaker {
     const uint64_t passed = first_tests_.drain([&](uint32_t a, uint32_t b, int test) {
       if (sink_.excludes_first(a, b, test)) return void(++excluded);
       if (!ask(a, b, test, [&](auto... of) { return sink_.keeps_first(of...); })) return;
-      const bool of_first = test < 3;
-      first_.push(sink_.first_key(features_[of_first ? a : b].vertex[of_first ? test : test - 3], of_first ? b : a));
+      first_.push(first_entry(a, b, test));
     });
     candidates_[0] += passed - excluded;
   }
@@ -121,9 +127,22 @@ class CandidateTaker {
     const uint64_t passed = second_tests_.drain([&](uint32_t a, uint32_t b, int test) {
       if (sink_.excludes_second(a, b, test)) return void(++excluded);
       if (!ask(a, b, test, [&](auto... of) { return sink_.keeps_second(of...); })) return;
-      second_.push(sink_.second_key(features_[a].edge[first_edge_of(test)], features_[b].edge[second_edge_of(test)]));
+      second_.push(second_entry(a, b, test));
     });
     candidates_[1] += passed - excluded;
+  }
+  uint64_t first_entry(uint32_t a, uint32_t b, int test) const {
+    if constexpr (kListsTests<Sink>) return packed(a, b, test, 0);
+    const bool of_first = test < 3;
+    return sink_.first_key(features_[of_first ? a : b].vertex[of_first ? test : test - 3], of_first ? b : a);
+  }
+  uint64_t second_entry(uint32_t a, uint32_t b, int test) const {
+    if constexpr (kListsTests<Sink>) return packed(a, b, test, Sink::kFirstOfSecondKind);
+    return sink_.second_key(features_[a].edge[first_edge_of(test)], features_[b].edge[second_edge_of(test)]);
+  }
+  static uint64_t packed(uint32_t a, uint32_t b, int test, int first_of_kind) {
+    return a < b ? PackedTest{a, b, test - first_of_kind}.packed()
+                 : PackedTest{b, a, test_of_swapped(test) - first_of_kind}.packed();
   }
   /// The filter's answer for the lower triangle first: the order of points may matter to it.
   template <class Keeps>

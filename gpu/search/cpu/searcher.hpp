@@ -1,9 +1,11 @@
 #pragma once
-// The search for pairs on CPU cores: pair_search.hpp and tree_walk.hpp find them, pair_taker.hpp takes them.
+// The search for pairs on CPU cores: pair_search.hpp and tree_walk.hpp find them, pair_taker.hpp takes them;
+// neighbour_tests.hpp tests those that are known.
 
 #include <new>
 
 #include "gpu/exec/cpu/cpu_exec.hpp"
+#include "gpu/search/cpu/neighbour_tests.hpp"
 #include "gpu/search/cpu/pair_search.hpp"
 #include "gpu/search/cpu/pair_taker.hpp"
 #include "gpu/search/cpu/tree_walk.hpp"
@@ -40,7 +42,31 @@ class Searcher<CpuExec> {
     });
   }
 
+  template <class Sink>
+  void test(const char*, const Neighbours& neighbours, const Sink& sink) {
+    const uint64_t first = neighbours.size(0), all = first + neighbours.size(1);
+    exec_.host_loops().share(all, kNeighbours, [&](LoopTurn& turn) {
+      NeighbourTester<Sink> tester(sink);
+      while (ItemRange* left = turn.next()) {
+        if (sink.is_over()) left->first = left->end;
+        const uint64_t end = std::min(left->end, left->first + kNeighbours);
+        for (; left->first < std::min(end, first); ++left->first) {
+          if (left->first + kAhead < first) tester.prefetch(neighbours.first[left->first + kAhead]);
+          tester.test_first(neighbours.first[left->first]);
+        }
+        for (; left->first < end; ++left->first) {
+          if (left->first + kAhead < all) tester.prefetch(neighbours.second[left->first + kAhead - first]);
+          tester.test_second(neighbours.second[left->first - first]);
+        }
+      }
+      tester.finish();
+    });
+  }
+
  private:
+  static constexpr uint64_t kNeighbours = 2048;  ///< that take a bounded time
+  static constexpr uint64_t kAhead = 8;
+
   /// use(turn, taker), by several threads (pair_taker.hpp).
   template <class Sink, class Use>
   void share_among_takers(uint64_t items, uint64_t grain, const Sink& sink, uint64_t triangles, const Use& use) {

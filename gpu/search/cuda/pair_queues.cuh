@@ -4,6 +4,7 @@
 // time.
 
 #include "gpu/exec/cuda/warp.cuh"
+#include "gpu/search/neighbours.hpp"
 
 namespace collided {
 
@@ -40,7 +41,7 @@ __device__ unsigned claim(unsigned& size, unsigned count) {
 template <unsigned each>
 __device__ void push_tests(WarpQueue<each>& queue, unsigned& size, uint32_t tests, uint64_t pair) {
   for (unsigned place = claim<each>(size, __popc(tests)); tests != 0; tests &= tests - 1)
-    queue.entry[place++] = pair | static_cast<uint64_t>(__ffs(tests) - 1) << 60;
+    queue.entry[place++] = pair | static_cast<uint64_t>(__ffs(tests) - 1) << (2 * PackedTest::kIdBits);
   __syncwarp();
 }
 
@@ -81,6 +82,18 @@ class PairQueues {
     }
   }
 
+  /// Tests of features (PackedTest), one of each active lane.
+  __device__ void test_first(bool active, uint64_t packed) {
+    const PackedTest e = PackedTest::unpacked(packed);
+    push(shared_.first, first_, active && sink_.overlap_first(e.a, e.b, e.test), packed);
+    if (first_ >= 32) drain_first(32);
+  }
+  __device__ void test_second(bool active, uint64_t packed) {
+    const PackedTest e = PackedTest::unpacked(packed);
+    push(shared_.second, second_, active && sink_.overlap_second(e.a, e.b, e.test + Sink::kFirstOfSecondKind), packed);
+    if (second_ >= 32) drain_second(32);
+  }
+
   /// Whether this lane has seen that a list holds more than is of use (AppendList::push). A lane knows of what it
   /// pushed itself: reading the lists' counters would wait behind the atomics of all warps.
   __device__ bool is_overfull() const { return overfull_; }
@@ -99,22 +112,18 @@ class PairQueues {
 
  private:
   /// Takes the last `count` <= 32 entries of a queue, one a lane.
-  struct Entry {
+  struct Entry : PackedTest {
     bool active;
-    uint32_t a, b;
-    int test;
     uint64_t packed;
   };
-  __device__ static uint64_t pack(uint32_t a, uint32_t b) { return uint64_t{min(a, b)} << 30 | max(a, b); }
+  __device__ static uint64_t pack(uint32_t a, uint32_t b) { return PackedTest{min(a, b), max(a, b), 0}.packed(); }
   template <class Queue>
   __device__ static Entry take(const Queue& queue, unsigned& size, unsigned count) {
-    constexpr uint64_t kIdMask = (1u << 30) - 1u;
     size -= count;
     const bool active = lane_id() < count;
     const uint64_t packed = active ? queue.entry[size + lane_id()] : 0;
     __syncwarp();
-    return {active, static_cast<uint32_t>(packed >> 30 & kIdMask), static_cast<uint32_t>(packed & kIdMask),
-            static_cast<int>(packed >> 60), packed};
+    return {PackedTest::unpacked(packed), active, packed};
   }
 
   __device__ void drain_pairs(unsigned count) {
@@ -134,14 +143,11 @@ class PairQueues {
   }
   __device__ void drain_first_tests(unsigned count) {
     const Entry e = take(shared_.first_tests, first_tests_, count);
-    push(shared_.first, first_, e.active && sink_.overlap_first(e.a, e.b, e.test), e.packed);
-    if (first_ >= 32) drain_first(32);
+    test_first(e.active, e.packed);
   }
   __device__ void drain_second_tests(unsigned count) {
     const Entry e = take(shared_.second_tests, second_tests_, count);
-    push(shared_.second, second_, e.active && sink_.overlap_second(e.a, e.b, e.test + Sink::kFirstOfSecondKind),
-         e.packed);
-    if (second_ >= 32) drain_second(32);
+    test_second(e.active, e.packed);
   }
   __device__ void drain_first(unsigned count) {
     const Entry e = take(shared_.first, first_, count);

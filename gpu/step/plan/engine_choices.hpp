@@ -31,11 +31,11 @@ class EngineChoices {
  public:
   explicit EngineChoices(Engine wanted) : is_open_(wanted == Engine::kAuto) { choices_.fill(EngineChoice(wanted)); }
 
-  /// A step begins.
-  EngineFacts begin(const LevelNeeds& needs) {
+  /// A step begins. `searches`: and it does nothing but search; else it goes by what other steps chose.
+  EngineFacts begin(const LevelNeeds& needs, bool searches = true) {
     const size_t which = 2 * needs.is_ccd() + needs.has_filter();
     is_used_[which] = true;
-    is_observed_ = !needs.is_any_hit() && !needs.finds_rest_pairs;
+    is_observed_ = searches && !needs.is_any_hit() && !needs.finds_rest_pairs;
     choice_ = &choices_[which];
     begin_ = Clock::now();
     return is_observed_ ? choice_->next() : choice_->settled();

@@ -24,11 +24,24 @@ struct OctreePlan {
   bool operator==(const OctreePlan&) const = default;
 };
 
+/// Of the lists of neighbours that a step makes or goes by.
+struct ListPlan {
+  ListUse use = ListUse::kNone;
+  double margin = 0;  ///< of lists that are made; unit of the positions
+  double frames = 0;  ///< that these are meant for
+
+  bool operator==(const ListPlan&) const = default;
+};
+
 struct StepPlan {
   LevelNeeds needs = {};
   OctreePlan octree = {};
   bool boxes_static = true;  ///< meshes that never move are boxed too
   OrderPlan order = {};
+  ListPlan lists = {};
+
+  /// Whether there are octree and hierarchy at all.
+  bool searches() const { return lists.use != ListUse::kReused; }
 
   bool operator==(const StepPlan&) const = default;
 };

@@ -54,6 +54,17 @@ TEST(ConvertScene, TakesEveryEngine) {
   }
 }
 
+TEST(ConvertScene, TakesWhetherListsAreReused) {
+  for (const auto& [message, reuse] : {std::pair{pb::REUSE_UNSPECIFIED, Reuse::kAuto},
+                                       std::pair{pb::REUSE_ON, Reuse::kOn}, std::pair{pb::REUSE_OFF, Reuse::kOff}}) {
+    const auto wanted = request_with([m = message](pb::SceneSpec& s) { s.set_reuse(m); });
+    EXPECT_EQ(parse_scene(wanted, {}).plan.engine.reuse, reuse);
+    EXPECT_EQ(shown(wanted).spec().reuse(), message);
+  }
+  const auto bad = request_with([](pb::SceneSpec& s) { s.set_reuse(static_cast<pb::Reuse>(3)); });
+  EXPECT_THROW(parse_scene(bad, {}), InvalidInput);
+}
+
 TEST(ConvertScene, AnUnknownEngineIsRefusedWithItsValueAndTheLimit) {
   for (const int value : {-1, 8, 1000}) {
     const auto bad =

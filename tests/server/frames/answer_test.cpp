@@ -47,6 +47,20 @@ TEST(FrameAnswer, DoneTellsWhatTheFrameCost) {
   }
 }
 
+TEST(FrameAnswer, DoneTellsOfListsOfNeighbours) {
+  AnsweredFrame frame;
+  EXPECT_EQ(done_message(frame).metrics().list_use(), pb::LIST_USE_NONE);
+  EXPECT_EQ(done_message(frame).metrics().reuse_reason(), pb::REUSE_REASON_REQUESTED);
+  frame.result.reuse = {ListUse::kReused, ReuseReason::kFaster, 0.125, 3, 0.25, 0.5};
+  const pb::FrameMetrics metrics = done_message(frame).metrics();
+  EXPECT_EQ(metrics.list_use(), pb::LIST_USE_REUSED);
+  EXPECT_EQ(metrics.reuse_reason(), pb::REUSE_REASON_FASTER);
+  EXPECT_EQ(metrics.list_margin(), 0.125);
+  EXPECT_EQ(metrics.list_frames(), 3u);
+  EXPECT_EQ(metrics.list_milliseconds(), 0.25);
+  EXPECT_EQ(metrics.search_milliseconds(), 0.5);
+}
+
 TEST(FrameAnswer, DoneTellsTotalsCountsAndWarnings) {
   AnsweredFrame frame;
   FrameResult& result = frame.result;
