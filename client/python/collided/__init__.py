@@ -10,6 +10,7 @@ they use $COLLIDED_SERVER, or a daemon that this process starts for itself. `col
 import importlib
 from typing import Any
 
+from collided.batch import SceneBatch, WorldContacts
 from collided.connection.client import Client
 from collided.connection.options import ConnectOptions
 from collided.connection.own_daemon import OwnDaemon
@@ -32,8 +33,8 @@ __version__ = "0.1.0"
 __all__ = ["Aborted", "AlreadyExists", "Box", "Cancelled", "Client", "ConnectOptions", "Contacts", "DataLoss",
            "DeadlineExceeded", "Edit", "Error", "FailedPrecondition", "Flag", "FrameOptions", "Internal",
            "InvalidArgument", "Mesh", "NotFound", "OwnDaemon", "PermissionDenied", "ResourceExhausted", "Rigid",
-           "Scene", "SceneOptions", "Session", "Sparse", "Unauthenticated", "Unavailable", "Unimplemented",
-           "Watched", "Watcher", "detect", "move_along", "move_rigidly", "pack_quantized", "proximity",
+           "Scene", "SceneBatch", "SceneOptions", "Session", "Sparse", "Unauthenticated", "Unavailable", "Unimplemented",
+           "Watched", "Watcher", "WorldContacts", "detect", "move_along", "move_rigidly", "pack_quantized", "proximity",
            "unpack_quantized"]
 
 

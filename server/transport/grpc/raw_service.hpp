@@ -14,7 +14,8 @@ using WithRoutes =
         pb::CollisionService::WithGenericMethod_EstimateScene<pb::CollisionService::WithGenericMethod_GetScene<
             pb::CollisionService::WithGenericMethod_GetMesh<pb::CollisionService::WithGenericMethod_ListScenes<
                 pb::CollisionService::WithGenericMethod_DeleteScene<pb::CollisionService::WithGenericMethod_DetectFrame<
-                    pb::CollisionService::WithGenericMethod_WatchScene<Base>>>>>>>>>;
+                    pb::CollisionService::WithGenericMethod_WatchScene<pb::CollisionService::WithGenericMethod_CreateScenes<
+                        pb::CollisionService::WithGenericMethod_DetectBatch<Base>>>>>>>>>>>;
 
 using RawService = pb::CollisionService::WithRawMethod_StreamFrames<
     pb::CollisionService::WithRawCallbackMethod_UploadMesh<WithRoutes<pb::CollisionService::Service>>>;
