@@ -170,8 +170,8 @@ struct SceneSpec {
   uint64_t memory_budget = 0;                 ///< bytes on the backend; 0: no limit but the device's
   std::shared_ptr<MemoryQuota> memory_quota;  ///< that counts it too, and memory on the host; may be empty
   int threads = 0;                            ///< CPU threads; 0: all cores
-  /// 0: the scene is one. Else it is a set of so many worlds, up to kMaxWorlds: each has all the meshes, stored once, and
-  /// positions of its own, and none touches another. A frame names mesh m of world w as w * meshes.size() + m.
+  /// 0: the scene is one. Else it is a set of so many worlds, up to kMaxWorlds: each has all the meshes, stored once,
+  /// and positions of its own, and none touches another. A frame names mesh m of world w as w * meshes.size() + m.
   uint32_t worlds = 0;
   std::vector<MeshSpec> meshes;
 };
@@ -240,8 +240,8 @@ struct ContactRoom {
   uint64_t first_on_host = 0;
 };
 
-/// Of a set of worlds each world's frame counts or is refused by itself: its first frame must name all its meshes; worlds
-/// that a frame does not name are not stepped, and stay where they are.
+/// Of a set of worlds each world's frame counts or is refused by itself: its first frame must name all its meshes;
+/// worlds that a frame does not name are not stepped, and stay where they are.
 struct FrameInput {
   std::vector<MeshPositions> updates;    ///< the first frame must name every mesh; empty if `slot` brings them
   std::shared_ptr<FrameSlot> slot = {};  ///< of the same scene, with positions that were sent; may be empty
@@ -322,7 +322,7 @@ struct FrameResult : PerKind<ContactSet> {
   /// without the time spent in FrameInput::cancelled on CPU cores.
   double step_milliseconds = 0;
   EngineFacts broad_phase;
-  double earliest_toi = 1;          ///< CCD; from kGuarded on no contact is earlier
+  double earliest_toi = 1;  ///< CCD; from kGuarded on no contact is earlier
   /// How far the scene went, in [0, 1], by the formula of positions/blend.hpp; where the frame asked to advance.
   std::optional<double> advanced = {};
   bool any_contact = false;

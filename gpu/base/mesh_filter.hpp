@@ -31,7 +31,7 @@ struct MeshesTogether {
 struct PairFilter {
   const uint32_t* mesh_of_triangle = nullptr;
   const MeshRule* rules = nullptr;
-  KeySet excluded = {};  ///< pairs of two meshes, the lower one first (pack_ids)
+  KeySet excluded = {};   ///< pairs of two meshes, the lower one first (pack_ids)
   uint32_t of_world = 0;  ///< triangles of each world, whose meshes are the same; 0: the scene is one
 
   COLLIDED_HD bool is_needed() const { return mesh_of_triangle != nullptr; }

@@ -16,8 +16,8 @@ struct WorldShape {
 };
 
 /// What a frame does with a world; a byte each.
-constexpr uint8_t kStepsWorld = 1;        ///< it has positions of it, which count
-constexpr uint8_t kIsFirstOfWorld = 2;    ///< its first ones
+constexpr uint8_t kStepsWorld = 1;      ///< it has positions of it, which count
+constexpr uint8_t kIsFirstOfWorld = 2;  ///< its first ones
 
 /// Which triangles a step is of. Of a scene that is one: all.
 struct SteppedWorlds {

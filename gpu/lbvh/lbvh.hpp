@@ -10,7 +10,8 @@
 // - What a walk has still to do can be divided: the nodes below a node, and those from its rope on.
 // - Triangles much larger than most have the last places: as leaves among the others they would blow up all nodes
 //   above them, and one walk would have to meet all their partners. There, their partners meet them.
-// - Each world of a set has a hierarchy of its own, a part of the same arrays: the world comes first in a leaf's key, no
+// - Each world of a set has a hierarchy of its own, a part of the same arrays: the world comes first in a leaf's key,
+// no
 //   node is made above a world's, and a rope that would leave a world ends the walk. So worlds that lie over each other
 //   in space cost nothing.
 
@@ -87,8 +88,8 @@ struct MortonKeys {
 
 /// The same for a set of worlds: the world comes first.
 struct WorldMortonKeys {
-  const Box<float>* bounds;   ///< of each world
-  const uint64_t* extents;    ///< likewise; their sum
+  const Box<float>* bounds;  ///< of each world
+  const uint64_t* extents;   ///< likewise; their sum
   SteppedWorlds stepped;
   Span<const Box<float>> boxes;
   Span<uint64_t> keys;
@@ -103,10 +104,10 @@ struct WorldMortonKeys {
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const uint32_t world = static_cast<uint32_t>(i) / stepped.triangles;
-    const uint64_t in_world =
-        stepped.has(i)
-            ? MortonKeys::key_of(boxes[i], bounds[world], {bounds + world, extents + world, stepped.triangles}, axis_bits)
-            : 0;
+    const uint64_t in_world = stepped.has(i)
+                                  ? MortonKeys::key_of(boxes[i], bounds[world],
+                                                       {bounds + world, extents + world, stepped.triangles}, axis_bits)
+                                  : 0;
     keys[i] = uint64_t{world} << (3 * axis_bits + 1) | in_world;
     triangles[i] = static_cast<uint32_t>(i);
     meeting[i] = kNoNode;

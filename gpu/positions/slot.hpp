@@ -17,7 +17,7 @@ namespace collided {
 
 /// What a slot has to know of its scene, which it may outlive.
 struct SceneShape {
-  SceneSpec spec;  ///< meshes without their triangles
+  SceneSpec spec;                       ///< meshes without their triangles
   std::vector<uint32_t> vertex_offset;  ///< of each mesh of each world; one more entry at the end
 
   /// Of each world's: world w has mesh m as number w * meshes_of_world() + m.

@@ -112,7 +112,8 @@ void check_edit(const FrameInput& frame) {
 /// What is of the whole scene, and would be one world's alone.
 void check_frame_of_worlds(const FrameInput& frame, const FrameSettings& settings) {
   const auto refuse = [](const char* field) {
-    throw InvalidInput(field, std::string(field) + " is given, but the scene is a set of worlds, whose frames have none");
+    throw InvalidInput(field,
+                       std::string(field) + " is given, but the scene is a set of worlds, whose frames have none");
   };
   if (settings.report != Report::kAll)
     throw InvalidInput("report", "report is not ALL, which the frames of a set of worlds have");

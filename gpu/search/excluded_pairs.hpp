@@ -11,7 +11,7 @@ namespace collided {
 
 /// For each vertex the others that at most k edges lead to, k being that of its mesh.
 struct VertexRings {
-  Span<const uint32_t> begin;     ///< of each vertex's; one more at the end; empty: no mesh has rings
+  Span<const uint32_t> begin;  ///< of each vertex's; one more at the end; empty: no mesh has rings
   // Of a world, where there are several: both vertices are of the same one.
   Span<const uint32_t> vertices;  ///< ascending for each vertex
 

@@ -79,10 +79,10 @@ class LbvhPhase {
   int key_worlds() {
     BvhBuffers<Exec>& bvh = scene_.bvh;
     const int axis_bits = WorldMortonKeys::axis_bits_for(leaves_of_world());
-    exec_.for_each("morton_keys", leaves(),
-                   WorldMortonKeys{scene_.worlds.bounds.data(), scene_.worlds.extents.data(), scene_.stepped_worlds(),
-                                   boxes(), bvh.keys[0].span(leaves()), bvh.triangles[0].span(leaves()),
-                                   bvh.meeting.all(), axis_bits});
+    exec_.for_each(
+        "morton_keys", leaves(),
+        WorldMortonKeys{scene_.worlds.bounds.data(), scene_.worlds.extents.data(), scene_.stepped_worlds(), boxes(),
+                        bvh.keys[0].span(leaves()), bvh.triangles[0].span(leaves()), bvh.meeting.all(), axis_bits});
     return WorldMortonKeys::bits(axis_bits, counts_.worlds);
   }
   int key_all() {

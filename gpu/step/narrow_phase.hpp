@@ -239,8 +239,8 @@ class NarrowPhase {
   template <class Work>
   void run_triangles() {
     exec_.for_each("test_triangles", Counted{&scene_.state.data()->triangle_pairs, scene_.triangle_pairs.capacity()},
-                   TestTriangles<Work, Real>{scene_.end.data(), scene_.topology.corners(),
-                                             scene_.triangle_pairs.all(), sink(ContactKind::kTriangleTriangle)});
+                   TestTriangles<Work, Real>{scene_.end.data(), scene_.topology.corners(), scene_.triangle_pairs.all(),
+                                             sink(ContactKind::kTriangleTriangle)});
   }
 
   Counted wanted_count() {

@@ -85,10 +85,10 @@ class OctreePhase {
   void box_triangles(bool all) {
     using Work = BoxTriangles<Real>;
     for (const TriangleRun& run : runs(all))
-      exec_.for_each_group(
-          "box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
-          Work{motion(), scene_.deviations(is_ccd_), triangles(), edges(), scene_.topology.owned.all(), run.first,
-               run.count, scene_.boxes.all(), scene_.records.all(), scene_.triangle_inflations(), scene_.stepped_worlds()});
+      exec_.for_each_group("box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
+                           Work{motion(), scene_.deviations(is_ccd_), triangles(), edges(), scene_.topology.owned.all(),
+                                run.first, run.count, scene_.boxes.all(), scene_.records.all(),
+                                scene_.triangle_inflations(), scene_.stepped_worlds()});
   }
 
   // Section 3.2: number of levels.
@@ -200,10 +200,9 @@ class OctreePhase {
 
   /// Counts the triangles that the spacing of the positions' numbers is too coarse for.
   void count_small_triangles() {
-    exec_.for_each(
-        "count_small_triangles", triangle_count(),
-        CountSmall<Real>{&scene_.state.data()->bounds, scene_.records.all(), &scene_.state.data()->small_triangles,
-                         scene_.stepped_worlds()});
+    exec_.for_each("count_small_triangles", triangle_count(),
+                   CountSmall<Real>{&scene_.state.data()->bounds, scene_.records.all(),
+                                    &scene_.state.data()->small_triangles, scene_.stepped_worlds()});
   }
 
   ElementaryTests<Real> elementary(const PerKind<bool>& wanted) const {

@@ -100,7 +100,8 @@ struct FeatureSink {
   }
   COLLIDED_HD bool take_second(uint32_t a, uint32_t b, int test) const {
     const CandidatePoints<Real> candidate = tests.edge_edge_points(a, b, test);
-    return !filter_at(keep, a)(EdgeEdge{}, candidate.points) || edge_edge.push(candidate.key + (uint64_t{edge_rank} << 32));
+    return !filter_at(keep, a)(EdgeEdge{}, candidate.points) ||
+           edge_edge.push(candidate.key + (uint64_t{edge_rank} << 32));
   }
   /// The same in two parts: whether the filter keeps a candidate, and its key.
   COLLIDED_HD bool keeps_first(uint32_t a, uint32_t b, int test) const {

@@ -34,11 +34,9 @@ std::vector<uint64_t> divide(const FeaturesOfWorld& features, uint32_t worlds, C
 
 WorldResults divide_by_world(const WorldShape& shape, PerKind<ContactSet>& contacts) {
   WorldResults results;
-  for_each_kind(
-      [&](ContactKind kind, ContactSet& set, std::vector<uint64_t>& begin) {
-        begin = divide(features_of(kind, shape), shape.worlds, set);
-      },
-      contacts, results.begin);
+  for_each_kind([&](ContactKind kind, ContactSet& set,
+                    std::vector<uint64_t>& begin) { begin = divide(features_of(kind, shape), shape.worlds, set); },
+                contacts, results.begin);
   return results;
 }
 

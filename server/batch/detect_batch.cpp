@@ -83,8 +83,9 @@ class Batch {
       auto admitted = std::make_shared<Admitted>(take_in(message, *set));
       const auto run = [self, set, admitted, i] { self->run(*set, *admitted, i); };
       if (!set->worker().try_post(run))
-        throw LimitExceeded::quota("scene:" + set->id(), fmt::format("max_window is {}, and as many frames wait for set {}",
-                                                                     host_.limits().max_window, set->id()));
+        throw LimitExceeded::quota(
+            "scene:" + set->id(),
+            fmt::format("max_window is {}, and as many frames wait for set {}", host_.limits().max_window, set->id()));
     } catch (...) {
       refuse(i, std::current_exception());
       end_one();
@@ -93,10 +94,11 @@ class Batch {
   SceneUse find(const pb::SetFrame& message, int i) {
     SceneUse set = host_.scenes().find(call_.caller().client, message.scene_id());
     if (set->plan()->engine.worlds == 0)
-      throw FailedPrecondition(fmt::format("frames[{}].scene_id", i),
-                               fmt::format("frames[{}].scene_id: scene {} is one, and no set of CreateScenes: DetectFrame "
-                                           "and StreamFrames take its frames",
-                                           i, set->id()));
+      throw FailedPrecondition(
+          fmt::format("frames[{}].scene_id", i),
+          fmt::format("frames[{}].scene_id: scene {} is one, and no set of CreateScenes: DetectFrame "
+                      "and StreamFrames take its frames",
+                      i, set->id()));
     return set;
   }
   Admitted take_in(const pb::SetFrame& message, Scene& set) {

@@ -43,8 +43,6 @@ void fill_errors(const std::vector<RefusedWorld>& all, size_t index, pb::SetAnsw
   }
 }
 
-
-
 // Worlds that are not in the frame have no contacts.
 std::vector<uint64_t> begins_in_frame(const std::vector<uint64_t>& of_all, const std::vector<uint32_t>& worlds) {
   std::vector<uint64_t> begins;
@@ -76,10 +74,11 @@ void AnswerBytes::take(uint64_t frame_id, uint64_t bytes) {
   uint64_t left = left_;
   do {
     if (bytes > left)
-      throw LimitExceeded("max_answer_bytes",
-                          fmt::format("frame {} was applied, but its answer takes {} bytes, and the batch's has room for "
-                                      "{} of {} (max_answer_bytes); send fewer worlds at a time, or ask for fewer fields",
-                                      frame_id, bytes, left, max_));
+      throw LimitExceeded(
+          "max_answer_bytes",
+          fmt::format("frame {} was applied, but its answer takes {} bytes, and the batch's has room for "
+                      "{} of {} (max_answer_bytes); send fewer worlds at a time, or ask for fewer fields",
+                      frame_id, bytes, left, max_));
   } while (!left_.compare_exchange_weak(left, left - bytes));
 }
 

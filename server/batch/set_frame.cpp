@@ -20,7 +20,8 @@ std::vector<uint32_t> parse_ids(const Ids& ids, uint32_t count, const std::strin
   }
   for (size_t i = 0; i < parsed.size(); ++i) {
     if (parsed[i] >= count)
-      throw_invalid(fmt::format("{}[{}]", field, i), fmt::format("is {}, but the set has {} {}", parsed[i], count, what));
+      throw_invalid(fmt::format("{}[{}]", field, i),
+                    fmt::format("is {}, but the set has {} {}", parsed[i], count, what));
     if (i > 0 && parsed[i] <= parsed[i - 1])
       throw_invalid(fmt::format("{}[{}]", field, i),
                     fmt::format("is {} after {}; they must ascend strictly", parsed[i], parsed[i - 1]));
@@ -41,7 +42,8 @@ std::vector<uint32_t> moving_meshes(const SceneSpec& set) {
   return moving;
 }
 
-[[noreturn]] void throw_size(uint64_t bytes, uint64_t worlds, uint64_t vertices, uint64_t moving, const SceneSpec& set) {
+[[noreturn]] void throw_size(uint64_t bytes, uint64_t worlds, uint64_t vertices, uint64_t moving,
+                             const SceneSpec& set) {
   const uint64_t of_vertex = position_bytes(set);
   std::string what = fmt::format("has {} bytes; {} {} of {} vertices, {} bytes each, are {}", bytes, worlds,
                                  worlds == 1 ? "world" : "worlds", vertices, of_vertex, worlds * vertices * of_vertex);

@@ -106,8 +106,8 @@ Accuracy parse_scene_accuracy(pb::Accuracy wanted, Accuracy max) {
 void check_set_size(const SceneSize& size, uint32_t worlds, const Limits& limits) {
   const auto check = [&](const char* what, uint64_t each, const char* name, uint64_t limit) {
     if (each * worlds > limit)
-      throw LimitExceeded("count", fmt::format("count is {}, and so many scenes of {} {} have {}, more than {}, {}", worlds,
-                                               each, what, each * worlds, name, limit));
+      throw LimitExceeded("count", fmt::format("count is {}, and so many scenes of {} {} have {}, more than {}, {}",
+                                               worlds, each, what, each * worlds, name, limit));
   };
   check("vertices", size.vertices, "max_vertices", limits.max_vertices);
   check(size.names_of_elements(), size.elements(), "max_triangles", limits.max_triangles);

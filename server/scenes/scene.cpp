@@ -148,8 +148,8 @@ void Scene::check_token(const std::string& token, bool has_stream) const {
 
 void Scene::check_is_one(const std::string& field) const {
   if (const uint32_t worlds = shown_.plan->engine.worlds; worlds > 0)
-    throw FailedPrecondition(
-        field, fmt::format("{}: scene {} is a set of {} scenes, whose frames come by DetectBatch", field, id(), worlds));
+    throw FailedPrecondition(field, fmt::format("{}: scene {} is a set of {} scenes, whose frames come by DetectBatch",
+                                                field, id(), worlds));
 }
 
 std::shared_ptr<SceneStream> Scene::begin_stream(const std::shared_ptr<SceneStream>& stream, const std::string& token) {

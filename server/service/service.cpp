@@ -100,7 +100,8 @@ void CollisionService::make_scene(UnaryCallBase& call, SceneRequest request, pb:
   auto [scene, is_new] = host_.add_scene(call.caller().client, std::move(request));
   Scene& target = *scene;
   if (is_new)
-    return target.worker().post([this, &call, out, scene = std::move(scene), held = calls_] { build(scene, call, out); });
+    return target.worker().post(
+        [this, &call, out, scene = std::move(scene), held = calls_] { build(scene, call, out); });
   target.worker().post([&call, out, scene = std::move(scene), held = calls_] {  // once the first request has created it
     guard(call, [&] {
       scene->check_open();

@@ -1,7 +1,8 @@
 // A thousand scenes in one call: in each a tetrahedron falls to a floor, from another height. usage: scene_set ADDRESS
+#include "client/cpp/batch/scene_set.hpp"
+
 #include <cstdio>
 
-#include "client/cpp/batch/scene_set.hpp"
 #include "client/cpp/examples/grid.hpp"
 
 using namespace collided::client;

@@ -1,5 +1,5 @@
-// Many small scenes, one frame each: in one call as a set, and in a call each as scenes of their own. The two take turns, so
-// that other load on the machine affects both alike, and must find the same number of contacts.
+// Many small scenes, one frame each: in one call as a set, and in a call each as scenes of their own. The two take
+// turns, so that other load on the machine affects both alike, and must find the same number of contacts.
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -132,8 +132,9 @@ class BatchBench {
     return spec;
   }
   std::array<client::MeshInput, 2> meshes() const {
-    return {{{.name = "floor", .vertex_count = (kFloorSide + 1) * (kFloorSide + 1), .triangles = floor_, .is_static = true},
-             {.name = "cloth", .vertex_count = (options_.side + 1) * (options_.side + 1), .triangles = cloth_}}};
+    return {
+        {{.name = "floor", .vertex_count = (kFloorSide + 1) * (kFloorSide + 1), .triangles = floor_, .is_static = true},
+         {.name = "cloth", .vertex_count = (options_.side + 1) * (options_.side + 1), .triangles = cloth_}}};
   }
 
   Turn ask_together(int frame) {
@@ -162,8 +163,7 @@ class BatchBench {
     const auto begin = Clock::now();
     for (const v1::DetectFrameRequest& request : requests) {
       v1::DetectFrameResponse response;
-      client::check(
-          stub_->DetectFrame(client_.channels().call_context(request.scene_id()).get(), request, &response));
+      client::check(stub_->DetectFrame(client_.channels().call_context(request.scene_id()).get(), request, &response));
       turn.contacts += response.done().contact_count();
       turn.engine_ms += response.done().metrics().engine_milliseconds();
     }
@@ -171,9 +171,8 @@ class BatchBench {
     return turn;
   }
   static Json times(std::vector<double>& ms, std::vector<double>& engine) {
-    return {{"p50", cli::quantile(ms, 0.5)},
-            {"p99", cli::quantile(ms, 0.99)},
-            {"engine_p50", cli::quantile(engine, 0.5)}};
+    return {
+        {"p50", cli::quantile(ms, 0.5)}, {"p99", cli::quantile(ms, 0.99)}, {"engine_p50", cli::quantile(engine, 0.5)}};
   }
 
   const Options options_;

@@ -302,9 +302,8 @@ TEST_F(Worlds, WhatIsOfTheWholeSceneIsRefused) {
   EXPECT_EQ("engine", refused_of([](SceneSpec& spec) { spec.engine = Engine::kOctree; }));
   EXPECT_EQ("report", refused_of([](SceneSpec& spec) { spec.report = Report::kAnyHit; }));
   EXPECT_EQ("meshes[0].motion", refused_of([](SceneSpec& spec) { spec.meshes[0].motion = MeshMotion::kRigid; }));
-  EXPECT_EQ("meshes[1].excludes_rest_pairs", refused_of([](SceneSpec& spec) {
-              spec.meshes[1].excludes_rest_pairs = true;
-            }));
+  EXPECT_EQ("meshes[1].excludes_rest_pairs",
+            refused_of([](SceneSpec& spec) { spec.meshes[1].excludes_rest_pairs = true; }));
   Scenes scenes(settings(Mode::kCcd, Accuracy::kCertified, Scalar::kF32), meshes);
   scenes.expect_same(all_worlds(), 0);
   const auto refused_frame = [&](auto change) {
@@ -317,9 +316,8 @@ TEST_F(Worlds, WhatIsOfTheWholeSceneIsRefused) {
   EXPECT_EQ("start_fraction", refused_frame([](FrameInput& input) { input.start_fraction = 0.5; }));
   EXPECT_EQ("report", refused_frame([](FrameInput& input) { input.report = Report::kEarliestOnly; }));
   EXPECT_EQ("edit", refused_frame([](FrameInput& input) { input.edit = std::make_shared<SceneEdit>(); }));
-  EXPECT_EQ("updates[0].mesh", refused_frame([](FrameInput& input) {
-              input.updates.push_back({.mesh = 2 * kWorlds});
-            }));
+  EXPECT_EQ("updates[0].mesh",
+            refused_frame([](FrameInput& input) { input.updates.push_back({.mesh = 2 * kWorlds}); }));
   scenes.expect_same(all_worlds(), 1);
 }
 

@@ -79,7 +79,8 @@ TEST_F(Batch, SetsAndWorldsAreRefusedAlone) {
   EXPECT_EQ(error.world(), 1u);
   EXPECT_EQ(error.error().code(), grpc::INVALID_ARGUMENT);
   EXPECT_EQ(error.error().field(), "frames[0].positions");
-  EXPECT_TRUE(error.error().message().starts_with("frames[0].positions: world 1, mesh 1, vertex 1, coordinate y is nan"))
+  EXPECT_TRUE(
+      error.error().message().starts_with("frames[0].positions: world 1, mesh 1, vertex 1, coordinate y is nan"))
       << error.error().message();
   EXPECT_EQ(response.answers(1).error().code(), grpc::NOT_FOUND);
   EXPECT_EQ(response.answers(2).error().code(), grpc::FAILED_PRECONDITION);

@@ -1,6 +1,7 @@
 // The C++ client's sets.
 
 #include "client/cpp/batch/scene_set.hpp"
+
 #include "client/cpp/positions.hpp"
 #include "tests/integration/batch/tip_set.hpp"
 
@@ -12,9 +13,8 @@ class SceneSets : public testing::Test {
   client::SceneSet make(uint32_t count) {
     pb::SceneSpec spec = tip_request().spec();
     spec.clear_meshes();
-    const client::MeshInput meshes[] = {
-        {.name = "floor", .vertex_count = 3, .triangles = triangle_, .is_static = true},
-        {.name = "tip", .vertex_count = 3, .triangles = triangle_}};
+    const client::MeshInput meshes[] = {{.name = "floor", .vertex_count = 3, .triangles = triangle_, .is_static = true},
+                                        {.name = "tip", .vertex_count = 3, .triangles = triangle_}};
     return client::SceneSet::create(client_, spec, meshes, count);
   }
   static client::SetOutput step(client::SceneSet& set, const std::vector<double>& depths, bool first,
