@@ -25,6 +25,16 @@ void check_meshes(const SceneSpec& spec) {
   }
 }
 
+/// All worlds together.
+void check_size(const SceneSpec& spec, const Topology& topology) {
+  const uint64_t vertices = uint64_t{spec.worlds} * topology.vertex_count,
+                 elements = uint64_t{spec.worlds} * topology.triangles.size();
+  if (vertices > kMaxFeatures || elements > kMaxFeatures)
+    throw InvalidInput("worlds", "worlds is " + std::to_string(spec.worlds) + ", which together have " +
+                                     std::to_string(vertices) + " vertices and " + std::to_string(elements) +
+                                     " elements; the limit of each is " + std::to_string(kMaxFeatures));
+}
+
 }  // namespace
 
 std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
@@ -33,6 +43,7 @@ std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
   check_exclusions(spec);
   MemoryHold making(spec.memory_quota);
   FeatureTables features = make_tables(spec, making);
+  check_size(spec, features.topology);
   return spec.backend == Backend::kCuda ? make_cuda_detector(std::move(spec), std::move(features))
                                         : make_cpu_detector(std::move(spec), std::move(features));
 }

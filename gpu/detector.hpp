@@ -29,12 +29,13 @@ class Detector {
   virtual std::vector<MemoryPart> memory() const = 0;
   /// As the last edit left it, without triangles.
   virtual const SceneSpec& spec() const = 0;
+  /// Of one world.
   virtual const Topology& topology() const = 0;
   virtual DeviceInfo device() const = 0;
 };
 
-/// Bytes that a scene of so many vertices and triangles, or other elements, holds at the least once it has had a frame,
-/// whatever its options: on its backend, and for its topology on the host. Reads no vertex and no element of a mesh.
+/// Bytes that a scene of so many vertices and elements (in each world of a set) holds at the least once it has had a
+/// frame, whatever its options: on its backend, and for its topology on the host. Reads no vertex and no element.
 uint64_t min_scene_bytes(const SceneSpec& spec, uint64_t vertices, uint64_t triangles);
 
 /// What is known of a scene before it is made.
@@ -44,8 +45,8 @@ struct SceneEstimate {
   PerKind<FieldSet> fields;         ///< that the contacts of an answer have; none of kinds that it does not have
 };
 
-/// Of so many vertices and elements, with the scene's own options for the frame. Allocates nothing on the backend and
-/// reads no vertex and no element of the meshes. Throws InvalidInput for a bad spec.
+/// Of so many vertices and elements (in each world of a set), with the scene's own options for the frame. Allocates
+/// nothing on the backend and reads no vertex and no element of the meshes. Throws InvalidInput for a bad spec.
 SceneEstimate estimate_scene(const SceneSpec& spec, uint64_t vertices, uint64_t triangles);
 
 /// Throws InvalidInput, naming the option, for options of a scene, or of one frame of it, that cannot be used or do not

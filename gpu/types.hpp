@@ -191,8 +191,14 @@ struct SceneSpec {
   uint64_t memory_budget = 0;                 ///< bytes on the backend; 0: no limit but the device's
   std::shared_ptr<MemoryQuota> memory_quota;  ///< that counts it too, and memory on the host; may be empty
   int threads = 0;                            ///< CPU threads; 0: all cores
+  /// 0: the scene is one. Else it is a set of so many worlds, up to kMaxWorlds: each has all the meshes, stored once,
+  /// and positions of its own, and none touches another. A frame names mesh m of world w as w * meshes.size() + m.
+  uint32_t worlds = 0;
   std::vector<MeshSpec> meshes;
 };
+constexpr uint32_t kMaxWorlds = 1u << 16;
+/// 1 of a scene that is one.
+inline uint32_t count_worlds(const SceneSpec& spec) { return std::max(spec.worlds, 1u); }
 
 /// A mesh as an edit wants it.
 struct MeshEdit {
@@ -255,6 +261,8 @@ struct ContactRoom {
   uint64_t first_on_host = 0;
 };
 
+/// Of a set of worlds each world's frame counts or is refused by itself: its first frame must name all its meshes;
+/// worlds that a frame does not name are not stepped, and stay where they are.
 struct FrameInput {
   std::vector<MeshPositions> updates;    ///< the first frame must name every mesh; empty if `slot` brings them
   std::shared_ptr<FrameSlot> slot = {};  ///< of the same scene, with positions that were sent; may be empty
@@ -310,6 +318,17 @@ struct FrameCounts {
   uint64_t exact_decisions = 0;
 };
 
+/// A world whose part of a frame is refused; it is as it was. `field`: of MeshPositions, or `updates`.
+struct RefusedWorld {
+  uint32_t world = 0;
+  std::string field, what;
+};
+/// Of a frame of a set of worlds. The ids of its contacts are counted in each world.
+struct WorldResults {
+  PerKind<std::vector<uint64_t>> begin;  ///< of each world's contacts; one more entry at the end
+  std::vector<RefusedWorld> refused;     ///< ascending
+};
+
 /// Of triangle pairs it has elements and flags alone. With a ContactRoom the first contacts of all kinds together lie
 /// there (`placed`), as many as fit, and the sets have the others.
 struct FrameResult : PerKind<ContactSet> {
@@ -329,6 +348,7 @@ struct FrameResult : PerKind<ContactSet> {
   /// How far the scene went, in [0, 1], by the formula of positions/blend.hpp; where the frame asked to advance.
   std::optional<double> advanced = {};
   bool any_contact = false;
+  WorldResults worlds;            ///< of a set of worlds
   bool input_resolution = false;  ///< the input's own spacing is coarser than delta (0: than 1/1000 of most triangles)
   /// The contacts' memory, within what the scene took of its memory_quota for answers; given back with the last copy.
   /// May be null.

@@ -55,6 +55,17 @@ void fill_mesh(const MeshInput& mesh, v1::MeshSpec& out) {
   out.set_points(mesh.points.data(), mesh.points.size_bytes());
 }
 
+/// For a scene, or a set of them, whose triangles are sent later.
+template <class Request>
+Request request_of(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds) {
+  for (const MeshInput& mesh : meshes) fill_mesh(mesh, *spec.add_meshes());
+  Request request;
+  request.set_request_id(random_id());
+  request.set_lease_seconds(lease_seconds);
+  *request.mutable_spec() = std::move(spec);
+  return request;
+}
+
 /// Over gRPC there is no device memory, so that a stream must not fall back to it.
 void check_handles(const LocalOptions& local) {
   if (local.use == Local::kOn || (local.cuda_ipc_handle.empty() && local.output_cuda_ipc_handle.empty())) return;
@@ -121,7 +132,10 @@ struct Client::State {
     return response;
   }
 
-  v1::Scene create(const v1::CreateSceneRequest& request);
+  template <class Request, class Response>
+  Response create(grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
+                  const Request& request);
+  v1::Scene upload_all(v1::Scene scene, std::span<const MeshInput> meshes);
   v1::Scene upload(const std::string& scene_id, uint32_t index, const MeshInput& mesh);
   void try_delete(const std::string& scene_id);
   bool has_local(const v1::Scene& scene) const { return scene.endpoint().empty() && !info.local_socket().empty(); }
@@ -132,9 +146,11 @@ struct Client::State {
   v1::GetServerInfoResponse info;
 };
 
-v1::Scene Client::State::create(const v1::CreateSceneRequest& request) {
+template <class Request, class Response>
+Response Client::State::create(grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
+                               const Request& request) {
   for (int tries = 1;; ++tries) try {
-      return std::move(*call(&Service::CreateScene, request).mutable_scene());
+      return call(method, request);
     } catch (const Error& e) {
       if (e.code() != grpc::UNAVAILABLE || tries == kCreateTries) throw;
       std::this_thread::sleep_for(kRetryPause * tries);
@@ -157,6 +173,19 @@ v1::Scene Client::State::upload(const std::string& scene_id, uint32_t index, con
   writer->WritesDone();
   check(writer->Finish());
   return std::move(*response.mutable_scene());
+}
+
+/// A scene that could not be completed is deleted.
+v1::Scene Client::State::upload_all(v1::Scene scene, std::span<const MeshInput> meshes) {
+  const std::string id = scene.scene_id();
+  try {
+    for (uint32_t i = 0; i < meshes.size(); ++i)
+      if (!meshes[i].triangles.empty()) scene = upload(id, i, meshes[i]);
+  } catch (const Error&) {
+    try_delete(id);
+    throw;
+  }
+  return scene;
 }
 
 /// Ignores errors: it cleans up after a failed upload, whose error is the one to report.
@@ -204,21 +233,15 @@ const ChannelFactory& Client::channels() const { return state_->channels; }
 const v1::GetServerInfoResponse& Client::server_info() const { return state_->info; }
 
 v1::Scene Client::create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds) {
-  for (const MeshInput& mesh : meshes) fill_mesh(mesh, *spec.add_meshes());
-  v1::CreateSceneRequest request;
-  request.set_request_id(random_id());
-  request.set_lease_seconds(lease_seconds);
-  *request.mutable_spec() = std::move(spec);
-  v1::Scene scene = state_->create(request);
-  const std::string id = scene.scene_id();
-  try {
-    for (uint32_t i = 0; i < meshes.size(); ++i)
-      if (!meshes[i].triangles.empty()) scene = state_->upload(id, i, meshes[i]);
-  } catch (const Error&) {
-    state_->try_delete(id);
-    throw;
-  }
-  return scene;
+  const auto request = request_of<v1::CreateSceneRequest>(std::move(spec), meshes, lease_seconds);
+  return state_->upload_all(state_->create(&Service::CreateScene, request).scene(), meshes);
+}
+
+v1::Scene Client::create_scenes(v1::SceneSpec spec, std::span<const MeshInput> meshes, uint32_t count,
+                                double lease_seconds) {
+  auto request = request_of<v1::CreateScenesRequest>(std::move(spec), meshes, lease_seconds);
+  request.set_count(count);
+  return state_->upload_all(state_->create(&Service::CreateScenes, request).scenes(), meshes);
 }
 
 v1::EstimateSceneResponse Client::estimate_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes) {

@@ -79,6 +79,10 @@ class Client {
   /// lost, without ever creating two scenes. The scene is deleted after `lease_seconds` without a stream or a call; 0:
   /// the daemon's default.
   v1::Scene create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds = 0);
+  /// The same for `count` scenes of one spec, a set with one id, whose triangles are sent and held once; SceneSet
+  /// (client/cpp/batch/scene_set.hpp) has their frames.
+  v1::Scene create_scenes(v1::SceneSpec spec, std::span<const MeshInput> meshes, uint32_t count,
+                          double lease_seconds = 0);
   /// What create_scene of the same arguments would cost, before anything is made: no triangle is sent, loose elements
   /// are. Throws what it would throw for a bad spec.
   v1::EstimateSceneResponse estimate_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes);

@@ -17,6 +17,12 @@ COLLIDED_HD Box<Real> join(const Box<Real>& a, const Box<Real>& b) {
           {max(a.hi.x, b.hi.x), max(a.hi.y, b.hi.y), max(a.hi.z, b.hi.z)}};
 }
 
+/// Meets nothing, and adds nothing to another.
+COLLIDED_HD inline Box<float> no_box() {
+  constexpr float kMax = 0x1.fffffep127f;
+  return {{kMax, kMax, kMax}, {-kMax, -kMax, -kMax}};
+}
+
 template <class Real>
 COLLIDED_HD bool overlap(const Box<Real>& a, const Box<Real>& b) {
   return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y && a.lo.z <= b.hi.z &&

@@ -31,12 +31,13 @@ struct MeshesTogether {
 struct PairFilter {
   const uint32_t* mesh_of_triangle = nullptr;
   const MeshRule* rules = nullptr;
-  KeySet excluded = {};  ///< pairs of two meshes, the lower one first (pack_ids)
+  KeySet excluded = {};   ///< pairs of two meshes, the lower one first (pack_ids)
+  uint32_t of_world = 0;  ///< triangles of each world, whose meshes are the same; 0: the scene is one
 
   COLLIDED_HD bool is_needed() const { return mesh_of_triangle != nullptr; }
   COLLIDED_HD bool operator()(uint32_t a, uint32_t b) const {
     if (!is_needed()) return true;
-    const uint32_t mesh_a = mesh_of_triangle[a], mesh_b = mesh_of_triangle[b];
+    const uint32_t mesh_a = mesh_of(a), mesh_b = mesh_of(b);
     const MeshRule p = rules[mesh_a], q = rules[mesh_b];
     if (p.is_static != 0 && q.is_static != 0) return false;
     if (mesh_a == mesh_b) return p.has_self_contacts != 0;
@@ -46,7 +47,7 @@ struct PairFilter {
 
   /// Of one triangle. Only where the filter is needed, like what follows.
   COLLIDED_HD MeshesTogether meshes_of(uint32_t triangle) const {
-    const uint32_t mesh = mesh_of_triangle[triangle];
+    const uint32_t mesh = mesh_of(triangle);
     const MeshRule rule = rules[mesh];
     const uint32_t moves = rule.is_static != 0 ? 0u : MeshesTogether::kMoves;
     const uint32_t has_self = rule.has_self_contacts != 0 ? MeshesTogether::kHasSelfContacts : 0u;
@@ -64,6 +65,9 @@ struct PairFilter {
   }
 
  private:
+  COLLIDED_HD uint32_t mesh_of(uint32_t triangle) const {
+    return mesh_of_triangle[of_world == 0 ? triangle : triangle % of_world];
+  }
   COLLIDED_HD bool excludes(uint32_t mesh, uint32_t other) const {
     return excluded.has(pack_ids(min(mesh, other), max(mesh, other)));
   }

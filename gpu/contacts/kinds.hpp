@@ -2,6 +2,7 @@
 // The kinds of contacts: their features, their stages, and their order among each other.
 
 #include "gpu/base/keys.hpp"
+#include "gpu/base/worlds.hpp"
 #include "gpu/contacts/contact.hpp"
 
 namespace collided {
@@ -15,7 +16,7 @@ struct VertexTriangle {
   static constexpr ContactKind kKind = ContactKind::kVertexTriangle;
   static constexpr const char* kNarrow = "narrow_vt";  ///< its stage
 
-  Span<const Vec3<uint32_t>> triangles;
+  WorldTable<Vec3<uint32_t>> triangles;
 
   COLLIDED_HD bool has(uint64_t key) const { return static_cast<uint32_t>(key) < triangles.size(); }
   COLLIDED_HD Stencil stencil(uint64_t key) const {
@@ -27,11 +28,13 @@ struct VertexTriangle {
 struct EdgePair {
   uint32_t from, to;
 };
+COLLIDED_HD inline EdgePair with_ids_moved(const EdgePair& edge, uint32_t by) { return {edge.from + by, edge.to + by}; }
+
 struct EdgeEdge {
   static constexpr ContactKind kKind = ContactKind::kEdgeEdge;
   static constexpr const char* kNarrow = "narrow_ee";
 
-  Span<const EdgePair> edges;
+  WorldTable<EdgePair> edges;
 
   COLLIDED_HD bool has(uint64_t key) const {
     return (key >> 32) < edges.size() && static_cast<uint32_t>(key) < edges.size();
@@ -53,7 +56,7 @@ struct FeatureKinds {
 
   template <class Tables>
   static FeatureKinds of(const Tables& tables) {
-    return {{tables.triangles.all()}, {tables.edges.all()}};
+    return {{tables.corners()}, {tables.edge_ends()}};
   }
   /// visit(kind) for each in order.
   template <class Visit>

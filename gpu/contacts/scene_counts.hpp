@@ -4,24 +4,36 @@
 #include <string>
 #include <vector>
 
+#include "gpu/base/worlds.hpp"
 #include "gpu/contacts/kinds.hpp"
 
 namespace collided {
 
+/// All worlds together.
 struct SceneCounts {
   uint64_t vertices = 0, edges = 0;
   uint64_t triangles = 0, loose_edges = 0, loose_points = 0;  ///< `triangles`: of all elements
-  std::vector<uint32_t> triangle_offset;                      ///< of each mesh; one more entry at the end
+  std::vector<uint32_t> triangle_offset;                      ///< of each mesh of a world; one more entry at the end
+  uint32_t worlds = 0;                                        ///< as in SceneSpec
 
   SceneCounts() = default;
-  SceneCounts(const Topology& topology)
+  /// `topology`: of one world.
+  SceneCounts(const Topology& topology, uint32_t worlds = 0)
       : vertices(topology.vertex_count),
         edges(topology.edges.size()),
         triangles(topology.triangles.size()),
         loose_edges(topology.loose_edges),
         loose_points(topology.loose_points),
-        triangle_offset(topology.triangle_offset) {}
+        triangle_offset(topology.triangle_offset),
+        worlds(worlds) {
+    for (uint64_t* count : {&vertices, &edges, &triangles, &loose_edges, &loose_points}) *count *= max(worlds, 1u);
+  }
 
+  WorldShape world_shape() const {
+    const uint32_t count = max(worlds, 1u);
+    return {count, static_cast<uint32_t>(vertices / count), static_cast<uint32_t>(edges / count),
+            static_cast<uint32_t>(triangles / count)};
+  }
   bool has_loose_elements() const { return loose_edges + loose_points > 0; }
   /// How many first features the contacts of each kind may have.
   PerKind<uint64_t> first_features() const {

@@ -119,7 +119,7 @@ struct Add {
 };
 struct Check {
   bool is_clean() const { return true; }
-  COLLIDED_HD void operator()(uint64_t, uint64_t&) const {}
+  COLLIDED_HD void operator()(uint64_t, uint64_t*) const {}
 };
 struct Write {
   bool has_data() const { return false; }
@@ -251,9 +251,10 @@ concept StagingRoom = requires(S& staging, uint64_t n, const std::vector<Source>
   /// The same for a table that stays as it is meanwhile; after the sources.
   { staging.bring(table) } -> std::same_as<const uint64_t*>;
   /// check(i, first_bad) for i in [0, n), on the backend, after the sources; it may be left out if check.is_clean().
-  { staging.check(n, check) } -> std::same_as<void>;
-  /// What the check found, of the lowest number, or kNoBadPlace. Waits for it, and so for all that was brought.
-  { staging.first_bad() } -> std::same_as<uint64_t>;
+  /// `first_bad` are n verdicts, each kNoBadPlace at first.
+  { staging.check(n, n, check) } -> std::same_as<void>;
+  /// The verdicts. Waits for the check, and so for all that was brought.
+  { staging.first_bad() } -> std::same_as<std::span<const uint64_t>>;
   /// A value of what was brought. Waits.
   { staging.read(place) } -> std::same_as<uint64_t>;
 };

@@ -10,10 +10,17 @@
 // - What a walk has still to do can be divided: the nodes below a node, and those from its rope on.
 // - Triangles much larger than most have the last places: as leaves among the others they would blow up all nodes
 //   above them, and one walk would have to meet all their partners. There, their partners meet them.
+// - Each world of a set has a hierarchy of its own, a part of the same arrays: the world comes first in a leaf's key,
+// no
+//   node is made above a world's, and a rope that would leave a world ends the walk. So worlds that lie over each other
+//   in space cost nothing.
+
+#include <bit>
 
 #include "gpu/base/extent.hpp"
 #include "gpu/base/lattice.hpp"
 #include "gpu/base/mesh_filter.hpp"
+#include "gpu/base/worlds.hpp"
 #include "gpu/exec/atomic.hpp"
 
 namespace collided {
@@ -56,12 +63,16 @@ struct MortonKeys {
   int bits() const { return 3 * axis_bits + 1; }
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    const Box<float> box = boxes[i];
-    const Coords c = shifted(grid_over(*bounds, 0, 0).deepest_cell(centre(box)), kDeepest - axis_bits);
-    const uint64_t large = mean.is_exceeded(box, kMuchLarger) ? 1 : 0;
-    keys[i] = large << (3 * axis_bits) | long_morton(c);
+    keys[i] = key_of(boxes[i], *bounds, mean, axis_bits);
     triangles[i] = static_cast<uint32_t>(i);
     meeting[i] = kNoNode;
+  }
+
+  COLLIDED_HD static uint64_t key_of(const Box<float>& box, const Box<float>& bounds, const MeanExtent& mean,
+                                     int axis_bits) {
+    const Coords c = shifted(grid_over(bounds, 0, 0).deepest_cell(centre(box)), kDeepest - axis_bits);
+    const uint64_t large = mean.is_exceeded(box, kMuchLarger) ? 1 : 0;
+    return large << (3 * axis_bits) | long_morton(c);
   }
 
  private:
@@ -75,10 +86,45 @@ struct MortonKeys {
   }
 };
 
+/// The same for a set of worlds: the world comes first.
+struct WorldMortonKeys {
+  const Box<float>* bounds;  ///< of each world
+  const uint64_t* extents;   ///< likewise; their sum
+  SteppedWorlds stepped;
+  Span<const Box<float>> boxes;
+  Span<uint64_t> keys;
+  Span<uint32_t> triangles, meeting;
+  int axis_bits;
+
+  /// Where a world is small, cells as fine as a large scene's tell no more, and the sort has fewer rounds.
+  static constexpr int axis_bits_for(uint64_t triangles_of_world) {
+    return triangles_of_world <= (1u << 12) ? 9 : MortonKeys::axis_bits_for(triangles_of_world);
+  }
+  static int bits(int axis_bits, uint32_t worlds) { return 3 * axis_bits + 1 + std::bit_width(worlds - 1); }
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const uint32_t world = static_cast<uint32_t>(i) / stepped.triangles;
+    const uint64_t in_world = stepped.has(i)
+                                  ? MortonKeys::key_of(boxes[i], bounds[world],
+                                                       {bounds + world, extents + world, stepped.triangles}, axis_bits)
+                                  : 0;
+    keys[i] = uint64_t{world} << (3 * axis_bits + 1) | in_world;
+    triangles[i] = static_cast<uint32_t>(i);
+    meeting[i] = kNoNode;
+  }
+};
+
 /// Where the hierarchy splits, by the sorted keys alone. Equal keys are told apart by their places.
 struct BvhSplits {
   Span<const uint64_t> keys;
   uint32_t leaves;
+  uint32_t of_world = 0;  ///< leaves of each world, which has a hierarchy of its own; 0: there is one
+
+  COLLIDED_HD uint32_t leaves_of_root() const { return of_world == 0 ? leaves : of_world; }
+  /// Whether no leaf of the same hierarchy comes after this one.
+  COLLIDED_HD bool is_last(uint32_t leaf) const {
+    return of_world == 0 ? leaf + 1 == leaves : (leaf + 1) % of_world == 0;
+  }
 
   /// Whether leaves a and a + 1 are closer to each other than b and b + 1; never equally close if the leaves between
   /// them are a node's.
@@ -91,7 +137,7 @@ struct BvhSplits {
     return first == 0 || (last + 1 < leaves && is_closer(last, first - 1));
   }
   /// Of a node that ends with leaf `last`.
-  COLLIDED_HD uint32_t rope(uint32_t last) const { return last + 1 < leaves ? 2 * last + 1 : kNoNode; }
+  COLLIDED_HD uint32_t rope(uint32_t last) const { return is_last(last) ? kNoNode : 2 * last + 1; }
 };
 
 /// Goes up from each leaf. Of the two that meet at a split the first leaves; the second knows the whole node.
@@ -105,7 +151,7 @@ struct BuildHierarchy {
   COLLIDED_HD void operator()(uint64_t i) const {
     uint32_t first = static_cast<uint32_t>(i), last = first, child = BvhNode::kLeaf | triangles[i];
     Box<float> box = boxes[triangles[i]];
-    while (last - first + 1 < splits.leaves) {
+    while (last - first + 1 < splits.leaves_of_root()) {
       const bool left = splits.is_left(first, last);
       const uint32_t split = left ? last : first - 1, node = 2 * split + (left ? 0 : 1);
       nodes[node] = {box.lo, child, box.hi, splits.rope(last)};
@@ -123,7 +169,8 @@ struct BvhPairs {
   Span<const BvhNode> nodes;
   uint32_t leaves;
   PairFilter filter;
-  uint64_t* tests;  ///< boxes met; null: counted by another search
+  uint64_t* tests;        ///< boxes met; null: counted by another search
+  uint32_t of_world = 0;  ///< as in BvhSplits
 
   /// One leaf on its way, or a part of that way.
   struct Walk {
@@ -136,7 +183,7 @@ struct BvhPairs {
   };
   COLLIDED_HD Walk walk(uint64_t i) const {
     const uint32_t leaf = static_cast<uint32_t>(i);
-    if (leaf + 1 == leaves) return {};
+    if (BvhSplits{{}, leaves, of_world}.is_last(leaf)) return {};
     return resume({nodes[2 * leaf].is_leaf() ? 2 * leaf : 2 * leaf - 1, 2 * leaf + 1});
   }
   /// Meets the next node; whether that is a partner, which `found` then names.

@@ -13,6 +13,7 @@
 // multiplied by at most two components: with components below 2^8 all of it together stays below kTiny. Larger ones,
 // which a scene near 1 does not have, are not decided.
 
+#include "gpu/base/box.hpp"
 #include "gpu/base/precision.hpp"
 #include "gpu/contacts/contact.hpp"
 #include "gpu/narrow/cubic.hpp"
@@ -61,10 +62,21 @@ COLLIDED_HD inline FilterScale filter_scale(float extent, double thickness) {
   return {scale, scaled_thickness<float>(thickness, static_cast<double>(scale))};
 }
 
+COLLIDED_HD inline FilterScale filter_within(const Box<float>& bounds, double thickness) {
+  const Vec3<float> extent = bounds.hi - bounds.lo;
+  return filter_scale(max(extent.x, max(extent.y, extent.z)), thickness);
+}
+
 /// Keeps the candidates that may be coplanar at some time.
 template <class Real>
 struct MaybeCoplanar {
   const FilterScale* filter;
+  uint32_t of_world = 0;  ///< triangles of each world, which has a filter of its own; 0: there is one
+
+  /// For candidates of the world that the triangle is in.
+  COLLIDED_HD MaybeCoplanar at(uint32_t triangle) const {
+    return of_world == 0 ? *this : MaybeCoplanar{filter + triangle / of_world};
+  }
 
   template <class Kind>
   COLLIDED_HD bool operator()(const Kind& kind, const FeaturePoints<Real>& points) const {

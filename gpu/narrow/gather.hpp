@@ -1,6 +1,7 @@
 #pragma once
 // Contacts and their vertices brought together.
 
+#include "gpu/base/worlds.hpp"
 #include "gpu/contacts/contact.hpp"
 
 namespace collided {
@@ -40,7 +41,7 @@ struct GatherPoints {
 template <class Real>
 struct GatherCorners {
   const Vec3<Real>* positions;
-  Span<const Vec3<uint32_t>> triangles;
+  WorldTable<Vec3<uint32_t>> triangles;
   Span<const uint64_t> pairs;
   Span<Vec3<Real>> points;
 

@@ -92,7 +92,7 @@ COLLIDED_HD bool certainly_meet(const TriangleDifferences<Work>& pair) {
 template <class Work, class Real>
 struct TestTriangles {
   const Vec3<Real>* positions;
-  Span<const Vec3<uint32_t>> triangles;
+  WorldTable<Vec3<uint32_t>> triangles;
   Span<const uint64_t> pairs;  ///< first triangle in the upper half
   ContactSink<Real> contacts;
 

@@ -10,6 +10,7 @@ namespace collided {
 namespace {
 
 std::string name_of(size_t update) { return "updates[" + text(update) + "]"; }
+const MeshSpec& mesh_of(const SceneSpec& spec, uint32_t mesh) { return spec.meshes[mesh % spec.meshes.size()]; }
 
 /// `of`: the vertices, in words.
 void check_bytes(const std::string& field, std::span<const std::byte> bytes, uint64_t vertices, const SceneSpec& spec,
@@ -51,8 +52,8 @@ void check_pose(const std::string& field, std::span<const std::byte> bytes) {
 }
 
 void check_transforms(const SceneSpec& spec, const MeshPositions& update, const std::string& field) {
-  const std::string of = "; mesh " + text(update.mesh) + " is not rigid";
-  const bool is_rigid = spec.meshes[update.mesh].motion == MeshMotion::kRigid;
+  const std::string of = "; " + name_of_mesh(spec, update.mesh) + " is not rigid";
+  const bool is_rigid = mesh_of(spec, update.mesh).motion == MeshMotion::kRigid;
   if (!is_rigid && !update.transform.empty())
     throw InvalidInput(field + ".transform", field + ".transform is given" + of);
   if (!is_rigid && !update.start_transform.empty())
@@ -82,11 +83,21 @@ uint64_t checked_count(const MeshSpec& mesh, const MeshPositions& update, const 
   return count;
 }
 
+/// Whether it fits for sure: as most updates, which then cost no words.
+bool fits_plainly(const SceneSpec& spec, const MeshPositions& update) {
+  if (update.mesh >= spec.meshes.size() * count_worlds(spec)) return false;
+  const MeshSpec& mesh = mesh_of(spec, update.mesh);
+  const uint64_t bytes = mesh.vertex_count * position_bytes(spec);
+  return mesh.motion == MeshMotion::kDeformable && bytes > 0 && update.end.size() == bytes && !update.is_sparse &&
+         update.indices.empty() && update.transform.empty() && update.start_transform.empty() &&
+         (update.start.empty() || (spec.mode != Mode::kDcd && update.start.size() == bytes));
+}
+
 void check_update(const SceneSpec& spec, const MeshPositions& update, const std::string& field) {
-  if (update.mesh >= spec.meshes.size())
+  if (update.mesh >= spec.meshes.size() * count_worlds(spec))
     throw InvalidInput(field + ".mesh", field + ".mesh is " + text(update.mesh) + ", the scene has " +
-                                            text(spec.meshes.size()) + " meshes");
-  const MeshSpec& mesh = spec.meshes[update.mesh];
+                                            text(spec.meshes.size() * count_worlds(spec)) + " meshes");
+  const MeshSpec& mesh = mesh_of(spec, update.mesh);
   if (mesh.vertex_count == 0)
     throw InvalidInput(field + ".mesh", field + ".mesh is " + text(update.mesh) + ", which was removed");
   check_transforms(spec, update, field);
@@ -95,7 +106,7 @@ void check_update(const SceneSpec& spec, const MeshPositions& update, const std:
                        field + ".indices are given, but mesh " + text(update.mesh) + " is rigid and moves as a whole");
   if (mesh.motion == MeshMotion::kRigid && update.end.empty() && update.start.empty()) return;
   const uint64_t count = checked_count(mesh, update, field);
-  const std::string of = update.is_sparse ? " that indices names" : " of mesh " + text(update.mesh);
+  const std::string of = update.is_sparse ? " that indices names" : " of " + name_of_mesh(spec, update.mesh);
   check_bytes(field + ".end", update.end, count, spec, of);
   if (update.start.empty()) return;
   if (spec.mode == Mode::kDcd) throw InvalidInput(field + ".start", field + ".start is given, but the scene is DCD");
@@ -110,13 +121,18 @@ void check_update(const SceneSpec& spec, const MeshPositions& update, const std:
 
 }  // namespace
 
+std::string name_of_mesh(const SceneSpec& spec, uint32_t mesh) {
+  if (spec.worlds == 0) return "mesh " + text(mesh);
+  return "world " + text(mesh / spec.meshes.size()) + ", mesh " + text(mesh % spec.meshes.size());
+}
+
 void check_updates(const SceneSpec& spec, const std::vector<MeshPositions>& updates) {
-  std::vector<bool> named(spec.meshes.size(), false);
+  std::vector<bool> named(spec.meshes.size() * count_worlds(spec), false);
   for (size_t i = 0; i < updates.size(); ++i) {
-    const std::string field = name_of(i);
-    check_update(spec, updates[i], field);
+    if (!fits_plainly(spec, updates[i])) check_update(spec, updates[i], name_of(i));
     if (named[updates[i].mesh])
-      throw InvalidInput(field + ".mesh", field + ".mesh " + text(updates[i].mesh) + " comes twice in the frame");
+      throw InvalidInput(name_of(i) + ".mesh",
+                         name_of(i) + ".mesh " + text(updates[i].mesh) + " comes twice in the frame");
     named[updates[i].mesh] = true;
   }
 }
@@ -172,13 +188,13 @@ void check_turn(const SceneSpec& spec, const std::vector<SentMesh>& meshes, cons
 
 void refuse_index(const UpdatePlace& place, uint32_t index, uint32_t vertex_count) {
   const std::string field = name_of(place.update) + ".indices";
-  throw InvalidInput(field, field + ": entry " + text(place.position) + " is " + text(index) + "; entries for mesh " +
-                                text(place.mesh) + " must be above the one before and below " + text(vertex_count));
+  throw InvalidInput(field, field + ": entry " + text(place.position) + " is " + text(index) + "; entries for " +
+                                place.mesh + " must be above the one before and below " + text(vertex_count));
 }
 
 void refuse_coordinate(const UpdatePlace& place, bool is_end, const BadCoordinate& bad) {
   const std::string field = name_of(place.update) + (is_end ? ".end" : ".start");
-  throw InvalidInput(field, field + ": mesh " + text(place.mesh) + ", vertex " + text(bad.vertex) + ", coordinate " +
+  throw InvalidInput(field, field + ": " + place.mesh + ", vertex " + text(bad.vertex) + ", coordinate " +
                                 "xyz"[bad.coordinate] + " is " + text(bad.value) + "; it must be finite and at most " +
                                 text(bad.limit) + " in magnitude");
 }

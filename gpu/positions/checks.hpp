@@ -37,9 +37,11 @@ std::vector<RigidMove> moves_of(const std::vector<MeshPositions>& updates);
 /// A position: the update's number in the frame, its mesh, and the number in the update.
 struct UpdatePlace {
   size_t update;
-  uint32_t mesh;
+  std::string mesh;  ///< its name (name_of_mesh)
   uint64_t position;
 };
+/// "mesh 1"; of a set of worlds "world 3, mesh 1".
+std::string name_of_mesh(const SceneSpec& spec, uint32_t mesh);
 
 /// Throws InvalidInput for an index that does not ascend or is not below the mesh's number of vertices.
 [[noreturn]] void refuse_index(const UpdatePlace& place, uint32_t index, uint32_t vertex_count);

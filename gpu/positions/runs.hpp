@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gpu/base/vec3.hpp"
+#include "gpu/base/worlds.hpp"
 #include "gpu/exec/atomic.hpp"
 #include "gpu/positions/quantized.hpp"
 
@@ -18,6 +18,7 @@ struct PositionRun {
   const uint32_t* indices;  ///< in the mesh; null: all vertices in order
   const std::byte* start;   ///< in the format that they came in; null: not given
   const std::byte* end;
+  uint32_t world;  ///< 0 of a scene that is one
 };
 
 /// Those of a frame. At least one run if there are any positions.
@@ -77,14 +78,15 @@ inline bool are_ascending(const uint32_t* indices, uint64_t count, uint32_t limi
   return bad == 0 && (count == 0 || indices[count - 1] < limit);
 }
 
-/// Finds the first position that cannot be taken.
+/// Finds the first position of each world that cannot be taken.
 template <class Real>
 struct CheckPositions {
   PositionRuns<Real> positions;
   Real limit;
 
-  COLLIDED_HD void operator()(uint64_t i, uint64_t& first_bad) const {
+  COLLIDED_HD void operator()(uint64_t i, uint64_t* first_bad_of_worlds) const {
     const PositionRun& run = positions.runs[positions.run_of(i)];
+    uint64_t& first_bad = first_bad_of_worlds[run.world];
     const uint64_t k = i - run.first;
     if (run.indices != nullptr && !is_index_good(run, k))
       atomic_min(first_bad, BadPosition{i, BadPosition::kIndex, 0}.packed());
@@ -126,15 +128,19 @@ struct PlacePositions {
   PositionRuns<Real> positions;
   Vec3<Real>* start;  ///< null: not wanted
   Vec3<Real>* end;
-  bool start_is_end;  ///< where no start is given; else the scene's stays
+  bool start_is_end;     ///< where no start is given; else the scene's stays
+  const uint8_t* frame;  ///< what it does with each world (kStepsWorld); null: the scene is one
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const PositionRun& run = positions.runs[positions.run_of(i)];
+    const uint8_t does = frame != nullptr ? frame[run.world] : kStepsWorld;
+    if ((does & kStepsWorld) == 0) return;
     const uint64_t k = i - run.first;
     const uint64_t vertex = run.first_vertex + (run.indices != nullptr ? run.indices[k] : k);
     const Vec3<Real> now = positions.at(run.end, k);
     end[vertex] = now;
-    if (start != nullptr && (run.start != nullptr || start_is_end))
+    const bool follows_end = start_is_end || (does & kIsFirstOfWorld) != 0;
+    if (start != nullptr && (run.start != nullptr || follows_end))
       start[vertex] = run.start != nullptr ? positions.at(run.start, k) : now;
   }
 };

@@ -11,13 +11,20 @@
 #include "gpu/positions/checks.hpp"
 #include "gpu/positions/format.hpp"
 #include "gpu/positions/runs.hpp"
+#include "gpu/positions/world_frames.hpp"
 
 namespace collided {
 
 /// What a slot has to know of its scene, which it may outlive.
 struct SceneShape {
-  SceneSpec spec;  ///< meshes without their triangles
-  std::vector<uint32_t> vertex_offset;
+  SceneSpec spec;                       ///< meshes without their triangles
+  std::vector<uint32_t> vertex_offset;  ///< of each mesh of each world; one more entry at the end
+
+  /// Of each world's: world w has mesh m as number w * meshes_of_world() + m.
+  uint32_t meshes_of_world() const { return static_cast<uint32_t>(spec.meshes.size()); }
+  uint32_t meshes() const { return meshes_of_world() * count_worlds(spec); }
+  const MeshSpec& mesh(uint32_t number) const { return spec.meshes[number % meshes_of_world()]; }
+  uint32_t world_of(uint32_t mesh) const { return mesh / meshes_of_world(); }
 };
 
 template <Executor Exec, class Real>
@@ -35,7 +42,7 @@ class SceneSlot final : public FrameSlot {
     is_sent_ = false;
     check_updates(shape_->spec, updates);
     bring(updates);
-    staging_.check(positions_.count,
+    staging_.check(positions_.count, count_worlds(shape_->spec),
                    CheckPositions<Real>{positions_, static_cast<Real>(coordinate_limit(shape_->spec.scalar))});
     is_sent_ = true;
   }
@@ -59,12 +66,22 @@ class SceneSlot final : public FrameSlot {
   void arrive(const FirstMeshes& first) {
     if (!is_sent_) throw InvalidInput("slot", "slot brings no positions, they have to be sent first");
     check_turn(shape_->spec, meshes_, first);
-    if (const uint64_t bad = staging_.first_bad(); bad != kNoBadPlace) refuse(BadPosition::of(bad));
+    if (const uint64_t bad = staging_.first_bad()[0]; bad != kNoBadPlace) refuse(BadPosition::of(bad));
+  }
+  /// The same of a set, whose worlds are refused one by one.
+  WorldFrames arrive_by_world(const FirstMeshes& first) {
+    if (!is_sent_) throw InvalidInput("slot", "slot brings no positions, they have to be sent first");
+    WorldFrames frames(shape_->spec, meshes_, first);
+    const std::span<const uint64_t> bad = staging_.first_bad();
+    for (uint32_t world = 0; world < bad.size(); ++world)
+      if (bad[world] != kNoBadPlace) frames.unless_refused(world, [&] { refuse(BadPosition::of(bad[world])); });
+    return frames;
   }
 
-  /// Puts in line that they go where they belong; `start` may be null.
-  void place(Exec& exec, Vec3<Real>* start, Vec3<Real>* end, bool start_is_end) {
-    exec.for_each("place_positions", positions_.count, PlacePositions<Real>{positions_, start, end, start_is_end});
+  /// Puts in line that they go where they belong; `start` may be null. `frame`: as PlacePositions has it.
+  void place(Exec& exec, Vec3<Real>* start, Vec3<Real>* end, bool start_is_end, const uint8_t* frame) {
+    exec.for_each("place_positions", positions_.count,
+                  PlacePositions<Real>{positions_, start, end, start_is_end, frame});
     exec.done_with(staging_);
   }
 
@@ -81,8 +98,9 @@ class SceneSlot final : public FrameSlot {
     for (size_t i = 0; i < updates.size(); ++i) {
       const MeshPositions& update = updates[i];
       meshes_.push_back({update.mesh, update.is_sparse, !update.end.empty(), !update.transform.empty()});
-      runs_.push_back({count, shape_->vertex_offset[update.mesh], shape_->spec.meshes[update.mesh].vertex_count,
-                       reinterpret_cast<const uint32_t*>(places[3 * i]), places[3 * i + 1], places[3 * i + 2]});
+      runs_.push_back({count, shape_->vertex_offset[update.mesh], shape_->mesh(update.mesh).vertex_count,
+                       reinterpret_cast<const uint32_t*>(places[3 * i]), places[3 * i + 1], places[3 * i + 2],
+                       shape_->world_of(update.mesh)});
       count += update.end.size() / position_bytes(shape_->spec);
     }
     positions_ = {{staging_.bring(runs_), runs_.size()}, count, quantization_};
@@ -94,7 +112,7 @@ class SceneSlot final : public FrameSlot {
     const PositionRun& run = runs_[update];
     const uint64_t k = bad.position - run.first;
     const uint32_t index = run.indices != nullptr ? staging_.read(run.indices + k) : static_cast<uint32_t>(k);
-    const UpdatePlace place{update, meshes_[update].mesh, k};
+    const UpdatePlace place{update, name_of_mesh(shape_->spec, meshes_[update].mesh), k};
     if (bad.what == BadPosition::kIndex) refuse_index(place, index, run.vertex_count);
     const bool is_end = bad.what == BadPosition::kEnd;
     const Vec3<Real> p = staging_.read(reinterpret_cast<const Vec3<Real>*>(is_end ? run.end : run.start) + k);

@@ -14,7 +14,8 @@ template <Backend backend, class Real>
 class SceneDryRun {
  public:
   SceneDryRun(const SceneSpec& spec, uint64_t vertices, uint64_t triangles) : spec_(spec) {
-    counts_.vertices = vertices, counts_.triangles = triangles;
+    counts_.worlds = spec.worlds;
+    counts_.vertices = vertices * count_worlds(spec), counts_.triangles = triangles * count_worlds(spec);
     counts_.triangle_offset.resize(spec.meshes.size() + 1);  // which triangles are a mesh's makes no difference
     reserve_tables();
     reserve_positions();
@@ -41,15 +42,18 @@ class SceneDryRun {
   /// As SceneDetector does. How many edges there are is not known.
   void reserve_tables() {
     ResidentTopology<DryRun<backend>>& tables = scene_.topology;
-    tables.triangles.allocate(counts_.triangles);
+    tables.shape = counts_.world_shape();
+    const uint64_t of_world = counts_.triangles / count_worlds(spec_);
+    tables.triangles.allocate(of_world);
     tables.owned.allocate(counts_.triangles);
-    if (spec_.kinds.edge_edge) tables.triangle_edges.allocate(counts_.triangles);
+    if (spec_.kinds.edge_edge) tables.triangle_edges.allocate(of_world);
     if (needs_pair_filter(spec_)) {
-      tables.mesh_of_triangle.allocate(counts_.triangles);
+      tables.mesh_of_triangle.allocate(of_world);
       tables.rules.allocate(spec_.meshes.size());
       tables.excluded_meshes.allocate(excluded_mesh_slots(spec_).size());
     }
     scene_.reserve_boxes(counts_.triangles);
+    if (spec_.worlds > 0) scene_.worlds.reserve(spec_.worlds);
   }
   /// As ResidentPositions does for a frame with the positions at t = 1.
   void reserve_positions() {

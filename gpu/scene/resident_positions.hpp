@@ -37,7 +37,7 @@ class ResidentPositions {
         shape_(shape),
         scene_(scene),
         rigid_(exec, shape, scene),
-        state_{.first = FirstMeshes(shape.spec.meshes.size(), true)} {}
+        state_{.first = FirstMeshes(shape.meshes(), true)} {}
 
   const FirstMeshes& first() const { return state_.first; }
   bool has_frame() const { return state_.has_frame; }
@@ -70,11 +70,17 @@ class ResidentPositions {
     rigid_.edit(saved.rigid, buffers.rigid.rest, state_.first);
   }
 
+  /// Of a set of worlds: what the frame does with each.
+  void begin_worlds(const WorldFrames& frames) {
+    scene_.worlds.stepped = frames.count();
+    exec_.upload(scene_.worlds.frame.data(), frames.frame().data(), frames.frame().size());
+  }
+
   /// Memory for a frame. Not before the first, which brings all positions: a number of vertices alone holds none.
   void require(const Slot& slot, const FrameInput& frame) {
-    scene_.end.allocate(vertices());
-    if (has_paths()) scene_.start.allocate(vertices());
-    if (!has_paths() || slot.brings_starts() || frame.start_fraction) scene_.last_good.allocate(vertices());
+    require(scene_.end);
+    if (has_paths()) require(scene_.start);
+    if (!has_paths() || slot.brings_starts() || frame.start_fraction) require(scene_.last_good);
     if (frame.advance) scene_.target.allocate(vertices());
     rigid_.require();
   }
@@ -87,7 +93,7 @@ class ResidentPositions {
       begin_at_last_good(slot.brings_starts());
     state_.has_path = false;
     rigid_.begin(frame.start_fraction);
-    slot.place(exec_, scene_.start.data(), scene_.end.data(), !has_frame());
+    slot.place(exec_, scene_.start.data(), scene_.end.data(), !has_frame(), scene_.worlds.frame.data());
     if (frame.edit && has_paths()) begin_where_they_end(slot);
     rigid_.place(slot.moves(), is_ccd);
   }
@@ -105,13 +111,19 @@ class ResidentPositions {
   /// The frame counts from here on; its positions are what a later failure falls back to.
   void commit(Slot& slot) {
     if (!has_paths()) {
-      slot.place(exec_, nullptr, scene_.last_good.data(), false);
+      slot.place(exec_, nullptr, scene_.last_good.data(), false, scene_.worlds.frame.data());
       rigid_.place_ends(slot.moves(), scene_.last_good.data());
     }
     rigid_.commit();
-    state_.first.assign(state_.first.size(), false);
+    if (shape_.spec.worlds == 0) state_.first.assign(state_.first.size(), false);
     state_.has_frame = state_.has_path = true;
     state_.good = Good::kEnd;
+  }
+  /// The same where the worlds that it counts for are these.
+  void commit(Slot& slot, const WorldFrames& frames) {
+    commit(slot);
+    for (uint32_t mesh = 0; mesh < state_.first.size(); ++mesh)
+      if (frames.steps(shape_.world_of(mesh))) state_.first[mesh] = false;
   }
   /// The frame does not count, but the next one may begin on its way.
   void end_trial() { state_.has_path = state_.has_frame; }
@@ -158,13 +170,19 @@ class ResidentPositions {
     copy(scene_.end, scene_.start);
   }
 
+  /// A world that no frame has brought yet is nowhere, but not in memory of others.
+  void require(Positions& positions) {
+    const bool is_new = positions.capacity() == 0;
+    positions.allocate(vertices());
+    if (is_new && shape_.spec.worlds > 0) exec_.fill_zero(positions.data(), uint64_t{vertices()} * sizeof(Vec3<Real>));
+  }
   void copy(Positions& to, const Positions& from) {
     exec_.copy(to.data(), from.data(), uint64_t{vertices()} * sizeof(Vec3<Real>));
   }
   /// The vertices of one mesh, to where the scene has them.
   void copy_mesh(size_t mesh, Vec3<Real>* to, const Vec3<Real>* from) {
     exec_.copy(to + shape_.vertex_offset[mesh], from,
-               uint64_t{shape_.spec.meshes[mesh].vertex_count} * sizeof(Vec3<Real>));
+               uint64_t{shape_.mesh(static_cast<uint32_t>(mesh)).vertex_count} * sizeof(Vec3<Real>));
   }
   void blend_into(Positions& out, const Positions& from, const Positions& to, double fraction) {
     exec_.for_each("blend_positions", vertices(), BlendPositions<Real>{from.data(), to.data(), fraction, out.data()});

@@ -109,6 +109,40 @@ void check_edit(const FrameInput& frame) {
                        "slot is given with an edit, whose positions come in updates: it is of the scene before");
 }
 
+/// What is of the whole scene, and would be one world's alone.
+void check_frame_of_worlds(const FrameInput& frame, const FrameSettings& settings) {
+  const auto refuse = [](const char* field) {
+    throw InvalidInput(field,
+                       std::string(field) + " is given, but the scene is a set of worlds, whose frames have none");
+  };
+  if (settings.report != Report::kAll)
+    throw InvalidInput("report", "report is not ALL, which the frames of a set of worlds have");
+  if (frame.edit) refuse("edit");
+  if (frame.advance) refuse("advance");
+  if (frame.trial) refuse("trial");
+  if (frame.start_fraction) refuse("start_fraction");
+  if (!frame.room.memory.empty()) refuse("room");
+}
+
+void check_worlds(const SceneSpec& spec) {
+  if (spec.worlds > kMaxWorlds)
+    throw InvalidInput("worlds", "worlds is " + text(spec.worlds) + ", the limit is " + text(kMaxWorlds));
+  if (spec.engine != Engine::kAuto && spec.engine != Engine::kLbvh)
+    throw InvalidInput("engine", "engine is neither AUTO nor LBVH, which are those of a set of worlds");
+  if (spec.reuse == Reuse::kOn)
+    throw InvalidInput("reuse", "reuse is ON, but a set of worlds has no lists of neighbours");
+  check_frame_of_worlds({}, settings_of(spec, {}));
+}
+
+/// Of a mesh of a set of worlds.
+void check_mesh_of_worlds(const MeshSpec& mesh, const std::string& field) {
+  if (mesh.motion == MeshMotion::kRigid)
+    throw InvalidInput(field + ".motion", field + ".motion is RIGID, which no mesh of a set of worlds is");
+  if (mesh.excludes_rest_pairs)
+    throw InvalidInput(field + ".excludes_rest_pairs",
+                       field + ".excludes_rest_pairs is on, which no mesh of a set of worlds has");
+}
+
 void check_room(const ContactRoom& room) {
   const auto address = reinterpret_cast<uintptr_t>(room.memory.data());
   if (address % ContactRoom::kAlignment != 0)
@@ -128,6 +162,7 @@ void check_frame(const SceneSpec& spec, const FrameInput& frame) {
   if (frame.start_fraction) check_start_fraction(settings, *frame.start_fraction);
   if (frame.edit) check_edit(frame);
   check_room(frame.room);
+  if (spec.worlds > 0) check_frame_of_worlds(frame, settings);
 }
 
 void check_spec(const SceneSpec& spec) {
@@ -143,6 +178,7 @@ void check_spec(const SceneSpec& spec) {
   if (spec.mode == Mode::kBoth && spec.kinds.triangle_triangle)
     throw InvalidInput("triangle_triangle", "triangle_triangle is on, which needs a scene of DCD or of CCD alone");
   check_settings(spec, settings_of(spec, {}));
+  if (spec.worlds > 0) check_worlds(spec);
 }
 
 void check_exclusions(const SceneSpec& spec) {
@@ -155,6 +191,7 @@ void check_exclusions(const SceneSpec& spec) {
 }
 
 void check_mesh(const SceneSpec& spec, const MeshSpec& mesh, const std::string& field) {
+  if (spec.worlds > 0) check_mesh_of_worlds(mesh, field);
   if (mesh.excluded_rings > kMaxRings)
     throw InvalidInput(field + ".excluded_rings",
                        field + ".excluded_rings is " + text(mesh.excluded_rings) + ", the limit is " + text(kMaxRings));

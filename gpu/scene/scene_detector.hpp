@@ -13,6 +13,7 @@
 #include "gpu/scene/scene_model.hpp"
 #include "gpu/step/advance.hpp"
 #include "gpu/step/pipeline.hpp"
+#include "gpu/step/world_results.hpp"
 #include "gpu/tables/tables.hpp"
 
 namespace collided {
@@ -25,7 +26,7 @@ class SceneDetector final : public Detector {
       : exec_(args...),
         model_(exec_, std::move(spec), std::move(features)),
         positions_(exec_, model_.shape(), scene_),
-        pipeline_(exec_, spec_, model_.topology(), scene_),
+        pipeline_(exec_, spec_, model_.counts(), scene_),
         rest_pairs_(exec_, spec_, scene_, pipeline_) {}
 
   FrameResult detect(const FrameInput& frame) override {
@@ -124,14 +125,21 @@ class SceneDetector final : public Detector {
       model_.require_edges();
     const bool boxes_static = !positions_.are_boxes_good();
     Slot* slot = nullptr;
+    std::optional<WorldFrames> worlds;
     exec_.stage("upload", [&] {
       slot = &sent_slot(frame);
-      slot->arrive(positions_.first());
+      if (spec_.worlds > 0)
+        worlds = slot->arrive_by_world(positions_.first());
+      else
+        slot->arrive(positions_.first());
+      if (worlds) positions_.begin_worlds(*worlds);
+      if (worlds && worlds->count() == 0) return;
       positions_.check_start_fraction(frame.start_fraction);
       positions_.require(*slot, frame);
       positions_.place(*slot, frame, settings.is_ccd());
       check_straight(frame, settings);
     });
+    if (worlds) return detect_worlds(*worlds, *slot, settings, frame.bytes_beside_contact);
     RestCosts rest;
     if (begins_at_rest) rest = find_rest_pairs();
     FrameResult result = pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact, frame.room);
@@ -145,6 +153,21 @@ class SceneDetector final : public Detector {
     exec_.asks().no_more();
     positions_.commit(*slot);
     rest_pairs_.settle();
+    return result;
+  }
+
+  /// The rest of a set's frame, for the worlds that take part in it.
+  FrameResult detect_worlds(const WorldFrames& worlds, Slot& slot, const FrameSettings& settings,
+                            uint64_t bytes_beside_contact) {
+    FrameResult result;
+    if (worlds.count() > 0) {
+      result = pipeline_.detect_contacts(true, settings, bytes_beside_contact);
+      exec_.asks().ask();
+      exec_.asks().no_more();
+      positions_.commit(slot, worlds);
+    }
+    result.worlds = divide_by_world(scene_.topology.shape, result);
+    result.worlds.refused = worlds.refused();
     return result;
   }
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "gpu/contacts/scene_counts.hpp"
 #include "gpu/positions/slot.hpp"
 #include "gpu/step/buffers.hpp"
 #include "gpu/tables/exclusions.hpp"
@@ -22,7 +23,9 @@ class SceneModel {
   SceneModel(const SceneModel&) = delete;
   SceneModel& operator=(const SceneModel&) = delete;
 
+  /// Of one world.
   const Topology& topology() const { return topology_; }
+  SceneCounts counts() const { return SceneCounts(topology_, shape_.spec.worlds); }
   /// It and its spec stay where they are, whatever edits make of them.
   const SceneShape& shape() const { return shape_; }
   const SceneSpec& spec() const { return shape_.spec; }
@@ -57,7 +60,7 @@ class SceneModel {
     take(std::move(spec));
     ResidentTopology<Exec>& resident = buffers_.topology;
     send(resident.triangles, topology_.triangles);
-    send(resident.owned, features.owned);
+    send_to_all_worlds(resident.owned, features.owned);
     if (this->spec().kinds.edge_edge) send(resident.triangle_edges, features.triangle_edges);
     if (this->spec().kinds.edge_edge && this->spec().accuracy != Accuracy::kCandidates) require_edges();
     send_rules(features.rings);
@@ -76,9 +79,13 @@ class SceneModel {
  private:
   void take(SceneSpec spec) {
     for (MeshSpec& mesh : spec.meshes) mesh.triangles = {}, mesh.edges = {}, mesh.points = {};  // the tables hold them
-    shape_ = {std::move(spec), topology_.vertex_offset};
+    std::vector<uint32_t> vertex_offset = vertex_offsets(topology_, count_worlds(spec));
+    shape_ = {std::move(spec), std::move(vertex_offset)};
     slot_shape_ = std::make_shared<const SceneShape>(shape_);
-    buffers_.reserve_boxes(topology_.triangles.size());
+    const SceneCounts counts = this->counts();
+    buffers_.topology.shape = counts.world_shape();
+    buffers_.reserve_boxes(counts.triangles);
+    if (counts.worlds > 0) buffers_.worlds.reserve(counts.worlds);
   }
   /// Which pairs are left out.
   void send_rules(const RingTables& rings) {
@@ -90,6 +97,22 @@ class SceneModel {
     }
     send(resident.ring_begin, rings.begin);
     send(resident.ring_vertices, rings.vertices);
+  }
+  static std::vector<uint32_t> vertex_offsets(const Topology& topology, uint32_t worlds) {
+    std::vector<uint32_t> offsets = {0};
+    offsets.reserve(uint64_t{worlds} * (topology.vertex_offset.size() - 1) + 1);
+    for (uint32_t world = 0; world < worlds; ++world)
+      for (size_t mesh = 1; mesh < topology.vertex_offset.size(); ++mesh)
+        offsets.push_back(world * topology.vertex_count + topology.vertex_offset[mesh]);
+    return offsets;
+  }
+  /// One copy after the other.
+  template <class T>
+  void send_to_all_worlds(Buffer<T, Exec>& to, const std::vector<T>& from) {
+    to.allocate(from.size() * count_worlds(spec()));
+    exec_.upload(to.data(), from.data(), from.size() * sizeof(T));
+    for (uint64_t done = from.size(); done < to.capacity(); done *= 2)
+      exec_.copy(to.data() + done, to.data(), min(done, to.capacity() - done) * sizeof(T));
   }
   template <class T, class U>
   void send(Buffer<T, Exec>& to, const std::vector<U>& from) {

@@ -6,6 +6,7 @@
 
 #include "gpu/base/deviations.hpp"
 #include "gpu/base/lattice.hpp"
+#include "gpu/base/worlds.hpp"
 #include "gpu/exec/counted.hpp"
 
 namespace collided {
@@ -62,14 +63,15 @@ struct BoxTriangles {
 
   Motion<Real> motion;
   Deviations deviations;
-  Span<const Triangle> triangles;
-  Span<const Triangle> edges;  ///< empty: the scene needs none
+  WorldTable<Triangle> triangles;
+  WorldTable<Triangle> edges;  ///< empty: the scene needs none
   Span<const uint8_t> owned;   ///< bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0
   uint64_t first, count;       ///< of the triangles to box
   Span<Box<float>> boxes;
   Span<TriangleRecord<Real>> records;
   Span<Real> inflations;  ///< empty: that of `motion` is each triangle's
   Real margin = 0;        ///< added to all inflations
+  SteppedWorlds stepped = {};
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Shared& shared) const {
     const uint64_t begin = first + i * kGroupSize;
@@ -78,7 +80,8 @@ struct BoxTriangles {
       const Triangle t = triangles[begin + k];
       const Real inflation = widened(deviations.inflation(motion.inflation, t.x), margin);
       const TriangleRecord<Real> made = shared.record[k] = record(t, begin + k, inflation);
-      boxes[begin + k] = outward_float(join(made.edge[0].box(), made.edge[1].box()));
+      const Box<float> box = outward_float(join(made.edge[0].box(), made.edge[1].box()));
+      boxes[begin + k] = stepped.has(begin + k) ? box : no_box();
       if (!inflations.empty()) inflations[begin + k] = inflation;
     }
     group.sync();

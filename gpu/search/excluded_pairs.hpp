@@ -11,12 +11,15 @@ namespace collided {
 
 /// For each vertex the others that at most k edges lead to, k being that of its mesh.
 struct VertexRings {
-  Span<const uint32_t> begin;     ///< of each vertex's; one more at the end; empty: no mesh has rings
+  Span<const uint32_t> begin;  ///< of each vertex's; one more at the end; empty: no mesh has rings
+  // Of a world, where there are several: both vertices are of the same one.
   Span<const uint32_t> vertices;  ///< ascending for each vertex
 
   COLLIDED_HD bool is_needed() const { return !begin.empty(); }
   /// Whether w is in the ring of v, and so v in that of w.
   COLLIDED_HD bool connect(uint32_t v, uint32_t w) const {
+    const uint32_t of_world = static_cast<uint32_t>(begin.size()) - 1, first_of_world = v / of_world * of_world;
+    v -= first_of_world, w -= first_of_world;
     uint32_t first = begin[v];
     const uint32_t end = begin[v + 1];
     for (uint32_t count = end - first; count > 0;) {

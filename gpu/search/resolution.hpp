@@ -22,9 +22,11 @@ struct CountSmall {
   const Box<float>* bounds;
   Span<const TriangleRecord<Real>> records;
   uint64_t* count;
+  SteppedWorlds stepped = {};
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const Real limit = 1024 * spacing_at<Real>(*bounds);
+    if (!stepped.has(i)) return;
     const TriangleRecord<Real>& t = records[i];
     if (t.corner[0].vertex_id() == t.corner[1].vertex_id()) return;
     if (is_short(t, 0, 1, limit) && is_short(t, 1, 2, limit) && is_short(t, 2, 0, limit)) claim_slot(*count);

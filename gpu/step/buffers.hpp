@@ -36,10 +36,19 @@ struct ResidentTopology {
         ring_vertices(exec, "rings"),
         rest_pairs(exec, "rest_pairs") {}
 
-  PairFilter filter() const { return {mesh_of_triangle.data(), rules.data(), {excluded_meshes.all()}}; }
+  PairFilter filter() const {
+    return {mesh_of_triangle.data(), rules.data(), {excluded_meshes.all()}, shape.is_one() ? 0 : shape.triangles};
+  }
   VertexRings rings() const { return {ring_begin.all(), ring_vertices.all()}; }
   ExcludedPairs excluded_pairs() const { return {rings(), {rest_pairs.all()}}; }
 
+  // Of all worlds.
+  uint64_t triangle_count() const { return uint64_t{shape.worlds} * shape.triangles; }
+  WorldTable<Triangle> corners() const { return {triangles.all(), shape.worlds, shape.vertices}; }
+  WorldTable<Triangle> sides() const { return {triangle_edges.all(), shape.worlds, shape.edges}; }
+  WorldTable<EdgePair> edge_ends() const { return {edges.all(), shape.worlds, shape.vertices}; }
+
+  WorldShape shape;  ///< the tables are of one world, but for `owned`, which searches read most
   Buffer<Triangle, Exec> triangles;
   Buffer<Triangle, Exec> triangle_edges;
   Buffer<EdgePair, Exec> edges;
@@ -167,6 +176,26 @@ struct RigidBuffers {
   Buffer<double, Exec> deviations;      ///< likewise (Deviations)
 };
 
+/// Of a set of worlds.
+template <Executor Exec>
+struct WorldBuffers {
+  explicit WorldBuffers(Exec& exec)
+      : frame(exec, "worlds"), bounds(exec, "worlds"), extents(exec, "worlds"), filters(exec, "worlds") {}
+
+  void reserve(uint32_t worlds) {
+    frame.allocate(worlds);
+    bounds.allocate(worlds);
+    extents.allocate(worlds);
+    filters.allocate(worlds);
+  }
+
+  Buffer<uint8_t, Exec> frame;        ///< what the frame does with each (kStepsWorld)
+  Buffer<Box<float>, Exec> bounds;    ///< of each one's triangles in the step
+  Buffer<uint64_t, Exec> extents;     ///< of the triangles, as in StepState
+  Buffer<FilterScale, Exec> filters;  ///< likewise
+  uint64_t stepped = 0;               ///< worlds in the frame
+};
+
 /// What stays from frame to frame: what the scene is made of, and where it is.
 template <Executor Exec, class Real>
 struct ResidentBuffers {
@@ -176,7 +205,10 @@ struct ResidentBuffers {
         end(exec, "positions"),
         last_good(exec, "last_good"),
         target(exec, "advance"),
-        rigid(exec) {}
+        rigid(exec),
+        worlds(exec) {}
+
+  SteppedWorlds stepped_worlds() const { return {worlds.frame.data(), topology.shape.triangles}; }
 
   ResidentTopology<Exec> topology;
   Buffer<Vec3<Real>, Exec> start;  ///< CCD only
@@ -184,6 +216,7 @@ struct ResidentBuffers {
   Buffer<Vec3<Real>, Exec> last_good;  ///< `end` of the last good frame: DCD, and CCD where a step begins elsewhere
   Buffer<Vec3<Real>, Exec> target;     ///< where the frame wants to go; frames that advance
   RigidBuffers<Exec, Real> rigid;
+  WorldBuffers<Exec> worlds;
 };
 
 /// What a step works with. It begins anew with each step, but for the boxes and records of static meshes.

@@ -32,8 +32,9 @@ class CandidatePhase {
   /// 6.-8. Pairs, the boxes of the wanted features, and the filter of the level.
   void search(const PerKind<bool>& wanted) {
     exec_.stage("pairs", [&] {
-      with_filter<Real>(needs(), needs().settings.reach(), scene_.state.data(),
-                        [&](const auto& keep) { search_for(keep, wanted); });
+      with_filter<Real>(
+          needs(), needs().settings.reach(), scene_.state.data(), [&](const auto& keep) { search_for(keep, wanted); },
+          filters_of_worlds());
     });
   }
   /// 6.-7. Pairs, and the widened boxes of their features, for the lists of neighbours.
@@ -53,7 +54,7 @@ class CandidatePhase {
     exec_.stage("pairs_tt", [&] {
       const AppendList<uint64_t> pairs{scene_.triangle_pairs.all(), &scene_.state.data()->triangle_pairs};
       find_pairs("find_triangle_pairs", kKind,
-                 TrianglePairSink{scene_.topology.triangles.all(),
+                 TrianglePairSink{scene_.topology.corners(),
                                   is_narrow ? pairs : all_contacts(),
                                   is_narrow ? 0 : ranks_.begin[index_of(kKind)],
                                   narrow_.early_exit(),
@@ -111,6 +112,10 @@ class CandidatePhase {
                                            {pairs_counter(first_kind()), nullptr, nullptr}}});
   }
 
+  FiltersOfWorlds filters_of_worlds() const {
+    return counts_.worlds == 0 ? FiltersOfWorlds{}
+                               : FiltersOfWorlds{scene_.worlds.filters.data(), counts_.world_shape().triangles};
+  }
   AppendList<uint64_t> all_contacts() const { return {scene_.contacts.keys.all(), &scene_.state.data()->contacts}; }
   /// Of a search that is for this kind first: the step's first search counts the pairs.
   uint64_t* pairs_counter(ContactKind first) const {

@@ -5,6 +5,7 @@
 #include "gpu/search/boxes.hpp"
 #include "gpu/search/searcher.hpp"
 #include "gpu/step/buffers.hpp"
+#include "gpu/step/measure_worlds.hpp"
 
 namespace collided {
 
@@ -25,21 +26,13 @@ class LbvhPhase {
     exec_.reduce_into("bounds", leaves(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
     exec_.reduce_into("extents", leaves(), ExtentOf{&state->bounds, boxes()}, uint64_t{0}, AddExtents{},
                       &state->extents, PrepareNarrow{state, thickness_, scene_.deviations(is_ccd_)});
+    if (has_worlds()) measure_worlds();
   }
 
   /// The leaves in order.
   void sort() {
-    const StepState* state = scene_.state.data();
     BvhBuffers<Exec>& bvh = scene_.bvh;
-    const MortonKeys keys{&state->bounds,
-                          {&state->bounds, &state->extents, leaves()},
-                          boxes(),
-                          bvh.keys[0].span(leaves()),
-                          bvh.triangles[0].span(leaves()),
-                          bvh.meeting.all(),
-                          MortonKeys::axis_bits_for(leaves())};
-    exec_.for_each("morton_keys", leaves(), keys);
-    sorted_ = exec_.sort_pairs("sort_leaves", keys.bits(),
+    sorted_ = exec_.sort_pairs("sort_leaves", has_worlds() ? key_worlds() : key_all(),
                                {bvh.keys[0].span(leaves()), bvh.keys[1].span(leaves()), bvh.triangles[0].span(leaves()),
                                 bvh.triangles[1].span(leaves())});
   }
@@ -47,7 +40,7 @@ class LbvhPhase {
   void build() {
     BvhBuffers<Exec>& bvh = scene_.bvh;
     exec_.for_each("build_hierarchy", leaves(),
-                   BuildHierarchy{{bvh.keys[sorted_].all(), static_cast<uint32_t>(leaves())},
+                   BuildHierarchy{{bvh.keys[sorted_].all(), static_cast<uint32_t>(leaves()), leaves_of_world()},
                                   bvh.triangles[sorted_].all(),
                                   boxes(),
                                   bvh.meeting.all(),
@@ -59,19 +52,52 @@ class LbvhPhase {
   void search(const char* name, const Sink& sink, uint64_t* next_item, bool counts_tests) {
     StepState* state = scene_.state.data();
     const BvhPairs source{scene_.bvh.nodes.all(), static_cast<uint32_t>(leaves()), scene_.topology.filter(),
-                          counts_tests ? &state->leaves[LeafSum::kTests] : nullptr};
+                          counts_tests ? &state->leaves[LeafSum::kTests] : nullptr, leaves_of_world()};
     searcher_.walk(name, leaves(), next_item, source, sink);
   }
 
   /// Nodes take the place of cells; nothing is registered.
   void describe(FrameCounts& counts) const {
-    counts.cells = 2 * leaves() - 1;
+    counts.cells = 2 * leaves() - max(counts_.worlds, 1u);
     counts.leaves = leaves();
   }
 
  private:
   uint64_t leaves() const { return counts_.triangles; }
+  bool has_worlds() const { return counts_.worlds > 0; }
+  /// 0: the scene is one.
+  uint32_t leaves_of_world() const { return has_worlds() ? counts_.world_shape().triangles : 0; }
   Span<const Box<float>> boxes() const { return scene_.boxes.span(leaves()); }
+
+  void measure_worlds() {
+    WorldBuffers<Exec>& worlds = scene_.worlds;
+    exec_.for_each_group("measure_worlds", {nullptr, counts_.worlds},
+                         MeasureWorlds{boxes(), leaves_of_world(), thickness_, worlds.bounds.data(),
+                                       worlds.extents.data(), worlds.filters.data()});
+  }
+  /// The leaves' keys; returns their bits.
+  int key_worlds() {
+    BvhBuffers<Exec>& bvh = scene_.bvh;
+    const int axis_bits = WorldMortonKeys::axis_bits_for(leaves_of_world());
+    exec_.for_each(
+        "morton_keys", leaves(),
+        WorldMortonKeys{scene_.worlds.bounds.data(), scene_.worlds.extents.data(), scene_.stepped_worlds(), boxes(),
+                        bvh.keys[0].span(leaves()), bvh.triangles[0].span(leaves()), bvh.meeting.all(), axis_bits});
+    return WorldMortonKeys::bits(axis_bits, counts_.worlds);
+  }
+  int key_all() {
+    const StepState* state = scene_.state.data();
+    BvhBuffers<Exec>& bvh = scene_.bvh;
+    const MortonKeys keys{&state->bounds,
+                          {&state->bounds, &state->extents, leaves()},
+                          boxes(),
+                          bvh.keys[0].span(leaves()),
+                          bvh.triangles[0].span(leaves()),
+                          bvh.meeting.all(),
+                          MortonKeys::axis_bits_for(leaves())};
+    exec_.for_each("morton_keys", leaves(), keys);
+    return keys.bits();
+  }
 
   Exec& exec_;
   Searcher<Exec>& searcher_;

@@ -32,7 +32,7 @@ class NarrowPhase {
 
   /// Lists start at what most scenes need.
   void reserve() {
-    const uint64_t first = first_length(scene_.topology.triangles.capacity());
+    const uint64_t first = first_length(scene_.topology.triangle_count());
     reserve(scene_.contacts, first);
     if (needs().is_earliest_only()) reserve(scene_.earliest, first);
     const uint64_t most = max(scene_.contacts.keys.capacity(), scene_.earliest.keys.capacity());
@@ -123,7 +123,7 @@ class NarrowPhase {
   const LevelNeeds& needs() const { return plan_.needs; }
   /// Second features are triangles, or of the same kind as the first.
   IdCounts id_counts() const {
-    return {ranks_.count(), max(uint64_t{ranks_.most_of_a_kind()}, scene_.topology.triangles.capacity())};
+    return {ranks_.count(), max(uint64_t{ranks_.most_of_a_kind()}, scene_.topology.triangle_count())};
   }
   CandidateBuffers<Exec>& candidates_of(ContactKind kind) { return scene_.candidates[index_of(kind)]; }
   ContactBuffers<Exec, Real>& wanted() { return needs().is_earliest_only() ? scene_.earliest : scene_.contacts; }
@@ -239,8 +239,8 @@ class NarrowPhase {
   template <class Work>
   void run_triangles() {
     exec_.for_each("test_triangles", Counted{&scene_.state.data()->triangle_pairs, scene_.triangle_pairs.capacity()},
-                   TestTriangles<Work, Real>{scene_.end.data(), scene_.topology.triangles.all(),
-                                             scene_.triangle_pairs.all(), sink(ContactKind::kTriangleTriangle)});
+                   TestTriangles<Work, Real>{scene_.end.data(), scene_.topology.corners(), scene_.triangle_pairs.all(),
+                                             sink(ContactKind::kTriangleTriangle)});
   }
 
   Counted wanted_count() {

@@ -102,7 +102,8 @@ class OctreePhase {
       exec_.for_each_group(
           "box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
           Work{motion(), scene_.deviations(is_ccd_), triangles(), edges(), scene_.topology.owned.all(), run.first,
-               run.count, scene_.boxes.all(), scene_.records.all(), scene_.triangle_inflations(), margin_});
+               run.count, scene_.boxes.all(), scene_.records.all(), scene_.triangle_inflations(), margin_,
+               scene_.stepped_worlds()});
   }
 
   // Section 3.2: number of levels.
@@ -217,9 +218,9 @@ class OctreePhase {
 
   /// Counts the triangles that the spacing of the positions' numbers is too coarse for.
   void count_small_triangles() {
-    exec_.for_each(
-        "count_small_triangles", triangle_count(),
-        CountSmall<Real>{&scene_.state.data()->bounds, scene_.records.all(), &scene_.state.data()->small_triangles});
+    exec_.for_each("count_small_triangles", triangle_count(),
+                   CountSmall<Real>{&scene_.state.data()->bounds, scene_.records.all(),
+                                    &scene_.state.data()->small_triangles, scene_.stepped_worlds()});
   }
 
   ElementaryTests<Real> elementary(const PerKind<bool>& wanted) const {
@@ -242,8 +243,8 @@ class OctreePhase {
   uint64_t triangle_count() const { return counts_.triangles; }
   uint32_t dense_cells() const { return level_offset(deepest_base(triangle_count()) + 1); }
   Span<const Box<float>> boxes() const { return scene_.boxes.span(triangle_count()); }
-  Span<const Triangle> triangles() const { return scene_.topology.triangles.all(); }
-  Span<const Triangle> edges() const { return scene_.topology.triangle_edges.all(); }
+  WorldTable<Triangle> triangles() const { return scene_.topology.corners(); }
+  WorldTable<Triangle> edges() const { return scene_.topology.sides(); }
   const LevelGrid* grid() const { return &scene_.state.data()->grid.grid; }
   static bool has_control_bits(const OctreePlan& plan) { return plan.engine == Engine::kVss; }
   LeafPairs leaf_pairs(const OctreePlan& plan, Span<const uint32_t> registered) const {
@@ -265,6 +266,7 @@ class OctreePhase {
     uint64_t first, count;
   };
   std::vector<TriangleRun> runs(bool all) const {
+    if (counts_.worlds > 0) return {{0, triangle_count()}};  // whichever are static
     std::vector<TriangleRun> runs;
     for (uint32_t mesh = 0; mesh < spec_.meshes.size(); ++mesh) {
       if (!all && spec_.meshes[mesh].motion == MeshMotion::kStatic) continue;

@@ -37,7 +37,7 @@ class Pipeline {
         candidates_(exec, counts_, ranks_, scene, octree_, lbvh_, neighbours_, narrow_),
         placing_(exec, scene),
         results_(exec, spec, scene, placing_),
-        choices_(spec.engine),
+        choices_(engine_of(spec)),
         reuse_(spec),
         planner_(counts_.triangles) {
     narrow_.expect_loose_elements(counts_.has_loose_elements());
@@ -106,6 +106,11 @@ class Pipeline {
       sent_levels_ = {.deepest = -1};
     }
     if (scene_.neighbours.counts.capacity() > 0 && reuse_.is_idle()) neighbours_.release(), reuse_.forget();
+  }
+
+  /// Each world has a hierarchy of its own; an octree would be of all together.
+  static Engine engine_of(const SceneSpec& spec) {
+    return spec.worlds > 0 && spec.engine == Engine::kAuto ? Engine::kLbvh : spec.engine;
   }
 
   const LevelNeeds& needs() const { return plan_.needs; }
@@ -306,7 +311,9 @@ class Pipeline {
   /// than a thousandth of most triangles.
   bool is_coarse() const {
     if (needs().settings.delta > 0) return spacing_at<Real>(state_.bounds) > needs().settings.delta;
-    return 2 * state_.small_triangles > counts_.triangles - counts_.loose_points;
+    const uint64_t judged = counts_.triangles - counts_.loose_points;
+    const uint64_t worlds = max(counts_.worlds, 1u), stepped = counts_.worlds > 0 ? scene_.worlds.stepped : 1;
+    return 2 * state_.small_triangles > judged / worlds * stepped;
   }
 
   ContactKind first_kind() const { return first_of(needs().kinds); }

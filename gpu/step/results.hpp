@@ -258,7 +258,7 @@ class Results {
   void decide_triangles(const std::vector<uint64_t>& keys, ExactAnswer* answers) {
     const auto corners = gather<6>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
       exec_.for_each("gather_corners", keys.size(),
-                     GatherCorners<Real>{scene_.end.data(), scene_.topology.triangles.all(), resident, out});
+                     GatherCorners<Real>{scene_.end.data(), scene_.topology.corners(), resident, out});
     });
     decide_all(keys.size(), [&](uint64_t i) { answers[i] = decide_triangles_exactly(corners[i]); });
   }

@@ -19,15 +19,32 @@ struct KeepAll {
   }
 };
 
+/// The filter's scale in each world of a set.
+struct FiltersOfWorlds {
+  const FilterScale *filters = nullptr;  ///< null: the scene is one
+  uint32_t triangles = 0;                ///< of a world
+};
+
 /// use(keep) with the filter of the level.
 template <class Real, class Use>
-void with_filter(const LevelNeeds &needs, double thickness, const StepState *state, const Use &use) {
+void with_filter(const LevelNeeds &needs, double thickness, const StepState *state, const Use &use,
+                 const FiltersOfWorlds &worlds = {}) {
   if (!needs.has_filter())
     use(KeepAll{});
   else if (needs.is_ccd())
-    use(MaybeCoplanar<Real>{&state->filter});
+    use(worlds.filters == nullptr ? MaybeCoplanar<Real>{&state->filter}
+                                  : MaybeCoplanar<Real>{worlds.filters, worlds.triangles});
   else
     use(NearInFloat<Real>{thickness});
+}
+
+/// The filter of a pair whose lower triangle this is.
+template <class Keep>
+COLLIDED_HD Keep filter_at(const Keep &keep, uint32_t triangle) {
+  if constexpr (requires { keep.at(triangle); })
+    return keep.at(triangle);
+  else
+    return keep;
 }
 
 /// Where a search adds what it counted; null: another search counts that.
@@ -80,18 +97,19 @@ struct FeatureSink {
   /// Whether there is use in taking more (AppendList::push).
   COLLIDED_HD bool take_first(uint32_t a, uint32_t b, int test) const {
     const CandidatePoints<Real> candidate = tests.vertex_triangle_points(a, b, test);
-    return !keep(VertexTriangle{}, candidate.points) || vertex_triangle.push(candidate.key);
+    return !filter_at(keep, a)(VertexTriangle{}, candidate.points) || vertex_triangle.push(candidate.key);
   }
   COLLIDED_HD bool take_second(uint32_t a, uint32_t b, int test) const {
     const CandidatePoints<Real> candidate = tests.edge_edge_points(a, b, test);
-    return !keep(EdgeEdge{}, candidate.points) || edge_edge.push(candidate.key + (uint64_t{edge_rank} << 32));
+    return !filter_at(keep, a)(EdgeEdge{}, candidate.points) ||
+           edge_edge.push(candidate.key + (uint64_t{edge_rank} << 32));
   }
   /// The same in two parts: whether the filter keeps a candidate, and its key.
   COLLIDED_HD bool keeps_first(uint32_t a, uint32_t b, int test) const {
-    return kKeepsAll || keep(VertexTriangle{}, tests.vertex_triangle_points(a, b, test).points);
+    return kKeepsAll || filter_at(keep, a)(VertexTriangle{}, tests.vertex_triangle_points(a, b, test).points);
   }
   COLLIDED_HD bool keeps_second(uint32_t a, uint32_t b, int test) const {
-    return kKeepsAll || keep(EdgeEdge{}, tests.edge_edge_points(a, b, test).points);
+    return kKeepsAll || filter_at(keep, a)(EdgeEdge{}, tests.edge_edge_points(a, b, test).points);
   }
   COLLIDED_HD uint64_t first_key(uint32_t vertex, uint32_t triangle) const { return pack_ids(vertex, triangle); }
   COLLIDED_HD uint64_t second_key(uint32_t edge, uint32_t other) const {
@@ -121,7 +139,7 @@ struct NeighbourSink : FeatureSink<Real, MayTouchSoon<Real>, Tests> {
 struct TrianglePairSink {
   static constexpr bool kTakesPairs = true;
 
-  Span<const Triangle> triangles;
+  WorldTable<Triangle> triangles;
   AppendList<uint64_t> pairs;
   uint32_t rank;  ///< added to the first triangle
   EarlyExit early_exit;

@@ -46,9 +46,7 @@ struct PrepareNarrow {
   Deviations deviations = {};  ///< the filter treats all pairs as the one that is farthest off
 
   COLLIDED_HD void operator()(uint64_t) const {
-    const Vec3<float> extent = state->bounds.hi - state->bounds.lo;
-    const double farthest = Deviations::widened(thickness, deviations.of_any_pair());
-    state->filter = filter_scale(max(extent.x, max(extent.y, extent.z)), farthest);
+    state->filter = filter_within(state->bounds, Deviations::widened(thickness, deviations.of_any_pair()));
     state->shortcut = {detail::bit_copy<uint64_t>(1.0), 0};
   }
 };

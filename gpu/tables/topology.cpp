@@ -56,7 +56,7 @@ void check_size(const Topology& topology, const MeshSpec& mesh, size_t index) {
     throw InvalidInput(field + ".triangles", field + ".triangles is empty, and so are its edges and points");
   const uint64_t vertices = uint64_t{topology.vertex_count} + mesh.vertex_count;
   const uint64_t elements = topology.triangles.size() + count_elements(mesh);
-  constexpr uint64_t kMax = 1u << 29;  // edges, at most three an element, have 31 bits
+  constexpr uint64_t kMax = kMaxFeatures;
   if (vertices > kMax || elements > kMax)
     throw InvalidInput("meshes",
                        "meshes have " + std::to_string(vertices) + " vertices and " + std::to_string(elements) +

@@ -12,6 +12,9 @@ struct FeatureTables {
   RingTables rings;
 };
 
+/// Vertices, or elements, of a scene at most: edges, at most three an element, have 31 bits.
+constexpr uint64_t kMaxFeatures = 1u << 29;
+
 /// The mesh of each element.
 std::vector<uint32_t> meshes_of_elements(const Topology& topology);
 

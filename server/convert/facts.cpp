@@ -108,6 +108,7 @@ void fill_scene(const Scene& scene, pb::Scene* out) {
   out->set_resume_token(scene.facts().resume_token);
   out->set_endpoint(scene.endpoint());
   out->set_edit_count(now.edits);
+  out->set_worlds(now.plan->engine.worlds);
 }
 
 void fill_estimate(const ScenePlan& plan, pb::EstimateSceneResponse* out) try {

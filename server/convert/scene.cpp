@@ -102,9 +102,32 @@ Accuracy parse_scene_accuracy(pb::Accuracy wanted, Accuracy max) {
   return asked.value_or(std::min(Accuracy::kCertified, max));
 }
 
+// Worlds together are as large as a scene may be; only each one's first frame has to fit a message.
+void check_set_size(const SceneSize& size, uint32_t worlds, const Limits& limits) {
+  const auto check = [&](const char* what, uint64_t each, const char* name, uint64_t limit) {
+    if (each * worlds > limit)
+      throw LimitExceeded("count", fmt::format("count is {}, and so many scenes of {} {} have {}, more than {}, {}",
+                                               worlds, each, what, each * worlds, name, limit));
+  };
+  check("vertices", size.vertices, "max_vertices", limits.max_vertices);
+  check(size.names_of_elements(), size.elements(), "max_triangles", limits.max_triangles);
+}
+
+// `worlds`: of a set; 0: the request is for a scene.
+template <class Request>
+SceneRequest parse_request(const Request& request, const SceneDefaults& defaults, uint32_t worlds) {
+  constexpr size_t kMaxRequestIdBytes = 64;
+  if (request.request_id().size() > kMaxRequestIdBytes)
+    throw_invalid("request_id",
+                  fmt::format("has {} bytes, more than {}", request.request_id().size(), kMaxRequestIdBytes));
+  const double lease = parse_lease(request.lease_seconds(), defaults.limits);
+  return {parse_spec(request.spec(), defaults, worlds), request.request_id(), fingerprint(request.spec()) + worlds,
+          lease};
+}
+
 }  // namespace
 
-ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
+ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults, uint32_t worlds) {
   if (spec.display_name().size() > kMaxNameBytes)
     throw_invalid("spec.display_name",
                   fmt::format("has {} bytes, more than {}", spec.display_name().size(), kMaxNameBytes));
@@ -121,6 +144,7 @@ ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   engine.report = parse_report(spec.report(), "spec.report").value_or(Report::kAll);
   engine.engine = parse_engine(spec.broad_phase_engine(), "spec.broad_phase_engine");
   engine.reuse = parse_reuse(spec.reuse(), "spec.reuse");
+  engine.worlds = worlds;
   parse_kinds(spec, engine);
   check_scene_options(engine, spec);
   plan.fields = parse_fields(spec, engine.mode);
@@ -128,6 +152,7 @@ ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
   engine.memory_budget = parse_budget(spec.memory_budget_bytes(), defaults.limits.max_scene_bytes);
   engine.threads = defaults.threads;
   const SceneSize size = check_sizes(spec, defaults.limits);
+  if (worlds > 0) check_set_size(size, worlds, defaults.limits);
   check_first_frame(size.vertices, engine, defaults);
   plan.min_bytes = check_budget(engine, size, spec.memory_budget_bytes() > 0);
   parse_meshes(spec, plan);
@@ -137,12 +162,13 @@ ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
 }
 
 SceneRequest parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults) {
-  constexpr size_t kMaxRequestIdBytes = 64;
-  if (request.request_id().size() > kMaxRequestIdBytes)
-    throw_invalid("request_id",
-                  fmt::format("has {} bytes, more than {}", request.request_id().size(), kMaxRequestIdBytes));
-  const double lease = parse_lease(request.lease_seconds(), defaults.limits);
-  return {parse_spec(request.spec(), defaults), request.request_id(), fingerprint(request.spec()), lease};
+  return parse_request(request, defaults, 0);
+}
+
+SceneRequest parse_scenes(const pb::CreateScenesRequest& request, const SceneDefaults& defaults) {
+  if (request.count() == 0 || request.count() > kMaxWorlds)
+    throw_invalid("count", fmt::format("is {}, but must be from 1 to {}", request.count(), kMaxWorlds));
+  return parse_request(request, defaults, request.count());
 }
 
 }  // namespace collided::server

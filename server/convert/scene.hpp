@@ -20,9 +20,11 @@ struct SceneDefaults {
   bool local_socket = false;  ///< whether frames can use shared memory, beyond the message limit
 };
 
-/// Checks the spec of a scene. Throws InvalidInput, LimitExceeded, FailedPrecondition.
-ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults);
-/// Checks a request for a scene. Throws the same.
+/// Checks the spec of a scene, or of each world of a set of so many. Throws InvalidInput, LimitExceeded,
+/// FailedPrecondition.
+ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults, uint32_t worlds = 0);
+/// Checks a request for a scene, or for a set. Throws the same.
 SceneRequest parse_scene(const pb::CreateSceneRequest& request, const SceneDefaults& defaults);
+SceneRequest parse_scenes(const pb::CreateScenesRequest& request, const SceneDefaults& defaults);
 
 }  // namespace collided::server

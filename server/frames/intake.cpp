@@ -37,6 +37,13 @@ void check_frame_id(uint64_t id) {
     throw InvalidInput("frame.frame_id", fmt::format("frame.frame_id is {}, more than {}", id, kMaxFrameId));
 }
 
+void check_takes_frames(const Scene& scene, const SceneSpec& spec) {
+  if (spec.worlds > 0)
+    throw FailedPrecondition("scene_id", fmt::format("scene_id: scene {} is a set of {} scenes, whose frames come by "
+                                                     "DetectBatch",
+                                                     scene.id(), spec.worlds));
+}
+
 void note_updates(PendingFrame& frame) {
   for (const MeshPositions& update : frame.input.updates) {
     frame.meshes.push_back({update.mesh, !update.is_sparse, !update.end.empty()});
@@ -73,6 +80,7 @@ PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) 
   frame.basis.plan = scene.plan();
   try {
     if (incoming.refusal) std::rethrow_exception(incoming.refusal);
+    check_takes_frames(scene, frame.basis.plan->engine);
     check_frame_id(message.frame_id());
     host.usage().count_frame(scene.facts().owner);
     frame.input = parse_frame(message, incoming.placed, frame.basis.plan->engine);

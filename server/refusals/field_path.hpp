@@ -41,6 +41,7 @@ inline std::string spec_path(const std::string& engine_path) {
   if (engine_path.empty()) return "spec";
   std::string path = with_last_part(engine_path, "memory_budget", "memory_budget_bytes");
   for (const auto& [engine, protocol] : {std::pair{"scalar", "position_format"},
+                                         {"engine", "broad_phase_engine"},
                                          {"quantized_in", "quantization_box"},
                                          {"excluded_rings", "exclude_rings"},
                                          {"excludes_rest_pairs", "exclude_rest_pairs"}})

@@ -146,9 +146,16 @@ void Scene::check_token(const std::string& token, bool has_stream) const {
     throw PermissionDenied("open.resume_token", fmt::format("open.resume_token is not the token of scene {}", id()));
 }
 
+void Scene::check_is_one(const std::string& field) const {
+  if (const uint32_t worlds = shown_.plan->engine.worlds; worlds > 0)
+    throw FailedPrecondition(field, fmt::format("{}: scene {} is a set of {} scenes, whose frames come by DetectBatch",
+                                                field, id(), worlds));
+}
+
 std::shared_ptr<SceneStream> Scene::begin_stream(const std::shared_ptr<SceneStream>& stream, const std::string& token) {
   const std::lock_guard lock(mutex_);
   check_open();
+  check_is_one("open.scene_id");
   if (!shown_.ready) throw_awaits("open.scene_id");
   check_token(token, stream_ != nullptr);
   return std::exchange(stream_, stream);
@@ -180,6 +187,7 @@ void Scene::close(const SceneEnd& end) {
 void Scene::begin_watch(std::shared_ptr<SceneWatcher> watcher) {
   const std::lock_guard lock(mutex_);  // so that close() finds it
   check_open();
+  check_is_one("scene_id");
   watchers_.add(std::move(watcher));
 }
 

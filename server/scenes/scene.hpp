@@ -150,6 +150,8 @@ class Scene {
   friend class SceneUse;
 
   void check_token(const std::string& token, bool has_stream) const;
+  /// Throws FailedPrecondition for a set of worlds.
+  void check_is_one(const std::string& field) const;
   bool awaits_triangles() const;
   [[noreturn]] void throw_awaits(const std::string& field) const;
   void make_detector();

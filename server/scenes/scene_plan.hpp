@@ -76,11 +76,14 @@ ScenePlan edited_plan(const ScenePlan& before, const std::vector<EditedMesh>& ed
 constexpr uint64_t kMeshBytes = sizeof(MeshPlan) + 4 * sizeof(MeshSpec) + 4 * sizeof(uint64_t);
 constexpr uint64_t kPairBytes = 4 * sizeof(std::array<uint32_t, 2>);
 constexpr uint64_t kPoseBytes = 512;
+// Of a mesh in one world of a set: its first vertex, its place in frames in flight.
+constexpr uint64_t kMeshOfWorldBytes = 256;
 
 /// Bytes that a scene holds of its plan: the plan, its copies until and in the detector, and what else is kept for each
 /// mesh.
 inline uint64_t plan_bytes(const ScenePlan& plan) {
   uint64_t bytes = plan.meshes.size() * kMeshBytes + plan.engine.excluded_meshes.size() * kPairBytes;
+  bytes += uint64_t{plan.engine.worlds} * plan.meshes.size() * kMeshOfWorldBytes;
   for (const auto& mesh : plan.meshes) bytes += mesh.name.size();
   for (const auto& mesh : plan.engine.meshes) bytes += mesh.motion == MeshMotion::kRigid ? kPoseBytes : 0;
   return bytes;

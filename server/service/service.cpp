@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/batch/detect_batch.hpp"
 #include "server/convert/facts.hpp"
 #include "server/errors.hpp"
 #include "server/service/get_mesh.hpp"
@@ -59,12 +60,14 @@ void CollisionService::add(RpcRouter& router, const char* method, Body<Request, 
 void CollisionService::add_to(RpcRouter& router) {
   add(router, "GetServerInfo", &CollisionService::get_server_info);
   add(router, "CreateScene", &CollisionService::create_scene);
+  add(router, "CreateScenes", &CollisionService::create_scenes);
   add(router, "EstimateScene", &CollisionService::estimate_scene);
   add(router, "GetScene", &CollisionService::get_scene);
   add(router, "GetMesh", &CollisionService::get_mesh);
   add(router, "ListScenes", &CollisionService::list_scenes);
   add(router, "DeleteScene", &CollisionService::delete_scene);
   add(router, "DetectFrame", &CollisionService::detect_frame);
+  add(router, "DetectBatch", &CollisionService::detect_batch);
   router.add(path_of("WatchScene"), [this](grpc::GenericCallbackServerContext& context) {
     return WatchCall::serve(context, host_, parts_, watch_jobs_);
   });
@@ -86,21 +89,29 @@ void CollisionService::get_server_info(UnaryCall<pb::GetServerInfoRequest, pb::G
 }
 
 void CollisionService::create_scene(UnaryCall<pb::CreateSceneRequest, pb::CreateSceneResponse>& call) {
-  auto [scene, is_new] =
-      host_.add_scene(call.caller().client, parse_scene(call.request(), defaults(call.caller().client)));
+  make_scene(call, parse_scene(call.request(), defaults(call.caller().client)), call.response().mutable_scene());
+}
+
+void CollisionService::create_scenes(UnaryCall<pb::CreateScenesRequest, pb::CreateScenesResponse>& call) {
+  make_scene(call, parse_scenes(call.request(), defaults(call.caller().client)), call.response().mutable_scenes());
+}
+
+void CollisionService::make_scene(UnaryCallBase& call, SceneRequest request, pb::Scene* out) {
+  auto [scene, is_new] = host_.add_scene(call.caller().client, std::move(request));
   Scene& target = *scene;
   if (is_new)
-    return target.worker().post([this, &call, scene = std::move(scene), held = calls_] { build(scene, call); });
-  target.worker().post([&call, scene = std::move(scene), held = calls_] {  // once the first request has created it
+    return target.worker().post(
+        [this, &call, out, scene = std::move(scene), held = calls_] { build(scene, call, out); });
+  target.worker().post([&call, out, scene = std::move(scene), held = calls_] {  // once the first request has created it
     guard(call, [&] {
       scene->check_open();
-      fill_scene(*scene, call.response().mutable_scene());
+      fill_scene(*scene, out);
       call.finish();
     });
   });
 }
 
-void CollisionService::build(const SceneUse& scene, UnaryCall<pb::CreateSceneRequest, pb::CreateSceneResponse>& call) {
+void CollisionService::build(const SceneUse& scene, UnaryCallBase& call, pb::Scene* out) {
   const Caller& caller = call.caller();
   guard(call, [&] {
     try {
@@ -111,14 +122,15 @@ void CollisionService::build(const SceneUse& scene, UnaryCall<pb::CreateSceneReq
       host_.scenes().remove(caller.client, scene->id())->release();
       throw;
     }
-    fill_scene(*scene, call.response().mutable_scene());
-    const auto& made = call.response().scene();
+    fill_scene(*scene, out);
+    const pb::Scene& made = *out;
     log_event(spdlog::level::info, "scene created",
               {{"scene", scene->id()},
                {"name", made.spec().display_name()},
                {"device", made.device().empty() ? "awaits triangles" : made.device()},
                {"vertices", made.vertex_count()},
                {"triangles", made.triangle_count()},
+               {"worlds", made.worlds()},
                {"client", caller.client->name},
                {"request", caller.ids.request_id},
                {"trace", caller.ids.trace_id}});
@@ -190,6 +202,10 @@ void CollisionService::delete_scene(UnaryCall<pb::DeleteSceneRequest, pb::Delete
 
 void CollisionService::detect_frame(UnaryCall<pb::DetectFrameRequest, pb::DetectFrameResponse>& call) {
   server::detect_frame(call, host_, calls_);
+}
+
+void CollisionService::detect_batch(UnaryCall<pb::DetectBatchRequest, pb::DetectBatchResponse>& call) {
+  server::detect_batch(call, host_, calls_);
 }
 
 }  // namespace collided::server

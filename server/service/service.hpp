@@ -45,15 +45,19 @@ class CollisionService final : public RawService {
   void add(RpcRouter& router, const char* method, Body<Request, Response> body);
   void get_server_info(UnaryCall<pb::GetServerInfoRequest, pb::GetServerInfoResponse>& call);
   void create_scene(UnaryCall<pb::CreateSceneRequest, pb::CreateSceneResponse>& call);
+  void create_scenes(UnaryCall<pb::CreateScenesRequest, pb::CreateScenesResponse>& call);
   void estimate_scene(UnaryCall<pb::EstimateSceneRequest, pb::EstimateSceneResponse>& call);
   void get_scene(UnaryCall<pb::GetSceneRequest, pb::GetSceneResponse>& call);
   void get_mesh(UnaryCall<pb::GetMeshRequest, pb::GetMeshResponse>& call);
   void list_scenes(UnaryCall<pb::ListScenesRequest, pb::ListScenesResponse>& call);
   void delete_scene(UnaryCall<pb::DeleteSceneRequest, pb::DeleteSceneResponse>& call);
   void detect_frame(UnaryCall<pb::DetectFrameRequest, pb::DetectFrameResponse>& call);
+  void detect_batch(UnaryCall<pb::DetectBatchRequest, pb::DetectBatchResponse>& call);
+  /// Answers with the scene in `out`, a part of the call's response.
+  void make_scene(UnaryCallBase& call, SceneRequest request, pb::Scene* out);
   SceneDefaults defaults(const Client& client) const;
   const std::string& device_of(const SceneSpec& spec) const;
-  void build(const SceneUse& scene, UnaryCall<pb::CreateSceneRequest, pb::CreateSceneResponse>& call);
+  void build(const SceneUse& scene, UnaryCallBase& call, pb::Scene* out);
 
   const Config config_;
   const bool has_cuda_;

@@ -75,6 +75,13 @@ class Bench(unittest.TestCase):
             self.assertLessEqual(ran[of]["p50"], ran[of]["p99"])
         self.assertAlmostEqual(ran["ratio"]["p99"], ran["watched_ms"]["p99"] / ran["alone_ms"]["p99"])
 
+    def check_batch(self):
+        """Exits with 1 where one call and a call each find different numbers of contacts."""
+        ran = parsed("--backend", "cpu", "--threads", "1", "--worlds", "5", "--rounds", "2", "--commit", "abc")
+        self.assertEqual((ran["worlds"], ran["triangles"], ran["rounds"], ran["commit"]), (5, 500, 2, "abc"))
+        self.assertGreater(ran["contacts"], 0)
+        self.assertAlmostEqual(ran["ratio"], ran["a_call_each_ms"]["p50"] / ran["one_call_ms"]["p50"])
+
     def check_in_process(self):
         ran, = parsed(*SMALL, "--backend", "cpu", "--threads", "1", "--frames", "3")["runs"]
         self.assertEqual([lane["name"] for lane in ran["transports"]], ["grpc", "shared_memory", "in_process"])

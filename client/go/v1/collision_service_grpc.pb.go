@@ -23,6 +23,10 @@ type CollisionServiceClient interface {
 	// with all positions, could never be sent, FAILED_PRECONDITION for a missing GPU,
 	// ALREADY_EXISTS if the request id was used with another spec.
 	CreateScene(ctx context.Context, in *CreateSceneRequest, opts ...grpc.CallOption) (*CreateSceneResponse, error)
+	// Creates many scenes of one spec, whose triangles are held once, as a set: one resource with one id, for GetScene,
+	// UploadMesh, GetMesh, ListScenes and DeleteScene as for a scene, with one lease and one place among the client's scenes.
+	// Its scenes are the worlds 0 to count - 1, which never touch each other. Errors as of CreateScene.
+	CreateScenes(ctx context.Context, in *CreateScenesRequest, opts ...grpc.CallOption) (*CreateScenesResponse, error)
 	// What a scene would cost: its memory, its bytes on the wire, its stages. The spec is checked as CreateScene checks it,
 	// with the same errors; nothing is created and no memory is taken. Not checked is what is in use at the moment, and what only
 	// making the scene tells: the memory of its edges and rings.
@@ -47,6 +51,10 @@ type CollisionServiceClient interface {
 	// RESOURCE_EXHAUSTED if the answer exceeds the message limit. DEADLINE_EXCEEDED and CANCELLED stop the work
 	// at the engine's next checkpoint.
 	DetectFrame(ctx context.Context, in *DetectFrameRequest, opts ...grpc.CallOption) (*DetectFrameResponse, error)
+	// One step of many scenes, those of one set or of several, in one message each way; only sets take it, and they take no
+	// other frames. A frame that is refused, of one world or of a whole set, is told in the answer and harms no other.
+	// INVALID_ARGUMENT where the request itself is wrong, RESOURCE_EXHAUSTED.
+	DetectBatch(ctx context.Context, in *DetectBatchRequest, opts ...grpc.CallOption) (*DetectBatchResponse, error)
 	// Frames in, contacts out, in frame order. The first request opens the stream. A bad frame is answered with an error, and
 	// the stream continues. A scene has one stream at a time. A broken stream is resumed by a new one with the scene's resume
 	// token: `opened` names the last frame that was applied, and the frames after it must be sent again. UNAVAILABLE,
@@ -87,6 +95,15 @@ func (c *collisionServiceClient) GetServerInfo(ctx context.Context, in *GetServe
 func (c *collisionServiceClient) CreateScene(ctx context.Context, in *CreateSceneRequest, opts ...grpc.CallOption) (*CreateSceneResponse, error) {
 	out := new(CreateSceneResponse)
 	err := c.cc.Invoke(ctx, "/collided.v1.CollisionService/CreateScene", in, out, opts...)
+	if err != nil {
+		return nil, err
+	}
+	return out, nil
+}
+
+func (c *collisionServiceClient) CreateScenes(ctx context.Context, in *CreateScenesRequest, opts ...grpc.CallOption) (*CreateScenesResponse, error) {
+	out := new(CreateScenesResponse)
+	err := c.cc.Invoke(ctx, "/collided.v1.CollisionService/CreateScenes", in, out, opts...)
 	if err != nil {
 		return nil, err
 	}
@@ -181,6 +198,15 @@ func (c *collisionServiceClient) DetectFrame(ctx context.Context, in *DetectFram
 	return out, nil
 }
 
+func (c *collisionServiceClient) DetectBatch(ctx context.Context, in *DetectBatchRequest, opts ...grpc.CallOption) (*DetectBatchResponse, error) {
+	out := new(DetectBatchResponse)
+	err := c.cc.Invoke(ctx, "/collided.v1.CollisionService/DetectBatch", in, out, opts...)
+	if err != nil {
+		return nil, err
+	}
+	return out, nil
+}
+
 func (c *collisionServiceClient) StreamFrames(ctx context.Context, opts ...grpc.CallOption) (CollisionService_StreamFramesClient, error) {
 	stream, err := c.cc.NewStream(ctx, &_CollisionService_serviceDesc.Streams[1], "/collided.v1.CollisionService/StreamFrames", opts...)
 	if err != nil {
@@ -254,6 +280,10 @@ type CollisionServiceServer interface {
 	// with all positions, could never be sent, FAILED_PRECONDITION for a missing GPU,
 	// ALREADY_EXISTS if the request id was used with another spec.
 	CreateScene(context.Context, *CreateSceneRequest) (*CreateSceneResponse, error)
+	// Creates many scenes of one spec, whose triangles are held once, as a set: one resource with one id, for GetScene,
+	// UploadMesh, GetMesh, ListScenes and DeleteScene as for a scene, with one lease and one place among the client's scenes.
+	// Its scenes are the worlds 0 to count - 1, which never touch each other. Errors as of CreateScene.
+	CreateScenes(context.Context, *CreateScenesRequest) (*CreateScenesResponse, error)
 	// What a scene would cost: its memory, its bytes on the wire, its stages. The spec is checked as CreateScene checks it,
 	// with the same errors; nothing is created and no memory is taken. Not checked is what is in use at the moment, and what only
 	// making the scene tells: the memory of its edges and rings.
@@ -278,6 +308,10 @@ type CollisionServiceServer interface {
 	// RESOURCE_EXHAUSTED if the answer exceeds the message limit. DEADLINE_EXCEEDED and CANCELLED stop the work
 	// at the engine's next checkpoint.
 	DetectFrame(context.Context, *DetectFrameRequest) (*DetectFrameResponse, error)
+	// One step of many scenes, those of one set or of several, in one message each way; only sets take it, and they take no
+	// other frames. A frame that is refused, of one world or of a whole set, is told in the answer and harms no other.
+	// INVALID_ARGUMENT where the request itself is wrong, RESOURCE_EXHAUSTED.
+	DetectBatch(context.Context, *DetectBatchRequest) (*DetectBatchResponse, error)
 	// Frames in, contacts out, in frame order. The first request opens the stream. A bad frame is answered with an error, and
 	// the stream continues. A scene has one stream at a time. A broken stream is resumed by a new one with the scene's resume
 	// token: `opened` names the last frame that was applied, and the frames after it must be sent again. UNAVAILABLE,
@@ -309,6 +343,9 @@ func (UnimplementedCollisionServiceServer) GetServerInfo(context.Context, *GetSe
 func (UnimplementedCollisionServiceServer) CreateScene(context.Context, *CreateSceneRequest) (*CreateSceneResponse, error) {
 	return nil, status.Errorf(codes.Unimplemented, "method CreateScene not implemented")
 }
+func (UnimplementedCollisionServiceServer) CreateScenes(context.Context, *CreateScenesRequest) (*CreateScenesResponse, error) {
+	return nil, status.Errorf(codes.Unimplemented, "method CreateScenes not implemented")
+}
 func (UnimplementedCollisionServiceServer) EstimateScene(context.Context, *EstimateSceneRequest) (*EstimateSceneResponse, error) {
 	return nil, status.Errorf(codes.Unimplemented, "method EstimateScene not implemented")
 }
@@ -329,6 +366,9 @@ func (UnimplementedCollisionServiceServer) DeleteScene(context.Context, *DeleteS
 }
 func (UnimplementedCollisionServiceServer) DetectFrame(context.Context, *DetectFrameRequest) (*DetectFrameResponse, error) {
 	return nil, status.Errorf(codes.Unimplemented, "method DetectFrame not implemented")
+}
+func (UnimplementedCollisionServiceServer) DetectBatch(context.Context, *DetectBatchRequest) (*DetectBatchResponse, error) {
+	return nil, status.Errorf(codes.Unimplemented, "method DetectBatch not implemented")
 }
 func (UnimplementedCollisionServiceServer) StreamFrames(CollisionService_StreamFramesServer) error {
 	return status.Errorf(codes.Unimplemented, "method StreamFrames not implemented")
@@ -381,6 +421,24 @@ func _CollisionService_CreateScene_Handler(srv interface{}, ctx context.Context,
 	}
 	handler := func(ctx context.Context, req interface{}) (interface{}, error) {
 		return srv.(CollisionServiceServer).CreateScene(ctx, req.(*CreateSceneRequest))
+	}
+	return interceptor(ctx, in, info, handler)
+}
+
+func _CollisionService_CreateScenes_Handler(srv interface{}, ctx context.Context, dec func(interface{}) error, interceptor grpc.UnaryServerInterceptor) (interface{}, error) {
+	in := new(CreateScenesRequest)
+	if err := dec(in); err != nil {
+		return nil, err
+	}
+	if interceptor == nil {
+		return srv.(CollisionServiceServer).CreateScenes(ctx, in)
+	}
+	info := &grpc.UnaryServerInfo{
+		Server:     srv,
+		FullMethod: "/collided.v1.CollisionService/CreateScenes",
+	}
+	handler := func(ctx context.Context, req interface{}) (interface{}, error) {
+		return srv.(CollisionServiceServer).CreateScenes(ctx, req.(*CreateScenesRequest))
 	}
 	return interceptor(ctx, in, info, handler)
 }
@@ -519,6 +577,24 @@ func _CollisionService_DetectFrame_Handler(srv interface{}, ctx context.Context,
 	return interceptor(ctx, in, info, handler)
 }
 
+func _CollisionService_DetectBatch_Handler(srv interface{}, ctx context.Context, dec func(interface{}) error, interceptor grpc.UnaryServerInterceptor) (interface{}, error) {
+	in := new(DetectBatchRequest)
+	if err := dec(in); err != nil {
+		return nil, err
+	}
+	if interceptor == nil {
+		return srv.(CollisionServiceServer).DetectBatch(ctx, in)
+	}
+	info := &grpc.UnaryServerInfo{
+		Server:     srv,
+		FullMethod: "/collided.v1.CollisionService/DetectBatch",
+	}
+	handler := func(ctx context.Context, req interface{}) (interface{}, error) {
+		return srv.(CollisionServiceServer).DetectBatch(ctx, req.(*DetectBatchRequest))
+	}
+	return interceptor(ctx, in, info, handler)
+}
+
 func _CollisionService_StreamFrames_Handler(srv interface{}, stream grpc.ServerStream) error {
 	return srv.(CollisionServiceServer).StreamFrames(&collisionServiceStreamFramesServer{stream})
 }
@@ -579,6 +655,10 @@ var _CollisionService_serviceDesc = grpc.ServiceDesc{
 			Handler:    _CollisionService_CreateScene_Handler,
 		},
 		{
+			MethodName: "CreateScenes",
+			Handler:    _CollisionService_CreateScenes_Handler,
+		},
+		{
 			MethodName: "EstimateScene",
 			Handler:    _CollisionService_EstimateScene_Handler,
 		},
@@ -601,6 +681,10 @@ var _CollisionService_serviceDesc = grpc.ServiceDesc{
 		{
 			MethodName: "DetectFrame",
 			Handler:    _CollisionService_DetectFrame_Handler,
+		},
+		{
+			MethodName: "DetectBatch",
+			Handler:    _CollisionService_DetectBatch_Handler,
 		},
 	},
 	Streams: []grpc.StreamDesc{

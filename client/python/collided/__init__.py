@@ -10,6 +10,7 @@ they use $COLLIDED_SERVER, or a daemon that this process starts for itself. `col
 import importlib
 from typing import Any
 
+from collided.batch import SceneBatch, WorldContacts
 from collided.connection.client import Client
 from collided.connection.mesh_elements import MeshElements
 from collided.connection.options import ConnectOptions
@@ -33,8 +34,9 @@ __version__ = "0.1.0"
 __all__ = ["Aborted", "AlreadyExists", "Box", "Cancelled", "Client", "ConnectOptions", "Contacts", "DataLoss",
            "DeadlineExceeded", "Edit", "Error", "FailedPrecondition", "Flag", "FrameOptions", "Internal",
            "InvalidArgument", "Mesh", "MeshElements", "NotFound", "OwnDaemon", "PermissionDenied", "ResourceExhausted",
-           "Rigid", "Scene", "SceneOptions", "Session", "Sparse", "Unauthenticated", "Unavailable", "Unimplemented",
-           "Watched", "Watcher", "detect", "move_along", "move_rigidly", "pack_quantized", "proximity",
+           "Rigid", "Scene", "SceneBatch", "SceneOptions", "Session", "Sparse", "Unauthenticated", "Unavailable",
+           "Unimplemented", "Watched", "Watcher", "WorldContacts", "detect", "move_along", "move_rigidly",
+           "pack_quantized", "proximity",
            "unpack_quantized"]
 
 

@@ -21,6 +21,18 @@ _CONNECT = {field.name for field in dataclasses.fields(ConnectOptions)}
 _SCENE = {field.name for field in dataclasses.fields(SceneOptions)}
 
 
+def divided(options: dict[str, Any], server: str | Client | None) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Those of ConnectOptions, which a Client has already, and those of SceneOptions."""
+    unknown = options.keys() - _CONNECT - _SCENE
+    if unknown:
+        known = ", ".join(sorted(_SCENE | _CONNECT))
+        raise InvalidArgument(f"{min(unknown)!r} is no option of a scene; these are {known}", field=min(unknown))
+    connect = {name: value for name, value in options.items() if name in _CONNECT}
+    if isinstance(server, Client) and connect:
+        raise InvalidArgument(f"{min(connect)} is given with a Client, which has its own", field=min(connect))
+    return connect, {name: value for name, value in options.items() if name in _SCENE}
+
+
 class Scene:
     """Meshes that stay resident on a daemon, as a context manager: made at the beginning, deleted at the end.
 
@@ -34,14 +46,8 @@ class Scene:
 
     def __init__(self, meshes: Any, *, server: str | Client | None = None, lease_seconds: float = 0.0,
                  **options: Any) -> None:
-        unknown = options.keys() - _CONNECT - _SCENE
-        if unknown:
-            known = ", ".join(sorted(_SCENE | _CONNECT))
-            raise InvalidArgument(f"{min(unknown)!r} is no option of a scene; these are {known}", field=min(unknown))
-        connect = {name: value for name, value in options.items() if name in _CONNECT}
-        if isinstance(server, Client) and connect:
-            raise InvalidArgument(f"{min(connect)} is given with a Client, which has its own", field=min(connect))
-        self.options = SceneOptions(**{name: value for name, value in options.items() if name in _SCENE})
+        connect, scene = divided(options, server)
+        self.options = SceneOptions(**scene)
         self.track = Track(Layout.of(meshes, self.options.exclude), self.options)
         self.lease_seconds = lease_seconds
         self.owns_client = not isinstance(server, Client)

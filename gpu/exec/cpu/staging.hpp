@@ -60,13 +60,14 @@ class HostStaging {
   }
 
   template <class Check>
-  void check(uint64_t n, const Check& check) {
-    first_bad_ = kNoBadPlace;
+  void check(uint64_t n, uint64_t verdicts, const Check& check) {
+    first_bad_.assign(verdicts, kNoBadPlace);
     if (check.is_clean()) return;
-    for (uint64_t i = 0; i < n && first_bad_ == kNoBadPlace; ++i) check(i, first_bad_);
+    const bool is_one = verdicts == 1;
+    for (uint64_t i = 0; i < n && !(is_one && first_bad_[0] != kNoBadPlace); ++i) check(i, first_bad_.data());
   }
 
-  uint64_t first_bad() const { return first_bad_; }
+  std::span<const uint64_t> first_bad() const { return first_bad_; }
 
   template <class T>
   T read(const T* place) const {
@@ -81,7 +82,7 @@ class HostStaging {
 
   HostMemory memory_;
   Buffer<std::byte, HostMemory> room_{memory_, "staging"}, arrival_{memory_, "staging"};
-  uint64_t first_bad_ = kNoBadPlace;
+  std::vector<uint64_t> first_bad_;
 };
 
 static_assert(Memory<HostMemory> && StagingRoom<HostStaging>);

@@ -23,7 +23,7 @@ template <class Check>
 __global__ void __launch_bounds__(kCheckBlock) check_kernel(uint64_t n, Check check, uint64_t* first_bad) {
   const uint64_t stride = static_cast<uint64_t>(gridDim.x) * blockDim.x;
   for (uint64_t i = static_cast<uint64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride)
-    check(i, *first_bad);
+    check(i, first_bad);
 }
 
 /// On a stream of its own.
@@ -31,7 +31,7 @@ class CudaStaging {
  public:
   CudaStaging(int device, std::shared_ptr<MemoryLedger> ledger)
       : device_(use_device(device)), memory_(std::move(ledger)) {
-    verdict_.allocate(1);
+    verdicts_.allocate(1);
   }
   CudaStaging(const CudaStaging&) = delete;
   CudaStaging& operator=(const CudaStaging&) = delete;
@@ -81,23 +81,25 @@ class CudaStaging {
 
   /// A verdict is rare, so that the device writes it to the host's memory: no copy for frames without one.
   template <class Check>
-  void check(uint64_t n, const Check& check) {
+  void check(uint64_t n, uint64_t verdicts, const Check& check) {
     constexpr uint64_t kMaxBlocks = 2048;
     in_line_ = true;
-    *verdict_.data() = kNoBadPlace;
+    verdicts_.ensure(verdicts);
+    verdict_count_ = verdicts;
+    std::fill_n(verdicts_.data(), verdicts, kNoBadPlace);
     if (n != 0) {
       const unsigned blocks = static_cast<unsigned>(std::min(kMaxBlocks, (n + kCheckBlock - 1) / kCheckBlock));
-      check_kernel<<<blocks, kCheckBlock, 0, stream_>>>(n, check, verdict_.data());
+      check_kernel<<<blocks, kCheckBlock, 0, stream_>>>(n, check, verdicts_.data());
       check_cuda(cudaGetLastError(), "check of positions");
     }
     check_cuda(cudaEventRecord(arrived_, stream_), "check of positions");
   }
 
-  uint64_t first_bad() {
+  std::span<const uint64_t> first_bad() {
     const NvtxRange range("arrive");
     check_cuda(cudaEventSynchronize(arrived_), "arrival of positions");
     in_line_ = false;
-    return *verdict_.data();
+    return {verdicts_.data(), verdict_count_};
   }
 
   template <class T>
@@ -191,7 +193,8 @@ class CudaStaging {
   Buffer<std::byte, DeviceMemory> arrival_{memory_, "staging"}, table_{memory_, "staging"};
   Buffer<std::byte, PinnedMemory> room_{pinned_, "staging"}, spill_{pinned_, "staging"},
       table_room_{pinned_, "staging"};
-  Buffer<uint64_t, PinnedMemory> verdict_{pinned_, "staging"};
+  Buffer<uint64_t, PinnedMemory> verdicts_{pinned_, "staging"};
+  uint64_t verdict_count_ = 1;
   uint64_t table_bytes_ = 0;  ///< of the table that is there
   bool in_line_ = false;      ///< something may be, on the stream
   std::vector<Piece> pieces_;

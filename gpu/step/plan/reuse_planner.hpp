@@ -71,7 +71,7 @@ class ReusePlanner {
  public:
   explicit ReusePlanner(const SceneSpec& spec) {
     // Who names an engine wants to see it work.
-    const bool is_off = spec.reuse == Reuse::kAuto && spec.engine != Engine::kAuto;
+    const bool is_off = spec.worlds > 0 || (spec.reuse == Reuse::kAuto && spec.engine != Engine::kAuto);
     choices_.fill(ReuseChoice(is_off ? Reuse::kOff : spec.reuse));
   }
 

@@ -20,6 +20,7 @@ PRINTED = {
                              "without what is close at rest: flat 0, folded 8488 contacts\n",
     "resume_after_kill": "".join(f"frame {frame}: {int(frame == 3)} contacts, {int(frame > 2)} recreations\n"
                                  for frame in range(7)),
+    "scene_set": "250 contacts in 250 worlds\n" * 3,
     "sparse_update": "28 bytes, 0 vertex meets the ceiling\n28 bytes, 1 vertex meets the ceiling\n",
 }
 

@@ -15,6 +15,7 @@ PACKAGE = REPOSITORY / "client" / "python"
 PRINTED = {
     "first_contact": "vertex 3 meets triangle 0 at t = 0.500000000, at [1. 1. 0.]\n",
     "line_search": "first contact at 0.350, went 0.25, contacts 0, height 0.5\n",
+    "scene_batch": "".join(f"250 contacts in 250 worlds, from {first} to {first + 249}\n" for first in (0, 250, 500)),
     "sparse_update": "28 bytes, 0 vertex meets the ceiling\n28 bytes, 1 vertex meets the ceiling\n",
     "resume_after_kill": "".join(f"frame {frame}: {int(frame == 3)} contacts, {int(frame > 2)} recreations\n"
                                  for frame in range(1, 7)),

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <climits>
 #include <fstream>
 #include <iterator>
 
@@ -78,9 +79,9 @@ void check_options(const ConnectOptions& options) {
     throw Error(grpc::INVALID_ARGUMENT, "tls_ca is empty; tls_certificate and tls_server_name need it", "tls_ca");
 }
 
-grpc::ChannelArguments call_arguments() {
+grpc::ChannelArguments call_arguments(uint64_t max_answer_bytes) {
   grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(v1::kMaxAnswerBytes);
+  arguments.SetMaxReceiveMessageSize(static_cast<int>(std::min<uint64_t>(max_answer_bytes, INT_MAX)));
   return arguments;
 }
 
@@ -127,8 +128,8 @@ ChannelFactory ChannelFactory::with(ConnectOptions options) const {
   return {address_, std::move(options)};
 }
 
-std::shared_ptr<grpc::Channel> ChannelFactory::make() const {
-  grpc::ChannelArguments arguments = call_arguments();
+std::shared_ptr<grpc::Channel> ChannelFactory::make(uint64_t max_answer_bytes) const {
+  grpc::ChannelArguments arguments = call_arguments(max_answer_bytes);
   // Otherwise gRPC shares connections within a process, and failed attempts of one delay the others.
   arguments.SetInt("grpc.use_local_subchannel_pool", 1);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
@@ -140,9 +141,9 @@ std::shared_ptr<grpc::Channel> ChannelFactory::make() const {
   return grpc::CreateCustomChannel(address_, credentials_, arguments);
 }
 
-std::shared_ptr<grpc::Channel> ChannelFactory::connect() const {
-  if (in_process_) return in_process_->channel(call_arguments());
-  auto channel = make();
+std::shared_ptr<grpc::Channel> ChannelFactory::connect(uint64_t max_answer_bytes) const {
+  if (in_process_) return in_process_->channel(call_arguments(max_answer_bytes));
+  auto channel = make(max_answer_bytes);
   if (!channel->WaitForConnected(deadline_in(options_.patience)))
     throw Error(grpc::UNAVAILABLE, "no daemon answers at " + address_ + reason_of(channel));
   return channel;

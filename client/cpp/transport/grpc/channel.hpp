@@ -10,6 +10,7 @@
 
 #include "client/cpp/connect_options.hpp"
 #include "client/cpp/transport/in_process.hpp"
+#include "proto/constants.hpp"
 
 namespace collided::client {
 
@@ -33,9 +34,9 @@ class ChannelFactory {
   const std::shared_ptr<const InProcess>& in_process() const { return in_process_; }
   const ConnectOptions& options() const { return options_; }
   /// A channel with its own connection, not yet connected. Not in this process.
-  std::shared_ptr<grpc::Channel> make() const;
-  /// A connected one. Throws Error (UNAVAILABLE) after options().patience.
-  std::shared_ptr<grpc::Channel> connect() const;
+  std::shared_ptr<grpc::Channel> make(uint64_t max_answer_bytes = v1::kMaxAnswerBytes) const;
+  /// A connected one, whose answers have so many bytes at most. Throws Error (UNAVAILABLE) after options().patience.
+  std::shared_ptr<grpc::Channel> connect(uint64_t max_answer_bytes = v1::kMaxAnswerBytes) const;
   /// Has the token and, for a call about a scene, the metadata `scene-id`, by which proxies find its daemon.
   std::unique_ptr<grpc::ClientContext> context(const std::string& scene_id = "") const;
   /// The same with a deadline: that of the options plus `more`.

@@ -11,17 +11,17 @@ from collided.errors import DeadlineExceeded, Unavailable, error_of_call
 from collided.v1 import collision_service_pb2 as api
 from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
 
-_MAX_ANSWER_BYTES = 4 << 20
+MAX_ANSWER_BYTES = 4 << 20
 _CONNECTION = (("grpc.keepalive_time_ms", 10_000), ("grpc.keepalive_timeout_ms", 5_000),
                ("grpc.keepalive_permit_without_calls", 1), ("grpc.http2.max_pings_without_data", 0),
                # A daemon that was started again is found soon.
                ("grpc.initial_reconnect_backoff_ms", 100), ("grpc.max_reconnect_backoff_ms", 1_000))
 
 
-def open_channel(address: str, options: ConnectOptions) -> grpc.Channel:
+def open_channel(address: str, options: ConnectOptions, max_answer_bytes: int = MAX_ANSWER_BYTES) -> grpc.Channel:
     """A channel of its own, which connects with its first call."""
     settings: list[tuple[str, Any]] = [
-        ("grpc.max_receive_message_length", _MAX_ANSWER_BYTES), ("grpc.max_send_message_length", -1),
+        ("grpc.max_receive_message_length", max_answer_bytes), ("grpc.max_send_message_length", -1),
         # Otherwise gRPC shares connections within a process, and failed attempts of one delay the others.
         ("grpc.use_local_subchannel_pool", 1), *_CONNECTION]
     if is_local_address(address):

@@ -12,15 +12,15 @@ from typing import Any
 import grpc
 import numpy as np
 
-from collided.connection.channel import ask_for_info, metadata, open_channel
+from collided.connection.channel import MAX_ANSWER_BYTES, ask_for_info, metadata, open_channel
 from collided.connection.mesh_elements import MeshElements, read_elements
 from collided.connection.options import ConnectOptions, is_local_address
 from collided.connection.own_daemon import OwnDaemon, shared_daemon
 from collided.errors import Error, InvalidArgument, Unavailable, error_of_call
 from collided.layout import Layout
 from collided.options import SceneOptions
+from collided.v1 import batch_pb2, scene_pb2
 from collided.v1 import collision_service_pb2 as api
-from collided.v1 import scene_pb2
 from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
 
 _TRIANGLES_PER_CHUNK = (1 << 20) // 12  # 1 MiB, well below the limit of any daemon
@@ -101,10 +101,19 @@ class Client:
 
     def create_scene(self, layout: Layout, options: SceneOptions, lease_seconds: float) -> scene_pb2.Scene:
         """Retries if the answer is lost, without ever creating two scenes."""
-        spec = full_spec(layout, options)
-        self.channel()  # a daemon that does not answer at all is waited for once
-        request = api.CreateSceneRequest(request_id=uuid.uuid4().hex, spec=spec, lease_seconds=lease_seconds)
-        scene = self._create(request)
+        request = api.CreateSceneRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
+                                         lease_seconds=lease_seconds)
+        return self._upload_all(self._create("CreateScene", request).scene, layout)
+
+    def create_scenes(self, layout: Layout, options: SceneOptions, count: int, lease_seconds: float) -> scene_pb2.Scene:
+        """The same for a set of `count` scenes of one spec."""
+        if isinstance(count, bool) or not isinstance(count, int) or not 0 <= count < 2**32:
+            raise InvalidArgument(f"count is {count!r}; it must be from 1 to 65536", field="count")
+        request = batch_pb2.CreateScenesRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
+                                                count=count, lease_seconds=lease_seconds)
+        return self._upload_all(self._create("CreateScenes", request).scenes, layout)
+
+    def _upload_all(self, scene: scene_pb2.Scene, layout: Layout) -> scene_pb2.Scene:
         try:
             for index, mesh in layout.present():
                 if len(mesh.triangles):
@@ -131,11 +140,11 @@ class Client:
             channel.close()
             raise
 
-    def separate_channel(self, endpoint: str = "") -> grpc.Channel:
-        """A connection of its own for a stream, to the scene's endpoint if it has one."""
+    def separate_channel(self, endpoint: str = "", max_answer_bytes: int = MAX_ANSWER_BYTES) -> grpc.Channel:
+        """A connection of its own, to the scene's endpoint if it has one, for answers of so many bytes."""
         address = endpoint or self.address
         self.options.check(address)
-        return open_channel(address, self.options)
+        return open_channel(address, self.options, max_answer_bytes)
 
     def local_socket(self, endpoint: str) -> str:
         """Path of the daemon's local socket, if it has one and is on this host; else empty."""
@@ -153,20 +162,21 @@ class Client:
         self.reconnect()
 
     def call(self, method: str | Callable[..., Any], request: Any, scene_id: str = "",
-             timeout: float | None = None) -> Any:
-        """One call. method: its name, or what the channel gives for it."""
+             timeout: float | None = None, channel: grpc.Channel | None = None) -> Any:
+        """One call, on another channel than the client's if one is given. method: its name, or what a channel gives for it."""
         try:
-            call = getattr(CollisionServiceStub(self.channel()), method) if isinstance(method, str) else method
+            call = getattr(CollisionServiceStub(channel or self.channel()), method) if isinstance(method, str) else method
             return call(request, timeout=timeout or self.options.deadline, metadata=metadata(self.options, scene_id))
         except grpc.RpcError as error:
             raise error_of_call(error) from None
         except ValueError:  # of gRPC, where another thread has closed the channel meanwhile
             raise Unavailable("the connection was closed during the call") from None
 
-    def _create(self, request: api.CreateSceneRequest) -> scene_pb2.Scene:
+    def _create(self, method: str, request: Any) -> Any:
+        self.channel()  # a daemon that does not answer at all is waited for once
         for tries in range(1, _CREATE_TRIES + 1):
             try:
-                return self.call("CreateScene", request).scene
+                return self.call(method, request)
             except Unavailable:
                 if tries == _CREATE_TRIES:
                     raise
