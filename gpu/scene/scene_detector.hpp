@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "gpu/contacts/world_results.hpp"
 #include "gpu/detector.hpp"
 #include "gpu/positions/sample.hpp"
 #include "gpu/scene/edit.hpp"
@@ -13,7 +14,6 @@
 #include "gpu/scene/scene_model.hpp"
 #include "gpu/step/advance.hpp"
 #include "gpu/step/pipeline.hpp"
-#include "gpu/step/world_results.hpp"
 #include "gpu/tables/tables.hpp"
 
 namespace collided {

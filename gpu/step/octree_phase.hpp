@@ -99,11 +99,10 @@ class OctreePhase {
   void box_triangles(bool all) {
     using Work = BoxTriangles<Real>;
     for (const TriangleRun& run : runs(all))
-      exec_.for_each_group(
-          "box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
-          Work{motion(), scene_.deviations(is_ccd_), triangles(), edges(), scene_.topology.owned.all(), run.first,
-               run.count, scene_.boxes.all(), scene_.records.all(), scene_.triangle_inflations(), margin_,
-               scene_.stepped_worlds()});
+      exec_.for_each_group("box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
+                           Work{motion(), scene_.deviations(is_ccd_), triangles(), edges(), scene_.topology.owned.all(),
+                                run.first, run.count, scene_.boxes.all(), scene_.records.all(),
+                                scene_.triangle_inflations(), margin_, scene_.stepped_worlds()});
   }
 
   // Section 3.2: number of levels.

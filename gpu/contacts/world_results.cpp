@@ -1,4 +1,4 @@
-#include "gpu/step/world_results.hpp"
+#include "gpu/contacts/world_results.hpp"
 
 namespace collided {
 namespace {
