@@ -43,7 +43,7 @@ struct ResidentTopology {
   ExcludedPairs excluded_pairs() const { return {rings(), {rest_pairs.all()}}; }
 
   // Of all worlds.
-  uint64_t triangle_count() const { return uint64_t{shape.worlds} * shape.triangles; }
+  uint64_t triangle_count() const { return shape.worlds * triangles.capacity(); }
   WorldTable<Triangle> corners() const { return {triangles.all(), shape.worlds, shape.vertices}; }
   WorldTable<Triangle> sides() const { return {triangle_edges.all(), shape.worlds, shape.edges}; }
   WorldTable<EdgePair> edge_ends() const { return {edges.all(), shape.worlds, shape.vertices}; }
