@@ -66,7 +66,12 @@ class Figures(unittest.TestCase):
         self.expect(shown[4], thousand["latency_ms"]["p99"], "p99 of 1,000 streams")
 
     def test_tests_of_engines(self):
-        self.expect_rows("| tests | octree |", "steps/2026-11-21-engines-tests.json")
+        others, subdivided = (words_of(f"steps/{name}.json") for name in ("2026-11-21-engines-tests", "2026-11-23-vss-tests"))
+        rows = FIGURES.table("| tests | octree |")[1:]
+        self.assertGreater(len(rows), 10)
+        for row in rows:
+            self.assertIn(tuple(row[:-1]), others)
+            self.assertIn((row[0], row[-1]), subdivided)
 
     def test_switches(self):
         self.expect_rows("commit 32be86c ([file](results/updates", "updates/2026-11-23-h200-switches.json")
