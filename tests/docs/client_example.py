@@ -16,6 +16,7 @@ PROGRAM = """\
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -23,6 +24,7 @@ PROGRAM = """\
 
 #include <grpcpp/support/status_code_enum.h>
 
+#include "client/cpp/batch/scene_set.hpp"
 #include "client/cpp/session.hpp"
 #include "client/in_process/local.hpp"
 
@@ -74,6 +76,16 @@ v1::Scene make(const v1::SceneSpec& spec, std::span<const MeshInput> meshes, con
   return scene;
 }
 
+void step_together(Client& client, const v1::SceneSpec& spec, std::span<const MeshInput> meshes) {
+  std::vector<float> positions;
+  for (int world = 0; world < 1000; ++world) positions.insert(positions.end(), before.begin(), before.end());
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(positions));
+  uint64_t responses = 0;
+  const auto respond = [&](uint32_t, const auto&) { ++responses; };
+@sets@
+if (responses != output.vertex_triangle.elements.size()) throw std::runtime_error("contacts of no world");
+}
+
 void share(Client& client, const v1::Scene& scene, uint64_t id) {
 @second@
   output.check();
@@ -106,18 +118,19 @@ int main(int argc, char**) {
   call_back(spec, {&mesh, 1}, before);
   const v1::Scene scene = make(spec, {&mesh, 1}, before, 1);
   Client client = Client::connect(address, options);
+  step_together(client, spec, {&mesh, 1});
   share(client, scene, 2);
   go_on(scene, 5);
 }
 """
 
 repository, output = map(pathlib.Path, sys.argv[1:])
-session, callback, first, second, here, third = Page(repository / "client" / "cpp" / "README.md").blocks("cpp")
+session, callback, first, sets, second, here, third = Page(repository / "client" / "cpp" / "README.md").blocks("cpp")
 for text, part in ((first, TO_ANOTHER_HOST), (session, SESSION_THERE)):
     if part not in text:
         sys.exit(f"the C++ of client/cpp/README.md lacks {part}")
 program = PROGRAM
-for name, text in (("callback", callback), ("here", here), ("first", first), ("second", second), ("third", third),
+for name, text in (("callback", callback), ("here", here), ("first", first), ("sets", sets), ("second", second), ("third", third),
                    ("session here", session.replace(SESSION_THERE, "Session::open(address, spec, meshes)")),
                    ("first here", first.replace(TO_ANOTHER_HOST, "Client::connect(address, options)"))):
     program = program.replace(f"@{name}@", text)
