@@ -199,6 +199,7 @@ TEST(LocalLines, OfASkippedFrameCarryTheRequest) {
     raw.half_close();
     EXPECT_EQ(raw.closed().code(), 0);
   }
+  flush_log();
   const std::string text = testing::internal::GetCapturedStderr();
   set_up_log("text", "off");
   std::istringstream lines(text);

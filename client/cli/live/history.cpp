@@ -31,11 +31,16 @@ void History::add(const client::WatchedFrame& frame, v1::Report report, Clock::t
 }
 
 // A stage that does not run in a frame takes no time there: its last value is that of the last frame, as of all others.
+// One that ran in none of them goes.
 void History::begin_frame() {
   for (Series& one : series_) {
     one.values.push_back(0);
     if (one.values.size() > kFrames) one.values.pop_front();
   }
+  std::erase_if(series_, [](const Series& one) {
+    return one.name.starts_with(' ') && one.values.size() == kFrames &&
+           std::ranges::all_of(one.values, [](double value) { return value == 0; });
+  });
 }
 
 void History::put_counts(const Json& counts) {

@@ -35,7 +35,7 @@ class CudaExec {
   /// `threads`: of the host, for what is done there; 0: all cores.
   CudaExec(int device, int threads, MemoryLimits memory)
       : device_(use_device(device)),
-        memory_(std::make_shared<MemoryLedger>(std::move(memory))),
+        memory_(device, std::make_shared<MemoryLedger>(std::move(memory))),
         loops_(threads),
         scratch_(*this, "scratch"),
         arrived_(*this, "counters"),
@@ -53,8 +53,10 @@ class CudaExec {
   CudaExec(const CudaExec&) = delete;
   CudaExec& operator=(const CudaExec&) = delete;
   ~CudaExec() {
-    cudaStreamDestroy(stream_);
-    cudaStreamDestroy(side_);
+    for (cudaStream_t* stream : {&stream_, &side_}) {
+      cudaStreamSynchronize(*stream);
+      cudaStreamDestroy(std::exchange(*stream, nullptr));
+    }
     cudaEventDestroy(fork_);
     cudaEventDestroy(join_);
   }
@@ -68,6 +70,7 @@ class CudaExec {
   }
   void deallocate(const std::string& part, void* memory, uint64_t bytes) {
     ++generation_;
+    if (stream_ != nullptr) cudaStreamSynchronize(stream_);  // what is in line may use it
     memory_.deallocate(part, memory, bytes);
   }
   static constexpr bool kLaunchesCost = true;

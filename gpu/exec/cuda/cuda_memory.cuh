@@ -25,29 +25,53 @@ inline int use_device(int device) {
   return device;
 }
 
+// Memory of the device comes from the device's pool: cudaMalloc and cudaFree let everything on the device wait, also
+// the frames of other scenes. What scenes gave back stays with the process, up to kPooledBytes, for the next ones.
+
+constexpr uint64_t kPooledBytes = uint64_t{1} << 30;
+
+/// Sets it up; false: the device has none.
+inline bool has_memory_pool(int device) {
+  int is_supported = 0;
+  if (cudaDeviceGetAttribute(&is_supported, cudaDevAttrMemoryPoolsSupported, device) != cudaSuccess ||
+      is_supported == 0)
+    return false;
+  cudaMemPool_t pool = nullptr;
+  uint64_t bytes = kPooledBytes;
+  return cudaDeviceGetDefaultMemPool(&pool, device) == cudaSuccess &&
+         cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &bytes) == cudaSuccess;
+}
+
 /// Memory of the device, booked in a scene's ledger. From any thread.
 class DeviceMemory {
  public:
-  explicit DeviceMemory(std::shared_ptr<MemoryLedger> ledger) : ledger_(std::move(ledger)) {}
+  DeviceMemory(int device, std::shared_ptr<MemoryLedger> ledger)
+      : device_(device), ledger_(std::move(ledger)), is_pooled_(has_memory_pool(device)) {}
 
+  /// For any stream from then on. `device` is the calling thread's.
   void* allocate(const std::string& part, uint64_t bytes) {
     ledger_->take(part, bytes);
     void* memory = nullptr;
-    const cudaError_t error = cudaMalloc(&memory, bytes);
+    cudaError_t error = is_pooled_ ? cudaMallocAsync(&memory, bytes, cudaStreamPerThread) : cudaMalloc(&memory, bytes);
+    if (error == cudaSuccess && is_pooled_) error = cudaStreamSynchronize(cudaStreamPerThread);
     if (error != cudaSuccess) {
       ledger_->give_back(part, bytes);
       check_cuda(error, (part + ": " + std::to_string(bytes) + " bytes").c_str());
     }
     return memory;
   }
+  /// Nothing in line may use it any more.
   void deallocate(const std::string& part, void* memory, uint64_t bytes) {
-    cudaFree(memory);
+    cudaSetDevice(device_);  // the calling thread may be a new one
+    is_pooled_ ? cudaFreeAsync(memory, cudaStreamPerThread) : cudaFree(memory);
     ledger_->give_back(part, bytes);
   }
   const std::shared_ptr<MemoryLedger>& ledger() const { return ledger_; }
 
  private:
+  int device_;
   std::shared_ptr<MemoryLedger> ledger_;
+  bool is_pooled_;
 };
 
 /// Memory of the host that the device reads and writes directly, booked in a scene's ledger. From any thread.

@@ -30,7 +30,7 @@ __global__ void __launch_bounds__(kCheckBlock) check_kernel(uint64_t n, Check ch
 class CudaStaging {
  public:
   CudaStaging(int device, std::shared_ptr<MemoryLedger> ledger)
-      : device_(use_device(device)), memory_(std::move(ledger)) {
+      : device_(use_device(device)), memory_(device, std::move(ledger)) {
     verdicts_.allocate(1);
   }
   CudaStaging(const CudaStaging&) = delete;

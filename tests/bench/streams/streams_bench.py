@@ -7,7 +7,7 @@ usage: streams_bench.py DAEMON COLLIDECTL [--backend auto|cpu|cuda] [--streams N
 Each scene alone with 1 to 64 streams that keep two frames in flight (closed loop): frames a second of all streams, and
 the median and the 99th percentile of a frame, in ms. `mixed` is 32 streams of the small scene at 30 frames a second
 each, alone and beside a stream of the large one that keeps its window full. The daemon is its own, a new one for each
-measurement.
+measurement. The first frames of each stream, in which a scene compares engines, are not counted.
 """
 
 import argparse
@@ -21,6 +21,7 @@ import time
 
 SCENES = {"small": ("reef_knot", 0.15), "medium": ("reef_knot", 1.0), "large": ("cloth_ball", 1.04)}
 LIGHT_STREAMS, LIGHT_RATE = 32, 30
+WARM_UP, LIGHT_WARM_UP = 100, 30  # frames
 START_SECONDS = 30
 
 
@@ -74,16 +75,18 @@ def figures(result):
 def alone(arguments, scene, streams):
     with daemon(arguments.daemon, arguments.backend) as address:
         return figures(result_of(started(load_command(arguments, address, scene, "--clients", streams, "--closed-loop",
-                                                      "--seconds", arguments.seconds))))
+                                                      "--warm-up", WARM_UP, "--seconds", arguments.seconds))))
 
 
 def light(arguments, with_heavy):
     """Of the light streams, beside the heavy one or not."""
     with daemon(arguments.daemon, arguments.backend) as address:
+        seconds = arguments.seconds + 1.5 * LIGHT_WARM_UP / LIGHT_RATE
         heavy = started(load_command(arguments, address, "large", "--closed-loop", "--seconds",
-                                     arguments.seconds + 2)) if with_heavy else None
+                                     seconds + 2)) if with_heavy else None
         found = figures(result_of(started(load_command(arguments, address, "small", "--clients", LIGHT_STREAMS, "--rate",
-                                                       LIGHT_RATE, "--seconds", arguments.seconds))))
+                                                       LIGHT_RATE, "--warm-up", LIGHT_WARM_UP, "--seconds",
+                                                       seconds))))
         if heavy:
             found["heavy_frames_per_second"] = figures(result_of(heavy))["frames_per_second"]
         return found

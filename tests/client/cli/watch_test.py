@@ -193,7 +193,7 @@ class Table(Watched):
             shown.resize(10, 60)
             shown.wait_for(b"larger", at)
             at = len(shown.text)
-            shown.resize(40, 100)
+            shown.resize(60, 100)
             shown.wait_for(b"device_bytes", at)
             shown.type(b"q")
             self.assertEqual(shown.end(), 0)
