@@ -65,6 +65,19 @@ class Figures(unittest.TestCase):
         self.expect(shown[3], thousand["latency_ms"]["p50"], "median of 1,000 streams")
         self.expect(shown[4], thousand["latency_ms"]["p99"], "p99 of 1,000 streams")
 
+    def test_throughput_against_streams(self):
+        found = result("load/2026-11-23-h200-streams.json")
+        small = {run["streams"]: run for run in found["runs"] if run["scene"] == "small"}
+        large = {run["streams"]: run for run in found["runs"] if run["scene"] == "large"}
+        alone, beside = found["mixed"]["alone"], found["mixed"]["beside_heavy"]
+        text = FIGURES.text[FIGURES.text.index("## Many streams"):]
+        for shown, value in ((r"get\n([\d,]+) frames", small[48]["frames_per_second"]),
+                             (r"64 get ([\d,]+)\.", small[64]["frames_per_second"]),
+                             (r"take ([\d.]+) ms alone", alone["p99_ms"]), (r"and ([\d.]+) beside", beside["p99_ms"]),
+                             (r"takes ([\d,]+) frames", beside["heavy_frames_per_second"]),
+                             (r"([\d,]+) later", large[32]["frames_per_second"])):
+            self.expect(re.search(shown, text)[1], value, shown)
+
     def test_tests_of_engines(self):
         others, subdivided = (words_of(f"steps/{name}.json") for name in ("2026-11-21-engines-tests", "2026-11-23-vss-tests"))
         rows = FIGURES.table("| tests | octree |")[1:]
