@@ -15,7 +15,6 @@
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/concepts.hpp"
 #include "gpu/exec/cpu/cpu_loops.hpp"
-#include "gpu/exec/cuda/awake.cuh"
 #include "gpu/exec/cuda/cuda_memory.cuh"
 #include "gpu/exec/cuda/for_each.cuh"
 #include "gpu/exec/cuda/in_parts.cuh"
@@ -24,9 +23,8 @@
 #include "gpu/exec/cuda/resumable.cuh"
 #include "gpu/exec/cuda/stage_events.cuh"
 #include "gpu/exec/cuda/staging.cuh"
-#include "gpu/exec/cuda/step_answer.cuh"
 #include "gpu/exec/cuda/step_graph.cuh"
-#include "gpu/exec/cuda/stop_word.cuh"
+#include "gpu/exec/cuda/waiting.cuh"
 
 namespace collided {
 
@@ -40,8 +38,6 @@ class CudaExec {
         scratch_(*this, "scratch"),
         arrived_(*this, "counters"),
         times_(*this, "counters") {
-    check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate");
-    check_cuda(cudaStreamCreateWithFlags(&side_, cudaStreamNonBlocking), "cudaStreamCreate");
     cudaDeviceProp properties{};
     check_cuda(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
     info_ = {Backend::kCuda, properties.name, properties.totalGlobalMem};
@@ -53,10 +49,7 @@ class CudaExec {
   CudaExec(const CudaExec&) = delete;
   CudaExec& operator=(const CudaExec&) = delete;
   ~CudaExec() {
-    for (cudaStream_t* stream : {&stream_, &side_}) {
-      cudaStreamSynchronize(*stream);
-      cudaStreamDestroy(std::exchange(*stream, nullptr));
-    }
+    for (cudaStream_t stream : {stream_, side_}) cudaStreamSynchronize(stream);
     cudaEventDestroy(fork_);
     cudaEventDestroy(join_);
   }
@@ -70,7 +63,7 @@ class CudaExec {
   }
   void deallocate(const std::string& part, void* memory, uint64_t bytes) {
     ++generation_;
-    if (stream_ != nullptr) cudaStreamSynchronize(stream_);  // what is in line may use it
+    cudaStreamSynchronize(stream_);  // what is in line may use it
     memory_.deallocate(part, memory, bytes);
   }
   static constexpr bool kLaunchesCost = true;
@@ -178,7 +171,7 @@ class CudaExec {
     graph->launch(stream_);
     answer_.send(stream_, {reinterpret_cast<const uint64_t*>(result), kWords}, times_.all());
     ++graph_launches_;
-    wait_for_answer();
+    draining_if_thrown(stop_, stream_, [&] { wait_for_answer(answer_, stream_, asks()); });
     graph->keep_times(answer_.second(kWords));
     T host;
     std::memcpy(&host, answer_.first(), sizeof(T));
@@ -193,7 +186,7 @@ class CudaExec {
     const NvtxRange range("step by parts");
     check_cuda(cudaEventRecord(fork_, stream_), "step");
     in_parts_ = true;
-    draining_if_thrown(f);
+    draining_if_thrown(stop_, stream_, f);
     in_parts_ = false;
     check_cuda(cudaEventRecord(join_, stream_), "step");
     const T found = peek(result);
@@ -204,7 +197,7 @@ class CudaExec {
   T peek(const T* result) {
     T host;
     download_async(host_memory(sizeof(T)), result, sizeof(T));
-    wait_for_step();
+    draining_if_thrown(stop_, stream_, [&] { wait_until_drained(stream_, asks()); });
     std::memcpy(&host, host_.data(), sizeof(T));
     return host;
   }
@@ -356,44 +349,6 @@ class CudaExec {
     begin_now();
   }
 
-  // The host asks while the device works. If anything ends the frame, what is in line drains: the loops that take long
-  // see the stop word.
-
-  void wait_for_answer() {
-    constexpr unsigned kLooks = 1024;  // before the driver is asked, which knows of errors
-    draining_if_thrown([&] {
-      const Awake awake;
-      for (unsigned look = 1; !answer_.has_come(); ++look) {
-        if (look % kLooks == 0) is_step_over();
-        awake.rest(look);
-        asks().ask_if_due();
-      }
-    });
-  }
-  void wait_for_step() {
-    draining_if_thrown([&] {
-      while (!is_step_over()) asks().ask_if_due();
-    });
-  }
-  bool is_step_over() {
-    const cudaError_t state = cudaStreamQuery(stream_);
-    if (state != cudaErrorNotReady) check_cuda(state, "step");
-    return state == cudaSuccess;
-  }
-  template <class F>
-  void draining_if_thrown(const F& f) {
-    try {
-      f();
-    } catch (const DeviceError&) {
-      throw;
-    } catch (...) {
-      stop_.set();
-      wait();
-      stop_.clear(stream_);
-      throw;
-    }
-  }
-
   /// Calls a CUB function with the memory that it asks for.
   template <class Call>
   void with_scratch(const char* name, const Call& call) {
@@ -412,7 +367,8 @@ class CudaExec {
   DeviceInfo info_;
   DeviceMemory memory_;
   CpuLoops loops_;
-  cudaStream_t stream_ = nullptr, side_ = nullptr;
+  CudaStream streams_[2];  ///< which outlive all buffers
+  cudaStream_t stream_ = streams_[0], side_ = streams_[1];
   cudaEvent_t fork_ = make_event(), join_ = make_event();
   uint64_t generation_ = 0;  ///< of the buffers: changes whenever one does
   StepGraphs graphs_;

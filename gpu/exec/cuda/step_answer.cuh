@@ -5,7 +5,6 @@
 #include <cuda_runtime.h>
 
 #include <atomic>
-#include <cstring>
 
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/cuda/cuda_memory.cuh"
