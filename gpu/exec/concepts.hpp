@@ -251,8 +251,9 @@ concept StagingRoom = requires(S& staging, uint64_t n, const std::vector<Source>
   /// The same for a table that stays as it is meanwhile; after the sources.
   { staging.bring(table) } -> std::same_as<const uint64_t*>;
   /// check(i, first_bad) for i in [0, n), on the backend, after the sources; it may be left out if check.is_clean().
-  /// `first_bad` are n verdicts, each kNoBadPlace at first.
-  { staging.check(n, n, check) } -> std::same_as<void>;
+  /// `first_bad` are n verdicts, each kNoBadPlace at first. The second check is the same with its tables on the host,
+  /// for sources that the host may read.
+  { staging.check(n, n, check, check) } -> std::same_as<void>;
   /// The verdicts. Waits for the check, and so for all that was brought.
   { staging.first_bad() } -> std::same_as<std::span<const uint64_t>>;
   /// A value of what was brought. Waits.

@@ -42,8 +42,9 @@ class SceneSlot final : public FrameSlot {
     is_sent_ = false;
     check_updates(shape_->spec, updates);
     bring(updates);
-    staging_.check(positions_.count, count_worlds(shape_->spec),
-                   CheckPositions<Real>{positions_, static_cast<Real>(coordinate_limit(shape_->spec.scalar))});
+    const Real limit = static_cast<Real>(coordinate_limit(shape_->spec.scalar));
+    staging_.check(positions_.count, count_worlds(shape_->spec), CheckPositions<Real>{positions_, limit},
+                   CheckPositions<Real>{on_host(), limit});
     is_sent_ = true;
   }
 
@@ -107,8 +108,7 @@ class SceneSlot final : public FrameSlot {
   }
 
   [[noreturn]] void refuse(const BadPosition& bad) {
-    const size_t update =
-        PositionRuns<Real>{{runs_.data(), runs_.size()}, positions_.count, quantization_}.run_of(bad.position);
+    const size_t update = on_host().run_of(bad.position);
     const PositionRun& run = runs_[update];
     const uint64_t k = bad.position - run.first;
     const uint32_t index = run.indices != nullptr ? staging_.read(run.indices + k) : static_cast<uint32_t>(k);
@@ -119,6 +119,9 @@ class SceneSlot final : public FrameSlot {
     const Real value = bad.coordinate == 0 ? p.x : bad.coordinate == 1 ? p.y : p.z;
     refuse_coordinate(place, is_end, {index, bad.coordinate, value, coordinate_limit(shape_->spec.scalar)});
   }
+
+  /// The frame's positions, by the host's own table.
+  PositionRuns<Real> on_host() const { return {{runs_.data(), runs_.size()}, positions_.count, quantization_}; }
 
   std::shared_ptr<const SceneShape> shape_;
   const Quantization quantization_;

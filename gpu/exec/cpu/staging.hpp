@@ -27,6 +27,14 @@ inline bool lies_within(const Source& source, const std::byte* begin, uint64_t b
   return begin != nullptr && not_after(begin, source.data()) && not_after(source.data() + source.size(), begin + bytes);
 }
 
+/// The verdicts of a check on the host.
+template <class Check>
+void check_on_host(uint64_t n, std::span<uint64_t> first_bad, const Check& check) {
+  if (check.is_clean()) return;
+  const bool is_one = first_bad.size() == 1;
+  for (uint64_t i = 0; i < n && !(is_one && first_bad[0] != kNoBadPlace); ++i) check(i, first_bad.data());
+}
+
 /// What is in room() and aligned is used in place, all else is copied.
 class HostStaging {
  public:
@@ -60,11 +68,9 @@ class HostStaging {
   }
 
   template <class Check>
-  void check(uint64_t n, uint64_t verdicts, const Check& check) {
+  void check(uint64_t n, uint64_t verdicts, const Check&, const Check& on_host) {
     first_bad_.assign(verdicts, kNoBadPlace);
-    if (check.is_clean()) return;
-    const bool is_one = verdicts == 1;
-    for (uint64_t i = 0; i < n && !(is_one && first_bad_[0] != kNoBadPlace); ++i) check(i, first_bad_.data());
+    check_on_host(n, first_bad_, on_host);
   }
 
   std::span<const uint64_t> first_bad() const { return first_bad_; }

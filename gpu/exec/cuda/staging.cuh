@@ -1,6 +1,7 @@
 #pragma once
 // Bytes on their way to a GPU, on a stream of their own, beside the frame in work. They are checked on the device: what
-// the host reads may be memory that others still change.
+// the host reads may be memory that others still change. Few bytes are copied to pinned memory that nobody else knows,
+// checked there by the host, and read from there by the device: a copy and a check of the device's take longer.
 
 #include <cuda_runtime.h>
 
@@ -55,11 +56,12 @@ class CudaStaging {
     use_device(device_);
     wait_idle();
     const uint64_t bytes = lay_out(sources, alignment);
-    arrival_.ensure(bytes);
+    stays_on_host_ = bytes <= kFewBytes && can_host_read_all();
+    if (!stays_on_host_) arrival_.ensure(bytes);
     spill(alignment);
-    copy_pieces();
+    if (!stays_on_host_) copy_pieces();
     std::vector<const std::byte*> places;
-    for (const Piece& piece : pieces_) places.push_back(piece.bytes == 0 ? nullptr : arrival_.data() + piece.offset);
+    for (const Piece& piece : pieces_) places.push_back(piece.bytes == 0 ? nullptr : place_of(piece));
     return places;
   }
 
@@ -81,29 +83,32 @@ class CudaStaging {
 
   /// A verdict is rare, so that the device writes it to the host's memory: no copy for frames without one.
   template <class Check>
-  void check(uint64_t n, uint64_t verdicts, const Check& check) {
+  void check(uint64_t n, uint64_t verdicts, const Check& check, const Check& on_host) {
     constexpr uint64_t kMaxBlocks = 2048;
-    in_line_ = true;
     verdicts_.ensure(verdicts);
     verdict_count_ = verdicts;
     std::fill_n(verdicts_.data(), verdicts, kNoBadPlace);
-    if (n != 0) {
+    if (stays_on_host_) {
+      check_on_host(n, {verdicts_.data(), verdicts}, on_host);
+    } else if (n != 0) {
+      in_line_ = true;
       const unsigned blocks = static_cast<unsigned>(std::min(kMaxBlocks, (n + kCheckBlock - 1) / kCheckBlock));
       check_kernel<<<blocks, kCheckBlock, 0, stream_>>>(n, check, verdicts_.data());
       check_cuda(cudaGetLastError(), "check of positions");
     }
-    check_cuda(cudaEventRecord(arrived_, stream_), "check of positions");
+    if (in_line_) check_cuda(cudaEventRecord(arrived_, stream_), "check of positions");
   }
 
   std::span<const uint64_t> first_bad() {
     const NvtxRange range("arrive");
-    check_cuda(cudaEventSynchronize(arrived_), "arrival of positions");
+    if (in_line_) check_cuda(cudaEventSynchronize(arrived_), "arrival of positions");
     in_line_ = false;
     return {verdicts_.data(), verdict_count_};
   }
 
   template <class T>
   T read(const T* place) {
+    if (stays_on_host_) return *place;
     T value;
     copy(&value, place, sizeof(T));
     check_cuda(cudaStreamSynchronize(stream_), "arrival of positions");
@@ -114,10 +119,13 @@ class CudaStaging {
   void read_last_by(cudaStream_t stream) { check_cuda(cudaEventRecord(placed_, stream), "placing of positions"); }
 
  private:
+  static constexpr uint64_t kFewBytes = 64 << 10;
+
   struct Piece {
     const std::byte* from;
     uint64_t bytes, offset;
-    bool is_pageable, is_own;  ///< is_own: in room() or spilled, where neighbours are copied as one
+    cudaMemoryType type;
+    bool is_own;  ///< in room() or spilled, where neighbours are copied as one
   };
 
   /// Waits until nothing of the last frame's is in use.
@@ -127,12 +135,19 @@ class CudaStaging {
     check_cuda(cudaEventSynchronize(placed_), "placing of positions");
   }
 
-  static bool is_pageable(const std::byte* memory) {
+  static cudaMemoryType type_of(const std::byte* memory) {
     cudaPointerAttributes attributes{};
-    if (cudaPointerGetAttributes(&attributes, memory) == cudaSuccess)
-      return attributes.type == cudaMemoryTypeUnregistered;
+    if (cudaPointerGetAttributes(&attributes, memory) == cudaSuccess) return attributes.type;
     cudaGetLastError();
-    return true;
+    return cudaMemoryTypeUnregistered;
+  }
+  bool can_host_read_all() const {
+    return std::all_of(pieces_.begin(), pieces_.end(), [](const Piece& piece) {
+      return piece.type == cudaMemoryTypeUnregistered || piece.type == cudaMemoryTypeHost;
+    });
+  }
+  const std::byte* place_of(const Piece& piece) const {
+    return stays_on_host_ ? piece.from : arrival_.data() + piece.offset;
   }
 
   /// Decides where each source goes; bytes in all.
@@ -140,26 +155,28 @@ class CudaStaging {
     pieces_.clear();
     uint64_t end = 0;
     for (const Source& source : sources) {
-      const bool in_room = lies_within(source, room_.data(), room_.capacity());
-      const bool pageable = !in_room && !source.empty() && is_pageable(source.data());
+      const bool in_room = source.empty() || lies_within(source, room_.data(), room_.capacity());
+      const cudaMemoryType type = in_room ? cudaMemoryTypeHost : type_of(source.data());
       const uint64_t offset = aligned(end, alignment);
-      pieces_.push_back({source.data(), source.size(), offset, pageable, in_room || pageable});
+      pieces_.push_back({source.data(), source.size(), offset, type, in_room});
       if (!source.empty()) end = offset + source.size();
     }
     return end;
   }
 
-  /// Copies what the device cannot read to where it can.
+  /// Whether the device is to read a copy of it.
+  bool must_spill(const Piece& piece) const { return stays_on_host_ || piece.type == cudaMemoryTypeUnregistered; }
   void spill(uint64_t alignment) {
     uint64_t bytes = 0;
     for (const Piece& piece : pieces_)
-      if (piece.is_pageable) bytes = aligned(bytes, alignment) + piece.bytes;
+      if (must_spill(piece)) bytes = aligned(bytes, alignment) + piece.bytes;
     spill_.ensure(bytes);
     std::byte* next = spill_.data();
     for (Piece& piece : pieces_) {
-      if (!piece.is_pageable) continue;
+      if (!must_spill(piece)) continue;
       std::memcpy(next, piece.from, piece.bytes);
       piece.from = next;
+      piece.is_own = true;
       next += aligned(piece.bytes, alignment);
     }
   }
@@ -195,8 +212,9 @@ class CudaStaging {
       table_room_{pinned_, "staging"};
   Buffer<uint64_t, PinnedMemory> verdicts_{pinned_, "staging"};
   uint64_t verdict_count_ = 1;
-  uint64_t table_bytes_ = 0;  ///< of the table that is there
-  bool in_line_ = false;      ///< something may be, on the stream
+  uint64_t table_bytes_ = 0;    ///< of the table that is there
+  bool in_line_ = false;        ///< something may be, on the stream
+  bool stays_on_host_ = false;  ///< what was brought
   std::vector<Piece> pieces_;
 };
 

@@ -63,10 +63,12 @@ inline FrameInput sent(const std::shared_ptr<FrameSlot>& slot, const std::vector
   return input;
 }
 
+/// On the backend, and pinned.
 inline uint64_t staging_bytes(const Detector& detector) {
+  uint64_t sum = 0;
   for (const MemoryPart& part : detector.memory())
-    if (part.part == "staging") return part.bytes;
-  return 0;
+    if (part.part == "staging" || part.part == "pinned") sum += part.bytes;
+  return sum;
 }
 
 }  // namespace collided::test
