@@ -1,5 +1,7 @@
 #include "gpu/detector.hpp"
 
+#include <cstdlib>
+
 #include "gpu/scene/backends.hpp"
 #include "gpu/scene/rules.hpp"
 #include "gpu/tables/tables.hpp"
@@ -58,6 +60,8 @@ std::vector<DeviceInfo> list_devices(int threads) {
   for (DeviceInfo& device : cuda_devices()) devices.push_back(std::move(device));
   return devices;
 }
+
+void load_kernels_at_start() { setenv("CUDA_MODULE_LOADING", "EAGER", 0); }
 
 bool cuda_available() { return !cuda_devices().empty(); }
 

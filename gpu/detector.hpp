@@ -60,6 +60,10 @@ void check_exclusions(const SceneSpec& spec);
 /// Devices that scenes can live on: the CPU with so many threads (0: all cores), then every usable CUDA device.
 std::vector<DeviceInfo> list_devices(int threads = 0);
 
+/// CUDA loads all kernels when it starts, not each with the frame that needs it first, which takes 30 ms of a scene's
+/// first frame. Sets CUDA_MODULE_LOADING unless it is set; to be called before there are threads and devices.
+void load_kernels_at_start();
+
 /// Whether a CUDA device can be used now (built in, driver present).
 bool cuda_available();
 

@@ -16,6 +16,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "gpu/detector.hpp"
 #include "server/auth/authenticator.hpp"
 #include "server/auth/tls_files.hpp"
 #include "server/config/config.hpp"
@@ -171,6 +172,7 @@ int check(const Config& config, const Memory& memory) {
 int main(int argc, char** argv) try {
   const sigset_t signals = block_signals();
   keep_memory();
+  collided::load_kernels_at_start();
   auto [config, run, exit_code, text, is_check] = collided::server::parse_config(argc, argv);
   if (!run) {
     std::fputs(text.c_str(), exit_code ? stderr : stdout);

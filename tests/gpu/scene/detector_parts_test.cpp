@@ -123,6 +123,7 @@ TEST_F(DetectorParts, WhatIsNotAskedForTakesNoMemory) {
   expect_adds({"pairs", "contacts"}, [](SceneSpec& spec, Case&) { spec.kinds.triangle_triangle = true; });
   expect_adds({"candidates", "contacts"}, [](SceneSpec& spec, Case&) { spec.accuracy = Accuracy::kGuarded; });
   expect_adds({"bvh"}, [](SceneSpec& spec, Case&) { spec.engine = Engine::kLbvh; });
+  expect_adds({"all_pairs"}, [](SceneSpec& spec, Case&) { spec.engine = Engine::kAllPairs; });
   expect_adds({"pair_filter"}, [](SceneSpec&, Case& c) { c.meshes[0].groups = 2; });
   EXPECT_FALSE(parts_with([](SceneSpec& spec, Case&) { spec.engine = Engine::kLbvh; }).contains("octree"));
 }
