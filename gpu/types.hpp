@@ -95,8 +95,9 @@ constexpr uint64_t position_bytes(Scalar scalar) { return scalar == Scalar::kF64
 
 /// Broad phase: which triangle pairs are tested at all. The pairs found are the same. kAuto lets the scene choose by
 /// measured times; kOctree is the two-stage adaptive octree grid of the paper, kTopDown and kBottomUp its
-/// one-stage forms, kVss the uniform grid with virtual subdivision that it is compared with.
-enum class Engine { kAuto, kOctree, kTopDown, kBottomUp, kUniformGrid, kTwoLevelGrid, kLbvh, kVss };
+/// one-stage forms, kVss the uniform grid with virtual subdivision that it is compared with. kAllPairs builds nothing
+/// and tests all triangles against each other, which takes small scenes the least time.
+enum class Engine { kAuto, kOctree, kTopDown, kBottomUp, kUniformGrid, kTwoLevelGrid, kLbvh, kVss, kAllPairs };
 
 /// Why a frame's engine was chosen: the spec names it; no comparison yet; none yet, and the octree's counters looked
 /// wrong; it won the last comparison; a comparison is on.
@@ -107,7 +108,7 @@ enum class EngineReason { kAsked, kFirst, kCounters, kFaster, kTrial };
 struct EngineFacts {
   Engine engine = Engine::kOctree;
   EngineReason reason = EngineReason::kAsked;
-  double octree_milliseconds = 0, lbvh_milliseconds = 0;
+  double octree_milliseconds = 0, lbvh_milliseconds = 0, all_pairs_milliseconds = 0;
 };
 
 /// Whether frames that resemble the last go by its list of neighbours: pairs of features that a search found close to

@@ -122,6 +122,24 @@ struct BvhBuffers {
   Buffer<BvhNode, Exec> nodes;
 };
 
+/// The scene as one leaf: what the search for all pairs goes by. It changes with the number of triangles alone.
+template <Executor Exec>
+struct AllPairsBuffers {
+  explicit AllPairsBuffers(Exec& exec)
+      : leaf(exec, "all_pairs"),
+        totals(exec, "all_pairs"),
+        grid(exec, "all_pairs"),
+        members(exec, "all_pairs"),
+        items(exec, "all_pairs") {}
+
+  uint32_t triangles = 0;  ///< that the tables are of
+  Buffer<Leaf, Exec> leaf;
+  Buffer<LeafTotals, Exec> totals;
+  Buffer<LevelGrid, Exec> grid;
+  Buffer<uint32_t, Exec> members;
+  Buffer<PairItem, Exec> items;
+};
+
 /// Pairs of features that may touch in the next few frames.
 template <Executor Exec, class Real>
 struct NeighbourBuffers {
@@ -229,6 +247,7 @@ struct WorkBuffers {
         state(exec, "counters"),
         octree(exec),
         bvh(exec),
+        all_pairs(exec),
         neighbours(exec),
         triangle_pairs(exec, "pairs"),
         candidates(make_candidate_buffers(exec, std::make_index_sequence<kFeatureKinds>{})),
@@ -249,6 +268,7 @@ struct WorkBuffers {
   Buffer<StepState, Exec> state;
   OctreeBuffers<Exec> octree;
   BvhBuffers<Exec> bvh;
+  AllPairsBuffers<Exec> all_pairs;
   NeighbourBuffers<Exec, Real> neighbours;
   Buffer<uint64_t, Exec> triangle_pairs;
   std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind

@@ -1,7 +1,8 @@
 #pragma once
-// Steps 6 to 8 of Fig. 7: what the octree, or the hierarchy, finds goes to the sinks that make candidates of it.
+// Steps 6 to 8 of Fig. 7: the pairs that the frame's engine finds go to the sinks that make candidates of them.
 
 #include "gpu/contacts/scene_counts.hpp"
+#include "gpu/step/all_pairs_phase.hpp"
 #include "gpu/step/lbvh_phase.hpp"
 #include "gpu/step/narrow_phase.hpp"
 #include "gpu/step/neighbour_phase.hpp"
@@ -15,14 +16,15 @@ template <Executor Exec, class Real>
 class CandidatePhase {
  public:
   CandidatePhase(Exec& exec, const SceneCounts& counts, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene,
-                 OctreePhase<Exec, Real>& octree, LbvhPhase<Exec, Real>& lbvh, NeighbourPhase<Exec, Real>& neighbours,
-                 NarrowPhase<Exec, Real>& narrow)
+                 OctreePhase<Exec, Real>& octree, LbvhPhase<Exec, Real>& lbvh, AllPairsPhase<Exec, Real>& all_pairs,
+                 NeighbourPhase<Exec, Real>& neighbours, NarrowPhase<Exec, Real>& narrow)
       : exec_(exec),
         counts_(counts),
         ranks_(ranks),
         scene_(scene),
         octree_(octree),
         lbvh_(lbvh),
+        all_pairs_(all_pairs),
         neighbours_(neighbours),
         narrow_(narrow) {}
 
@@ -130,10 +132,14 @@ class CandidatePhase {
   template <class Sink>
   void find_pairs(const char* name, ContactKind first, const Sink& sink) {
     uint64_t* next_item = &scene_.state.data()->next_item[index_of(first)];
-    if (plan_.octree.engine == Engine::kLbvh)
-      lbvh_.search(name, sink, next_item, first == first_kind());
-    else
-      octree_.search(name, plan_.octree, sink, next_item);
+    switch (plan_.octree.engine) {
+      case Engine::kLbvh:
+        return lbvh_.search(name, sink, next_item, first == first_kind());
+      case Engine::kAllPairs:
+        return all_pairs_.search(name, sink, next_item);
+      default:
+        octree_.search(name, plan_.octree, sink, next_item);
+    }
   }
 
   Exec& exec_;
@@ -142,6 +148,7 @@ class CandidatePhase {
   SceneBuffers<Exec, Real>& scene_;
   OctreePhase<Exec, Real>& octree_;
   LbvhPhase<Exec, Real>& lbvh_;
+  AllPairsPhase<Exec, Real>& all_pairs_;
   NeighbourPhase<Exec, Real>& neighbours_;
   NarrowPhase<Exec, Real>& narrow_;
   StepPlan plan_;

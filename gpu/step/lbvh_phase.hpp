@@ -29,7 +29,12 @@ class LbvhPhase {
     if (has_worlds()) measure_worlds();
   }
 
-  /// The leaves in order.
+  /// The leaves in order, and what is above them.
+  void build() {
+    exec_.stage("sort", [&] { sort(); });
+    exec_.stage("hierarchy", [&] { join(); });
+  }
+
   void sort() {
     BvhBuffers<Exec>& bvh = scene_.bvh;
     sorted_ = exec_.sort_pairs("sort_leaves", has_worlds() ? key_worlds() : key_all(),
@@ -37,7 +42,7 @@ class LbvhPhase {
                                 bvh.triangles[1].span(leaves())});
   }
 
-  void build() {
+  void join() {
     BvhBuffers<Exec>& bvh = scene_.bvh;
     exec_.for_each("build_hierarchy", leaves(),
                    BuildHierarchy{{bvh.keys[sorted_].all(), static_cast<uint32_t>(leaves()), leaves_of_world()},

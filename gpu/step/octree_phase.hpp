@@ -14,6 +14,7 @@
 #include "gpu/search/resolution.hpp"
 #include "gpu/search/searcher.hpp"
 #include "gpu/step/buffers.hpp"
+#include "gpu/step/plan/engine_choice.hpp"
 #include "gpu/step/plan/plan.hpp"
 
 namespace collided {
@@ -89,8 +90,7 @@ class OctreePhase {
   /// Makes the lists of a step empty.
   void clear(const OctreePlan& plan) {
     clear_state();
-    if (plan.engine != Engine::kLbvh)
-      exec_.fill_zero(scene_.octree.counts.data(), level_offset(plan.base + 1) * sizeof(uint32_t));
+    if (plan.has_octree()) exec_.fill_zero(scene_.octree.counts.data(), level_offset(plan.base + 1) * sizeof(uint32_t));
   }
 
   void clear_state() { exec_.fill_zero(scene_.state.data(), sizeof(StepState)); }
@@ -106,6 +106,19 @@ class OctreePhase {
   }
 
   // Section 3.2: number of levels.
+  void choose_grid(const OctreePlan& plan) {
+    has_cells_of_triangles(plan.engine) ? choose_cells(plan) : choose_levels();
+  }
+
+  // 2.-5. From counts to cell-triangle pairs.
+  void build(const OctreePlan& plan) {
+    exec_.stage("count", [&] { count_overlapped_cells(plan); });
+    if (plan.rounds > 0) exec_.stage("refine", [&] { refine(plan); });
+    exec_.stage("bottom_up", [&] { cut(plan); });
+    exec_.stage("top_down", [&] { place_leaves(plan); });
+    exec_.stage("registration", [&] { register_triangles(plan); });
+  }
+
   void choose_levels() {
     StepState* state = scene_.state.data();
     exec_.reduce_into("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
@@ -116,7 +129,7 @@ class OctreePhase {
                     {state, thickness_, scene_.deviations(is_ccd_)}});
   }
 
-  // The same for grids whose cells are as large as the triangles.
+  /// For grids whose cells are as large as the triangles.
   void choose_cells(const OctreePlan& plan) {
     StepState* state = scene_.state.data();
     const MeanExtent mean{&state->bounds, &state->extents, triangle_count()};
@@ -220,6 +233,14 @@ class OctreePhase {
     exec_.for_each("count_small_triangles", triangle_count(),
                    CountSmall<Real>{&scene_.state.data()->bounds, scene_.records.all(),
                                     &scene_.state.data()->small_triangles, scene_.stepped_worlds()});
+  }
+  /// After a step: whether the spacing of the positions' numbers, at the largest of them, is coarser than delta; without
+  /// a delta, than a thousandth of most triangles.
+  bool is_coarse(const StepState& step, const FrameSettings& settings) const {
+    if (settings.delta > 0) return spacing_at<Real>(step.bounds) > settings.delta;
+    const uint64_t judged = counts_.triangles - counts_.loose_points;
+    const uint64_t worlds = max(counts_.worlds, 1u), stepped = counts_.worlds > 0 ? scene_.worlds.stepped : 1;
+    return 2 * step.small_triangles > judged / worlds * stepped;
   }
 
   ElementaryTests<Real> elementary(const PerKind<bool>& wanted) const {

@@ -32,12 +32,13 @@ class Pipeline {
         searcher_(exec),
         octree_(exec, searcher_, spec, counts_, scene),
         lbvh_(exec, searcher_, counts_, scene),
+        all_pairs_(exec, searcher_, counts_, scene),
         neighbours_(exec, searcher_, counts_, scene),
         narrow_(exec, ranks_, scene),
-        candidates_(exec, counts_, ranks_, scene, octree_, lbvh_, neighbours_, narrow_),
+        candidates_(exec, counts_, ranks_, scene, octree_, lbvh_, all_pairs_, neighbours_, narrow_),
         placing_(exec, scene),
         results_(exec, spec, scene, placing_),
-        choices_(engine_of(spec)),
+        choices_(engine_of(spec), rivals_of(counts_.triangles)),
         reuse_(spec),
         planner_(counts_.triangles) {
     narrow_.expect_loose_elements(counts_.has_loose_elements());
@@ -55,6 +56,7 @@ class Pipeline {
   void resize(SceneCounts counts) {
     ranks_ = ranks_of(spec_.kinds, counts);
     counts_ = std::move(counts);
+    choices_.choose_between(rivals_of(counts_.triangles));
     planner_.resize(counts_.triangles);
     narrow_.expect_loose_elements(counts_.has_loose_elements());
     boxed_thickness_.reset();
@@ -105,12 +107,9 @@ class Pipeline {
       scene_.octree = OctreeBuffers<Exec>(exec_);
       sent_levels_ = {.deepest = -1};
     }
+    if (scene_.all_pairs.triangles > 0 && choices_.is_idle(Engine::kAllPairs))
+      scene_.all_pairs = AllPairsBuffers<Exec>(exec_);
     if (scene_.neighbours.counts.capacity() > 0 && reuse_.is_idle()) neighbours_.release(), reuse_.forget();
-  }
-
-  /// Each world has a hierarchy of its own; an octree would be of all together.
-  static Engine engine_of(const SceneSpec& spec) {
-    return spec.worlds > 0 && spec.engine == Engine::kAuto ? Engine::kLbvh : spec.engine;
   }
 
   const LevelNeeds& needs() const { return plan_.needs; }
@@ -142,6 +141,7 @@ class Pipeline {
       plan_ = {needs, plan_octree(), boxes_static, narrow_.plan_order(), lists_};
       octree_.begin(needs.settings.reach(), needs.is_ccd());
       lbvh_.begin(needs.settings.reach(), needs.is_ccd());
+      all_pairs_.begin(needs.settings.reach(), needs.is_ccd());
       narrow_.begin(plan_);
       candidates_.begin(plan_);
       reserve();
@@ -223,12 +223,14 @@ class Pipeline {
     narrow_.reserve();
     if (plan_.lists.use != ListUse::kNone) neighbours_.reserve(times_ = reuse_.times(plan_.lists));
     if (!plan_.searches()) return;
-    if (is_lbvh()) return lbvh_.reserve();
+    if (engine() == Engine::kLbvh) return lbvh_.reserve();
+    if (engine() == Engine::kAllPairs) return all_pairs_.reserve();
     octree_.reserve(plan_.octree);
     if (std::exchange(sent_levels_, planner_.levels()) == planner_.levels()) return;
     exec_.upload(scene_.octree.wanted.data(), &sent_levels_, sizeof(sent_levels_));
   }
-  bool is_lbvh() const { return plan_.octree.engine == Engine::kLbvh; }
+  /// That searches, where the step does.
+  Engine engine() const { return plan_.octree.engine; }
 
   /// Fig. 7.
   void enqueue() {
@@ -258,10 +260,9 @@ class Pipeline {
       exec_.concurrently([&] { octree_.box_triangles(plan_.boxes_static || is_for_lists); },
                          [&] { octree_.clear(plan_.octree); });
     });
-    exec_.stage("levels", [&] { choose_levels(plan_.octree); });
-    const auto build = [&] { is_lbvh() ? build_hierarchy() : build_octree(plan_.octree); };
+    exec_.stage("levels", [&] { measure(); });
     if (judges_triangles() && !is_for_lists)
-      exec_.concurrently(build, [&] { octree_.count_small_triangles(); });
+      exec_.concurrently([&] { build(); }, [&] { octree_.count_small_triangles(); });
     else
       build();
   }
@@ -287,35 +288,21 @@ class Pipeline {
       if (judges_triangles()) octree_.count_small_triangles();
     });
   }
-  void build_octree(const OctreePlan& plan) {
-    exec_.stage("count", [&] { octree_.count_overlapped_cells(plan); });
-    if (plan.rounds > 0) exec_.stage("refine", [&] { octree_.refine(plan); });
-    exec_.stage("bottom_up", [&] { octree_.cut(plan); });
-    exec_.stage("top_down", [&] { octree_.place_leaves(plan); });
-    exec_.stage("registration", [&] { octree_.register_triangles(plan); });
+  /// How large the scene is, and what follows from that.
+  void measure() {
+    switch (engine()) {
+      case Engine::kLbvh:
+        return lbvh_.measure();
+      case Engine::kAllPairs:
+        return all_pairs_.measure();
+      default:
+        octree_.choose_grid(plan_.octree);
+    }
   }
-  void build_hierarchy() {
-    exec_.stage("sort", [&] { lbvh_.sort(); });
-    exec_.stage("hierarchy", [&] { lbvh_.build(); });
+  void build() {
+    if (engine() == Engine::kLbvh) lbvh_.build();
+    if (plan_.octree.has_octree()) octree_.build(plan_.octree);
   }
-
-  void choose_levels(const OctreePlan& plan) {
-    if (plan.engine == Engine::kLbvh)
-      lbvh_.measure();
-    else if (has_cells_of_triangles(plan.engine))
-      octree_.choose_cells(plan);
-    else
-      octree_.choose_levels();
-  }
-  /// Whether the spacing of the positions' numbers, at the largest of them, is coarser than delta; without a delta,
-  /// than a thousandth of most triangles.
-  bool is_coarse() const {
-    if (needs().settings.delta > 0) return spacing_at<Real>(state_.bounds) > needs().settings.delta;
-    const uint64_t judged = counts_.triangles - counts_.loose_points;
-    const uint64_t worlds = max(counts_.worlds, 1u), stepped = counts_.worlds > 0 ? scene_.worlds.stepped : 1;
-    return 2 * state_.small_triangles > judged / worlds * stepped;
-  }
-
   ContactKind first_kind() const { return first_of(needs().kinds); }
   /// use(kind) for the kinds of features that are wanted.
   template <class Use>
@@ -364,15 +351,15 @@ class Pipeline {
   /// Counts of the step, and what follows from them for the next.
   void describe() {
     FrameCounts& c = result_.counts = counts_of(state_, needs());
-    if (!plan_.searches()) c.tests = reuse_.length();
-    const Engine engine = result_.broad_phase.engine;
     if (!plan_.searches())
-      c.top_level = c.base_level = 0;
-    else if (engine == Engine::kLbvh)
+      c.tests = reuse_.length(), c.top_level = c.base_level = 0;
+    else if (engine() == Engine::kLbvh)
       lbvh_.describe(c);
-    else if (!has_cells_of_triangles(engine))
+    else if (engine() == Engine::kAllPairs)
+      all_pairs_.describe(c);
+    else if (!has_cells_of_triangles(engine()))
       planner_.learn_levels(state_);
-    result_.input_resolution = needs().judges_resolution() && is_coarse();
+    result_.input_resolution = needs().judges_resolution() && octree_.is_coarse(state_, needs().settings);
     result_.step_milliseconds = exec_.step_milliseconds();
     result_.graph_launches = exec_.graph_launches();
   }
@@ -385,6 +372,7 @@ class Pipeline {
   Searcher<Exec> searcher_;
   OctreePhase<Exec, Real> octree_;
   LbvhPhase<Exec, Real> lbvh_;
+  AllPairsPhase<Exec, Real> all_pairs_;
   NeighbourPhase<Exec, Real> neighbours_;
   NarrowPhase<Exec, Real> narrow_;
   CandidatePhase<Exec, Real> candidates_;

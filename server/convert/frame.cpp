@@ -96,6 +96,7 @@ void fill_result(const FrameResult& result, pb::FrameDone* out) {
   metrics->set_broad_phase_reason(to_message(result.broad_phase.reason));
   metrics->set_octree_milliseconds(result.broad_phase.octree_milliseconds);
   metrics->set_lbvh_milliseconds(result.broad_phase.lbvh_milliseconds);
+  metrics->set_all_pairs_milliseconds(result.broad_phase.all_pairs_milliseconds);
   fill_reuse(result.reuse, metrics);
   if (result.input_resolution) metrics->add_warnings(pb::FRAME_WARNING_INPUT_RESOLUTION);
   out->set_contact_count(count_contacts(result));

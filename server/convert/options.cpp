@@ -37,7 +37,8 @@ constexpr std::pair<pb::BroadPhaseEngine, Engine> kEngines[] = {
     {pb::BROAD_PHASE_ENGINE_UNIFORM_GRID, Engine::kUniformGrid},
     {pb::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, Engine::kTwoLevelGrid},
     {pb::BROAD_PHASE_ENGINE_LBVH, Engine::kLbvh},
-    {pb::BROAD_PHASE_ENGINE_VSS, Engine::kVss}};
+    {pb::BROAD_PHASE_ENGINE_VSS, Engine::kVss},
+    {pb::BROAD_PHASE_ENGINE_ALL_PAIRS, Engine::kAllPairs}};
 
 constexpr std::pair<pb::BroadPhaseReason, EngineReason> kReasons[] = {
     {pb::BROAD_PHASE_REASON_REQUESTED, EngineReason::kAsked},

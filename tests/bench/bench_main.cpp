@@ -33,7 +33,8 @@ const Names<Engine> kEngines{{"auto", Engine::kAuto},
                              {"uniform-grid", Engine::kUniformGrid},
                              {"two-level-grid", Engine::kTwoLevelGrid},
                              {"lbvh", Engine::kLbvh},
-                             {"vss", Engine::kVss}};
+                             {"vss", Engine::kVss},
+                             {"all-pairs", Engine::kAllPairs}};
 
 struct Options {
   SceneSpec spec;
@@ -66,7 +67,7 @@ void add_options(CLI::App& app, Options& o) {
   add_choice(app, "--accuracy", o.spec.accuracy, kLevels, "candidates, fast, guarded, certified or exact");
   add_choice(app, "--scalar", o.spec.scalar, kScalars, "f32 or f64");
   add_choice(app, "--engine", o.spec.engine, kEngines,
-             "auto, octree, top-down, bottom-up, uniform-grid, two-level-grid, lbvh or vss");
+             "auto, octree, top-down, bottom-up, uniform-grid, two-level-grid, lbvh, vss or all-pairs");
   app.add_flag("--normals", o.normals, "Contacts have normals too");
   app.add_option("--thickness", o.spec.thickness, "Contact distance")->capture_default_str();
   app.add_option("--threads", o.spec.threads, "CPU threads; 0: all cores")->capture_default_str();

@@ -53,7 +53,7 @@ class Bench(unittest.TestCase):
     def check_engines(self):
         runs = parsed(*SMALL, "--steps", str(STEPS), "--compare-engines")["runs"]
         self.assertEqual([run["engine"] for run in runs],
-                         ["octree", "top-down", "bottom-up", "uniform-grid", "two-level-grid", "lbvh", "vss"])
+                         ["octree", "top-down", "bottom-up", "uniform-grid", "two-level-grid", "lbvh", "vss", "all-pairs"])
         for run in runs:
             self.assertEqual(run["pairs_by_step"], runs[0]["pairs_by_step"], run["engine"])
             self.assertEqual(len(run["tests_by_step"]), STEPS)

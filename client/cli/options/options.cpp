@@ -35,7 +35,8 @@ const Words<v1::BroadPhaseEngine> kEngines{{"auto", v1::BROAD_PHASE_ENGINE_UNSPE
                                            {"uniform-grid", v1::BROAD_PHASE_ENGINE_UNIFORM_GRID},
                                            {"two-level-grid", v1::BROAD_PHASE_ENGINE_TWO_LEVEL_GRID},
                                            {"lbvh", v1::BROAD_PHASE_ENGINE_LBVH},
-                                           {"vss", v1::BROAD_PHASE_ENGINE_VSS}};
+                                           {"vss", v1::BROAD_PHASE_ENGINE_VSS},
+                                           {"all-pairs", v1::BROAD_PHASE_ENGINE_ALL_PAIRS}};
 
 const Words<v1::Reuse> kReuses{{"auto", v1::REUSE_UNSPECIFIED}, {"on", v1::REUSE_ON}, {"off", v1::REUSE_OFF}};
 const Words<v1::ListUse> kListUses{

@@ -2,7 +2,7 @@
 
 from .stage_groups import GROUPS, grouped
 
-ENGINES = ["octree", "top-down", "bottom-up", "uniform-grid", "two-level-grid", "lbvh", "vss"]
+ENGINES = ["octree", "top-down", "bottom-up", "uniform-grid", "two-level-grid", "lbvh", "vss", "all-pairs"]
 TRANSFERS = ("upload", "download")  # not part of a step
 STEP_GROUPS = [group for group in GROUPS if group not in TRANSFERS]
 SCALE_VALUES = [("time of a step [ms]", lambda run: run["step_ms"]["median"]),

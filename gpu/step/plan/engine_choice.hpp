@@ -1,18 +1,18 @@
 #pragma once
 // Which engine finds the pairs of a frame. All find the same pairs, so that a scene that leaves the choice open may let
-// measured times decide: the octree and the hierarchy take turns for a few frames, and the faster one stays until the
-// next comparison. Times come from outside, in milliseconds of any clock.
+// measured times decide: two rivals take turns for a few frames, and the faster one stays until the next comparison.
+// Times come from outside, in milliseconds of any clock. The rivals are the octree and the hierarchy, in small scenes
+// all pairs and the octree.
 //
-// Before the first comparison counters decide: a scene starts with the octree, and the hierarchy takes over where a
+// Before the first comparison counters decide where a scene starts with the octree: the hierarchy takes over where a
 // frame of the octree, after whatever refinement did for it, looks clearly wrong: more registrations than the dense
 // levels alone may make, more pair tests than 512 for each triangle and 32 for each pair found explain, or bricks below
 // the dense levels. Later that only ends a wait, for measurements know better.
 
-#include <algorithm>
-#include <array>
 #include <optional>
 
 #include "gpu/octree/bottom_up.hpp"
+#include "gpu/step/plan/trials.hpp"
 #include "gpu/types.hpp"
 
 namespace collided {
@@ -35,29 +35,18 @@ inline bool looks_wrong(const FrameCounts& counts, uint64_t triangles, bool refi
   return refined || counts.registrations > 24 * triangles || counts.tests > 512 * triangles + 32 * counts.pairs;
 }
 
-/// The last three of many numbers.
-class LastTimes {
- public:
-  void push(double milliseconds) {
-    times_[next_] = milliseconds;
-    next_ = (next_ + 1) % kKept;
-    count_ = std::min(count_ + 1, kKept);
-  }
-  void clear() { count_ = next_ = 0; }
-  bool is_full() const { return count_ == kKept; }
-  /// The last where there are not as many yet; 0 without any.
-  double median() const {
-    if (count_ == 0) return 0;
-    if (!is_full()) return times_[count_ - 1];
-    const auto [a, b, c] = times_;
-    return std::max(std::min(a, b), std::min(std::max(a, b), c));
-  }
+/// Engines that a scene chooses between, from the first of them on.
+struct Rivals {
+  Engine first = Engine::kOctree, second = Engine::kLbvh;
 
- private:
-  static constexpr int kKept = 3;
-  std::array<double, kKept> times_ = {};
-  int count_ = 0, next_ = 0;
+  Engine other_than(Engine engine) const { return engine == first ? second : first; }
+  bool operator==(const Rivals&) const = default;
 };
+
+inline double& milliseconds_of(EngineFacts& facts, Engine engine) {
+  if (engine == Engine::kLbvh) return facts.lbvh_milliseconds;
+  return engine == Engine::kAllPairs ? facts.all_pairs_milliseconds : facts.octree_milliseconds;
+}
 
 class EngineChoice {
  public:
@@ -69,9 +58,10 @@ class EngineChoice {
     bool is_wrong = false;  ///< looks_wrong(), of the octree
   };
 
-  explicit EngineChoice(Engine wanted = Engine::kAuto)
+  explicit EngineChoice(Engine wanted = Engine::kAuto, const Rivals& rivals = {})
       : is_open_(wanted == Engine::kAuto),
-        why_{is_open_ ? Engine::kOctree : wanted, is_open_ ? EngineReason::kFirst : EngineReason::kAsked} {}
+        rivals_(rivals),
+        why_{is_open_ ? rivals.first : wanted, is_open_ ? EngineReason::kFirst : EngineReason::kAsked} {}
 
   /// Of the next frame.
   EngineFacts next() const { return trial_ ? trial_facts() : why_; }
@@ -85,13 +75,13 @@ class EngineChoice {
     if (is_settling_) owe(frame.total);  // what begins anew after a comparison is its cost, too
     is_settling_ = false;
     if (frame.is_wrong && !tolerates_wrong_ && why_.engine == Engine::kOctree) return leave_octree();
-    owed_ = std::max(0.0, owed_ - kShare * frame.total);
-    wait_ = std::max(0, wait_ - 1);
+    budget_.earn(frame.total);
+    budget_.count_frame();
     if (!frame.is_clean) return;
     search_.push(frame.search);
     total_.push(frame.total);
-    if (has_changed()) wait_ = std::min(wait_, pause_ = kFirstPause);
-    if (wait_ == 0 && owed_ == 0 && search_.is_full()) trial_.emplace(Trial{other_than(why_.engine)});
+    if (has_changed()) budget_.hurry();
+    if (budget_.is_due() && search_.is_full()) trial_.emplace(Trial{rivals_.other_than(why_.engine)});
   }
 
   /// The frame of next() did not end.
@@ -108,12 +98,7 @@ class EngineChoice {
   }
 
  private:
-  static constexpr double kShare = 0.02;  ///< of all time may go to comparisons
-  static constexpr double kGain = 0.97;   ///< what another engine has to take of the time to be chosen
-  static constexpr double kHopeless = 2;  ///< times the time: one frame is enough to know
-  static constexpr double kChange = 1.3;  ///< from here on a scene has become another one
-  static constexpr int kFirstPause = 64;  ///< frames between comparisons; twice as many after each
-  static constexpr int kLongestPause = 1 << 14;
+  static constexpr double kHopeless = 2;    ///< times the time: one frame is enough to know
   static constexpr int kLongestTrial = 12;  ///< frames, of which some are not clean
 
   struct Trial {
@@ -123,7 +108,6 @@ class EngineChoice {
     bool is_wrong = false;
   };
 
-  static Engine other_than(Engine engine) { return engine == Engine::kOctree ? Engine::kLbvh : Engine::kOctree; }
   EngineFacts trial_facts() const {
     EngineFacts facts = why_;
     facts.engine = trial_->engine, facts.reason = EngineReason::kTrial;
@@ -146,10 +130,10 @@ class EngineChoice {
   void decide(double milliseconds) {
     const Trial trial = *trial_;
     const double before = search_.median();
-    const bool is_better = milliseconds < kGain * before;
+    const bool is_better = milliseconds < TrialBudget::kGain * before;
     end_trial();
-    (trial.engine == Engine::kOctree ? why_.octree_milliseconds : why_.lbvh_milliseconds) = milliseconds;
-    (trial.engine == Engine::kOctree ? why_.lbvh_milliseconds : why_.octree_milliseconds) = before;
+    milliseconds_of(why_, trial.engine) = milliseconds;
+    milliseconds_of(why_, why_.engine) = before;
     why_.reason = EngineReason::kFaster;
     if (!is_better) return;
     why_.engine = trial.engine;
@@ -159,35 +143,34 @@ class EngineChoice {
   /// Without knowing how long the other engine takes.
   void lose() {
     end_trial();
-    wait_ = pause_ = kLongestPause;
+    budget_.pause_longest();
   }
   void end_trial() {
     trial_.reset();
     is_settling_ = true;
-    wait_ = pause_;
-    pause_ = std::min(2 * pause_, kLongestPause);
+    budget_.pause();
   }
 
   void leave_octree() {
-    why_.engine = Engine::kLbvh, why_.reason = EngineReason::kCounters;
+    why_.engine = rivals_.other_than(Engine::kOctree), why_.reason = EngineReason::kCounters;
     search_.clear();
-    wait_ = 0;
+    budget_.end_pause();
   }
 
-  void owe(double total) { owed_ += std::max(0.0, total - total_.median()); }
+  void owe(double total) { budget_.owe(total - total_.median()); }
   /// The engine takes clearly more or less than when it was compared.
-  bool has_changed() const {
-    const double then = why_.engine == Engine::kOctree ? why_.octree_milliseconds : why_.lbvh_milliseconds;
-    const double now = search_.median();
+  bool has_changed() {
+    const double then = milliseconds_of(why_, why_.engine), now = search_.median();
+    constexpr double kChange = TrialBudget::kChange;
     return then > 0 && search_.is_full() && (now > kChange * then || now * kChange < then);
   }
 
   bool is_open_;
+  Rivals rivals_;
   EngineFacts why_;             ///< of the engine between trials
   std::optional<Trial> trial_;  ///< of the other one
   LastTimes search_, total_;    ///< of clean frames of the engine between trials
-  double owed_ = 0;             ///< milliseconds that comparisons took, less the share of all time that they may take
-  int wait_ = 0, pause_ = kFirstPause;
+  TrialBudget budget_{0};
   bool tolerates_wrong_ = false;  ///< measured: the octree is faster although it looks wrong
   bool is_settling_ = false;      ///< the next frame is the first after a trial
 };

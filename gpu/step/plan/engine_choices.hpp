@@ -25,11 +25,29 @@ inline double search_milliseconds(const std::vector<StageTime>& stages) {
   return milliseconds;
 }
 
+/// Each world has a hierarchy of its own; other engines would search all together.
+inline Engine engine_of(const SceneSpec& spec) {
+  return spec.worlds > 0 && spec.engine == Engine::kAuto ? Engine::kLbvh : spec.engine;
+}
+
+/// What a scene of so many triangles chooses between: the same on all backends, so that counts of first frames are. Up
+/// to here testing all pairs takes a GPU no longer than making a tree; where it does the octree wins the first
+/// comparison.
+inline Rivals rivals_of(uint64_t triangles) {
+  constexpr uint64_t kFew = 4096;
+  return triangles <= kFew ? Rivals{Engine::kAllPairs, Engine::kOctree} : Rivals{};
+}
+
 /// Frames whose searches are alike share a choice. A step that may end early, or that no frame asked for, tells nothing
 /// of the engines: it goes by what the others chose.
 class EngineChoices {
  public:
-  explicit EngineChoices(Engine wanted) : is_open_(wanted == Engine::kAuto) { choices_.fill(EngineChoice(wanted)); }
+  explicit EngineChoices(Engine wanted, const Rivals& rivals = {}) : wanted_(wanted) { begin_anew(rivals); }
+
+  /// From the next step on.
+  void choose_between(const Rivals& rivals) {
+    if (rivals != rivals_) begin_anew(rivals);
+  }
 
   /// A step begins. `searches`: and it does nothing but search; else it goes by what other steps chose.
   EngineFacts begin(const LevelNeeds& needs, bool searches = true) {
@@ -60,7 +78,7 @@ class EngineChoices {
 
   /// None of the frames so far would use the engine next.
   bool is_idle(Engine engine) const {
-    if (!is_open_) return false;
+    if (wanted_ != Engine::kAuto) return false;
     for (size_t i = 0; i < choices_.size(); ++i)
       if (is_used_[i] && (choices_[i].next().engine == engine || choices_[i].settled().engine == engine)) return false;
     return true;
@@ -69,7 +87,13 @@ class EngineChoices {
  private:
   using Clock = std::chrono::steady_clock;
 
-  bool is_open_;
+  void begin_anew(const Rivals& rivals) {
+    rivals_ = rivals;
+    choices_.fill(EngineChoice(wanted_, rivals));
+  }
+
+  Engine wanted_;
+  Rivals rivals_;
   std::array<EngineChoice, 4> choices_;
   std::array<bool, 4> is_used_ = {};
   EngineChoice* choice_ = nullptr;  ///< of the step in work

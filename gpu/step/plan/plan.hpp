@@ -21,6 +21,9 @@ struct OctreePlan {
   bool has_large = true;                      ///< there may be triangles that cover many cells
   uint64_t max_crowded_tests = ~uint64_t{0};  ///< beyond this the step runs again
 
+  /// Whether the engine's stages are the octree's.
+  bool has_octree() const { return engine != Engine::kLbvh && engine != Engine::kAllPairs; }
+
   bool operator==(const OctreePlan&) const = default;
 };
 

@@ -9,8 +9,9 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
-#include "gpu/step/plan/engine_choice.hpp"
+#include "gpu/step/plan/trials.hpp"
 #include "gpu/types.hpp"
 
 namespace collided {
@@ -99,12 +100,12 @@ class ReuseChoice {
   explicit ReuseChoice(Reuse wanted = Reuse::kAuto) : wanted_(wanted) {
     if (wanted == Reuse::kAuto) return;
     reason_ = ReuseReason::kAsked;
-    frames_to_wait_ = 0;
+    budget_.end_pause();
   }
 
   /// Of the next frame.
   bool uses_lists() const {
-    if (wanted_ == Reuse::kOn) return frames_to_wait_ == 0;
+    if (wanted_ == Reuse::kOn) return budget_.is_over();
     return state_ == State::kTrying || (state_ == State::kUsing && searches_left_ == 0);
   }
   /// Frames that its list is meant to last.
@@ -124,37 +125,32 @@ class ReuseChoice {
   }
   /// There was no room for lists.
   void refuse() {
-    if (wanted_ == Reuse::kOn) return void(frames_to_wait_ = kFirstPause);
-    pause_ = kLongestPause;
+    if (wanted_ == Reuse::kOn) return budget_.pause_for(TrialBudget::kFirstPause);
     lose(ReuseReason::kNoRoom);
+    budget_.pause_longest();
   }
 
  private:
   enum class State { kSearching, kTrying, kUsing };
-  static constexpr double kShare = 0.02;  ///< of all time may go to comparisons
-  static constexpr double kGain = 0.97;   ///< what frames with lists have to take of the time
-  static constexpr double kChange = 1.3;  ///< from here on a scene has become another one
-  static constexpr int kFirstWait = 16;   ///< frames before the first comparison: engines are compared first
-  static constexpr int kFirstPause = 64;  ///< frames between comparisons; twice as many after each
-  static constexpr int kLongestPause = 1 << 14;
+  static constexpr int kFirstWait = 16;  ///< frames before the first comparison: engines are compared first
   static constexpr int kLongestTrial = 256, kSearches = 3;
 
   bool is_comparing() const { return state_ == State::kTrying || searches_left_ > 0; }
 
   void observe_search(double milliseconds, bool is_clean) {
-    frames_to_wait_ = std::max(0, frames_to_wait_ - 1);
+    budget_.count_frame();
     if (wanted_ == Reuse::kOn) return;
     if (state_ == State::kUsing) return observe_check(milliseconds, is_clean);
-    owed_ = std::max(0.0, owed_ - kShare * milliseconds);
+    budget_.earn(milliseconds);
     if (is_clean) search_.push(milliseconds);
-    if (frames_to_wait_ > 0 || owed_ > 0 || !search_.is_full()) return;
+    if (!budget_.is_due() || !search_.is_full()) return;
     state_ = State::kTrying;
     times_ = {};
     trial_frames_ = 0;
   }
   /// Lists are in use; do they still pay?
   void observe_check(double milliseconds, bool is_clean) {
-    owed_ += std::max(0.0, milliseconds - list_);
+    budget_.owe(milliseconds - list_);
     if (is_clean) search_.push(milliseconds);
     if (--searches_left_ == 0 && search_.is_full()) decide();
   }
@@ -164,13 +160,12 @@ class ReuseChoice {
     if (state_ == State::kTrying) return observe_trial(milliseconds);
     if (use == ListUse::kMade && times_.is_measured()) tune();
     if (wanted_ == Reuse::kOn) return;
-    owed_ = std::max(0.0, owed_ - kShare * milliseconds);
-    frames_to_wait_ = std::max(0, frames_to_wait_ - 1);
-    const bool is_urgent = times_.is_hopeless();
-    if (is_urgent || (frames_to_wait_ == 0 && owed_ == 0)) check();
+    budget_.earn(milliseconds);
+    budget_.count_frame();
+    if (times_.is_hopeless() || budget_.is_due()) check();
   }
   void observe_trial(double milliseconds) {
-    owed_ += std::max(0.0, milliseconds - search_.median());
+    budget_.owe(milliseconds - search_.median());
     const bool is_hopeless = times_.is_hopeless() || times_.reused() > search_.median();
     if (is_hopeless || ++trial_frames_ == kLongestTrial) return lose(ReuseReason::kSlower);
     if (times_.is_measured()) decide();
@@ -183,26 +178,22 @@ class ReuseChoice {
   void decide() {
     without_ = search_.median();
     if (times_.is_measured()) list_ = times_.mean();
-    if (times_.is_hopeless() || !(list_ < kGain * without_)) return lose(ReuseReason::kSlower);
+    if (times_.is_hopeless() || !(list_ < TrialBudget::kGain * without_)) return lose(ReuseReason::kSlower);
     state_ = State::kUsing;
     reason_ = ReuseReason::kFaster;
-    wait_for_next();
+    budget_.pause();
   }
   void lose(ReuseReason reason) {
     state_ = State::kSearching;
     searches_left_ = 0;
     reason_ = reason;
-    wait_for_next();
-  }
-  void wait_for_next() {
-    frames_to_wait_ = pause_;
-    pause_ = std::min(2 * pause_, kLongestPause);
+    budget_.pause();
   }
 
   /// After a run.
   void tune() {
     const double mean = times_.mean();
-    if (list_ > 0 && mean > kChange * list_) frames_to_wait_ = std::min(frames_to_wait_, pause_ = kFirstPause);
+    if (list_ > 0 && mean > TrialBudget::kChange * list_) budget_.hurry();
     list_ = mean;
     if (length_.observe(mean)) times_ = {};
   }
@@ -214,8 +205,7 @@ class ReuseChoice {
   RunTimes times_;                 ///< of lists of this length
   LastTimes search_;               ///< of frames without lists
   double list_ = 0, without_ = 0;  ///< as measured last
-  double owed_ = 0;                ///< milliseconds that comparisons took, less the share that they may take
-  int frames_to_wait_ = kFirstWait, pause_ = kFirstPause;
+  TrialBudget budget_{kFirstWait};
   int trial_frames_ = 0;
   int searches_left_ = 0;  ///< of a comparison while lists are in use
 };

@@ -21,13 +21,13 @@ void bench_sort(StageScene& s, benchmark::State& state) {
 
 void bench_build(StageScene& s, benchmark::State& state) {
   measure(
-      state, s.triangles(), [&] { s.hierarchy.sort(); }, [&] { s.hierarchy.build(); });
+      state, s.triangles(), [&] { s.hierarchy.sort(); }, [&] { s.hierarchy.join(); });
 }
 
 /// An item is a box that a walk meets.
 void bench_walk(StageScene& s, benchmark::State& state) {
   s.hierarchy.sort();
-  s.hierarchy.build();
+  s.hierarchy.join();
   s.state().leaves[LeafSum::kTests] = 0;
   uint64_t pairs = 0;
   const auto walk = [&] { s.hierarchy.search("count_pairs", CountPairs{&pairs}, s.state().next_item, true); };

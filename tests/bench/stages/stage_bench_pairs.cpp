@@ -27,7 +27,7 @@ class Tiles {
   /// By the nodes of the hierarchy: its leaves, left or right children of the split beside them, hold the order.
   static std::vector<uint32_t> triangles_in_order(StageScene& s) {
     s.hierarchy.sort();
-    s.hierarchy.build();
+    s.hierarchy.join();
     std::vector<uint32_t> order;
     const BvhNode* nodes = s.buffers.bvh.nodes.data();
     for (uint64_t leaf = 0; leaf < s.triangles(); ++leaf) {

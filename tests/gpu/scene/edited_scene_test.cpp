@@ -67,7 +67,8 @@ TEST_P(EditedScene, AnswersAsANewOneByEveryEngine) {
     positions->push_back((*positions)[torn.meshes[1].triangles[2][1]]);
   add_mesh(torn, grid_triangles(kSide), sheet_at(1, 0.7), sheet_at(1, 0.4));
   const Frame frame(torn, spec_.mode, spec_.scalar, false);
-  for (const Engine engine : {Engine::kOctree, Engine::kTopDown, Engine::kUniformGrid, Engine::kLbvh, Engine::kVss}) {
+  for (const Engine engine : {Engine::kOctree, Engine::kTopDown, Engine::kUniformGrid, Engine::kLbvh, Engine::kVss,
+                              Engine::kAllPairs}) {
     spec_.engine = engine;
     const auto detector = begun();
     const FrameResult found =

@@ -37,6 +37,7 @@ const Setting kSettings[] = {
     {"UniformGrid", [](SceneSpec& spec, Case&) { spec.engine = Engine::kUniformGrid; }},
     {"TwoLevelGrid", [](SceneSpec& spec, Case&) { spec.engine = Engine::kTwoLevelGrid; }},
     {"VirtualSubdivision", [](SceneSpec& spec, Case&) { spec.engine = Engine::kVss; }},
+    {"AllPairs", [](SceneSpec& spec, Case&) { spec.engine = Engine::kAllPairs; }},
     {"Hierarchy", [](SceneSpec& spec, Case&) { spec.engine = Engine::kLbvh; }},
     {"StaticMesh", [](SceneSpec&, Case& c) { c.meshes[0].motion = MeshMotion::kStatic; }},
     {"RigidMesh", [](SceneSpec&, Case& c) { c.meshes[0].motion = MeshMotion::kRigid; }},

@@ -16,7 +16,8 @@ namespace collided::test {
 namespace {
 
 constexpr Engine kEngines[] = {Engine::kOctree,       Engine::kTopDown, Engine::kBottomUp, Engine::kUniformGrid,
-                               Engine::kTwoLevelGrid, Engine::kLbvh,    Engine::kVss};
+                               Engine::kTwoLevelGrid, Engine::kLbvh,    Engine::kVss,
+                              Engine::kAllPairs};
 constexpr Accuracy kLevels[] = {Accuracy::kCandidates, Accuracy::kFast, Accuracy::kGuarded, Accuracy::kCertified,
                                 Accuracy::kExact};
 

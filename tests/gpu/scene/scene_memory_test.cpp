@@ -41,7 +41,8 @@ TEST_F(SceneMemory, TwoTrianglesTakeLittle) {
   constexpr uint64_t kLimit = 64 << 10;
   for (const Mode mode : {Mode::kDcd, Mode::kCcd})
     for (const Accuracy level : kLevels)
-      for (const Engine engine : {Engine::kOctree, Engine::kTwoLevelGrid, Engine::kLbvh, Engine::kVss}) {
+      for (const Engine engine : {Engine::kOctree, Engine::kTwoLevelGrid, Engine::kLbvh, Engine::kVss,
+                                  Engine::kAllPairs}) {
         SceneSpec spec = settings(mode, level, Scalar::kF64, 0.01);
         spec.engine = engine;
         spec.fields = kEveryField;
@@ -68,7 +69,8 @@ TEST_F(SceneMemory, FewDenseLevelsFindTheSame) {
     SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified);
     spec.engine = Engine::kLbvh;
     const FrameResult expected = run_case(c, spec);
-    for (const Engine engine : {Engine::kOctree, Engine::kUniformGrid, Engine::kTwoLevelGrid, Engine::kVss}) {
+    for (const Engine engine : {Engine::kOctree, Engine::kUniformGrid, Engine::kTwoLevelGrid, Engine::kVss,
+                                Engine::kAllPairs}) {
       spec.engine = engine;
       EXPECT_TRUE(same_contacts(run_case(c, spec), expected)) << count << " triangles";
     }

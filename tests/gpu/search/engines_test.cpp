@@ -13,7 +13,8 @@ namespace collided::test {
 namespace {
 
 constexpr Engine kEngines[] = {Engine::kOctree,       Engine::kTopDown, Engine::kBottomUp, Engine::kUniformGrid,
-                               Engine::kTwoLevelGrid, Engine::kLbvh,    Engine::kVss};
+                               Engine::kTwoLevelGrid, Engine::kLbvh,    Engine::kVss,
+                              Engine::kAllPairs};
 
 SceneSpec settings_of(Engine engine, Mode mode, double thickness = 0, Accuracy accuracy = Accuracy::kCandidates) {
   SceneSpec spec = settings(mode, accuracy, Scalar::kF32, thickness);
@@ -198,20 +199,33 @@ TEST_F(Engines, HoldOnlyTheirOwnBuffersAndRunOnlyTheirOwnStages) {
     const auto has_stage = [&](const char* name) {
       return std::any_of(r.stages.begin(), r.stages.end(), [&](const StageTime& s) { return s.stage == name; });
     };
-    const bool is_lbvh = engine == Engine::kLbvh;
-    for (const char* part : {"octree", "registrations"}) EXPECT_EQ(has_part(part), !is_lbvh) << part;
+    const bool is_lbvh = engine == Engine::kLbvh, is_all_pairs = engine == Engine::kAllPairs;
+    const bool is_octree = !is_lbvh && !is_all_pairs;
+    for (const char* part : {"octree", "registrations"}) EXPECT_EQ(has_part(part), is_octree) << part;
     EXPECT_EQ(has_part("bvh"), is_lbvh);
+    EXPECT_EQ(has_part("all_pairs"), is_all_pairs);
     for (const char* stage : {"count", "bottom_up", "top_down", "registration"})
-      EXPECT_EQ(has_stage(stage), !is_lbvh) << stage;
+      EXPECT_EQ(has_stage(stage), is_octree) << stage;
     for (const char* stage : {"sort", "hierarchy"}) EXPECT_EQ(has_stage(stage), is_lbvh) << stage;
     for (const char* stage : {"boxes", "levels", "pairs"}) EXPECT_TRUE(has_stage(stage)) << stage;
   }
 }
 
-TEST_F(Engines, AutoStartsWithTheOctree) {
-  const FrameResult result = run_case(soup(146, 300, 1, 0.1, 0.02), settings_of(Engine::kAuto, Mode::kCcd));
-  EXPECT_EQ(result.broad_phase.engine, Engine::kOctree);
-  EXPECT_EQ(result.broad_phase.reason, EngineReason::kFirst);
+TEST_F(Engines, AutoStartsWithTheOctreeAndInSmallScenesWithAllPairs) {
+  for (const uint32_t triangles : {300u, 4200u}) {
+    const FrameResult result = run_case(soup(146, triangles, 1, 0.02, 0.02), settings_of(Engine::kAuto, Mode::kCcd));
+    EXPECT_EQ(result.broad_phase.engine, triangles == 300 ? Engine::kAllPairs : Engine::kOctree);
+    EXPECT_EQ(result.broad_phase.reason, EngineReason::kFirst);
+  }
+}
+
+TEST_F(Engines, AllPairsTestsEachPairOnce) {
+  for (const uint32_t n : {2u, 31u, 32u, 33u, 300u, 4100u}) {
+    const FrameCounts counts = run_case(soup(147, n, 1, 0.02, 0.02), settings_of(Engine::kAllPairs, Mode::kCcd)).counts;
+    EXPECT_EQ(counts.tests, uint64_t{n} * (n - 1) / 2);
+    EXPECT_EQ(counts.cells, 1u);
+    EXPECT_EQ(counts.registrations, 0u);
+  }
 }
 
 // Knots of very different sizes, one frame after the other: it leaves them to the hierarchy, and the answer is the

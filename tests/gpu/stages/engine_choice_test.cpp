@@ -198,6 +198,29 @@ TEST(EngineChoices, MeasureTheLastStepsSearch) {
             7);
 }
 
+TEST_F(Choice, ComparesTheRivalsOfSmallScenes) {
+  choice_ = EngineChoice(Engine::kAuto, rivals_of(500));
+  EXPECT_EQ(choice_.next().engine, Engine::kAllPairs);
+  run(32, {.octree = 0.5, .lbvh = 1});  // the second is what all pairs take
+  const EngineFacts facts = choice_.next();
+  EXPECT_EQ(facts.engine, kOctree);
+  EXPECT_EQ(facts.octree_milliseconds, 0.5);
+  EXPECT_EQ(facts.all_pairs_milliseconds, 1);
+  EXPECT_EQ(facts.lbvh_milliseconds, 0);
+}
+
+// An edit that makes a scene small, or large.
+TEST(EngineChoices, BeginAnewWithOtherRivals) {
+  LevelNeeds needs;
+  EngineChoices choices(Engine::kAuto, rivals_of(500));
+  EXPECT_EQ(choices.begin(needs).engine, Engine::kAllPairs);
+  choices.choose_between(rivals_of(100'000));
+  EXPECT_EQ(choices.begin(needs).engine, kOctree);
+  EngineChoices asked(kLbvh, rivals_of(500));
+  asked.choose_between(rivals_of(100'000));
+  EXPECT_EQ(asked.begin(needs).engine, kLbvh);
+}
+
 TEST(EngineChoices, KnowWhoIsIdle) {
   EngineChoices choices(Engine::kAuto);
   LevelNeeds needs;

@@ -228,7 +228,8 @@ TEST_F(Steps, FirstFrameWithManyContactsRunsAgain) {
 class SuddenCrowd : public OnBackend<::testing::TestWithParam<Accuracy>> {};
 
 TEST_P(SuddenCrowd, LosesNothingAndLeavesRoomForTheNext) {
-  const SceneSpec spec = settings(Mode::kCcd, GetParam(), Scalar::kF32);
+  SceneSpec spec = settings(Mode::kCcd, GetParam(), Scalar::kF32);
+  spec.engine = Engine::kOctree;
   Player player(scattered(), spec);
   FrameResult few;
   // The octree's levels move from frame to frame; of those that the crowd may meet, these need the longest lists.

@@ -113,12 +113,13 @@ TEST_F(BadInput, AnOverrideThatTheScenesReportForbids) {
 
 TEST_F(BadInput, AnUnknownEngine) {
   const auto status =
-      create([](auto& r) { r.mutable_spec()->set_broad_phase_engine(static_cast<pb::BroadPhaseEngine>(8)); });
+      create([](auto& r) { r.mutable_spec()->set_broad_phase_engine(static_cast<pb::BroadPhaseEngine>(9)); });
   EXPECT_EQ(status.error_code(), grpc::INVALID_ARGUMENT);
   EXPECT_EQ(status.error_message(),
-            "spec.broad_phase_engine is 8, but must be BROAD_PHASE_ENGINE_OCTREE, BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE, "
+            "spec.broad_phase_engine is 9, but must be BROAD_PHASE_ENGINE_OCTREE, BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE, "
             "BROAD_PHASE_ENGINE_BOTTOM_UP_OCTREE, BROAD_PHASE_ENGINE_UNIFORM_GRID, "
-            "BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, BROAD_PHASE_ENGINE_LBVH or BROAD_PHASE_ENGINE_VSS");
+            "BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, BROAD_PHASE_ENGINE_LBVH, BROAD_PHASE_ENGINE_VSS or "
+            "BROAD_PHASE_ENGINE_ALL_PAIRS");
 }
 
 TEST_F(BadInput, FirstFrameMustNameEveryMesh) {

@@ -66,7 +66,7 @@ TEST(ConvertScene, TakesWhetherListsAreReused) {
 }
 
 TEST(ConvertScene, AnUnknownEngineIsRefusedWithItsValueAndTheLimit) {
-  for (const int value : {-1, 8, 1000}) {
+  for (const int value : {-1, 9, 1000}) {
     const auto bad =
         request_with([&](pb::SceneSpec& s) { s.set_broad_phase_engine(static_cast<pb::BroadPhaseEngine>(value)); });
     try {
@@ -78,8 +78,8 @@ TEST(ConvertScene, AnUnknownEngineIsRefusedWithItsValueAndTheLimit) {
                               ", but must be BROAD_PHASE_ENGINE_OCTREE, BROAD_PHASE_ENGINE_TOP_DOWN_OCTREE, "
                               "BROAD_PHASE_ENGINE_BOTTOM_UP_OCTREE, "
                               "BROAD_PHASE_ENGINE_UNIFORM_GRID, "
-                              "BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, BROAD_PHASE_ENGINE_LBVH or "
-                              "BROAD_PHASE_ENGINE_VSS");
+                              "BROAD_PHASE_ENGINE_TWO_LEVEL_GRID, BROAD_PHASE_ENGINE_LBVH, "
+                              "BROAD_PHASE_ENGINE_VSS or BROAD_PHASE_ENGINE_ALL_PAIRS");
     }
   }
 }

@@ -1,0 +1,74 @@
+#pragma once
+// What all comparisons of measured times share: the times, and how often there may be one.
+
+#include <algorithm>
+#include <array>
+
+namespace collided {
+
+/// The last three of many numbers.
+class LastTimes {
+ public:
+  void push(double milliseconds) {
+    times_[next_] = milliseconds;
+    next_ = (next_ + 1) % kKept;
+    count_ = std::min(count_ + 1, kKept);
+  }
+  void clear() { count_ = next_ = 0; }
+  bool is_full() const { return count_ == kKept; }
+  /// The last where there are not as many yet; 0 without any.
+  double median() const {
+    if (count_ == 0) return 0;
+    if (!is_full()) return times_[count_ - 1];
+    const auto [a, b, c] = times_;
+    return std::max(std::min(a, b), std::min(std::max(a, b), c));
+  }
+
+ private:
+  static constexpr int kKept = 3;
+  std::array<double, kKept> times_ = {};
+  int count_ = 0, next_ = 0;
+};
+
+/// When the next comparison may begin: after a pause, twice as long each time, and once all that comparisons cost is a
+/// small share of all time. Times in milliseconds.
+class TrialBudget {
+ public:
+  static constexpr double kGain = 0.97;   ///< what the other way has to take of the time to be chosen
+  static constexpr double kChange = 1.3;  ///< from here on a scene has become another one
+  static constexpr int kFirstPause = 64;  ///< frames
+
+  /// Frames before the first comparison.
+  explicit TrialBudget(int first_wait) : wait_(first_wait) {}
+
+  bool is_due() const { return is_over() && owed_ == 0; }
+  /// The pause alone.
+  bool is_over() const { return wait_ == 0; }
+
+  /// A frame of a comparison took so much more than others.
+  void owe(double milliseconds) { owed_ += std::max(0.0, milliseconds); }
+  /// Any other frame.
+  void earn(double milliseconds) { owed_ = std::max(0.0, owed_ - kShare * milliseconds); }
+  void count_frame() { wait_ = std::max(0, wait_ - 1); }
+
+  /// A comparison has ended.
+  void pause() {
+    wait_ = pause_;
+    pause_ = std::min(2 * pause_, kLongestPause);
+  }
+  /// The other way cannot be gone at all.
+  void pause_longest() { wait_ = pause_ = kLongestPause; }
+  void pause_for(int frames) { wait_ = frames; }
+  void end_pause() { wait_ = 0; }
+  /// The scene has become another one.
+  void hurry() { wait_ = std::min(wait_, pause_ = kFirstPause); }
+
+ private:
+  static constexpr double kShare = 0.02;  ///< of all time may go to comparisons
+  static constexpr int kLongestPause = 1 << 14;
+
+  double owed_ = 0;  ///< what comparisons took, less the share that they may take
+  int wait_, pause_ = kFirstPause;
+};
+
+}  // namespace collided
