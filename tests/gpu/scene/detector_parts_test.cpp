@@ -1,6 +1,7 @@
 // A scene holds and computes only what its spec asks for.
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 
 #include "tests/gpu/backend.hpp"
@@ -202,6 +203,17 @@ TEST_F(DetectorParts, StageNamesAndDeviceAreGiven) {
   ASSERT_FALSE(devices.empty());
   EXPECT_EQ(devices[0].backend, Backend::kCpu);
   EXPECT_EQ(devices.size() > 1, cuda_available());
+}
+
+TEST(Kernels, AreLoadedAtTheStartUnlessTheEnvironmentSaysOtherwise) {
+  const char* const kLoading = "CUDA_MODULE_LOADING";
+  unsetenv(kLoading);
+  load_kernels_at_start();
+  EXPECT_STREQ(getenv(kLoading), "EAGER");
+  setenv(kLoading, "LAZY", 1);
+  load_kernels_at_start();
+  EXPECT_STREQ(getenv(kLoading), "LAZY");
+  unsetenv(kLoading);
 }
 
 }  // namespace
