@@ -195,6 +195,12 @@ func (s *Session) reopen(ctx context.Context) error {
 func (s *Session) resume(ctx context.Context, client *Client) (stream *Stream, err error) {
 	if s.first != nil {
 		stream, err = client.Resume(s.ctx, s.scene, StreamOptions{})
+		if IsConnectionLost(err) {
+			// The scene's endpoint may be gone, and proxies may not pass on why a stream was refused: a call is told.
+			if _, told := client.GetScene(ctx, s.scene.SceneId); told != nil {
+				err = told
+			}
+		}
 	} else {
 		err = s.deleteIfThere(ctx, client)
 	}

@@ -25,7 +25,13 @@ std::string scene_id(const std::string& daemon) { return daemon.empty() ? random
 }  // namespace
 
 SceneStore::Added SceneStore::add(const Client& owner, SceneRequest request) {
-  SceneFacts facts{scene_id(surroundings_.name), random_id(), request.request_id, request.fingerprint, owner, request.lease_seconds, 0};
+  SceneFacts facts{scene_id(surroundings_.name),
+                   random_id(),
+                   request.request_id,
+                   request.fingerprint,
+                   owner,
+                   request.lease_seconds,
+                   0};
   {
     const std::lock_guard lock(mutex_);
     if (SceneUse before = repeated_locked(owner, request)) return {std::move(before), false};

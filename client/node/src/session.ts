@@ -121,7 +121,7 @@ export class Session {
   /** A refusal leaves the stream open, whatever its code. */
   #isLoss(error: unknown): boolean {
     const isOpen = this.#stream && !this.#stream.end;
-    return !isOpen && error instanceof CollidedError && (error.isConnectionLost || hasIdledOut(error));
+    return !isOpen && (isLost(error) || (error instanceof CollidedError && hasIdledOut(error)));
   }
 
   async #reopen(patienceSeconds: number): Promise<FrameStream> {
@@ -143,10 +143,21 @@ export class Session {
       if (this.#first) return await client.resume(this.#scene);
       await deleteIfThere(client, this.#scene);
     } catch (error) {
-      if (!isNotFound(error)) throw error;
+      if (!isNotFound(error) && !(this.#first && isLost(error) && (await this.#isGone(client)))) throw error;
     }
     this.recreations += 1;
     return this.#create(client);
+  }
+
+  /** The scene's endpoint may be gone, and proxies may not pass on why a stream was refused: a call is told. */
+  async #isGone(client: Client): Promise<boolean> {
+    try {
+      await client.getScene(this.#scene.sceneId);
+      return false;
+    } catch (error) {
+      if (!isNotFound(error)) throw error;
+      return true;
+    }
   }
 
   async #create(client: Client): Promise<FrameStream> {
@@ -179,6 +190,10 @@ function hasIdledOut(error: CollidedError): boolean {
 
 function isNotFound(error: unknown): boolean {
   return error instanceof CollidedError && error.code === Code.NOT_FOUND;
+}
+
+function isLost(error: unknown): boolean {
+  return error instanceof CollidedError && error.isConnectionLost;
 }
 
 async function deleteIfThere(client: Client, scene: Scene): Promise<void> {

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Several daemons behind HAProxy: where scenes go, and what happens to their streams when a daemon dies or stops.
 
-Arguments: DAEMON COLLIDECTL REPOSITORY (those of the Python package's tests).
+Arguments: DAEMON COLLIDECTL REPOSITORY (those of the Python package's tests) ROUTED_SESSION.
 """
 
 import pathlib
+import subprocess
 import sys
+import threading
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "client" / "python"))
@@ -132,6 +134,58 @@ class Losing(Case):
         for load in loads:
             self.assertEqual((load.session.reconnects, load.session.resent), (0, 0))
             self.assertGreaterEqual(load.session.recreations, 1)
+
+
+class CppSession:
+    """A session of the C++ client under load, in a process of its own."""
+
+    def __init__(self, address):
+        self._process = subprocess.Popen([sys.argv[4], address], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.lines = []
+        self._reader = threading.Thread(target=lambda: self.lines.extend(iter(self._process.stdout.readline, "")))
+        self._reader.start()
+
+    @property
+    def daemon(self):
+        return self.lines[-1].partition(".")[0]
+
+    def go_on(self, lines):
+        """Until it has answered ten times as many frames more."""
+        goal = len(self.lines) + lines
+        wait_for(lambda: len(self.lines) >= goal or self._process.poll() is not None, "frames")
+
+    def finish(self):
+        """The exit code, and how it went."""
+        self._process.stdin.close()
+        self._reader.join()
+        code = self._process.wait()
+        self._process.stdout.close()
+        return code, self.lines[-1] if self.lines else ""
+
+
+class FromCpp(Case):
+    def test_sessions_go_on_after_a_kill_and_leave_a_daemon_that_drains(self):
+        fleet = self.fleet("haproxy.cfg", *PATIENT)
+        sessions = [CppSession(fleet.address) for _ in range(3)]
+        try:
+            for session in sessions:
+                session.go_on(2)
+            killed, drained, _ = first = [session.daemon for session in sessions]
+            self.assertEqual(len(set(first)), 3)
+            members = {member.name: member for member in fleet.members}
+            members[killed].kill()
+            for session in sessions:
+                session.go_on(3)
+            members[killed].start()
+            leaving = [session.daemon == drained for session in sessions]
+            self.assertEqual(members[drained].drain(), 0)
+            for session in sessions:
+                session.go_on(2)
+        finally:
+            ends = [session.finish() for session in sessions]
+        for was_killed, left, (code, said) in zip((True, False, False), leaving, ends):
+            self.assertEqual(code, 0, said)
+            self.assertRegex(said, f"reconnects {int(was_killed)} recreations {was_killed + left}$")
 
 
 class ByConnection(Case):
