@@ -168,6 +168,7 @@ class Drain(Case):
         daemon.wait_for(lambda: daemon.http("/readyz") == (503, "draining\n"), "draining")
         for service in ("", SERVICE):
             self.assertEqual(daemon.health(service), NOT_SERVING)
+        self.assertEqual(daemon.http("/healthz")[0], 200)
         self.assertIsNone(daemon.process.poll())
         return daemon, over, call
 
