@@ -206,6 +206,8 @@ class Stream:
         while True:
             response = self._transport.read(None)
             assert response is not None
+            if response.WhichOneof("response") == "draining":
+                self._take(response)
             if response.frame_id != wire_id or response.WhichOneof("response") == "contacts":
                 continue
             if response.WhichOneof("response") == "error":
