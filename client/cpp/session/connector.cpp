@@ -55,7 +55,7 @@ void try_delete(Client& client, const v1::Scene& scene) try {
 } catch (const Error&) {
 }
 
-/// The scene's endpoint may be gone, and proxies may not pass on why a stream was refused: a call is told.
+/// Proxies may not pass on why a stream was refused: a call is told.
 bool is_gone(Client& client, const v1::Scene& scene) try {
   client.get_scene(scene.scene_id());
   return false;
@@ -103,6 +103,8 @@ Connector::Opened Connector::reopen(const v1::Scene& scene, bool is_reusable, Ti
   connect.deadline = std::min(std::max(left, milliseconds(1)), connect.deadline);
   Client client = Client::connect(channels_.with(connect));
   try {
+    // Told at once if it is gone, where an endpoint that is gone would be waited for.
+    if (is_reusable && !scene.endpoint().empty()) client.get_scene(scene.scene_id());
     if (is_reusable) return {scene, client.resume(scene, options_.stream), false};
     client.delete_scene(scene.scene_id());
   } catch (const Error& e) {
