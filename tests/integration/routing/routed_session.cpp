@@ -3,8 +3,10 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <deque>
@@ -12,6 +14,7 @@
 #include <span>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "client/cpp/session.hpp"
@@ -21,6 +24,7 @@ using namespace collided::client;
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
 using Points = std::vector<std::array<double, 3>>;
 
 // The corner of `falling` is at 1 or at -3, so that it passes the floor at a quarter or at three quarters of the way.
@@ -71,16 +75,21 @@ int main(int argc, char** argv) try {
   });
   std::deque<std::future<FrameOutput>> in_flight;
   uint64_t sent = 0, answered = 0;
+  auto last = Clock::now();
+  Clock::duration longest{};
   while (!is_over || !in_flight.empty()) {
     while (!is_over && in_flight.size() < session.window()) in_flight.push_back(submit(session, sent++));
     if (in_flight.empty()) break;
     check(in_flight.front().get(), answered++);
+    const auto now = Clock::now();
+    longest = std::max(longest, now - std::exchange(last, now));
     in_flight.pop_front();
     if (answered % 10 == 0) std::printf("%s\n", session.scene().scene_id().c_str()), std::fflush(stdout);
   }
   reader.join();
-  std::printf("answered %ju reconnects %ju recreations %ju\n", static_cast<uintmax_t>(answered),
-              static_cast<uintmax_t>(session.reconnects()), static_cast<uintmax_t>(session.recreations()));
+  std::printf("answered %ju longest wait %.2f s reconnects %ju recreations %ju\n", static_cast<uintmax_t>(answered),
+              std::chrono::duration<double>(longest).count(), static_cast<uintmax_t>(session.reconnects()),
+              static_cast<uintmax_t>(session.recreations()));
   session.close();
 } catch (const std::exception& error) {
   std::fprintf(stderr, "routed_session: %s\n", error.what());

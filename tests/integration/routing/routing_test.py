@@ -185,6 +185,7 @@ class FromCpp(Case):
             ends = [session.finish() for session in sessions]
         for was_killed, left, (code, said) in zip((True, False, False), leaving, ends):
             self.assertEqual(code, 0, said)
+            print(f"from C++: {said.strip()}", file=sys.stderr)
             self.assertRegex(said, f"reconnects {int(was_killed)} recreations {was_killed + left}$")
 
 
