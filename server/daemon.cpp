@@ -88,6 +88,7 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
 
 Gauges Daemon::gauges() const {
   const HostTotals totals = core_.host.totals();
+  const Limits limits = core_.host.limits();
   const uint64_t outgoing = calls_->outgoing_bytes() + (local_ ? local_->outgoing_bytes() : 0);
   return {totals.scenes,
           totals.streams,
@@ -97,7 +98,11 @@ Gauges Daemon::gauges() const {
           totals.waiting_frames,
           outgoing,
           entrance_.connections().size(),
-          entrance_.connections().evicted()};
+          entrance_.connections().evicted(),
+          limits.max_scenes,
+          limits.max_streams,
+          limits.max_device_bytes,
+          lifecycle_.status().ready()};
 }
 
 void Daemon::listen(const Config& config) {

@@ -14,6 +14,7 @@ import (
 const (
 	firstPause   = 50 * time.Millisecond
 	longestPause = 2 * time.Second
+	leavePause   = time.Second
 )
 
 // SessionOptions tell how a session is opened.
@@ -39,6 +40,7 @@ type Session struct {
 	scene     *Scene
 	stream    *Stream   // nil: lost
 	first     *v1.Frame // the scene's, which fixes static and rigid meshes and what is at rest
+	nextLeave time.Time // when leaving a daemon that stops is tried
 	isClosed  bool
 
 	// Reconnects counts how often a stream was opened again.
@@ -126,6 +128,7 @@ func (s *Session) repeatable(frame Frame) (*v1.Frame, error) {
 }
 
 func (s *Session) insist(ctx context.Context, frame *v1.Frame) (*Output, error) {
+	s.leave(ctx)
 	giveUp := time.Now().Add(s.options.GiveUp)
 	for pause := firstPause; ; pause = minDuration(2*pause, longestPause) {
 		output, err := s.try(ctx, frame, giveUp)
@@ -140,6 +143,38 @@ func (s *Session) insist(ctx context.Context, frame *v1.Frame) (*Output, error) 
 			return nil, err
 		}
 	}
+}
+
+// leave goes from a daemon that stops to another one, between two frames. Where there is none, frames are answered until it
+// closes the stream, and this is tried again.
+func (s *Session) leave(ctx context.Context) {
+	before, scene := s.stream, s.scene
+	if before == nil || time.Now().Before(s.nextLeave) {
+		return
+	}
+	if _, isDraining := before.Draining(); !isDraining {
+		return
+	}
+	s.nextLeave = time.Now().Add(leavePause)
+	err := s.withClient(ctx, func(client *Client) error {
+		stream, err := s.create(ctx, client)
+		if err != nil {
+			return err
+		}
+		if err := s.restore(ctx, stream); err != nil {
+			stream.Close()
+			return err
+		}
+		s.stream = stream
+		before.Close()
+		_ = client.DeleteScene(ctx, scene.SceneId) // its daemon ends
+		return nil
+	})
+	if err != nil {
+		s.scene = scene
+		return
+	}
+	s.Recreations++
 }
 
 func (s *Session) try(ctx context.Context, frame *v1.Frame, giveUp time.Time) (*Output, error) {
@@ -194,15 +229,34 @@ func (s *Session) reopen(ctx context.Context) error {
 // resume begins the scene anew without a first frame: nobody can tell what an unanswered one has fixed.
 func (s *Session) resume(ctx context.Context, client *Client) (stream *Stream, err error) {
 	if s.first != nil {
-		stream, err = client.Resume(s.ctx, s.scene, StreamOptions{})
+		stream, err = s.find(ctx, client)
 	} else {
 		err = s.deleteIfThere(ctx, client)
 	}
 	if stream != nil || err != nil && !isNotFound(err) {
 		return stream, err
 	}
-	s.Recreations++
-	return s.create(ctx, client)
+	if stream, err = s.create(ctx, client); err == nil {
+		s.Recreations++
+	}
+	return stream, err
+}
+
+// find is told at once if the scene is gone, where an endpoint that is gone would be waited for; and proxies may not pass on why
+// a stream was refused.
+func (s *Session) find(ctx context.Context, client *Client) (*Stream, error) {
+	if s.scene.Endpoint != "" {
+		if _, err := client.GetScene(ctx, s.scene.SceneId); err != nil {
+			return nil, err
+		}
+	}
+	stream, err := client.Resume(s.ctx, s.scene, StreamOptions{})
+	if IsConnectionLost(err) {
+		if _, told := client.GetScene(ctx, s.scene.SceneId); told != nil {
+			err = told
+		}
+	}
+	return stream, err
 }
 
 func (s *Session) create(ctx context.Context, client *Client) (*Stream, error) {

@@ -62,6 +62,7 @@ struct Tls {
 
 struct Config {
   std::vector<std::string> addresses = {"127.0.0.1:50551"};
+  std::string name;                    ///< begins the ids of its scenes; empty: nothing does
   std::string endpoint;                ///< address advertised to clients for streaming; empty: none
   std::string http_address;            ///< metrics and health; empty: off
   std::string local_socket;            ///< path of the shared-memory socket; empty: off

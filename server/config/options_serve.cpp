@@ -1,13 +1,28 @@
 // Options of where and how the daemon serves.
+#include <algorithm>
+#include <string>
+
 #include "server/config/address.hpp"
 #include "server/config/options.hpp"
 
 namespace collided::server {
 namespace {
 
+constexpr size_t kMaxNameBytes = 63;  // as of a host's name
+
 // An empty value turns the option off.
 CLI::Validator or_empty(std::string (*check)(const std::string&)) {
   return CLI::Validator([check](std::string& text) { return text.empty() ? std::string() : check(text); }, "");
+}
+
+// What ends a name in an id is no part of one.
+std::string check_name(const std::string& name) {
+  const bool is_short = name.size() <= kMaxNameBytes;
+  const auto is_allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  };
+  if (is_short && std::all_of(name.begin(), name.end(), is_allowed)) return {};
+  return "it must have at most " + std::to_string(kMaxNameBytes) + " letters, digits, '-' and '_'";
 }
 
 void add_addresses(CLI::App& app, Config& config) {
@@ -15,6 +30,9 @@ void add_addresses(CLI::App& app, Config& config) {
       ->type_name("ADDRESS")
       ->delimiter(',')
       ->check(CLI::Validator(check_address, ""));
+  add(app, "--name", config.name, "Name that begins the ids of its scenes, for proxies that route by them; empty: none")
+      ->type_name("NAME")
+      ->check(or_empty(check_name));
   add(app, "--endpoint", config.endpoint, "Address advertised to clients for streaming; empty: the one they used")
       ->type_name("ADDRESS")
       ->check(or_empty(check_address));

@@ -29,6 +29,7 @@ Reloaded reload_config(int argc, const char* const* argv, const Config& current)
   Config& now = reloaded.config;
   Keeper keeper(reloaded.restart);
   keeper.keep("address", now.addresses, current.addresses);
+  keeper.keep("name", now.name, current.name);
   keeper.keep("endpoint", now.endpoint, current.endpoint);
   keeper.keep("http-address", now.http_address, current.http_address);
   keeper.keep("local-socket", now.local_socket, current.local_socket);

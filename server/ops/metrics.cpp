@@ -118,6 +118,7 @@ struct Metrics::Families {
       &reset_floods, &evicted;
   Histogram& frame_seconds;
   Gauge &scenes, &streams, &watchers, &calls_in_work, &device_bytes, &queued_frames, &outgoing_bytes, &connections;
+  Gauge &max_scenes, &max_streams, &max_device_bytes, &ready;
   Gauge &resident_bytes, &open_files;
   Family<Histogram>& phase_family;
   Family<Histogram>& stage_family;
@@ -158,6 +159,10 @@ Metrics::Families::Families()
       queued_frames(gauge(registry, "collided_queued_frames", "Frames waiting for their turn")),
       outgoing_bytes(gauge(registry, "collided_outgoing_bytes", "Bytes of answers waiting for their clients")),
       connections(gauge(registry, "collided_connections", "Connections of gRPC")),
+      max_scenes(gauge(registry, "collided_max_scenes", "Limit of resident scenes")),
+      max_streams(gauge(registry, "collided_max_streams", "Limit of open streams")),
+      max_device_bytes(gauge(registry, "collided_max_device_bytes", "Limit of the bytes that all scenes hold")),
+      ready(gauge(registry, "collided_ready", "1 while /readyz is 200, else 0")),
       resident_bytes(gauge(registry, "process_resident_memory_bytes", "Resident memory size in bytes")),
       open_files(gauge(registry, "process_open_fds", "Number of open file descriptors")),
       phase_family(histograms(registry, "collided_phase_seconds",
@@ -199,6 +204,10 @@ void Metrics::Families::set_gauges_now() const {
   queued_frames.Set(static_cast<double>(now.queued_frames));
   outgoing_bytes.Set(static_cast<double>(now.outgoing_bytes));
   connections.Set(static_cast<double>(now.connections));
+  max_scenes.Set(static_cast<double>(now.max_scenes));
+  max_streams.Set(static_cast<double>(now.max_streams));
+  max_device_bytes.Set(static_cast<double>(now.max_device_bytes));
+  ready.Set(now.is_ready ? 1 : 0);
   if (const auto more = static_cast<double>(now.evicted) - evicted.Value(); more > 0) evicted.Increment(more);
   resident_bytes.Set(process_resident_bytes());
   open_files.Set(process_open_files());

@@ -32,6 +32,10 @@ struct Gauges {
   uint64_t outgoing_bytes = 0;  ///< of answers waiting for their clients
   uint64_t connections = 0;     ///< of gRPC
   uint64_t evicted = 0;         ///< connections ended to make room, since the start
+  uint64_t max_scenes = 0;      ///< limits, of all clients together
+  uint64_t max_streams = 0;
+  uint64_t max_device_bytes = 0;
+  bool is_ready = false;  ///< as /readyz tells
 };
 
 /// Thread-safe. Counting takes no lock that a scrape holds for long, and allocates only for new names.

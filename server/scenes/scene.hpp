@@ -55,6 +55,7 @@ struct SceneSurroundings {
   SceneObserver& observer;
   std::string endpoint = {};  ///< address advertised to clients for streaming; empty: the one they used
   Now now = Clock::now;       ///< of leases and idle streams
+  std::string name = {};      ///< of the daemon: begins the ids of scenes; empty: nothing does
 };
 
 class Scene {

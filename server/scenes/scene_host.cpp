@@ -35,7 +35,8 @@ SceneHost::SceneHost(const Config& config, SceneObserver& observer, const Now& n
       limits_(config.limits),
       turns_(turn_options(config, now)),
       usage_(config.limits, now),
-      scenes_(config.limits.max_scenes, config.limits.max_window, {turns_, observer, config.endpoint, now}),
+      scenes_(config.limits.max_scenes, config.limits.max_window,
+              {turns_, observer, config.endpoint, now, config.name}),
       freed_(config.gives_back_memory ? std::optional<FreedMemory>(std::in_place) : std::nullopt),
       watch_([this] { watch(); }) {}
 

@@ -20,10 +20,18 @@ std::string random_id() {
   return id;
 }
 
+std::string scene_id(const std::string& daemon) { return daemon.empty() ? random_id() : daemon + "." + random_id(); }
+
 }  // namespace
 
 SceneStore::Added SceneStore::add(const Client& owner, SceneRequest request) {
-  SceneFacts facts{random_id(), random_id(), request.request_id, request.fingerprint, owner, request.lease_seconds, 0};
+  SceneFacts facts{scene_id(surroundings_.name),
+                   random_id(),
+                   request.request_id,
+                   request.fingerprint,
+                   owner,
+                   request.lease_seconds,
+                   0};
   {
     const std::lock_guard lock(mutex_);
     if (SceneUse before = repeated_locked(owner, request)) return {std::move(before), false};

@@ -6,7 +6,6 @@ usage: deploy_test.py DAEMON REPOSITORY
 
 import pathlib
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -92,19 +91,6 @@ class Files(unittest.TestCase):
         (tokens,) = README.blocks("toml")
         code, said = self.check("--tokens-file", self.put("tokens.toml", tokens))
         self.assertEqual((code, said.splitlines()[-1]), (0, "collided: the configuration is valid"))
-
-    def test_the_rules_are_prometheus_rules(self):
-        promtool = shutil.which("promtool")
-        if not promtool:
-            self.skipTest("promtool is not installed")
-        scrape, rules = README.blocks("yaml")
-        for kind, text in (("config", scrape), ("rules", rules)):
-            done = subprocess.run([promtool, "check", kind, self.put(f"{kind}.yml", text)], text=True,
-                                  capture_output=True, timeout=60)
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        known = set(names_in(" ".join(row[0] for row in README.table(after="| metric | kind |"))))
-        for name in re.findall(r"collided_\w+", rules):
-            self.assertIn(name.removesuffix("_bucket"), known)
 
     def test_exit_codes_are_as_the_table_says(self):
         told = {int(row[0]) for row in README.table(after="| exit code |")[1:]}

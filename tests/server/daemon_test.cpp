@@ -67,6 +67,14 @@ pb::Scene upload_tip(test::Stub& stub, const std::string& scene_id) {
   return response.scene();
 }
 
+TEST_F(WholeDaemon, IdsOfScenesBeginWithItsName) {
+  config_.name = "gpu-3";
+  start();
+  const std::string id = test::made_scene(*stub_, test::tip_request()).scene_id();
+  EXPECT_TRUE(id.starts_with("gpu-3."));
+  EXPECT_EQ(id.size(), std::string("gpu-3.").size() + 32);
+}
+
 TEST_F(WholeDaemon, EveryAnswerWithASceneTellsItsEndpoint) {
   config_.endpoint = "sim.example:50551";
   start();

@@ -55,6 +55,15 @@ void try_delete(Client& client, const v1::Scene& scene) try {
 } catch (const Error&) {
 }
 
+/// Proxies may not pass on why a stream was refused: a call is told.
+bool is_gone(Client& client, const v1::Scene& scene) try {
+  client.get_scene(scene.scene_id());
+  return false;
+} catch (const Error& e) {
+  if (e.code() != grpc::NOT_FOUND) throw;
+  return true;
+}
+
 void ask(FrameStream& stream, uint64_t id, std::span<const FrameUpdate> updates, const FrameOptions& options) {
   stream.send(id, updates, options);
   stream.receive().check();
@@ -94,12 +103,24 @@ Connector::Opened Connector::reopen(const v1::Scene& scene, bool is_reusable, Ti
   connect.deadline = std::min(std::max(left, milliseconds(1)), connect.deadline);
   Client client = Client::connect(channels_.with(connect));
   try {
+    // Told at once if it is gone, where an endpoint that is gone would be waited for.
+    if (is_reusable && !scene.endpoint().empty()) client.get_scene(scene.scene_id());
     if (is_reusable) return {scene, client.resume(scene, options_.stream), false};
     client.delete_scene(scene.scene_id());
   } catch (const Error& e) {
-    if (e.code() != grpc::NOT_FOUND) throw;
+    const bool is_told = e.code() == grpc::NOT_FOUND;
+    if (!is_told && !(is_reusable && is_connection_lost(e) && is_gone(client, scene))) throw;
   }
   return create(client);
+}
+
+std::optional<Connector::Opened> Connector::leave(const v1::Scene& scene) const try {
+  Client client = Client::connect(channels_.with(channels_.options()));
+  Opened opened = create(client);
+  try_delete(client, scene);
+  return opened;
+} catch (const Error&) {
+  return std::nullopt;
 }
 
 void Connector::remove(const v1::Scene& scene) const try {

@@ -2,6 +2,7 @@
 // Connects a session to its scene, as often as it takes.
 
 #include <chrono>
+#include <optional>
 
 #include "client/cpp/session.hpp"
 #include "client/cpp/session/owned_frame.hpp"
@@ -33,6 +34,8 @@ class Connector {
   /// Resumes the scene, or creates it if it is gone. Its calls end by the deadline. What a frame without an answer has
   /// fixed of a scene without others nobody can tell: it is not reusable, and deleted.
   Opened reopen(const v1::Scene& scene, bool is_reusable, Time deadline) const;
+  /// Creates the scene on another daemon than the one that stops; none if no daemon takes it, and the scene stays.
+  std::optional<Opened> leave(const v1::Scene& scene) const;
   /// Ignores that it is gone.
   void remove(const v1::Scene& scene) const;
 

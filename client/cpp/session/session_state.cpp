@@ -13,6 +13,8 @@ namespace collided::client {
 
 namespace {
 
+constexpr std::chrono::duration<double> kLeavePause(1);
+
 /// Calls without the lock, and takes it again.
 template <class Call>
 auto unlocked(std::unique_lock<std::mutex>& lock, const Call& call) {
@@ -97,7 +99,7 @@ void Session::State::send_unsent(Lock& lock) {
   const auto is_unsent = [](const FrameInFlight& frame) { return frame.wire_id == 0; };
   for (;;) {
     const auto next = std::find_if(frames.begin(), frames.end(), is_unsent);
-    if (next == frames.end() || !is_ready || is_closed) return;
+    if (next == frames.end() || !is_ready || is_leaving || is_closed) return;
     sending = next->wire_id = ++last_wire_id;
     const std::optional<Error> refusal = unlocked(lock, [&] { return try_send(*stream, *next); });
     sending = 0;
@@ -115,7 +117,10 @@ void Session::State::run() {
     changed.wait(lock, [&] { return is_closed || !frames.empty(); });
     if (is_closed) break;
     try {
-      is_ready ? receive_one(lock) : reopen(lock);
+      if (!is_ready)
+        reopen(lock);
+      else
+        is_leaving&& frames.front().wire_id == 0 ? leave(lock) : receive_one(lock);
     } catch (const Error& e) {
       lose(lock, e);
     } catch (const std::exception& e) {
@@ -137,13 +142,26 @@ void Session::State::receive_one(Lock& lock) {
   trouble.reset();
   std::list<FrameInFlight> answered;
   answered.splice(answered.end(), frames, frames.begin());
+  is_leaving = stream->draining_deadline() && std::chrono::steady_clock::now() >= next_leave;
   changed.notify_all();
   unlocked(lock, [&] { answer(answered.front(), std::move(output)); });
 }
 
+void Session::State::leave(Lock& lock) {
+  next_leave = time_after(kLeavePause);
+  if (std::optional<Connector::Opened> opened = unlocked(lock, [&] { return connector.leave(scene); })) {
+    scene = std::move(opened->scene);
+    ++recreations;
+    stream.emplace(std::move(opened->stream));
+    last_wire_id = unlocked(lock, [&] { return restore(*stream, memory); });
+  }
+  is_leaving = false;
+  send_unsent(lock);
+}
+
 void Session::State::lose(Lock& lock, const Error& error) {
   if (stream) stream->cancel();
-  is_ready = false;
+  is_ready = is_leaving = false;
   changed.wait(lock, [&] { return sending == 0; });
   stream.reset();
   for (FrameInFlight& frame : frames) frame.wire_id = 0;

@@ -53,6 +53,9 @@ struct Session::State : std::enable_shared_from_this<Session::State> {
   void run();
   void receive_one(Lock& lock);
   void reopen(Lock& lock);
+  /// From a daemon that stops to another one, with nothing in flight. Where there is none, frames are answered until
+  /// the daemon closes the stream, and this is tried again.
+  void leave(Lock& lock);
   void lose(Lock& lock, const Error& error);
   void wait_for_next_attempt(Lock& lock, const Error& error);
   void fail_all(Lock& lock, const Error& error);
@@ -66,7 +69,9 @@ struct Session::State : std::enable_shared_from_this<Session::State> {
   v1::Scene scene;
   std::optional<FrameStream> stream;  ///< opened and dropped by the receiver only
   uint32_t window = 0;
-  bool is_ready = true;  ///< the stream's scene is where `memory` is
+  bool is_ready = true;     ///< the stream's scene is where `memory` is
+  bool is_leaving = false;  ///< no frame is sent until those in flight are answered
+  std::chrono::steady_clock::time_point next_leave{};
   bool is_closed = false;
   std::list<FrameInFlight> frames;
   uint64_t sending = 0;  ///< wire_id of the frame that a thread is sending

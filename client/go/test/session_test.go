@@ -3,6 +3,7 @@ package test
 import (
 	"context"
 	"errors"
+	"path/filepath"
 	"reflect"
 	"testing"
 	"time"
@@ -111,6 +112,61 @@ func TestWhatIsLostIsRestored(t *testing.T) {
 			same(t, p.session.Recreations > 0, true)
 		})
 	}
+}
+
+func TestASessionGoesOnElsewhereAndLeavesADaemonThatDrains(t *testing.T) {
+	folder := t.TempDir()
+	member := func(name, graceSeconds string) *collided.Daemon {
+		address := "unix:" + filepath.Join(folder, name) // streams go there, and calls by the proxy
+		return daemon(t, "--grace-seconds", graceSeconds, "--address", address, "--endpoint", address)
+	}
+	gone, drained, last := member("a", "0"), member("b", "600"), member("c", "0")
+	way := newProxy(t, gone)
+	ctx := within(t)
+	client, err := collided.Connect(ctx, way.address, collided.Options{})
+	must(t, err)
+	defer client.Close()
+	p := &play{spec: &collided.SceneSpec{Mode: collided.CCD}}
+	at := 0
+	restore := func() []collided.Update { return []collided.Update{p.updateAt(at - 1)} }
+	session, err := client.Session(ctx, p.spec, p.meshes(), collided.SessionOptions{Restore: restore, GiveUp: 30 * time.Second})
+	must(t, err)
+	goOn := func() {
+		frame := collided.Frame{Updates: []collided.Update{p.updateAt(at)}}
+		if at == 0 {
+			frame = first(floor, tipAt(heightAt(0)))
+		}
+		output, err := session.Detect(ctx, frame)
+		must(t, err)
+		if at > 0 {
+			same(t, output.VertexTriangle.Count, 1)
+		}
+		at++
+	}
+	goOn()
+	goOn()
+
+	way.leadTo(drained)
+	gone.Stop()
+	goOn()
+	goOn()
+	same(t, session.Recreations, 1) // of a stream that broke, or that was left in time
+	broken := session.Reconnects
+
+	way.leadTo(last)
+	stopped := make(chan struct{})
+	go func() {
+		drained.Stop()
+		close(stopped)
+	}()
+	for session.Recreations == 1 {
+		goOn()
+	}
+	<-stopped
+	goOn()
+	same(t, session.Reconnects, broken)
+	same(t, session.Recreations, 2)
+	must(t, session.Close(ctx))
 }
 
 func TestAStreamThatIdledOutIsOpenedAgain(t *testing.T) {

@@ -29,6 +29,7 @@ type Connect = (patienceSeconds?: number) => Promise<Client>;
 
 const FIRST_PAUSE_MS = 50;
 const LONGEST_PAUSE_MS = 2000;
+const LEAVE_PAUSE_MS = 1000;
 
 /**
  * One frame at a time. Positions are absolute, so that after a loss the scene's first frame, if the scene had to be created
@@ -46,6 +47,7 @@ export class Session {
   #stream: FrameStream | undefined;
   #first: FrameInput | undefined; // the scene's, which fixes static and rigid meshes and what is at rest
   #running: Promise<FrameOutput> | undefined; // the frame that is on its way
+  #nextLeave = 0; // when leaving a daemon that stops is tried
   #isClosed = false;
 
   private constructor(connect: Connect, input: SceneInput, options: SessionOptions) {
@@ -103,6 +105,7 @@ export class Session {
   }
 
   async #insist(frame: FrameInput): Promise<FrameOutput> {
+    await this.#leave();
     const giveUp = performance.now() + 1000 * (this.#options.giveUpSeconds ?? 60);
     for (let wait = FIRST_PAUSE_MS; ; wait = Math.min(2 * wait, LONGEST_PAUSE_MS)) {
       try {
@@ -121,11 +124,17 @@ export class Session {
   /** A refusal leaves the stream open, whatever its code. */
   #isLoss(error: unknown): boolean {
     const isOpen = this.#stream && !this.#stream.end;
-    return !isOpen && error instanceof CollidedError && (error.isConnectionLost || hasIdledOut(error));
+    return !isOpen && (isLost(error) || (error instanceof CollidedError && hasIdledOut(error)));
   }
 
   async #reopen(patienceSeconds: number): Promise<FrameStream> {
     const stream = await this.#withClient((client) => this.#resume(client), Math.max(0, patienceSeconds));
+    await this.#restore(stream);
+    this.reconnects += 1;
+    return stream;
+  }
+
+  async #restore(stream: FrameStream): Promise<void> {
     try {
       if (this.#first && stream.scene.lastFrameId === 0n) await stream.detect(this.#first);
       if (this.#first) await stream.detect(this.#restoring());
@@ -133,20 +142,55 @@ export class Session {
       stream.cancel();
       throw error;
     }
-    this.reconnects += 1;
-    return stream;
+  }
+
+  /**
+   * From a daemon that stops to another one, between two frames. Where there is none, frames are answered until it closes the
+   * stream, and this is tried again.
+   */
+  async #leave(): Promise<void> {
+    const before = this.#stream;
+    if (before?.drainingSeconds === undefined || performance.now() < this.#nextLeave) return;
+    this.#nextLeave = performance.now() + LEAVE_PAUSE_MS;
+    const scene = this.#scene;
+    try {
+      await this.#withClient(async (client) => {
+        const stream = await this.#create(client);
+        await this.#restore(stream);
+        this.#stream = stream;
+        this.recreations += 1;
+        before.cancel();
+        await deleteIfThere(client, scene).catch(() => {}); // its daemon ends
+      });
+    } catch {
+      if (this.#stream === before) this.#scene = scene;
+    }
   }
 
   /** Without a first frame nobody can tell what an unanswered one has fixed: the scene begins anew. */
   async #resume(client: Client): Promise<FrameStream> {
     try {
+      // Told at once if it is gone, where an endpoint that is gone would be waited for.
+      if (this.#first && this.#scene.endpoint) await client.getScene(this.#scene.sceneId);
       if (this.#first) return await client.resume(this.#scene);
       await deleteIfThere(client, this.#scene);
     } catch (error) {
-      if (!isNotFound(error)) throw error;
+      if (!isNotFound(error) && !(this.#first && isLost(error) && (await this.#isGone(client)))) throw error;
     }
+    const stream = await this.#create(client);
     this.recreations += 1;
-    return this.#create(client);
+    return stream;
+  }
+
+  /** Proxies may not pass on why a stream was refused: a call is told. */
+  async #isGone(client: Client): Promise<boolean> {
+    try {
+      await client.getScene(this.#scene.sceneId);
+      return false;
+    } catch (error) {
+      if (!isNotFound(error)) throw error;
+      return true;
+    }
   }
 
   async #create(client: Client): Promise<FrameStream> {
@@ -179,6 +223,10 @@ function hasIdledOut(error: CollidedError): boolean {
 
 function isNotFound(error: unknown): boolean {
   return error instanceof CollidedError && error.code === Code.NOT_FOUND;
+}
+
+function isLost(error: unknown): boolean {
+  return error instanceof CollidedError && error.isConnectionLost;
 }
 
 async function deleteIfThere(client: Client, scene: Scene): Promise<void> {

@@ -1,5 +1,8 @@
 import assert from "node:assert/strict";
+import { mkdtempSync, rmSync } from "node:fs";
 import { after, test } from "node:test";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
 import {
   Code,
   DetectionMode,
@@ -81,6 +84,46 @@ for (const [name, scene] of Object.entries({ FALLING, TURNING, BOTH })) {
     assert(killed.session.recreations >= 1, `${killed.session.recreations}`);
   });
 }
+
+test("a session goes on elsewhere if its endpoint is gone, and leaves a daemon that drains", async (t) => {
+  const folder = mkdtempSync(join(tmpdir(), "members-"));
+  const member = (name: string, graceSeconds: number) => {
+    const address = `unix:${folder}/${name}`; // streams go there, and calls by the proxy
+    return OwnDaemon.start(["--grace-seconds", `${graceSeconds}`, "--address", address, "--endpoint", address]);
+  };
+  const members = [await member("a", 0), await member("b", 600), await member("c", 0)];
+  const way = new Proxy();
+  await way.open(members[0].address);
+  t.after(async () => {
+    way.close();
+    await Promise.all(members.map((each) => each.stop()));
+    rmSync(folder, { recursive: true });
+  });
+  const client = await connect(way.address);
+  let at = 0;
+  const session = await client.session(FALLING, { restore: () => [updateAt(FALLING, at - 1)], giveUpSeconds: 30 });
+  const goOn = async () => {
+    const { vertexTriangle } = await session.detect(frameAt(FALLING, at));
+    assert.equal(vertexTriangle.count, at === 0 ? 0 : 1);
+    at += 1; // restore() may have been called before
+  };
+  for (let i = 0; i < 3; ++i) await goOn();
+
+  way.leadTo(members[1].address);
+  await members[0].stop();
+  for (let i = 0; i < 3; ++i) await goOn();
+  assert.equal(session.recreations, 1); // of a stream that broke, or that was left in time
+  const broken = session.reconnects;
+
+  way.leadTo(members[2].address);
+  const stopped = members[1].stop();
+  while (session.recreations === 1) await goOn();
+  await stopped;
+  await goOn();
+  assert.deepEqual([session.reconnects, session.recreations], [broken, 2]);
+  await session.close();
+  await client.close();
+});
 
 test("a stream that idled out is opened again", async () => {
   const impatient = await OwnDaemon.start(["--max-idle-seconds", "1"]);

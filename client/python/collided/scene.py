@@ -76,6 +76,12 @@ class Scene:
             pass
         self.message = self.client.create_scene(self.track.creatable, self.options, self.lease_seconds)
 
+    def move(self) -> None:
+        """A new scene, of the same meshes, on another daemon, as this one's stops. One try; this one stays if it fails."""
+        old = self.id
+        self.message = self.client.create_scene(self.track.creatable, self.options, self.lease_seconds, tries=1)
+        self.client.try_delete(old)
+
     def session(self, **options: Any) -> Session:
         """A Session on this scene, with its options; one at a time."""
         from collided.session import Session  # which makes scenes itself

@@ -149,6 +149,11 @@ class Session:
         return self._stream.recreations
 
     @property
+    def resent(self) -> int:
+        """How many frames were sent again, because a loss left them without an answer."""
+        return self._stream.resent
+
+    @property
     def is_local(self) -> bool:
         """Whether positions and contacts go through shared memory; if not, `local_refusal` may say why."""
         return self._stream.is_local

@@ -49,6 +49,8 @@ class Stream:
         self.window = 0
         self.reconnects = 0
         self.recreations = 0
+        self.resent = 0
+        self._next_move = 0.0  # when leaving a daemon that stops is tried
         if self._open(resume=take_over) != self._track.last_applied:
             self._recreate()
 
@@ -97,6 +99,8 @@ class Stream:
 
     def send(self, request: Request) -> int:
         """Waits for a credit, and sends. Nothing is in flight that was not before if it raises Error."""
+        if self.draining is not None and self._transport is not None:
+            self._leave()
         while self._transport is not None and len(self._pending) >= self.window:
             self.read(None)
         pending = _Pending(self.sent + 1, request)
@@ -202,6 +206,8 @@ class Stream:
         while True:
             response = self._transport.read(None)
             assert response is not None
+            if response.WhichOneof("response") == "draining":
+                self._take(response)
             if response.frame_id != wire_id or response.WhichOneof("response") == "contacts":
                 continue
             if response.WhichOneof("response") == "error":
@@ -240,19 +246,51 @@ class Stream:
         """A stream on which everything that is in flight was sent again. Raises Error."""
         self.check_open()
         self._scene.client.reconnect()
-        try:
-            last_applied = self._open(resume=True)
-        except NotFound:
-            last_applied = -1
+        self._scene.client.channel()  # if nobody answers, nobody is asked more
+        last_applied = self._resume()
         if last_applied != self._track.last_applied:
             self._recreate()
         self.reconnects += 1
         self.draining = None
         self._transmit_all()
 
+    def _resume(self) -> int:
+        """The last frame that the scene has applied; -1: the scene is gone."""
+        try:
+            return self._open(resume=True)
+        except NotFound:
+            return -1
+        except Error as error:
+            # The scene's endpoint may be gone, and proxies may not pass on why a stream was refused: a call is told.
+            if not error.is_connection_lost or self._scene.client.has_scene(self._scene.id):
+                raise
+            return -1
+
+    def _leave(self) -> None:
+        """From a daemon that stops to another one, with nothing in flight. Where there is none, frames are answered until the
+        daemon closes the stream, and this is tried again."""
+        if time.monotonic() < self._next_move:
+            return
+        self._next_move = time.monotonic() + _LONGEST_PAUSE
+        while self._pending and self._transport is not None:
+            self.read(None)
+        if self.draining is None or self._transport is None:  # it has been lost meanwhile
+            return
+        try:
+            self._scene.move()
+        except Error:
+            return
+        try:
+            self._close_transport()
+            self._restore()
+            self.draining = None
+        except Error as error:
+            self._after(error)
+
     def _transmit_all(self) -> None:
         """As many at a time as the window has, which may be another one than before."""
         waiting = list(self._pending)
+        self.resent += sum(pending.wire_id > 0 for pending in waiting)
         for sent, pending in enumerate(waiting):
             while sent - (len(waiting) - len(self._pending)) >= self.window:
                 assert self._transport is not None
@@ -265,6 +303,10 @@ class Stream:
         """A new scene where the old one was: it is gone, or has applied frames whose answers were lost."""
         self._close_transport()
         self._scene.create_again()
+        self._restore()
+
+    def _restore(self) -> None:
+        """Opens the new scene, and puts it where the old one was."""
         self._open(resume=False)
         if self._track.state:
             for request in self._track.replaying():

@@ -150,6 +150,26 @@ class Killed(unittest.TestCase):
         self.expect_the_unbroken_run(answers, play(self.session(transport="grpc"), self.COUNT))
 
 
+class Draining(unittest.TestCase):
+    def test_a_daemon_that_stops_answers_until_its_end_where_no_other_one_takes_the_scene(self):
+        daemon = Supervised("--grace-seconds", "600")
+        self.addCleanup(daemon.close)
+        for transport in STREAMS:
+            session = collided.Session(meshes(), server=daemon.address, transport=transport)
+            self.addCleanup(session.close)
+            stopping = daemon.process
+            stopping.terminate()
+            while session.draining_seconds is None:
+                session.step({"tip": lowered(2)}, start={"tip": TIP})
+            for _ in range(20):
+                np.testing.assert_allclose(session.step({"tip": lowered(2)}, start={"tip": TIP}).toi, [0.5], atol=1e-3)
+            self.assertEqual((session.reconnects, session.recreations), (0, 0))
+            stopping.terminate()  # the grace ends at once
+            stopping.wait()
+            np.testing.assert_allclose(session.step({"tip": lowered(2)}, start={"tip": TIP}).toi, [0.5], atol=1e-3)
+            self.assertEqual(session.recreations, 1)
+
+
 def break_connection(session):
     """As a network that fails would."""
     if session.is_local:

@@ -7,7 +7,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import threading
 import time
 import unittest
 
@@ -146,21 +145,6 @@ class Watched(Case):
 
 
 class Drain(Case):
-    def hold(self, daemon):
-        """An upload that goes on until its client ends it."""
-        over = threading.Event()
-        self.addCleanup(over.set)
-
-        def chunks():
-            over.wait(120)
-            yield from ()
-
-        channel = grpc.insecure_channel(daemon.address)
-        self.addCleanup(channel.close)
-        call = channel.stream_unary(f"/{SERVICE}/UploadMesh").future(chunks(), timeout=120)
-        daemon.wait_for(lambda: daemon.calls_in_work() == 1, "upload")
-        return over, call
-
     def drain(self):
         daemon = self.start("--grace-seconds", "600")
         over, call = self.hold(daemon)
@@ -168,6 +152,7 @@ class Drain(Case):
         daemon.wait_for(lambda: daemon.http("/readyz") == (503, "draining\n"), "draining")
         for service in ("", SERVICE):
             self.assertEqual(daemon.health(service), NOT_SERVING)
+        self.assertEqual(daemon.http("/healthz")[0], 200)
         self.assertIsNone(daemon.process.poll())
         return daemon, over, call
 

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 import urllib.error
@@ -164,3 +165,18 @@ class DaemonCase(unittest.TestCase):
         daemon = Daemon(self.program, *options, **more)
         self.addCleanup(daemon.__exit__)
         return daemon
+
+    def hold(self, daemon):
+        """An upload that goes on until its client ends it."""
+        over = threading.Event()
+        self.addCleanup(over.set)
+
+        def chunks():
+            over.wait(120)
+            yield from ()
+
+        channel = grpc.insecure_channel(daemon.address)
+        self.addCleanup(channel.close)
+        call = channel.stream_unary(f"/{SERVICE}/UploadMesh").future(chunks(), timeout=120)
+        daemon.wait_for(lambda: daemon.calls_in_work() == 1, "upload")
+        return over, call

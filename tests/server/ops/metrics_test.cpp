@@ -35,8 +35,17 @@ void fill(Metrics& metrics) {
   metrics.count_reconnect();
   metrics.count_call("CreateScene", "OK");
   metrics.count_call("CreateScene", "OK");
-  metrics.set_gauges(
-      [] { return Gauges{.scenes = 2, .streams = 3, .calls = 6, .device_bytes = 4, .queued_frames = 5}; });
+  metrics.set_gauges([] {
+    return Gauges{.scenes = 2,
+                  .streams = 3,
+                  .calls = 6,
+                  .device_bytes = 4,
+                  .queued_frames = 5,
+                  .max_scenes = 7,
+                  .max_streams = 8,
+                  .max_device_bytes = 9,
+                  .is_ready = true};
+  });
 }
 
 TEST(Metrics, CountWhatHappened) {
@@ -58,6 +67,10 @@ TEST(Metrics, CountWhatHappened) {
                            "collided_device_bytes 4",
                            "collided_queued_frames 5",
                            "collided_outgoing_bytes 0",
+                           "collided_max_scenes 7",
+                           "collided_max_streams 8",
+                           "collided_max_device_bytes 9",
+                           "collided_ready 1",
                            "collided_phase_seconds_bucket{phase=\"queue\",le=\"5e-05\"} 0",
                            "collided_phase_seconds_bucket{phase=\"queue\",le=\"0.0001\"} 1",
                            "collided_phase_seconds_bucket{phase=\"encode\",le=\"1\"} 0",

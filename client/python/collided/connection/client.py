@@ -16,7 +16,7 @@ from collided.connection.channel import MAX_ANSWER_BYTES, ask_for_info, metadata
 from collided.connection.mesh_elements import MeshElements, read_elements
 from collided.connection.options import ConnectOptions, is_local_address
 from collided.connection.own_daemon import OwnDaemon, shared_daemon
-from collided.errors import Error, InvalidArgument, Unavailable, error_of_call
+from collided.errors import Error, InvalidArgument, NotFound, Unavailable, error_of_call
 from collided.layout import Layout
 from collided.options import SceneOptions
 from collided.v1 import batch_pb2, scene_pb2
@@ -99,11 +99,27 @@ class Client:
         """Frees a scene's memory. NotFound."""
         self.call("DeleteScene", api.DeleteSceneRequest(scene_id=scene_id), scene_id)
 
-    def create_scene(self, layout: Layout, options: SceneOptions, lease_seconds: float) -> scene_pb2.Scene:
-        """Retries if the answer is lost, without ever creating two scenes."""
+    def try_delete(self, scene_id: str) -> None:
+        """Frees a scene's memory where that can be; else its lease ends it."""
+        try:
+            self.delete_scene(scene_id)
+        except Error:
+            pass
+
+    def has_scene(self, scene_id: str) -> bool:
+        """Whether the daemon, or the one that a proxy takes this client to, has it."""
+        try:
+            self.get_scene(scene_id)
+        except NotFound:
+            return False
+        return True
+
+    def create_scene(self, layout: Layout, options: SceneOptions, lease_seconds: float,
+                     tries: int = _CREATE_TRIES) -> scene_pb2.Scene:
+        """Retries if the answer is lost, without ever creating two scenes on a daemon."""
         request = api.CreateSceneRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
                                          lease_seconds=lease_seconds)
-        return self._upload_all(self._create("CreateScene", request).scene, layout)
+        return self._upload_all(self._create("CreateScene", request, tries).scene, layout)
 
     def create_scenes(self, layout: Layout, options: SceneOptions, count: int, lease_seconds: float) -> scene_pb2.Scene:
         """The same for a set of `count` scenes of one spec."""
@@ -119,7 +135,7 @@ class Client:
                 if len(mesh.triangles):
                     scene = self._upload(scene.scene_id, index, mesh.triangles)
         except Error:
-            self._try_delete(scene.scene_id)
+            self.try_delete(scene.scene_id)
             raise
         return scene
 
@@ -172,15 +188,15 @@ class Client:
         except ValueError:  # of gRPC, where another thread has closed the channel meanwhile
             raise Unavailable("the connection was closed during the call") from None
 
-    def _create(self, method: str, request: Any) -> Any:
+    def _create(self, method: str, request: Any, tries: int = _CREATE_TRIES) -> Any:
         self.channel()  # a daemon that does not answer at all is waited for once
-        for tries in range(1, _CREATE_TRIES + 1):
+        for tried in range(1, tries + 1):
             try:
                 return self.call(method, request)
             except Unavailable:
-                if tries == _CREATE_TRIES:
+                if tried == tries:
                     raise
-                time.sleep(_RETRY_SECONDS * tries)
+                time.sleep(_RETRY_SECONDS * tried)
         raise AssertionError
 
     def _upload(self, scene_id: str, mesh: int, triangles: Any) -> scene_pb2.Scene:
@@ -188,13 +204,6 @@ class Client:
         chunks = (api.UploadMeshRequest(scene_id=scene_id, mesh=mesh,
                                         triangles=triangles[at:at + _TRIANGLES_PER_CHUNK].tobytes()) for at in starts)
         return self.call("UploadMesh", chunks, scene_id, self.options.deadline + len(starts)).scene
-
-    def _try_delete(self, scene_id: str) -> None:
-        """Cleans up after a failed upload, whose error is the one to report."""
-        try:
-            self.delete_scene(scene_id)
-        except Error:
-            pass
 
     def __enter__(self) -> Client:
         return self
