@@ -63,13 +63,6 @@ Failure at_frame(Failure failure, size_t index) {
   return failure;
 }
 
-void fill_error(const Failure& failure, pb::FrameError* out) {
-  out->set_code(failure.code);
-  out->set_message(failure.message);
-  out->set_field(failure.field);
-  out->set_retry_after_seconds(failure.retry_after_seconds);
-}
-
 void AnswerBytes::take(uint64_t frame_id, uint64_t bytes) {
   uint64_t left = left_;
   do {

@@ -19,22 +19,9 @@ constexpr uint64_t kMaxFrameId = std::numeric_limits<int64_t>::max();
 // The slot reads from the message, or from where it was placed, until the frame has been applied.
 void send_positions(Scene& scene, std::shared_ptr<FrameSlot> slot, PendingFrame& frame) {
   if (!slot) slot = scene.take_slot();
-  try {
-    slot->send(frame.input.updates);
-  } catch (const InvalidInput& e) {
-    throw with_path(e, frame_path);
-  } catch (const ResourceExhausted& e) {
-    throw_if_budget(e);
-    throw;
-  }
+  naming_paths(frame_path, [&] { slot->send(frame.input.updates); });
   frame.input.updates.clear();
   frame.input.slot = std::move(slot);
-}
-
-// Ids only rise: after the largest one, the scene could take no more frames. Negative ids wrap beyond the limit.
-void check_frame_id(uint64_t id) {
-  if (id > kMaxFrameId)
-    throw InvalidInput("frame.frame_id", fmt::format("frame.frame_id is {}, more than {}", id, kMaxFrameId));
 }
 
 void check_takes_frames(const Scene& scene, const SceneSpec& spec) {
@@ -72,6 +59,11 @@ void take_edit(const SceneHost& host, Kept& kept, PendingFrame& frame) {
 }
 
 }  // namespace
+
+void check_frame_id(uint64_t id) {
+  if (id > kMaxFrameId)
+    throw InvalidInput("frame.frame_id", fmt::format("frame.frame_id is {}, more than {}", id, kMaxFrameId));
+}
 
 PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) {
   const auto kept = std::make_shared<Kept>(incoming, scene);

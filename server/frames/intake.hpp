@@ -25,6 +25,10 @@ struct IncomingFrame {
   std::span<std::byte> room = {};       ///< of the device, where contacts stay; within `memory`
 };
 
+/// Ids only rise: after the largest one, the scene could take no more frames. Negative ids wrap beyond the limit.
+/// Throws InvalidInput.
+void check_frame_id(uint64_t id);
+
 /// Never throws: an error becomes the frame's refusal, which is sent in order.
 PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming);
 

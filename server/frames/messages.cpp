@@ -35,6 +35,13 @@ StreamTerms parse_open(const pb::OpenStream& open, const Limits& limits) {
   return {grant_window(open.window(), limits.max_window), parse_delivery(open.delivery())};
 }
 
+void fill_error(const Failure& failure, pb::FrameError* out) {
+  out->set_code(failure.code);
+  out->set_message(failure.message);
+  out->set_field(failure.field);
+  out->set_retry_after_seconds(failure.retry_after_seconds);
+}
+
 pb::StreamFramesResponse opened_message(const Scene& scene, uint32_t window) {
   pb::StreamFramesResponse response;
   fill_scene(scene, response.mutable_opened()->mutable_scene());
@@ -58,11 +65,7 @@ pb::StreamFramesResponse draining_message(double seconds) {
 pb::StreamFramesResponse refusal_message(uint64_t frame_id, const Failure& failure) {
   pb::StreamFramesResponse response;
   response.set_frame_id(frame_id);
-  auto* error = response.mutable_error();
-  error->set_code(failure.code);
-  error->set_message(failure.message);
-  error->set_field(failure.field);
-  error->set_retry_after_seconds(failure.retry_after_seconds);
+  fill_error(failure, response.mutable_error());
   return response;
 }
 

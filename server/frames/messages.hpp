@@ -19,6 +19,7 @@ struct StreamTerms {
 /// Throws InvalidInput, LimitExceeded.
 StreamTerms parse_open(const pb::OpenStream& open, const Limits& limits);
 
+void fill_error(const Failure& failure, pb::FrameError* out);
 pb::StreamFramesResponse opened_message(const Scene& scene, uint32_t window);
 pb::StreamFramesResponse skipped_message(uint64_t frame_id);
 pb::StreamFramesResponse draining_message(double seconds);

@@ -249,14 +249,7 @@ void Scene::build_if_complete() {
 }
 
 void Scene::make_detector() {
-  try {
-    detector_ = Detector::create(std::move(pending_));
-  } catch (const InvalidInput& e) {
-    throw with_path(e, spec_path);
-  } catch (const ResourceExhausted& e) {
-    throw_if_budget(e);
-    throw;
-  }
+  detector_ = naming_paths(spec_path, [&] { return Detector::create(std::move(pending_)); });
   pending_ = {};
   held_.resize(plan_bytes(*shown_.plan) + topology_bytes(detector_->topology()));
 }
@@ -290,7 +283,7 @@ FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame, const Frame
   check_frame_id(frame_id, last);
   if (basis.plan && basis.plan != shown_.plan) throw_edited(frame_id);
   samples_.clear();
-  FrameResult result = detect(frame_id, frame, basis);
+  FrameResult result = naming_paths(frame_path, [&] { return detect(frame_id, frame, basis); });
   if (!frame.trial) {
     std::lock_guard lock(mutex_);
     shown_.last_frame_id = frame_id;
@@ -308,9 +301,6 @@ FrameResult Scene::detect(uint64_t frame_id, const FrameInput& frame, const Fram
   return result;
 } catch (const InvalidInput& e) {
   if (e.field() == "slot") throw_edited(frame_id);  // taken while the edit was in work
-  throw with_path(e, frame_path);
-} catch (const ResourceExhausted& e) {
-  throw_if_budget(e);
   throw;
 }
 
