@@ -195,7 +195,7 @@ FrameStream Client::State::stream_locally(const v1::Scene& scene, const v1::Open
                 "open.window");
   return FrameStream::open(std::make_unique<LocalTransport>(
                                LocalPeer{info.local_socket(), TrustedUsers(channels.address(), options.daemon_user)},
-                               local_layout(known.spec(), window, options), channels.options().token, options),
+                               local_layout(known, window, options), channels.options().token, options),
                            open, {.is_local = true, .keeper = stream.keeper});
 }
 

@@ -54,6 +54,7 @@ void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransp
   arrays.append(contacts.weights, chunk.weights(), shared.weights(), "weights");
   arrays.append(contacts.normals, chunk.normals(), shared.normals(), "normals");
   arrays.append(contacts.flags, chunk.flags(), shared.flags(), "flags");
+  arrays.append(contacts.worlds, chunk.worlds(), shared.worlds(), "worlds");
   contacts.count += chunk.count();
 }
 

@@ -9,15 +9,14 @@
 
 #include "proto/constants.hpp"
 #include "server/batch/set_answer.hpp"
-#include "server/batch/set_frame.hpp"
 #include "server/convert/options.hpp"
 #include "server/errors.hpp"
 #include "server/frames/intake.hpp"
 #include "server/frames/log.hpp"
 #include "server/frames/messages.hpp"
 #include "server/frames/run.hpp"
-#include "server/refusals/field_path.hpp"
 #include "server/refusals/refuse.hpp"
+#include "server/sets/set_frame.hpp"
 
 namespace collided::server {
 namespace {
@@ -111,21 +110,12 @@ class Batch {
     SetFrameInput parsed = parse_set_frame(message, frame.basis.plan->engine);
     if (parsed.input.accuracy)
       check_max_accuracy(*parsed.input.accuracy, set.facts().owner->limits.max_accuracy, "frame.accuracy");
-    send(set, parsed.input);
+    send_in_one_piece(set, parsed.input);
     frame.bytes_in = message.positions().size() + message.start_positions().size();
     frame.input = std::move(parsed.input);
     frame.decode_milliseconds = milliseconds_since(frame.arrival);
     admitted.worlds = std::move(parsed.worlds);
     return admitted;
-  }
-  static void send(Scene& set, FrameInput& input) {
-    std::shared_ptr<FrameSlot> slot = set.take_slot();
-    naming_paths(frame_path, [&] {
-      move_to(slot->room(position_bytes_of(input)), input);
-      slot->send(input.updates);
-    });
-    input.updates.clear();
-    input.slot = std::move(slot);
   }
 
   /// On the set's worker.

@@ -7,6 +7,7 @@
 #include "server/convert/facts.hpp"
 #include "server/errors.hpp"
 #include "server/refusals/refuse.hpp"
+#include "server/sets/world_errors.hpp"
 
 namespace collided::server {
 namespace {
@@ -67,6 +68,23 @@ pb::StreamFramesResponse refusal_message(uint64_t frame_id, const Failure& failu
   response.set_frame_id(frame_id);
   fill_error(failure, response.mutable_error());
   return response;
+}
+
+std::vector<pb::StreamFramesResponse> world_error_messages(const AnsweredFrame& frame) {
+  std::vector<pb::StreamFramesResponse> messages;
+  uint64_t room = 0;
+  size_t index = 0;
+  for (const RefusedWorld& refused : frame.result.worlds.refused) {
+    const uint64_t bytes = index < kMaxWorldMessages ? kWorldErrorBytes : kBareWorldErrorBytes;
+    if (bytes > room) {
+      room = pb::kMaxPacketBytes / 2;
+      messages.emplace_back().set_frame_id(frame.frame_id);
+    }
+    room -= bytes;
+    fill_world_error(refused, index++, {"frame", "frame.updates[0]"},
+                     messages.back().mutable_world_errors()->add_errors());
+  }
+  return messages;
 }
 
 }  // namespace collided::server

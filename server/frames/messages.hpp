@@ -24,5 +24,7 @@ pb::StreamFramesResponse opened_message(const Scene& scene, uint32_t window);
 pb::StreamFramesResponse skipped_message(uint64_t frame_id);
 pb::StreamFramesResponse draining_message(double seconds);
 pb::StreamFramesResponse refusal_message(uint64_t frame_id, const Failure& failure);
+/// The worlds of a set that were refused, a packet of the local socket at a time.
+std::vector<pb::StreamFramesResponse> world_error_messages(const AnsweredFrame& frame);
 
 }  // namespace collided::server

@@ -148,14 +148,15 @@ void Scene::check_token(const std::string& token, bool has_stream) const {
 
 void Scene::check_is_one(const std::string& field) const {
   if (const uint32_t worlds = shown_.plan->engine.worlds; worlds > 0)
-    throw FailedPrecondition(field, fmt::format("{}: scene {} is a set of {} scenes, whose frames come by DetectBatch",
-                                                field, id(), worlds));
+    throw FailedPrecondition(field,
+                             fmt::format("{}: scene {} is a set of {} scenes, whose frames come by DetectBatch or "
+                                         "StreamFrames",
+                                         field, id(), worlds));
 }
 
 std::shared_ptr<SceneStream> Scene::begin_stream(const std::shared_ptr<SceneStream>& stream, const std::string& token) {
   const std::lock_guard lock(mutex_);
   check_open();
-  check_is_one("open.scene_id");
   if (!shown_.ready) throw_awaits("open.scene_id");
   check_token(token, stream_ != nullptr);
   return std::exchange(stream_, stream);
@@ -205,7 +206,7 @@ std::shared_ptr<FrameSlot> Scene::take_slot() {
 
 uint64_t Scene::max_position_bytes() const {
   const auto now = plan();
-  return count_vertices(now->engine) * max_vertex_bytes(now->engine);
+  return count_worlds(now->engine) * count_vertices(now->engine) * max_vertex_bytes(now->engine);
 }
 
 void Scene::begin_use() {
