@@ -83,7 +83,7 @@ struct Lane {
   std::string name;
   client::SceneSet set;
   bool is_call = false, is_in_place = false;
-  std::vector<double> ms = {}, engine = {};
+  std::vector<double> ms = {}, engine = {}, decode = {}, encode = {};
 };
 
 class BatchBench {
@@ -133,7 +133,11 @@ class BatchBench {
               {"accuracy", options_.accuracy},
               {"rounds", options_.rounds},
               {"contacts", contacts}};
-    for (Lane& lane : lanes_) json[lane.name + "_ms"] = times(lane.ms, lane.engine);
+    for (Lane& lane : lanes_) {
+      Json& of_lane = json[lane.name + "_ms"] = times(lane.ms, lane.engine);
+      of_lane["decode_p50"] = cli::quantile(lane.decode, 0.5);
+      of_lane["encode_p50"] = cli::quantile(lane.encode, 0.5);
+    }
     if (options_.sets_only) return json;
     json["a_call_each_ms"] = times(calls, calls_engine);
     json["ratio"] = cli::quantile(calls, 0.5) / cli::quantile(lanes_[0].ms, 0.5);
@@ -196,6 +200,8 @@ class BatchBench {
     if (counts(frame)) {
       lane.ms.push_back(ms.count());
       lane.engine.push_back(output.done.metrics().engine_milliseconds());
+      lane.decode.push_back(output.done.metrics().decode_milliseconds());
+      lane.encode.push_back(output.done.metrics().encode_milliseconds());
     }
     return output.vertex_triangle.count + output.edge_edge.count + output.triangle_triangle.count;
   }
