@@ -1,6 +1,7 @@
 // Frames of a set over streams, with shared memory and without, beside the same in calls.
 
 #include "client/cpp/batch/scene_set.hpp"
+#include "client/in_process/local.hpp"
 #include "tests/integration/batch/tip_set.hpp"
 #include "tests/integration/local/local_daemon.hpp"
 
@@ -37,11 +38,14 @@ void expect_same(const client::WorldContacts& a, const client::WorldContacts& b)
 class SetStreams : public testing::Test {
  protected:
   SceneSet make(uint32_t count, Local use, uint64_t output_bytes = 1 << 20) {
+    return make(client_, count, {.use = use, .output_bytes = output_bytes});
+  }
+  static SceneSet make(client::Client& client, uint32_t count, const client::LocalOptions& local = {}) {
     pb::SceneSpec spec = tip_request().spec();
     spec.clear_meshes();
     const client::MeshInput meshes[] = {{.name = "floor", .vertex_count = 3, .triangles = kTriangle, .is_static = true},
                                         {.name = "tip", .vertex_count = 3, .triangles = kTriangle}};
-    return SceneSet::create(client_, spec, meshes, count, {.local = {.use = use, .output_bytes = output_bytes}});
+    return SceneSet::create(client, spec, meshes, count, {.local = local});
   }
 
   OpenFolder folder_;
@@ -49,16 +53,19 @@ class SetStreams : public testing::Test {
   client::Client client_ = client::Client::connect(daemon_.address());
 };
 
-// Of every world, of some, without starts, and with more contacts than the memory for them has room for.
+// Also of the engine in this process: of every world, of some, without starts, and with more contacts than the memory
+// for them has room for.
 TEST_F(SetStreams, AnswerWithTheSameBytesAsCalls) {
   SceneSet call = make(kManyWorlds, Local::kOff), remote = make(kManyWorlds, Local::kOff),
            local = make(kManyWorlds, Local::kOn), tight = make(kManyWorlds, Local::kOn, 4096);
+  client::Client in_process = collided::local({.backend = test_backend()});
+  SceneSet here = make(in_process, kManyWorlds);
   const auto step = [&](const SetUpdate& update, uint64_t expected) {
     const client::SetStep steps[] = {{&call, update}};
     const SetOutput wanted = std::move(client::detect_batch(steps)[0]);
     wanted.check();
     EXPECT_EQ(wanted.done.contact_count(), expected);
-    for (SceneSet* const set : {&remote, &local, &tight}) {
+    for (SceneSet* const set : {&remote, &local, &tight, &here}) {
       const SetOutput output = set->detect(update);
       expect_same(output.vertex_triangle, wanted.vertex_triangle);
       expect_same(output.edge_edge, wanted.edge_edge);
