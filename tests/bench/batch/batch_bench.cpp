@@ -92,8 +92,8 @@ class BatchBench {
       : options_(options),
         daemon_({.backend = options.backend,
                  .threads = options.threads,
-                 .streams = options.worlds + 16,
-                 .all_transports = true}),
+                 .all_transports = true,
+                 .streams = options.worlds + 16}),
         client_(client::Client::connect(daemon_.address())),
         stub_(v1::CollisionService::NewStub(client_.channels().connect())) {
     lanes_.push_back({"one_call", make_set(client::Local::kOff), true});
