@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstring>
 #include <random>
 #include <thread>
 
+#include "client/cpp/meshes/mesh_pages.hpp"
 #include "client/cpp/transport/grpc/channel.hpp"
 #include "client/cpp/transport/grpc/grpc_transport.hpp"
 #include "client/cpp/transport/local/local_peer.hpp"
@@ -22,7 +22,7 @@ namespace {
 using Service = v1::CollisionService::Stub;
 
 constexpr size_t kTrianglesPerChunk = (1 << 20) / 12;  // 1 MiB, well below the limit of any daemon
-constexpr int kCreateTries = 3, kReadTries = 8;
+constexpr int kCreateTries = 3;
 constexpr std::chrono::milliseconds kRetryPause(200);
 
 /// 128 random bits as hexadecimal digits.
@@ -82,24 +82,6 @@ FrameStream stream_in_process(const InProcess& daemon, const v1::OpenStream& ope
         grpc::FAILED_PRECONDITION, "options.local has a handle of device memory, which needs a daemon of its own",
         local.cuda_ipc_handle.empty() ? "options.local.output_cuda_ipc_handle" : "options.local.cuda_ipc_handle");
   return FrameStream::open(daemon.transport(), open, {.is_local = true, .keeper = options.keeper});
-}
-
-/// Appends a page. Throws Error (DATA_LOSS) for one that does not fit its mesh.
-void append_page(MeshElements& mesh, const v1::GetMeshResponse& page) {
-  using Element = std::array<uint32_t, 3>;
-  const size_t before = mesh.elements.size(), count = page.elements().size() / sizeof(Element);
-  const bool is_short = count == 0 && before < page.element_count();
-  if (page.elements().size() % sizeof(Element) != 0 || before + count > page.element_count() || is_short)
-    throw Error(grpc::DATA_LOSS, "elements: a page of " + std::to_string(page.elements().size()) + " bytes after " +
-                                     std::to_string(before) + " of " + std::to_string(page.element_count()) +
-                                     " elements");
-  mesh.elements.resize(before + count);
-  if (count > 0) std::memcpy(mesh.elements[before].data(), page.elements().data(), page.elements().size());
-  for (size_t i = before; i < mesh.elements.size(); ++i)
-    for (const uint32_t vertex : mesh.elements[i])
-      if (vertex >= page.vertex_count())
-        throw Error(grpc::DATA_LOSS, "elements[" + std::to_string(i) + "] names vertex " + std::to_string(vertex) +
-                                         " of " + std::to_string(page.vertex_count()));
 }
 
 }  // namespace
@@ -213,7 +195,7 @@ FrameStream Client::State::stream_locally(const v1::Scene& scene, const v1::Open
                 "open.window");
   return FrameStream::open(std::make_unique<LocalTransport>(
                                LocalPeer{info.local_socket(), TrustedUsers(channels.address(), options.daemon_user)},
-                               local_layout(known.spec(), window, options), channels.options().token, options),
+                               local_layout(known, window, options), channels.options().token, options),
                            open, {.is_local = true, .keeper = stream.keeper});
 }
 
@@ -272,23 +254,10 @@ MeshElements Client::mesh_elements(const std::string& scene_id, uint32_t mesh) {
   v1::GetMeshRequest request;
   request.set_scene_id(scene_id);
   request.set_mesh(mesh);
-  MeshElements out;
-  int tries = kReadTries;
-  for (uint64_t total = 1; out.elements.size() < total;) {
-    request.set_first_element(static_cast<uint32_t>(out.elements.size()));
-    const v1::GetMeshResponse page = state_->call(&Service::GetMesh, request, scene_id);
-    const bool is_edited = !out.elements.empty() && page.edit_count() != out.edit_count;
-    if (is_edited) {  // between two pages
-      if (--tries == 0) throw Error(grpc::ABORTED, "mesh " + std::to_string(mesh) + " was edited as it was read");
-      out = {};
-      continue;
-    }
-    append_page(out, page);
-    out.vertex_count = page.vertex_count();
-    out.edit_count = page.edit_count();
-    total = page.element_count();
-  }
-  return out;
+  return read_elements(mesh, [&](uint32_t first) {
+    request.set_first_element(first);
+    return state_->call(&Service::GetMesh, request, scene_id);
+  });
 }
 
 void Client::delete_scene(const std::string& scene_id) {

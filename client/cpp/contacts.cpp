@@ -32,6 +32,11 @@ class Arrays {
       throw Error(kDataLoss, std::string("contacts.") + field + " has " + std::to_string(bytes.size()) + " bytes for " +
                                  std::to_string(chunk_.count()) + " contacts; it needs " +
                                  std::to_string(chunk_.count() * sizeof(T)));
+    if (reinterpret_cast<uintptr_t>(bytes.data()) % alignof(T) == 0) {  // no entry is written twice
+      const T* const first = reinterpret_cast<const T*>(bytes.data());
+      out.insert(out.end(), first, first + chunk_.count());
+      return;
+    }
     out.resize(before_ + chunk_.count());
     std::memcpy(out.data() + before_, bytes.data(), bytes.size());
   }
@@ -54,6 +59,7 @@ void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransp
   arrays.append(contacts.weights, chunk.weights(), shared.weights(), "weights");
   arrays.append(contacts.normals, chunk.normals(), shared.normals(), "normals");
   arrays.append(contacts.flags, chunk.flags(), shared.flags(), "flags");
+  arrays.append(contacts.worlds, chunk.worlds(), shared.worlds(), "worlds");
   contacts.count += chunk.count();
 }
 

@@ -21,6 +21,7 @@ struct Contacts {
   std::vector<std::array<double, 2>> weights;     ///< of the triangle's second and third corner, or along each edge
   std::vector<std::array<float, 3>> normals;      ///< unit, from the second feature to the first
   std::vector<uint8_t> flags;                     ///< masks of v1::ContactFlag
+  std::vector<uint32_t> worlds;                   ///< in a stream of a set: each contact's world, ascending
 };
 
 /// An array in memory of the device: so many bytes, `offset` bytes from the start of that memory. No bytes: there is

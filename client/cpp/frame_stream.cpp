@@ -61,6 +61,8 @@ void FrameStream::send(uint64_t frame_id, std::span<const FrameUpdate> updates, 
   head.set_trial(options.trial);
   if (options.from_last_fraction) head.set_from_last_fraction(*options.from_last_fraction);
   if (options.edit) *head.mutable_edit() = *options.edit;
+  head.mutable_worlds()->Assign(options.worlds.begin(), options.worlds.end());
+  head.mutable_meshes()->Assign(options.meshes.begin(), options.meshes.end());
   state_->send(head, updates);
 }
 

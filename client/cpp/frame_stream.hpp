@@ -26,9 +26,10 @@ struct FrameOutput : PerKind<Contacts> {
   /// frames have been sent as the window has.
   PerKind<DeviceContacts> on_device;
   uint64_t frame_id = 0;
-  v1::FrameDone done;                   ///< metrics and totals
-  std::optional<v1::FrameError> error;  ///< the frame was refused; the stream goes on
-  bool skipped = false;                 ///< a later frame replaced it (LATEST_WINS)
+  v1::FrameDone done;                        ///< metrics and totals
+  std::optional<v1::FrameError> error;       ///< the frame was refused; the stream goes on
+  std::vector<v1::WorldError> world_errors;  ///< of a set: worlds that were refused by themselves, ascending
+  bool skipped = false;                      ///< a later frame replaced it (LATEST_WINS)
 
   /// Throws Error if the frame was refused.
   void check() const;
@@ -45,6 +46,8 @@ struct FrameOptions {
   bool trial = false;
   std::optional<double> from_last_fraction = {};
   std::optional<v1::SceneEdit> edit = {};  ///< of edited_mesh() and removed_mesh(), and of pairs of meshes
+  /// Of a set, whose frames have one update, as SetUpdate has it (client/cpp/batch/scene_set.hpp).
+  std::vector<uint32_t> worlds = {}, meshes = {};
 };
 
 /// The keeper is a stream's own thread, which reads while no caller waits, so that answers keep flowing and the

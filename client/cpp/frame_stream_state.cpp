@@ -126,6 +126,10 @@ void FrameStream::State::take(v1::StreamFramesResponse& response) {
       response.mutable_done()->clear_contacts();
       partial[id].done = std::move(*response.mutable_done());
       return complete(id);
+    case v1::StreamFramesResponse::kWorldErrors:
+      for (v1::WorldError& error : *response.mutable_world_errors()->mutable_errors())
+        partial[id].world_errors.push_back(std::move(error));
+      return;
     case v1::StreamFramesResponse::kError:
       partial[id].error = std::move(*response.mutable_error());
       return complete(id);

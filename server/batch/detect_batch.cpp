@@ -4,19 +4,19 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <atomic>
-#include <limits>
 #include <set>
 #include <utility>
 
 #include "proto/constants.hpp"
 #include "server/batch/set_answer.hpp"
-#include "server/batch/set_frame.hpp"
 #include "server/convert/options.hpp"
 #include "server/errors.hpp"
+#include "server/frames/intake.hpp"
 #include "server/frames/log.hpp"
+#include "server/frames/messages.hpp"
 #include "server/frames/run.hpp"
-#include "server/refusals/field_path.hpp"
 #include "server/refusals/refuse.hpp"
+#include "server/sets/set_frame.hpp"
 
 namespace collided::server {
 namespace {
@@ -25,7 +25,6 @@ using Call = UnaryCall<pb::DetectBatchRequest, pb::DetectBatchResponse>;
 
 constexpr int kMostFrames = 64;
 constexpr uint64_t kFramingBytes = uint64_t{64} << 10;  // of an answer, with its metrics
-constexpr uint64_t kMaxFrameId = std::numeric_limits<int64_t>::max();
 
 uint64_t parse_answer_bytes(const pb::DetectBatchRequest& request, uint64_t limit) {
   const uint64_t asked = request.max_answer_bytes();
@@ -106,30 +105,17 @@ class Batch {
     PendingFrame& frame = admitted.frame;
     frame.basis.plan = set.plan();
     frame.frame_id = message.frame_id();
-    if (message.frame_id() > kMaxFrameId)
-      throw_invalid("frame.frame_id", fmt::format("is {}, more than {}", message.frame_id(), kMaxFrameId));
+    check_frame_id(message.frame_id());
     host_.usage().count_frame(set.facts().owner);
     SetFrameInput parsed = parse_set_frame(message, frame.basis.plan->engine);
     if (parsed.input.accuracy)
       check_max_accuracy(*parsed.input.accuracy, set.facts().owner->limits.max_accuracy, "frame.accuracy");
-    send(set, parsed.input);
+    send_in_one_piece(set, parsed.input);
     frame.bytes_in = message.positions().size() + message.start_positions().size();
     frame.input = std::move(parsed.input);
     frame.decode_milliseconds = milliseconds_since(frame.arrival);
     admitted.worlds = std::move(parsed.worlds);
     return admitted;
-  }
-  static void send(Scene& set, FrameInput& input) try {
-    std::shared_ptr<FrameSlot> slot = set.take_slot();
-    move_to(slot->room(position_bytes_of(input)), input);
-    slot->send(input.updates);
-    input.updates.clear();
-    input.slot = std::move(slot);
-  } catch (const InvalidInput& e) {
-    throw with_path(e, frame_path);
-  } catch (const ResourceExhausted& e) {
-    throw_if_budget(e);
-    throw;
   }
 
   /// On the set's worker.

@@ -7,40 +7,17 @@
 
 #include "server/errors.hpp"
 #include "server/frames/answer.hpp"
+#include "server/sets/world_errors.hpp"
 
 namespace collided::server {
 namespace {
 
 constexpr std::string_view kFrame = "frame";
-constexpr size_t kMostMessages = 256;  // of refused worlds
-constexpr uint64_t kErrorBytes = 512, kBareErrorBytes = 16;
 
 std::string path_of(size_t index) { return fmt::format("frames[{}]", index); }
 
-// "updates[5].end" of the engine -> "positions".
-std::string field_of(const std::string& engine) {
-  const std::string last = engine.substr(engine.rfind('.') + 1);
-  if (last == "end" || last == "updates") return "positions";
-  if (last == "start") return "start_positions";
-  return last == "mesh" ? "meshes" : last;
-}
-
-// The engine's sentence begins with its field.
-std::string sentence_of(const RefusedWorld& refused, const std::string& field) {
-  const bool begins_so = refused.what.starts_with(refused.field);
-  return field + (begins_so ? refused.what.substr(refused.field.size()) : ": " + refused.what);
-}
-
-void fill_errors(const std::vector<RefusedWorld>& all, size_t index, pb::SetAnswer* out) {
-  for (size_t i = 0; i < all.size(); ++i) {
-    pb::WorldError& error = *out->add_errors();
-    error.set_world(all[i].world);
-    error.mutable_error()->set_code(grpc::INVALID_ARGUMENT);
-    if (i >= kMostMessages) continue;
-    const std::string field = path_of(index) + "." + field_of(all[i].field);
-    error.mutable_error()->set_field(field);
-    error.mutable_error()->set_message(sentence_of(all[i], field));
-  }
+void fill_errors(const std::vector<RefusedWorld>& all, const std::string& path, pb::SetAnswer* out) {
+  for (size_t i = 0; i < all.size(); ++i) fill_world_error(all[i], i, {path, path}, out->add_errors());
 }
 
 // Worlds that are not in the frame have no contacts.
@@ -63,13 +40,6 @@ Failure at_frame(Failure failure, size_t index) {
   return failure;
 }
 
-void fill_error(const Failure& failure, pb::FrameError* out) {
-  out->set_code(failure.code);
-  out->set_message(failure.message);
-  out->set_field(failure.field);
-  out->set_retry_after_seconds(failure.retry_after_seconds);
-}
-
 void AnswerBytes::take(uint64_t frame_id, uint64_t bytes) {
   uint64_t left = left_;
   do {
@@ -86,16 +56,16 @@ void fill_answer(const Scene& set, AnsweredFrame& frame, const std::vector<uint3
                  AnswerBytes& bytes, pb::SetAnswer* out) {
   const WorldResults& by_world = frame.result.worlds;
   encode_contacts(set, frame, std::numeric_limits<size_t>::max(), [&](std::span<const Chunk> chunks) {
-    const size_t messages = std::min(by_world.refused.size(), kMostMessages);
+    const size_t messages = std::min(by_world.refused.size(), kMaxWorldMessages);
     bytes.take(frame.frame_id, frame.cost.bytes_out + chunks.size() * (worlds.size() + 1) * sizeof(uint64_t) +
-                                   messages * kErrorBytes + by_world.refused.size() * kBareErrorBytes);
+                                   messages * kWorldErrorBytes + by_world.refused.size() * kBareWorldErrorBytes);
     for (const Chunk& chunk : chunks) {
       pb::WorldContacts& contacts = *out->add_contacts();
       const std::vector<uint64_t> begins = begins_in_frame(value_of(by_world.begin, chunk.kind), worlds);
       contacts.set_begin(begins.data(), begins.size() * sizeof(uint64_t));
       fill_chunk(chunk, set.topology(), contacts.mutable_contacts());
     }
-    fill_errors(by_world.refused, index, out);
+    fill_errors(by_world.refused, path_of(index), out);
   });
   *out->mutable_done() = done_message(frame);
 }

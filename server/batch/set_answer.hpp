@@ -17,8 +17,6 @@ namespace pb = collided::v1;
 /// The failure with its field's path in the request, where it names one of the frame's.
 Failure at_frame(Failure failure, size_t index);
 
-void fill_error(const Failure& failure, pb::FrameError* out);
-
 /// Bytes that an answer may still have. Thread-safe.
 class AnswerBytes {
  public:

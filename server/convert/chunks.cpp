@@ -10,6 +10,7 @@ namespace {
 constexpr int kFieldShift = 2;
 static_assert(int{pb::ContactChunk::kElementsFieldNumber} == pb::SharedArrays::kElementsFieldNumber + kFieldShift);
 static_assert(int{pb::ContactChunk::kFlagsFieldNumber} == pb::SharedArrays::kFlagsFieldNumber + kFieldShift);
+static_assert(int{pb::ContactChunk::kWorldsFieldNumber} == pb::SharedArrays::kWorldsFieldNumber + kFieldShift);
 
 // The engine's bytes go out as they are.
 static_assert(kFlagCertified == int{pb::CONTACT_FLAG_CERTIFIED} && kFlagNear == int{pb::CONTACT_FLAG_NEAR} &&
@@ -58,13 +59,28 @@ std::vector<ChunkArray> Chunk::arrays() const {
   return out;
 }
 
-std::vector<Stencil> Chunk::stencils(const Topology& topology) const {
-  std::vector<Stencil> out;
-  if (!fields.stencils) return out;
-  out.reserve(end - begin);
-  const MakeStencil stencil = stencil_maker(kind);
-  for (size_t i = begin; i < end; ++i) out.push_back(stencil(set->elements[i], topology));
+std::vector<ChunkArray> MadeArrays::arrays() const {
+  std::vector<ChunkArray> out;
+  if (!stencils.empty()) out.push_back({pb::ContactChunk::kStencilsFieldNumber, std::as_bytes(std::span(stencils))});
+  if (!worlds.empty()) out.push_back({pb::ContactChunk::kWorldsFieldNumber, std::as_bytes(std::span(worlds))});
   return out;
+}
+
+MadeArrays Chunk::make_arrays(const Topology& topology) const {
+  MadeArrays made;
+  if (fields.stencils) {
+    made.stencils.reserve(count());
+    const MakeStencil stencil = stencil_maker(kind);
+    for (size_t i = begin; i < end; ++i) made.stencils.push_back(stencil(set->elements[i], topology));
+  }
+  if (fields.worlds) {
+    made.worlds.resize(count());
+    auto world = std::upper_bound(begins->begin(), begins->end(), begin) - begins->begin() - 1;
+    for (size_t i = begin; i < end; ++world)
+      for (const size_t last = std::min<size_t>(end, (*begins)[static_cast<size_t>(world) + 1]); i < last; ++i)
+        made.worlds[i - begin] = static_cast<uint32_t>(world);
+  }
+  return made;
 }
 
 size_t fit_at_end(std::span<const size_t> sizes, size_t max_bytes) {
@@ -76,13 +92,15 @@ size_t fit_at_end(std::span<const size_t> sizes, size_t max_bytes) {
   return count;
 }
 
-std::vector<Chunk> cut_into_chunks(const PerKind<ContactSet>& contacts, const OutputFields& fields, size_t max_bytes) {
+std::vector<Chunk> cut_into_chunks(const PerKind<ContactSet>& contacts, const OutputFields& fields, size_t max_bytes,
+                                   const PerKind<std::vector<uint64_t>>* begins) {
   std::vector<Chunk> chunks;
   const auto cut = [&](ContactKind kind, const ContactSet& set) {
     const OutputFields present = available(fields, kind, set);
     const size_t step = std::max<size_t>(1, max_bytes / std::max<size_t>(1, present.contact_bytes()));
     for (size_t begin = 0; begin < set.size(); begin += step)
-      chunks.push_back({kind, &set, begin, std::min(begin + step, set.size()), present});
+      chunks.push_back({kind, &set, begin, std::min(begin + step, set.size()), present,
+                        present.worlds ? &value_of(*begins, kind) : nullptr});
   };
   for_each_kind(cut, contacts);
   return chunks;
@@ -91,11 +109,13 @@ std::vector<Chunk> cut_into_chunks(const PerKind<ContactSet>& contacts, const Ou
 void fill_chunk(const Chunk& chunk, const Topology& topology, pb::ContactChunk* out) {
   out->set_kind(to_message(chunk.kind));
   out->set_count(chunk.count());
-  for (const auto& array : chunk.arrays())
+  const auto put = [&](const ChunkArray& array) {
     out->GetReflection()->SetString(out, pb::ContactChunk::descriptor()->FindFieldByNumber(array.field),
                                     std::string(reinterpret_cast<const char*>(array.bytes.data()), array.bytes.size()));
-  const auto stencils = chunk.stencils(topology);
-  out->set_stencils(stencils.data(), stencils.size() * sizeof(Stencil));
+  };
+  for (const ChunkArray& array : chunk.arrays()) put(array);
+  const MadeArrays made = chunk.make_arrays(topology);
+  for (const ChunkArray& array : made.arrays()) put(array);
 }
 
 pb::SharedRange* range_of(pb::SharedArrays* shared, int field) {
@@ -103,13 +123,13 @@ pb::SharedRange* range_of(pb::SharedArrays* shared, int field) {
   return static_cast<pb::SharedRange*>(shared->GetReflection()->MutableMessage(shared, range));
 }
 
-void share_chunk(const Chunk& chunk, std::span<const Stencil> stencils, pb::ContactChunk* out,
+void share_chunk(const Chunk& chunk, const MadeArrays& made, pb::ContactChunk* out,
                  const std::function<void(std::span<const std::byte> bytes, pb::SharedRange* range)>& put) {
   out->set_kind(to_message(chunk.kind));
   out->set_count(chunk.count());
   pb::SharedArrays* const shared = out->mutable_shared();
   for (const ChunkArray& array : chunk.arrays()) put(array.bytes, range_of(shared, array.field));
-  if (!stencils.empty()) put(std::as_bytes(stencils), range_of(shared, pb::ContactChunk::kStencilsFieldNumber));
+  for (const ChunkArray& array : made.arrays()) put(array.bytes, range_of(shared, array.field));
 }
 
 }  // namespace collided::server

@@ -25,25 +25,35 @@ struct PlacedArray {
 /// Those that there are.
 std::vector<PlacedArray> arrays_of(const PlacedContacts& placed);
 
+/// The arrays of a chunk that are stored nowhere; those that were not asked for are empty.
+struct MadeArrays {
+  std::vector<Stencil> stencils;
+  std::vector<uint32_t> worlds;
+
+  /// Those that there are, in the order of their fields.
+  std::vector<ChunkArray> arrays() const;
+};
+
 /// Contacts [begin, end) of one kind. Refers to the result that it was made from.
 struct Chunk {
   ContactKind kind = {};
   const ContactSet* set = nullptr;
   size_t begin = 0, end = 0;
-  OutputFields fields;  ///< that were asked for and are there
+  OutputFields fields;                            ///< that were asked for and are there
+  const std::vector<uint64_t>* begins = nullptr;  ///< of each world's contacts in `set`, where worlds were asked for
 
   uint32_t count() const { return static_cast<uint32_t>(end - begin); }
   /// Bytes of all its arrays.
   size_t array_bytes() const { return (end - begin) * fields.contact_bytes(); }
-  /// The arrays in the order of their fields, without the stencils, which are stored nowhere.
+  /// The arrays that are stored, in the order of their fields.
   std::vector<ChunkArray> arrays() const;
-  /// Empty if not asked for.
-  std::vector<Stencil> stencils(const Topology& topology) const;
+  MadeArrays make_arrays(const Topology& topology) const;
 };
 
 /// Vertex-triangle first, then edge-edge, then triangle-triangle; the arrays of a chunk have at most `max_bytes`
-/// together. Fields that were not computed are left out.
-std::vector<Chunk> cut_into_chunks(const PerKind<ContactSet>& contacts, const OutputFields& fields, size_t max_bytes);
+/// together. Fields that were not computed are left out. `begins`: of each world's contacts, where fields.worlds.
+std::vector<Chunk> cut_into_chunks(const PerKind<ContactSet>& contacts, const OutputFields& fields, size_t max_bytes,
+                                   const PerKind<std::vector<uint64_t>>* begins = nullptr);
 
 /// How many of the last pieces, of these sizes, fit into one message of at most `max_bytes`.
 size_t fit_at_end(std::span<const size_t> sizes, size_t max_bytes);
@@ -51,9 +61,9 @@ size_t fit_at_end(std::span<const size_t> sizes, size_t max_bytes);
 /// The chunk as a message that contains its arrays.
 void fill_chunk(const Chunk& chunk, const Topology& topology, pb::ContactChunk* out);
 
-/// The chunk as a message that names ranges of memory: each array, `stencils` last where there are some, is passed with
-/// its range to `put`.
-void share_chunk(const Chunk& chunk, std::span<const Stencil> stencils, pb::ContactChunk* out,
+/// The chunk as a message that names ranges of memory: each array, those of `made` last, is passed with its range to
+/// `put`.
+void share_chunk(const Chunk& chunk, const MadeArrays& made, pb::ContactChunk* out,
                  const std::function<void(std::span<const std::byte> bytes, pb::SharedRange* range)>& put);
 /// The range of one of ContactChunk's arrays, by its field there.
 pb::SharedRange* range_of(pb::SharedArrays* shared, int field);

@@ -8,7 +8,9 @@ namespace collided::server {
 void encode_contacts(const Scene& scene, AnsweredFrame& frame, size_t max_chunk_bytes,
                      const std::function<void(std::span<const Chunk>)>& encode) {
   const auto begin = Clock::now();
-  const auto chunks = cut_into_chunks(frame.result, scene.plan()->fields, max_chunk_bytes);
+  OutputFields fields = scene.plan()->fields;
+  fields.worlds = frame.tells_worlds;
+  const auto chunks = cut_into_chunks(frame.result, fields, max_chunk_bytes, &frame.result.worlds.begin);
   for (const Chunk& chunk : chunks) frame.cost.bytes_out += chunk.array_bytes();
   for_each_kind(
       [&](ContactKind, const PlacedContacts& placed) {

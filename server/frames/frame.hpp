@@ -24,12 +24,14 @@ struct PendingFrame {
   uint64_t frame_id = 0;
   FrameInput input;
   std::vector<UpdatedMesh> meshes;
+  std::vector<uint32_t> worlds = {};  ///< of a set: those in the frame, all of which have `meshes`
   FrameBasis basis = {};
   std::exception_ptr refusal = {};          ///< why it cannot be applied; null: no error so far
   std::shared_ptr<const void> memory = {};  ///< keeps alive what `input` refers to
   Clock::time_point arrival = Clock::now();
   double decode_milliseconds = 0;
-  uint64_t bytes_in = 0;  ///< of positions and indices
+  uint64_t bytes_in = 0;      ///< of positions and indices
+  bool tells_worlds = false;  ///< the answer has the world of each contact
 };
 
 /// What a frame cost outside the engine's stages.
@@ -44,6 +46,7 @@ struct AnsweredFrame {
   Clock::time_point arrival;
   FrameResult result;
   FrameCost cost;  ///< encode_contacts() adds encode_milliseconds, total_milliseconds and bytes_out
+  bool tells_worlds = false;
 };
 
 }  // namespace collided::server

@@ -25,6 +25,14 @@ struct IncomingFrame {
   std::span<std::byte> room = {};       ///< of the device, where contacts stay; within `memory`
 };
 
+/// Ids only rise: after the largest one, the scene could take no more frames. Negative ids wrap beyond the limit.
+/// Throws InvalidInput.
+void check_frame_id(uint64_t id);
+
+/// Sends the positions of a set's frame from a slot of their own, each update's start and end, one update after the
+/// other, so that they are brought to a device in one copy. Throws InvalidInput, NotFound, ResourceExhausted.
+void send_in_one_piece(Scene& set, FrameInput& input);
+
 /// Never throws: an error becomes the frame's refusal, which is sent in order.
 PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming);
 

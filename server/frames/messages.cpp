@@ -7,6 +7,7 @@
 #include "server/convert/facts.hpp"
 #include "server/errors.hpp"
 #include "server/refusals/refuse.hpp"
+#include "server/sets/world_errors.hpp"
 
 namespace collided::server {
 namespace {
@@ -35,6 +36,13 @@ StreamTerms parse_open(const pb::OpenStream& open, const Limits& limits) {
   return {grant_window(open.window(), limits.max_window), parse_delivery(open.delivery())};
 }
 
+void fill_error(const Failure& failure, pb::FrameError* out) {
+  out->set_code(failure.code);
+  out->set_message(failure.message);
+  out->set_field(failure.field);
+  out->set_retry_after_seconds(failure.retry_after_seconds);
+}
+
 pb::StreamFramesResponse opened_message(const Scene& scene, uint32_t window) {
   pb::StreamFramesResponse response;
   fill_scene(scene, response.mutable_opened()->mutable_scene());
@@ -58,12 +66,25 @@ pb::StreamFramesResponse draining_message(double seconds) {
 pb::StreamFramesResponse refusal_message(uint64_t frame_id, const Failure& failure) {
   pb::StreamFramesResponse response;
   response.set_frame_id(frame_id);
-  auto* error = response.mutable_error();
-  error->set_code(failure.code);
-  error->set_message(failure.message);
-  error->set_field(failure.field);
-  error->set_retry_after_seconds(failure.retry_after_seconds);
+  fill_error(failure, response.mutable_error());
   return response;
+}
+
+std::vector<pb::StreamFramesResponse> world_error_messages(const AnsweredFrame& frame) {
+  std::vector<pb::StreamFramesResponse> messages;
+  uint64_t room = 0;
+  size_t index = 0;
+  for (const RefusedWorld& refused : frame.result.worlds.refused) {
+    const uint64_t bytes = index < kMaxWorldMessages ? kWorldErrorBytes : kBareWorldErrorBytes;
+    if (bytes > room) {
+      room = pb::kMaxPacketBytes / 2;
+      messages.emplace_back().set_frame_id(frame.frame_id);
+    }
+    room -= bytes;
+    fill_world_error(refused, index++, {"frame", "frame.updates[0]"},
+                     messages.back().mutable_world_errors()->add_errors());
+  }
+  return messages;
 }
 
 }  // namespace collided::server

@@ -19,9 +19,12 @@ struct StreamTerms {
 /// Throws InvalidInput, LimitExceeded.
 StreamTerms parse_open(const pb::OpenStream& open, const Limits& limits);
 
+void fill_error(const Failure& failure, pb::FrameError* out);
 pb::StreamFramesResponse opened_message(const Scene& scene, uint32_t window);
 pb::StreamFramesResponse skipped_message(uint64_t frame_id);
 pb::StreamFramesResponse draining_message(double seconds);
 pb::StreamFramesResponse refusal_message(uint64_t frame_id, const Failure& failure);
+/// The worlds of a set that were refused, a packet of the local socket at a time.
+std::vector<pb::StreamFramesResponse> world_error_messages(const AnsweredFrame& frame);
 
 }  // namespace collided::server

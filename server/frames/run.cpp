@@ -43,7 +43,7 @@ FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, const std::function
 AnsweredFrame run_frame(Scene& scene, PendingFrame& frame, const std::function<bool()>& cancelled) {
   if (frame.refusal) std::rethrow_exception(frame.refusal);
   if (cancelled && cancelled()) throw Cancelled();
-  AnsweredFrame answered{frame.frame_id, frame.arrival, {}, {}};
+  AnsweredFrame answered{frame.frame_id, frame.arrival, {}, {}, frame.tells_worlds};
   answered.cost.decode_milliseconds = frame.decode_milliseconds;
   answered.cost.bytes_in = frame.bytes_in;
   answered.result = apply_in_turn(scene, frame, cancelled, answered.cost);

@@ -18,7 +18,7 @@ bool covers(const UpdatedMesh& latest, const UpdatedMesh& older) {
 // Whether nobody misses what `older` does to the scene: `latest` has whole positions for every mesh that it updates.
 bool covers(const PendingFrame& latest, const PendingFrame& older) {
   const bool is_lost = latest.input.trial && !older.input.trial;
-  if (older.input.edit || latest.input.edit) return false;
+  if (older.input.edit || latest.input.edit || latest.worlds != older.worlds) return false;
   if (is_lost || latest.input.start_fraction) return false;  // which begins on the way of the frame before it
   return std::ranges::all_of(older.meshes, [&](const UpdatedMesh& old) {
     return std::ranges::any_of(latest.meshes, [&](const UpdatedMesh& mesh) { return covers(mesh, old); });

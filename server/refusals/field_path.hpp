@@ -70,4 +70,15 @@ inline void throw_if_budget(const ResourceExhausted& error) {
   if (message.starts_with(kEngine)) throw LimitExceeded(field, field + message.substr(kEngine.size()));
 }
 
+/// What `call` returns; what the engine refuses names the protocol's path, and the scene's budget by its own.
+template <class Call>
+auto naming_paths(std::string (*path)(const std::string&), const Call& call) try {
+  return call();
+} catch (const InvalidInput& e) {
+  throw with_path(e, path);
+} catch (const ResourceExhausted& e) {
+  throw_if_budget(e);
+  throw;
+}
+
 }  // namespace collided::server

@@ -148,14 +148,15 @@ void Scene::check_token(const std::string& token, bool has_stream) const {
 
 void Scene::check_is_one(const std::string& field) const {
   if (const uint32_t worlds = shown_.plan->engine.worlds; worlds > 0)
-    throw FailedPrecondition(field, fmt::format("{}: scene {} is a set of {} scenes, whose frames come by DetectBatch",
-                                                field, id(), worlds));
+    throw FailedPrecondition(field,
+                             fmt::format("{}: scene {} is a set of {} scenes, whose frames come by DetectBatch or "
+                                         "StreamFrames",
+                                         field, id(), worlds));
 }
 
 std::shared_ptr<SceneStream> Scene::begin_stream(const std::shared_ptr<SceneStream>& stream, const std::string& token) {
   const std::lock_guard lock(mutex_);
   check_open();
-  check_is_one("open.scene_id");
   if (!shown_.ready) throw_awaits("open.scene_id");
   check_token(token, stream_ != nullptr);
   return std::exchange(stream_, stream);
@@ -205,7 +206,7 @@ std::shared_ptr<FrameSlot> Scene::take_slot() {
 
 uint64_t Scene::max_position_bytes() const {
   const auto now = plan();
-  return count_vertices(now->engine) * max_vertex_bytes(now->engine);
+  return count_worlds(now->engine) * count_vertices(now->engine) * max_vertex_bytes(now->engine);
 }
 
 void Scene::begin_use() {
@@ -249,14 +250,7 @@ void Scene::build_if_complete() {
 }
 
 void Scene::make_detector() {
-  try {
-    detector_ = Detector::create(std::move(pending_));
-  } catch (const InvalidInput& e) {
-    throw with_path(e, spec_path);
-  } catch (const ResourceExhausted& e) {
-    throw_if_budget(e);
-    throw;
-  }
+  detector_ = naming_paths(spec_path, [&] { return Detector::create(std::move(pending_)); });
   pending_ = {};
   held_.resize(plan_bytes(*shown_.plan) + topology_bytes(detector_->topology()));
 }
@@ -290,7 +284,7 @@ FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame, const Frame
   check_frame_id(frame_id, last);
   if (basis.plan && basis.plan != shown_.plan) throw_edited(frame_id);
   samples_.clear();
-  FrameResult result = detect(frame_id, frame, basis);
+  FrameResult result = naming_paths(frame_path, [&] { return detect(frame_id, frame, basis); });
   if (!frame.trial) {
     std::lock_guard lock(mutex_);
     shown_.last_frame_id = frame_id;
@@ -308,9 +302,6 @@ FrameResult Scene::detect(uint64_t frame_id, const FrameInput& frame, const Fram
   return result;
 } catch (const InvalidInput& e) {
   if (e.field() == "slot") throw_edited(frame_id);  // taken while the edit was in work
-  throw with_path(e, frame_path);
-} catch (const ResourceExhausted& e) {
-  throw_if_budget(e);
   throw;
 }
 

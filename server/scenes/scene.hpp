@@ -105,6 +105,8 @@ class Scene {
   std::shared_ptr<SceneStream> stream() const;
   /// Throws NotFound once it is closed.
   void check_open() const;
+  /// Throws FailedPrecondition, naming `field`, for a set.
+  void check_is_one(const std::string& field) const;
   /// Shows the watcher every frame from now on, until end_watch() or close(). Throws NotFound once it is closed.
   void begin_watch(std::shared_ptr<SceneWatcher> watcher);
   void end_watch(const SceneWatcher& watcher) { watchers_.remove(watcher); }
@@ -152,7 +154,6 @@ class Scene {
 
   void check_token(const std::string& token, bool has_stream) const;
   /// Throws FailedPrecondition for a set of worlds.
-  void check_is_one(const std::string& field) const;
   bool awaits_triangles() const;
   [[noreturn]] void throw_awaits(const std::string& field) const;
   void make_detector();

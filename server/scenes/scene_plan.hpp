@@ -21,6 +21,7 @@ constexpr uint64_t max_vertex_bytes(const SceneSpec& spec) {
   return position_bytes(spec) * (spec.mode == Mode::kDcd ? 1 : 2);
 }
 
+/// Of each world of a set.
 inline uint64_t count_vertices(const SceneSpec& spec) {
   uint64_t vertices = 0;
   for (const auto& mesh : spec.meshes) vertices += mesh.vertex_count;
@@ -31,11 +32,14 @@ inline uint64_t count_vertices(const SceneSpec& spec) {
 struct OutputFields {
   FieldSet columns;       ///< that the engine makes
   bool stencils = false;  ///< made from the elements
+  bool worlds = false;    ///< of a set: made from where each world's contacts begin
 
   /// Bytes of one contact's arrays.
-  size_t contact_bytes() const { return collided::contact_bytes(columns) + stencil_bytes(); }
-  /// Bytes of the one array that the engine does not produce.
-  size_t stencil_bytes() const { return stencils ? sizeof(std::array<uint32_t, 4>) : 0; }
+  size_t contact_bytes() const { return collided::contact_bytes(columns) + made_bytes(); }
+  /// Bytes of those that the engine does not produce.
+  size_t made_bytes() const {
+    return (stencils ? sizeof(std::array<uint32_t, 4>) : 0) + (worlds ? sizeof(uint32_t) : 0);
+  }
 };
 
 struct MeshPlan {

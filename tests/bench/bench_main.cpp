@@ -148,12 +148,6 @@ SceneReport run_scene(const BenchInput& input, const Options& o) {
   return report;
 }
 
-std::string device_name(Backend backend) {
-  for (const DeviceInfo& device : list_devices())
-    if (device.backend == backend) return device.name;
-  throw std::runtime_error("no such device");
-}
-
 RunReport run_all(const Options& o) {
   RunReport report{.date = o.date,
                    .commit = o.commit,

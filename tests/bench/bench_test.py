@@ -81,6 +81,8 @@ class Bench(unittest.TestCase):
         self.assertEqual((ran["worlds"], ran["triangles"], ran["rounds"], ran["commit"]), (5, 500, 2, "abc"))
         self.assertGreater(ran["contacts"], 0)
         self.assertAlmostEqual(ran["ratio"], ran["a_call_each_ms"]["p50"] / ran["one_call_ms"]["p50"])
+        for lane in ("one_call", "grpc_stream", "shared_memory", "shared_memory_in_place"):
+            self.assertLess(0, ran[f"{lane}_ms"]["beside_p50"])
 
     def check_in_process(self):
         ran, = parsed(*SMALL, "--backend", "cpu", "--threads", "1", "--frames", "3")["runs"]

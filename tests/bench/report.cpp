@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <ostream>
+#include <stdexcept>
 
 namespace collided::test {
 namespace {
@@ -42,6 +43,12 @@ void write_scene(std::ostream& out, const SceneReport& s) {
 }
 
 }  // namespace
+
+std::string device_name(Backend backend, int threads) {
+  for (const DeviceInfo& device : list_devices(threads))
+    if (device.backend == backend) return device.name;
+  throw std::runtime_error("no such device");
+}
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;

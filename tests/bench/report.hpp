@@ -1,7 +1,8 @@
 #pragma once
-// The cost of one scene, as JSON.
+// The cost of one scene, as JSON, and what results of every kind name.
 
 #include <iosfwd>
+#include <string>
 
 #include "tests/support/case.hpp"
 
@@ -25,6 +26,8 @@ struct RunReport {
   std::vector<SceneReport> scenes;
 };
 
+/// Of the device that scenes of a backend are on; 0 threads: all cores. Throws std::runtime_error if there is none.
+std::string device_name(Backend backend, int threads = 0);
 double median(std::vector<double> values);
 void write_json(std::ostream& out, const RunReport& report);
 

@@ -38,16 +38,17 @@ SERVER_ROOMS = {
     "limits": {"ops", "auth"},
     "scenes": {"refusals", "config", "ops", "auth", "limits"},
     "convert": {"refusals", "config", "auth", "scenes"},
-    "frames": {"refusals", "config", "ops", "limits", "scenes", "convert"},
+    "sets": {"refusals", "scenes", "convert"},
+    "frames": {"refusals", "config", "ops", "limits", "scenes", "convert", "sets"},
     "transport/local": {"refusals", "net", "ops", "auth", "scenes", "convert", "frames"},
     "transport/in_process": {"refusals", "ops", "auth", "scenes", "convert", "frames"},
     "transport/grpc": {"refusals", "ops", "auth", "limits", "scenes", "convert", "frames"},
-    "batch": {"refusals", "ops", "auth", "limits", "scenes", "convert", "frames", "transport/grpc"},
+    "batch": {"refusals", "ops", "auth", "limits", "scenes", "convert", "sets", "frames", "transport/grpc"},
     "service": {"refusals", "config", "ops", "auth", "limits", "scenes", "convert", "frames", "transport/grpc", "batch"},
     "builtin": {"refusals", "ops", "auth", "limits", "convert", "transport/grpc"},
 }
-SPEAKS_MESSAGES = re.compile(r"(refusals|convert|transport|batch|service|builtin)/|frames/(answer|decode|intake|messages|watched)\.")
-SPEAKS_GRPC = re.compile(r"(refusals|convert|frames|transport|batch|service|builtin)/|auth/credentials\.|[^/]+$")
+SPEAKS_MESSAGES = re.compile(r"(refusals|convert|sets|transport|batch|service|builtin)/|frames/(answer|decode|intake|messages|watched)\.")
+SPEAKS_GRPC = re.compile(r"(refusals|convert|sets|frames|transport|batch|service|builtin)/|auth/credentials\.|[^/]+$")
 
 
 def may_see_messages(path):

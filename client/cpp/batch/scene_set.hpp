@@ -17,6 +17,8 @@ struct SceneSetOptions {
   double lease_seconds = 0;  ///< as of Client::create_scene
   /// Bytes of the largest answer, from 64 KiB to the daemon's max_message_bytes (ServerLimits); 0: that limit.
   uint64_t max_answer_bytes = 0;
+  /// Of the set's stream. Over shared memory its largest answers may need more than its `output_bytes`.
+  LocalOptions local = {.output_bytes = uint64_t{32} << 20};
 };
 
 /// New positions of some worlds of a set, borrowed: packed little-endian x y z in the set's format, as they go on the
@@ -64,7 +66,9 @@ struct SetStep {
 };
 
 /// A set on its own connection. One thread at a time. The scenes of a set are its worlds, numbered from 0: they have
-/// the same meshes, whose triangles are held once, each has positions of its own, and none touches another.
+/// the same meshes, whose triangles are held once, each has positions of its own, and none touches another. Its frames
+/// go over a stream, which the first one opens, through shared memory where the daemon offers it; a call each where the
+/// daemon grants no stream.
 class SceneSet {
  public:
   /// Creates a set of `count` scenes of `spec` (which must have no meshes) and `meshes` where `client` leads. Throws
@@ -81,8 +85,18 @@ class SceneSet {
   /// Number of worlds.
   uint32_t worlds() const;
   /// One step of all worlds, or of those that the update names. Throws Error if the whole frame is refused; worlds
-  /// that are refused by themselves are told in the output.
+  /// that are refused by themselves are told in the output. Not while frames are in flight.
   SetOutput detect(const SetUpdate& update, const SetFrameOptions& options = {});
+  /// The same in two halves, so that the next frame is made while the daemon works on this one: as many may be sent as
+  /// the stream's window has before one is received, in their order; then send() waits. Throws Error.
+  void send(const SetUpdate& update, const SetFrameOptions& options = {});
+  /// The answer to the oldest frame that was sent. Throws Error if it is refused, and if there is none.
+  SetOutput receive();
+  /// Memory for the next frame's positions that the daemon reads directly, as FrameStream::input gives it; empty where
+  /// any memory will do.
+  std::span<std::byte> input(uint64_t bytes);
+  /// Whether frames go through memory shared with the daemon.
+  bool is_local();
   /// Deletes the set and frees its memory at once. Throws Error.
   void close();
 

@@ -17,6 +17,8 @@ inline void copy_options(const v1::Frame& from, v1::Frame& to) {
   to.set_trial(from.trial());
   if (from.has_from_last_fraction()) to.set_from_last_fraction(from.from_last_fraction());
   if (from.has_edit()) *to.mutable_edit() = from.edit();
+  *to.mutable_worlds() = from.worlds();
+  *to.mutable_meshes() = from.meshes();
 }
 
 }  // namespace collided::client

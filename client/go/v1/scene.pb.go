@@ -1285,7 +1285,7 @@ type Scene struct {
 	// Number of edits that were applied; `spec` is what they made of it.
 	EditCount uint64 `protobuf:"varint,13,opt,name=edit_count,json=editCount,proto3" json:"edit_count,omitempty"`
 	// Of a set (CreateScenes): its number of scenes, each of which has what `spec` says, and as many vertices, edges and
-	// triangles; its frames come by DetectBatch. 0: the scene is one.
+	// triangles; its frames come by DetectBatch or StreamFrames. 0: the scene is one.
 	Worlds uint32 `protobuf:"varint,14,opt,name=worlds,proto3" json:"worlds,omitempty"`
 }
 

@@ -13,12 +13,14 @@ from collided.choices import choice
 from collided.connection.client import Client
 from collided.contacts import Contacts
 from collided.contacts.answer import Answer
-from collided.contacts.columns import Part, read_chunk
-from collided.errors import DataLoss, Error, InvalidArgument, error_of_frame
+from collided.errors import Error, InvalidArgument, error_of_frame
+from collided.frames.updates import Update
 from collided.layout import Layout
 from collided.options import SceneOptions, check_length
 from collided.scene import divided
-from collided.v1 import batch_pb2, metrics_pb2, scene_pb2
+from collided.transport.opening import StreamOptions
+from collided.transport.set_frames import SetAnswer, SetFrames
+from collided.v1 import frame_pb2, metrics_pb2, scene_pb2
 
 
 class WorldContacts(Mapping[int, Contacts]):
@@ -30,11 +32,10 @@ class WorldContacts(Mapping[int, Contacts]):
     refused: the Error of each world whose frame was refused, which is as it was; its contacts are none.
     """
 
-    def __init__(self, layout: Layout, worlds: np.ndarray, answer: batch_pb2.SetAnswer) -> None:
+    def __init__(self, layout: Layout, worlds: np.ndarray, answer: SetAnswer) -> None:
         self.worlds = worlds
         self.refused: dict[int, Error] = {error.world: error_of_frame(error.error, answer.frame_id) for error in answer.errors}
-        parts: list[Part] = [read_chunk(contacts.contacts) for contacts in answer.contacts]
-        self._begins = [_begins(contacts, len(worlds)) for contacts in answer.contacts]
+        parts, self._begins = answer.parts, answer.begins
         self._offsets = np.cumsum([0, *(part.count for part in parts)])
         done = Answer(answer.frame_id, answer.frame_id, answer.done, layout, None, False)
         self.all = Contacts.of_parts(done, parts)
@@ -87,12 +88,19 @@ class SceneBatch:
 
     meshes, server, lease_seconds, options: as of Scene; meshes are deformable or static, and the report is "all".
     count: 1 to 65,536.
+    transport: "shared_memory", "grpc", "calls" (DetectBatch, without a stream), or "auto": the first of these that the daemon
+        offers and grants.
+    output_bytes: room for a step's contacts in shared memory; what has none comes over the socket, which is slower.
+    daemon_user: as of Session.
 
     Not for several threads at once. After a loss of the connection the next step connects again.
     """
 
     def __init__(self, meshes: Any, count: int, *, server: str | Client | None = None, lease_seconds: float = 0.0,
+                 transport: str = "auto", output_bytes: int = 32 << 20, daemon_user: int | None = None,
                  **options: Any) -> None:
+        stream = StreamOptions(window=1, delivery=0, transport=transport, output_bytes=output_bytes, edit_bytes=0,
+                               daemon_user=daemon_user)
         connect, scene = divided(options, server)
         self.options = SceneOptions(**scene)
         self.layout = Layout.of(meshes, self.options.exclude)
@@ -100,8 +108,7 @@ class SceneBatch:
         self.client = server if isinstance(server, Client) else Client(server, **connect)
         self.message = self.client.create_scenes(self.layout, self.options, count, lease_seconds)
         self._form = self.options.format(self.layout)
-        self._channel: Any = None  # made with the first step
-        self._frame_id = 0
+        self._frames = SetFrames(self.client, self.message, stream)
         self._has_frame = np.zeros(count, bool)
 
     @property
@@ -113,6 +120,11 @@ class SceneBatch:
     def count(self) -> int:
         """Number of worlds."""
         return self.message.worlds
+
+    @property
+    def is_local(self) -> bool:
+        """Whether the last step went through shared memory."""
+        return self._frames.is_local
 
     def step(self, positions: Any, *, start: Any = None, worlds: Sequence[int] | np.ndarray | None = None,
              mode: str | None = None, accuracy: str | None = None, delta: float | None = None) -> WorldContacts:
@@ -132,31 +144,25 @@ class SceneBatch:
         if first.any() and not first.all() and self._has_static():
             raise InvalidArgument(f"world {chosen[first][0]} has had no frame and world {chosen[~first][0]} has: static "
                                   "meshes come with the first alone; step them one after the other", field="worlds")
-        frame = batch_pb2.SetFrame(
-            scene_id=self.id, frame_id=self._frame_id + 1, worlds=[] if worlds is None else chosen.tolist(),
-            mode=choice(scene_pb2.DetectionMode, "DETECTION_MODE_", mode, "mode"),
-            accuracy=choice(scene_pb2.Accuracy, "ACCURACY_", accuracy, "accuracy"),
-            positions=self._encode(positions, "positions", len(chosen), bool(first.any())))
-        if start is not None:
-            frame.start_positions = self._encode(start, "start", len(chosen), bool(first.any()))
+        head = frame_pb2.Frame(worlds=[] if worlds is None else chosen.tolist(),
+                               mode=choice(scene_pb2.DetectionMode, "DETECTION_MODE_", mode, "mode"),
+                               accuracy=choice(scene_pb2.Accuracy, "ACCURACY_", accuracy, "accuracy"))
         if delta is not None:
             check_length(delta, "delta")
-            frame.delta = delta
-        self._frame_id += 1
-        answer = self._ask(frame)
-        if answer.HasField("error"):
-            raise error_of_frame(answer.error, answer.frame_id)
-        contacts = WorldContacts(self.layout, chosen, answer)
+            head.delta = delta
+        update = Update(0, self._encode(positions, "positions", len(chosen), bool(first.any())))
+        if start is not None:
+            update.start = self._encode(start, "start", len(chosen), bool(first.any()))
+        contacts = WorldContacts(self.layout, chosen, self._frames.ask(head, update, chosen))
         self._has_frame[[world for world in chosen if world not in contacts.refused]] = True
         return contacts
 
     def close(self) -> None:
         """Deletes the set and, unless the client is the caller's, ends the connection."""
+        self._frames.close()
         try:
             self.client.delete_scene(self.id)
         finally:
-            if self._channel is not None:
-                self._channel.close()
             if self._owns_client:
                 self.client.close()
 
@@ -165,13 +171,6 @@ class SceneBatch:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def _ask(self, frame: batch_pb2.SetFrame) -> batch_pb2.SetAnswer:
-        most = self.client.info.limits.max_message_bytes
-        if self._channel is None:
-            self._channel = self.client.separate_channel(max_answer_bytes=most)
-        request = batch_pb2.DetectBatchRequest(frames=[frame], max_answer_bytes=most)
-        return self.client.call("DetectBatch", request, self.id, channel=self._channel).answers[0]
 
     def _worlds(self, worlds: Sequence[int] | np.ndarray | None) -> np.ndarray:
         if worlds is None:
@@ -185,7 +184,7 @@ class SceneBatch:
     def _has_static(self) -> bool:
         return any(mesh.is_static for _, mesh in self.layout.present())
 
-    def _encode(self, values: Any, argument: str, worlds: int, is_first: bool) -> bytes:
+    def _encode(self, values: Any, argument: str, worlds: int, is_first: bool) -> np.ndarray:
         array = numbers(values, argument)
         moving = sum(mesh.vertex_count for _, mesh in self.layout.present() if not mesh.is_static)
         every = int(self.layout.vertex_offsets[-1])
@@ -194,7 +193,7 @@ class SceneBatch:
             raise InvalidArgument(f"{argument} has shape {array.shape}; it must be {shapes}", field=argument)
         if is_first and array.shape[1] != every:
             array = self._with_static(array)
-        return self._form.encode(array.reshape(-1, 3), argument, None).tobytes()
+        return self._form.encode(array.reshape(-1, 3), argument, None)
 
     def _with_static(self, array: np.ndarray) -> np.ndarray:
         """Static meshes where their vertices are, in every world."""
@@ -210,11 +209,3 @@ class SceneBatch:
                 parts.append(np.broadcast_to(mesh.vertices, (len(array), *mesh.vertices.shape)))
         return np.concatenate(parts, axis=1)
 
-
-def _begins(contacts: batch_pb2.WorldContacts, worlds: int) -> np.ndarray:
-    """Where each world's contacts begin, and the end of the last one's."""
-    begin = np.frombuffer(contacts.begin, "<u8").astype(np.int64) if len(contacts.begin) % 8 == 0 else np.empty(0, np.int64)
-    if len(begin) != worlds + 1 or begin[0] != 0 or begin[-1] != contacts.contacts.count or (np.diff(begin) < 0).any():
-        raise DataLoss(f"contacts.begin has {len(contacts.begin)} bytes that do not divide {contacts.contacts.count} "
-                       f"contacts among {worlds} worlds")
-    return begin

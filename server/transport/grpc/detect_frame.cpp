@@ -60,6 +60,7 @@ void answer(Call& call, Scene& scene, PendingFrame& frame) {
 
 void detect_frame(Call& call, SceneHost& host, const std::shared_ptr<void>& held) {
   const SceneUse scene = host.scenes().find(call.caller().client, call.request().scene_id());
+  scene->check_is_one("scene_id");
   IncomingFrame incoming;
   incoming.message = std::move(*call.request().mutable_frame());
   auto frame = std::make_shared<PendingFrame>(admit_frame(host, *scene, std::move(incoming)));

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/frames/answer.hpp"
+#include "server/frames/messages.hpp"
 
 namespace collided::server {
 namespace {
@@ -83,16 +84,17 @@ class SliceWriter {
 struct ChunkPiece {
   std::string facts;
   std::vector<ChunkArray> arrays;
-  std::shared_ptr<std::vector<std::array<uint32_t, 4>>> stencils;
-  size_t size = 0;  ///< of the message
+  std::shared_ptr<const MadeArrays> made;
+  size_t stored = 0;  ///< of the arrays; the others are made
+  size_t size = 0;    ///< of the message
 };
 
 ChunkPiece make_piece(const Chunk& chunk, const Topology& topology) {
   ChunkPiece piece;
-  piece.stencils = std::make_shared<std::vector<std::array<uint32_t, 4>>>(chunk.stencils(topology));
+  piece.made = std::make_shared<const MadeArrays>(chunk.make_arrays(topology));
   piece.arrays = chunk.arrays();
-  if (!piece.stencils->empty())
-    piece.arrays.push_back({pb::ContactChunk::kStencilsFieldNumber, std::as_bytes(std::span(*piece.stencils))});
+  piece.stored = piece.arrays.size();
+  for (const ChunkArray& array : piece.made->arrays()) piece.arrays.push_back(array);
   put_number(piece.facts, pb::ContactChunk::kKindFieldNumber, static_cast<uint64_t>(to_message(chunk.kind)));
   put_number(piece.facts, pb::ContactChunk::kCountFieldNumber, chunk.count());
   piece.size = piece.facts.size();
@@ -103,10 +105,10 @@ ChunkPiece make_piece(const Chunk& chunk, const Topology& topology) {
 void put_piece(SliceWriter& out, int field, const ChunkPiece& piece, const std::shared_ptr<AnsweredFrame>& frame) {
   put_length(out.head(), field, piece.size);
   out.head() += piece.facts;
-  for (const auto& array : piece.arrays) {
+  for (size_t i = 0; i < piece.arrays.size(); ++i) {
+    const ChunkArray& array = piece.arrays[i];
     put_length(out.head(), array.field, array.bytes.size());
-    const bool is_stencils = array.field == pb::ContactChunk::kStencilsFieldNumber;
-    out.put(array.bytes, is_stencils ? std::shared_ptr<const void>(piece.stencils) : frame);
+    out.put(array.bytes, i < piece.stored ? std::shared_ptr<const void>(frame) : piece.made);
   }
 }
 
@@ -145,6 +147,8 @@ EncodedMessage encode(const pb::StreamFramesResponse& response) {
 std::vector<EncodedMessage> encode_answer(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame,
                                           size_t max_chunk_bytes) {
   std::vector<EncodedMessage> messages;
+  for (const pb::StreamFramesResponse& errors : world_error_messages(*frame)) messages.push_back(encode(errors));
+  size_t alone = 0;  // of the pieces
   std::vector<ChunkPiece> pieces;
   encode_contacts(scene, *frame, max_chunk_bytes, [&](std::span<const Chunk> chunks) {
     std::vector<size_t> sizes;
@@ -152,10 +156,10 @@ std::vector<EncodedMessage> encode_answer(const Scene& scene, const std::shared_
       pieces.push_back(make_piece(chunk, scene.topology()));
       sizes.push_back(chunk.array_bytes());
     }
-    const size_t alone = pieces.size() - fit_at_end(sizes, max_chunk_bytes);
+    alone = pieces.size() - fit_at_end(sizes, max_chunk_bytes);
     for (size_t i = 0; i < alone; ++i) messages.push_back(encode_piece(pieces[i], frame));
   });
-  messages.push_back(encode_done(std::span(pieces).subspan(messages.size()), frame));
+  messages.push_back(encode_done(std::span(pieces).subspan(alone), frame));
   return messages;
 }
 

@@ -159,7 +159,7 @@ void FrameCall::submit(IncomingFrame incoming) {
     ++in_flight_;
     if (incoming.message.has_edit()) edit_in_flight_ = incoming.message.frame_id();
   }
-  incoming.answer_bytes_per_contact = session_->scene().plan()->fields.stencil_bytes();
+  incoming.answer_bytes_per_contact = session_->scene().plan()->fields.made_bytes();
   session_->submit(admit_frame(host_, session_->scene(), std::move(incoming)));
 }
 

@@ -39,12 +39,12 @@ uint64_t bytes_of(const std::vector<PlacedPositions>& arrays) {
 /// What the ranges of an answer name.
 struct AnswerMemory {
   std::shared_ptr<AnsweredFrame> frame;
-  std::deque<std::vector<Stencil>> stencils;
+  std::deque<MadeArrays> made;
 };
 
 void share(const Chunk& chunk, const Topology& topology, AnswerMemory& memory, pb::ContactChunk* out) {
-  memory.stencils.push_back(chunk.stencils(topology));
-  share_chunk(chunk, memory.stencils.back(), out, [](std::span<const std::byte> bytes, pb::SharedRange* range) {
+  memory.made.push_back(chunk.make_arrays(topology));
+  share_chunk(chunk, memory.made.back(), out, [](std::span<const std::byte> bytes, pb::SharedRange* range) {
     range->set_offset(reinterpret_cast<uintptr_t>(bytes.data()));
     range->set_size(bytes.size());
   });
@@ -150,7 +150,7 @@ bool InProcessStream::submit(LentFrame frame) {
   incoming.slot = std::exchange(slot_, nullptr);
   room_ = {};
   incoming.message = std::move(frame.message);
-  incoming.answer_bytes_per_contact = scene.plan()->fields.stencil_bytes();
+  incoming.answer_bytes_per_contact = scene.plan()->fields.made_bytes();
   PendingFrame pending = admit_frame(rules_.host, scene, std::move(incoming));
   {
     const std::lock_guard lock(mutex_);
@@ -195,6 +195,7 @@ Failure InProcessStream::end() const {
 void InProcessStream::opened(const Scene& scene) { push({opened_message(scene, terms_.window), {}}); }
 
 void InProcessStream::answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) {
+  for (pb::StreamFramesResponse& errors : world_error_messages(*frame)) push({std::move(errors), {}});
   const auto memory = std::make_shared<AnswerMemory>();
   memory->frame = frame;
   InProcessAnswer answer{{}, memory};

@@ -12,7 +12,7 @@
 namespace collided::server {
 namespace {
 
-constexpr size_t kMaxArrays = 7;                   // of a chunk
+constexpr size_t kMaxArrays = 8;                   // of a chunk
 constexpr size_t kInlineBytes = size_t{48} << 10;  // of arrays in one packet
 constexpr size_t kNoCut = size_t{1} << 31;         // so that a chunk's count fits its field
 
@@ -58,7 +58,7 @@ void put_chunk(const Chunk& chunk, const Topology& topology, OutputPart& part, s
   Chunk piece = chunk;
   piece.end = piece.begin + std::min<size_t>(part.room_for(bytes), chunk.count());
   if (piece.count() > 0)
-    share_chunk(piece, piece.stencils(topology), &pieces.emplace_back(),
+    share_chunk(piece, piece.make_arrays(topology), &pieces.emplace_back(),
                 [&](std::span<const std::byte> array, pb::SharedRange* range) { part.put(array, range); });
   const size_t step = std::max<size_t>(1, kInlineBytes / std::max<size_t>(1, bytes));
   for (piece.begin = piece.end; piece.begin < chunk.end; piece.begin = piece.end) {
@@ -115,6 +115,8 @@ std::vector<std::string> AnswerWriter::write(const Scene& scene, AnsweredFrame& 
   ++frames_;
   OutputPart part(region_ && region_->has_device_output() ? std::span<std::byte>() : memory, offset);
   std::vector<std::string> packets;
+  for (pb::StreamFramesResponse& errors : world_error_messages(frame)) packets.push_back(to_packet(std::move(errors)));
+  size_t alone = 0;  // of the pieces
   std::vector<pb::ContactChunk> pieces;
   for_each_kind(
       [&](ContactKind kind, const PlacedContacts& placed) {
@@ -125,10 +127,10 @@ std::vector<std::string> AnswerWriter::write(const Scene& scene, AnsweredFrame& 
     for (const Chunk& chunk : chunks) put_chunk(chunk, scene.topology(), part, pieces);
     std::vector<size_t> sizes;
     for (const auto& piece : pieces) sizes.push_back(piece.ByteSizeLong());
-    const size_t alone = pieces.size() - fit_at_end(sizes, kInlineBytes);
+    alone = pieces.size() - fit_at_end(sizes, kInlineBytes);
     for (size_t i = 0; i < alone; ++i) packets.push_back(contacts_packet(frame.frame_id, std::move(pieces[i])));
   });
-  packets.push_back(done_packet(frame, std::span(pieces).subspan(packets.size())));
+  packets.push_back(done_packet(frame, std::span(pieces).subspan(alone)));
   return packets;
 }
 

@@ -28,8 +28,13 @@ void check_handle(const char* field, const std::string& handle, bool is_allowed)
     throw_invalid(field, fmt::format("has {} bytes, but a handle has {}", handle.size(), pb::kCudaIpcHandleBytes));
 }
 
-void check_backend(const char* field, const std::string& handle, const Scene& scene) {
-  if (!handle.empty() && scene.backend() != Backend::kCuda)
+void check_scene(const char* field, const std::string& handle, const Scene& scene) {
+  if (handle.empty()) return;
+  if (scene.plan()->engine.worlds > 0)
+    throw FailedPrecondition(
+        field, fmt::format("{} is set, but scene {} is a set, whose positions and contacts are in the host's memory",
+                           field, scene.id()));
+  if (scene.backend() != Backend::kCuda)
     throw FailedPrecondition(field, fmt::format("{} is set, but scene {} is not on a GPU", field, scene.id()));
 }
 
@@ -61,7 +66,9 @@ void check_files(const std::vector<PassedFile>& files, bool is_needed) {
 uint64_t max_input_bytes(const Scene& scene, uint32_t window) {
   const auto plan = scene.plan();
   const SceneSpec& spec = plan->engine;
-  const uint64_t frame = pb::max_frame_input_bytes(count_vertices(spec), max_vertex_bytes(spec), spec.meshes.size());
+  const uint64_t worlds = count_worlds(spec);
+  const uint64_t frame =
+      pb::max_frame_input_bytes(worlds * count_vertices(spec), max_vertex_bytes(spec), worlds * spec.meshes.size());
   return window * (frame + pb::kPageBytes) + pb::kMaxEditInputBytes;
 }
 
@@ -75,8 +82,8 @@ void check_region(const pb::LocalOpen& open, const std::vector<PassedFile>& file
   check_bytes("open.input_bytes", open.input_bytes(), max_input_bytes(scene, rules.host.limits().max_window));
   check_bytes("open.output_bytes", open.output_bytes(), pb::kMaxOutputBytes);
   check_files(files, open.input_bytes() + output_in_file(open) > 0);
-  check_backend(kInput, open.cuda_ipc_handle(), scene);
-  check_backend(kOutput, open.output_cuda_ipc_handle(), scene);
+  check_scene(kInput, open.cuda_ipc_handle(), scene);
+  check_scene(kOutput, open.output_cuda_ipc_handle(), scene);
 }
 
 // Counted here, as pages that the daemon touches first are charged to the daemon. The client's device memory is not.

@@ -1,10 +1,12 @@
-// Many small scenes, one frame each: in one call as a set, and in a call each as scenes of their own. The two take
-// turns, so that other load on the machine affects both alike, and must find the same number of contacts.
+// Many small scenes, one frame each: as a set, in one call and over streams, and in a call each as scenes of their own.
+// These take turns, so that other load on the machine affects all of them alike, and must find the same number of
+// contacts.
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <ctime>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -28,6 +30,7 @@ struct Options {
   std::string backend = "auto", accuracy = "CERTIFIED", commit;
   uint32_t worlds = 1000, side = 15;
   int threads = 0, rounds = 20, warm_up = 3;
+  bool sets_only = false;
 };
 
 constexpr uint32_t kFloorSide = 5;
@@ -75,44 +78,70 @@ std::string today() {
   return date;
 }
 
+/// A way for frames to go.
+struct Lane {
+  std::string name;
+  client::SceneSet set;
+  bool is_call = false, is_in_place = false;
+  std::vector<double> ms = {}, engine = {}, decode = {}, encode = {};
+};
+
 class BatchBench {
  public:
   explicit BatchBench(const Options& options)
       : options_(options),
-        daemon_({.backend = options.backend, .threads = options.threads, .streams = options.worlds + 2}),
+        daemon_({.backend = options.backend,
+                 .threads = options.threads,
+                 .all_transports = true,
+                 .streams = options.worlds + 16}),
         client_(client::Client::connect(daemon_.address())),
-        set_(client::SceneSet::create(client_, spec(), meshes(), options.worlds)),
         stub_(v1::CollisionService::NewStub(client_.channels().connect())) {
-    for (uint32_t world = 0; world < options.worlds; ++world)
+    lanes_.push_back({"one_call", make_set(client::Local::kOff), true});
+    lanes_.push_back({"grpc_stream", make_set(client::Local::kOff)});
+    lanes_.push_back({"shared_memory", make_set(client::Local::kOn)});
+    lanes_.push_back({"shared_memory_in_place", make_set(client::Local::kOn), false, true});
+    for (uint32_t world = 0; world < options.worlds && !options.sets_only; ++world)
       scenes_.push_back(client_.create_scene(spec(), meshes()).scene_id());
   }
 
   Json run() {
-    std::vector<double> batch, calls, engine, calls_engine;
+    std::vector<double> calls, calls_engine;
     uint64_t contacts = 0;
     for (int frame = 0; frame < options_.warm_up + options_.rounds; ++frame) {
-      const Turn together = ask_together(frame), alone = ask_alone(frame);
-      if (together.contacts != alone.contacts)
-        throw std::runtime_error("frame " + std::to_string(frame) + " has " + std::to_string(together.contacts) +
-                                 " contacts in one call and " + std::to_string(alone.contacts) + " in a call each");
-      if (frame < options_.warm_up) continue;
-      batch.push_back(together.ms), engine.push_back(together.engine_ms);
-      calls.push_back(alone.ms), calls_engine.push_back(alone.engine_ms);
-      contacts = together.contacts;
+      const std::vector<float> positions = positions_at(frame);
+      std::vector<uint64_t> found;
+      for (size_t i = 0; i < lanes_.size(); ++i)  // each in turn goes first, with cold caches
+        found.push_back(ask(lanes_[(i + static_cast<size_t>(frame)) % lanes_.size()], frame, positions));
+      if (!options_.sets_only) {
+        const Turn alone = ask_alone(frame);
+        found.push_back(alone.contacts);
+        if (counts(frame)) calls.push_back(alone.ms), calls_engine.push_back(alone.engine_ms);
+      }
+      contacts = found[0];
+      for (const uint64_t other : found)
+        if (other != contacts)
+          throw std::runtime_error("frame " + std::to_string(frame) + " has " + std::to_string(contacts) +
+                                   " contacts one way and " + std::to_string(other) + " another way");
     }
-    const Json one = times(batch, engine), each = times(calls, calls_engine);
-    return {{"date", today()},
-            {"commit", options_.commit},
-            {"device", set_.scene().device()},
-            {"worlds", options_.worlds},
-            {"triangles", set_.scene().triangle_count()},
-            {"vertices", set_.scene().vertex_count()},
-            {"accuracy", options_.accuracy},
-            {"rounds", options_.rounds},
-            {"contacts", contacts},
-            {"one_call_ms", one},
-            {"a_call_each_ms", each},
-            {"ratio", each.at("p50").get<double>() / one.at("p50").get<double>()}};
+    const v1::Scene& scene = lanes_[0].set.scene();
+    Json json{{"date", today()},
+              {"commit", options_.commit},
+              {"device", scene.device()},
+              {"worlds", options_.worlds},
+              {"triangles", scene.triangle_count()},
+              {"vertices", scene.vertex_count()},
+              {"accuracy", options_.accuracy},
+              {"rounds", options_.rounds},
+              {"contacts", contacts}};
+    for (Lane& lane : lanes_) {
+      Json& of_lane = json[lane.name + "_ms"] = times(lane.ms, lane.engine);
+      of_lane["decode_p50"] = cli::quantile(lane.decode, 0.5);
+      of_lane["encode_p50"] = cli::quantile(lane.encode, 0.5);
+    }
+    if (options_.sets_only) return json;
+    json["a_call_each_ms"] = times(calls, calls_engine);
+    json["ratio"] = cli::quantile(calls, 0.5) / cli::quantile(lanes_[0].ms, 0.5);
+    return json;
   }
 
  private:
@@ -120,6 +149,13 @@ class BatchBench {
     double ms = 0, engine_ms = 0;
     uint64_t contacts = 0;
   };
+
+  bool counts(int frame) const { return frame >= options_.warm_up; }
+
+  client::SceneSet make_set(client::Local use) {
+    return client::SceneSet::create(client_, spec(), meshes(), options_.worlds,
+                                    {.local = {.use = use, .output_bytes = uint64_t{64} << 20}});
+  }
 
   v1::SceneSpec spec() const {
     v1::SceneSpec spec;
@@ -137,17 +173,37 @@ class BatchBench {
          {.name = "cloth", .vertex_count = (options_.side + 1) * (options_.side + 1), .triangles = cloth_}}};
   }
 
-  Turn ask_together(int frame) {
+  std::vector<float> positions_at(int frame) const {
     std::vector<float> positions;
     for (uint32_t world = 0; world < options_.worlds; ++world) {
       if (frame == 0) add_grid(positions, kFloorSide, 0, 0);
       const std::vector<float> of_world = cloth(options_, world, frame);
       positions.insert(positions.end(), of_world.begin(), of_world.end());
     }
+    return positions;
+  }
+
+  /// Number of contacts.
+  uint64_t ask(Lane& lane, int frame, const std::vector<float>& positions) {
+    client::SetUpdate update{.positions = std::as_bytes(std::span(positions))};
+    if (lane.is_in_place) {
+      const std::span<std::byte> room = lane.set.input(update.positions.size());
+      std::memcpy(room.data(), update.positions.data(), room.size());
+      update.positions = room;
+    }
+    const client::SetStep step{&lane.set, update};
     const auto begin = Clock::now();
-    const client::SetOutput output = set_.detect({.positions = std::as_bytes(std::span(positions))});
+    const client::SetOutput output =
+        lane.is_call ? std::move(client::detect_batch({&step, 1})[0]) : lane.set.detect(update);
     const std::chrono::duration<double, std::milli> ms = Clock::now() - begin;
-    return {ms.count(), output.done.metrics().engine_milliseconds(), output.done.contact_count()};
+    output.check();
+    if (counts(frame)) {
+      lane.ms.push_back(ms.count());
+      lane.engine.push_back(output.done.metrics().engine_milliseconds());
+      lane.decode.push_back(output.done.metrics().decode_milliseconds());
+      lane.encode.push_back(output.done.metrics().encode_milliseconds());
+    }
+    return output.vertex_triangle.count + output.edge_edge.count + output.triangle_triangle.count;
   }
   Turn ask_alone(int frame) {
     std::vector<v1::DetectFrameRequest> requests(options_.worlds);
@@ -171,16 +227,20 @@ class BatchBench {
     return turn;
   }
   static Json times(std::vector<double>& ms, std::vector<double>& engine) {
-    return {
-        {"p50", cli::quantile(ms, 0.5)}, {"p99", cli::quantile(ms, 0.99)}, {"engine_p50", cli::quantile(engine, 0.5)}};
+    std::vector<double> beside;
+    for (size_t i = 0; i < ms.size(); ++i) beside.push_back(ms[i] - engine[i]);
+    return {{"p50", cli::quantile(ms, 0.5)},
+            {"p99", cli::quantile(ms, 0.99)},
+            {"engine_p50", cli::quantile(engine, 0.5)},
+            {"beside_p50", cli::quantile(beside, 0.5)}};
   }
 
   const Options options_;
   const Triangles floor_ = grid(kFloorSide), cloth_ = grid(options_.side);
   const cli::OwnDaemon daemon_;
   client::Client client_;
-  client::SceneSet set_;
   const std::unique_ptr<v1::CollisionService::Stub> stub_;
+  std::vector<Lane> lanes_;
   std::vector<std::string> scenes_;
 };
 
@@ -188,7 +248,7 @@ class BatchBench {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Many small scenes, one frame each, in one call and in a call each: prints one JSON object"};
+  CLI::App app{"Many small scenes, one frame each, as a set and in a call each: prints one JSON object"};
   app.add_option("--worlds", options.worlds, "Scenes")->check(CLI::Range(1, 65536))->capture_default_str();
   app.add_option("--side", options.side, "Cells of a cloth's side: 2 * side^2 triangles, and 50 of the floor")
       ->check(CLI::Range(1, 1000))
@@ -200,6 +260,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   app.add_option("--warm-up", options.warm_up, "Frames before them")->check(CLI::Range(1, 1000))->capture_default_str();
+  app.add_flag("--sets-only", options.sets_only, "No calls for scenes of their own");
   app.add_option("--commit", options.commit, "For the record");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -139,12 +139,6 @@ json measure(const Case& c, Scalar scalar, const Options& o) {
           {"host_ms", median(exact.host_ms)}};
 }
 
-std::string device_name(Backend backend, int threads) {
-  for (const DeviceInfo& device : list_devices(threads))
-    if (device.backend == backend) return device.name;
-  throw std::runtime_error("no such device");
-}
-
 }  // namespace
 }  // namespace collided::test
 

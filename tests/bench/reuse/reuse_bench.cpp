@@ -7,6 +7,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "tests/bench/report.hpp"
 #include "tests/support/case.hpp"
 #include "tests/support/digest.hpp"
 
@@ -149,12 +150,6 @@ json measure(const std::string& name, const Options& o) {
           {"list_bytes", reuse.list_bytes()},
           {"last_search_stages", off.stages()},
           {"last_reuse_stages", reuse.stages()}};
-}
-
-std::string device_name(Backend backend, int threads) {
-  for (const DeviceInfo& device : list_devices(threads))
-    if (device.backend == backend) return device.name;
-  throw std::runtime_error("no such device");
 }
 
 }  // namespace

@@ -10,16 +10,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "tests/bench/report.hpp"
 #include "tests/bench/switches/variant.hpp"
 #include "tests/support/case.hpp"
 
 namespace collided::test {
 namespace {
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0 : values[values.size() / 2];
-}
 
 /// How far the ball has turned about z (client/scenes/cloth_ball.cpp), from the position of a vertex beside the axis.
 std::vector<std::byte> pose_between(const Positions& rest, const Positions& now) {
@@ -144,12 +140,6 @@ class Run {
   std::vector<double> caller_, step_, bytes_in_;
   std::map<std::string, std::vector<double>> stages_;
 };
-
-std::string device_name(Backend backend, int threads) {
-  for (const DeviceInfo& device : list_devices(threads))
-    if (device.backend == backend) return device.name;
-  throw std::runtime_error("no such device");
-}
 
 void print_table(const nlohmann::json& runs) {
   const nlohmann::json& full = runs[0];

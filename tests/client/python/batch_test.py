@@ -4,11 +4,17 @@
 from support import FLOOR, ONE, TIP, Case, lowered, main, meshes, np
 
 import collided
+from collided.transport.opening import StreamOptions
+from collided.transport.set_frames import SetFrames
 
 
 def falls(*depths):
     """Tips of so many worlds, which fall so deep."""
     return np.stack([lowered(depth) for depth in depths])
+
+
+def stream_options(transport):
+    return StreamOptions(window=1, delivery=0, transport=transport, output_bytes=0, edit_bytes=0, daemon_user=None)
 
 
 class Batches(Case):
@@ -71,7 +77,7 @@ class Batches(Case):
         refused(collided.InvalidArgument, r"worlds are \[1, 0\]", batch.step, falls(1, 1), worlds=[1, 0])
         refused(collided.InvalidArgument, "below 2", batch.step, falls(1), worlds=[2])
         refused(collided.InvalidArgument, "accuracy is 'no'", batch.step, falls(1, 1), accuracy="no")
-        refused(collided.InvalidArgument, r"frames\[0\].mode is DCD", batch.step, falls(1, 1), mode="dcd")
+        refused(collided.InvalidArgument, r"frame.mode is DCD", batch.step, falls(1, 1), mode="dcd")
         refused(collided.InvalidArgument, "count is 0", collided.SceneBatch, meshes(), 0, server=self.server)
         refused(collided.InvalidArgument, "no option of a scene", collided.SceneBatch, meshes(), 2, colour=1)
         self.assertEqual(batch.step(falls(2, 2)).counts.tolist(), [1, 1])
@@ -82,6 +88,47 @@ class Batches(Case):
         whole = np.concatenate([np.broadcast_to(FLOOR, (2, 3, 3)), falls(0.5, 0.5)], axis=1)
         self.assertEqual(len(bare.step(whole).all), 0)
         self.assertEqual(bare.step(falls(2, 0.75)).counts.tolist(), [1, 0])
+
+    def test_every_transport_gives_the_same_contacts(self):
+        rng = np.random.default_rng(5)
+        scene = collided.Mesh(triangles=np.arange(36, dtype="<u4").reshape(12, 3))
+        batches = [self.batch(6, scene, position_format="f32", transport="calls"),
+                   self.batch(6, scene, position_format="f32", transport="grpc"),
+                   self.batch(6, scene, position_format="f32", transport="shared_memory"),
+                   self.batch(6, scene, position_format="f32", transport="shared_memory", output_bytes=4096)]
+        for worlds in (None, None, [0, 2, 5]):
+            start, end = rng.uniform(0, 1, (2, len(worlds or range(6)), 36, 3)).astype("<f4")
+            wanted, *others = (batch.step(end, start=start, worlds=worlds) for batch in batches)
+            self.assertGreater(wanted.counts.min(), 10)
+            for contacts in others:
+                np.testing.assert_array_equal(contacts.counts, wanted.counts)
+                np.testing.assert_array_equal(contacts.world_of, wanted.world_of)
+                for world in wanted:
+                    for name in ("kinds", "elements", "stencils", "toi", "distance", "weights", "normals", "flags"):
+                        np.testing.assert_array_equal(getattr(contacts[world], name), getattr(wanted[world], name), name)
+        self.assertEqual([batch.is_local for batch in batches], [False, False, True, True])
+
+    def test_a_bad_world_is_told_over_every_transport(self):
+        for transport in ("calls", "grpc", "shared_memory"):
+            batch = self.batch(300, transport=transport)
+            bad = falls(*[2] * 300)
+            bad[1:, 2, 0] = np.nan
+            contacts = batch.step(bad)
+            self.assertEqual(list(contacts.refused), list(range(1, 300)))
+            self.assertIn("world 1, mesh 1, vertex 2, coordinate x is nan", contacts.refused[1].message)
+            self.assertEqual(contacts.counts.tolist(), [0] * 300)
+
+    def test_a_stream_that_has_ended_is_opened_again(self):
+        for transport in ("grpc", "shared_memory"):
+            batch = self.batch(2, transport=transport)
+            batch.step(falls(0.5, 0.5))
+            other = SetFrames(batch.client, batch.message, stream_options(transport=transport))
+            other._open()  # takes the set over
+            other.close()
+            self.refused(collided.Aborted, "took over", batch.step, falls(2, 0.75))
+            self.assertEqual(batch.step(falls(2, 0.75)).counts.tolist(), [1, 0])
+            batch._frames._transport.half_close()  # the daemon ends it, as it does with those that are idle
+            self.assertEqual(batch.step(falls(2, 2)).counts.tolist(), [0, 1])
 
     def test_the_daemon_tells_what_it_holds(self):
         batch = self.batch(6)

@@ -1,6 +1,7 @@
 // What a scene is made of, asked by who did not create it.
 #include <gtest/gtest.h>
 
+#include "client/cpp/meshes/mesh_pages.hpp"
 #include "tests/integration/client_library/client_layers.hpp"
 #include "tests/integration/support/daemon_process.hpp"
 
@@ -14,6 +15,7 @@ using Elements = std::vector<std::array<uint32_t, 3>>;
 constexpr std::array<std::array<uint32_t, 3>, 1> kOne{{{0, 1, 2}}};
 constexpr std::array<std::array<uint32_t, 2>, 1> kEdge{{{4, 3}}};
 constexpr std::array<uint32_t, 1> kPoint{5};
+constexpr uint32_t kLarge = 260;  // 268,324 triangles, 3.2 MB
 
 class ElementsOfMeshes : public ::testing::Test {
  protected:
@@ -25,7 +27,7 @@ class ElementsOfMeshes : public ::testing::Test {
         {.name = "all", .vertex_count = 6, .triangles = kOne, .edges = kEdge, .points = kPoint}};
     return maker_.create_scene(spec, meshes);
   }
-  void expect_refused(const std::string& scene, uint32_t mesh, uint32_t first, int code, const std::string& field) {
+  pb::GetMeshResponse page(const std::string& scene, uint32_t mesh, uint32_t first) {
     grpc::ClientContext context;
     set_deadline(context);
     pb::GetMeshRequest request;
@@ -33,9 +35,17 @@ class ElementsOfMeshes : public ::testing::Test {
     request.set_mesh(mesh);
     request.set_first_element(first);
     pb::GetMeshResponse response;
-    const auto status = pb::CollisionService::NewStub(daemon_.channel())->GetMesh(&context, request, &response);
-    EXPECT_EQ(status.error_code(), code) << status.error_message();
-    EXPECT_EQ(details_of(status).fields, std::vector<std::string>{field});
+    client::check(pb::CollisionService::NewStub(daemon_.channel())->GetMesh(&context, request, &response));
+    return response;
+  }
+  void expect_refused(const std::string& scene, uint32_t mesh, uint32_t first, int code, const std::string& field) {
+    try {
+      page(scene, mesh, first);
+      FAIL();
+    } catch (const client::Error& e) {
+      EXPECT_EQ(e.code(), code) << e.message();
+      EXPECT_EQ(e.field(), field);
+    }
   }
 
   DaemonProcess daemon_;
@@ -53,12 +63,54 @@ TEST_F(ElementsOfMeshes, AreTrianglesThenEdgesThenPointsNumberedWithinTheMesh) {
 }
 
 TEST_F(ElementsOfMeshes, ComeInPagesWhereTheyAreMany) {
-  constexpr uint32_t kLarge = 260;  // 268,324 triangles, 3.2 MB
   const MeshElements mesh = other_.mesh_elements(make_layers(maker_, kLarge).scene_id(), 0);
   Elements expected;
   const auto corners = layer_triangles(kLarge);
   for (size_t i = 0; i < corners.size(); i += 3) expected.push_back({corners[i], corners[i + 1], corners[i + 2]});
   EXPECT_TRUE(mesh.elements == expected);
+}
+
+TEST_F(ElementsOfMeshes, AreReadAnewIfAnEditShrinksTheMeshBetweenTwoPages) {
+  const std::string id = make_layers(maker_, kLarge).scene_id();
+  FrameStream stream = maker_.stream(maker_.get_scene(id));
+  const std::string whole = layers_at(1, kLarge);
+  ask(stream, 1, {.positions = bytes_of(whole)});
+  const auto shrink = [&] {
+    const std::string positions = pack<float>({0, 0, 0, 1, 0, 0, 0, 1, 0});
+    const client::FrameUpdate update{.positions = bytes_of(positions)};
+    pb::SceneEdit edit;
+    *edit.add_meshes() = client::edited_mesh(0, {.vertex_count = 3, .triangles = kOne});
+    stream.send(2, {&update, 1}, {.edit = edit});
+    stream.receive().check();
+  };
+  std::vector<uint32_t> asked;
+  const auto page_from = [&](uint32_t first) {
+    if (asked.size() == 1) shrink();
+    asked.push_back(first);
+    return page(id, 0, first);
+  };
+  const MeshElements mesh = client::read_elements(0, page_from);
+  EXPECT_EQ(mesh.elements, (Elements{{0, 1, 2}}));
+  EXPECT_EQ(mesh.edit_count, 1u);
+  ASSERT_EQ(asked.size(), 3u);
+  EXPECT_GT(asked[1], 1u) << "past what the mesh has now";
+  EXPECT_EQ(asked[2], 0u);
+}
+
+TEST_F(ElementsOfMeshes, ThatKeepRefusingAreGivenUp) {
+  const std::string id = make_layers(maker_, kLarge).scene_id();
+  int tries = 0;
+  const auto page_from = [&](uint32_t first) {
+    if (first == 0) ++tries;
+    return page(id, 0, first == 0 ? 0 : ~0u);
+  };
+  try {
+    client::read_elements(0, page_from);
+    FAIL();
+  } catch (const client::Error& e) {
+    EXPECT_EQ(e.code(), grpc::ABORTED) << e.message();
+    EXPECT_EQ(tries, 8);
+  }
 }
 
 TEST_F(ElementsOfMeshes, FollowEdits) {

@@ -52,6 +52,23 @@ TEST(Chunks, ChunksAreBoundedAndCarryTheFieldsAskedFor) {
   EXPECT_EQ(stencil, (std::array<uint32_t, 4>{0, 1, 3, 4}));
 }
 
+TEST(Chunks, OfSetsTellTheWorldOfEachContact) {
+  FrameResult result;
+  result.edge_edge.elements = {{0, 1}, {0, 2}, {0, 1}, {0, 3}, {1, 2}};
+  result.worlds.begin.edge_edge = {0, 2, 2, 3, 3, 5, 5};  // of six worlds
+  const OutputFields fields{.columns = {ContactField::kElements}, .worlds = true};
+  std::vector<std::vector<uint32_t>> worlds;
+  for (const Chunk& chunk : cut_into_chunks(result, fields, 2 * fields.contact_bytes(), &result.worlds.begin)) {
+    pb::ContactChunk message;
+    fill_chunk(chunk, {}, &message);
+    EXPECT_EQ(message.elements().size() + message.worlds().size(), chunk.array_bytes());
+    std::vector<uint32_t>& of_chunk = worlds.emplace_back(chunk.count());
+    ASSERT_EQ(message.worlds().size(), of_chunk.size() * sizeof(uint32_t));
+    std::memcpy(of_chunk.data(), message.worlds().data(), message.worlds().size());
+  }
+  EXPECT_EQ(worlds, (std::vector<std::vector<uint32_t>>{{0, 0}, {2, 4}, {4}}));
+}
+
 TEST(Chunks, ArraysOnTheDeviceAreThoseThatHaveBytes) {
   PlacedContacts placed;
   placed.count = 2;

@@ -9,13 +9,15 @@
 
 namespace collided::client {
 
-LocalLayout local_layout(const v1::SceneSpec& scene, uint32_t window, const LocalOptions& options) {
-  const uint64_t position = position_bytes(scene.position_format());
-  const uint64_t positions = scene.mode() == v1::DETECTION_MODE_DCD ? 1 : 2;
+LocalLayout local_layout(const v1::Scene& scene, uint32_t window, const LocalOptions& options) {
+  const v1::SceneSpec& spec = scene.spec();
+  const uint64_t position = position_bytes(spec.position_format());
+  const uint64_t positions = spec.mode() == v1::DETECTION_MODE_DCD ? 1 : 2;
+  const uint64_t worlds = std::max(scene.worlds(), 1u);
   uint64_t vertices = 0;
-  for (const v1::MeshSpec& mesh : scene.meshes()) vertices += mesh.vertex_count();
-  const uint64_t bytes =
-      v1::max_frame_input_bytes(vertices, positions * position, static_cast<uint64_t>(scene.meshes_size()));
+  for (const v1::MeshSpec& mesh : spec.meshes()) vertices += mesh.vertex_count();
+  const uint64_t bytes = v1::max_frame_input_bytes(worlds * vertices, positions * position,
+                                                   worlds * static_cast<uint64_t>(spec.meshes_size()));
   const bool is_device = !options.cuda_ipc_handle.empty();
   const uint64_t max_output = v1::kMaxOutputBytes / window / v1::kPageBytes * v1::kPageBytes;
   const uint64_t max_edit = v1::kMaxEditInputBytes / window / v1::kPageBytes * v1::kPageBytes;

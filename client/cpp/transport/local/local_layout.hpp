@@ -19,7 +19,7 @@ struct LocalLayout {
   uint64_t output_in_file() const { return is_device_output ? 0 : output_bytes; }
 };
 
-/// Room for any frame of the scene.
-LocalLayout local_layout(const v1::SceneSpec& scene, uint32_t window, const LocalOptions& options);
+/// Room for any frame of the scene, or of the set.
+LocalLayout local_layout(const v1::Scene& scene, uint32_t window, const LocalOptions& options);
 
 }  // namespace collided::client

@@ -82,11 +82,11 @@ def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
     if not 1 <= window <= limit:
         raise ResourceExhausted(f"window is {window}; the daemon's limit is {limit}", field="window")
     opening.window = window
-    spec = client.get_scene(scene.scene_id).spec
+    known = client.get_scene(scene.scene_id)
     # Of each frame in flight, and of those before and after the last one that was answered; if the daemon allows as much.
     lasting = window + 2 if 2 * window + 2 <= limit else 0
     return LocalTransport(LocalPeer(path, client.address, options.daemon_user, client.options.token),
-                          Region(region_layout(spec, window, options.output_bytes, options.edit_bytes, lasting)))
+                          Region(region_layout(known, window, options.output_bytes, options.edit_bytes, lasting)))
 
 
 def opened_by(transport: Transport, opening: api.OpenStream) -> api.StreamOpened:

@@ -53,12 +53,13 @@ class Part(NamedTuple):
     bytes: np.ndarray | None = None
 
 
-def region_layout(spec: scene_pb2.SceneSpec, window: int, output_bytes: int, edit_bytes: int,
+def region_layout(scene: scene_pb2.Scene, window: int, output_bytes: int, edit_bytes: int,
                   lasting: int = 0) -> RegionLayout:
-    """Room for any frame of the scene, and for the positions of `lasting` frames to stay."""
+    """Room for any frame of the scene, or of the set, and for the positions of `lasting` frames to stay."""
+    spec, worlds = scene.spec, max(scene.worlds, 1)
     positions = 1 if spec.mode == scene_pb2.DETECTION_MODE_DCD else 2
-    vertices = sum(mesh.vertex_count for mesh in spec.meshes)
-    message = MAX_PACKET_BYTES + len(spec.meshes) * _UPDATE_BYTES
+    vertices = worlds * sum(mesh.vertex_count for mesh in spec.meshes)
+    message = MAX_PACKET_BYTES + worlds * len(spec.meshes) * _UPDATE_BYTES
     position = _POSITION_BYTES[spec.position_format]
     frame = whole_pages(vertices * (positions * position + 4) + message)
     all_positions = whole_pages(vertices * position + len(spec.meshes) * ALIGNMENT)
