@@ -45,6 +45,7 @@ SERVER_ROOMS = {
     "batch": {"refusals", "ops", "auth", "limits", "scenes", "convert", "frames", "transport/grpc"},
     "service": {"refusals", "config", "ops", "auth", "limits", "scenes", "convert", "frames", "transport/grpc", "batch"},
     "builtin": {"refusals", "ops", "auth", "limits", "convert", "transport/grpc"},
+    "supervisor": set(),
 }
 SPEAKS_MESSAGES = re.compile(r"(refusals|convert|transport|batch|service|builtin)/|frames/(answer|decode|intake|messages|watched)\.")
 SPEAKS_GRPC = re.compile(r"(refusals|convert|frames|transport|batch|service|builtin)/|auth/credentials\.|[^/]+$")
