@@ -34,6 +34,14 @@ for try in $(seq 600); do
 done
 systemctl show -p NRestarts,ActiveState $service >stuck
 
+if [ -e /usr/lib/systemd/system/collided@.service ]; then
+  systemctl start collided@3.service
+  systemctl show -p ActiveState,StatusText collided@3.service >instance
+  systemctl is-active $service >beside-instance
+  systemctl stop collided@3.service
+  systemctl start $service
+fi
+
 systemctl stop $service
 systemctl show -p Result,ActiveState,ExecMainStatus $service >stop
 journalctl -u $service -o cat --no-pager >journal

@@ -145,6 +145,10 @@ class Install(unittest.TestCase):
         self.assertEqual(active, "active\n")
         self.assertIn("max-scenes", told["journal"])
         self.assertEqual(facts(told["stuck"]), {"NRestarts": "1", "ActiveState": "active"})
+        if self.daemon == "collided-cuda":
+            self.assertEqual(facts(told["instance"]), {
+                "ActiveState": "active", "StatusText": "serves on 127.0.0.1:50553, unix:/run/collided-3/socket"})
+            self.assertEqual(told["beside-instance"], "inactive\n")
         self.assertEqual(facts(told["stop"]), {"Result": "success", "ActiveState": "inactive", "ExecMainStatus": "0"})
 
     def test_6_the_other_daemon_takes_its_place_and_its_configuration(self):
