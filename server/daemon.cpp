@@ -145,6 +145,11 @@ void Daemon::reload(const Config& config) {
   entrance_.set_limit(config);
 }
 
+void Daemon::wait_responsive() const {
+  (void)lifecycle_.status();
+  (void)gauges();
+}
+
 void Daemon::begin_stop(double grace_seconds) {
   entrance_.end_probe();
   health_.set_serving(false);

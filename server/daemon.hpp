@@ -32,6 +32,9 @@ class Daemon {
   /// changes nothing.
   void reload(const Config& config);
 
+  /// Returns once it has held every lock that calls, frames and health wait for: not at all if one of them is stuck.
+  void wait_responsive() const;
+
   /// Reports NOT_SERVING, refuses new scenes and streams, and tells open streams that they have `grace_seconds`.
   void begin_stop(double grace_seconds);
   /// Waits until no call is open; false after `deadline`.

@@ -16,6 +16,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "deploy/version/version.hpp"
 #include "gpu/detector.hpp"
 #include "server/auth/authenticator.hpp"
 #include "server/auth/tls_files.hpp"
@@ -27,6 +28,7 @@
 #include "server/ops/exit_deadline.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/log.hpp"
+#include "server/supervisor/supervisor.hpp"
 #include "server/usable_memory.hpp"
 
 namespace {
@@ -36,8 +38,10 @@ using collided::server::ConfigError;
 using collided::server::Daemon;
 using collided::server::Lifecycle;
 using collided::server::Memory;
+using collided::server::Supervisor;
 
 constexpr double kSecondsToStop = 5;   // after the grace
+constexpr double kSecondsToExit = 1;   // after that
 constexpr double kGraceOfFailure = 1;  // seconds to report a failed device
 
 /// Sources of the configuration, at the start and at each reload.
@@ -92,8 +96,8 @@ void warn_of_exposure(const Config& config) {
   for (const auto& warning : exposure_warnings(config)) spdlog::warn("{}", warning);
 }
 
-// The configuration changes as a whole, or not at all if any part of it is invalid.
-void reload(const Origin& origin, Config& config, Daemon& daemon) try {
+// The configuration changes as a whole, or not at all if any part of it is invalid. Returns what is.
+std::string reload(const Origin& origin, Config& config, Daemon& daemon) try {
   auto [next, restart] = collided::server::reload_config(origin.argc, origin.argv, config);
   derive_limits(next.limits, origin.memory);
   daemon.reload(next);
@@ -102,41 +106,58 @@ void reload(const Origin& origin, Config& config, Daemon& daemon) try {
   spdlog::info("configuration read again");
   for (const auto& name : restart) spdlog::warn("{} has changed, which takes effect only after a restart", name);
   warn_of_exposure(config);
+  return "";
 } catch (const ConfigError& error) {
   spdlog::error("configuration not read again, the previous one stays in effect: {}", error.what());
+  return error.what();
+}
+
+// The next signal; -1 if none comes in time.
+int wait_for_signal(const sigset_t& signals, std::chrono::microseconds time) {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(time);
+  const timespec wait{seconds.count(), std::chrono::nanoseconds(time - seconds).count()};
+  return sigtimedwait(&signals, nullptr, &wait);
 }
 
 // Waits until a signal or a failure asks the daemon to stop; returns the signal.
-int wait_for_end(const Origin& origin, const sigset_t& signals, Config& config, Daemon& daemon) {
-  for (int signal = 0;;) {
-    sigwait(&signals, &signal);
-    if (signal != SIGHUP) return signal;
-    reload(origin, config, daemon);
+int wait_for_end(const Origin& origin, const sigset_t& signals, Config& config, Daemon& daemon,
+                 Supervisor& supervisor) {
+  for (;;) {
+    const int signal = wait_for_signal(signals, supervisor.alive_interval());
+    if (signal == SIGTERM || signal == SIGINT) return signal;
+    if (signal == SIGHUP) {
+      supervisor.reloading();
+      supervisor.reloaded(reload(origin, config, daemon));
+    }
+    if (supervisor.watches()) daemon.wait_responsive();
+    supervisor.alive();
   }
 }
 
 bool is_asked_again(const sigset_t& signals) {
-  const timespec at_once{};
-  const int signal = sigtimedwait(&signals, nullptr, &at_once);
+  const int signal = wait_for_signal(signals, std::chrono::microseconds(0));
   return signal == SIGTERM || signal == SIGINT;
 }
 
-void drain(Daemon& daemon, double grace_seconds, const sigset_t& signals) {
+void drain(Daemon& daemon, double grace_seconds, const sigset_t& signals, Supervisor& supervisor) {
   using std::chrono::steady_clock;
   constexpr auto kStep = std::chrono::milliseconds(20);
   daemon.begin_stop(grace_seconds);
   const auto end = steady_clock::now() +
                    std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(grace_seconds));
-  while (steady_clock::now() < end && !daemon.wait_idle(std::min(end, steady_clock::now() + kStep)))
+  while (steady_clock::now() < end && !daemon.wait_idle(std::min(end, steady_clock::now() + kStep))) {
+    supervisor.alive();
     if (is_asked_again(signals)) {
       spdlog::warn("asked to stop again: ending what is open");
       break;
     }
+  }
   daemon.stop();
 }
 
 int serve(const Origin& origin, Config config, const sigset_t& signals) {
   Lifecycle lifecycle([] { kill(getpid(), SIGTERM); });
+  Supervisor supervisor;
   raise_limit();
   warn_of_exposure(config);
   spdlog::info("{}", describe_limits(config.limits, origin.memory));
@@ -146,14 +167,16 @@ int serve(const Origin& origin, Config config, const sigset_t& signals) {
   if (const auto address = daemon.http_address(); !address.empty()) spdlog::info("metrics and health on {}", address);
   collided::server::flush_log();  // whoever waits for the ready file may read the lines above
   write_ready_file(config.ready_file, daemon.addresses());
-  const int signal = wait_for_end(origin, signals, config, daemon);
+  supervisor.ready(daemon.addresses());
+  const int signal = wait_for_end(origin, signals, config, daemon, supervisor);
   const int code = lifecycle.failed() ? 1 : 0;
   const double grace_seconds = code ? std::min(config.grace_seconds, kGraceOfFailure) : config.grace_seconds;
   const collided::server::ExitDeadline deadline(grace_seconds + kSecondsToStop, code);
+  supervisor.stopping(grace_seconds + kSecondsToStop + kSecondsToExit);
   // Only under the deadline: the reader of the log may have stopped.
   if (code) spdlog::critical("{}", lifecycle.status().text());
   spdlog::info("SIG{}: stopping, at most {} s", sigabbrev_np(signal), grace_seconds);
-  drain(daemon, grace_seconds, signals);
+  drain(daemon, grace_seconds, signals, supervisor);
   spdlog::info("stopped");
   return code;
 }
@@ -173,7 +196,8 @@ int main(int argc, char** argv) try {
   const sigset_t signals = block_signals();
   keep_memory();
   collided::load_kernels_at_start();
-  auto [config, run, exit_code, text, is_check] = collided::server::parse_config(argc, argv);
+  auto [config, run, exit_code, text, is_check] =
+      collided::server::parse_config(argc, argv, collided::version_text("collided"));
   if (!run) {
     std::fputs(text.c_str(), exit_code ? stderr : stdout);
     return exit_code;

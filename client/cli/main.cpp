@@ -13,6 +13,7 @@
 #include "client/cli/options/usage.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/output.hpp"
+#include "deploy/version/version.hpp"
 
 namespace {
 
@@ -49,7 +50,7 @@ int main(int argc, char** argv) {
   silence_grpc();
   signal(SIGPIPE, SIG_IGN);  // writing fails instead, so that no daemon and no scene is left behind
   CLI::App app{"Collision detection with a collided daemon, its own or a running one", "collidectl"};
-  app.set_version_flag("--version", std::string("collidectl " COLLIDED_VERSION));
+  app.set_version_flag("--version", collided::version_text("collidectl"));
   app.footer("Exit codes: 0 done, 1 failure, 2 bad usage, 128 + n interrupted by signal n.");
   app.require_subcommand(1);
   app.formatter(usage_formatter());

@@ -26,7 +26,9 @@ std::vector<Section> sections() {
          "effect only after a restart."}}},
       {"EXIT STATUS",
        {{"", "0 stopped, 1 the daemon could not serve, or a GPU failed for good, 2 bad configuration."}}},
-      {"FILES", {{"PREFIX/share/doc/collided/examples/collided.toml", "Each option with its default, explained."}}}};
+      {"FILES",
+       {{"/etc/collided/collided.toml", "What the service of the Debian packages reads; each option, explained."},
+        {"PREFIX/share/doc/collided/examples/collided.toml", "Each option with its default, explained."}}}};
 }
 
 manual::Program daemon_program(const std::string& date) {

@@ -97,8 +97,8 @@ struct ParsedConfig {
 };
 
 /// Flags, else COLLIDED_* in the environment, else the TOML file of --config, else defaults. Unset limits that depend
-/// on others or on the host are 0, for derive_limits().
-ParsedConfig parse_config(int argc, const char* const* argv);
+/// on others or on the host are 0, for derive_limits(). --version prints `version`.
+ParsedConfig parse_config(int argc, const char* const* argv, const std::string& version = "collided " COLLIDED_VERSION);
 
 /// The result of SIGHUP.
 struct Reloaded {

@@ -17,7 +17,7 @@ constexpr int kBadConfig = 2;
 
 void define_options(CLI::App& app, Config& config, Switches& switches) {
   config.limits = underived_limits();
-  app.set_version_flag("--version", std::string("collided " COLLIDED_VERSION))->configurable(false);
+  app.set_version_flag("--version", switches.version)->configurable(false);
   app.get_help_ptr()->configurable(false);
   app.footer(
       "Each option comes from its flag, else the environment (--max-scenes is COLLIDED_MAX_SCENES), else the --config\n"
@@ -57,9 +57,9 @@ std::string variable_of(const std::string& flag) {
   return name;
 }
 
-ParsedConfig parse_config(int argc, const char* const* argv) {
+ParsedConfig parse_config(int argc, const char* const* argv, const std::string& version) {
   ParsedConfig parsed;
-  Switches switches;
+  Switches switches{.version = version};
   CLI::App app(kSummary, kProgram);
   define_options(app, parsed.config, switches);
   try {

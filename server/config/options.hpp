@@ -16,7 +16,8 @@ inline constexpr auto kSummary = "collided: collision detection as a service";
 
 /// Options that are not part of the configuration.
 struct Switches {
-  std::string config_file;
+  std::string version = "";  ///< what --version prints
+  std::string config_file = "";
   bool check = false;
 };
 

@@ -102,7 +102,7 @@ class Files(unittest.TestCase):
         self.assertEqual(missing.returncode, 1)
 
     def test_the_folders_scripts_have_help(self):
-        for script in ("quickstart", "packages", "bundle"):
+        for script in ("quickstart", "packages", "bundle", "release", "sbom"):
             done = subprocess.run([REPOSITORY / "deploy" / script, "--help"], text=True, capture_output=True, timeout=60)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn(f"usage: deploy/{script}", done.stdout)

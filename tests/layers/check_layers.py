@@ -46,6 +46,7 @@ SERVER_ROOMS = {
     "batch": {"refusals", "ops", "auth", "limits", "scenes", "convert", "sets", "frames", "transport/grpc"},
     "service": {"refusals", "config", "ops", "auth", "limits", "scenes", "convert", "frames", "transport/grpc", "batch"},
     "builtin": {"refusals", "ops", "auth", "limits", "convert", "transport/grpc"},
+    "supervisor": set(),
 }
 SPEAKS_MESSAGES = re.compile(r"(refusals|convert|sets|transport|batch|service|builtin)/|frames/(answer|decode|intake|messages|watched)\.")
 SPEAKS_GRPC = re.compile(r"(refusals|convert|sets|frames|transport|batch|service|builtin)/|auth/credentials\.|[^/]+$")
