@@ -63,8 +63,8 @@ struct Taken {
 /// Two triangles whose features all meet, in one order or the other.
 Taken take_pair(uint32_t a, uint32_t b) {
   const Box<float> box{{0, 0, 0}, {1, 1, 1}};
-  const FeatureBoxes<float> features[2] = {{{box, box, box}, {0, 1, 2}, {10, 11, 12}, 63},
-                                           {{box, box, box}, {3, 4, 5}, {13, 14, 15}, 63}};
+  const FeatureBoxes features[2] = {{{box, box, box}, {0, 1, 2}, {10, 11, 12}, 63},
+                                    {{box, box, box}, {3, 4, 5}, {13, 14, 15}, 63}};
   Taken taken{std::vector<uint64_t>(20), std::vector<uint64_t>(20), {}, {}};
   uint64_t first = 0, second = 0;
   const EvenCandidates sink{
