@@ -44,6 +44,10 @@ struct EvenCandidates {
   std::vector<uint64_t>* counts;
 
   static uint32_t wanted_tests(ElementRole, ElementRole, bool) { return ~0u; }
+  template <FirstFeature kFirst>
+  bool confirms(const Box<float>&, const Box<float>&, const Stencil&, uint32_t, uint32_t) const {
+    return true;
+  }
   bool excludes_first(uint32_t, uint32_t, int) const { return false; }
   bool excludes_second(uint32_t, uint32_t, int) const { return false; }
   bool keeps_first(uint32_t a, uint32_t b, int test) const { return asked->insert({a, b, test}), test % 2 == 0; }
