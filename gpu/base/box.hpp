@@ -44,6 +44,16 @@ COLLIDED_HD Box<float> outward_float(const Box<Real>& b) {
           {float_above(b.hi.x), float_above(b.hi.y), float_above(b.hi.z)}};
 }
 
+/// Whether boxes overlap whose least float boxes these are. No answer where bounds are next to each other.
+COLLIDED_HD inline bool surely_overlap(const Box<float>& a, const Box<float>& b) {
+  const auto is_below = [](float lo, float hi) {
+    // The left side is above lo. What lo stands for is below the next float, what hi stands for is not.
+    return lo + (magnitude(lo) * 0x1p-22f + 0x1p-126f) < hi;
+  };
+  return is_below(a.lo.x, b.hi.x) && is_below(b.lo.x, a.hi.x) && is_below(a.lo.y, b.hi.y) && is_below(b.lo.y, a.hi.y) &&
+         is_below(a.lo.z, b.hi.z) && is_below(b.lo.z, a.hi.z);
+}
+
 /// Positions at both ends of the step. For DCD both name the same array.
 template <class Real>
 struct Motion {

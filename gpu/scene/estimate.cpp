@@ -52,7 +52,7 @@ class SceneDryRun {
       tables.rules.allocate(spec_.meshes.size());
       tables.excluded_meshes.allocate(excluded_mesh_slots(spec_).size());
     }
-    scene_.reserve_boxes(counts_.triangles);
+    scene_.reserve_boxes(counts_.triangles, counts_.vertices);
     if (spec_.worlds > 0) scene_.worlds.reserve(spec_.worlds);
   }
   /// As ResidentPositions does for a frame with the positions at t = 1.

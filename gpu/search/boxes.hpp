@@ -8,49 +8,17 @@
 #include "gpu/base/lattice.hpp"
 #include "gpu/base/worlds.hpp"
 #include "gpu/exec/counted.hpp"
+#include "gpu/search/records.hpp"
 
 namespace collided {
 
 using Triangle = Vec3<uint32_t>;
-
-/// A corner of a triangle with all that the tests of features need, in one place: reading it takes two wide loads,
-/// where looking it up would take several scattered ones.
-template <class Real>
-struct alignas(16) CornerRecord {
-  Vec3<Real> start;
-  uint32_t vertex;  ///< kOwned: the triangle owns the vertex
-  alignas(16) Vec3<Real> end;
-  uint32_t edge;  ///< to the next corner; kOwned likewise
-
-  static constexpr uint32_t kOwned = 1u << 31;
-  COLLIDED_HD uint32_t vertex_id() const { return vertex & ~kOwned; }
-  COLLIDED_HD uint32_t edge_id() const { return edge & ~kOwned; }
-  /// Box of the corner's path.
-  COLLIDED_HD Box<Real> swept() const { return join(Box<Real>{start, start}, Box<Real>{end, end}); }
-};
-
-/// An edge's inflated box, and its vertices.
-template <class Real>
-struct alignas(16) EdgeRecord {
-  Vec3<Real> lo;
-  uint32_t from;
-  alignas(16) Vec3<Real> hi;
-  uint32_t to;
-
-  COLLIDED_HD Box<Real> box() const { return {lo, hi}; }
-};
 
 /// An inflation and a margin, rounded up; exact where there is no margin.
 template <class Real>
 COLLIDED_HD Real widened(Real inflation, Real margin) {
   return margin > 0 ? next_up(inflation + margin) : inflation;
 }
-
-template <class Real>
-struct TriangleRecord {
-  CornerRecord<Real> corner[3];
-  EdgeRecord<Real> edge[3];  ///< from each corner to the next
-};
 
 /// One item for each kGroupSize triangles. Their records are put together in the group's memory first, and then written
 /// side by side: a thread that wrote its own would leave most of each memory transaction empty.
@@ -69,8 +37,9 @@ struct BoxTriangles {
   uint64_t first, count;       ///< of the triangles to box
   Span<Box<float>> boxes;
   Span<TriangleRecord<Real>> records;
-  Span<Real> inflations;  ///< empty: that of `motion` is each triangle's
-  Real margin = 0;        ///< added to all inflations
+  Span<Path<Real>> paths;  ///< empty: records have them
+  Span<Real> inflations;   ///< empty: that of `motion` is each triangle's
+  Real margin = 0;         ///< added to all inflations
   SteppedWorlds stepped = {};
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Shared& shared) const {
@@ -80,7 +49,7 @@ struct BoxTriangles {
       const Triangle t = triangles[begin + k];
       const Real inflation = widened(deviations.inflation(motion.inflation, t.x), margin);
       const TriangleRecord<Real> made = shared.record[k] = record(t, begin + k, inflation);
-      const Box<float> box = outward_float(join(made.edge[0].box(), made.edge[1].box()));
+      const Box<float> box = join(made.edge[0].box(), made.edge[1].box());
       boxes[begin + k] = stepped.has(begin + k) ? box : no_box();
       if (!inflations.empty()) inflations[begin + k] = inflation;
     }
@@ -92,17 +61,21 @@ struct BoxTriangles {
   COLLIDED_HD TriangleRecord<Real> record(const Triangle& t, uint64_t triangle, Real inflation) const {
     const Triangle e = edges.empty() ? Triangle{0, 0, 0} : edges[triangle];
     const uint32_t own = owned[triangle];
-    const CornerRecord<Real> a = corner(t.x, e.x, own), b = corner(t.y, e.y, own >> 1), c = corner(t.z, e.z, own >> 2);
+    const CornerRecord<Real> a = corner(t.x, e.x, own, inflation), b = corner(t.y, e.y, own >> 1, inflation),
+                             c = corner(t.z, e.z, own >> 2, inflation);
     return {{a, b, c}, {edge(a, b, inflation), edge(b, c, inflation), edge(c, a, inflation)}};
   }
-  /// Bit 0 of `own`: owns the vertex; bit 3: owns the edge.
-  COLLIDED_HD CornerRecord<Real> corner(uint32_t v, uint32_t e, uint32_t own) const {
-    return {motion.start[v], v | (own & 1u) << 31, motion.end[v], e | (own >> 3 & 1u) << 31};
+  /// Bit 0 of `own`: owns the vertex.
+  COLLIDED_HD CornerRecord<Real> corner(uint32_t v, uint32_t e, uint32_t own, Real inflation) const {
+    const Path<Real> path{motion.start[v], motion.end[v]};
+    if constexpr (kRoundsBoxes<Real>) {
+      if ((own & 1u) != 0) paths[v] = path;
+    }
+    return CornerRecord<Real>::of(path, inflation, v, e);
   }
-  COLLIDED_HD static EdgeRecord<Real> edge(const CornerRecord<Real>& from, const CornerRecord<Real>& to,
-                                           Real inflation) {
-    const Box<Real> box = inflate(join(from.swept(), to.swept()), inflation);
-    return {box.lo, from.vertex_id(), box.hi, to.vertex_id()};
+  COLLIDED_HD static EdgeRecord edge(const CornerRecord<Real>& from, const CornerRecord<Real>& to, Real inflation) {
+    const Box<float> box = from.box_to(to, inflation);
+    return {box.lo, from.vertex, box.hi, to.vertex};
   }
 };
 

@@ -2,7 +2,8 @@
 // The search for pairs where nothing is computed (exec/dry_run.hpp): the memory that it takes on CPU cores.
 
 #include "gpu/exec/dry_run.hpp"
-#include "gpu/search/cpu/pair_taker.hpp"
+#include "gpu/search/cpu/feature_tests.hpp"
+#include "gpu/search/neighbours.hpp"
 #include "gpu/search/searcher.hpp"
 
 namespace collided {
@@ -28,8 +29,7 @@ class Searcher<DryRun<backend>> {
  private:
   template <class Sink>
   void reserve(uint64_t triangles) {
-    if constexpr (backend == Backend::kCpu && !Sink::kTakesPairs)
-      features_.ensure(triangles * sizeof(typename Taker<Sink>::Features));
+    if constexpr (backend == Backend::kCpu && !Sink::kTakesPairs) features_.ensure(triangles * sizeof(FeatureBoxes));
   }
 
   DryRun<backend>& exec_;

@@ -6,7 +6,6 @@
 // Features that share a vertex are no pair.
 
 #include "gpu/base/keys.hpp"
-#include "gpu/base/points.hpp"
 #include "gpu/search/boxes.hpp"
 #include "gpu/search/elementary_numbers.hpp"
 #include "gpu/search/loose_elements.hpp"
@@ -40,7 +39,7 @@ template <class Real, class Inflation = EvenInflation<Real>, class Elements = Tr
 struct ElementaryTests {
   using Number = Real;
 
-  Span<const TriangleRecord<Real>> records;
+  TriangleRecords<Real> records;
   Span<const uint8_t> owned;  ///< bits 0-2: corner 0, 1, 2; bits 3-5: edge 0-1, 1-2, 2-0; from kRoleBit on: its role
   Inflation inflation;
   bool vertex_triangle, edge_edge;
@@ -66,47 +65,61 @@ struct ElementaryTests {
     return owned[triangle] & ((vertex_triangle ? 7u : 0u) | (edge_edge ? 7u << 3 : 0u));
   }
   COLLIDED_HD ElementRole role(uint32_t triangle) const { return role_of(owned[triangle]); }
-  /// Box of a corner's path; those of edges and triangles are joined from them.
-  COLLIDED_HD Box<Real> corner_box(uint32_t triangle, int k) const {
-    return inflate(records[triangle].corner[k].swept(), inflation.of(triangle));
+  /// Box of a corner's path, as records have it; those of edges and triangles are joined from them.
+  COLLIDED_HD Box<float> corner_box(uint32_t triangle, int k) const {
+    return records[triangle].corner[k].box(inflation.of(triangle));
   }
   COLLIDED_HD Triangle vertices_of(uint32_t triangle) const {
     const TriangleRecord<Real>& t = records[triangle];
-    return {t.corner[0].vertex_id(), t.corner[1].vertex_id(), t.corner[2].vertex_id()};
+    return {t.corner[0].vertex, t.corner[1].vertex, t.corner[2].vertex};
   }
   COLLIDED_HD Triangle edges_of(uint32_t triangle) const {
     const TriangleRecord<Real>& t = records[triangle];
-    return {t.corner[0].edge_id(), t.corner[1].edge_id(), t.corner[2].edge_id()};
+    return {t.corner[0].edge, t.corner[1].edge, t.corner[2].edge};
   }
 
   /// Whether the features share no vertex and their boxes overlap.
   COLLIDED_HD bool vertex_triangle_overlap(uint32_t a, uint32_t b, int test) const {
     const CornerRecord<Real> v = vertex_corner(a, b, test);
     const TriangleRecord<Real>& t = records[test < 3 ? b : a];
-    const EdgeRecord<Real> e = t.edge[0], f = t.edge[1];
-    const uint32_t id = v.vertex_id();
-    if (id == e.from || id == f.from || id == f.to) return false;
-    return overlap(inflate(v.swept(), inflation.of(test < 3 ? a : b)), join(e.box(), f.box()));
+    const EdgeRecord e = t.edge[0], f = t.edge[1];
+    if (v.vertex == e.from || v.vertex == f.from || v.vertex == f.to) return false;
+    const uint32_t of_vertex = test < 3 ? a : b, triangle = test < 3 ? b : a;
+    const Box<float> box = v.box(inflation.of(of_vertex)), other = join(e.box(), f.box());
+    return overlap(box, other) &&
+           confirms<FirstFeature::kVertex>(box, other, {{v.vertex, e.from, f.from, f.to}}, of_vertex, triangle);
   }
   COLLIDED_HD bool edge_edge_overlap(uint32_t a, uint32_t b, int test) const {
-    const EdgeRecord<Real> e = records[a].edge[first_edge_of(test)], f = records[b].edge[second_edge_of(test)];
+    const EdgeRecord e = records[a].edge[first_edge_of(test)], f = records[b].edge[second_edge_of(test)];
     if (e.from == f.from || e.from == f.to || e.to == f.from || e.to == f.to) return false;
-    return overlap(e.box(), f.box());
+    return overlap(e.box(), f.box()) &&
+           confirms<FirstFeature::kEdge>(e.box(), f.box(), {{e.from, e.to, f.from, f.to}}, a, b);
+  }
+  /// Whether the boxes of two features, one of triangle a, one of b, overlap if those in their records, p and q, do.
+  template <FirstFeature kFirst>
+  COLLIDED_HD bool confirms(const Box<float>& p, const Box<float>& q, const Stencil& stencil, uint32_t a,
+                            uint32_t b) const {
+    if (!kRoundsBoxes<Real> || surely_overlap(p, q)) return true;
+    return BoxesOfPair<kFirst, Real>{records.paths.data, stencil, inflation.of(a), inflation.of(b)}.overlap();
   }
 
   COLLIDED_HD CandidatePoints<Real> vertex_triangle_points(uint32_t a, uint32_t b, int test) const {
     const uint32_t triangle = test < 3 ? b : a;
     const CornerRecord<Real> v = vertex_corner(a, b, test);
     const TriangleRecord<Real>& t = records[triangle];
-    const CornerRecord<Real> c0 = t.corner[0], c1 = t.corner[1], c2 = t.corner[2];
-    return {pack_ids(v.vertex_id(), triangle),
-            {{v.start, c0.start, c1.start, c2.start}, {v.end, c0.end, c1.end, c2.end}}};
+    const EdgeRecord &e = t.edge[0], &f = t.edge[1];  // which the test of boxes has read
+    return {pack_ids(v.vertex, triangle),
+            points_of(records.path(v, v.vertex), records.path(t.corner[0], e.from), records.path(t.corner[1], f.from),
+                      records.path(t.corner[2], f.to))};
   }
   COLLIDED_HD CandidatePoints<Real> edge_edge_points(uint32_t a, uint32_t b, int test) const {
-    const EdgeCorners e(*this, a, b, test);
-    const uint32_t f = e.a0.edge_id(), g = e.b0.edge_id();
-    return {pack_ids(min(f, g), max(f, g)),
-            {{e.a0.start, e.a1.start, e.b0.start, e.b1.start}, {e.a0.end, e.a1.end, e.b0.end, e.b1.end}}};
+    const int k = first_edge_of(test), m = second_edge_of(test);
+    const TriangleRecord<Real>&p = records[a], &q = records[b];
+    const CornerRecord<Real> a0 = p.corner[k], b0 = q.corner[m];
+    const EdgeRecord &e = p.edge[k], &f = q.edge[m];
+    return {pack_ids(min(a0.edge, b0.edge), max(a0.edge, b0.edge)),
+            points_of(records.path(a0, e.from), records.path(p.corner[next(k)], e.to), records.path(b0, f.from),
+                      records.path(q.corner[next(m)], f.to))};
   }
 
  private:
@@ -114,14 +127,10 @@ struct ElementaryTests {
     return records[test < 3 ? a : b].corner[test < 3 ? test : test - 3];
   }
   COLLIDED_HD static int next(int k) { return k == 2 ? 0 : k + 1; }
-  struct EdgeCorners {
-    CornerRecord<Real> a0, a1, b0, b1;
-    COLLIDED_HD EdgeCorners(const ElementaryTests& scene, uint32_t a, uint32_t b, int test) {
-      const int k = first_edge_of(test), m = second_edge_of(test);
-      const TriangleRecord<Real>&p = scene.records[a], &q = scene.records[b];
-      a0 = p.corner[k], a1 = p.corner[next(k)], b0 = q.corner[m], b1 = q.corner[next(m)];
-    }
-  };
+  COLLIDED_HD static FeaturePoints<Real> points_of(const Path<Real>& a, const Path<Real>& b, const Path<Real>& c,
+                                                   const Path<Real>& d) {
+    return {{a.start, b.start, c.start, d.start}, {a.end, b.end, c.end, d.end}};
+  }
 };
 
 }  // namespace collided

@@ -109,7 +109,8 @@ struct BeginTracks {
     for (int k = 0; k < 3; ++k) {
       if ((own >> k & 1u) == 0) continue;
       const CornerRecord<Real> corner = tests.records[i].corner[k];
-      tracks[corner.vertex_id()] = {corner.end, tests.inflation.of(triangle), corner.end - corner.start};
+      const Path<Real> path = tests.records.path(corner, corner.vertex);
+      tracks[corner.vertex] = {path.end, tests.inflation.of(triangle), path.end - path.start};
     }
   }
 };
@@ -143,17 +144,18 @@ struct DisplacementOf {
     for (int k = 0; k < 3; ++k) {
       if ((own >> k & 1u) == 0) continue;
       const CornerRecord<Real> corner = tests.records[i].corner[k];
-      all.moved = max(all.moved, static_cast<double>(largest_component(corner.end - corner.start)));
-      if (!times->is_first()) all.slack = min(all.slack, slack_of(triangle, corner));
+      const Path<Real> path = tests.records.path(corner, corner.vertex);
+      all.moved = max(all.moved, static_cast<double>(largest_component(path.end - path.start)));
+      if (!times->is_first()) all.slack = min(all.slack, slack_of(triangle, corner.vertex, path));
     }
     return all;
   }
 
  private:
-  COLLIDED_HD double slack_of(uint32_t triangle, const CornerRecord<Real>& corner) const {
-    const Track<Real> track = tracks[corner.vertex_id()];
+  COLLIDED_HD double slack_of(uint32_t triangle, uint32_t vertex, const Path<Real>& path) const {
+    const Track<Real> track = tracks[vertex];
     if (!(tests.inflation.of(triangle) <= track.inflation)) return Displacement::kNone;
-    const double slack = track.slack(corner.start, corner.end, *times);
+    const double slack = track.slack(path.start, path.end, *times);
     return slack > Displacement::kNone ? slack : Displacement::kNone;
   }
 };

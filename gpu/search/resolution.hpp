@@ -20,7 +20,7 @@ COLLIDED_HD Real spacing_at(const Box<float>& bounds) {
 template <class Real>
 struct CountSmall {
   const Box<float>* bounds;
-  Span<const TriangleRecord<Real>> records;
+  TriangleRecords<Real> records;
   uint64_t* count;
   SteppedWorlds stepped = {};
 
@@ -28,14 +28,16 @@ struct CountSmall {
     const Real limit = 1024 * spacing_at<Real>(*bounds);
     if (!stepped.has(i)) return;
     const TriangleRecord<Real>& t = records[i];
-    if (t.corner[0].vertex_id() == t.corner[1].vertex_id()) return;
-    if (is_short(t, 0, 1, limit) && is_short(t, 1, 2, limit) && is_short(t, 2, 0, limit)) claim_slot(*count);
+    if (t.corner[0].vertex == t.corner[1].vertex) return;
+    const Vec3<Real> a = end_of(t.corner[0]), b = end_of(t.corner[1]), c = end_of(t.corner[2]);
+    if (is_below(limit, a - b) && is_below(limit, b - c) && is_below(limit, c - a)) claim_slot(*count);
   }
 
  private:
-  COLLIDED_HD static bool is_short(const TriangleRecord<Real>& t, int from, int to, Real limit) {
-    return largest_component(t.corner[from].end - t.corner[to].end) < limit;
+  COLLIDED_HD Vec3<Real> end_of(const CornerRecord<Real>& corner) const {
+    return records.path(corner, corner.vertex).end;
   }
+  COLLIDED_HD static bool is_below(Real limit, const Vec3<Real>& side) { return largest_component(side) < limit; }
 };
 
 }  // namespace collided

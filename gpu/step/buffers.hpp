@@ -243,6 +243,7 @@ struct WorkBuffers {
   explicit WorkBuffers(Exec& exec)
       : boxes(exec, "boxes"),
         records(exec, "records"),
+        paths(exec, "records"),
         inflations(exec, "records"),
         state(exec, "counters"),
         octree(exec),
@@ -264,7 +265,8 @@ struct WorkBuffers {
 
   Buffer<Box<float>, Exec> boxes;
   Buffer<TriangleRecord<Real>, Exec> records;
-  Buffer<Real, Exec> inflations;  ///< of each triangle's boxes; scenes with meshes that may turn
+  Buffer<Path<Real>, Exec> paths;  ///< of each vertex, where records do not have them
+  Buffer<Real, Exec> inflations;   ///< of each triangle's boxes; scenes with meshes that may turn
   Buffer<StepState, Exec> state;
   OctreeBuffers<Exec> octree;
   BvhBuffers<Exec> bvh;
@@ -288,11 +290,14 @@ template <Executor Exec, class Real>
 struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
   explicit SceneBuffers(Exec& exec) : ResidentBuffers<Exec, Real>(exec), WorkBuffers<Exec, Real>(exec) {}
 
-  void reserve_boxes(uint64_t triangles) {
+  void reserve_boxes(uint64_t triangles, uint64_t vertices) {
     this->boxes.allocate(triangles);
     this->records.allocate(triangles);
+    if (kRoundsBoxes<Real>) this->paths.allocate(vertices);
     if (may_turn()) this->inflations.allocate(triangles);
   }
+
+  TriangleRecords<Real> triangle_records() const { return {this->records.all(), this->paths.all()}; }
 
   /// Of each triangle's boxes; empty where no mesh may turn, whatever an edit that was undone left there.
   Span<Real> triangle_inflations() const { return may_turn() ? this->inflations.all() : Span<Real>{}; }

@@ -101,7 +101,7 @@ class OctreePhase {
     for (const TriangleRun& run : runs(all))
       exec_.for_each_group("box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
                            Work{motion(), scene_.deviations(is_ccd_), triangles(), edges(), scene_.topology.owned.all(),
-                                run.first, run.count, scene_.boxes.all(), scene_.records.all(),
+                                run.first, run.count, scene_.boxes.all(), scene_.records.all(), scene_.paths.all(),
                                 scene_.triangle_inflations(), margin_, scene_.stepped_worlds()});
   }
 
@@ -231,7 +231,7 @@ class OctreePhase {
   /// Counts the triangles that the spacing of the positions' numbers is too coarse for.
   void count_small_triangles() {
     exec_.for_each("count_small_triangles", triangle_count(),
-                   CountSmall<Real>{&scene_.state.data()->bounds, scene_.records.all(),
+                   CountSmall<Real>{&scene_.state.data()->bounds, scene_.triangle_records(),
                                     &scene_.state.data()->small_triangles, scene_.stepped_worlds()});
   }
   /// After a step: whether the spacing of the positions' numbers, at the largest of them, is coarser than delta; without
@@ -244,7 +244,7 @@ class OctreePhase {
   }
 
   ElementaryTests<Real> elementary(const PerKind<bool>& wanted) const {
-    return {scene_.records.all(),
+    return {scene_.triangle_records(),
             scene_.topology.owned.all(),
             {widened(motion().inflation, margin_)},
             wanted.vertex_triangle,
@@ -252,7 +252,7 @@ class OctreePhase {
   }
   /// The same where boxes are inflated by more in some meshes, or some elements are no triangles.
   ElementaryTests<Real, InflationByTriangle<Real>, MixedElements> elementary_of_any(const PerKind<bool>& wanted) const {
-    return {scene_.records.all(),
+    return {scene_.triangle_records(),
             scene_.topology.owned.all(),
             {widened(motion().inflation, margin_), scene_.triangle_inflations()},
             wanted.vertex_triangle,

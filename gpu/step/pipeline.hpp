@@ -219,7 +219,7 @@ class Pipeline {
   OctreePlan plan_octree() const { return planner_.plan(result_.broad_phase.engine, !Exec::kLaunchesCost); }
 
   void reserve() {
-    scene_.reserve_boxes(counts_.triangles);
+    scene_.reserve_boxes(counts_.triangles, counts_.vertices);
     narrow_.reserve();
     if (plan_.lists.use != ListUse::kNone) neighbours_.reserve(times_ = reuse_.times(plan_.lists));
     if (!plan_.searches()) return;

@@ -87,6 +87,12 @@ struct FeatureSink {
   COLLIDED_HD bool overlap_second(uint32_t a, uint32_t b, int test) const {
     return tests.edge_edge_overlap(a, b, test);
   }
+  /// As the tests do.
+  template <FirstFeature kFirst>
+  COLLIDED_HD bool confirms(const Box<float> &p, const Box<float> &q, const Stencil &stencil, uint32_t a,
+                            uint32_t b) const {
+    return tests.template confirms<kFirst>(p, q, stencil, a, b);
+  }
   /// Whether features whose boxes overlap are no candidate all the same.
   COLLIDED_HD bool excludes_first(uint32_t a, uint32_t b, int test) const {
     return excluded.is_needed() && excluded.has_vertex_triangle(tests, a, b, test);

@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <optional>
+#include <utility>
 
 #include "gpu/search/cpu/feature_tests.hpp"
 #include "gpu/search/cpu/list_writer.hpp"
@@ -81,15 +82,13 @@ constexpr bool kListsTests = requires {
 template <class Sink>
 class CandidateTaker {
  public:
-  using Features = FeatureBoxes<typename Sink::Number>;
-
-  CandidateTaker(const Sink& sink, const Features* features)
+  CandidateTaker(const Sink& sink, const FeatureBoxes* features)
       : sink_(sink), features_(features), first_(sink.vertex_triangle), second_(sink.edge_edge) {}
 
   /// A triangle that may soon be in pairs.
   void prefetch(uint32_t triangle) const {
     const char* features = reinterpret_cast<const char*>(&features_[triangle]);
-    for (size_t byte = 0; byte < sizeof(Features); byte += 64) __builtin_prefetch(features + byte);
+    for (size_t byte = 0; byte < sizeof(FeatureBoxes); byte += 64) __builtin_prefetch(features + byte);
   }
   /// Fastest if `a` is often the same as before.
   void take(uint32_t a, uint32_t b) {
@@ -114,22 +113,38 @@ class CandidateTaker {
 
  private:
   void take_first() {
-    uint64_t excluded = 0;
+    uint64_t dropped = 0;
     const uint64_t passed = first_tests_.drain([&](uint32_t a, uint32_t b, int test) {
-      if (sink_.excludes_first(a, b, test)) return void(++excluded);
+      if (!confirms_first(a, b, test) || sink_.excludes_first(a, b, test)) return void(++dropped);
       if (!ask(a, b, test, [&](auto... of) { return sink_.keeps_first(of...); })) return;
       first_.push(first_entry(a, b, test));
     });
-    candidates_[0] += passed - excluded;
+    candidates_[0] += passed - dropped;
   }
   void take_second() {
-    uint64_t excluded = 0;
+    uint64_t dropped = 0;
     const uint64_t passed = second_tests_.drain([&](uint32_t a, uint32_t b, int test) {
-      if (sink_.excludes_second(a, b, test)) return void(++excluded);
+      if (!confirms_second(a, b, test) || sink_.excludes_second(a, b, test)) return void(++dropped);
       if (!ask(a, b, test, [&](auto... of) { return sink_.keeps_second(of...); })) return;
       second_.push(second_entry(a, b, test));
     });
-    candidates_[1] += passed - excluded;
+    candidates_[1] += passed - dropped;
+  }
+  /// Whether boxes overlap that make a candidate, where those in the records do.
+  bool confirms_first(uint32_t a, uint32_t b, int test) const {
+    if constexpr (!kRoundsBoxes<typename Sink::Number>) return true;
+    if (test >= 3) std::swap(a, b), test -= 3;
+    const FeatureBoxes &v = features_[a], &t = features_[b];
+    return sink_.template confirms<FirstFeature::kVertex>(
+        v.corners.get(test), t.edges.get(3), {{v.vertex[test], t.vertex[0], t.vertex[1], t.vertex[2]}}, a, b);
+  }
+  bool confirms_second(uint32_t a, uint32_t b, int test) const {
+    if constexpr (!kRoundsBoxes<typename Sink::Number>) return true;
+    const int k = first_edge_of(test), m = second_edge_of(test), after_k = k < 2 ? k + 1 : 0,
+              after_m = m < 2 ? m + 1 : 0;
+    const FeatureBoxes &e = features_[a], &f = features_[b];
+    return sink_.template confirms<FirstFeature::kEdge>(
+        e.edges.get(k), f.edges.get(m), {{e.vertex[k], e.vertex[after_k], f.vertex[m], f.vertex[after_m]}}, a, b);
   }
   uint64_t first_entry(uint32_t a, uint32_t b, int test) const {
     if constexpr (kListsTests<Sink>) return packed(a, b, test, 0);
@@ -152,8 +167,8 @@ class CandidateTaker {
   }
 
   const Sink& sink_;
-  const Features* features_;  ///< of each triangle
-  std::optional<FeatureRow<typename Sink::Number>> row_;
+  const FeatureBoxes* features_;  ///< of each triangle
+  std::optional<FeatureRow> row_;
   uint32_t row_of_ = 0;
   PassedTests first_tests_, second_tests_;
   ListWriter<uint64_t> first_, second_;

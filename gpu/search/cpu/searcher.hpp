@@ -84,11 +84,10 @@ class Searcher<CpuExec> {
   }
   template <class Sink>
   auto prepare_features(const Sink& sink, uint64_t triangles) {
-    using Features = typename Taker<Sink>::Features;
-    features_.ensure(triangles * sizeof(Features));
-    Features* features = reinterpret_cast<Features*>(features_.data());
+    features_.ensure(triangles * sizeof(FeatureBoxes));
+    FeatureBoxes* features = reinterpret_cast<FeatureBoxes*>(features_.data());
     exec_.for_each("prepare_features", triangles, [&](uint64_t i) {
-      new (&features[i]) Features(feature_boxes_of(sink.tests, static_cast<uint32_t>(i)));
+      new (&features[i]) FeatureBoxes(feature_boxes_of(sink.tests, static_cast<uint32_t>(i)));
     });
     return features;
   }

@@ -73,15 +73,15 @@ FeatureSink<float, Keep> feature_sink(const StageScene& s, const Keep& keep, Fou
 
 /// The boxes of all triangles' features, which CpuExec prepares before a search for candidates.
 template <class Sink>
-std::vector<FeatureBoxes<float>> feature_boxes(const StageScene& s, const Sink& sink) {
-  std::vector<FeatureBoxes<float>> out;
+std::vector<FeatureBoxes> feature_boxes(const StageScene& s, const Sink& sink) {
+  std::vector<FeatureBoxes> out;
   out.reserve(s.triangles());
   for (uint32_t t = 0; t < s.triangles(); ++t) out.push_back(feature_boxes_of(sink.tests, t));
   return out;
 }
 /// Hands the step's pairs to a sink, in the order that the search finds them in.
 template <class Sink>
-void take_pairs(const StageScene& s, const Sink& sink, const std::vector<FeatureBoxes<float>>& features) {
+void take_pairs(const StageScene& s, const Sink& sink, const std::vector<FeatureBoxes>& features) {
   CandidateTaker<Sink> taker(sink, features.data());
   for (const auto& [a, b] : s.pairs) taker.take(a, b);
   taker.finish();

@@ -79,7 +79,7 @@ void bench_features(const StageScene& s, const Keep& keep, benchmark::State& sta
   const uint64_t vt = s.lists<VertexTriangle>().candidates.size(), ee = s.lists<EdgeEdge>().candidates.size();
   Found<uint64_t> vertex_triangle(vt), edge_edge(ee);
   const auto sink = feature_sink(s, keep, vertex_triangle, edge_edge);
-  const std::vector<FeatureBoxes<float>> features = feature_boxes(s, sink);
+  const std::vector<FeatureBoxes> features = feature_boxes(s, sink);
   const auto clear = [&] {
     vertex_triangle.clear();
     edge_edge.clear();

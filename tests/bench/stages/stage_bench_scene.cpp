@@ -92,7 +92,7 @@ void StageScene::make_resident(const Case& step) {
     send(resident.mesh_of_triangle, meshes_of_elements(features.topology));
     send(resident.rules, rules);
   }
-  buffers.reserve_boxes(triangles());
+  buffers.reserve_boxes(triangles(), features.topology.vertex_count);
   send(buffers.start, all_positions(step.start));
   send(buffers.end, all_positions(step.end));
 }

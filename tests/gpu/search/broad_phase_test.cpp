@@ -1,5 +1,7 @@
 // Candidates are exactly the pairs of features whose boxes meet: compared with brute force.
 
+#include <random>
+
 #include "tests/gpu/backend.hpp"
 #include "tests/support/adversarial.hpp"
 #include "tests/support/brute_force.hpp"
@@ -74,6 +76,29 @@ INSTANTIATE_TEST_SUITE_P(Adversarial, BroadPhaseFamily, ::testing::ValuesIn(adve
                          [](const auto& info) { return info.param.name; });
 
 using BroadPhase = OnBackend<>;
+
+// Coordinates a few steps from a corner, which float cannot tell from each other.
+TEST_F(BroadPhase, IsThatOfDoubleWhereFloatIsCoarse) {
+  for (const auto [corner, step] : {std::array{1e8, 0.5}, {-0x1p-147, 0x1p-151}, {0x1.fffffcp127, 0x1p102}}) {
+    std::mt19937 random(3);
+    const auto point = [&] {
+      Vec3d p;
+      for (double& x : p) x = corner + static_cast<double>(random() % 64) * step;
+      return p;
+    };
+    Case c{"coarse " + std::to_string(corner), {}, {}, {}};
+    for (const uint32_t triangles : {8u, 24u}) {
+      std::vector<std::array<uint32_t, 3>> ids;
+      Positions start, end;
+      for (uint32_t t = 0; t < triangles; ++t) {
+        ids.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+        for (int k = 0; k < 3; ++k) start.push_back(point()), end.push_back(point());
+      }
+      add_mesh(c, ids, start, end);
+    }
+    for (const Mode mode : {Mode::kCcd, Mode::kDcd}) expect_brute_force(c, mode, Scalar::kF64, 0);
+  }
+}
 
 TEST_F(BroadPhase, TopologyIsThatOfTheMeshes) {
   const Case c = case_of("reef_knot", 0.5, Mode::kCcd);

@@ -10,21 +10,19 @@
 namespace collided::test {
 namespace {
 
-template <class Real>
 struct TestTriangle {
-  Box<Real> corner[3];
+  Box<float> corner[3];
   Vec3<uint32_t> vertex, edge;
   uint32_t owned;
 
-  FeatureBoxes<Real> features() const { return {corner, vertex, edge, owned}; }
+  FeatureBoxes features() const { return {corner, vertex, edge, owned}; }
   uint32_t id(int k) const { return k == 0 ? vertex.x : k == 1 ? vertex.y : vertex.z; }
   bool has(uint32_t v) const { return vertex.x == v || vertex.y == v || vertex.z == v; }
-  Box<Real> edge_box(int k) const { return join(corner[k], corner[(k + 1) % 3]); }
-  Box<Real> box() const { return join(corner[0], join(corner[1], corner[2])); }
+  Box<float> edge_box(int k) const { return join(corner[k], corner[(k + 1) % 3]); }
+  Box<float> box() const { return join(corner[0], join(corner[1], corner[2])); }
 };
 
-template <class Real>
-uint32_t plain_tests(const TestTriangle<Real>& a, const TestTriangle<Real>& b) {
+uint32_t plain_tests(const TestTriangle& a, const TestTriangle& b) {
   uint32_t tests = 0;
   for (int k = 0; k < 3; ++k) {
     if ((a.owned >> k & 1) != 0 && !b.has(a.id(k)) && overlap(a.corner[k], b.box())) tests |= 1u << k;
@@ -39,15 +37,14 @@ uint32_t plain_tests(const TestTriangle<Real>& a, const TestTriangle<Real>& b) {
   return tests;
 }
 
-template <class Real>
 class FeatureTests : public testing::Test {
  protected:
   /// Of few vertices, so that triangles share some; sides are whole numbers, so that boxes touch.
-  TestTriangle<Real> triangle() {
-    TestTriangle<Real> t;
-    for (Box<Real>& box : t.corner) {
-      const Vec3<Real> lo{number(6), number(6), number(6)};
-      box = {lo, lo + Vec3<Real>{number(3), number(3), number(3)}};
+  TestTriangle triangle() {
+    TestTriangle t;
+    for (Box<float>& box : t.corner) {
+      const Vec3<float> lo{number(6), number(6), number(6)};
+      box = {lo, lo + Vec3<float>{number(3), number(3), number(3)}};
     }
     const uint32_t first = below(12);
     t.vertex = {first, (first + 1 + below(5)) % 12, (first + 6 + below(6)) % 12};
@@ -60,34 +57,31 @@ class FeatureTests : public testing::Test {
 
  private:
   uint32_t below(uint32_t end) { return static_cast<uint32_t>(random_()) % end; }
-  Real number(uint32_t end) { return static_cast<Real>(below(end)); }
+  float number(uint32_t end) { return static_cast<float>(below(end)); }
 };
 
-using Reals = testing::Types<float, double>;
-TYPED_TEST_SUITE(FeatureTests, Reals);
-
-TYPED_TEST(FeatureTests, AreThoseOfPlainBoxes) {
+TEST_F(FeatureTests, AreThoseOfPlainBoxes) {
   uint32_t all = 0;
   for (int run = 0; run < 3000; ++run) {
-    const auto a = this->triangle(), b = this->triangle();
-    const uint32_t tests = FeatureRow<TypeParam>(a.features()).tests(b.features());
+    const auto a = triangle(), b = triangle();
+    const uint32_t tests = FeatureRow(a.features()).tests(b.features());
     ASSERT_EQ(tests, plain_tests(a, b)) << run;
     all |= tests;
   }
   EXPECT_EQ(all, 0x3Fu | 0x777u << 6) << "each test came up";
 }
 
-TYPED_TEST(FeatureTests, HaveOtherNumbersIfTheTrianglesChangePlaces) {
+TEST_F(FeatureTests, HaveOtherNumbersIfTheTrianglesChangePlaces) {
   for (int run = 0; run < 1000; ++run) {
-    const auto a = this->triangle(), b = this->triangle();
-    const uint32_t swapped = FeatureRow<TypeParam>(b.features()).tests(a.features());
+    const auto a = triangle(), b = triangle();
+    const uint32_t swapped = FeatureRow(b.features()).tests(a.features());
     uint32_t tests = 0;
     for (int test = 0; test < 17; ++test) tests |= (swapped >> test & 1) << test_of_swapped(test);
     ASSERT_EQ(tests, plain_tests(a, b)) << run;
   }
 }
 
-TYPED_TEST(FeatureTests, NumberEdgesRowByRow) {
+TEST_F(FeatureTests, NumberEdgesRowByRow) {
   for (int k = 0; k < 3; ++k)
     for (int m = 0; m < 3; ++m) {
       EXPECT_EQ(first_edge_of(6 + 4 * k + m), k);
@@ -95,9 +89,9 @@ TYPED_TEST(FeatureTests, NumberEdgesRowByRow) {
     }
 }
 
-TYPED_TEST(FeatureTests, WhatIsNotANumberKeepsNothingApart) {
-  constexpr TypeParam kNone = std::numeric_limits<TypeParam>::quiet_NaN();
-  BoxLanes<TypeParam> a, b;
+TEST_F(FeatureTests, WhatIsNotANumberKeepsNothingApart) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  BoxLanes<float> a, b;
   for (int lane = 0; lane < 4; ++lane) {
     a.set(lane, {{0, 0, 0}, {1, 1, 1}});
     b.set(lane, {{kNone, lane < 2 ? kNone : 2, 0}, {kNone, 3, 1}});

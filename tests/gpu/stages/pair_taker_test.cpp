@@ -44,6 +44,10 @@ struct EvenCandidates {
   std::vector<uint64_t>* counts;
 
   static uint32_t wanted_tests(ElementRole, ElementRole, bool) { return ~0u; }
+  template <FirstFeature kFirst>
+  bool confirms(const Box<float>&, const Box<float>&, const Stencil&, uint32_t, uint32_t) const {
+    return true;
+  }
   bool excludes_first(uint32_t, uint32_t, int) const { return false; }
   bool excludes_second(uint32_t, uint32_t, int) const { return false; }
   bool keeps_first(uint32_t a, uint32_t b, int test) const { return asked->insert({a, b, test}), test % 2 == 0; }
@@ -63,8 +67,8 @@ struct Taken {
 /// Two triangles whose features all meet, in one order or the other.
 Taken take_pair(uint32_t a, uint32_t b) {
   const Box<float> box{{0, 0, 0}, {1, 1, 1}};
-  const FeatureBoxes<float> features[2] = {{{box, box, box}, {0, 1, 2}, {10, 11, 12}, 63},
-                                           {{box, box, box}, {3, 4, 5}, {13, 14, 15}, 63}};
+  const FeatureBoxes features[2] = {{{box, box, box}, {0, 1, 2}, {10, 11, 12}, 63},
+                                    {{box, box, box}, {3, 4, 5}, {13, 14, 15}, 63}};
   Taken taken{std::vector<uint64_t>(20), std::vector<uint64_t>(20), {}, {}};
   uint64_t first = 0, second = 0;
   const EvenCandidates sink{
