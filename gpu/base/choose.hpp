@@ -25,10 +25,10 @@ template <class T>
 COLLIDED_HD T select(bool is, const T& a, const T& b) {
   return is ? a : b;
 }
-/// The same with a(), which is computed only if it is needed.
-template <class A, class T>
-COLLIDED_HD T choose(bool is, const A& a, const T& b) {
-  return is ? a() : b;
+/// The value, but f() where the condition holds: one number computes it only then.
+template <class T, class F>
+COLLIDED_HD T replace_where(bool is, const T& value, const F& f) {
+  return is ? f() : value;
 }
 
 }  // namespace collided

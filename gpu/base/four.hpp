@@ -39,6 +39,9 @@ struct FourMask {
 
   friend FourMask operator&(const FourMask& a, const FourMask& b) { return {a.v & b.v}; }
   friend FourMask operator|(const FourMask& a, const FourMask& b) { return {a.v | b.v}; }
+  /// For formulas of one number, too: both sides are computed.
+  friend FourMask operator&&(const FourMask& a, const FourMask& b) { return a & b; }
+  friend FourMask operator||(const FourMask& a, const FourMask& b) { return a | b; }
   FourMask operator!() const { return {~v}; }
   /// Bit k: whether it holds for the k-th.
   uint32_t bits() const {
@@ -104,9 +107,9 @@ template <class T>
 Vec3<Four<T>> select(const FourMask<T>& is, const Vec3<Four<T>>& a, const Vec3<Four<T>>& b) {
   return {select(is, a.x, b.x), select(is, a.y, b.y), select(is, a.z, b.z)};
 }
-template <class N, class A, class T>
-T choose(const FourMask<N>& is, const A& a, const T& b) {
-  return select(is, a(), b);
+template <class N, class T, class F>
+T replace_where(const FourMask<N>& is, const T& value, const F& f) {
+  return select(is, f(), value);
 }
 
 // As for one number (vec3.hpp, precision.hpp).

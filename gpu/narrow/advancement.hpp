@@ -38,15 +38,13 @@ struct ClosestFeatures {
     differences_at(d, t, x);
     normal = common_normal(x);
     const Weights<Work> points = nearly_closest_points(x, normal);
-    normal = choose(
-        dot(normal, x[0]) < 0, [&] { return Work(-1) * normal; }, normal);
+    normal = replace_where(dot(normal, x[0]) < 0, normal, [&] { return Work(-1) * normal; });
     inside = points.inside;
     closest = between_points(x, points.w0, points.w1);
     gap = square_root(dot(closest, closest));
     const Vec3<Work> velocity =
         between_points(d.end, points.w0, points.w1) - between_points(d.start, points.w0, points.w1);
-    speed = choose(
-        gap > 0, [&] { return dot(closest, velocity) / gap; }, Work(0));
+    speed = replace_where(gap > 0, Work(0), [&] { return dot(closest, velocity) / gap; });
   }
   /// Inside, the normal is the more precise one where the gap is small.
   COLLIDED_HD Direction<Work> best() const { return direction_of(select(inside, normal, closest)); }

@@ -34,8 +34,7 @@ COLLIDED_HD Real clamp01(Real t) {
 template <class Real>
 COLLIDED_HD Real closest_on_edge(const Vec3<Real>& p, const Vec3<Real>& a, const Vec3<Real>& d) {
   const Real length2 = dot(d, d);
-  return choose(
-      length2 > 0, [&] { return clamp01(dot(p - a, d) / length2); }, Real(0));
+  return replace_where(length2 > 0, Real(0), [&] { return clamp01(dot(p - a, d) / length2); });
 }
 
 template <class Real>
@@ -69,7 +68,7 @@ COLLIDED_HD Weights<Real> foot_on_plane(const Vec3<Real>& ap, const Vec3<Real>& 
   const Mask<Real> has_plane = n2 > 0;
   if (!any(has_plane)) return {Real(0), Real(0), has_plane};
   const Real v = dot(cross(ap, ac), n) / n2, w = dot(cross(ab, ap), n) / n2;
-  const Mask<Real> inside = has_plane & (v >= 0) & (w >= 0) & (v + w <= 1);
+  const Mask<Real> inside = has_plane && v >= 0 && w >= 0 && v + w <= 1;
   return {v, w, inside};
 }
 
@@ -84,7 +83,7 @@ COLLIDED_HD Closest<Real> closest_vertex_triangle(const Vec3<Real>& p, const Vec
   if (any(foot.inside)) {
     const Real height = dot(ap, n);
     const Closest<Real> of_foot{height * height / n2, foot.w0, foot.w1};
-    keep_if<Real>(foot.inside & (of_foot.squared < best.squared), best, of_foot);
+    keep_if<Real>(foot.inside && of_foot.squared < best.squared, best, of_foot);
   }
   return best;
 }
@@ -107,11 +106,11 @@ COLLIDED_HD Closest<Real> closest_edge_edge(const Vec3<Real>& a0, const Vec3<Rea
   const Mask<Real> crossing = n2 > 0;
   if (any(crossing)) {
     const Real s = dot(cross(e, r), n) / n2, u = dot(cross(d, r), n) / n2;
-    const Mask<Real> inside = crossing & (s >= 0) & (s <= 1) & (u >= 0) & (u <= 1);
+    const Mask<Real> inside = crossing && s >= 0 && s <= 1 && u >= 0 && u <= 1;
     if (any(inside)) {
       const Real height = dot(r, n);
       const Closest<Real> of_crossing{height * height / n2, s, u};
-      keep_if<Real>(inside & (of_crossing.squared < best.squared), best, of_crossing);
+      keep_if<Real>(inside && of_crossing.squared < best.squared, best, of_crossing);
     }
   }
   return best;
@@ -134,14 +133,12 @@ template <class Real>
 COLLIDED_HD Weights<Real> nearly_closest_edge_edge(const Vec3<Real>& r, const Vec3<Real>& d, const Vec3<Real>& e,
                                                    const Vec3<Real>& n) {
   const Real n2 = dot(n, n), d2 = dot(d, d), e2 = dot(e, e), er = dot(e, r);
-  Real s = choose(
-      n2 > 0, [&] { return clamp01(dot(cross(e, r), n) / n2); }, Real(0));
+  Real s = replace_where(n2 > 0, Real(0), [&] { return clamp01(dot(cross(e, r), n) / n2); });
   const Real along = er + s * dot(d, e);
-  const Real t = choose(
-      e2 > 0, [&] { return clamp01(along / e2); }, Real(0));
-  const Mask<Real> within = (along >= 0) & (along <= e2);
-  s = choose((!within) & (d2 > 0), [&] { return clamp01(dot(d, t * e - r) / d2); }, s);
-  const Mask<Real> inside = (s > 0) & (s < 1) & (t > 0) & (t < 1);
+  const Real t = replace_where(e2 > 0, Real(0), [&] { return clamp01(along / e2); });
+  const Mask<Real> within = along >= 0 && along <= e2;
+  s = replace_where(!within && d2 > 0, s, [&] { return clamp01(dot(d, t * e - r) / d2); });
+  const Mask<Real> inside = s > 0 && s < 1 && t > 0 && t < 1;
   return {s, t, inside};
 }
 

@@ -93,8 +93,7 @@ struct Along {
     if (!any(apart)) return {Work(-1), Work(0)};
     Work until = Reach<Work>::kBeyond;
     for (int k = 0; k < N; ++k)
-      until = choose(
-          !(end[k] > 0), [&] { return min(until, until_touching(k)); }, until);
+      until = replace_where(!(end[k] > 0), until, [&] { return min(until, until_touching(k)); });
     return {select(apart, until, Work(-1)), select(apart, least / length, Work(0))};
   }
 

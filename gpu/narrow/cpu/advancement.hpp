@@ -71,8 +71,8 @@ class FourAdvancements {
   /// Which are certainly apart.
   Mask<Work> arrive(const View<Work, N>& then) {
     const Work step = next_ - t_;
-    const Mask<Work> begins = iterations_ == 0, turns = turns_ & !begins,
-                     apart = apart_while_turning(now_.directed, then.directed, t_, next_);
+    const Mask<Work> begins = iterations_ == 0, turns = turns_ & !begins;
+    const Mask<Work> apart = apart_while_turning(now_.directed, then.directed, t_, next_);
     const Mask<Work> fails = turns & !apart, misses = turns & apart & (next_ == 1),
                      succeeds = !(begins | fails | misses);
     PaceOf<Work> slower = pace_, faster = pace_;
