@@ -55,6 +55,10 @@ template <class T>
 COLLIDED_HD T magnitude(T a) {
   return std::fabs(a);  // costs nothing where it is an operand of a sum or a product
 }
+template <class T>
+COLLIDED_HD T square_root(T a) {
+  return std::sqrt(a);
+}
 template <class Real>
 COLLIDED_HD Real largest_component(const Vec3<Real>& a) {
   return max(magnitude(a.x), max(magnitude(a.y), magnitude(a.z)));

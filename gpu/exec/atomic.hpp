@@ -123,6 +123,12 @@ struct AppendList {
     if (slot < items.size()) items[slot] = value;
     return slot < most_in_vain();
   }
+  /// For threads that have several values each.
+  COLLIDED_HD void push_all(const T* values, uint64_t n) const {
+    if (n == 0) return;
+    const uint64_t first = atomic_add(*count, n);
+    for (uint64_t k = 0; k < n && first + k < items.size(); ++k) items[first + k] = values[k];
+  }
   /// If more is asked for, it is better to enlarge the list before the rest is counted: what is found in vain stays
   /// below what there has to be room for.
   COLLIDED_HD uint64_t most_in_vain() const {

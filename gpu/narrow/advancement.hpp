@@ -30,7 +30,7 @@ template <class Work, int N>
 struct ClosestFeatures {
   Vec3<Work> closest;  ///< between the closest points
   Vec3<Work> normal;   ///< of the triangle, or of both edges, to the first feature's side
-  bool inside;         ///< the closest points are inside the features, so that both are the same direction
+  Mask<Work> inside;   ///< the closest points are inside the features, so that both are the same direction
   Work gap, speed;     ///< between the closest points, and how fast it grows
 
   COLLIDED_HD ClosestFeatures(const Differences<Work, N>& d, Work t) {
@@ -38,17 +38,17 @@ struct ClosestFeatures {
     differences_at(d, t, x);
     normal = common_normal(x);
     const Weights<Work> points = nearly_closest_points(x, normal);
-    if (dot(normal, x[0]) < 0) normal = Work(-1) * normal;
+    normal = replace_where(dot(normal, x[0]) < 0, normal, [&] { return Work(-1) * normal; });
     inside = points.inside;
     closest = between_points(x, points.w0, points.w1);
-    gap = std::sqrt(dot(closest, closest));
+    gap = square_root(dot(closest, closest));
     const Vec3<Work> velocity =
         between_points(d.end, points.w0, points.w1) - between_points(d.start, points.w0, points.w1);
-    speed = gap > 0 ? dot(closest, velocity) / gap : Work(0);
+    speed = replace_where(gap > 0, Work(0), [&] { return dot(closest, velocity) / gap; });
   }
   /// Inside, the normal is the more precise one where the gap is small.
-  COLLIDED_HD Direction<Work> best() const { return direction_of(inside ? normal : closest); }
-  COLLIDED_HD Direction<Work> other() const { return direction_of(inside ? closest : normal); }
+  COLLIDED_HD Direction<Work> best() const { return direction_of(select(inside, normal, closest)); }
+  COLLIDED_HD Direction<Work> other() const { return direction_of(select(inside, closest, normal)); }
 };
 
 /// The features at one time, and how far a direction keeps them apart: the best one at hand, unless only the other one
@@ -61,7 +61,8 @@ struct View {
   COLLIDED_HD static View at(const Differences<Work, N>& d, Work t, const Thickness<Work>& thickness) {
     const ClosestFeatures<Work, N> closest_features(d, t);
     View view{closest_features.gap, closest_features.speed, along(d, closest_features.best(), thickness, t)};
-    if (!view.directed.is_apart()) view.directed = along(d, closest_features.other(), thickness, t);
+    const Mask<Work> apart = view.directed.is_apart();
+    if (!all(apart)) view.directed = select(apart, view.directed, along(d, closest_features.other(), thickness, t));
     return view;
   }
 };

@@ -82,14 +82,17 @@ struct ScreenCcd {
   COLLIDED_HD void operator()(uint64_t i) const {
     DifferencesOf<float, Kind> d;
     const uint64_t key = queries.key(i);
-    if (queries.load(i, d) && is_apart(d, Deviations::widened(queries.thickness, queries.doubt_of(key)))) return;
+    if (queries.load(i, d)) {
+      const double widened = Deviations::widened(queries.thickness, queries.doubt_of(key));
+      if (is_apart(d, scaled_thickness<float>(widened, d.scale))) return;
+    }
     survivors.push(key);
   }
 
- private:
-  COLLIDED_HD static bool is_apart(const DifferencesOf<float, Kind>& d, double thickness) {
-    const Direction<float> closest = direction_of(gap_at(d, 0.5f).vector);
-    return apart_all_along(d, closest, scaled_thickness<float>(thickness, d.scale));
+  /// `thickness`: scaled, rounded up.
+  template <class Work>
+  COLLIDED_HD static Mask<Work> is_apart(const DifferencesOf<Work, Kind>& d, Work thickness) {
+    return apart_all_along(d, direction_of(gap_at(d, Work(0.5f)).vector), thickness);
   }
 };
 
@@ -98,6 +101,7 @@ struct ScreenCcd {
 template <class Real, class Kind>
 struct ApproachCcd {
   using State = CcdState<float, Kind>;
+  static constexpr int kIterationsInFloat = 8;
   CcdQueries<Real, Kind, uint64_t> queries;
   AppendList<ResumableQuery> resumable;
 
@@ -108,20 +112,21 @@ struct ApproachCcd {
       resumable.push(ResumableQuery{state.key, Progress{}});
       return;
     }
-    constexpr float kNear = 0x1p-16f;  // of the extent: where float comes near its limits
     const double widened = Deviations::widened(queries.thickness, queries.doubt_of(state.key));
     const float thickness = scaled_thickness<float>(widened, d.scale);
-    const float delta = max(kNear * d.extent, float_above(queries.delta * d.scale));
-    state.features.begin({{thickness, thickness}, delta}, queries.progress(i), kIterationsInFloat);
+    state.features.begin({{thickness, thickness}, delta_of(d)}, queries.progress(i), kIterationsInFloat);
   }
   COLLIDED_HD void step(State& state) const { state.features.iterate(1.0f); }
   COLLIDED_HD void finish(const State& state) const {
     if (state.features.is_hit())
       resumable.push(ResumableQuery{state.key, Progress{state.features.time(), state.features.pace()}});
   }
-
- private:
-  static constexpr int kIterationsInFloat = 8;
+  /// Where float comes near its limits, or what the frame asks for.
+  template <class Work>
+  COLLIDED_HD Work delta_of(const DifferencesOf<Work, Kind>& d) const {
+    constexpr float kNear = 0x1p-16f;  // of the extent
+    return max(kNear * d.extent, float_above(queries.delta * d.scale));
+  }
 };
 
 /// Advances to the end, and reports contacts.

@@ -16,7 +16,7 @@ template <class Work, int N>
 struct Differences {
   Vec3<Work> start[N], end[N];  ///< at t = 0 and t = 1
   Work extent;                  ///< largest component; below 2
-  double scale;                 ///< what the true differences were multiplied by
+  DoubleOf<Work> scale;         ///< what the true differences were multiplied by
 
   COLLIDED_HD Vec3<Work> at(int k, Work t) const { return (1 - t) * start[k] + t * end[k]; }
 };
@@ -26,7 +26,7 @@ using DifferencesOf = Differences<Work, DifferenceOf<Kind>::kCount>;
 
 /// False if all vertices coincide at both ends, so that there is nothing to scale.
 template <class Kind, class Work, class Real>
-COLLIDED_HD bool load_differences(const FeaturePoints<Real>& p, DifferencesOf<Work, Kind>& out) {
+COLLIDED_HD Mask<Wider<Work, Real>> load_differences(const FeaturePoints<Real>& p, DifferencesOf<Work, Kind>& out) {
   using Wide = Wider<Work, Real>;  // differences are formed before anything is rounded to the working type
   constexpr int n = DifferenceOf<Kind>::kCount;
   Vec3<Wide> x[n], y[n];
@@ -37,15 +37,16 @@ COLLIDED_HD bool load_differences(const FeaturePoints<Real>& p, DifferencesOf<Wo
     y[k] = convert<Wide>(p.end[i]) - convert<Wide>(p.end[j]);
     extent = max(extent, max(largest_component(x[k]), largest_component(y[k])));
   }
-  if (extent == 0) return false;
+  const Mask<Wide> differ = extent != 0;
+  if (!any(differ)) return differ;
   const Wide scale = unit_scale(extent);
   for (int k = 0; k < n; ++k) {
     out.start[k] = convert<Work>(scale * x[k]);
     out.end[k] = convert<Work>(scale * y[k]);
   }
   out.extent = static_cast<Work>(scale * extent);
-  out.scale = static_cast<double>(scale);
-  return true;
+  out.scale = static_cast<DoubleOf<Work>>(scale);
+  return differ;
 }
 
 template <class Work, int N>
@@ -65,7 +66,7 @@ template <class Work, int N>
 COLLIDED_HD Gap<Work> gap_between(const Vec3<Work> (&x)[N]) {
   const Closest<Work> points = closest_points(x);
   const Vec3<Work> vector = between_points(x, points.w0, points.w1);
-  return {points, vector, std::sqrt(dot(vector, vector))};
+  return {points, vector, square_root(dot(vector, vector))};
 }
 template <class Work, int N>
 COLLIDED_HD Gap<Work> gap_at(const Differences<Work, N>& d, Work t) {

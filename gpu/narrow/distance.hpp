@@ -1,9 +1,9 @@
 #pragma once
 // Closest points of a vertex and a triangle, and of two edges. Degenerate features need no special care:
-// every division is guarded, and the boundary features are always among the candidates.
+// every division is guarded, and the boundary features are always among the candidates. Real is a number, or four of
+// them side by side (base/four.hpp).
 
-#include <cmath>
-
+#include "gpu/base/choose.hpp"
 #include "gpu/base/vec3.hpp"
 
 namespace collided {
@@ -17,8 +17,12 @@ struct Closest {
 };
 
 template <class Real>
+COLLIDED_HD void keep_if(const Mask<Real>& kept, Closest<Real>& best, const Closest<Real>& other) {
+  best = {select(kept, other.squared, best.squared), select(kept, other.w0, best.w0), select(kept, other.w1, best.w1)};
+}
+template <class Real>
 COLLIDED_HD void keep_closer(Closest<Real>& best, const Closest<Real>& other) {
-  if (other.squared < best.squared) best = other;
+  keep_if<Real>(other.squared < best.squared, best, other);
 }
 
 template <class Real>
@@ -30,7 +34,7 @@ COLLIDED_HD Real clamp01(Real t) {
 template <class Real>
 COLLIDED_HD Real closest_on_edge(const Vec3<Real>& p, const Vec3<Real>& a, const Vec3<Real>& d) {
   const Real length2 = dot(d, d);
-  return length2 > 0 ? clamp01(dot(p - a, d) / length2) : Real(0);
+  return replace_where(length2 > 0, Real(0), [&] { return clamp01(dot(p - a, d) / length2); });
 }
 
 template <class Real>
@@ -42,7 +46,7 @@ COLLIDED_HD Real squared_length(const Vec3<Real>& v) {
 template <class Real>
 struct Weights {
   Real w0, w1;
-  bool inside;  ///< not on the border of the triangle, nor at an end of an edge
+  Mask<Real> inside;  ///< not on the border of the triangle, nor at an end of an edge
 };
 
 /// Vertex p against the border of triangle a b c.
@@ -61,9 +65,11 @@ COLLIDED_HD Closest<Real> closest_on_border(const Vec3<Real>& p, const Vec3<Real
 template <class Real>
 COLLIDED_HD Weights<Real> foot_on_plane(const Vec3<Real>& ap, const Vec3<Real>& ab, const Vec3<Real>& ac,
                                         const Vec3<Real>& n, Real n2) {
-  if (!(n2 > 0)) return {Real(0), Real(0), false};
+  const Mask<Real> has_plane = n2 > 0;
+  if (!any(has_plane)) return {Real(0), Real(0), has_plane};
   const Real v = dot(cross(ap, ac), n) / n2, w = dot(cross(ab, ap), n) / n2;
-  return {v, w, v >= 0 && w >= 0 && v + w <= 1};
+  const Mask<Real> inside = has_plane && v >= 0 && w >= 0 && v + w <= 1;
+  return {v, w, inside};
 }
 
 /// Vertex p against triangle a b c.
@@ -74,9 +80,10 @@ COLLIDED_HD Closest<Real> closest_vertex_triangle(const Vec3<Real>& p, const Vec
   Closest<Real> best = closest_on_border(p, a, b, c);
   const Real n2 = dot(n, n);
   const Weights<Real> foot = foot_on_plane(ap, ab, ac, n, n2);
-  if (foot.inside) {
+  if (any(foot.inside)) {
     const Real height = dot(ap, n);
-    keep_closer(best, {height * height / n2, foot.w0, foot.w1});
+    const Closest<Real> of_foot{height * height / n2, foot.w0, foot.w1};
+    keep_if<Real>(foot.inside && of_foot.squared < best.squared, best, of_foot);
   }
   return best;
 }
@@ -96,11 +103,14 @@ COLLIDED_HD Closest<Real> closest_edge_edge(const Vec3<Real>& a0, const Vec3<Rea
   keep_closer(best, {squared_length((a0 + t * d) - b1), t, Real(1)});
   const Vec3<Real> n = cross(d, e);
   const Real n2 = dot(n, n);
-  if (n2 > 0) {
+  const Mask<Real> crossing = n2 > 0;
+  if (any(crossing)) {
     const Real s = dot(cross(e, r), n) / n2, u = dot(cross(d, r), n) / n2;
-    if (s >= 0 && s <= 1 && u >= 0 && u <= 1) {
+    const Mask<Real> inside = crossing && s >= 0 && s <= 1 && u >= 0 && u <= 1;
+    if (any(inside)) {
       const Real height = dot(r, n);
-      keep_closer(best, {height * height / n2, s, u});
+      const Closest<Real> of_crossing{height * height / n2, s, u};
+      keep_if<Real>(inside && of_crossing.squared < best.squared, best, of_crossing);
     }
   }
   return best;
@@ -112,9 +122,9 @@ template <class Real>
 COLLIDED_HD Weights<Real> nearly_closest_vertex_triangle(const Vec3<Real>& ap, const Vec3<Real>& ab,
                                                          const Vec3<Real>& ac, const Vec3<Real>& n) {
   const Weights<Real> foot = foot_on_plane(ap, ab, ac, n, dot(n, n));
-  if (foot.inside) return foot;
+  if (all(foot.inside)) return foot;
   const Closest<Real> border = closest_on_border(ap, Vec3<Real>{0, 0, 0}, ab, ac);
-  return {border.w0, border.w1, false};
+  return {select(foot.inside, foot.w0, border.w0), select(foot.inside, foot.w1, border.w1), foot.inside};
 }
 
 /// As closest_edge_edge for edges d and e, r = a0 - b0 and `n` = cross(d, e), in fewer operations (Ericson 2005,
@@ -123,11 +133,13 @@ template <class Real>
 COLLIDED_HD Weights<Real> nearly_closest_edge_edge(const Vec3<Real>& r, const Vec3<Real>& d, const Vec3<Real>& e,
                                                    const Vec3<Real>& n) {
   const Real n2 = dot(n, n), d2 = dot(d, d), e2 = dot(e, e), er = dot(e, r);
-  Real s = n2 > 0 ? clamp01(dot(cross(e, r), n) / n2) : Real(0);
+  Real s = replace_where(n2 > 0, Real(0), [&] { return clamp01(dot(cross(e, r), n) / n2); });
   const Real along = er + s * dot(d, e);
-  Real t = e2 > 0 ? clamp01(along / e2) : Real(0);
-  if (!(along >= 0 && along <= e2) && d2 > 0) s = clamp01(dot(d, t * e - r) / d2);
-  return {s, t, s > 0 && s < 1 && t > 0 && t < 1};
+  const Real t = replace_where(e2 > 0, Real(0), [&] { return clamp01(along / e2); });
+  const Mask<Real> within = along >= 0 && along <= e2;
+  s = replace_where(!within && d2 > 0, s, [&] { return clamp01(dot(d, t * e - r) / d2); });
+  const Mask<Real> inside = s > 0 && s < 1 && t > 0 && t < 1;
+  return {s, t, inside};
 }
 
 }  // namespace collided

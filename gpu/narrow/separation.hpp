@@ -28,9 +28,10 @@ struct Direction {
 template <class Work>
 COLLIDED_HD Direction<Work> direction_of(const Vec3<Work>& v) {
   const Work m = largest_component(v);
-  if (!(m > 0)) return {v, 0};
-  const Vec3<Work> n = unit_scale(m) * v;
-  return {n, std::sqrt(dot(n, n))};
+  const Mask<Work> is_one = m > 0;
+  if (!any(is_one)) return {v, 0};
+  const Vec3<Work> n = select(is_one, unit_scale(m) * v, v);
+  return {n, select(is_one, square_root(dot(n, n)), Work(0))};
 }
 
 /// How far from t on a direction keeps the features apart.
@@ -45,7 +46,7 @@ struct Reach {
 /// Lower bound of n . D - offset.
 template <class Work>
 COLLIDED_HD Work lower_bound_along(const Vec3<Work>& n, const Vec3<Work>& d, Work offset) {
-  constexpr Work u = Precision<Work>::kUnit;
+  constexpr auto u = Precision<Work>::kUnit;
   const Work g = dot(n, d);
   const Work s = magnitude(n.x * d.x) + magnitude(n.y * d.y) + magnitude(n.z * d.z);
   const Work a = (g - offset) - (8 * u * s + 4 * u * offset + Precision<Work>::kTiny);
@@ -67,9 +68,10 @@ COLLIDED_HD Work offset_along(const Direction<Work>& direction, Work thickness) 
 
 /// Whether a direction keeps the features apart over the whole step.
 template <class Work, int N>
-COLLIDED_HD bool apart_all_along(const Differences<Work, N>& d, const Direction<Work>& direction, Work thickness) {
+COLLIDED_HD Mask<Work> apart_all_along(const Differences<Work, N>& d, const Direction<Work>& direction,
+                                       Work thickness) {
   const Work offset = offset_along(direction, thickness);
-  bool apart = direction.length > 0;
+  Mask<Work> apart = direction.length > 0;
   for (int k = 0; k < N; ++k)
     apart = apart & (lower_bound_along(direction.n, d.start[k], offset) > 0) &
             (lower_bound_along(direction.n, d.end[k], offset) > 0);
@@ -84,18 +86,22 @@ struct Along {
   Work least;   ///< above 0: apart at its time; never so without a direction, nor where a thickness is not a number
   Work start[N], end[N];
 
-  COLLIDED_HD bool is_apart() const { return least > 0; }
+  COLLIDED_HD Mask<Work> is_apart() const { return least > 0; }
   /// From its own time on.
   COLLIDED_HD Reach<Work> reach() const {
-    constexpr Work u = Precision<Work>::kUnit;
-    if (!is_apart()) return {Work(-1), Work(0)};
+    const Mask<Work> apart = is_apart();
+    if (!any(apart)) return {Work(-1), Work(0)};
     Work until = Reach<Work>::kBeyond;
-    for (int k = 0; k < N; ++k) {
-      if (end[k] > 0) continue;
-      const Work root = start[k] / (start[k] - end[k]);
-      until = min(until, root - 8 * u * root);
-    }
-    return {until, least / length};
+    for (int k = 0; k < N; ++k)
+      until = replace_where(!(end[k] > 0), until, [&] { return min(until, until_touching(k)); });
+    return {select(apart, until, Work(-1)), select(apart, least / length, Work(0))};
+  }
+
+ private:
+  /// The k-th difference, which is not beyond the thickness at t = 1.
+  COLLIDED_HD Work until_touching(int k) const {
+    const Work root = start[k] / (start[k] - end[k]);
+    return root - 8 * Precision<Work>::kUnit * root;
   }
 };
 
@@ -113,7 +119,7 @@ COLLIDED_HD Along<Work, N> along(const Differences<Work, N>& d, const Direction<
   Along<Work, N> out;
   out.length = direction.length;
   const Work at_start = offset_along(direction, thickness.start), at_end = offset_along(direction, thickness.end);
-  bool apart = direction.length > 0;
+  Mask<Work> apart = direction.length > 0;
   out.least = Reach<Work>::kBeyond;
   for (int k = 0; k < N; ++k) {
     out.start[k] = lower_bound_along(direction.n, d.start[k], at_start);
@@ -122,7 +128,7 @@ COLLIDED_HD Along<Work, N> along(const Differences<Work, N>& d, const Direction<
     apart = apart & (now > 0);
     out.least = min(out.least, now);
   }
-  if (!apart) out.least = -1;
+  out.least = select(apart, out.least, Work(-1));
   return out;
 }
 
@@ -131,8 +137,8 @@ COLLIDED_HD Along<Work, N> along(const Differences<Work, N>& d, const Direction<
 /// (1 - s) (from . D - thickness |from|) + s (to . D - thickness |to|), a quadratic in s: its Bernstein coefficients
 /// are above 0 if its lower bounds below are.
 template <class Work, int N>
-COLLIDED_HD bool apart_while_turning(const Along<Work, N>& from, const Along<Work, N>& to, Work t, Work h) {
-  bool apart = from.is_apart() & to.is_apart();
+COLLIDED_HD Mask<Work> apart_while_turning(const Along<Work, N>& from, const Along<Work, N>& to, Work t, Work h) {
+  Mask<Work> apart = from.is_apart() & to.is_apart();
   for (int k = 0; k < N; ++k) {
     const Work middle = lower_bound_at(from.start[k], from.end[k], h) + lower_bound_at(to.start[k], to.end[k], t);
     apart = apart & (middle > 0);

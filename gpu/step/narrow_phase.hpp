@@ -13,6 +13,11 @@
 #include "gpu/step/plan/order_predictor.hpp"
 #include "gpu/step/plan/plan.hpp"
 
+#ifndef __CUDACC__
+#include "gpu/narrow/cpu/approach.hpp"
+#include "gpu/narrow/cpu/screen.hpp"
+#endif
+
 namespace collided {
 
 template <Executor Exec, class Real>

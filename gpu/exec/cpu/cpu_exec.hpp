@@ -16,6 +16,7 @@
 #include "gpu/exec/counted.hpp"
 #include "gpu/exec/cpu/cpu_loops.hpp"
 #include "gpu/exec/cpu/host_memory.hpp"
+#include "gpu/exec/cpu/in_ranges.hpp"
 #include "gpu/exec/cpu/radix_sort.hpp"
 #include "gpu/exec/cpu/resumable.hpp"
 #include "gpu/exec/cpu/staging.hpp"
@@ -43,7 +44,10 @@ class CpuExec {
 
   template <ItemFunctor F>
   void for_each(const char*, uint64_t n, const F& f) {
-    loops_.for_each(n, kGrain, f);
+    if constexpr (HasRanges<F>)
+      in_ranges(n, f);
+    else
+      loops_.for_each(n, kGrain, f);
   }
 
   template <ItemFunctor F>
@@ -79,7 +83,10 @@ class CpuExec {
   template <ResumableFunctor F>
   void for_each_resumable(const char*, const Counted& n, uint64_t*, const F& f) {
     constexpr uint64_t kQueries = 32;  // of up to 64 iterations each
-    loops_.for_each(n.size(), kQueries, [&](uint64_t i) { do_resumable(f, i); });
+    if constexpr (HasRanges<F>)
+      in_ranges(n.size(), f);
+    else
+      loops_.for_each(n.size(), kQueries, [&](uint64_t i) { do_resumable(f, i); });
   }
 
   template <class T, class F, class Op, class Then = NothingMore>
@@ -199,6 +206,12 @@ class CpuExec {
       if (has_data()) values[place] = given[from];
     }
   };
+
+  template <HasRanges F>
+  void in_ranges(uint64_t n, const F& f) {
+    loops_.for_each_range(n, InRanges<F>::kItems,
+                          [&](uint64_t first, uint64_t end) { InRanges<F>::run(f, first, end); });
+  }
 
   /// Parts of the first item that take a bounded time.
   template <class F>

@@ -153,15 +153,22 @@ class CpuLoops {
     }
   }
 
-  /// f(i) for i in [0, count). `grain`: items that take a bounded time together.
+  /// f(first, end) for ranges of [0, count). `grain`: items that take a bounded time together, at most of a range.
   template <class F>
-  void for_each(uint64_t count, uint64_t grain, const F& f) {
+  void for_each_range(uint64_t count, uint64_t grain, const F& f) {
     share(count, grain, [&](LoopTurn& turn) {
       while (ItemRange* items = turn.next()) {
         const uint64_t end = std::min(items->end, items->first + grain);
-        for (uint64_t i = items->first; i != end; ++i) f(i);
+        f(items->first, end);
         items->first = end;
       }
+    });
+  }
+  /// f(i) for i in [0, count).
+  template <class F>
+  void for_each(uint64_t count, uint64_t grain, const F& f) {
+    for_each_range(count, grain, [&](uint64_t first, uint64_t end) {
+      for (uint64_t i = first; i != end; ++i) f(i);
     });
   }
 

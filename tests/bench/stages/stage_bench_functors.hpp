@@ -1,6 +1,7 @@
 #pragma once
 // The engine's functors over a StageScene: the one place that knows how to construct them.
 
+#include <algorithm>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -185,9 +186,14 @@ CertifyProximity<Work, float, Kind> certify_proximity(const StageScene& s, const
   return {s.buffers.end.data(), s.thickness_at_rest, 0, s.kind<Kind>(), span_of(candidates), found.sink()};
 }
 
-/// Runs a functor over all items, on this thread: at once, or in steps if that is how it works.
+/// Runs a functor over all items, on this thread, as CpuExec does: in ranges, one by one, or in steps.
 template <class F>
 void run_all(uint64_t n, const F& f) {
+  if constexpr (HasRanges<F>) {
+    for (uint64_t i = 0; i < n; i += InRanges<F>::kItems)
+      InRanges<F>::run(f, i, std::min<uint64_t>(n, i + InRanges<F>::kItems));
+    return;
+  }
   for (uint64_t i = 0; i < n; ++i) {
     if constexpr (requires { typename F::State; })
       do_resumable(f, i);
