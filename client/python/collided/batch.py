@@ -19,7 +19,7 @@ from collided.layout import Layout
 from collided.options import SceneOptions, check_length
 from collided.scene import divided
 from collided.transport.opening import StreamOptions
-from collided.transport.set_frames import SetAnswer, SetFrames
+from collided.set_frames import SetAnswer, SetFrames
 from collided.v1 import frame_pb2, metrics_pb2, scene_pb2
 
 

@@ -5,7 +5,7 @@ from support import FLOOR, ONE, TIP, Case, lowered, main, meshes, np
 
 import collided
 from collided.transport.opening import StreamOptions
-from collided.transport.set_frames import SetFrames
+from collided.set_frames import SetFrames
 
 
 def falls(*depths):

@@ -39,7 +39,8 @@ Contacts brought(const DeviceMemory& memory, const DeviceContacts& placed, const
           join(placed.distance, others.distance),
           join(placed.weights, others.weights),
           join(placed.normals, others.normals),
-          join(placed.flags, others.flags)};
+          join(placed.flags, others.flags),
+          {}};
 }
 
 template <class T>
