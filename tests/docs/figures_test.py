@@ -78,6 +78,20 @@ class Figures(unittest.TestCase):
                              (r"([\d,]+) later", large[32]["frames_per_second"])):
             self.expect(re.search(shown, text)[1], value, shown)
 
+    def test_before_and_after(self):
+        rows = {row["row"]: row for row in result("steps/2026-11-23-h200-builds.json")["rows"]}
+        shown = FIGURES.table("Two builds in turns")[1:]
+        self.assertEqual([row[0] for row in shown], list(rows))
+        for name, *numbers in shown:
+            for number, key in zip(numbers, ("before", "after", "ratio")):
+                self.expect(number, rows[name][key], (name, key))
+
+    def test_sets_of_scenes(self):
+        found = result("load/2026-11-23-h200-batch.json")
+        lanes = ("shared_memory_in_place_ms", "shared_memory_ms", "grpc_stream_ms", "one_call_ms", "a_call_each_ms")
+        for (way, shown), lane in zip(FIGURES.table("1,000 scenes of 500 triangles each")[1:], lanes, strict=True):
+            self.expect(shown, found[lane]["p50"], way)
+
     def test_tests_of_engines(self):
         others, subdivided = (words_of(f"steps/{name}.json") for name in ("2026-11-21-engines-tests", "2026-11-23-vss-tests"))
         rows = FIGURES.table("| tests | octree |")[1:]
