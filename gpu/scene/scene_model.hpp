@@ -84,7 +84,7 @@ class SceneModel {
     slot_shape_ = std::make_shared<const SceneShape>(shape_);
     const SceneCounts counts = this->counts();
     buffers_.topology.shape = counts.world_shape();
-    buffers_.reserve_boxes(counts.triangles, counts.vertices);
+    buffers_.reserve_boxes(counts.triangles, 0);  // a number of vertices alone holds no memory before there is a frame
     if (counts.worlds > 0) buffers_.worlds.reserve(counts.worlds);
   }
   /// Which pairs are left out.

@@ -58,7 +58,7 @@ class DeviceSession:
         path = client.local_socket(self.scene.message.endpoint)
         if not path:
             raise FailedPrecondition("the daemon has no local socket here (--local-socket)")
-        self._memory = DeviceMemory(cuda, region_layout(self.scene.refresh().spec, window, *room))
+        self._memory = DeviceMemory(cuda, region_layout(self.scene.refresh(), window, *room))
         self._transport = LocalTransport(LocalPeer(path, client.address, daemon_user, client.options.token), self._memory)
         opened_by(self._transport, api.OpenStream(scene_id=self.scene.id, window=window))
 
