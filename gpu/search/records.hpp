@@ -80,8 +80,8 @@ struct TriangleRecords {
   Span<const Path<Real>> paths;  ///< of each vertex; empty where records have them
 
   COLLIDED_HD const TriangleRecord<Real>& operator[](uint64_t triangle) const { return records[triangle]; }
-  /// Of a corner of one, which is at that vertex.
-  COLLIDED_HD Path<Real> path(const CornerRecord<Real>& corner, uint32_t vertex) const {
+  /// Of a corner of one, which is at that vertex. By value: a record that is copied whole is read in two wide loads.
+  COLLIDED_HD Path<Real> path(CornerRecord<Real> corner, uint32_t vertex) const {
     if constexpr (kRoundsBoxes<Real>)
       return paths[vertex];
     else
