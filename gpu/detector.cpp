@@ -41,13 +41,14 @@ void check_size(const SceneSpec& spec, const Topology& topology) {
 
 std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
   check_spec(spec);
+  check_device(spec.device);
   check_meshes(spec);
   check_exclusions(spec);
   MemoryHold making(spec.memory_quota);
   FeatureTables features = make_tables(spec, making);
   check_size(spec, features.topology);
-  return spec.backend == Backend::kCuda ? make_cuda_detector(std::move(spec), std::move(features))
-                                        : make_cpu_detector(std::move(spec), std::move(features));
+  return spec.device.backend == Backend::kCuda ? make_cuda_detector(std::move(spec), std::move(features))
+                                               : make_cpu_detector(std::move(spec), std::move(features));
 }
 
 void check_options(const SceneSpec& spec, const FrameInput& frame) {
@@ -65,13 +66,26 @@ void load_kernels_at_start() { setenv("CUDA_MODULE_LOADING", "EAGER", 0); }
 
 bool cuda_available() { return !cuda_devices().empty(); }
 
-bool device_works(Backend backend) { return backend == Backend::kCpu || cuda_works(); }
+void check_device(const Device& device) {
+  if (device.ordinal < 0) throw InvalidInput("device", "device is " + to_string(device) + ", ordinals begin at 0");
+  if (device.backend == Backend::kCuda) check_cuda_ordinal(device.ordinal);
+}
 
-std::unique_ptr<SharedMemory> register_host_memory(Backend backend, std::span<std::byte> memory) {
-  if (backend == Backend::kCuda) return register_cuda_memory(memory);
+uint64_t free_device_memory(const Device& device) {
+  return device.backend == Backend::kCpu ? 0 : free_cuda_memory(device.ordinal);
+}
+
+bool device_works(const Device& device) { return device.backend == Backend::kCpu || cuda_works(device.ordinal); }
+
+std::unique_ptr<SharedMemory> register_host_memory(const Device& device, std::span<std::byte> memory) {
+  if (device.backend == Backend::kCuda) return register_cuda_memory(device.ordinal, memory);
   return std::make_unique<HostMemoryOfOthers>(memory);
 }
 
-std::unique_ptr<SharedMemory> open_device_memory(std::span<const std::byte> handle) { return open_cuda_memory(handle); }
+std::unique_ptr<SharedMemory> open_device_memory(const Device& device, std::span<const std::byte> handle) {
+  if (device.backend == Backend::kCpu)
+    throw InvalidInput("handle", "handle is of device memory, but the scene lives on " + to_string(device));
+  return open_cuda_memory(device.ordinal, handle);
+}
 
 }  // namespace collided

@@ -6,7 +6,8 @@
 
 namespace collided {
 
-/// One scene on one backend. Not thread-safe: one call at a time; different detectors are independent.
+/// One scene on one device. Not thread-safe: one call at a time; different detectors are independent. On CUDA whoever
+/// calls it, or a slot, or releases an answer, has the scene's device as its current one afterwards.
 class Detector {
  public:
   /// Throws InvalidInput for a bad spec, ResourceExhausted past the budget, what the quota throws, DeviceError if the
@@ -60,6 +61,13 @@ void check_exclusions(const SceneSpec& spec);
 /// Devices that scenes can live on: the CPU with so many threads (0: all cores), then every usable CUDA device.
 std::vector<DeviceInfo> list_devices(int threads = 0);
 
+/// Throws InvalidInput for an ordinal that this machine does not have, DeviceError where it has no CUDA device at all.
+void check_device(const Device& device);
+
+/// Bytes that scenes can still have on a CUDA device, which this makes ready for work; 0 for the CPU, whose memory is
+/// the host's. Throws DeviceError.
+uint64_t free_device_memory(const Device& device);
+
 /// CUDA loads all kernels when it starts, not each with the frame that needs it first, which takes 30 ms of a scene's
 /// first frame. Sets CUDA_MODULE_LOADING unless it is set; to be called before there are threads and devices.
 void load_kernels_at_start();
@@ -68,13 +76,15 @@ void load_kernels_at_start();
 bool cuda_available();
 
 /// Whether a device still answers. After some failures (DeviceError) it does not until the process is started anew.
-bool device_works(Backend backend);
+bool device_works(const Device& device);
 
-/// Pins memory that is mapped already, for CUDA; does nothing for the CPU. Throws DeviceError.
-std::unique_ptr<SharedMemory> register_host_memory(Backend backend, std::span<std::byte> memory);
+/// Pins memory that is mapped already, for all CUDA devices, by way of one of them; does nothing for the CPU. Throws
+/// DeviceError.
+std::unique_ptr<SharedMemory> register_host_memory(const Device& device, std::span<std::byte> memory);
 
-/// Opens device memory of another process by its cudaIpcMemHandle_t (64 bytes). bytes() are those of the device, and
-/// not for the host to read. Throws InvalidInput for a bad handle or where there is no CUDA, DeviceError.
-std::unique_ptr<SharedMemory> open_device_memory(std::span<const std::byte> handle);
+/// Opens memory that another process has on this device by its cudaIpcMemHandle_t (64 bytes). bytes() are those of the
+/// device, and not for the host to read. Throws InvalidInput for a bad handle, one of another device's memory, or where
+/// there is no CUDA, DeviceError.
+std::unique_ptr<SharedMemory> open_device_memory(const Device& device, std::span<const std::byte> handle);
 
 }  // namespace collided

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "gpu/contact_set.hpp"
+#include "gpu/device.hpp"
 
 namespace collided {
 
@@ -79,7 +80,6 @@ class MemoryHold {
   uint64_t bytes_ = 0;
 };
 
-enum class Backend { kCpu, kCuda };
 /// kBoth: of a scene, each of whose frames asks for one of them. Its thickness is that of discrete frames; continuous
 /// ones take min_separation.
 enum class Mode { kDcd, kCcd, kBoth };
@@ -167,7 +167,7 @@ struct PositionBox {
 
 /// What a scene needs; stages and buffers exist only for what is asked for here.
 struct SceneSpec {
-  Backend backend = Backend::kCpu;
+  Device device = {};
   Mode mode = Mode::kCcd;
   Accuracy accuracy = Accuracy::kCertified;
   Scalar scalar = Scalar::kF32;
@@ -380,12 +380,6 @@ struct Topology {
 };
 
 inline bool has_loose_elements(const Topology& topology) { return topology.loose_edges + topology.loose_points > 0; }
-
-struct DeviceInfo {
-  Backend backend = Backend::kCpu;
-  std::string name;
-  uint64_t memory_bytes = 0;  ///< 0 for the CPU, which shares the host's
-};
 
 /// Memory of others that a backend may read directly while this lives.
 class SharedMemory {

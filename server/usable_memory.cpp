@@ -10,7 +10,7 @@ Memory usable_memory(const Config& config) {
   Memory memory{host_memory(), 0};
   if (config.backend == "cpu") return memory;
   for (const auto& device : list_devices())
-    if (device.backend == Backend::kCuda && (memory.device == 0 || device.memory_bytes < memory.device))
+    if (device.device.backend == Backend::kCuda && (memory.device == 0 || device.memory_bytes < memory.device))
       memory.device = device.memory_bytes;
   return memory;
 }

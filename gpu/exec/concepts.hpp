@@ -145,8 +145,8 @@ concept OwnsMemory = Memory<Exec> && requires(Exec& exec, const Exec& same, uint
   { same.ledger() } -> std::same_as<const MemoryLedger&>;
   /// Memory of the host that downloads go to at full speed, until the next call.
   { exec.host_memory(bytes) } -> std::same_as<std::byte*>;
-  /// The same, kept by who holds it; aligned to 64 bytes, booked nowhere. From any thread.
-  { Exec::host_block(bytes) } -> std::same_as<std::shared_ptr<std::byte>>;
+  /// The same, kept by who holds it, also when the Exec is gone; aligned to 64 bytes, booked nowhere.
+  { same.host_block(bytes) } -> std::same_as<std::shared_ptr<std::byte>>;
   /// Allocations since begin_frame().
   { same.allocations() } -> std::same_as<uint32_t>;
 };
@@ -205,7 +205,9 @@ concept Combines = requires(Exec& exec, const char* name, uint64_t n, const prob
 template <class Exec>
 concept RunsFrames = requires(Exec& exec, const Exec& same, const char* name, uint64_t key, const uint64_t* result,
                               const probe::Host& f, const probe::Host& g) {
-  /// Forgets the times and counts of the frame before.
+  /// The calling thread, which may be a new one, works on the Exec's device from here on.
+  { exec.make_current() } -> std::same_as<void>;
+  /// make_current(), and forgets the times and counts of the frame before.
   { exec.begin_frame() } -> std::same_as<void>;
   /// begin_frame(), then what f() returns.
   { exec.frame(f) } -> std::same_as<void>;

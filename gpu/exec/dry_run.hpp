@@ -17,7 +17,7 @@ namespace collided {
 template <Backend backend>
 class DryRun {
  public:
-  DeviceInfo device() const { return {backend, "", 0}; }
+  DeviceInfo device() const { return {{backend, 0}}; }
   static constexpr bool kLaunchesCost = backend == Backend::kCuda;
 
   /// An address that nobody reads or writes: other addresses are formed from it.
@@ -62,6 +62,7 @@ class DryRun {
   template <class Write>
   void sort_keys(const char*, const Counted&, KeyArrays<Write>) requires(backend == Backend::kCpu) {}
 
+  void make_current() {}
   void begin_frame() { stages_.clear(); }
   template <class F>
   auto frame(const F& f) {

@@ -1,4 +1,5 @@
 #include "gpu/exec/cuda/cuda_exec.cuh"
+#include "gpu/exec/cuda/device.cuh"
 #include "gpu/exec/cuda/shared_memory.cuh"
 #include "gpu/scene/backends.hpp"
 #include "gpu/scene/scene_detector.hpp"
@@ -6,15 +7,10 @@
 
 namespace collided {
 
-namespace {
-constexpr int kDevice = 0;  ///< that all scenes are on
-}
-
 std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features) {
-  if (!cuda_available()) throw DeviceError("backend: no usable CUDA device was found");
-  const int threads = spec.threads;
+  const int device = spec.device.ordinal, threads = spec.threads;
   const MemoryLimits memory(spec.memory_budget, spec.memory_quota);
-  return make_scene_detector<CudaExec>(std::move(spec), std::move(features), kDevice, threads, memory);
+  return make_scene_detector<CudaExec>(std::move(spec), std::move(features), device, threads, memory);
 }
 
 std::vector<DeviceInfo> cuda_devices() {
@@ -26,21 +22,34 @@ std::vector<DeviceInfo> cuda_devices() {
   std::vector<DeviceInfo> devices;
   for (int i = 0; i < count; ++i) {
     cudaDeviceProp properties{};
-    if (cudaGetDeviceProperties(&properties, i) == cudaSuccess)
-      devices.push_back({Backend::kCuda, properties.name, properties.totalGlobalMem});
+    if (cudaGetDeviceProperties(&properties, i) == cudaSuccess) devices.push_back(info_of(i, properties));
   }
   return devices;
 }
 
-bool cuda_works() { return does_device_work(kDevice); }
-
-std::unique_ptr<SharedMemory> register_cuda_memory(std::span<std::byte> memory) {
-  return std::make_unique<RegisteredMemory>(kDevice, memory);
+void check_cuda_ordinal(int ordinal) {
+  int count = 0;
+  if (cudaGetDeviceCount(&count) == cudaSuccess && ordinal < count) return;
+  const std::vector<DeviceInfo> devices = cuda_devices();
+  if (devices.empty()) throw DeviceError("device: no usable CUDA device was found");
+  std::string there;
+  for (const DeviceInfo& info : devices) there += (there.empty() ? "" : ", ") + std::to_string(info.device.ordinal);
+  throw InvalidInput("device", "device is " + to_string(cuda_device(ordinal)) + ": this machine has " +
+                                   std::to_string(devices.size()) +
+                                   (devices.size() == 1 ? " CUDA device (" : " CUDA devices (") + there + ")");
 }
 
-std::unique_ptr<SharedMemory> open_cuda_memory(std::span<const std::byte> handle) {
+uint64_t free_cuda_memory(int ordinal) { return free_bytes_of(ordinal); }
+
+bool cuda_works(int ordinal) { return does_device_work(ordinal); }
+
+std::unique_ptr<SharedMemory> register_cuda_memory(int ordinal, std::span<std::byte> memory) {
+  return std::make_unique<RegisteredMemory>(ordinal, memory);
+}
+
+std::unique_ptr<SharedMemory> open_cuda_memory(int ordinal, std::span<const std::byte> handle) {
   if (!cuda_available()) throw InvalidInput("handle", "handle names memory of a GPU, and there is none here");
-  return std::make_unique<DeviceMemoryOfOthers>(kDevice, handle);
+  return std::make_unique<DeviceMemoryOfOthers>(ordinal, handle);
 }
 
 }  // namespace collided

@@ -3,15 +3,17 @@
 namespace collided {
 
 std::unique_ptr<Detector> make_cuda_detector(SceneSpec, FeatureTables) {
-  throw DeviceError("backend: this build has no CUDA");
+  throw DeviceError("device: this build has no CUDA");
 }
 std::vector<DeviceInfo> cuda_devices() { return {}; }
 
-bool cuda_works() { return false; }
-std::unique_ptr<SharedMemory> register_cuda_memory(std::span<std::byte>) {
-  throw DeviceError("backend: this build has no CUDA");
+void check_cuda_ordinal(int) { throw DeviceError("device: this build has no CUDA"); }
+uint64_t free_cuda_memory(int) { throw DeviceError("device: this build has no CUDA"); }
+bool cuda_works(int) { return false; }
+std::unique_ptr<SharedMemory> register_cuda_memory(int, std::span<std::byte>) {
+  throw DeviceError("device: this build has no CUDA");
 }
-std::unique_ptr<SharedMemory> open_cuda_memory(std::span<const std::byte>) {
+std::unique_ptr<SharedMemory> open_cuda_memory(int, std::span<const std::byte>) {
   throw InvalidInput("handle", "handle is of device memory, but this build has no CUDA");
 }
 

@@ -16,8 +16,10 @@ DeviceInfo cpu_device(int threads);
 std::vector<DeviceInfo> cuda_devices();
 
 // As in detector.hpp, on CUDA.
-bool cuda_works();
-std::unique_ptr<SharedMemory> register_cuda_memory(std::span<std::byte> memory);
-std::unique_ptr<SharedMemory> open_cuda_memory(std::span<const std::byte> handle);
+void check_cuda_ordinal(int ordinal);
+uint64_t free_cuda_memory(int ordinal);
+bool cuda_works(int ordinal);
+std::unique_ptr<SharedMemory> register_cuda_memory(int ordinal, std::span<std::byte> memory);
+std::unique_ptr<SharedMemory> open_cuda_memory(int ordinal, std::span<const std::byte> handle);
 
 }  // namespace collided

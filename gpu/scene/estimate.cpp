@@ -84,7 +84,7 @@ class SceneDryRun {
 template <class Use>
 auto with_dry_run(const SceneSpec& spec, uint64_t vertices, uint64_t triangles, const Use& use) {
   return with_real(spec.scalar, [&]<class Real>(Real) {
-    if (spec.backend == Backend::kCuda) return use(SceneDryRun<Backend::kCuda, Real>(spec, vertices, triangles));
+    if (spec.device.backend == Backend::kCuda) return use(SceneDryRun<Backend::kCuda, Real>(spec, vertices, triangles));
     return use(SceneDryRun<Backend::kCpu, Real>(spec, vertices, triangles));
   });
 }

@@ -38,6 +38,7 @@ class SceneDetector final : public Detector {
 
   void read_positions(const VertexSample& sample, std::span<std::byte> to) override {
     if (!positions_.has_frame()) throw std::logic_error("positions are read before the first frame");
+    exec_.make_current();
     exec_.asks().no_more();  // of a frame that was given up
     scene_.sample.ensure(sample.count);
     exec_.for_each(
@@ -55,7 +56,11 @@ class SceneDetector final : public Detector {
   }
   const SceneSpec& spec() const override { return spec_; }
   const Topology& topology() const override { return model_.topology(); }
-  DeviceInfo device() const override { return exec_.device(); }
+  DeviceInfo device() const override {
+    DeviceInfo info = exec_.device();
+    info.device = spec_.device;
+    return info;
+  }
 
  private:
   using Slot = SceneSlot<Exec, Real>;

@@ -50,7 +50,8 @@ class Results {
         spec_(spec),
         scene_(scene),
         placing_(placing),
-        room_(std::make_shared<AnswerRoom>(spec.memory_quota, &Exec::host_block)) {}
+        room_(std::make_shared<AnswerRoom>(spec.memory_quota,
+                                           [&exec](uint64_t bytes) { return exec.host_block(bytes); })) {}
   Results(const Results&) = delete;
   Results& operator=(const Results&) = delete;
   ~Results() { room_->close(); }

@@ -31,7 +31,7 @@ void fill_mesh(const MeshPlan& plan, const MeshSpec& engine, pb::MeshSpec* out) 
 void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   const SceneSpec& engine = plan.engine;
   out->set_display_name(plan.display_name);
-  out->set_backend(engine.backend == Backend::kCuda ? pb::BACKEND_CUDA : pb::BACKEND_CPU);
+  out->set_backend(engine.device.backend == Backend::kCuda ? pb::BACKEND_CUDA : pb::BACKEND_CPU);
   out->set_mode(to_message(engine.mode));
   out->set_accuracy(to_message(engine.accuracy));
   out->set_position_format(format_of(engine));
@@ -129,7 +129,7 @@ void fill_estimate(const ScenePlan& plan, pb::EstimateSceneResponse* out) try {
 }
 
 void fill_device(const DeviceInfo& device, pb::Device* out) {
-  out->set_backend(device.backend == Backend::kCuda ? pb::BACKEND_CUDA : pb::BACKEND_CPU);
+  out->set_backend(device.device.backend == Backend::kCuda ? pb::BACKEND_CUDA : pb::BACKEND_CPU);
   out->set_name(device.name);
   out->set_memory_bytes(device.memory_bytes);
 }

@@ -157,7 +157,7 @@ ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults, u
   plan.min_bytes = check_budget(engine, size, spec.memory_budget_bytes() > 0);
   parse_meshes(spec, plan);
   parse_exclusions(spec, plan);
-  engine.backend = parse_backend(spec.backend(), defaults);
+  engine.device.backend = parse_backend(spec.backend(), defaults);
   return plan;
 }
 

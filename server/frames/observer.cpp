@@ -59,7 +59,7 @@ void ServiceObserver::expired(const Scene& scene) {
 
 void ServiceObserver::device_failed(const Scene& scene, const std::string& why) {
   log_event(spdlog::level::err, "device error", {{"scene", scene.id()}, {"reason", why}});
-  if (!device_works(scene.backend())) lifecycle_.fail("a device no longer responds: " + why);
+  if (!device_works({scene.backend()})) lifecycle_.fail("a device no longer responds: " + why);
 }
 
 }  // namespace collided::server

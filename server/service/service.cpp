@@ -22,7 +22,8 @@ constexpr size_t kFullPageBytes = size_t{1} << 20;  // exceeded by one scene at 
 // The default backend's devices come first.
 std::vector<DeviceInfo> order_devices(std::vector<DeviceInfo> devices, bool cuda_first) {
   const auto first = cuda_first ? Backend::kCuda : Backend::kCpu;
-  std::stable_partition(devices.begin(), devices.end(), [&](const auto& device) { return device.backend == first; });
+  std::stable_partition(devices.begin(), devices.end(),
+                        [&](const auto& device) { return device.device.backend == first; });
   return devices;
 }
 
@@ -140,7 +141,7 @@ void CollisionService::build(const SceneUse& scene, UnaryCallBase& call, pb::Sce
 
 // All scenes of a backend are on its first device.
 const std::string& CollisionService::device_of(const SceneSpec& spec) const {
-  return std::find_if(devices_.begin(), devices_.end(), [&](const auto& d) { return d.backend == spec.backend; })->name;
+  return std::find_if(devices_.begin(), devices_.end(), [&](const auto& d) { return d.device == spec.device; })->name;
 }
 
 void CollisionService::estimate_scene(UnaryCall<pb::EstimateSceneRequest, pb::EstimateSceneResponse>& call) {

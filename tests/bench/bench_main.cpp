@@ -62,7 +62,7 @@ void add_choice(CLI::App& app, const std::string& option, T& value, const Names<
 
 void add_options(CLI::App& app, Options& o) {
   app.footer("Real frames come from the data folder (COLLIDED_DATA).");
-  add_choice(app, "--backend", o.spec.backend, kBackends, "cpu or cuda");
+  add_choice(app, "--backend", o.spec.device.backend, kBackends, "cpu or cuda");
   add_choice(app, "--mode", o.spec.mode, kModes, "ccd or dcd");
   add_choice(app, "--accuracy", o.spec.accuracy, kLevels, "candidates, fast, guarded, certified or exact");
   add_choice(app, "--scalar", o.spec.scalar, kScalars, "f32 or f64");
@@ -151,7 +151,7 @@ SceneReport run_scene(const BenchInput& input, const Options& o) {
 RunReport run_all(const Options& o) {
   RunReport report{.date = o.date,
                    .commit = o.commit,
-                   .device = device_name(o.spec.backend),
+                   .device = device_name(o.spec.device.backend),
                    .mode = name_of(kModes, o.spec.mode),
                    .accuracy = name_of(kLevels, o.spec.accuracy),
                    .scalar = name_of(kScalars, o.spec.scalar),
@@ -175,7 +175,7 @@ void compare_engines(const Options& o) {
     for (EngineRun& run : compare_engines(input, o.spec, engines, o.steps, o.warm_up)) runs.push_back(std::move(run));
   }
   std::cout << "{\n  \"date\": \"" << o.date << "\", \"commit\": \"" << o.commit << "\", \"device\": \""
-            << device_name(o.spec.backend) << "\",\n  \"mode\": \"" << name_of(kModes, o.spec.mode)
+            << device_name(o.spec.device.backend) << "\",\n  \"mode\": \"" << name_of(kModes, o.spec.mode)
             << "\", \"scalar\": \"" << name_of(kScalars, o.spec.scalar) << "\", \"steps\": " << o.steps
             << ",\n  \"runs\": ";
   write_engines(std::cout, runs);
@@ -189,7 +189,7 @@ void compare_levels(const Options& o) {
     reports.push_back(compare_levels(input, o.spec, o.steps, 3));
   }
   std::cout << "{\n  \"date\": \"" << o.date << "\", \"commit\": \"" << o.commit << "\", \"device\": \""
-            << device_name(o.spec.backend) << "\",\n  \"scalar\": \"" << name_of(kScalars, o.spec.scalar)
+            << device_name(o.spec.device.backend) << "\",\n  \"scalar\": \"" << name_of(kScalars, o.spec.scalar)
             << "\", \"steps\": " << o.steps << ",\n  \"scenes\": ";
   write_levels(std::cout, reports);
   std::cout << "\n}\n";

@@ -46,7 +46,7 @@ void write_scene(std::ostream& out, const SceneReport& s) {
 
 std::string device_name(Backend backend, int threads) {
   for (const DeviceInfo& device : list_devices(threads))
-    if (device.backend == backend) return device.name;
+    if (device.device.backend == backend) return device.name;
   throw std::runtime_error("no such device");
 }
 

@@ -21,7 +21,7 @@ class OnBackend : public Base {
 /// Settings of a scene on the backend under test; meshes are added later.
 inline SceneSpec settings(Mode mode, Accuracy accuracy, Scalar scalar = Scalar::kF64, double thickness = 0) {
   SceneSpec spec;
-  spec.backend = kBackend;
+  spec.device.backend = kBackend;
   spec.mode = mode;
   spec.accuracy = accuracy;
   spec.scalar = scalar;

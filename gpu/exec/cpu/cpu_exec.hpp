@@ -28,7 +28,7 @@ class CpuExec {
   CpuExec(int threads, MemoryLimits memory)
       : memory_(std::make_shared<MemoryLedger>(std::move(memory))), loops_(threads) {}
 
-  DeviceInfo device() const { return {Backend::kCpu, "CPU, " + std::to_string(loops_.threads()) + " threads", 0}; }
+  DeviceInfo device() const { return {{}, "CPU, " + std::to_string(loops_.threads()) + " threads"}; }
 
   void* allocate(const std::string& part, uint64_t bytes) {
     ++allocations_;
@@ -175,6 +175,7 @@ class CpuExec {
     f();
     stages_.push_back({name, time.milliseconds()});
   }
+  void make_current() {}
   void begin_frame() {
     stages_.clear();
     allocations_ = 0;

@@ -16,6 +16,7 @@
 #include "gpu/exec/concepts.hpp"
 #include "gpu/exec/cpu/cpu_loops.hpp"
 #include "gpu/exec/cuda/cuda_memory.cuh"
+#include "gpu/exec/cuda/device.cuh"
 #include "gpu/exec/cuda/for_each.cuh"
 #include "gpu/exec/cuda/in_parts.cuh"
 #include "gpu/exec/cuda/nvtx.cuh"
@@ -40,7 +41,7 @@ class CudaExec {
         times_(*this, "counters") {
     cudaDeviceProp properties{};
     check_cuda(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
-    info_ = {Backend::kCuda, properties.name, properties.totalGlobalMem};
+    info_ = info_of(device, properties);
     processors_ = static_cast<unsigned>(properties.multiProcessorCount);
     times_.allocate(StepGraph::kMaxTimes);
     arrived_.allocate(1);
@@ -49,6 +50,7 @@ class CudaExec {
   CudaExec(const CudaExec&) = delete;
   CudaExec& operator=(const CudaExec&) = delete;
   ~CudaExec() {
+    cudaSetDevice(device_);
     for (cudaStream_t stream : {stream_, side_}) cudaStreamSynchronize(stream);
     cudaEventDestroy(fork_);
     cudaEventDestroy(join_);
@@ -218,11 +220,14 @@ class CudaExec {
     return host_.data();
   }
   /// Pinned.
-  static std::shared_ptr<std::byte> host_block(uint64_t bytes) {
+  std::shared_ptr<std::byte> host_block(uint64_t bytes) const {
     void* memory = nullptr;
     check_cuda(cudaHostAlloc(&memory, bytes, cudaHostAllocDefault),
                ("answer: " + std::to_string(bytes) + " bytes of pinned host memory").c_str());
-    return {static_cast<std::byte*>(memory), [](std::byte* block) { cudaFreeHost(block); }};
+    return {static_cast<std::byte*>(memory), [device = device_](std::byte* block) {
+              cudaSetDevice(device);  // another one might not be in use yet, and would be made ready
+              cudaFreeHost(block);
+            }};
   }
   void copy(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyDeviceToDevice); }
   void fill_zero(void* memory, uint64_t bytes) {
@@ -270,8 +275,9 @@ class CudaExec {
     asks().ask();
     in_parts_ ? stage_events_.time_in_line(name, stream_, f) : stage_events_.time(name, f);
   }
+  void make_current() { use_device(device_); }
   void begin_frame() {
-    use_device(device_);  // the calling thread may be a new one
+    make_current();
     stage_events_.begin_frame();
     allocations_ = 0;
     graph_launches_ = 0;

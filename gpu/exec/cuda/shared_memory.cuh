@@ -7,23 +7,9 @@
 #include <cstring>
 #include <span>
 
-#include "gpu/exec/cuda/cuda_memory.cuh"
+#include "gpu/exec/cuda/device.cuh"
 
 namespace collided {
-
-/// Whether a device does what it is asked; after some errors it fails until the process ends. Does not wait for others.
-inline bool does_device_work(int device) {
-  cudaStream_t stream = nullptr;
-  cudaError_t error = cudaSetDevice(device);
-  if (error == cudaSuccess) error = cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking);
-  if (error == cudaSuccess) {
-    error = cudaStreamSynchronize(stream);
-    const cudaError_t last = cudaStreamDestroy(stream);
-    if (error == cudaSuccess) error = last;
-  }
-  cudaGetLastError();
-  return error == cudaSuccess;
-}
 
 class RegisteredMemory final : public SharedMemory {
  public:
@@ -62,10 +48,11 @@ class DeviceMemoryOfOthers final : public SharedMemory {
       throw InvalidInput("handle", "handle has " + std::to_string(handle.size()) + " bytes, one of device memory has " +
                                        std::to_string(sizeof(opened)));
     std::memcpy(&opened, handle.data(), sizeof(opened));
-    check_cuda(cudaSetDevice(device), "cudaSetDevice");
+    use_device(device);
     const cudaError_t error = cudaIpcOpenMemHandle(&memory_, opened, cudaIpcMemLazyEnablePeerAccess);
     if (error != cudaSuccess) refuse(error);
     try {
+      check_owner();
       bytes_ = bytes_from(memory_);
     } catch (...) {
       cudaIpcCloseMemHandle(memory_);
@@ -82,11 +69,19 @@ class DeviceMemoryOfOthers final : public SharedMemory {
   std::span<std::byte> bytes() const override { return {static_cast<std::byte*>(memory_), bytes_}; }
 
  private:
+  /// A device can open its neighbours' memory, but kernels that walk through it would cross the bus at each step.
+  void check_owner() const {
+    cudaPointerAttributes attributes{};
+    check_cuda(cudaPointerGetAttributes(&attributes, memory_), "cudaPointerGetAttributes");
+    if (attributes.device != device_)
+      throw InvalidInput("handle", "handle is of memory on " + to_string(cuda_device(attributes.device)) +
+                                       ", but the scene lives on " + to_string(cuda_device(device_)));
+  }
   /// A device that works has refused the handle.
   [[noreturn]] void refuse(cudaError_t error) const {
     cudaGetLastError();
     const std::string text =
-        std::string("handle names no device memory that can be opened: ") + cudaGetErrorString(error);
+        "handle names no memory that " + to_string(cuda_device(device_)) + " can open: " + cudaGetErrorString(error);
     if (!does_device_work(device_)) throw DeviceError(text);
     throw InvalidInput("handle", text);
   }

@@ -36,7 +36,7 @@ void check_file(int fd, uint64_t wanted) {
 
 // The engine names its argument, not the protocol's field.
 std::unique_ptr<SharedMemory> open_device(std::span<const std::byte> handle, const std::string& field) try {
-  return open_device_memory(handle);
+  return open_device_memory({Backend::kCuda}, handle);
 } catch (const InvalidInput& e) {
   throw InvalidInput(field, field + ": " + e.what());
 }
@@ -47,7 +47,7 @@ std::shared_ptr<SharedRegion> SharedRegion::map(const Fd& file, const RegionSize
   std::shared_ptr<SharedRegion> region(new SharedRegion);
   if (size.input + size.output > 0) region->map_file(file, size);
   if (size.input == 0) return region;
-  region->registered_ = register_host_memory(backend, region->mapped_.first(size.input));
+  region->registered_ = register_host_memory({backend}, region->mapped_.first(size.input));
   region->input_ = region->registered_->bytes();
   return region;
 }

@@ -17,7 +17,7 @@ class Crossings {
  public:
   Crossings(const Bodies& bodies, Backend backend, Scalar scalar) : scalar_(scalar) {
     SceneSpec spec;
-    spec.backend = backend;
+    spec.device.backend = backend;
     spec.scalar = scalar;
     spec.mode = Mode::kDcd;
     spec.accuracy = Accuracy::kExact;

@@ -112,7 +112,7 @@ struct Level {
 /// The same step again and again, at both levels in turn.
 json measure(const Case& c, Scalar scalar, const Options& o) {
   SceneSpec spec;
-  spec.backend = o.backend;
+  spec.device.backend = o.backend;
   spec.scalar = scalar;
   spec.threads = o.threads;
   const auto detector = Detector::create(spec_for(c, spec));

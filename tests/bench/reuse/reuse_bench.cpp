@@ -111,7 +111,7 @@ struct Side {
 
 Side side(const Case& c, const Options& o, Reuse reuse) {
   SceneSpec spec;
-  spec.backend = o.backend;
+  spec.device.backend = o.backend;
   spec.threads = o.threads;
   spec.reuse = reuse;
   return {.detector = Detector::create(spec_for(c, spec))};

@@ -34,7 +34,7 @@ std::vector<std::byte> pose_between(const Positions& rest, const Positions& now)
 class Run {
  public:
   Run(const Variant& variant, const Case& first, Backend backend, int threads) : variant_(variant), rest_(first.end) {
-    spec_.backend = backend;
+    spec_.device.backend = backend;
     spec_.scalar = Scalar::kF32;
     spec_.threads = threads;
     spec_.engine = Engine::kOctree;  // to compare engines takes time and memory of its own

@@ -75,6 +75,8 @@ class Holder {
   int input_ = -1, output_ = -1;
 };
 
+const Device kDevice{Backend::kCuda};
+
 class DeviceMemoryInput : public OnBackend<> {
  protected:
   const Case case_ = rounded(soup(95, 400, 1, 0.2, 0.1), Scalar::kF32);
@@ -122,9 +124,10 @@ TEST_F(DeviceMemoryInput, OfAnotherProcess) {
   const std::vector<std::byte> bytes = packed(updates);
   Holder holder(bytes);
   const std::vector<std::byte> handle = holder.handle();
-  const auto opened = open_device_memory(handle);
+  const auto opened = open_device_memory(kDevice, handle);
   ASSERT_GE(opened->bytes().size(), bytes.size());
-  EXPECT_EQ(open_device_memory(handle)->bytes().size(), opened->bytes().size()) << "opened once more, and closed";
+  EXPECT_EQ(open_device_memory(kDevice, handle)->bytes().size(), opened->bytes().size())
+      << "opened once more, and closed";
   auto detector = Detector::create(spec_);
   FrameInput input;
   input.slot = detector->make_slot();
@@ -138,7 +141,7 @@ TEST_F(DeviceMemoryInput, ABadCoordinateIsNamed) {
   broken.end[0][13][2] = std::nan("");
   const Frame bad(broken, Mode::kCcd, Scalar::kF32);
   Holder holder(packed(bad.input().updates));
-  const auto opened = open_device_memory(holder.handle());
+  const auto opened = open_device_memory(kDevice, holder.handle());
   auto detector = Detector::create(spec_);
   FrameInput input;
   input.updates = placed_at(opened->bytes(), bad.input().updates);

@@ -114,7 +114,7 @@ TEST_P(Slots, TakeRegisteredMemory) {
   const uint64_t bytes = (bytes_in(motion.frames[0].input().updates) / kPage + 2) * kPage;
   const std::unique_ptr<std::byte, void (*)(void*)> memory(static_cast<std::byte*>(std::aligned_alloc(kPage, bytes)),
                                                            std::free);
-  const auto registered = register_host_memory(kBackend, {memory.get(), bytes});
+  const auto registered = register_host_memory({kBackend}, {memory.get(), bytes});
   ASSERT_EQ(registered->bytes().data(), memory.get());
   ASSERT_EQ(registered->bytes().size(), bytes);
   FrameInput input;
@@ -281,18 +281,18 @@ TEST_F(SlotRules, TheBudgetHoldsForSlotsToo) {
 
 using SharedMemoryOf = OnBackend<>;
 
-TEST_F(SharedMemoryOf, NothingIsRegisteredToo) { EXPECT_TRUE(register_host_memory(kBackend, {})->bytes().empty()); }
+TEST_F(SharedMemoryOf, NothingIsRegisteredToo) { EXPECT_TRUE(register_host_memory({kBackend}, {})->bytes().empty()); }
 
 TEST_F(SharedMemoryOf, AHandleThatNamesNothingIsRefused) {
   const std::vector<std::byte> zero(64);
   for (const size_t size : {0, 3, 64})
-    EXPECT_EQ("handle", refused_field([&] { open_device_memory(std::span(zero).first(size)); })) << size;
-  EXPECT_TRUE(device_works(kBackend)) << "a bad handle harms no device";
+    EXPECT_EQ("handle", refused_field([&] { open_device_memory({kBackend}, std::span(zero).first(size)); })) << size;
+  EXPECT_TRUE(device_works({kBackend})) << "a bad handle harms no device";
 }
 
 TEST(Devices, ThatAreThereWork) {
-  EXPECT_TRUE(device_works(Backend::kCpu));
-  EXPECT_EQ(device_works(Backend::kCuda), cuda_available());
+  EXPECT_TRUE(device_works({Backend::kCpu}));
+  EXPECT_EQ(device_works({Backend::kCuda}), cuda_available());
 }
 
 }  // namespace

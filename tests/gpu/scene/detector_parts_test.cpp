@@ -197,11 +197,11 @@ TEST_F(DetectorParts, StaticMeshesStayOverManyFrames) {
 TEST_F(DetectorParts, StageNamesAndDeviceAreGiven) {
   const Case c = small_case();
   auto detector = Detector::create(spec_for(c, settings(Mode::kCcd, Accuracy::kFast)));
-  EXPECT_EQ(detector->device().backend, kBackend);
+  EXPECT_EQ(detector->device().device, Device{kBackend});
   EXPECT_FALSE(detector->device().name.empty());
   const std::vector<DeviceInfo> devices = list_devices();
   ASSERT_FALSE(devices.empty());
-  EXPECT_EQ(devices[0].backend, Backend::kCpu);
+  EXPECT_EQ(devices[0].device, Device{});
   EXPECT_EQ(devices.size() > 1, cuda_available());
 }
 

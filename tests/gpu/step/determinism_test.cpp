@@ -11,7 +11,7 @@ namespace {
 double scale_for(const std::string& scene) { return scene == "one_cell" ? 0.4 : 1; }
 
 FrameResult run_with(const Case& c, SceneSpec spec, Backend backend, int threads) {
-  spec.backend = backend;
+  spec.device.backend = backend;
   spec.threads = threads;
   return run_case(c, spec);
 }

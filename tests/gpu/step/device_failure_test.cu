@@ -26,7 +26,7 @@ int main() {
     return 77;
   }
   SceneSpec spec;
-  spec.backend = Backend::kCuda;
+  spec.device.backend = Backend::kCuda;
   MeshSpec mesh;
   mesh.vertex_count = 3;
   mesh.triangles = {{0, 1, 2}};
@@ -37,13 +37,13 @@ int main() {
   auto detector = Detector::create(spec);
   const auto slot = detector->make_slot();
   detector->detect(frame);
-  expect(device_works(Backend::kCuda), "the device works at first");
+  expect(device_works({Backend::kCuda}), "the device works at first");
 
   fail_kernel<<<1, 1>>>();
   cudaDeviceSynchronize();
-  expect(!device_works(Backend::kCuda), "the device has failed");
-  expect(!device_works(Backend::kCuda), "the device has still failed when it is asked again");
-  expect(device_works(Backend::kCpu), "the CPU works");
+  expect(!device_works({Backend::kCuda}), "the device has failed");
+  expect(!device_works({Backend::kCuda}), "the device has still failed when it is asked again");
+  expect(device_works({Backend::kCpu}), "the CPU works");
   try {
     detector->detect(frame);
     expect(false, "a frame on the failed device throws");

@@ -18,7 +18,7 @@ TEST(ConvertScene, FillsDefaults) {
   EXPECT_EQ(plan.engine.report, Report::kAll);
   EXPECT_EQ(plan.engine.delta, 0);
   EXPECT_EQ(plan.engine.scalar, Scalar::kF32);
-  EXPECT_EQ(plan.engine.backend, Backend::kCpu);
+  EXPECT_EQ(plan.engine.device.backend, Backend::kCpu);
   EXPECT_TRUE(plan.engine.kinds.vertex_triangle && plan.engine.kinds.edge_edge);
   EXPECT_TRUE(!plan.engine.kinds.triangle_triangle && !plan.engine.fields.has(ContactField::kWeights));
   EXPECT_EQ(plan.engine.memory_budget, Limits().max_scene_bytes);

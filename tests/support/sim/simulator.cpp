@@ -82,7 +82,7 @@ Simulator::Simulator(Bodies bodies, Backend backend, Scalar scalar) : bodies_(st
   for (const MeshSpec& mesh : bodies_.meshes.meshes)
     is_static_.insert(is_static_.end(), mesh.vertex_count, mesh.motion == MeshMotion::kStatic);
   SceneSpec spec;
-  spec.backend = backend;
+  spec.device.backend = backend;
   spec.scalar = scalar;
   spec.mode = Mode::kDcd;
   spec.thickness = bodies_.repulsion;
