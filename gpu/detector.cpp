@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "gpu/scene/backends.hpp"
+#include "gpu/scene/known_lengths.hpp"
 #include "gpu/scene/rules.hpp"
 #include "gpu/tables/tables.hpp"
 
@@ -47,6 +48,7 @@ std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
   MemoryHold making(spec.memory_quota);
   FeatureTables features = make_tables(spec, making);
   check_size(spec, features.topology);
+  expect_known_lengths(spec, features.topology);
   return spec.device.backend == Backend::kCuda ? make_cuda_detector(std::move(spec), std::move(features))
                                                : make_cpu_detector(std::move(spec), std::move(features));
 }

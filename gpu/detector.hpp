@@ -28,6 +28,8 @@ class Detector {
   virtual std::shared_ptr<FrameSlot> make_slot() = 0;
 
   virtual std::vector<MemoryPart> memory() const = 0;
+  /// That any frame so far needed.
+  virtual ListLengths list_lengths() const = 0;
   /// As the last edit left it, without triangles.
   virtual const SceneSpec& spec() const = 0;
   /// Of one world.

@@ -18,6 +18,7 @@
 
 #include "gpu/contact_set.hpp"
 #include "gpu/device.hpp"
+#include "gpu/list_lengths.hpp"
 
 namespace collided {
 
@@ -192,6 +193,8 @@ struct SceneSpec {
   uint64_t memory_budget = 0;                 ///< bytes on the backend; 0: no limit but the device's
   std::shared_ptr<MemoryQuota> memory_quota;  ///< that counts it too, and memory on the host; may be empty
   int threads = 0;                            ///< CPU threads; 0: all cores
+  ListLengths expected = {};                  ///< where there is no room for so much, lists begin as without it
+  std::shared_ptr<KnownLengths> known;        ///< of scenes alike: the scene expects and tells them; may be empty
   /// 0: the scene is one. Else it is a set of so many worlds, up to kMaxWorlds: each has all the meshes, stored once,
   /// and positions of its own, and none touches another. A frame names mesh m of world w as w * meshes.size() + m.
   uint32_t worlds = 0;

@@ -8,6 +8,7 @@
 #include "gpu/detector.hpp"
 #include "gpu/positions/sample.hpp"
 #include "gpu/scene/edit.hpp"
+#include "gpu/scene/known_lengths.hpp"
 #include "gpu/scene/resident_positions.hpp"
 #include "gpu/scene/rest_pairs.hpp"
 #include "gpu/scene/rules.hpp"
@@ -27,13 +28,17 @@ class SceneDetector final : public Detector {
         model_(exec_, std::move(spec), std::move(features)),
         positions_(exec_, model_.shape(), scene_),
         pipeline_(exec_, spec_, model_.counts(), scene_),
-        rest_pairs_(exec_, spec_, scene_, pipeline_) {}
+        rest_pairs_(exec_, spec_, scene_, pipeline_),
+        told_(spec_.expected) {}
 
   FrameResult detect(const FrameInput& frame) override {
     check_frame(spec_, frame);
     const FrameSettings settings = settings_with_margin(frame);
     exec_.asks().begin(frame.cancelled);
-    return exec_.frame([&] { return frame.edit ? detect_edited(frame, settings) : detect(frame, settings); });
+    FrameResult result =
+        exec_.frame([&] { return frame.edit ? detect_edited(frame, settings) : detect(frame, settings); });
+    if (list_lengths().exceed(told_)) tell_lengths();
+    return result;
   }
 
   void read_positions(const VertexSample& sample, std::span<std::byte> to) override {
@@ -54,12 +59,21 @@ class SceneDetector final : public Detector {
     if (pipeline_.answer_bytes() > 0) parts.push_back({"answers", pipeline_.answer_bytes()});
     return parts;
   }
+  ListLengths list_lengths() const override { return pipeline_.list_lengths(); }
   const SceneSpec& spec() const override { return spec_; }
   const Topology& topology() const override { return model_.topology(); }
   DeviceInfo device() const override {
     DeviceInfo info = exec_.device();
     info.device = spec_.device;
     return info;
+  }
+
+  /// What is told then may be less than was expected.
+  ~SceneDetector() override {
+    try {
+      if (positions_.has_frame()) tell_lengths();
+    } catch (...) {  // whoever comes next knows less
+    }
   }
 
  private:
@@ -114,6 +128,10 @@ class SceneDetector final : public Detector {
     pipeline_.resize(model_.topology());
     positions_.restore(std::move(saved));
     rest_pairs_.settle();
+  }
+  void tell_lengths() {
+    told_ = list_lengths();
+    if (spec_.known) spec_.known->learn(hash_of_scene(spec_, model_.topology()), told_);
   }
   /// Lists that a much larger scene needed.
   void release_unneeded() {
@@ -275,6 +293,7 @@ class SceneDetector final : public Detector {
   RestPairs<Exec, Real> rest_pairs_;
   size_t most_triangles_ = model_.topology().triangles.size();  ///< since lists were released
   std::shared_ptr<Slot> own_slot_;
+  ListLengths told_;  ///< to scenes alike, or by them
   double margin_ = 0;  ///< of advances; it never shrinks, so that few steps have to be recorded anew
 };
 

@@ -9,6 +9,7 @@
 #include "gpu/contacts/place.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/lbvh/lbvh.hpp"
+#include "gpu/list_lengths.hpp"
 #include "gpu/narrow/certified_ccd.hpp"
 #include "gpu/octree/leaf_pairs.hpp"
 #include "gpu/search/elementary.hpp"
@@ -20,6 +21,12 @@ namespace collided {
 /// What lists have room for, or have room for beyond what grows with the triangles, in the first step of a scene:
 /// enough for most scenes, and no more than the few triangles of a small one make.
 inline uint64_t first_length(uint64_t triangles) { return min(64 + 24 * triangles, uint64_t{1024}); }
+
+/// A list that is not there yet begins with this length, or with what is expected and a quarter more.
+template <class List>
+void begin_list(List& list, uint64_t length, uint64_t expected) {
+  if (list.capacity() == 0) list.allocate(max(length, ListLengths::with_reserve(expected)));
+}
 
 /// Topology, as resident arrays.
 template <Executor Exec>
@@ -290,11 +297,23 @@ template <Executor Exec, class Real>
 struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
   explicit SceneBuffers(Exec& exec) : ResidentBuffers<Exec, Real>(exec), WorkBuffers<Exec, Real>(exec) {}
 
+  ListLengths expected;
+
   void reserve_boxes(uint64_t triangles, uint64_t vertices) {
     this->boxes.allocate(triangles);
     this->records.allocate(triangles);
     if (kRoundsBoxes<Real>) this->paths.allocate(vertices);
     if (may_turn()) this->inflations.allocate(triangles);
+  }
+
+  /// Nothing is expected any more: lists begin anew with what most scenes need.
+  void expect_nothing(Exec& exec) {
+    expected = {};
+    this->octree = OctreeBuffers<Exec>(exec);
+    this->triangle_pairs = {exec, "pairs"};
+    this->candidates = make_candidate_buffers(exec, std::make_index_sequence<kFeatureKinds>{});
+    this->contacts = ContactBuffers<Exec, Real>(exec);
+    this->earliest = ContactBuffers<Exec, Real>(exec);
   }
 
   TriangleRecords<Real> triangle_records() const { return {this->records.all(), this->paths.all()}; }

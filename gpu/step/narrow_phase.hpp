@@ -38,17 +38,18 @@ class NarrowPhase {
   /// Lists start at what most scenes need.
   void reserve() {
     const uint64_t first = first_length(scene_.topology.triangle_count());
-    reserve(scene_.contacts, first);
-    if (needs().is_earliest_only()) reserve(scene_.earliest, first);
+    const ListLengths& expected = scene_.expected;
+    reserve(scene_.contacts, first, expected[ListLengths::kContacts]);
+    if (needs().is_earliest_only()) reserve(scene_.earliest, first, expected[ListLengths::kEarliest]);
     const uint64_t most = max(scene_.contacts.keys.capacity(), scene_.earliest.keys.capacity());
     reserve_order<Exec>(scene_.order, plan_.order, id_counts(), most, needs().has_data());
     scene_.columns.reserve(most, needs().columns());
     if (needs().columns().has(ContactField::kNormals)) scene_.normals.allocate(most);
-    if (needs().tests_triangles() && scene_.triangle_pairs.capacity() == 0) scene_.triangle_pairs.allocate(first);
+    if (needs().tests_triangles()) begin_list(scene_.triangle_pairs, first, expected[ListLengths::kTrianglePairs]);
     if (!needs().has_narrow_phase()) return;
     for_each_kind(
         [&](ContactKind kind, bool is_wanted) {
-          if (is_wanted && is_of_features(kind)) reserve(candidates_of(kind), first);
+          if (is_wanted && is_of_features(kind)) reserve_candidates(index_of(kind), first);
         },
         needs().kinds);
   }
@@ -140,8 +141,8 @@ class NarrowPhase {
     return {list(scene_.contacts, &scene_.state.data()->contacts), early_exit(), ranks_.begin[index_of(kind)]};
   }
 
-  void reserve(ContactBuffers<Exec, Real>& contacts, uint64_t count) {
-    contacts.keys.allocate(count);
+  void reserve(ContactBuffers<Exec, Real>& contacts, uint64_t count, uint64_t expected = 0) {
+    contacts.keys.allocate(max(count, ListLengths::with_reserve(expected)));
     if (needs().has_data()) contacts.data.allocate(contacts.keys.capacity());
   }
 
@@ -155,10 +156,12 @@ class NarrowPhase {
     contacts = std::move(larger);
   }
 
-  void reserve(CandidateBuffers<Exec>& candidates, uint64_t count) {
-    if (candidates.kept.capacity() == 0) candidates.kept.allocate(count);
-    if (needs().is_screened() && candidates.screened.capacity() == 0) candidates.screened.allocate(count);
-    if (needs().is_approached() && candidates.resumable.capacity() == 0) candidates.resumable.allocate(count);
+  void reserve_candidates(int kind, uint64_t count) {
+    const ListLengths& expected = scene_.expected;
+    CandidateBuffers<Exec>& candidates = scene_.candidates[kind];
+    begin_list(candidates.kept, count, expected[ListLengths::kKept + kind]);
+    if (needs().is_screened()) begin_list(candidates.screened, count, expected[ListLengths::kScreened + kind]);
+    if (needs().is_approached()) begin_list(candidates.resumable, count, expected[ListLengths::kResumable + kind]);
   }
 
   // The narrow phase of each level.

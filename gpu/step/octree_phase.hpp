@@ -44,46 +44,45 @@ class OctreePhase {
   /// of memory.
   void reserve(const OctreePlan& plan) {
     const uint64_t n = triangle_count();
+    const ListLengths& expected = scene_.expected;
     OctreeBuffers<Exec>& tree = scene_.octree;
     tree.wanted.allocate(1);
     if (plan.rounds > 0) {
-      if (tree.bricks.capacity() == 0) reserve_bricks(min(n / 16 + 1, uint64_t{256}));
-      if (tree.brick_items.capacity() == 0) tree.brick_items.allocate(n + first_length(n));
+      begin_list(tree.bricks, min(n / 16 + 1, uint64_t{256}), expected[ListLengths::kBricks]);
+      begin_list(tree.brick_items, n + first_length(n), expected[ListLengths::kBrickItems]);
       tree.reach.allocate(tree.bricks.capacity());
       tree.brick_cost.allocate(tree.bricks.capacity());
     }
     reserve_cells();
     tree.root_cost.allocate(level_offset(deepest_base(n) - kBrickLevels + 1));
-    if (tree.large.capacity() == 0) tree.large.allocate(min(n, uint64_t{256}));
-    if (tree.leaves.capacity() == 0) reserve_leaves(n / 2 + first_length(n));
+    begin_list(tree.large, min(n, uint64_t{256}), expected[ListLengths::kLarge]);
+    begin_list(tree.leaves, n / 2 + first_length(n), expected[ListLengths::kLeaves]);
     tree.cursor.allocate(tree.leaves.capacity());
-    if (tree.registered.capacity() == 0) tree.registered.allocate(6 * n + first_length(n));
-    if (tree.items.capacity() == 0) tree.items.allocate(n + first_length(n));
+    begin_list(tree.registered, 6 * n + first_length(n), expected[ListLengths::kRegistrations]);
+    begin_list(tree.items, n + first_length(n), expected[ListLengths::kPairItems]);
     if (!has_control_bits(plan)) return;
     tree.ordered.allocate(tree.registered.capacity());
     tree.by_start.allocate(tree.leaves.capacity());
   }
 
   /// Makes room for what a step asked for; whether it has to run again.
-  bool grow(const StepState& need) {
+  bool grow(const StepState& found) {
     OctreeBuffers<Exec>& tree = scene_.octree;
-    check_length("registrations", need.leaves[LeafSum::kRegistrations]);
-    check_length("items of pair tests", need.leaves[LeafSum::kItems]);
-    uint64_t bricks = 0, brick_items = 0;
-    for (const uint64_t n : need.bricks) bricks += n;
-    for (const uint64_t n : need.brick_items) brick_items += n;
+    const ListLengths need = lengths_of(found);
+    check_length("registrations", need[ListLengths::kRegistrations]);
+    check_length("items of pair tests", need[ListLengths::kPairItems]);
     bool short_of_room = false;
     const auto check = [&](const auto& buffer, uint64_t count, const auto& enlarge) {
       if (count <= buffer.capacity()) return;
       short_of_room = true;
       enlarge(count);
     };
-    check(tree.large, need.large, [&](uint64_t n) { tree.large.ensure(n); });
-    check(tree.bricks, bricks, [&](uint64_t n) { reserve_bricks(n + n / 4); });
-    check(tree.brick_items, brick_items, [&](uint64_t n) { tree.brick_items.ensure(n); });
-    check(tree.leaves, need.leaves[LeafSum::kLeaves], [&](uint64_t n) { reserve_leaves(n + n / 4); });
-    check(tree.registered, need.leaves[LeafSum::kRegistrations], [&](uint64_t n) { tree.registered.ensure(n); });
-    check(tree.items, need.leaves[LeafSum::kItems], [&](uint64_t n) { tree.items.ensure(n); });
+    check(tree.large, need[ListLengths::kLarge], [&](uint64_t n) { tree.large.ensure(n); });
+    check(tree.bricks, need[ListLengths::kBricks], [&](uint64_t n) { reserve_bricks(n + n / 4); });
+    check(tree.brick_items, need[ListLengths::kBrickItems], [&](uint64_t n) { tree.brick_items.ensure(n); });
+    check(tree.leaves, need[ListLengths::kLeaves], [&](uint64_t n) { reserve_leaves(n + n / 4); });
+    check(tree.registered, need[ListLengths::kRegistrations], [&](uint64_t n) { tree.registered.ensure(n); });
+    check(tree.items, need[ListLengths::kPairItems], [&](uint64_t n) { tree.items.ensure(n); });
     return short_of_room;
   }
 

@@ -42,6 +42,7 @@ class Pipeline {
         reuse_(spec),
         planner_(counts_.triangles) {
     narrow_.expect_loose_elements(counts_.has_loose_elements());
+    scene_.expected = spec.expected;
   }
 
   /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`, `room`: as in FrameInput.
@@ -66,6 +67,7 @@ class Pipeline {
   /// Lists shrink to what they begin with.
   void release_lists() {
     static_cast<WorkBuffers<Exec, Real>&>(scene_) = WorkBuffers<Exec, Real>(exec_);
+    scene_.expected = needed_ = {};
     searcher_.release();
     placing_.begin_anew();
     sent_levels_ = {.deepest = -1};
@@ -76,6 +78,8 @@ class Pipeline {
   /// Bounds of all triangles over the last step, rounded outward.
   const Box<float>& bounds() const { return state_.bounds; }
   uint64_t answer_bytes() const { return results_.answer_bytes(); }
+  /// What any step so far asked for.
+  const ListLengths& list_lengths() const { return needed_; }
 
  private:
   FrameResult detect(bool boxes_static, const LevelNeeds& needs, uint64_t bytes_beside_contact,
@@ -88,6 +92,7 @@ class Pipeline {
     result_.broad_phase = choices_.begin(needs, lists_.use == ListUse::kNone);
     run_step(needs, boxes_static || !is_boxed);
     boxed_thickness_ = thickness;
+    needed_.include(lengths_of(state_));
     describe();
     results_.collect(state_, needs, {bytes_beside_contact, room.first_on_host}, result_);
     result_.stages = exec_.stage_times();
@@ -218,7 +223,18 @@ class Pipeline {
   }
   OctreePlan plan_octree() const { return planner_.plan(result_.broad_phase.engine, !Exec::kLaunchesCost); }
 
+  /// Where there is no room for what is expected, lists begin as they do without.
   void reserve() {
+    try {
+      reserve_lists();
+    } catch (...) {
+      if (!scene_.expected.is_known()) throw;
+      scene_.expect_nothing(exec_);
+      sent_levels_ = {.deepest = -1};
+      reserve_lists();
+    }
+  }
+  void reserve_lists() {
     scene_.reserve_boxes(counts_.triangles, counts_.vertices);
     narrow_.reserve();
     if (plan_.lists.use != ListUse::kNone) neighbours_.reserve(times_ = reuse_.times(plan_.lists));
@@ -389,6 +405,7 @@ class Pipeline {
   std::optional<double> boxed_thickness_;    ///< that all boxes have
   PlanNumbers numbers_;
   StepState state_{};
+  ListLengths needed_;
   FrameResult result_;
 };
 

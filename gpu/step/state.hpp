@@ -4,6 +4,7 @@
 
 #include "gpu/base/deviations.hpp"
 #include "gpu/contacts/kinds.hpp"
+#include "gpu/list_lengths.hpp"
 #include "gpu/narrow/coplanarity_filter.hpp"
 #include "gpu/octree/levels.hpp"
 #include "gpu/octree/subdivision.hpp"
@@ -38,6 +39,26 @@ struct StepState {
   Shortcut shortcut;
   double earliest_toi;  ///< of contacts that stay on the backend
 };
+
+/// That the step asked for.
+inline ListLengths lengths_of(const StepState& state) {
+  ListLengths lengths;
+  for (const uint64_t n : state.bricks) lengths[ListLengths::kBricks] += n;
+  for (const uint64_t n : state.brick_items) lengths[ListLengths::kBrickItems] += n;
+  lengths[ListLengths::kLarge] = state.large;
+  lengths[ListLengths::kLeaves] = state.leaves[LeafSum::kLeaves];
+  lengths[ListLengths::kRegistrations] = state.leaves[LeafSum::kRegistrations];
+  lengths[ListLengths::kPairItems] = state.leaves[LeafSum::kItems];
+  lengths[ListLengths::kTrianglePairs] = state.triangle_pairs;
+  lengths[ListLengths::kContacts] = state.contacts;
+  lengths[ListLengths::kEarliest] = state.earliest;
+  for (int kind = 0; kind < kFeatureKinds; ++kind) {
+    lengths[ListLengths::kKept + kind] = state.kept[kind];
+    lengths[ListLengths::kScreened + kind] = state.screened[kind];
+    lengths[ListLengths::kResumable + kind] = state.resumable[kind];
+  }
+  return lengths;
+}
 
 /// Set up before the narrow phase: what depends on the scene's bounds.
 struct PrepareNarrow {

@@ -48,6 +48,7 @@ void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   out->set_report(to_message(engine.report));
   out->set_broad_phase_engine(to_message(engine.engine));
   out->set_reuse(to_message(engine.reuse));
+  out->set_expected_contacts(engine.expected[ListLengths::kContacts]);
   fill_kinds(engine, out);
   fill_fields(plan.fields, out);
   out->set_memory_budget_bytes(engine.memory_budget);

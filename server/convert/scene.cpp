@@ -54,6 +54,12 @@ uint64_t check_budget(const SceneSpec& engine, const SceneSize& size, bool is_as
   return need;
 }
 
+uint64_t parse_expected_contacts(uint64_t expected) {
+  if (expected > kMaxListLength)
+    throw_invalid("spec.expected_contacts", fmt::format("is {}, more than {}", expected, kMaxListLength));
+  return expected;
+}
+
 uint64_t parse_budget(uint64_t budget, uint64_t limit) {
   if (budget > limit)
     throw LimitExceeded("spec.memory_budget_bytes",
@@ -145,6 +151,7 @@ ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults, u
   engine.engine = parse_engine(spec.broad_phase_engine(), "spec.broad_phase_engine");
   engine.reuse = parse_reuse(spec.reuse(), "spec.reuse");
   engine.worlds = worlds;
+  engine.expected[ListLengths::kContacts] = parse_expected_contacts(spec.expected_contacts());
   parse_kinds(spec, engine);
   check_scene_options(engine, spec);
   plan.fields = parse_fields(spec, engine.mode);

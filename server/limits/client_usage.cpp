@@ -61,6 +61,11 @@ std::shared_ptr<DeviceBytes> ClientUsage::device_bytes(const Client& client) {
   return bytes;
 }
 
+std::shared_ptr<KnownLengths> ClientUsage::known_lengths(const Client& client) {
+  const std::lock_guard lock(mutex_);
+  return clients_[client->name].known_lengths;
+}
+
 void ClientUsage::set_limits(const Limits& limits) {
   device_bytes_->set_max(limits.max_device_bytes);
   const std::lock_guard lock(mutex_);

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "gpu/types.hpp"
 #include "server/auth/client.hpp"
 #include "server/limits/device_bytes.hpp"
 #include "server/ops/clock.hpp"
@@ -30,6 +31,8 @@ class ClientUsage {
   void count_frame(const Client& client);
   /// The quota that the client's scenes share, within the daemon's.
   std::shared_ptr<DeviceBytes> device_bytes(const Client& client);
+  /// What its scenes needed, for those that come.
+  std::shared_ptr<KnownLengths> known_lengths(const Client& client);
   /// Bytes that all scenes hold.
   uint64_t held_device_bytes() const { return device_bytes_->held(); }
   size_t streams() const;
@@ -46,6 +49,7 @@ class ClientUsage {
     size_t streams = 0;
     std::optional<Bucket> bucket;  // none before the first frame
     std::shared_ptr<DeviceBytes> device_bytes;
+    std::shared_ptr<KnownLengths> known_lengths = std::make_shared<KnownLengths>();
   };
 
   void end_stream(const std::string& name);

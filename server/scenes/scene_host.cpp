@@ -66,6 +66,7 @@ void SceneHost::set_limits(const Limits& limits) {
 SceneStore::Added SceneHost::add_scene(const Client& owner, SceneRequest request) {
   check_could_add(owner, request.plan);
   request.plan.quota = usage_.device_bytes(owner);
+  request.plan.engine.known = usage_.known_lengths(owner);
   return scenes_.add(owner, std::move(request));
 }
 

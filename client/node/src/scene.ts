@@ -82,6 +82,8 @@ export interface SceneInput {
   reuse?: Reuse;
   /** Bytes that the scene may hold; 0: the daemon's limit. */
   memoryBudgetBytes?: bigint | number;
+  /** Contacts of a frame that room is made for at once, at most 2^32 - 1; 0: for few. */
+  expectedContacts?: number;
   /** For people. */
   displayName?: string;
 }
@@ -118,6 +120,7 @@ const SCENE: Rules<SceneInput> = {
   broadPhaseEngine: oneOf(BroadPhaseEngine),
   reuse: oneOf(Reuse),
   memoryBudgetBytes: uint64,
+  expectedContacts: uint32,
   displayName: string,
 };
 
@@ -150,6 +153,7 @@ export function sceneSpec(scene: SceneInput): SceneSpec {
     kinds: [...(scene.kinds ?? [])],
     fields: [...(scene.fields ?? [])],
     memoryBudgetBytes: BigInt(scene.memoryBudgetBytes ?? 0),
+    expectedContacts: BigInt(scene.expectedContacts ?? 0),
     meshes: scene.meshes.map((mesh, i) => meshSpec(mesh, `spec.meshes[${i}]`)),
     report: scene.report ?? Report.UNSPECIFIED,
     broadPhaseEngine: scene.broadPhaseEngine ?? BroadPhaseEngine.UNSPECIFIED,

@@ -36,6 +36,7 @@ class SceneOptions:
     broad_phase: an engine, such as "octree" or "lbvh"; None: the daemon chooses.
     reuse: "on" or "off": whether frames that resemble the last reuse its list of neighbours; None: where it is faster.
     memory_budget: bytes that the scene may hold; 0: the daemon's limit.
+    expected_contacts: contacts of a frame that room is made for at once, at most 2^32 - 1; 0: for few.
     exclude: pairs of meshes that are not tested.
     display_name: for people, at most 128 bytes.
     """
@@ -55,15 +56,15 @@ class SceneOptions:
     broad_phase: str | None = None
     reuse: str | None = None
     memory_budget: int = 0
+    expected_contacts: int = 0
     exclude: Iterable[tuple[str | int, str | int]] = ()
     display_name: str = ""
 
     def __post_init__(self) -> None:
         for name in ("thickness", "delta", "min_separation", "rest_distance"):
             check_length(getattr(self, name), name)
-        if not isinstance(self.memory_budget, (int, np.integer)) or not 0 <= self.memory_budget < 2**64:
-            raise InvalidArgument(f"memory_budget is {self.memory_budget!r}; it must be from 0 to 2^64 - 1",
-                                  field="memory_budget")
+        _check_count(self.memory_budget, "memory_budget", 64)
+        _check_count(self.expected_contacts, "expected_contacts", 32)
         mode = choice(scene_pb2.DetectionMode, "DETECTION_MODE_", self.mode, "mode")
         object.__setattr__(self, "mode", word(scene_pb2.DetectionMode, "DETECTION_MODE_", mode))
         object.__setattr__(self, "exclude", tuple(self.exclude))
@@ -83,6 +84,7 @@ class SceneOptions:
         spec = scene_pb2.SceneSpec(
             display_name=self.display_name, thickness=self.thickness, delta=self.delta,
             min_separation=self.min_separation, rest_distance=self.rest_distance, memory_budget_bytes=self.memory_budget,
+            expected_contacts=self.expected_contacts,
             mode=choice(scene_pb2.DetectionMode, "DETECTION_MODE_", self.mode, "mode"),
             accuracy=choice(scene_pb2.Accuracy, "ACCURACY_", self.accuracy, "accuracy"),
             report=choice(scene_pb2.Report, "REPORT_", self.report, "report"),
@@ -104,6 +106,11 @@ def words(values: Iterable[str], argument: str) -> list[str]:
     if isinstance(values, str):
         raise InvalidArgument(f"{argument} is {values!r}; it must be a list, such as [{values!r}]", field=argument)
     return list(values)
+
+
+def _check_count(value: Any, argument: str, bits: int) -> None:
+    if not isinstance(value, (int, np.integer)) or not 0 <= value < 2**bits:
+        raise InvalidArgument(f"{argument} is {value!r}; it must be from 0 to 2^{bits} - 1", field=argument)
 
 
 def check_length(value: Any, argument: str) -> None:

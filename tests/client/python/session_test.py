@@ -239,13 +239,15 @@ class Sessions(Case):
                               self_contacts=False, edges=[[0, 1]], points=[2])
         options = {"mode": "dcd_and_ccd", "accuracy": "guarded", "thickness": 0.5, "delta": 0.25, "min_separation": 0.125,
                    "rest_distance": 2.0, "kinds": ["vt"], "fields": ["elements", "toi"], "report": "all", "backend": "cpu",
-                   "broad_phase": "lbvh", "reuse": "on", "memory_budget": 1 << 28,
-                   "exclude": [("cloth", "floor")], "display_name": "all", "position_format": "q16", "quantization_box": collided.Box((-9, -9, -9), (9, 9, 9))}
+                   "broad_phase": "lbvh", "reuse": "on", "memory_budget": 1 << 28, "expected_contacts": 9,
+                   "exclude": [("cloth", "floor")], "display_name": "all", "position_format": "q16",
+                   "quantization_box": collided.Box((-9, -9, -9), (9, 9, 9))}
         scene = collided.Scene({"floor": meshes()["floor"], "cloth": cloth}, server=self.server, **options)
         self.addCleanup(scene.close)
         spec, mesh = scene.refresh().spec, scene.refresh().spec.meshes[1]
         for name in ("thickness", "delta", "min_separation", "rest_distance", "display_name"):
             self.assertEqual(getattr(spec, name), options[name])
+        self.assertEqual(spec.expected_contacts, 9)
         self.assertEqual((spec.memory_budget_bytes, list(spec.kinds), list(spec.fields)), (1 << 28, [1], [1, 3]))
         self.assertEqual((spec.mode, spec.accuracy, spec.report, spec.backend, spec.broad_phase_engine), (3, 3, 1, 2, 6))
         self.assertEqual(spec.reuse, 1)

@@ -65,6 +65,12 @@ TEST(ConvertScene, TakesWhetherListsAreReused) {
   EXPECT_THROW(parse_scene(bad, {}), InvalidInput);
 }
 
+TEST(ConvertScene, TakesHowManyContactsAreExpected) {
+  const auto wanted = request_with([](pb::SceneSpec& s) { s.set_expected_contacts(kMaxListLength); });
+  EXPECT_EQ(parse_scene(wanted, {}).plan.engine.expected[ListLengths::kContacts], kMaxListLength);
+  EXPECT_EQ(shown(wanted).spec().expected_contacts(), kMaxListLength);
+}
+
 TEST(ConvertScene, AnUnknownEngineIsRefusedWithItsValueAndTheLimit) {
   for (const int value : {-1, 9, 1000}) {
     const auto bad =
@@ -256,6 +262,7 @@ TEST(ConvertScene, RefusesBadValues) {
   refuse("spec.meshes[0].exclude_rings", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_exclude_rings(9); });
   for (const double distance : {-1.0, kNan, kInfinity})
     refuse("spec.rest_distance", [&](Request& r) { r.mutable_spec()->set_rest_distance(distance); });
+  refuse("spec.expected_contacts", [](Request& r) { r.mutable_spec()->set_expected_contacts(kMaxListLength + 1); });
   refuse("spec.excluded_meshes[0]", [](Request& r) { r.mutable_spec()->add_excluded_meshes()->set_second(1); });
   refuse("request_id", [](Request& r) { r.set_request_id(std::string(65, 'x')); });
   for (const double lease : {-1.0, kNan}) refuse("lease_seconds", [&](Request& r) { r.set_lease_seconds(lease); });
