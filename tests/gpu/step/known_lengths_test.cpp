@@ -56,10 +56,8 @@ TEST_F(ListsThatAreKnown, GrowWithTheLastSceneThatNeededMore) {
   spec.known = std::make_shared<KnownLengths>();
   const Case c = crowded();
   Case apart = c;
-  for (size_t i = 0; i < apart.end.size(); ++i) {
-    const Vec3d away = {100.0 * static_cast<double>(i / 3), 0, 0};
-    apart.start[i] = apart.start[i] + away, apart.end[i] = apart.end[i] + away;
-  }
+  for (size_t i = 0; i < apart.end[0].size(); ++i)
+    for (auto* positions : {&apart.start[0], &apart.end[0]}) (*positions)[i][0] += 100.0 * static_cast<double>(i / 3);
   const auto detector = Detector::create(spec_for(c, spec));
   detector->detect(Frame(apart, spec.mode, spec.scalar).input());
   ASSERT_EQ(detector->list_lengths()[ListLengths::kContacts], 0u);
