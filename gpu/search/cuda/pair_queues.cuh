@@ -173,7 +173,5 @@ class PairQueues {
 };
 
 constexpr unsigned kSearchBlock = 128;
-/// On a processor: as many as shared memory has room for. The compiler is to leave registers for them.
-constexpr unsigned kSearchBlocks = 7;
 
 }  // namespace collided

@@ -93,7 +93,7 @@ class WarpSearch {
 
 /// `next` as in take_items.
 template <class Source, class Sink>
-__global__ void __launch_bounds__(kSearchBlock, kSearchBlocks)
+__global__ void __launch_bounds__(kSearchBlock)
     pair_search_kernel(uint64_t* begin, Counted items, uint64_t* next, const uint32_t* stop, Source source, Sink sink) {
   note_begin(begin);
   __shared__ SearchShared shared[kSearchBlock / 32];

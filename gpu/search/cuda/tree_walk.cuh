@@ -137,7 +137,7 @@ class SharedWalks {
 
 /// `next`: a zeroed counter.
 template <class Source, class Sink>
-__global__ void __launch_bounds__(kSearchBlock, kSearchBlocks)
+__global__ void __launch_bounds__(kSearchBlock)
     tree_walk_kernel(uint64_t* begin, uint64_t count, uint64_t* next, const uint32_t* stop, Source source, Sink sink) {
   note_begin(begin);
   __shared__ typename SharedWalks<Source, Sink>::Shared shared[kSearchBlock / 32];
