@@ -56,6 +56,14 @@ void set_keepalive(grpc::ServerBuilder& builder, const Config& config) {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
 }
 
+std::vector<DeviceGauges> gauges_of(const std::vector<DeviceState>& devices) {
+  std::vector<DeviceGauges> gauges;
+  for (const DeviceState& device : devices)
+    gauges.push_back({to_string(device.info.device), device.scenes, device.held_bytes, device.max_bytes,
+                      device.free_bytes, device.waiting_frames, device.busy_seconds});
+  return gauges;
+}
+
 LocalOptions local_options(const Config& config) {
   LocalOptions options{config.local_socket, config.allowed_uids, config.cuda_ipc, {}};
   options.timeouts.take_seconds = config.keepalive_timeout_seconds;
@@ -76,6 +84,7 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
     http_ = std::make_unique<HttpServer>(config.http_address, core_.metrics, lifecycle_);
   if (!config.local_socket.empty())
     local_ = std::make_unique<LocalServer>(local_options(config), core_.host, core_.authenticator, core_.metrics);
+  log_devices();
   listen(config);
   core_.metrics.set_gauges([this] { return gauges(); });
   core_.authenticator.watch([this](std::string_view peer, const ClientIdentity& client) {
@@ -84,6 +93,16 @@ Daemon::Daemon(const Config& config, Lifecycle& lifecycle)
   health_.set_serving(true);
   entrance_.open(lifecycle_, health_);
   lifecycle_.serve();
+}
+
+void Daemon::log_devices() const {
+  for (const DeviceState& device : core_.host.devices().state())
+    log_event(spdlog::level::info, "device served",
+              {{"device", to_string(device.info.device)},
+               {"name", device.info.name},
+               {"uuid", device.info.uuid},
+               {"max_bytes", device.max_bytes},
+               {"free_bytes", device.free_bytes}});
 }
 
 Gauges Daemon::gauges() const {
@@ -102,7 +121,8 @@ Gauges Daemon::gauges() const {
           limits.max_scenes,
           limits.max_streams,
           limits.max_device_bytes,
-          lifecycle_.status().ready()};
+          lifecycle_.status().ready(),
+          gauges_of(totals.devices)};
 }
 
 void Daemon::listen(const Config& config) {

@@ -50,6 +50,7 @@ class Daemon {
  private:
   void listen(const Config& config);
   void end_flood(const std::string& peer);
+  void log_devices() const;
   Gauges gauges() const;
 
   Lifecycle& lifecycle_;

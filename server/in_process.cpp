@@ -52,6 +52,7 @@ Config config_of(const InProcessOptions& options) {
   Config config;
   config.addresses.clear();
   config.backend = options.backend;
+  if (cuda_available()) config.devices = {"cuda:0", "cpu:0"};  // other GPUs are the caller's
   config.threads = options.threads;
   config.concurrent_frames = options.concurrent_frames;
   config.gives_back_memory = false;

@@ -1,17 +1,16 @@
 // The memory that scenes may have.
 #include "server/usable_memory.hpp"
 
-#include "gpu/detector.hpp"
 #include "server/config/host_memory.hpp"
+#include "server/devices/chosen_devices.hpp"
 
 namespace collided::server {
 
 Memory usable_memory(const Config& config) {
   Memory memory{host_memory(), 0};
   if (config.backend == "cpu") return memory;
-  for (const auto& device : list_devices())
-    if (device.device.backend == Backend::kCuda && (memory.device == 0 || device.memory_bytes < memory.device))
-      memory.device = device.memory_bytes;
+  for (const auto& info : chosen_devices(config))
+    if (info.device.backend == Backend::kCuda) memory.device += info.memory_bytes;
   return memory;
 }
 

@@ -6,7 +6,8 @@
 
 namespace collided::server {
 
-/// Scenes live on a CUDA device where there is one, unless the backend is "cpu".
+/// Scenes live on the CUDA devices that are served, unless the backend is "cpu". Throws ConfigError for a device that
+/// is not there.
 Memory usable_memory(const Config& config);
 
 }  // namespace collided::server

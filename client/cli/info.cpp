@@ -32,10 +32,19 @@ Json limits_json(const v1::ServerLimits& limits) {
           {"max_accuracy", name_of(limits.max_accuracy())}};
 }
 
+Json device_json(const v1::Device& device) {
+  return {{"name", device.name()},
+          {"memory_bytes", device.memory_bytes()},
+          {"uuid", device.uuid()},
+          {"max_bytes", device.max_bytes()},
+          {"free_bytes", device.free_bytes()},
+          {"scenes", device.scenes()},
+          {"load", device.load()}};
+}
+
 Json info_json(const v1::GetServerInfoResponse& info) {
   Json devices = Json::object();
-  for (const v1::Device& d : info.devices())
-    devices[name_of(d.backend())] = {{"name", d.name()}, {"memory_bytes", d.memory_bytes()}};
+  for (const v1::Device& d : info.devices()) devices[d.id().empty() ? name_of(d.backend()) : d.id()] = device_json(d);
   return {{"version", info.version()},
           {"devices", devices},
           {"limits", limits_json(info.limits())},

@@ -73,8 +73,10 @@ struct Config {
   bool open_reflection = false;  ///< serve reflection to callers without a token, too
   bool allow_insecure = false;   ///< allow plain text on addresses that other hosts can reach
   std::string backend = "auto";  ///< auto, cpu or cuda
-  int threads = 0;               ///< CPU threads of a scene; 0: all cores
-  int concurrent_frames = 0;     ///< frames computed at once; 0: 4 to 12 with a GPU, else 2
+  /// Ids of those that scenes can live on, such as "cuda:1"; empty: every CUDA device and the CPU.
+  std::vector<std::string> devices;
+  int threads = 0;            ///< CPU threads of a scene; 0: all cores, of which each device of the CPU has its share
+  int concurrent_frames = 0;  ///< frames computed at once on a device; 0: 4 to 12 on a GPU, else 2
   Limits limits;
   double keepalive_seconds = 10;         ///< between pings to a silent client
   double keepalive_timeout_seconds = 5;  ///< until a client that does not answer a ping is dropped

@@ -11,13 +11,13 @@ namespace collided::server {
 /// Bytes; 0 if unknown.
 struct Memory {
   uint64_t host = 0;    ///< usable by the process
-  uint64_t device = 0;  ///< of the CUDA device that holds scenes; 0: scenes live on the host alone
+  uint64_t device = 0;  ///< of the CUDA devices that hold scenes, together; 0: scenes live on the host alone
 };
 
 /// The limits that derive_limits() fills, all 0.
 Limits underived_limits();
 
-/// Fills the limits that are 0. Scenes get half of the host's memory (or nine tenths of the device's, if that is less),
+/// Fills the limits that are 0. Scenes get half of the host's memory (or nine tenths of the devices', if that is less),
 /// messages in transit at most a quarter. One client gets a quarter of the daemon's limits, one scene as many bytes as
 /// one client; never less than 1 MiB, 1 scene and 1 stream.
 void derive_limits(Limits& limits, const Memory& memory);

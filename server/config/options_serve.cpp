@@ -25,6 +25,10 @@ std::string check_name(const std::string& name) {
   return "it must have at most " + std::to_string(kMaxNameBytes) + " letters, digits, '-' and '_'";
 }
 
+std::string check_device_id(const std::string& text) {
+  return parse_device(text) ? "" : "\"" + text + "\" names no device: it must be as cuda:0 or cpu:0";
+}
+
 void add_addresses(CLI::App& app, Config& config) {
   add(app, "--address", config.addresses, "host:port (port 0: any free one) or unix:/path; may be repeated")
       ->type_name("ADDRESS")
@@ -70,9 +74,16 @@ void add_security(CLI::App& app, Config& config) {
 void add_engine(CLI::App& app, Config& config) {
   add(app, "--backend", config.backend, "Default backend of scenes: auto, cpu or cuda")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}));
-  add<int>(app, "--threads", config.threads, 0, 4096, "CPU threads of a scene; 0: all cores");
+  add(app, "--device", config.devices,
+      "Device that scenes can live on: cuda:0, cuda:1, ..., or cpu:0; may be repeated; none: every CUDA device and the "
+      "CPU")
+      ->type_name("DEVICE")
+      ->delimiter(',')
+      ->check(CLI::Validator(check_device_id, ""));
+  add<int>(app, "--threads", config.threads, 0, 4096,
+           "CPU threads of a scene; 0: all cores, shared by the devices of the CPU");
   add<int>(app, "--concurrent-frames", config.concurrent_frames, 0, 4096,
-           "Frames of different scenes computed at once; 0: 4 to 12 with a GPU, else 2");
+           "Frames of different scenes computed at once on a device; 0: 4 to 12 on a GPU, else 2");
 }
 
 void add_times(CLI::App& app, Config& config) {

@@ -40,6 +40,7 @@ Reloaded reload_config(int argc, const char* const* argv, const Config& current)
   keeper.keep("open-reflection", now.open_reflection, current.open_reflection);
   keeper.keep("allow-insecure", now.allow_insecure, current.allow_insecure);
   keeper.keep("backend", now.backend, current.backend);
+  keeper.keep("device", now.devices, current.devices);
   keeper.keep("threads", now.threads, current.threads);
   keeper.keep("concurrent-frames", now.concurrent_frames, current.concurrent_frames);
   keeper.keep("keepalive-seconds", now.keepalive_seconds, current.keepalive_seconds);

@@ -37,12 +37,31 @@ void check_leases(const Limits& limits) {
   throw ConfigError(message.str());
 }
 
+bool names(const std::vector<Device>& devices, Backend backend) {
+  return std::ranges::any_of(devices, [&](const Device& device) { return device.backend == backend; });
+}
+
+void check_devices(const Config& config) {
+  std::vector<Device> devices;
+  for (const auto& name : config.devices) {
+    const Device device = parse_device(name).value();
+    if (std::ranges::count(devices, device) > 0) throw ConfigError("--device names " + to_string(device) + " twice");
+    devices.push_back(device);
+  }
+  if (devices.empty()) return;
+  if (config.backend == "cpu" && !names(devices, Backend::kCpu))
+    throw ConfigError("--backend is cpu, but --device names no device of the CPU");
+  if (config.backend == "cuda" && !names(devices, Backend::kCuda))
+    throw ConfigError("--backend is cuda, but --device names no CUDA device");
+}
+
 }  // namespace
 
 void check_rules(const Config& config) {
   check_tls(config);
   check_exposed(config);
   check_leases(config.limits);
+  check_devices(config);
 }
 
 std::vector<std::string> exposure_warnings(const Config& config) {

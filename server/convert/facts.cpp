@@ -49,6 +49,7 @@ void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   out->set_broad_phase_engine(to_message(engine.engine));
   out->set_reuse(to_message(engine.reuse));
   out->set_expected_contacts(engine.expected[ListLengths::kContacts]);
+  if (plan.device) out->set_device(to_string(*plan.device));
   fill_kinds(engine, out);
   fill_fields(plan.fields, out);
   out->set_memory_budget_bytes(engine.memory_budget);
@@ -110,6 +111,7 @@ void fill_scene(const Scene& scene, pb::Scene* out) {
   out->set_endpoint(scene.endpoint());
   out->set_edit_count(now.edits);
   out->set_worlds(now.plan->engine.worlds);
+  out->set_device_id(to_string(scene.device()));
 }
 
 void fill_estimate(const ScenePlan& plan, pb::EstimateSceneResponse* out) try {
@@ -129,10 +131,16 @@ void fill_estimate(const ScenePlan& plan, pb::EstimateSceneResponse* out) try {
   throw with_path(e, spec_path);
 }
 
-void fill_device(const DeviceInfo& device, pb::Device* out) {
-  out->set_backend(device.device.backend == Backend::kCuda ? pb::BACKEND_CUDA : pb::BACKEND_CPU);
-  out->set_name(device.name);
-  out->set_memory_bytes(device.memory_bytes);
+void fill_device(const DeviceState& device, pb::Device* out) {
+  out->set_backend(device.info.device.backend == Backend::kCuda ? pb::BACKEND_CUDA : pb::BACKEND_CPU);
+  out->set_name(device.info.name);
+  out->set_memory_bytes(device.info.memory_bytes);
+  out->set_id(to_string(device.info.device));
+  out->set_uuid(device.info.uuid);
+  out->set_max_bytes(device.max_bytes);
+  out->set_free_bytes(device.free_bytes);
+  out->set_scenes(device.scenes);
+  out->set_load(device.load);
 }
 
 void fill_limits(const Limits& limits, const ClientLimits& client, pb::ServerLimits* out) {

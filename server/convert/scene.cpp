@@ -12,22 +12,57 @@
 #include "server/convert/meshes.hpp"
 #include "server/convert/options.hpp"
 #include "server/refusals/refuse.hpp"
+#include "server/shorten.hpp"
 
 namespace collided::server {
 namespace {
+
+bool serves(const SceneDefaults& defaults, Backend backend) {
+  return std::ranges::any_of(defaults.devices, [&](const Device& device) { return device.backend == backend; });
+}
+
+std::vector<std::string> ids_of(const std::vector<Device>& devices) {
+  std::vector<std::string> ids;
+  for (const Device& device : devices) ids.push_back(to_string(device));
+  return ids;
+}
 
 Backend parse_backend(pb::Backend wanted, const SceneDefaults& defaults) {
   if (wanted == pb::BACKEND_UNSPECIFIED)
     wanted = defaults.backend == "cpu"    ? pb::BACKEND_CPU
              : defaults.backend == "cuda" ? pb::BACKEND_CUDA
                                           : pb::BACKEND_AUTO;
-  if (wanted == pb::BACKEND_AUTO) return defaults.cuda ? Backend::kCuda : Backend::kCpu;
-  if (wanted == pb::BACKEND_CPU) return Backend::kCpu;
-  if (wanted != pb::BACKEND_CUDA)
+  if (wanted == pb::BACKEND_AUTO) return serves(defaults, Backend::kCuda) ? Backend::kCuda : Backend::kCpu;
+  if (wanted != pb::BACKEND_CPU && wanted != pb::BACKEND_CUDA)
     throw_unknown("spec.backend", wanted, {pb::BACKEND_AUTO, pb::BACKEND_CPU, pb::BACKEND_CUDA});
-  if (!defaults.cuda)
+  if (wanted == pb::BACKEND_CUDA && !serves(defaults, Backend::kCuda))
     throw FailedPrecondition("spec.backend", "spec.backend is BACKEND_CUDA, but this daemon has no usable CUDA device");
-  return Backend::kCuda;
+  if (wanted == pb::BACKEND_CPU && !serves(defaults, Backend::kCpu))
+    throw FailedPrecondition("spec.backend", fmt::format("spec.backend is BACKEND_CPU, but this daemon serves only {}",
+                                                         fmt::join(ids_of(defaults.devices), ", ")));
+  return wanted == pb::BACKEND_CPU ? Backend::kCpu : Backend::kCuda;
+}
+
+std::optional<Device> parse_device_id(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
+  if (spec.device().empty()) return {};
+  const std::optional<Device> device = parse_device(spec.device());
+  if (!device)
+    throw_invalid("spec.device", fmt::format("is \"{}\", but must be {}", shorten(spec.device(), 64),
+                                             list_choices(ids_of(defaults.devices))));
+  if (std::ranges::count(defaults.devices, *device) == 0)
+    throw FailedPrecondition("spec.device", fmt::format("spec.device is {}, but this daemon serves {}",
+                                                        to_string(*device), fmt::join(ids_of(defaults.devices), ", ")));
+  const pb::Backend backend = device->backend == Backend::kCpu ? pb::BACKEND_CPU : pb::BACKEND_CUDA;
+  if ((spec.backend() == pb::BACKEND_CPU || spec.backend() == pb::BACKEND_CUDA) && spec.backend() != backend)
+    throw_invalid("spec.device",
+                  fmt::format("is {}, but spec.backend is {}", to_string(*device), pb::Backend_Name(spec.backend())));
+  return device;
+}
+
+// Its ordinal is decided when the scene is placed.
+void parse_place(const pb::SceneSpec& spec, const SceneDefaults& defaults, ScenePlan& plan) {
+  plan.device = parse_device_id(spec, defaults);
+  plan.engine.device = plan.device ? *plan.device : Device{parse_backend(spec.backend(), defaults)};
 }
 
 // A scene's first frame has all its positions, and a frame is one message.
@@ -164,7 +199,7 @@ ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults, u
   plan.min_bytes = check_budget(engine, size, spec.memory_budget_bytes() > 0);
   parse_meshes(spec, plan);
   parse_exclusions(spec, plan);
-  engine.device.backend = parse_backend(spec.backend(), defaults);
+  parse_place(spec, defaults, plan);
   return plan;
 }
 

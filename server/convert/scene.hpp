@@ -15,9 +15,9 @@ namespace pb = collided::v1;
 struct SceneDefaults {
   std::string backend = "auto";
   int threads = 0;
-  Limits limits;              ///< including those of the calling client
-  bool cuda = false;          ///< whether a CUDA device can be used
-  bool local_socket = false;  ///< whether frames can use shared memory, beyond the message limit
+  Limits limits;                             ///< including those of the calling client
+  bool local_socket = false;                 ///< whether frames can use shared memory, beyond the message limit
+  std::vector<Device> devices = {Device{}};  ///< that scenes can live on
 };
 
 /// Checks the spec of a scene, or of each world of a set of so many. Throws InvalidInput, LimitExceeded,

@@ -18,7 +18,7 @@ bool should_stop(const Scene& scene, uint64_t frame_id, Turns::Turn& turn, const
     throw LimitExceeded::quota(
         "client:" + owner.name,
         fmt::format("max_frame_seconds is {}, and frame {} has run for {:.3f} s", limit, frame_id, seconds));
-  if (scene.backend() == Backend::kCpu) turn.yield_turn(cancelled);
+  if (scene.device().backend == Backend::kCpu) turn.yield_turn(cancelled);
   return false;
 }
 

@@ -11,12 +11,19 @@ namespace collided::server {
 namespace {
 
 constexpr const char* kSceneLimit = "spec.memory_budget_bytes";
+constexpr uint64_t kNoLimit = std::numeric_limits<uint64_t>::max();
 
 }  // namespace
 
 std::shared_ptr<DeviceBytes> DeviceBytes::of_scene(uint64_t budget, std::shared_ptr<DeviceBytes> parent) {
-  constexpr uint64_t kNoLimit = std::numeric_limits<uint64_t>::max();
   return std::make_shared<DeviceBytes>("scene", kSceneLimit, budget > 0 ? budget : kNoLimit, std::move(parent));
+}
+
+std::shared_ptr<DeviceBytes> DeviceBytes::within(std::shared_ptr<DeviceBytes> client,
+                                                 std::shared_ptr<DeviceBytes> device) {
+  auto bytes = std::make_shared<DeviceBytes>("scene", kSceneLimit, kNoLimit, std::move(client));
+  bytes->parents_[1] = std::move(device);
+  return bytes;
 }
 
 // A refused request is never counted, not even briefly: others would be refused because of it.
@@ -27,24 +34,36 @@ void DeviceBytes::take(uint64_t bytes) {
       refuse(fmt::format("{} bytes; {} {} of them, and {} more are needed", max, holder(), before, bytes));
     if (held_.compare_exchange_weak(before, before + bytes)) break;
   }
-  if (!parent_) return;
   try {
-    parent_->take(bytes);
+    take_of_parents(bytes);
   } catch (...) {
     held_ -= bytes;
     throw;
   }
 }
 
+void DeviceBytes::take_of_parents(uint64_t bytes) {
+  const auto& [first, second] = parents_;
+  if (first) first->take(bytes);
+  if (second) try {
+      second->take(bytes);
+    } catch (...) {
+      if (first) first->give_back(bytes);
+      throw;
+    }
+}
+
 void DeviceBytes::give_back(uint64_t bytes) noexcept {
   held_ -= bytes;
-  if (parent_) parent_->give_back(bytes);
+  for (const auto& parent : parents_)
+    if (parent) parent->give_back(bytes);
 }
 
 void DeviceBytes::check_could_hold(uint64_t bytes, const std::string& what) const {
   const uint64_t max = max_;
   if (bytes > max) refuse(fmt::format("{} bytes, but {} need at least {}", max, what, bytes));
-  if (parent_) parent_->check_could_hold(bytes, what);
+  for (const auto& parent : parents_)
+    if (parent) parent->check_could_hold(bytes, what);
 }
 
 // A scene's budget is a field of its request.
@@ -57,6 +76,7 @@ void DeviceBytes::refuse(const std::string& why) const {
 std::string DeviceBytes::holder() const {
   if (subject_ == "daemon") return "all scenes of this daemon hold";
   if (limit_name_ == kSceneLimit) return "the scene holds";
+  if (subject_.starts_with("device:")) return "all scenes there hold";
   return "the scenes of " + subject_ + " hold";
 }
 

@@ -117,13 +117,33 @@ void Turns::begin_quantum(TurnAccount& account) {
 
 void Turns::charge_running() {
   const auto now = options_.now();
+  double work = 0;
   for (TurnAccount* account : running_) {
     const double seconds = seconds_between(account->charged_until_, now);
+    work += seconds;
     account->used_ += seconds;
     account->turn_seconds_ += seconds;
     account->client_->used_ += seconds;
     account->charged_until_ = now;
   }
+  load_.add(work, now);
+}
+
+double Turns::load() {
+  const std::lock_guard lock(mutex_);
+  charge_running();
+  return load_.now();
+}
+
+double Turns::busy_seconds() {
+  const std::lock_guard lock(mutex_);
+  charge_running();
+  return load_.total();
+}
+
+size_t Turns::waiting() {
+  const std::lock_guard lock(mutex_);
+  return waiting_;
 }
 
 bool Turns::may_run(const TurnClient& client) const {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "server/limits/load.hpp"
 #include "server/ops/clock.hpp"
 
 namespace collided::server {
@@ -65,7 +66,7 @@ class Turns {
   /// A frame that has run for this long yields to clients that have used less time.
   static constexpr std::chrono::milliseconds kQuantum{10};
 
-  explicit Turns(Options options) : options_(std::move(options)), free_(options_.concurrent) {}
+  explicit Turns(Options options) : options_(std::move(options)), free_(options_.concurrent), load_(options_.now()) {}
   explicit Turns(unsigned concurrent) : Turns(Options{.concurrent = concurrent}) {}
 
   /// A turn, held while this object lives and charged as it runs.
@@ -94,6 +95,13 @@ class Turns {
   /// Waits for a turn; an account for one at a time. Throws Cancelled soon after `cancelled` turns true.
   Turn take(TurnAccount& account, const std::function<bool()>& cancelled = {});
 
+  /// Seconds that turns run a second, of late.
+  double load();
+  /// Seconds that turns have run, all together.
+  double busy_seconds();
+  /// Frames that wait for a turn.
+  size_t waiting();
+
  private:
   using Lock = std::unique_lock<std::mutex>;
 
@@ -120,6 +128,7 @@ class Turns {
   std::map<std::string, std::weak_ptr<TurnClient>> clients_;
   unsigned free_;
   double virtual_time_ = 0;  // lower bound of a client's time when it becomes busy again
+  Load load_;
 };
 
 }  // namespace collided::server

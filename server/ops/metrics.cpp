@@ -46,8 +46,12 @@ Family<Histogram>& histograms(Registry& registry, const char* name, const char* 
   return prometheus::BuildHistogram().Name(name).Help(help).Register(registry);
 }
 
+Family<Gauge>& gauges_of(Registry& registry, const char* name, const char* help) {
+  return prometheus::BuildGauge().Name(name).Help(help).Register(registry);
+}
+
 Gauge& gauge(Registry& registry, const char* name, const char* help, const Labels& labels = {}) {
-  return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add(labels);
+  return gauges_of(registry, name, help).Add(labels);
 }
 
 /// The values of a metric's labels; the second is empty where there is one label.
@@ -112,6 +116,7 @@ struct Metrics::Families {
   Families();
 
   void set_gauges_now() const;
+  void set_gauges_of(const DeviceGauges& device) const;
 
   Registry registry;
   Counter &frames, &contacts, &bytes_in, &bytes_out, &skipped, &not_shown, &replays, &reconnects, &dropped_lines,
@@ -120,6 +125,8 @@ struct Metrics::Families {
   Gauge &scenes, &streams, &watchers, &calls_in_work, &device_bytes, &queued_frames, &outgoing_bytes, &connections;
   Gauge &max_scenes, &max_streams, &max_device_bytes, &ready;
   Gauge &resident_bytes, &open_files;
+  Family<Gauge>&device_scenes, &device_held_bytes, &device_max_bytes, &device_free_bytes, &device_waiting_frames;
+  Family<Counter>& device_busy_seconds;
   Family<Histogram>& phase_family;
   Family<Histogram>& stage_family;
   Family<Counter>& rejected_family;
@@ -165,6 +172,16 @@ Metrics::Families::Families()
       ready(gauge(registry, "collided_ready", "1 while /readyz is 200, else 0")),
       resident_bytes(gauge(registry, "process_resident_memory_bytes", "Resident memory size in bytes")),
       open_files(gauge(registry, "process_open_fds", "Number of open file descriptors")),
+      device_scenes(gauges_of(registry, "collided_device_scenes", "Scenes that live on the device")),
+      device_held_bytes(gauges_of(registry, "collided_device_held_bytes", "Bytes that the scenes of the device hold")),
+      device_max_bytes(
+          gauges_of(registry, "collided_device_max_bytes", "Limit of the bytes that the scenes of the device hold")),
+      device_free_bytes(gauges_of(registry, "collided_device_free_bytes",
+                                  "Bytes that a new scene may have on the device, by its limit and its memory")),
+      device_waiting_frames(
+          gauges_of(registry, "collided_device_waiting_frames", "Frames waiting for a turn on the device")),
+      device_busy_seconds(counters(registry, "collided_device_busy_seconds_total",
+                                   "Seconds of work on frames on the device, of all that run at once")),
       phase_family(histograms(registry, "collided_phase_seconds",
                               "Time of a frame in each phase from its arrival to its last answer")),
       stage_family(
@@ -208,10 +225,22 @@ void Metrics::Families::set_gauges_now() const {
   max_streams.Set(static_cast<double>(now.max_streams));
   max_device_bytes.Set(static_cast<double>(now.max_device_bytes));
   ready.Set(now.is_ready ? 1 : 0);
+  for (const DeviceGauges& device : now.devices) set_gauges_of(device);
   if (const auto more = static_cast<double>(now.evicted) - evicted.Value(); more > 0) evicted.Increment(more);
   resident_bytes.Set(process_resident_bytes());
   open_files.Set(process_open_files());
   dropped_lines.Increment(static_cast<double>(dropped_log_lines()) - dropped_lines.Value());
+}
+
+void Metrics::Families::set_gauges_of(const DeviceGauges& device) const {
+  const Labels labels{{"device", device.device}};
+  device_scenes.Add(labels).Set(static_cast<double>(device.scenes));
+  device_held_bytes.Add(labels).Set(static_cast<double>(device.held_bytes));
+  device_max_bytes.Add(labels).Set(static_cast<double>(device.max_bytes));
+  device_free_bytes.Add(labels).Set(static_cast<double>(device.free_bytes));
+  device_waiting_frames.Add(labels).Set(static_cast<double>(device.waiting_frames));
+  Counter& busy = device_busy_seconds.Add(labels);
+  if (const double more = device.busy_seconds - busy.Value(); more > 0) busy.Increment(more);
 }
 
 Metrics::Metrics() : families_(std::make_unique<Families>()) {}

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace collided::server {
 
@@ -19,6 +20,15 @@ struct FrameTotals {
   uint64_t bytes_in = 0;   ///< of its positions and indices
   uint64_t bytes_out = 0;  ///< of its contact arrays
   uint64_t replays = 0;    ///< runs repeated because a buffer was too small
+};
+
+/// One device at the time of a scrape.
+struct DeviceGauges {
+  std::string device;  ///< its id, such as "cuda:1"
+  uint64_t scenes = 0;
+  uint64_t held_bytes = 0, max_bytes = 0, free_bytes = 0;
+  uint64_t waiting_frames = 0;  ///< for a turn
+  double busy_seconds = 0;      ///< of work on frames, since the start
 };
 
 /// State at the time of a scrape.
@@ -36,6 +46,7 @@ struct Gauges {
   uint64_t max_streams = 0;
   uint64_t max_device_bytes = 0;
   bool is_ready = false;  ///< as /readyz tells
+  std::vector<DeviceGauges> devices = {};
 };
 
 /// Thread-safe. Counting takes no lock that a scrape holds for long, and allocates only for new names.

@@ -55,7 +55,8 @@ Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
     : facts_(std::move(facts)),
       surroundings_(std::move(surroundings)),
       quota_(DeviceBytes::of_scene(plan.engine.memory_budget, plan.quota)),
-      backend_(plan.engine.device.backend),
+      device_(plan.engine.device),
+      turns_(surroundings_.devices.turns(device_)),
       held_(quota_),
       worker_(facts_.queue_capacity) {
   held_.resize(plan_bytes(plan) + element_bytes(plan.engine));

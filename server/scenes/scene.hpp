@@ -13,6 +13,7 @@
 
 #include "gpu/detector.hpp"
 #include "server/auth/client.hpp"
+#include "server/devices/served_devices.hpp"
 #include "server/limits/device_bytes.hpp"
 #include "server/limits/turns.hpp"
 #include "server/ops/clock.hpp"
@@ -51,7 +52,7 @@ struct SceneFacts {
 
 /// Shared by all scenes. Everything it refers to outlives them.
 struct SceneSurroundings {
-  Turns& turns;
+  ServedDevices& devices;
   SceneObserver& observer;
   std::string endpoint = {};  ///< address advertised to clients for streaming; empty: the one they used
   Now now = Clock::now;       ///< of leases and idle streams
@@ -66,7 +67,7 @@ class Scene {
   const std::string& id() const { return facts_.id; }
   const SceneFacts& facts() const { return facts_; }
   /// No edit changes it.
-  Backend backend() const { return backend_; }
+  const Device& device() const { return device_; }
   /// The plan without its triangles, as the last edit left it. From any thread.
   std::shared_ptr<const ScenePlan> plan() const {
     const std::lock_guard lock(mutex_);
@@ -126,9 +127,7 @@ class Scene {
   /// Maximum bytes of positions in a frame.
   uint64_t max_position_bytes() const;
   /// Waits for this scene's turn on its device.
-  Turns::Turn take_turn(const std::function<bool()>& cancelled) {
-    return surroundings_.turns.take(account_, cancelled);
-  }
+  Turns::Turn take_turn(const std::function<bool()>& cancelled) { return turns_.take(account_, cancelled); }
 
   /// Whether nobody has used the scene for longer than its lease.
   bool is_expired(std::chrono::steady_clock::time_point now) const;
@@ -167,7 +166,8 @@ class Scene {
   const SceneFacts facts_;
   const SceneSurroundings surroundings_;
   const std::shared_ptr<DeviceBytes> quota_;
-  const Backend backend_;
+  const Device device_;
+  Turns& turns_;                      // of the device
   MemoryHold held_;                   // plan, triangles and topology; owned by the worker after construction
   bool excludes_rest_pairs_ = false;  // a mesh does; fixed after construction
   SceneSpec pending_;                 // the spec with its triangles, until the detector takes it
@@ -175,7 +175,7 @@ class Scene {
   /// Of the last frame; owned by the worker.
   std::vector<std::pair<VertexSample, std::shared_ptr<const std::string>>> samples_;
   SceneWatchers watchers_;
-  TurnAccount account_{surroundings_.turns.account(facts_.owner->name)};
+  TurnAccount account_{turns_.account(facts_.owner->name)};
   std::atomic<bool> closed_ = false;
   mutable std::mutex mutex_;  // guards what follows
   SceneSnapshot shown_;

@@ -16,27 +16,15 @@ namespace {
 constexpr auto kWatchPeriod = std::chrono::milliseconds(250);
 constexpr uint64_t kWatchesPerTrim = 8;  // trimming memory that is soon reused would be wasted
 
-// On a GPU the host's part of one frame overlaps with the device's part of another; on CPU cores a second frame keeps
-// all cores busy during the first one's serial parts. A step on a GPU cannot yield before its end: a client that held
-// all turns would block the others for that long. The host's part is a thread's that waits awake, so that a quarter of
-// the cores is left for the frames that come and go.
-Turns::Options turn_options(const Config& config, const Now& now) {
-  constexpr unsigned kLeastOnGpu = 4, kMostOnGpu = 12, kOnCpu = 2;
-  const bool on_gpu = config.backend != "cpu" && cuda_available();
-  const unsigned on_gpus = std::clamp(std::thread::hardware_concurrency() / 4 * 3, kLeastOnGpu, kMostOnGpu);
-  const unsigned by_default = on_gpu ? on_gpus : kOnCpu, asked = static_cast<unsigned>(config.concurrent_frames);
-  return {.concurrent = asked > 0 ? asked : by_default, .reserves_one = on_gpu, .now = now};
-}
-
 }  // namespace
 
 SceneHost::SceneHost(const Config& config, SceneObserver& observer, const Now& now)
     : now_(now),
       limits_(config.limits),
-      turns_(turn_options(config, now)),
+      devices_(device_terms(config, now)),
       usage_(config.limits, now),
       scenes_(config.limits.max_scenes, config.limits.max_window,
-              {turns_, observer, config.endpoint, now, config.name}),
+              {devices_, observer, config.endpoint, now, config.name}),
       freed_(config.gives_back_memory ? std::optional<FreedMemory>(std::in_place) : std::nullopt),
       watch_([this] { watch(); }) {}
 
@@ -57,6 +45,7 @@ Limits SceneHost::limits() const {
 
 void SceneHost::set_limits(const Limits& limits) {
   usage_.set_limits(limits);
+  devices_.set_limits(limits);
   scenes_.set_max_scenes(limits.max_scenes);
   scenes_.set_queue_capacity(limits.max_window);
   const std::lock_guard lock(mutex_);
@@ -73,6 +62,7 @@ SceneStore::Added SceneHost::add_scene(const Client& owner, SceneRequest request
 void SceneHost::check_could_add(const Client& owner, const ScenePlan& plan) {
   check_serving();
   usage_.device_bytes(owner)->check_could_hold(plan.min_bytes, "the vertices and triangles of spec.meshes");
+  devices_.check_could_hold(wish_of(plan));
 }
 
 void SceneHost::check_serving() const {
@@ -97,6 +87,7 @@ HostTotals SceneHost::totals() const {
   HostTotals totals;
   totals.streams = usage_.streams();
   totals.device_bytes = usage_.held_device_bytes();
+  totals.devices = devices_.state();
   for (const auto& scene : scenes_.all()) {
     ++totals.scenes;
     totals.watchers += scene->watchers().size();

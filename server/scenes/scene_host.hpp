@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "server/config/config.hpp"
+#include "server/devices/served_devices.hpp"
 #include "server/limits/client_usage.hpp"
-#include "server/limits/turns.hpp"
 #include "server/ops/freed_memory.hpp"
 #include "server/scenes/scene_store.hpp"
 
@@ -18,11 +18,13 @@ namespace collided::server {
 /// What the daemon holds at one moment.
 struct HostTotals {
   uint64_t scenes = 0, streams = 0, watchers = 0, device_bytes = 0, waiting_frames = 0;
+  std::vector<DeviceState> devices = {};
 };
 
 class SceneHost {
  public:
-  /// `observer` outlives the host. `now` is the clock of leases, idle streams, rates and turns.
+  /// `observer` outlives the host. `now` is the clock of leases, idle streams, rates and turns. Throws ConfigError for
+  /// devices that cannot be used.
   SceneHost(const Config& config, SceneObserver& observer, const Now& now = Clock::now);
   ~SceneHost();
   SceneHost(const SceneHost&) = delete;
@@ -34,6 +36,7 @@ class SceneHost {
   /// Whether the owner could add such a scene if there were no others. Throws Stopping, LimitExceeded.
   void check_could_add(const Client& owner, const ScenePlan& plan);
   ClientUsage& usage() { return usage_; }
+  const ServedDevices& devices() const { return devices_; }
   OpenUploads& uploads() { return uploads_; }
   /// Ends uploads that have been silent for too long or whose scenes are gone.
   void end_stale_uploads();
@@ -62,7 +65,7 @@ class SceneHost {
   Limits limits_;         // guarded by mutex_
   bool is_over_ = false;  // guarded by mutex_
   std::atomic<bool> stopping_ = false;
-  Turns turns_;
+  ServedDevices devices_;
   ClientUsage usage_;
   OpenUploads uploads_;
   SceneStore scenes_;

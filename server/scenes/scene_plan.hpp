@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "gpu/detector.hpp"
+#include "server/devices/served_devices.hpp"
 #include "server/limits/device_bytes.hpp"
 
 namespace collided::server {
@@ -55,9 +57,16 @@ struct ScenePlan {
   OutputFields fields;
   std::vector<MeshPlan> meshes;
   SceneSpec engine;
-  uint64_t min_bytes = 0;                ///< minimum memory of the scene once it has had a frame
-  std::shared_ptr<DeviceBytes> quota{};  ///< of its client, around the scene's own budget; may be null
+  std::optional<Device> device{};  ///< that its client asks for
+  uint64_t min_bytes = 0;          ///< minimum memory of the scene once it has had a frame
+  std::shared_ptr<DeviceBytes>
+      quota{};  ///< around the scene's own budget: its client's, within its device's once placed
 };
+
+/// Which devices may have the scene.
+inline DeviceWish wish_of(const ScenePlan& plan) {
+  return {plan.engine.device.backend, plan.device, plan.min_bytes, plan.quota};
+}
 
 /// A mesh that an edit brings.
 struct EditedMesh {

@@ -38,6 +38,7 @@ SceneStore::Added SceneStore::add(const Client& owner, SceneRequest request) {
     check_room_locked(owner);
     facts.queue_capacity = queue_capacity_;
   }
+  place(request.plan);
   // Expensive, hence not under the lock; the checks are repeated afterwards.
   auto scene = std::make_shared<Scene>(std::move(facts), std::move(request.plan), surroundings_);
   const std::lock_guard lock(mutex_);
@@ -48,6 +49,13 @@ SceneStore::Added SceneStore::add(const Client& owner, SceneRequest request) {
   scenes_.emplace(scene->id(), scene);
   if (!request.request_id.empty()) requests_.emplace(RequestKey{owner->name, request.request_id}, scene);
   return {std::move(use), true};
+}
+
+void SceneStore::place(ScenePlan& plan) const {
+  Placement placed = surroundings_.devices.place(wish_of(plan));
+  plan.engine.device = placed.device;
+  if (placed.threads > 0) plan.engine.threads = placed.threads;
+  plan.quota = std::move(placed.quota);
 }
 
 SceneUse SceneStore::repeated_locked(const Client& owner, const SceneRequest& request) const {

@@ -53,6 +53,7 @@ class SceneStore {
   using Scenes = std::map<std::string, std::shared_ptr<Scene>>;
   using RequestKey = std::pair<std::string, std::string>;  // client, request id
 
+  void place(ScenePlan& plan) const;
   // `_locked`: the caller holds mutex_.
   SceneUse repeated_locked(const Client& owner, const SceneRequest& request) const;
   void check_room_locked(const Client& owner) const;

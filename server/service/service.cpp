@@ -20,10 +20,15 @@ constexpr uint32_t kMaxPage = 1000, kDefaultPage = 100;
 constexpr size_t kFullPageBytes = size_t{1} << 20;  // exceeded by one scene at most
 
 // The default backend's devices come first.
-std::vector<DeviceInfo> order_devices(std::vector<DeviceInfo> devices, bool cuda_first) {
-  const auto first = cuda_first ? Backend::kCuda : Backend::kCpu;
-  std::stable_partition(devices.begin(), devices.end(),
-                        [&](const auto& device) { return device.device.backend == first; });
+std::vector<DeviceState> order_devices(std::vector<DeviceState> devices, const std::string& backend) {
+  const auto first = backend == "cpu" ? Backend::kCpu : Backend::kCuda;
+  std::ranges::stable_partition(devices, [&](const auto& each) { return each.info.device.backend == first; });
+  return devices;
+}
+
+std::vector<Device> devices_of(const SceneHost& host) {
+  std::vector<Device> devices;
+  for (const DeviceInfo& info : host.devices().infos()) devices.push_back(info.device);
   return devices;
 }
 
@@ -44,9 +49,8 @@ std::string path_of(const char* method) {
 
 CollisionService::CollisionService(const Config& config, SceneHost& host, const Authenticator& authenticator)
     : config_(config),
-      has_cuda_(cuda_available()),
-      devices_(order_devices(list_devices(config.threads), config.backend != "cpu" && has_cuda_)),
       host_(host),
+      devices_(devices_of(host)),
       budget_(decode_budget_bytes(config.limits)),
       parts_{authenticator, host, budget_, waiting_, config.limits.max_message_bytes} {}
 
@@ -77,13 +81,14 @@ void CollisionService::add_to(RpcRouter& router) {
 SceneDefaults CollisionService::defaults(const Client& client) const {
   Limits limits = host_.limits();
   limits.client = client->limits;
-  return {config_.backend, config_.threads, limits, has_cuda_, !config_.local_socket.empty()};
+  return {config_.backend, config_.threads, limits, !config_.local_socket.empty(), devices_};
 }
 
 void CollisionService::get_server_info(UnaryCall<pb::GetServerInfoRequest, pb::GetServerInfoResponse>& call) {
   auto& response = call.response();
   response.set_version(COLLIDED_VERSION);
-  for (const auto& device : devices_) fill_device(device, response.add_devices());
+  for (const auto& device : order_devices(host_.devices().state(), config_.backend))
+    fill_device(device, response.add_devices());
   fill_limits(host_.limits(), call.caller().client->limits, response.mutable_limits());
   response.set_local_socket(config_.local_socket);
   call.finish();
@@ -128,7 +133,8 @@ void CollisionService::build(const SceneUse& scene, UnaryCallBase& call, pb::Sce
     log_event(spdlog::level::info, "scene created",
               {{"scene", scene->id()},
                {"name", made.spec().display_name()},
-               {"device", made.device().empty() ? "awaits triangles" : made.device()},
+               {"device", made.device_id()},
+               {"on", made.device().empty() ? "awaits triangles" : made.device()},
                {"vertices", made.vertex_count()},
                {"triangles", made.triangle_count()},
                {"worlds", made.worlds()},
@@ -139,17 +145,14 @@ void CollisionService::build(const SceneUse& scene, UnaryCallBase& call, pb::Sce
   });
 }
 
-// All scenes of a backend are on its first device.
-const std::string& CollisionService::device_of(const SceneSpec& spec) const {
-  return std::find_if(devices_.begin(), devices_.end(), [&](const auto& d) { return d.device == spec.device; })->name;
-}
-
 void CollisionService::estimate_scene(UnaryCall<pb::EstimateSceneRequest, pb::EstimateSceneResponse>& call) {
   const Client& client = call.caller().client;
   const ScenePlan plan = parse_spec(call.request().spec(), defaults(client));
   host_.check_could_add(client, plan);
   fill_estimate(plan, &call.response());
-  call.response().set_device(device_of(plan.engine));
+  const DeviceInfo& device = host_.devices().preferred(wish_of(plan));
+  call.response().set_device(device.name);
+  call.response().set_device_id(to_string(device.device));
   call.finish();
 }
 

@@ -56,13 +56,11 @@ class CollisionService final : public RawService {
   /// Answers with the scene in `out`, a part of the call's response.
   void make_scene(UnaryCallBase& call, SceneRequest request, pb::Scene* out);
   SceneDefaults defaults(const Client& client) const;
-  const std::string& device_of(const SceneSpec& spec) const;
   void build(const SceneUse& scene, UnaryCallBase& call, pb::Scene* out);
 
   const Config config_;
-  const bool has_cuda_;
-  const std::vector<DeviceInfo> devices_;
   SceneHost& host_;
+  const std::vector<Device> devices_;
   DecodeBudget budget_;
   WaitingCalls waiting_;
   const CallParts parts_;

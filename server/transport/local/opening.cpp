@@ -34,8 +34,9 @@ void check_scene(const char* field, const std::string& handle, const Scene& scen
     throw FailedPrecondition(
         field, fmt::format("{} is set, but scene {} is a set, whose positions and contacts are in the host's memory",
                            field, scene.id()));
-  if (scene.backend() != Backend::kCuda)
-    throw FailedPrecondition(field, fmt::format("{} is set, but scene {} is not on a GPU", field, scene.id()));
+  if (scene.device().backend != Backend::kCuda)
+    throw FailedPrecondition(field, fmt::format("{} is set, but scene {} is not on a GPU: it lives on {}", field,
+                                                scene.id(), to_string(scene.device())));
 }
 
 // Of what the client has on the device instead of in the file.
@@ -100,9 +101,10 @@ std::shared_ptr<SharedRegion> map_region(const pb::LocalOpen& open, const std::v
   const std::string &input = open.cuda_ipc_handle(), &output = open.output_cuda_ipc_handle();
   if (files.empty() && input.empty() && output.empty()) return nullptr;
   const RegionSize in_file{open.input_bytes(), output_in_file(open)};
-  auto region = input.empty() ? SharedRegion::map(file, in_file, scene.backend())
-                              : SharedRegion::open(std::as_bytes(std::span(input)), file, in_file.output);
-  if (!output.empty()) region->open_output(std::as_bytes(std::span(output)), open.output_bytes());
+  auto region = input.empty()
+                    ? SharedRegion::map(file, in_file, scene.device())
+                    : SharedRegion::open(std::as_bytes(std::span(input)), scene.device(), file, in_file.output);
+  if (!output.empty()) region->open_output(std::as_bytes(std::span(output)), scene.device(), open.output_bytes());
   return region;
 }
 

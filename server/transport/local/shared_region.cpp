@@ -35,34 +35,36 @@ void check_file(int fd, uint64_t wanted) {
 }
 
 // The engine names its argument, not the protocol's field.
-std::unique_ptr<SharedMemory> open_device(std::span<const std::byte> handle, const std::string& field) try {
-  return open_device_memory({Backend::kCuda}, handle);
+std::unique_ptr<SharedMemory> open_device(std::span<const std::byte> handle, const Device& device,
+                                          const std::string& field) try {
+  return open_device_memory(device, handle);
 } catch (const InvalidInput& e) {
   throw InvalidInput(field, field + ": " + e.what());
 }
 
 }  // namespace
 
-std::shared_ptr<SharedRegion> SharedRegion::map(const Fd& file, const RegionSize& size, Backend backend) {
+std::shared_ptr<SharedRegion> SharedRegion::map(const Fd& file, const RegionSize& size, const Device& device) {
   std::shared_ptr<SharedRegion> region(new SharedRegion);
   if (size.input + size.output > 0) region->map_file(file, size);
   if (size.input == 0) return region;
-  region->registered_ = register_host_memory({backend}, region->mapped_.first(size.input));
+  region->registered_ = register_host_memory(device, region->mapped_.first(size.input));
   region->input_ = region->registered_->bytes();
   return region;
 }
 
-std::shared_ptr<SharedRegion> SharedRegion::open(std::span<const std::byte> handle, const Fd& file, uint64_t output) {
+std::shared_ptr<SharedRegion> SharedRegion::open(std::span<const std::byte> handle, const Device& device,
+                                                 const Fd& file, uint64_t output) {
   std::shared_ptr<SharedRegion> region(new SharedRegion);
   if (output > 0) region->map_file(file, {0, output});
-  region->registered_ = open_device(handle, "open.cuda_ipc_handle");
+  region->registered_ = open_device(handle, device, "open.cuda_ipc_handle");
   region->input_ = region->registered_->bytes();
   region->is_host_ = false;
   return region;
 }
 
-void SharedRegion::open_output(std::span<const std::byte> handle, uint64_t bytes) {
-  auto memory = open_device(handle, "open.output_cuda_ipc_handle");
+void SharedRegion::open_output(std::span<const std::byte> handle, const Device& device, uint64_t bytes) {
+  auto memory = open_device(handle, device, "open.output_cuda_ipc_handle");
   if (memory->bytes().size() < bytes)
     throw InvalidInput("open.output_bytes",
                        fmt::format("open.output_bytes is {}, but the memory of open.output_cuda_ipc_handle has {}",

@@ -1,11 +1,13 @@
 // Scenes on every device of this machine, from whichever thread.
 
+#include <cstdlib>
 #include <thread>
 
 #include "tests/gpu/backend.hpp"
+#include "tests/gpu/positions/owned_updates.hpp"
+#include "tests/gpu/refused_field.hpp"
 #include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
-#include "tests/support/refusals.hpp"
 
 namespace collided::test {
 namespace {
@@ -87,8 +89,11 @@ TEST_F(Devices, OneThreadWorksOnAllInTurn) {
 }
 
 TEST_F(Devices, MemoryOfTheHostIsPinnedForAllOfThem) {
-  std::vector<std::byte> bytes(bytes_in(frame_.input().updates));
-  const auto registered = register_host_memory(devices().front(), bytes);
+  constexpr uint64_t kPage = 4096;
+  const uint64_t bytes = (bytes_in(frame_.input().updates) / kPage + 1) * kPage;
+  const std::unique_ptr<std::byte, void (*)(void*)> memory(static_cast<std::byte*>(std::aligned_alloc(kPage, bytes)),
+                                                           std::free);
+  const auto registered = register_host_memory(devices().front(), {memory.get(), bytes});
   const std::vector<MeshPositions> updates = moved_to(registered->bytes(), frame_.input().updates);
   for (const Device& device : devices()) {
     const auto detector = Detector::create(spec_on(device));

@@ -29,11 +29,11 @@ void expect_refused(const std::string& field, const std::function<void(pb::Creat
 
 /// The facts of a scene without frames.
 inline pb::Scene shown(const pb::CreateSceneRequest& wanted) {
-  Turns turns(1);
+  ServedDevices devices(std::vector<DeviceTerms>(1));
   CountingObserver observer;
   const SceneFacts facts{"id", "token", "", 0, std::make_shared<ClientIdentity>(), 7.5, 1};
   pb::Scene message;
-  fill_scene(Scene(facts, parse_scene(wanted, {}).plan, {turns, observer}), &message);
+  fill_scene(Scene(facts, parse_scene(wanted, {}).plan, {devices, observer}), &message);
   return message;
 }
 

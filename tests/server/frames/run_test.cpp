@@ -53,7 +53,7 @@ TEST(FrameRun, TheWaitForATurnDoesNotCount) {
   SceneBench bench(64, Turns::Options{.concurrent = 1, .now = clock.now()});
   const auto scene = bench.add(client("hasty", {.max_frame_seconds = 2.5}), {tip_plan(), "", 0, 30});
   TurnAccount other;
-  std::optional turn = bench.turns.take(other);
+  std::optional turn = bench.devices.turns({}).take(other);
   PendingFrame frame = tip_frame(1, 2);
   std::atomic<int> looks = 0;
   auto contacts = std::async(std::launch::async, [&] {

@@ -32,7 +32,7 @@ TEST_F(FrameSessionEnd, CloseDropsWhatWaitsAndFreesTheScene) {
 
 TEST_F(FrameSessionEnd, CloseCancelsTheFrameThatWaitsForItsTurn) {
   TurnAccount other;
-  std::optional turn = bench_.turns.take(other);
+  std::optional turn = bench_.devices.turns({}).take(other);
   const auto stream = open();
   stream->submit(tip_frame(1, 2));
   stream->submit(tip_frame(2, 2));
@@ -73,7 +73,7 @@ TEST_F(FrameSessionEnd, TheTokenTakesTheSceneOver) {
 
 TEST_F(FrameSessionEnd, OpenedIsToldOnceTheOldStreamsFrameIsOver) {
   TurnAccount other;
-  std::optional turn = bench_.turns.take(other);
+  std::optional turn = bench_.devices.turns({}).take(other);
   const auto first = open();
   first->submit(tip_frame(1, 2));
   first->submit(tip_frame(2, 2));

@@ -14,7 +14,7 @@ class SceneTest : public testing::Test {
   // The test's thread plays the worker.
   std::unique_ptr<Scene> make(ScenePlan plan) {
     return std::make_unique<Scene>(SceneFacts{"id", "token", "", 0, client(), 30, 1}, std::move(plan),
-                                   SceneSurroundings{turns_, observer_});
+                                   SceneSurroundings{devices_, observer_});
   }
   std::unique_ptr<Scene> make_ready() {
     auto scene = make(tip_plan());
@@ -23,7 +23,7 @@ class SceneTest : public testing::Test {
   }
 
   CountingObserver observer_;
-  Turns turns_{1};
+  ServedDevices devices_{std::vector<DeviceTerms>(1)};
 };
 
 template <class Error, class Body>

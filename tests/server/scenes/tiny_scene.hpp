@@ -79,7 +79,7 @@ struct SceneBench {
       : SceneBench(max_scenes, Turns::Options{.concurrent = concurrent}) {}
   /// All with the clock of the turns.
   SceneBench(size_t max_scenes, const Turns::Options& options)
-      : turns(options), scenes(max_scenes, 16, {turns, observer, "", options.now}) {}
+      : devices({{.turns = options}}), scenes(max_scenes, 16, {devices, observer, "", options.now}) {}
   ~SceneBench() { scenes.clear(); }
 
   SceneUse add(const Client& owner, SceneRequest request) {
@@ -91,7 +91,7 @@ struct SceneBench {
   SceneUse add(const Client& owner = client()) { return add(owner, {tip_plan(), "", 0, 30}); }
 
   CountingObserver observer;
-  Turns turns;
+  ServedDevices devices;
   SceneStore scenes;
 };
 

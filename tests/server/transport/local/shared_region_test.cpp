@@ -14,7 +14,7 @@ namespace {
 constexpr uint64_t kPage = 4096;
 
 auto map(int file, uint64_t input, uint64_t output = 0) {
-  return SharedRegion::map(Fd(dup(file)), {input, output}, Backend::kCpu);
+  return SharedRegion::map(Fd(dup(file)), {input, output}, {Backend::kCpu});
 }
 
 std::string refusal(int file, uint64_t input) try {
