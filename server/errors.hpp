@@ -56,7 +56,7 @@ class Unimplemented : public FieldError {
 class LimitExceeded : public FieldError {
  public:
   using FieldError::FieldError;
-  /// A limit that several requests share: `subject` is "client:NAME", "scene:ID" or "daemon"; after
+  /// A limit that several requests share: `subject` is "client:NAME", "scene:ID", "device:ID" or "daemon"; after
   /// `retry_after_seconds` the same request may succeed (0: waiting alone does not help).
   static LimitExceeded quota(std::string subject, const std::string& what, double retry_after_seconds = 0) {
     LimitExceeded error("", what);

@@ -414,7 +414,7 @@ type QuotaFailure_Violation struct {
 	sizeCache     protoimpl.SizeCache
 	unknownFields protoimpl.UnknownFields
 
-	// Whose: "client:NAME", "scene:ID" or "daemon".
+	// Whose: "client:NAME", "scene:ID", "device:ID" or "daemon".
 	Subject string `protobuf:"bytes,1,opt,name=subject,proto3" json:"subject,omitempty"`
 	// Name of the limit as in ServerLimits, its value and what was requested.
 	Description string `protobuf:"bytes,2,opt,name=description,proto3" json:"description,omitempty"`

@@ -26,7 +26,7 @@ void in_a_thread(const F& f) {
   std::thread(f).join();
 }
 
-class Devices : public OnBackend<> {
+class SceneDevices : public OnBackend<> {
  protected:
   const Case case_ = rounded(soup(31, 300, 1, 0.2, 0.1), Scalar::kF32);
   const Frame frame_{case_, Mode::kCcd, Scalar::kF32};
@@ -47,7 +47,7 @@ TEST(DeviceNames, AreThoseThatUsersWrite) {
     EXPECT_FALSE(parse_device(text)) << text;
 }
 
-TEST_F(Devices, AllGiveTheSameContacts) {
+TEST_F(SceneDevices, AllGiveTheSameContacts) {
   const FrameResult expected = run_case(case_, spec_on({}));
   for (const Device& device : devices()) {
     const auto detector = Detector::create(spec_on(device));
@@ -57,7 +57,7 @@ TEST_F(Devices, AllGiveTheSameContacts) {
 }
 
 // A new thread's current device is the first one, whatever its scene's is.
-TEST_F(Devices, AnyThreadWorksOnTheScenesOwn) {
+TEST_F(SceneDevices, AnyThreadWorksOnTheScenesOwn) {
   const FrameResult expected = run_case(case_, spec_on({}));
   for (const Device& device : devices()) {
     std::unique_ptr<Detector> detector;
@@ -80,7 +80,7 @@ TEST_F(Devices, AnyThreadWorksOnTheScenesOwn) {
   }
 }
 
-TEST_F(Devices, OneThreadWorksOnAllInTurn) {
+TEST_F(SceneDevices, OneThreadWorksOnAllInTurn) {
   std::vector<std::unique_ptr<Detector>> detectors;
   for (const Device& device : devices()) detectors.push_back(Detector::create(spec_on(device)));
   const FrameResult first = detectors.front()->detect(frame_.input());
@@ -88,7 +88,7 @@ TEST_F(Devices, OneThreadWorksOnAllInTurn) {
     for (const auto& detector : detectors) EXPECT_TRUE(same_contacts(first, detector->detect(frame_.input())));
 }
 
-TEST_F(Devices, MemoryOfTheHostIsPinnedForAllOfThem) {
+TEST_F(SceneDevices, MemoryOfTheHostIsPinnedForAllOfThem) {
   constexpr uint64_t kPage = 4096;
   const uint64_t bytes = (bytes_in(frame_.input().updates) / kPage + 1) * kPage;
   const std::unique_ptr<std::byte, void (*)(void*)> memory(static_cast<std::byte*>(std::aligned_alloc(kPage, bytes)),
@@ -101,7 +101,7 @@ TEST_F(Devices, MemoryOfTheHostIsPinnedForAllOfThem) {
   }
 }
 
-TEST_F(Devices, OneThatIsNotThereIsRefused) {
+TEST_F(SceneDevices, OneThatIsNotThereIsRefused) {
   EXPECT_EQ("device", refused_field([&] { Detector::create(spec_on({kBackend, -1})); }));
   if (kBackend == Backend::kCpu) return;
   const auto count = static_cast<int>(devices().size());
@@ -114,7 +114,7 @@ TEST_F(Devices, OneThatIsNotThereIsRefused) {
   }
 }
 
-TEST_F(Devices, TellHowMuchMemoryIsFree) {
+TEST_F(SceneDevices, TellHowMuchMemoryIsFree) {
   for (const DeviceInfo& info : list_devices()) {
     const uint64_t free = free_device_memory(info.device);
     EXPECT_LE(free, info.memory_bytes);
