@@ -32,6 +32,8 @@ struct Run {
   std::vector<double> shares;                ///< in the last step
   std::map<std::string, std::vector<double>> stage_ms;
   uint64_t contacts = 0, contact_bytes = 0;  ///< of the last step
+  FrameCounts counts;                        ///< likewise
+  std::vector<uint64_t> pairs;               ///< likewise, of each part
   uint64_t triangles = 0, position_bytes = 0;
   std::map<std::string, uint64_t> device_bytes;  ///< of each part, or all
 
@@ -46,6 +48,7 @@ void Run::add(const FrameResult& result, double wall) {
   std::map<std::string, double> sums;
   for (const StageTime& stage : result.stages) sums[stage.stage] += stage.milliseconds;
   for (const auto& [stage, ms] : sums) stage_ms[stage].push_back(ms);
+  counts = result.counts;
   contacts = contact_bytes = 0;
   for_each_kind(
       [&](ContactKind, const ContactSet& set) {
@@ -59,10 +62,12 @@ void Run::add(const FrameResult& result, double wall) {
 void Run::add_parts(const std::vector<PartFacts>& parts) {
   part_ms.resize(parts.size());
   shares.clear();
+  pairs.clear();
   double sum = 0, most = 0;
   for (size_t k = 0; k < parts.size(); ++k) {
     part_ms[k].push_back(parts[k].step_milliseconds);
     shares.push_back(parts[k].share);
+    pairs.push_back(parts[k].pairs);
     sum += parts[k].step_milliseconds, most = std::max(most, parts[k].step_milliseconds);
   }
   imbalance.push_back(sum > 0 ? most * static_cast<double>(parts.size()) / sum : 1);
@@ -96,6 +101,9 @@ ordered_json report(const Run& one) {
           {"wall_ms", median(one.wall_ms)},
           {"stage_ms", medians(one)},
           {"contacts", one.contacts},
+          {"registrations", one.counts.registrations},
+          {"tests", one.counts.tests},
+          {"pairs", one.counts.pairs},
           {"device_bytes", one.device_bytes}};
 }
 /// `bytes`: a step brings all positions to each part; of its contacts each comes from one.
@@ -111,6 +119,7 @@ ordered_json report(const Run& run, const Run& one, const std::vector<Device>& d
   out["predicted_speed_up"] = median(one.step_ms) / predicted;
   out["part_ms"] = part_ms;
   out["shares"] = run.shares;
+  out["part_pairs"] = run.pairs;
   out["max_over_mean"] = median(run.imbalance);
   out["bytes_to_devices"] = run.position_bytes * devices.size();
   out["bytes_from_devices"] = run.contact_bytes;
