@@ -107,6 +107,8 @@ TEST_F(ReusedLists, FollowEdits) {
   }
 }
 
+constexpr uint32_t kSide = RandomStream::kSide;
+
 /// Two sheets a little apart, the upper one `lower` down; in CCD from where the last frame left it.
 Case sheets(double lower) {
   Case c;
