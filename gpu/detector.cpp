@@ -4,6 +4,7 @@
 
 #include "gpu/scene/backends.hpp"
 #include "gpu/scene/known_lengths.hpp"
+#include "gpu/scene/parts/parted_scene.hpp"
 #include "gpu/scene/rules.hpp"
 #include "gpu/tables/tables.hpp"
 
@@ -28,6 +29,18 @@ void check_meshes(const SceneSpec& spec) {
   }
 }
 
+void check_devices(const SceneSpec& spec) {
+  if (spec.part_devices.empty()) return check_device(spec.device);
+  for (size_t k = 0; k < spec.part_devices.size(); ++k) {
+    const std::string field = "part_devices[" + std::to_string(k) + "]";
+    try {
+      check_device(spec.part_devices[k]);
+    } catch (const InvalidInput& e) {
+      throw InvalidInput(field, field + ": " + e.what());
+    }
+  }
+}
+
 /// All worlds together.
 void check_size(const SceneSpec& spec, const Topology& topology) {
   const uint64_t vertices = uint64_t{spec.worlds} * topology.vertex_count,
@@ -42,12 +55,13 @@ void check_size(const SceneSpec& spec, const Topology& topology) {
 
 std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
   check_spec(spec);
-  check_device(spec.device);
+  check_devices(spec);
   check_meshes(spec);
   check_exclusions(spec);
   MemoryHold making(spec.memory_quota);
   FeatureTables features = make_tables(spec, making);
   check_size(spec, features.topology);
+  if (!spec.part_devices.empty()) return make_parted_scene(std::move(spec), std::move(features));
   expect_known_lengths(spec, features.topology);
   return spec.device.backend == Backend::kCuda ? make_cuda_detector(std::move(spec), std::move(features))
                                                : make_cpu_detector(std::move(spec), std::move(features));

@@ -23,6 +23,8 @@ COLLIDED_HD inline Box<float> no_box() {
   return {{kMax, kMax, kMax}, {-kMax, -kMax, -kMax}};
 }
 
+COLLIDED_HD inline bool is_no_box(const Box<float>& box) { return box.lo.x > box.hi.x; }
+
 template <class Real>
 COLLIDED_HD bool overlap(const Box<Real>& a, const Box<Real>& b) {
   return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y && a.lo.z <= b.hi.z &&

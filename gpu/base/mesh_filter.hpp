@@ -1,9 +1,10 @@
 #pragma once
-// Which triangles may touch at all, by the meshes they belong to. Null where every pair may.
+// Which triangles may touch at all, by the meshes they belong to (null where every pair may); in a part of a scene, of
+// the pairs that are its own.
 
 #include "gpu/base/key_set.hpp"
 #include "gpu/base/keys.hpp"
-#include "gpu/base/vec3.hpp"
+#include "gpu/base/share.hpp"
 
 namespace collided {
 
@@ -33,10 +34,14 @@ struct PairFilter {
   const MeshRule* rules = nullptr;
   KeySet excluded = {};   ///< pairs of two meshes, the lower one first (pack_ids)
   uint32_t of_world = 0;  ///< triangles of each world, whose meshes are the same; 0: the scene is one
+  SharedPairs own = {};
 
-  COLLIDED_HD bool is_needed() const { return mesh_of_triangle != nullptr; }
-  COLLIDED_HD bool operator()(uint32_t a, uint32_t b) const {
-    if (!is_needed()) return true;
+  COLLIDED_HD bool is_needed() const { return has_rules() || own.is_needed(); }
+  COLLIDED_HD bool has_rules() const { return mesh_of_triangle != nullptr; }
+  /// Of two triangles whose boxes overlap.
+  COLLIDED_HD bool operator()(uint32_t a, uint32_t b) const { return own.has(a, b) && may_touch(a, b); }
+  COLLIDED_HD bool may_touch(uint32_t a, uint32_t b) const {
+    if (!has_rules()) return true;
     const uint32_t mesh_a = mesh_of(a), mesh_b = mesh_of(b);
     const MeshRule p = rules[mesh_a], q = rules[mesh_b];
     if (p.is_static != 0 && q.is_static != 0) return false;
@@ -45,7 +50,7 @@ struct PairFilter {
     return !excludes(mesh_a, mesh_b);
   }
 
-  /// Of one triangle. Only where the filter is needed, like what follows.
+  /// Of one triangle. Only where there are rules, like what follows.
   COLLIDED_HD MeshesTogether meshes_of(uint32_t triangle) const {
     const uint32_t mesh = mesh_of(triangle);
     const MeshRule rule = rules[mesh];

@@ -38,8 +38,10 @@ struct CoveredPerLevelOf {
   Span<const Box<float>> boxes;
 
   COLLIDED_HD LevelTotals operator()(uint64_t triangle) const {
-    const CellRange deepest = grid->deepest_range(boxes[triangle]);
-    LevelTotals totals;
+    const Box<float> box = boxes[triangle];
+    LevelTotals totals{};
+    if (is_no_box(box)) return totals;
+    const CellRange deepest = grid->deepest_range(box);
     for (int level = 0; level <= kMaxLevel; ++level) totals.cells[level] = shifted(deepest, kDeepest - level).size();
     return totals;
   }

@@ -24,16 +24,21 @@ struct CellSlice {
         count(min(kCellsOfGroup, level_offset(grid.base + 1) - first)) {}
 };
 
-/// The cells of each triangle; none of a triangle that covers many.
+/// The cells of each triangle; none of a triangle that covers many, or that is left out.
 struct CellsOfTriangles {
   using Item = CoveredCells;
   const LevelGrid* grid;
   Span<const Box<float>> boxes;
 
-  COLLIDED_HD Item operator()(uint64_t i) const {
+  COLLIDED_HD Item operator()(uint64_t i) const { return from_level(grid->top, i); }
+  /// Those from a level on.
+  COLLIDED_HD Item from_level(int top, uint64_t i) const {
     const LevelGrid g = *grid;
-    return {static_cast<uint32_t>(i), g, g.deepest_range(boxes[i]), g.top};
+    const Box<float> box = boxes[i];
+    if (is_no_box(box)) return {};
+    return {static_cast<uint32_t>(i), g, g.deepest_range(box), top};
   }
+  COLLIDED_HD bool are_many(uint64_t i, const Item& item) const { return item.parts == 0 && !is_no_box(boxes[i]); }
 };
 
 struct CountOverlappedCells {
@@ -45,7 +50,7 @@ struct CountOverlappedCells {
 
   COLLIDED_HD Item item(uint64_t i) const {
     const Item item = cells(i);
-    if (item.parts == 0) large.push(item.triangle);
+    if (cells.are_many(i, item)) large.push(item.triangle);
     return item;
   }
   COLLIDED_HD static uint32_t look(uint32_t cell) { return AnyCell::look(cell); }
@@ -88,8 +93,10 @@ struct CoveredPerLevel {
   Span<const Box<float>> boxes;
 
   COLLIDED_HD LevelTotals operator()(uint64_t triangle) const {
-    const CellRange deepest = grid_over(*bounds, 0, kMaxLevel).deepest_range(boxes[triangle]);
-    LevelTotals totals;
+    const Box<float> box = boxes[triangle];
+    LevelTotals totals{};
+    if (is_no_box(box)) return totals;
+    const CellRange deepest = grid_over(*bounds, 0, kMaxLevel).deepest_range(box);
     for (int level = 0; level <= kMaxLevel; ++level) totals.cells[level] = shifted(deepest, kDeepest - level).size();
     return totals;
   }

@@ -90,12 +90,9 @@ struct ListInFirstBricks {
   using Item = CoveredCells;
   static constexpr bool kWalks = false;
   ListInBricks list;
-  Span<const Box<float>> boxes;
+  CellsOfTriangles cells;
 
-  COLLIDED_HD Item item(uint64_t i) const {
-    const LevelGrid grid = *list.tree.grid;
-    return {static_cast<uint32_t>(i), grid, grid.deepest_range(boxes[i]), grid.base};
-  }
+  COLLIDED_HD Item item(uint64_t i) const { return cells.from_level(cells.grid->base, i); }
   COLLIDED_HD uint32_t look(uint32_t cell) const { return list.look(cell); }
   COLLIDED_HD uint32_t find(uint32_t cell, uint32_t type) const { return list.find(cell, type); }
   COLLIDED_HD void act(const Item& item, uint32_t brick) const { list.put(item.triangle, brick); }

@@ -22,7 +22,7 @@ struct OrdinaryExtentOf {
   Span<const Box<float>> boxes;
 
   COLLIDED_HD OrdinaryExtents operator()(uint64_t i) const {
-    if (mean.is_exceeded(boxes[i], kLarge)) return {0, 0};
+    if (is_no_box(boxes[i]) || mean.is_exceeded(boxes[i], kLarge)) return {0, 0};
     return {extent_of(boxes[i], *mean.bounds), 1};
   }
 };
@@ -32,12 +32,15 @@ struct AddOrdinaryExtents {
   }
 };
 
-/// The mean of ordinary triangles' extents. There are some: not all triangles are larger than the mean.
+/// The mean of ordinary triangles' extents. There are some, not all triangles are larger than the mean; but a part of a
+/// scene may have none.
 struct OrdinaryMean {
   const Box<float>* bounds;
   const OrdinaryExtents* ordinary;
 
-  COLLIDED_HD double operator()() const { return MeanExtent{bounds, &ordinary->sum, ordinary->count}(); }
+  COLLIDED_HD double operator()() const {
+    return ordinary->count == 0 ? 0 : MeanExtent{bounds, &ordinary->sum, ordinary->count}();
+  }
 };
 
 /// Puts the members of each leaf in the order of their control bits.

@@ -7,10 +7,37 @@
 
 namespace collided {
 
-std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features) {
+namespace {
+
+void link_to(int device, int other) {
+  int can_access = 0;
+  if (device == other || cudaDeviceCanAccessPeer(&can_access, device, other) != cudaSuccess || can_access == 0) return;
+  use_device(device);
+  const cudaError_t error = cudaDeviceEnablePeerAccess(other, 0);
+  if (error == cudaErrorPeerAccessAlreadyEnabled)
+    cudaGetLastError();
+  else
+    check_cuda(error, "cudaDeviceEnablePeerAccess");
+}
+
+}  // namespace
+
+std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features, const PartOf* part) {
   const int device = spec.device.ordinal, threads = spec.threads;
   const MemoryLimits memory(spec.memory_budget, spec.memory_quota);
-  return make_scene_detector<CudaExec>(std::move(spec), std::move(features), device, threads, memory);
+  return make_scene_detector<CudaExec>(std::move(spec), std::move(features), part, device, threads, memory);
+}
+
+AnswerRoom::MakeBlock cuda_host_blocks(int device) {
+  return [device](uint64_t bytes) {
+    use_device(device);
+    return pinned_block(device, bytes);
+  };
+}
+
+void link_cuda_devices(const std::vector<Device>& devices) {
+  for (const Device& device : devices)
+    for (const Device& other : devices) link_to(device.ordinal, other.ordinal);
 }
 
 std::vector<DeviceInfo> cuda_devices() {

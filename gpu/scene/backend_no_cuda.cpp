@@ -2,9 +2,11 @@
 
 namespace collided {
 
-std::unique_ptr<Detector> make_cuda_detector(SceneSpec, FeatureTables) {
+std::unique_ptr<Detector> make_cuda_detector(SceneSpec, FeatureTables, const PartOf*) {
   throw DeviceError("device: this build has no CUDA");
 }
+AnswerRoom::MakeBlock cuda_host_blocks(int) { throw DeviceError("device: this build has no CUDA"); }
+void link_cuda_devices(const std::vector<Device>&) {}
 std::vector<DeviceInfo> cuda_devices() { return {}; }
 
 void check_cuda_ordinal(int) { throw DeviceError("device: this build has no CUDA"); }

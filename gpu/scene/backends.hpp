@@ -1,15 +1,25 @@
 #pragma once
 // The backends that this build has; one source file makes each.
 
+#include "gpu/contacts/answer_room.hpp"
 #include "gpu/detector.hpp"
+#include "gpu/scene/parts/meeting.hpp"
 #include "gpu/tables/topology.hpp"
 
 namespace collided {
 
-std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables features);
+/// `part`: the scene is a part of another; null: it is one.
+std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables features, const PartOf* part = nullptr);
 
 /// Throws DeviceError where there is no usable device, or the build has no CUDA.
-std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features);
+std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features, const PartOf* part = nullptr);
+
+/// What makes memory of the host that a backend brings contacts to.
+AnswerRoom::MakeBlock cpu_host_blocks();
+AnswerRoom::MakeBlock cuda_host_blocks(int device);
+
+/// Lets these devices copy from each other's memory without the host, as far as they can.
+void link_cuda_devices(const std::vector<Device>& devices);
 
 /// `threads`: 0: all cores.
 DeviceInfo cpu_device(int threads);

@@ -1,7 +1,10 @@
 // What a scene would hold and run, from the code of the step itself on a backend that computes nothing.
 
+#include <algorithm>
+
 #include "gpu/detector.hpp"
 #include "gpu/positions/format.hpp"
+#include "gpu/scene/parts/parted_scene.hpp"
 #include "gpu/scene/rules.hpp"
 #include "gpu/search/dry_run.hpp"
 #include "gpu/step/pipeline.hpp"
@@ -19,10 +22,15 @@ class SceneDryRun {
     counts_.triangle_offset.resize(spec.meshes.size() + 1);  // which triangles are a mesh's makes no difference
     reserve_tables();
     reserve_positions();
+    if (!spec_.part_devices.empty()) scene_.share.take({});
   }
 
-  /// Before the first step.
-  std::vector<MemoryPart> memory() const { return exec_.ledger().parts(); }
+  /// Before the first step. Parts of a scene are alike.
+  std::vector<MemoryPart> memory() const {
+    std::vector<MemoryPart> all;
+    for (size_t k = 0; k < spec_.part_devices.size(); ++k) add_memory(all, k, exec_.ledger().parts());
+    return all.empty() ? exec_.ledger().parts() : all;
+  }
 
   /// After the first frame.
   SceneEstimate run_frame() {
@@ -33,6 +41,7 @@ class SceneDryRun {
       SceneEstimate estimate;
       for (const StageTime& stage : pipeline.detect_contacts(true, settings_of(spec_, {}), 0).stages)
         estimate.stages.push_back(stage.stage);
+      if (!spec_.part_devices.empty()) estimate.stages.push_back("merge");
       estimate.memory = memory();
       return estimate;
     });
@@ -84,7 +93,8 @@ class SceneDryRun {
 template <class Use>
 auto with_dry_run(const SceneSpec& spec, uint64_t vertices, uint64_t triangles, const Use& use) {
   return with_real(spec.scalar, [&]<class Real>(Real) {
-    if (spec.device.backend == Backend::kCuda) return use(SceneDryRun<Backend::kCuda, Real>(spec, vertices, triangles));
+    if (device_of(spec).backend == Backend::kCuda)
+      return use(SceneDryRun<Backend::kCuda, Real>(spec, vertices, triangles));
     return use(SceneDryRun<Backend::kCpu, Real>(spec, vertices, triangles));
   });
 }
@@ -92,7 +102,8 @@ auto with_dry_run(const SceneSpec& spec, uint64_t vertices, uint64_t triangles, 
 }  // namespace
 
 uint64_t min_scene_bytes(const SceneSpec& spec, uint64_t vertices, uint64_t triangles) {
-  uint64_t bytes = triangles * sizeof(std::array<uint32_t, 3>);  // on the host
+  const uint64_t topologies = std::max<size_t>(spec.part_devices.size(), 1);  // on the host
+  uint64_t bytes = topologies * triangles * sizeof(std::array<uint32_t, 3>);
   const auto parts = with_dry_run(spec, vertices, triangles, [](const auto& scene) { return scene.memory(); });
   for (const MemoryPart& part : parts) bytes += part.bytes;
   return bytes;

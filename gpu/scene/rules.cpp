@@ -134,6 +134,24 @@ void check_worlds(const SceneSpec& spec) {
   check_frame_of_worlds({}, settings_of(spec, {}));
 }
 
+void check_parts(const SceneSpec& spec) {
+  if (spec.part_devices.size() > kMaxParts)
+    throw InvalidInput("part_devices", "part_devices has " + text(spec.part_devices.size()) + " parts, the limit is " +
+                                           text(kMaxParts));
+  if (spec.worlds > 0)
+    throw InvalidInput("part_devices", "part_devices has " + text(spec.part_devices.size()) +
+                                           " parts, but a set of worlds is on one device");
+  for (size_t k = 1; k < spec.part_devices.size(); ++k) {
+    const Device &first = spec.part_devices[0], &other = spec.part_devices[k];
+    const std::string field = "part_devices[" + text(k) + "]";
+    if (other.backend != first.backend)
+      throw InvalidInput(field, field + " is " + to_string(other) + ", but the first is " + to_string(first) +
+                                    ": parts are on one backend");
+  }
+  if (spec.reuse == Reuse::kOn)
+    throw InvalidInput("reuse", "reuse is ON, but a scene in parts has no lists of neighbours");
+}
+
 /// Of a mesh of a set of worlds.
 void check_mesh_of_worlds(const MeshSpec& mesh, const std::string& field) {
   if (mesh.motion == MeshMotion::kRigid)
@@ -162,6 +180,8 @@ void check_frame(const SceneSpec& spec, const FrameInput& frame) {
   if (frame.start_fraction) check_start_fraction(settings, *frame.start_fraction);
   if (frame.edit) check_edit(frame);
   check_room(frame.room);
+  if (!spec.part_devices.empty() && !frame.room.memory.empty())
+    throw InvalidInput("room", "room is given, but the contacts of a scene in parts come to the host");
   if (spec.worlds > 0) check_frame_of_worlds(frame, settings);
 }
 
@@ -181,6 +201,7 @@ void check_spec(const SceneSpec& spec) {
     throw InvalidInput("triangle_triangle", "triangle_triangle is on, which needs a scene of DCD or of CCD alone");
   check_settings(spec, settings_of(spec, {}));
   if (spec.worlds > 0) check_worlds(spec);
+  if (!spec.part_devices.empty()) check_parts(spec);
 }
 
 void check_exclusions(const SceneSpec& spec) {

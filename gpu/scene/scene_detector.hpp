@@ -9,6 +9,7 @@
 #include "gpu/positions/sample.hpp"
 #include "gpu/scene/edit.hpp"
 #include "gpu/scene/known_lengths.hpp"
+#include "gpu/scene/parts/meeting.hpp"
 #include "gpu/scene/resident_positions.hpp"
 #include "gpu/scene/rest_pairs.hpp"
 #include "gpu/scene/rules.hpp"
@@ -22,14 +23,18 @@ namespace collided {
 template <Executor Exec, class Real>
 class SceneDetector final : public Detector {
  public:
+  /// `part`: the scene is a part of another; may be null.
   template <class... ExecArgs>
-  SceneDetector(SceneSpec spec, FeatureTables features, ExecArgs... args)
-      : exec_(args...),
+  SceneDetector(SceneSpec spec, FeatureTables features, const PartOf* part, ExecArgs... args)
+      : part_(part),
+        exec_(args...),
         model_(exec_, std::move(spec), std::move(features)),
         positions_(exec_, model_.shape(), scene_),
         pipeline_(exec_, spec_, model_.counts(), scene_),
         rest_pairs_(exec_, spec_, scene_, pipeline_),
-        told_(spec_.expected) {}
+        told_(spec_.expected) {
+    if (part_ != nullptr) scene_.share.take(part_->share);
+  }
 
   FrameResult detect(const FrameInput& frame) override {
     check_frame(spec_, frame);
@@ -144,6 +149,7 @@ class SceneDetector final : public Detector {
 
   FrameResult detect(const FrameInput& frame, const FrameSettings& settings) {
     const bool begins_at_rest = rest_pairs_.are_awaited();
+    if (part_ != nullptr) scene_.share.take(part_->share);
     if (spec_.kinds.edge_edge && (settings.accuracy != Accuracy::kCandidates || begins_at_rest || frame.room.stencils))
       model_.require_edges();
     const bool boxes_static = !positions_.are_boxes_good();
@@ -169,6 +175,7 @@ class SceneDetector final : public Detector {
     if (frame.advance) advance(settings, result);
     if (begins_at_rest) add_costs(rest, result);
     exec_.asks().ask();
+    if (part_ != nullptr) part_->take_answer(result, exec_.asks());
     if (frame.trial) {
       positions_.end_trial();
       return result;
@@ -177,6 +184,12 @@ class SceneDetector final : public Detector {
     positions_.commit(*slot);
     rest_pairs_.settle();
     return result;
+  }
+
+  /// What all parts of the scene found; of a scene that is one: what it did. Once all have come they go on alike.
+  Found share(const FrameResult& result) {
+    const Found found{result.any_contact, result.earliest_toi};
+    return part_ == nullptr ? found : part_->meeting.meet(found, exec_.asks());
   }
 
   /// The rest of a set's frame, for the worlds that take part in it.
@@ -233,7 +246,8 @@ class SceneDetector final : public Detector {
     const FrameSettings attempt = settings_of_try(spec_, margin_);
     const bool is_same_question = settings.start_thickness == spec_.min_separation && settings.encoding == 0 &&
                                   settings.report != Report::kAnyHit;
-    AdvanceSearch search(is_same_question ? result.earliest_toi : 1);
+    const Found found = share(result);
+    AdvanceSearch search(is_same_question ? found.earliest_toi : 1);
     if (search.fraction() < 1 || !is_same_question || !covers(settings, attempt))
       try_until_free(search, attempt, result);
     result.advanced = search.fraction();
@@ -245,8 +259,9 @@ class SceneDetector final : public Detector {
       if (search.fraction() < 1) positions_.go(search.fraction());
       const FrameResult tried = pipeline_.detect_contacts(false, attempt, 0);
       add_costs(result, own_stages, tried);
-      if (!tried.any_contact) return;
-      search.fail(tried.earliest_toi);
+      const Found found = share(tried);
+      if (!found.any_contact) return;
+      search.fail(found.earliest_toi);
     }
     positions_.go(search.fraction());
   }
@@ -283,6 +298,7 @@ class SceneDetector final : public Detector {
     return *slot;
   }
 
+  const PartOf* const part_;
   Exec exec_;
   SceneModel<Exec, Real> model_;
   const SceneSpec& spec_ = model_.spec();
@@ -298,9 +314,10 @@ class SceneDetector final : public Detector {
 };
 
 template <Executor Exec, class... ExecArgs>
-std::unique_ptr<Detector> make_scene_detector(SceneSpec spec, FeatureTables features, ExecArgs... args) {
+std::unique_ptr<Detector> make_scene_detector(SceneSpec spec, FeatureTables features, const PartOf* part,
+                                              ExecArgs... args) {
   return with_real(spec.scalar, [&]<class Real>(Real) -> std::unique_ptr<Detector> {
-    return std::make_unique<SceneDetector<Exec, Real>>(std::move(spec), std::move(features), args...);
+    return std::make_unique<SceneDetector<Exec, Real>>(std::move(spec), std::move(features), part, args...);
   });
 }
 

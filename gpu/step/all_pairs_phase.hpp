@@ -41,16 +41,15 @@ class AllPairsPhase {
   /// How large the scene is.
   void measure() {
     StepState* state = scene_.state.data();
-    exec_.reduce_into("bounds", triangles(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds,
-                      PrepareNarrow{state, thickness_, scene_.deviations(is_ccd_)});
+    measure_bounds(exec_, scene_.size(triangles()), PrepareNarrow{state, thickness_, scene_.deviations(is_ccd_)});
   }
 
   template <class Sink>
   void search(const char* name, const Sink& sink, uint64_t* next_item) {
     const AllPairsBuffers<Exec>& tables = scene_.all_pairs;
-    const LeafPairs source{
-        tables.grid.data(), scene_.topology.filter(), boxes(),     tables.leaf.all(), tables.members.all(),
-        tables.items.all(), tables.totals.data(),     triangles(), ~uint64_t{0}};
+    const LeafPairs source{tables.grid.data(),   scene_.pair_filter(), boxes(),
+                           tables.leaf.all(),    tables.members.all(), tables.items.all(),
+                           tables.totals.data(), triangles(),          ~uint64_t{0}};
     searcher_.search(name, Counted{nullptr, items_of(triangles())}, next_item, source, sink);
   }
 

@@ -14,6 +14,7 @@
 #include "gpu/octree/leaf_pairs.hpp"
 #include "gpu/search/elementary.hpp"
 #include "gpu/search/excluded_pairs.hpp"
+#include "gpu/search/measure.hpp"
 #include "gpu/step/state.hpp"
 
 namespace collided {
@@ -295,7 +296,19 @@ struct WorkBuffers {
 
 template <Executor Exec, class Real>
 struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
-  explicit SceneBuffers(Exec& exec) : ResidentBuffers<Exec, Real>(exec), WorkBuffers<Exec, Real>(exec) {}
+  explicit SceneBuffers(Exec& exec) : ResidentBuffers<Exec, Real>(exec), WorkBuffers<Exec, Real>(exec), share(exec) {}
+
+  ResidentShare<Exec> share;
+
+  SceneSize size(uint64_t triangles) const {
+    StepState* state = this->state.data();
+    return {this->boxes.span(triangles), &state->bounds, &state->extents, share.data()};
+  }
+  PairFilter pair_filter() const {
+    PairFilter filter = this->topology.filter();
+    if (share.is_part()) filter.own = {share.data(), this->boxes.data()};
+    return filter;
+  }
 
   ListLengths expected;
 

@@ -23,9 +23,8 @@ class LbvhPhase {
   /// How large the scene and its triangles are.
   void measure() {
     StepState* state = scene_.state.data();
-    exec_.reduce_into("bounds", leaves(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
-    exec_.reduce_into("extents", leaves(), ExtentOf{&state->bounds, boxes()}, uint64_t{0}, AddExtents{},
-                      &state->extents, PrepareNarrow{state, thickness_, scene_.deviations(is_ccd_)});
+    measure_bounds(exec_, scene_.size(leaves()));
+    measure_extents(exec_, scene_.size(leaves()), PrepareNarrow{state, thickness_, scene_.deviations(is_ccd_)});
     if (has_worlds()) measure_worlds();
   }
 
@@ -56,7 +55,7 @@ class LbvhPhase {
   template <class Sink>
   void search(const char* name, const Sink& sink, uint64_t* next_item, bool counts_tests) {
     StepState* state = scene_.state.data();
-    const BvhPairs source{scene_.bvh.nodes.all(), static_cast<uint32_t>(leaves()), scene_.topology.filter(),
+    const BvhPairs source{scene_.bvh.nodes.all(), static_cast<uint32_t>(leaves()), scene_.pair_filter(),
                           counts_tests ? &state->leaves[LeafSum::kTests] : nullptr, leaves_of_world()};
     searcher_.walk(name, leaves(), next_item, source, sink);
   }

@@ -120,7 +120,7 @@ class OctreePhase {
 
   void choose_levels() {
     StepState* state = scene_.state.data();
-    exec_.reduce_into("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
+    measure_bounds(exec_, scene_.size(triangle_count()));
     exec_.reduce_into(
         "covered_per_level", triangle_count(), CoveredPerLevel{&state->bounds, boxes()}, LevelTotals{}, AddTotals{},
         &state->totals,
@@ -133,12 +133,11 @@ class OctreePhase {
     StepState* state = scene_.state.data();
     const MeanExtent mean{&state->bounds, &state->extents, triangle_count()};
     LevelGrid* grid = &state->grid.grid;
-    exec_.reduce_into("bounds", triangle_count(), BoxOf{boxes()}, empty_box(), JoinBoxes{}, &state->bounds);
+    measure_bounds(exec_, scene_.size(triangle_count()));
     const auto span = [&]<class Mean>(const Mean& length) {
       return SpanCells<Mean>{&state->bounds, length, kCellPerMean, deepest_base(triangle_count()), grid};
     };
-    exec_.reduce_into("extents", triangle_count(), ExtentOf{&state->bounds, boxes()}, uint64_t{0}, AddExtents{},
-                      &state->extents, span(mean));
+    measure_extents(exec_, scene_.size(triangle_count()), span(mean));
     if (plan.engine == Engine::kVss)  // then by those that are not large
       exec_.reduce_into("ordinary_extents", triangle_count(), OrdinaryExtentOf{mean, boxes()}, OrdinaryExtents{},
                         AddOrdinaryExtents{}, &state->ordinary, span(OrdinaryMean{&state->bounds, &state->ordinary}));
@@ -164,7 +163,7 @@ class OctreePhase {
       const ListInBricks list{all, round};
       if (round == 0) {
         exec_.for_each("open_first_bricks", base_cells(plan), OpenFirstBricks{all});
-        exec_.for_each_part("list_in_first_bricks", all_triangles(), ListInFirstBricks{list, boxes()});
+        exec_.for_each_part("list_in_first_bricks", all_triangles(), ListInFirstBricks{list, {grid(), boxes()}});
         exec_.for_each_of_many_parts("list_large_in_first_bricks", large(plan),
                                      ListLargeInFirstBricks{list, cells_of_large()});
       } else {
@@ -233,8 +232,8 @@ class OctreePhase {
                    CountSmall<Real>{&scene_.state.data()->bounds, scene_.triangle_records(),
                                     &scene_.state.data()->small_triangles, scene_.stepped_worlds()});
   }
-  /// After a step: whether the spacing of the positions' numbers, at the largest of them, is coarser than delta; without
-  /// a delta, than a thousandth of most triangles.
+  /// After a step: whether the spacing of the positions' numbers, at the largest of them, is coarser than delta;
+  /// without a delta, than a thousandth of most triangles.
   bool is_coarse(const StepState& step, const FrameSettings& settings) const {
     if (settings.delta > 0) return spacing_at<Real>(step.bounds) > settings.delta;
     const uint64_t judged = counts_.triangles - counts_.loose_points;
@@ -269,7 +268,7 @@ class OctreePhase {
   LeafPairs leaf_pairs(const OctreePlan& plan, Span<const uint32_t> registered) const {
     const OctreeBuffers<Exec>& octree = scene_.octree;
     return {grid(),
-            scene_.topology.filter(),
+            scene_.pair_filter(),
             boxes(),
             octree.leaves.all(),
             registered,

@@ -48,10 +48,14 @@ class Pipeline {
   /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`, `room`: as in FrameInput.
   FrameResult detect_contacts(bool boxes_static, const FrameSettings& settings, uint64_t bytes_beside_contact,
                               const ContactRoom& room = {}) {
+    scene_.share.send(exec_);
     return detect(boxes_static, needs_of(spec_, settings, room), bytes_beside_contact, room);
   }
-  /// The pairs that `needs_of_rest_pairs` says, as contacts.
-  FrameResult detect_rest_pairs() { return detect(true, needs_of_rest_pairs(spec_), 0, {}); }
+  /// The pairs that `needs_of_rest_pairs` says, as contacts; all of them in every part of a scene.
+  FrameResult detect_rest_pairs() {
+    scene_.share.send_all(exec_);
+    return detect(true, needs_of_rest_pairs(spec_), 0, {});
+  }
 
   /// The scene is made of so much from the next step on. Throws InvalidInput where that is too much.
   void resize(SceneCounts counts) {
@@ -90,7 +94,7 @@ class Pipeline {
     const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == thickness;
     lists_ = reuse_.begin(needs, state_.bounds);
     result_.broad_phase = choices_.begin(needs, lists_.use == ListUse::kNone);
-    run_step(needs, boxes_static || !is_boxed);
+    run_step(needs, boxes_static || !is_boxed || scene_.share.is_part());
     boxed_thickness_ = thickness;
     needed_.include(lengths_of(state_));
     describe();

@@ -138,6 +138,22 @@ class Bench(unittest.TestCase):
         self.assertGreater(run["list_bytes"], 0)
         self.assertAlmostEqual(run["step_ratio"], run["reuse_step_ms"] / run["search_step_ms"])
 
+    def check_parts(self):
+        """Exits with 1 where results differ."""
+        (scene,) = parsed("--scene", "cloth_ball", "--scale", "0.3", "--steps", str(STEPS), "--warm-up", "1",
+                          "--threads", "2", "--parts", "1", "3")["scenes"]
+        one, three = scene["in_parts"]
+        for run, parts in (one, 1), (three, 3):
+            self.assertTrue(run["same_bytes"])
+            self.assertEqual([len(run["part_ms"]), len(run["shares"]), len(run["devices"])], [parts] * 3)
+            self.assertAlmostEqual(sum(run["shares"]), 1)
+            self.assertGreaterEqual(run["max_over_mean"], 1)
+        self.assertEqual(three["bytes_to_devices"], 3 * one["bytes_to_devices"])
+        cost = dict(scene["one"]["stage_ms"])
+        boxes, levels = cost.pop("boxes"), cost.pop("levels")
+        work = sum(ms for stage, ms in cost.items() if stage not in ("upload", "download"))
+        self.assertAlmostEqual(three["predicted_ms"], boxes + 2 * levels + work / 3)
+
     def check_embree(self):
         """Exits with 1 where Embree and the engine find different numbers of pairs."""
         match = parsed("--scene", "funnel", "--scale", "0.2", "--rounds", "1", "--json")

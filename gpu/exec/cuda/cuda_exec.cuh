@@ -220,15 +220,7 @@ class CudaExec {
     return host_.data();
   }
   /// Pinned.
-  std::shared_ptr<std::byte> host_block(uint64_t bytes) const {
-    void* memory = nullptr;
-    check_cuda(cudaHostAlloc(&memory, bytes, cudaHostAllocDefault),
-               ("answer: " + std::to_string(bytes) + " bytes of pinned host memory").c_str());
-    return {static_cast<std::byte*>(memory), [device = device_](std::byte* block) {
-              cudaSetDevice(device);  // another one might not be in use yet, and would be made ready
-              cudaFreeHost(block);
-            }};
-  }
+  std::shared_ptr<std::byte> host_block(uint64_t bytes) const { return pinned_block(device_, bytes); }
   void copy(void* to, const void* from, uint64_t bytes) { transfer(to, from, bytes, cudaMemcpyDeviceToDevice); }
   void fill_zero(void* memory, uint64_t bytes) {
     if (bytes == 0) return;

@@ -74,6 +74,17 @@ class DeviceMemory {
   bool is_pooled_;
 };
 
+/// For an answer: pinned, aligned to 64 bytes, booked nowhere. `device` is the calling thread's.
+inline std::shared_ptr<std::byte> pinned_block(int device, uint64_t bytes) {
+  void* memory = nullptr;
+  check_cuda(cudaHostAlloc(&memory, bytes, cudaHostAllocDefault),
+             ("answer: " + std::to_string(bytes) + " bytes of pinned host memory").c_str());
+  return {static_cast<std::byte*>(memory), [device](std::byte* block) {
+            cudaSetDevice(device);  // another one might not be in use yet, and would be made ready
+            cudaFreeHost(block);
+          }};
+}
+
 /// Memory of the host that the device reads and writes directly, booked in a scene's ledger. From any thread.
 class PinnedMemory {
  public:

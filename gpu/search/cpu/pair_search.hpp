@@ -16,7 +16,7 @@ struct BoxTile {
   BoxLanes<float> boxes[kTile / 4];
   uint32_t id[kTile];
   uint32_t starts[3];     ///< bit k: member k's box starts in the leaf's cell on this axis
-  MeshesTogether meshes;  ///< where the source's filter is needed
+  MeshesTogether meshes;  ///< where the source's filter has rules
 
   template <class Source, class Work>
   void load(const Source& source, const Work& work, const uint32_t* members, uint32_t count) {
@@ -28,7 +28,7 @@ struct BoxTile {
       boxes[k / 4].set(k % 4, box);
       const uint32_t axes = source.axes_of_start(work, box);
       for (int axis = 0; axis < 3; ++axis) starts[axis] |= (axes >> axis & 1u) << k;
-      if (source.filter.is_needed()) meshes.add(source.filter.meshes_of(id[k]));
+      if (source.filter.has_rules()) meshes.add(source.filter.meshes_of(id[k]));
     }
     for (uint32_t k = count; k % 4 != 0; ++k) boxes[k / 4].set(k % 4, boxes[k / 4].get(0));  // no matter: cut off
   }
@@ -86,7 +86,7 @@ class LeafTiles {
 template <class Source, class Visit>
 void visit_tile(const Source& source, const BoxTile& row, uint32_t rows, const BoxTile& column, uint32_t columns,
                 const Visit& visit) {
-  if (source.filter.is_needed() && !source.filter.may_pass(row.meshes, column.meshes)) return;
+  if (source.filter.has_rules() && !source.filter.may_pass(row.meshes, column.meshes)) return;
   const bool with_itself = &row == &column;
   for (uint32_t r = 0; r < rows; ++r) {
     uint32_t wanted = column.starting_with(row, r);

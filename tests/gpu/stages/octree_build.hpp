@@ -167,7 +167,7 @@ class OctreeBuild {
       const ListInBricks list{tree(), round};
       if (round == 0) {
         exec_.for_each("open_first", uint64_t{1} << (3 * grid.base), OpenFirstBricks{tree()});
-        exec_.for_each_part("list", all_boxes(), ListInFirstBricks{list, boxes_});
+        exec_.for_each_part("list", all_boxes(), ListInFirstBricks{list, {&grid, boxes_}});
         exec_.for_each_of_many_parts("list_large", large_items(), ListLargeInFirstBricks{list, cells_of_large()});
       } else {
         exec_.for_each_group("open", bricks_of(round - 1), OpenBricks{tree(), round});

@@ -1,0 +1,209 @@
+// One scene in parts on several devices, beside the scene on one device and what a model of the cost predicts.
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "tests/bench/inputs.hpp"
+#include "tests/bench/parts/cost_model.hpp"
+#include "tests/bench/report.hpp"
+#include "tests/support/digest.hpp"
+
+namespace collided::test {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Options {
+  SceneSpec spec;
+  std::string scene, backend = "cpu", engine = "octree", date, commit;
+  std::vector<size_t> parts = {1, 2};
+  std::vector<int> devices;
+  double scale = 1;
+  int steps = 20, warm_up = 12;  ///< in which shares become even
+};
+
+/// What the steps of one way to run a scene were like.
+struct Run {
+  std::vector<uint64_t> digests;  ///< of each step's results
+  std::vector<double> step_ms, wall_ms, imbalance;
+  std::vector<std::vector<double>> part_ms;  ///< of each part
+  std::vector<double> shares;                ///< in the last step
+  std::map<std::string, std::vector<double>> stage_ms;
+  uint64_t contacts = 0, contact_bytes = 0;  ///< of the last step
+  FrameCounts counts;                        ///< likewise
+  std::vector<uint64_t> pairs;               ///< likewise, of each part
+  uint64_t triangles = 0, position_bytes = 0;
+  std::map<std::string, uint64_t> device_bytes;  ///< of each part, or all
+
+  void add(const FrameResult& result, double wall);
+  void add_parts(const std::vector<PartFacts>& parts);
+};
+
+void Run::add(const FrameResult& result, double wall) {
+  digests.push_back(digest(result));
+  step_ms.push_back(result.step_milliseconds);
+  wall_ms.push_back(wall);
+  std::map<std::string, double> sums;
+  for (const StageTime& stage : result.stages) sums[stage.stage] += stage.milliseconds;
+  for (const auto& [stage, ms] : sums) stage_ms[stage].push_back(ms);
+  counts = result.counts;
+  contacts = contact_bytes = 0;
+  for_each_kind(
+      [&](ContactKind, const ContactSet& set) {
+        contacts += set.size();
+        for_each_field(
+            [&](ContactField, const auto& column) { contact_bytes += column.size() * sizeof(*column.data()); }, set);
+      },
+      static_cast<const PerKind<ContactSet>&>(result));
+  if (!result.parts.empty()) add_parts(result.parts);
+}
+void Run::add_parts(const std::vector<PartFacts>& parts) {
+  part_ms.resize(parts.size());
+  shares.clear();
+  pairs.clear();
+  double sum = 0, most = 0;
+  for (size_t k = 0; k < parts.size(); ++k) {
+    part_ms[k].push_back(parts[k].step_milliseconds);
+    shares.push_back(parts[k].share);
+    pairs.push_back(parts[k].pairs);
+    sum += parts[k].step_milliseconds, most = std::max(most, parts[k].step_milliseconds);
+  }
+  imbalance.push_back(sum > 0 ? most * static_cast<double>(parts.size()) / sum : 1);
+}
+
+Run run(const BenchInput& input, const Options& o, const std::vector<Device>& devices) {
+  SceneSpec spec = o.spec;
+  spec.part_devices = devices;
+  const auto detector = Detector::create(spec_for(input.at(0, o.steps), spec));
+  Run run;
+  play_steps(*detector, input, spec, {o.steps, o.warm_up, true}, [&](const auto& play) {
+    const auto begin = std::chrono::steady_clock::now();
+    const FrameResult result = play();
+    run.add(result, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+  });
+  run.triangles = detector->topology().triangles.size();
+  run.position_bytes = detector->topology().vertex_count * position_bytes(spec);
+  for (const MemoryPart& part : detector->memory())
+    run.device_bytes[devices.empty() ? "all" : part.part.substr(0, part.part.find('.'))] += part.bytes;
+  return run;
+}
+
+std::map<std::string, double> medians(const Run& run) {
+  std::map<std::string, double> all;
+  for (const auto& [stage, ms] : run.stage_ms) all[stage] = median(ms);
+  return all;
+}
+
+ordered_json report(const Run& one) {
+  return {{"step_ms", median(one.step_ms)},
+          {"wall_ms", median(one.wall_ms)},
+          {"stage_ms", medians(one)},
+          {"contacts", one.contacts},
+          {"registrations", one.counts.registrations},
+          {"tests", one.counts.tests},
+          {"pairs", one.counts.pairs},
+          {"device_bytes", one.device_bytes}};
+}
+/// `bytes`: a step brings all positions to each part; of its contacts each comes from one.
+ordered_json report(const Run& run, const Run& one, const std::vector<Device>& devices) {
+  ordered_json names = ordered_json::array(), part_ms = ordered_json::array();
+  for (const Device& device : devices) names.push_back(to_string(device));
+  for (const auto& ms : run.part_ms) part_ms.push_back(median(ms));
+  const double step = median(run.step_ms), predicted = StepCost::of(medians(one)).in_parts(devices.size());
+  ordered_json out = report(run);
+  out["devices"] = names;
+  out["speed_up"] = median(one.step_ms) / step;
+  out["predicted_ms"] = predicted;
+  out["predicted_speed_up"] = median(one.step_ms) / predicted;
+  out["part_ms"] = part_ms;
+  out["shares"] = run.shares;
+  out["part_pairs"] = run.pairs;
+  out["max_over_mean"] = median(run.imbalance);
+  out["bytes_to_devices"] = run.position_bytes * devices.size();
+  out["bytes_from_devices"] = run.contact_bytes;
+  out["same_bytes"] = run.digests == one.digests;
+  return out;
+}
+
+/// So many parts, on the named devices in turn; on all that there are if none is named.
+std::vector<Device> devices_of(const Options& o, size_t parts) {
+  std::vector<Device> all, chosen;
+  for (const int ordinal : o.devices) all.push_back({o.spec.device.backend, ordinal});
+  if (all.empty())
+    for (const DeviceInfo& info : list_devices())
+      if (info.device.backend == o.spec.device.backend) all.push_back(info.device);
+  if (all.empty()) throw std::runtime_error("there is no device of this backend");
+  for (size_t k = 0; k < parts; ++k) chosen.push_back(all[k % all.size()]);
+  return chosen;
+}
+
+bool run_all(Options& o) {
+  bool is_same = true;
+  o.spec.device = devices_of(o, 1).front();
+  ordered_json scenes = ordered_json::array();
+  for (const BenchInput& input : bench_inputs(o.scene, o.scale)) {
+    std::cerr << input.name << ", on one device\n";
+    const Run one = run(input, o, {});
+    ordered_json in_parts = ordered_json::array();
+    for (const size_t parts : o.parts) {
+      std::cerr << input.name << ", in " << parts << " parts\n";
+      const std::vector<Device> devices = devices_of(o, parts);
+      in_parts.push_back(report(run(input, o, devices), one, devices));
+      is_same = is_same && in_parts.back()["same_bytes"].get<bool>();
+    }
+    scenes.push_back(
+        {{"scene", input.name}, {"triangles", one.triangles}, {"one", report(one)}, {"in_parts", in_parts}});
+  }
+  if (scenes.empty()) throw std::runtime_error("no scene is called " + o.scene);
+  const ordered_json all{{"date", o.date},     {"commit", o.commit}, {"device", device_name(o.spec.device.backend)},
+                         {"engine", o.engine}, {"steps", o.steps},   {"scenes", scenes}};
+  std::cout << all.dump(2) << "\n";
+  return is_same;
+}
+
+void add_options(CLI::App& app, Options& o) {
+  app.add_option("--backend", o.backend, "cpu or cuda")->check(CLI::IsMember({"cpu", "cuda"}))->capture_default_str();
+  app.add_option("--parts", o.parts, "Numbers of parts; a run for each, after one without parts")
+      ->check(CLI::Range(size_t{1}, kMaxParts))
+      ->capture_default_str();
+  app.add_option("--devices", o.devices, "Ordinals of the devices that parts are on in turn; default: all")
+      ->delimiter(',');
+  app.add_option("--engine", o.engine, "octree, lbvh or auto")
+      ->check(CLI::IsMember({"octree", "lbvh", "auto"}))
+      ->capture_default_str();
+  app.add_option("--threads", o.spec.threads, "CPU threads, of all parts together; 0: all cores")
+      ->capture_default_str();
+  app.add_option("--scene", o.scene, "One scene; default: all");
+  app.add_option("--scale", o.scale, "Refines the grids")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--steps", o.steps, "Steps that count")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--warm-up", o.warm_up, "Steps before, in which shares become even")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--date", o.date, "Recorded in the result");
+  app.add_option("--commit", o.commit, "Recorded in the result");
+}
+
+}  // namespace
+}  // namespace collided::test
+
+int main(int argc, char** argv) {
+  using namespace collided;
+  CLI::App app("Runs scenes in parts on several devices, as JSON; exits with 1 where results differ from one device's");
+  test::Options options;
+  test::add_options(app, options);
+  CLI11_PARSE(app, argc, argv);
+  options.spec.device.backend = options.backend == "cuda" ? Backend::kCuda : Backend::kCpu;
+  options.spec.engine = options.engine == "octree" ? Engine::kOctree
+                        : options.engine == "lbvh" ? Engine::kLbvh
+                                                   : Engine::kAuto;
+  options.spec.reuse = Reuse::kOff;
+  options.spec.scalar = Scalar::kF32;
+  try {
+    return test::run_all(options) ? 0 : 1;
+  } catch (const std::exception& e) {
+    std::cerr << "collided_parts_bench: " << e.what() << "\n";
+    return 1;
+  }
+}
