@@ -78,8 +78,9 @@ std::string network_assumption(const Capacity& capacity) {
 
 std::string memory_assumption(const Capacity& capacity) {
   std::string text = "scenes may hold " + bytes_text(static_cast<double>(capacity.usable_bytes)) + " of a device; ";
-  text += capacity.measured ? "a scene holds the most of this estimate and of the measured frames"
-                            : "a scene may hold more than this estimate, by the candidates and contacts that its frames find";
+  text += capacity.measured
+              ? "a scene holds the most of this estimate and of the measured frames"
+              : "a scene may hold more than this estimate, by the candidates and contacts that its frames find";
   if (capacity.workload.device_gigabytes && !is_cuda(capacity))
     text += "; what it holds was told for CPU cores, not for a GPU";
   return text;
