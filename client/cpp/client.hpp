@@ -84,7 +84,8 @@ class Client {
   v1::Scene create_scenes(v1::SceneSpec spec, std::span<const MeshInput> meshes, uint32_t count,
                           double lease_seconds = 0);
   /// What create_scene of the same arguments would cost, before anything is made: no triangle is sent, loose elements
-  /// are. Throws what it would throw for a bad spec.
+  /// are. `spec` may have meshes, too, whose numbers of triangles are enough. Throws what create_scene would throw for
+  /// a bad spec.
   v1::EstimateSceneResponse estimate_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes);
   /// A scene of this client as it is now, without triangles. Throws Error: NOT_FOUND if there is none.
   v1::Scene get_scene(const std::string& scene_id);

@@ -26,6 +26,12 @@ BenchInput file_input(const std::vector<std::string>& files) {
           .is_motion = false};
 }
 
+void grow_box(v1::SceneSpec& spec, const BenchInput& input, int steps) {
+  if (spec.position_format() != v1::POSITION_FORMAT_Q16) return;
+  if (spec.mode() == v1::DETECTION_MODE_CCD) grow_box(spec, input.start(1, steps));
+  for (int step = 1; step <= steps; ++step) grow_box(spec, input.end(step, steps));
+}
+
 std::vector<int> planned_steps(int steps, int warm_up) {
   std::vector<int> plan;
   for (int64_t i = 1; i <= warm_up; ++i) plan.push_back(static_cast<int>((i * steps + warm_up - 1) / warm_up));

@@ -23,19 +23,12 @@ void play(client::FrameStream& stream, const BenchSettings& settings, const Benc
   stream.finish();
 }
 
-/// In the box of Q16, for all steps.
-void make_room(v1::SceneSpec& spec, const BenchInput& input, int steps) {
-  if (spec.position_format() != v1::POSITION_FORMAT_Q16) return;
-  if (spec.mode() == v1::DETECTION_MODE_CCD) grow_box(spec, input.start(1, steps));
-  for (int step = 1; step <= steps; ++step) grow_box(spec, input.end(step, steps));
-}
-
 }  // namespace
 
 BenchRun measure(Connection& connection, const BenchSettings& settings, const BenchInput& input) {
   v1::SceneSpec spec = scene_spec(settings.server, settings.detection, format_of(settings.position_format));
   spec.set_display_name("bench");
-  make_room(spec, input, settings.steps);
+  grow_box(spec, input, settings.steps);
   const SceneGuard scene = connection.create_scene(spec, mesh_inputs(input.meshes));
   client::FrameStream stream = connection.stream(*scene, 1);
   BenchRun run;

@@ -17,7 +17,7 @@ SMALL = ["--scene", "reef_knot", "--scale", "0.1"]
 COMMANDS = {
     "scenes": [],
     "info": ONE_CPU,
-    "estimate": [*SMALL, *ONE_CPU],
+    "estimate": [*SMALL, "--rate", "30", "--network", "1", "--measure", "--steps", "2", *ONE_CPU],
     "bench": [*SMALL, "--steps", "2", "--warm-up", "0", *ONE_CPU],
     "load": [*SMALL, "--rate", "20", "--seconds", "0.5", *ONE_CPU],
 }

@@ -52,8 +52,8 @@ class Usage(support.CollidectlTest):
         self.refused(2, "--min-separation", *ccd, "--advance", "--min-separation=-1")
         self.refused(2, "--end-to-end takes --position-format f32 or f64", "bench", "--end-to-end", "--position-format",
                      "q16")
-        self.refused(2, "one of FRAME and --scene", "estimate")
-        self.refused(2, "one of FRAME and --scene", "estimate", self.frame0, "--scene", "funnel")
+        self.refused(2, "one of FRAME, --scene and --triangles", "estimate")
+        self.refused(2, "one of FRAME, --scene and --triangles", "estimate", self.frame0, "--scene", "funnel")
         self.refused(2, "--scene", "estimate", self.frame0, "--scale", "2")
 
     def test_the_wrong_word_is_named(self):
