@@ -86,7 +86,8 @@ void add_batch(CLI::App& app) {
       ->capture_default_str();
   command.add_flag("--contacts", options->keep_contacts, "Keep all contacts, too, for 'collidectl merge --contacts'");
   command.add_flag("--retry-failed", options->retry_failed, "Try pairs again that failed before");
-  command.add_flag("--list", options->list, "Only print the pairs, as a list that DATASET can be");
+  command.add_flag("--list", options->list,
+                   "Only print the pairs, as a list for the current folder that DATASET can be");
   add_detection_options(command, options->detection);
   add_ring_option(command, options->exclude_rings);
   add_server_options(command, options->server);

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "client/cli/batch/csv_text.hpp"
+#include "client/cli/dataset/csv_text.hpp"
 #include "client/cli/report/digest.hpp"
 
 namespace collided::cli {

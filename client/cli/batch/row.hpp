@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "client/cli/batch/dataset.hpp"
 #include "client/cli/batch/record.hpp"
+#include "client/cli/dataset/dataset.hpp"
 #include "client/cpp/frame_stream.hpp"
 
 namespace collided::cli {

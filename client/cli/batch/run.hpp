@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "client/cli/batch/dataset.hpp"
 #include "client/cli/batch/shard.hpp"
+#include "client/cli/dataset/dataset.hpp"
 #include "client/cli/options/values.hpp"
 #include "client/cli/report/json.hpp"
 

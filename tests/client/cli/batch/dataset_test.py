@@ -17,7 +17,9 @@ class Datasets(batch_support.BatchTest):
     def listed(self, dataset, *words):
         done = ctl("batch", dataset, "--list", *words)
         self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout.splitlines()[1:], done.stderr
+        header, *pairs = done.stdout.splitlines()
+        self.assertIn(header, ("frame0", "frame0,frame1"))
+        return [pair.replace(str(dataset) + "/", "") for pair in pairs], done.stderr
 
     def test_sequences_in_folders_are_paired_by_their_numbers(self):
         self.frames("cloth/frames", (9, 10, 11))
@@ -46,7 +48,16 @@ class Datasets(batch_support.BatchTest):
                          ["a/frames/f1.obj,a/frames/f2.obj", "b/frames/f1.obj,b/frames/f2.obj", "b/frames/f2.obj,b/frames/f3.obj"])
         self.assertEqual(len(self.listed(os.path.join(self.data, "b/frames/f[12].obj"))[0]), 1)
         made = self.put("list.csv", '# of my own\r\nframe0,frame1\r\n"data/a/frames/f1.obj",data/b/frames/f2.obj\r\n\r\n')
-        self.assertEqual(self.listed(made)[0], ["data/a/frames/f1.obj,data/b/frames/f2.obj"])
+        self.assertEqual([pair.replace(self.folder.name + "/", "") for pair in self.listed(made)[0]],
+                         ["data/a/frames/f1.obj,data/b/frames/f2.obj"])
+
+    def test_a_printed_list_is_a_data_set(self):
+        self.frames("a, b", (1, 2, 3))
+        printed = ctl("batch", "data", "--list", cwd=self.folder.name).stdout
+        self.assertEqual(printed.splitlines()[1], '"data/a, b/f1.obj","data/a, b/f2.obj"')
+        self.batch(*ONE_CPU, dataset=self.put("pairs.csv", printed))
+        self.assertEqual([(row["frame1"], row["status"]) for row in self.table()],
+                         [("data/a, b/f2.obj", "done"), ("data/a, b/f3.obj", "done")])
 
     def test_single_frames(self):
         self.frames("", (1, 2, 3))

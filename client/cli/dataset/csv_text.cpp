@@ -1,6 +1,6 @@
 // Cells of CSV that hold text.
 
-#include "client/cli/batch/csv_text.hpp"
+#include "client/cli/dataset/csv_text.hpp"
 
 #include <stdexcept>
 

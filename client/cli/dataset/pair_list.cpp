@@ -4,8 +4,8 @@
 #include <map>
 #include <stdexcept>
 
-#include "client/cli/batch/csv_text.hpp"
-#include "client/cli/batch/dataset.hpp"
+#include "client/cli/dataset/csv_text.hpp"
+#include "client/cli/dataset/dataset.hpp"
 #include "client/scenes/mesh_files/mesh_text.hpp"
 
 namespace collided::cli {

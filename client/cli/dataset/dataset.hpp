@@ -25,7 +25,7 @@ struct Dataset {
 /// Throws std::runtime_error naming the place and what is wrong there, also if there are no pairs.
 Dataset read_dataset(const std::string& name, size_t frames);
 
-/// The list of these pairs, which read_dataset() takes.
+/// The list of these pairs, which read_dataset() takes from the current folder.
 std::string list_text(const Dataset& dataset);
 
 /// The steps in a list's text. Blank lines and lines that begin with # are none; `file` is for errors.

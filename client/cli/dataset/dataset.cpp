@@ -1,6 +1,6 @@
 // The steps of a data set: where they come from.
 
-#include "client/cli/batch/dataset.hpp"
+#include "client/cli/dataset/dataset.hpp"
 
 #include <glob.h>
 
@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "client/cli/batch/csv_text.hpp"
+#include "client/cli/dataset/csv_text.hpp"
 #include "client/cli/input/frame_files.hpp"
 #include "client/scenes/mesh_files/mesh_text.hpp"
 
@@ -110,7 +110,7 @@ Dataset read_dataset(const std::string& name, size_t frames) {
 std::string list_text(const Dataset& dataset) {
   std::string text = dataset.pairs.front().size() == 2 ? "frame0,frame1\n" : "frame0\n";
   for (const FrameNames& names : dataset.pairs) {
-    for (size_t i = 0; i < names.size(); ++i) text += (i > 0 ? "," : "") + csv_cell(names[i]);
+    for (size_t i = 0; i < names.size(); ++i) text += (i > 0 ? "," : "") + csv_cell(dataset.path_of(names[i]));
     text += "\n";
   }
   return text;

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "client/cli/batch/dataset.hpp"
+#include "client/cli/dataset/dataset.hpp"
 #include "client/scenes/mesh_files/mesh_text.hpp"
 
 namespace collided::cli {
