@@ -9,7 +9,6 @@
 #include "client/cli/options/exclusion_options.hpp"
 #include "client/cli/options/options.hpp"
 #include "client/cli/options/usage_error.hpp"
-#include "client/cli/output/contact_files.hpp"
 #include "client/cli/output/output.hpp"
 #include "client/cli/report/numbers.hpp"
 
@@ -39,7 +38,6 @@ constexpr const char* kFooter =
 void check_usage(const BatchOptions& options) {
   check_usage(options.detection);
   if (options.list != options.out.empty()) throw UsageError("batch needs one of --out FOLDER and --list");
-  if (options.keep_contacts) check_points(options.detection, "--contacts", "kept");
 }
 
 void show_notes(const Dataset& dataset) {
@@ -77,7 +75,7 @@ void add_batch(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("batch", "Contacts of all pairs of frames of a data set, in shards");
   command.footer(kFooter);
   command.add_option("DATASET", options->dataset, "Folder, glob in quotes, or list of pairs of OBJ or PLY files")
-      ->type_name("DATASET")
+      ->type_name("FILE")
       ->required();
   command.add_option("--out", options->out, "Folder for the results of all shards; created if missing")
       ->type_name("FOLDER");

@@ -61,9 +61,9 @@ void check_same(const ShardResults& first, const ShardResults& other) {
 
 void check_pairs(const ShardResults& results) {
   const Json& identity = results.index.identity;
-  const Shard shard{static_cast<uint32_t>(number_of(identity, "shard")),
-                    static_cast<uint32_t>(number_of(identity, "shards"))};
-  if (shard.index < 1 || shard.index > shard.count) fail(results.file, "has results of no shard");
+  const uint64_t index = number_of(identity, "shard"), count = number_of(identity, "shards");
+  const Shard shard{static_cast<uint32_t>(index), static_cast<uint32_t>(count)};
+  if (index < 1 || index > count || count > kMaxShards) fail(results.file, "has results of no shard");
   const uint64_t pairs = number_of(identity, "pairs");
   for (const auto& [pair, result] : results.index.pairs)
     if (pair < 1 || pair > pairs || !shard.has(pair))
@@ -78,8 +78,8 @@ using Shards = std::map<uint64_t, ShardResults>;
 Shards finished_shards(const fs::path& folder) {
   Shards shards;
   for (const fs::path& file : result_files(folder)) {
-    ShardResults results{file, read_results(file)};
     if (file.extension() == kPartEnding) continue;
+    ShardResults results{file, read_results(file)};
     if (!results.index.is_whole())
       fail(file, "is cut off or damaged after " + std::to_string(results.index.good_bytes) + " of " +
                      std::to_string(results.index.file_bytes) + " bytes; run its shard again");

@@ -64,7 +64,8 @@ void Results::open() {
 void Results::lock() {
   if (!is_regular(file_)) fail(path_, "is no file");
   const bool is_taken = flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  if (is_taken || !is_file(file_, path_)) fail(path_, "another process is at work on this shard");
+  const bool is_finished = path_.extension() == kPartEnding && fs::exists(base_.string() + kResultsEnding);
+  if (is_taken || is_finished || !is_file(file_, path_)) fail(path_, "another process is at work on this shard");
 }
 
 void Results::resume(const Json& identity) {

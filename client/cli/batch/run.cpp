@@ -56,12 +56,12 @@ std::vector<uint64_t> pairs_to_do(const ResultsIndex& index, const Shard& shard,
 class StepReader {
  public:
   StepReader(const Dataset& dataset, const std::vector<uint64_t>& pairs) : dataset_(dataset), pairs_(pairs) { start(); }
-  /// Throws std::runtime_error naming the file and what is wrong with it.
-  StepInput next() {
+  /// Its get() throws std::runtime_error naming the file and what is wrong with it.
+  std::future<StepInput> next() {
     std::future<StepInput> step = std::move(step_);
     step.wait();
     start();
-    return step.get();
+    return step;
   }
 
  private:
@@ -82,9 +82,10 @@ void do_pair(uint64_t pair, const FrameNames& names, StepReader& reader, StepRun
   const auto keep_failure = [&](const std::string& why) {
     results.add(pair, true, pair_record(failed_row(pair, names, why), ""));
   };
+  std::future<StepInput> read = reader.next();
   std::optional<StepInput> step;
   try {
-    step = reader.next();
+    step = read.get();
   } catch (const std::runtime_error& unreadable) {
     return keep_failure(unreadable.what());
   }

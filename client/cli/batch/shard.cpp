@@ -10,8 +10,6 @@ namespace collided::cli {
 
 namespace {
 
-constexpr uint32_t kMaxShards = 100000;
-
 std::string four_digits(uint32_t number) {
   const std::string text = std::to_string(number);
   return text.size() < 4 ? std::string(4 - text.size(), '0') + text : text;

@@ -6,6 +6,8 @@
 
 namespace collided::cli {
 
+constexpr uint32_t kMaxShards = 100000;
+
 struct Shard {
   uint32_t index = 1;  ///< 1 to count
   uint32_t count = 1;

@@ -103,8 +103,6 @@ class Datasets(batch_support.BatchTest):
         self.frames("", (1, 2))
         self.refused(2, "one of --out FOLDER and --list", "batch", self.data)
         self.refused(2, "one of --out FOLDER and --list", "batch", self.data, "--out", self.out, "--list")
-        self.refused(2, "--contacts needs contact points", "batch", self.data, "--out", self.out, "--mode", "dcd", "--kinds", "tt",
-                     "--contacts")
         self.refused(2, "standard output (-) is none", "batch", self.data, "--out", "-")
         self.refused(1, "is no folder that can be written to", "batch", self.data, "--out", self.frame0)
 
