@@ -36,8 +36,7 @@ struct ExclusionOptions {
 
 inline void add_ring_option(CLI::App& command, uint32_t& rings) {
   command
-      .add_option("--exclude-rings", rings,
-                  "Leave out self contacts of features that so many edges or fewer connect")
+      .add_option("--exclude-rings", rings, "Leave out self contacts of features that so many edges or fewer connect")
       ->check(CLI::Range(0, 8))
       ->capture_default_str();
 }
