@@ -6,6 +6,8 @@
 namespace collided::cli {
 
 void add_detect(CLI::App& app);
+void add_batch(CLI::App& app);
+void add_merge(CLI::App& app);
 void add_stream(CLI::App& app);
 void add_replay(CLI::App& app);
 void add_render(CLI::App& app);

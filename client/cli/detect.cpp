@@ -127,7 +127,7 @@ void add_detect(CLI::App& app) {
       ->expected(1, 2);
   add_detection_options(command, options->detection);
   add_advance_options(command, options->detection);
-  add_ring_option(command, options->exclusions);
+  add_ring_option(command, options->exclusions.rings);
   add_server_options(command, options->server);
   add_automatic_format_option(command, options->position_format);
   command

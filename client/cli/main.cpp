@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "client/cli/batch/outcome.hpp"
 #include "client/cli/commands.hpp"
 #include "client/cli/daemon/interrupt.hpp"
 #include "client/cli/options/usage.hpp"
@@ -67,6 +68,8 @@ int main(int argc, char** argv) {
   add_tradeoff(app);
   add_bench(app);
   add_load(app);
+  add_batch(app);
+  add_merge(app);
   add_completion(app);
   add_manual(app);
   try {
@@ -82,6 +85,8 @@ int main(int argc, char** argv) {
     return fail(e);
   } catch (const Interrupted& e) {
     return fail_after_output(128 + e.signal_number, e.what());
+  } catch (const PairsFailed& e) {
+    return fail_after_output(3, e.what());
   } catch (const std::exception& e) {
     return fail_after_output(1, e.what());
   }

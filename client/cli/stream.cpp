@@ -181,7 +181,7 @@ void add_stream(CLI::App& app) {
       ->delimiter(',')
       ->allow_extra_args(false);
   add_mesh_pairs_option(command, options->exclusions);
-  add_ring_option(command, options->exclusions);
+  add_ring_option(command, options->exclusions.rings);
   add_rest_options(command, options->exclusions);
   add_server_options(command, options->server);
   add_automatic_format_option(command, options->position_format);

@@ -147,7 +147,7 @@ CLIENT_RULES = [
     (r"client/in_process/local\.hpp$", r"server/|client/cpp/transport/", "public headers show nothing inside"),
     (r"client/cli/\w+/", r"client/(cli/\w+\.hpp$|measure/)", "what commands share knows no command and no measurement"),
     (r"client/measure/", r"client/cli/\w+\.hpp$", "measurements know no command"),
-    (r"client/(measure|cli/(daemon|input|live|output|picture|recording|report|web))/", r"CLI/|client/cli/options/(?!values|usage_error)",
+    (r"client/(measure|cli/(batch|daemon|dataset|input|live|output|picture|recording|report|web))/", r"CLI/|client/cli/options/(?!values|usage_error)",
      "what options have chosen is in options/values.hpp; CLI11 takes longer to compile than all else"),
     (r"client/cli/(?!web/page_server\.cpp)", r"boost/(asio|beast)", "Boost.Beast, slow to compile, stays in web/page_server.cpp"),
 ]

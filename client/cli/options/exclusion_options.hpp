@@ -34,10 +34,9 @@ struct ExclusionOptions {
   static constexpr const char* kMeshesOption = "--exclude-meshes";
 };
 
-inline void add_ring_option(CLI::App& command, ExclusionOptions& options) {
+inline void add_ring_option(CLI::App& command, uint32_t& rings) {
   command
-      .add_option("--exclude-rings", options.rings,
-                  "Leave out self contacts of features that so many edges or fewer connect")
+      .add_option("--exclude-rings", rings, "Leave out self contacts of features that so many edges or fewer connect")
       ->check(CLI::Range(0, 8))
       ->capture_default_str();
 }

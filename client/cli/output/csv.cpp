@@ -2,6 +2,10 @@
 
 #include "client/cli/output/csv.hpp"
 
+#include <cstdlib>
+#include <memory>
+#include <new>
+
 #include "client/cli/options/values.hpp"
 #include "client/cli/report/contacts.hpp"
 
@@ -62,22 +66,42 @@ void write_kind(NumberFile& rows, const std::string& first, const client::Contac
   }
 }
 
+void write_rows(NumberFile& rows, const std::string& first, const client::FrameOutput& output,
+                const StepPositions& positions) {
+  for_each_kind(
+      [&](v1::ContactKind kind, const client::Contacts& contacts) {
+        write_kind(rows, first + name_of(kind), contacts, kind, positions);
+      },
+      output);
+}
+
 }  // namespace
 
 CsvFile::CsvFile(const std::string& file, Frames frames) : rows_(file), frames_(frames) {
   if (frames == Frames::kMany) rows_.text("frame,");
-  rows_.text(
-      "kind,element_a,element_b,v0,v1,v2,v3,toi,distance,flags,w0,w1,"
-      "point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,normal_x,normal_y,normal_z\n");
+  rows_.text(csv_header());
 }
 
 void CsvFile::add(const client::FrameOutput& output, const StepPositions& positions) {
-  const std::string frame = frames_ == Frames::kMany ? std::to_string(output.frame_id) + "," : "";
-  for_each_kind(
-      [&](v1::ContactKind kind, const client::Contacts& contacts) {
-        write_kind(rows_, frame + name_of(kind), contacts, kind, positions);
-      },
-      output);
+  write_rows(rows_, frames_ == Frames::kMany ? std::to_string(output.frame_id) + "," : "", output, positions);
+}
+
+std::string csv_header() {
+  return "kind,element_a,element_b,v0,v1,v2,v3,toi,distance,flags,w0,w1,"
+         "point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,normal_x,normal_y,normal_z\n";
+}
+
+std::string csv_rows(const std::string& first, const client::FrameOutput& output, const StepPositions& positions) {
+  char* text = nullptr;
+  size_t bytes = 0;
+  std::FILE* const memory = open_memstream(&text, &bytes);
+  if (memory == nullptr) throw std::bad_alloc();
+  const auto free_text = [](char** text) { std::free(*text); };
+  const std::unique_ptr<char*, decltype(free_text)> guard(&text, free_text);
+  NumberFile rows(memory);
+  write_rows(rows, first, output, positions);
+  rows.finish();
+  return {text, bytes};
 }
 
 }  // namespace collided::cli

@@ -23,6 +23,11 @@ class CsvFile {
   Frames frames_;
 };
 
+/// The names of a contact's columns, with a line break.
+std::string csv_header();
+/// The rows of one frame in memory, each beginning with `first`.
+std::string csv_rows(const std::string& first, const client::FrameOutput& output, const StepPositions& positions);
+
 /// Writes the contacts of one frame.
 inline void write_csv(const std::string& file, const client::FrameOutput& output, const StepPositions& positions) {
   CsvFile csv(file, CsvFile::Frames::kOne);

@@ -14,6 +14,8 @@ namespace collided::cli {
 class NumberFile {
  public:
   explicit NumberFile(const std::string& file) : out_(file), buffer_(kBufferBytes, '\0') {}
+  /// An open file, which it closes.
+  explicit NumberFile(std::FILE* file) : out_(file), buffer_(kBufferBytes, '\0') {}
 
   NumberFile& text(std::string_view s) {
     if (at_ + s.size() > kBufferBytes) write();

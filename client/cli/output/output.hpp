@@ -36,6 +36,8 @@ void print_line(const std::string& line);
 class OutputFile {
  public:
   explicit OutputFile(const std::string& name);
+  /// An open file, which it closes.
+  explicit OutputFile(std::FILE* file) : file_(file) {}
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
   ~OutputFile();

@@ -32,7 +32,7 @@ class JsonKeys(json_keys.KeyChecks, support.CollidectlTest):
     def test_keys_of_every_command_are_documented(self):
         help = self.ok("--help")
         commands = re.findall(r"^  (\w+) ", help[help.index("Subcommands"):], re.M)
-        others = {"detect", "stream", "replay", "render", "watch", "tradeoff"}  # below
+        others = {"batch", "detect", "merge", "stream", "replay", "render", "watch", "tradeoff"}  # below
         for command in commands:
             if "--json" in self.ok(command, "--help"):
                 self.assertIn(command, others | set(COMMANDS), "a test of its JSON is missing")
@@ -44,6 +44,9 @@ class JsonKeys(json_keys.KeyChecks, support.CollidectlTest):
         recording, picture = (os.path.join(self.folder.name, name) for name in ("r.rec", "p.png"))
         self.read("detect", *frames, *ONE_CPU, "--advance", "--out", os.path.join(self.folder.name, "c.csv"))
         self.read("detect", *frames, *ONE_CPU, "--report", "any")
+        results = os.path.join(self.folder.name, "results")
+        self.read("batch", self.put("pairs.csv", "a.obj,b.obj\n"), *ONE_CPU, "--out", results)
+        self.read("merge", results, "--out", os.path.join(self.folder.name, "pairs"))
         self.read("stream", *frames, *ONE_CPU, "--record", recording)
         self.read("stream", *SMALL, "--frames", "2", "--advance", *ONE_CPU)
         self.read("replay", recording, *ONE_CPU)

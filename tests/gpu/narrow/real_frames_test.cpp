@@ -88,7 +88,7 @@ class RealFramesTest : public ::testing::TestWithParam<std::tuple<Golden, Backen
   Backend backend() const { return std::get<1>(GetParam()); }
   SceneSpec spec(Accuracy accuracy, Scalar scalar) const {
     SceneSpec s = settings(Mode::kCcd, accuracy, scalar);
-    s.backend = backend();
+    s.device.backend = backend();
     return s;
   }
 

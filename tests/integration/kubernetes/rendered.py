@@ -34,8 +34,9 @@ class Objects:
 
     @property
     def pod(self):
-        """The StatefulSet's template of a pod."""
-        return self.one("StatefulSet")["spec"]["template"]
+        """The template of a pod, of the StatefulSet or the Job."""
+        found, = self.of("StatefulSet") + self.of("Job")
+        return found["spec"]["template"]
 
     @property
     def container(self):
