@@ -9,13 +9,13 @@
 #include "gpu/contacts/place.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/lbvh/lbvh.hpp"
-#include "gpu/list_lengths.hpp"
 #include "gpu/narrow/certified_ccd.hpp"
 #include "gpu/octree/leaf_pairs.hpp"
 #include "gpu/search/elementary.hpp"
 #include "gpu/search/excluded_pairs.hpp"
 #include "gpu/search/measure.hpp"
 #include "gpu/step/state.hpp"
+#include "gpu/types.hpp"
 
 namespace collided {
 

@@ -4,11 +4,11 @@
 
 #include "gpu/base/deviations.hpp"
 #include "gpu/contacts/kinds.hpp"
-#include "gpu/list_lengths.hpp"
 #include "gpu/narrow/coplanarity_filter.hpp"
 #include "gpu/octree/levels.hpp"
 #include "gpu/octree/subdivision.hpp"
 #include "gpu/search/neighbours.hpp"
+#include "gpu/types.hpp"
 
 namespace collided {
 
