@@ -50,8 +50,8 @@ struct ListLengths {
   }
 };
 
-/// What scenes needed, for scenes of the same triangles and options that are made later (SceneSpec::known): those of the
-/// last kMost kinds of scenes. Thread-safe.
+/// What scenes needed, for scenes of the same triangles and options that are made later (SceneSpec::known): those of
+/// the last kMost kinds of scenes. Thread-safe.
 class KnownLengths {
  public:
   static constexpr size_t kMost = 256;

@@ -191,7 +191,8 @@ void check_spec(const SceneSpec& spec) {
   if (spec.threads < 0)
     throw InvalidInput("threads", "threads is " + text(spec.threads) + ", the least is 0 (all cores)");
   if (const uint64_t longest = spec.expected.longest(); longest > kMaxListLength)
-    throw InvalidInput("expected", "expected has a list of " + text(longest) + ", the limit is " + text(kMaxListLength));
+    throw InvalidInput("expected",
+                       "expected has a list of " + text(longest) + ", the limit is " + text(kMaxListLength));
   check_length("min_separation", spec.min_separation, coordinate_limit(spec.scalar));
   check_rest_distance(spec);
   if (spec.min_separation > 0 && spec.mode == Mode::kDcd)

@@ -309,7 +309,7 @@ class SceneDetector final : public Detector {
   RestPairs<Exec, Real> rest_pairs_;
   size_t most_triangles_ = model_.topology().triangles.size();  ///< since lists were released
   std::shared_ptr<Slot> own_slot_;
-  ListLengths told_;  ///< to scenes alike, or by them
+  ListLengths told_;   ///< to scenes alike, or by them
   double margin_ = 0;  ///< of advances; it never shrinks, so that few steps have to be recorded anew
 };
 

@@ -91,7 +91,11 @@ int main(int argc, char** argv) {
   app.add_option("--commit", commit, "Recorded in the result");
   CLI11_PARSE(app, argc, argv);
   const Backend on = backend == "cuda" ? Backend::kCuda : Backend::kCpu;
-  nlohmann::json out{{"format", "collided advance 1"}, {"date", date}, {"commit", commit}, {"backend", backend}, {"runs", nlohmann::json::array()}};
+  nlohmann::json out{{"format", "collided advance 1"},
+                     {"date", date},
+                     {"commit", commit},
+                     {"backend", backend},
+                     {"runs", nlohmann::json::array()}};
   for (const test::Simulation& s : test::simulations())
     for (const Scalar scalar : {Scalar::kF32, Scalar::kF64})
       if (only.empty() || only == s.name) out["runs"].push_back(test::run(s, on, scalar, frames));
