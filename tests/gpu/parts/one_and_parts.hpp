@@ -16,11 +16,14 @@ inline SceneSpec in_parts(SceneSpec spec, size_t parts) {
   return spec;
 }
 
-inline void expect_same_work(const FrameCounts& expected, const FrameCounts& got) {
+/// How many contacts a part held for the earliest depends on what it knew of the others'.
+inline void expect_same_work(const FrameCounts& expected, const FrameCounts& got, Report report) {
   EXPECT_EQ(expected.pairs, got.pairs);
   EXPECT_EQ(expected.candidates, got.candidates);
   EXPECT_EQ(expected.survivors, got.survivors);
-  EXPECT_EQ(expected.contacts, got.contacts);
+  if (report == Report::kAll) {
+    EXPECT_EQ(expected.contacts, got.contacts);
+  }
 }
 
 /// `report`: of the frame.
@@ -31,7 +34,7 @@ inline void expect_same_frame(const FrameResult& expected, const FrameResult& go
   EXPECT_EQ(expected.any_contact, got.any_contact);
   EXPECT_EQ(expected.input_resolution, got.input_resolution);
   EXPECT_EQ(expected.advanced, got.advanced);
-  if (report != Report::kAnyHit) expect_same_work(expected.counts, got.counts);
+  if (report != Report::kAnyHit) expect_same_work(expected.counts, got.counts, report);
   uint64_t pairs = 0, contacts = 0;
   double shares = 0;
   for (const PartFacts& part : got.parts) pairs += part.pairs, contacts += part.contacts, shares += part.share;
