@@ -76,6 +76,8 @@ export interface SceneInput {
   quantizationBox?: { lower: readonly number[]; upper: readonly number[] };
   /** CPU cores or a GPU; the daemon's default if left out. */
   backend?: Backend;
+  /** Id of the device to live on, such as "cuda:1"; the daemon places the scene if left out. */
+  device?: string;
   /** The daemon chooses if left out. */
   broadPhaseEngine?: BroadPhaseEngine;
   /** Whether frames that resemble the last reuse its list of neighbours; where it is faster if left out. */
@@ -117,6 +119,7 @@ const SCENE: Rules<SceneInput> = {
   restDistance: finite,
   quantizationBox: anything,
   backend: oneOf(Backend),
+  device: string,
   broadPhaseEngine: oneOf(BroadPhaseEngine),
   reuse: oneOf(Reuse),
   memoryBudgetBytes: uint64,
@@ -145,6 +148,7 @@ export function sceneSpec(scene: SceneInput): SceneSpec {
   return {
     displayName: scene.displayName ?? "",
     backend: scene.backend ?? Backend.UNSPECIFIED,
+    device: scene.device ?? "",
     mode: scene.mode ?? DetectionMode.UNSPECIFIED,
     accuracy: scene.accuracy ?? Accuracy.UNSPECIFIED,
     positionFormat: scene.positionFormat ?? PositionFormat.F32,

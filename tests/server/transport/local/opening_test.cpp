@@ -102,9 +102,9 @@ TEST_F(LocalOpening, DeviceMemoryIsRefusedByFieldAndValue) {
        handle, true},
       {"open.file was passed 0 times, but must be passed 1 times for these sizes: it is the memfd", kPage, 2 * kPage,
        "", handle, false},
-      {"open.cuda_ipc_handle is set, but scene {} is not on a GPU", 0, 0, handle, "", false},
-      {"open.output_cuda_ipc_handle is set, but scene {} is not on a GPU", 0, 2 * kPage, "", handle, false},
-      {"open.output_cuda_ipc_handle is set, but scene {} is not on a GPU", kPage, 2 * kPage, "", handle, true},
+      {"open.cuda_ipc_handle is set, but scene {} is not on a GPU: it lives on cpu:0", 0, 0, handle, "", false},
+      {"open.output_cuda_ipc_handle is set, but scene {} is not on a GPU: it lives on cpu:0", 0, 2 * kPage, "", handle, false},
+      {"open.output_cuda_ipc_handle is set, but scene {} is not on a GPU: it lives on cpu:0", kPage, 2 * kPage, "", handle, true},
   };
   const Memory memory(4 * kPage);
   for (const Case& one : cases) {
