@@ -12,8 +12,8 @@ COLLIDED_HD inline double largest_side(const Box<float>& b) {
   return max(x, max(y, max(z, 0.0)));
 }
 
-/// A box's largest side, in units of the scene's / 2^32. Of doubles beyond float's range boxes are infinite, and then as
-/// large as the scene.
+/// A box's largest side, in units of the scene's / 2^32. Of doubles beyond float's range boxes are infinite, and then
+/// as large as the scene.
 COLLIDED_HD inline uint64_t extent_of(const Box<float>& box, const Box<float>& bounds) {
   const double side = largest_side(bounds);
   if (!(side > 0)) return 0;

@@ -111,8 +111,7 @@ void run(uint8_t which, const std::string& wire) try {
     case 5:
       return take_set_frame(parse_bounded<pb::SetFrame>(wire));
     case 6:
-      for (const char* const daemon : {"", "gpu0"}) check_page_token(wire, daemon);
-      return;
+      return check_page_token(parse_bounded<pb::ListScenesRequest>(wire).page_token(), "gpu0");
     default:
       const StreamTerms terms = parse_open(parse_bounded<pb::OpenStream>(wire), {});
       require(terms.window >= 1 && terms.window <= Limits().max_window, "a stream has a window within the limit");
