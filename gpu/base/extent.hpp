@@ -12,10 +12,13 @@ COLLIDED_HD inline double largest_side(const Box<float>& b) {
   return max(x, max(y, max(z, 0.0)));
 }
 
-/// A box's largest side, in units of the scene's / 2^32.
+/// A box's largest side, in units of the scene's / 2^32. Of doubles beyond float's range boxes are infinite, and then
+/// as large as the scene.
 COLLIDED_HD inline uint64_t extent_of(const Box<float>& box, const Box<float>& bounds) {
   const double side = largest_side(bounds);
-  return side > 0 ? static_cast<uint64_t>(largest_side(box) / side * 0x1p32) : 0;
+  if (!(side > 0)) return 0;
+  const double share = largest_side(box) / side;  // NaN: both are infinite
+  return static_cast<uint64_t>((share <= 1 ? share : 1) * 0x1p32);
 }
 
 struct ExtentOf {

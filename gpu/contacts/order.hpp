@@ -244,13 +244,21 @@ void put_in_order_by_counts(Exec& exec, CountingBuffers<Exec>& buffers, const Un
                 WriteInOrder<Write>{list.keys, counts, buffers.entries.all(), list.write});
 }
 
+/// The length now, read by the backend: a dry run has no memory to read it from.
+template <Executor Exec>
+uint64_t length_now(const Exec& exec, Counted count) {
+  const uint64_t counted = count.counter == nullptr ? 0 : exec.peek(count.counter);
+  if (count.counter != nullptr) count.counter = &counted;
+  return count.size();
+}
+
 /// The same in whatever way is the backend's fastest.
 template <Executor Exec, class Write>
 void put_in_order(Exec& exec, OrderBuffers<Exec>& buffers, const Unordered<Write>& list, const OrderPlan& plan,
                   const IdCounts& ids, uint64_t* crowded) {
   if constexpr (SortsKeys<Exec>) {
-    exec.reduce_into("kind_begins", list.count.size(), CountEarlierKinds{list.ranks, list.keys}, KindBegins{},
-                     AddKinds{}, list.kinds);
+    exec.reduce_into("kind_begins", length_now(exec, list.count), CountEarlierKinds{list.ranks, list.keys},
+                     KindBegins{}, AddKinds{}, list.kinds);
     exec.sort_keys("sort_keys", list.count,
                    KeyArrays<Write>{list.keys, buffers.scratch.all(), buffers.other.all(), list.write});
   } else if (plan.radix_length > 0) {

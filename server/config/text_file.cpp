@@ -2,6 +2,7 @@
 #include "server/config/text_file.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <filesystem>
 #include <fstream>
 
@@ -40,6 +41,25 @@ class Depth {
   int brackets_ = 0, parts_ = 1;
 };
 
+// Bytes of the UTF-8 character that `text` begins with; 0 if there is none.
+size_t character_bytes(std::string_view text) {
+  constexpr uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // of so many bytes
+  const auto bytes = static_cast<size_t>(std::countl_one(static_cast<uint8_t>(text[0])));
+  if (bytes == 0) return 1;
+  if (bytes == 1 || bytes > 4 || bytes > text.size()) return 0;
+  uint32_t character = static_cast<uint8_t>(text[0]) & (0x7fu >> bytes);
+  for (const char c : text.substr(1, bytes - 1)) {
+    if ((c & 0xc0) != 0x80) return 0;
+    character = character << 6 | (c & 0x3f);
+  }
+  const bool is_surrogate = character >= 0xd800 && character <= 0xdfff;
+  return character >= kLeast[bytes] && character <= 0x10ffff && !is_surrogate ? bytes : 0;
+}
+
+int line_at(std::string_view text, size_t at) {
+  return 1 + static_cast<int>(std::ranges::count(text.substr(0, at), '\n'));
+}
+
 }  // namespace
 
 std::string read_text_file(const std::string& path, uint64_t max_bytes) {
@@ -65,13 +85,21 @@ int too_deep_line(std::string_view text) {
     } else {
       depth.take(text[at++]);
     }
-    if (depth.is_too_deep()) return 1 + static_cast<int>(std::ranges::count(text.substr(0, at), '\n'));
+    if (depth.is_too_deep()) return line_at(text, at);
   }
+  return 0;
+}
+
+int not_utf8_line(std::string_view text) {
+  for (size_t at = 0, bytes = 0; at < text.size(); at += bytes)
+    if ((bytes = character_bytes(text.substr(at))) == 0) return line_at(text, at);
   return 0;
 }
 
 std::string read_toml_text(const std::string& path, uint64_t max_bytes) {
   auto text = read_text_file(path, max_bytes);
+  if (const int line = not_utf8_line(text))
+    throw ConfigError(path + ":" + std::to_string(line) + ": is not UTF-8, as TOML must be");
   if (const int line = too_deep_line(text))
     throw ConfigError(path + ":" + std::to_string(line) + ": nests deeper than " + std::to_string(kMaxTomlNesting) +
                       " levels");

@@ -16,7 +16,11 @@ constexpr int kMaxTomlNesting = 16;
 /// The line in which the text nests deeper than kMaxTomlNesting; 0 if it does not.
 int too_deep_line(std::string_view text);
 
-/// As read_text_file(). Throws ConfigError that names path and line, too, if the text nests too deeply.
+/// The first line with bytes that are not UTF-8, beyond which the parser would read memory that is not the text's; 0 if
+/// there is none.
+int not_utf8_line(std::string_view text);
+
+/// As read_text_file(). Throws ConfigError that names path and line, too, if the text is not UTF-8 or nests too deeply.
 std::string read_toml_text(const std::string& path, uint64_t max_bytes);
 
 }  // namespace collided::server

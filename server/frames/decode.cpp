@@ -26,6 +26,7 @@ using google::protobuf::io::StringOutputStream;
 
 constexpr size_t kAlignment = 16;
 constexpr uint32_t kFewBytes = 64;  // stay in the message
+constexpr int kMaxTagBytes = 5;
 
 constexpr uint32_t tag_of(int field) {
   return WireFormatLite::MakeTag(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
@@ -47,6 +48,14 @@ bool copy_field(CodedInputStream& in, uint32_t tag, CodedOutputStream& out) {
   out.WriteVarint32(static_cast<uint32_t>(size));
   out.WriteString(bytes);
   return true;
+}
+
+// 0 at the end of the message. Refuses tags that the generated code refuses; ReadTag() alone would truncate them.
+uint32_t read_tag(CodedInputStream& in, const char* what) {
+  const int begin = in.CurrentPosition();
+  const uint32_t tag = in.ReadTag();
+  if (in.CurrentPosition() - begin > kMaxTagBytes) throw_malformed(what);
+  return tag;
 }
 
 [[noreturn]] void throw_too_many_updates(const std::string& path, size_t meshes) {
@@ -105,7 +114,7 @@ class Decoder {
     {
       StringOutputStream stream(&bytes);
       CodedOutputStream out(&stream);
-      while (const uint32_t tag = in_.ReadTag()) {
+      while (const uint32_t tag = read_tag(in_, what)) {
         count_.add();
         if (!take(tag) && !copy_field(in_, tag, out)) throw_malformed(what);
         if (out_.refusal) break;

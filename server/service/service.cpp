@@ -9,8 +9,8 @@
 #include "server/errors.hpp"
 #include "server/service/get_mesh.hpp"
 #include "server/service/mesh_upload.hpp"
+#include "server/service/page_token.hpp"
 #include "server/service/watch_call.hpp"
-#include "server/shorten.hpp"
 #include "server/transport/grpc/detect_frame.hpp"
 
 namespace collided::server {
@@ -30,15 +30,6 @@ std::vector<Device> devices_of(const SceneHost& host) {
   std::vector<Device> devices;
   for (const DeviceInfo& info : host.devices().infos()) devices.push_back(info.device);
   return devices;
-}
-
-// Tokens are ids of scenes, which may have been deleted.
-void check_page_token(const std::string& token) {
-  constexpr size_t kDigits = 32;
-  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
-  if (token.empty() || (token.size() == kDigits && std::all_of(token.begin(), token.end(), is_digit))) return;
-  throw InvalidInput("page_token", fmt::format("page_token is \"{}\", but must be the next_page_token of an answer",
-                                               shorten(token, 64)));
 }
 
 std::string path_of(const char* method) {
@@ -175,7 +166,7 @@ void CollisionService::list_scenes(UnaryCall<pb::ListScenesRequest, pb::ListScen
   auto& response = call.response();
   const uint32_t size = request.page_size() ? request.page_size() : kDefaultPage;
   if (size > kMaxPage) throw InvalidInput("page_size", fmt::format("page_size is {}, more than {}", size, kMaxPage));
-  check_page_token(request.page_token());
+  check_page_token(request.page_token(), config_.name);
   // One more, to see whether another page follows.
   auto page = host_.scenes().page(call.caller().client, request.page_token(), size + 1);
   size_t shown = 0;

@@ -3,28 +3,14 @@
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
-#include <cmath>
 #include <map>
 
 #include "gpu/exact/exact.hpp"
-#include "gpu/exact/fixed/decide.hpp"
+#include "tests/fuzz/agreement.hpp"
 #include "tests/support/verdicts/verdict_score_question.hpp"
 
 namespace collided::test {
 namespace {
-
-using Corners = Vec3<double>[4];
-
-void corners_of(const Query& query, size_t from, Corners& out) {
-  for (size_t i = 0; i < 4; ++i) {
-    const Vec3d& p = query.p[from + i];
-    out[i] = {p[0], p[1], p[2]};
-  }
-}
-
-ContactKind contact_kind_of(const Query& query) {
-  return query.kind == QueryKind::kVertexTriangle ? ContactKind::kVertexTriangle : ContactKind::kEdgeEdge;
-}
 
 collided::ExactImpact decide_ccd(const Query& query, double thickness) {
   Corners start, end;
@@ -37,12 +23,6 @@ bool decide_proximity(const Query& query, double thickness) {
   Corners end;
   corners_of(query, 4, end);
   return exact_proximity(contact_kind_of(query), end, thickness);
-}
-
-// A time that is never late, and early by what exact.hpp allows: 2^-60 and the rounding to a double.
-bool time_agrees(double toi, const ExactImpact& truth) {
-  const mpq_class time(toi), slack(mpq_class(1) >> 59);
-  return time <= truth.upper && mpq_class(std::nextafter(toi, 2)) + slack >= truth.lower;
 }
 
 // How the engine's answer differs from the judge's; empty if it does not.

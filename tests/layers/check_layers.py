@@ -20,7 +20,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 CUDA = re.compile(r"^(cuda|cub/|thrust/|nvtx3/|nvToolsExt|device_launch_parameters|cooperative_groups|curand|nvml)")
 STANDARD = re.compile(r"^(c?[a-z_0-9]+|(math|stdint|stddef|string|float|immintrin)\.h)$")
 MAX_FILES = 20  # in a folder
-NO_SOURCE = {"results", "data", "node_modules", "dist", "__pycache__"}
+NO_SOURCE = {"results", "data", "corpus", "node_modules", "dist", "__pycache__"}
 MESSAGES = re.compile(r"\.pb\.h$")
 
 

@@ -38,9 +38,9 @@ class Unit {
   COLLIDED_HD Integer<W> count(double x) const {
     static_assert(W <= 2);
     const Binary b(x);
+    if (b.mantissa == 0) return Integer<W>::of(0);  // where all are 0, there is no lowest
     const int shift = b.exponent - lowest_;
-    Double n = b.mantissa;
-    if (n != 0) n = shift < 0 ? n >> -shift : n << shift;
+    const Double mantissa = b.mantissa, n = shift < 0 ? mantissa >> -shift : mantissa << shift;
     Integer<W> r;
     for (int i = 0; i < W; ++i) r.limb[i] = static_cast<uint64_t>(n >> (64 * i));
     return b.is_negative ? Integer<W>::of(0) - r : r;

@@ -48,5 +48,24 @@ TEST(TomlText, AConfigurationThatNestsTooDeepIsRefusedWithItsLine) {
   }
 }
 
+TEST(TomlText, TextThatIsNotUtf8IsFound) {
+  for (const auto& text : {"", "a = 1\n", "a = '\u00e9\u20ac\U0001F600\U0010FFFF'", "\x7f"})
+    EXPECT_EQ(not_utf8_line(text), 0) << text;
+  for (const auto& bad : {"\x80", "\xff", "\xc3", "\xc3(", "\xe2\x82", "\xf0\x9f\x98", "\xc0\x80", "\xe0\x80\x80",
+                          "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xf8\x88\x80\x80\x80"}) {
+    EXPECT_EQ(not_utf8_line(bad), 1) << bad;
+    EXPECT_EQ(not_utf8_line("a = 1\nb = '" + std::string(bad) + "'\n"), 2) << bad;
+  }
+}
+
+// The parser reads beyond its text where it tells of such bytes in a literal string.
+TEST(TomlText, AConfigurationThatIsNotUtf8IsRefusedWithItsLine) {
+  const TextFile file("max-window = 2\nlog-level = '\xff'\n");
+  const auto path = file.path();
+  const auto parsed = parse({"--config", path.c_str()});
+  EXPECT_EQ(parsed.exit_code, 2);
+  EXPECT_NE(parsed.text.find(path + ":2: is not UTF-8"), std::string::npos) << parsed.text;
+}
+
 }  // namespace
 }  // namespace collided::server

@@ -78,6 +78,15 @@ TEST(FrameDecodeHostile, LengthsThatLieAreRefused) {
   }
 }
 
+TEST(FrameDecodeHostile, TagsThatAreTooLongAreRefused) {
+  const std::string number = "\x88\x80\x80\x80\x80\x80\x80\x80\x80", end(1, '\0');  // a tag of ten bytes
+  for (const std::string& unknown : {number + end + '\1', "\x88\x80\x80\x80\x80" + end + '\1'})
+    for (const std::string& wire : {unknown, field(2, unknown), field(2, field(3, unknown))})
+      EXPECT_EQ(expect_same(wire), Verdict::kRefused);
+  const std::string five = "\x88\x80\x80\x80";
+  EXPECT_EQ(expect_same(field(2, five + end + '\1')), Verdict::kSame);
+}
+
 // A message must contain as many bytes as it makes the decoder allocate.
 TEST(FrameDecodeHostile, ALengthThatLiesAsksForNoRoom) {
   Room room(4096);

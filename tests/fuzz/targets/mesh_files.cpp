@@ -1,0 +1,57 @@
+// PLY and OBJ files: whatever is in them, a mesh or a refusal, and a mesh is the same once written and read again.
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/scenes/mesh_files/mesh_text.hpp"
+#include "tests/fuzz/targets/fuzz.hpp"
+
+namespace collided::fuzz {
+namespace {
+
+using scenes::MeshFile;
+
+bool is_finite(const MeshFile& mesh) {
+  return std::all_of(mesh.positions.begin(), mesh.positions.end(), [](const auto& p) {
+    return std::all_of(p.begin(), p.end(), [](double x) { return std::isfinite(x); });
+  });
+}
+
+template <class Elements>
+void check_elements(const MeshFile& mesh, const Elements& elements) {
+  for (const auto& element : elements)
+    for (const uint32_t v : element) require(v < mesh.positions.size(), "elements have vertices that there are");
+}
+
+void check_same(const MeshFile& mesh, const MeshFile& again) {
+  require(mesh.positions == again.positions, "a written mesh has the same positions, to the bit");
+  require(mesh.triangles == again.triangles, "a written mesh has the same triangles");
+}
+
+void check(const MeshFile& mesh) {
+  check_elements(mesh, mesh.triangles);
+  check_elements(mesh, mesh.edges);
+  for (const uint32_t v : mesh.points) require(v < mesh.positions.size(), "points have vertices that there are");
+  if (!is_finite(mesh)) return;
+  check_same(mesh, scenes::read_obj(scenes::write_obj(mesh), "written.obj"));
+  check_same(mesh, scenes::read_ply(scenes::write_ply(mesh), "written.ply"));
+}
+
+void run(const std::string& text) {
+  MeshFile mesh;
+  try {
+    mesh = text.starts_with("ply") ? scenes::read_ply(text, "input.ply") : scenes::read_obj(text, "input.obj");
+  } catch (const std::runtime_error& e) {
+    require(std::string(e.what()).starts_with("input."), "a refusal names the file");
+    return;
+  }
+  check(mesh);
+}
+
+}  // namespace
+}  // namespace collided::fuzz
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  collided::fuzz::run(collided::fuzz::Input(data, size).rest());
+  return 0;
+}
