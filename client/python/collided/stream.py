@@ -19,7 +19,6 @@ from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.02, 1.0
-_FINISH_SECONDS = 5.0
 
 
 @dataclass(eq=False)
@@ -133,11 +132,12 @@ class Stream:
         self._close_transport()
 
     def finish(self) -> None:
-        """Waits until the daemon has ended the stream, so that the scene is free for another one, and where the track says."""
+        """Waits until the daemon has ended the stream, so that the scene is free for another one, and where the track says; for
+        as long as for a call."""
         if self._transport is None:
             return
         self._transport.half_close()
-        deadline = time.monotonic() + _FINISH_SECONDS
+        deadline = time.monotonic() + self._scene.client.options.deadline
         try:
             while (response := self._transport.read(max(0.0, deadline - time.monotonic()))) is not None:
                 self._take(response)
