@@ -6,7 +6,7 @@
 namespace collided::fuzz {
 namespace {
 
-void run(const std::string& text) {
+void parse(const std::string& text) {
   static const MemoryFile file;
   static const std::string path = file.path();
   file.write(text);
@@ -17,9 +17,7 @@ void run(const std::string& text) {
 }
 
 }  // namespace
-}  // namespace collided::fuzz
 
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  collided::fuzz::run(collided::fuzz::Input(data, size).rest());
-  return 0;
-}
+void run(Input input) { parse(input.rest()); }
+
+}  // namespace collided::fuzz

@@ -46,6 +46,8 @@ void triangles(const Query& query) {
   require(exact_triangles_intersect(a, b) == truth, "engine and judge agree on two triangles");
 }
 
+}  // namespace
+
 void run(Input input) {
   const Head head(input.number<uint8_t>());
   Query query{head.kind, {}};
@@ -62,10 +64,4 @@ void run(Input input) {
   }
 }
 
-}  // namespace
 }  // namespace collided::fuzz
-
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  collided::fuzz::run(collided::fuzz::Input(data, size));
-  return 0;
-}

@@ -51,7 +51,7 @@ void check_refusal(const std::string& what, const std::string& wire) {
   require(is_ours || !Expected(wire).is_valid, "a message is not refused as malformed: " + what);
 }
 
-void run(const Settings& settings, const std::string& wire) {
+void decode(const Settings& settings, const std::string& wire) {
   Room room(1024);
   try {
     check(decode(wire, room, settings.block, settings.meshes), room, wire);
@@ -65,12 +65,11 @@ void run(const Settings& settings, const std::string& wire) {
 }
 
 }  // namespace
-}  // namespace collided::fuzz
 
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+void run(Input input) {
   static const google::protobuf::LogSilencer no_words_on_strings_that_are_not_utf8;
-  collided::fuzz::Input input(data, size);
-  const collided::fuzz::Settings settings(input.number<uint8_t>());
-  collided::fuzz::run(settings, input.rest());
-  return 0;
+  const Settings settings(input.number<uint8_t>());
+  decode(settings, input.rest());
 }
+
+}  // namespace collided::fuzz

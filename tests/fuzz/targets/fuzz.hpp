@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-/// libFuzzer calls it with each input; replay.cpp, with those of the corpus.
+/// In entry.cpp. libFuzzer calls it with each input; replay.cpp, with those of the corpus.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
 namespace collided::fuzz {
@@ -42,5 +42,8 @@ class Input {
  private:
   std::string_view left_;
 };
+
+/// What each target is: takes an input.
+void run(Input input);
 
 }  // namespace collided::fuzz

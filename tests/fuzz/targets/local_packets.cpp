@@ -92,7 +92,10 @@ void take(std::string_view packet, Socket& socket, const Memory& memory) try {
   check_refusal();
 }
 
+}  // namespace
+
 void run(Input input) {
+  static const google::protobuf::LogSilencer no_words_on_strings_that_are_not_utf8;
   static Memory memory;
   static Socket socket;
   std::vector<std::string_view> packets;
@@ -102,11 +105,4 @@ void run(Input input) {
     if (!packet.empty()) take(packet, socket, memory);
 }
 
-}  // namespace
 }  // namespace collided::fuzz
-
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  static const google::protobuf::LogSilencer no_words_on_strings_that_are_not_utf8;
-  collided::fuzz::run(collided::fuzz::Input(data, size));
-  return 0;
-}

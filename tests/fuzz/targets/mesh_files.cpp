@@ -37,7 +37,7 @@ void check(const MeshFile& mesh) {
   check_same(mesh, scenes::read_ply(scenes::write_ply(mesh), "written.ply"));
 }
 
-void run(const std::string& text) {
+void read(const std::string& text) {
   MeshFile mesh;
   try {
     mesh = text.starts_with("ply") ? scenes::read_ply(text, "input.ply") : scenes::read_obj(text, "input.obj");
@@ -49,9 +49,7 @@ void run(const std::string& text) {
 }
 
 }  // namespace
-}  // namespace collided::fuzz
 
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  collided::fuzz::run(collided::fuzz::Input(data, size).rest());
-  return 0;
-}
+void run(Input input) { read(input.rest()); }
+
+}  // namespace collided::fuzz

@@ -38,6 +38,8 @@ BatchSettings settings_of(Input& input, const Head& head) {
   return settings;
 }
 
+}  // namespace
+
 void run(Input input) {
   const Head head(input.number<uint8_t>());
   Query query{head.kind, {}};
@@ -52,10 +54,4 @@ void run(Input input) {
   }
 }
 
-}  // namespace
 }  // namespace collided::fuzz
-
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  collided::fuzz::run(collided::fuzz::Input(data, size));
-  return 0;
-}

@@ -23,7 +23,7 @@ bool begins_like_another_line(const std::vector<cli::FrameNames>& pairs) {
   return false;
 }
 
-void run(const std::string& text, size_t frames) {
+void read(const std::string& text, size_t frames) {
   std::vector<cli::FrameNames> pairs;
   try {
     pairs = cli::listed_pairs(text, "input", frames);
@@ -37,9 +37,10 @@ void run(const std::string& text, size_t frames) {
 }
 
 }  // namespace
-}  // namespace collided::fuzz
 
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  for (const size_t frames : {1, 2}) collided::fuzz::run(collided::fuzz::Input(data, size).rest(), frames);
-  return 0;
+void run(Input input) {
+  const std::string text = input.rest();
+  for (const size_t frames : {1, 2}) read(text, frames);
 }
+
+}  // namespace collided::fuzz

@@ -9,7 +9,7 @@
 namespace collided::fuzz {
 namespace {
 
-void run(const std::string& bytes) {
+void read(const std::string& bytes) {
   static const MemoryFile file;
   file.write(bytes);
   int counted = 0, read = 0;
@@ -26,10 +26,10 @@ void run(const std::string& bytes) {
 }
 
 }  // namespace
-}  // namespace collided::fuzz
 
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+void run(Input input) {
   static const google::protobuf::LogSilencer no_words_on_strings_that_are_not_utf8;
-  collided::fuzz::run(collided::fuzz::Input(data, size).rest());
-  return 0;
+  read(input.rest());
 }
+
+}  // namespace collided::fuzz

@@ -96,7 +96,7 @@ void take_set_frame(const Frame& frame) {
   for (const uint32_t mesh : input.meshes) require(mesh < spec.meshes.size(), "a frame has meshes that there are");
 }
 
-void run(uint8_t which, const std::string& wire) try {
+void take(uint8_t which, const std::string& wire) try {
   switch (which % 8) {
     case 0:
       return check_plan(parse_scene(parse_bounded<pb::CreateSceneRequest>(wire), {}).plan);
@@ -121,12 +121,11 @@ void run(uint8_t which, const std::string& wire) try {
 }
 
 }  // namespace
-}  // namespace collided::fuzz
 
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+void run(Input input) {
   static const google::protobuf::LogSilencer no_words_on_strings_that_are_not_utf8;
-  collided::fuzz::Input input(data, size);
   const auto which = input.number<uint8_t>();
-  collided::fuzz::run(which, input.rest());
-  return 0;
+  take(which, input.rest());
 }
+
+}  // namespace collided::fuzz

@@ -107,7 +107,10 @@ std::vector<Scene> make_scenes(const std::string& wire) {
   return scenes;
 }
 
+}  // namespace
+
 void run(Input input) try {
+  static const google::protobuf::LogSilencer no_words_on_strings_that_are_not_utf8;
   std::vector<Scene> scenes = make_scenes(std::string(input.take(input.number<uint16_t>())));
   constexpr int kMostFrames = 8;
   for (int i = 0; i < kMostFrames && !scenes.empty(); ++i) {
@@ -120,11 +123,4 @@ void run(Input input) try {
   check_refusal();
 }
 
-}  // namespace
 }  // namespace collided::fuzz
-
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  static const google::protobuf::LogSilencer no_words_on_strings_that_are_not_utf8;
-  collided::fuzz::run(collided::fuzz::Input(data, size));
-  return 0;
-}

@@ -17,7 +17,7 @@ void check(const server::Token& token) {
   require(limits.max_frame_seconds > 0 && limits.max_frames_per_second > 0, "limits are above 0");
 }
 
-void run(const std::string& text) {
+void read(const std::string& text) {
   static const MemoryFile file;
   file.write(text);
   try {
@@ -30,11 +30,11 @@ void run(const std::string& text) {
 }
 
 }  // namespace
-}  // namespace collided::fuzz
 
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+void run(Input input) {
   static const bool is_quiet = (spdlog::set_level(spdlog::level::off), true);
-  collided::fuzz::require(is_quiet, "the log is off");
-  collided::fuzz::run(collided::fuzz::Input(data, size).rest());
-  return 0;
+  require(is_quiet, "the log is off");
+  read(input.rest());
 }
+
+}  // namespace collided::fuzz
