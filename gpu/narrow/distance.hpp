@@ -136,7 +136,7 @@ COLLIDED_HD Weights<Real> nearly_closest_edge_edge(const Vec3<Real>& r, const Ve
   Real s = replace_where(n2 > 0, Real(0), [&] { return clamp01(dot(cross(e, r), n) / n2); });
   const Real along = er + s * dot(d, e);
   const Real t = replace_where(e2 > 0, Real(0), [&] { return clamp01(along / e2); });
-  const Mask<Real> within = along >= 0 && along <= e2;
+  const Mask<Real> within = along > 0 && along <= e2;  // never so on an edge of length zero
   s = replace_where(!within && d2 > 0, s, [&] { return clamp01(dot(d, t * e - r) / d2); });
   const Mask<Real> inside = s > 0 && s < 1 && t > 0 && t < 1;
   return {s, t, inside};
