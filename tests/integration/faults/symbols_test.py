@@ -9,7 +9,7 @@ import re
 import subprocess
 import sys
 
-ALWAYS = re.compile(r"^_?_?cuda|^_Zn[wa]m|^_ZNSt6thread")
+ALWAYS = re.compile(r"^_?_?cuda|^_Zn[wa]m|^_ZNSt6thread15_M_start")
 
 
 def undefined(nm, file):
