@@ -14,7 +14,7 @@ namespace {
 
 using collided::test::FaultControl;
 
-constexpr size_t kLarge = 1024;  // bytes; smaller allocations do not fail
+constexpr size_t kLarge = 256;  // bytes; smaller allocations do not fail
 
 FaultControl* control() {
   static FaultControl* const one = [] {
