@@ -132,7 +132,7 @@ void FrameSession::hold(bool is_held) {
 }
 
 void FrameSession::close() {
-  std::deque<Waiting> dropped;
+  std::list<Waiting> dropped;
   std::shared_ptr<FrameSink> sink;
   SceneUse use;
   {

@@ -2,7 +2,7 @@
 // One stream of frames to one scene, on any transport: order, delivery policy, take-over, end. No gRPC here.
 
 #include <atomic>
-#include <deque>
+#include <list>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -89,7 +89,7 @@ class FrameSession final : public SceneStream, public std::enable_shared_from_th
   mutable std::mutex mutex_;  // guards what follows
   SceneUse use_;              // until it is closed: a transport may keep its session for longer
   std::shared_ptr<FrameSink> sink_;
-  std::deque<Waiting> waiting_;
+  std::list<Waiting> waiting_;
   Clock::time_point last_active_ = scene_->now();
   bool is_held_ = false;
   bool is_working_ = false;
