@@ -42,7 +42,7 @@ Packet nothing_because(int error) {
 // An empty packet looks like the end of the connection.
 bool is_end(int socket) {
   pollfd state{socket, POLLRDHUP, 0};
-  return poll(&state, 1, 0) > 0;
+  return poll(&state, 1, 0) != 0;  // an interrupted one proves no packet
 }
 
 }  // namespace
