@@ -24,9 +24,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr StreamKind kKind{"local stream", "LocalStream"};
 constexpr auto kGone = "the client is gone";
-constexpr double kLastPacketSeconds = 0.2;               // to send the remaining packets when the daemon stops
+constexpr double kLastPacketSeconds = 0.2;                // to send the remaining packets when the daemon stops
 constexpr auto kShortage = std::chrono::milliseconds(5);  // until a packet for which there was no memory is sent again
-constexpr auto kAwake = std::chrono::microseconds(300);  // for the next frame of a simulator on the same GPU
+constexpr auto kAwake = std::chrono::microseconds(300);   // for the next frame of a simulator on the same GPU
 
 Clock::time_point after(Clock::time_point start, double seconds) {
   return start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -48,7 +48,9 @@ Fd make_event() {
 }  // namespace
 
 Connection::Connection(Fd&& socket, const OpeningRules& rules, Metrics& metrics, LocalTimeouts timeouts)
-    : rules_(rules), metrics_(metrics), timeouts_(timeouts), wake_(make_event()), socket_(std::move(socket)) {}
+    : rules_(rules), metrics_(metrics), timeouts_(timeouts), wake_(make_event()) {
+  socket_ = std::move(socket);  // when nothing can fail any more
+}
 
 void Connection::serve() {
   try {

@@ -1,5 +1,5 @@
-// The failpoints of `collided_faulty`: the linker sends every call of SYMBOL to __wrap_SYMBOL, and __real_SYMBOL is what
-// it would have been.
+// The failpoints of `collided_faulty`: the linker sends every call of SYMBOL to __wrap_SYMBOL, and __real_SYMBOL is
+// what it would have been.
 #include <array>
 #include <cerrno>
 #include <cstdlib>
@@ -97,12 +97,15 @@ void WRAP(START)(void* thread, void* state, void (*depend)()) {
 }  // extern "C"
 
 // Of any signature: keeps the registers of the arguments while it asks whether to fail. x86-64 only.
-#define FAILPOINT(symbol)                                                                                  \
-  asm(".text\n.globl __wrap_" #symbol "\n.type __wrap_" #symbol ", @function\n__wrap_" #symbol ":\n"      \
-      "push %rdi\npush %rsi\npush %rdx\npush %rcx\npush %r8\npush %r9\npush %rax\n"                       \
-      "lea 1f(%rip), %rdi\ncall collided_failpoint\nmov %rax, %r10\nmov %rdx, %r11\n"                      \
-      "pop %rax\npop %r9\npop %r8\npop %rcx\npop %rdx\npop %rsi\npop %rdi\n"                               \
-      "test %r10, %r10\njne 2f\njmp __real_" #symbol "@PLT\n"                                              \
-      "2: mov %r11, %rax\nret\n.size __wrap_" #symbol ", .-__wrap_" #symbol "\n"                           \
+#define FAILPOINT(symbol)                                                                      \
+  asm(".text\n.globl __wrap_" #symbol "\n.type __wrap_" #symbol ", @function\n__wrap_" #symbol \
+      ":\n"                                                                                    \
+      "push %rdi\npush %rsi\npush %rdx\npush %rcx\npush %r8\npush %r9\npush %rax\n"            \
+      "lea 1f(%rip), %rdi\ncall collided_failpoint\nmov %rax, %r10\nmov %rdx, %r11\n"          \
+      "pop %rax\npop %r9\npop %r8\npop %rcx\npop %rdx\npop %rsi\npop %rdi\n"                   \
+      "test %r10, %r10\njne 2f\njmp __real_" #symbol                                           \
+      "@PLT\n"                                                                                 \
+      "2: mov %r11, %rax\nret\n.size __wrap_" #symbol ", .-__wrap_" #symbol                    \
+      "\n"                                                                                     \
       ".section .rodata\n1: .string \"" #symbol "\"\n.text\n");
 #include "failpoints.inc"
