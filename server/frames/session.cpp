@@ -108,12 +108,23 @@ void FrameSession::run(Waiting& next, FrameSink& sink) {
     tell_skipped(*scene_, frame.frame_id, ids_);
     return sink.skipped(frame.frame_id);
   }
+  std::shared_ptr<AnsweredFrame> answered;
   try {
-    const auto answered = std::make_shared<AnsweredFrame>(run_frame(*scene_, frame, [this] { return closed_.load(); }));
+    answered = std::make_shared<AnsweredFrame>();  // before the scene changes
+    *answered = run_frame(*scene_, frame, [this] { return closed_.load(); });
+  } catch (...) {
+    return fail(frame.frame_id, std::current_exception(), sink);
+  }
+  answer(answered, frame.input.trial, sink);
+}
+
+// A frame that was applied must not be refused: without its answer the stream ends, and resumes after the frame.
+void FrameSession::answer(const std::shared_ptr<AnsweredFrame>& answered, bool is_trial, FrameSink& sink) {
+  try {
     sink.answered(*scene_, answered);
     tell_answered(*scene_, *answered, ids_);
   } catch (...) {
-    fail(frame.frame_id, std::current_exception(), sink);
+    end(unanswered(answered->frame_id, is_trial, std::current_exception()));
   }
 }
 

@@ -2,8 +2,8 @@
 // One stream of frames to one scene, on any transport: order, delivery policy, take-over, end. No gRPC here.
 
 #include <atomic>
-#include <list>
 #include <exception>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -80,6 +80,7 @@ class FrameSession final : public SceneStream, public std::enable_shared_from_th
   std::shared_ptr<FrameSink> sink() const;
   void work();
   void run(Waiting& next, FrameSink& sink);
+  void answer(const std::shared_ptr<AnsweredFrame>& answered, bool is_trial, FrameSink& sink);
   void fail(uint64_t frame_id, const std::exception_ptr& error, FrameSink& sink);
 
   const std::shared_ptr<Scene> scene_;
