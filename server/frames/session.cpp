@@ -50,10 +50,21 @@ std::shared_ptr<FrameSession> FrameSession::open(SceneUse scene, const std::stri
     before->end(std::make_exception_ptr(
         TakenOver("open.scene_id", "open.scene_id: another stream took over scene " + session->scene().id())));
   if (!resume_token.empty()) session->scene().observer().resumed(session->scene());
-  session->scene().worker().post([session] {
-    if (const auto sink = session->sink()) sink->opened(session->scene());
+  session->post([own = session.get()] {
+    if (const auto sink = own->sink()) sink->opened(own->scene());
   });
   return session;
+}
+
+// On the scene's thread. What fails there ends this stream only.
+void FrameSession::post(std::function<void()> job) {
+  scene_->worker().post([self = shared_from_this(), job = std::move(job)] {
+    try {
+      job();
+    } catch (...) {
+      self->end(std::current_exception());
+    }
+  });
 }
 
 void FrameSession::submit(PendingFrame frame) {
@@ -80,7 +91,7 @@ void FrameSession::start_next_locked() {
   last_active_ = scene_->now();
   if (is_working_ || is_held_ || waiting_.empty()) return;
   is_working_ = true;
-  scene_->worker().post([self = shared_from_this()] { self->work(); });
+  post([this] { work(); });
 }
 
 // One frame per job, so that the scene's other work can run in between.
@@ -163,8 +174,8 @@ void FrameSession::end(const std::exception_ptr& why) {
 }
 
 void FrameSession::announce_stop(double seconds) {
-  scene_->worker().post([self = shared_from_this(), seconds] {
-    if (const auto open = self->sink()) open->draining(seconds);
+  post([this, seconds] {
+    if (const auto open = sink()) open->draining(seconds);
   });
 }
 

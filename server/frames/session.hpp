@@ -79,6 +79,7 @@ class FrameSession final : public SceneStream, public std::enable_shared_from_th
   void start_next_locked();
   std::shared_ptr<FrameSink> sink() const;
   void work();
+  void post(std::function<void()> job);
   void run(Waiting& next, FrameSink& sink);
   void answer(const std::shared_ptr<AnsweredFrame>& answered, bool is_trial, FrameSink& sink);
   void fail(uint64_t frame_id, const std::exception_ptr& error, FrameSink& sink);
