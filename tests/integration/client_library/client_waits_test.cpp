@@ -5,12 +5,12 @@
 #include <cstdlib>
 #include <future>
 #include <limits>
-#include <map>
 #include <optional>
 #include <string_view>
 
 #include "tests/integration/client_library/client_layers.hpp"
 #include "tests/integration/client_library/client_ways.hpp"
+#include "tests/integration/support/peers/http2_frames.hpp"
 #include "tests/integration/support/peers/tcp_proxy.hpp"
 
 namespace collided::test {
@@ -182,44 +182,23 @@ TEST(ClientWaits, AnIdleStreamIsToldThatTheDaemonStops) {
     }
 }
 
-/// Counts the answers to pings among the bytes that clients send: HTTP/2 frames after a preface.
-class PingAnswers {
- public:
-  void take(size_t connection, std::string_view bytes) {
-    constexpr size_t kHead = 9;
-    constexpr char kPing = 6, kIsAnswer = 1;
-    auto& [text, at] = sent_[connection];
-    text += bytes;
-    while (at + kHead <= text.size()) {
-      const auto byte = [&, start = at](size_t i) { return static_cast<unsigned char>(text[start + i]); };
-      if (byte(3) == kPing && (byte(4) & kIsAnswer) != 0) ++count_;
-      at += kHead + (size_t{byte(0)} << 16 | size_t{byte(1)} << 8 | byte(2));
-    }
-  }
-  int count() const { return count_; }
-
- private:
-  struct Sent {
-    std::string text;
-    size_t at = 24;  ///< of the next frame, after the preface
-  };
-  std::map<size_t, Sent> sent_;
-  std::atomic<int> count_ = 0;
-};
-
 // The daemon waits so long for an answer that none is late on any machine: the test looks at the answers themselves.
 // gRPC's own backup polling is switched off before gRPC starts, so that each answer is the stream's doing.
 TEST(ClientWaits, AnIdleClientAnswersPings) {
   Waiting waiting({"--keepalive-seconds", "1", "--keepalive-timeout-seconds", "60"});
   for (const client::KeeperPace pace : {kLooks, kStays}) {
-    PingAnswers answers;
+    Http2Frames frames;
+    std::atomic<int> answers = 0;
+    const auto count = [&](const Http2Frames::Frame& frame) {
+      if (frame.type == Http2Frames::kPing && (frame.flags & Http2Frames::kIsAnswer) != 0) ++answers;
+    };
     TcpProxy proxy(waiting.daemon.process().tcp_address(),
-                   [&](size_t connection, std::string_view bytes) { answers.take(connection, bytes); });
+                   [&](size_t connection, std::string_view bytes) { frames.take(connection, bytes, count); });
     Client client = Client::connect(proxy.address());
     FrameStream stream = client.stream(make_layers(client), {.local = {.use = client::Local::kOff}, .keeper = pace});
     ask_whole(stream, 1);
-    const int before = answers.count();
-    EXPECT_TRUE(eventually("pings are answered", [&] { return answers.count() >= before + 2; }));
+    const int before = answers;
+    EXPECT_TRUE(eventually("pings are answered", [&] { return answers >= before + 2; }));
     EXPECT_GT(ask_whole(stream, 2).vertex_triangle.count, 0u);
   }
 }
