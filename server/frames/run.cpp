@@ -3,6 +3,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <new>
+
 #include "server/errors.hpp"
 #include "server/frames/watched.hpp"
 
@@ -39,6 +41,15 @@ FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, const std::function
 }
 
 }  // namespace
+
+std::exception_ptr unanswered(uint64_t frame_id, bool is_trial, const std::exception_ptr& why) try {
+  std::rethrow_exception(why);
+} catch (const std::bad_alloc&) {
+  return std::make_exception_ptr(ResourceExhausted(fmt::format(
+      "frame {} was {}, but the daemon is out of memory for its answer", frame_id, is_trial ? "computed" : "applied")));
+} catch (...) {
+  return why;
+}
 
 AnsweredFrame run_frame(Scene& scene, PendingFrame& frame, const std::function<bool()>& cancelled) {
   if (frame.refusal) std::rethrow_exception(frame.refusal);

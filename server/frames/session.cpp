@@ -50,10 +50,21 @@ std::shared_ptr<FrameSession> FrameSession::open(SceneUse scene, const std::stri
     before->end(std::make_exception_ptr(
         TakenOver("open.scene_id", "open.scene_id: another stream took over scene " + session->scene().id())));
   if (!resume_token.empty()) session->scene().observer().resumed(session->scene());
-  session->scene().worker().post([session] {
-    if (const auto sink = session->sink()) sink->opened(session->scene());
+  session->post([own = session.get()] {
+    if (const auto sink = own->sink()) sink->opened(own->scene());
   });
   return session;
+}
+
+// On the scene's thread. What fails there ends this stream only.
+void FrameSession::post(std::function<void()> job) {
+  scene_->worker().post([self = shared_from_this(), job = std::move(job)] {
+    try {
+      job();
+    } catch (...) {
+      self->end(std::current_exception());
+    }
+  });
 }
 
 void FrameSession::submit(PendingFrame frame) {
@@ -80,7 +91,7 @@ void FrameSession::start_next_locked() {
   last_active_ = scene_->now();
   if (is_working_ || is_held_ || waiting_.empty()) return;
   is_working_ = true;
-  scene_->worker().post([self = shared_from_this()] { self->work(); });
+  post([this] { work(); });
 }
 
 // One frame per job, so that the scene's other work can run in between.
@@ -108,12 +119,23 @@ void FrameSession::run(Waiting& next, FrameSink& sink) {
     tell_skipped(*scene_, frame.frame_id, ids_);
     return sink.skipped(frame.frame_id);
   }
+  std::shared_ptr<AnsweredFrame> answered;
   try {
-    const auto answered = std::make_shared<AnsweredFrame>(run_frame(*scene_, frame, [this] { return closed_.load(); }));
+    answered = std::make_shared<AnsweredFrame>();  // before the scene changes
+    *answered = run_frame(*scene_, frame, [this] { return closed_.load(); });
+  } catch (...) {
+    return fail(frame.frame_id, std::current_exception(), sink);
+  }
+  answer(answered, frame.input.trial, sink);
+}
+
+// A frame that was applied must not be refused: without its answer the stream ends, and resumes after the frame.
+void FrameSession::answer(const std::shared_ptr<AnsweredFrame>& answered, bool is_trial, FrameSink& sink) {
+  try {
     sink.answered(*scene_, answered);
     tell_answered(*scene_, *answered, ids_);
   } catch (...) {
-    fail(frame.frame_id, std::current_exception(), sink);
+    end(unanswered(answered->frame_id, is_trial, std::current_exception()));
   }
 }
 
@@ -132,7 +154,7 @@ void FrameSession::hold(bool is_held) {
 }
 
 void FrameSession::close() {
-  std::deque<Waiting> dropped;
+  std::list<Waiting> dropped;
   std::shared_ptr<FrameSink> sink;
   SceneUse use;
   {
@@ -152,8 +174,8 @@ void FrameSession::end(const std::exception_ptr& why) {
 }
 
 void FrameSession::announce_stop(double seconds) {
-  scene_->worker().post([self = shared_from_this(), seconds] {
-    if (const auto open = self->sink()) open->draining(seconds);
+  post([this, seconds] {
+    if (const auto open = sink()) open->draining(seconds);
   });
 }
 

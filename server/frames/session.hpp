@@ -2,8 +2,8 @@
 // One stream of frames to one scene, on any transport: order, delivery policy, take-over, end. No gRPC here.
 
 #include <atomic>
-#include <deque>
 #include <exception>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -79,7 +79,9 @@ class FrameSession final : public SceneStream, public std::enable_shared_from_th
   void start_next_locked();
   std::shared_ptr<FrameSink> sink() const;
   void work();
+  void post(std::function<void()> job);
   void run(Waiting& next, FrameSink& sink);
+  void answer(const std::shared_ptr<AnsweredFrame>& answered, bool is_trial, FrameSink& sink);
   void fail(uint64_t frame_id, const std::exception_ptr& error, FrameSink& sink);
 
   const std::shared_ptr<Scene> scene_;
@@ -89,7 +91,7 @@ class FrameSession final : public SceneStream, public std::enable_shared_from_th
   mutable std::mutex mutex_;  // guards what follows
   SceneUse use_;              // until it is closed: a transport may keep its session for longer
   std::shared_ptr<FrameSink> sink_;
-  std::deque<Waiting> waiting_;
+  std::list<Waiting> waiting_;
   Clock::time_point last_active_ = scene_->now();
   bool is_held_ = false;
   bool is_working_ = false;

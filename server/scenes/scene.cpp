@@ -290,7 +290,10 @@ FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame, const Frame
     std::lock_guard lock(mutex_);
     shown_.last_frame_id = frame_id;
   }
-  publish();
+  try {
+    publish();
+  } catch (const std::bad_alloc&) {  // the frame was applied; its successor will tell what the scene holds
+  }
   return result;
 }
 

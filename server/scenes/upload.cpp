@@ -79,10 +79,13 @@ void Upload::release() {
 void Upload::begin(const SceneUse& scene, uint32_t mesh, std::shared_ptr<void> ticket) {
   const size_t meshes = scene->plan()->meshes.size();
   if (mesh >= meshes) throw InvalidInput("mesh", fmt::format("mesh is {}, but the scene has {} meshes", mesh, meshes));
+  // What may fail comes first: a mesh that is reserved is released with scene_.
+  auto triangles = std::make_unique<ReceivedTriangles>(scene->quota());
+  auto use = std::make_unique<SceneUse>(scene);
   scene->begin_upload(mesh);
   mesh_ = mesh;
-  triangles_ = std::make_unique<ReceivedTriangles>(scene->quota());
-  scene_ = std::make_unique<SceneUse>(scene);
+  triangles_ = std::move(triangles);
+  scene_ = std::move(use);
   ticket_ = std::move(ticket);
 }
 

@@ -104,7 +104,7 @@ void MeshUpload::delete_if_unusable() {
     removed->release();
     log_event(spdlog::level::info, "scene deleted: its meshes form no valid scene",
               {{"scene", scene.id()}, {"request", caller_.ids.request_id}, {"trace", caller_.ids.trace_id}});
-  } catch (const NotFound&) {  // a client has already deleted it
+  } catch (const std::exception&) {  // a client has already deleted it; or memory is short, and its lease will end it
   }
 }
 

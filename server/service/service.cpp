@@ -36,6 +36,12 @@ std::string path_of(const char* method) {
   return fmt::format("/{}/{}", pb::CollisionService::service_full_name(), method);
 }
 
+class RefusedUpload final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
+ public:
+  explicit RefusedUpload(const grpc::Status& status) { Finish(status); }
+  void OnDone() override { delete this; }
+};
+
 }  // namespace
 
 CollisionService::CollisionService(const Config& config, SceneHost& host, const Authenticator& authenticator)
@@ -148,8 +154,10 @@ void CollisionService::estimate_scene(UnaryCall<pb::EstimateSceneRequest, pb::Es
 }
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* CollisionService::UploadMesh(grpc::CallbackServerContext* context,
-                                                                        grpc::ByteBuffer* response) {
+                                                                        grpc::ByteBuffer* response) try {
   return new MeshUpload(*context, host_, parts_, response, calls_);
+} catch (...) {  // gRPC itself would answer UNIMPLEMENTED
+  return new RefusedUpload(to_status(describe_current()));
 }
 
 void CollisionService::get_scene(UnaryCall<pb::GetSceneRequest, pb::GetSceneResponse>& call) {

@@ -40,13 +40,19 @@ void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameRespon
   *response.mutable_done() = done_message(frame);
 }
 
+void fill_or_tell(const Scene& scene, AnsweredFrame& frame, bool is_trial, pb::DetectFrameResponse& response) try {
+  fill_answer(scene, frame, response);
+} catch (...) {
+  std::rethrow_exception(unanswered(frame.frame_id, is_trial, std::current_exception()));
+}
+
 // On the scene's worker thread. The reason for a refusal is logged with the call.
 void answer(Call& call, Scene& scene, PendingFrame& frame) {
   guard(call, [&] {
     try {
       check_no_stream(scene);
       auto answered = run_frame(scene, frame, [&call] { return call.is_cancelled(); });
-      fill_answer(scene, answered, call.response());
+      fill_or_tell(scene, answered, frame.input.trial, call.response());
       tell_answered(scene, answered, call.caller().ids);
     } catch (...) {
       scene.observer().refused(scene, frame.frame_id, std::current_exception());

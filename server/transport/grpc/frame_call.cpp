@@ -4,6 +4,8 @@
 #include <grpcpp/support/proto_buffer_reader.h>
 
 #include <algorithm>
+#include <new>
+#include <thread>
 #include <utility>
 
 #include "server/errors.hpp"
@@ -41,13 +43,23 @@ void FrameCall::accept(FrameCalls& calls) {
                                      call->accepted_.send());
 }
 
+// Waits until there is memory for it: without it fewer and fewer calls could be accepted.
+void FrameCall::accept_next(FrameCalls& calls) {
+  constexpr auto kPoll = std::chrono::milliseconds(10);
+  for (;;) try {
+      return accept(calls);
+    } catch (const std::bad_alloc&) {
+      std::this_thread::sleep_for(kPoll);
+    }
+}
+
 void FrameCall::on_accepted(bool ok) {
   if (!ok) return gone_.drop();  // the server shuts down, and its tag will not arrive
-  accept(calls_);
+  accept_next(calls_);
   calls_.parts_.events.on_accepted(context_);
   caller_.ids = ids_of(context_.client_metadata());  // even for a call that is refused
-  calls_.add(shared_from_this());
   try {
+    calls_.add(shared_from_this());
     caller_.client = identify(context_, calls_.parts_.authenticator).client;
     host_.check_serving();
     await_opening();

@@ -51,6 +51,7 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
  private:
   explicit FrameCall(FrameCalls& calls) : calls_(calls), host_(calls.parts_.host), stream_(&context_) {}
 
+  static void accept_next(FrameCalls& calls);
   void on_accepted(bool ok);
   void on_read(bool ok);
   void on_written(bool ok);

@@ -23,8 +23,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr StreamKind kKind{"local stream", "LocalStream"};
-constexpr double kLastPacketSeconds = 0.2;               // to send the remaining packets when the daemon stops
-constexpr auto kAwake = std::chrono::microseconds(300);  // for the next frame of a simulator on the same GPU
+constexpr auto kGone = "the client is gone";
+constexpr double kLastPacketSeconds = 0.2;                // to send the remaining packets when the daemon stops
+constexpr auto kShortage = std::chrono::milliseconds(5);  // until a packet for which there was no memory is sent again
+constexpr auto kAwake = std::chrono::microseconds(300);   // for the next frame of a simulator on the same GPU
 
 Clock::time_point after(Clock::time_point start, double seconds) {
   return start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -37,15 +39,17 @@ int milliseconds_until(const std::optional<Clock::time_point>& time) {
   return static_cast<int>(std::clamp<int64_t>(left, 0, 3'600'000));
 }
 
+Fd make_event() {
+  Fd event(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
+  if (!event) throw std::system_error(errno, std::generic_category(), "eventfd");
+  return event;
+}
+
 }  // namespace
 
-Connection::Connection(Fd socket, const OpeningRules& rules, Metrics& metrics, LocalTimeouts timeouts)
-    : rules_(rules),
-      metrics_(metrics),
-      timeouts_(timeouts),
-      socket_(std::move(socket)),
-      wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-  if (!wake_) throw std::system_error(errno, std::generic_category(), "eventfd");
+Connection::Connection(Fd&& socket, const OpeningRules& rules, Metrics& metrics, LocalTimeouts timeouts)
+    : rules_(rules), metrics_(metrics), timeouts_(timeouts), wake_(make_event()) {
+  socket_ = std::move(socket);  // when nothing can fail any more
 }
 
 void Connection::serve() {
@@ -79,11 +83,11 @@ bool Connection::poll_once() {
   if (events & (POLLHUP | POLLERR)) {
     const std::lock_guard lock(mutex_);
     outbox_.drop();
-    close_locked({grpc::StatusCode::CANCELLED, "the client is gone"});
+    close_locked({grpc::StatusCode::CANCELLED, kGone});
   }
-  if (events & POLLOUT) {
+  {
     const std::lock_guard lock(mutex_);
-    flush_locked();
+    if (events & POLLOUT || outbox_.is_short()) flush_locked();
   }
   check_timeouts();
   return true;
@@ -95,10 +99,18 @@ Connection::Wait Connection::next_wait_locked() const {
   if (may_read_locked()) wait.events |= POLLIN;
   if (!session_) wait.until = after(begin_, timeouts_.open_seconds);
   if (outbox_.empty()) return wait;
-  wait.events |= POLLOUT;
   const auto until = after(outbox_.stalled_since(), timeouts_.take_seconds);
   wait.until = wait.until ? std::min(*wait.until, until) : until;
+  await_outbox_locked(wait);
   return wait;
+}
+
+// A socket that has room is ready at once, however short of memory the system is.
+void Connection::await_outbox_locked(Wait& wait) const {
+  if (outbox_.is_short())
+    wait.until = std::min(*wait.until, Clock::now() + kShortage);
+  else
+    wait.events |= POLLOUT;
 }
 
 bool Connection::may_read_locked() const {
@@ -132,6 +144,10 @@ void Connection::check_timeouts() {
 
 void Connection::take(Packet packet) {
   if (packet.arrival == Arrival::kNothing) return;
+  if (packet.arrival == Arrival::kGone) {
+    const std::lock_guard lock(mutex_);
+    return close_locked({grpc::StatusCode::CANCELLED, kGone});
+  }
   if (packet.arrival == Arrival::kEnd) {
     const std::lock_guard lock(mutex_);
     read_all_ = true;
@@ -239,6 +255,7 @@ void Connection::send(std::vector<std::string> packets, bool ends_frame, const s
   if (closed_) return;
   const bool was_empty = outbox_.empty();
   for (auto& packet : packets) outbox_.send(socket_.get(), std::move(packet), held);
+  if (outbox_.is_gone()) return close_locked({grpc::StatusCode::CANCELLED, kGone});
   if (ends_frame) end_frame_locked();
   if (!was_empty || outbox_.empty()) return;
   if (session_) session_->hold(true);
@@ -262,6 +279,7 @@ void Connection::stay_awake_locked() {
 
 void Connection::flush_locked() {
   outbox_.flush(socket_.get());
+  if (outbox_.is_gone()) close_locked({grpc::StatusCode::CANCELLED, kGone});
   if (session_) session_->hold(!outbox_.empty());
 }
 
@@ -280,13 +298,14 @@ void Connection::close_locked(const Failure& why) {
 void Connection::flush_outbox() {
   const auto begin = Clock::now();
   for (;;) {
-    Wait wanted{POLLOUT, {}};
+    Wait wanted;
     {
       const std::lock_guard lock(mutex_);
       flush_locked();
       wanted.until = after(is_stopping_ ? begin : outbox_.stalled_since(),
                            is_stopping_ ? kLastPacketSeconds : timeouts_.take_seconds);
       if (outbox_.empty() || Clock::now() >= *wanted.until) return;
+      await_outbox_locked(wanted);
     }
     if (wait(wanted) & (POLLHUP | POLLERR)) return;
   }

@@ -27,9 +27,11 @@ struct LocalTimeouts {
 
 class Connection final : public FrameSink, public std::enable_shared_from_this<Connection> {
  public:
-  /// `rules` and `metrics` outlive it. Throws std::system_error.
-  Connection(Fd socket, const OpeningRules& rules, Metrics& metrics, LocalTimeouts timeouts);
+  /// `rules` and `metrics` outlive it. Throws std::system_error, and then leaves the socket to the caller.
+  Connection(Fd&& socket, const OpeningRules& rules, Metrics& metrics, LocalTimeouts timeouts);
 
+  /// Gives the socket back, instead of serve().
+  Fd release_socket() { return std::move(socket_); }
   /// Serves the stream to its end, on the calling thread.
   void serve();
   /// Ends the stream soon. Thread-safe.
@@ -71,6 +73,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   Wait next_wait_locked() const;
   bool may_read_locked() const;
   void flush_locked();
+  void await_outbox_locked(Wait& wait) const;
   void end_frame_locked();
   void stay_awake_locked();
   void end_if_idle_locked();
@@ -80,8 +83,8 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   Metrics& metrics_;
   const LocalTimeouts timeouts_;
   const Clock::time_point begin_ = Clock::now();
-  Fd socket_;  // closed by the thread, with mutex_ held
   Fd wake_;
+  Fd socket_;                              // closed by the thread, with mutex_ held
   const CallIds ids_ = parse_ids({}, {});  // the protocol has none
   std::string requested_scene_id_;         // from the opening; owned by the thread
   Opening opening_;                        // set before the session

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
+#include <new>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -37,10 +38,12 @@ void check_memory_policy() {
         "clients share");
 }
 
-void refuse(Fd socket, const Failure& why) {
+// Without the memory to say why, the client is only hung up on.
+void refuse(Fd socket, const Failure& why) try {
   log_event(spdlog::level::warn, "local connection refused", {{"code", code_name(why.code)}, {"reason", why.message}});
   send_packet(socket.get(), closed_packet(why));
   end_connection(std::move(socket));
+} catch (const std::bad_alloc&) {
 }
 
 }  // namespace
@@ -92,7 +95,7 @@ void LocalServer::take_connections() {
     serve(std::move(socket));
   }
   pollfd state{wake_.get(), POLLIN, 0};
-  if (errno == EMFILE || errno == ENFILE || errno == ENOMEM) poll(&state, 1, kRetryMs);
+  if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS) poll(&state, 1, kRetryMs);
 }
 
 void LocalServer::check_peer(int socket) const {
@@ -113,11 +116,21 @@ void LocalServer::check_room() const {
         "daemon", fmt::format("{} files that clients sent over {} are still being closed", closing(), options_.path));
 }
 
-void LocalServer::serve(Fd socket) try {
-  auto connection = std::make_shared<Connection>(std::move(socket), rules_, metrics_, options_.timeouts);
+// Whatever the process is short of, the client is told, and others are still accepted.
+void LocalServer::serve(Fd socket) {
+  std::shared_ptr<Connection> connection;
+  try {
+    connection = std::make_shared<Connection>(std::move(socket), rules_, metrics_, options_.timeouts);
+    begin_thread(connection);
+  } catch (...) {
+    refuse(connection ? connection->release_socket() : std::move(socket), describe_current());
+  }
+}
+
+void LocalServer::begin_thread(const std::shared_ptr<Connection>& connection) {
   const std::lock_guard lock(mutex_);
   Served& served = served_.emplace_back();
-  served.connection = std::move(connection);
+  served.connection = connection;
   try {
     served.thread = std::thread([this, &served] {
       served.connection->serve();
@@ -128,8 +141,6 @@ void LocalServer::serve(Fd socket) try {
     served_.pop_back();
     throw;
   }
-} catch (const std::system_error& e) {
-  log_event(spdlog::level::err, "local connection dropped", {{"reason", e.what()}});
 }
 
 void LocalServer::join_ended() {

@@ -51,6 +51,7 @@ class LocalServer {
   void check_peer(int socket) const;
   void check_room() const;
   void serve(Fd socket);
+  void begin_thread(const std::shared_ptr<Connection>& connection);
   void join_ended();
   void wake() const;
 

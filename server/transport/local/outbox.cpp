@@ -11,6 +11,7 @@ void Outbox::send(int socket, std::string packet, std::shared_ptr<const void> he
   const Sent sent = send_packet(socket, packet);
   if (sent == Sent::kGone) return drop();
   if (sent == Sent::kYes) return;
+  is_short_ = sent == Sent::kShort;
   stalled_since_ = Clock::now();
   keep(std::move(packet), std::move(held));
 }
@@ -24,7 +25,8 @@ void Outbox::flush(int socket) {
   while (!kept_.empty()) {
     const Sent sent = send_packet(socket, kept_.front().packet);
     if (sent == Sent::kGone) return drop();
-    if (sent == Sent::kFull) return;
+    is_short_ = sent == Sent::kShort;
+    if (sent != Sent::kYes) return;
     stalled_since_ = Clock::now();
     bytes_ -= kept_.front().packet.size();
     kept_.pop_front();

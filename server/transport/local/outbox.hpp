@@ -26,6 +26,8 @@ class Outbox {
   Clock::time_point stalled_since() const { return stalled_since_; }
   /// Whether the other end is gone; kept packets are dropped then.
   bool is_gone() const { return is_gone_; }
+  /// Whether packets are kept because the system was short of memory: flush() then has to be called after a while.
+  bool is_short() const { return is_short_ && !kept_.empty(); }
   void drop();
 
  private:
@@ -39,7 +41,7 @@ class Outbox {
   std::deque<Kept> kept_;
   uint64_t bytes_ = 0;
   Clock::time_point stalled_since_{};
-  bool is_gone_ = false;
+  bool is_gone_ = false, is_short_ = false;
 };
 
 }  // namespace collided::server

@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 
 #include "gpu/detector.hpp"
 #include "server/errors.hpp"
@@ -31,10 +32,17 @@ std::vector<PassedFile> files_of(msghdr& message) {
   return files;
 }
 
+// A shortage must not look like the client's own end of the stream.
+Packet nothing_because(int error) {
+  if (error == EAGAIN || error == EINTR) return {};
+  if (error == ECONNRESET || error == ENOTCONN) return {Arrival::kGone, {}, {}};
+  throw std::system_error(error, std::generic_category(), "recvmsg");
+}
+
 // An empty packet looks like the end of the connection.
 bool is_end(int socket) {
   pollfd state{socket, POLLRDHUP, 0};
-  return poll(&state, 1, 0) > 0;
+  return poll(&state, 1, 0) != 0;  // an interrupted one proves no packet
 }
 
 }  // namespace
@@ -48,7 +56,7 @@ Packet PacketReceiver::receive() {
   message.msg_control = control;
   message.msg_controllen = sizeof(control);
   const ssize_t size = recvmsg(socket_, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
-  if (size < 0) return {errno == EAGAIN || errno == EINTR ? Arrival::kNothing : Arrival::kEnd, {}, {}};
+  if (size < 0) return nothing_because(errno);
   Packet packet{Arrival::kPacket, {buffer_.data(), static_cast<size_t>(size)}, files_of(message)};
   if (message.msg_flags & MSG_CTRUNC)
     throw LimitExceeded("packet", "packet has more files than the daemon has file descriptors left for");
@@ -64,7 +72,8 @@ Packet PacketReceiver::receive() {
 
 Sent send_packet(int socket, std::string_view packet) {
   if (send(socket, packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL) >= 0) return Sent::kYes;
-  return errno == EAGAIN || errno == EINTR ? Sent::kFull : Sent::kGone;
+  if (errno == EAGAIN || errno == EINTR) return Sent::kFull;
+  return errno == ENOBUFS || errno == ENOMEM ? Sent::kShort : Sent::kGone;
 }
 
 void end_connection(Fd socket) {

@@ -12,7 +12,7 @@
 namespace collided::server {
 
 /// The result of receive().
-enum class Arrival { kPacket, kNothing, kEnd };
+enum class Arrival { kPacket, kNothing, kEnd, kGone };
 
 struct Packet {
   Arrival arrival = Arrival::kNothing;
@@ -25,7 +25,8 @@ class PacketReceiver {
   /// The socket outlives the receiver.
   explicit PacketReceiver(int socket) : socket_(socket), buffer_(v1::kMaxPacketBytes, '\0') {}
 
-  /// kEnd: the other end will send nothing more, or is gone. Throws LimitExceeded for a packet that is too long or has
+  /// kEnd: the other end will send nothing more. kGone: it is gone. Throws std::system_error if the system is
+  /// short of something, LimitExceeded for a packet that is too long or has
   /// too many files, which are then all closed, and InvalidInput for an empty one.
   Packet receive();
 
@@ -34,8 +35,8 @@ class PacketReceiver {
   std::string buffer_;
 };
 
-/// The result of send_packet().
-enum class Sent { kYes, kFull, kGone };
+/// The result of send_packet(). kShort: the system has no memory for it; poll() does not tell when it has.
+enum class Sent { kYes, kFull, kShort, kGone };
 
 Sent send_packet(int socket, std::string_view packet);
 
