@@ -25,6 +25,11 @@ def sample(daemon):
             "threads": int(status["Threads"]), "device_bytes": metrics["device_bytes"]}
 
 
+def some(values, count=600):
+    """At most so many of them, evenly."""
+    return values[::-(-len(values) // count) or 1]
+
+
 class Sampler(threading.Thread):
     """A sample each second, until it is closed."""
 
@@ -42,11 +47,6 @@ class Sampler(threading.Thread):
     def close(self):
         self._over.set()
         self.join()
-
-    def some(self, count=600):
-        """At most so many samples, evenly."""
-        step = -(-len(self.samples) // count) or 1
-        return self.samples[::step]
 
 
 def wait_until_idle(daemon, first, seconds):
