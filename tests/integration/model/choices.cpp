@@ -65,9 +65,7 @@ bool was_there(const SceneModel& scene, uint32_t mesh) {
 ModelMesh any_mesh(Numbers& numbers, bool may_be_rigid) {
   ModelMesh mesh;
   const uint32_t motion = numbers.below(may_be_rigid ? 5 : 4);
-  mesh.motion = motion == 4   ? MeshMotion::kRigid
-                : motion == 3 ? MeshMotion::kStatic
-                              : MeshMotion::kDeformable;
+  mesh.motion = motion == 4 ? MeshMotion::kRigid : motion == 3 ? MeshMotion::kStatic : MeshMotion::kDeformable;
   mesh.vertex_count = 3 + numbers.below(3);
   const uint32_t triangles = 1 + numbers.below(4);
   for (uint32_t t = 0; t < triangles; ++t) {

@@ -26,7 +26,7 @@ enum class Action {
 };
 
 inline const char* name_of(Action action) {
-  constexpr const char* kNames[] = {"frame", "burst", "bad frame",  "edit",   "open", "take over", "break",
+  constexpr const char* kNames[] = {"frame", "burst",  "bad frame",  "edit",   "open", "take over", "break",
                                     "close", "create", "bad create", "delete", "look", "stranger",  "batch"};
   return kNames[static_cast<size_t>(action)];
 }
@@ -64,9 +64,20 @@ class Numbers {
 inline rc::Gen<Session> sessions() {
   using A = Action;
   constexpr int kNumbers = 60, kLargest = 840;  // as many of each remainder
-  const auto action = rc::gen::weightedElement<Action>(
-      {{10, A::kFrame}, {3, A::kBurst}, {4, A::kBadFrame}, {4, A::kEdit}, {4, A::kOpen}, {2, A::kTakeOver}, {2, A::kBreak},
-       {2, A::kClose}, {1, A::kCreate}, {1, A::kBadCreate}, {1, A::kDelete}, {2, A::kLook}, {1, A::kStranger}, {3, A::kBatch}});
+  const auto action = rc::gen::weightedElement<Action>({{10, A::kFrame},
+                                                        {3, A::kBurst},
+                                                        {4, A::kBadFrame},
+                                                        {4, A::kEdit},
+                                                        {4, A::kOpen},
+                                                        {2, A::kTakeOver},
+                                                        {2, A::kBreak},
+                                                        {2, A::kClose},
+                                                        {1, A::kCreate},
+                                                        {1, A::kBadCreate},
+                                                        {1, A::kDelete},
+                                                        {2, A::kLook},
+                                                        {1, A::kStranger},
+                                                        {3, A::kBatch}});
   const auto numbers = rc::gen::container<std::vector<int>>(kNumbers, rc::gen::inRange(0, kLargest));
   return rc::gen::container<Session>(rc::gen::construct<Command>(action, numbers));
 }

@@ -17,8 +17,8 @@ class FrameChannel {
  public:
   FrameChannel(Client& client, bool local, const std::string& scene, const std::string& resume_token = "") {
     if (local)
-      local_ = std::make_unique<LocalStream>(
-          client.local_socket, scene, LocalSizes{.resume_token = resume_token, .token = token_of(client.name)});
+      local_ = std::make_unique<LocalStream>(client.local_socket, scene,
+                                             LocalSizes{.resume_token = resume_token, .token = token_of(client.name)});
     else
       remote_ = std::make_unique<Stream>(*client.stub, scene, 0, resume_token);
   }

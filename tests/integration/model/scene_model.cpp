@@ -123,9 +123,12 @@ void SceneModel::each_pair(const Way& way, const Take& take) const {
 ModelContacts SceneModel::contacts(const Way& way, bool discrete) const {
   ModelContacts found;
   each_pair(way, [&](QueryKind kind, const Query& q, PairKey key) {
-    const bool hit = discrete ? judge_proximity(kind, {q.p[4], q.p[5], q.p[6], q.p[7]}, thickness_)
-                              : judge_ccd(q, thickness_).hit;
-    if (hit) (kind == QueryKind::kEdgeEdge ? found.edge_edge : found.vertex_triangle).insert(key);
+    ContactTimes& of_kind = kind == QueryKind::kEdgeEdge ? found.edge_edge : found.vertex_triangle;
+    if (discrete) {
+      if (judge_proximity(kind, {q.p[4], q.p[5], q.p[6], q.p[7]}, thickness_)) of_kind[key] = 1;
+    } else if (const ExactImpact impact = judge_ccd(q, thickness_); impact.hit) {
+      of_kind[key] = impact.upper.get_d() + 0x1p-52;  // get_d() cuts off
+    }
   });
   return found;
 }

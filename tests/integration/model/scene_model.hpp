@@ -4,7 +4,6 @@
 
 #include <map>
 #include <optional>
-#include <set>
 
 #include "tests/support/case_queries.hpp"
 
@@ -46,9 +45,10 @@ struct Way {
   std::vector<Positions> from, to;
 };
 
+/// The contacts, and a time of each that is no earlier than the true one.
+using ContactTimes = std::map<PairKey, double>;
 struct ModelContacts {
-  std::set<PairKey> vertex_triangle, edge_edge;
-  bool none() const { return vertex_triangle.empty() && edge_edge.empty(); }
+  ContactTimes vertex_triangle, edge_edge;
 };
 
 class SceneModel {
