@@ -37,7 +37,9 @@ std::string text_of(PairKey key) { return std::to_string(key >> 32) + "-" + std:
 void compare(const std::string& kind, const ToldContacts& told, const ContactTimes& truth, bool exact) {
   for (const auto& [key, latest] : truth) {
     require(told.contains(key), kind + " " + text_of(key) + " is missing");
-    require(told.at(key).toi <= latest, kind + " " + text_of(key) + " is told too late");
+    require(told.at(key).toi <= latest, kind + " " + text_of(key) + " is told too late: at " +
+                                            std::to_string(told.at(key).toi) + " instead of " + std::to_string(latest) +
+                                            ", by " + std::to_string((told.at(key).toi - latest) * 0x1p52) + " / 2^52");
   }
   for (const auto& [key, contact] : told) {
     const bool certain = exact || (contact.flags & pb::CONTACT_FLAG_CERTIFIED) != 0;

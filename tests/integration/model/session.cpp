@@ -164,7 +164,11 @@ void SessionRunner::step(Numbers& numbers, LiveScene& scene, const ModelFrame& f
   const int code = ask(numbers, scene, message, answer);
   require(code == grpc::OK, "a good frame got code " + std::to_string(code) + ": " +
                                 (answer.error ? answer.error->message() : "") + "\n" + message.ShortDebugString());
-  accept(scene, question, answer);
+  try {
+    accept(scene, question, answer);
+  } catch (const Mismatch& mismatch) {
+    throw Mismatch(mismatch.what() + ("\nin " + message.ShortDebugString()));
+  }
 }
 
 void SessionRunner::burst(Numbers& numbers, LiveScene& scene) {
