@@ -80,11 +80,12 @@ void SceneModel::take_rest(const ModelUpdate& update) {
 }
 
 void SceneModel::apply(const ModelFrame& frame, const Way& way, double advanced) {
-  if (!frame.discrete) last_way_ = way;
+  const Way gone{way.from, test::point_of(way, advanced)};
+  if (!frame.discrete) last_way_ = gone;
   if (frame.trial) return;
   for (const ModelUpdate& update : frame.updates) take_rest(update);
   last_frame_id_ = frame.id;
-  now_ = test::point_of(way, advanced);
+  now_ = gone.to;
 }
 
 bool SceneModel::may_touch(uint32_t mesh, uint32_t other) const {
