@@ -1,5 +1,5 @@
 // Random sessions of two clients over both transports against one daemon, each answer compared with a sequential model
-// (scene_model.hpp). A session that fails is shrunk to a short one. COLLIDED_MODEL_SESSIONS: how many, 300 if not set;
+// (scene_model.hpp). A session that fails is shrunk to a short one. COLLIDED_MODEL_SESSIONS: how many, 500 if not set;
 // RC_PARAMS="seed=..." repeats a run.
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ void set_parameters() {
   const char* sessions = std::getenv("COLLIDED_MODEL_SESSIONS");
   const char* own = std::getenv("RC_PARAMS");
   // The size of a case is the most commands that it has.
-  const std::string parameters = std::string("max_size=24 max_success=") + (sessions ? sessions : "300");
+  const std::string parameters = std::string("max_size=24 max_success=") + (sessions ? sessions : "500");
   setenv("RC_PARAMS", (parameters + " " + (own ? own : "")).c_str(), 1);
 }
 

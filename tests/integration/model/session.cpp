@@ -1,6 +1,6 @@
-#include "tests/integration/model/session.hpp"
-
 #include <algorithm>
+
+#include "tests/integration/model/set_session.hpp"
 
 namespace collided::test {
 namespace {
@@ -64,6 +64,7 @@ void SessionRunner::run(const Command& command) {
   const size_t owner = numbers.below(2);
   if (command.action == Action::kCreate) return void(create(numbers, owner));
   if (command.action == Action::kBadCreate) return refuse_create(numbers, owner);
+  if (command.action == Action::kBatch) return run_set(numbers, clients_[owner]);
   LiveScene& scene = scene_for(numbers);
   switch (command.action) {
     case Action::kBurst:
