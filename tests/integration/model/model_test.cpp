@@ -28,10 +28,18 @@ TEST(Model, SessionsAreAnsweredAsTheModelSays) {
   for (const char* name : {"left", "right"})
     clients.push_back(
         {name, pb::CollisionService::NewStub(channel_as(name, daemon.process().address())), daemon.path()});
-  EXPECT_TRUE(rc::check("sessions are answered as the model says", [&] {
-    const Session session = *sessions();
-    SessionRunner(clients).run(session);
-  }));
+  std::string first;  // what shrinks to another mismatch, or to none, is told as it was found
+  EXPECT_TRUE(rc::check("sessions are answered as the model says",
+                        [&] {
+                          const Session session = *sessions();
+                          try {
+                            SessionRunner(clients).run(session);
+                          } catch (const Mismatch& mismatch) {
+                            if (first.empty()) first = mismatch.what();
+                            throw;
+                          }
+                        }))
+      << "the first mismatch: " << first;
 }
 
 }  // namespace

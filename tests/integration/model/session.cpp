@@ -233,7 +233,8 @@ void SessionRunner::break_off(Numbers& numbers, LiveScene& scene) {
   ModelFrame frame = any_frame(numbers, scene.model, scene.mode);
   frame.trial = frame.advance = false;
   Asked question = asked(numbers, scene.model, frame);
-  if (numbers.one_in(2)) scene.stream->send(message_for(scene, frame, question.accuracy), numbers.one_in(2));
+  const bool sends = numbers.one_in(2);
+  if (sends) scene.stream->send(message_for(scene, frame, question.accuracy), numbers.one_in(2));
   scene.stream.reset();
   scene.stream = std::make_unique<FrameChannel>(client_of(scene), numbers.one_in(2), scene.id, scene.resume_token);
   require(scene.stream->opened().has_value(), "a broken stream was not resumed");
@@ -241,6 +242,8 @@ void SessionRunner::break_off(Numbers& numbers, LiveScene& scene) {
   if (last == frame.id) {
     question.edited.apply(frame, question.way);
     scene.model = question.edited;
+  } else if (sends) {
+    scene.model.refuse();  // it may have begun, so that nothing is left of the way before it
   }
   require(last == scene.model.last_frame_id(), "last_frame_id after a break");
 }
