@@ -5,13 +5,6 @@
 namespace collided::test {
 namespace {
 
-Positions any_positions(Numbers& numbers, size_t count) {
-  Positions positions(count);
-  for (Vec3d& p : positions)
-    for (double& x : p) x = numbers.coordinate();
-  return positions;
-}
-
 /// Steps along the axes; turns would leave straight lines.
 std::array<double, 12> any_shift(Numbers& numbers) {
   std::array<double, 12> matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
@@ -61,6 +54,13 @@ bool was_there(const SceneModel& scene, uint32_t mesh) {
 }
 
 }  // namespace
+
+Positions any_positions(Numbers& numbers, size_t count) {
+  Positions positions(count);
+  for (Vec3d& p : positions)
+    for (double& x : p) x = numbers.coordinate();
+  return positions;
+}
 
 ModelMesh any_mesh(Numbers& numbers, bool may_be_rigid) {
   ModelMesh mesh;

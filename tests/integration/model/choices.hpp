@@ -6,6 +6,7 @@
 
 namespace collided::test {
 
+Positions any_positions(Numbers& numbers, size_t count);
 ModelMesh any_mesh(Numbers& numbers, bool may_be_rigid);
 std::vector<ModelMesh> any_meshes(Numbers& numbers);
 

@@ -35,13 +35,6 @@ LiveSet make_set(Numbers& numbers, Stub& stub) {
   return set;
 }
 
-Positions any_positions(Numbers& numbers, uint32_t count) {
-  Positions positions(count);
-  for (Vec3d& p : positions)
-    for (double& x : p) x = numbers.coordinate();
-  return positions;
-}
-
 /// A world in a frame.
 struct Stepped {
   uint32_t world;
