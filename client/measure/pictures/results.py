@@ -7,6 +7,9 @@ import math
 TRADEOFF_FORMAT = "collided tradeoff 1"
 ADVANCE_FORMAT = "collided advance 1"
 STREAMS_FORMAT = "collided streams 1"
+OVERLOAD_FORMAT = "collided overload 1"
+FORMATS = (TRADEOFF_FORMAT, ADVANCE_FORMAT, STREAMS_FORMAT, OVERLOAD_FORMAT)
+DELIVERIES = ("lossless", "latest-wins")
 LEVELS = ("fast", "guarded", "certified", "exact")
 POSITION_FORMATS = ("f32", "f64", "q16")
 
@@ -56,10 +59,23 @@ class Curve:
 
 
 @dataclasses.dataclass
+class Overload:
+    """Rates below and past the highest one within the bound on p99, with one delivery."""
+    delivery: str
+    device: str
+    bound_ms: float
+    fractions: list[float]  # frames due, as parts of the highest rate
+    answered: list[float]  # likewise
+    latency_p99_ms: list[float]  # from when a frame was due
+    service_p99_ms: list[float]  # from when it was sent
+
+
+@dataclasses.dataclass
 class Results:
     tradeoffs: list[Tradeoff]
     simulations: list[Simulation]
     curves: list[Curve]
+    overloads: list[Overload]
     runs: list[dict]  # of `collidectl bench` and `collided_bench --compare-engines`, each with its device
 
 
@@ -111,6 +127,15 @@ def curve(result, scene):
     return Curve(f"{scene}: {number(runs[0]['triangles']):,} triangles", **columns)
 
 
+def overload(result, delivery):
+    runs = [run for run in result["rates"] if run["delivery"] == delivery]
+    highest = number(result["highest_per_second"])
+    columns = {name: [number(run[name]) for run in runs] for name in ("latency_p99_ms", "service_p99_ms")}
+    return Overload(known(delivery, DELIVERIES), str(result["device"]), number(result["p99_ms"]),
+                    fractions=[number(run["fraction"]) for run in runs],
+                    answered=[number(run["answered_per_second"]) / highest for run in runs], **columns)
+
+
 def step_run(run, device):
     """The run with its device, checked: not all runs have stages, times and memory."""
     for name in ("scene", "engine"):
@@ -133,15 +158,17 @@ def parse(text, path):
 def add_file(path, results):
     with open(path, encoding="utf-8") as file:
         result = parse(file.read(), path)
-    if not isinstance(result, dict) or "runs" not in result:
+    if not isinstance(result, dict) or not {"runs", "rates"} & result.keys():
         raise BadResult(f"{path}: is not a measurement result: it has no 'runs'")
     try:
         if "format" not in result:
             results.runs += [step_run(run, result["device"]) for run in result["runs"]]
-        elif known(result["format"], [TRADEOFF_FORMAT, ADVANCE_FORMAT, STREAMS_FORMAT]) == TRADEOFF_FORMAT:
+        elif known(result["format"], FORMATS) == TRADEOFF_FORMAT:
             results.tradeoffs.append(tradeoff(result))
         elif result["format"] == ADVANCE_FORMAT:
             results.simulations += map(simulation, result["runs"])
+        elif result["format"] == OVERLOAD_FORMAT:
+            results.overloads += [overload(result, delivery) for delivery in dict.fromkeys(run["delivery"] for run in result["rates"])]
         else:
             results.curves += [curve(result, scene) for scene in dict.fromkeys(run["scene"] for run in result["runs"])]
     except KeyError as missing:
@@ -152,7 +179,7 @@ def add_file(path, results):
 
 def read_results(paths):
     """Throws BadResult, and OSError for a file that cannot be read."""
-    results = Results([], [], [], [])
+    results = Results([], [], [], [], [])
     for path in paths:
         add_file(path, results)
     if len(devices := sorted({run["device"] for run in results.runs})) > 1:

@@ -11,58 +11,21 @@ measurement. The first frames of each stream, in which a scene compares engines,
 """
 
 import argparse
-import contextlib
 import json
 import pathlib
-import subprocess
 import sys
-import tempfile
-import time
+
+from measured_daemon import daemon, result_of, started
 
 SCENES = {"small": ("reef_knot", 0.15), "medium": ("reef_knot", 1.0), "large": ("cloth_ball", 1.04)}
 LIGHT_STREAMS, LIGHT_RATE = 32, 30
 WARM_UP, LIGHT_WARM_UP = 100, 30  # frames
-START_SECONDS = 30
-
-
-@contextlib.contextmanager
-def daemon(program, backend):
-    """Its address."""
-    with tempfile.TemporaryDirectory() as folder:
-        address = f"unix:{folder}/socket"
-        process = subprocess.Popen([program, "--address", address, "--backend", backend, "--log-level", "error",
-                                    "--max-scenes-per-client", "128"])
-        try:
-            wait_until_up(process, address)
-            yield address
-        finally:
-            process.terminate()
-            process.wait(START_SECONDS)
-
-
-def wait_until_up(process, address):
-    deadline = time.monotonic() + START_SECONDS
-    while not pathlib.Path(address.removeprefix("unix:")).exists():
-        if process.poll() is not None or time.monotonic() > deadline:
-            sys.exit("streams_bench.py: the daemon does not start")
-        time.sleep(0.05)
 
 
 def load_command(arguments, address, scene, *options):
     name, scale = SCENES[scene]
     return [arguments.collidectl, "load", "--scene", name, "--scale", str(scale * arguments.scale), "--server", address, "--json",
             *map(str, options)]
-
-
-def started(command):
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-
-
-def result_of(process):
-    out, errors = process.communicate()
-    if process.returncode != 0:
-        sys.exit(f"streams_bench.py: {' '.join(process.args)}: {errors}")
-    return json.loads(out)
 
 
 def figures(result):

@@ -195,6 +195,16 @@ class Steps(PlotTest):
         del runs[3]["p99_ms"]
         self.refused(1, "'p99_ms' is missing", self.put("streams.json", result))
 
+    def test_overload_has_a_line_for_each_delivery(self):
+        rates = [{"delivery": delivery, "fraction": fraction, "answered_per_second": 100.0 * fraction, "latency_p99_ms": 2.0,
+                  "service_p99_ms": 1.0} for delivery in ("lossless", "latest-wins") for fraction in (0.5, 1, 2)]
+        result = {"format": "collided overload 1", "device": "a device", "p99_ms": 20.0, "highest_per_second": 100.0, "rates": rates}
+        words = Svg(self.draw(self.put("overload.json", result))["overload"]).texts()
+        self.assertIn("lossless, a device", words)
+        self.assertIn("latest-wins, a device", words)
+        rates[0]["service_p99_ms"] = -1.0
+        self.refused(1, "-1.0 is less than 0", self.put("overload.json", result))
+
     def test_one_picture_shows_one_device(self):
         run = {"scene": "funnel", "engine": "octree", "triangles": 1, "counts": {"tests": 1}}
         other = self.put("other.json", {"device": "CPU", "runs": [run]})
