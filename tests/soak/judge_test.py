@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""Tests what the soak calls growth."""
+
+import random
+import unittest
+
+from judge import slope, verdict
+
+
+def tides(rss, **others):
+    same = {"fds": 20, "threads": 12, "device_bytes": 0}
+    return [{"rss": value, **same, **{name: values[i] for name, values in others.items()}} for i, value in enumerate(rss)]
+
+
+class Judge(unittest.TestCase):
+    def setUp(self):
+        self.rng = random.Random(1)
+
+    def noisy(self, count, growth):
+        return [50e6 + growth * i + self.rng.gauss(0, 2e5) for i in range(count)]
+
+    def test_slope_of_a_line(self):
+        grows, error = slope([3.0, 5.0, 7.0, 9.0])
+        self.assertAlmostEqual(grows, 2.0)
+        self.assertAlmostEqual(error, 0.0)
+
+    def test_noise_is_no_growth(self):
+        for _ in range(100):
+            self.assertEqual(verdict(tides(self.noisy(60, 0)))[1], [])
+
+    def test_growth_in_noise_is_found(self):
+        self.assertIn("rss grows", verdict(tides(self.noisy(60, 40e3)))[1][0])
+
+    def test_growth_while_it_warms_up_is_none(self):
+        self.assertEqual(verdict(tides([1e6 * min(i, 19) for i in range(60)]))[1], [])
+
+    def test_one_descriptor_is_found(self):
+        found = verdict(tides([50e6] * 9, fds=[20] * 8 + [21]))[1]
+        self.assertEqual(len(found), 1)
+        self.assertTrue(found[0].startswith("fds"))
+
+    def test_too_few_tides_tell_nothing(self):
+        self.assertIn("too few", verdict(tides([50e6] * 3))[1][0])
+
+
+if __name__ == "__main__":
+    unittest.main()
