@@ -42,13 +42,20 @@ FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, const std::function
 
 }  // namespace
 
-std::exception_ptr unanswered(uint64_t frame_id, bool is_trial, const std::exception_ptr& why) try {
-  std::rethrow_exception(why);
-} catch (const std::bad_alloc&) {
-  return std::make_exception_ptr(ResourceExhausted(fmt::format(
-      "frame {} was {}, but the daemon is out of memory for its answer", frame_id, is_trial ? "computed" : "applied")));
-} catch (...) {
-  return why;
+std::exception_ptr unanswered(uint64_t frame_id, bool is_trial, const std::exception_ptr& why) {
+  const auto but = [&](const char* reason) {
+    return fmt::format("frame {} was {}, but {}", frame_id, is_trial ? "computed" : "applied", reason);
+  };
+  try {
+    std::rethrow_exception(why);
+  } catch (const std::bad_alloc&) {
+    return std::make_exception_ptr(ResourceExhausted(but("the daemon is out of memory for its answer")));
+  } catch (const LimitExceeded& e) {
+    if (e.subject().empty()) return why;  // of the frame's own size, and says so
+    return std::make_exception_ptr(LimitExceeded::quota(e.subject(), but(e.what()), e.retry_after_seconds()));
+  } catch (...) {
+    return why;
+  }
 }
 
 AnsweredFrame run_frame(Scene& scene, PendingFrame& frame, const std::function<bool()>& cancelled) {

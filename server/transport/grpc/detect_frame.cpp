@@ -40,25 +40,22 @@ void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameRespon
   *response.mutable_done() = done_message(frame);
 }
 
-void fill_or_tell(const Scene& scene, AnsweredFrame& frame, bool is_trial, pb::DetectFrameResponse& response) try {
-  fill_answer(scene, frame, response);
-} catch (...) {
-  std::rethrow_exception(unanswered(frame.frame_id, is_trial, std::current_exception()));
-}
-
 // On the scene's worker thread. The reason for a refusal is logged with the call.
 void answer(Call& call, Scene& scene, PendingFrame& frame) {
   guard(call, [&] {
+    bool has_run = false;
     try {
       check_no_stream(scene);
       auto answered = run_frame(scene, frame, [&call] { return call.is_cancelled(); });
-      fill_or_tell(scene, answered, frame.input.trial, call.response());
+      has_run = true;
+      fill_answer(scene, answered, call.response());
       tell_answered(scene, answered, call.caller().ids);
+      call.finish();
     } catch (...) {
-      scene.observer().refused(scene, frame.frame_id, std::current_exception());
-      throw;
+      const auto why = std::current_exception();
+      scene.observer().refused(scene, frame.frame_id, why);
+      std::rethrow_exception(has_run ? unanswered(frame.frame_id, frame.input.trial, why) : why);
     }
-    call.finish();
   });
 }
 

@@ -30,7 +30,7 @@ int number_of(const std::string& error) {
 
 std::vector<Failpoint> failpoints() {
   std::vector<Failpoint> all;
-  std::ifstream file(COLLIDED_FAILPOINTS);
+  std::ifstream file(setting("COLLIDED_FAILPOINTS", COLLIDED_FAILPOINTS));
   for (std::string line; std::getline(file, line);) {
     std::istringstream words(line);
     std::string symbol, error;
@@ -38,8 +38,8 @@ std::vector<Failpoint> failpoints() {
     if (symbol.empty() || symbol[0] == '#') continue;
     if (symbol.find("cuda") != std::string::npos && test_backend() != "cuda") continue;
     while (words >> error && error != ":") all.push_back({symbol, error});
-    if (error == ":") continue;
   }
+  if (all.empty()) throw std::runtime_error("no failpoints");
   return all;
 }
 
