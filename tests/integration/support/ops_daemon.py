@@ -64,11 +64,11 @@ class Folder(tempfile.TemporaryDirectory):
 class Daemon:
     """Waits until it serves; kills it at the end if it still runs."""
 
-    def __init__(self, program, *options, address="127.0.0.1:0"):
+    def __init__(self, program, *options, address="127.0.0.1:0", backend="cpu"):
         self.folder = Folder()
         self.log_path = self.folder.path("log")
         ready = self.folder.path("ready")
-        command = [program, "--backend", "cpu", "--address", address, "--http-address", "127.0.0.1:0",
+        command = [program, "--backend", backend, "--address", address, "--http-address", "127.0.0.1:0",
                    "--ready-file", ready, *options]
         with open(self.log_path, "wb") as log:
             self.process = subprocess.Popen(command, stdout=log, stderr=log)
