@@ -90,4 +90,7 @@ class Stage:
         for when, newcomer in (("during", during), ("after", after)):
             if newcomer.seconds is None:
                 yield f"a newcomer {when} the attack: {newcomer.fault or 'was kept waiting'}"
-        yield from (f"{name} did nothing" for name in names if not entry["attackers_saw"].get(name))
+        for name in names:
+            told = entry["attackers_saw"].get(name)
+            if not told or not told["did"] or told["bug"]:
+                yield f"{name} was no attack: {told}"

@@ -12,10 +12,11 @@ from collided.v1 import batch_pb2 as batch
 from collided.v1 import collision_service_pb2 as api
 
 from attacks.catalogue import attack
-from attacks.tip import tip_frame, tip_request, tip_spec
+from attacks.tip import FLOOR, points, tip_at, tip_frame, tip_request, tip_spec
 
 SERVICE = "collided.v1.CollisionService"
 SECONDS = 5
+WORLDS = 500
 
 
 class Caller:
@@ -170,15 +171,16 @@ def guessed_pages(target, told, over):
 def batch_flood(target, told, over):
     """DetectBatch of many worlds, eight calls at once."""
     with Caller(target) as caller:
-        request = batch.CreateScenesRequest(spec=tip_spec(), count=500)
-        scene = batch.CreateScenesResponse.FromString(caller.call("CreateScenes", request)).scene
+        request = batch.CreateScenesRequest(spec=tip_spec(), count=WORLDS)
+        scene = batch.CreateScenesResponse.FromString(caller.call("CreateScenes", request)).scenes
         caller.scenes.append(scene.scene_id)
-        ids = itertools.count(1)
+        ids, floor = itertools.count(1), points(*FLOOR)
+        start = floor + tip_at(1)
 
         def ask():
             while not over.is_set():
-                frame = batch.SetFrame(scene_id=scene.scene_id, frame_id=next(ids), positions=tip_frame(1, 2).updates[0].positions * 1000,
-                                       start_positions=tip_frame(1, 0).updates[0].positions * 1000)
+                frame = batch.SetFrame(scene_id=scene.scene_id, frame_id=next(ids), start_positions=start * WORLDS,
+                                       positions=(floor + tip_at(-1)) * WORLDS)
                 told.attempt(caller.call, "DetectBatch", batch.DetectBatchRequest(frames=[frame], max_answer_bytes=8 << 20))
 
         in_threads(8, ask)

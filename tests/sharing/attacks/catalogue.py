@@ -51,22 +51,28 @@ class Target:
 
 
 class Told(collections.Counter):
-    """How often each thing happened; one for each attack's thread."""
+    """How often one attack did each thing, and in `met` what the daemon did about it."""
+
+    def __init__(self):
+        super().__init__()
+        self.met = collections.Counter()
+        self.bug = None  # of the attack itself
 
     def of(self, error):
         code = getattr(error, "code", None)
         name = code().name if callable(code) else type(error).__name__
-        self[name] += 1
+        self.met[name] += 1
 
     def attempt(self, function, *arguments):
         """Its result; None if it was refused, which is counted by its code."""
         import grpc  # raw attacks do without
+        self["calls"] += 1
         try:
             result = function(*arguments)
         except grpc.RpcError as error:
             self.of(error)
             return None
-        self["OK"] += 1
+        self.met["OK"] += 1
         return result
 
 

@@ -1,7 +1,7 @@
 """Peers that speak HTTP/2 frame by frame (RFC 9113), as no library would."""
 
 import contextlib
-import socket
+import select
 import struct
 
 from attacks.catalogue import attack, hold
@@ -41,16 +41,15 @@ class Http2:
     def __init__(self, target, settings=b"", reads=True):
         self.socket, self.token, self.reads, self.next = target.tcp(), target.token, reads, 1
         self.socket.settimeout(1)
+        self.readable = select.poll()  # bears descriptors above 1,023
+        self.readable.register(self.socket, select.POLLIN)
         self.send(PREFACE + frame(SETTINGS, 0, 0, settings))
 
     def send(self, data):
         self.socket.sendall(data)
-        while self.reads:
-            try:
-                if not self.socket.recv(1 << 16, socket.MSG_DONTWAIT):
-                    raise ConnectionResetError("ended")
-            except BlockingIOError:
-                return
+        while self.reads and self.readable.poll(0):
+            if not self.socket.recv(1 << 16):
+                raise ConnectionResetError("ended")
 
     def headers(self, path=INFO, flags=END_HEADERS):
         """Those of a new call."""

@@ -14,6 +14,7 @@ from attacks.catalogue import attack, hold
 from attacks.tip import tip_frame
 
 PAGES = 1 << 16
+NAMES = {code.value[0]: code.name for code in grpc.StatusCode}
 
 
 def opening(target, scene="none", size=PAGES):
@@ -34,13 +35,10 @@ def memfd(size=PAGES, sealed=False):
 def answer(connection, told):
     data = connection.recv(1 << 16)
     packet = local_pb2.LocalResponse.FromString(data)
-    told[grpc.StatusCode(grpc_code(packet.closed.code)).name if packet.HasField("closed") and data else "answered" if data
-         else "ended"] += 1
+    told["packets"] += 1
+    closed = packet.HasField("closed")
+    told.met[NAMES[packet.closed.code] if closed else "answered" if data else "ended"] += 1
     return packet
-
-
-def grpc_code(number):
-    return next(code.value for code in grpc.StatusCode if code.value[0] == number)
 
 
 @attack("local socket")
@@ -80,7 +78,7 @@ def memory_that_shrinks(target, told, over):
                 try:
                     os.ftruncate(file, 0)
                 except PermissionError:
-                    told["seal held"] += 1
+                    told.met["seal held"] += 1
                 os.close(file)
                 answer(connection, told)
                 send_shared(connection, told, 0, 36)

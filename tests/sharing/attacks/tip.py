@@ -5,6 +5,7 @@ import struct
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2, scene_pb2
 
+FLOOR = -2, -2, 0, 2, -2, 0, 0, 2, 0
 TRIANGLE = struct.pack("<3I", 0, 1, 2)
 
 
@@ -29,7 +30,7 @@ def tip_at(z):
 
 def tip_frame(frame_id, depth):
     """One contact, if depth is above 1."""
-    frame, floor = frame_pb2.Frame(frame_id=frame_id), points(-2, -2, 0, 2, -2, 0, 0, 2, 0)
+    frame, floor = frame_pb2.Frame(frame_id=frame_id), points(*FLOOR)
     frame.updates.add(mesh=0, start_positions=floor, positions=floor)
     frame.updates.add(mesh=1, start_positions=tip_at(1), positions=tip_at(1 - depth))
     return frame
