@@ -3,9 +3,12 @@
 import dataclasses
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import threading
+
+import collided
 
 from honest import Clients, visit
 
@@ -50,24 +53,29 @@ class Newcomer(threading.Thread):
 class Stage:
     """The daemon, its honest clients, and what they should be told."""
 
-    def __init__(self, daemon, tokens, answers, target, seconds, patience):
-        self.daemon, self.tokens, self.answers, self.target = daemon, tokens, answers, target
+    def __init__(self, daemon, tokens, answers, seconds, patience):
+        self.daemon, self.tokens, self.answers = daemon, tokens, answers
         self.seconds, self.patience = seconds, patience
         self.clients = Clients(daemon.address, tokens, answers)
 
-    def fresh_clients(self):
-        if self.clients.faults():
-            self.clients.close()
+    def has_clients(self):
+        """Whether all honest clients are there; those of a failed entry are replaced, if the daemon still takes some."""
+        if not self.clients.faults():
+            return True
+        self.clients.close()
+        try:
             self.clients = Clients(self.daemon.address, self.tokens, self.answers)
+        except collided.Error:
+            return False
+        return True
 
     def newcomer(self):
         return Newcomer(self.daemon.address, "token-of-newcomer", self.answers, self.patience)
 
-    def play(self, names):
+    def play(self, target, names):
         """The entry's figures; `faults` says why it is not as promised."""
-        self.fresh_clients()
         alone = self.clients.measure(self.seconds)
-        assault = Assault(self.target, names)
+        assault = Assault(target, names)
         try:
             during = self.newcomer()
             beside = self.clients.measure(self.seconds, during.is_alive)
@@ -76,10 +84,16 @@ class Stage:
         after = self.newcomer()
         after.join(self.patience + 5)
         bound = TIMES * alone["p99_ms"] + MORE_MS
-        entry = {"attacks": names, "alone": alone, "beside": beside, "bound_ms": round(bound, 1),
+        entry = {"attacks": names, "daemon_peak_mb": self.peak_mb(), "alone": alone, "beside": beside, "bound_ms": round(bound, 1),
                  "newcomer_seconds": {"during": during.seconds, "after": after.seconds}, "attackers_saw": told}
         entry["faults"] = list(self.faults(entry, names, during, after))
         return entry
+
+    def peak_mb(self):
+        """The most memory that the daemon has had so far."""
+        status = pathlib.Path(f"/proc/{self.daemon.process.pid}/status").read_text(encoding="ascii")
+        found = re.search(r"VmHWM:\s+(\d+) kB", status)
+        return int(found[1]) // 1024 if found else None
 
     def faults(self, entry, names, during, after):
         if self.daemon.process.poll() is not None:
