@@ -67,6 +67,7 @@ class Entrance {
   std::optional<UnacceptedCalls> unaccepted_;
   std::vector<Socket> sockets_;
   Gate unix_, tcp_;
+  std::optional<FloodWatch> flood_watch_;
   std::optional<AcceptLoop> loop_;
   std::optional<AdmissionProbe> probe_;
 };

@@ -8,7 +8,6 @@
 #include <sys/socket.h>
 
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <system_error>
 #include <utility>
@@ -18,7 +17,6 @@ namespace {
 
 constexpr size_t kReserve = 16;
 constexpr int kRetryMs = 50;  // while the process has no descriptor left
-constexpr int kLookMs = 100;  // between two looks for floods
 constexpr int kFullMs = 2;    // while evicted connections are being closed
 constexpr int kBatch = 64;    // connections from one socket before the next socket is served
 
@@ -57,25 +55,15 @@ void AcceptLoop::run() {
   std::vector<pollfd> states;
   for (const int socket : sockets_) states.push_back({socket, POLLIN, 0});
   states.push_back({wake_.get(), POLLIN, 0});
-  using Clock = std::chrono::steady_clock;
-  auto looked_at = Clock::now();
-  bool may_flood = false;
   while (!is_stopping_) {
-    if (Clock::now() - looked_at >= std::chrono::milliseconds(kLookMs)) {
-      may_flood = connections_.end_floods();
-      looked_at = Clock::now();
-    }
     const bool is_short = !shortage().empty(), is_full = !connections_.may_accept();
     // While nothing can be accepted the sockets stay readable, so wait only for the stop.
     if (is_short || is_full)
       poll(&states.back(), 1, is_short ? kRetryMs : kFullMs);
     else
-      poll(states.data(), states.size(), may_flood ? kLookMs : -1);
-    for (size_t i = 0; i < sockets_.size() && !is_stopping_; ++i) {
-      if (!is_short && !is_full && !states[i].revents) continue;
-      accept_batch(i);
-      may_flood = true;
-    }
+      poll(states.data(), states.size(), -1);
+    for (size_t i = 0; i < sockets_.size() && !is_stopping_; ++i)
+      if (is_short || is_full || states[i].revents) accept_batch(i);
   }
 }
 
