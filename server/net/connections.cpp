@@ -102,18 +102,14 @@ Connections::Entries::iterator Connections::most_resetting_locked() {
   return found;
 }
 
-bool Connections::end_floods() {
+void Connections::end_floods() {
   const std::lock_guard lock(mutex_);
   sweep_locked();
-  bool has_some = false;
   for (auto& [id, entry] : entries_) {
-    if (entry.peer.is_unix || !entry.client.empty() || entry.is_ending) continue;
-    has_some = true;
-    if (!is_flood(entry)) continue;
+    if (entry.peer.is_unix || !entry.client.empty() || entry.is_ending || !is_flood(entry)) continue;
     shut_out_locked(entry);
     ++evicted_;
   }
-  return has_some;
 }
 
 bool Connections::is_flood(Entry& entry) {

@@ -36,9 +36,8 @@ class Connections {
   bool abandoned(std::string_view peer);
   /// Ends connections over TCP that have sent more than a megabyte, and go on, without a call whose caller is known
   /// (health checks are such), and refuses their sources for 2 s: gRPC bounds neither the frames of a connection nor a
-  /// header that does not end. To be called a few times a second while it returns true: some connection has made no
-  /// call.
-  bool end_floods();
+  /// header that does not end. To be called a few times a second.
+  void end_floods();
   /// Evicts `count` connections, as a full table would.
   void evict(size_t count);
 
