@@ -8,7 +8,6 @@
 #include <algorithm>
 
 #include "server/net/fd.hpp"
-#include "server/net/received.hpp"
 #include "server/net/unread_resets.hpp"
 
 namespace collided::server {
