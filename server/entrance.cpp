@@ -68,6 +68,7 @@ void Entrance::open(Lifecycle& lifecycle, Health& health) {
       targets.push_back({fd, tls_ && !listener.is_unix(), listener.address()});
       fds.push_back(fd);
     }
+  flood_watch_.emplace(connections_);
   loop_.emplace(std::move(fds), connections_,
                 [this](Fd connection, size_t place) { take(std::move(connection), place); });
   probe_.emplace(
@@ -86,6 +87,7 @@ void Entrance::take(Fd connection, size_t place) const {
 void Entrance::close() {
   probe_.reset();
   loop_.reset();
+  flood_watch_.reset();
 }
 
 void Entrance::set_limit(const Config& config) { connections_.set_limit(connection_limit(config)); }

@@ -18,6 +18,7 @@
 #include "server/net/accept_loop.hpp"
 #include "server/net/admission_probe.hpp"
 #include "server/net/connections.hpp"
+#include "server/net/flood_watch.hpp"
 #include "server/net/listener.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/metrics.hpp"
@@ -67,6 +68,7 @@ class Entrance {
   std::optional<UnacceptedCalls> unaccepted_;
   std::vector<Socket> sockets_;
   Gate unix_, tcp_;
+  std::optional<FloodWatch> flood_watch_;
   std::optional<AcceptLoop> loop_;
   std::optional<AdmissionProbe> probe_;
 };

@@ -19,6 +19,8 @@ constexpr auto kCountedTime = std::chrono::seconds(10), kRefusal = std::chrono::
 constexpr uint32_t kMaxAbandoned = 1000;  // of a source
 constexpr uint32_t kMinAbandoned = 20;    // of a connection, before it is ended for its source's count
 constexpr uint32_t kCheckEvery = 64;      // abandoned calls over Unix sockets between two searches for the culprit
+// Bytes without a call: a call's headers, and what may come before they are looked at, are a tenth of it at most.
+constexpr double kMaxFruitless = 1 << 20, kFruitlessPerSecond = 64 << 10;
 constexpr std::string_view kUnix = "unix";
 constexpr size_t kSweepEvery = 64;  // connections between two sweeps
 
@@ -97,6 +99,27 @@ Connections::Entries::iterator Connections::most_resetting_locked() {
     max = std::max(max, resets);
   }
   return found;
+}
+
+void Connections::end_floods() {
+  const std::lock_guard lock(mutex_);
+  sweep_locked();
+  for (auto& [id, entry] : entries_) {
+    if (entry.peer.is_unix || !entry.client.empty() || entry.is_ending || !is_flood(entry)) continue;
+    shut_out_locked(entry);
+    ++evicted_;
+  }
+}
+
+bool Connections::is_flood(Entry& entry) {
+  const auto now = Clock::now();
+  const uint64_t all = std::max(received_bytes(entry.socket), entry.received);
+  const double passed = std::chrono::duration<double>(now - entry.looked_at).count();
+  entry.fruitless =
+      std::max(0.0, entry.fruitless - kFruitlessPerSecond * passed) + static_cast<double>(all - entry.received);
+  entry.received = all;
+  entry.looked_at = now;
+  return entry.fruitless > kMaxFruitless;
 }
 
 void Connections::shut_out_locked(Entry& entry) {

@@ -34,6 +34,10 @@ class Connections {
   /// however many there are, so a connection whose source makes 1,000 of them within 10 s is ended, and the source
   /// refused for 2 s. True if it was. Over Unix sockets it is the connection with the most unread resets.
   bool abandoned(std::string_view peer);
+  /// Ends connections over TCP that have sent more than a megabyte, and go on, without a call whose caller is known
+  /// (health checks are such), and refuses their sources for 2 s: gRPC bounds neither the frames of a connection nor a
+  /// header that does not end. To be called a few times a second.
+  void end_floods();
   /// Evicts `count` connections, as a full table would.
   void evict(size_t count);
 
@@ -51,6 +55,9 @@ class Connections {
     Clock::time_point begin = Clock::now();
     std::string client;      ///< empty: made no call
     uint32_t abandoned = 0;  ///< calls
+    uint64_t received = 0;   ///< bytes, when last looked at
+    Clock::time_point looked_at = begin;
+    double fruitless = 0;  ///< bytes without a call, less those of time
     bool is_ending = false;
   };
   struct Source {
@@ -68,6 +75,7 @@ class Connections {
   bool abandoned_over_unix_locked();
   Entries::iterator most_resetting_locked();
   void shut_out_locked(Entry& entry);
+  static bool is_flood(Entry& entry);
   bool is_evicting_enough_locked() const;
   bool make_room_locked();
   Entries::iterator victim_locked();

@@ -2,10 +2,12 @@
 #include "server/net/peer.hpp"
 
 #include <arpa/inet.h>
+#include <linux/tcp.h>  // the C library's tcp_info ends before the count of bytes
 #include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <cerrno>
+#include <cstddef>
 #include <cstring>
 #include <system_error>
 
@@ -55,6 +57,14 @@ uid_t peer_uid(int socket) {
   if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0)
     throw std::system_error(errno, std::generic_category(), "SO_PEERCRED");
   return peer.uid;
+}
+
+uint64_t received_bytes(int socket) {
+  tcp_info info{};
+  socklen_t size = sizeof(info);
+  if (getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return 0;
+  constexpr size_t kEnd = offsetof(tcp_info, tcpi_bytes_received) + sizeof(info.tcpi_bytes_received);
+  return size >= kEnd ? info.tcpi_bytes_received : 0;
 }
 
 }  // namespace collided::server

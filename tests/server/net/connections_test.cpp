@@ -5,6 +5,7 @@
 
 #include <deque>
 #include <string_view>
+#include <vector>
 
 #include "server/net/descriptors.hpp"
 #include "tests/server/net/tcp.hpp"
@@ -73,6 +74,31 @@ TEST_F(Table, AFloodOfFruitlessCallsEndsItsConnectionAndRefusesItsSource) {
   const Pair again(listener_);
   EXPECT_FALSE(connections_.admit(again.server.get(), peer_of(again.server.get())));
   EXPECT_TRUE(eventually([&] { return connections_.admit(again.server.get(), peer_of(again.server.get())); }));
+}
+
+/// Sends so many bytes and takes them at the other end, as gRPC would.
+void send_through(Pair& pair, size_t size) {
+  std::vector<char> bytes(4096), taken(4096);
+  for (size_t sent = 0; sent < size; sent += bytes.size()) {
+    ASSERT_EQ(send(pair.client.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL), ssize_t(bytes.size()));
+    ASSERT_EQ(recv(pair.server.get(), taken.data(), taken.size(), MSG_WAITALL), ssize_t(taken.size()));
+  }
+}
+
+TEST_F(Table, AFloodWithoutACallEndsItsConnectionAndRefusesItsSource) {
+  Pair& client = add("a");
+  Pair& checker = add();
+  Pair& attacker = add();
+  send_through(client, 2 << 20);
+  send_through(checker, 512 << 10);
+  send_through(attacker, 2 << 20);
+  connections_.end_floods();
+  EXPECT_FALSE(client.is_ended());
+  EXPECT_FALSE(checker.is_ended());
+  EXPECT_TRUE(attacker.is_ended());
+  const Pair again(listener_);
+  EXPECT_FALSE(connections_.admit(again.server.get(), peer_of(again.server.get())));
+  EXPECT_EQ(connections_.evicted(), 1u);
 }
 
 // Unix sockets cannot be told apart by their calls.

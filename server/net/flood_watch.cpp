@@ -1,0 +1,25 @@
+// Looks for connections that flood.
+#include "server/net/flood_watch.hpp"
+
+#include <chrono>
+
+namespace collided::server {
+
+FloodWatch::FloodWatch(Connections& connections) : connections_(connections), thread_([this] { run(); }) {}
+
+FloodWatch::~FloodWatch() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_stopping_ = true;
+  }
+  stopped_.notify_one();
+  thread_.join();
+}
+
+void FloodWatch::run() {
+  constexpr auto kPause = std::chrono::milliseconds(100);
+  std::unique_lock lock(mutex_);
+  while (!stopped_.wait_for(lock, kPause, [this] { return is_stopping_; })) connections_.end_floods();
+}
+
+}  // namespace collided::server

@@ -1,0 +1,85 @@
+"""What every attack is made of: its name and kind, the daemon that it is for, and a count of what became of its tries."""
+
+import collections
+import dataclasses
+import socket
+
+ATTACKS = {}  # by name, in the order in which they are defined
+SELF_CHECK = "self-check"  # a kind that the catalogue leaves out
+
+
+@dataclasses.dataclass
+class Attack:
+    name: str
+    kind: str
+    round: object  # called with (target, told, over) again and again until `over`; what it raises is counted
+
+    @property
+    def about(self):
+        return self.round.__doc__
+
+
+def attack(kind):
+    """The function is an attack of this kind, by its own name."""
+    def add(function):
+        ATTACKS[function.__name__] = Attack(function.__name__, kind, function)
+        return function
+    return add
+
+
+@dataclasses.dataclass
+class Target:
+    port: int
+    http_port: int
+    token: str
+    local_socket: str
+    pid: int
+
+    @property
+    def address(self):
+        return f"127.0.0.1:{self.port}"
+
+    def tcp(self, port=None):
+        """A connection from an address that no honest client has, as from another host."""
+        return socket.create_connection(("127.0.0.1", port or self.port), 5, source_address=("127.0.0.2", 0))
+
+    def local(self):
+        connection = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        connection.settimeout(1)
+        connection.connect(self.local_socket)
+        return connection
+
+
+class Told(collections.Counter):
+    """How often one attack did each thing, and in `met` what the daemon did about it."""
+
+    def __init__(self):
+        super().__init__()
+        self.met = collections.Counter()
+        self.bug = None  # of the attack itself
+
+    def of(self, error):
+        code = getattr(error, "code", None)
+        name = code().name if callable(code) else type(error).__name__
+        self.met[name] += 1
+
+    def attempt(self, function, *arguments):
+        """Its result; None if it was refused, which is counted by its code."""
+        import grpc  # raw attacks do without
+        self["calls"] += 1
+        try:
+            result = function(*arguments)
+        except grpc.RpcError as error:
+            self.of(error)
+            return None
+        self.met["OK"] += 1
+        return result
+
+
+def hold(connections, told, over, name="held"):
+    told[name] += len(connections)
+    over.wait()
+    for connection in connections:
+        connection.close()
+
+

@@ -1,0 +1,110 @@
+"""One entry of the catalogue: honest clients alone, then beside the attack, and newcomers during and after it."""
+
+import dataclasses
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import threading
+
+import collided
+
+from honest import Clients, visit
+
+TIMES, MORE_MS = 3, 100  # what a frame may take beside an attack: so many times as long as alone, and so much more
+ATTACK = str(pathlib.Path(__file__).with_name("attack.py"))
+END_SECONDS = 20
+
+
+class Assault:
+    """Attacks in a process of their own, which are under way once this is made."""
+
+    def __init__(self, target, names):
+        self.process = subprocess.Popen([sys.executable, ATTACK, json.dumps(dataclasses.asdict(target)), *names],
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        if self.process.stdout.readline() != "on\n":
+            raise RuntimeError(f"{names} did not begin")
+
+    def end(self):
+        """What became of each attack's tries."""
+        try:
+            out, _ = self.process.communicate("", timeout=END_SECONDS)
+            return json.loads(out)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+            return {}
+
+
+class Newcomer(threading.Thread):
+    def __init__(self, *arguments):
+        super().__init__(daemon=True)
+        self.arguments, self.seconds, self.fault = arguments, None, None
+        self.start()
+
+    def run(self):
+        try:
+            self.seconds = round(visit(*self.arguments), 3)
+        except Exception as error:  # noqa: BLE001: whatever it is, it kept the newcomer out
+            self.fault = f"{type(error).__name__}: {error}"
+
+
+class Stage:
+    """The daemon, its honest clients, and what they should be told."""
+
+    def __init__(self, daemon, tokens, answers, seconds, patience):
+        self.daemon, self.tokens, self.answers = daemon, tokens, answers
+        self.seconds, self.patience = seconds, patience
+        self.clients = Clients(daemon.address, tokens, answers)
+
+    def has_clients(self):
+        """Whether all honest clients are there; those of a failed entry are replaced, if the daemon still takes some."""
+        if not self.clients.faults():
+            return True
+        self.clients.close()
+        try:
+            self.clients = Clients(self.daemon.address, self.tokens, self.answers)
+        except collided.Error:
+            return False
+        return True
+
+    def newcomer(self):
+        return Newcomer(self.daemon.address, "token-of-newcomer", self.answers, self.patience)
+
+    def play(self, target, names):
+        """The entry's figures; `faults` says why it is not as promised."""
+        alone = self.clients.measure(self.seconds)
+        assault = Assault(target, names)
+        try:
+            during = self.newcomer()
+            beside = self.clients.measure(self.seconds, during.is_alive)
+        finally:
+            told = assault.end()
+        after = self.newcomer()
+        after.join(self.patience + 5)
+        bound = TIMES * alone["p99_ms"] + MORE_MS
+        entry = {"attacks": names, "daemon_peak_mb": self.peak_mb(), "alone": alone, "beside": beside, "bound_ms": round(bound, 1),
+                 "newcomer_seconds": {"during": during.seconds, "after": after.seconds}, "attackers_saw": told}
+        entry["faults"] = list(self.faults(entry, names, during, after))
+        return entry
+
+    def peak_mb(self):
+        """The most memory that the daemon has had so far."""
+        status = pathlib.Path(f"/proc/{self.daemon.process.pid}/status").read_text(encoding="ascii")
+        found = re.search(r"VmHWM:\s+(\d+) kB", status)
+        return int(found[1]) // 1024 if found else None
+
+    def faults(self, entry, names, during, after):
+        if self.daemon.process.poll() is not None:
+            yield f"the daemon ended with {self.daemon.process.returncode}"
+        if entry["beside"]["p99_ms"] > entry["bound_ms"]:
+            yield f"p99 is {entry['beside']['p99_ms']} ms beside the attack; {entry['bound_ms']} would be fair"
+        yield from (f"an honest client: {fault}" for fault in self.clients.faults())
+        for when, newcomer in (("during", during), ("after", after)):
+            if newcomer.seconds is None:
+                yield f"a newcomer {when} the attack: {newcomer.fault or 'was kept waiting'}"
+        for name in names:
+            told = entry["attackers_saw"].get(name)
+            if not told or not told["did"] or told["bug"]:
+                yield f"{name} was no attack: {told}"
