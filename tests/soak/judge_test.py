@@ -34,10 +34,18 @@ class Judge(unittest.TestCase):
     def test_growth_while_it_warms_up_is_none(self):
         self.assertEqual(verdict(tides([1e6 * min(i, 19) for i in range(60)]))[1], [])
 
-    def test_one_descriptor_is_found(self):
-        found = verdict(tides([50e6] * 9, fds=[20] * 8 + [21]))[1]
+    def test_a_descriptor_in_two_tides_is_found(self):
+        found = verdict(tides([50e6] * 9, fds=[20 + i // 2 for i in range(9)]))[1]
         self.assertEqual(len(found), 1)
         self.assertTrue(found[0].startswith("fds"))
+
+    def test_a_thread_more_in_a_pool_is_none(self):
+        self.assertEqual(verdict(tides([50e6] * 9, threads=[12] * 8 + [13], fds=[20, 21] * 4 + [20]))[1], [])
+
+    def test_one_byte_of_a_scene_is_found(self):
+        found = verdict(tides([50e6] * 9, device_bytes=[0] * 8 + [1]))[1]
+        self.assertEqual(len(found), 1)
+        self.assertTrue(found[0].startswith("device_bytes"))
 
     def test_too_few_tides_tell_nothing(self):
         self.assertIn("too few", verdict(tides([50e6] * 3))[1][0])
