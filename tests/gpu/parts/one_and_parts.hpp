@@ -10,9 +10,13 @@
 
 namespace collided::test {
 
-/// All parts on the scene's device.
+/// The first part on the scene's device, the next ones on the others of its backend in turn.
 inline SceneSpec in_parts(SceneSpec spec, size_t parts) {
-  spec.part_devices.assign(parts, spec.device);
+  std::vector<Device> devices{spec.device};
+  for (const DeviceInfo& info : list_devices())
+    if (info.device.backend == spec.device.backend && info.device != spec.device) devices.push_back(info.device);
+  spec.part_devices.clear();
+  for (size_t k = 0; k < parts; ++k) spec.part_devices.push_back(devices[k % devices.size()]);
   return spec;
 }
 
