@@ -84,9 +84,9 @@ bool device_works(const Device& device);
 /// DeviceError.
 std::unique_ptr<SharedMemory> register_host_memory(const Device& device, std::span<std::byte> memory);
 
-/// Opens memory that another process has on this device by its cudaIpcMemHandle_t (64 bytes). bytes() are those of the
-/// device, and not for the host to read. Throws InvalidInput for a bad handle, one of another device's memory, or where
-/// there is no CUDA, DeviceError.
+/// Opens memory that another process has on this device, or on one that it reaches directly, by its cudaIpcMemHandle_t
+/// (64 bytes). bytes() are those of the device, and not for the host to read. Throws InvalidInput for a bad handle, one
+/// of memory that the device does not reach, or where there is no CUDA, DeviceError.
 std::unique_ptr<SharedMemory> open_device_memory(const Device& device, std::span<const std::byte> handle);
 
 }  // namespace collided

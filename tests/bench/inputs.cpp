@@ -7,11 +7,11 @@
 namespace collided::test {
 namespace {
 
-BenchInput procedural(const std::string& name, double scale) {
+BenchInput procedural(const std::string& name, double scale, double seconds) {
   std::shared_ptr<scenes::Scene> scene = scenes::make_scene(name, scale);
-  return {name, [scene](int step, int steps) {
+  return {name, [scene, seconds](int step, int steps) {
             const double t = (step + 1.0) / steps;
-            return case_of(*scene, std::max(0.0, t - 1.0 / 60), t);
+            return case_of(*scene, std::max(0.0, t - seconds), t);
           }};
 }
 
@@ -38,12 +38,12 @@ FrameInput moved_to_slot(const FrameInput& frame, FrameSlot& slot) {
   return moved;
 }
 
-std::vector<BenchInput> bench_inputs(const std::string& only, double scale) {
+std::vector<BenchInput> bench_inputs(const std::string& only, double scale, double seconds) {
   std::vector<BenchInput> inputs;
   for (const scenes::SceneInfo& info : scenes::list_scenes())
-    if (only.empty() || only == info.name) inputs.push_back(procedural(info.name, scale));
+    if (only.empty() || only == info.name) inputs.push_back(procedural(info.name, scale, seconds));
   for (const scenes::SceneInfo& info : scenes::list_variants())
-    if (only == info.name) inputs.push_back(procedural(info.name, scale));
+    if (only == info.name) inputs.push_back(procedural(info.name, scale, seconds));
   for (const RealFrames& frames : {kFunnelFrames, kBallFrames})
     if (are_here(frames) && (only.empty() || only == frames.name)) inputs.push_back(real(frames));
   return inputs;

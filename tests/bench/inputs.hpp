@@ -42,8 +42,10 @@ void play_steps(Detector& detector, const BenchInput& input, const SceneSpec& sp
   }
 }
 
+inline constexpr double kFrameSeconds = 1.0 / 60;
+
 /// All inputs, or the one of that name, which may be a variant of a scene. Real frames only where the data folder is
-/// present.
-std::vector<BenchInput> bench_inputs(const std::string& only, double scale);
+/// present. `seconds`: how long procedural scenes move in a step.
+std::vector<BenchInput> bench_inputs(const std::string& only, double scale, double seconds = kFrameSeconds);
 
 }  // namespace collided::test

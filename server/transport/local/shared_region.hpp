@@ -25,11 +25,11 @@ class SharedRegion {
   /// or a file that is too small, LimitExceeded if memory is short, DeviceError.
   static std::shared_ptr<SharedRegion> map(const Fd& file, const RegionSize& size, const Device& device);
   /// As map(), but the input is memory of the device, of a cudaIpcMemHandle_t, and the file (none if `output` is 0)
-  /// holds only the output. Throws InvalidInput for a bad handle or one of another device, DeviceError.
+  /// holds only the output. Throws InvalidInput for a bad handle or one that the device does not reach, DeviceError.
   static std::shared_ptr<SharedRegion> open(std::span<const std::byte> handle, const Device& device, const Fd& file,
                                             uint64_t output);
   /// Makes the first `bytes` of memory of the device, of a cudaIpcMemHandle_t, the output. Throws InvalidInput for a
-  /// bad handle, one of another device or less memory, DeviceError.
+  /// bad handle, one that the device does not reach or less memory, DeviceError.
   void open_output(std::span<const std::byte> handle, const Device& device, uint64_t bytes);
   ~SharedRegion();
   SharedRegion(const SharedRegion&) = delete;
