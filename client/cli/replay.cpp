@@ -25,7 +25,8 @@ void run(const ReplayOptions& options) {
   const RecordedMeshes meshes(recording.spec());
   v1::SceneSpec spec = recording.spec();
   spec.clear_meshes();
-  spec.set_backend(backend_of(options.server));
+  spec.clear_device();  // of the daemon that it was recorded with
+  set_place(options.server, spec);
   Connection connection(options.server);
   const SceneGuard scene = connection.create_scene(spec, meshes.inputs());
   client::FrameStream stream = connection.stream(*scene);

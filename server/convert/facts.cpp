@@ -5,6 +5,7 @@
 #include "server/convert/meshes.hpp"
 #include "server/convert/options.hpp"
 #include "server/refusals/field_path.hpp"
+#include "server/scenes/host_tables.hpp"
 
 namespace collided::server {
 namespace {
@@ -50,6 +51,7 @@ void fill_spec(const ScenePlan& plan, pb::SceneSpec* out) {
   out->set_reuse(to_message(engine.reuse));
   out->set_expected_contacts(engine.expected[ListLengths::kContacts]);
   if (plan.device) out->set_device(to_string(*plan.device));
+  for (const Device& device : engine.part_devices) out->add_part_devices(to_string(device));
   fill_kinds(engine, out);
   fill_fields(plan.fields, out);
   out->set_memory_budget_bytes(engine.memory_budget);
@@ -122,7 +124,8 @@ void fill_estimate(const ScenePlan& plan, pb::EstimateSceneResponse* out) try {
   out->set_vertex_count(size.vertices);
   out->set_triangle_count(size.triangles);
   for (const MemoryPart& part : estimate.memory) fill_part(part, out->add_memory());
-  fill_part({"host", plan_bytes(plan) + size.elements() * sizeof(TriangleCorners)}, out->add_memory());
+  fill_part({"host", plan_bytes(plan) + count_tables(spec) * size.elements() * sizeof(TriangleCorners)},
+            out->add_memory());
   out->set_first_frame_bytes(size.vertices * position_bytes(spec));
   out->set_frame_bytes(whole_frame_bytes(spec));
   fill_contact_bytes(estimate, plan.fields, out->mutable_contact_bytes());

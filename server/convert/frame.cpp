@@ -78,6 +78,13 @@ void fill_reuse(const ReuseFacts& reuse, pb::FrameMetrics* out) {
   out->set_search_milliseconds(reuse.search_milliseconds);
 }
 
+void fill_part(const PartFacts& part, pb::PartMetrics* out) {
+  out->set_share(part.share);
+  out->set_step_milliseconds(part.step_milliseconds);
+  out->set_pairs(part.pairs);
+  out->set_contacts(part.contacts);
+}
+
 }  // namespace
 
 void fill_result(const FrameResult& result, pb::FrameDone* out) {
@@ -98,6 +105,7 @@ void fill_result(const FrameResult& result, pb::FrameDone* out) {
   metrics->set_lbvh_milliseconds(result.broad_phase.lbvh_milliseconds);
   metrics->set_all_pairs_milliseconds(result.broad_phase.all_pairs_milliseconds);
   fill_reuse(result.reuse, metrics);
+  for (const PartFacts& part : result.parts) fill_part(part, metrics->add_parts());
   if (result.input_resolution) metrics->add_warnings(pb::FRAME_WARNING_INPUT_RESOLUTION);
   out->set_contact_count(count_contacts(result));
   out->set_earliest_toi(result.earliest_toi);

@@ -43,25 +43,49 @@ Backend parse_backend(pb::Backend wanted, const SceneDefaults& defaults) {
   return wanted == pb::BACKEND_CPU ? Backend::kCpu : Backend::kCuda;
 }
 
-std::optional<Device> parse_device_id(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
-  if (spec.device().empty()) return {};
-  const std::optional<Device> device = parse_device(spec.device());
+// A device of the spec that `field` names by its id.
+Device parse_device_id(const std::string& id, const std::string& field, const pb::SceneSpec& spec,
+                       const SceneDefaults& defaults) {
+  const std::optional<Device> device = parse_device(id);
   if (!device)
-    throw_invalid("spec.device", fmt::format("is \"{}\", but must be {}", shorten(spec.device(), 64),
-                                             list_choices(ids_of(defaults.devices))));
+    throw_invalid(field,
+                  fmt::format("is \"{}\", but must be {}", shorten(id, 64), list_choices(ids_of(defaults.devices))));
   if (std::ranges::count(defaults.devices, *device) == 0)
-    throw FailedPrecondition("spec.device", fmt::format("spec.device is {}, but this daemon serves {}",
-                                                        to_string(*device), fmt::join(ids_of(defaults.devices), ", ")));
+    throw FailedPrecondition(field, fmt::format("{} is {}, but this daemon serves {}", field, to_string(*device),
+                                                fmt::join(ids_of(defaults.devices), ", ")));
   const pb::Backend backend = device->backend == Backend::kCpu ? pb::BACKEND_CPU : pb::BACKEND_CUDA;
   if ((spec.backend() == pb::BACKEND_CPU || spec.backend() == pb::BACKEND_CUDA) && spec.backend() != backend)
-    throw_invalid("spec.device",
+    throw_invalid(field,
                   fmt::format("is {}, but spec.backend is {}", to_string(*device), pb::Backend_Name(spec.backend())));
-  return device;
+  return *device;
+}
+
+// Each part has a thread of the host: many on one device would take them for nothing.
+std::vector<Device> parse_part_devices(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
+  constexpr ptrdiff_t kMaxPartsOnDevice = 4;
+  const std::string field = "spec.part_devices";
+  const auto parts = static_cast<size_t>(spec.part_devices_size());
+  if (parts > kMaxParts) throw_invalid(field, fmt::format("has {} parts, more than {}", parts, kMaxParts));
+  if (parts > 0 && !spec.device().empty())
+    throw_invalid("spec.device",
+                  fmt::format("is \"{}\", but {} says where the scene lives", shorten(spec.device(), 64), field));
+  std::vector<Device> devices;
+  for (const std::string& id : spec.part_devices()) {
+    devices.push_back(parse_device_id(id, fmt::format("{}[{}]", field, devices.size()), spec, defaults));
+    if (const auto there = std::ranges::count(devices, devices.back()); there > kMaxPartsOnDevice)
+      throw_invalid(field, fmt::format("has {} or more parts on {}, more than {}", there, to_string(devices.back()),
+                                       kMaxPartsOnDevice));
+  }
+  return devices;
 }
 
 // Its ordinal is decided when the scene is placed.
 void parse_place(const pb::SceneSpec& spec, const SceneDefaults& defaults, ScenePlan& plan) {
-  plan.device = parse_device_id(spec, defaults);
+  if (!plan.engine.part_devices.empty()) {
+    plan.engine.device = plan.engine.part_devices.front();
+    return;
+  }
+  if (!spec.device().empty()) plan.device = parse_device_id(spec.device(), "spec.device", spec, defaults);
   plan.engine.device = plan.device ? *plan.device : Device{parse_backend(spec.backend(), defaults)};
 }
 
@@ -186,6 +210,7 @@ ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults, u
   engine.engine = parse_engine(spec.broad_phase_engine(), "spec.broad_phase_engine");
   engine.reuse = parse_reuse(spec.reuse(), "spec.reuse");
   engine.worlds = worlds;
+  engine.part_devices = parse_part_devices(spec, defaults);
   engine.expected[ListLengths::kContacts] = parse_expected_contacts(spec.expected_contacts());
   parse_kinds(spec, engine);
   check_scene_options(engine, spec);

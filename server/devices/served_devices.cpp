@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <future>
+#include <map>
 #include <stdexcept>
 #include <thread>
 
@@ -66,6 +67,19 @@ std::vector<DeviceInfo> usable(const Config& config, std::vector<DeviceInfo> dev
   return working;
 }
 
+// Of a scene in parts, which hold the same each.
+std::map<Device, uint64_t> bytes_by_device(const DeviceWish& wish) {
+  std::map<Device, uint64_t> bytes;
+  for (const Device& device : wish.parts) bytes[device] += wish.min_bytes / wish.parts.size();
+  return bytes;
+}
+
+auto& find_in(auto& served, const Device& device) {
+  const auto found = std::ranges::find_if(served, [&](const auto& each) { return each.terms.info.device == device; });
+  if (found == served.end()) throw std::logic_error(to_string(device) + " is not served");
+  return *found;
+}
+
 }  // namespace
 
 std::vector<DeviceTerms> device_terms(const Config& config, const Now& now) {
@@ -97,12 +111,8 @@ std::vector<DeviceInfo> ServedDevices::infos() const {
   return infos;
 }
 
-ServedDevices::Served& ServedDevices::served(const Device& device) {
-  const auto found =
-      std::ranges::find_if(served_, [&](const Served& each) { return each.terms.info.device == device; });
-  if (found == served_.end()) throw std::logic_error(to_string(device) + " is not served");
-  return *found;
-}
+ServedDevices::Served& ServedDevices::served(const Device& device) { return find_in(served_, device); }
+const ServedDevices::Served& ServedDevices::served(const Device& device) const { return find_in(served_, device); }
 
 // Memory that scenes hold on the device is counted in both: what is left of the limit, and what is free.
 uint64_t ServedDevices::free_bytes(const Served& served) const {
@@ -136,8 +146,31 @@ std::vector<ServedDevices::Candidate> ServedDevices::candidates(const DeviceWish
   return found;
 }
 
+std::shared_ptr<DeviceBytes> ServedDevices::add_scene(Served& served, uint64_t min_bytes,
+                                                      const std::shared_ptr<DeviceBytes>& client) {
+  std::erase_if(served.scenes, [](const auto& scene) { return scene.first.expired(); });
+  auto quota = DeviceBytes::within(client, served.bytes);
+  served.scenes.emplace_back(quota, min_bytes);
+  return quota;
+}
+
+// Threads of the CPU's devices are shared out among the parts.
+Placement ServedDevices::place_parts(const DeviceWish& wish) {
+  std::map<Device, std::shared_ptr<DeviceBytes>> quotas;
+  int threads = 0;
+  for (const auto& [device, min_bytes] : bytes_by_device(wish)) {
+    Served& here = served(device);
+    quotas[device] = add_scene(here, min_bytes, nullptr);
+    threads += here.terms.threads;
+  }
+  Placement placed{wish.parts.front(), threads, wish.client};
+  for (const Device& device : wish.parts) placed.parts.push_back(quotas.at(device));
+  return placed;
+}
+
 Placement ServedDevices::place(const DeviceWish& wish) {
   const std::lock_guard lock(mutex_);
+  if (!wish.parts.empty()) return place_parts(wish);
   std::vector<Candidate> found = candidates(wish);
   const Candidate most = *std::ranges::max_element(found, {}, &Candidate::free);
   if (found.size() > 1) {
@@ -150,10 +183,7 @@ Placement ServedDevices::place(const DeviceWish& wish) {
     std::erase_if(found, [&](const Candidate& each) { return each.free < wish.min_bytes; });
   }
   Served& best = served(std::ranges::max_element(found, {}, &Candidate::score)->served->terms.info.device);
-  std::erase_if(best.scenes, [](const auto& scene) { return scene.first.expired(); });
-  auto quota = DeviceBytes::within(wish.client, best.bytes);
-  best.scenes.emplace_back(quota, wish.min_bytes);
-  return {best.terms.info.device, best.terms.threads, std::move(quota)};
+  return {best.terms.info.device, best.terms.threads, add_scene(best, wish.min_bytes, wish.client)};
 }
 
 const DeviceInfo& ServedDevices::preferred(const DeviceWish& wish) const {
@@ -163,11 +193,14 @@ const DeviceInfo& ServedDevices::preferred(const DeviceWish& wish) const {
 }
 
 void ServedDevices::check_could_hold(const DeviceWish& wish) const {
+  constexpr const char* kWhat = "the vertices and triangles of spec.meshes";
   const std::lock_guard lock(mutex_);
+  for (const auto& [device, min_bytes] : bytes_by_device(wish))
+    served(device).bytes->check_could_hold(min_bytes, kWhat);
+  if (!wish.parts.empty()) return;
   const std::vector<Candidate> found = candidates(wish);
   const auto limit = [](const Candidate& each) { return each.served->terms.max_bytes; };
-  std::ranges::max_element(found, {}, limit)
-      ->served->bytes->check_could_hold(wish.min_bytes, "the vertices and triangles of spec.meshes");
+  std::ranges::max_element(found, {}, limit)->served->bytes->check_could_hold(wish.min_bytes, kWhat);
 }
 
 void ServedDevices::set_limits(const Limits& limits) {

@@ -34,6 +34,7 @@ std::vector<DeviceTerms> device_terms(const Config& config, const Now& now);
 struct DeviceWish {
   Backend backend = Backend::kCpu;
   std::optional<Device> device = {};         ///< of that backend; none: any
+  std::vector<Device> parts = {};            ///< where each part is to be, if it is in parts; `device` is the first
   uint64_t min_bytes = 0;                    ///< that it holds once it has had a frame
   std::shared_ptr<DeviceBytes> client = {};  ///< its client's quota; may be null
 };
@@ -43,6 +44,9 @@ struct Placement {
   Device device;
   int threads = 0;                     ///< as in DeviceTerms
   std::shared_ptr<DeviceBytes> quota;  ///< within the client's and the device's; the scene counts while it lives
+  /// Of a scene in parts: each one's, within its device's, which parts on one device share. Then `quota` is the
+  /// client's.
+  std::vector<std::shared_ptr<DeviceBytes>> parts = {};
 };
 
 /// A device at one moment.
@@ -93,7 +97,11 @@ class ServedDevices {
   };
 
   Served& served(const Device& device);
+  const Served& served(const Device& device) const;
   // The caller holds the lock.
+  Placement place_parts(const DeviceWish& wish);
+  std::shared_ptr<DeviceBytes> add_scene(Served& served, uint64_t min_bytes,
+                                         const std::shared_ptr<DeviceBytes>& client);
   std::vector<Candidate> candidates(const DeviceWish& wish) const;
   uint64_t free_bytes(const Served& served) const;
 

@@ -60,8 +60,8 @@ void ServiceObserver::expired(const Scene& scene) {
 void ServiceObserver::device_failed(const Scene& scene, const std::string& why) {
   log_event(spdlog::level::err, "device error",
             {{"scene", scene.id()}, {"device", to_string(scene.device())}, {"reason", why}});
-  if (!device_works(scene.device()))
-    lifecycle_.fail("a device no longer responds: " + to_string(scene.device()) + ": " + why);
+  for (const Device& device : scene.devices())
+    if (!device_works(device)) lifecycle_.fail("a device no longer responds: " + to_string(device) + ": " + why);
 }
 
 }  // namespace collided::server

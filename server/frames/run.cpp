@@ -12,7 +12,8 @@ namespace collided::server {
 namespace {
 
 // Called at each checkpoint of the engine: whether to abandon the frame. May yield its turn meanwhile.
-bool should_stop(const Scene& scene, uint64_t frame_id, Turns::Turn& turn, const std::function<bool()>& cancelled) {
+bool should_stop(const Scene& scene, uint64_t frame_id, TurnsOfScene::Turn& turn,
+                 const std::function<bool()>& cancelled) {
   if (cancelled && cancelled()) return true;
   const ClientIdentity& owner = *scene.facts().owner;
   const double seconds = turn.seconds(), limit = owner.limits.max_frame_seconds;
@@ -20,7 +21,8 @@ bool should_stop(const Scene& scene, uint64_t frame_id, Turns::Turn& turn, const
     throw LimitExceeded::quota(
         "client:" + owner.name,
         fmt::format("max_frame_seconds is {}, and frame {} has run for {:.3f} s", limit, frame_id, seconds));
-  if (scene.device().backend == Backend::kCpu) turn.yield_turn(cancelled);
+  // The other parts of a scene in parts go on meanwhile.
+  if (scene.device().backend == Backend::kCpu && !scene.is_in_parts()) turn.yield_turn(cancelled);
   return false;
 }
 

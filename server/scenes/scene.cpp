@@ -5,11 +5,13 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <set>
 #include <span>
 #include <utility>
 
 #include "server/errors.hpp"
 #include "server/refusals/field_path.hpp"
+#include "server/scenes/host_tables.hpp"
 
 namespace collided::server {
 
@@ -49,14 +51,33 @@ MeshSpec without_elements(MeshSpec& mesh) {
   return out;
 }
 
+std::shared_ptr<PartedBytes> parted_bytes(const ScenePlan& plan) {
+  if (plan.parts.empty()) return nullptr;
+  return std::make_shared<PartedBytes>(DeviceBytes::of_scene(plan.engine.memory_budget, plan.quota), plan.parts);
+}
+
+std::vector<Device> devices_of(const SceneSpec& spec) {
+  if (spec.part_devices.empty()) return {spec.device};
+  const std::set<Device> devices(spec.part_devices.begin(), spec.part_devices.end());
+  return {devices.begin(), devices.end()};
+}
+
+std::vector<Turns*> turns_on(ServedDevices& served, const std::vector<Device>& devices) {
+  std::vector<Turns*> turns;
+  for (const Device& device : devices) turns.push_back(&served.turns(device));
+  return turns;
+}
+
 }  // namespace
 
 Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
     : facts_(std::move(facts)),
       surroundings_(std::move(surroundings)),
-      quota_(DeviceBytes::of_scene(plan.engine.memory_budget, plan.quota)),
+      parted_(parted_bytes(plan)),
+      quota_(parted_ ? parted_->whole() : DeviceBytes::of_scene(plan.engine.memory_budget, plan.quota)),
       device_(plan.engine.device),
-      turns_(surroundings_.devices.turns(device_)),
+      devices_(devices_of(plan.engine)),
+      turns_(turns_on(surroundings_.devices, devices_), facts_.owner->name),
       held_(quota_),
       worker_(facts_.queue_capacity) {
   held_.resize(plan_bytes(plan) + element_bytes(plan.engine));
@@ -64,6 +85,7 @@ Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
   plan.engine.meshes.clear();
   pending_ = plan.engine;
   pending_.memory_quota = quota_;
+  if (parted_) pending_.memory_quota = parted_;
   pending_.meshes = std::move(meshes);
   for (size_t i = 0; i < plan.meshes.size(); ++i) {
     shown_.vertices += pending_.meshes[i].vertex_count;
@@ -253,7 +275,11 @@ void Scene::build_if_complete() {
 void Scene::make_detector() {
   detector_ = naming_paths(spec_path, [&] { return Detector::create(std::move(pending_)); });
   pending_ = {};
-  held_.resize(plan_bytes(*shown_.plan) + topology_bytes(detector_->topology()));
+  held_.resize(host_bytes());
+}
+
+uint64_t Scene::host_bytes() const {
+  return plan_bytes(*shown_.plan) + count_tables(shown_.plan->engine) * topology_bytes(detector_->topology());
 }
 
 std::string Scene::mesh_name(uint32_t mesh) const {
@@ -300,7 +326,8 @@ FrameResult Scene::apply(uint64_t frame_id, const FrameInput& frame, const Frame
 FrameResult Scene::detect(uint64_t frame_id, const FrameInput& frame, const FrameBasis& basis) try {
   if (!frame.edit) return detector_->detect(frame);
   MemoryHold making(quota_);
-  making.resize(max_edit_bytes(*frame.edit));  // once the engine has applied the edit nothing may fail
+  making.resize(count_tables(shown_.plan->engine) *
+                max_edit_bytes(*frame.edit));  // once the engine has applied the edit nothing may fail
   FrameResult result = detector_->detect(frame);
   take_edit(basis, making);
   return result;

@@ -15,7 +15,8 @@
 #include "server/auth/client.hpp"
 #include "server/devices/served_devices.hpp"
 #include "server/limits/device_bytes.hpp"
-#include "server/limits/turns.hpp"
+#include "server/limits/parted_bytes.hpp"
+#include "server/limits/turns_of_scene.hpp"
 #include "server/ops/clock.hpp"
 #include "server/scenes/ended_scenes.hpp"
 #include "server/scenes/scene_observer.hpp"
@@ -66,8 +67,11 @@ class Scene {
 
   const std::string& id() const { return facts_.id; }
   const SceneFacts& facts() const { return facts_; }
-  /// No edit changes it.
+  /// Of a scene in parts the first one's. No edit changes it.
   const Device& device() const { return device_; }
+  /// All that it is on, each once, in order.
+  const std::vector<Device>& devices() const { return devices_; }
+  bool is_in_parts() const { return parted_ != nullptr; }
   /// The plan without its triangles, as the last edit left it. From any thread.
   std::shared_ptr<const ScenePlan> plan() const {
     const std::lock_guard lock(mutex_);
@@ -85,7 +89,8 @@ class Scene {
   }
   /// Sum of the snapshot's memory, without a copy of it.
   uint64_t device_bytes() const;
-  /// The quota of all memory that the scene holds, within its budget and its client's limits.
+  /// The quota of all memory that the scene holds, within its budget and its client's limits; of a scene in parts, of
+  /// what is the scene's as a whole.
   const std::shared_ptr<DeviceBytes>& quota() const { return quota_; }
   /// Number of triangles that a mesh still awaits.
   uint64_t awaited(uint32_t mesh) const;
@@ -126,8 +131,8 @@ class Scene {
   }
   /// Maximum bytes of positions in a frame.
   uint64_t max_position_bytes() const;
-  /// Waits for this scene's turn on its device.
-  Turns::Turn take_turn(const std::function<bool()>& cancelled) { return turns_.take(account_, cancelled); }
+  /// Waits for this scene's turn on its devices.
+  TurnsOfScene::Turn take_turn(const std::function<bool()>& cancelled) { return turns_.take(cancelled); }
 
   /// Whether nobody has used the scene for longer than its lease.
   bool is_expired(std::chrono::steady_clock::time_point now) const;
@@ -156,6 +161,7 @@ class Scene {
   bool awaits_triangles() const;
   [[noreturn]] void throw_awaits(const std::string& field) const;
   void make_detector();
+  uint64_t host_bytes() const;
   FrameResult detect(uint64_t frame_id, const FrameInput& frame, const FrameBasis& basis);
   [[noreturn]] void throw_edited(uint64_t frame_id) const;
   void take_edit(const FrameBasis& basis, MemoryHold& making);
@@ -165,9 +171,11 @@ class Scene {
 
   const SceneFacts facts_;
   const SceneSurroundings surroundings_;
+  const std::shared_ptr<PartedBytes> parted_;  // null unless it is in parts
   const std::shared_ptr<DeviceBytes> quota_;
   const Device device_;
-  Turns& turns_;                      // of the device
+  const std::vector<Device> devices_;
+  TurnsOfScene turns_;
   MemoryHold held_;                   // plan, triangles and topology; owned by the worker after construction
   bool excludes_rest_pairs_ = false;  // a mesh does; fixed after construction
   SceneSpec pending_;                 // the spec with its triangles, until the detector takes it
@@ -175,7 +183,6 @@ class Scene {
   /// Of the last frame; owned by the worker.
   std::vector<std::pair<VertexSample, std::shared_ptr<const std::string>>> samples_;
   SceneWatchers watchers_;
-  TurnAccount account_{turns_.account(facts_.owner->name)};
   std::atomic<bool> closed_ = false;
   mutable std::mutex mutex_;  // guards what follows
   SceneSnapshot shown_;

@@ -55,7 +55,7 @@ void Scene::take_edit(const FrameBasis& basis, MemoryHold& making) {
   }
   if (slots) slots->close();
   held_.absorb(making);
-  held_.resize(plan_bytes(*shown_.plan) + topology_bytes(detector_->topology()));
+  held_.resize(host_bytes());
 }
 
 }  // namespace collided::server

@@ -61,11 +61,13 @@ struct ScenePlan {
   uint64_t min_bytes = 0;          ///< minimum memory of the scene once it has had a frame
   std::shared_ptr<DeviceBytes>
       quota{};  ///< around the scene's own budget: its client's, within its device's once placed
+  std::vector<std::shared_ptr<DeviceBytes>> parts{};  ///< as Placement has them; then `quota` is the client's alone
 };
 
 /// Which devices may have the scene.
 inline DeviceWish wish_of(const ScenePlan& plan) {
-  return {plan.engine.device.backend, plan.device, plan.min_bytes, plan.quota};
+  const std::vector<Device>& parts = plan.engine.part_devices;
+  return {plan.engine.device.backend, parts.empty() ? plan.device : parts.front(), parts, plan.min_bytes, plan.quota};
 }
 
 /// A mesh that an edit brings.

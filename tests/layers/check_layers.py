@@ -68,8 +68,8 @@ def server_complaint(path, target):
     room = server_room(path)
     if GRPC.match(target) and not SPEAKS_GRPC.match(path.removeprefix("server/")):
         return "gRPC and protobuf begin at server/convert, except for server/refusals and server/auth/credentials"
-    if target.startswith("gpu/") and target not in ("gpu/detector.hpp", "gpu/types.hpp"):
-        return "the server knows the engine by gpu/detector.hpp alone"
+    if target.startswith("gpu/") and target not in ("gpu/detector.hpp", "gpu/types.hpp", QUOTA):
+        return "the server knows the engine by gpu/detector.hpp, and its quotas by gpu/parted_quota.hpp"
     if target.startswith("client/"):
         return "the server must not know the client"
     if room is None or not target.startswith("server/") or target in SERVER_COMMON:
@@ -90,6 +90,8 @@ ROOMS["step"] = {"base", "exec", "contacts", "octree", "lbvh", "search", "narrow
 ROOMS["scene"] = ROOMS["step"] | {"positions", "step", "tables"}
 # The specification of a scene, and the top.
 TYPES, ROOF = "gpu/types.hpp", "gpu/detector.hpp"
+# What a scene in parts tells its caller's limits.
+QUOTA = "gpu/parted_quota.hpp"
 CONTACTS = "gpu/contact_set.hpp"
 UNDER_THE_ROOF = {"gpu/detector.cpp"}
 
@@ -106,6 +108,8 @@ def engine_complaint(path, target):
     if target == ROOF:
         known = room == "scene" or path in UNDER_THE_ROOF
         return None if known else "gpu/detector.hpp is the roof: what is below knows gpu/types.hpp"
+    if target == QUOTA:
+        return None if room == "scene" else "scene alone tells quotas of parts"
     if target == CONTACTS:
         return "base knows no contacts" if room == "base" else None
     if target == TYPES:

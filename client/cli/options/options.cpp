@@ -97,6 +97,13 @@ void add_server_options(CLI::App& command, ServerOptions& options) {
   command.add_option("--backend", options.backend, "Where the scene lives: auto, cpu or cuda")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
+  command
+      .add_option(
+          "--part-devices", options.part_devices,
+          "Spread the scene over these devices, a part on each, such as cuda:0,cuda:1; pays in large scenes alone")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("DEVICES");
   command.add_option("--threads", options.threads, "CPU threads of its own daemon; 0: all cores")
       ->check(CLI::Range(0, 4096))
       ->excludes(server);
@@ -191,13 +198,16 @@ void check_usage(const DetectionOptions& options) {
     throw UsageError("--mode dcd with --accuracy fast needs a --thickness greater than 0 for the kinds vt and ee");
 }
 
-v1::Backend backend_of(const ServerOptions& server) {
-  return server.backend == "cpu" ? v1::BACKEND_CPU : server.backend == "cuda" ? v1::BACKEND_CUDA : v1::BACKEND_AUTO;
+void set_place(const ServerOptions& server, v1::SceneSpec& spec) {
+  spec.set_backend(server.backend == "cpu"    ? v1::BACKEND_CPU
+                   : server.backend == "cuda" ? v1::BACKEND_CUDA
+                                              : v1::BACKEND_AUTO);
+  spec.mutable_part_devices()->Assign(server.part_devices.begin(), server.part_devices.end());
 }
 
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format) {
   v1::SceneSpec spec;
-  spec.set_backend(backend_of(server));
+  set_place(server, spec);
   spec.set_mode(detection.mode == "dcd" ? v1::DETECTION_MODE_DCD : v1::DETECTION_MODE_CCD);
   spec.set_accuracy(value_of(kAccuracies, detection.accuracy));
   spec.set_thickness(detection.thickness);

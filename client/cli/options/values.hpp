@@ -15,6 +15,7 @@ namespace collided::cli {
 struct ServerOptions {
   std::string server;  ///< empty: start one
   std::string backend = "auto";
+  std::vector<std::string> part_devices;  ///< ids of the devices of a scene in parts; empty: it is on one
   int threads = 0;
   std::string token_file, tls_ca, tls_certificate, tls_key;  ///< for a running daemon
   std::string daemon_user;  ///< name or id of another user who may listen on the local socket
@@ -50,7 +51,7 @@ struct SceneOptions {
 void check_usage(const DetectionOptions& options);
 
 /// Where a scene is to live.
-v1::Backend backend_of(const ServerOptions& server);
+void set_place(const ServerOptions& server, v1::SceneSpec& spec);
 
 /// A spec without meshes.
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);

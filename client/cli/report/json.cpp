@@ -18,26 +18,34 @@ std::string contact_count_name(v1::ContactKind kind) { return "contacts_" + long
 
 std::string json_text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
+Json part_devices_json(const v1::SceneSpec& spec) {
+  Json out = Json::array();
+  for (const std::string& id : spec.part_devices()) out.push_back(id);
+  return out;
+}
+
 Json scene_json(const v1::Scene& scene) {
   const v1::SceneSpec& spec = scene.spec();
   Json kinds = Json::array();
   for (const int kind : spec.kinds()) kinds.push_back(name_of(static_cast<v1::ContactKind>(kind)));
-  return {{"vertices", scene.vertex_count()},
-          {"edges", scene.edge_count()},
-          {"triangles", scene.triangle_count()},
-          {"meshes", spec.meshes_size()},
-          {"backend", name_of(spec.backend())},
-          {"device", scene.device()},
-          {"mode", spec.mode() == v1::DETECTION_MODE_DCD ? "dcd" : "ccd"},
-          {"accuracy", name_of(spec.accuracy())},
-          {"position_format", name_of(spec.position_format())},
-          {"thickness", spec.thickness()},
-          {"delta", spec.delta()},
-          {"min_separation", spec.min_separation()},
-          {"report", name_of(spec.report())},
-          {"kinds", kinds},
-          {"engine", name_of(spec.broad_phase_engine())},
-          {"reuse", name_of(spec.reuse())}};
+  Json out = {{"vertices", scene.vertex_count()},
+              {"edges", scene.edge_count()},
+              {"triangles", scene.triangle_count()},
+              {"meshes", spec.meshes_size()},
+              {"backend", name_of(spec.backend())},
+              {"device", scene.device()},
+              {"mode", spec.mode() == v1::DETECTION_MODE_DCD ? "dcd" : "ccd"},
+              {"accuracy", name_of(spec.accuracy())},
+              {"position_format", name_of(spec.position_format())},
+              {"thickness", spec.thickness()},
+              {"delta", spec.delta()},
+              {"min_separation", spec.min_separation()},
+              {"report", name_of(spec.report())},
+              {"kinds", kinds},
+              {"engine", name_of(spec.broad_phase_engine())},
+              {"reuse", name_of(spec.reuse())}};
+  if (spec.part_devices_size() > 0) out["part_devices"] = part_devices_json(spec);
+  return out;
 }
 
 Json stages_json(const v1::FrameMetrics& metrics) {
@@ -63,6 +71,17 @@ Json counts_json(const v1::FrameCounts& counts) {
   return out;
 }
 
+// In the order of the scene's devices.
+Json parts_json(const v1::FrameMetrics& metrics) {
+  Json out = Json::array();
+  for (const v1::PartMetrics& part : metrics.parts())
+    out.push_back({{"share", part.share()},
+                   {"step_ms", part.step_milliseconds()},
+                   {"pair_count", part.pairs()},
+                   {"contact_count", part.contacts()}});
+  return out;
+}
+
 Json frame_json(const v1::FrameDone& done, v1::Report report) {
   const v1::FrameMetrics& m = done.metrics();
   Json out = {{"total_ms", m.total_milliseconds()},
@@ -81,6 +100,7 @@ Json frame_json(const v1::FrameDone& done, v1::Report report) {
               {"bytes_in", m.bytes_in()},
               {"bytes_out", m.bytes_out()},
               {"warnings", warnings_json({m})}};
+  if (m.parts_size() > 0) out["parts"] = parts_json(m);
   if (report == v1::REPORT_ANY_HIT) clear_contact_counts(out["counts"]);
   return out;
 }

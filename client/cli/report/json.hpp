@@ -15,6 +15,8 @@ using Json = nlohmann::ordered_json;
 /// In one line. Bytes that are not UTF-8, as names of files may have, are replaced.
 std::string json_text(const Json& json);
 Json scene_json(const v1::Scene& scene);
+/// Ids of the devices of a scene in parts, in order.
+Json part_devices_json(const v1::SceneSpec& spec);
 /// Milliseconds of each stage by name, in their order; a stage that ran twice is summed.
 Json stages_json(const v1::FrameMetrics& metrics);
 Json counts_json(const v1::FrameCounts& counts);

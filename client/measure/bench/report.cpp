@@ -80,19 +80,21 @@ std::string row(const std::string& scene, const std::string& engine, const std::
 
 Json run_json(const BenchRun& run) {
   const v1::SceneSpec& spec = run.scene.spec();
-  return {{"scene", run.name},
-          {"triangles", run.scene.triangle_count()},
-          {"backend", name_of(spec.backend())},
-          {"device", run.scene.device()},
-          {"engine", name_of(spec.broad_phase_engine())},
-          {"accuracy", name_of(spec.accuracy())},
-          {"steps", run.steps.size()},
-          {"step_ms", step_times(run.steps)},
-          {"stage_ms", stage_times(run.steps)},
-          {"counts", counts_of(run.steps)},
-          {"device_bytes", device_bytes(run.scene)},
-          {"allocations_per_step", mean(run.steps, &v1::FrameMetrics::allocations)},
-          {"graph_launches_per_step", mean(run.steps, &v1::FrameMetrics::graph_launches)}};
+  Json out = {{"scene", run.name},
+              {"triangles", run.scene.triangle_count()},
+              {"backend", name_of(spec.backend())},
+              {"device", run.scene.device()},
+              {"engine", name_of(spec.broad_phase_engine())},
+              {"accuracy", name_of(spec.accuracy())},
+              {"steps", run.steps.size()},
+              {"step_ms", step_times(run.steps)},
+              {"stage_ms", stage_times(run.steps)},
+              {"counts", counts_of(run.steps)},
+              {"device_bytes", device_bytes(run.scene)},
+              {"allocations_per_step", mean(run.steps, &v1::FrameMetrics::allocations)},
+              {"graph_launches_per_step", mean(run.steps, &v1::FrameMetrics::graph_launches)}};
+  if (spec.part_devices_size() > 0) out["part_devices"] = part_devices_json(spec);
+  return out;
 }
 
 Json bench_json(const std::vector<BenchRun>& runs, int warm_up, const Json& scale) {

@@ -78,6 +78,8 @@ export interface SceneInput {
   backend?: Backend;
   /** Id of the device to live on, such as "cuda:1"; the daemon places the scene if left out. */
   device?: string;
+  /** Ids of the devices to be spread over, a part on each, instead of `device`; pays in large scenes alone. */
+  partDevices?: readonly string[];
   /** The daemon chooses if left out. */
   broadPhaseEngine?: BroadPhaseEngine;
   /** Whether frames that resemble the last reuse its list of neighbours; where it is faster if left out. */
@@ -120,6 +122,7 @@ const SCENE: Rules<SceneInput> = {
   quantizationBox: anything,
   backend: oneOf(Backend),
   device: string,
+  partDevices: listOf(string),
   broadPhaseEngine: oneOf(BroadPhaseEngine),
   reuse: oneOf(Reuse),
   memoryBudgetBytes: uint64,
@@ -149,6 +152,7 @@ export function sceneSpec(scene: SceneInput): SceneSpec {
     displayName: scene.displayName ?? "",
     backend: scene.backend ?? Backend.UNSPECIFIED,
     device: scene.device ?? "",
+    partDevices: [...(scene.partDevices ?? [])],
     mode: scene.mode ?? DetectionMode.UNSPECIFIED,
     accuracy: scene.accuracy ?? Accuracy.UNSPECIFIED,
     positionFormat: scene.positionFormat ?? PositionFormat.F32,

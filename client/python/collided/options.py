@@ -33,6 +33,8 @@ class SceneOptions:
     fields: of FIELDS; those that are left out are neither computed nor sent.
     report: "all", "earliest_only" or "any_hit".
     backend: "auto", "cpu" or "cuda".
+    device: id of the device that the scene is to live on, such as "cuda:1"; None: the daemon places it.
+    part_devices: ids of the devices that it is to be spread over instead, a part on each; pays in large scenes alone.
     broad_phase: an engine, such as "octree" or "lbvh"; None: the daemon chooses.
     reuse: "on" or "off": whether frames that resemble the last reuse its list of neighbours; None: where it is faster.
     memory_budget: bytes that the scene may hold; 0: the daemon's limit.
@@ -53,6 +55,8 @@ class SceneOptions:
     fields: Iterable[str] = FIELDS
     report: str | None = None
     backend: str | None = None
+    device: str | None = None
+    part_devices: Iterable[str] = ()
     broad_phase: str | None = None
     reuse: str | None = None
     memory_budget: int = 0
@@ -68,6 +72,7 @@ class SceneOptions:
         mode = choice(scene_pb2.DetectionMode, "DETECTION_MODE_", self.mode, "mode")
         object.__setattr__(self, "mode", word(scene_pb2.DetectionMode, "DETECTION_MODE_", mode))
         object.__setattr__(self, "exclude", tuple(self.exclude))
+        object.__setattr__(self, "part_devices", tuple(words(self.part_devices, "part_devices")))
         object.__setattr__(self, "kinds", tuple(words(self.kinds, "kinds")))
         object.__setattr__(self, "fields", tuple(words(self.fields, "fields")))
         self.spec()
@@ -84,7 +89,7 @@ class SceneOptions:
         spec = scene_pb2.SceneSpec(
             display_name=self.display_name, thickness=self.thickness, delta=self.delta,
             min_separation=self.min_separation, rest_distance=self.rest_distance, memory_budget_bytes=self.memory_budget,
-            expected_contacts=self.expected_contacts,
+            expected_contacts=self.expected_contacts, device=self.device, part_devices=self.part_devices,
             mode=choice(scene_pb2.DetectionMode, "DETECTION_MODE_", self.mode, "mode"),
             accuracy=choice(scene_pb2.Accuracy, "ACCURACY_", self.accuracy, "accuracy"),
             report=choice(scene_pb2.Report, "REPORT_", self.report, "report"),

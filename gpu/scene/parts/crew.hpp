@@ -11,19 +11,18 @@ namespace collided {
 
 class Crew {
  public:
+  /// Throws std::system_error where the host is short of threads.
   explicit Crew(size_t size) {
-    for (size_t k = 1; k < size; ++k) threads_.emplace_back([this, k] { live(k); });
+    try {
+      for (size_t k = 1; k < size; ++k) threads_.emplace_back([this, k] { live(k); });
+    } catch (...) {
+      end();
+      throw;
+    }
   }
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
-  ~Crew() {
-    {
-      const std::lock_guard lock(mutex_);
-      is_over_ = true;
-    }
-    changed_.notify_all();
-    for (std::thread& thread : threads_) thread.join();
-  }
+  ~Crew() { end(); }
 
   /// work(k) on thread k, for all of them; returns when all are done. It throws nothing.
   void run(const std::function<void(size_t)>& work) {
@@ -40,6 +39,14 @@ class Crew {
   }
 
  private:
+  void end() {
+    {
+      const std::lock_guard lock(mutex_);
+      is_over_ = true;
+    }
+    changed_.notify_all();
+    for (std::thread& thread : threads_) thread.join();
+  }
   void live(size_t k) {
     std::unique_lock lock(mutex_);
     for (uint64_t done = 0;;) {

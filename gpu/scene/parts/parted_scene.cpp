@@ -5,6 +5,7 @@
 #include "gpu/base/text.hpp"
 #include "gpu/contacts/answer_room.hpp"
 #include "gpu/exec/cpu/cpu_loops.hpp"
+#include "gpu/parted_quota.hpp"
 #include "gpu/scene/backends.hpp"
 #include "gpu/scene/parts/balance.hpp"
 #include "gpu/scene/parts/crew.hpp"
@@ -98,11 +99,14 @@ class PartedScene final : public Detector {
     of_part.part_devices = spec_.part_devices;
     of_part.reuse = spec_.reuse;
     of_part.threads = spec_.threads;
+    of_part.memory_quota = spec_.memory_quota;
     return of_part;
   }
   std::unique_ptr<Detector> make_part(const SceneSpec& spec, FeatureTables features, size_t k) {
     SceneSpec here = spec;
     here.device = spec_.part_devices[k];
+    if (const auto* apart = dynamic_cast<const PartedQuota*>(spec.memory_quota.get()))
+      here.memory_quota = apart->of_part(k);
     if (here.device.backend == Backend::kCpu)
       return make_cpu_detector(std::move(here), std::move(features), &links_[k]);
     return make_cuda_detector(std::move(here), std::move(features), &links_[k]);

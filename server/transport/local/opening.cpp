@@ -34,6 +34,12 @@ void check_scene(const char* field, const std::string& handle, const Scene& scen
     throw FailedPrecondition(
         field, fmt::format("{} is set, but scene {} is a set, whose positions and contacts are in the host's memory",
                            field, scene.id()));
+  if (scene.is_in_parts())
+    throw FailedPrecondition(
+        field,
+        fmt::format("{} is set, but scene {} is in parts on several devices (spec.part_devices), whose positions "
+                    "and contacts are in the host's memory",
+                    field, scene.id()));
   if (scene.device().backend != Backend::kCuda)
     throw FailedPrecondition(field, fmt::format("{} is set, but scene {} is not on a GPU: it lives on {}", field,
                                                 scene.id(), to_string(scene.device())));

@@ -67,6 +67,16 @@ class Detect(support.CollidectlTest):
                 self.assertAlmostEqual(float(row[f"{point}_{axis}"]), expected, places=5)
         self.assertEqual([float(row["normal_" + axis]) for axis in "xyz"], [0, 0, 1])
 
+    def test_a_scene_in_parts_has_the_same_contacts(self):
+        frames, parts = [self.frame0, self.frame1], ["--part-devices", "cpu:0,cpu:0,cpu:0"]
+        files = [os.path.join(self.folder.name, name) for name in ("one.csv", "parts.csv")]
+        one, in_parts = (json.loads(self.ok("detect", *frames, *ONE_CPU, *words, "--out", file, "--json"))
+                         for words, file in zip(([], parts), files))
+        self.assertEqual(*(self.rows(file) for file in files))
+        self.assertEqual((in_parts["scene"]["part_devices"], "part_devices" in one["scene"]), (["cpu:0"] * 3, False))
+        self.assertEqual(sum(part["contact_count"] for part in in_parts["parts"]), len(self.rows(files[0])))
+        self.assertAlmostEqual(sum(part["share"] for part in in_parts["parts"]), 1)
+
     def test_a_contact_that_parts_says_so(self):
         apart = self.put("apart.obj", FRAME0.replace("v 1 1 1\n", "v 1 1 0.1\n"))
         further = self.put("further.obj", FRAME0)

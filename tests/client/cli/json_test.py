@@ -14,6 +14,7 @@ import support
 from support import COLLIDECTL, DAEMON, ONE_CPU
 
 SMALL = ["--scene", "reef_knot", "--scale", "0.1"]
+IN_PARTS = ["--part-devices", "cpu:0,cpu:0"]
 COMMANDS = {
     "scenes": [],
     "info": ONE_CPU,
@@ -38,12 +39,14 @@ class JsonKeys(json_keys.KeyChecks, support.CollidectlTest):
                 self.assertIn(command, others | set(COMMANDS), "a test of its JSON is missing")
         for command, words in COMMANDS.items():
             self.read(command, *words)
+        self.read("bench", *SMALL, "--steps", "2", "--warm-up", "0", *ONE_CPU, *IN_PARTS)
 
     def test_keys_of_frames(self):
         frames = [self.frame0, self.frame1]
         recording, picture = (os.path.join(self.folder.name, name) for name in ("r.rec", "p.png"))
         self.read("detect", *frames, *ONE_CPU, "--advance", "--out", os.path.join(self.folder.name, "c.csv"))
         self.read("detect", *frames, *ONE_CPU, "--report", "any")
+        self.read("detect", *frames, *ONE_CPU, *IN_PARTS)
         results = os.path.join(self.folder.name, "results")
         self.read("batch", self.put("pairs.csv", "a.obj,b.obj\n"), *ONE_CPU, "--out", results)
         self.read("merge", results, "--out", os.path.join(self.folder.name, "pairs"))

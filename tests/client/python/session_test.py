@@ -238,7 +238,7 @@ class Sessions(Case):
         cloth = collided.Mesh(TIP, ONE, exclude_rings=2, exclude_rest_pairs=True, groups=3, collide_mask=5,
                               self_contacts=False, edges=[[0, 1]], points=[2])
         options = {"mode": "dcd_and_ccd", "accuracy": "guarded", "thickness": 0.5, "delta": 0.25, "min_separation": 0.125,
-                   "rest_distance": 2.0, "kinds": ["vt"], "fields": ["elements", "toi"], "report": "all", "backend": "cpu",
+                   "rest_distance": 2.0, "kinds": ["vt"], "fields": ["elements", "toi"], "report": "all", "backend": "cpu", "device": "cpu:0",
                    "broad_phase": "lbvh", "reuse": "on", "memory_budget": 1 << 28, "expected_contacts": 9,
                    "exclude": [("cloth", "floor")], "display_name": "all", "position_format": "q16",
                    "quantization_box": collided.Box((-9, -9, -9), (9, 9, 9))}
@@ -250,7 +250,7 @@ class Sessions(Case):
         self.assertEqual(spec.expected_contacts, 9)
         self.assertEqual((spec.memory_budget_bytes, list(spec.kinds), list(spec.fields)), (1 << 28, [1], [1, 3]))
         self.assertEqual((spec.mode, spec.accuracy, spec.report, spec.backend, spec.broad_phase_engine), (3, 3, 1, 2, 6))
-        self.assertEqual(spec.reuse, 1)
+        self.assertEqual((spec.reuse, spec.device), (1, "cpu:0"))
         self.assertEqual([(pair.first, pair.second) for pair in spec.excluded_meshes], [(0, 1)])
         self.assertEqual((spec.position_format, list(spec.quantization_box.upper)), (3, [9, 9, 9]))
         self.assertEqual((mesh.exclude_rings, mesh.exclude_rest_pairs, mesh.groups, mesh.collide_mask), (2, True, 3, 5))

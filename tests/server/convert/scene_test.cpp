@@ -268,6 +268,48 @@ TEST(ConvertScene, RefusesBadValues) {
   for (const double lease : {-1.0, kNan}) refuse("lease_seconds", [&](Request& r) { r.set_lease_seconds(lease); });
 }
 
+TEST(ConvertScene, TakesAndTellsTheDevicesOfItsParts) {
+  const auto wanted = request_with([](pb::SceneSpec& s) {
+    for (int i = 0; i < 3; ++i) s.add_part_devices("cpu:0");
+  });
+  const ScenePlan plan = parse_scene(wanted, {}).plan;
+  EXPECT_EQ(plan.engine.part_devices, std::vector<Device>(3));
+  EXPECT_EQ(wish_of(plan).parts, plan.engine.part_devices);
+  EXPECT_GT(plan.min_bytes, 2 * parse_scene(request(), {}).plan.min_bytes) << "each part has all positions";
+  EXPECT_EQ(shown(wanted).spec().part_devices_size(), 3);
+  EXPECT_EQ(shown(wanted).spec().part_devices(2), "cpu:0");
+}
+
+TEST(ConvertScene, RefusesPartsThatCannotBe) {
+  const auto refusal = [](int parts, const std::function<void(pb::SceneSpec&)>& change,
+                          const SceneDefaults& defaults = {}) {
+    return refusal_of(request_with([&](pb::SceneSpec& s) {
+                        for (int i = 0; i < parts; ++i) s.add_part_devices("cpu:0");
+                        change(s);
+                      }),
+                      defaults);
+  };
+  EXPECT_EQ(refusal(5, [](pb::SceneSpec&) {}), "spec.part_devices has 5 or more parts on cpu:0, more than 4");
+  EXPECT_EQ(refusal(65, [](pb::SceneSpec&) {}), "spec.part_devices has 65 parts, more than 64");
+  EXPECT_EQ(refusal(1, [](pb::SceneSpec& s) { s.add_part_devices("gpu"); }),
+            "spec.part_devices[1] is \"gpu\", but must be cpu:0");
+  EXPECT_EQ(refusal(1, [](pb::SceneSpec& s) { s.set_device("cpu:0"); }),
+            "spec.device is \"cpu:0\", but spec.part_devices says where the scene lives");
+  EXPECT_EQ(refusal(1, [](pb::SceneSpec& s) { s.set_backend(pb::BACKEND_CUDA); }),
+            "spec.part_devices[0] is cpu:0, but spec.backend is BACKEND_CUDA");
+  const SceneDefaults both{.devices = {{}, {Backend::kCuda, 0}}};
+  EXPECT_EQ(refusal(
+                1, [](pb::SceneSpec& s) { s.add_part_devices("cuda:0"); }, both),
+            "spec.part_devices[1] is cuda:0, but the first is cpu:0: parts are on one backend");
+  EXPECT_EQ(refusal(1, [](pb::SceneSpec& s) { s.set_reuse(pb::REUSE_ON); }),
+            "spec.reuse is ON, but a scene in parts has no lists of neighbours");
+  pb::CreateScenesRequest set;
+  *set.mutable_spec() = request().spec();
+  set.mutable_spec()->add_part_devices("cpu:0");
+  set.set_count(2);
+  EXPECT_THROW(parse_scenes(set, {}), InvalidInput);
+}
+
 TEST(ConvertScene, RefusesWhatDoesNotGoTogether) {
   using Request = pb::CreateSceneRequest;
   const auto refuse = expect_refused<InvalidInput>;

@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <vector>
+
 #include "server/errors.hpp"
+#include "server/limits/parted_bytes.hpp"
 #include "tests/server/hand_clock.hpp"
 
 namespace collided::server {
@@ -114,6 +118,50 @@ TEST_F(Placing, HoldsEachDevicesOwnLimit) {
   there.quota->take(30 * kMegabyte);
   here.quota->give_back(50 * kMegabyte);
   EXPECT_EQ(client->held(), 30 * kMegabyte);
+}
+
+TEST_F(Placing, PartsCountOnTheirDevices) {
+  ServedDevices devices({cpu(0, 50), cpu(1, 50), cpu(2, 50)});
+  DeviceWish on_three = wish(30);  // ten of each part
+  on_three.parts = {{Backend::kCpu, 2}, {Backend::kCpu, 0}, {Backend::kCpu, 2}};
+  std::optional<Placement> placed = devices.place(on_three);
+  EXPECT_EQ(placed->device, (Device{Backend::kCpu, 2}));
+  ASSERT_EQ(placed->parts.size(), 3u);
+  EXPECT_EQ(placed->parts[0], placed->parts[2]) << "on one device";
+  placed->parts[0]->take(25 * kMegabyte);
+  const auto free_of = [&](size_t device) { return devices.state()[device].free_bytes / kMegabyte; };
+  EXPECT_EQ((std::vector{free_of(0), free_of(1), free_of(2)}), (std::vector<uint64_t>{40, 50, 25}));
+  EXPECT_EQ(devices.state()[2].scenes, 1u);
+  EXPECT_THROW(placed->parts[0]->take(26 * kMegabyte), LimitExceeded);
+  placed->parts[0]->give_back(25 * kMegabyte);
+  placed.reset();
+  EXPECT_EQ((std::vector{free_of(0), free_of(1), free_of(2)}), (std::vector<uint64_t>{50, 50, 50}));
+  on_three.min_bytes = 90 * kMegabyte;
+  EXPECT_THROW(devices.check_could_hold(on_three), LimitExceeded) << "60 of them on one device";
+  on_three.min_bytes = 75 * kMegabyte;
+  EXPECT_NO_THROW(devices.check_could_hold(on_three));
+}
+
+// The scene's budget and its client's quota are for all parts together.
+TEST_F(Placing, PartsShareTheBudgetOfTheirScene) {
+  ServedDevices devices({cpu(0, 50), cpu(1, 50)});
+  DeviceWish on_two = wish(2);
+  on_two.parts = {{Backend::kCpu, 0}, {Backend::kCpu, 1}};
+  on_two.client = std::make_shared<DeviceBytes>("client:a", "max", 80 * kMegabyte);
+  const Placement placed = devices.place(on_two);
+  EXPECT_EQ(placed.quota, on_two.client);
+  PartedBytes bytes(DeviceBytes::of_scene(60 * kMegabyte, placed.quota), placed.parts);
+  bytes.of_part(0)->take(20 * kMegabyte);
+  bytes.of_part(1)->take(30 * kMegabyte);
+  bytes.take(5 * kMegabyte);
+  EXPECT_EQ(devices.state()[0].held_bytes, 25 * kMegabyte) << "and what is the scene's as a whole";
+  EXPECT_EQ(devices.state()[1].held_bytes, 30 * kMegabyte);
+  EXPECT_EQ(on_two.client->held(), 55 * kMegabyte);
+  EXPECT_THROW(bytes.of_part(1)->take(6 * kMegabyte), LimitExceeded) << "the scene's";
+  EXPECT_EQ(devices.state()[1].held_bytes, 30 * kMegabyte) << "a refused request is counted nowhere";
+  bytes.of_part(0)->give_back(20 * kMegabyte);
+  EXPECT_THROW(bytes.of_part(1)->take(21 * kMegabyte), LimitExceeded) << "the device's";
+  EXPECT_EQ(on_two.client->held(), 35 * kMegabyte);
 }
 
 TEST_F(Placing, LimitsFollowTheDaemons) {

@@ -103,8 +103,10 @@ TEST_F(LocalOpening, DeviceMemoryIsRefusedByFieldAndValue) {
       {"open.file was passed 0 times, but must be passed 1 times for these sizes: it is the memfd", kPage, 2 * kPage,
        "", handle, false},
       {"open.cuda_ipc_handle is set, but scene {} is not on a GPU: it lives on cpu:0", 0, 0, handle, "", false},
-      {"open.output_cuda_ipc_handle is set, but scene {} is not on a GPU: it lives on cpu:0", 0, 2 * kPage, "", handle, false},
-      {"open.output_cuda_ipc_handle is set, but scene {} is not on a GPU: it lives on cpu:0", kPage, 2 * kPage, "", handle, true},
+      {"open.output_cuda_ipc_handle is set, but scene {} is not on a GPU: it lives on cpu:0", 0, 2 * kPage, "", handle,
+       false},
+      {"open.output_cuda_ipc_handle is set, but scene {} is not on a GPU: it lives on cpu:0", kPage, 2 * kPage, "",
+       handle, true},
   };
   const Memory memory(4 * kPage);
   for (const Case& one : cases) {
@@ -118,6 +120,23 @@ TEST_F(LocalOpening, DeviceMemoryIsRefusedByFieldAndValue) {
     EXPECT_EQ(closed.field(), std::string(one.message).substr(0, std::string(one.message).find(' ')));
   }
   EXPECT_TRUE(eventually([&] { return daemon.server().connections() == 0; }));
+}
+
+TEST_F(LocalOpening, DeviceMemoryIsRefusedForAScenesParts) {
+  Config config = Serving::cpu_config();
+  config.cuda_ipc = true;
+  Serving daemon({}, config);
+  auto in_parts = test::tip_request();
+  in_parts.mutable_spec()->add_part_devices("cpu:0");
+  in_parts.mutable_spec()->add_part_devices("cpu:0");
+  const std::string scene = daemon.make_scene(in_parts);
+  auto request = test::open_request(scene, 0, 0);
+  request.mutable_open()->set_cuda_ipc_handle(std::string(64, 'h'));
+  const RawLocal raw(daemon.path());
+  raw.send(request, {});
+  EXPECT_EQ(raw.closed().message(), "open.cuda_ipc_handle is set, but scene " + scene +
+                                        " is in parts on several devices (spec.part_devices), whose positions and "
+                                        "contacts are in the host's memory");
 }
 
 TEST_F(LocalOpening, OneFileOfTheRightKind) {

@@ -1,0 +1,19 @@
+#pragma once
+// What a scene in parts holds, told device by device.
+
+#include <cstddef>
+#include <memory>
+
+#include "gpu/types.hpp"
+
+namespace collided {
+
+/// SceneSpec::memory_quota of a scene in parts that counts each part's memory apart. What is the scene's as a whole, as
+/// its answers are, is taken of the quota itself. A scene in parts whose quota is none of these takes all of it there.
+class PartedQuota : public MemoryQuota {
+ public:
+  /// Of part k, which is on SceneSpec::part_devices[k]. Thread-safe, and never null.
+  virtual std::shared_ptr<MemoryQuota> of_part(size_t k) const = 0;
+};
+
+}  // namespace collided

@@ -1,0 +1,64 @@
+// Scenes on several devices: a turn on each, or on none, and nobody waits forever.
+#include "server/limits/turns_of_scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "gpu/detector.hpp"
+
+namespace collided::server {
+namespace {
+
+bool is_free(Turns& turns) {
+  TurnAccount account;
+  try {
+    turns.take(account, [] { return true; });
+    return true;
+  } catch (const Cancelled&) {
+    return false;
+  }
+}
+
+TEST(TurnsOfAScene, AreOnAllItsDevicesWhileTheyLast) {
+  Turns first(1), second(1), other(1);
+  TurnsOfScene scene({&first, &second}, "robot");
+  {
+    const auto turn = scene.take({});
+    EXPECT_TRUE(!is_free(first) && !is_free(second) && is_free(other));
+    EXPECT_GE(turn.seconds(), 0);
+  }
+  EXPECT_TRUE(is_free(first) && is_free(second));
+  EXPECT_GT(first.busy_seconds(), 0);
+  EXPECT_GT(second.busy_seconds(), 0);
+}
+
+TEST(TurnsOfAScene, ACancelledWaitForOneGivesTheOthersBack) {
+  Turns first(1), second(1);
+  TurnsOfScene scene({&first, &second}, "robot");
+  TurnAccount account;
+  const auto busy = second.take(account);
+  EXPECT_THROW(scene.take([] { return true; }), Cancelled);
+  EXPECT_TRUE(is_free(first));
+}
+
+// Each would otherwise wait for what the other has.
+TEST(TurnsOfAScene, ScenesOnTheSameDevicesNeverBlockEachOther) {
+  Turns first(1), second(1);
+  std::vector<std::thread> threads;
+  for (const char* client : {"a", "b", "c"})
+    threads.emplace_back([&, client] {
+      TurnsOfScene scene({&first, &second}, client);
+      for (int frame = 0; frame < 200; ++frame) {
+        auto turn = scene.take({});
+        turn.yield_turn({});
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_TRUE(is_free(first) && is_free(second));
+}
+
+}  // namespace
+}  // namespace collided::server
