@@ -46,7 +46,7 @@ class SetFrames:
     def ask(self, head: frame_pb2.Frame, update: Update, worlds: np.ndarray) -> SetAnswer:
         """The answer to a frame of these worlds. Raises Error where the whole frame is refused."""
         self._open()
-        head.frame_id = self._last_id = self._last_id + 1
+        self._last_id += 1
         if self._transport is None:
             return self._call(head, update, worlds)
         try:
@@ -58,7 +58,7 @@ class SetFrames:
             if not (error.is_connection_lost or isinstance(error, ResourceExhausted)):
                 raise
             self._open()  # it may have ended for having been idle
-            if self._transport is None or self._applied >= head.frame_id:  # the answer is lost
+            if self._transport is None or self._applied >= self._last_id:  # the answer is lost
                 raise
         return self._exchange(head, update, worlds)
 
@@ -88,18 +88,18 @@ class SetFrames:
     def _exchange(self, head: frame_pb2.Frame, update: Update, worlds: np.ndarray) -> SetAnswer:
         transport = self._transport
         assert transport is not None
-        transport.send(head, [update])
-        answer = SetAnswer(head.frame_id)
+        transport.send(self._last_id, head, [update])
+        answer = SetAnswer(self._last_id)
         while True:
             response = transport.read(self._client.options.deadline if transport.is_local else None)
             if response is None:
-                raise DeadlineExceeded(f"frame {head.frame_id} of the set was not answered in "
+                raise DeadlineExceeded(f"frame {self._last_id} of the set was not answered in "
                                        f"{self._client.options.deadline:g} s")
             kind = response.WhichOneof("response")
-            if response.frame_id != head.frame_id:
+            if response.frame_id != self._last_id:
                 continue  # of a step that was interrupted, or of no frame
             if kind == "error":
-                raise error_of_frame(response.error, head.frame_id)
+                raise error_of_frame(response.error, self._last_id)
             if kind == "world_errors":
                 answer.errors.extend(response.world_errors.errors)
             for chunk in [response.contacts] if kind == "contacts" else response.done.contacts:
@@ -115,7 +115,7 @@ class SetFrames:
         if self._channel is None:
             self._channel = self._client.separate_channel(max_answer_bytes=most)
         frame = batch_pb2.SetFrame(
-            scene_id=self._scene.scene_id, frame_id=head.frame_id, worlds=head.worlds, mode=head.mode, accuracy=head.accuracy,
+            scene_id=self._scene.scene_id, frame_id=self._last_id, worlds=head.worlds, mode=head.mode, accuracy=head.accuracy,
             positions=b"" if update.positions is None else update.positions.tobytes(),
             start_positions=b"" if update.start is None else update.start.tobytes())
         if head.HasField("delta"):
@@ -123,8 +123,8 @@ class SetFrames:
         request = batch_pb2.DetectBatchRequest(frames=[frame], max_answer_bytes=most)
         answer = self._client.call("DetectBatch", request, self._scene.scene_id, channel=self._channel).answers[0]
         if answer.HasField("error"):
-            raise error_of_frame(answer.error, head.frame_id)
-        return SetAnswer(head.frame_id, [read_chunk(of_kind.contacts) for of_kind in answer.contacts],
+            raise error_of_frame(answer.error, self._last_id)
+        return SetAnswer(self._last_id, [read_chunk(of_kind.contacts) for of_kind in answer.contacts],
                          [_begins(of_kind, len(worlds)) for of_kind in answer.contacts], list(answer.errors), answer.done)
 
 

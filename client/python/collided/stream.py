@@ -162,9 +162,12 @@ class Stream:
 
     def _transmit(self, pending: _Pending) -> None:
         assert self._transport is not None
-        pending.wire_id = pending.request.head.frame_id = self._track.next_id()
+        request = pending.request
+        pending.wire_id = self._track.next_id()
         pending.parts.clear()
-        pending.request.updates = self._transport.send(pending.request.head, pending.request.updates)
+        request.updates, request.way = self._transport.send(pending.wire_id, request.head, request.updates), None
+        if pending is self._pending[0]:
+            self._track.foresee(request)
 
     def _take(self, response: api.StreamFramesResponse) -> None:
         kind = response.WhichOneof("response")
@@ -181,9 +184,11 @@ class Stream:
             return
         self._pending.popleft()
         if kind == "done":
-            pending.parts += [read_chunk(chunk, self._transport.shared) for chunk in response.done.contacts]
-            del response.done.contacts[:]
-            self.ready.append(self._contacts(pending, response.done))
+            done = response.done
+            if chunks := done.contacts:
+                pending.parts += [read_chunk(chunk, self._transport.shared) for chunk in chunks]
+                del chunks[:]
+            self.ready.append(self._contacts(pending, done))
         elif kind == "error":
             self.ready.append(error_of_frame(response.error, pending.frame_id))
         else:
@@ -201,8 +206,8 @@ class Stream:
         """A frame of the stream's own. Raises Error with its id if it is refused."""
         assert self._transport is not None
         head = request.head
-        wire_id = head.frame_id = self._track.next_id()
-        request.updates = self._transport.send(head, request.updates)
+        wire_id = self._track.next_id()
+        request.updates = self._transport.send(wire_id, head, request.updates)
         while True:
             response = self._transport.read(None)
             assert response is not None

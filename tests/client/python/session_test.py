@@ -4,7 +4,10 @@
 from support import FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, assert_same, lowered, main, meshes, np
 
 import collided
+from collided.frames.updates import Update
+from collided.transport.local_frames import LocalFrames
 from collided.transport.region import Region, RegionLayout
+from collided.v1 import frame_pb2, local_pb2
 
 
 class Sessions(Case):
@@ -76,6 +79,18 @@ class Sessions(Case):
         del view
         self.assertIsNone(region.lasting_part(4097))
         self.assertEqual(region.lasting_part(1).start, starts[0])
+
+    def test_packets_are_what_the_protocol_says(self):
+        region = Region(RegionLayout(window=1, frame_bytes=4096, lasting=0, lasting_bytes=0, output_bytes=0))
+        self.addCleanup(region.close)
+        many, few, indices, pose = np.ones((10, 3), "<f4"), np.ones((2, 3), "<f4"), np.array([1, 2], "<u4"), np.eye(3, 4)
+        packet = LocalFrames(region).pack(300, frame_pb2.Frame(trial=True), [
+            Update(0, many, start=many), Update(200, few, indices=indices), Update(2, pose=pose, start_pose=pose)])
+        frame = frame_pb2.Frame(frame_id=300, trial=True)
+        frame.updates.add(shared_start_positions={"offset": 0, "size": 120}, shared_positions={"offset": 128, "size": 120})
+        frame.updates.add(mesh=200, sparse={"indices": indices.tobytes()}, positions=few.tobytes())
+        frame.updates.add(mesh=2, rigid={"matrix": pose.tobytes(), "start_matrix": pose.tobytes()})
+        self.assertEqual(local_pb2.LocalRequest.FromString(packet), local_pb2.LocalRequest(frame=frame))
 
     def test_any_layout_and_number_type_of_arrays_gives_the_same(self):
         forms = {"float64": lowered(2).astype(float), "big-endian": lowered(2).astype(">f4"),

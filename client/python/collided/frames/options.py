@@ -36,14 +36,17 @@ class FrameOptions(TypedDict, total=False):
     edit: Edit | None
 
 
+_PLAIN = frame_pb2.Frame()
+
+
 def frame_head(options: FrameOptions) -> frame_pb2.Frame:
-    """A frame without its id, its updates and its edit."""
+    """A frame without its id, its updates and its edit. Without options always the same one."""
+    if not options:
+        return _PLAIN
     unknown = options.keys() - FrameOptions.__annotations__.keys()
     if unknown:
         known = ", ".join(FrameOptions.__annotations__)
         raise InvalidArgument(f"{min(unknown)!r} is no option of a frame; these are {known}", field=min(unknown))
-    if not options:
-        return frame_pb2.Frame()
     head = frame_pb2.Frame(
         mode=choice(scene_pb2.DetectionMode, "DETECTION_MODE_", options.get("mode"), "mode"),
         accuracy=choice(scene_pb2.Accuracy, "ACCURACY_", options.get("accuracy"), "accuracy"),

@@ -21,12 +21,16 @@ from collided.v1 import frame_pb2, scene_pb2
 
 @dataclass(eq=False)
 class Request:
-    """A frame to be sent: its message without updates, its updates, and what its edit makes of the scene."""
+    """A frame to be sent: its message without updates, its updates, and what its edit makes of the scene.
+
+    way: its own, if it is known before the answer.
+    """
 
     head: frame_pb2.Frame
     updates: list[Update]
     edit: Applied | None = None
     is_counted: bool = True  # False: it brings a new scene to where this one is already
+    way: Way | None = None
 
     @property
     def begun(self) -> frozenset[int]:
@@ -118,23 +122,31 @@ class Track:
         update.positions = vertices if update.positions is None else update.positions
         update.start = vertices if needs_start else update.start
 
+    def foresee(self, request: Request) -> None:
+        """The way of a frame that was sent with no other in flight, while the daemon is at work. Of a plain one alone: what
+        else may be wrong with a frame, the daemon is to say."""
+        is_plain = request.edit is None and not request.head.HasField("from_last_fraction")
+        request.way = self._way_of(request) if is_plain else None
+
     def apply(self, request: Request, done: frame_pb2.FrameDone, wire_id: int) -> Way:
         """The frame was answered: the scene is where it left it."""
         head = request.head
-        start = self.state
+        way = self._way_of(request) if request.way is None else request.way
+        self.way = Way(way.start, way.along(done.advanced), way.layout, self.form) if head.advance else way
+        self.last = head
+        if not head.trial:
+            self.state, self.layout, self.last_applied = self.way.end, way.layout, wire_id
+        return way
+
+    def _way_of(self, request: Request) -> Way:
+        """From where the scene is now."""
+        head, start = request.head, self.state
         if head.HasField("from_last_fraction") and self.way is not None:
             start = self.way.along(head.from_last_fraction)
         layout = self.layout if request.edit is None else request.edit.layout
         way = way_of(request.updates, start, request.begun, layout, self.form)
         for index in request.edit.rested if request.edit else ():
             way.end[index] = way.end[index].at_rest()
-        if head.advance:
-            self.way = Way(way.start, way.along(done.advanced), layout, self.form)
-        else:
-            self.way = way
-        self.last = head
-        if not head.trial:
-            self.state, self.layout, self.last_applied = self.way.end, layout, wire_id
         return way
 
     def beginning(self, state: State) -> Request:

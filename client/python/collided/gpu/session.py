@@ -81,8 +81,8 @@ class DeviceSession:
         placed = [Update(i, positions=array, start=elsewhere[0].get(i)) for i, array in there[0].items()]
         is_first = not (self._has_begun or self._pending)
         request = track.request(self._layout, is_first, there[1], elsewhere[1], cast(FrameOptions, options), placed)
-        wire_id = request.head.frame_id = track.next_id()
-        self._transport.send(request.head, request.updates)
+        wire_id = track.next_id()
+        self._transport.send(wire_id, request.head, request.updates)
         if request.edit is not None:
             self._layout = request.edit.layout
         self._sent += 1

@@ -22,9 +22,11 @@ class Transport(Protocol):
     def open(self, request: api.OpenStream) -> None:
         """Sends the first message, whose answer is read as any other."""
 
-    def send(self, head: frame_pb2.Frame, updates: list[Update]) -> list[Update]:
+    def send(self, frame_id: int, head: frame_pb2.Frame, updates: list[Update]) -> list[Update]:
         """Sends a frame of these updates, which may be in their callers' memory. The same in memory that stays as it is.
-        Raises NotSent."""
+        Raises NotSent.
+
+        head: the frame without its id and its updates."""
 
     def read(self, timeout: float | None) -> api.StreamFramesResponse | None:
         """The next message; None if none came in time. Raises Error at the end."""

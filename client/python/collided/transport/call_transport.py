@@ -31,17 +31,17 @@ class CallTransport:
         opened = api.StreamOpened(scene=self._client.get_scene(request.scene_id), window=1)
         self._answers.append(api.StreamFramesResponse(opened=opened))
 
-    def send(self, head: frame_pb2.Frame, updates: list[Update]) -> list[Update]:
-        request, kept = encode_frame(head, updates, self._scene_id)
+    def send(self, frame_id: int, head: frame_pb2.Frame, updates: list[Update]) -> list[Update]:
+        request, kept = encode_frame(frame_id, head, updates, self._scene_id)
         try:
             answer = self._client.call(self._detect_frame, request, self._scene_id)
         except (InvalidArgument, ResourceExhausted, FailedPrecondition) as error:
-            self._answers.append(api.StreamFramesResponse(frame_id=head.frame_id, error=_refusal(error)))
+            self._answers.append(api.StreamFramesResponse(frame_id=frame_id, error=_refusal(error)))
             return kept
         except NotFound as error:  # its lease may have ended, as no stream keeps it
             raise Unavailable(error.message) from None
         answer.done.contacts.extend(answer.contacts)
-        self._answers.append(api.StreamFramesResponse(frame_id=head.frame_id, done=answer.done))
+        self._answers.append(api.StreamFramesResponse(frame_id=frame_id, done=answer.done))
         return kept
 
     def read(self, timeout: float | None) -> api.StreamFramesResponse | None:

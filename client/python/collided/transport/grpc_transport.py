@@ -32,8 +32,8 @@ class GrpcTransport:
     def open(self, request: api.OpenStream) -> None:
         self._requests.put(api.StreamFramesRequest(open=request).SerializeToString())
 
-    def send(self, head: frame_pb2.Frame, updates: list[Update]) -> list[Update]:
-        message, kept = encode_frame(head, updates)
+    def send(self, frame_id: int, head: frame_pb2.Frame, updates: list[Update]) -> list[Update]:
+        message, kept = encode_frame(frame_id, head, updates)
         if len(message) > self._max_message_bytes:
             raise NotSent(f"frame has {len(message)} bytes; the daemon's limit for a message is "
                           f"{self._max_message_bytes} (max-message-mb)", field="frame")

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from collided.frames import tags
+from collided.frames.tags import field, varint
 from collided.frames.updates import Update
 from collided.transport.base import NotSent
 from collided.transport.region import ALIGNMENT, MAX_PACKET_BYTES, Memory, Part
-from collided.v1 import frame_pb2, local_pb2
+from collided.v1 import frame_pb2
 
 _MAX_INLINE_BYTES = 64  # up to this many go into the packet itself
 _NOTHING = Part(0, 0)
@@ -23,17 +26,18 @@ class LocalFrames:
         self._frames = 0  # packed so far
         self._part = _NOTHING  # the frame's
         self._used = 0  # bytes of it
+        self._placed: list[tuple[Part, int, Any]] = []  # arrays, and where they go
         self._views: dict[int, np.ndarray] = {}  # of the part, by the id of the array that was placed there
 
-    def pack(self, head: frame_pb2.Frame, updates: list[Update]) -> bytes:
+    def pack(self, frame_id: int, head: frame_pb2.Frame, updates: list[Update]) -> bytes:
         """The packet. Raises NotSent."""
         self._begin(self._lasting_part(updates) or self._memory.part(self._frames))
-        message = local_pb2.LocalRequest(frame=head)
-        for update in updates:
-            self._add(update, message.frame)
-        packet = message.SerializeToString()
+        frame = b"".join([tags.FRAME_ID, varint(frame_id), head.SerializeToString(),
+                          *(field(tags.UPDATES, self._update(update)) for update in updates)])
+        packet = field(tags.FRAME, frame)
         if len(packet) > MAX_PACKET_BYTES:
-            packet = self._in_region(message.frame)
+            packet = self._in_region(frame)
+        self._copy()  # last, as it takes the place of all else in the processor's caches
         self._frames += 1
         return packet
 
@@ -63,55 +67,67 @@ class LocalFrames:
         return self._memory.lasting_part(size)
 
     def _begin(self, part: Part) -> None:
-        self._part, self._used, self._views = part, 0, {}
+        self._part, self._used, self._placed, self._views = part, 0, [], {}
 
-    def _add(self, update: Update, frame: frame_pb2.Frame) -> None:
-        out = frame.updates.add(mesh=update.mesh)
+    def _update(self, update: Update) -> bytes:
+        """A MeshUpdate, whose arrays are given places."""
+        out = tags.MESH + varint(update.mesh) if update.mesh else b""
         if update.pose is not None:
-            out.rigid.matrix = update.pose.tobytes()
-            out.rigid.start_matrix = b"" if update.start_pose is None else update.start_pose.tobytes()
+            pose = field(tags.MATRIX, update.pose.tobytes())
+            if update.start_pose is not None:
+                pose += field(tags.START_MATRIX, update.start_pose.tobytes())
+            out += field(tags.RIGID, pose)
         if update.indices is not None:
-            out.sparse.SetInParent()
-            self._put(update.indices, out.sparse, "shared_indices", "indices")
-        self._put(update.start, out, "shared_start_positions", "start_positions")
-        self._put(update.positions, out, "shared_positions", "positions")
+            out += field(tags.SPARSE, self._array(update.indices, tags.SHARED_INDICES, tags.INDICES, "indices"))
+        out += self._array(update.start, tags.SHARED_START, tags.START, "start_positions")
+        return out + self._array(update.positions, tags.SHARED_POSITIONS, tags.POSITIONS, "positions")
 
-    def _put(self, array: Any, out: Any, shared: str, inline: str) -> None:
-        """In the input region; in the packet itself if it is small, or there is no room."""
+    def _array(self, array: Any, shared: bytes, inline: bytes, name: str) -> bytes:
+        """Where it is in the input region; the array itself if it is small, or there is no room."""
         if array is None or not array.nbytes:
-            return
+            return b""
         is_small = array.nbytes <= _MAX_INLINE_BYTES and isinstance(array, np.ndarray)
-        if not is_small and self._place(array, getattr(out, shared)):
-            return
+        start = None if is_small else self._place(array)
+        if start is not None:
+            return _range(shared, start, array.nbytes)
         if not isinstance(array, np.ndarray):
-            raise NotSent(f"{inline} have {array.nbytes} bytes, more than the memory for one frame has left; edit_bytes makes "
+            raise NotSent(f"{name} have {array.nbytes} bytes, more than the memory for one frame has left; edit_bytes makes "
                           "room", field="frame")
-        setattr(out, inline, array.tobytes())
+        return field(inline, array.tobytes())
 
-    def _place(self, array: Any, out: Any) -> bool:
-        """False if there is no room."""
+    def _place(self, array: Any) -> int | None:
+        """Its offset in the input region; None if there is no room."""
         part, at = self._part, self._used
         if array.nbytes > part.size - at:
-            return False
+            return None
         self._used = at + _aligned(array.nbytes)
-        if part.bytes is None:
-            self._memory.write(part.start + at, array)
-        else:
-            self._views[id(array)] = view = np.ndarray(array.shape, array.dtype, part.bytes, at)
-            view[...] = array
-        out.offset, out.size = part.start + at, array.nbytes
-        return True
+        self._placed.append((part, at, array))
+        return part.start + at
 
-    def _in_region(self, frame: frame_pb2.Frame) -> bytes:
+    def _copy(self) -> None:
+        """All arrays to their places."""
+        for part, at, array in self._placed:
+            if part.bytes is None:
+                self._memory.write(part.start + at, array)
+            else:
+                self._views[id(array)] = view = np.ndarray(array.shape, array.dtype, part.bytes, at)
+                view[...] = array
+
+    def _in_region(self, frame: bytes) -> bytes:
         """The packet that names where the frame's message lies, as it is too long for one."""
-        message = np.frombuffer(frame.SerializeToString(), np.uint8)
         if self._part.bytes is not None:  # which has room for positions alone
             self._part, self._used = self._memory.part(self._frames), 0
-        packet = local_pb2.LocalRequest()
-        if not self._place(message, packet.shared_frame):
-            raise NotSent(f"frame is {message.size} bytes besides what is in shared memory, more than a packet and "
+        start = self._place(np.frombuffer(frame, np.uint8))
+        if start is None:
+            raise NotSent(f"frame is {len(frame)} bytes besides what is in shared memory, more than a packet and "
                           "the memory for one frame hold; edit_bytes makes room", field="frame")
-        return packet.SerializeToString()
+        return _range(tags.SHARED_FRAME, start, len(frame))
+
+
+@lru_cache(256)  # a mesh's positions lie in few places
+def _range(tag: bytes, offset: int, size: int) -> bytes:
+    """A SharedRange."""
+    return field(tag, tags.OFFSET + varint(offset) + tags.SIZE + varint(size))
 
 
 def _aligned(size: int) -> int:

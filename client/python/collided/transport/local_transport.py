@@ -45,8 +45,8 @@ class LocalTransport:
         except OSError:
             pass  # a daemon that refuses the connection has closed it by now, and its answer can still be read
 
-    def send(self, head: frame_pb2.Frame, updates: list[Update]) -> list[Update]:
-        packet = self._frames.pack(head, updates)
+    def send(self, frame_id: int, head: frame_pb2.Frame, updates: list[Update]) -> list[Update]:
+        packet = self._frames.pack(frame_id, head, updates)
         try:
             self._socket.send(packet)
         except OSError:
