@@ -27,7 +27,7 @@ class Entry {
       : where_(path + ":" + std::to_string(value.location().line()) + ": "), value_(value) {
     if (!value.is_table()) refuse("tokens must be tables: [[tokens]]");
     for (const auto& [key, unused] : value.as_table())
-      if (std::ranges::find(kKeys, key) == std::end(kKeys)) refuse(key + " is not a key of a token");
+      if (std::ranges::find(kKeys, key) == std::end(kKeys)) refuse(unknown_key());
   }
 
   Token read(const ClientLimits& defaults) const {
@@ -50,6 +50,13 @@ class Entry {
                                                "max-frames-per-second",
                                                "max-frame-seconds",
                                                "max-accuracy"};
+
+  // A key may be a token that was put in the wrong place, so it is not quoted.
+  static std::string unknown_key() {
+    std::string what = "has a key that no token has; there are";
+    for (const std::string_view key : kKeys) what.append(key == kKeys[0] ? " " : ", ").append(key);
+    return what;
+  }
 
   bool has(const char* key) const { return value_.contains(key); }
 
@@ -125,8 +132,10 @@ toml::value parse_toml(const std::string& path) try {
 }
 
 const toml::array& entries_of(const toml::value& root, const std::string& path) {
-  for (const auto& [key, unused] : root.as_table())
-    if (key != "tokens") throw ConfigError(path + ": " + key + " is not a key; tokens are written as [[tokens]]");
+  for (const auto& [key, value] : root.as_table())  // a key may be a token that was put in the wrong place
+    if (key != "tokens")
+      throw ConfigError(path + ":" + std::to_string(value.location().line()) +
+                        ": has a key that is not one of the file's; tokens are written as [[tokens]]");
   if (!root.contains("tokens") || !root.at("tokens").is_array() || root.at("tokens").as_array().empty())
     throw ConfigError(path + ": has no [[tokens]]");
   const auto& entries = root.at("tokens").as_array();

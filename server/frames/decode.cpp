@@ -27,6 +27,7 @@ using google::protobuf::io::StringOutputStream;
 constexpr size_t kAlignment = 16;
 constexpr uint32_t kFewBytes = 64;  // stay in the message
 constexpr int kMaxTagBytes = 5;
+constexpr int kMaxDepth = 100;  // of groups within groups, as the generated code has it
 
 constexpr uint32_t tag_of(int field) {
   return WireFormatLite::MakeTag(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
@@ -36,10 +37,35 @@ constexpr uint32_t tag_of(int field) {
   throw InvalidInput(what, std::string(what) + " is cut off or malformed: its bytes are not such a message");
 }
 
-// Refuses lengths that the generated code refuses; SkipField() alone would truncate them to 32 bits.
-bool copy_field(CodedInputStream& in, uint32_t tag, CodedOutputStream& out) {
-  if (WireFormatLite::GetTagWireType(tag) != WireFormatLite::WIRETYPE_LENGTH_DELIMITED)
-    return WireFormatLite::SkipField(&in, tag, &out);
+// 0 at the end of the message. Nothing for a tag that the generated code refuses; ReadTag() alone would truncate it.
+std::optional<uint32_t> read_tag(CodedInputStream& in) {
+  const int begin = in.CurrentPosition();
+  const uint32_t tag = in.ReadTag();
+  if (in.CurrentPosition() - begin > kMaxTagBytes) return {};
+  return tag;
+}
+
+bool copy_field(CodedInputStream& in, uint32_t tag, CodedOutputStream& out, int depth = kMaxDepth);
+
+// Up to the tag that ends the group.
+bool copy_group(CodedInputStream& in, uint32_t tag, CodedOutputStream& out, int depth) {
+  out.WriteTag(tag);
+  while (const std::optional<uint32_t> next = read_tag(in)) {
+    if (WireFormatLite::GetTagWireType(*next) == WireFormatLite::WIRETYPE_END_GROUP) {
+      out.WriteTag(*next);
+      return WireFormatLite::GetTagFieldNumber(*next) == WireFormatLite::GetTagFieldNumber(tag);
+    }
+    if (*next == 0 || !copy_field(in, *next, out, depth)) return false;
+  }
+  return false;
+}
+
+// Refuses what the generated code refuses; SkipField() alone would truncate lengths, and tags in groups, to 32 bits.
+bool copy_field(CodedInputStream& in, uint32_t tag, CodedOutputStream& out, int depth) {
+  const auto type = WireFormatLite::GetTagWireType(tag);
+  if (type == WireFormatLite::WIRETYPE_START_GROUP)
+    return WireFormatLite::GetTagFieldNumber(tag) != 0 && depth > 0 && copy_group(in, tag, out, depth - 1);
+  if (type != WireFormatLite::WIRETYPE_LENGTH_DELIMITED) return WireFormatLite::SkipField(&in, tag, &out);
   int size = 0;
   std::string bytes;
   if (WireFormatLite::GetTagFieldNumber(tag) == 0 || !in.ReadVarintSizeAsInt(&size) || !in.ReadString(&bytes, size))
@@ -48,14 +74,6 @@ bool copy_field(CodedInputStream& in, uint32_t tag, CodedOutputStream& out) {
   out.WriteVarint32(static_cast<uint32_t>(size));
   out.WriteString(bytes);
   return true;
-}
-
-// 0 at the end of the message. Refuses tags that the generated code refuses; ReadTag() alone would truncate them.
-uint32_t read_tag(CodedInputStream& in, const char* what) {
-  const int begin = in.CurrentPosition();
-  const uint32_t tag = in.ReadTag();
-  if (in.CurrentPosition() - begin > kMaxTagBytes) throw_malformed(what);
-  return tag;
 }
 
 [[noreturn]] void throw_too_many_updates(const std::string& path, size_t meshes) {
@@ -114,9 +132,12 @@ class Decoder {
     {
       StringOutputStream stream(&bytes);
       CodedOutputStream out(&stream);
-      while (const uint32_t tag = read_tag(in_, what)) {
+      for (;;) {
+        const std::optional<uint32_t> tag = read_tag(in_);
+        if (!tag) throw_malformed(what);
+        if (*tag == 0) break;
         count_.add();
-        if (!take(tag) && !copy_field(in_, tag, out)) throw_malformed(what);
+        if (!take(*tag) && !copy_field(in_, *tag, out)) throw_malformed(what);
         if (out_.refusal) break;
       }
       out.Trim();

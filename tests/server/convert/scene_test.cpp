@@ -297,7 +297,8 @@ TEST(ConvertScene, RefusesPartsThatCannotBe) {
             "spec.device is \"cpu:0\", but spec.part_devices says where the scene lives");
   EXPECT_EQ(refusal(1, [](pb::SceneSpec& s) { s.set_backend(pb::BACKEND_CUDA); }),
             "spec.part_devices[0] is cpu:0, but spec.backend is BACKEND_CUDA");
-  const SceneDefaults both{.devices = {{}, {Backend::kCuda, 0}}};
+  SceneDefaults both;
+  both.devices.push_back({Backend::kCuda, 0});
   EXPECT_EQ(refusal(
                 1, [](pb::SceneSpec& s) { s.add_part_devices("cuda:0"); }, both),
             "spec.part_devices[1] is cuda:0, but the first is cpu:0: parts are on one backend");
