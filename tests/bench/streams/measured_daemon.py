@@ -9,7 +9,8 @@ import tempfile
 import time
 
 START_SECONDS = 30
-SCENES_PER_CLIENT = 4096  # no measurement is to meet this limit
+MOST = 8192  # scenes and streams: no measurement is to meet a limit
+LIMITS = ("--max-scenes", "--max-scenes-per-client", "--max-streams", "--max-streams-per-client")
 
 
 @contextlib.contextmanager
@@ -18,7 +19,7 @@ def daemon(program, backend):
     with tempfile.TemporaryDirectory() as folder:
         address = f"unix:{folder}/socket"
         process = subprocess.Popen([program, "--address", address, "--backend", backend, "--log-level", "error",
-                                    "--max-scenes-per-client", str(SCENES_PER_CLIENT)])
+                                    *(word for limit in LIMITS for word in (limit, str(MOST)))])
         try:
             wait_until_up(process, address)
             yield address

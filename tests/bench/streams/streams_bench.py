@@ -24,8 +24,8 @@ WARM_UP, LIGHT_WARM_UP = 100, 30  # frames
 
 def load_command(arguments, address, scene, *options):
     name, scale = SCENES[scene]
-    return [arguments.collidectl, "load", "--scene", name, "--scale", str(scale * arguments.scale), "--server", address, "--json",
-            *map(str, options)]
+    return [arguments.collidectl, "load", "--scene", name, "--scale", str(scale * arguments.scale), "--server", address,
+            "--backend", arguments.backend, "--json", *map(str, options)]
 
 
 def figures(result):
