@@ -5,7 +5,6 @@
 #include "server/convert/meshes.hpp"
 #include "server/convert/options.hpp"
 #include "server/refusals/field_path.hpp"
-#include "server/scenes/host_tables.hpp"
 
 namespace collided::server {
 namespace {

@@ -11,7 +11,6 @@
 
 #include "server/errors.hpp"
 #include "server/refusals/field_path.hpp"
-#include "server/scenes/host_tables.hpp"
 
 namespace collided::server {
 

@@ -1,6 +1,7 @@
 #pragma once
 // A checked request for a scene, in the engine's terms. No gRPC here.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -103,6 +104,9 @@ inline uint64_t plan_bytes(const ScenePlan& plan) {
   for (const auto& mesh : plan.engine.meshes) bytes += mesh.motion == MeshMotion::kRigid ? kPoseBytes : 0;
   return bytes;
 }
+
+/// Copies of the topology that a scene has on the host: each part has its own.
+inline uint64_t count_tables(const SceneSpec& spec) { return std::max<uint64_t>(spec.part_devices.size(), 1); }
 
 /// Of the scene's tables on the host.
 inline uint64_t topology_bytes(const Topology& topology) {
