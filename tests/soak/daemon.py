@@ -6,6 +6,7 @@ import threading
 import time
 
 HELD = ("scenes", "streams", "watchers", "calls_in_work", "connections", "queued_frames", "outgoing_bytes", "device_bytes")
+POOL_SECONDS = 3.0  # that gRPC is given to let idle threads go
 _METRIC = re.compile(r"^collided_(\w+) (\d+)(?:\.0*)?$", re.MULTILINE)
 _STATUS = re.compile(r"^(VmRSS|Threads):\s+(\d+)", re.MULTILINE)
 
@@ -50,16 +51,17 @@ class Sampler(threading.Thread):
 
 
 def wait_until_idle(daemon, first, seconds):
-    """Waits until no client holds anything, and descriptors and threads are as at the `first` low point, if there was one.
-    Returns a sample; what is held too long tells what, by TimeoutError, and what is merely more is for the judge."""
+    """Waits until no client holds anything, then a little for descriptors and threads to be as few as at the `first` low
+    point, if there was one. Returns a sample; what is held for `seconds` is told by TimeoutError, what is more is for the judge."""
     deadline = time.monotonic() + seconds
     while any((left := held(daemon)).values()):
         if time.monotonic() > deadline:
             raise TimeoutError(f"still held {seconds:.0f} s after all clients are gone: "
                                f"{ {name: value for name, value in left.items() if value} }")
         time.sleep(0.05)
+    deadline = time.monotonic() + POOL_SECONDS
     while True:
         now = sample(daemon)
-        if first is None or time.monotonic() > deadline or all(now[name] == first[name] for name in ("fds", "threads")):
+        if first is None or time.monotonic() > deadline or all(now[name] <= first[name] for name in ("fds", "threads")):
             return now
         time.sleep(0.05)

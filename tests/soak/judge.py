@@ -3,8 +3,9 @@
 import math
 
 RSS_PERCENT = 1.0  # of its mean, in 100 tides
-POOLED = ("fds", "threads")  # gRPC keeps a thread and its descriptor more or less when all are gone:
-POOL = 1  # so much is no growth
+LEAST_TIDES = 9  # fewer tell nothing
+POOLED = ("fds", "threads")  # gRPC's pools keep a few threads, and their descriptors, more or less when all are gone:
+POOL = 1.0  # so much in all tides is no growth, nor is a step among them; what each tide keeps is
 CERTAIN = 3.0  # standard errors: what is called growth is not noise
 
 
@@ -32,7 +33,7 @@ def verdict(tides):
     """Slopes of each measure in a tide, and complaints; none if nothing grows. tides: dicts of measures, in their order."""
     kept = after_warm_up(tides)
     slopes, complaints = {}, []
-    if len(kept) < 3:
+    if len(tides) < LEAST_TIDES:
         return slopes, [f"{len(tides)} tides are too few to tell"]
     for name in kept[0]:
         values = [tide[name] for tide in kept]
@@ -43,9 +44,8 @@ def verdict(tides):
             if grows - CERTAIN * error > allowed:
                 complaints.append(f"rss grows by {grows:.0f} +- {error:.0f} bytes in a tide; {allowed:.0f} are allowed")
         elif name in POOLED:
-            half = (len(values) + 1) // 2
-            if max(values[half:]) > max(values[:half]) + POOL:
-                complaints.append(f"{name} go higher in the second half of the tides than in the first: {values}")
+            if (grows - CERTAIN * error) * (len(values) - 1) > POOL:
+                complaints.append(f"{name} grow by {grows:.2f} +- {error:.2f} in a tide: {values}")
         elif any(value != values[0] for value in values):
             complaints.append(f"{name} is not what it was at the first low point after the warm-up: {values}")
     return slopes, complaints

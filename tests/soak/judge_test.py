@@ -39,8 +39,14 @@ class Judge(unittest.TestCase):
         self.assertEqual(len(found), 1)
         self.assertTrue(found[0].startswith("fds"))
 
-    def test_a_thread_more_in_a_pool_is_none(self):
-        self.assertEqual(verdict(tides([50e6] * 9, threads=[12] * 8 + [13], fds=[20, 21] * 4 + [20]))[1], [])
+    def test_a_descriptor_in_ten_tides_is_found(self):
+        found = verdict(tides([50e6] * 300, fds=[20 + i // 10 + i % 2 for i in range(300)]))[1]
+        self.assertEqual(len(found), 1)
+        self.assertTrue(found[0].startswith("fds"))
+
+    def test_a_pool_that_changes_is_no_growth(self):
+        for threads in ([12] * 8 + [14], [12] * 5 + [14] * 4, [12] * 6 + [13] * 3, [14, 12, 13] * 3):
+            self.assertEqual(verdict(tides([50e6] * 9, threads=threads, fds=[20, 21] * 4 + [20]))[1], [])
 
     def test_one_byte_of_a_scene_is_found(self):
         found = verdict(tides([50e6] * 9, device_bytes=[0] * 8 + [1]))[1]
@@ -48,7 +54,7 @@ class Judge(unittest.TestCase):
         self.assertTrue(found[0].startswith("device_bytes"))
 
     def test_too_few_tides_tell_nothing(self):
-        self.assertIn("too few", verdict(tides([50e6] * 3))[1][0])
+        self.assertIn("too few", verdict(tides([50e6] * 8))[1][0])
 
 
 if __name__ == "__main__":
