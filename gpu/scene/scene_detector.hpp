@@ -38,7 +38,8 @@ class SceneDetector final : public Detector {
 
   FrameResult detect(const FrameInput& frame) override {
     check_frame(spec_, frame);
-    const FrameSettings settings = settings_with_margin(frame);
+    FrameSettings settings = settings_of(spec_, frame);
+    settings.encoding = encoding_;
     exec_.asks().begin(frame.cancelled);
     FrameResult result =
         exec_.frame([&] { return frame.edit ? detect_edited(frame, settings) : detect(frame, settings); });
@@ -171,8 +172,10 @@ class SceneDetector final : public Detector {
     if (worlds) return detect_worlds(*worlds, *slot, settings, frame.bytes_beside_contact);
     RestCosts rest;
     if (begins_at_rest) rest = find_rest_pairs();
-    FrameResult result = pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact, frame.room);
-    if (frame.advance) advance(settings, result);
+    const double margin = frame.advance ? advance_margin(pipeline_.measure_way(), spec_.min_separation) : 0;
+    const FrameSettings own = frame.advance ? with_margin(settings, margin) : settings;
+    FrameResult result = pipeline_.detect_contacts(boxes_static, own, frame.bytes_beside_contact, frame.room);
+    if (frame.advance) advance(own, margin, result);
     if (begins_at_rest) add_costs(rest, result);
     exec_.asks().ask();
     if (part_ != nullptr) part_->take_answer(result, exec_.asks());
@@ -232,18 +235,15 @@ class SceneDetector final : public Detector {
   }
 
   /// Where a step with the frame's own settings can serve as the first try of an advance, it does.
-  FrameSettings settings_with_margin(const FrameInput& frame) const {
-    FrameSettings settings = settings_of(spec_, frame);
-    settings.encoding = encoding_;
-    if (frame.advance && settings.accuracy == Accuracy::kCertified && settings.thickness == spec_.min_separation)
-      settings.thickness += margin_;
+  FrameSettings with_margin(FrameSettings settings, double margin) const {
+    if (settings.accuracy == Accuracy::kCertified && settings.thickness == spec_.min_separation)
+      settings.thickness += margin;
     return settings;
   }
 
   /// After the frame's own step, from whose end the scene goes back as far as it has to.
-  void advance(const FrameSettings& settings, FrameResult& result) {
-    margin_ = max(margin_, advance_margin(pipeline_.bounds()));
-    const FrameSettings attempt = settings_of_try(spec_, margin_);
+  void advance(const FrameSettings& settings, double margin, FrameResult& result) {
+    const FrameSettings attempt = settings_of_try(spec_, margin);
     const bool is_same_question = settings.start_thickness == spec_.min_separation && settings.encoding == 0 &&
                                   settings.report != Report::kAnyHit;
     const Found found = share(result);
@@ -309,8 +309,7 @@ class SceneDetector final : public Detector {
   RestPairs<Exec, Real> rest_pairs_;
   size_t most_triangles_ = model_.topology().triangles.size();  ///< since lists were released
   std::shared_ptr<Slot> own_slot_;
-  ListLengths told_;   ///< to scenes alike, or by them
-  double margin_ = 0;  ///< of advances; it never shrinks, so that few steps have to be recorded anew
+  ListLengths told_;  ///< to scenes alike, or by them
 };
 
 template <Executor Exec, class... ExecArgs>

@@ -46,11 +46,23 @@ class AdvanceSearch {
   int tries_ = 0;
 };
 
-/// What features are farther apart than min_separation at the end of a way: 2^-40 of the scene's size, rounded up to a
-/// power of two. Certificates in double lose less than 2^-48 of a pair's size.
-inline double advance_margin(const Box<float>& bounds) {
+/// The box of a vertex's way.
+template <class Real>
+struct BoxOfWay {
+  const Vec3<Real>* start;
+  const Vec3<Real>* end;
+
+  COLLIDED_HD Box<float> operator()(uint64_t i) const {
+    return outward_float(join(Box<Real>{start[i], start[i]}, Box<Real>{end[i], end[i]}));
+  }
+};
+
+/// What features are farther apart than min_separation at the end of a way: 2^-40 of the size of a scene whose whole
+/// way has these bounds, rounded up to a power of two. Certificates in double lose less than 2^-48 of a pair's size.
+/// It is the frame's own and no earlier one's, as contacts must not depend on what else the scene went through.
+inline double advance_margin(const Box<float>& bounds, double min_separation) {
   const Vec3<float> extent = bounds.hi - bounds.lo;
-  const double size = std::fmax(extent.x, std::fmax(extent.y, extent.z));
+  const double size = std::fmax(extent.x, std::fmax(extent.y, extent.z)) + min_separation;
   if (!(size > 0) || !std::isfinite(size)) return 0x1p-1000;
   return std::ldexp(1.0, std::ilogb(size) + 1 - 40);
 }

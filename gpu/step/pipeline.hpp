@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "gpu/contacts/scene_counts.hpp"
+#include "gpu/step/advance.hpp"
 #include "gpu/step/candidate_phase.hpp"
 #include "gpu/step/lbvh_phase.hpp"
 #include "gpu/step/narrow_phase.hpp"
@@ -57,6 +58,16 @@ class Pipeline {
     return detect(true, needs_of_rest_pairs(spec_), 0, {});
   }
 
+  /// Bounds of all vertices' ways in the step that comes, which is one of CCD, rounded outward. Waits.
+  Box<float> measure_way() {
+    begin_state();
+    StepState* state = scene_.state.data();
+    exec_.reduce_into("bounds", counts_.vertices,
+                      BoxOfWay<Real>{scene_.positions_at_start(true), scene_.end.data()}, empty_box(), JoinBoxes{},
+                      &state->bounds);
+    return exec_.peek(state).bounds;
+  }
+
   /// The scene is made of so much from the next step on. Throws InvalidInput where that is too much.
   void resize(SceneCounts counts) {
     ranks_ = ranks_of(spec_.kinds, counts);
@@ -79,8 +90,6 @@ class Pipeline {
     reuse_.forget();
   }
 
-  /// Bounds of all triangles over the last step, rounded outward.
-  const Box<float>& bounds() const { return state_.bounds; }
   uint64_t answer_bytes() const { return results_.answer_bytes(); }
   /// What any step so far asked for.
   const ListLengths& list_lengths() const { return needed_; }

@@ -253,11 +253,16 @@ class Stream:
         self._scene.client.reconnect()
         self._scene.client.channel()  # if nobody answers, nobody is asked more
         last_applied = self._resume()
-        if last_applied != self._track.last_applied:
+        if last_applied != self._track.last_applied or self._begins_on_last_way():
             self._recreate()
         self.reconnects += 1
         self.draining = None
         self._transmit_all()
+
+    def _begins_on_last_way(self) -> bool:
+        """Whether what is in flight does: a frame that was given up with its stream leaves the scene where it was, but may leave
+        it without the way that led there."""
+        return bool(self._pending) and self._pending[0].request.head.HasField("from_last_fraction")
 
     def _resume(self) -> int:
         """The last frame that the scene has applied; -1: the scene is gone."""

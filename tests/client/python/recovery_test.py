@@ -199,6 +199,16 @@ class Broken(Case):
             np.testing.assert_allclose(session.receive().toi, [0.5], atol=1e-3)
             self.assertEqual((session.reconnects, session.recreations), (1, 1))
 
+    def test_a_frame_on_the_last_way_does_not_trust_a_resumed_scene_to_have_it(self):
+        for transport in STREAMS:
+            unbroken, session = self.session(transport=transport), self.session(transport=transport)
+            for each in (unbroken, session):
+                self.expect_hit(each.step({"tip": lowered(2)}), 2)
+            break_connection(session)
+            on = {"from_last_fraction": 0.25}
+            assert_same(self, session.step({"tip": lowered(2)}, **on), unbroken.step({"tip": lowered(2)}, **on))
+            self.assertEqual((session.reconnects, session.recreations), (1, 1))
+
     def test_a_scene_that_another_stream_takes_over_is_left_to_it(self):
         session = self.session()
         self.expect_hit(session.step({"tip": lowered(2)}), 2)

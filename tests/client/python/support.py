@@ -135,8 +135,8 @@ def assert_same(test, first, second):
                      (second.earliest_toi, second.any_contact, second.advanced))
 
 
-def main():
-    faulthandler.dump_traceback_later(200, exit=True)  # where it hangs, before ctest ends it
+def main(seconds=200):
+    faulthandler.dump_traceback_later(seconds, exit=True)  # where it hangs, before ctest ends it
     os.environ.pop("COLLIDED_SERVER", None)
     os.environ["COLLIDED_DAEMON"] = str(DAEMON)
     unittest.main(argv=sys.argv[:1], verbosity=2)

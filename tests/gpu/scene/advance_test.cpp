@@ -9,6 +9,7 @@
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/judged_case.hpp"
 #include "tests/gpu/refused_field.hpp"
+#include "tests/support/digest.hpp"
 #include "tests/support/sim/simulations.hpp"
 
 namespace collided::test {
@@ -204,6 +205,20 @@ TEST_F(Stepping, ATrialLeavesTheSceneAsItWas) {
     EXPECT_NEAR(0.5, first.earliest_toi, 1e-6);
     EXPECT_NEAR(0.25, go(*scene, other, scalar, trial).earliest_toi, 1e-6);
     EXPECT_EQ(first.earliest_toi, go(*scene, c, scalar, [](FrameInput&) {}).earliest_toi);
+  }
+}
+
+// Else a scene that is created again would be told otherwise than the one that was lost.
+TEST_F(Stepping, AnAdvanceIsToldTheSameWhateverTheSceneWentThroughBefore) {
+  for (const Scalar scalar : kFormats) {
+    const Case c = falling(1, -1), far = falling(1, -1000);
+    const FrameResult first = go(*scene_at_start(c, ccd(c, scalar)), c, scalar, kAdvance);
+    const auto scene = scene_at_start(c, ccd(c, scalar));
+    go(*scene, far, scalar, [](FrameInput& frame) { frame.advance = frame.trial = true; });
+    const FrameResult later = go(*scene, c, scalar, kAdvance);
+    EXPECT_TRUE(same_contacts(first, later));
+    EXPECT_EQ(first.earliest_toi, later.earliest_toi);
+    EXPECT_EQ(first.advanced, later.advanced);
   }
 }
 
