@@ -26,7 +26,7 @@ using google::protobuf::io::StringOutputStream;
 
 constexpr size_t kAlignment = 16;
 constexpr uint32_t kFewBytes = 64;  // stay in the message
-constexpr int kMaxTagBytes = 5;
+constexpr int kMaxTagBytes = 5, kMaxSizeBytes = 5;
 constexpr int kMaxDepth = 100;  // of groups within groups, as the generated code has it
 
 constexpr uint32_t tag_of(int field) {
@@ -43,6 +43,14 @@ std::optional<uint32_t> read_tag(CodedInputStream& in) {
   const uint32_t tag = in.ReadTag();
   if (in.CurrentPosition() - begin > kMaxTagBytes) return {};
   return tag;
+}
+
+// The same for the length of what follows; ReadVarintSizeAsInt() alone would take ten bytes.
+std::optional<int> read_size(CodedInputStream& in) {
+  const int begin = in.CurrentPosition();
+  int size = 0;
+  if (!in.ReadVarintSizeAsInt(&size) || in.CurrentPosition() - begin > kMaxSizeBytes) return {};
+  return size;
 }
 
 bool copy_field(CodedInputStream& in, uint32_t tag, CodedOutputStream& out, int depth = kMaxDepth);
@@ -66,12 +74,11 @@ bool copy_field(CodedInputStream& in, uint32_t tag, CodedOutputStream& out, int 
   if (type == WireFormatLite::WIRETYPE_START_GROUP)
     return WireFormatLite::GetTagFieldNumber(tag) != 0 && depth > 0 && copy_group(in, tag, out, depth - 1);
   if (type != WireFormatLite::WIRETYPE_LENGTH_DELIMITED) return WireFormatLite::SkipField(&in, tag, &out);
-  int size = 0;
+  const std::optional<int> size = read_size(in);
   std::string bytes;
-  if (WireFormatLite::GetTagFieldNumber(tag) == 0 || !in.ReadVarintSizeAsInt(&size) || !in.ReadString(&bytes, size))
-    return false;
+  if (WireFormatLite::GetTagFieldNumber(tag) == 0 || !size || !in.ReadString(&bytes, *size)) return false;
   out.WriteTag(tag);
-  out.WriteVarint32(static_cast<uint32_t>(size));
+  out.WriteVarint32(static_cast<uint32_t>(*size));
   out.WriteString(bytes);
   return true;
 }
@@ -90,10 +97,9 @@ bool has_too_many_updates(const pb::Frame& frame, size_t meshes) {
 // Reads a nested message to its end with `decode`.
 template <class Decode>
 void read_nested(CodedInputStream& in, const char* what, const Decode& decode) {
-  int size = 0;
-  if (!in.ReadVarintSizeAsInt(&size)) throw_malformed(what);
-  if (in.BytesUntilLimit() < size) throw_malformed(what);
-  const auto limit = in.PushLimit(size);
+  const std::optional<int> size = read_size(in);
+  if (!size || in.BytesUntilLimit() < *size) throw_malformed(what);
+  const auto limit = in.PushLimit(*size);
   decode();
   in.PopLimit(limit);
 }
@@ -192,17 +198,17 @@ class Decoder {
 
   // Of a repeated occurrence the last one counts, as protobuf requires.
   bool read_bytes(std::span<const std::byte>& placed, std::string& otherwise) {
-    int size = 0;
-    if (!in_.ReadVarintSizeAsInt(&size) || in_.BytesUntilLimit() < size) throw_malformed("frame.updates");
+    const std::optional<int> size = read_size(in_);
+    if (!size || in_.BytesUntilLimit() < *size) throw_malformed("frame.updates");
     placed = {};
     otherwise.clear();
-    const auto bytes = static_cast<size_t>(size);
+    const auto bytes = static_cast<size_t>(*size);
     if (bytes <= kFewBytes || !fits(bytes)) {
-      if (!in_.ReadString(&otherwise, size)) throw_malformed("frame.updates");
+      if (!in_.ReadString(&otherwise, *size)) throw_malformed("frame.updates");
       return true;
     }
     const auto to = room_->subspan(used_, bytes);
-    if (!in_.ReadRaw(to.data(), size)) throw_malformed("frame.updates");
+    if (!in_.ReadRaw(to.data(), *size)) throw_malformed("frame.updates");
     used_ += (bytes + kAlignment - 1) / kAlignment * kAlignment;
     placed = to;
     return true;

@@ -87,6 +87,18 @@ TEST(FrameDecodeHostile, TagsThatAreTooLongAreRefused) {
   EXPECT_EQ(expect_same(field(2, five + end + '\1')), Verdict::kSame);
 }
 
+TEST(FrameDecodeHostile, LengthsThatAreTooLongAreRefused) {
+  const auto empty = [](int number, int size_bytes) {
+    return std::string(1, static_cast<char>(number << 3 | 2)) + std::string(static_cast<size_t>(size_bytes - 1), '\x80') +
+           std::string(1, '\0');
+  };
+  for (const int size_bytes : {5, 6, 10})
+    for (const std::string& wire :
+         {empty(1, size_bytes), empty(2, size_bytes), empty(9, size_bytes), field(2, empty(3, size_bytes)),
+          field(2, field(3, empty(4, size_bytes))), field(2, field(3, empty(5, size_bytes)))})
+      EXPECT_EQ(expect_same(wire), size_bytes == 5 ? Verdict::kSame : Verdict::kRefused);
+}
+
 // Nobody sends groups, but whatever skips them must find their ends where the generated parser does.
 TEST(FrameDecodeHostile, GroupsAreSkippedAsByTheGeneratedParser) {
   const auto group = [](const std::string& inside) { return "\x73" + inside + "\x74"; };  // of field 14
