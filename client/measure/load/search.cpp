@@ -18,6 +18,8 @@ std::optional<double> RateSearch::next() const {
 }
 
 void RateSearch::report(bool held) {
+  failed_once_ = !held && !failed_once_;
+  if (failed_once_) return;
   (held ? held_ : failed_) = rate_;
   if (held_ && failed_)
     rate_ = std::sqrt(*held_ * *failed_);

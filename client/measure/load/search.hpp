@@ -1,6 +1,7 @@
 #pragma once
-// The search for the highest rate that holds a bound: by doubling or halving, then by bisection. It is told whether a
-// rate held, and reads no clock.
+// The search for the highest rate that holds a bound: by doubling or halving, then by bisection. A rate fails that failed
+// twice: one bad trial may be a daemon's first frames, or other work on its machine. It is told whether a rate held, and
+// reads no clock.
 
 #include <optional>
 
@@ -23,6 +24,7 @@ class RateSearch {
  private:
   const double precision_;
   double rate_;
+  bool failed_once_ = false;  ///< rate_
   std::optional<double> held_, failed_;
 };
 
