@@ -218,7 +218,7 @@ concept RunsFrames = requires(Exec& exec, const Exec& same, const char* name, ui
   /// Runs f() as a step that is not recorded: f() may look at what it has done so far, allocate, and go on as that
   /// demands. Returns the value at `result` in the end.
   { exec.step_by_parts(result, f) } -> std::same_as<uint64_t>;
-  /// Within such a step: the value at `result`, of all that is in line. Waits as a step does.
+  /// Within such a step, or before a step: the value at `result`, of all that is in line. Waits as a step does.
   { exec.peek(result) } -> std::same_as<uint64_t>;
   /// Runs f() as a stage with a time of its own. Asks first whether the frame goes on, unless a step is only put in
   /// line.

@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-#include "gpu/base/box.hpp"
+#include "gpu/search/records.hpp"
 #include "gpu/step/settings.hpp"
 
 namespace collided {
@@ -52,9 +52,7 @@ struct BoxOfWay {
   const Vec3<Real>* start;
   const Vec3<Real>* end;
 
-  COLLIDED_HD Box<float> operator()(uint64_t i) const {
-    return outward_float(join(Box<Real>{start[i], start[i]}, Box<Real>{end[i], end[i]}));
-  }
+  COLLIDED_HD Box<float> operator()(uint64_t i) const { return outward_float(Path<Real>{start[i], end[i]}.swept()); }
 };
 
 /// What features are farther apart than min_separation at the end of a way: 2^-40 of the size of a scene whose whole

@@ -94,12 +94,17 @@ bool has_too_many_updates(const pb::Frame& frame, size_t meshes) {
   return static_cast<size_t>(frame.updates_size()) > (frame.has_edit() ? max_frame_meshes(meshes) : meshes);
 }
 
+// The length of what follows, all of which is within the message.
+int read_size_within(CodedInputStream& in, const char* what) {
+  const std::optional<int> size = read_size(in);
+  if (!size || in.BytesUntilLimit() < *size) throw_malformed(what);
+  return *size;
+}
+
 // Reads a nested message to its end with `decode`.
 template <class Decode>
 void read_nested(CodedInputStream& in, const char* what, const Decode& decode) {
-  const std::optional<int> size = read_size(in);
-  if (!size || in.BytesUntilLimit() < *size) throw_malformed(what);
-  const auto limit = in.PushLimit(*size);
+  const auto limit = in.PushLimit(read_size_within(in, what));
   decode();
   in.PopLimit(limit);
 }
@@ -198,17 +203,16 @@ class Decoder {
 
   // Of a repeated occurrence the last one counts, as protobuf requires.
   bool read_bytes(std::span<const std::byte>& placed, std::string& otherwise) {
-    const std::optional<int> size = read_size(in_);
-    if (!size || in_.BytesUntilLimit() < *size) throw_malformed("frame.updates");
+    const int size = read_size_within(in_, "frame.updates");
     placed = {};
     otherwise.clear();
-    const auto bytes = static_cast<size_t>(*size);
+    const auto bytes = static_cast<size_t>(size);
     if (bytes <= kFewBytes || !fits(bytes)) {
-      if (!in_.ReadString(&otherwise, *size)) throw_malformed("frame.updates");
+      if (!in_.ReadString(&otherwise, size)) throw_malformed("frame.updates");
       return true;
     }
     const auto to = room_->subspan(used_, bytes);
-    if (!in_.ReadRaw(to.data(), *size)) throw_malformed("frame.updates");
+    if (!in_.ReadRaw(to.data(), size)) throw_malformed("frame.updates");
     used_ += (bytes + kAlignment - 1) / kAlignment * kAlignment;
     placed = to;
     return true;

@@ -5,7 +5,8 @@ import math
 RSS_PERCENT = 1.0  # of its mean, in 100 tides
 LEAST_TIDES = 9  # fewer tell nothing
 POOLED = ("fds", "threads")  # gRPC's pools keep a few threads, and their descriptors, more or less when all are gone:
-POOL = 1.0  # so much in all tides is no growth, nor is a step among them; what each tide keeps is
+POOL = 1.0  # so much in all tides is no growth; what each tide keeps is
+POOL_STEP = 0.25  # of a pool: it may step up by no more than that
 CERTAIN = 3.0  # standard errors: what is called growth is not noise
 
 
@@ -46,6 +47,9 @@ def verdict(tides):
         elif name in POOLED:
             if (grows - CERTAIN * error) * (len(values) - 1) > POOL:
                 complaints.append(f"{name} grow by {grows:.2f} +- {error:.2f} in a tide: {values}")
+            half = (len(values) + 1) // 2
+            if max(values[half:]) > max(values[:half]) * (1 + POOL_STEP):
+                complaints.append(f"{name} go much higher in the second half of the tides than in the first: {values}")
         elif any(value != values[0] for value in values):
             complaints.append(f"{name} is not what it was at the first low point after the warm-up: {values}")
     return slopes, complaints

@@ -48,6 +48,11 @@ class Judge(unittest.TestCase):
         for threads in ([12] * 8 + [14], [12] * 5 + [14] * 4, [12] * 6 + [13] * 3, [14, 12, 13] * 3):
             self.assertEqual(verdict(tides([50e6] * 9, threads=threads, fds=[20, 21] * 4 + [20]))[1], [])
 
+    def test_a_pool_that_is_suddenly_far_larger_is_found(self):
+        for many in ([12] * 6 + [40] * 3, [12] * 8 + [40], [12] * 8 + [16]):
+            found = verdict(tides([50e6] * 9, threads=many))[1]
+            self.assertIn("threads go much higher", found[-1])
+
     def test_one_byte_of_a_scene_is_found(self):
         found = verdict(tides([50e6] * 9, device_bytes=[0] * 8 + [1]))[1]
         self.assertEqual(len(found), 1)

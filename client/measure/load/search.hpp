@@ -24,7 +24,7 @@ class RateSearch {
  private:
   const double precision_;
   double rate_;
-  bool failed_once_ = false;  ///< rate_
+  bool failed_once_ = false;  ///< the rate of next(), in its only trial so far
   std::optional<double> held_, failed_;
 };
 

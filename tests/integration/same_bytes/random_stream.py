@@ -1,7 +1,7 @@
 """Streams of frames by chance: a scene, its options, and frames of all kinds, the same for the same seed."""
 
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from recovery_test import sheet
@@ -18,8 +18,8 @@ class Frame:
     """What `Session.send` is given."""
 
     positions: dict
-    start: dict
-    options: dict
+    start: dict | None = None
+    options: dict = field(default_factory=dict)
 
 
 class RandomStream:
@@ -78,43 +78,43 @@ class RandomStream:
         return self._last(step)
 
     def _whole(self, _):
-        return Frame({"cloth": self._cloth()}, {}, {})
+        return Frame({"cloth": self._cloth()})
 
     def _started(self, _):
         if self.options["mode"] == "dcd":
             return self._whole(_)
-        return Frame({"cloth": self._cloth()}, {"cloth": self._cloth()}, {})
+        return Frame({"cloth": self._cloth()}, {"cloth": self._cloth()})
 
     def _trial(self, _):
-        return Frame({"cloth": self._cloth()}, {}, {} if self._is_plain else {"trial": True})
+        return Frame({"cloth": self._cloth()}, options={} if self._is_plain else {"trial": True})
 
     def _sparse(self, _):
         some = sorted(self._rng.sample(range(len(self._start)), self._rng.randint(1, len(self._start))))
-        return Frame({"cloth": collided.Sparse(np.array(some), self._cloth()[some])}, {}, {})
+        return Frame({"cloth": collided.Sparse(np.array(some), self._cloth()[some])})
 
     def _pose(self, step):
         """Mostly shifted; where it turns, EXACT refuses it."""
         angle = 0.3 * step if self._rng.random() < 0.3 else 0.0
         turn = [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
-        return Frame({"ball": collided.Rigid(np.hstack([turn, [[0.01 * step], [0], [-0.02 * step]]]))}, {}, {})
+        return Frame({"ball": collided.Rigid(np.hstack([turn, [[0.01 * step], [0], [-0.02 * step]]]))})
 
     def _fraction(self, _):
-        return Frame({"cloth": self._cloth()}, {}, {"from_last_fraction": self._rng.choice((0.0, 0.25, 0.3, 1.0))})
+        return Frame({"cloth": self._cloth()}, options={"from_last_fraction": self._rng.choice((0.0, 0.25, 0.3, 1.0))})
 
     def _edit(self, step):
         """There is an extra triangle after every other edit."""
         extra = collided.Mesh(np.array([[0.1, 0.2, 0.3], [0.9, 0.2, 0], [0.1, 0.9, 0.01 * step]], self._number), ONE)
         self._has_extra = not self._has_extra
-        return Frame({"cloth": self._cloth()}, {}, {"edit": collided.Edit({"extra": extra if self._has_extra else None})})
+        return Frame({"cloth": self._cloth()}, options={"edit": collided.Edit({"extra": extra if self._has_extra else None})})
 
     def _report(self, _):
-        return Frame({"cloth": self._cloth()}, {}, {"report": self._rng.choice(("earliest_only", "any_hit"))})
+        return Frame({"cloth": self._cloth()}, options={"report": self._rng.choice(("earliest_only", "any_hit"))})
 
     def _level(self, _):
-        return Frame({"cloth": self._cloth()}, {}, {"accuracy": self._rng.choice(LEVELS)})
+        return Frame({"cloth": self._cloth()}, options={"accuracy": self._rng.choice(LEVELS)})
 
     def _mode(self, _):
-        return Frame({"cloth": self._cloth()}, {}, {"mode": self._rng.choice(("ccd", "dcd"))})
+        return Frame({"cloth": self._cloth()}, options={"mode": self._rng.choice(("ccd", "dcd"))})
 
     def _advance(self, _):
-        return Frame({"cloth": self._cloth()}, {}, {"advance": True, "accuracy": self._rng.choice(ADVANCING)})
+        return Frame({"cloth": self._cloth()}, options={"advance": True, "accuracy": self._rng.choice(ADVANCING)})

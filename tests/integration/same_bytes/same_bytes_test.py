@@ -16,10 +16,10 @@ from recovery_test import break_connection
 from support import DAEMON, Daemon, Supervised, main, np
 
 import collided
+from collided.contacts.columns import COLUMNS
 
 STREAMS = int(os.environ.get("COLLIDED_SAME_BYTES_STREAMS", "4"))
 ENGINES = ("octree", "top_down_octree", "bottom_up_octree", "uniform_grid", "two_level_grid", "lbvh", "vss", "all_pairs")
-COLUMNS = ("elements", "stencils", "toi", "distance", "weights", "normals", "flags")
 
 
 def told(contacts):
@@ -42,7 +42,7 @@ def play(session, frames, disturb=lambda sent: None):
     for sent, frame in enumerate(frames, 1):
         while session.in_flight >= session.window:
             receive()
-        session.send(frame.positions, frame.start or None, **frame.options)
+        session.send(frame.positions, frame.start, **frame.options)
         disturb(sent)
     while session.in_flight:
         receive()
