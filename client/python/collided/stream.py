@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from collided.contacts.answer import Answer
 from collided.contacts.columns import Part, read_chunk
 from collided.contacts.contacts import Contacts
-from collided.errors import DataLoss, Error, NotFound, ResourceExhausted, error_of_frame
+from collided.errors import DataLoss, Error, NotFound, ResourceExhausted, Unavailable, error_of_frame
 from collided.frames.track import Request
 from collided.layout import Layout
 from collided.scene import Scene
@@ -317,7 +317,10 @@ class Stream:
 
     def _restore(self) -> None:
         """Opens the new scene, and puts it where the old one was."""
-        self._open(resume=False)
+        try:
+            self._open(resume=False)
+        except NotFound as error:  # it was created a moment ago: a proxy asked another daemon, or its own has ended since
+            raise Unavailable(error.message) from None
         if self._track.state:
             for request in self._track.replaying():
                 self._exchange(request)

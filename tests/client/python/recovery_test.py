@@ -209,6 +209,22 @@ class Broken(Case):
             assert_same(self, session.step({"tip": lowered(2)}, **on), unbroken.step({"tip": lowered(2)}, **on))
             self.assertEqual((session.reconnects, session.recreations), (1, 1))
 
+    def test_a_new_scene_that_is_gone_before_its_stream_opens_is_created_once_more(self):
+        session = self.session()
+        self.expect_hit(session.step({"tip": lowered(2)}), 2)
+        scene, create = session.scene, session.scene.create_again
+
+        def create_and_lose():
+            scene.create_again = create
+            create()
+            scene.client.delete_scene(scene.id)
+
+        scene.create_again = create_and_lose
+        break_connection(session)
+        scene.client.delete_scene(scene.id)
+        self.expect_hit(session.step({"tip": lowered(2)}, start={"tip": TIP}), 2)
+        self.assertEqual(session.recreations, 1)
+
     def test_a_scene_that_another_stream_takes_over_is_left_to_it(self):
         session = self.session()
         self.expect_hit(session.step({"tip": lowered(2)}), 2)
