@@ -174,6 +174,7 @@ void FrameSession::end(const std::exception_ptr& why) {
 }
 
 void FrameSession::announce_stop(double seconds) {
+  if (knows_of_stop_.exchange(true)) return;
   post([this, seconds] {
     if (const auto open = sink()) open->draining(seconds);
   });

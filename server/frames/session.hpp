@@ -87,7 +87,7 @@ class FrameSession final : public SceneStream, public std::enable_shared_from_th
   const std::shared_ptr<Scene> scene_;
   const Delivery delivery_;
   const CallIds ids_;
-  std::atomic<bool> closed_ = false;
+  std::atomic<bool> closed_ = false, knows_of_stop_ = false;
   mutable std::mutex mutex_;  // guards what follows
   SceneUse use_;              // until it is closed: a transport may keep its session for longer
   std::shared_ptr<FrameSink> sink_;

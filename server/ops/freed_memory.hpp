@@ -17,18 +17,21 @@ class FreedMemory {
   void give_back() {
     left_ = std::min(left_, unused_bytes());
     if (unused_bytes() - left_ < kThreshold) return;
+    const double used = used_bytes();
     malloc_trim(0);
-    left_ = unused_bytes();
+    // What another thread freed since is not left for good: it may have come too late to be returned.
+    left_ = unused_bytes() - std::max(0.0, used - used_bytes());
   }
 
  private:
   static constexpr double kThreshold = 8 << 20;
 
-  /// Includes memory that never was the allocator's, such as stacks, which changes little.
-  static double unused_bytes() {
+  static double used_bytes() {
     const auto used = mallinfo2();
-    return process_private_bytes() - static_cast<double>(used.uordblks + used.hblkhd);
+    return static_cast<double>(used.uordblks + used.hblkhd);
   }
+  /// Includes memory that never was the allocator's, such as stacks, which changes little.
+  static double unused_bytes() { return process_private_bytes() - used_bytes(); }
 
   double left_ = unused_bytes();
 };

@@ -70,12 +70,19 @@ void SceneHost::check_serving() const {
 }
 
 void SceneHost::announce_stop(double seconds) {
+  grace_seconds_ = seconds;
   stopping_ = true;
   for (const auto& scene : scenes_.all())
     if (const auto stream = scene->stream()) stream->announce_stop(seconds);
 }
 
-void SceneHost::end_streams() const {
+void SceneHost::tell_of_stop(SceneStream& stream) const {
+  if (ended_) throw Stopping();
+  if (stopping_) stream.announce_stop(grace_seconds_);
+}
+
+void SceneHost::end_streams() {
+  ended_ = true;
   const auto why = std::make_exception_ptr(Stopping());
   for (const auto& scene : scenes_.all()) {
     if (const auto stream = scene->stream()) stream->end(why);

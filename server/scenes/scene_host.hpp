@@ -48,8 +48,11 @@ class SceneHost {
   void check_serving() const;
   /// Refuses new scenes and streams, and announces the stop to every open stream.
   void announce_stop(double seconds);
+  /// For each stream, once its scene has it: announces a stop that did not find it yet. Throws Stopping after
+  /// end_streams().
+  void tell_of_stop(SceneStream& stream) const;
   /// Ends all streams and watches with Stopping.
-  void end_streams() const;
+  void end_streams();
   HostTotals totals() const;
   /// Ends whatever has been idle for too long. The host's own thread calls it four times a second.
   void watch_once();
@@ -62,9 +65,10 @@ class SceneHost {
   const Now now_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  Limits limits_;         // guarded by mutex_
-  bool is_over_ = false;  // guarded by mutex_
-  std::atomic<bool> stopping_ = false;
+  Limits limits_;                          // guarded by mutex_
+  bool is_over_ = false;                   // guarded by mutex_
+  std::atomic<double> grace_seconds_ = 0;  // once stopping_
+  std::atomic<bool> stopping_ = false, ended_ = false;
   ServedDevices devices_;
   ClientUsage usage_;
   OpenUploads uploads_;

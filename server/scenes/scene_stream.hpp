@@ -12,7 +12,7 @@ class SceneStream {
   virtual ~SceneStream() = default;
   /// Ends the stream; its client is told why.
   virtual void end(const std::exception_ptr& why) = 0;
-  /// Tells the client that the daemon stops in `seconds`.
+  /// Tells the client, once, that the daemon stops in `seconds`.
   virtual void announce_stop(double seconds) = 0;
   /// Seconds since the last frame arrived or started; 0 while one runs or waits for its turn.
   virtual double idle_seconds() const = 0;

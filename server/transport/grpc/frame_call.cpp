@@ -153,7 +153,7 @@ void FrameCall::open(const pb::OpenStream& open) {
     session_ = session;
     if (status_) session->close();  // ended in the meantime
   }
-  host_.check_serving();  // the stop may have been announced before there was a session to tell
+  host_.tell_of_stop(*session);
   log_stream_opened(kKind, session->scene(), window_, caller_.ids);
 }
 

@@ -62,7 +62,7 @@ std::shared_ptr<InProcessStream> InProcessStream::open(const pb::OpenStream& ope
   stream->scene_id_ = scene->id();
   stream->begin(
       FrameSession::open(std::move(scene), open.resume_token(), stream->terms_.delivery, stream, stream->ids_));
-  rules.host.check_serving();  // the stop may have been announced before there was a session to tell
+  rules.host.tell_of_stop(*stream->session_);
   log_stream_opened(kKind, stream->session_->scene(), stream->terms_.window, stream->ids_);
   return stream;
 }

@@ -176,7 +176,7 @@ void Connection::open(const pb::LocalOpen& open, std::vector<PassedFile> files) 
     session_ = session;
     if (!outbox_.empty()) session->hold(true);
   }
-  rules_.host.check_serving();  // the stop may have been announced before there was a session to tell
+  rules_.host.tell_of_stop(*session);
   log_stream_opened(kKind, *opening_.scene, opening_.terms.window, ids_);
 }
 

@@ -23,6 +23,8 @@ inline std::string kind_of(const std::exception_ptr& error) {
     return "LimitExceeded";
   } catch (const DeviceError&) {
     return "DeviceError";
+  } catch (const Stopping&) {
+    return "Stopping";
   } catch (...) {
     return "another error";
   }

@@ -172,6 +172,24 @@ TEST(SceneHost, TheStopIsToldAndNothingNewBegins) {
   EXPECT_THROW(host.add_scene(client(), {tip_plan(), "", 0, 30}), Stopping);
 }
 
+// A stream that the client already sees as open is drained like any other, however late it became the scene's.
+TEST(SceneHost, AStreamThatOpensDuringTheStopIsToldOfItOnce) {
+  CountingObserver observer;
+  SceneHost host(config_with({}), observer);
+  const auto before = make_scene(host), after = make_scene(host);
+  const Stream told(before);
+  host.announce_stop(1.5);
+  const Stream late(after);
+  for (const Stream* stream : {&told, &late}) {
+    host.tell_of_stop(*stream->session);
+    stream->session->submit(tip_frame(1, 2));
+    EXPECT_EQ(stream->sink->wait_for(3), (RecordingSink::Events{"opened after 0", "draining 1.5", "answered 1"}));
+  }
+  host.end_streams();
+  EXPECT_EQ(late.sink->wait_for(4).back(), "ended: Stopping");
+  EXPECT_THROW(host.tell_of_stop(*late.session), Stopping);
+}
+
 TEST(SceneHost, TotalsAreOfAllScenes) {
   CountingObserver observer;
   SceneHost host(config_with({}), observer);

@@ -193,7 +193,7 @@ TEST_F(LocalFrames, AStreamIsToldOfTheStop) {
   LocalStream stream(serving_.path(), serving_.make_scene());
   ASSERT_TRUE(stream.opened());
   const RawLocal late(serving_.path());
-  test::expect_tip_contact(stream.ask_shared(first_frame(2)), 2);  // what is only just open may end at once instead
+  test::expect_tip_contact(stream.ask_shared(first_frame(2)), 2);
   serving_.host().announce_stop(3);
   const auto draining = stream.raw().receive();
   ASSERT_TRUE(draining && draining->frame().has_draining());
