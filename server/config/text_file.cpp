@@ -26,6 +26,8 @@ size_t after_string(std::string_view text, size_t begin) {
   return std::min(text.size(), at + end.size());
 }
 
+constexpr std::string_view kSeparators = "=,[]{}\n";  // of keys and values
+
 // Depth of nesting, outside strings and comments.
 class Depth {
  public:
@@ -34,12 +36,59 @@ class Depth {
     if (c == '[' || c == '{') ++brackets_;
     if ((c == ']' || c == '}') && brackets_ > 0) --brackets_;
     if (c == '.') ++parts_;
-    if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos) parts_ = 1;
+    if (kSeparators.find(c) != std::string_view::npos) parts_ = 1;
   }
 
  private:
   int brackets_ = 0, parts_ = 1;
 };
+
+// Dotted keys and headers, and whether there is an empty array, outside strings and comments.
+class DottedKeys {
+ public:
+  bool has_empty_array() const { return has_empty_array_; }
+  /// Whether such a key or header ends with this character.
+  bool take(char c) {
+    if (c == ' ' || c == '\t') return false;
+    if (c == '[' && begins_line_ && brackets_ == 0) is_header_ = true;
+    if (c == ']' && last_ == '[') has_empty_array_ = true;
+    const bool is_dotted = has_dot_ && (c == '=' || (c == ']' && is_header_));
+    count(c);
+    return is_dotted;
+  }
+
+ private:
+  void count(char c) {
+    if (c == '.') has_dot_ = true;
+    if (kSeparators.find(c) != std::string_view::npos) has_dot_ = false;
+    if (c == '[' || c == '{') ++brackets_;
+    if ((c == ']' || c == '}') && brackets_ > 0) --brackets_;
+    begins_line_ = c == '\n';
+    if (begins_line_)
+      is_header_ = false;
+    else if (c != '\r')
+      last_ = c;
+  }
+
+  int brackets_ = 0;
+  bool begins_line_ = true, is_header_ = false, has_dot_ = false, has_empty_array_ = false;
+  char last_ = 0;  // but for white space
+};
+
+// Gives each character outside strings and comments, of a string its first, to `visit` until that returns true. Returns
+// the position of that character, or npos.
+template <class Visit>
+size_t find_outside(std::string_view text, Visit visit) {
+  for (size_t at = 0; at < text.size();) {
+    if (text[at] == '#') {
+      at = std::min(text.size(), text.find('\n', at));
+      continue;
+    }
+    if (visit(text[at])) return at;
+    at = text[at] == '"' || text[at] == '\'' ? after_string(text, at) : at + 1;
+  }
+  return std::string_view::npos;
+}
 
 // Bytes of the UTF-8 character that `text` begins with; 0 if there is none.
 size_t character_bytes(std::string_view text) {
@@ -77,17 +126,22 @@ std::string read_text_file(const std::string& path, uint64_t max_bytes) {
 
 int too_deep_line(std::string_view text) {
   Depth depth;
-  for (size_t at = 0; at < text.size();) {
-    if (text[at] == '"' || text[at] == '\'') {
-      at = after_string(text, at);
-    } else if (text[at] == '#') {
-      at = std::min(text.size(), text.find('\n', at));
-    } else {
-      depth.take(text[at++]);
-    }
-    if (depth.is_too_deep()) return line_at(text, at);
-  }
-  return 0;
+  const size_t at = find_outside(text, [&](char c) {
+    depth.take(c);
+    return depth.is_too_deep();
+  });
+  return at == std::string_view::npos ? 0 : line_at(text, at);
+}
+
+int dotted_line(std::string_view text) {
+  DottedKeys keys;
+  find_outside(text, [&](char c) {
+    keys.take(c);
+    return keys.has_empty_array();
+  });
+  if (!keys.has_empty_array()) return 0;
+  const size_t at = find_outside(text, [keys = DottedKeys()](char c) mutable { return keys.take(c); });
+  return at == std::string_view::npos ? 0 : line_at(text, at);
 }
 
 int not_utf8_line(std::string_view text) {
@@ -103,6 +157,9 @@ std::string read_toml_text(const std::string& path, uint64_t max_bytes) {
   if (const int line = too_deep_line(text))
     throw ConfigError(path + ":" + std::to_string(line) + ": nests deeper than " + std::to_string(kMaxTomlNesting) +
                       " levels");
+  if (const int line = dotted_line(text))
+    throw ConfigError(path + ":" + std::to_string(line) +
+                      ": has a key or header with a dot, in a file with an empty array");
   return text;
 }
 

@@ -20,7 +20,12 @@ int too_deep_line(std::string_view text);
 /// there is none.
 int not_utf8_line(std::string_view text);
 
-/// As read_text_file(). Throws ConfigError that names path and line, too, if the text is not UTF-8 or nests too deeply.
+/// The first line with a dotted key or header, in a text that has an empty array; 0 if there is none. One that goes
+/// through such an array (`a = []`, then `a.b = 1`) would end the process: the parser takes the array's last element.
+int dotted_line(std::string_view text);
+
+/// As read_text_file(). Throws ConfigError that names path and line, too, if the text is not UTF-8, nests too deeply,
+/// or has both empty arrays and dotted keys.
 std::string read_toml_text(const std::string& path, uint64_t max_bytes);
 
 }  // namespace collided::server

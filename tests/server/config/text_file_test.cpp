@@ -1,4 +1,4 @@
-// TOML files nested so deeply that parsing them would overflow the stack.
+// TOML files that the parser would not survive.
 #include "server/config/text_file.hpp"
 
 #include <gtest/gtest.h>
@@ -46,6 +46,30 @@ TEST(TomlText, AConfigurationThatNestsTooDeepIsRefusedWithItsLine) {
     EXPECT_EQ(parsed.exit_code, 2);
     EXPECT_NE(parsed.text.find(path + ":2: nests deeper than 16 levels"), std::string::npos) << parsed.text;
   }
+}
+
+TEST(TomlText, DottedKeysBesideEmptyArraysAreFound) {
+  for (const auto& [bad, line] : {std::pair<std::string, int>{"a = []\na.b = 1", 2},
+                                  {"a.b = 1\nc = 1\na = [ ]", 1},
+                                  {"a = [\r\n# none\r\n]\r\na . b = 1", 4},
+                                  {"a = []\n\n[a.b]\n", 3},
+                                  {"a = []\n  [[a.b]] # x\n", 2},
+                                  {"a = []\n\"a\".b = 1", 2},
+                                  {"c = {a = [], a.b = 1}", 1},
+                                  {"c = [[], {a.b = 1}]", 1}})
+    EXPECT_EQ(dotted_line(bad), line) << bad;
+  for (const auto& good :
+       {"", "a.b = 1", "[a.b]\nc = [1.5]", "a = []\nb = 1.5\nc = [1.5, 2.5]\n[d]\n[[e]]", "a = '[]'\nb.c = 1",
+        "a = []\n'a.b' = \"c.d = 1\"\n# a.b = 1", "a = [\n1.5,\n2.5\n]\nb = []"})
+    EXPECT_EQ(dotted_line(good), 0) << good;
+}
+
+TEST(TomlText, AKeyThroughAnEmptyArrayIsRefusedWithItsLine) {
+  const TextFile file("device = []\ndevice.id = 1\n");
+  const auto path = file.path();
+  const auto parsed = parse({"--config", path.c_str()});
+  EXPECT_EQ(parsed.exit_code, 2);
+  EXPECT_NE(parsed.text.find(path + ":2: has a key or header with a dot"), std::string::npos) << parsed.text;
 }
 
 TEST(TomlText, TextThatIsNotUtf8IsFound) {
