@@ -34,7 +34,7 @@ GrpcTransport::GrpcTransport(std::shared_ptr<grpc::Channel> channel, std::unique
       call_(grpc::GenericStub(channel_).PrepareCall(context_.get(), kMethod, &queue_)) {}
 
 GrpcTransport::~GrpcTransport() {
-  context_->TryCancel();
+  cancel();
   queue_.Shutdown();
   void* tag;
   for (bool ok; queue_.Next(&tag, &ok);) continue;
@@ -95,8 +95,11 @@ bool GrpcTransport::write(const Start& start, bool is_last) {
   if (is_closed_) return false;
   is_closed_ = is_last;
   write_.is_pending = true;
+  ++starting_;
   lock.unlock();
   start();  // unlocked: gRPC may call release(), which locks, before this returns
+  lock.lock();
+  --starting_;
   return true;
 }
 
@@ -153,7 +156,26 @@ void GrpcTransport::half_close() {
   await(lock, [&] { return !write_.is_pending; });
 }
 
-void GrpcTransport::cancel() { context_->TryCancel(); }
+// Unlocked, as for a write.
+void GrpcTransport::cancel() {
+  std::unique_lock lock(mutex_);
+  const auto context = context_;
+  lock.unlock();
+  if (context) context->TryCancel();
+}
+
+/// Nothing else is pending. What gRPC had taken but not sent when the connection was lost, it releases with the call.
+void GrpcTransport::end_call(LeaderFollowers::Lock& lock) {
+  await(lock, [&] { return !write_.is_pending; });  // a write of another thread
+  while (!await(
+      lock, [&] { return starting_ == 0; }, Clock::now() + kPoll))
+    continue;
+  call_.reset();
+  auto context = std::move(context_);
+  lock.unlock();
+  context.reset();
+  lock.lock();
+}
 
 std::optional<Error> GrpcTransport::finish() {
   LeaderFollowers::Lock lock(mutex_);
@@ -164,7 +186,8 @@ std::optional<Error> GrpcTransport::finish() {
   call_->Finish(&status, &finish_);
   lock.lock();
   await(lock, [&] { return !finish_.is_pending; });
-  await_written(lock);  // a write of another thread
+  end_call(lock);
+  await_written(lock);
   return error_of(status);
 }
 

@@ -46,9 +46,10 @@ class GrpcTransport final : public FrameTransport {
   bool await(LeaderFollowers::Lock& lock, const Done& done, Time deadline = kNever);
   bool take_event(LeaderFollowers::Lock& lock, Time deadline);
   void await_written(LeaderFollowers::Lock& lock);
+  void end_call(LeaderFollowers::Lock& lock);
 
   std::shared_ptr<grpc::Channel> channel_;
-  std::unique_ptr<grpc::ClientContext> context_;
+  std::shared_ptr<grpc::ClientContext> context_;  ///< guarded by mutex_; none once finished
   uint64_t max_message_bytes_;
   grpc::CompletionQueue queue_;
   std::unique_ptr<grpc::GenericClientAsyncReaderWriter> call_;
@@ -58,6 +59,7 @@ class GrpcTransport final : public FrameTransport {
   Operation write_, read_, finish_;
   bool is_reading_ = false;  ///< a read is pending, or its message has not been taken
   bool is_closed_ = false;   ///< no further write is allowed
+  int starting_ = 0;         ///< threads that are about to start a write
   int borrowed_ = 0;         ///< pieces of the caller's memory that gRPC still holds
 };
 
