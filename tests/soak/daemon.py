@@ -1,5 +1,6 @@
 """What a daemon holds, seen from outside, each second and at low points."""
 
+import collections
 import pathlib
 import re
 import threading
@@ -24,6 +25,18 @@ def sample(daemon):
     status = dict(_STATUS.findall((process / "status").read_text()))
     return {"rss": 1024 * int(status["VmRSS"]), "fds": len(list((process / "fd").iterdir())),
             "threads": int(status["Threads"]), "device_bytes": metrics["device_bytes"]}
+
+
+def threads_by_name(daemon):
+    """How many threads of each name, which tells whose they are."""
+    tasks = pathlib.Path("/proc", str(daemon.process.pid), "task").iterdir()
+    names = []
+    for task in tasks:
+        try:
+            names.append((task / "comm").read_text().strip())
+        except OSError:  # it has ended
+            pass
+    return dict(sorted(collections.Counter(names).items()))
 
 
 def some(values, count=600):

@@ -4,7 +4,9 @@
 usage: clients_bench.py DAEMON CLIENT_FRAMES [--blocks N] [--frames N] [--side N] [--scenes few all] [--json]
 
 Each frame brings the positions of a sheet of SIDE * SIDE vertices (296: 1 MB). `ratio` is Python's median time of a frame
-over that of C++, `ratio beyond engine` the same without the time that the daemon's engine takes. Rows "few" have triangles in
+over that of C++, `beyond engine` the same without the time that the daemon's engine takes. "Session" is the one of C++, which
+like Python's keeps what it takes to go on after a lost daemon; "stream" is its FrameStream, which borrows positions and keeps
+nothing. Rows "few" have triangles in
 4 cells, so that there is little but the way there and back; rows "all" have them everywhere, as scenes do. Rows "calls" are
 Python's calls for single frames beside the gRPC stream of C++.
 """
@@ -58,10 +60,10 @@ class Python:
 
 
 class Cpp:
-    """Frames of collided_client_frames."""
+    """Frames of collided_client_frames, as a "stream" or a "session"."""
 
-    def __init__(self, program, server, transport, side, cells):
-        self.process = subprocess.Popen([program, server, transport, str(side), str(cells)], text=True,
+    def __init__(self, program, server, transport, kind, side, cells):
+        self.process = subprocess.Popen([program, server, transport, kind, str(side), str(cells)], text=True,
                                         stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     def frames(self, count):
@@ -76,8 +78,9 @@ class Cpp:
 
 def compare(arguments, server, transport, cells):
     """Medians over all blocks, in microseconds."""
-    lanes = {"python": Python(server, transport, arguments.side, cells),
-             "cpp": Cpp(arguments.client_frames, server, TRANSPORTS[transport], arguments.side, cells)}
+    lanes = {"python": Python(server, transport, arguments.side, cells)}
+    for kind in ("session", "stream"):
+        lanes[kind] = Cpp(arguments.client_frames, server, TRANSPORTS[transport], kind, arguments.side, cells)
     times = {name: [] for name in lanes}
     for lane in lanes.values():
         lane.frames(arguments.frames)  # warm
@@ -88,9 +91,10 @@ def compare(arguments, server, transport, cells):
         lane.close()
     frame = {name: statistics.median(total for total, _ in own) for name, own in times.items()}
     beyond = {name: statistics.median(total - engine for total, engine in own) for name, own in times.items()}
-    return {"transport": transport, "python_us": frame["python"], "cpp_us": frame["cpp"],
-            "ratio": frame["python"] / frame["cpp"], "ratio_beyond_engine": beyond["python"] / beyond["cpp"],
-            "python_beyond_us": beyond["python"], "cpp_beyond_us": beyond["cpp"]}
+    ratios = {f"ratio_to_{kind}": frame["python"] / frame[kind] for kind in ("session", "stream")}
+    ratios_beyond = {f"ratio_to_{kind}_beyond_engine": beyond["python"] / beyond[kind] for kind in ("session", "stream")}
+    return {"transport": transport, **{f"{name}_us": time for name, time in frame.items()}, **ratios,
+            **{f"{name}_beyond_us": time for name, time in beyond.items()}, **ratios_beyond}
 
 
 def main():
@@ -112,10 +116,12 @@ def main():
     if arguments.json:
         print(json.dumps({"side": arguments.side, "rows": rows}))
         return
-    print("scene transport       Python    C++   ratio | beyond the engine: Python    C++   ratio")
+    print("scene transport       Python session stream   ratios      | beyond the engine: Python session stream   ratios")
     for row in rows:
-        print(f"{row['scene']:5} {row['transport']:13} {row['python_us']:8.0f} {row['cpp_us']:6.0f} {row['ratio']:7.2f} |"
-              f" {row['python_beyond_us']:25.0f} {row['cpp_beyond_us']:6.0f} {row['ratio_beyond_engine']:7.2f}")
+        print(f"{row['scene']:5} {row['transport']:13} {row['python_us']:8.0f} {row['session_us']:7.0f} {row['stream_us']:6.0f}"
+              f" {row['ratio_to_session']:7.2f} {row['ratio_to_stream']:5.2f} | {row['python_beyond_us']:25.0f}"
+              f" {row['session_beyond_us']:7.0f} {row['stream_beyond_us']:6.0f} {row['ratio_to_session_beyond_engine']:7.2f}"
+              f" {row['ratio_to_stream_beyond_engine']:5.2f}")
 
 
 if __name__ == "__main__":

@@ -14,12 +14,12 @@ LIMITS = ("--max-scenes", "--max-scenes-per-client", "--max-streams", "--max-str
 
 
 @contextlib.contextmanager
-def daemon(program, backend):
-    """Its address."""
+def daemon(program, backend, *more):
+    """Its address. more: arguments."""
     with tempfile.TemporaryDirectory() as folder:
         address = f"unix:{folder}/socket"
         process = subprocess.Popen([program, "--address", address, "--backend", backend, "--log-level", "error",
-                                    *(word for limit in LIMITS for word in (limit, str(MOST)))])
+                                    *more, *(word for limit in LIMITS for word in (limit, str(MOST)))])
         try:
             wait_until_up(process, address)
             yield address

@@ -121,7 +121,8 @@ class PartsByEngine : public OnBackend<::testing::TestWithParam<Engine>> {};
 
 TEST_P(PartsByEngine, GiveTheBytesOfOneScene) {
   for (const char* name : {"cloth_ball", "multiscale_knots"}) {
-    const Case c = case_of(name, 0.8, Mode::kCcd);
+    const auto scene = scenes::make_scene(name, 0.4);
+    const Case c = case_of(*scene, 0.8 - 1.0 / 60, 0.8);
     SceneSpec spec = settings(Mode::kCcd, Accuracy::kGuarded, Scalar::kF32);
     spec.engine = GetParam();
     OneAndParts detectors(spec_for(c, spec), {2, 3});
