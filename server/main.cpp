@@ -12,9 +12,6 @@
 #include <chrono>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
-#include <fstream>
-#include <stdexcept>
 
 #include "deploy/version/version.hpp"
 #include "gpu/detector.hpp"
@@ -28,6 +25,7 @@
 #include "server/ops/exit_deadline.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/log.hpp"
+#include "server/supervisor/ready_file.hpp"
 #include "server/supervisor/supervisor.hpp"
 #include "server/usable_memory.hpp"
 
@@ -80,16 +78,9 @@ void raise_limit() {
 // gRPC's own shutdown can wait 10 s for a poll that nothing wakes, so it is left to the end of the process.
 void keep_grpc() { grpc_init(); }
 
-// Renamed into place, so that no reader sees a partial file.
-void write_ready_file(const std::string& path, const std::vector<std::string>& addresses) {
-  if (path.empty()) return;
-  const std::string part = path + ".part";
-  std::ofstream file(part);
-  for (const auto& address : addresses) file << address << '\n';
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(part, path, error);
-  if (!file || error) throw std::runtime_error("cannot write the ready file " + path);
+void check_ready_file(const std::string& path) {
+  if (const auto why = collided::server::ready_file_obstacle(path); !why.empty())
+    throw ConfigError("ready-file is " + path + ", but " + why);
 }
 
 void warn_of_exposure(const Config& config) {
@@ -98,8 +89,7 @@ void warn_of_exposure(const Config& config) {
 
 // The configuration changes as a whole, or not at all if any part of it is invalid. Returns what is.
 std::string reload(const Origin& origin, Config& config, Daemon& daemon) try {
-  auto [next, restart] = collided::server::reload_config(origin.argc, origin.argv, config);
-  derive_limits(next.limits, origin.memory);
+  auto [next, restart] = collided::server::reload_config(origin.argc, origin.argv, config, origin.memory);
   daemon.reload(next);
   collided::server::set_up_log(next.log_format, next.log_level);
   config = next;
@@ -156,6 +146,7 @@ void drain(Daemon& daemon, double grace_seconds, const sigset_t& signals, Superv
 }
 
 int serve(const Origin& origin, Config config, const sigset_t& signals) {
+  check_ready_file(config.ready_file);
   Lifecycle lifecycle([] { kill(getpid(), SIGTERM); });
   Supervisor supervisor;
   raise_limit();
@@ -166,7 +157,7 @@ int serve(const Origin& origin, Config config, const sigset_t& signals) {
   for (const auto& address : daemon.addresses()) spdlog::info("collided {} serves on {}", COLLIDED_VERSION, address);
   if (const auto address = daemon.http_address(); !address.empty()) spdlog::info("metrics and health on {}", address);
   collided::server::flush_log();  // whoever waits for the ready file may read the lines above
-  write_ready_file(config.ready_file, daemon.addresses());
+  collided::server::write_ready_file(config.ready_file, daemon.addresses());
   supervisor.ready(daemon.addresses());
   const int signal = wait_for_end(origin, signals, config, daemon, supervisor);
   const int code = lifecycle.failed() ? 1 : 0;
@@ -185,6 +176,7 @@ int serve(const Origin& origin, Config config, const sigset_t& signals) {
 int check(const Config& config, const Memory& memory) {
   const collided::server::Authenticator authenticator(config);
   collided::server::sound_tls_files(config.tls);
+  check_ready_file(config.ready_file);
   warn_of_exposure(config);
   std::printf("%s\ncollided: the configuration is valid\n", describe_limits(config.limits, memory).c_str());
   return 0;

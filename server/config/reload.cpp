@@ -1,5 +1,6 @@
 // Which options may change while the daemon runs.
 #include "server/config/config.hpp"
+#include "server/config/memory_limits.hpp"
 
 namespace collided::server {
 namespace {
@@ -22,11 +23,12 @@ class Keeper {
 
 }  // namespace
 
-Reloaded reload_config(int argc, const char* const* argv, const Config& current) {
+Reloaded reload_config(int argc, const char* const* argv, const Config& current, const Memory& memory) {
   auto parsed = parse_config(argc, argv);
   if (!parsed.run) throw ConfigError(parsed.text.substr(0, parsed.text.find('\n')));
   Reloaded reloaded{std::move(parsed.config), {}};
   Config& now = reloaded.config;
+  derive_limits(now.limits, memory);
   Keeper keeper(reloaded.restart);
   keeper.keep("address", now.addresses, current.addresses);
   keeper.keep("name", now.name, current.name);
@@ -37,6 +39,7 @@ Reloaded reload_config(int argc, const char* const* argv, const Config& current)
   keeper.keep("cuda-ipc", now.cuda_ipc, current.cuda_ipc);
   keeper.keep("ready-file", now.ready_file, current.ready_file);
   keeper.keep("tls-certificate, tls-key or tls-client-ca", now.tls, current.tls);
+  if (now.tokens_file.empty()) keeper.keep("tokens-file", now.tokens_file, current.tokens_file);
   keeper.keep("open-reflection", now.open_reflection, current.open_reflection);
   keeper.keep("allow-insecure", now.allow_insecure, current.allow_insecure);
   keeper.keep("backend", now.backend, current.backend);

@@ -132,14 +132,14 @@ class CommandLines(WithDaemon):
             self.assertTrue(any(rest.startswith(start) for rest in rests), start)
 
     def test_the_daemons_lines_serve_and_check(self):
-        path, folder, serve, check = README.blocks(after="## The daemon")[0].splitlines()
+        path, check, folder, serve = README.blocks(after="## The daemon")[0].splitlines()
         for part in path.removeprefix("PATH=").split(":")[:-1]:
             within_build = "/".join(part.split("/")[3:])  # $PWD/build/PRESET/...
             self.assertTrue(any(str(p.parent).endswith("/" + within_build) for p in (DAEMON, COLLIDECTL)), part)
         (self.folder / "deploy").symlink_to(REPOSITORY / "deploy")
         self.run_line(check)
         # The test's own folder and ports.
-        ours = [re.sub(r":(50551|9464)\b", ":0", line.replace("/run/collided", str(self.folder / "run")))
+        ours = [re.sub(r":(50551|9464)\b", ":0", line.removeprefix("sudo ").replace("/run/collided", str(self.folder / "run")))
                 for line in (folder, serve)]
         self.run_line(ours[0])
         daemon = subprocess.Popen([DAEMON, *shlex.split(ours[1])[1:]], stderr=subprocess.PIPE, text=True)

@@ -5,7 +5,7 @@ usage: check_layers.py includes ROOT
        check_layers.py folders ROOT
        check_layers.py headers ROOT COMPILER INCLUDE_DIR...
 
-A header that is the first include of a source has been compiled alone with that source.
+A header that is the first include of a source, or of another header, is compiled alone with that.
 """
 
 import concurrent.futures
@@ -240,7 +240,7 @@ def bad_headers(root, compiler, include_dirs):
         run = subprocess.run([compiler, *options], input=text, capture_output=True, text=True, cwd=root)
         return run.stderr if run.returncode else None
 
-    compiled = {first_include(file) for file in sources(root) if file.suffix == ".cpp"}
+    compiled = {first_include(file) for file in sources(root) if file.suffix in (".cpp", ".hpp")}
     headers = [file for file in sources(root)
                if file.suffix == ".hpp" and file.relative_to(root).as_posix() not in compiled]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:

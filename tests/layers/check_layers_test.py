@@ -175,6 +175,11 @@ class CheckLayers(unittest.TestCase):
         self.assertEqual(check_layers.bad_headers(self.root, "c++", [])[1], count)
         self.write("gpu/base/lonely.cpp", '// Compiles it.\n#include "gpu/base/lonely.hpp"\n')
         self.assertEqual(check_layers.bad_headers(self.root, "c++", []), ([], count - 1))
+        self.write("gpu/base/lonely.cpp", "")
+        self.write("gpu/base/above.hpp", '#pragma once\n#include "gpu/base/lonely.hpp"\n')
+        errors, again = check_layers.bad_headers(self.root, "c++", [])
+        self.assertEqual((len(errors), again), (1, count))
+        self.assertIn("lonely.hpp", errors[0])
 
 
 if __name__ == "__main__":

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "server/config/address.hpp"
+#include "server/config/memory_limits.hpp"
 #include "tests/server/config/parse.hpp"
 
 namespace collided::server {
@@ -55,11 +58,12 @@ TEST(Reload, TakesWhatMayChangeAndNamesTheRest) {
   const TextFile file("max-scenes = 5\nthreads = 1\nmax-message-mb = 8");
   const auto path = file.path();
   const auto line = command_line({"--config", path.c_str(), "--max-window", "3"});
-  const auto before = parse_config(static_cast<int>(line.size()), line.data()).config;
+  auto before = parse_config(static_cast<int>(line.size()), line.data()).config;
+  derive_limits(before.limits, {});
   file.write(
       "max-scenes = 6\nthreads = 2\nmax-message-mb = 9\nmax-window = 4\nlog-level = \"debug\"\ntokens-file = \"t\"\n"
       "max-scenes-per-client = 2\naddress = \"127.0.0.1:9\"\n");
-  const auto [now, restart] = reload_config(static_cast<int>(line.size()), line.data(), before);
+  const auto [now, restart] = reload_config(static_cast<int>(line.size()), line.data(), before, {});
   auto expected = before;
   expected.limits.max_scenes = 6;
   expected.limits.client.max_scenes = 2;
@@ -69,13 +73,37 @@ TEST(Reload, TakesWhatMayChangeAndNamesTheRest) {
   EXPECT_EQ(restart, (std::vector<std::string>{"address", "threads", "max-message-mb"}));
 }
 
+TEST(Reload, NamesNothingIfNothingHasChanged) {
+  const auto line = command_line({"--max-scenes", "5"});
+  auto before = parse_config(static_cast<int>(line.size()), line.data()).config;
+  const Memory memory{uint64_t{3} << 30, 0};
+  derive_limits(before.limits, memory);
+  const auto [now, restart] = reload_config(static_cast<int>(line.size()), line.data(), before, memory);
+  EXPECT_EQ(now, before);
+  EXPECT_EQ(restart, std::vector<std::string>());
+}
+
+// A file that was cut off, or is empty, would open the daemon to everyone.
+TEST(Reload, TokensAreReplacedButNotGivenUp) {
+  const TextFile file("tokens-file = \"t\"\nmax-scenes = 5\n");
+  const auto path = file.path();
+  const auto line = command_line({"--config", path.c_str()});
+  const auto before = parse_config(static_cast<int>(line.size()), line.data()).config;
+  file.write("");
+  const auto emptied = reload_config(static_cast<int>(line.size()), line.data(), before, {});
+  EXPECT_EQ(emptied.config.tokens_file, "t");
+  EXPECT_NE(std::find(emptied.restart.begin(), emptied.restart.end(), "tokens-file"), emptied.restart.end());
+  file.write("tokens-file = \"u\"\n");
+  EXPECT_EQ(reload_config(static_cast<int>(line.size()), line.data(), before, {}).config.tokens_file, "u");
+}
+
 TEST(Reload, ABadFileThrowsWithItsText) {
   const TextFile file("");
   const auto path = file.path();
   const auto line = command_line({"--config", path.c_str()});
   file.write("max-scenes = 0");
   try {
-    reload_config(static_cast<int>(line.size()), line.data(), Config());
+    reload_config(static_cast<int>(line.size()), line.data(), Config(), {});
     FAIL() << "no error";
   } catch (const ConfigError& error) {
     EXPECT_NE(std::string(error.what()).find("--max-scenes"), std::string::npos) << error.what();
