@@ -42,7 +42,7 @@ def measure(arguments):
     rates = {count: [result["throughput"]["frames_per_second"] for result in results] for count, results in found.items()}
     one = statistics.median(rates[1])
     return {"format": "collided placement 1", "date": arguments.date, "commit": arguments.commit,
-            "devices": arguments.devices, "streams": arguments.streams, "scene": arguments.scene,
+            "device": found[1][0]["input"]["scene"]["device"], "devices": arguments.devices, "streams": arguments.streams, "scene": arguments.scene,
             "triangles": found[1][0]["input"]["scene"]["triangles"], "seconds": arguments.seconds,
             "runs": [{"devices": count, "frames_per_second": rates[count], "speedup": statistics.median(rates[count]) / one,
                       "p99_ms": [result["service_ms"]["p99"] for result in results]} for count, results in found.items()]}

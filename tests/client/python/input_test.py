@@ -32,6 +32,8 @@ class Meshes(Case):
                 ("motion is 'fast'; it must be one of deformable, static, rigid", {"triangles": ONE, "motion": "fast"}),
                 ("groups is -1; it must be from 0 to 4294967295", {"triangles": ONE, "groups": -1}),
                 ("exclude_rings is 9; it must be from 0 to 8", {"triangles": ONE, "exclude_rings": 9}),
+                ("triangles is no array of integers", {"triangles": [[0, 1, 2], [0, 1]]}),
+                ("name is 5; it must be text", {"triangles": ONE, "name": 5}),
                 ("collide_mask is True", {"triangles": ONE, "collide_mask": True})):
             with self.subTest(pattern):
                 self.refused(BAD, pattern, collided.Mesh, **arguments)
@@ -42,6 +44,11 @@ class Meshes(Case):
                 collided.Mesh.of(source)
         self.refused(BAD, "mesh 'cloth': triangles has dtype", collided.Scene, {"cloth": (FLOOR, [[0.5, 1, 2]])})
         self.refused(BAD, "one mesh or more", collided.Scene, {})
+        for name in (1, ("a",), None, "\udcff"):
+            error = self.refused(BAD, "meshes is .*; it must be text", collided.Scene, {name: (FLOOR, ONE)})
+            self.assertEqual(error.field, "meshes")
+        error = self.refused(BAD, "triangles is no array of integers", collided.Scene, [("a", (FLOOR, ONE))])
+        self.assertEqual(error.field, "triangles")
 
 
 class Scenes(Case):
@@ -64,11 +71,42 @@ class Scenes(Case):
                 ("window is -1", {"window": -1}),
                 ("transport is 'pigeon'; it must be one of auto, shared_memory, grpc", {"transport": "pigeon"}),
                 ("delivery is 'never'", {"delivery": "never"}),
+                (f"thickness is 1{'0' * 400}; it must be finite", {"thickness": 10**400}),
+                ("kinds is 5; it must be a list", {"kinds": 5}),
+                (r"kinds is \['vt'\]; it must be one of", {"kinds": [["vt"]]}),
+                ("exclude is 5; it must be a list", {"exclude": 5}),
+                ("device is 5; it must be text", {"device": 5}),
+                ("part_devices is 5; it must be text", {"part_devices": [5]}),
+                ("display_name is 5; it must be text", {"display_name": 5}),
+                (r"display_name is '\\ud800'; it must be text", {"display_name": "\ud800"}),
+                ("token is 5; it must be text", {"token": 5}),
+                ("tls_ca is 5; it must be text", {"tls_ca": 5}),
+                ("patience is 'a'; it must be seconds", {"patience": "a"}),
+                ("deadline is 0; it must be above 0", {"deadline": 0}),
+                ("server is 5; it must be text", {"server": 5}),
+                ("server is b'unix:a'; it must be text", {"server": b"unix:a"}),
+                (r"server is '\\ud800'; it must be text", {"server": "\ud800"}),
+                ("server is ''; it must be 'host:port' or 'unix:/path'", {"server": ""}),
+                ("reconnect_seconds is 'a'; it must be seconds, at least 0", {"reconnect_seconds": "a"}),
+                ("reconnect_seconds is None", {"reconnect_seconds": None}),
+                ("reconnect_seconds is nan", {"reconnect_seconds": math.nan}),
+                ("reconnect_seconds is -1", {"reconnect_seconds": -1}),
                 ("token has a character", {"token": "a b"}),
                 ("tls_ca is empty", {"tls_server_name": "a"}),
                 ("go together", {"tls_key": "a"})):
             with self.subTest(pattern):
-                self.refused(BAD, pattern, self.session, None, **options)
+                self.assertIn(self.refused(BAD, pattern, self.session, None, **options).field,
+                              {*options, "quantization_box", "mesh", "excluded_meshes", "tls_ca"})
+
+    def test_nothing_is_created_for_options_that_cannot_be(self):
+        with collided.Client(self.server) as client:
+            self.refused(BAD, "reconnect_seconds", collided.Session, meshes(), server=client, reconnect_seconds=math.nan)
+            self.assertEqual(client.scenes(), [])
+
+    def test_ids_of_scenes_are_text(self):
+        with collided.Client(self.server) as client:
+            for call in (client.delete_scene, client.get_scene, lambda scene: client.get_mesh(scene, 0)):
+                self.assertEqual(self.refused(BAD, "scene_id is 5; it must be text", call, 5).field, "scene_id")
 
     def test_what_the_daemon_refuses_names_its_field(self):
         error = self.refused(BAD, "EXACT", self.session, mode="ccd", kinds=["tt"], accuracy="exact")
@@ -119,6 +157,13 @@ class Frames(Case):
                     ("delta is -1", (), {"delta": -1}),
                     ("report is 'some'", (), {"report": "some"}),
                     ("'advnce' is no option of a frame", (), {"advnce": True}),
+                    ("edit is 5; it must be an Edit", (), {"edit": 5}),
+                    (r"edit is Edit\(meshes=5.*; it must be an Edit, with a mapping", (), {"edit": collided.Edit(5)}),
+                    ("edit.exclude is 5; it must be a list", (), {"edit": collided.Edit(exclude=5)}),
+                    ("edit.meshes is .*; it must be text", (), {"edit": collided.Edit({"\ud800": (FLOOR, ONE)})}),
+                    ("timeout is 'x'; it must be seconds, at least 0", (), {"timeout": "x"}),
+                    ("timeout is nan", (), {"timeout": math.nan}),
+                    ("timeout is -1", (), {"timeout": -1}),
                     ("edit.meshes has 9", (), {"edit": collided.Edit({9: None})})):
                 with self.subTest(pattern, transport=transport):
                     self.refused(ValueError, pattern, session.step, *arguments, **options)
@@ -155,6 +200,7 @@ class Frames(Case):
         session = self.session()
         self.refused(collided.FailedPrecondition, "no frame in flight", session.receive)
         session.send({"tip": lowered(2)})
+        self.refused(BAD, "timeout is nan", session.receive, math.nan)
         self.refused(collided.FailedPrecondition, "receive them first", session.step, {"tip": TIP})
         session.receive()
         self.refused(BAD, "static", session.step, {"floor": FLOOR})
@@ -167,6 +213,10 @@ class Frames(Case):
                                    ("vertex_count is 3; elements name 10", (TIP, TIP, [[0, 1, 9]])),
                                    ("no triangles, edges or particles", (TIP, TIP))):
             self.refused(ValueError, pattern, collided.detect, *arguments, server=self.server)
+        for mode in ("dcd", "x", 5):
+            error = self.refused(BAD, "mode is .*; detect.. is always 'ccd'", collided.detect, TIP, TIP, ONE, mode=mode)
+            self.assertEqual(error.field, "mode")
+        self.refused(BAD, "mode is 'ccd'.* proximity.. 'dcd'", collided.proximity, TIP, ONE, thickness=1, mode="ccd")
         self.refused(BAD, "NaN|nan|finite", collided.detect, TIP, TIP * np.nan, ONE, server=self.server)
 
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Meshes from files and from other libraries' objects; files are those that collidectl writes, too."""
 
+import os
 import pathlib
 import subprocess
 import tempfile
@@ -65,7 +66,8 @@ class Files(unittest.TestCase):
         return self.folder / name
 
     def test_obj_has_polygons_lines_and_points(self):
-        for data in (QUAD_OBJ, QUAD_OBJ.replace(b"\n", b"\r\n")):
+        marked = b"\xef\xbb\xbf" + QUAD_OBJ.removeprefix(b"# a comment\nmtllib none.mtl\no thing\n")  # by an editor
+        for data in (QUAD_OBJ, QUAD_OBJ.replace(b"\n", b"\r\n"), marked):
             mesh = collided.Mesh.read(self.put("quad.obj", data))
             self.assertEqual(mesh.vertices.tolist(), POSITIONS)
             self.assertEqual(mesh.triangles.tolist(), FANS)
@@ -124,11 +126,24 @@ class Files(unittest.TestCase):
                 ("a.ply", QUAD_PLY.replace(b"format ascii 1.0\n", b""), "names no format"),
                 ("a.ply", QUAD_PLY[:-22], "cut off|not a number"), ("a.ply", QUAD_PLY.replace(b"3 0 2 3", b"3 0 2 9"), "out of range"),
                 ("a.ply", QUAD_PLY.replace(b"4 0 1", b"-4 0 1"), "length -4"),
+                ("a.ply", QUAD_PLY.replace(b"uchar int vertex", b"uchar float vertex"), "vertex_indices has a floating-point"),
+                ("a.ply", QUAD_PLY.replace(b"uchar int vertex", b"double int vertex"), "vertex_indices has a floating-point"),
+                ("a.ply", QUAD_PLY.replace(b"3 0 2 3", b"3 0 1.5 3"), "vertex index 1.5 is not an integer"),
                 ("a.ply", QUAD_PLY.replace(b"4 0 1 2 3", b"2 0 1"), "cut off|corners")):
             with self.subTest(pattern, data=data[-20:]), self.assertRaisesRegex(collided.InvalidArgument, pattern):
                 collided.Mesh.read(self.put(name, data))
         with self.assertRaises(FileNotFoundError):
             collided.Mesh.read(self.folder / "none.obj")
+
+    def test_what_is_no_file_of_a_size_that_can_be_is_not_waited_for(self):
+        os.mkfifo(self.folder / "fifo.obj")
+        (self.folder / "endless.ply").symlink_to("/dev/zero")
+        with (self.folder / "large.obj").open("wb") as file:
+            file.truncate((8 << 30) + 1)  # of holes
+        for name, pattern in (("fifo.obj", "fifo.obj: it is not a regular file"), ("endless.ply", "it is not a regular file"),
+                              ("large.obj", "it has 8589934593 bytes; the limit is 8589934592")):
+            with self.assertRaisesRegex(collided.InvalidArgument, pattern):
+                collided.Mesh.read(self.folder / name)
 
 
 class Objects(unittest.TestCase):

@@ -1,6 +1,12 @@
 #!/usr/bin/env python3
 """Frames and their contacts, over every transport."""
 
+import concurrent.futures
+import math
+import os
+import threading
+import traceback
+
 from support import FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, assert_same, lowered, main, meshes, np
 
 import collided
@@ -222,6 +228,70 @@ class Sessions(Case):
         error = self.refused(collided.InvalidArgument, "updates", session.receive)
         self.assertEqual(error.frame_id, 1)
         self.expect_hit(session.step({"floor": FLOOR, "tip": lowered(2)}, start={"tip": TIP}), 2)
+
+    def test_a_forked_process_is_refused_and_leaves_the_scene_to_its_parent(self):
+        for transport in TRANSPORTS:
+            scene = collided.Scene(meshes(), server=self.server)
+            self.addCleanup(scene.close)
+            for what in (None, scene):
+                session = self.session(what, transport=transport)
+                session.step()
+                child = os.fork()
+                if child == 0:
+                    try:
+                        for call in (session.step, session.send, session.receive):
+                            self.refused(collided.FailedPrecondition, "belongs to another process", call)
+                        session.close()
+                        session.scene.close()
+                    except BaseException:
+                        traceback.print_exc()
+                        os._exit(1)
+                    os._exit(0)
+                self.assertEqual(os.waitpid(child, 0)[1], 0)
+                self.expect_hit(session.step({"tip": lowered(2)}), 2)
+                self.assertEqual((session.reconnects, session.recreations), (0, 0))
+                session.close()
+
+    def test_a_forked_process_leaves_the_daemon_to_its_parent(self):
+        daemon = collided.OwnDaemon("--backend", "cpu")
+        self.addCleanup(daemon.stop)
+        address = daemon.address
+        child = os.fork()
+        if child == 0:
+            daemon.stop()
+            os._exit(daemon.pid)
+        self.assertEqual(os.waitpid(child, 0)[1], 0)
+        self.expect_hit(self.session(server=address).step({"tip": lowered(2)}), 2)
+        self.assertEqual(daemon.address, address)
+
+    def test_another_thread_is_refused_while_one_waits(self):
+        for transport in TRANSPORTS:
+            session = self.session(transport=transport)
+            session.step()
+            read, is_inside, may_go_on = session._stream._transport.read, threading.Event(), threading.Event()
+
+            def wait_and_read(timeout):
+                is_inside.set()
+                may_go_on.wait(60)
+                return read(timeout)
+
+            session._stream._transport.read = wait_and_read
+            with concurrent.futures.ThreadPoolExecutor(1) as pool:
+                waiting = pool.submit(session.step, {"tip": lowered(2)})
+                is_inside.wait(60)
+                for call in (session.step, session.send, session.receive):
+                    self.refused(collided.FailedPrecondition, "another thread is in a call", call)
+                may_go_on.set()
+                self.expect_hit(waiting.result(60), 2)
+            self.assertEqual(session.reconnects, 0)
+            session.close()
+
+    def test_times_without_an_end_are_none(self):
+        for transport in TRANSPORTS:
+            session = self.session(transport=transport, reconnect_seconds=math.inf)
+            for timeout in (math.inf, 1e300, 10**400, np.float32(60), 60):
+                self.expect_hit(session.step({"tip": lowered(2)}, start={"tip": TIP}, timeout=timeout), 2)
+            session.close()
 
     def test_scenes_are_listed_estimated_and_deleted(self):
         with collided.Client(self.server) as client:
