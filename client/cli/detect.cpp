@@ -40,6 +40,7 @@ void check_usage(const DetectOptions& options) {
   check_one_output(options.out, options.json);
   check_points(options.detection, "--vtp", options.vtp);
   check_points(options.detection, "--ply", options.ply);
+  check_distinct({{"--out", options.out}, {"--vtp", options.vtp}, {"--ply", options.ply}});
 }
 
 StepInput read_step(const DetectOptions& options) {

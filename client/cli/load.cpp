@@ -51,6 +51,7 @@ void check_count(const load::StreamSettings& streams) {
 void check_outputs(const LoadSettings& settings) {
   check_one_output(settings.out, settings.json);
   if (is_standard_output(settings.html)) throw UsageError("--html is a file; standard output (-) is none");
+  check_distinct({{"--out", settings.out}, {"--html", settings.html}});
   check_writable("--out", settings.out);
   check_writable("--html", settings.html);
 }

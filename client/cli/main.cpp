@@ -19,7 +19,7 @@
 namespace {
 
 int fail(int exit_code, const std::string& what) {
-  std::cerr << "collidectl: " << what.substr(0, what.find('\n')) << std::endl;
+  std::cerr << "collidectl: " << collided::cli::without_controls(what) << std::endl;
   return exit_code;
 }
 
@@ -72,6 +72,7 @@ int main(int argc, char** argv) {
   add_merge(app);
   add_completion(app);
   add_manual(app);
+  refuse_empty_values(app);
   try {
     app.parse(argc, argv);
     return finish(0);

@@ -17,7 +17,7 @@ namespace {
 
 void run(const MergeOptions& options) {
   check_one_output(options.out, options.json);
-  if (options.contacts == options.out) throw UsageError("--out and --contacts are two files");
+  check_distinct({{"--out", options.out}, {"--contacts", options.contacts}});
   if (options.json && is_standard_output(options.contacts))
     throw UsageError("--json and --contacts - both want standard output");
   check_writable("--out", options.out);

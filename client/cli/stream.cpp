@@ -43,6 +43,12 @@ void check_usage(const StreamOptions& options) {
   check_one_output(options.contacts.csv, options.json);
   if (!options.contacts.is_empty() && (options.detection.advance || !options.rigid.empty()))
     throw UsageError("--out, --vtp and --ply need straight, whole steps, not --advance or --rigid");
+  const ContactFileNames& names = options.contacts;
+  check_distinct({{"--record", options.record},
+                  {"--out", names.csv},
+                  {"--vtp", names.vtp},
+                  {"--ply", names.ply},
+                  {"the series of --vtp", names.vtp.empty() ? "" : series_name(names.vtp)}});
 }
 
 /// What a stream plays.

@@ -1,6 +1,7 @@
 // collidectl watch: the frames that others send to a scene, as a table that follows them or a line each.
 
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -148,7 +149,8 @@ void add_watch(CLI::App& app) {
   command.footer(
       "On a terminal the last frames are a table, which the key q or an interrupt ends; else each frame is a line.");
   command.add_option("scene", options->scene_id, "Id of the scene")->type_name("ID")->required();
-  command.add_option("--interval", options->watch.frame_interval, "Every so many frames (default: every one)");
+  command.add_option("--interval", options->watch.frame_interval, "Every so many frames (default: every one)")
+      ->check(CLI::Range(uint32_t{0}, UINT32_MAX));
   command.add_option("--rate", options->watch.max_frames_per_second, "At most so many frames a second (0: no limit)");
   command.add_option("--frames", options->frames, "End after so many of them (0: with the scene)");
   auto* record = command.add_option("--record", options->record, "File that takes the frames, for 'collidectl replay'");

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "client/cpp/meshes/mesh_pages.hpp"
+#include "client/cpp/transport/grpc/address.hpp"
 #include "client/cpp/transport/grpc/channel.hpp"
 #include "client/cpp/transport/grpc/grpc_transport.hpp"
 #include "client/cpp/transport/local/local_peer.hpp"

@@ -63,7 +63,7 @@ struct StreamOptions {
 class Client {
  public:
   /// `address` is host:port or unix:/path. Waits for the connection. Throws Error: UNAVAILABLE if no daemon answers in
-  /// time, INVALID_ARGUMENT for bad options.
+  /// time, INVALID_ARGUMENT for bad options, and for an address without a port from 1 to 65535.
   static Client connect(const std::string& address, const ConnectOptions& options = {});
   /// For the library's own use: a session connects again, and collided::local() to what it has made.
   static Client connect(const ChannelFactory& channels);

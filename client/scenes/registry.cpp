@@ -1,6 +1,7 @@
 // Names of the procedural scenes.
 
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include "client/scenes/families.hpp"
@@ -48,8 +49,11 @@ const std::vector<Entry>& variants() {
 }
 
 const Entry& entry_of(const std::string& name, double scale) {
-  if (!(scale >= kMinScale && scale <= kMaxScale))
-    throw std::invalid_argument("scale is " + std::to_string(scale) + "; it must be in [0.02, 30]");
+  if (!(scale >= kMinScale && scale <= kMaxScale)) {
+    std::ostringstream text;  // unlike std::to_string, not 0.000000 for a small one
+    text << "scale is " << scale << "; it must be in [0.02, 30]";
+    throw std::invalid_argument(text.str());
+  }
   std::string known;
   for (const auto* list : {&entries(), &variants()})
     for (const Entry& entry : *list) {

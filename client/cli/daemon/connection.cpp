@@ -5,6 +5,7 @@
 #include <pwd.h>
 
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 
 #include "client/cli/options/usage_error.hpp"
@@ -14,6 +15,8 @@ namespace collided::cli {
 namespace {
 
 std::string read_token(const std::string& file) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) throw std::runtime_error("--token-file " + file + ": is a folder");
   std::ifstream in(file);
   if (!in) throw std::runtime_error("--token-file " + file + ": cannot be read");
   std::string token, more;

@@ -47,7 +47,12 @@ inline void add_mesh_pairs_option(CLI::App& command, ExclusionOptions& options) 
       .add_option(ExclusionOptions::kMeshesOption, options.meshes,
                   "Leave out contacts between two meshes; the same name twice: of a mesh with itself")
       ->type_name("NAME NAME")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->check(CLI::Validator(
+          [](const std::string& word) {  // CLI11 takes the next option for the second name
+            return word.starts_with("--") ? "needs 2 values, NAME NAME; '" + word + "' is an option" : std::string();
+          },
+          ""));
 }
 
 /// For subcommands whose first frame is the shape at rest.

@@ -6,6 +6,8 @@
 
 #include "client/cli/options/finite.hpp"
 #include "client/cli/options/usage_error.hpp"
+#include "client/cpp/error.hpp"
+#include "client/cpp/transport/grpc/address.hpp"
 
 namespace collided::cli {
 
@@ -69,6 +71,19 @@ bool wants(const DetectionOptions& options, const char* kind) {
   return std::count(options.kinds.begin(), options.kinds.end(), kind) > 0;
 }
 
+/// Refuses an address that no daemon can have, before anything is done.
+CLI::Validator address() {
+  const auto check = [](const std::string& word) {
+    try {
+      client::check_address(word);
+      return std::string();
+    } catch (const client::Error& e) {
+      return e.message();
+    }
+  };
+  return CLI::Validator(check, "");
+}
+
 void add_security_options(CLI::App& command, ServerOptions& options, CLI::Option* server) {
   command.add_option("--token-file", options.token_file, "File with the bearer token")
       ->type_name("FILE")
@@ -93,7 +108,8 @@ void add_security_options(CLI::App& command, ServerOptions& options, CLI::Option
 
 void add_server_options(CLI::App& command, ServerOptions& options) {
   auto* server = command.add_option("--server", options.server, "Address of a running daemon; default: start one")
-                     ->type_name("ADDRESS");
+                     ->type_name("ADDRESS")
+                     ->check(address());
   command.add_option("--backend", options.backend, "Where the scene lives: auto, cpu or cuda")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();

@@ -55,6 +55,17 @@ std::string unknown_word(const CLI::App& app, const std::string& word) {
          suggestion(nearest(option, option_names(command)), "see '" + help + "'");
 }
 
+/// CLI11's "--out: 1 required FILE missing".
+std::string missing_value(const std::string& text) {
+  const std::string required = " required ", missing = " missing";
+  const size_t colon = text.find(": "), at = text.find(required);
+  if (colon == std::string::npos || at == std::string::npos || colon > at || !text.ends_with(missing)) return text;
+  const size_t type = at + required.size();
+  const std::string count = text.substr(colon + 2, at - colon - 2);
+  return text.substr(0, colon) + " needs " + count + (count == "1" ? " value, " : " values, ") +
+         text.substr(type, text.size() - missing.size() - type);
+}
+
 /// Without the leading dashes, which would make all options look alike.
 std::string letters_of(const std::string& word) {
   const auto first = word.find_first_not_of('-');
@@ -100,12 +111,32 @@ std::string nearest(const std::string& word, const std::vector<std::string>& kno
   return best;
 }
 
+void refuse_empty_values(CLI::App& app) {
+  const CLI::Validator check([](const std::string& word) { return word.empty() ? "the value is empty" : ""; }, "");
+  for (CLI::Option* option : app.get_options())
+    if (option->get_items_expected_max() > 0) option->transform(check);  // goes before the option's own checks
+  for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) refuse_empty_values(*command);
+}
+
+std::string without_controls(const std::string& text) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string out;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x20 && byte != 0x7f)
+      out += c;
+    else
+      (out += "\\x") += {kDigits[byte >> 4], kDigits[byte & 15]};
+  }
+  return out;
+}
+
 std::string usage_message(const CLI::App& app, const CLI::Error& error) {
   const std::vector<std::string> unknown = app.remaining(true);
   if (!unknown.empty()) return unknown_word(app, unknown.front());
   if (command_of(app).get_name() == app.get_name())
     return "a command is needed: " + joined(command_names(app)) + "; see 'collidectl --help'";
-  return error.what();
+  return missing_value(error.what());
 }
 
 std::shared_ptr<CLI::FormatterBase> usage_formatter() {

@@ -22,6 +22,19 @@ std::string cannot_be_written(const std::string& file, int error) {
   return file + ": cannot be written: " + std::strerror(error);
 }
 
+/// Whether writing to one name changes what the other one holds.
+bool is_same_file(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
+  if (is_standard_output(a) || is_standard_output(b)) return a == b;
+  std::error_code error;
+  if (fs::is_character_file(a, error)) return false;
+  if (fs::equivalent(a, b, error)) return true;
+  const fs::path whole_a = fs::weakly_canonical(fs::absolute(a), error);
+  if (error) return a == b;
+  const fs::path whole_b = fs::weakly_canonical(fs::absolute(b), error);
+  return error ? a == b : whole_a == whole_b;
+}
+
 /// 0, or errno from opening it for writing.
 int try_to_open(const std::string& file) {
   struct stat about {};
@@ -53,6 +66,13 @@ void make_folder(const std::string& option, const std::string& folder) {
 
 void check_one_output(const std::string& out, bool json) {
   if (json && is_standard_output(out)) throw UsageError("--json and --out - both want standard output");
+}
+
+void check_distinct(std::initializer_list<NamedOutput> outputs) {
+  for (const NamedOutput* b = outputs.begin(); b != outputs.end(); ++b)
+    for (const NamedOutput* a = outputs.begin(); a != b; ++a)
+      if (!a->file.empty() && !b->file.empty() && is_same_file(a->file, b->file))
+        throw UsageError(std::string(a->option) + " and " + b->option + " are two files; both are " + b->file);
 }
 
 void print_summary(const std::string& out, const std::string& text) {

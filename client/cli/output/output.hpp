@@ -2,6 +2,7 @@
 // Where results go: to a file, or to standard output, named "-"; messages for people then go to standard error.
 
 #include <cstdio>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 
@@ -25,6 +26,16 @@ void make_folder(const std::string& option, const std::string& folder);
 
 /// Throws UsageError if --json and --out both ask for standard output.
 void check_one_output(const std::string& out, bool json);
+
+/// A file that an option names; an empty name is none.
+struct NamedOutput {
+  const char* option;
+  std::string file;
+};
+
+/// Throws UsageError naming two options whose files are one, which would be overwritten. Links to a file are that file;
+/// whatever takes output and keeps none, such as /dev/null, may have several.
+void check_distinct(std::initializer_list<NamedOutput> outputs);
 
 /// Prints a summary for people: to standard output, or to standard error if `out` is standard output.
 void print_summary(const std::string& out, const std::string& text);

@@ -2,6 +2,8 @@
 
 #include "client/measure/play/play.hpp"
 
+#include <exception>
+
 #include "client/cli/daemon/connection.hpp"
 #include "client/cli/daemon/interrupt.hpp"
 #include "client/cli/output/progress.hpp"
@@ -17,7 +19,16 @@ void play(client::FrameStream& stream, const FrameSource& source,
     ++taken;
     if (!source.is_quiet) progress.show("frames", taken, source.frames);
   };
-  while (const auto frame = source.next()) {
+  std::exception_ptr failure;  // of the source, whose earlier frames still have their answers to come
+  const auto next = [&]() -> std::optional<v1::Frame> {
+    try {
+      return source.next();
+    } catch (const std::exception&) {
+      failure = std::current_exception();
+      return {};
+    }
+  };
+  while (const auto frame = next()) {
     check_interrupt();
     if (sent - taken >= static_cast<int>(stream.window())) take_one();
     stream.send(*frame);
@@ -25,6 +36,7 @@ void play(client::FrameStream& stream, const FrameSource& source,
   }
   while (taken < sent) take_one();
   stream.finish();
+  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace collided::cli

@@ -16,7 +16,8 @@ struct FrameSource {
 };
 
 /// Sends all frames, as many at a time as the stream's window allows, and passes on each answer, in order. Throws what
-/// `next` and `take` throw, Error once the stream has ended, and Interrupted.
+/// `next` and `take` throw, Error once the stream has ended, and Interrupted. If `next` throws, the frames that were
+/// sent are answered and passed on before.
 void play(client::FrameStream& stream, const FrameSource& source, const std::function<void(client::FrameOutput)>& take);
 
 }  // namespace collided::cli

@@ -40,7 +40,7 @@ PlyFormat parse_format(std::string_view word, const std::string& place) {
   fail(place, "format '" + std::string(word.substr(0, 40)) + "' is not a PLY format");
 }
 
-PlyProperty parse_property(std::string_view line, const std::string& place) {
+PlyProperty parse_property(std::string_view line, const std::string& element, const std::string& place) {
   PlyProperty property;
   std::string_view word = next_word(line);
   if (word == "list") {
@@ -51,6 +51,8 @@ PlyProperty parse_property(std::string_view line, const std::string& place) {
   }
   property.type = parse_type(word, place);
   property.name = next_word(line);
+  if (element == "face" && is_corners(property) && property.type >= PlyType::kFloat)
+    fail(place, property.name + " must be of an integer type");
   return property;
 }
 
@@ -98,7 +100,8 @@ PlyHeader read_ply_header(std::string_view& text, const std::string& file) {
       header.elements.push_back({name, parse_number<uint64_t>(next_word(line), place), {}});
     } else if (key == "property") {
       if (header.elements.empty()) fail(place, "a property stands before any element");
-      header.elements.back().properties.push_back(parse_property(line, place));
+      PlyElement& element = header.elements.back();
+      element.properties.push_back(parse_property(line, element.name, place));
     } else if (key != "comment" && key != "obj_info" && !key.empty()) {
       fail(place, "'" + std::string(key.substr(0, 40)) + "' is not a PLY keyword");
     }

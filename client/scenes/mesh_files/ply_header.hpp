@@ -20,6 +20,11 @@ struct PlyProperty {
   PlyType count_type = PlyType::kUint8;  ///< of a list's length
 };
 
+/// Whether a property of a face lists its vertices.
+inline bool is_corners(const PlyProperty& p) {
+  return p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index");
+}
+
 struct PlyElement {
   std::string name;
   uint64_t count = 0;

@@ -108,8 +108,6 @@ void read_vertices(Body& body, const PlyElement& element, MeshFile& mesh, const 
     }
 }
 
-bool is_corners(const PlyProperty& p) { return p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index"); }
-
 void read_face(Body& body, const PlyElement& element, MeshFile& mesh, const std::string& place) {
   std::vector<uint32_t> corners;
   for (const PlyProperty& p : element.properties) {

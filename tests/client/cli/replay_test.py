@@ -76,6 +76,40 @@ class Replay(support.CollidectlTest):
         for size in (0, 5, len("collided recording 1\n")):
             self.refused(1, "bad.rec: ", "replay", self.put_bytes(whole[:size]), *ONE_CPU)
 
+    def offsets(self, data):
+        """Where each frame begins, then the end mark."""
+        at, out = len("collided recording 1\n"), []
+        while True:
+            length, shift, begin = 0, 0, at
+            while True:
+                byte = data[at]
+                length, shift, at = length | (byte & 0x7F) << shift, shift + 7, at + 1
+                if byte < 0x80:
+                    break
+            out.append(begin)
+            at += length
+            if length == 0:
+                return out[1:]  # the first message is the scene
+
+    def test_every_whole_frame_before_a_cut_is_reported(self):
+        first = self.record(*BALL)
+        with open(self.recording, "rb") as file:
+            data = file.read()
+        offsets = self.offsets(data)
+        self.assertEqual(len(offsets), first["frames"] + 1)
+        for whole, offset in enumerate(offsets):
+            for cut in {offset, min(offset + 1, len(data) - 1), max(offset, offsets[min(whole + 1, len(offsets) - 1)] - 1)}:
+                bad = self.put_bytes(data[:cut])
+                done = support.ctl("replay", bad, *ONE_CPU)
+                self.assertEqual(done.returncode, 1)
+                self.assertIn(f"bad.rec: frame number {whole + 1} at offset {offset} is cut off", done.stderr)
+                self.assertEqual(done.stdout.count(f" of {whole}: "), whole, cut)
+            played = support.ctl("replay", bad, *ONE_CPU, "--json")
+            self.assertEqual(played.returncode, 1)
+            if whole > 0:
+                self.assertEqual([frame["contacts_digest"] for frame in json.loads(played.stdout)["per_frame"]],
+                                 [frame["contacts_digest"] for frame in first["per_frame"]][:whole])
+
     def test_what_is_no_recording_is_refused(self):
         header = b"collided recording 1\n"
         self.refused(1, "bad.rec: is no recording", "replay", self.put_bytes(b"ply\nformat ascii 1.0\n" * 9))

@@ -56,6 +56,51 @@ class Usage(support.CollidectlTest):
         self.refused(2, "one of FRAME, --scene and --triangles", "estimate", self.frame0, "--scene", "funnel")
         self.refused(2, "--scene", "estimate", self.frame0, "--scale", "2")
 
+    def test_an_address_needs_a_port_that_there_is(self):
+        for address in ("localhost:70000", "localhost:-1", "[::1]:0", "dns:///localhost:65536", "localhost"):
+            for words in (["info"], ["detect", self.frame0, self.frame1], ["watch", "x"]):
+                self.refused(2, f"--server: address is '{address}', wh", *words, f"--server={address}")
+                self.refused(2, "from 1 to 65535", *words, f"--server={address}")
+
+    def test_outputs_are_different_files(self):
+        ccd, scene = ["detect", self.frame0, self.frame1], ["stream", "--scene", "funnel"]
+        name = os.path.join(self.folder.name, "x.csv")
+        for words in (["--out", name, "--vtp", name], ["--vtp", name, "--ply", name],
+                      ["--out", name, "--ply", os.path.join(self.folder.name, ".", "x.csv")]):
+            self.refused(2, f"{words[0]} and {words[2]} are two files", *ccd, *words)
+        self.assertFalse(os.path.exists(name))
+        self.refused(2, "--record and --out are two files", *scene, "--record", name, "--out", name)
+        numbered = os.path.join(self.folder.name, "c_{frame}.x")
+        self.refused(2, "--vtp and --ply are two files", *scene, "--vtp", numbered, "--ply", numbered)
+        self.refused(2, "--out and the series of --vtp are two files", *scene, "--vtp", numbered, "--out",
+                     os.path.join(self.folder.name, "c.pvd"))
+        self.refused(2, "--out and --html are two files", "load", "--scene", "funnel", "--rate", "1", "--out", name, "--html", name)
+        with open(name, "w", encoding="ascii"):
+            link = os.path.join(self.folder.name, "link")
+            os.symlink(name, link)
+        self.refused(2, "--out and --vtp are two files", *ccd, "--out", name, "--vtp", link)
+        self.ok(*ccd, *ONE_CPU, "--out", "/dev/null", "--vtp", "/dev/null")
+
+    def test_an_empty_value_is_not_none(self):
+        ccd, scene = ["detect", self.frame0, self.frame1], ["stream", "--scene", "funnel"]
+        for words, option in ((["info"], "--server"), (ccd, "--out"), (ccd, "--position-format"), (scene, "--record"),
+                              (scene, "--kinds"), (["render", *ccd[1:]], "--out"), (scene, "--frames"), (scene, "--vtp"),
+                              (["info", "--server", "a:1"], "--daemon-user"), (["load", "--scene", "funnel"], "--ramp"),
+                              (["info", "--server", "a:1"], "--token-file"), (["batch", "x"], "--out")):
+            self.refused(2, f"{option}: the value is empty", *words, option, "")
+            self.refused(2, option, *words, f"{option}=")
+        self.refused(2, "FILE: the value is empty", "replay", "")
+        self.refused(2, "FRAME: the value is empty", "detect", self.frame0, "")
+
+    def test_messages_name_what_is_wrong(self):
+        scene = ["stream", "--scene", "cloth_ball"]
+        self.refused(2, "--exclude-meshes needs 2 values, NAME NAME", *scene, "--exclude-meshes", "cloth")
+        self.refused(2, "--exclude-meshes: needs 2 values, NAME NAME", *scene, "--exclude-meshes", "cloth", "--scale", "0.1")
+        self.refused(2, "--out needs 1 value, FILE", *scene, "--out")
+        self.refused(2, "not in range 0 to 4294967295", "watch", "x", "--server", "a:1", "--interval", "-1")
+        self.refused(1, "scale is 1e-09; it must be in [0.02, 30]", *scene, "--scale", "1e-9")
+        self.refused(1, "a\\x1b[31m\\x0ab.obj: does not exist", "detect", "a\x1b[31m\nb.obj", self.frame0)
+
     def test_the_wrong_word_is_named(self):
         frames = [self.frame0, self.frame1]
         self.refused(2, "'frobnicate' is not a command; there are detect, stream", "frobnicate")
@@ -135,6 +180,8 @@ class Usage(support.CollidectlTest):
         self.refused(2, "--tls-ca", *nobody, "--tls-cert", "a.pem", "--tls-key", "b.pem")
         self.refused(1, "holds no token", *nobody, "--token-file", self.put("empty", "\n"))
         self.refused(1, "/nonexistent: cannot be read", *nobody, "--token-file", "/nonexistent")
+        self.refused(1, "is a folder", *nobody, "--token-file", self.folder.name)
+        self.refused(1, "which holds no CERTIFICATE", *nobody, "--tls-ca", self.frame0)
         self.refused(1, "in plain text", *nobody, *token)
         self.refused(2, "--server", "stream", "--scene", "funnel", "--daemon-user", "0")
         for user in ("no_such_user", "-1", "1x", "99999999999"):

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "client/cpp/client.hpp"
+#include "client/cpp/transport/grpc/address.hpp"
 #include "client/cpp/transport/grpc/channel.hpp"
 #include "client/cpp/transport/grpc/deadline.hpp"
 #include "collided/v1/error_details.pb.h"
@@ -22,6 +23,54 @@ TEST(Address, IsLocalIfItCannotLeaveTheHost) {
                              "10.0.0.1:50551", "0.0.0.0:50551", "[::]:50551", "[fe80::1]:1", "ipv4:8.8.8.8:1",
                              "dns://8.8.8.8/localhost:1", "[::1", "[", "xunix:/run/s"})
     EXPECT_FALSE(is_local_address(remote)) << remote;
+}
+
+/// What check_address() says; empty if it takes it.
+std::string refused_address(const std::string& address) {
+  try {
+    check_address(address);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), grpc::INVALID_ARGUMENT);
+    EXPECT_EQ(e.field(), "address");
+    return e.message();
+  }
+  return "";
+}
+
+TEST(Address, NeedsAPortThatThereIs) {
+  for (const char* good : {"localhost:1",
+                           "localhost:65535",
+                           "10.0.0.1:50551",
+                           "[::1]:50551",
+                           "[fe80::1%eth0]:1",
+                           "unix:/run/s:70000",
+                           "unix:s",
+                           "unix:///run/s",
+                           "unix-abstract:s",
+                           "vsock:2:70000",
+                           "xds:///name",
+                           "dns:localhost:1",
+                           "dns:///localhost:1",
+                           "dns://8.8.8.8/localhost:1",
+                           "dns:example.org",
+                           "dns:///example.org",
+                           "ipv4:127.0.0.1:1",
+                           "ipv4:127.0.0.1",
+                           "ipv4:127.0.0.1:1,127.0.0.1:2",
+                           "ipv6:[::1]:1",
+                           "ipv6:::1"})
+    EXPECT_EQ(refused_address(good), "") << good;
+  for (const std::string host :
+       {"localhost", "10.0.0.1", "[::1]", "dns:localhost", "dns:///localhost", "dns://8.8.8.8/localhost",
+        "ipv4:127.0.0.1", "ipv4:127.0.0.1:1,127.0.0.1", "ipv6:[::1]"})
+    for (const std::string port : {"70000", "65536", "0", "-1", "+1", "", "1x", " 1", "99999999999999999999"})
+      EXPECT_EQ(refused_address(host + ":" + port), "address is '" + host + ":" + port + "', whose port is '" + port +
+                                                        "'; it must be a number from 1 to 65535");
+  for (const std::string portless : {"localhost", "example.org", "127.0.0.1", "::1", "[::1]", "[::1"})
+    EXPECT_EQ(refused_address(portless),
+              "address is '" + portless + "', which has no port; it needs one from 1 to 65535, as in localhost:50551");
+  EXPECT_NE(refused_address(""), "");
+  EXPECT_THROW(Client::connect("localhost:70000"), Error);
 }
 
 using std::chrono::milliseconds;
@@ -77,6 +126,10 @@ TEST(Tls, OptionsThatDoNotGoTogetherAndFilesThatAreNotThereAreNamed) {
   std::ofstream(ca) << "-----BEGIN CERTIFICATE-----\n";
   EXPECT_EQ(refusal("a:1", {.tls_ca = ca}).code(), 0);
   EXPECT_EQ(refusal("a:1", {.tls_ca = ca, .tls_certificate = ca, .tls_key = "/none"}).field(), "tls_key");
+  EXPECT_EQ(refusal("a:1", {.tls_ca = ca, .tls_certificate = ca, .tls_key = ca}).field(), "tls_key");
+  const std::string text = testing::TempDir() + "text.pem";
+  std::ofstream(text) << "no certificate\n";
+  EXPECT_EQ(refusal("a:1", {.tls_ca = text}).message(), "tls_ca is '" + text + "', which holds no CERTIFICATE (PEM)");
 }
 
 void pack(v1::RpcStatus& status, const std::string& name, const google::protobuf::MessageLite& detail) {

@@ -85,6 +85,25 @@ TEST_F(MeshFiles, ObjLinesAndPointsAreLooseElements) {
   EXPECT_NE(error_of("m.obj", "v 0 0 0\np 2\n").find("m.obj:2: vertex index 2 is out of range"), std::string::npos);
 }
 
+TEST_F(MeshFiles, AByteOrderMarkIsNoPartOfTheFirstLine) {
+  const MeshFile f = read_mesh(put("m.obj", "\xEF\xBB\xBFv 7 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
+  ASSERT_EQ(f.positions.size(), 3u);
+  EXPECT_EQ(f.positions[0], (Vec3d{7, 0, 0}));
+}
+
+TEST_F(MeshFiles, VerticesOfFacesAreIntegers) {
+  for (const std::string type : {"float", "double"}) {
+    const std::string error =
+        error_of("m.ply",
+                 "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                 "element face 1\nproperty list uchar " +
+                     type +
+                     " vertex_indices\nend_header\n"
+                     "0 0 0\n1 0 0\n0 1 0\n3 0 1.7 2\n");
+    EXPECT_NE(error.find("m.ply:8: vertex_indices must be of an integer type"), std::string::npos) << error;
+  }
+}
+
 template <class T>
 std::string bytes(T value, bool big) {
   char raw[sizeof(T)];

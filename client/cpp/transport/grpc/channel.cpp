@@ -2,7 +2,6 @@
 
 #include "client/cpp/transport/grpc/channel.hpp"
 
-#include <arpa/inet.h>
 #include <grpcpp/create_channel.h>
 #include <grpcpp/support/channel_arguments.h>
 
@@ -13,6 +12,7 @@
 #include <iterator>
 
 #include "client/cpp/error.hpp"
+#include "client/cpp/transport/grpc/address.hpp"
 #include "client/cpp/transport/grpc/deadline.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
 #include "proto/constants.hpp"
@@ -31,6 +31,16 @@ std::string read_file(const char* option, const std::string& name) {
   return text;
 }
 
+/// The same of a file that must have a block of PEM whose title ends with `what`. gRPC would not say what is wrong with
+/// another one, but only fail to connect.
+std::string read_pem(const char* option, const std::string& name, const std::string& what) {
+  std::string text = read_file(option, name);
+  if (text.find(what + "-----") == std::string::npos)
+    throw Error(grpc::INVALID_ARGUMENT, std::string(option) + " is '" + name + "', which holds no " + what + " (PEM)",
+                option);
+  return text;
+}
+
 /// Why a channel did not connect, if gRPC says so; else empty. gRPC reports it only to calls, so this makes one.
 std::string reason_of(const std::shared_ptr<grpc::Channel>& channel) {
   grpc::ClientContext context;
@@ -42,19 +52,6 @@ std::string reason_of(const std::shared_ptr<grpc::Channel>& channel) {
   const size_t last = text.find(before);
   if (last == std::string::npos) return ": " + text;
   return text.substr(text.find(": ", last + before.size()));  // drops the name of the status code
-}
-
-/// "[::1]:50051" to "::1", "localhost:50051" to "localhost".
-std::string host_of(std::string address) {
-  for (const std::string scheme : {"dns:", "ipv4:", "ipv6:"})
-    if (address.starts_with(scheme)) {
-      address.erase(0, scheme.size());
-      address.erase(0, address.find_first_not_of('/'));
-    }
-  if (const size_t end = address.find(']'); address.starts_with('[') && end != std::string::npos)
-    return address.substr(1, end - 1);
-  if (std::count(address.begin(), address.end(), ':') > 1) return address;  // a bare IPv6 address
-  return address.substr(0, address.find(':'));
 }
 
 /// Whether gRPC metadata can carry it: visible ASCII.
@@ -88,28 +85,19 @@ grpc::ChannelArguments call_arguments(uint64_t max_answer_bytes) {
 std::shared_ptr<grpc::ChannelCredentials> credentials_of(const ConnectOptions& options) {
   if (options.tls_ca.empty()) return grpc::InsecureChannelCredentials();
   grpc::SslCredentialsOptions tls;
-  tls.pem_root_certs = read_file("tls_ca", options.tls_ca);
+  tls.pem_root_certs = read_pem("tls_ca", options.tls_ca, "CERTIFICATE");
   if (!options.tls_key.empty()) {
-    tls.pem_cert_chain = read_file("tls_certificate", options.tls_certificate);
-    tls.pem_private_key = read_file("tls_key", options.tls_key);
+    tls.pem_cert_chain = read_pem("tls_certificate", options.tls_certificate, "CERTIFICATE");
+    tls.pem_private_key = read_pem("tls_key", options.tls_key, "PRIVATE KEY");
   }
   return grpc::SslCredentials(tls);
 }
 
 }  // namespace
 
-bool is_local_address(const std::string& address) {
-  if (address.starts_with("unix:") || address.starts_with("unix-abstract:")) return true;
-  const std::string host = host_of(address);
-  in_addr ipv4;
-  in6_addr ipv6;
-  if (inet_pton(AF_INET, host.c_str(), &ipv4) == 1) return ntohl(ipv4.s_addr) >> 24 == 127;
-  if (inet_pton(AF_INET6, host.c_str(), &ipv6) == 1) return IN6_IS_ADDR_LOOPBACK(&ipv6);
-  return host == "localhost";
-}
-
 ChannelFactory::ChannelFactory(std::string address, ConnectOptions options)
     : address_(std::move(address)), options_(std::move(options)) {
+  check_address(address_);
   check_options(options_);
   check_token(options_, address_);
   credentials_ = credentials_of(options_);

@@ -14,13 +14,11 @@
 
 namespace collided::client {
 
-/// Whether a gRPC address is on this host for certain: unix:..., localhost or a loopback IP.
-bool is_local_address(const std::string& address);
-
 class ChannelFactory {
  public:
-  /// Reads the files. Throws Error (INVALID_ARGUMENT) for options that contradict each other, a file that cannot be
-  /// read, or a token that would go to another host in plain text.
+  /// Reads the files. Throws Error (INVALID_ARGUMENT) for an address as check_address() does, options that contradict
+  /// each other, a file that cannot be read or holds no PEM of its kind, or a token that would go to another host in
+  /// plain text.
   ChannelFactory(std::string address, ConnectOptions options);
   /// To a daemon in this process, which needs no credentials. Throws Error (INVALID_ARGUMENT) for options that it
   /// cannot have.

@@ -32,5 +32,10 @@ TEST(Nearest, IsFoundByTheLettersNotTheDashes) {
   EXPECT_EQ(nearest("--x", known), "");
 }
 
+TEST(Controls, AreWrittenAsNumbers) {
+  EXPECT_EQ(without_controls("a\x1b[31m\n\x7f\x01"), "a\\x1b[31m\\x0a\\x7f\\x01");
+  EXPECT_EQ(without_controls("Gr\u00fc\u00dfe"), "Gr\u00fc\u00dfe");
+}
+
 }  // namespace
 }  // namespace collided::cli
