@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,16 @@ from collided.errors import InvalidArgument
 
 UINT32_MAX = 2**32 - 1
 INDEX = np.dtype("<u4")
+
+
+def real(value: Any) -> float:
+    """A real number as a double; NaN for what is none."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        return math.nan
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
 
 
 def numbers(values: Any, argument: str) -> np.ndarray:
@@ -35,7 +46,10 @@ def points(values: Any, argument: str, count: int | None = None) -> np.ndarray:
 
 def ids(values: Any, argument: str, corners: int = 0) -> np.ndarray:
     """Vertex numbers as uint32, of shape (n, corners), or (n,) for 0 corners."""
-    array = np.asarray(values) if not isinstance(values, np.ndarray) else values
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError) as error:
+        raise InvalidArgument(f"{argument} is no array of integers: {error}", field=argument) from None
     shape = f"(n, {corners})" if corners else "(n,)"
     if array.size == 0:
         return np.empty((0, corners) if corners else (0,), INDEX)

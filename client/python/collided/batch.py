@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
@@ -110,6 +111,7 @@ class SceneBatch:
         self._form = self.options.format(self.layout)
         self._frames = SetFrames(self.client, self.message, stream)
         self._has_frame = np.zeros(count, bool)
+        self._process = os.getpid()
 
     @property
     def id(self) -> str:
@@ -158,7 +160,10 @@ class SceneBatch:
         return contacts
 
     def close(self) -> None:
-        """Deletes the set and, unless the client is the caller's, ends the connection."""
+        """Deletes the set and, unless the client is the caller's, ends the connection. In a process that was forked from the
+        set's it does nothing."""
+        if os.getpid() != self._process:
+            return
         self._frames.close()
         try:
             self.client.delete_scene(self.id)

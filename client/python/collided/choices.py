@@ -1,4 +1,4 @@
-"""Values of the protocol's enumerations by name."""
+"""Words that callers pass: text, and values of the protocol's enumerations by name."""
 
 from __future__ import annotations
 
@@ -20,6 +20,12 @@ def choice(enum: Any, prefix: str, value: str | int | None, argument: str) -> An
         return int(value)
     usable = ", ".join(word for word, number in words.items() if number)
     raise InvalidArgument(f"{argument} is {value!r}; it must be one of {usable}", field=argument)
+
+
+def check_text(value: Any, argument: str) -> None:
+    """Whether it is text that can be sent."""
+    if not isinstance(value, str) or any("\ud800" <= character <= "\udfff" for character in value):
+        raise InvalidArgument(f"{argument} is {value!r}; it must be text", field=argument)
 
 
 def word(enum: Any, prefix: str, number: int) -> str:

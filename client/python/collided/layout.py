@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from collided.choices import check_text
 from collided.errors import InvalidArgument
 from collided.meshes import Mesh, as_mesh
 from collided.v1 import scene_pb2
@@ -31,6 +32,8 @@ class Layout:
             named = [(mesh.name or f"mesh {i}", mesh) for i, mesh in enumerate(source)]
         else:
             named = [(source.name if isinstance(source, Mesh) and source.name else "mesh", source)]
+        for name, _ in named:
+            check_text(name, "meshes")
         if not named:
             raise InvalidArgument("a scene needs one mesh or more", field="meshes")
         layout = Layout(tuple(as_mesh(mesh, name) for name, mesh in named))

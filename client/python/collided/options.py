@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from collided.arrays import real
+from collided.choices import check_text as check_text  # for the folder `connection`, too
 from collided.choices import choice, word
 from collided.errors import InvalidArgument
 from collided.layout import Layout
@@ -71,10 +74,13 @@ class SceneOptions:
         _check_count(self.expected_contacts, "expected_contacts", 32)
         mode = choice(scene_pb2.DetectionMode, "DETECTION_MODE_", self.mode, "mode")
         object.__setattr__(self, "mode", word(scene_pb2.DetectionMode, "DETECTION_MODE_", mode))
-        object.__setattr__(self, "exclude", tuple(self.exclude))
-        object.__setattr__(self, "part_devices", tuple(words(self.part_devices, "part_devices")))
-        object.__setattr__(self, "kinds", tuple(words(self.kinds, "kinds")))
-        object.__setattr__(self, "fields", tuple(words(self.fields, "fields")))
+        for name in ("exclude", "part_devices", "kinds", "fields"):
+            object.__setattr__(self, name, tuple(words(getattr(self, name), name)))
+        check_text(self.display_name, "display_name")
+        if self.device is not None:
+            check_text(self.device, "device")
+        for device in self.part_devices:
+            check_text(device, "part_devices")
         self.spec()
 
     def format(self, layout: Layout) -> Format:
@@ -96,7 +102,8 @@ class SceneOptions:
             backend=choice(scene_pb2.Backend, "BACKEND_", self.backend, "backend"),
             broad_phase_engine=choice(scene_pb2.BroadPhaseEngine, "BROAD_PHASE_ENGINE_", self.broad_phase, "broad_phase"),
             reuse=choice(scene_pb2.Reuse, "REUSE_", self.reuse, "reuse"),
-            kinds=[choice(contact_pb2.ContactKind, "CONTACT_KIND_", _SHORT_KINDS.get(kind, kind), "kinds")
+            kinds=[choice(contact_pb2.ContactKind, "CONTACT_KIND_",
+                          _SHORT_KINDS.get(kind, kind) if isinstance(kind, str) else kind, "kinds")
                    for kind in self.kinds],
             fields=[choice(contact_pb2.ContactField, "CONTACT_FIELD_", name, "fields")
                     for name in self.fields])
@@ -106,9 +113,9 @@ class SceneOptions:
         return spec
 
 
-def words(values: Iterable[str], argument: str) -> list[str]:
-    """A list of words, which a single word is not."""
-    if isinstance(values, str):
+def words(values: Any, argument: str) -> list[Any]:
+    """A list, which a single word is not."""
+    if isinstance(values, str) or not isinstance(values, Iterable):
         raise InvalidArgument(f"{argument} is {values!r}; it must be a list, such as [{values!r}]", field=argument)
     return list(values)
 
@@ -120,9 +127,14 @@ def _check_count(value: Any, argument: str, bits: int) -> None:
 
 def check_length(value: Any, argument: str) -> None:
     """Whether it is a length: finite, and at least 0."""
-    is_number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
-    if not is_number or not np.isfinite(value) or value < 0:
+    if not 0 <= real(value) < math.inf:
         raise InvalidArgument(f"{argument} is {value!r}; it must be finite and at least 0", field=argument)
+
+
+def check_seconds(value: Any, argument: str) -> None:
+    """Whether it is a time to wait: at least 0, perhaps without an end."""
+    if not real(value) >= 0:
+        raise InvalidArgument(f"{argument} is {value!r}; it must be seconds, at least 0", field=argument)
 
 
 def _natural(layout: Layout) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from typing import TYPE_CHECKING, Any
 
 from collided.connection.client import Client
@@ -50,6 +51,7 @@ class Scene:
         self.options = SceneOptions(**scene)
         self.track = Track(Layout.of(meshes, self.options.exclude), self.options)
         self.lease_seconds = lease_seconds
+        self._process = os.getpid()
         self.owns_client = not isinstance(server, Client)
         self.client = server if isinstance(server, Client) else Client(server, **connect)
         self.message = self.client.create_scene(self.track.layout, self.options, lease_seconds)
@@ -95,8 +97,11 @@ class Scene:
     def close(self) -> None:
         """Deletes the scene, and ends the connection unless it was the caller's.
 
-        A daemon that is gone or does not answer is left alone: the scene's lease ends there.
+        A daemon that is gone or does not answer is left alone: the scene's lease ends there. A process that was forked from the
+        scene's leaves everything to that.
         """
+        if os.getpid() != self._process:
+            return
         try:
             self.client.delete_scene(self.id)
         except Error as error:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Iterable, Iterator
-from typing import Any, Unpack, cast
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from collided.choices import choice
 from collided.contacts.contacts import Contacts
 from collided.errors import DeadlineExceeded, Error, FailedPrecondition, InvalidArgument
 from collided.frames.options import FrameOptions
+from collided.options import check_seconds
 from collided.scene import Scene
 from collided.stream import Stream
 from collided.transport.opening import StreamOptions
@@ -37,11 +39,18 @@ class Session:
     same to the bit. If that fails, Unavailable is raised, and the next call tries again: no frame is lost.
 
     Exceptions of a refused frame come from `receive`, `step` or `run` in its turn; the session goes on.
+
+    An interrupt, such as KeyboardInterrupt, leaves the session usable: a frame is in flight if it was interrupted in `receive`,
+    or in `step` once it was sent, and is not if it was before; `in_flight` tells. The next call connects again.
+
+    The session is of the process that made it: in one that is forked from it, calls raise FailedPrecondition, and `close` does
+    nothing.
     """
 
     def __init__(self, meshes: Any, *, window: int = 0, delivery: str = "lossless", transport: str = "auto",
                  output_bytes: int = 8 << 20, edit_bytes: int = 0, daemon_user: int | None = None,
                  take_over: bool = False, reconnect_seconds: float = 60.0, **scene_options: Any) -> None:
+        check_seconds(reconnect_seconds, "reconnect_seconds")
         if isinstance(meshes, Scene) and scene_options:
             raise InvalidArgument(f"{min(scene_options)} is given with a Scene, which has its own",
                                   field=min(scene_options))
@@ -71,22 +80,28 @@ class Session:
         Raises InvalidArgument before anything is sent for shapes, dtypes and meshes that cannot be, and what the daemon
         refuses the frame with: it leaves the scene unchanged.
         """
+        if timeout is not None:
+            check_seconds(timeout, "timeout")
+        self._stream.check()
         self._stream.check_open()
         if self.in_flight:
             raise FailedPrecondition(f"step() with {self.in_flight} frames in flight: receive them first")
-        self.send(positions, start, **options)
-        return self.receive(timeout)
+        self._send(positions, start, options)
+        return self._receive(timeout)
 
     def send(self, positions: Any = None, start: Any = None, **options: Unpack[FrameOptions]) -> int:
         """Sends a frame, and waits for that while a whole window is in flight. Returns the frame's number, from 1: its
         contacts' `frame_id`, not the `wire_id` that watchers see.
 
-        Arguments as of `step`. Arrays may be changed once this returns.
+        Arguments as of `step`. Arrays may be changed once this returns. If it is interrupted, the frame is not in flight.
         """
+        self._stream.check()
         self._stream.check_open()
+        return self._send(positions, start, options)
+
+    def _send(self, positions: Any, start: Any, options: FrameOptions) -> int:
         is_first = not self._stream.begin()
-        return self._stream.send(self.scene.track.request(self._stream.layout, is_first, positions, start,
-                                                          cast(FrameOptions, options)))
+        return self._stream.send(self.scene.track.request(self._stream.layout, is_first, positions, start, options))
 
     def receive(self, timeout: float | None = None) -> Contacts:
         """The next frame's contacts, in the order in which frames were sent. Raises what the daemon refused it with.
@@ -94,15 +109,21 @@ class Session:
         timeout: seconds to wait; DeadlineExceeded if nothing came, and nothing is lost. FailedPrecondition if no frame is in
         flight.
         """
+        if timeout is not None:
+            check_seconds(timeout, "timeout")
+        self._stream.check()
         if not self.in_flight:
             raise FailedPrecondition("receive() with no frame in flight")
-        deadline = None if timeout is None else time.monotonic() + timeout
+        return self._receive(timeout)
+
+    def _receive(self, timeout: float | None) -> Contacts:
+        deadline = None if timeout is None or timeout > threading.TIMEOUT_MAX else time.monotonic() + timeout
         while not self._stream.ready:
             left = None if deadline is None else max(0.0, deadline - time.monotonic())
             if not self._stream.read(left):
                 frame = self._stream.first_unanswered()
                 raise DeadlineExceeded(f"frame {frame} was not answered within {timeout} s; it is still in flight")
-        answer = self._stream.ready.popleft()
+        answer = self._stream.take()
         if isinstance(answer, Error):
             raise answer
         return answer
@@ -173,6 +194,8 @@ class Session:
 
     def close(self) -> None:
         """Ends the stream, and deletes the scene if it is the session's own. Answers in flight are given up."""
+        if self._stream.is_foreign:
+            return
         if not self._owns_scene:
             self._stream.finish()
         self._stream.close(FailedPrecondition("the session is closed"))

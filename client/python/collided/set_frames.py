@@ -60,6 +60,9 @@ class SetFrames:
             self._open()  # it may have ended for having been idle
             if self._transport is None or self._applied >= self._last_id:  # the answer is lost
                 raise
+        except BaseException:  # such as KeyboardInterrupt: nobody knows what was sent and read
+            self._close_transport()
+            raise
         return self._exchange(head, update, worlds)
 
     def close(self) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import threading
 import time
 from collections import deque
 from dataclasses import dataclass, field
@@ -9,8 +11,10 @@ from dataclasses import dataclass, field
 from collided.contacts.answer import Answer
 from collided.contacts.columns import Part, read_chunk
 from collided.contacts.contacts import Contacts
-from collided.errors import DataLoss, Error, NotFound, ResourceExhausted, Unavailable, error_of_frame
-from collided.frames.track import Request
+from collided.errors import (DataLoss, Error, FailedPrecondition, NotFound, ResourceExhausted, Unavailable,
+                             error_of_frame)
+from collided.frames.state import State
+from collided.frames.track import NOWHERE, Request
 from collided.layout import Layout
 from collided.scene import Scene
 from collided.transport.base import NotSent, Transport
@@ -19,20 +23,31 @@ from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.02, 1.0
+_NOBODY, _INTERRUPTED = 0, -1  # instead of the thread that is in a call
+_GONE = -2  # instead of the last frame that a scene has applied
 
 
 @dataclass(eq=False)
 class _Pending:
-    """A frame that was sent and is not answered yet. wire_id: its id on the current stream."""
+    """A frame that was sent and is not answered yet. wire_id: its id on the current stream.
+
+    response: the last one of its answer, which then only has to be handed on.
+    """
 
     frame_id: int
     request: Request
     wire_id: int = 0
     parts: list[Part] = field(default_factory=list)
+    response: api.StreamFramesResponse | None = None
 
 
 class Stream:
-    """Frames in flight, their answers in order, and the transport of the moment."""
+    """Frames in flight, their answers in order, and the transport of the moment.
+
+    A call that anything but an Error ends, such as KeyboardInterrupt, may have been anywhere: `_inside` still says so when
+    the next one begins. Nobody knows then what the transport has sent and read, so another one is opened; `sent`, `received`
+    and a frame's `response` say what is done, and all that follows from them may be done again.
+    """
 
     def __init__(self, scene: Scene, options: StreamOptions, reconnect_seconds: float, take_over: bool) -> None:
         self._scene, self._options, self._reconnect_seconds = scene, options, reconnect_seconds
@@ -42,7 +57,9 @@ class Stream:
         self._has_answered = False  # the current transport
         self._failure: Error | None = None  # why no other one will be opened
         self.ready: deque[Contacts | Error] = deque()
-        self.sent = 0
+        self.sent = self.received = 0  # the numbers of the last frames that were
+        self._process = os.getpid()
+        self._inside = _NOBODY
         self.draining: float | None = None
         self.local_refusal = ""
         self.window = 0
@@ -56,7 +73,7 @@ class Stream:
     @property
     def in_flight(self) -> int:
         """Frames that were sent and whose answers were not taken."""
-        return len(self._pending) + len(self.ready)
+        return self.sent - self.received
 
     @property
     def is_local(self) -> bool:
@@ -75,6 +92,19 @@ class Stream:
         """Whether the scene has positions, or will have."""
         return bool(self._track.state) or any(not pending.request.head.trial for pending in self._pending)
 
+    @property
+    def is_foreign(self) -> bool:
+        """Whether a fork has copied it from the process that it belongs to."""
+        return os.getpid() != self._process
+
+    def check(self) -> None:
+        """Before each call of the session: whether it may be, after the last one."""
+        if os.getpid() != self._process:
+            raise FailedPrecondition("the session belongs to another process, which this one was forked from; make another one")
+        if self._inside:
+            self._enter()
+            self._inside = _NOBODY
+
     def check_open(self) -> None:
         """Raises why the stream has ended, if it has for good."""
         if self._failure is not None:
@@ -86,34 +116,72 @@ class Stream:
             state = self._track.initial()
             if state is None:
                 return False
+            self._enter()
             try:
-                if self._transport is None:
-                    self._reopen()
-                self._exchange(self._track.beginning(state))
-            except Error as error:
-                if isinstance(error, NotSent) or error.frame_id:
-                    raise
-                self._after(error)
+                self._begin(state)
+            except BaseException as error:
+                self._leave_with(error)
+                raise
+            self._inside = _NOBODY
         return True
 
+    def _begin(self, state: State) -> None:
+        try:
+            if self._transport is None:
+                self._reopen()
+            self._exchange(self._track.beginning(state))
+        except Error as error:
+            if isinstance(error, NotSent) or error.frame_id:
+                raise
+            self._after(error)
+
     def send(self, request: Request) -> int:
-        """Waits for a credit, and sends. Nothing is in flight that was not before if it raises Error."""
+        """Waits for a credit, and sends. Nothing is in flight that was not before if it raises."""
+        self._enter()
+        try:
+            self._send(request)
+        except BaseException as error:
+            self._forget_unsent()
+            self._leave_with(error)
+            raise
+        self.sent += 1
+        self._inside = _NOBODY
+        return self.sent
+
+    def _send(self, request: Request) -> None:
         if self.draining is not None and self._transport is not None:
             self._leave()
         while self._transport is not None and len(self._pending) >= self.window:
-            self.read(None)
+            self._read(None)
         pending = _Pending(self.sent + 1, request)
         self._pending.append(pending)
-        try:
-            self._transmit_or_recover(pending)
-        except Error:
-            self._pending.remove(pending)
-            raise
-        self.sent += 1
-        return self.sent
+        self._transmit_or_recover(pending)
+
+    def _forget_unsent(self) -> None:
+        while self._pending and self._pending[-1].frame_id > self.sent:
+            self._pending.pop()
+
+    def take(self) -> Contacts | Error:
+        """The first answer that is ready."""
+        self._inside = _INTERRUPTED  # if this is not the end of it
+        answer = self.ready[0]
+        self.received = answer.frame_id
+        self.ready.popleft()
+        self._inside = _NOBODY
+        return answer
 
     def read(self, timeout: float | None) -> bool:
         """Takes one message; False if none came in time."""
+        self._enter()
+        try:
+            has_read = self._read(timeout)
+        except BaseException as error:
+            self._leave_with(error)
+            raise
+        self._inside = _NOBODY
+        return has_read
+
+    def _read(self, timeout: float | None) -> bool:
         try:
             if self._transport is None:
                 self._reopen()
@@ -134,6 +202,13 @@ class Stream:
     def finish(self) -> None:
         """Waits until the daemon has ended the stream, so that the scene is free for another one, and where the track says; for
         as long as for a call."""
+        try:
+            if self._inside:
+                self._settle()
+                self._inside = _NOBODY
+                self._open(resume=True)  # in place of the one that was interrupted, whose end nobody would notice
+        except Error:
+            return
         if self._transport is None:
             return
         self._transport.half_close()
@@ -147,6 +222,33 @@ class Stream:
     def first_unanswered(self) -> int:
         """Number of the frame that is waited for."""
         return self._pending[0].frame_id
+
+    # Calls that are interrupted.
+
+    def _enter(self) -> None:
+        """Begins a call, after what the last one has left."""
+        here = threading.get_ident()
+        if self._inside:
+            if self._inside not in (here, _INTERRUPTED):
+                raise FailedPrecondition("another thread is in a call of this session, which is for one at a time")
+            self._settle()
+        self._inside = here
+
+    def _leave_with(self, error: BaseException) -> None:
+        self._inside = _NOBODY if isinstance(error, Error) else _INTERRUPTED
+
+    def _settle(self) -> None:
+        """Puts things where `sent`, `received` and answers say that they are."""
+        self._close_transport()
+        if self._options.transport == "calls":  # one may be under way, after which the scene is elsewhere
+            self._track.last_applied = NOWHERE
+        self._forget_unsent()
+        if self._pending and self._pending[0].response is not None:
+            self._hand_on(self._pending[0], self._pending[0].response)
+        while self.ready and self.ready[0].frame_id <= self.received:
+            self.ready.popleft()
+
+    # Messages.
 
     def _transmit_or_recover(self, pending: _Pending) -> None:
         is_open = self._transport is not None
@@ -182,19 +284,28 @@ class Stream:
         if kind == "contacts":
             pending.parts.append(read_chunk(response.contacts, self._transport.shared))
             return
+        if kind == "done" and (chunks := response.done.contacts):
+            pending.parts += [read_chunk(chunk, self._transport.shared) for chunk in chunks]
+            del chunks[:]
+        pending.response = response
+        self._hand_on(pending, response)
+
+    def _hand_on(self, pending: _Pending, response: api.StreamFramesResponse) -> None:
+        """Makes the answer of the first frame in flight ready. May be done again, wherever it was interrupted."""
+        answer = self._answer(pending, response)
+        if not self.ready or self.ready[-1].frame_id != pending.frame_id:
+            self.ready.append(answer)
         self._pending.popleft()
+
+    def _answer(self, pending: _Pending, response: api.StreamFramesResponse) -> Contacts | Error:
+        kind = response.WhichOneof("response")
         if kind == "done":
-            done = response.done
-            if chunks := done.contacts:
-                pending.parts += [read_chunk(chunk, self._transport.shared) for chunk in chunks]
-                del chunks[:]
-            self.ready.append(self._contacts(pending, done))
-        elif kind == "error":
-            self.ready.append(error_of_frame(response.error, pending.frame_id))
-        else:
-            done = frame_pb2.FrameDone(earliest_toi=1)
-            answer = Answer(pending.frame_id, pending.wire_id, done, self._track.layout, None, False, True)
-            self.ready.append(Contacts.of_parts(answer, []))
+            return self._contacts(pending, response.done)
+        if kind == "error":
+            return error_of_frame(response.error, pending.frame_id)
+        done = frame_pb2.FrameDone(earliest_toi=1)
+        answer = Answer(pending.frame_id, pending.wire_id, done, self._track.layout, None, False, True)
+        return Contacts.of_parts(answer, [])
 
     def _contacts(self, pending: _Pending, done: frame_pb2.FrameDone) -> Contacts:
         head = pending.request.head
@@ -202,8 +313,8 @@ class Stream:
         answer = Answer(pending.frame_id, pending.wire_id, done, way.layout, way, self._track.has_motion(head))
         return Contacts.of_parts(answer, pending.parts)
 
-    def _exchange(self, request: Request) -> None:
-        """A frame of the stream's own. Raises Error with its id if it is refused."""
+    def _exchange(self, request: Request) -> int:
+        """A frame of the stream's own. Its id on the wire. Raises Error with that if it is refused."""
         assert self._transport is not None
         head = request.head
         wire_id = self._track.next_id()
@@ -219,9 +330,7 @@ class Stream:
                 raise error_of_frame(response.error, wire_id)
             if request.is_counted:
                 self._track.apply(request, response.done, wire_id)
-            elif not head.trial:
-                self._track.last_applied = wire_id
-            return
+            return wire_id
 
     # Losing and finding the daemon.
 
@@ -265,16 +374,16 @@ class Stream:
         return bool(self._pending) and self._pending[0].request.head.HasField("from_last_fraction")
 
     def _resume(self) -> int:
-        """The last frame that the scene has applied; -1: the scene is gone."""
+        """The last frame that the scene has applied; _GONE: the scene is."""
         try:
             return self._open(resume=True)
         except NotFound:
-            return -1
+            return _GONE
         except Error as error:
             # The scene's endpoint may be gone, and proxies may not pass on why a stream was refused: a call is told.
             if not error.is_connection_lost or self._scene.client.has_scene(self._scene.id):
                 raise
-            return -1
+            return _GONE
 
     def _leave(self) -> None:
         """From a daemon that stops to another one, with nothing in flight. Where there is none, frames are answered until the
@@ -283,7 +392,7 @@ class Stream:
             return
         self._next_move = time.monotonic() + _LONGEST_PAUSE
         while self._pending and self._transport is not None:
-            self.read(None)
+            self._read(None)
         if self.draining is None or self._transport is None:  # it has been lost meanwhile
             return
         try:
@@ -317,15 +426,16 @@ class Stream:
 
     def _restore(self) -> None:
         """Opens the new scene, and puts it where the old one was."""
+        self._track.last_applied = NOWHERE  # unless this comes to its end
         try:
             self._open(resume=False)
         except NotFound as error:  # it was created a moment ago: a proxy asked another daemon, or its own has ended since
             raise Unavailable(error.message) from None
-        if self._track.state:
-            for request in self._track.replaying():
-                self._exchange(request)
-        else:
-            self._track.last_applied = 0
+        last_applied = 0
+        for request in self._track.replaying() if self._track.state else ():
+            wire_id = self._exchange(request)
+            last_applied = last_applied if request.head.trial else wire_id
+        self._track.last_applied = last_applied
         self.recreations += 1
 
     def _open(self, resume: bool) -> int:

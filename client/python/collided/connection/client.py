@@ -18,7 +18,7 @@ from collided.connection.options import ConnectOptions, is_local_address
 from collided.connection.own_daemon import OwnDaemon, shared_daemon
 from collided.errors import Error, InvalidArgument, NotFound, Unavailable, error_of_call
 from collided.layout import Layout
-from collided.options import SceneOptions
+from collided.options import SceneOptions, check_text
 from collided.v1 import batch_pb2, scene_pb2
 from collided.v1 import collision_service_pb2 as api
 from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
@@ -41,6 +41,8 @@ class Client:
 
     def __init__(self, server: str | None = None, *, daemon: OwnDaemon | None = None, **options: Any) -> None:
         self.options = ConnectOptions(**options)
+        if server is not None:
+            _check_address(server)
         self._server = server or (None if daemon else os.environ.get("COLLIDED_SERVER")) or None
         self._own = None if self._server else daemon or shared_daemon()
         if self._server:
@@ -80,6 +82,7 @@ class Client:
 
     def get_scene(self, scene_id: str) -> scene_pb2.Scene:
         """State and memory of a scene; restarts its lease. NotFound."""
+        check_text(scene_id, "scene_id")
         return self.call("GetScene", api.GetSceneRequest(scene_id=scene_id), scene_id).scene
 
     def get_mesh(self, scene_id: str, mesh: int) -> MeshElements:
@@ -87,6 +90,7 @@ class Client:
 
         NotFound; InvalidArgument for a mesh that the scene does not have; Aborted if edits keep changing it.
         """
+        check_text(scene_id, "scene_id")
         if isinstance(mesh, bool) or not isinstance(mesh, (int, np.integer)) or not 0 <= mesh <= _UINT32_MAX:
             raise InvalidArgument(f"mesh is {mesh!r}; it must be an index from 0", field="mesh")
 
@@ -97,6 +101,7 @@ class Client:
 
     def delete_scene(self, scene_id: str) -> None:
         """Frees a scene's memory. NotFound."""
+        check_text(scene_id, "scene_id")
         self.call("DeleteScene", api.DeleteSceneRequest(scene_id=scene_id), scene_id)
 
     def try_delete(self, scene_id: str) -> None:
@@ -210,6 +215,12 @@ class Client:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _check_address(server: Any) -> None:
+    check_text(server, "server")
+    if not server or "\0" in server:
+        raise InvalidArgument(f"server is {server!r}; it must be 'host:port' or 'unix:/path'", field="server")
 
 
 def full_spec(layout: Layout, options: SceneOptions) -> scene_pb2.SceneSpec:

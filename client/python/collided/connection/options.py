@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import ipaddress
+import os
 import pathlib
 from dataclasses import dataclass
 
 import grpc
 
 from collided.errors import InvalidArgument
+from collided.options import check_seconds, check_text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +33,13 @@ class ConnectOptions:
     patience: float = 5.0
     deadline: float = 60.0
 
+    def __post_init__(self) -> None:
+        check_text(self.token, "token")
+        check_text(self.tls_server_name, "tls_server_name")
+        for name in ("tls_ca", "tls_certificate", "tls_key"):
+            file = getattr(self, name)
+            check_text(os.fspath(file) if isinstance(file, os.PathLike) else file, name)
+
     def check(self, address: str) -> None:
         """Raises InvalidArgument for options that do not go together."""
         if not all("!" <= character <= "~" for character in self.token):
@@ -43,6 +52,7 @@ class ConnectOptions:
             raise InvalidArgument(f"token is not sent to {address!r} in plain text; use TLS (tls_ca) or "
                                   "allow_insecure_token", field="token")
         for name in ("patience", "deadline"):
+            check_seconds(getattr(self, name), name)
             if not getattr(self, name) > 0:
                 raise InvalidArgument(f"{name} is {getattr(self, name)!r}; it must be above 0 seconds", field=name)
 

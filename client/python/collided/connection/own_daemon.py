@@ -40,12 +40,14 @@ class OwnDaemon:
         self._program = program
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
+        self._starter = 0  # the process that started it
         self._folder = ""
 
     @property
     def address(self) -> str:
         """Raises Unavailable if the daemon does not become ready."""
         with self._lock:
+            self._leave_to_parent()
             if self._process is None or self._process.poll() is not None:
                 self._remove()
                 self._start()
@@ -59,6 +61,7 @@ class OwnDaemon:
     def stop(self) -> None:
         """Ends it; a later `address` starts another one."""
         with self._lock:
+            self._leave_to_parent()
             if self._process is None:
                 return
             assert self._process.stdin is not None
@@ -69,6 +72,11 @@ class OwnDaemon:
                 os.killpg(self._process.pid, 9)
                 self._process.wait()
             self._remove()
+
+    def _leave_to_parent(self) -> None:
+        """In a forked process: the daemon is not its own."""
+        if self._process is not None and self._starter != os.getpid():
+            self._process, self._folder = None, ""
 
     def _start(self) -> None:
         program = self._program or find_daemon()
@@ -82,6 +90,7 @@ class OwnDaemon:
                    "--max-scenes-per-client", "1000000", "--max-streams-per-client", "1000000",
                    "--max-device-mb-per-client", "16777216", "--max-frame-seconds", "1000000",
                    "--max-frames-per-second", "1000000000", *self._options]
+        self._starter = os.getpid()
         with log.open("wb") as out:
             self._process = subprocess.Popen(["/bin/sh", "-c", _GUARD, "sh", *command], stdin=subprocess.PIPE,
                                              stdout=out, stderr=out, start_new_session=True)

@@ -6,9 +6,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from collided.choices import check_text
 from collided.errors import InvalidArgument
 from collided.layout import Layout
 from collided.meshes import Mesh, as_mesh
+from collided.options import words
 from collided.v1 import scene_pb2
 
 
@@ -44,6 +46,8 @@ class Applied:
 
 def apply_edit(edit: Edit, before: Layout) -> Applied:
     """Raises InvalidArgument for meshes that are not there."""
+    if not isinstance(edit, Edit) or not isinstance(edit.meshes, Mapping):
+        raise InvalidArgument(f"edit is {edit!r}; it must be an Edit, with a mapping of meshes", field="edit")
     meshes, message = list(before.meshes), scene_pb2.SceneEdit()
     begun, rested = set(), set()
     for key, source in edit.meshes.items():
@@ -63,7 +67,7 @@ def apply_edit(edit: Edit, before: Layout) -> Applied:
     excluded = {pair for pair in before.excluded if not removed & set(pair)}
     after = Layout(tuple(meshes))
     for name, target in (("exclude", message.exclude_meshes), ("include", message.include_meshes)):
-        for pair in getattr(edit, name):
+        for pair in words(getattr(edit, name), f"edit.{name}"):
             first, second = after.pair(pair)
             target.add(first=first, second=second)
             excluded.add((first, second)) if name == "exclude" else excluded.discard((first, second))
@@ -73,6 +77,7 @@ def apply_edit(edit: Edit, before: Layout) -> Applied:
 def _place(key: str | int, meshes: list[Mesh | None], before: Layout) -> int:
     """Index of the mesh that is there, or of a free place for a new one."""
     if isinstance(key, str):
+        check_text(key, "edit.meshes")
         found = next((i for i, mesh in enumerate(meshes) if mesh is not None and mesh.name == key), None)
         if found is not None:
             return found

@@ -18,6 +18,8 @@ from collided.meshes import Mesh
 from collided.options import SceneOptions
 from collided.v1 import frame_pb2, scene_pb2
 
+NOWHERE = -1  # instead of the last frame that a scene has applied: it is not where the track says
+
 
 @dataclass(eq=False)
 class Request:
@@ -50,7 +52,7 @@ class Track:
     state: State = field(default_factory=dict)
     way: Way | None = None
     last: frame_pb2.Frame = field(default_factory=frame_pb2.Frame)
-    last_applied: int = 0  # id on the wire
+    last_applied: int = 0  # id on the wire, or NOWHERE
     last_sent: int = 0
 
     def __post_init__(self) -> None:
@@ -129,9 +131,9 @@ class Track:
         request.way = self._way_of(request) if is_plain else None
 
     def apply(self, request: Request, done: frame_pb2.FrameDone, wire_id: int) -> Way:
-        """The frame was answered: the scene is where it left it."""
+        """The frame was answered: the scene is where it left it. The same if it is done again."""
         head = request.head
-        way = self._way_of(request) if request.way is None else request.way
+        request.way = way = self._way_of(request) if request.way is None else request.way
         self.way = Way(way.start, way.along(done.advanced), way.layout, self.form) if head.advance else way
         self.last = head
         if not head.trial:

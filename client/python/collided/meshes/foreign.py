@@ -15,12 +15,19 @@ def parts_of(source: Any) -> dict[str, Any]:
         return {"vertices": source.vertices, "triangles": source.faces}
     if hasattr(source, "points") and hasattr(source, "cells_dict"):
         return _of_cells(source.points, source.cells_dict)
-    if isinstance(source, (tuple, list)) and len(source) == 2 and np.ndim(source[1]) == 2:
+    if isinstance(source, (tuple, list)) and len(source) == 2 and _is_table(source[1]):
         return {"vertices": source[0], "triangles": source[1]}
     if isinstance(source, (np.ndarray, list)):
-        return {"triangles": np.asarray(source)}
+        return {"triangles": source}
     raise InvalidArgument(f"a mesh cannot be made of {type(source).__name__}: it must be a Mesh, a path, a pair "
                           "(vertices, triangles), triangles, or have vertices and faces, or points and cells_dict")
+
+
+def _is_table(values: Any) -> bool:
+    try:
+        return np.ndim(values) == 2
+    except ValueError:  # rows of several lengths
+        return False
 
 
 def _of_cells(points: Any, cells: dict[str, Any]) -> dict[str, Any]:

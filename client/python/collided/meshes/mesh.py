@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from collided.arrays import UINT32_MAX, check_below, ids, points
-from collided.choices import choice, word
+from collided.choices import check_text, choice, word
 from collided.errors import InvalidArgument
 from collided.meshes.files import read_mesh_file
 from collided.meshes.foreign import parts_of
@@ -58,6 +58,7 @@ class Mesh:
         object.__setattr__(self, "vertex_count", self._count())
         for name in ("triangles", "edges", "points"):
             check_below(getattr(self, name), self.vertex_count, name)
+        check_text(self.name, "name")
         motion = choice(scene_pb2.MeshMotion, "MESH_MOTION_", self.motion, "motion")
         object.__setattr__(self, "motion", word(scene_pb2.MeshMotion, "MESH_MOTION_", motion or 1))
         for name, limit in (("groups", UINT32_MAX), ("collide_mask", UINT32_MAX), ("exclude_rings", 8)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 from typing import Any
 
@@ -16,7 +17,8 @@ _CONTINUED = re.compile(rb"\\\r?\n")
 
 def read_obj(data: bytes) -> dict[str, Any]:
     """Vertices and elements, as arguments of Mesh."""
-    lines = [line.strip() for line in _CONTINUED.sub(b" ", data).split(b"\n")]
+    text = data.removeprefix(codecs.BOM_UTF8)
+    lines = [line.strip() for line in _CONTINUED.sub(b" ", text).split(b"\n")]
     keys = np.array([line[:2].replace(b"\t", b" ") for line in lines], dtype="S2")
     vertex_lines = np.flatnonzero(keys == b"v ")
     vertices = _vertices(lines, vertex_lines)

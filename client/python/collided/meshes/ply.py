@@ -165,13 +165,18 @@ def _vertices(body: _Body, element: _Element) -> np.ndarray:
 
 
 def _triangles(body: _Body, element: _Element, vertices: int) -> np.ndarray:
-    name = next((p.name for p in element.lists if p.name in _CORNERS), None)
-    if name is None:
+    indices = next((p for p in element.lists if p.name in _CORNERS), None)
+    if indices is None:
         raise InvalidArgument("element face lacks the list vertex_indices")
+    if "f" in (indices.type[0], indices.count_type[0]):
+        raise InvalidArgument(f"the list {indices.name} has a floating-point type; lengths and indices must be integers")
     corners, counts = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
     for lengths, rows in _runs(body, element):
-        corners.append(rows[name].astype(np.int64).reshape(-1))
-        counts.append(np.full(len(rows), lengths[name]))
+        values = rows[indices.name].reshape(-1)
+        if values.dtype.kind == "f" and (broken := values[values != np.floor(values)]).size:  # of text
+            raise InvalidArgument(f"vertex index {broken[0]} is not an integer")
+        corners.append(values.astype(np.int64))
+        counts.append(np.full(len(rows), lengths[indices.name]))
     all_corners = np.concatenate(corners)
     bad = np.flatnonzero((all_corners < 0) | (all_corners >= vertices))
     if bad.size:

@@ -99,6 +99,6 @@ def opened_by(transport: Transport, opening: api.OpenStream) -> api.StreamOpened
         if not response.HasField("opened"):
             raise Internal("the daemon's first answer does not open the stream")
         return response.opened
-    except Error:
+    except BaseException:
         transport.close()
         raise
