@@ -19,6 +19,7 @@
 #include "server/auth/tls_files.hpp"
 #include "server/config/config.hpp"
 #include "server/config/memory_limits.hpp"
+#include "server/config/reload.hpp"
 #include "server/config/rules.hpp"
 #include "server/daemon.hpp"
 #include "server/net/descriptors.hpp"

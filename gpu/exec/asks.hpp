@@ -5,11 +5,15 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "gpu/types.hpp"
 
 namespace collided {
+
+/// Work on a frame took longer than was allowed (Asks::allow).
+struct OutOfTime {};
 
 class Asks {
  public:
@@ -23,6 +27,15 @@ class Asks {
     cancelled_ = std::move(cancelled);
     between_ = between;
     waited_ = {};
+    allow_any();
+  }
+  /// From here on the frame's work may take so long, without what it spends in its question; then it is thrown.
+  void allow(Clock::duration work) {
+    latest_ = Clock::now() + work - waited_;
+    set_due();
+  }
+  void allow_any() {
+    latest_.reset();
     set_due();
   }
 
@@ -32,11 +45,12 @@ class Asks {
     return due != kNever && Clock::now().time_since_epoch().count() >= due;
   }
 
-  /// Throws Cancelled, or what the question throws.
+  /// Throws Cancelled, OutOfTime, or what the question throws.
   void ask() {
-    if (!cancelled_) return;
+    if (!asks()) return;
     const auto start = Clock::now();
-    const bool over = cancelled_();
+    if (latest_ && start > *latest_ + waited_) throw OutOfTime();
+    const bool over = cancelled_ && cancelled_();
     waited_ += Clock::now() - start;
     if (over) throw Cancelled();
     set_due();
@@ -52,12 +66,29 @@ class Asks {
 
  private:
   static constexpr Clock::rep kNever = Clock::duration::max().count();
-  void set_due() { due_ = cancelled_ ? (Clock::now() + between_).time_since_epoch().count() : kNever; }
+  bool asks() const { return cancelled_ || latest_; }
+  void set_due() { due_ = asks() ? (Clock::now() + between_).time_since_epoch().count() : kNever; }
 
   std::function<bool()> cancelled_;
   Clock::duration between_ = kUsual;
   std::atomic<Clock::rep> due_ = kNever;  ///< on the clock
   Clock::duration waited_{};
+  std::optional<Clock::time_point> latest_;  ///< at which the work has to be done, had it never waited
+};
+
+/// As long as this lives, the frame's work may take so many milliseconds; 0: any number.
+class AllowedWork {
+ public:
+  AllowedWork(Asks& asks, double milliseconds) : asks_(asks) {
+    if (milliseconds > 0)
+      asks_.allow(std::chrono::duration_cast<Asks::Clock::duration>(std::chrono::duration<double, std::milli>(milliseconds)));
+  }
+  ~AllowedWork() { asks_.allow_any(); }
+  AllowedWork(const AllowedWork&) = delete;
+  AllowedWork& operator=(const AllowedWork&) = delete;
+
+ private:
+  Asks& asks_;
 };
 
 /// Time that the frame has worked since this was made, without what it spent in its question.

@@ -134,9 +134,13 @@ class Pipeline {
 
   void run_step(const LevelNeeds& needs, bool boxes_static) {
     try {
+      const AllowedWork allowed(exec_.asks(), reuse_.longest_step(lists_));
       run_until_room(needs, boxes_static);
+    } catch (const OutOfTime&) {
+      reuse_.give_up();
+      run_without_lists(needs);
     } catch (const ResourceExhausted&) {
-      if (lists_.use != ListUse::kNone) return run_without_lists(needs);
+      if (lists_.use != ListUse::kNone) return reuse_.refuse(), run_without_lists(needs);
       const std::optional<EngineFacts> other = choices_.retreat();
       if (!other) throw;
       result_.broad_phase = *other;
@@ -148,7 +152,7 @@ class Pipeline {
     }
   }
   void run_without_lists(const LevelNeeds& needs) {
-    neighbours_.release(), reuse_.refuse(), lists_ = {};
+    neighbours_.release(), lists_ = {};
     run_step(needs, true);
   }
   /// Until everything the step found had room. A step that will not be as it is again, because memory was allocated for

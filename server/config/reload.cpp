@@ -1,6 +1,5 @@
 // Which options may change while the daemon runs.
-#include "server/config/config.hpp"
-#include "server/config/memory_limits.hpp"
+#include "server/config/reload.hpp"
 
 namespace collided::server {
 namespace {

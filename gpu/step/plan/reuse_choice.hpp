@@ -69,6 +69,10 @@ class RunLength {
     }
     return frames() != before;
   }
+  /// Lists of this length take too long to make.
+  void shorten() {
+    if (!std::exchange(trial_, std::nullopt)) frames_ = std::max(kShortest, frames_ / 2);
+  }
 
  private:
   static constexpr double kGain = 0.98, kShortest = 2, kLongest = 64;
@@ -110,6 +114,12 @@ class ReuseChoice {
   }
   /// Frames that its list is meant to last.
   double run_length() const { return length_.frames(); }
+  /// Milliseconds that a frame which makes lists may take; 0: any number. What takes longer than the searches that it saves
+  /// is of no use, and nobody is to wait for it.
+  double longest_making() const {
+    if (wanted_ == Reuse::kOn || !search_.is_full()) return 0;
+    return std::max(kAlwaysAllowed, (1 + run_length()) * search_.median());
+  }
   /// Neither the next frame nor a comparison has use for lists.
   bool is_idle() const { return wanted_ != Reuse::kOn && state_ == State::kSearching; }
   ReuseFacts facts() const {
@@ -123,6 +133,12 @@ class ReuseChoice {
     if (wanted_ == Reuse::kOff) return;
     use == ListUse::kNone ? observe_search(milliseconds, is_clean) : observe_lists(use, milliseconds, is_clean);
   }
+  /// Lists took too long to make.
+  void give_up() {
+    budget_.owe(longest_making());
+    length_.shorten();
+    lose(ReuseReason::kSlower);
+  }
   /// There was no room for lists.
   void refuse() {
     if (wanted_ == Reuse::kOn) return budget_.pause_for(TrialBudget::kFirstPause);
@@ -134,6 +150,7 @@ class ReuseChoice {
   enum class State { kSearching, kTrying, kUsing };
   static constexpr int kFirstWait = 16;  ///< frames before the first comparison: engines are compared first
   static constexpr int kLongestTrial = 256, kSearches = 3;
+  static constexpr double kAlwaysAllowed = 20;  ///< milliseconds: whose threads wait for processors is not slow
 
   bool is_comparing() const { return state_ == State::kTrying || searches_left_ > 0; }
 

@@ -99,6 +99,15 @@ class ReusePlanner {
     missed_ = true;
     return {};
   }
+  /// Milliseconds that a step by this plan may take; 0: any number.
+  double longest_step(const ListPlan& plan) const {
+    return plan.use == ListUse::kMade ? choice_->longest_making() : 0;
+  }
+  /// It took longer.
+  void give_up() {
+    choice_->give_up();
+    life_.forget();
+  }
   /// There was no room for lists.
   void refuse() {
     choice_->refuse();

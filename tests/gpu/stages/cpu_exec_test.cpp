@@ -266,5 +266,38 @@ TEST(MemoryLedger, RefusesPastTheBudgetAndNamesNeedAndBudget) {
   EXPECT_EQ(exec.ledger().parts().size(), 1u);
 }
 
+TEST(AllowedWork, EndsWorkThatTakesLongerButNotWhatIsSpentInTheQuestion) {
+  Asks asks;
+  const auto work = [&](int milliseconds) {
+    const auto end = Asks::Clock::now() + std::chrono::milliseconds(milliseconds);
+    while (Asks::Clock::now() < end) continue;
+    asks.ask();
+  };
+  asks.begin({});
+  {
+    const AllowedWork allowed(asks, 1);
+    EXPECT_THROW(work(2), OutOfTime);
+  }
+  EXPECT_NO_THROW(work(2));
+  EXPECT_FALSE(asks.is_due());
+  {
+    const AllowedWork any(asks, 0);
+    EXPECT_NO_THROW(work(2));
+  }
+  const auto slow = [] { return std::this_thread::sleep_for(std::chrono::milliseconds(300)), false; };
+  asks.begin(slow, {});
+  {
+    const AllowedWork allowed(asks, 200);
+    EXPECT_NO_THROW(asks.ask());
+    EXPECT_NO_THROW(asks.ask());
+    EXPECT_THROW(work(250), OutOfTime);
+  }
+  {
+    const AllowedWork allowed(asks, 1);
+    asks.begin({});  // the next frame
+    EXPECT_NO_THROW(work(2));
+  }
+}
+
 }  // namespace
 }  // namespace collided::test

@@ -49,6 +49,32 @@ class ReuseTimes : public ::testing::Test {
   int left_ = 0;
 };
 
+TEST_F(ReuseTimes, GiveUpListsThatTakeTooLongToMake) {
+  EXPECT_EQ(choice_.longest_making(), 0);  // nothing is known of searches
+  int tries = 0;
+  for (int frame = 0; frame < 100'000; ++frame) {
+    if (!choice_.uses_lists()) {
+      choice_.observe(ListUse::kNone, 10, true);
+      continue;
+    }
+    EXPECT_EQ(choice_.longest_making(), 10 * (1 + choice_.run_length()));
+    choice_.give_up();
+    EXPECT_EQ(choice_.facts().reason, ReuseReason::kSlower);
+    EXPECT_EQ(choice_.run_length(), std::max(2.0, 4.0 / (1 << tries)));  // the next ones are to last less long
+    ++tries;
+  }
+  EXPECT_GE(tries, 3);
+  EXPECT_LE(tries, 20);
+}
+
+TEST_F(ReuseTimes, ShortFramesAreAllowedWhatAWaitForProcessorsTakes) {
+  while (!choice_.uses_lists()) choice_.observe(ListUse::kNone, 0.1, true);
+  EXPECT_EQ(choice_.longest_making(), 20);
+  ReuseChoice asked(Reuse::kOn);
+  for (int frame = 0; frame < 10; ++frame) asked.observe(ListUse::kNone, 10, true);
+  EXPECT_EQ(asked.longest_making(), 0);
+}
+
 TEST_F(ReuseTimes, TakeListsWhereTheyPay) {
   EXPECT_EQ(choice_.facts().reason, ReuseReason::kFirst);
   run(1000, {});

@@ -7,6 +7,7 @@
 #include "tests/gpu/scene/living_scene.hpp"
 #include "tests/gpu/scene/sheets.hpp"
 #include "tests/gpu/step/random_stream.hpp"
+#include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
 
 namespace collided::test {
@@ -182,6 +183,25 @@ TEST_F(ReusedLists, AreMadeAnewForALargerThickness) {
   EXPECT_EQ(thick.reuse.use, ListUse::kMade);
   EXPECT_GT(count_contacts(thick), 0u);
   EXPECT_EQ(run(Mode::kCcd, false).reuse.use, ListUse::kReused);  // what holds more serves for less
+}
+
+// Widened by a few frames' motion everything meets everything: a list would take a hundred searches to make.
+TEST_F(ReusedLists, AreGivenUpWhereTheyTakeTooLongToMake) {
+  const Case c = soup(7, 6000, 3, 0.3, 0.05);
+  SceneSpec spec = spec_for(c, settings(Mode::kCcd, Accuracy::kCertified, Scalar::kF32));
+  spec.threads = 1;
+  const auto listing = Detector::create(spec);
+  spec.reuse = Reuse::kOff;
+  const auto searching = Detector::create(spec);
+  const Frame frame(c, Mode::kCcd, Scalar::kF32);
+  const FrameResult expected = searching->detect(frame.input());
+  FrameResult last;
+  for (int i = 0; i < 40; ++i) {
+    last = listing->detect(frame.input());
+    expect_same_answer(expected, last);
+    if (kBackend == Backend::kCpu) EXPECT_NE(last.reuse.use, ListUse::kMade) << i;
+  }
+  if (kBackend == Backend::kCpu) EXPECT_EQ(last.reuse.reason, ReuseReason::kSlower);
 }
 
 TEST_F(ReusedLists, KeepToTheMemoryBudget) {

@@ -7,6 +7,7 @@
 
 #include "server/config/address.hpp"
 #include "server/config/memory_limits.hpp"
+#include "server/config/reload.hpp"
 #include "tests/server/config/parse.hpp"
 
 namespace collided::server {
