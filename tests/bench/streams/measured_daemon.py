@@ -1,5 +1,6 @@
-"""A daemon of a measurement's own, and `collidectl load` against it."""
+"""What the measurements of this folder share: their options, a daemon of their own, `collidectl load` against it."""
 
+import argparse
 import contextlib
 import json
 import pathlib
@@ -45,3 +46,23 @@ def result_of(process):
     if process.returncode != 0:
         sys.exit(f"{' '.join(process.args)}: {errors}")
     return json.loads(out)
+
+
+def parser_of(description):
+    """Options of every measurement, which adds its own."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("daemon")
+    parser.add_argument("collidectl")
+    parser.add_argument("--out", type=pathlib.Path)
+    parser.add_argument("--date", default="")
+    parser.add_argument("--commit", default="")
+    return parser
+
+
+def report(result, out):
+    """To the file, or to standard output without one."""
+    text = json.dumps(result, indent=1)
+    if out:
+        out.write_text(text + "\n")
+    else:
+        print(text)

@@ -10,12 +10,9 @@ time from when it was sent. Then ever more streams at 30 frames a second each, u
 own, a new one for each measurement.
 """
 
-import argparse
-import json
-import pathlib
 import sys
 
-from measured_daemon import daemon, result_of, started
+from measured_daemon import daemon, parser_of, report, result_of, started
 
 FRACTIONS = (0.25, 0.5, 0.75, 0.9, 1, 1.1, 1.25, 1.5, 2, 3)
 DELIVERIES = ("lossless", "latest-wins")
@@ -72,24 +69,15 @@ def measure(arguments):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("daemon")
-    parser.add_argument("collidectl")
+    parser = parser_of(__doc__)
     parser.add_argument("--backend", choices=("auto", "cpu", "cuda"), default="auto")
     parser.add_argument("--scene", default="reef_knot")
     parser.add_argument("--scale", type=float, default=1, help="of the scene: triangles grow with its square")
     parser.add_argument("--streams", type=int, default=8)
     parser.add_argument("--p99", default="20ms", help="bound of the latency's 99th percentile")
     parser.add_argument("--seconds", type=float, default=2, help="of each measurement")
-    parser.add_argument("--out", type=pathlib.Path)
-    parser.add_argument("--date", default="")
-    parser.add_argument("--commit", default="")
     arguments = parser.parse_args()
-    text = json.dumps(measure(arguments), indent=1)
-    if arguments.out:
-        arguments.out.write_text(text + "\n")
-    else:
-        print(text)
+    report(measure(arguments), arguments.out)
 
 
 if __name__ == "__main__":

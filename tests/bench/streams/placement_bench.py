@@ -9,13 +9,10 @@ measurement: with the first device, with the first two, four and so on, and with
 over those of one device, of the medians over the turns.
 """
 
-import argparse
-import json
-import pathlib
 import statistics
 import sys
 
-from measured_daemon import daemon, result_of, started
+from measured_daemon import daemon, parser_of, report, result_of, started
 
 WARM_UP = 100  # frames, in which a scene compares engines
 
@@ -49,24 +46,15 @@ def measure(arguments):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("daemon")
-    parser.add_argument("collidectl")
+    parser = parser_of(__doc__)
     parser.add_argument("--devices", nargs="+", default=["cuda:0", "cuda:1"], metavar="ID")
     parser.add_argument("--streams", type=int, default=400)
     parser.add_argument("--scene", default="reef_knot")
     parser.add_argument("--scale", type=float, default=0.15, help="triangles grow with its square")
     parser.add_argument("--seconds", type=float, default=10)
     parser.add_argument("--turns", type=int, default=2)
-    parser.add_argument("--out", type=pathlib.Path)
-    parser.add_argument("--date", default="")
-    parser.add_argument("--commit", default="")
     arguments = parser.parse_args()
-    text = json.dumps(measure(arguments), indent=1)
-    if arguments.out:
-        arguments.out.write_text(text + "\n")
-    else:
-        print(text)
+    report(measure(arguments), arguments.out)
 
 
 if __name__ == "__main__":

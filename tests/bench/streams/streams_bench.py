@@ -10,12 +10,9 @@ each, alone and beside a stream of the large one that keeps its window full. The
 measurement. The first frames of each stream, in which a scene compares engines, are not counted.
 """
 
-import argparse
-import json
-import pathlib
 import sys
 
-from measured_daemon import daemon, result_of, started
+from measured_daemon import daemon, parser_of, report, result_of, started
 
 SCENES = {"small": ("reef_knot", 0.15), "medium": ("reef_knot", 1.0), "large": ("cloth_ball", 1.04)}
 LIGHT_STREAMS, LIGHT_RATE = 32, 30
@@ -72,22 +69,13 @@ def measure(arguments):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("daemon")
-    parser.add_argument("collidectl")
+    parser = parser_of(__doc__)
     parser.add_argument("--backend", choices=("auto", "cpu", "cuda"), default="auto")
     parser.add_argument("--streams", type=int, nargs="+", default=[1, 2, 4, 8, 16, 32, 48, 64])
     parser.add_argument("--seconds", type=float, default=3)
     parser.add_argument("--scale", type=float, default=1, help="of the scenes: triangles grow with its square")
-    parser.add_argument("--out", type=pathlib.Path)
-    parser.add_argument("--date", default="")
-    parser.add_argument("--commit", default="")
     arguments = parser.parse_args()
-    text = json.dumps(measure(arguments), indent=1)
-    if arguments.out:
-        arguments.out.write_text(text + "\n")
-    else:
-        print(text)
+    report(measure(arguments), arguments.out)
 
 
 if __name__ == "__main__":
