@@ -19,8 +19,10 @@ class FreedMemory {
     if (unused_bytes() - left_ < kThreshold) return;
     const double used = used_bytes();
     malloc_trim(0);
-    // What another thread freed since is not left for good: it may have come too late to be returned.
-    left_ = unused_bytes() - std::max(0.0, used - used_bytes());
+    // What another thread freed since is not left for good: it may have come too late to be returned. Asked in this
+    // order, so that all of it is in both numbers.
+    const double unused = unused_bytes();
+    left_ = unused - std::max(0.0, used - used_bytes());
   }
 
  private:
