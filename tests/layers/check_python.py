@@ -14,7 +14,7 @@ ROOMS = {
     "meshes": {"arrays", "choices", "errors"},
     "frames": {"arrays", "choices", "errors", "layout", "meshes", "options", "positions"},
     "contacts": {"errors", "frames", "layout"},
-    "connection": {"errors", "layout", "options"},
+    "connection": {"choices", "errors", "layout", "options"},
     "transport": {"connection", "errors", "frames"},
     "gpu": {"contacts", "errors", "frames", "layout", "scene", "transport"},
 }

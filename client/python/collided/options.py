@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from collided.arrays import real
-from collided.choices import check_text as check_text  # for the folder `connection`, too
-from collided.choices import choice, word
+from collided.choices import check_text, choice, word
 from collided.errors import InvalidArgument
 from collided.layout import Layout
 from collided.positions import Box, Format, format_named

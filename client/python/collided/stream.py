@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import threading
 import time
 from collections import deque
 from dataclasses import dataclass, field
@@ -15,6 +14,7 @@ from collided.errors import (DataLoss, Error, FailedPrecondition, NotFound, Reso
                              error_of_frame)
 from collided.frames.state import State
 from collided.frames.track import NOWHERE, Request
+from collided.guard import Guard
 from collided.layout import Layout
 from collided.scene import Scene
 from collided.transport.base import NotSent, Transport
@@ -23,7 +23,6 @@ from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.02, 1.0
-_NOBODY, _INTERRUPTED = 0, -1  # instead of the thread that is in a call
 _GONE = -2  # instead of the last frame that a scene has applied
 
 
@@ -44,9 +43,8 @@ class _Pending:
 class Stream:
     """Frames in flight, their answers in order, and the transport of the moment.
 
-    A call that anything but an Error ends, such as KeyboardInterrupt, may have been anywhere: `_inside` still says so when
-    the next one begins. Nobody knows then what the transport has sent and read, so another one is opened; `sent`, `received`
-    and a frame's `response` say what is done, and all that follows from them may be done again.
+    After a call that was interrupted nobody knows what the transport has sent and read, so another one is opened; `sent`,
+    `received` and a frame's `response` say what is done, and all that follows from them may be done again.
     """
 
     def __init__(self, scene: Scene, options: StreamOptions, reconnect_seconds: float, take_over: bool) -> None:
@@ -59,7 +57,7 @@ class Stream:
         self.ready: deque[Contacts | Error] = deque()
         self.sent = self.received = 0  # the numbers of the last frames that were
         self._process = os.getpid()
-        self._inside = _NOBODY
+        self._guard = Guard(self._settle)
         self.draining: float | None = None
         self.local_refusal = ""
         self.window = 0
@@ -99,11 +97,9 @@ class Stream:
 
     def check(self) -> None:
         """Before each call of the session: whether it may be, after the last one."""
-        if os.getpid() != self._process:
+        if self.is_foreign:
             raise FailedPrecondition("the session belongs to another process, which this one was forked from; make another one")
-        if self._inside:
-            self._enter()
-            self._inside = _NOBODY
+        self._guard.settle()
 
     def check_open(self) -> None:
         """Raises why the stream has ended, if it has for good."""
@@ -116,13 +112,8 @@ class Stream:
             state = self._track.initial()
             if state is None:
                 return False
-            self._enter()
-            try:
+            with self._guard:
                 self._begin(state)
-            except BaseException as error:
-                self._leave_with(error)
-                raise
-            self._inside = _NOBODY
         return True
 
     def _begin(self, state: State) -> None:
@@ -137,16 +128,14 @@ class Stream:
 
     def send(self, request: Request) -> int:
         """Waits for a credit, and sends. Nothing is in flight that was not before if it raises."""
-        self._enter()
-        try:
-            self._send(request)
-        except BaseException as error:
-            self._forget_unsent()
-            self._leave_with(error)
-            raise
-        self.sent += 1
-        self._inside = _NOBODY
-        return self.sent
+        with self._guard:
+            try:
+                self._send(request)
+            except BaseException:
+                self._forget_unsent()
+                raise
+            self.sent += 1
+            return self.sent
 
     def _send(self, request: Request) -> None:
         if self.draining is not None and self._transport is not None:
@@ -163,23 +152,16 @@ class Stream:
 
     def take(self) -> Contacts | Error:
         """The first answer that is ready."""
-        self._inside = _INTERRUPTED  # if this is not the end of it
-        answer = self.ready[0]
-        self.received = answer.frame_id
-        self.ready.popleft()
-        self._inside = _NOBODY
-        return answer
+        with self._guard:
+            answer = self.ready[0]
+            self.received = answer.frame_id
+            self.ready.popleft()
+            return answer
 
     def read(self, timeout: float | None) -> bool:
         """Takes one message; False if none came in time."""
-        self._enter()
-        try:
-            has_read = self._read(timeout)
-        except BaseException as error:
-            self._leave_with(error)
-            raise
-        self._inside = _NOBODY
-        return has_read
+        with self._guard:
+            return self._read(timeout)
 
     def _read(self, timeout: float | None) -> bool:
         try:
@@ -203,9 +185,8 @@ class Stream:
         """Waits until the daemon has ended the stream, so that the scene is free for another one, and where the track says; for
         as long as for a call."""
         try:
-            if self._inside:
-                self._settle()
-                self._inside = _NOBODY
+            if self._guard.was_interrupted:
+                self._guard.settle()
                 self._open(resume=True)  # in place of the one that was interrupted, whose end nobody would notice
         except Error:
             return
@@ -222,20 +203,6 @@ class Stream:
     def first_unanswered(self) -> int:
         """Number of the frame that is waited for."""
         return self._pending[0].frame_id
-
-    # Calls that are interrupted.
-
-    def _enter(self) -> None:
-        """Begins a call, after what the last one has left."""
-        here = threading.get_ident()
-        if self._inside:
-            if self._inside not in (here, _INTERRUPTED):
-                raise FailedPrecondition("another thread is in a call of this session, which is for one at a time")
-            self._settle()
-        self._inside = here
-
-    def _leave_with(self, error: BaseException) -> None:
-        self._inside = _NOBODY if isinstance(error, Error) else _INTERRUPTED
 
     def _settle(self) -> None:
         """Puts things where `sent`, `received` and answers say that they are."""

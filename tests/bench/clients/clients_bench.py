@@ -4,11 +4,10 @@
 usage: clients_bench.py DAEMON CLIENT_FRAMES [--blocks N] [--frames N] [--side N] [--scenes few all] [--json]
 
 Each frame brings the positions of a sheet of SIDE * SIDE vertices (296: 1 MB). `ratio` is Python's median time of a frame
-over that of C++, `beyond engine` the same without the time that the daemon's engine takes. "Session" is the one of C++, which
+over that of C++, `beyond engine` the same without the time that the daemon's engine takes. "session" is C++'s Session, which
 like Python's keeps what it takes to go on after a lost daemon; "stream" is its FrameStream, which borrows positions and keeps
-nothing. Rows "few" have triangles in
-4 cells, so that there is little but the way there and back; rows "all" have them everywhere, as scenes do. Rows "calls" are
-Python's calls for single frames beside the gRPC stream of C++.
+nothing. Rows "few" have triangles in 4 cells, so that there is little but the way there and back; rows "all" have them
+everywhere, as scenes do. Rows "calls" are Python's calls for single frames beside C++ over gRPC.
 """
 
 import argparse

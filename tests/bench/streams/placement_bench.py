@@ -17,7 +17,7 @@ from measured_daemon import daemon, parser_of, report, result_of, started
 WARM_UP = 100  # frames, in which a scene compares engines
 
 
-def frames_per_second(arguments, devices):
+def load(arguments, devices):
     backend = devices[0].partition(":")[0]
     with daemon(arguments.daemon, backend, "--device", ",".join(devices)) as address:
         return result_of(started([arguments.collidectl, "load", "--scene", arguments.scene, "--scale", str(arguments.scale),
@@ -34,13 +34,13 @@ def measure(arguments):
     found = {count: [] for count in counts(len(arguments.devices))}
     for turn in range(arguments.turns):
         for count, results in found.items():
-            results.append(frames_per_second(arguments, arguments.devices[:count]))
+            results.append(load(arguments, arguments.devices[:count]))
             print(turn, count, results[-1]["throughput"]["frames_per_second"], file=sys.stderr)
     rates = {count: [result["throughput"]["frames_per_second"] for result in results] for count, results in found.items()}
-    one = statistics.median(rates[1])
+    one, scene = statistics.median(rates[1]), found[1][0]["input"]["scene"]
     return {"format": "collided placement 1", "date": arguments.date, "commit": arguments.commit,
-            "device": found[1][0]["input"]["scene"]["device"], "devices": arguments.devices, "streams": arguments.streams, "scene": arguments.scene,
-            "triangles": found[1][0]["input"]["scene"]["triangles"], "seconds": arguments.seconds,
+            "device": scene["device"], "devices": arguments.devices, "streams": arguments.streams, "scene": arguments.scene,
+            "triangles": scene["triangles"], "seconds": arguments.seconds,
             "runs": [{"devices": count, "frames_per_second": rates[count], "speedup": statistics.median(rates[count]) / one,
                       "p99_ms": [result["service_ms"]["p99"] for result in results]} for count, results in found.items()]}
 

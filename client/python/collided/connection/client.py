@@ -12,13 +12,14 @@ from typing import Any
 import grpc
 import numpy as np
 
+from collided.choices import check_text
 from collided.connection.channel import MAX_ANSWER_BYTES, ask_for_info, metadata, open_channel
 from collided.connection.mesh_elements import MeshElements, read_elements
 from collided.connection.options import ConnectOptions, is_local_address
 from collided.connection.own_daemon import OwnDaemon, shared_daemon
 from collided.errors import Error, InvalidArgument, NotFound, Unavailable, error_of_call
 from collided.layout import Layout
-from collided.options import SceneOptions, check_text
+from collided.options import SceneOptions
 from collided.v1 import batch_pb2, scene_pb2
 from collided.v1 import collision_service_pb2 as api
 from collided.v1.collision_service_pb2_grpc import CollisionServiceStub

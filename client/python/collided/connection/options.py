@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import grpc
 
+from collided.choices import check_text
 from collided.errors import InvalidArgument
-from collided.options import check_seconds, check_text
+from collided.options import check_seconds
 
 
 @dataclass(frozen=True, kw_only=True)
