@@ -103,7 +103,9 @@ class Pipeline {
     const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == thickness;
     lists_ = reuse_.begin(needs, state_.bounds);
     result_.broad_phase = choices_.begin(needs, lists_.use == ListUse::kNone);
+    const WorkTime time(exec_.asks());
     run_step(needs, boxes_static || !is_boxed || scene_.share.is_part());
+    const double work = time.milliseconds();
     boxed_thickness_ = thickness;
     needed_.include(lengths_of(state_));
     describe();
@@ -111,7 +113,7 @@ class Pipeline {
     result_.stages = exec_.stage_times();
     result_.allocations = exec_.allocations();
     choices_.end(result_, counts_.triangles, state_.bricks[0] > 0);
-    reuse_.end(lists_, state_.displacement, state_.neighbours[0] + state_.neighbours[1], result_.step_milliseconds,
+    reuse_.end(lists_, state_.displacement, state_.neighbours[0] + state_.neighbours[1], result_.step_milliseconds, work,
                result_.allocations == 0);
     result_.reuse = reuse_.facts(lists_);
     release_idle_engines();

@@ -13,16 +13,16 @@ namespace collided::server {
 /// One thread at a time.
 class FreedMemory {
  public:
-  /// Does nothing unless much more resident memory is unused than was left last time. Takes milliseconds when it trims.
+  /// Does nothing unless much more resident memory is unused than a trim leaves. Takes milliseconds when it trims.
   void give_back() {
-    left_ = std::min(left_, unused_bytes());
-    if (unused_bytes() - left_ < kThreshold) return;
-    const double used = used_bytes();
+    const double used = used_bytes(), resident = process_private_bytes();
+    left_ = std::min(left_, resident - used);
+    if (resident - used - left_ < kThreshold) return;
     malloc_trim(0);
-    // What another thread freed since is not left for good: it may have come too late to be returned. Asked in this
-    // order, so that all of it is in both numbers.
-    const double unused = unused_bytes();
-    left_ = unused - std::max(0.0, used - used_bytes());
+    // Only a trim that finds nothing tells what stays: beside one that returned much, or while others freed much, more may
+    // have been freed too late to be returned. Then the next call trims again.
+    const double used_now = used_bytes(), resident_now = process_private_bytes();
+    if (resident - resident_now < kThreshold && used - used_now < kThreshold) left_ = resident_now - used_now;
   }
 
  private:
@@ -35,7 +35,7 @@ class FreedMemory {
   /// Includes memory that never was the allocator's, such as stacks, which changes little.
   static double unused_bytes() { return process_private_bytes() - used_bytes(); }
 
-  double left_ = unused_bytes();
+  double left_ = unused_bytes();  ///< what a trim does not return
 };
 
 }  // namespace collided::server

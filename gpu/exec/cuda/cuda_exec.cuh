@@ -26,6 +26,7 @@
 #include "gpu/exec/cuda/staging.cuh"
 #include "gpu/exec/cuda/step_graph.cuh"
 #include "gpu/exec/cuda/waiting.cuh"
+#include "gpu/exec/for_now.hpp"
 
 namespace collided {
 
@@ -159,9 +160,8 @@ class CudaExec {
     asks().ask();
     StepGraph* graph = graphs_.find(key, generation_);
     if (graph == nullptr) {
-      reserving_ = true;
-      enqueue();
-      reserving_ = false;
+      reserve(enqueue);
+      const ForNow begin(begin_, static_cast<uint64_t*>(nullptr));
       graph = &graphs_.record(key, generation_, stream_, [&] {
         enqueue();
         note_now(graphs_.recording().end());
@@ -187,9 +187,10 @@ class CudaExec {
     asks().ask();
     const NvtxRange range("step by parts");
     check_cuda(cudaEventRecord(fork_, stream_), "step");
-    in_parts_ = true;
-    draining_if_thrown(stop_, stream_, f);
-    in_parts_ = false;
+    {
+      const ForNow in_parts(in_parts_, true);
+      draining_if_thrown(stop_, stream_, f);
+    }
     check_cuda(cudaEventRecord(join_, stream_), "step");
     const T found = peek(result);
     step_milliseconds_ += milliseconds_between(fork_, join_);
@@ -274,8 +275,6 @@ class CudaExec {
     allocations_ = 0;
     graph_launches_ = 0;
     step_milliseconds_ = 0;
-    reserving_ = in_parts_ = false;  // a frame may have ended with a throw
-    begin_ = nullptr;
   }
   template <class F>
   auto frame(const F& f) {
@@ -328,6 +327,12 @@ class CudaExec {
     CudaExec& exec_;
   };
 
+  /// Goes through a step for its memory alone.
+  template <class F>
+  void reserve(const F& enqueue) {
+    const ForNow reserving(reserving_, true);
+    enqueue();
+  }
   /// All work goes to the device through here, so that a step can be gone through for its memory alone.
   template <class Call>
   void put_in_line(const char* name, const Call& call) {

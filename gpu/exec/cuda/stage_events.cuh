@@ -46,7 +46,12 @@ class StageEvents {
     while (events_.size() < events_used_) events_.push_back(make_event());
     named_[stage].event = first;
     check_cuda(cudaEventRecord(events_[first], stream), name);
-    f();
+    try {
+      f();
+    } catch (...) {
+      cudaEventRecord(events_[first + 1], stream);  // the frame may go on without what this stage was part of
+      throw;
+    }
     check_cuda(cudaEventRecord(events_[first + 1], stream), name);
   }
   /// Whether some have to be over before all() is asked.

@@ -114,11 +114,11 @@ class ReuseChoice {
   }
   /// Frames that its list is meant to last.
   double run_length() const { return length_.frames(); }
-  /// Milliseconds that a frame which makes lists may take; 0: any number. What takes longer than the searches that it saves
-  /// is of no use, and nobody is to wait for it.
+  /// Milliseconds that the thread of a frame which makes lists may be at work on it; 0: any number. What takes longer than
+  /// the searches that it saves is of no use, and nobody is to wait for it.
   double longest_making() const {
-    if (wanted_ == Reuse::kOn || !search_.is_full()) return 0;
-    return std::max(kAlwaysAllowed, (1 + run_length()) * search_.median());
+    if (wanted_ == Reuse::kOn || !search_work_.is_full()) return 0;
+    return std::max(kAlwaysAllowed, (1 + run_length()) * search_work_.median());
   }
   /// Neither the next frame nor a comparison has use for lists.
   bool is_idle() const { return wanted_ != Reuse::kOn && state_ == State::kSearching; }
@@ -128,9 +128,11 @@ class ReuseChoice {
             .search_milliseconds = without_};
   }
 
-  /// Looks at a frame. `is_clean`: nothing was allocated for it.
-  void observe(ListUse use, double milliseconds, bool is_clean) {
+  /// Looks at a frame. `work`: milliseconds that its thread was at work on it, which waits for a device that others use,
+  /// too. `is_clean`: nothing was allocated for it.
+  void observe(ListUse use, double milliseconds, double work, bool is_clean) {
     if (wanted_ == Reuse::kOff) return;
+    if (use == ListUse::kNone && is_clean) search_work_.push(work);
     use == ListUse::kNone ? observe_search(milliseconds, is_clean) : observe_lists(use, milliseconds, is_clean);
   }
   /// Lists took too long to make.
@@ -221,6 +223,7 @@ class ReuseChoice {
   RunLength length_;
   RunTimes times_;                 ///< of lists of this length
   LastTimes search_;               ///< of frames without lists
+  LastTimes search_work_;          ///< of their threads
   double list_ = 0, without_ = 0;  ///< as measured last
   TrialBudget budget_{kFirstWait};
   int trial_frames_ = 0;

@@ -99,7 +99,7 @@ class ReusePlanner {
     missed_ = true;
     return {};
   }
-  /// Milliseconds that a step by this plan may take; 0: any number.
+  /// Milliseconds that a thread may be at work on a step by this plan; 0: any number.
   double longest_step(const ListPlan& plan) const {
     return plan.use == ListUse::kMade ? choice_->longest_making() : 0;
   }
@@ -114,10 +114,11 @@ class ReusePlanner {
     life_.forget();
   }
   /// It has ended. `listed`: by steps that made lists.
-  void end(const ListPlan& plan, const Displacement& found, uint64_t listed, double milliseconds, bool is_clean) {
+  void end(const ListPlan& plan, const Displacement& found, uint64_t listed, double milliseconds, double work,
+           bool is_clean) {
     if (plan.use == ListUse::kMade) life_.make(plan, settings_, listed, found.moved);
     if (plan.use == ListUse::kReused) life_.observe(found);
-    if (is_suited_) choice_->observe(missed_ ? ListUse::kMade : plan.use, milliseconds, is_clean);
+    if (is_suited_) choice_->observe(missed_ ? ListUse::kMade : plan.use, milliseconds, work, is_clean);
   }
   ReuseFacts facts(const ListPlan& plan) const {
     ReuseFacts facts = choice_->facts();

@@ -1,0 +1,103 @@
+// Each allocation of a frame is refused once: the frame answers all the same, or says that memory is short, and those after
+// it know nothing of it.
+
+#include "tests/gpu/backend.hpp"
+#include "tests/support/adversarial.hpp"
+#include "tests/support/digest.hpp"
+
+namespace collided::test {
+namespace {
+
+/// Refuses one allocation.
+class RefusingQuota final : public MemoryQuota {
+ public:
+  /// The one after `allowed` others.
+  void refuse_after(int allowed) { left_ = allowed, has_refused_ = false; }
+  bool has_refused() const { return has_refused_; }
+
+  void take(uint64_t) override {
+    if (left_ < 0 || left_-- > 0) return;
+    has_refused_ = true;
+    throw ResourceExhausted("refused");
+  }
+  void give_back(uint64_t) noexcept override {}
+
+ private:
+  int left_ = -1;
+  bool has_refused_ = false;
+};
+
+struct Settings {
+  const char* name;
+  Mode mode;
+  Accuracy accuracy;
+  Reuse reuse;
+  Engine engine;
+};
+void PrintTo(const Settings& settings, std::ostream* out) { *out << settings.name; }
+
+class RefusedMemory : public OnBackend<::testing::TestWithParam<Settings>> {
+ protected:
+  /// A few contacts, then many more of the same triangles, in larger boxes.
+  const Case few_ = soup(160, 300, 1, 0.1, 0.01), many_ = soup(161, 300, 0.3, 0.2, 0.1);
+
+  std::unique_ptr<Detector> make(const std::shared_ptr<MemoryQuota>& quota = nullptr) const {
+    const Settings& p = GetParam();
+    SceneSpec spec = settings(p.mode, p.accuracy, Scalar::kF32, 0.01);
+    spec.reuse = p.reuse;
+    spec.engine = p.engine;
+    spec.threads = 1;
+    spec.memory_quota = quota;
+    return Detector::create(spec_for(few_, spec));
+  }
+  FrameResult detect(Detector& detector, const Case& c) const {
+    const Frame frame(c, GetParam().mode, Scalar::kF32);
+    return detector.detect(frame.input());
+  }
+};
+
+TEST_P(RefusedMemory, IsToldOrDoneWithout) {
+  const auto undisturbed = make();
+  const FrameResult few = detect(*undisturbed, few_), many = detect(*undisturbed, many_);
+  ASSERT_GT(count_contacts(many), count_contacts(few));
+  const Case* const frames[] = {&few_, &many_};
+  const FrameResult* const expected[] = {&few, &many};
+  int told = 0, done_without = 0;
+  for (int which = 0; which < 2; ++which) {
+    for (int allowed = 0;; ++allowed) {
+      SCOPED_TRACE("frame " + std::to_string(which) + ", allocation " + std::to_string(allowed));
+      const auto quota = std::make_shared<RefusingQuota>();
+      const auto detector = make(quota);
+      for (int before = 0; before < which; ++before) detect(*detector, *frames[before]);
+      quota->refuse_after(allowed);
+      try {
+        const FrameResult found = detect(*detector, *frames[which]);
+        EXPECT_TRUE(same_contacts(*expected[which], found));
+        if (!quota->has_refused()) break;
+        ++done_without;
+      } catch (const ResourceExhausted&) {
+        EXPECT_TRUE(quota->has_refused());
+        ++told;
+      }
+      for (int after = 0; after < 4; ++after)
+        EXPECT_TRUE(same_contacts(*expected[after % 2], detect(*detector, *frames[after % 2]))) << "after it, " << after;
+      if (HasFatalFailure() || HasNonfatalFailure()) return;
+    }
+  }
+  EXPECT_GT(told, 0);
+  RecordProperty("told", told);
+  RecordProperty("done_without", done_without);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Frames, RefusedMemory,
+    ::testing::Values(Settings{"CcdCertified", Mode::kCcd, Accuracy::kCertified, Reuse::kAuto, Engine::kAuto},
+                      Settings{"CcdFastWithLists", Mode::kCcd, Accuracy::kFast, Reuse::kOn, Engine::kOctree},
+                      Settings{"CcdExactByLbvh", Mode::kCcd, Accuracy::kExact, Reuse::kOff, Engine::kLbvh},
+                      Settings{"DcdCertifiedWithLists", Mode::kDcd, Accuracy::kCertified, Reuse::kOn, Engine::kLbvh},
+                      Settings{"DcdExact", Mode::kDcd, Accuracy::kExact, Reuse::kAuto, Engine::kAuto},
+                      Settings{"DcdCandidates", Mode::kDcd, Accuracy::kCandidates, Reuse::kAuto, Engine::kOctree}),
+    [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace collided::test
