@@ -31,14 +31,12 @@ void FieldCount::add_message(Input& in, const Type& type, std::string path) {
   if (!in.ConsumedEntireMessage()) throw_malformed();
 }
 
-// `type` is null within unknown groups. Ends at the end of the message, or after a tag that ends a group.
+// `type` is null within unknown groups. Ends at the end of the message, or after a tag that ends a group, which is not that
+// of a message.
 void FieldCount::add_fields(Input& in, const Type* type, int depth) {
   if (depth > kMaxDepth) throw_invalid(path_, fmt::format("nests more than {} levels deep", kMaxDepth));
   while (const uint32_t tag = in.ReadTag()) {
-    if (WireFormatLite::GetTagWireType(tag) == WireFormatLite::WIRETYPE_END_GROUP) {
-      if (type) throw_malformed();
-      return;
-    }
+    if (WireFormatLite::GetTagWireType(tag) == WireFormatLite::WIRETYPE_END_GROUP) return;
     add();
     add_field(in, tag, type, depth);
   }

@@ -125,6 +125,26 @@ TEST(ConvertFrame, PlacedPositionsComeBeforeThoseOfTheMessage) {
   EXPECT_EQ(updates[1].end.size(), frame.updates(1).positions().size());
 }
 
+TEST(ConvertFrame, UpdatesAreTakenAsTheyAre) {
+  pb::Frame frame;
+  frame.add_updates()->set_mesh(3);
+  pb::MeshUpdate& sparse = *frame.add_updates();
+  sparse.mutable_sparse()->set_indices("indices");
+  sparse.set_start_positions("start");
+  pb::MeshUpdate& rigid = *frame.add_updates();
+  rigid.mutable_rigid()->set_matrix("matrix");
+  rigid.mutable_rigid()->set_start_matrix("start");
+  const auto updates = parse_frame(frame, {}, scene_with([](pb::SceneSpec&) {})).updates;
+  ASSERT_EQ(updates.size(), 3u);
+  EXPECT_EQ(updates[0].mesh, 3u);
+  EXPECT_FALSE(updates[0].is_sparse || updates[2].is_sparse);
+  EXPECT_TRUE(updates[1].is_sparse);
+  EXPECT_EQ(updates[1].indices.size(), 7u);
+  EXPECT_EQ(updates[1].start.size(), 5u);
+  EXPECT_EQ(updates[2].transform.size(), 6u);
+  EXPECT_EQ(updates[2].start_transform.size(), 5u);
+}
+
 TEST(ConvertFrame, ARefusalOfTheModeNamesIt) {
   pb::Frame frame;
   frame.set_mode(pb::DETECTION_MODE_DCD);

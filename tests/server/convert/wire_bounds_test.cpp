@@ -106,6 +106,24 @@ TEST(WireBounds, WhatIsNoFieldIsRefused) {
   EXPECT_EQ(refused(field(3, "", 5)), "frame");                             // false lengths
   EXPECT_EQ(refused(field(3, field(5, "", ~uint64_t{0}))), "frame.updates");
   EXPECT_EQ(refused(field(3, field(2, tag(1, 2)))), "frame.updates.sparse");
+  EXPECT_EQ(refused(field(3, std::string(1, '\0')) + tag(1, 0) + varint(9)), "frame.updates");  // a tag of nothing
+}
+
+// The bound is meant to be one.
+TEST(WireBounds, HoldForWhatIsParsed) {
+  constexpr uint64_t kMeshes = 20;
+  pb::Frame whole, empty;
+  for (uint32_t mesh = 0; mesh < kMeshes; ++mesh) {
+    *whole.add_updates() = frame_request({.start = true, .sparse = true}).frame().updates(1);
+    whole.mutable_updates()->rbegin()->mutable_rigid()->set_matrix(std::string(96, 'm'));
+  }
+  EXPECT_LE(count(whole.SerializeAsString()), max_fields(kMeshes));
+  for (uint64_t i = 0; i < max_fields(kMeshes); ++i) empty.add_updates();
+  for (const pb::Frame& frame : {whole, empty}) {
+    const std::string bytes = frame.SerializeAsString();
+    EXPECT_LE(count(bytes), max_fields(kMeshes));
+    EXPECT_LE(frame.SpaceUsedLong(), max_parsed_bytes(bytes.size(), kMeshes));
+  }
 }
 
 // Positions are skipped, however the bytes are cut into pieces.
