@@ -13,16 +13,16 @@ namespace collided::server {
 /// One thread at a time.
 class FreedMemory {
  public:
-  /// Does nothing unless much more resident memory is unused than a trim leaves. Takes milliseconds when it trims.
+  /// Does nothing unless much was freed since the last trim, or much more is resident and unused than it left. Takes
+  /// milliseconds when it trims.
   void give_back() {
-    const double used = used_bytes(), resident = process_private_bytes();
-    left_ = std::min(left_, resident - used);
-    if (resident - used - left_ < kThreshold) return;
+    const double used = used_bytes();
+    most_used_ = std::max(most_used_, used);
+    left_ = std::min(left_, unused_bytes());
+    if (most_used_ - used < kThreshold && unused_bytes() - left_ < kThreshold) return;
     malloc_trim(0);
-    // Only a trim that finds nothing tells what stays: beside one that returned much, or while others freed much, more may
-    // have been freed too late to be returned. Then the next call trims again.
-    const double used_now = used_bytes(), resident_now = process_private_bytes();
-    if (resident - resident_now < kThreshold && used - used_now < kThreshold) left_ = resident_now - used_now;
+    most_used_ = used;  // of before: what others freed since may have come too late to be returned
+    left_ = unused_bytes();
   }
 
  private:
@@ -32,10 +32,14 @@ class FreedMemory {
     const auto used = mallinfo2();
     return static_cast<double>(used.uordblks + used.hblkhd);
   }
-  /// Includes memory that never was the allocator's, such as stacks, which changes little.
-  static double unused_bytes() { return process_private_bytes() - used_bytes(); }
+  /// Includes memory that never was the allocator's, such as stacks.
+  static double unused_bytes() {
+    const double resident = process_private_bytes();
+    return resident - used_bytes();
+  }
 
-  double left_ = unused_bytes();  ///< what a trim does not return
+  double most_used_ = used_bytes();  ///< since the last trim
+  double left_ = unused_bytes();     ///< by the last trim, or less
 };
 
 }  // namespace collided::server

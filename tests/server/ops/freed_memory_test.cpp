@@ -2,6 +2,7 @@
 #include "server/ops/freed_memory.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 
 #include <cstring>
 #include <memory>
@@ -40,7 +41,37 @@ TEST(FreedMemory, GoesBackOnceItIsMuch) {
   EXPECT_LT(process_private_bytes(), held - (48 << 20));
 }
 
-// What is freed during a return is no part of what can never be returned. The allocator goes through its arenas one
+/// Resident memory that is not the allocator's.
+class Mapped {
+ public:
+  explicit Mapped(size_t bytes)
+      : bytes_(bytes), memory_(mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)) {
+    std::memset(memory_, 1, bytes);
+  }
+  Mapped(const Mapped&) = delete;
+  Mapped& operator=(const Mapped&) = delete;
+  ~Mapped() { munmap(memory_, bytes_); }
+
+ private:
+  size_t bytes_;
+  void* memory_;
+};
+
+// What was resident and not the allocator's for a while does not stand for what the allocator keeps after it.
+TEST(FreedMemory, AlsoWhereAsMuchThatWasNeverTheAllocatorsIsGone) {
+  FreedMemory freed;
+  const double before = process_private_bytes();
+  auto mapped = std::make_unique<Mapped>(64 << 20);
+  freed.give_back();
+  Heap heap(48 << 20);
+  freed.give_back();
+  mapped = nullptr;
+  heap.free_large();
+  freed.give_back();
+  EXPECT_LT(process_private_bytes(), before + (16 << 20));
+}
+
+// What is freed during a return is returned by the next. The allocator goes through its arenas one
 // after the other: this thread's is done while those of the others, which take longer, are not.
 TEST(FreedMemory, AlsoWhatAnotherThreadFreesMeanwhile) {
   std::vector<Heap> others(4);
