@@ -106,6 +106,32 @@ TEST_F(SceneTest, TrianglesAndMeshesCountFromTheStart) {
   EXPECT_EQ(quota->held(), 0u);
 }
 
+struct QuietStream final : SceneStream {
+  void end(const std::exception_ptr&) override {}
+  void announce_stop(double) override {}
+  double idle_seconds() const override { return 0; }
+  size_t waiting() const override { return 0; }
+};
+
+TEST_F(SceneTest, OnlyWhoHasTheTokenTakesAStreamOver) {
+  const auto scene = make_ready();
+  const auto first = std::make_shared<QuietStream>(), second = std::make_shared<QuietStream>();
+  EXPECT_EQ(scene->begin_stream(first, ""), nullptr);
+  EXPECT_THROW(scene->begin_stream(second, ""), FailedPrecondition);
+  for (const char* const wrong : {"t", "tokem", "Token", "token "})
+    EXPECT_THROW(scene->begin_stream(second, wrong), PermissionDenied) << wrong;
+  EXPECT_EQ(scene->stream(), first);
+  EXPECT_EQ(scene->begin_stream(second, "token"), first);
+  EXPECT_EQ(scene->stream(), second);
+}
+
+TEST_F(SceneTest, ASetOfOneIsASet) {
+  ScenePlan plan = tip_plan();
+  EXPECT_NO_THROW(make(plan)->check_is_one("scene_id"));
+  plan.engine.worlds = 1;
+  EXPECT_THROW(make(plan)->check_is_one("scene_id"), FailedPrecondition);
+}
+
 TEST_F(SceneTest, AppliesFramesWhoseIdsRiseStrictly) {
   const auto scene = make_ready();
   const auto apply = [&](uint64_t id) { return scene->apply(id, tip_frame(id, 2).input); };
