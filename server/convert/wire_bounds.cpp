@@ -31,8 +31,8 @@ void FieldCount::add_message(Input& in, const Type& type, std::string path) {
   if (!in.ConsumedEntireMessage()) throw_malformed();
 }
 
-// `type` is null within unknown groups. Ends at the end of the message, or after a tag that ends a group, which is not that
-// of a message.
+// `type` is null within unknown groups. Ends at the end of the message, or after a tag that ends a group, which ends
+// no message.
 void FieldCount::add_fields(Input& in, const Type* type, int depth) {
   if (depth > kMaxDepth) throw_invalid(path_, fmt::format("nests more than {} levels deep", kMaxDepth));
   while (const uint32_t tag = in.ReadTag()) {

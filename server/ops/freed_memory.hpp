@@ -16,10 +16,10 @@ class FreedMemory {
   /// Does nothing unless much was freed since the last trim, or much more is resident and unused than it left. Takes
   /// milliseconds when it trims.
   void give_back() {
-    const double used = used_bytes();
+    const double used = used_bytes(), unused = unused_bytes();
     most_used_ = std::max(most_used_, used);
-    left_ = std::min(left_, unused_bytes());
-    if (most_used_ - used < kThreshold && unused_bytes() - left_ < kThreshold) return;
+    left_ = std::min(left_, unused);
+    if (most_used_ - used < kThreshold && unused - left_ < kThreshold) return;
     malloc_trim(0);
     most_used_ = used;  // of before: what others freed since may have come too late to be returned
     left_ = unused_bytes();

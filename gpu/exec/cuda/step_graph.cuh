@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gpu/exec/cuda/cuda_memory.cuh"
+#include "gpu/exec/for_now.hpp"
 
 namespace collided {
 
@@ -117,14 +118,8 @@ class StepGraphs {
     std::erase_if(graphs_, [&](const auto& graph) { return graph->generation() != generation; });
     if (graphs_.size() == kMax) graphs_.erase(graphs_.begin());
     auto graph = std::make_unique<StepGraph>(key, generation);
-    recording_ = graph.get();
-    try {
-      graph->record(stream, enqueue);
-    } catch (...) {
-      recording_ = nullptr;
-      throw;
-    }
-    recording_ = nullptr;
+    const ForNow recording(recording_, graph.get());
+    graph->record(stream, enqueue);
     graphs_.push_back(std::move(graph));
     return *graphs_.back();
   }

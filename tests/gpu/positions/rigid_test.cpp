@@ -11,6 +11,7 @@
 #include "tests/gpu/positions/owned_updates.hpp"
 #include "tests/gpu/positions/screw.hpp"
 #include "tests/gpu/refused_field.hpp"
+#include "tests/gpu/refusing_quota.hpp"
 #include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
 
@@ -204,19 +205,6 @@ TEST_F(Rigid, InDiscreteFramesOfBothKindsATurnIsNoMatter) {
   EXPECT_TRUE(same_contacts(deformable_->detect(a), rigid_->detect(b)));
 }
 
-/// Refuses the k-th take of memory.
-class FailingQuota final : public MemoryQuota {
- public:
-  void take(uint64_t) override {
-    if (left_ > 0 && --left_ == 0) throw ResourceExhausted("the test's quota");
-  }
-  void give_back(uint64_t) noexcept override {}
-  void fail_at(int take) { left_ = take; }
-
- private:
-  int left_ = 0;
-};
-
 TEST_F(Rigid, AFrameThatIsShortOfMemoryAnywhereLeavesASceneThatWorks) {
   const Pair pair(Mode::kCcd, Accuracy::kCertified, Scalar::kF32, 0x1p-6);
   begin(pair, {});
@@ -225,19 +213,19 @@ TEST_F(Rigid, AFrameThatIsShortOfMemoryAnywhereLeavesASceneThatWorks) {
   const FrameResult expected = rigid_->detect(frame_of({move}));
   int failed = 0;
   for (int take = 1; failed == take - 1; ++take) {
-    const auto quota = std::make_shared<FailingQuota>();
+    const auto quota = std::make_shared<RefusingQuota>();
     SceneSpec spec = pair.rigid;
     spec.memory_quota = quota;
     const auto scene = Detector::create(spec);
-    quota->fail_at(take);
+    quota->refuse_at(take);
     try {
       scene->detect(frame_of(first));
     } catch (const ResourceExhausted&) {
       ++failed;
-      quota->fail_at(0);
+      quota->refuse_at(0);
       scene->detect(frame_of(first));
     }
-    quota->fail_at(0);
+    quota->refuse_at(0);
     EXPECT_TRUE(same_contacts(expected, scene->detect(frame_of({move})))) << "after take " << take;
   }
   EXPECT_GT(failed, 20);

@@ -2,30 +2,12 @@
 // it know nothing of it.
 
 #include "tests/gpu/backend.hpp"
+#include "tests/gpu/refusing_quota.hpp"
 #include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
 
 namespace collided::test {
 namespace {
-
-/// Refuses one allocation.
-class RefusingQuota final : public MemoryQuota {
- public:
-  /// The one after `allowed` others.
-  void refuse_after(int allowed) { left_ = allowed, has_refused_ = false; }
-  bool has_refused() const { return has_refused_; }
-
-  void take(uint64_t) override {
-    if (left_ < 0 || left_-- > 0) return;
-    has_refused_ = true;
-    throw ResourceExhausted("refused");
-  }
-  void give_back(uint64_t) noexcept override {}
-
- private:
-  int left_ = -1;
-  bool has_refused_ = false;
-};
 
 struct Settings {
   const char* name;
@@ -64,12 +46,12 @@ TEST_P(RefusedMemory, IsToldOrDoneWithout) {
   const FrameResult* const expected[] = {&few, &many, &many};
   int told = 0, done_without = 0;
   for (int which = 0; which < 3; ++which) {
-    for (int allowed = 0;; ++allowed) {
-      SCOPED_TRACE("frame " + std::to_string(which) + ", allocation " + std::to_string(allowed));
+    for (int take = 1;; ++take) {
+      SCOPED_TRACE("frame " + std::to_string(which) + ", take " + std::to_string(take));
       const auto quota = std::make_shared<RefusingQuota>();
       const auto detector = make(quota);
       for (int before = 0; before < which; ++before) detect(*detector, *frames[before]);
-      quota->refuse_after(allowed);
+      quota->refuse_at(take);
       try {
         const FrameResult found = detect(*detector, *frames[which]);
         EXPECT_TRUE(same_contacts(*expected[which], found));
