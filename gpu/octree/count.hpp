@@ -87,6 +87,9 @@ struct CountCellsOfLarge {
 /// Registrations that each dense level would need if all triangles were registered in it.
 struct LevelTotals {
   uint64_t cells[kMaxLevel + 1];
+
+  /// How many triangles have boxes: each covers the one cell of level 0.
+  COLLIDED_HD uint64_t boxed() const { return cells[0]; }
 };
 struct CoveredPerLevel {
   const Box<float>* bounds;

@@ -7,8 +7,12 @@
 #include "gpu/base/mesh_filter.hpp"
 #include "gpu/base/tiles.hpp"
 #include "gpu/octree/control_bits.hpp"
+#include "gpu/octree/count.hpp"
 
 namespace collided {
+
+/// Tests for each triangle that are never reached; times 2^32 triangles they still are a number.
+constexpr uint64_t kAnyNumberOfTests = uint64_t{1} << 31;
 
 /// A source of pairs: members of leaves whose boxes overlap.
 struct LeafPairs {
@@ -20,13 +24,15 @@ struct LeafPairs {
   Span<const PairItem> items;
   const LeafTotals* totals;
   uint64_t registration_capacity;
-  uint64_t max_crowded_tests;                ///< beyond this the octree has to be refined first
+  const LevelTotals* covered;
+  uint64_t max_crowded_tests;                ///< for each triangle with a box; beyond this the octree is refined first
   Span<const MembersByStart> by_start = {};  ///< of each leaf, where members are in that order
 
   /// Whether the step will run again anyway, so that the search would be in vain: what does not fit was not written.
   COLLIDED_HD bool must_rerun() const {
     return (*totals)[LeafSum::kLeaves] > leaves.size() || (*totals)[LeafSum::kRegistrations] > registration_capacity ||
-           (*totals)[LeafSum::kItems] > items.size() || (*totals)[LeafSum::kCrowdedTests] > max_crowded_tests;
+           (*totals)[LeafSum::kItems] > items.size() ||
+           (*totals)[LeafSum::kCrowdedTests] > max_crowded_tests * covered->boxed();
   }
 
   /// One item, ready to be worked on.

@@ -275,6 +275,7 @@ class OctreePhase {
             octree.items.all(),
             &scene_.state.data()->leaves,
             octree.registered.capacity(),
+            &scene_.state.data()->totals,
             plan.max_crowded_tests};
   }
   CellsOfLarge cells_of_large() const { return {grid(), boxes(), scene_.octree.large.all()}; }

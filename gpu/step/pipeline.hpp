@@ -112,7 +112,7 @@ class Pipeline {
     results_.collect(state_, needs, {bytes_beside_contact, room.first_on_host}, result_);
     result_.stages = exec_.stage_times();
     result_.allocations = exec_.allocations();
-    choices_.end(result_, counts_.triangles, state_.bricks[0] > 0);
+    choices_.end(result_, state_.totals.boxed(), state_.bricks[0] > 0);
     reuse_.end(lists_, state_.displacement, state_.neighbours[0] + state_.neighbours[1], result_.step_milliseconds, work,
                result_.allocations == 0);
     result_.reuse = reuse_.facts(lists_);

@@ -58,7 +58,7 @@ class EngineChoices {
     begin_ = Clock::now();
     return is_observed_ ? choice_->next() : choice_->settled();
   }
-  /// It has ended. `refined`: with bricks.
+  /// It has ended. `triangles`: that had boxes; `refined`: with bricks.
   void end(const FrameResult& result, uint64_t triangles, bool refined) {
     if (!is_observed_) return;
     const std::chrono::duration<double, std::milli> total = Clock::now() - begin_;

@@ -15,7 +15,6 @@ class OctreePlanner {
 
   /// The scene has so many triangles from the next step on.
   void resize(uint64_t triangles) {
-    triangles_ = triangles;
     const int deepest = deepest_base(triangles);
     if (deepest != levels_.deepest) levels_ = {.deepest = deepest};
   }
@@ -31,7 +30,7 @@ class OctreePlanner {
     plan.has_large = large_.is_expected() || is_ready;
     if (engine != Engine::kOctree) return plan;
     plan.rounds = refinement_.rounds();
-    plan.max_crowded_tests = refinement_.limit(triangles_);
+    plan.max_crowded_tests = refinement_.limit();
     return plan;
   }
   const ActiveLevels& levels() const { return levels_; }
@@ -42,7 +41,7 @@ class OctreePlanner {
   }
   /// Only where the step had room for all that it found: else it tells nothing of what refinement is good for.
   bool needs_refinement(const StepState& step, const OctreePlan& plan) {
-    return plan.engine == Engine::kOctree && refinement_.observe(step, triangles_);
+    return plan.engine == Engine::kOctree && refinement_.observe(step);
   }
 
   /// Looks at the last run of a step of an engine that chooses its levels.
@@ -56,7 +55,6 @@ class OctreePlanner {
   /// weight); with 0 no other cut of the same grid makes fewer tests.
   static constexpr float kRegistrationCost = 0;
 
-  uint64_t triangles_ = 0;
   ActiveLevels levels_{.deepest = -1};
   Refinement refinement_;
   UsagePredictor large_;  ///< triangles that cover many cells

@@ -6,6 +6,7 @@
 
 #include "gpu/contacts/order.hpp"
 #include "gpu/octree/bottom_up.hpp"
+#include "gpu/octree/leaf_pairs.hpp"
 #include "gpu/octree/tree.hpp"
 #include "gpu/step/level_needs.hpp"
 
@@ -15,11 +16,12 @@ namespace collided {
 struct OctreePlan {
   Engine engine = Engine::kOctree;
   CutCost cost;
-  int rounds = 0;                             ///< of refinement below the dense levels
-  int levels = 0;                             ///< dense levels, at most
-  int base = 0;                               ///< lowest dense level, at most
-  bool has_large = true;                      ///< there may be triangles that cover many cells
-  uint64_t max_crowded_tests = ~uint64_t{0};  ///< beyond this the step runs again
+  int rounds = 0;         ///< of refinement below the dense levels
+  int levels = 0;         ///< dense levels, at most
+  int base = 0;           ///< lowest dense level, at most
+  bool has_large = true;  ///< there may be triangles that cover many cells
+  /// For each triangle with a box; beyond this the step runs again.
+  uint64_t max_crowded_tests = kAnyNumberOfTests;
 
   /// Whether the engine's stages are the octree's.
   bool has_octree() const { return engine != Engine::kLbvh && engine != Engine::kAllPairs; }

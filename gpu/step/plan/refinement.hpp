@@ -2,6 +2,7 @@
 // When the octree goes on below its dense levels. Most scenes need none of that and pay nothing for it; where crowded
 // cells at the lowest level make too many tests, the step is given up before it makes them and runs again with bricks.
 
+#include "gpu/octree/leaf_pairs.hpp"
 #include "gpu/step/state.hpp"
 
 namespace collided {
@@ -9,15 +10,12 @@ namespace collided {
 class Refinement {
  public:
   int rounds() const { return rounds_; }
-  /// Tests of crowded cells at the lowest level that a step may make; more put it off.
-  uint64_t limit(uint64_t triangles) const {
-    constexpr uint64_t kPerTriangle = 512;
-    return may_refine() ? kPerTriangle * triangles : ~uint64_t{0};
-  }
+  /// Tests of crowded cells at the lowest level that a step may make for each triangle with a box; more put it off.
+  uint64_t limit() const { return may_refine() ? 512 : kAnyNumberOfTests; }
 
   /// Looks at a step that ran; whether it has to run again, with more rounds.
-  bool observe(const StepState& step, uint64_t triangles) {
-    const bool reruns = step.leaves[LeafSum::kCrowdedTests] > limit(triangles);
+  bool observe(const StepState& step) {
+    const bool reruns = step.leaves[LeafSum::kCrowdedTests] > limit() * step.totals.boxed();
     if (reruns) {
       tests_before_ = step.leaves[LeafSum::kTests];
       rounds_before_ = rounds_;

@@ -1,11 +1,13 @@
 // One scene in parts on several devices, beside the scene on one device and what a model of the cost predicts.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "tests/bench/inputs.hpp"
+#include "tests/bench/parts/consecutive_frames.hpp"
 #include "tests/bench/parts/cost_model.hpp"
 #include "tests/bench/report.hpp"
 #include "tests/support/digest.hpp"
@@ -24,111 +26,140 @@ struct Options {
   int steps = 20, warm_up = 12;  ///< in which shares become even
 };
 
-/// What the steps of one way to run a scene were like.
+/// What the steps of one way to run a scene were like; a value for each step that counts.
 struct Run {
-  std::vector<uint64_t> digests;  ///< of each step's results
+  std::vector<uint64_t> digests;  ///< of results
   std::vector<double> step_ms, wall_ms, imbalance;
   std::vector<std::vector<double>> part_ms;  ///< of each part
-  std::vector<double> shares;                ///< in the last step
   std::map<std::string, std::vector<double>> stage_ms;
-  uint64_t contacts = 0, contact_bytes = 0;  ///< of the last step
-  FrameCounts counts;                        ///< likewise
-  std::vector<uint64_t> pairs;               ///< likewise, of each part
-  uint64_t triangles = 0, position_bytes = 0;
+  std::vector<bool> is_clean;  ///< nothing was allocated, and nothing ran again
+
+  FrameResult last;                                              ///< without contacts
+  uint64_t contacts = 0, contact_bytes = 0, position_bytes = 0;  ///< of the last step
+  uint64_t triangles = 0;
   std::map<std::string, uint64_t> device_bytes;  ///< of each part, or all
 
-  void add(const FrameResult& result, double wall);
+  void add(FrameResult result, double wall);
   void add_parts(const std::vector<PartFacts>& parts);
 };
 
-void Run::add(const FrameResult& result, double wall) {
+void Run::add(FrameResult result, double wall) {
   digests.push_back(digest(result));
   step_ms.push_back(result.step_milliseconds);
   wall_ms.push_back(wall);
+  is_clean.push_back(result.replays == 0 && result.allocations == 0);
   std::map<std::string, double> sums;
   for (const StageTime& stage : result.stages) sums[stage.stage] += stage.milliseconds;
-  for (const auto& [stage, ms] : sums) stage_ms[stage].push_back(ms);
-  counts = result.counts;
+  for (const auto& [stage, ms] : sums) {
+    stage_ms[stage].resize(step_ms.size());
+    stage_ms[stage].back() = ms;
+  }
+  for (auto& [stage, ms] : stage_ms) ms.resize(step_ms.size());
   contacts = contact_bytes = 0;
   for_each_kind(
-      [&](ContactKind, const ContactSet& set) {
+      [&](ContactKind, ContactSet& set) {
         contacts += set.size();
         for_each_field(
             [&](ContactField, const auto& column) { contact_bytes += column.size() * sizeof(*column.data()); }, set);
+        set = {};
       },
-      static_cast<const PerKind<ContactSet>&>(result));
+      static_cast<PerKind<ContactSet>&>(result));
   if (!result.parts.empty()) add_parts(result.parts);
+  last = std::move(result);
 }
 void Run::add_parts(const std::vector<PartFacts>& parts) {
   part_ms.resize(parts.size());
-  shares.clear();
-  pairs.clear();
   double sum = 0, most = 0;
   for (size_t k = 0; k < parts.size(); ++k) {
     part_ms[k].push_back(parts[k].step_milliseconds);
-    shares.push_back(parts[k].share);
-    pairs.push_back(parts[k].pairs);
     sum += parts[k].step_milliseconds, most = std::max(most, parts[k].step_milliseconds);
   }
   imbalance.push_back(sum > 0 ? most * static_cast<double>(parts.size()) / sum : 1);
 }
 
-Run run(const BenchInput& input, const Options& o, const std::vector<Device>& devices) {
+Run run(const ConsecutiveFrames& frames, const Options& o, const std::vector<Device>& devices) {
   SceneSpec spec = o.spec;
+  spec.meshes = frames.meshes();
   spec.part_devices = devices;
-  const auto detector = Detector::create(spec_for(input.at(0, o.steps), spec));
+  const auto detector = Detector::create(std::move(spec));
+  const auto slot = detector->make_slot();
   Run run;
-  play_steps(*detector, input, spec, {o.steps, o.warm_up, true}, [&](const auto& play) {
+  for (size_t i = 0; i < frames.count(); ++i) {
+    const FrameInput input = moved_to_slot(frames.input(i), *slot);
     const auto begin = std::chrono::steady_clock::now();
-    const FrameResult result = play();
-    run.add(result, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
-  });
+    slot->send(input.updates);
+    FrameResult result = detector->detect({.updates = {}, .slot = slot});
+    const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - begin;
+    if (i < static_cast<size_t>(o.warm_up)) continue;
+    run.add(std::move(result), wall.count());
+    run.position_bytes = 0;
+    for (const MeshPositions& update : input.updates) run.position_bytes += update.start.size() + update.end.size();
+  }
   run.triangles = detector->topology().triangles.size();
-  run.position_bytes = detector->topology().vertex_count * position_bytes(spec);
   for (const MemoryPart& part : detector->memory())
     run.device_bytes[devices.empty() ? "all" : part.part.substr(0, part.part.find('.'))] += part.bytes;
   return run;
 }
 
-std::map<std::string, double> medians(const Run& run) {
+/// Steps to compare two runs by: a step that runs again takes twice as long, whichever run it is. All, if there is none
+/// that is clean in both.
+std::vector<size_t> comparable(const Run& a, const Run& b) {
+  std::vector<size_t> clean, all;
+  for (size_t i = 0; i < a.step_ms.size(); ++i) {
+    all.push_back(i);
+    if (a.is_clean[i] && b.is_clean[i]) clean.push_back(i);
+  }
+  return clean.empty() ? all : clean;
+}
+double median_of(const std::vector<double>& values, const std::vector<size_t>& steps) {
+  std::vector<double> chosen;
+  for (const size_t i : steps) chosen.push_back(values[i]);
+  return median(std::move(chosen));
+}
+std::map<std::string, double> stages_of(const Run& run, const std::vector<size_t>& steps) {
   std::map<std::string, double> all;
-  for (const auto& [stage, ms] : run.stage_ms) all[stage] = median(ms);
+  for (const auto& [stage, ms] : run.stage_ms) all[stage] = median_of(ms, steps);
   return all;
 }
 
-ordered_json report(const Run& one) {
-  return {{"step_ms", median(one.step_ms)},
-          {"wall_ms", median(one.wall_ms)},
-          {"stage_ms", medians(one)},
-          {"contacts", one.contacts},
-          {"registrations", one.counts.registrations},
-          {"tests", one.counts.tests},
-          {"pairs", one.counts.pairs},
-          {"device_bytes", one.device_bytes}};
+ordered_json report(const Run& run, const std::vector<size_t>& steps) {
+  return {{"step_ms", median_of(run.step_ms, steps)},
+          {"wall_ms", median_of(run.wall_ms, steps)},
+          {"stage_ms", stages_of(run, steps)},
+          {"clean_steps", std::ranges::count(run.is_clean, true)},
+          {"contacts", run.contacts},
+          {"registrations", run.last.counts.registrations},
+          {"tests", run.last.counts.tests},
+          {"pairs", run.last.counts.pairs},
+          {"device_bytes", run.device_bytes}};
 }
-/// Of the same step on one device and in parts, step by step: a scene's steps are not all alike.
-double speed_up(const std::vector<double>& one, const std::vector<double>& in_parts) {
+/// Step by step: a scene's steps are not all alike.
+double speed_up(const std::vector<double>& one, const std::vector<double>& in_parts, const std::vector<size_t>& steps) {
   std::vector<double> ratios;
-  for (size_t i = 0; i < one.size(); ++i) ratios.push_back(one[i] / in_parts[i]);
-  return median(ratios);
+  for (const size_t i : steps) ratios.push_back(one[i] / in_parts[i]);
+  return median(std::move(ratios));
 }
 
 /// `bytes`: a step brings all positions to each part; of its contacts each comes from one.
 ordered_json report(const Run& run, const Run& one, const std::vector<Device>& devices) {
-  ordered_json names = ordered_json::array(), part_ms = ordered_json::array();
+  const std::vector<size_t> steps = comparable(one, run);
+  ordered_json names = ordered_json::array(), part_ms = ordered_json::array(), shares = ordered_json::array(),
+               pairs = ordered_json::array();
   for (const Device& device : devices) names.push_back(to_string(device));
-  for (const auto& ms : run.part_ms) part_ms.push_back(median(ms));
-  const double predicted = StepCost::of(medians(one)).in_parts(devices.size());
-  ordered_json out = report(run);
+  for (const auto& ms : run.part_ms) part_ms.push_back(median_of(ms, steps));
+  for (const PartFacts& part : run.last.parts) shares.push_back(part.share), pairs.push_back(part.pairs);
+  const double predicted = StepCost::of(stages_of(one, steps)).in_parts(devices.size());
+  ordered_json out = report(run, steps);
+  out["compared_steps"] = steps.size();
   out["devices"] = names;
-  out["speed_up"] = speed_up(one.step_ms, run.step_ms);
-  out["wall_speed_up"] = speed_up(one.wall_ms, run.wall_ms);
+  out["speed_up"] = speed_up(one.step_ms, run.step_ms, steps);
+  out["wall_speed_up"] = speed_up(one.wall_ms, run.wall_ms, steps);
   out["predicted_ms"] = predicted;
-  out["predicted_speed_up"] = median(one.step_ms) / predicted;
+  out["predicted_speed_up"] = median_of(one.step_ms, steps) / predicted;
   out["part_ms"] = part_ms;
-  out["shares"] = run.shares;
-  out["part_pairs"] = run.pairs;
-  out["max_over_mean"] = median(run.imbalance);
+  out["shares"] = shares;
+  out["part_pairs"] = pairs;
+  out["max_over_mean"] = median_of(run.imbalance, steps);
   out["bytes_to_devices"] = run.position_bytes * devices.size();
   out["bytes_from_devices"] = run.contact_bytes;
   out["same_bytes"] = run.digests == one.digests;
@@ -147,27 +178,36 @@ std::vector<Device> devices_of(const Options& o, size_t parts) {
   return chosen;
 }
 
+/// A scene on one device, then in each number of parts; false in `is_same` where their results differ.
+ordered_json run_scene(const std::string& name, const Options& o, bool& is_same) {
+  const auto frames =
+      consecutive_frames(name, o.scale, {o.seconds, static_cast<size_t>(o.warm_up) + static_cast<size_t>(o.steps)});
+  if (!frames) throw std::runtime_error("no scene is called " + name);
+  std::cerr << name << ", on one device\n";
+  const Run one = run(*frames, o, {});
+  ordered_json in_parts = ordered_json::array();
+  for (const size_t parts : o.parts) {
+    std::cerr << name << ", in " << parts << " parts\n";
+    const std::vector<Device> devices = devices_of(o, parts);
+    in_parts.push_back(report(run(*frames, o, devices), one, devices));
+    is_same = is_same && in_parts.back()["same_bytes"].get<bool>();
+  }
+  return {{"scene", name},
+          {"triangles", one.triangles},
+          {"one", report(one, comparable(one, one))},
+          {"in_parts", in_parts}};
+}
+
 bool run_all(Options& o) {
   bool is_same = true;
   o.spec.device = devices_of(o, 1).front();
   ordered_json scenes = ordered_json::array();
-  for (const BenchInput& input : bench_inputs(o.scene, o.scale, o.seconds)) {
-    std::cerr << input.name << ", on one device\n";
-    const Run one = run(input, o, {});
-    ordered_json in_parts = ordered_json::array();
-    for (const size_t parts : o.parts) {
-      std::cerr << input.name << ", in " << parts << " parts\n";
-      const std::vector<Device> devices = devices_of(o, parts);
-      in_parts.push_back(report(run(input, o, devices), one, devices));
-      is_same = is_same && in_parts.back()["same_bytes"].get<bool>();
-    }
-    scenes.push_back(
-        {{"scene", input.name}, {"triangles", one.triangles}, {"one", report(one)}, {"in_parts", in_parts}});
-  }
-  if (scenes.empty()) throw std::runtime_error("no scene is called " + o.scene);
-  const ordered_json all{{"date", o.date},     {"commit", o.commit}, {"device", device_name(o.spec.device.backend)},
-                         {"engine", o.engine}, {"steps", o.steps},   {"step_seconds", o.seconds},
-                         {"scenes", scenes}};
+  const std::vector<std::string> names = o.scene.empty() ? names_of_scenes() : std::vector{o.scene};
+  for (const std::string& name : names) scenes.push_back(run_scene(name, o, is_same));
+  const ordered_json all{
+      {"date", o.date},     {"commit", o.commit},        {"device", device_name(o.spec.device.backend)},
+      {"engine", o.engine}, {"steps", o.steps},          {"warm_up", o.warm_up},
+      {"scale", o.scale},   {"step_seconds", o.seconds}, {"scenes", scenes}};
   std::cout << all.dump(2) << "\n";
   return is_same;
 }

@@ -24,7 +24,8 @@ WARM_UP = 60  # frames
 def load(arguments, *options):
     with daemon(arguments.daemon, arguments.backend) as address:
         return result_of(started([arguments.collidectl, "load", "--scene", arguments.scene, "--scale", str(arguments.scale),
-                                  "--server", address, "--backend", arguments.backend, "--json", *map(str, options)]))
+                                  "--server", address, "--backend", arguments.backend, "--json", *map(str, options)]),
+                         may_refuse=True)
 
 
 def at_rate(arguments, streams, each, *options):

@@ -116,6 +116,7 @@ class OctreeBuild {
   uint64_t brick_counters[kMaxRounds] = {}, brick_item_counters[kMaxRounds] = {};
   uint64_t large_count = 0;
   LeafTotals totals{};
+  LevelTotals covered{};
 
  private:
   static Box<float> bounds_of(const std::vector<Box<float>>& boxes) {
@@ -125,8 +126,16 @@ class OctreeBuild {
   }
 
   LeafPairs pairs_source() {
-    return {&grid,       {}, boxes_, leaves.span(), registered.span(), items.span(), &totals, registered.size(),
-            ~uint64_t{0}};
+    return {&grid,
+            {},
+            boxes_,
+            leaves.span(),
+            registered.span(),
+            items.span(),
+            &totals,
+            registered.size(),
+            &covered,
+            kAnyNumberOfTests};
   }
   bool holds_boxes(const Leaf& leaf) {
     if (leaf.offset + leaf.count > registered.size()) return false;

@@ -27,7 +27,7 @@ struct OneLeaf {
   }
   LeafPairs source() {
     return {&grid,          filter,  span_of(boxes),    span_of(leaves), span_of(registered),
-            span_of(items), &totals, registered.size(), ~uint64_t{0}};
+            span_of(items), &totals, registered.size(), &covered,        kAnyNumberOfTests};
   }
   std::vector<std::pair<uint32_t, uint32_t>> pairs() {
     const LeafPairs source = this->source();
@@ -45,6 +45,7 @@ struct OneLeaf {
   std::vector<Leaf> leaves;
   std::vector<PairItem> items;
   LeafTotals totals{};
+  LevelTotals covered{};
 };
 
 TEST(PairTests, EveryPairOfALeafOnce) {
