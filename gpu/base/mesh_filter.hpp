@@ -36,10 +36,11 @@ struct PairFilter {
   uint32_t of_world = 0;  ///< triangles of each world, whose meshes are the same; 0: the scene is one
   SharedPairs own = {};
 
-  COLLIDED_HD bool is_needed() const { return has_rules() || own.is_needed(); }
   COLLIDED_HD bool has_rules() const { return mesh_of_triangle != nullptr; }
-  /// Of two triangles whose boxes overlap.
-  COLLIDED_HD bool operator()(uint32_t a, uint32_t b) const { return own.has(a, b) && may_touch(a, b); }
+  /// Of two triangles whose boxes overlap. `is_own`: their pair is known to be the part's own.
+  COLLIDED_HD bool operator()(uint32_t a, uint32_t b, bool is_own = false) const {
+    return (is_own || own.has(a, b)) && may_touch(a, b);
+  }
   COLLIDED_HD bool may_touch(uint32_t a, uint32_t b) const {
     if (!has_rules()) return true;
     const uint32_t mesh_a = mesh_of(a), mesh_b = mesh_of(b);

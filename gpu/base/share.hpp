@@ -45,6 +45,14 @@ struct Share {
     return range.begin <= number && number < range.end;
   }
   COLLIDED_HD bool has(const Vec3<float>& point) const { return has(block_of(point)); }
+
+  /// Whether cells of that level are each within one block, as those of the blocks' own lattice are.
+  COLLIDED_HD bool holds_cells(const LevelGrid& of_cells, int cell_level) const {
+    const float lattice = grid.cells_per_length;
+    return cell_level >= level && lattice > 0 && of_cells.cells_per_length == lattice;
+  }
+  /// Of such a cell: whether pairs whose larger lower corner it holds are the part's own.
+  COLLIDED_HD bool has_cell(const Coords& cell, int cell_level) const { return has(shifted(cell, cell_level - level)); }
   /// Whether a pair may be its own that a triangle with this box is in.
   COLLIDED_HD bool touches(const Box<float>& box) const {
     constexpr uint64_t kMost = 64;  // triangles of more blocks may be anybody's
@@ -77,6 +85,10 @@ struct SharedPairs {
   const Box<float>* boxes = nullptr;  ///< of the triangles
 
   COLLIDED_HD bool is_needed() const { return share != nullptr; }
+  /// Whether all pairs of a leaf are of one part.
+  COLLIDED_HD bool has_leaves_of_one_part(const LevelGrid& grid, int level) const {
+    return !is_needed() || share->holds_cells(grid, level);
+  }
   /// Of two triangles whose boxes overlap.
   COLLIDED_HD bool has(uint32_t a, uint32_t b) const {
     if (!is_needed()) return true;

@@ -40,12 +40,17 @@ struct LeafPairs {
     Leaf leaf;
     const uint32_t* members;
     uint32_t row, first_column, end_column;  ///< members
+    bool is_own;                             ///< all pairs of the leaf are the part's own (PlaceLeaves::is_others)
   };
   COLLIDED_HD Work work(uint64_t i) const {
     const PairItem item = items[i];
     const Leaf leaf = leaves[item.leaf];
-    return {leaf, registered.data + leaf.offset, item.row * kTile, item.column * kTile,
-            min((item.column + tiles_of_item(leaf.count)) * kTile, end_of_row(item, leaf))};
+    return {leaf,
+            registered.data + leaf.offset,
+            item.row * kTile,
+            item.column * kTile,
+            min((item.column + tiles_of_item(leaf.count)) * kTile, end_of_row(item, leaf)),
+            filter.own.has_leaves_of_one_part(*grid, leaf.level)};
   }
   /// Bit k: whether the box starts in the leaf's cell on axis k.
   COLLIDED_HD uint32_t axes_of_start(const Work& work, const Box<float>& box) const {

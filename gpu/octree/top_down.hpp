@@ -2,8 +2,9 @@
 // Section 3.1, second of the two stages: the highest leaf of each branch is the real one.
 // Deviation: instead of passing ids down level by level, each cell looks up its ancestors. Leaves get their places as
 // they come, by a group at a time, in no particular order: no scan over all cells. A leaf of one triangle has nothing
-// to test and gets no place.
+// to test and gets no place; nor does, in a part of a scene, one whose pairs are another part's.
 
+#include "gpu/base/share.hpp"
 #include "gpu/base/tiles.hpp"
 #include "gpu/octree/bottom_up.hpp"
 
@@ -51,6 +52,7 @@ struct PlaceLeaves {
   uint64_t registration_capacity;  ///< below 2^32
   Span<PairItem> items;
   LeafTotals* totals;
+  const Share* share = nullptr;  ///< of a part of a scene
 
   /// index_of(k) is the cell's index, place_of(k) its place, k < count <= kMaxCells.
   template <class IndexOf, class PlaceOf>
@@ -93,7 +95,7 @@ struct PlaceLeaves {
     ++mine[LeafSum::kCells];
     if (tree.type[cell] != kLeaf) return;
     tree.slot[cell] = kNoLeaf;
-    if (n < 2 || !is_real_leaf(tree, cell)) return;
+    if (n < 2 || is_others(place_of(k)) || !is_real_leaf(tree, cell)) return;
     const uint64_t tests = tests_of(n), item_count = items_of(n);
     mine[LeafSum::kLeaves] += 1;
     mine[LeafSum::kRegistrations] += n;
@@ -112,6 +114,12 @@ struct PlaceLeaves {
     atomic_add(shared.level_low[booked], n & 0xFFFFu);
     atomic_add(shared.level_high[booked], n >> 16);
     tree.slot[cell] = number;
+  }
+
+  /// Whether all pairs of a leaf are another part's.
+  COLLIDED_HD bool is_others(const Place& place) const {
+    return share != nullptr && share->holds_cells(*tree.grid, place.level) &&
+           !share->has_cell(place.coords, place.level);
   }
 
   /// Claims the places of the group's leaves.

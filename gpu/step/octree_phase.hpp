@@ -190,9 +190,9 @@ class OctreePhase {
   // 4. Top-down stage: the leaves of the cut and their places.
   void place_leaves(const OctreePlan& plan) {
     OctreeBuffers<Exec>& octree = scene_.octree;
-    const PlaceLeaves place{tree(plan),          octree.leaves.all(),
-                            octree.cursor.all(), octree.registered.capacity(),
-                            octree.items.all(),  &scene_.state.data()->leaves};
+    const PlaceLeaves place{
+        tree(plan),         octree.leaves.all(),          octree.cursor.all(), octree.registered.capacity(),
+        octree.items.all(), &scene_.state.data()->leaves, scene_.share.data()};
     exec_.for_each_group("place_dense_leaves", cell_groups(plan), PlaceDenseLeaves{place});
     for (int round = 0; round < plan.rounds; ++round)
       exec_.for_each_group("place_brick_leaves", bricks(round), PlaceBrickLeaves{place, round});

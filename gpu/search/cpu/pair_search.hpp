@@ -82,10 +82,10 @@ class LeafTiles {
   std::array<Slot, 16> columns_;
 };
 
-/// visit(row, column) for the pairs of two tiles, or of one with itself.
+/// visit(row, column) for the pairs of two tiles, or of one with itself. `is_own`: all are the part's own.
 template <class Source, class Visit>
 void visit_tile(const Source& source, const BoxTile& row, uint32_t rows, const BoxTile& column, uint32_t columns,
-                const Visit& visit) {
+                bool is_own, const Visit& visit) {
   if (source.filter.has_rules() && !source.filter.may_pass(row.meshes, column.meshes)) return;
   const bool with_itself = &row == &column;
   for (uint32_t r = 0; r < rows; ++r) {
@@ -94,7 +94,7 @@ void visit_tile(const Source& source, const BoxTile& row, uint32_t rows, const B
     if (wanted != 0) wanted &= column.meeting(row, r, columns);
     for (; wanted != 0; wanted &= wanted - 1) {
       const uint32_t a = row.id[r], b = column.id[std::countr_zero(wanted)];
-      if (source.filter(a, b)) visit(a, b);
+      if (source.filter(a, b, is_own)) visit(a, b);
     }
   }
 }
@@ -111,7 +111,7 @@ bool visit_tiles(const Source& source, uint64_t item, uint64_t& part, uint64_t& 
   for (; first < work.end_column && tests > 0; first += kTile, ++part) {
     const uint32_t columns = min(kTile, work.end_column - first);
     const BoxTile& column = first == work.row ? row : tiles.columns(source, work, first, columns, prefetch);
-    visit_tile(source, row, rows, column, columns, visit);
+    visit_tile(source, row, rows, column, columns, work.is_own, visit);
     tests -= min(tests, uint64_t{rows} * columns);
   }
   return first >= work.end_column;

@@ -45,7 +45,7 @@ class WarpSearch {
         hits |= (overlaps(box, m) && Source::reports(axes, m.axes) ? 1u : 0u) << k;
       }
       if (first == work.row) hits &= ~0u << lane_id() << 1;  // a tile with itself: only those after this one
-      if (source_.filter.is_needed()) hits = allowed(a, hits);
+      if (source_.filter.has_rules() || !work.is_own) hits = allowed(a, hits, work.is_own);
       pairs_.add_all(a, has_row ? hits : 0, [&](uint32_t k) { return shared_.column[k].id; });
       __syncwarp();
     }
@@ -77,11 +77,11 @@ class WarpSearch {
   }
 
   /// Those of the hits that the filter lets pass.
-  __device__ uint32_t allowed(uint32_t a, uint32_t hits) const {
+  __device__ uint32_t allowed(uint32_t a, uint32_t hits, bool is_own) const {
     uint32_t kept = 0;
     for (; hits != 0; hits &= hits - 1) {
       const uint32_t k = __ffs(hits) - 1;
-      kept |= (source_.filter(a, shared_.column[k].id) ? 1u : 0u) << k;
+      kept |= (source_.filter(a, shared_.column[k].id, is_own) ? 1u : 0u) << k;
     }
     return kept;
   }

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Throughput and latency of a daemon against the number of streams, by `collidectl load`.
 
-usage: streams_bench.py DAEMON COLLIDECTL [--backend auto|cpu|cuda] [--streams N ...] [--seconds S] [--scale F]
-                        [--out FILE] [--date DATE] [--commit COMMIT]
+usage: streams_bench.py DAEMON COLLIDECTL [--backend auto|cpu|cuda] [--scenes small|medium|large ...] [--streams N ...]
+                        [--seconds S] [--scale F] [--out FILE] [--date DATE] [--commit COMMIT]
 
 Each scene alone with 1 to 64 streams that keep two frames in flight (closed loop): frames a second of all streams, and
 the median and the 99th percentile of a frame, in ms. `mixed` is 32 streams of the small scene at 30 frames a second
@@ -54,7 +54,7 @@ def light(arguments, with_heavy):
 
 def measure(arguments):
     runs = []
-    for scene in SCENES:
+    for scene in arguments.scenes:
         for streams in arguments.streams:
             runs.append({"scene": scene, "streams": streams, **alone(arguments, scene, streams)})
             print(runs[-1], file=sys.stderr)
@@ -71,6 +71,7 @@ def measure(arguments):
 def main():
     parser = parser_of(__doc__)
     parser.add_argument("--backend", choices=("auto", "cpu", "cuda"), default="auto")
+    parser.add_argument("--scenes", choices=SCENES, nargs="+", default=list(SCENES))
     parser.add_argument("--streams", type=int, nargs="+", default=[1, 2, 4, 8, 16, 32, 48, 64])
     parser.add_argument("--seconds", type=float, default=3)
     parser.add_argument("--scale", type=float, default=1, help="of the scenes: triangles grow with its square")

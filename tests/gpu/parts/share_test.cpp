@@ -55,6 +55,26 @@ TEST(Share, EachPairIsOnePartsAndTouchesItsBlocks) {
   EXPECT_GT(pairs, 1000u);
 }
 
+TEST(Share, CellsWithinABlockAreOfThePartsThatTheirPointsAre) {
+  std::mt19937 random(7);
+  const LevelGrid lattice = grid_over(kBounds, 2, 5);
+  LevelGrid other = lattice;
+  other.cells_per_length *= 1.5f;
+  for (const int level : {0, 3, 6, 16}) {
+    const std::vector<Share> all = shares(ShareBalance(3), level);
+    for (int cell_level = 0; cell_level <= kDeepest; ++cell_level) {
+      ASSERT_EQ(all[0].holds_cells(lattice, cell_level), cell_level >= level);
+      ASSERT_FALSE(all[0].holds_cells(other, cell_level));
+      if (cell_level < level) continue;
+      for (int i = 0; i < 200; ++i) {
+        const Vec3<float> point = random_box(random, 1).lo;
+        const Coords cell = shifted(lattice.deepest_cell(point), kDeepest - cell_level);
+        for (const Share& share : all) ASSERT_EQ(share.has_cell(cell, cell_level), share.has(point));
+      }
+    }
+  }
+}
+
 TEST(Share, TrianglesOfOtherBlocksAreLeftOut) {
   std::mt19937 random(6);
   const std::vector<Share> all = shares(ShareBalance(8), 6);
