@@ -24,7 +24,7 @@ struct LeafPairs {
   Span<const PairItem> items;
   const LeafTotals* totals;
   uint64_t registration_capacity;
-  const LevelTotals* covered;
+  const LevelTotals* covered;                ///< cells, by boxes
   uint64_t max_crowded_tests;                ///< for each triangle with a box; beyond this the octree is refined first
   Span<const MembersByStart> by_start = {};  ///< of each leaf, where members are in that order
 
