@@ -24,15 +24,14 @@ struct LeafPairs {
   Span<const PairItem> items;
   const LeafTotals* totals;
   uint64_t registration_capacity;
-  const LevelTotals* covered;                ///< cells, by boxes
-  uint64_t max_crowded_tests;                ///< for each triangle with a box; beyond this the octree is refined first
+  const LevelTotals* covered = nullptr;      ///< cells, by boxes; null: tests may be any number
+  uint64_t max_crowded_tests = 0;            ///< for each triangle with a box; beyond this the octree is refined first
   Span<const MembersByStart> by_start = {};  ///< of each leaf, where members are in that order
 
   /// Whether the step will run again anyway, so that the search would be in vain: what does not fit was not written.
   COLLIDED_HD bool must_rerun() const {
     return (*totals)[LeafSum::kLeaves] > leaves.size() || (*totals)[LeafSum::kRegistrations] > registration_capacity ||
-           (*totals)[LeafSum::kItems] > items.size() ||
-           (*totals)[LeafSum::kCrowdedTests] > max_crowded_tests * covered->boxed();
+           (*totals)[LeafSum::kItems] > items.size() || is_too_crowded();
   }
 
   /// One item, ready to be worked on.
@@ -65,6 +64,9 @@ struct LeafPairs {
   COLLIDED_HD static bool reports(uint32_t axes_a, uint32_t axes_b) { return (axes_a | axes_b) == 7u; }
 
  private:
+  COLLIDED_HD bool is_too_crowded() const {
+    return covered != nullptr && (*totals)[LeafSum::kCrowdedTests] > max_crowded_tests * covered->boxed();
+  }
   /// Behind the last member that those of the item's row may report a pair with; whole tiles.
   COLLIDED_HD uint32_t end_of_row(const PairItem& item, const Leaf& leaf) const {
     if (by_start.empty()) return leaf.count;

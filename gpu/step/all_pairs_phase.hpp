@@ -47,16 +47,9 @@ class AllPairsPhase {
   template <class Sink>
   void search(const char* name, const Sink& sink, uint64_t* next_item) {
     const AllPairsBuffers<Exec>& tables = scene_.all_pairs;
-    const LeafPairs source{tables.grid.data(),
-                           scene_.pair_filter(),
-                           boxes(),
-                           tables.leaf.all(),
-                           tables.members.all(),
-                           tables.items.all(),
-                           tables.totals.data(),
-                           triangles(),
-                           &scene_.state.data()->totals,
-                           kAnyNumberOfTests};
+    const LeafPairs source{tables.grid.data(),   scene_.pair_filter(), boxes(),
+                           tables.leaf.all(),    tables.members.all(), tables.items.all(),
+                           tables.totals.data(), triangles()};
     searcher_.search(name, Counted{nullptr, items_of(triangles())}, next_item, source, sink);
   }
 

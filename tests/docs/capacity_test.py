@@ -49,15 +49,16 @@ class Figures(unittest.TestCase):
 class Capacity(Figures):
     def test_each_file_is_named_with_its_commit(self):
         links = set(re.findall(r"\]\((\.\./tests/bench/results/[^)]*)\)", PAGE.text))
-        self.assertEqual(len(links), 12)
+        self.assertEqual(len(links), 13)
         for link in links:
             head = json.loads((DEPLOY / link).read_text())
             self.assertIn("commit " + head["commit"], FLAT, link)
 
     def test_streams(self):
-        runs = {(run["triangles"], run["streams"]): run for run in result("load/2026-11-23-h200-streams.json")["runs"]}
-        for triangles, *shown in PAGE.table("Frames a second over gRPC")[1:]:
-            of = {streams: runs[int(number(triangles)), streams] for streams in (1, 8, 64)}
+        runs = {(gpu, run["triangles"], run["streams"]): run for gpu, file in (("H100", "2026-11-26-h100"), ("H200", "2026-11-23-h200"))
+                for run in result(f"load/{file}-streams.json")["runs"]}
+        for gpu, triangles, *shown in PAGE.table("Frames a second over gRPC")[1:]:
+            of = {streams: runs[gpu, int(number(triangles)), streams] for streams in (1, 8, 64)}
             rates = [of[streams]["frames_per_second"] for streams in (1, 8, 64)]
             self.expect_row(shown, [*rates, of[8]["p99_ms"], 1000 / rates[1]], triangles)
 

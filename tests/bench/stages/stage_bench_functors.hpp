@@ -94,7 +94,7 @@ inline MaybeCoplanar<float> coplanarity_filter(const StageScene& s) { return {&s
 inline LeafPairs tile_pairs(const LevelGrid& grid, Span<const Box<float>> boxes, const std::vector<Leaf>& leaves,
                             const std::vector<uint32_t>& members, const std::vector<PairItem>& items,
                             const LeafTotals& totals) {
-  return {&grid, {}, boxes, span_of(leaves), span_of(members), span_of(items), &totals, members.size(), ~uint64_t{0}};
+  return {&grid, {}, boxes, span_of(leaves), span_of(members), span_of(items), &totals, members.size()};
 }
 
 inline MortonKeys morton_keys(const StageScene& s) {

@@ -116,7 +116,6 @@ class OctreeBuild {
   uint64_t brick_counters[kMaxRounds] = {}, brick_item_counters[kMaxRounds] = {};
   uint64_t large_count = 0;
   LeafTotals totals{};
-  LevelTotals covered{};
 
  private:
   static Box<float> bounds_of(const std::vector<Box<float>>& boxes) {
@@ -126,16 +125,7 @@ class OctreeBuild {
   }
 
   LeafPairs pairs_source() {
-    return {&grid,
-            {},
-            boxes_,
-            leaves.span(),
-            registered.span(),
-            items.span(),
-            &totals,
-            registered.size(),
-            &covered,
-            kAnyNumberOfTests};
+    return {&grid, {}, boxes_, leaves.span(), registered.span(), items.span(), &totals, registered.size()};
   }
   bool holds_boxes(const Leaf& leaf) {
     if (leaf.offset + leaf.count > registered.size()) return false;

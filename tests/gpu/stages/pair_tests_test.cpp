@@ -26,8 +26,8 @@ struct OneLeaf {
       });
   }
   LeafPairs source() {
-    return {&grid,          filter,  span_of(boxes),    span_of(leaves), span_of(registered),
-            span_of(items), &totals, registered.size(), &covered,        kAnyNumberOfTests};
+    return {&grid,          filter,  span_of(boxes),   span_of(leaves), span_of(registered),
+            span_of(items), &totals, registered.size()};
   }
   std::vector<std::pair<uint32_t, uint32_t>> pairs() {
     const LeafPairs source = this->source();
@@ -45,7 +45,6 @@ struct OneLeaf {
   std::vector<Leaf> leaves;
   std::vector<PairItem> items;
   LeafTotals totals{};
-  LevelTotals covered{};
 };
 
 TEST(PairTests, EveryPairOfALeafOnce) {

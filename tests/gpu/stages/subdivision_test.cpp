@@ -37,8 +37,8 @@ struct OneCell {
   }
 
   LeafPairs source() {
-    return {&grid,          {},      span_of(boxes),    span_of(leaves), span_of(registered),
-            span_of(items), &totals, registered.size(), ~uint64_t{0}};
+    return {&grid,          {},      span_of(boxes),   span_of(leaves), span_of(registered),
+            span_of(items), &totals, registered.size()};
   }
   LeafPairs ordered_source() {
     LeafPairs made = source();
