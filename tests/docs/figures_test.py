@@ -89,23 +89,28 @@ class Figures(unittest.TestCase):
                 self.expect(number, rows[name][key], (name, key))
 
     def test_parts(self):
-        runs = None
-        for scene, triangles, devices, *shown, _ in FIGURES.table("slowest part over the mean")[1:]:
-            if scene:
-                runs = self.runs_in_parts(scene, int(triangles.replace(",", "")))
-            one, run = runs[int(devices)]
-            self.assertTrue(run["same_bytes"])
-            keys = ("step_ms", "speed_up", "wall_speed_up", "predicted_speed_up", "max_over_mean")
-            for number, value in zip(shown, (one["step_ms"], *(run[key] for key in keys)), strict=True):
-                self.expect(number, value, (scene, devices))
+        for after, files in (("slowest part over the mean", "2026-11-26-h100-parts-*-four.json"),
+                             ("than one scene:", "2026-11-26-h100-parts-*30m.json")):
+            rows = FIGURES.table(after)[1:]
+            self.assertGreater(len(rows), 1)
+            for scene, triangles, devices, *shown, _ in rows:
+                if scene:
+                    runs = self.runs_in_parts(files, scene, int(triangles.replace(",", "")))
+                self.expect_parts(shown, *runs[int(devices)], (scene, devices))
 
-    def runs_in_parts(self, scene, triangles):
+    def runs_in_parts(self, files, scene, triangles):
         """The run on one device and each in parts, by the number of devices."""
-        for file in (RESULTS / "steps").glob("*-parts-*-four.json"):
+        for file in (RESULTS / "steps").glob(files):
             for found in json.loads(file.read_text())["scenes"]:
                 if scene.startswith(found["scene"]) and found["triangles"] == triangles:
                     return {len(run["devices"]): (found["one"], run) for run in found["in_parts"]}
         self.fail(f"no file has {scene} of {triangles} triangles")
+
+    def expect_parts(self, shown, one, run, where):
+        self.assertTrue(run["same_bytes"])
+        keys = ("step_ms", "speed_up", "wall_speed_up", "predicted_speed_up", "max_over_mean")
+        for number, value in zip(shown, (one["step_ms"], *(run[key] for key in keys)), strict=True):
+            self.expect(number, value, where)
 
     def test_placement(self):
         rates = {name: [run["frames_per_second"] for run in result(f"load/2026-11-26-h200-placement-{name}.json")["runs"]]
