@@ -40,12 +40,10 @@ FrameInput moved_to_slot(const FrameInput& frame, FrameSlot& slot) {
 
 std::vector<BenchInput> bench_inputs(const std::string& only, double scale, double seconds) {
   std::vector<BenchInput> inputs;
-  for (const scenes::SceneInfo& info : scenes::list_scenes())
-    if (only.empty() || only == info.name) inputs.push_back(procedural(info.name, scale, seconds));
-  for (const scenes::SceneInfo& info : scenes::list_variants())
-    if (only == info.name) inputs.push_back(procedural(info.name, scale, seconds));
-  for (const RealFrames& frames : {kFunnelFrames, kBallFrames})
-    if (are_here(frames) && (only.empty() || only == frames.name)) inputs.push_back(real(frames));
+  for (const std::string& name : only.empty() ? scene_names() : std::vector{only})
+    if (is_procedural(name)) inputs.push_back(procedural(name, scale, seconds));
+  for (const RealFrames& frames : frames_of_data_folder())
+    if (only.empty() || only == frames.name) inputs.push_back(real(frames));
   return inputs;
 }
 

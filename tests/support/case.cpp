@@ -107,6 +107,11 @@ Case case_of(const std::string& scene, double t, Mode mode) {
   return c;
 }
 
+bool is_procedural(const std::string& name) {
+  const auto is_it = [&](const scenes::SceneInfo& info) { return info.name == name; };
+  return std::ranges::any_of(scenes::list_scenes(), is_it) || std::ranges::any_of(scenes::list_variants(), is_it);
+}
+
 std::vector<std::string> scene_names() {
   std::vector<std::string> names;
   for (const scenes::SceneInfo& info : scenes::list_scenes()) names.push_back(info.name);

@@ -51,6 +51,9 @@ Case case_of(const std::string& scene, double t, Mode mode);
 /// Names of all procedural scenes, to run a test on each.
 std::vector<std::string> scene_names();
 
+/// Whether there is a procedural scene, or a variant of one, of that name.
+bool is_procedural(const std::string& name);
+
 /// Thickness for discrete tests of a scene: scenes of mixed scale have triangles far smaller than the others'.
 inline double dcd_thickness(const std::string& scene) {
   return scene.starts_with("multiscale_knots") || scene == "graded_sheets" ? 5e-4 : 0.01;

@@ -1,7 +1,6 @@
 #include "tests/bench/parts/consecutive_frames.hpp"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <thread>
@@ -12,7 +11,6 @@ namespace collided::test {
 namespace {
 
 constexpr Scalar kScalar = Scalar::kF32;
-const std::array kRealFrames{kFunnelFrames, kBallFrames};
 
 /// make(i) for each of so many, on a few threads: positions of one frame may take a GB while they are made.
 template <class Make>
@@ -72,11 +70,6 @@ class RepeatedFrames final : public ConsecutiveFrames {
   size_t frames_;
 };
 
-bool is_procedural(const std::string& name) {
-  const auto is_it = [&](const scenes::SceneInfo& info) { return info.name == name; };
-  return std::ranges::any_of(scenes::list_scenes(), is_it) || std::ranges::any_of(scenes::list_variants(), is_it);
-}
-
 }  // namespace
 
 double Pace::end_of(size_t i) const {
@@ -88,15 +81,14 @@ double Pace::end_of(size_t i) const {
 
 std::unique_ptr<ConsecutiveFrames> consecutive_frames(const std::string& scene, double scale, const Pace& pace) {
   if (is_procedural(scene)) return std::make_unique<ProceduralFrames>(*scenes::make_scene(scene, scale), pace);
-  for (const RealFrames& frames : kRealFrames)
-    if (frames.name == scene && are_here(frames)) return std::make_unique<RepeatedFrames>(load(frames), pace.frames);
+  for (const RealFrames& frames : frames_of_data_folder())
+    if (frames.name == scene) return std::make_unique<RepeatedFrames>(load(frames), pace.frames);
   return nullptr;
 }
 
 std::vector<std::string> names_of_scenes() {
   std::vector<std::string> names = scene_names();
-  for (const RealFrames& frames : kRealFrames)
-    if (are_here(frames)) names.emplace_back(frames.name);
+  for (const RealFrames& frames : frames_of_data_folder()) names.emplace_back(frames.name);
   return names;
 }
 

@@ -10,6 +10,11 @@ namespace collided::test {
 
 bool are_here(const RealFrames& frames) { return frames.source == FrameSource::kOwn || data_folder(); }
 
+std::vector<RealFrames> frames_of_data_folder() {
+  if (!data_folder()) return {};
+  return {kFunnelFrames, kBallFrames};
+}
+
 std::filesystem::path folder_of(const RealFrames& frames) {
   if (frames.source == FrameSource::kOwn) return std::filesystem::path(COLLIDED_OWN_DATA) / frames.folder;
   if (const auto data = data_folder()) return *data / frames.folder;

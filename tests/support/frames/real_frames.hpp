@@ -33,6 +33,9 @@ inline void PrintTo(const RealFrames& frames, std::ostream* out) { *out << frame
 /// Whether load() can read them: false for those of an absent data folder.
 bool are_here(const RealFrames& frames);
 
+/// Those of the data folder; none if it is absent.
+std::vector<RealFrames> frames_of_data_folder();
+
 /// The parent of their folders `frames` and `truth`. Throws std::runtime_error if absent.
 std::filesystem::path folder_of(const RealFrames& frames);
 
