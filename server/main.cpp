@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cstdio>
 #include <exception>
+#include <stdexcept>
 
 #include "deploy/version/version.hpp"
 #include "gpu/detector.hpp"
@@ -173,13 +174,18 @@ int serve(const Origin& origin, Config config, const sigset_t& signals) {
   return code;
 }
 
+void print(const std::string& text) {
+  if (std::fputs(text.c_str(), stdout) == EOF || std::fflush(stdout) != 0)
+    throw std::runtime_error("standard output cannot be written");
+}
+
 // Checks what parsing does not: whether the files that options name are usable.
 int check(const Config& config, const Memory& memory) {
   const collided::server::Authenticator authenticator(config);
   collided::server::sound_tls_files(config.tls);
   check_ready_file(config.ready_file);
   warn_of_exposure(config);
-  std::printf("%s\ncollided: the configuration is valid\n", describe_limits(config.limits, memory).c_str());
+  print(describe_limits(config.limits, memory) + "\ncollided: the configuration is valid\n");
   return 0;
 }
 
@@ -192,7 +198,7 @@ int main(int argc, char** argv) try {
   auto [config, run, exit_code, text, is_check] =
       collided::server::parse_config(argc, argv, collided::version_text("collided"));
   if (!run) {
-    std::fputs(text.c_str(), exit_code ? stderr : stdout);
+    exit_code ? static_cast<void>(std::fputs(text.c_str(), stderr)) : print(text);
     return exit_code;
   }
   collided::server::set_up_log(config.log_format, config.log_level);

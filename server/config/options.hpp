@@ -62,7 +62,9 @@ inline CLI::Option* add_switch(CLI::App& app, const std::string& flag, bool& val
       ->envname(variable_of(flag))
       ->check(CLI::IsMember({"true", "false"}).description(""))
       ->type_name("true|false")
-      ->default_str(value ? "true" : "false");
+      ->default_str(value ? "true" : "false")
+      ->option_text(std::string("[=true|false] (default: ") + (value ? "true" : "false") +
+                    ") (Env:" + variable_of(flag) + ")");
 }
 
 /// A number with its range.

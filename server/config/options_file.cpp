@@ -1,5 +1,7 @@
 // The TOML file: its keys are the options without their dashes.
+#include <cstdint>
 #include <iomanip>
+#include <limits>
 #include <sstream>
 #include <toml.hpp>
 
@@ -11,11 +13,20 @@ namespace {
 
 constexpr uint64_t kMaxFileBytes = 1 << 20;
 
+// toml11 reads what 64 bits don't hold as the nearest that they do.
+std::string text_of_integer(int64_t value, const std::string& where) {
+  using Bounds = std::numeric_limits<int64_t>;
+  constexpr auto kBeyond = ", which is beyond the limits of all options";
+  if (value == Bounds::max()) throw ConfigError(where + " is " + std::to_string(value) + " or more" + kBeyond);
+  if (value == Bounds::min()) throw ConfigError(where + " is " + std::to_string(value) + " or less" + kBeyond);
+  return std::to_string(value);
+}
+
 // As in a flag or variable.
 std::string text_of(const toml::value& value, const std::string& where) {
   if (value.is_string()) return value.as_string().str;
   if (value.is_boolean()) return value.as_boolean() ? "true" : "false";
-  if (value.is_integer()) return std::to_string(value.as_integer());
+  if (value.is_integer()) return text_of_integer(value.as_integer(), where);
   if (!value.is_floating()) throw ConfigError(where + " is neither a string nor a number nor a boolean");
   std::ostringstream text;
   text << std::setprecision(17) << value.as_floating();

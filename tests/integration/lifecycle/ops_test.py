@@ -50,6 +50,12 @@ class Configuration(Case):
         self.refused("/nowhere", "--config", "/nowhere")
         self.refused("/nowhere", "--tokens-file", "/nowhere")
 
+    def test_output_that_cannot_be_written_is_an_error(self):
+        for word in ("--help", "--version", "--check"):
+            with open("/dev/full", "w", encoding="ascii") as full:
+                done = subprocess.run([PROGRAM, word], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
+            self.assertEqual((done.returncode, done.stderr), (1, "collided: standard output cannot be written\n"), word)
+
     def test_a_bad_tokens_file_is_named_without_its_tokens(self):
         path = self.folder.put("tokens.toml", TOKEN + TOKEN)
         self.refused("tokens.toml:4: the token of a appears twice", "--tokens-file", path)

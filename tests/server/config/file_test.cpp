@@ -47,21 +47,24 @@ TEST(ConfigFile, ItsPathCanComeFromTheEnvironment) {
 }
 
 TEST(ConfigFile, RefusesWithTheKeyAndTheLine) {
-  for (const auto& [text, named] : {std::pair{"\nmax-scene = 5", ":2: max-scene is not an option"},
-                                    {"max-scenes = nan", "max-scenes"},
-                                    {"max-scenes = -1", "--max-scenes"},
-                                    {"\n\nmax-scenes = \"many\"", ":3: --max-scenes"},
-                                    {"max-scenes = 1.5", "--max-scenes"},
-                                    {"max-scenes = [1, 2]", "--max-scenes"},
-                                    {"max-scenes = 1979-05-27", "max-scenes"},
-                                    {"[limits]\nmax-scenes = 5", "limits is not an option"},
-                                    {"check = true", "check is not an option"},
-                                    {"config = \"x\"", "config is not an option"},
-                                    {"help = true", "help is not an option"},
-                                    {"max-scenes = 1\nmax-scenes = 2", "max-scenes"},
-                                    {"max-scenes", "file.toml"},
-                                    {"cuda-ipc = 2", "--cuda-ipc"},
-                                    {"address = \"0.0.0.0:1\"", "--address 0.0.0.0:1"}}) {
+  for (const auto& [text, named] :
+       {std::pair{"\nmax-scene = 5", ":2: max-scene is not an option"},
+        {"max-scenes = nan", "max-scenes"},
+        {"max-scenes = -1", "--max-scenes"},
+        {"\n\nmax-scenes = \"many\"", ":3: --max-scenes"},
+        {"max-scenes = 1.5", "--max-scenes"},
+        {"max-scenes = [1, 2]", "--max-scenes"},
+        {"max-scenes = 1979-05-27", "max-scenes"},
+        {"[limits]\nmax-scenes = 5", "limits is not an option"},
+        {"check = true", "check is not an option"},
+        {"config = \"x\"", "config is not an option"},
+        {"help = true", "help is not an option"},
+        {"max-scenes = 1\nmax-scenes = 2", "max-scenes"},
+        {"max-scenes", "file.toml"},
+        {"cuda-ipc = 2", "--cuda-ipc"},
+        {"max-scenes = 99999999999999999999", ":1: max-scenes is 9223372036854775807 or more"},
+        {"max-scenes = -99999999999999999999", "is -9223372036854775808 or less"},
+        {"address = \"0.0.0.0:1\"", "--address 0.0.0.0:1"}}) {
     const auto parsed = parse_file(text);
     EXPECT_EQ(parsed.exit_code, 2) << text;
     EXPECT_NE(parsed.text.find(named), std::string::npos) << text << "\n" << parsed.text;
