@@ -90,7 +90,7 @@ class Figures(unittest.TestCase):
 
     def test_parts(self):
         for after, files in (("slowest part over the mean", "2026-11-26-h100-parts-*-four.json"),
-                             ("than one scene:", "2026-11-26-h100-parts-*30m.json")):
+                             ("registrations as one scene:", "2026-11-26-h100-parts-*[ml].json")):
             rows = FIGURES.table(after)[1:]
             self.assertGreater(len(rows), 1)
             for scene, triangles, devices, *shown, _ in rows:
