@@ -41,6 +41,7 @@ void check_usage(const DetectOptions& options) {
   check_points(options.detection, "--vtp", options.vtp);
   check_points(options.detection, "--ply", options.ply);
   check_distinct({{"--out", options.out}, {"--vtp", options.vtp}, {"--ply", options.ply}});
+  check_kept(options.frames, {{"--out", options.out}, {"--vtp", options.vtp}, {"--ply", options.ply}});
 }
 
 StepInput read_step(const DetectOptions& options) {

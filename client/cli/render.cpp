@@ -184,6 +184,9 @@ void run(RenderOptions options) {
   const int pictures = count_pictures(options, motion);
   const std::string pattern = pattern_of(options, pictures);
   check_writable("--out", numbered(pattern, 1));
+  std::vector<NamedOutput> outputs;
+  for (int picture = 1; picture <= pictures; ++picture) outputs.push_back({"--out", numbered(pattern, picture)});
+  check_kept(options.files, outputs);
   Renderer(options, motion, pattern, pictures).run();
 }
 

@@ -15,6 +15,7 @@
 #include "client/cli/options/scene_options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/contact_files.hpp"
+#include "client/cli/output/numbered.hpp"
 #include "client/cli/output/output.hpp"
 #include "client/cli/recording/writer.hpp"
 #include "client/measure/play/run.hpp"
@@ -36,6 +37,17 @@ struct StreamOptions {
   bool json = false;
 };
 
+/// Of all frames.
+std::vector<NamedOutput> outputs_of(const StreamOptions& options) {
+  std::vector<NamedOutput> outputs{{"--record", options.record}};
+  for (uint64_t frame = 1; frame <= options.files.size(); ++frame) {
+    outputs.push_back({"--out", numbered(options.contacts.csv, frame)});
+    outputs.push_back({"--vtp", numbered(options.contacts.vtp, frame)});
+    outputs.push_back({"--ply", numbered(options.contacts.ply, frame)});
+  }
+  return outputs;
+}
+
 void check_usage(const StreamOptions& options) {
   if (options.scene.name.empty() == options.files.empty()) throw UsageError("stream needs one of FRAME... and --scene");
   check_usage(options.detection);
@@ -49,6 +61,7 @@ void check_usage(const StreamOptions& options) {
                   {"--vtp", names.vtp},
                   {"--ply", names.ply},
                   {"the series of --vtp", names.vtp.empty() ? "" : series_name(names.vtp)}});
+  check_kept(options.files, outputs_of(options));
 }
 
 /// What a stream plays.

@@ -9,6 +9,8 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -33,6 +35,15 @@ bool is_same_file(const std::string& a, const std::string& b) {
   if (error) return a == b;
   const fs::path whole_b = fs::weakly_canonical(fs::absolute(b), error);
   return error ? a == b : whole_a == whole_b;
+}
+
+using FileId = std::pair<dev_t, ino_t>;
+
+/// None if there is no regular file of that name.
+std::optional<FileId> id_of(const std::string& file) {
+  struct stat about {};
+  if (stat(file.c_str(), &about) != 0 || !S_ISREG(about.st_mode)) return std::nullopt;
+  return FileId(about.st_dev, about.st_ino);
 }
 
 /// 0, or errno from opening it for writing.
@@ -73,6 +84,18 @@ void check_distinct(std::initializer_list<NamedOutput> outputs) {
     for (const NamedOutput* a = outputs.begin(); a != b; ++a)
       if (!a->file.empty() && !b->file.empty() && is_same_file(a->file, b->file))
         throw UsageError(std::string(a->option) + " and " + b->option + " are two files; both are " + b->file);
+}
+
+void check_kept(const std::vector<std::string>& inputs, const std::vector<NamedOutput>& outputs) {
+  std::map<FileId, const std::string*> read;
+  for (const std::string& input : inputs)
+    if (const auto id = id_of(input)) read.emplace(*id, &input);
+  for (const NamedOutput& output : outputs) {
+    if (is_standard_output(output.file)) continue;
+    if (const auto id = id_of(output.file); id && read.contains(*id))
+      throw UsageError(std::string(output.option) + " " + output.file + " would overwrite " + *read[*id] +
+                       ", which is read");
+  }
 }
 
 void print_summary(const std::string& out, const std::string& text) {

@@ -81,6 +81,16 @@ class Usage(support.CollidectlTest):
         self.refused(2, "--out and --vtp are two files", *ccd, "--out", name, "--vtp", link)
         self.ok(*ccd, *ONE_CPU, "--out", "/dev/null", "--vtp", "/dev/null")
 
+    def test_no_input_is_overwritten(self):
+        link = os.path.join(self.folder.name, "frame_0001.ply")
+        os.symlink(self.frame1, link)
+        numbered = link.replace("0001", "{frame}")
+        for words in (["detect", "--out", self.frame0], ["detect", "--ply", link], ["stream", "--record", self.frame1],
+                      ["stream", "--out", self.frame0], ["stream", "--ply", numbered], ["render", "--out", self.frame0]):
+            self.refused(2, "would overwrite " + self.frame0[:-5], words[0], self.frame0, self.frame1, *words[1:])
+        with open(self.frame0, encoding="ascii") as file:
+            self.assertEqual(file.read(), FRAME0)
+
     def test_an_empty_value_is_not_none(self):
         ccd, scene = ["detect", self.frame0, self.frame1], ["stream", "--scene", "funnel"]
         for words, option in ((["info"], "--server"), (ccd, "--out"), (ccd, "--position-format"), (scene, "--record"),
