@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "gpu/float_environment.hpp"
 #include "gpu/scene/backends.hpp"
 #include "gpu/scene/known_lengths.hpp"
 #include "gpu/scene/parts/parted_scene.hpp"
@@ -54,6 +55,7 @@ void check_size(const SceneSpec& spec, const Topology& topology) {
 }  // namespace
 
 std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
+  const DefaultFloatEnvironment environment;  // threads that this starts inherit it
   check_spec(spec);
   check_devices(spec);
   check_meshes(spec);

@@ -7,7 +7,8 @@
 namespace collided {
 
 /// One scene on one device. Not thread-safe: one call at a time; different detectors are independent. On CUDA whoever
-/// calls it, or a slot, or releases an answer, has the scene's device as its current one afterwards.
+/// calls it, or a slot, or releases an answer, has the scene's device as its current one afterwards. The caller's
+/// floating-point environment changes nothing.
 class Detector {
  public:
   /// Throws InvalidInput for a bad spec, ResourceExhausted past the budget, what the quota throws, DeviceError if the

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "gpu/float_environment.hpp"
 #include "server/core.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/log.hpp"
@@ -37,7 +38,8 @@ class InProcessServer {
   std::shared_ptr<InProcessStream> open(const pb::OpenStream& open);
 
  private:
-  InProcessServer(const Config& config, std::nullptr_t);
+  /// Threads that it starts inherit the environment.
+  InProcessServer(const Config& config, const DefaultFloatEnvironment&);
 
   Lifecycle lifecycle_;
   Core core_;

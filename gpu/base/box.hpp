@@ -17,7 +17,7 @@ COLLIDED_HD Box<Real> join(const Box<Real>& a, const Box<Real>& b) {
           {max(a.hi.x, b.hi.x), max(a.hi.y, b.hi.y), max(a.hi.z, b.hi.z)}};
 }
 
-/// Meets nothing, and adds nothing to another.
+/// Meets no box within float's range, and adds nothing to another.
 COLLIDED_HD inline Box<float> no_box() {
   constexpr float kMax = 0x1.fffffep127f;
   return {{kMax, kMax, kMax}, {-kMax, -kMax, -kMax}};

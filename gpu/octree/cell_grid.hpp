@@ -50,13 +50,12 @@ struct CoveredPerLevelOf {
 /// Coarser cells, each twice as large as the last, if the registrations are too many.
 struct ChooseCells {
   const LevelTotals* totals;
-  uint64_t triangles;
   int levels;  ///< 0: the base level alone
   GridState* state;
 
   COLLIDED_HD void operator()(uint64_t) const {
     LevelGrid grid = state->grid;
-    const ActiveLevels chosen = clamp_levels({grid.base, grid.base}, *totals, triangles);
+    const ActiveLevels chosen = clamp_levels({grid.base, grid.base}, *totals);
     grid.base = chosen.base;
     grid.top = chosen.base > levels ? chosen.base - levels : 0;
     *state = grid_state(grid);

@@ -39,7 +39,7 @@ struct LeafPairs {
     Leaf leaf;
     const uint32_t* members;
     uint32_t row, first_column, end_column;  ///< members
-    bool is_own;                             ///< all pairs of the leaf are the part's own (PlaceLeaves::is_others)
+    bool is_own;                             ///< known: all pairs are the part's own (PlaceLeaves::is_others)
   };
   COLLIDED_HD Work work(uint64_t i) const {
     const PairItem item = items[i];

@@ -1,7 +1,8 @@
 #pragma once
 // Section 3.2: which levels the next frame uses.
 // Deviation: the first frame's base level comes from the data, not from a fixed nine levels, and no frame's base
-// level may need more than a bounded number of registrations for a triangle (one huge triangle would cover all).
+// level may need more than a bounded number of registrations for a triangle that has a box (one huge triangle would
+// cover all).
 
 #include "gpu/octree/top_down.hpp"
 
@@ -25,11 +26,11 @@ inline int deepest_base(uint64_t triangles) {
   return level;
 }
 
-/// Levels for this frame; `triangles` > 0.
-COLLIDED_HD inline ActiveLevels clamp_levels(ActiveLevels wanted, const LevelTotals& totals, uint64_t triangles) {
+/// Levels for this frame.
+COLLIDED_HD inline ActiveLevels clamp_levels(ActiveLevels wanted, const LevelTotals& totals) {
   constexpr uint64_t kFirstPerTriangle = 6, kMaxPerTriangle = 24;
   const bool first_frame = wanted.base < 0;
-  const uint64_t most = triangles * (first_frame ? kFirstPerTriangle : kMaxPerTriangle);
+  const uint64_t most = totals.boxed() * (first_frame ? kFirstPerTriangle : kMaxPerTriangle);
   int base = first_frame ? wanted.deepest : wanted.base;
   while (base > 0 && totals.cells[base] > most) --base;
   // Coarse levels are wanted only where many registrations were in them; counting them is slow, for few cells take
@@ -71,11 +72,10 @@ struct ChooseGrid {
   const Box<float>* bounds;
   const LevelTotals* totals;
   const ActiveLevels* wanted;
-  uint64_t triangles;
   GridState* state;
 
   COLLIDED_HD void operator()(uint64_t) const {
-    const ActiveLevels levels = clamp_levels(*wanted, *totals, triangles);
+    const ActiveLevels levels = clamp_levels(*wanted, *totals);
     *state = grid_state(grid_over(*bounds, levels.top, levels.base));
   }
 };

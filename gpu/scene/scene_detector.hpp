@@ -6,6 +6,7 @@
 
 #include "gpu/contacts/world_results.hpp"
 #include "gpu/detector.hpp"
+#include "gpu/float_environment.hpp"
 #include "gpu/positions/sample.hpp"
 #include "gpu/scene/edit.hpp"
 #include "gpu/scene/known_lengths.hpp"
@@ -37,6 +38,7 @@ class SceneDetector final : public Detector {
   }
 
   FrameResult detect(const FrameInput& frame) override {
+    const DefaultFloatEnvironment environment;
     check_frame(spec_, frame);
     FrameSettings settings = settings_of(spec_, frame);
     settings.encoding = encoding_;
@@ -48,6 +50,7 @@ class SceneDetector final : public Detector {
   }
 
   void read_positions(const VertexSample& sample, std::span<std::byte> to) override {
+    const DefaultFloatEnvironment environment;
     if (!positions_.has_frame()) throw std::logic_error("positions are read before the first frame");
     exec_.make_current();
     exec_.asks().no_more();  // of a frame that was given up

@@ -121,11 +121,10 @@ class OctreePhase {
   void choose_levels() {
     StepState* state = scene_.state.data();
     measure_bounds(exec_, scene_.size(triangle_count()));
-    exec_.reduce_into(
-        "covered_per_level", triangle_count(), CoveredPerLevel{&state->bounds, boxes()}, LevelTotals{}, AddTotals{},
-        &state->totals,
-        PrepareStep{{&state->bounds, &state->totals, scene_.octree.wanted.data(), triangle_count(), &state->grid},
-                    {state, thickness_, scene_.deviations(is_ccd_)}});
+    exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevel{&state->bounds, boxes()}, LevelTotals{},
+                      AddTotals{}, &state->totals,
+                      PrepareStep{{&state->bounds, &state->totals, scene_.octree.wanted.data(), &state->grid},
+                                  {state, thickness_, scene_.deviations(is_ccd_)}});
   }
 
   /// For grids whose cells are as large as the triangles.
@@ -141,10 +140,10 @@ class OctreePhase {
     if (plan.engine == Engine::kVss)  // then by those that are not large
       exec_.reduce_into("ordinary_extents", triangle_count(), OrdinaryExtentOf{mean, boxes()}, OrdinaryExtents{},
                         AddOrdinaryExtents{}, &state->ordinary, span(OrdinaryMean{&state->bounds, &state->ordinary}));
-    exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevelOf{grid, boxes()}, LevelTotals{},
-                      AddTotals{}, &state->totals,
-                      ChooseCells{&state->totals, triangle_count(),
-                                  plan.engine == Engine::kTwoLevelGrid ? kLevelsOfCrowdedCell : 0, &state->grid});
+    exec_.reduce_into(
+        "covered_per_level", triangle_count(), CoveredPerLevelOf{grid, boxes()}, LevelTotals{}, AddTotals{},
+        &state->totals,
+        ChooseCells{&state->totals, plan.engine == Engine::kTwoLevelGrid ? kLevelsOfCrowdedCell : 0, &state->grid});
     exec_.for_each("prepare_narrow", 1, PrepareNarrow{state, thickness_, scene_.deviations(is_ccd_)});
   }
 

@@ -5,6 +5,7 @@
 #include "gpu/base/text.hpp"
 #include "gpu/contacts/answer_room.hpp"
 #include "gpu/exec/cpu/cpu_loops.hpp"
+#include "gpu/float_environment.hpp"
 #include "gpu/parted_quota.hpp"
 #include "gpu/scene/backends.hpp"
 #include "gpu/scene/parts/balance.hpp"
@@ -42,6 +43,7 @@ class PartedScene final : public Detector {
   ~PartedScene() override { room_->close(); }
 
   FrameResult detect(const FrameInput& frame) override {
+    const DefaultFloatEnvironment environment;
     check_frame(spec_, frame);
     frame_ = &frame;
     meeting_.begin();

@@ -67,7 +67,7 @@ LevelGrid grid_of(std::vector<Box<float>>& boxes) {
   SpanCells<OrdinaryMean>{&bounds, {&bounds, &ordinary}, 1, deepest_base(boxes.size()), &state.grid}(0);
   LevelTotals totals{};
   for (uint64_t i = 0; i < boxes.size(); ++i) totals = AddTotals{}(totals, CoveredPerLevelOf{&state.grid, all}(i));
-  ChooseCells{&totals, boxes.size(), 0, &state}(0);
+  ChooseCells{&totals, 0, &state}(0);
   return state.grid;
 }
 

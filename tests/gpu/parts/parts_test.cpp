@@ -162,6 +162,20 @@ TEST_F(Parts, RefineCrowdedCells) {
   EXPECT_LT(in_parts.counts.tests, kPairsInClusters / 10);
 }
 
+// Levels that pay for few triangles only would be made where a part counted on all of the scene's.
+TEST_F(Parts, HaveTheLevelsThatTheirTrianglesNeed) {
+  const Case c = rounded(soup(310, 40000, 1, 0.05, 0), Scalar::kF32);
+  SceneSpec spec = settings(Mode::kDcd, Accuracy::kCandidates, Scalar::kF32);
+  spec.engine = Engine::kOctree;
+  OneAndParts detectors(spec_for(c, spec), {8});
+  const Frame frame(c, Mode::kDcd, Scalar::kF32);
+  const FrameResult one = detectors.one->detect(frame.input());
+  const FrameResult in_parts = detectors.in_parts[0]->detect(frame.input());
+  expect_same_frame(one, in_parts, Report::kAll);
+  EXPECT_LT(in_parts.counts.cells, 4 * one.counts.cells);
+  EXPECT_LT(in_parts.counts.registrations, 1.1 * one.counts.registrations);
+}
+
 // Fewer pairs than parts, and none at all.
 TEST_F(Parts, MayHaveNothingToDo) {
   Case two, one;

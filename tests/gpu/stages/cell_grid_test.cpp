@@ -39,10 +39,11 @@ TEST(CellGrid, StaysWithinTheDenseLevels) {
 
 TEST(CellGrid, IsCoarserWhereRegistrationsAreTooMany) {
   LevelTotals totals{};
-  for (int level = 0; level <= kMaxLevel; ++level) totals.cells[level] = 100ull << (3 * level);
+  totals.cells[0] = 6400;
+  for (int level = 1; level <= kMaxLevel; ++level) totals.cells[level] = 100ull << (3 * level);
   GridState state{};
   state.grid = {{0, 0, 0}, 1, 0, 5};
-  ChooseCells{&totals, 6400, 2, &state}(0);  // 24 for a triangle: 153,600
+  ChooseCells{&totals, 2, &state}(0);  // 24 for a triangle: 153,600
   EXPECT_EQ(state.grid.base, 3);
   EXPECT_EQ(state.grid.top, 1);
   EXPECT_EQ(state.top_cells, 8u);

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace collided::test {
 namespace {
 
@@ -52,8 +54,9 @@ TEST(Levels, DenseCellsAreBoundedByTheTriangles) {
 }
 
 TEST(Levels, StayAboveTheDeepestOfTheScene) {
-  const LevelTotals one_cell_each{};
-  EXPECT_EQ(clamp_levels({.deepest = 4}, one_cell_each, 1).base, 4);
+  LevelTotals one_cell_each{};
+  std::ranges::fill(one_cell_each.cells, 1);
+  EXPECT_EQ(clamp_levels({.deepest = 4}, one_cell_each).base, 4);
   uint64_t registrations[kMaxLevel + 1] = {};
   registrations[4] = 10;
   EXPECT_EQ(next_levels({2, 4, 4}, registrations).base, 4);
@@ -63,18 +66,20 @@ TEST(Levels, StayAboveTheDeepestOfTheScene) {
 TEST(Levels, BaseNeverTakesMoreRegistrationsThanItsBound) {
   LevelTotals totals{};
   for (int level = 0; level <= kMaxLevel; ++level) totals.cells[level] = 100ull << (3 * level);
-  EXPECT_EQ(clamp_levels({}, totals, 100).base, 0);           // 8 a triangle at level 1 are too many at first
-  EXPECT_EQ(clamp_levels({0, 6}, totals, 100).base, 1);       // later 24 are the bound
-  EXPECT_EQ(clamp_levels({0, 6}, totals, 1u << 30).base, 6);  // wide enough: as wanted
+  EXPECT_EQ(clamp_levels({}, totals).base, 0);      // 8 a triangle at level 1 are too many at first
+  EXPECT_EQ(clamp_levels({0, 6}, totals).base, 1);  // later 24 are the bound
+  totals.cells[0] = 1u << 30;
+  EXPECT_EQ(clamp_levels({0, 6}, totals).base, 6);  // wide enough: as wanted
 }
 
 TEST(Levels, FirstFrameLeavesOutTheCoarsestLevels) {
   LevelTotals totals{};
-  EXPECT_EQ(clamp_levels({}, totals, 1).base, kMaxLevel);
-  EXPECT_EQ(clamp_levels({}, totals, 1).top, 3);
+  std::ranges::fill(totals.cells, 1);
+  EXPECT_EQ(clamp_levels({}, totals).base, kMaxLevel);
+  EXPECT_EQ(clamp_levels({}, totals).top, 3);
   for (int level = 3; level <= kMaxLevel; ++level) totals.cells[level] = 1000;
-  EXPECT_EQ(clamp_levels({}, totals, 1).base, 2);
-  EXPECT_EQ(clamp_levels({}, totals, 1).top, 0);
+  EXPECT_EQ(clamp_levels({}, totals).base, 2);
+  EXPECT_EQ(clamp_levels({}, totals).top, 0);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <cfenv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -40,6 +41,21 @@ TEST(InProcess, ASessionHasTheContactsOfADaemonsSession) {
   EXPECT_GT(contacts, 100u);
   EXPECT_EQ(near.reconnects(), 0u);
   EXPECT_NO_THROW(near.close());
+}
+
+TEST(InProcess, TheCallersFloatEnvironmentChangesNothing) {
+  std::vector<uint64_t> digests;
+  for (const int environment : {0, 1, 2}) {
+    environment == 1   ? static_cast<void>(std::fesetround(FE_UPWARD))
+    : environment == 2 ? static_cast<void>(feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW | FE_UNDERFLOW))
+                       : void();
+    Session session = open_session(local());
+    for (uint64_t id = 1; id <= 3; ++id) digests.push_back(digest(detect(session, id)));
+    EXPECT_EQ(std::fegetround(), environment == 1 ? FE_UPWARD : FE_TONEAREST);
+    EXPECT_EQ(fegetexcept() != 0, environment == 2);
+    std::fesetenv(FE_DFL_ENV);
+  }
+  for (size_t i = 3; i < digests.size(); ++i) EXPECT_EQ(digests[i], digests[i % 3]);
 }
 
 TEST(InProcess, ARefusalSaysWhatADaemonsSays) {

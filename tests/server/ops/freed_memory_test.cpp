@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/sanitized.hpp"
+
 namespace collided::server {
 namespace {
 
@@ -32,7 +34,14 @@ class Heap {
   std::vector<std::unique_ptr<int>> small_;
 };
 
-TEST(FreedMemory, GoesBackOnceItIsMuch) {
+class FreedMemoryTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (test::kSanitized) GTEST_SKIP() << "the sanitizer's allocator keeps freed memory, to find who uses it";
+  }
+};
+
+TEST_F(FreedMemoryTest, GoesBackOnceItIsMuch) {
   FreedMemory freed;
   Heap heap(64 << 20);
   heap.free_large();
@@ -58,7 +67,7 @@ class Mapped {
 };
 
 // What was resident and not the allocator's for a while does not stand for what the allocator keeps after it.
-TEST(FreedMemory, AlsoWhereAsMuchThatWasNeverTheAllocatorsIsGone) {
+TEST_F(FreedMemoryTest, AlsoWhereAsMuchThatWasNeverTheAllocatorsIsGone) {
   FreedMemory freed;
   const double before = process_private_bytes();
   auto mapped = std::make_unique<Mapped>(64 << 20);
@@ -73,7 +82,7 @@ TEST(FreedMemory, AlsoWhereAsMuchThatWasNeverTheAllocatorsIsGone) {
 
 // What is freed during a return is returned by the next. The allocator goes through its arenas one
 // after the other: this thread's is done while those of the others, which take longer, are not.
-TEST(FreedMemory, AlsoWhatAnotherThreadFreesMeanwhile) {
+TEST_F(FreedMemoryTest, AlsoWhatAnotherThreadFreesMeanwhile) {
   std::vector<Heap> others(4);
   for (int round = 0; round < 20; ++round) {
     FreedMemory freed;
