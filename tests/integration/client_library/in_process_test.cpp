@@ -43,19 +43,16 @@ TEST(InProcess, ASessionHasTheContactsOfADaemonsSession) {
   EXPECT_NO_THROW(near.close());
 }
 
-TEST(InProcess, TheCallersFloatEnvironmentChangesNothing) {
-  std::vector<uint64_t> digests;
-  for (const int environment : {0, 1, 2}) {
-    environment == 1   ? static_cast<void>(std::fesetround(FE_UPWARD))
-    : environment == 2 ? static_cast<void>(feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW | FE_UNDERFLOW))
-                       : void();
+TEST(InProcess, ACallerMayTrapFloatingPointErrors) {
+  std::vector<std::string> digests;
+  for (const int trapped : {0, FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW | FE_UNDERFLOW}) {
+    feenableexcept(trapped);
     Session session = open_session(local());
     for (uint64_t id = 1; id <= 3; ++id) digests.push_back(digest(detect(session, id)));
-    EXPECT_EQ(std::fegetround(), environment == 1 ? FE_UPWARD : FE_TONEAREST);
-    EXPECT_EQ(fegetexcept() != 0, environment == 2);
+    EXPECT_EQ(fegetexcept(), trapped);
     std::fesetenv(FE_DFL_ENV);
   }
-  for (size_t i = 3; i < digests.size(); ++i) EXPECT_EQ(digests[i], digests[i % 3]);
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(digests[i + 3], digests[i]);
 }
 
 TEST(InProcess, ARefusalSaysWhatADaemonsSays) {
