@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "gpu/float_environment.hpp"
+#include "gpu/base/float_environment.hpp"
 #include "gpu/scene/backends.hpp"
 #include "gpu/scene/known_lengths.hpp"
 #include "gpu/scene/parts/parted_scene.hpp"

@@ -62,10 +62,9 @@ Config config_of(const InProcessOptions& options) {
 
 }  // namespace
 
-InProcessServer::InProcessServer(const InProcessOptions& options)
-    : InProcessServer(config_of(options), DefaultFloatEnvironment()) {}
+InProcessServer::InProcessServer(const InProcessOptions& options) : InProcessServer(config_of(options), nullptr) {}
 
-InProcessServer::InProcessServer(const Config& config, const DefaultFloatEnvironment&) : core_(config, lifecycle_) {
+InProcessServer::InProcessServer(const Config& config, std::nullptr_t) : core_(config, lifecycle_) {
   grpc::ServerBuilder builder;
   core_.add_to(builder);
   server_ = builder.BuildAndStart();

@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 
-#include "gpu/float_environment.hpp"
 #include "server/core.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/log.hpp"
@@ -38,8 +37,7 @@ class InProcessServer {
   std::shared_ptr<InProcessStream> open(const pb::OpenStream& open);
 
  private:
-  /// Threads that it starts inherit the environment.
-  InProcessServer(const Config& config, const DefaultFloatEnvironment&);
+  InProcessServer(const Config& config, std::nullptr_t);
 
   Lifecycle lifecycle_;
   Core core_;

@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "gpu/base/float_environment.hpp"
 #include "gpu/contacts/world_results.hpp"
 #include "gpu/detector.hpp"
-#include "gpu/float_environment.hpp"
 #include "gpu/positions/sample.hpp"
 #include "gpu/scene/edit.hpp"
 #include "gpu/scene/known_lengths.hpp"

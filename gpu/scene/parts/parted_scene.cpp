@@ -2,10 +2,10 @@
 
 #include <utility>
 
+#include "gpu/base/float_environment.hpp"
 #include "gpu/base/text.hpp"
 #include "gpu/contacts/answer_room.hpp"
 #include "gpu/exec/cpu/cpu_loops.hpp"
-#include "gpu/float_environment.hpp"
 #include "gpu/parted_quota.hpp"
 #include "gpu/scene/backends.hpp"
 #include "gpu/scene/parts/balance.hpp"
