@@ -148,30 +148,32 @@ Case clusters() {
   return all;
 }
 
+struct OneAndInParts {
+  FrameResult one, in_parts;
+};
+
+/// Candidates of the octree in a scene's first frame.
+OneAndInParts by_octree(const Case& exact, Mode mode, size_t parts) {
+  const Case c = rounded(exact, Scalar::kF32);
+  SceneSpec spec = settings(mode, Accuracy::kCandidates, Scalar::kF32);
+  spec.engine = Engine::kOctree;
+  OneAndParts detectors(spec_for(c, spec), {parts});
+  const Frame frame(c, mode, Scalar::kF32);
+  OneAndInParts found{detectors.one->detect(frame.input()), detectors.in_parts[0]->detect(frame.input())};
+  expect_same_frame(found.one, found.in_parts, Report::kAll);
+  return found;
+}
+
 // Whether crowded cells are refined goes by the triangles that a part has, not by the scene's.
 TEST_F(Parts, RefineCrowdedCells) {
-  const Case c = rounded(clusters(), Scalar::kF32);
-  SceneSpec spec = settings(Mode::kCcd, Accuracy::kCandidates, Scalar::kF32);
-  spec.engine = Engine::kOctree;
-  OneAndParts detectors(spec_for(c, spec), {4});
-  const Frame frame(c, Mode::kCcd, Scalar::kF32);
-  const FrameResult one = detectors.one->detect(frame.input());
-  const FrameResult in_parts = detectors.in_parts[0]->detect(frame.input());
-  expect_same_frame(one, in_parts, Report::kAll);
+  const auto [one, in_parts] = by_octree(clusters(), Mode::kCcd, 4);
   EXPECT_LT(one.counts.tests, kPairsInClusters / 10);
   EXPECT_LT(in_parts.counts.tests, kPairsInClusters / 10);
 }
 
 // Levels that pay for few triangles only would be made where a part counted on all of the scene's.
 TEST_F(Parts, HaveTheLevelsThatTheirTrianglesNeed) {
-  const Case c = rounded(soup(310, 40000, 1, 0.05, 0), Scalar::kF32);
-  SceneSpec spec = settings(Mode::kDcd, Accuracy::kCandidates, Scalar::kF32);
-  spec.engine = Engine::kOctree;
-  OneAndParts detectors(spec_for(c, spec), {8});
-  const Frame frame(c, Mode::kDcd, Scalar::kF32);
-  const FrameResult one = detectors.one->detect(frame.input());
-  const FrameResult in_parts = detectors.in_parts[0]->detect(frame.input());
-  expect_same_frame(one, in_parts, Report::kAll);
+  const auto [one, in_parts] = by_octree(soup(310, 40000, 1, 0.05, 0), Mode::kDcd, 8);
   EXPECT_LT(in_parts.counts.cells, 4 * one.counts.cells);
   EXPECT_LT(in_parts.counts.registrations, 1.1 * one.counts.registrations);
 }

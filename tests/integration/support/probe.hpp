@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "tests/integration/support/daemon_process.hpp"
+#include "tests/support/sanitized.hpp"
 
 namespace collided::test {
 
@@ -109,12 +110,6 @@ class Probe {
   std::string http_;
   pid_t pid_;
 };
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
 
 /// Bytes; sanitizers keep freed memory for a while, and shadow used memory.
 constexpr double memory_limit(double mebibytes) {

@@ -40,7 +40,7 @@ TEST_F(Loop, TakesThoseWhoCome) {
 }
 
 TEST_F(Loop, GoesOnOnceThereIsADescriptorAgain) {
-  if (test::kSanitized) GTEST_SKIP() << "the sanitizer needs descriptors, to look at memory";
+  if (test::kIsSanitized) GTEST_SKIP() << "the sanitizer needs descriptors, to look at memory";
   rlimit before{};
   getrlimit(RLIMIT_NOFILE, &before);
   const Fd early = connect_to(listener_);

@@ -37,7 +37,7 @@ class Heap {
 class FreedMemoryTest : public testing::Test {
  protected:
   void SetUp() override {
-    if (test::kSanitized) GTEST_SKIP() << "the sanitizer's allocator keeps freed memory, to find who uses it";
+    if (test::kIsSanitized) GTEST_SKIP() << "the sanitizer's allocator keeps freed memory, to find who uses it";
   }
 };
 

@@ -93,7 +93,7 @@ TEST(LastLines, AreWrittenAtACrash) {
     die();
   };
   EXPECT_EXIT(crash([] { std::abort(); }), testing::KilledBySignal(SIGABRT), "line 99\\.");
-  if (!test::kSanitized) {  // which has a handler of its own, and exits
+  if (!test::kIsSanitized) {  // which has a handler of its own, and exits
     EXPECT_EXIT(crash([] { raise(SIGSEGV); }), testing::KilledBySignal(SIGSEGV), "line 99\\.");
   }
   EXPECT_EXIT(crash([] { std::terminate(); }), testing::KilledBySignal(SIGABRT), "line 99\\.");
