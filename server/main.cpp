@@ -198,7 +198,10 @@ int main(int argc, char** argv) try {
   auto [config, run, exit_code, text, is_check] =
       collided::server::parse_config(argc, argv, collided::version_text("collided"));
   if (!run) {
-    exit_code ? static_cast<void>(std::fputs(text.c_str(), stderr)) : print(text);
+    if (exit_code == 0)
+      print(text);
+    else
+      std::fputs(text.c_str(), stderr);
     return exit_code;
   }
   collided::server::set_up_log(config.log_format, config.log_level);

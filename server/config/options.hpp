@@ -58,13 +58,13 @@ CLI::Option* add(CLI::App& app, const std::string& flag, T& value, const std::st
 
 /// A flag by itself, or with =true or =false; a variable or key needs the value.
 inline CLI::Option* add_switch(CLI::App& app, const std::string& flag, bool& value, const std::string& help) {
+  const std::string initially = value ? "true" : "false";
   return app.add_flag(flag, value, help)
       ->envname(variable_of(flag))
       ->check(CLI::IsMember({"true", "false"}).description(""))
       ->type_name("true|false")
-      ->default_str(value ? "true" : "false")
-      ->option_text(std::string("[=true|false] (default: ") + (value ? "true" : "false") +
-                    ") (Env:" + variable_of(flag) + ")");
+      ->default_str(initially)
+      ->option_text("[=true|false] (default: " + initially + ") (Env:" + variable_of(flag) + ")");
 }
 
 /// A number with its range.

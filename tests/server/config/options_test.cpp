@@ -130,7 +130,9 @@ TEST(Config, VersionAndHelpExitWithZero) {
 
 TEST(Config, HelpTellsWhatASwitchIs) {
   for (const auto* flag : {"--cuda-ipc", "--open-reflection", "--allow-insecure"})
-    EXPECT_NE(parse({"--help"}).text.find(std::string(flag) + " [=true|false] (default: false) (Env:"), std::string::npos) << flag;
+    EXPECT_NE(parse({"--help"}).text.find(std::string(flag) + " [=true|false] (default: false) (Env:"),
+              std::string::npos)
+        << flag;
 }
 
 TEST(Config, Addresses) {
