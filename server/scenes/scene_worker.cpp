@@ -51,12 +51,13 @@ SceneWorker::~SceneWorker() {
 }
 
 bool SceneWorker::try_post(Job job) {
+  const auto state = state_;  // the job may end the worker before it is told
   {
-    std::lock_guard lock(state_->mutex);
-    if (state_->jobs.size() >= state_->capacity) return false;
-    state_->jobs.push_back(std::move(job));
+    std::lock_guard lock(state->mutex);
+    if (state->jobs.size() >= state->capacity) return false;
+    state->jobs.push_back(std::move(job));
   }
-  state_->changed.notify_one();
+  state->changed.notify_one();
   return true;
 }
 
@@ -66,20 +67,22 @@ void SceneWorker::set_capacity(size_t capacity) {
 }
 
 void SceneWorker::post(Job job) {
+  const auto state = state_;  // the job may end the worker before it is told
   {
-    std::lock_guard lock(state_->mutex);
-    state_->jobs.push_back(std::move(job));
+    std::lock_guard lock(state->mutex);
+    state->jobs.push_back(std::move(job));
   }
-  state_->changed.notify_one();
+  state->changed.notify_one();
 }
 
 void SceneWorker::wake_early() {
+  const auto state = state_;  // as in post()
   {
-    std::lock_guard lock(state_->mutex);
-    if (state_->has_work()) return;
-    state_->awake_until = Clock::now() + kAwake;
+    std::lock_guard lock(state->mutex);
+    if (state->has_work()) return;
+    state->awake_until = Clock::now() + kAwake;
   }
-  state_->changed.notify_one();
+  state->changed.notify_one();
 }
 
 void SceneWorker::flush() {

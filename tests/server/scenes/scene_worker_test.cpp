@@ -50,5 +50,14 @@ TEST(SceneWorker, CanEndOnItsOwnThread) {
   gone.get_future().wait();
 }
 
+// What posts a job must not touch the worker any more: with it gone, a sanitizer would tell.
+TEST(SceneWorker, MayBeGoneBeforeItsLastJobHasBeenPosted) {
+  for (int i = 0; i < 300; ++i) {
+    auto worker = std::make_shared<SceneWorker>(1);
+    SceneWorker& target = *worker;
+    target.post([held = std::move(worker)]() mutable { held.reset(); });
+  }
+}
+
 }  // namespace
 }  // namespace collided::server
