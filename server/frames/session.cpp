@@ -2,7 +2,9 @@
 #include "server/frames/session.hpp"
 
 #include <algorithm>
+#include <ranges>
 #include <utility>
+#include <vector>
 
 #include "server/errors.hpp"
 #include "server/frames/log.hpp"
@@ -23,6 +25,15 @@ bool covers(const PendingFrame& latest, const PendingFrame& older) {
   return std::ranges::all_of(older.meshes, [&](const UpdatedMesh& old) {
     return std::ranges::any_of(latest.meshes, [&](const UpdatedMesh& mesh) { return covers(mesh, old); });
   });
+}
+
+// Whether the answer to `waiting` depends on what frames before it do to what `latest` covers: not if they are about
+// different worlds of a set.
+bool depends_on_earlier(const PendingFrame& waiting, const PendingFrame& latest) {
+  if (waiting.input.edit || waiting.worlds.empty() || latest.worlds.empty()) return true;
+  std::vector<bool> is_covered(kMaxWorlds);
+  for (const uint32_t world : latest.worlds) is_covered[world] = true;
+  return std::ranges::any_of(waiting.worlds, [&](uint32_t world) { return is_covered[world]; });
 }
 
 // Whether no later frame of the stream can be answered either.
@@ -76,11 +87,15 @@ void FrameSession::submit(PendingFrame frame) {
 }
 
 // A frame that is already refused stays, so that its error is reported; so do all of a scene that has yet to see where
-// its meshes rest.
+// its meshes rest, and what a frame between them and the latest begins at.
 void FrameSession::skip_older_locked(const PendingFrame& latest) {
   if (scene_->awaits_rest()) return;
-  for (Waiting& older : waiting_) {
-    if (older.is_skipped || older.frame.refusal || !covers(latest, older.frame)) continue;
+  for (Waiting& older : waiting_ | std::views::reverse) {
+    if (older.is_skipped || older.frame.refusal) continue;
+    if (!covers(latest, older.frame)) {
+      if (depends_on_earlier(older.frame, latest)) return;
+      continue;
+    }
     older.is_skipped = true;
     older.frame.input = {};
     older.frame.memory.reset();

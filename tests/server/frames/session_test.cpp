@@ -63,6 +63,37 @@ TEST_F(FrameSessionTest, LatestWinsLosesNothingThatAFrameAloneBrings) {
   EXPECT_EQ(Events(events.begin() + 5, events.end()), (Events{"skipped 5", "skipped 6", "answered 7"}));
 }
 
+// Frame 4 covers frame 2, but not frame 3, which is answered as if nothing had been skipped.
+TEST_F(FrameSessionTest, LatestWinsLeavesWhatAFrameInBetweenBuildsOn) {
+  const auto stream = open_held(Delivery::kLatestWins);
+  stream->submit(tip_frame(1, 2));
+  stream->submit(partial(2));
+  stream->submit(floor(3));
+  stream->submit(partial(4));
+  stream->submit(partial(5));
+  stream->hold(false);
+  EXPECT_EQ(stream.sink->wait_for(6),
+            (Events{"opened after 0", "answered 1", "answered 2", "answered 3", "skipped 4", "answered 5"}));
+}
+
+// Those of other worlds build on nothing of these.
+TEST_F(FrameSessionTest, LatestWinsSkipsPastFramesOfOtherWorlds) {
+  const auto stream = open_held(Delivery::kLatestWins);
+  const auto submit = [&](PendingFrame frame, std::vector<uint32_t> worlds) {
+    frame.worlds = std::move(worlds);
+    const std::weak_ptr<const void> memory = frame.memory;
+    stream->submit(std::move(frame));
+    return memory;
+  };
+  const auto first = submit(partial(1), {0, 2}), second = submit(floor(2), {1}), third = submit(partial(3), {0, 2});
+  EXPECT_TRUE(first.expired());
+  EXPECT_FALSE(second.expired());
+  submit(floor(4), {2, 3});
+  submit(partial(5), {0, 2});
+  EXPECT_FALSE(third.expired());  // frame 4 builds on it
+  stream->close();
+}
+
 TEST_F(FrameSessionTest, LatestWinsNeitherSkipsRefusalsNorForThem) {
   const auto stream = open_held(Delivery::kLatestWins);
   stream->submit(bad(1));

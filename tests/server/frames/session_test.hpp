@@ -43,6 +43,13 @@ class FrameSessionTest : public testing::Test {
     frame.meshes = {{1, true}};
     return frame;
   }
+  // Updates the floor only.
+  static PendingFrame floor(uint64_t id) {
+    PendingFrame frame = tip_frame(id, 2);
+    frame.input.updates.erase(frame.input.updates.begin() + 1);
+    frame.meshes = {{0, true}};
+    return frame;
+  }
   // Updates only the lowest corner of the tip.
   static PendingFrame sparse(uint64_t id) {
     static constexpr uint32_t kCorner = 0;
