@@ -35,13 +35,6 @@ void set_quota(grpc::ServerBuilder& builder, const Limits& limits) {
   builder.SetResourceQuota(quota);
 }
 
-// Per connection; further calls wait until some have ended. All streams of a client, and its other calls, may share one
-// connection.
-uint32_t max_concurrent_calls(const Limits& limits) {
-  constexpr uint32_t kMin = 256, kMax = 1'000'000;
-  return std::clamp(2 * limits.max_streams, kMin, kMax);
-}
-
 // Such as invalid UTF-8; the client is told, too.
 void log_protobuf(google::protobuf::LogLevel, const char*, int, const std::string& message) {
   log_event(spdlog::level::debug, message, {{"source", "protobuf"}});
@@ -129,7 +122,7 @@ void Daemon::listen(const Config& config) {
   grpc::ServerBuilder builder;
   set_quota(builder, config.limits);
   set_keepalive(builder, config);
-  const uint32_t max_calls = max_concurrent_calls(config.limits);
+  const uint32_t max_calls = max_calls_of_connection(config.limits);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, static_cast<int>(max_calls));
   entrance_.add_to(builder, max_calls, [this] { end_flood("unix:"); });
   core_.add_to(builder);
@@ -176,6 +169,7 @@ void Daemon::begin_stop(double grace_seconds) {
   lifecycle_.drain();
   core_.host.announce_stop(grace_seconds);
   calls_->announce_stop();
+  if (local_) local_->announce_stop();
 }
 
 bool Daemon::wait_idle(std::chrono::steady_clock::time_point deadline) const {

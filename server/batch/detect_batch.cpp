@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <atomic>
+#include <new>
 #include <set>
 #include <utility>
 
@@ -76,17 +77,18 @@ class Batch {
   };
 
   void admit(const std::shared_ptr<Batch>& self, int i) {
+    const pb::SetFrame& message = call_.request().frames(i);
+    SceneUse set;
     try {
-      const pb::SetFrame& message = call_.request().frames(i);
-      const SceneUse set = find(message, i);
+      set = find(message, i);
       auto admitted = std::make_shared<Admitted>(take_in(message, *set));
-      const auto run = [self, set, admitted, i] { self->run(*set, *admitted, i); };
+      const auto run = [self, set, admitted, i] { self->run(set, *admitted, i); };
       if (!set->worker().try_post(run))
         throw LimitExceeded::quota(
             "scene:" + set->id(),
             fmt::format("max_window is {}, and as many frames wait for set {}", host_.limits().max_window, set->id()));
     } catch (...) {
-      refuse(i, std::current_exception());
+      refuse(set, message.frame_id(), i, std::current_exception());
       end_one();
     }
   }
@@ -119,27 +121,34 @@ class Batch {
   }
 
   /// On the set's worker.
-  void run(Scene& set, Admitted& admitted, int i) {
+  void run(const SceneUse& set, Admitted& admitted, int i) {
     try {
-      AnsweredFrame answered = run_frame(set, admitted.frame, [this] { return call_.is_cancelled(); });
-      fill_answer(set, answered, admitted.worlds, static_cast<size_t>(i), bytes_, call_.response().mutable_answers(i));
-      tell_answered(set, answered, call_.caller().ids);
+      AnsweredFrame answered = run_frame(*set, admitted.frame, [this] { return call_.is_cancelled(); });
+      fill_answer(*set, answered, admitted.worlds, static_cast<size_t>(i), bytes_, call_.response().mutable_answers(i));
+      tell_answered(*set, answered, call_.caller().ids);
     } catch (...) {
-      set.observer().refused(set, admitted.frame.frame_id, std::current_exception());
-      refuse(i, std::current_exception());
+      refuse(set, admitted.frame.frame_id, i, std::current_exception());
     }
     admitted = {};  // its slot is free before the client has the answer
     end_one();
   }
 
-  void refuse(int i, const std::exception_ptr& error) {
+  /// Other frames of the batch may be running: without the memory to say why one is refused, all end together.
+  void refuse(const SceneUse& set, uint64_t frame_id, int i, const std::exception_ptr& error) try {
+    if (set) set->observer().refused(*set, frame_id, error);
     pb::SetAnswer& answer = *call_.response().mutable_answers(i);
     answer.clear_contacts();
     answer.clear_errors();
     fill_error(at_frame(describe(error), static_cast<size_t>(i)), answer.mutable_error());
+  } catch (const std::bad_alloc&) {
+    is_short_ = true;
   }
   void end_one() {
-    if (--left_ == 0) guard(call_, [&] { call_.finish(); });
+    if (--left_ > 0) return;
+    guard(call_, [&] {
+      if (is_short_) throw std::bad_alloc();
+      call_.finish();
+    });
   }
 
   Call& call_;
@@ -147,6 +156,7 @@ class Batch {
   const std::shared_ptr<void> held_;
   AnswerBytes bytes_;
   std::atomic<int> left_;
+  std::atomic<bool> is_short_ = false;  // of memory
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #pragma once
 // The daemon's configuration: from flags, else COLLIDED_* in the environment, else a TOML file, else defaults.
 
+#include <algorithm>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -49,6 +50,13 @@ struct Limits {
 
   bool operator==(const Limits&) const = default;
 };
+
+/// Calls that one connection may have at once, from the start of the daemon on; further ones wait until some have ended.
+/// All streams of a client, and its other calls, may share one connection.
+inline uint32_t max_calls_of_connection(const Limits& limits) {
+  constexpr uint32_t kMin = 256, kMax = 1'000'000;
+  return std::clamp(2 * limits.max_streams, kMin, kMax);
+}
 
 /// PEM files. All empty: plain text.
 struct Tls {

@@ -66,7 +66,7 @@ void FieldCount::add_delimited(Input& in, const FieldDescriptor* field, int dept
   int size = 0;
   if (!in.ReadVarintSizeAsInt(&size) || in.BytesUntilLimit() < size) throw_malformed();
   if (!is_message(field)) {
-    if (is_packed_array(field)) add(static_cast<uint64_t>(size));  // elements have a byte or more
+    if (is_packed_array(field)) add(static_cast<uint64_t>(size) / kPackedBytesOfField);
     if (!in.Skip(size)) throw_malformed();
     return;
   }

@@ -13,8 +13,16 @@ namespace collided::server {
 /// Maximum memory of a field besides its own bytes: an empty MeshUpdate, or an unknown field.
 constexpr uint64_t kFieldBytes = 128;
 
-/// Maximum number of fields of a message for `meshes`, with room for those of later versions.
-constexpr uint64_t max_fields(uint64_t meshes) { return 64 + 16 * meshes; }
+/// Bytes of a packed array that take as much memory as a field: an element has a byte or more on the wire, and at most
+/// eight in memory.
+constexpr uint64_t kPackedBytesOfField = kFieldBytes / sizeof(uint64_t);
+
+/// Maximum number of fields of a message for `meshes`, and for the numbers of so many worlds, with room for those of
+/// later versions.
+constexpr uint64_t max_fields(uint64_t meshes, uint64_t worlds = 0) {
+  constexpr uint64_t kWorldBytes = 3;  // of a number below kMaxWorlds
+  return 64 + 16 * meshes + worlds * kWorldBytes / kPackedBytesOfField;
+}
 
 /// Meshes of one edit.
 constexpr uint64_t kMaxEditedMeshes = 256;
@@ -26,8 +34,8 @@ constexpr uint64_t max_parsed_bytes(uint64_t message_bytes, uint64_t meshes) {
   return message_bytes + max_fields(meshes) * kFieldBytes;
 }
 
-/// Counts the fields of a message at all levels, including unknown ones and the elements of packed arrays. Strings and
-/// bytes are skipped, not copied.
+/// Counts the fields of a message at all levels, including unknown ones, and packed arrays as the fields that take as
+/// much memory. Strings and bytes are skipped, not copied.
 class FieldCount {
  public:
   /// `what` names the message in refusals.

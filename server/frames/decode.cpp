@@ -115,7 +115,7 @@ struct Stopped {};
 class Decoder {
  public:
   Decoder(CodedInputStream& in, const Expected& expected, const std::function<std::span<std::byte>()>& room)
-      : in_(in), meshes_(expected.meshes), count_("request", max_fields(most_updates())), ask_for_room_(room) {}
+      : in_(in), meshes_(expected.meshes), count_("request", max_fields(most_updates(), expected.worlds)), ask_for_room_(room) {}
 
   DecodedRequest decode() try {
     const std::string remaining = remaining_fields("request", [&](uint32_t tag) {
@@ -245,8 +245,8 @@ void check_update_count(const pb::Frame& frame, size_t meshes, const char* path)
   if (has_too_many_updates(frame, meshes)) throw_too_many_updates(path, meshes);
 }
 
-pb::Frame parse_bounded_frame(const std::string& bytes, size_t meshes, const char* path) {
-  FieldCount(path, max_fields(max_frame_meshes(meshes))).add_message(bytes, *pb::Frame::descriptor(), path);
+pb::Frame parse_bounded_frame(const std::string& bytes, size_t meshes, size_t worlds, const char* path) {
+  FieldCount(path, max_fields(max_frame_meshes(meshes), worlds)).add_message(bytes, *pb::Frame::descriptor(), path);
   pb::Frame frame;
   if (!frame.ParseFromString(bytes)) throw_malformed(path);
   check_update_count(frame, meshes, path);

@@ -27,6 +27,7 @@ struct DecodedRequest {
 struct Expected {
   /// Of the scene; a frame with more updates is refused. None: the stream is not open yet, and only `open` is read.
   std::optional<size_t> meshes;
+  size_t worlds = 0;  ///< of a set: a frame may name them all
 };
 
 /// `bytes`: of the whole message. `room` is called once, before the first positions are read, for memory to put them
@@ -39,8 +40,8 @@ DecodedRequest decode_request(google::protobuf::io::ZeroCopyInputStream& wire, s
 /// Throws InvalidInput for more updates than a scene of so many meshes can have. `path` names the frame.
 void check_update_count(const pb::Frame& frame, size_t meshes, const char* path);
 
-/// Parses a whole frame, with at most as many updates as the scene has meshes. `path` names it in refusals.
+/// Parses a whole frame for a scene of so many meshes and, if it is a set, worlds. `path` names it in refusals.
 /// Throws InvalidInput, LimitExceeded.
-pb::Frame parse_bounded_frame(const std::string& bytes, size_t meshes, const char* path);
+pb::Frame parse_bounded_frame(const std::string& bytes, size_t meshes, size_t worlds, const char* path);
 
 }  // namespace collided::server

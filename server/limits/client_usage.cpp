@@ -9,13 +9,14 @@
 
 namespace collided::server {
 
-std::shared_ptr<void> ClientUsage::begin_stream(const Client& client) {
+std::shared_ptr<void> ClientUsage::begin_stream(const Client& client, bool takes_over) {
+  const size_t ending = takes_over ? 1 : 0;
   const std::lock_guard lock(mutex_);
-  if (streams_ >= max_streams_)
+  if (streams_ >= max_streams_ + ending)
     throw LimitExceeded::quota(
         "daemon", fmt::format("max_streams is {}, and {} streams are open on this daemon", max_streams_, streams_));
   Entry& entry = clients_[client->name];
-  if (entry.streams >= client->limits.max_streams)
+  if (entry.streams >= client->limits.max_streams + ending)
     throw LimitExceeded::quota("client:" + client->name,
                                fmt::format("max_streams_per_client is {}, and client \"{}\" has {} open streams",
                                            client->limits.max_streams, client->name, entry.streams));

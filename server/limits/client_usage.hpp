@@ -24,8 +24,9 @@ class ClientUsage {
         max_streams_(limits.max_streams),
         device_bytes_(std::make_shared<DeviceBytes>("daemon", "max_device_bytes", limits.max_device_bytes)) {}
 
-  /// Counts a stream while the result lives. Throws LimitExceeded.
-  std::shared_ptr<void> begin_stream(const Client& client);
+  /// Counts a stream while the result lives. `takes_over`: the place of one that ends as soon as this one is open, so
+  /// that a client that has used up its limit can resume. Throws LimitExceeded.
+  std::shared_ptr<void> begin_stream(const Client& client, bool takes_over = false);
   /// Counts a frame against a token bucket that holds one second's frames. Throws LimitExceeded with the time until the
   /// frame would be admitted.
   void count_frame(const Client& client);

@@ -160,6 +160,10 @@ void Scene::check_open() const {
   throw NotFound("scene_id", fmt::format("scene {} {}", id(), end_.text(std::chrono::steady_clock::now())));
 }
 
+void Scene::check_built() const {
+  if (build_failure_) std::rethrow_exception(build_failure_);
+}
+
 void Scene::check_token(const std::string& token, bool has_stream) const {
   if (token.empty() && has_stream)
     throw FailedPrecondition("open.resume_token",
@@ -169,7 +173,7 @@ void Scene::check_token(const std::string& token, bool has_stream) const {
 }
 
 void Scene::check_is_one(const std::string& field) const {
-  if (const uint32_t worlds = shown_.plan->engine.worlds; worlds > 0)
+  if (const uint32_t worlds = plan()->engine.worlds; worlds > 0)
     throw FailedPrecondition(field,
                              fmt::format("{}: scene {} is a set of {} scenes, whose frames come by DetectBatch or "
                                          "StreamFrames",
@@ -182,6 +186,11 @@ std::shared_ptr<SceneStream> Scene::begin_stream(const std::shared_ptr<SceneStre
   if (!shown_.ready) throw_awaits("open.scene_id");
   check_token(token, stream_ != nullptr);
   return std::exchange(stream_, stream);
+}
+
+bool Scene::would_take_over(const std::string& token) const {
+  const std::lock_guard lock(mutex_);
+  return stream_ && is_equal_secret(token, facts_.resume_token);
 }
 
 void Scene::end_stream(const SceneStream& stream) {
@@ -208,9 +217,9 @@ void Scene::close(const SceneEnd& end) {
 }
 
 void Scene::begin_watch(std::shared_ptr<SceneWatcher> watcher) {
+  check_is_one("scene_id");
   const std::lock_guard lock(mutex_);  // so that close() finds it
   check_open();
-  check_is_one("scene_id");
   watchers_.add(std::move(watcher));
 }
 
@@ -271,10 +280,13 @@ void Scene::build_if_complete() {
   publish();
 }
 
-void Scene::make_detector() {
+void Scene::make_detector() try {
   detector_ = naming_paths(spec_path, [&] { return Detector::create(std::move(pending_)); });
   pending_ = {};
   held_.resize(host_bytes());
+} catch (...) {
+  build_failure_ = std::current_exception();
+  throw;
 }
 
 uint64_t Scene::host_bytes() const {

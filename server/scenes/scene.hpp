@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -106,11 +107,15 @@ class Scene {
   /// Makes `stream` the scene's one stream. Returns the stream that it replaces, or null. Throws PermissionDenied for a
   /// wrong token, FailedPrecondition if there is a stream and no token, or triangles are still missing.
   std::shared_ptr<SceneStream> begin_stream(const std::shared_ptr<SceneStream>& stream, const std::string& token);
+  /// Whether begin_stream() with this token would replace a stream.
+  bool would_take_over(const std::string& token) const;
   /// Does nothing if another one is the scene's stream.
   void end_stream(const SceneStream& stream);
   std::shared_ptr<SceneStream> stream() const;
   /// Throws NotFound once it is closed.
   void check_open() const;
+  /// Throws what its building failed with. On the worker's thread.
+  void check_built() const;
   /// Throws FailedPrecondition, naming `field`, for a set.
   void check_is_one(const std::string& field) const;
   /// Shows the watcher every frame from now on, until end_watch() or close(). Throws NotFound once it is closed.
@@ -177,6 +182,7 @@ class Scene {
   const std::vector<Device> devices_;
   TurnsOfScene turns_;
   MemoryHold held_;                   // plan, triangles and topology; owned by the worker after construction
+  std::exception_ptr build_failure_;  // owned by the worker
   bool excludes_rest_pairs_ = false;  // a mesh does; fixed after construction
   SceneSpec pending_;                 // the spec with its triangles, until the detector takes it
   std::shared_ptr<Detector> detector_;

@@ -100,6 +100,7 @@ HostTotals SceneHost::totals() const {
     totals.watchers += scene->watchers().size();
     if (const auto stream = scene->stream()) totals.waiting_frames += stream->waiting();
   }
+  for (const DeviceState& device : totals.devices) totals.waiting_frames += device.waiting_frames;
   return totals;
 }
 

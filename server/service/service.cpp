@@ -107,6 +107,7 @@ void CollisionService::make_scene(UnaryCallBase& call, SceneRequest request, pb:
         [this, &call, out, scene = std::move(scene), held = calls_] { build(scene, call, out); });
   target.worker().post([&call, out, scene = std::move(scene), held = calls_] {  // once the first request has created it
     guard(call, [&] {
+      scene->check_built();
       scene->check_open();
       fill_scene(*scene, out);
       call.finish();

@@ -93,6 +93,8 @@ void WatchCall::join(const SceneUse& scene) {
     is_open_ = true;
   }
   scene->begin_watch(watcher_);
+  const std::lock_guard lock(mutex_);
+  if (status_) scene->end_watch(*watcher_);  // the client was gone before the scene knew of it
 }
 
 void WatchCall::reserve(uint64_t message_bytes) {

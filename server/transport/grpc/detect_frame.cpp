@@ -40,7 +40,7 @@ void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameRespon
   *response.mutable_done() = done_message(frame);
 }
 
-// On the scene's worker thread. The reason for a refusal is logged with the call.
+// On the scene's worker thread. A refusal is counted and logged with the call, but that of a frame that was given up.
 void answer(Call& call, Scene& scene, PendingFrame& frame) {
   guard(call, [&] {
     bool has_run = false;
@@ -53,7 +53,7 @@ void answer(Call& call, Scene& scene, PendingFrame& frame) {
       call.finish();
     } catch (...) {
       const auto why = std::current_exception();
-      scene.observer().refused(scene, frame.frame_id, why);
+      if (call.is_cancelled()) scene.observer().refused(scene, frame.frame_id, why);
       std::rethrow_exception(has_run ? unanswered(frame.frame_id, frame.input.trial, why) : why);
     }
   });

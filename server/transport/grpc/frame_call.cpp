@@ -122,7 +122,8 @@ void FrameCall::take(const grpc::ByteBuffer& bytes) {
 
 Expected FrameCall::expected() const {
   if (!session_) return {};
-  return {session_->scene().plan()->meshes.size()};
+  const auto plan = session_->scene().plan();
+  return {plan->meshes.size(), plan->engine.worlds};
 }
 
 // Positions go straight to a slot. Without one the frame is still decoded, so that it can be refused by its id.
@@ -145,7 +146,7 @@ void FrameCall::open(const pb::OpenStream& open) {
   const StreamTerms terms = parse_open(open, host_.limits());
   window_ = terms.window;
   auto scene = host_.scenes().find(caller_.client, open.scene_id());
-  take_ticket();
+  take_ticket(scene->would_take_over(open.resume_token()));
   auto session =
       FrameSession::open(std::move(scene), open.resume_token(), terms.delivery, shared_from_this(), caller_.ids);
   {
@@ -158,10 +159,11 @@ void FrameCall::open(const pb::OpenStream& open) {
 }
 
 // From now on the call counts as one of the client's streams, not as a waiting call.
-void FrameCall::take_ticket() {
-  auto ticket = host_.usage().begin_stream(caller_.client);
+void FrameCall::take_ticket(bool takes_over) {
+  auto ticket = host_.usage().begin_stream(caller_.client, takes_over);
   const std::lock_guard lock(mutex_);
   opening_.reset();
+  owes_opened_ = true;
   if (!status_) ticket_ = std::move(ticket);
 }
 
@@ -183,6 +185,7 @@ void FrameCall::opened(const Scene& scene) try {
   held->resize(messages.front().size);
   messages.front().held = held;
   send(std::move(messages));
+  end_opening();
 } catch (...) {
   fail();
 }
@@ -195,6 +198,12 @@ void FrameCall::answered(const Scene& scene, const std::shared_ptr<AnsweredFrame
 void FrameCall::refused(uint64_t frame_id, const Failure& failure) {
   end_edit(frame_id);
   send(refusal_message(frame_id, failure));
+}
+
+void FrameCall::end_opening() {
+  const std::lock_guard lock(mutex_);
+  owes_opened_ = false;
+  end_if_idle_locked();
 }
 
 // Once the message that tells it has gone, the next frame is read.
@@ -270,25 +279,29 @@ void FrameCall::on_written(bool ok) {
   end_if_idle_locked();
 }
 
-// Waiting and running frames notice, and stop.
+// Arrives for every call that was accepted. If it was cancelled, waiting and running frames notice, and stop. Until then
+// a client that has half-closed looks like one that is gone.
 void FrameCall::on_gone(bool) {
   const std::lock_guard lock(mutex_);
-  if (context_.IsCancelled()) end_locked(grpc::Status(grpc::StatusCode::CANCELLED, "the call was cancelled"));
+  const bool is_cancelled = context_.IsCancelled();
+  if (is_cancelled) {
+    end_locked(grpc::Status(grpc::StatusCode::CANCELLED, "the call was cancelled"));
+    if (!session_) calls_.parts_.events.on_abandoned(context_.peer());
+  }
+  if (status_ && status_->ok())
+    tell_end(is_cancelled ? grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone") : grpc::Status::OK);
 }
 
 void FrameCall::end_if_idle_locked() {
-  if (has_read_all_ && in_flight_ == 0 && outgoing_.empty()) end_locked(grpc::Status::OK);
+  if (has_read_all_ && !owes_opened_ && in_flight_ == 0 && outgoing_.empty()) end_locked(grpc::Status::OK);
 }
 
 // Drops unsent messages: a client that resumes is told the last frame that was applied.
 void FrameCall::end_locked(const grpc::Status& status) {
   if (status_) return;
   status_ = status;
-  tell_end(status);
-  if (session_)
-    session_->close();
-  else
-    calls_.parts_.events.on_abandoned(context_.peer());
+  if (!status.ok()) tell_end(status);  // else once it is known whether the client is still there
+  if (session_) session_->close();
   opening_.reset();
   ticket_.reset();
   finish_locked();

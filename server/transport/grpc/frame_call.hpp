@@ -64,9 +64,10 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   Expected expected() const;
   DecodedRequest decode(const grpc::ByteBuffer& bytes, IncomingFrame& incoming) const;
   void open(const pb::OpenStream& open);
-  void take_ticket();
+  void take_ticket(bool takes_over);
   void submit(IncomingFrame incoming);
   void end_edit(uint64_t frame_id);
+  void end_opening();
   void fail();
   void send(const pb::StreamFramesResponse& response);
   void send(std::vector<EncodedMessage> messages);
@@ -99,7 +100,8 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   std::shared_ptr<void> ticket_;                 // counts the stream as open
   std::deque<EncodedMessage> outgoing_;
   size_t outgoing_bytes_ = 0;
-  uint32_t in_flight_ = 0;  // frames whose answer has not been fully written
+  bool owes_opened_ = false;  // the client, even one that has half-closed
+  uint32_t in_flight_ = 0;    // frames whose answer has not been fully written
   // A frame with an edit that has no answer yet: later frames are checked against what it makes of the scene.
   std::optional<uint64_t> edit_in_flight_;
   std::optional<grpc::Status> status_;  // of the call, once decided

@@ -56,8 +56,8 @@ std::shared_ptr<InProcessStream> InProcessStream::open(const pb::OpenStream& ope
   const std::shared_ptr<InProcessStream> stream(new InProcessStream(rules));
   const Client client = rules.authenticator.identify("", "");
   rules.host.check_serving();
-  stream->ticket_ = rules.host.usage().begin_stream(client);
   SceneUse scene = rules.host.scenes().find(client, open.scene_id());
+  stream->ticket_ = rules.host.usage().begin_stream(client, scene->would_take_over(open.resume_token()));
   stream->terms_ = parse_open(open, rules.host.limits());
   stream->scene_id_ = scene->id();
   stream->begin(
@@ -192,7 +192,12 @@ Failure InProcessStream::end() const {
   return end_.value_or(Failure{});
 }
 
-void InProcessStream::opened(const Scene& scene) { push({opened_message(scene, terms_.window), {}}); }
+void InProcessStream::opened(const Scene& scene) {
+  push({opened_message(scene, terms_.window), {}});
+  const std::lock_guard lock(mutex_);
+  owes_opened_ = false;
+  end_if_idle_locked();
+}
 
 void InProcessStream::answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) {
   for (pb::StreamFramesResponse& errors : world_error_messages(*frame)) push({std::move(errors), {}});
@@ -234,7 +239,7 @@ void InProcessStream::push(InProcessAnswer answer, std::optional<uint64_t> answe
 }
 
 void InProcessStream::end_if_idle_locked() {
-  if (is_half_closed_ && in_flight_ == 0) end_locked({});
+  if (is_half_closed_ && !owes_opened_ && in_flight_ == 0) end_locked({});
 }
 
 void InProcessStream::end_locked(const Failure& why) {

@@ -107,6 +107,7 @@ class InProcessStream final : public FrameSink, public std::enable_shared_from_t
   uint64_t in_flight_ = 0;  // unanswered frames
   std::optional<uint64_t>
       edit_id_;  // of a frame with an edit: later ones are checked against what it makes of the scene
+  bool owes_opened_ = true;  // the caller, even one that has half-closed
   bool is_half_closed_ = false;
   std::optional<Failure> end_;  // once it has ended
 };

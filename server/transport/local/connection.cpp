@@ -169,6 +169,10 @@ void Connection::open(const pb::LocalOpen& open, std::vector<PassedFile> files) 
   requested_scene_id_ = shorten(open.open().scene_id(), 64);
   opening_ = check_opening(open, std::move(files), rules_);
   writer_ = std::make_unique<AnswerWriter>(opening_.region, opening_.terms.window);
+  {
+    const std::lock_guard lock(mutex_);
+    owes_opened_ = true;
+  }
   auto session =
       FrameSession::open(opening_.scene, open.open().resume_token(), opening_.terms.delivery, shared_from_this(), ids_);
   {
@@ -186,7 +190,7 @@ void Connection::submit(pb::LocalRequest& request) {
   IncomingFrame incoming;
   MemoryHold copied(scene.quota());
   if (request.has_shared_frame())
-    incoming.message = read_frame(region, request.shared_frame(), scene.plan()->meshes.size(), copied);
+    incoming.message = read_frame(region, request.shared_frame(), *scene.plan(), copied);
   else if (request.has_frame())
     incoming.message = std::move(*request.mutable_frame());
   else
@@ -205,7 +209,12 @@ void Connection::submit(pb::LocalRequest& request) {
   session_->submit(std::move(frame));
 }
 
-void Connection::opened(const Scene& scene) { send({opened_packet(scene, opening_.terms.window)}, false); }
+void Connection::opened(const Scene& scene) {
+  send({opened_packet(scene, opening_.terms.window)}, false);
+  const std::lock_guard lock(mutex_);
+  owes_opened_ = false;
+  end_if_idle_locked();
+}
 
 void Connection::answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) {
   end_edit(frame->frame_id);
@@ -243,6 +252,13 @@ void Connection::stop() {
   is_stopping_ = true;
   close_locked(describe(std::make_exception_ptr(Stopping())));
   wake();
+}
+
+bool Connection::end_unopened(const std::exception_ptr& why) {
+  const std::lock_guard lock(mutex_);
+  if (session_ || owes_opened_ || closed_) return false;
+  close_locked(describe(why));
+  return true;
 }
 
 uint64_t Connection::outgoing_bytes() const {
@@ -284,7 +300,7 @@ void Connection::flush_locked() {
 }
 
 void Connection::end_if_idle_locked() {
-  if (read_all_ && in_flight_ == 0) close_locked({});
+  if (read_all_ && !owes_opened_ && in_flight_ == 0) close_locked({});
 }
 
 void Connection::close_locked(const Failure& why) {

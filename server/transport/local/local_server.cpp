@@ -72,6 +72,12 @@ void LocalServer::stop() {
   served_.clear();
 }
 
+void LocalServer::announce_stop() {
+  const auto why = std::make_exception_ptr(Stopping());
+  const std::lock_guard lock(mutex_);
+  for (const Served& served : served_) served.connection->end_unopened(why);
+}
+
 void LocalServer::run() {
   pollfd states[] = {{listener_->socket(), POLLIN, 0}, {wake_.get(), POLLIN, 0}};
   while (!is_stopping_) {
@@ -87,6 +93,7 @@ void LocalServer::take_connections() {
   while (Fd socket = listener_->accept()) {
     try {
       check_peer(socket.get());
+      rules_.host.check_serving();
       check_room();
     } catch (...) {
       refuse(std::move(socket), describe_current());
@@ -106,9 +113,20 @@ void LocalServer::check_peer(int socket) const {
       "", fmt::format("user {} may not use {}: it is neither the daemon's own nor in --allow-uid", uid, options_.path));
 }
 
-void LocalServer::check_room() const {
+// Of those that have opened no stream, the one that has waited longest: honest clients open at once.
+bool LocalServer::evict_silent() {
+  const auto why = std::make_exception_ptr(LimitExceeded::quota(
+      "daemon", fmt::format("max_streams is {}, and as many connections are open on {}; of those without a stream "
+                            "this one has waited longest",
+                            rules_.host.limits().max_streams, options_.path)));
+  const std::lock_guard lock(mutex_);
+  return std::ranges::any_of(served_, [&](const Served& served) { return served.connection->end_unopened(why); });
+}
+
+// Those that were evicted take a moment to end.
+void LocalServer::check_room() {
   const size_t max = rules_.host.limits().max_streams, open = connections();
-  if (open >= max)
+  if (open >= 2 * max || (open >= max && !evict_silent()))
     throw LimitExceeded::quota(
         "daemon", fmt::format("max_streams is {}, and {} connections are open on {}", max, open, options_.path));
   if (closing() > kMaxClosing)

@@ -33,6 +33,8 @@ class LocalServer {
 
   /// Ends all streams (UNAVAILABLE) within a second, and removes the socket. The scenes must still exist.
   void stop();
+  /// Ends the connections whose stream is not open: the daemon is about to stop.
+  void announce_stop();
   const std::string& path() const { return options_.path; }
   /// Number of connections, with or without an open stream.
   size_t connections() const;
@@ -49,7 +51,8 @@ class LocalServer {
   void run();
   void take_connections();
   void check_peer(int socket) const;
-  void check_room() const;
+  bool evict_silent();
+  void check_room();
   void serve(Fd socket);
   void begin_thread(const std::shared_ptr<Connection>& connection);
   void join_ended();

@@ -122,8 +122,9 @@ Opening check_opening(const pb::LocalOpen& open, std::vector<PassedFile> files, 
   Opening opening;
   opening.client = rules.authenticator.identify(open.token().empty() ? "" : "Bearer " + open.token(), "");
   rules.host.check_serving();
-  opening.ticket = rules.host.usage().begin_stream(opening.client);
   opening.scene = rules.host.scenes().find(opening.client, open.open().scene_id());
+  opening.ticket = rules.host.usage().begin_stream(opening.client,
+                                                   opening.scene->would_take_over(open.open().resume_token()));
   opening.terms = parse_open(open.open(), rules.host.limits());
   check_region(open, files, opening, rules);
   opening.region_bytes = hold_region(open, *opening.scene);

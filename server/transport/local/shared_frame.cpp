@@ -51,14 +51,15 @@ void place_ranges(const SharedRegion* region, IncomingFrame& frame) {
   }
 }
 
-pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, size_t meshes, MemoryHold& copied) {
+pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, const ScenePlan& plan,
+                     MemoryHold& copied) {
   constexpr auto kPath = "shared_frame";
   const auto bytes = resolve(region, range, kPath);
   if (!region->is_host()) throw_invalid(kPath, "is set, but the input region is memory of the device");
   copied.resize(2 * bytes.size());  // the copy, and what is parsed of it
   const std::string copy(reinterpret_cast<const char*>(bytes.data()),
                          bytes.size());  // the client may still write there
-  return parse_bounded_frame(copy, meshes, kPath);
+  return parse_bounded_frame(copy, plan.meshes.size(), plan.engine.worlds, kPath);
 }
 
 }  // namespace collided::server

@@ -11,8 +11,8 @@ namespace collided::server {
 /// null. An invalid range becomes the frame's refusal.
 void place_ranges(const SharedRegion* region, IncomingFrame& frame);
 
-/// Reads a frame whose message itself is in the region, for a scene of `meshes`. `copied` takes the bytes of the
+/// Reads a frame whose message itself is in the region, for a scene of this plan. `copied` takes the bytes of the
 /// message meanwhile. Throws InvalidInput, LimitExceeded, and what the quota throws.
-pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, size_t meshes, MemoryHold& copied);
+pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, const ScenePlan& plan, MemoryHold& copied);
 
 }  // namespace collided::server

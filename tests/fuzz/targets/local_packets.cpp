@@ -72,7 +72,7 @@ void take(const pb::LocalRequest& request, const Memory& memory) {
   MemoryHold copied(DeviceBytes::of_scene(1 << 20, nullptr));
   IncomingFrame frame;
   if (request.has_shared_frame())
-    frame.message = read_frame(&memory.region(), request.shared_frame(), plan.meshes.size(), copied);
+    frame.message = read_frame(&memory.region(), request.shared_frame(), plan, copied);
   else
     frame.message = request.frame();
   place_ranges(&memory.region(), frame);

@@ -77,7 +77,7 @@ void take_frame(const pb::Frame& frame, const ScenePlan& plan) try {
 }
 
 void take_frame(const std::string& wire) {
-  const pb::Frame frame = parse_bounded_frame(wire, 1, "frame");
+  const pb::Frame frame = parse_bounded_frame(wire, 1, 0, "frame");
   for (const ScenePlan& plan : plans()) take_frame(frame, plan);
 }
 
@@ -107,7 +107,7 @@ void take(uint8_t which, const std::string& wire) try {
     case 3:
       return take_frame(wire);
     case 4:
-      return take_set_frame(parse_bounded_frame(wire, 1, "frame"));
+      return take_set_frame(parse_bounded_frame(wire, 1, 0, "frame"));
     case 5:
       return take_set_frame(parse_bounded<pb::SetFrame>(wire));
     case 6:

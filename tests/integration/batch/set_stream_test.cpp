@@ -1,5 +1,7 @@
 // Frames of a set over streams, with shared memory and without, beside the same in calls.
 
+#include <numeric>
+
 #include "client/cpp/batch/scene_set.hpp"
 #include "client/in_process/local.hpp"
 #include "tests/integration/batch/tip_set.hpp"
@@ -52,6 +54,20 @@ class SetStreams : public testing::Test {
   DaemonProcess daemon_{{"--local-socket", folder_.file("local")}};
   client::Client client_ = client::Client::connect(daemon_.address());
 };
+
+// More numbers than there are fields in a message of a scene.
+TEST_F(SetStreams, MayNameEveryWorld) {
+  constexpr uint32_t kWorlds = 3000;
+  std::vector<uint32_t> worlds(kWorlds);
+  std::iota(worlds.begin(), worlds.end(), 0u);
+  for (const Local use : {Local::kOff, Local::kOn}) {
+    SceneSet set = make(kWorlds, use);
+    const Falls all = falls(std::vector<double>(kWorlds, 2), true);
+    const SetOutput output = set.detect(update_of(all, worlds));
+    output.check();
+    EXPECT_EQ(output.done.contact_count(), kWorlds);
+  }
+}
 
 // Also of the engine in this process: of every world, of some, without starts, and with more contacts than the memory
 // for them has room for.

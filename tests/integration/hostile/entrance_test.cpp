@@ -69,5 +69,16 @@ INSTANTIATE_TEST_SUITE_P(Entrance, Resets,
                                   (info.param.is_unix ? "OverUnix" : "OverTcp");
                          });
 
+// A client may be mistaken often, and behind a proxy all share one connection.
+TEST(Entrance, RefusedStreamsAreNoFlood) {
+  constexpr int kRefused = 2500;
+  DaemonProcess daemon;
+  const Probe probe(daemon);
+  const auto stub = pb::CollisionService::NewStub(daemon.channel());
+  for (int i = 0; i < kRefused; ++i)
+    ASSERT_EQ(Stream(*stub, "no-such-scene").finish().error_code(), grpc::NOT_FOUND) << i;
+  EXPECT_EQ(probe.metric("collided_reset_floods_total"), 0);
+}
+
 }  // namespace
 }  // namespace collided::test

@@ -104,10 +104,11 @@ class Tls(Case):
 
     def reloads(self, daemon, result):
         found = re.search(rf'collided_certificate_reloads_total{{result="{result}"}} (\d+)', daemon.http("/metrics")[1])
-        return int(found[1]) if found else 0
+        return int(found[1])
 
     def test_files_that_cannot_be_used_do_no_harm(self):
         daemon = self.start(*self.tls, "--tls-client-ca", self.folder.path("ca.pem"))
+        self.assertEqual(self.reloads(daemon, "refused"), 0)  # shown from the start: an alert asks for its increase
         for count, (name, text) in enumerate((("server.pem", ""), ("server.key", ""), ("ca.pem", "garbage")), 1):
             with self.subTest(name=name):
                 good = self.folder.read(name).decode()

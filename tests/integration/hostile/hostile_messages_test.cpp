@@ -91,7 +91,7 @@ TEST(HostileMessages, OtherMessagesAreBoundedToo) {
   DaemonProcess daemon;
   const auto channel = daemon.channel();
   const std::string meshes = field(2, repeated(field(11, ""), 4 << 20));
-  const std::string kinds = field(2, field(8, std::string(4 << 20, '\1')));
+  const std::string kinds = field(2, field(8, std::string(8 << 20, '\1')));
   const std::string unknown = repeated(varint(1000 << 3) + '\1', 4 << 20);
   for (const std::string& request : {meshes, kinds, unknown})
     EXPECT_EQ(raw_call(channel, method_path("CreateScene"), request).error_code(), grpc::RESOURCE_EXHAUSTED);

@@ -143,6 +143,44 @@ TEST(LocalSocket, AnOpenStreamIsToldOfTheStopAndEndedAfterTheGrace) {
   EXPECT_EQ(daemon.process().wait(), 0);
 }
 
+// Of connections without a stream, the oldest gives way: an honest client opens its stream at once.
+TEST(LocalSocket, SilentConnectionsKeepNobodyOut) {
+  constexpr size_t kStreams = 4;
+  const std::string streams = std::to_string(kStreams);
+  LocalDaemon daemon({"--max-streams", streams, "--max-streams-per-client", streams});
+  const std::string first = daemon.make_scene(tip_request()), second = daemon.make_scene(tip_request());
+  LocalStream honest(daemon.path(), first);
+  std::vector<std::unique_ptr<RawLocal>> silent;
+  while (silent.size() < kStreams) silent.push_back(std::make_unique<RawLocal>(daemon.path()));
+  EXPECT_EQ(silent.front()->closed().code(), grpc::RESOURCE_EXHAUSTED);
+  LocalStream next(daemon.path(), second);
+  expect_tip_contact(next.ask_shared(first_frame(2)), 2);
+  expect_tip_contact(honest.ask_shared(first_frame(2)), 2);
+}
+
+TEST(LocalSocket, AStreamThatIsHalfClosedAtOnceIsToldThatItIsOpen) {
+  LocalDaemon daemon;
+  const std::string id = daemon.make_scene(tip_request());
+  for (int i = 0; i < 100; ++i) {
+    const RawLocal raw(daemon.path());
+    raw.send(open_request(id, 0, 0));
+    raw.half_close();
+    const auto opened = raw.receive();
+    ASSERT_TRUE(opened && opened->frame().has_opened()) << i;
+    ASSERT_EQ(raw.closed().code(), 0);
+    EXPECT_TRUE(daemon.probe().streams_become(0));
+  }
+}
+
+TEST(LocalSocket, AConnectionWithoutAStreamDoesNotKeepTheDaemon) {
+  LocalDaemon daemon({"--grace-seconds", "600"});
+  const RawLocal silent(daemon.path());
+  LocalStream(daemon.path(), daemon.make_scene(tip_request()));  // so that the silent one has been accepted
+  daemon.process().signal(SIGTERM);
+  EXPECT_EQ(silent.closed().code(), grpc::UNAVAILABLE);
+  EXPECT_EQ(daemon.process().wait(), 0);
+}
+
 TEST(LocalSocket, AStreamThatFinishesEndsTheDrain) {
   LocalDaemon daemon({"--grace-seconds", "600"});
   LocalStream stream(daemon.path(), daemon.make_scene(tip_request()));

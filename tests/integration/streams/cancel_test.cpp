@@ -76,6 +76,7 @@ TEST_F(Cancel, AnAnswerThatIsTooLargeForOneMessageIsRefused) {
   const auto id = make_scene(*stub_, layers_request(120));
   const auto status = detect(*stub_, id, layers_frame(1, pack_points(layer_points(120))));
   expect_field(status, grpc::RESOURCE_EXHAUSTED, "frame");
+  EXPECT_EQ(probe_.rejected("RESOURCE_EXHAUSTED"), 1);
   Stream stream(*stub_, id);
   ASSERT_TRUE(stream.opened());
   EXPECT_EQ(stream.opened()->scene().last_frame_id(), 1u);  // it was applied, as the message says

@@ -43,6 +43,8 @@ TEST_F(Peers, AKilledClientLeavesItsSceneToItsLease) {
   EXPECT_EQ(probe_.streams(), 1);
   client.signal(SIGKILL);
   expect_all_released();
+  EXPECT_TRUE(probe_.becomes("collided_calls_total{code=\"CANCELLED\",method=\"StreamFrames\"}", 1));
+  EXPECT_EQ(probe_.metric("collided_calls_total{code=\"OK\",method=\"StreamFrames\"}"), 0);
 }
 
 TEST_F(Peers, AStoppedClientIsLeft) {

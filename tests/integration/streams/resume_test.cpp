@@ -67,6 +67,39 @@ TEST_F(Resume, ATakeOverEndsTheOldStreamAndTellsTheLastFrame) {
   EXPECT_EQ(probe_.metric("collided_reconnects_total"), 1);
 }
 
+// The old stream may be of a connection that broke without a word: it is in nobody's way.
+TEST(ResumeAtTheLimit, TakesThePlaceOfTheStreamThatItEnds) {
+  const DaemonProcess daemon({"--max-streams-per-client", "1"});
+  const auto stub = pb::CollisionService::NewStub(daemon.channel());
+  const pb::Scene scene = made_scene(*stub, tip_request());
+  Stream old(*stub, scene.scene_id());
+  expect_tip_contact(old.ask(first_frame(2)), 2);
+  EXPECT_EQ(Stream(*stub, make_scene(*stub, tip_request())).finish().error_code(), grpc::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(Stream(*stub, scene.scene_id()).finish().error_code(), grpc::RESOURCE_EXHAUSTED);  // without the token
+  Stream next(*stub, scene.scene_id(), 0, scene.resume_token());
+  ASSERT_TRUE(next.opened());
+  expect_field(old.wait_end(), grpc::ABORTED, "open.scene_id");
+  expect_tip_contact(next.ask(tip_frame(2, 3)), 3);
+}
+
+// A client may resume only to learn which frame was the last.
+TEST_F(Resume, AStreamThatIsHalfClosedAtOnceIsToldThatItIsOpen) {
+  for (int i = 0; i < 100; ++i) {
+    grpc::ClientContext context;
+    set_deadline(context);
+    const auto call = stub_->StreamFrames(&context);
+    pb::StreamFramesRequest request;
+    request.mutable_open()->set_scene_id(id_);
+    request.mutable_open()->set_resume_token(token_);
+    call->WriteLast(request, {});
+    pb::StreamFramesResponse response;
+    ASSERT_TRUE(call->Read(&response)) << i;
+    EXPECT_TRUE(response.has_opened());
+    EXPECT_FALSE(call->Read(&response));
+    EXPECT_TRUE(call->Finish().ok());
+  }
+}
+
 // A frame is applied or dropped, and the new stream is told which.
 TEST_F(Resume, ATakeOverWithFramesInFlightIsExact) {
   Stream old(*stub_, id_, 16);

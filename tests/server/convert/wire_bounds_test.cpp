@@ -49,10 +49,10 @@ TEST(WireBounds, UnknownFieldsCount) {
   EXPECT_EQ(count(tag(77, 5) + "1234" + tag(78, 1) + "12345678" + field(79, bytes)), 3u);
 }
 
-TEST(WireBounds, TheElementsOfPackedArraysCount) {
+TEST(WireBounds, PackedArraysCountByWhatTheyTakeInMemory) {
   FieldCount fields("spec", kMany);
   fields.add_message(field(8, std::string(1000, '\1')), *pb::SceneSpec::descriptor(), "spec");
-  EXPECT_GE(fields.fields(), 1000u);
+  EXPECT_EQ(fields.fields(), 1 + 1000 / kPackedBytesOfField);
 }
 
 TEST(WireBounds, PastTheMostIsRefusedWhereItIsPassed) {
@@ -124,6 +124,16 @@ TEST(WireBounds, HoldForWhatIsParsed) {
     EXPECT_LE(count(bytes), max_fields(kMeshes));
     EXPECT_LE(frame.SpaceUsedLong(), max_parsed_bytes(bytes.size(), kMeshes));
   }
+}
+
+// A frame of a set may name all its worlds; what an array takes in memory is bounded all the same.
+TEST(WireBounds, LeaveRoomForEveryWorldOfASet) {
+  pb::Frame frame;
+  for (uint32_t world = 0; world < kMaxWorlds; ++world) frame.add_worlds(world);
+  const std::string bytes = frame.SerializeAsString();
+  EXPECT_LE(count(bytes), max_fields(1, kMaxWorlds));
+  EXPECT_GT(count(bytes), max_fields(1));
+  EXPECT_LE(frame.SpaceUsedLong(), bytes.size() + count(bytes) * kFieldBytes);
 }
 
 // Positions are skipped, however the bytes are cut into pieces.
