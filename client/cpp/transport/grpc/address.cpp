@@ -71,6 +71,7 @@ void check_port(const std::string& address, std::string_view host_and_port, bool
 
 bool is_local_address(const std::string& address) {
   if (address.starts_with("unix:") || address.starts_with("unix-abstract:")) return true;
+  if (address.find(',') != std::string::npos) return false;  // a list, whose others may be elsewhere
   const std::string host = host_of(address);
   in_addr ipv4;
   in6_addr ipv6;
