@@ -51,20 +51,70 @@ def changes(line):
         yield "removal", re.match(r"\s*", line)[0] + ";"
 
 
+def end_of_expression(code, at, step):
+    """Where the expression around `at` ends to the left (step -1) or right (step 1): at what separates or encloses expressions."""
+    opens, closes = (")]}", "([{") if step < 0 else ("([{", ")]}")
+    depth, ahead = 0, 0 if step > 0 else -1
+    while 0 <= at + ahead < len(code):
+        here = code[at + ahead]
+        if here in closes and depth == 0:
+            break
+        depth += (here in opens) - (here in closes)
+        if depth == 0 and (here in ",;?" or (here == ":" and "::" not in code[max(at + ahead - 1, 0):at + ahead + 2]) or
+                           (here == "=" and code[at + ahead - 1] not in "=<>!" and code[at + ahead + 1] != "=") or
+                           (step < 0 and code[:at].endswith("return "))):
+            break
+        at += step
+    return at
+
+
+def switched(mutant, number, previous=""):
+    """The line with its fault behind a switch, so that one program holds many; None where that would change the line itself.
+
+    `previous` is the code of the line before: an expression that goes on from there is left alone, but after `||`.
+    """
+    code, active = mutant.before[:len(blanked(mutant.before))], f"collided_mutant == {number}"
+    if mutant.operator == "removal":
+        statement = code.lstrip()
+        return f"{code[:-len(statement)]}{{ if (!({active})) {statement} }}"
+    after = mutant.after[:len(mutant.after) - len(mutant.before) + len(code)]
+    first = next(i for i, (old, new) in enumerate(zip(code + "\n", after + "\n")) if old != new)
+    start, end = end_of_expression(blanked(mutant.before), first, -1), end_of_expression(blanked(mutant.before), first, 1)
+    start += len(code[start:]) - len(code[start:].lstrip())
+    whole_line = not code[:start].strip()
+    if whole_line and not previous.rstrip().endswith(("(", ",", "{", "=", "||", "return")):
+        return None
+    if end == len(code):
+        if not code.endswith(" ||"):
+            return None
+        end -= len(" ||")
+    end -= len(code[start:end]) - len(code[start:end].rstrip())
+    changed = after[start:end + len(after) - len(code)]
+    if mutant.operator == "negation":
+        return f"{code[:start]}({active}) != static_cast<bool>({code[start:end]}){code[end:]}"
+    return f"{code[:start]}({active} ? ({changed}) : ({code[start:end]})){code[end:]}"
+
+
 def mutants_of(file, text):
-    lines, in_comment = text.split("\n"), False
+    lines, in_comment, previous = text.split("\n"), False, ""
     for number, line in enumerate(lines, 1):
         in_comment = in_comment or line.lstrip().startswith("/*")
         if not in_comment:
             for operator, after in changes(line):
-                yield Mutant(file, number, operator, line, after)
+                mutant = Mutant(file, number, operator, line, after)
+                if switched(mutant, 1, previous):
+                    yield mutant
         in_comment = in_comment and "*/" not in line
+        previous = blanked(line)
 
 
-def applied(mutant, text):
+def applied(numbered, text):
+    """The text with mutants of it, {number: mutant}, each behind its switch."""
     lines = text.split("\n")
-    assert lines[mutant.line - 1] == mutant.before, "the file has changed"
-    lines[mutant.line - 1] = mutant.after
+    code = [blanked(line) for line in lines]
+    for number, mutant in numbered.items():
+        assert lines[mutant.line - 1] == mutant.before, "the file has changed, or two mutants are of one line"
+        lines[mutant.line - 1] = switched(mutant, number, code[mutant.line - 2])
     return "\n".join(lines)
 
 

@@ -32,10 +32,35 @@ class MutantsTest(unittest.TestCase):
         self.assertNotEqual(first, mutants.chosen(texts, 12, 2))
         self.assertEqual(len({(mutant.file, mutant.line) for mutant in first}), 12)
 
-    def test_application_changes_one_line(self):
-        text = "int f() {\n  return a < b;\n}\n"
-        mutant = next(iter(mutants.mutants_of("f", text)))
-        self.assertEqual(mutants.applied(mutant, text), "int f() {\n  return a <= b;\n}\n")
+    def switched(self, line, after, previous=""):
+        mutant = next(mutants.Mutant("f", 1, operator, line, new) for operator, new in mutants.changes(line) if new.strip() == after)
+        return mutants.switched(mutant, 7, previous)
+
+    def test_a_switch_holds_the_smallest_whole_expression(self):
+        self.assertEqual(self.switched("  return a < b;", "return a <= b;"), "  return (collided_mutant == 7 ? (a <= b) : (a < b));")
+        self.assertEqual(self.switched("  x = f(a, b + c[1]) - 2;  // why", "x = f(a, b - c[1]) - 2;  // why"),
+                         "  x = f(a, (collided_mutant == 7 ? (b - c[1]) : (b + c[1]))) - 2;")
+        self.assertEqual(self.switched("  for (int k = 0; k < 3; ++k) {", "for (int k = 0; k <= 3; ++k) {"),
+                         "  for (int k = 0; (collided_mutant == 7 ? (k <= 3) : (k < 3)); ++k) {")
+        self.assertEqual(self.switched("  const T d = a - b, e = a::c + b;", "const T d = a - b, e = a::c - b;"),
+                         "  const T d = a - b, e = (collided_mutant == 7 ? (a::c - b) : (a::c + b));")
+        self.assertEqual(self.switched("  return p ? a + b : c;", "return p ? a - b : c;"),
+                         "  return p ? (collided_mutant == 7 ? (a - b) : (a + b)) : c;")
+
+    def test_statements_and_conditions_have_switches(self):
+        self.assertEqual(self.switched("  count.add(x);  // one more", ";"), "  { if (!(collided_mutant == 7)) count.add(x); }")
+        self.assertEqual(self.switched("  if (done) {", "if (!(done)) {"), "  if ((collided_mutant == 7) != static_cast<bool>(done)) {")
+
+    def test_an_expression_of_several_lines_is_left_but_at_its_ors(self):
+        self.assertIsNone(self.switched("      b < c);", "b <= c);", previous="  f(a +"))
+        self.assertEqual(self.switched("      b < c ||", "b <= c ||", previous="  return a ||"), "      (collided_mutant == 7 ? (b <= c) : (b < c)) ||")
+        self.assertIsNone(self.switched("  return a < b &&", "return a <= b &&"))
+
+    def test_application_changes_one_line_for_each_mutant(self):
+        text = "int f() {\n  g();\n  return a < b;\n}\n"
+        removal, relation = mutants.mutants_of("f", text)
+        self.assertEqual(mutants.applied({1: removal, 2: relation}, text), "int f() {\n  { if (!(collided_mutant == 1)) g(); }\n"
+                         "  return (collided_mutant == 2 ? (a <= b) : (a < b));\n}\n")
 
 
 if __name__ == "__main__":
