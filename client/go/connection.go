@@ -11,6 +11,7 @@ import (
 	"time"
 
 	"google.golang.org/grpc"
+	"google.golang.org/grpc/backoff"
 	"google.golang.org/grpc/codes"
 	"google.golang.org/grpc/credentials"
 	"google.golang.org/grpc/keepalive"
@@ -46,6 +47,12 @@ type connector struct {
 
 // A peer that is gone is noticed within 15 s.
 var pings = keepalive.ClientParameters{Time: 10 * time.Second, Timeout: 5 * time.Second, PermitWithoutStream: true}
+
+// A daemon that is there again is found within 2 s or so.
+var reconnect = grpc.ConnectParams{
+	Backoff:           backoff.Config{BaseDelay: 100 * time.Millisecond, Multiplier: 1.6, Jitter: 0.2, MaxDelay: 2 * time.Second},
+	MinConnectTimeout: 20 * time.Second,
+}
 
 var visible = regexp.MustCompile(`^[!-~]+$`)
 
@@ -136,6 +143,7 @@ func (c *connector) dialOptions(address string) (string, []grpc.DialOption) {
 		grpc.WithBlock(),
 		grpc.WithReturnConnectionError(),
 		grpc.WithKeepaliveParams(pings),
+		grpc.WithConnectParams(reconnect),
 	}
 	if c.secure == nil {
 		options = append(options, grpc.WithInsecure())
@@ -192,6 +200,9 @@ var scheme = regexp.MustCompile(`^(dns|ipv4|ipv6|passthrough):/*`)
 func isLocalAddress(address string) bool {
 	if _, isUnix := unixPath(address); isUnix {
 		return true
+	}
+	if strings.Contains(address, ",") { // a list, whose others may be elsewhere
+		return false
 	}
 	host := scheme.ReplaceAllString(address, "")
 	if name, _, err := net.SplitHostPort(host); err == nil {

@@ -53,7 +53,8 @@ func FindDaemon() (string, error) {
 	return found, nil
 }
 
-// StartDaemon starts a daemon and waits until it is ready. options are those of collided, such as "--threads", "2".
+// StartDaemon starts a daemon and waits until it is ready. options are those of collided, such as "--threads", "2"; variables
+// of the environment, such as COLLIDED_THREADS, are none.
 func StartDaemon(ctx context.Context, options ...string) (*Daemon, error) {
 	program, err := FindDaemon()
 	if err != nil {
@@ -70,11 +71,23 @@ func StartDaemon(ctx context.Context, options ...string) (*Daemon, error) {
 	d := &Daemon{Address: "unix:" + folder + "/socket", folder: folder, ended: make(chan struct{})}
 	words := append([]string{"--address", d.Address, "--ready-file", d.file("ready"), "--log-level", "warning"}, ownLimits...)
 	d.cmd = exec.Command(program, append(words, options...)...)
+	d.cmd.Env = ownEnvironment()
 	if err := d.start(ctx); err != nil {
 		d.Stop()
 		return nil, err
 	}
 	return d, nil
+}
+
+// ownEnvironment is without options of daemons that others start.
+func ownEnvironment() []string {
+	own := []string{}
+	for _, variable := range os.Environ() {
+		if !strings.HasPrefix(variable, "COLLIDED_") {
+			own = append(own, variable)
+		}
+	}
+	return own
 }
 
 // Stop stops it and removes its folder. Of nil it does nothing.

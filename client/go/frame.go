@@ -61,6 +61,11 @@ func (f *Frame) message(format v1.PositionFormat) (*v1.Frame, error) {
 	if f.Edit != nil {
 		frame.Edit = proto.Clone(f.Edit).(*SceneEdit)
 	}
+	for i, mesh := range frame.Edit.GetMeshes() {
+		if err := checkText(mesh.GetSpec().GetName(), fmt.Sprintf("frame.edit.meshes[%d].spec.name", i)); err != nil {
+			return nil, err
+		}
+	}
 	for i := range f.Updates {
 		update, err := f.Updates[i].message(format, fmt.Sprintf("frame.updates[%d]", i))
 		if err != nil {

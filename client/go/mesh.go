@@ -80,17 +80,36 @@ func newSceneInput(spec *SceneSpec, meshes []Mesh) (*sceneInput, error) {
 	if spec != nil {
 		input.spec = proto.Clone(spec).(*SceneSpec)
 	}
-	if !utf8.ValidString(input.spec.DisplayName) {
-		return nil, invalidf("spec.display_name", "is %q, which is not UTF-8", input.spec.DisplayName)
-	}
 	for i := range meshes {
-		if !utf8.ValidString(meshes[i].Name) {
-			return nil, invalidf(fmt.Sprintf("spec.meshes[%d].name", i), "is %q, which is not UTF-8", meshes[i].Name)
-		}
 		input.spec.Meshes = append(input.spec.Meshes, meshes[i].message())
 		input.triangles = append(input.triangles, packTriangles(meshes[i].Triangles))
 	}
-	return input, nil
+	return input, checkTexts(input.spec)
+}
+
+// checkTexts finds what gRPC cannot send, and would end a stream for.
+func checkTexts(spec *SceneSpec) error {
+	fields := []string{"spec.display_name", "spec.device"}
+	texts := []string{spec.DisplayName, spec.Device}
+	for i, device := range spec.PartDevices {
+		fields, texts = append(fields, fmt.Sprintf("spec.part_devices[%d]", i)), append(texts, device)
+	}
+	for i, mesh := range spec.Meshes {
+		fields, texts = append(fields, fmt.Sprintf("spec.meshes[%d].name", i)), append(texts, mesh.Name)
+	}
+	for i, text := range texts {
+		if err := checkText(text, fields[i]); err != nil {
+			return err
+		}
+	}
+	return nil
+}
+
+func checkText(text, field string) error {
+	if utf8.ValidString(text) {
+		return nil
+	}
+	return invalidf(field, "is %q, which is not UTF-8", text)
 }
 
 func packTriangles(triangles [][3]uint32) []byte {

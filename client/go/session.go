@@ -3,7 +3,7 @@ package collided
 import (
 	"context"
 	"strings"
-	"sync"
+	"sync/atomic"
 	"time"
 
 	"google.golang.org/grpc/codes"
@@ -32,16 +32,17 @@ type SessionOptions struct {
 // after a loss the scene's first frame, if the scene had to be created again, and one whole frame (Restore) put it where it
 // was; then the frame that had no answer is sent again. One goroutine at a time sends frames.
 type Session struct {
-	ctx       context.Context
+	ctx       context.Context // ends with Close, too
+	end       context.CancelFunc
+	isClosed  atomic.Bool
 	connector *connector
 	input     *sceneInput
 	options   SessionOptions
-	busy      sync.Mutex
+	busy      chan struct{} // has room unless Detect or Close uses what follows
 	scene     *Scene
 	stream    *Stream   // nil: lost
 	first     *v1.Frame // the scene's, which fixes static and rigid meshes and what is at rest
 	nextLeave time.Time // when leaving a daemon that stops is tried
-	isClosed  bool
 
 	// Reconnects counts how often a stream was opened again.
 	Reconnects int
@@ -59,12 +60,14 @@ func openSession(ctx context.Context, connector *connector, input *sceneInput, o
 	if options.GiveUp == 0 {
 		options.GiveUp = time.Minute
 	}
-	s := &Session{ctx: ctx, connector: connector, input: input, options: options}
+	s := &Session{connector: connector, input: input, options: options, busy: make(chan struct{}, 1)}
+	s.ctx, s.end = context.WithCancel(ctx)
 	err := s.withClient(ctx, func(client *Client) (err error) {
 		s.stream, err = s.create(ctx, client)
 		return err
 	})
 	if err != nil {
+		s.end()
 		return nil, err
 	}
 	return s, nil
@@ -76,32 +79,60 @@ func (s *Session) Scene() *Scene { return s.scene }
 // Detect sends a frame and waits for its output, over as many connections as it takes. It fails if the frame is refused, if
 // there is no connection for GiveUp, once ctx ends, and for frames that depend on more than positions: Edit, FromLastFraction.
 func (s *Session) Detect(ctx context.Context, frame Frame) (*Output, error) {
-	if !s.busy.TryLock() {
+	select {
+	case s.busy <- struct{}{}:
+		defer s.release()
+	default:
 		return nil, failf(codes.FailedPrecondition, "", "Detect was called before its last call was over")
 	}
-	defer s.busy.Unlock()
-	if s.isClosed {
-		return nil, failf(codes.FailedPrecondition, "", "the session is closed")
+	if s.isClosed.Load() {
+		return nil, errClosed
 	}
 	message, err := s.repeatable(frame)
 	if err != nil {
 		return nil, err
 	}
+	ctx, cancel := context.WithCancel(ctx)
+	defer cancel()
+	defer callOnceDone(s.ctx, cancel)()
 	output, err := s.insist(ctx, message)
-	if err == nil && s.first == nil && !message.Trial {
+	if err != nil {
+		return nil, s.told(err)
+	}
+	if s.first == nil && !message.Trial {
 		s.first = message
 	}
-	return output, err
+	return output, nil
 }
 
-// Close waits for a Detect to be over, ends the stream and deletes the scene.
+var errClosed error = failf(codes.FailedPrecondition, "", "the session is closed")
+
+// told is the error of a frame, or of the session's end, which withdraws it.
+func (s *Session) told(err error) error {
+	switch {
+	case s.isClosed.Load():
+		return errClosed
+	case s.ctx.Err() != nil:
+		return contextError(s.ctx.Err())
+	}
+	return err
+}
+
+// Close ends the stream, withdraws a frame in flight and deletes the scene.
 func (s *Session) Close(ctx context.Context) error {
-	s.busy.Lock()
-	defer s.busy.Unlock()
-	s.isClosed = true
+	s.isClosed.Store(true)
+	s.end()
+	select {
+	case s.busy <- struct{}{}:
+		defer s.release()
+	case <-ctx.Done():
+		return contextError(ctx.Err())
+	}
 	s.drop()
 	return s.withClient(ctx, func(client *Client) error { return s.deleteIfThere(ctx, client) })
 }
+
+func (s *Session) release() { <-s.busy }
 
 func (s *Session) deleteIfThere(ctx context.Context, client *Client) error {
 	if err := client.DeleteScene(ctx, s.scene.SceneId); !isNotFound(err) {
@@ -192,7 +223,7 @@ func (s *Session) try(ctx context.Context, frame *v1.Frame, giveUp time.Time) (*
 // isLoss: a refusal leaves the stream open, whatever its code.
 func (s *Session) isLoss(ctx context.Context, err error) bool {
 	isOpen := s.stream != nil && s.stream.Err() == nil
-	return !isOpen && ctx.Err() == nil && s.ctx.Err() == nil && (IsConnectionLost(err) || hasIdledOut(err))
+	return !isOpen && ctx.Err() == nil && (IsConnectionLost(err) || hasIdledOut(err))
 }
 
 // hasIdledOut: a stream that waited too long for a frame has ended, and the scene's lease runs.
@@ -250,7 +281,7 @@ func (s *Session) find(ctx context.Context, client *Client) (*Stream, error) {
 			return nil, err
 		}
 	}
-	stream, err := client.Resume(s.ctx, s.scene, StreamOptions{})
+	stream, err := s.attach(ctx, client, StreamOptions{ResumeToken: s.scene.ResumeToken})
 	if IsConnectionLost(err) {
 		if _, told := client.GetScene(ctx, s.scene.SceneId); told != nil {
 			err = told
@@ -265,7 +296,14 @@ func (s *Session) create(ctx context.Context, client *Client) (*Stream, error) {
 		return nil, err
 	}
 	s.scene = scene
-	return client.Stream(s.ctx, scene, StreamOptions{})
+	return s.attach(ctx, client, StreamOptions{})
+}
+
+// attach opens a stream within ctx. It lives as long as the session.
+func (s *Session) attach(ctx context.Context, client *Client, options StreamOptions) (*Stream, error) {
+	own, cancel := context.WithCancel(s.ctx)
+	defer callOnceDone(ctx, cancel)()
+	return client.Stream(own, s.scene, options)
 }
 
 func (s *Session) restore(ctx context.Context, stream *Stream) error {
@@ -278,25 +316,57 @@ func (s *Session) restore(ctx context.Context, stream *Stream) error {
 			return err
 		}
 	}
-	_, err := stream.Detect(ctx, s.restoring())
+	message, err := s.restoring()
+	if err != nil {
+		return err
+	}
+	_, err = stream.detect(ctx, message)
 	return err
 }
 
 // restoring stands still, so that it costs little and meets nothing on a way that nobody went.
-func (s *Session) restoring() Frame {
-	frame := Frame{Updates: append([]Update(nil), s.options.Restore()...)}
+func (s *Session) restoring() (*v1.Frame, error) {
+	restored := Frame{Updates: s.options.Restore()}
+	frame, err := restored.message(s.input.spec.PositionFormat)
+	if err != nil {
+		return nil, err
+	}
+	frame.Updates = append(frame.Updates, s.unmoved(frame.Updates)...)
 	switch s.input.spec.Mode {
 	case DCD:
 	case DCDAndCCD:
 		frame.Mode = DCD
 	default:
-		for i := range frame.Updates {
-			update := &frame.Updates[i]
-			update.StartPositions, update.StartTransform = update.Positions, update.Transform
+		for _, update := range frame.Updates {
+			update.StartPositions = update.Positions
+			if update.Rigid != nil {
+				update.Rigid.StartMatrix = update.Rigid.Matrix
+			}
 		}
 	}
-	return frame
+	return frame, nil
 }
+
+// unmoved are rigid meshes that have not moved, as the first frame left them: the frame without an answer may have moved them.
+func (s *Session) unmoved(moved []*v1.MeshUpdate) (updates []*v1.MeshUpdate) {
+	named := map[uint32]bool{}
+	for _, update := range moved {
+		named[update.Mesh] = true
+	}
+	for _, update := range s.first.Updates {
+		if named[update.Mesh] || s.input.spec.Meshes[update.Mesh].Motion != Rigid {
+			continue
+		}
+		matrix := update.Rigid.GetMatrix()
+		if matrix == nil {
+			matrix = atRest.pack()
+		}
+		updates = append(updates, &v1.MeshUpdate{Mesh: update.Mesh, Rigid: &v1.RigidTransform{Matrix: matrix}})
+	}
+	return updates
+}
+
+var atRest = &Matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}
 
 func (s *Session) withClient(ctx context.Context, use func(*Client) error) error {
 	client, err := s.connector.client(ctx)
@@ -305,6 +375,23 @@ func (s *Session) withClient(ctx context.Context, use func(*Client) error) error
 	}
 	defer client.Close()
 	return use(client)
+}
+
+// callOnceDone has call called when ctx ends, unless stop has returned by then. (Go 1.21 has context.AfterFunc.)
+func callOnceDone(ctx context.Context, call func()) (stop func()) {
+	stopped, over := make(chan struct{}), make(chan struct{})
+	go func() {
+		defer close(over)
+		select {
+		case <-ctx.Done():
+			call()
+		case <-stopped:
+		}
+	}()
+	return func() {
+		close(stopped)
+		<-over
+	}
 }
 
 func minDuration(a, b time.Duration) time.Duration {

@@ -32,8 +32,10 @@ type Stream struct {
 	opened     *v1.StreamOpened
 	maxBytes   uint64
 	credits    chan struct{} // an entry for each frame that may be sent
-	ended      chan struct{} // closed once err is set
-	sending    sync.Mutex    // frames go out in the order of their ids
+	ended      chan struct{} // closed once err is set, and nothing is written any more
+	booking    sync.Mutex    // frames go out in the order of their ids
+	booked     chan *v1.StreamFramesRequest
+	written    chan struct{} // closed once writeAll is over
 
 	mutex       sync.Mutex // guards what follows
 	lastID      uint64
@@ -54,7 +56,8 @@ type inFlight struct {
 func openStream(ctx context.Context, connection *grpc.ClientConn, sceneID string, options StreamOptions,
 	maxBytes uint64) (*Stream, error) {
 	ctx, cancel := context.WithCancel(ctx)
-	s := &Stream{connection: connection, cancel: cancel, maxBytes: maxBytes, ended: make(chan struct{}), news: make(chan struct{})}
+	s := &Stream{connection: connection, cancel: cancel, maxBytes: maxBytes,
+		ended: make(chan struct{}), written: make(chan struct{}), news: make(chan struct{})}
 	if err := s.open(ctx, sceneID, options); err != nil {
 		s.release()
 		return nil, err
@@ -64,7 +67,9 @@ func openStream(ctx context.Context, connection *grpc.ClientConn, sceneID string
 	for i := uint32(0); i < s.Window(); i++ {
 		s.credits <- struct{}{}
 	}
+	s.booked = make(chan *v1.StreamFramesRequest, s.Window())
 	go s.readAll()
+	go s.writeAll(ctx)
 	return s, nil
 }
 
@@ -111,7 +116,7 @@ func (s *Stream) Err() error {
 	return s.err
 }
 
-// Send waits until fewer frames than the window are in flight, then sends, and returns the frame's id. Receive has its
+// Send waits until fewer frames than the window are in flight, then has the frame sent, and returns its id. Receive has its
 // output. The frame's slices may change once Send has returned.
 func (s *Stream) Send(ctx context.Context, frame Frame) (uint64, error) {
 	message, err := frame.message(s.Scene().Spec.PositionFormat)
@@ -122,7 +127,7 @@ func (s *Stream) Send(ctx context.Context, frame Frame) (uint64, error) {
 }
 
 // Detect sends a frame and waits for its output. It fails if the frame is refused; the stream goes on. A frame whose context
-// ends after it was sent is applied all the same.
+// ends once fewer than the window are in flight is applied all the same.
 func (s *Stream) Detect(ctx context.Context, frame Frame) (*Output, error) {
 	message, err := frame.message(s.Scene().Spec.PositionFormat)
 	if err != nil {
@@ -178,15 +183,7 @@ func (s *Stream) Receive(ctx context.Context) (*Output, error) {
 
 // Finish tells the daemon that no more frames will come, and waits until all are answered. Outputs can still be received.
 func (s *Stream) Finish(ctx context.Context) error {
-	s.sending.Lock()
-	s.mutex.Lock()
-	isFirst := !s.isFinishing
-	s.isFinishing = true
-	s.mutex.Unlock()
-	if isFirst {
-		_ = s.call.CloseSend()
-	}
-	s.sending.Unlock()
+	s.bookNoMore()
 	select {
 	case <-s.ended:
 	case <-ctx.Done():
@@ -196,6 +193,17 @@ func (s *Stream) Finish(ctx context.Context) error {
 		return err
 	}
 	return nil
+}
+
+func (s *Stream) bookNoMore() {
+	s.booking.Lock()
+	defer s.booking.Unlock()
+	s.mutex.Lock()
+	defer s.mutex.Unlock()
+	if !s.isFinishing {
+		s.isFinishing = true
+		close(s.booked)
+	}
 }
 
 // Close ends the stream; frames in flight are withdrawn.
@@ -211,18 +219,38 @@ func (s *Stream) post(ctx context.Context, frame *v1.Frame, answer chan *Output)
 	if err := s.takeCredit(ctx); err != nil {
 		return 0, err
 	}
-	s.sending.Lock()
-	defer s.sending.Unlock()
+	s.booking.Lock()
+	defer s.booking.Unlock()
 	request := &v1.StreamFramesRequest{Request: &v1.StreamFramesRequest_Frame{Frame: frame}}
 	if err := s.book(request, answer); err != nil {
 		s.credits <- struct{}{}
 		return 0, err
 	}
-	if err := s.call.Send(request); err != nil {
-		<-s.ended // then its reason is known
+	select {
+	case s.booked <- request: // there is room, unless the daemon answers what it cannot have received
+		return frame.FrameId, nil
+	case <-s.ended:
 		return 0, s.Err()
 	}
-	return frame.FrameId, nil
+}
+
+// writeAll is a goroutine of its own, as gRPC waits, whatever the context of a frame, for a daemon that does not read.
+func (s *Stream) writeAll(ctx context.Context) {
+	defer close(s.written)
+	for {
+		select {
+		case request, isMore := <-s.booked:
+			if !isMore {
+				_ = s.call.CloseSend()
+				return
+			}
+			if s.call.Send(request) != nil {
+				return // readAll is told why
+			}
+		case <-ctx.Done():
+			return
+		}
+	}
 }
 
 func (s *Stream) takeCredit(ctx context.Context) error {
@@ -257,7 +285,9 @@ func (s *Stream) book(request *v1.StreamFramesRequest, answer chan *Output) erro
 		return failf(codes.ResourceExhausted, "frame", "frame is %d bytes; the daemon's limit is %d (--max-message-mb)",
 			bytes, s.maxBytes)
 	}
-	s.lastID = frame.FrameId
+	if frame.FrameId > s.lastID { // else it is refused
+		s.lastID = frame.FrameId
+	}
 	s.inFlight = append(s.inFlight, &inFlight{&Output{FrameID: frame.FrameId}, answer})
 	return nil
 }
@@ -271,8 +301,9 @@ func (s *Stream) readAll() {
 				continue
 			}
 		}
-		s.conclude(err)
 		s.release()
+		<-s.written
+		s.conclude(err)
 		return
 	}
 }

@@ -94,6 +94,7 @@ func TestBadOptionsAreRefusedAndATokenIsNotToldToStrangers(t *testing.T) {
 		{"localhost:1", "options.tls_key", collided.Options{TLSKey: "x"}},
 		{"localhost:1", "options.token", collided.Options{Token: "a b"}},
 		{"example.org:1", "options.token", collided.Options{Token: "secret"}},
+		{"ipv4:127.0.0.1:1,10.0.0.1:1", "options.token", collided.Options{Token: "secret"}},
 		{"localhost.example.org:1", "options.token", collided.Options{Token: "secret"}},
 		{"127.0.0.1.example.org:1", "options.token", collided.Options{Token: "secret"}},
 		{"[2001:db8::1]:1", "options.token", collided.Options{Token: "secret"}},
@@ -128,6 +129,33 @@ func TestTheDaemonIsNamedFoundOrMissed(t *testing.T) {
 	t.Setenv("PATH", t.TempDir())
 	_, err = collided.Connect(within(t), "", collided.Options{})
 	refused(t, err, codes.NotFound, "", "set COLLIDED_DAEMON")
+}
+
+func TestADaemonOfOnesOwnTakesItsOptionsFromItsCallerAlone(t *testing.T) {
+	t.Setenv("COLLIDED_LOG_FORMAT", "nonsense")
+	daemon(t)
+}
+
+func TestADaemonIsLookedForEveryTwoSeconds(t *testing.T) {
+	ctx := within(t)
+	d := daemon(t, "--grace-seconds", "0")
+	way := newProxy(t, d)
+	client, err := collided.Connect(ctx, way.address, collided.Options{})
+	must(t, err)
+	defer client.Close()
+	d.Stop()
+	const tries = 7 // gRPC's own pauses would add up to half a minute
+	begin := time.Now()
+	for way.refusals() < tries {
+		_, err = client.GetServerInfo(ctx)
+		same(t, collided.IsConnectionLost(err), true)
+		time.Sleep(time.Millisecond)
+	}
+	same(t, time.Since(begin) < 10*time.Second, true)
+	way.leadTo(daemon(t))
+	for err != nil {
+		_, err = client.GetServerInfo(ctx)
+	}
 }
 
 func TestADaemonOfOnesOwnEndsWithItsClient(t *testing.T) {

@@ -96,12 +96,32 @@ func TestABadSpecIsRefusedByName(t *testing.T) {
 	}
 	_, err := client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, nil, 0)
 	refused(t, err, codes.InvalidArgument, "spec.meshes", ".")
-	unnamed := twoTriangles()
-	unnamed[1].Name = "\xff"
-	_, err = client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, unnamed, 0)
-	refused(t, err, codes.InvalidArgument, "spec.meshes[1].name", "not UTF-8")
 	_, err = client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles(), -time.Second)
 	refused(t, err, codes.InvalidArgument, "lease_seconds", "-1")
+}
+
+func TestWhatIsNotUTF8IsRefusedAndTheStreamGoesOn(t *testing.T) {
+	ctx, client := connected(t)
+	const bad = "\xff"
+	unnamed := twoTriangles()
+	unnamed[1].Name = bad
+	_, err := client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, unnamed, 0)
+	refused(t, err, codes.InvalidArgument, "spec.meshes[1].name", "not UTF-8")
+	for field, spec := range map[string]*collided.SceneSpec{
+		"spec.display_name":    {DisplayName: bad},
+		"spec.device":          {Device: bad},
+		"spec.part_devices[1]": {PartDevices: []string{"cpu", bad}},
+	} {
+		_, err := client.CreateScene(ctx, spec, twoTriangles(), 0)
+		refused(t, err, codes.InvalidArgument, field, "not UTF-8")
+	}
+	s := fallStream(ctx, t, client)
+	detect(ctx, t, s, fall(0, 2))
+	edit := &collided.SceneEdit{Meshes: []*v1.MeshEdit{collided.EditedMesh(1, unnamed[1])}}
+	_, err = s.Detect(ctx, collided.Frame{Edit: edit})
+	refused(t, err, codes.InvalidArgument, "frame.edit.meshes[0].spec.name", "not UTF-8")
+	detect(ctx, t, s, fall(0, 2))
+	must(t, s.Finish(ctx))
 }
 
 func TestAContextEndsACall(t *testing.T) {

@@ -116,6 +116,84 @@ func TestWhatIsLostIsRestored(t *testing.T) {
 	}
 }
 
+// rise has the tip rise from its first pose, its first move; disturb is called while that frame is in flight.
+func rise(t *testing.T, address string, first collided.Frame, disturb func(sceneID string)) (*collided.Output, *collided.Session) {
+	t.Helper()
+	ctx := within(t)
+	client, err := collided.Connect(ctx, address, collided.Options{})
+	must(t, err)
+	defer client.Close()
+	p := &play{spec: &collided.SceneSpec{Mode: collided.CCD}, motion: collided.Rigid}
+	nothingMoved := func() []collided.Update { return nil }
+	session, err := client.Session(ctx, p.spec, p.meshes(), collided.SessionOptions{Restore: nothingMoved})
+	must(t, err)
+	_, err = session.Detect(ctx, first)
+	must(t, err)
+	disturbed := make(chan struct{})
+	go func() {
+		disturb(session.Scene().SceneId)
+		close(disturbed)
+	}()
+	output, err := session.Detect(ctx, collided.Frame{Updates: []collided.Update{p.updateAt(1)}})
+	<-disturbed
+	must(t, err)
+	must(t, session.Close(ctx))
+	return output, session
+}
+
+func TestARigidMeshWhoseFirstMoveHadNoAnswerMovesAgain(t *testing.T) {
+	ctx := within(t)
+	resting, lifted := first(floor, tipAt(heightAt(0))), first(floor, tipAt(heightAt(0)))
+	lifted.Updates[1].Transform = &collided.Matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0.5}
+	for name, frame := range map[string]collided.Frame{"first positions": resting, "first transform": lifted} {
+		t.Run(name, func(t *testing.T) {
+			d := daemon(t)
+			proxy := newProxy(t, d)
+			observer, err := collided.Connect(ctx, d.Address, collided.Options{})
+			must(t, err)
+			defer observer.Close()
+			undisturbed, _ := rise(t, d.Address, frame, func(string) {})
+			same(t, undisturbed.VertexTriangle.Count, 1)
+			output, session := rise(t, proxy.address, frame, func(sceneID string) {
+				proxy.mute()
+				for applied := uint64(1); applied < 2; {
+					scene, err := observer.GetScene(ctx, sceneID)
+					if err != nil {
+						panic(err)
+					}
+					applied = scene.LastFrameId
+				}
+				proxy.cut()
+			})
+			same(t, [2]int{session.Reconnects, session.Recreations}, [2]int{1, 0})
+			same(t, reflect.DeepEqual(output.ContactSet, undisturbed.ContactSet), true)
+		})
+	}
+}
+
+func TestASessionIsClosedWhileThereIsNoConnection(t *testing.T) {
+	d := daemon(t, "--grace-seconds", "0")
+	ctx := within(t)
+	client, err := collided.Connect(ctx, d.Address, collided.Options{Patience: 100 * time.Millisecond})
+	must(t, err)
+	defer client.Close()
+	p := &play{spec: &collided.SceneSpec{Mode: collided.CCD}}
+	restore := func() []collided.Update { return nil }
+	session, err := client.Session(ctx, p.spec, p.meshes(), collided.SessionOptions{Restore: restore})
+	must(t, err)
+	d.Stop()
+	detected := make(chan error)
+	go func() {
+		_, err := session.Detect(ctx, first(floor, tipAt(heightAt(0))))
+		detected <- err
+	}()
+	time.Sleep(200 * time.Millisecond) // it is trying to reconnect
+	begin := time.Now()
+	refused(t, session.Close(ctx), codes.Unavailable, "", "no daemon answers") // the scene may be there
+	refused(t, <-detected, codes.FailedPrecondition, "", "the session is closed")
+	same(t, time.Since(begin) < 5*time.Second, true)
+}
+
 func TestASessionGoesOnElsewhereAndLeavesADaemonThatDrains(t *testing.T) {
 	folder := t.TempDir()
 	member := func(name, graceSeconds string) *collided.Daemon {

@@ -120,6 +120,48 @@ func TestAStreamIsOpenedAsAskedOrNotAtAll(t *testing.T) {
 	same(t, detect(ctx, t, second, fall(0, 2)).FrameID, 2)
 }
 
+func TestAUsedIDLeavesThoseThatTheStreamGives(t *testing.T) {
+	ctx, client := connected(t)
+	s := fallStream(ctx, t, client)
+	detect(ctx, t, s, fall(10, 2))
+	_, err := s.Detect(ctx, fall(3, 2))
+	refused(t, err, codes.FailedPrecondition, "frame.frame_id", "is 3")
+	same(t, detect(ctx, t, s, fall(0, 2)).FrameID, 11)
+	must(t, s.Finish(ctx))
+}
+
+func TestADaemonThatDoesNotReadHoldsNobodyBeyondHisContext(t *testing.T) {
+	ctx := within(t)
+	way := newProxy(t, daemon(t))
+	client, err := collided.Connect(ctx, way.address, collided.Options{})
+	must(t, err)
+	defer client.Close()
+	const count = 300_000 // more bytes than are sent before a daemon reads
+	large := []collided.Mesh{{Name: "large", VertexCount: count, Triangles: triangle}}
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.DCD}, large)
+	s := stream(ctx, t, client, scene, collided.StreamOptions{})
+	frame := collided.Frame{Updates: []collided.Update{{Positions: make(collided.F32, count)}}}
+	soon, cancel := context.WithTimeout(ctx, 200*time.Millisecond)
+	defer cancel()
+	way.stalled.Lock()
+	begin := time.Now()
+	_, sent := s.Send(soon, frame)
+	_, detected := s.Detect(soon, frame)
+	finished := s.Finish(soon)
+	same(t, time.Since(begin) < 5*time.Second, true)
+	way.stalled.Unlock()
+	must(t, sent)
+	for _, err := range []error{detected, finished} {
+		if !errors.Is(err, context.DeadlineExceeded) {
+			t.Fatal(err)
+		}
+	}
+	must(t, s.Finish(ctx))
+	output, err := s.Receive(ctx)
+	must(t, err)
+	same(t, output.FrameID, 1)
+}
+
 func TestWhoeverWaitsIsTold(t *testing.T) {
 	ctx, client := connected(t)
 	scene := fallScene(ctx, t, client)

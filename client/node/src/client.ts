@@ -55,9 +55,9 @@ export class Client {
     private readonly daemon: OwnDaemon | undefined,
   ) {}
 
-  /** `daemon` is stopped when the client is closed. `patienceSeconds`: of this connection, instead of the connector's. */
-  static async open(connector: Connector, daemon?: OwnDaemon, patienceSeconds?: number): Promise<Client> {
-    const connection = await connector.connect(undefined, patienceSeconds);
+  /** `daemon` is stopped when the client is closed. The rest is of `connect`. */
+  static async open(connector: Connector, daemon?: OwnDaemon, patienceSeconds?: number, signal?: AbortSignal): Promise<Client> {
+    const connection = await connector.connect(undefined, patienceSeconds, signal);
     try {
       return new Client(connector, connection, await connection.unary("getServerInfo", {}), daemon);
     } catch (error) {
@@ -159,7 +159,7 @@ export class Client {
 
   /** Creates a scene and a stream that survive the loss of the connection and of the daemon. */
   session(input: SceneInput, options: SessionOptions): Promise<Session> {
-    return Session.open((patienceSeconds) => Client.open(this.connector, undefined, patienceSeconds), input, options);
+    return Session.open((...patience) => Client.open(this.connector, undefined, ...patience), input, options);
   }
 
   /** Closes the connection, and stops the daemon if it is the client's own. Streams and watches have their own connections. */

@@ -10,6 +10,7 @@ import {
   type ClientWritableStream,
   Metadata,
   type StatusObject,
+  connectivityState,
   credentials,
 } from "@grpc/grpc-js";
 import { type Rules, boolean, check, join, seconds, show, string } from "./check.js";
@@ -78,8 +79,15 @@ export class Connector {
     this.#credentials = credentialsOf(this.#options);
   }
 
-  /** A connection to this address, or to another one with the same credentials. UNAVAILABLE if no daemon answers in time. */
-  async connect(address = this.address, patienceSeconds = this.#options.patienceSeconds ?? 5): Promise<Connection> {
+  /**
+   * A connection to this address, or to another one with the same credentials. UNAVAILABLE if no daemon answers in time, or
+   * before the signal is aborted.
+   */
+  async connect(
+    address = this.address,
+    patienceSeconds = this.#options.patienceSeconds ?? 5,
+    signal?: AbortSignal,
+  ): Promise<Connection> {
     checkToken(this.#options, address);
     const local = isLocalAddress(address);
     const channel: ChannelOptions = {
@@ -95,7 +103,10 @@ export class Connector {
       ...(this.#options.tlsServerName ? { "grpc.ssl_target_name_override": this.#options.tlsServerName } : {}),
     };
     const connection = new Connection(new GrpcClient(address, this.#credentials, channel), this.#options);
-    await connection.ready(address, patienceSeconds);
+    const giveUp = () => connection.close();
+    if (signal?.aborted) giveUp();
+    signal?.addEventListener("abort", giveUp);
+    await connection.ready(address, patienceSeconds).finally(() => signal?.removeEventListener("abort", giveUp));
     return connection;
   }
 }
@@ -113,9 +124,7 @@ export class Connection {
 
   /** Waits until it is connected, or closes it. */
   async ready(address: string, patienceSeconds: number): Promise<void> {
-    const until = Date.now() + 1000 * patienceSeconds;
-    const failed = await new Promise<boolean>((resolve) => this.#client().waitForReady(until, (error) => resolve(!!error)));
-    if (!failed) return;
+    if (await this.#becomesReady(Date.now() + 1000 * patienceSeconds)) return;
     // gRPC tells the reason to calls alone.
     const why = await this.unary("getServerInfo", {}, "", 1).then(
       () => undefined,
@@ -125,6 +134,17 @@ export class Connection {
     this.close();
     const reason = why.code === Code.UNAVAILABLE ? `: ${why.message}` : "";
     throw new CollidedError(Code.UNAVAILABLE, `no daemon answers at ${address}${reason}`);
+  }
+
+  /** GrpcClient.waitForReady would open a channel again that is closed meanwhile. */
+  async #becomesReady(until: number): Promise<boolean> {
+    const channel = this.#grpc.getChannel();
+    for (let isLate = false; !isLate && !this.#isClosed; ) {
+      const state = channel.getConnectivityState(true);
+      if (state === connectivityState.READY) return true;
+      isLate = await new Promise((resolve) => channel.watchConnectivityState(state, until, (error) => resolve(!!error)));
+    }
+    return false;
   }
 
   unary<N extends keyof Methods>(name: N, request: Request<N>, sceneId = "", limitSeconds?: number): Promise<Answer<N>> {
@@ -251,6 +271,7 @@ function isVisible(text: string): boolean {
 /** Whether a gRPC address is on this host for certain: unix:..., localhost or a loopback IP. */
 export function isLocalAddress(address: string): boolean {
   if (/^unix(-abstract)?:/.test(address)) return true;
+  if (address.includes(",")) return false; // a list, whose others may be elsewhere
   const host = hostOf(address);
   if (isIP(host) === 4) return host.startsWith("127.");
   return host === "::1" || host === "localhost";

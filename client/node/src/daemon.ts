@@ -32,6 +32,11 @@ function endingWithParent(): string[] {
   return setpriv ? [setpriv, "--pdeathsig", "TERM"] : [];
 }
 
+/** Without options of daemons that others start. */
+function ownEnvironment(): NodeJS.ProcessEnv {
+  return Object.fromEntries(Object.entries(process.env).filter(([name]) => !name.startsWith("COLLIDED_")));
+}
+
 function onPath(name: string): string | undefined {
   const places = (process.env.PATH ?? "").split(delimiter).filter((folder) => folder !== "");
   return places.map((folder) => join(folder, name)).find(isProgram);
@@ -63,16 +68,22 @@ export class OwnDaemon {
   private constructor(folder: string, options: readonly string[]) {
     this.#folder = folder;
     this.address = `unix:${folder}/socket`;
-    const log = openSync(join(folder, "log"), "a", 0o600);
     const words = ["--address", this.address, "--ready-file", join(folder, "ready"), "--log-level", "warning", ...OWN];
     const [program, ...rest] = [...endingWithParent(), findDaemon(), ...words, ...options];
-    this.#process = spawn(program, rest, { stdio: ["ignore", log, log] });
+    const log = openSync(join(folder, "log"), "a", 0o600);
+    try {
+      this.#process = spawn(program, rest, { stdio: ["ignore", log, log], env: ownEnvironment() });
+    } finally {
+      closeSync(log);
+    }
     this.#process.on("error", () => {}); // told by #waitUntilReady
-    closeSync(log);
     process.once("exit", this.#stopAtExit);
   }
 
-  /** Starts one and waits until it is ready. `options` are those of `collided`, such as ["--threads", "2"]. */
+  /**
+   * Starts one and waits until it is ready. `options` are those of `collided`, such as ["--threads", "2"]; variables of the
+   * environment, such as COLLIDED_THREADS, are none.
+   */
   static async start(options: readonly string[] = []): Promise<OwnDaemon> {
     const folder = mkdtempSync(join(tmpdir().length > 80 ? "/tmp" : tmpdir(), "collided-")); // a socket's path has 107 bytes
     let daemon: OwnDaemon | undefined;

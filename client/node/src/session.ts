@@ -1,11 +1,12 @@
 // A scene and its stream that survive the loss of the connection, and of the daemon.
 
 import { setTimeout as pause } from "node:timers/promises";
+import type { RigidMatrix } from "./arrays.js";
 import { type Rules, anything, check, finite, seconds } from "./check.js";
 import type { Client } from "./client.js";
 import { Code, CollidedError, invalid } from "./errors.js";
 import { type FrameInput, type MeshUpdateInput, frameMessage } from "./frame.js";
-import { DetectionMode, type Scene } from "./generated/collided/v1/scene.js";
+import { DetectionMode, MeshMotion, type Scene } from "./generated/collided/v1/scene.js";
 import type { FrameOutput } from "./output.js";
 import { type SceneInput, sceneSpec } from "./scene.js";
 import type { FrameStream } from "./stream.js";
@@ -24,12 +25,13 @@ export interface SessionOptions {
 }
 
 const OPTIONS: Rules<SessionOptions> = { restore: anything, giveUpSeconds: seconds, leaseSeconds: finite };
-/** Makes a new connection; waits for it so long, or as the client's options say. */
-type Connect = (patienceSeconds?: number) => Promise<Client>;
+/** Makes a new connection; waits for it so long, or as the client's options say, and not once the signal is aborted. */
+type Connect = (patienceSeconds?: number, signal?: AbortSignal) => Promise<Client>;
 
 const FIRST_PAUSE_MS = 50;
 const LONGEST_PAUSE_MS = 2000;
 const LEAVE_PAUSE_MS = 1000;
+const AT_REST: RigidMatrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
 
 /**
  * One frame at a time. Positions are absolute, so that after a loss the scene's first frame, if the scene had to be created
@@ -48,7 +50,7 @@ export class Session {
   #first: FrameInput | undefined; // the scene's, which fixes static and rigid meshes and what is at rest
   #running: Promise<FrameOutput> | undefined; // the frame that is on its way
   #nextLeave = 0; // when leaving a daemon that stops is tried
-  #isClosed = false;
+  readonly #closing = new AbortController();
 
   private constructor(connect: Connect, input: SceneInput, options: SessionOptions) {
     this.#connect = connect;
@@ -91,12 +93,16 @@ export class Session {
     }
   }
 
-  /** Ends the stream and deletes the scene; a frame in flight is withdrawn. */
+  /** Ends the stream and deletes the scene; a frame in flight is withdrawn, and no connection waited for any longer. */
   async close(): Promise<void> {
-    this.#isClosed = true;
+    this.#closing.abort();
     this.#stream?.cancel();
     await this.#running?.catch(() => {});
     await this.#withClient((client) => deleteIfThere(client, this.#scene));
+  }
+
+  get #isClosed(): boolean {
+    return this.#closing.signal.aborted;
   }
 
   #copyOf(frame: FrameInput): FrameInput {
@@ -116,7 +122,7 @@ export class Session {
         if (this.#isClosed) throw closed();
         if (!this.#isLoss(error) || performance.now() + wait > giveUp) throw error;
         this.#stream = undefined;
-        await pause(wait);
+        await pause(wait, undefined, { signal: this.#closing.signal }).catch(() => {}); // #reopen() is told
       }
     }
   }
@@ -128,7 +134,8 @@ export class Session {
   }
 
   async #reopen(patienceSeconds: number): Promise<FrameStream> {
-    const stream = await this.#withClient((client) => this.#resume(client), Math.max(0, patienceSeconds));
+    const patience = Math.max(0, patienceSeconds);
+    const stream = await this.#withClient((client) => this.#resume(client), patience, this.#closing.signal);
     await this.#restore(stream);
     this.reconnects += 1;
     return stream;
@@ -200,14 +207,24 @@ export class Session {
 
   /** Stands still, so that it costs little and meets nothing on a way that nobody went. */
   #restoring(): FrameInput {
-    const updates = this.#options.restore();
+    const restored = this.#options.restore();
+    const updates = [...restored, ...this.#unmoved(restored)];
     if (this.#input.mode === DetectionMode.DCD) return { updates };
     if (this.#input.mode === DetectionMode.DCD_AND_CCD) return { updates, mode: DetectionMode.DCD };
     return { updates: updates.map(standingStill) };
   }
 
-  async #withClient<T>(use: (client: Client) => Promise<T>, patienceSeconds?: number): Promise<T> {
-    const client = await this.#connect(patienceSeconds);
+  /** Rigid meshes that have not moved, as the first frame left them: the frame without an answer may have moved them. */
+  #unmoved(moved: readonly MeshUpdateInput[]): MeshUpdateInput[] {
+    const named = new Set(moved.map(({ mesh }) => mesh));
+    const transforms = new Map(this.#first?.updates?.map(({ mesh, transform }) => [mesh, transform]));
+    return this.#input.meshes.flatMap(({ motion }, mesh) =>
+      motion === MeshMotion.RIGID && !named.has(mesh) ? { mesh, transform: transforms.get(mesh) ?? AT_REST } : [],
+    );
+  }
+
+  async #withClient<T>(use: (client: Client) => Promise<T>, patienceSeconds?: number, signal?: AbortSignal): Promise<T> {
+    const client = await this.#connect(patienceSeconds, signal);
     try {
       return await use(client);
     } finally {

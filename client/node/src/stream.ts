@@ -32,9 +32,11 @@ const OPTIONS: Rules<StreamOptions> = { window: uint32, delivery: oneOf(Delivery
 interface Taker {
   give(output: FrameOutput): void;
   fail(error: CollidedError): void;
+  /** Whether `receive` or the iterator has it. */
+  isKept: boolean;
 }
 
-interface InFlight extends Taker {
+interface Unanswered extends Taker {
   id: bigint;
   chunks: ContactChunk[];
 }
@@ -43,7 +45,7 @@ interface InFlight extends Taker {
 export class FrameStream implements AsyncIterable<FrameOutput> {
   readonly #call: ClientDuplexStream<Uint8Array, StreamFramesResponse>;
   readonly #maxMessageBytes: bigint;
-  readonly #inFlight: InFlight[] = [];
+  readonly #unanswered: Unanswered[] = []; // in flight, or waiting for a credit
   readonly #ready: FrameOutput[] = [];
   readonly #ended: Promise<void>;
   #opened: StreamOpened | undefined;
@@ -51,7 +53,8 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   #lastId = 0n;
   #credits = 0;
   #awaitingCredit: (() => void)[] = [];
-  #awaitingOutput: (() => void)[] = [];
+  #awaitingOutput: ((output?: FrameOutput) => void)[] = [];
+  #unsent = 0;
   #isFinishing = false;
   #end: { error: CollidedError | undefined } | undefined;
   #malformed: CollidedError | undefined;
@@ -103,21 +106,22 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
    * at once, so that its arrays may change as soon as the call has returned. `receive` or the iterator has its output.
    */
   async send(frame: FrameInput): Promise<bigint> {
-    return this.#post(frame, { give: (output) => this.#keep(output), fail: () => {} });
+    return this.#post(frame, { give: (output) => this.#keep(output), fail: () => {}, isKept: true });
   }
 
   /** Sends a frame and waits for its output. Rejects if the frame was refused; the stream goes on. */
   async detect(frame: FrameInput): Promise<FrameOutput> {
     const output = await new Promise<FrameOutput>((give, fail) => {
-      this.#post(frame, { give, fail }).catch(fail);
+      this.#post(frame, { give, fail, isKept: false }).catch(fail);
     });
     return output.check();
   }
 
-  /** The next output of `send`. Rejects once the stream has ended, and if no frame is in flight. */
+  /** The next output of `send`. Rejects once the stream has ended, and if no frame is in flight that others do not await. */
   async receive(): Promise<FrameOutput> {
-    if (this.#ready.length === 0 && this.#inFlight.length === 0 && !this.#end) {
-      throw new CollidedError(Code.FAILED_PRECONDITION, "receive() was called with no frame in flight");
+    const toCome = this.#unanswered.filter(({ isKept }) => isKept).length;
+    if (this.#ready.length === 0 && toCome <= this.#awaitingOutput.length && !this.#end) {
+      throw new CollidedError(Code.FAILED_PRECONDITION, "receive() was called with no frame of send() in flight");
     }
     const output = await this.#next();
     if (!output) throw this.#whyEnded();
@@ -130,10 +134,15 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
     if (this.#end?.error) throw this.#end.error;
   }
 
-  /** Tells the daemon that no more frames will come, and waits until all are answered. Outputs can still be received. */
+  /**
+   * Tells the daemon that no more frames will come, after those that wait for a credit, and waits until all are answered.
+   * Outputs can still be received.
+   */
   async finish(): Promise<void> {
-    if (!this.#isFinishing) this.#call.end();
-    this.#isFinishing = true;
+    if (!this.#isFinishing) {
+      this.#isFinishing = true;
+      this.#endIfSent();
+    }
     await this.#ended;
     if (this.#end?.error) throw this.#end.error;
   }
@@ -163,13 +172,21 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   async #post(input: FrameInput, taker: Taker): Promise<bigint> {
     const id = input?.frameId === undefined ? this.#lastId + 1n : frameIdOf(input);
     const bytes = this.#encode(input, id);
-    this.#lastId = id;
-    if (this.#credits > 0) this.#credits -= 1;
-    else if (!this.#end) await new Promise<void>((resolve) => this.#awaitingCredit.push(resolve));
     if (this.#end || this.#isFinishing) throw this.#whyEnded();
-    this.#inFlight.push({ id, chunks: [], ...taker });
+    if (id > this.#lastId) this.#lastId = id; // else it is refused
+    this.#unanswered.push({ id, chunks: [], ...taker });
+    this.#unsent += 1;
+    if (this.#credits > 0) this.#credits -= 1;
+    else await new Promise<void>((resolve) => this.#awaitingCredit.push(resolve));
+    this.#unsent -= 1;
+    if (this.#end) throw this.#whyEnded();
     this.#call.write(bytes);
+    this.#endIfSent();
     return id;
+  }
+
+  #endIfSent(): void {
+    if (this.#isFinishing && this.#unsent === 0) this.#call.end();
   }
 
   #encode(input: FrameInput, id: bigint): Uint8Array {
@@ -195,8 +212,8 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
     }
   }
 
-  #oldest(frameId: bigint): InFlight {
-    const oldest = this.#inFlight[0];
+  #oldest(frameId: bigint): Unanswered {
+    const oldest = this.#unanswered[0];
     if (oldest?.id === frameId) return oldest;
     throw new CollidedError(
       Code.DATA_LOSS,
@@ -207,7 +224,7 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   #complete(frameId: bigint, end: FrameEnd): void {
     const { chunks, give } = this.#oldest(frameId);
     const output = new FrameOutput(frameId, chunks, end);
-    this.#inFlight.shift();
+    this.#unanswered.shift();
     const next = this.#awaitingCredit.shift();
     if (next) next();
     else this.#credits += 1;
@@ -215,21 +232,20 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   }
 
   #keep(output: FrameOutput): void {
-    this.#ready.push(output);
-    this.#awaitingOutput.shift()?.();
+    const next = this.#awaitingOutput.shift();
+    if (next) next(output);
+    else this.#ready.push(output);
   }
 
   /** Undefined once the stream has ended. */
   async #next(): Promise<FrameOutput | undefined> {
-    while (this.#ready.length === 0 && !this.#end) {
-      await new Promise<void>((resolve) => this.#awaitingOutput.push(resolve));
-    }
-    return this.#ready.shift();
+    if (this.#ready.length > 0 || this.#end) return this.#ready.shift();
+    return new Promise((resolve) => this.#awaitingOutput.push(resolve));
   }
 
   #conclude(error: CollidedError | undefined): void {
     this.#end = { error };
-    for (const { fail } of this.#inFlight.splice(0)) fail(this.#whyEnded());
+    for (const { fail } of this.#unanswered.splice(0)) fail(this.#whyEnded());
     for (const resume of [...this.#awaitingCredit.splice(0), ...this.#awaitingOutput.splice(0)]) resume();
   }
 

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, test } from "node:test";
@@ -99,6 +99,7 @@ test("options that cannot be are refused by name, and a token is not told to str
     ["127.0.0.1.example.org:1", { token: "secret" }, "options.token", /plain text/],
     ["[2001:db8::1]:1", { token: "secret" }, "options.token", /plain text/],
     ["dns:///10.0.0.1:1", { token: "secret" }, "options.token", /plain text/],
+    ["ipv4:127.0.0.1:1,10.0.0.1:1", { token: "secret" }, "options.token", /plain text/],
   ];
   for (const [address, options, field, message] of cases) {
     await refused(() => connect(address as string, options), Code.INVALID_ARGUMENT, field, message);
@@ -124,6 +125,10 @@ test("the daemon's program is named, found on the PATH, or missed", async () => 
     assert.equal(findDaemon(), COLLIDED_DAEMON);
     process.env.COLLIDED_DAEMON = file("tokens");
     await refused(findDaemon, Code.NOT_FOUND, "", /COLLIDED_DAEMON is .*, which is not a program/);
+    const open = () => readdirSync("/proc/self/fd").length;
+    const before = open();
+    await refused(() => OwnDaemon.start(), Code.NOT_FOUND, "");
+    assert.equal(open(), before);
     delete process.env.COLLIDED_DAEMON;
     process.env.PATH = `${folder}:${COLLIDED_DAEMON!.replace(/\/[^/]*$/, "")}`;
     assert.equal(findDaemon(), COLLIDED_DAEMON);
@@ -138,6 +143,15 @@ test("the daemon's program is named, found on the PATH, or missed", async () => 
     "",
     /ended before it was ready: .*no-such-option/,
   );
+});
+
+test("a daemon of one's own takes its options from its caller alone", async () => {
+  process.env.COLLIDED_LOG_FORMAT = "nonsense";
+  try {
+    await (await OwnDaemon.start()).stop();
+  } finally {
+    delete process.env.COLLIDED_LOG_FORMAT;
+  }
 });
 
 test("a daemon of one's own ends with its client, even one that is killed", async () => {

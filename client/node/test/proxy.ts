@@ -1,4 +1,4 @@
-// Between a client and a daemon: it cuts connections, and leads to another daemon.
+// Between a client and a daemon: it cuts connections, keeps answers back, and leads to another daemon.
 
 import { once } from "node:events";
 import { mkdtempSync, rmSync } from "node:fs";
@@ -9,8 +9,10 @@ import { join } from "node:path";
 export class Proxy {
   readonly #folder = mkdtempSync(join(tmpdir(), "proxy-"));
   readonly #sockets = new Set<Socket>();
+  readonly #ofDaemons = new Set<Socket>();
   readonly #server = createServer((near) => {
     const far = connect(this.#path);
+    this.#ofDaemons.add(far.on("close", () => this.#ofDaemons.delete(far)));
     for (const [socket, other] of [
       [near, far],
       [far, near],
@@ -35,6 +37,11 @@ export class Proxy {
 
   leadTo(address: string): void {
     this.#path = address.replace("unix:", "");
+  }
+
+  /** Keeps back what daemons answer from now on over the connections that are open. */
+  mute(): void {
+    for (const socket of this.#ofDaemons) socket.unpipe().resume();
   }
 
   /** Ends every connection, as if the network had gone. */

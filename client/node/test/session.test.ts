@@ -3,6 +3,7 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { after, test } from "node:test";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { setTimeout as pause } from "node:timers/promises";
 import {
   Code,
   DetectionMode,
@@ -12,6 +13,7 @@ import {
   MeshMotion,
   type MeshUpdateInput,
   OwnDaemon,
+  type RigidMatrix,
   type SceneInput,
   connect,
 } from "../src/index.js";
@@ -85,6 +87,39 @@ for (const [name, scene] of Object.entries({ FALLING, TURNING, BOTH })) {
   });
 }
 
+/** The tip rises from its first pose, its first move; `disturb` is called while that frame is in flight. */
+async function rise(transform: RigidMatrix | undefined, disturb: (sceneId: string) => unknown) {
+  const client = await connect(proxy.address);
+  const session = await client.session(TURNING, { restore: () => [] }); // nothing has moved
+  const [floorUpdate, tipUpdate] = FIRST.updates!;
+  await session.detect({ updates: [floorUpdate, { ...tipUpdate, transform }] });
+  const answer = session.detect(frameAt(TURNING, 1));
+  await disturb(session.scene.sceneId);
+  const { vertexTriangle } = await answer;
+  await session.close();
+  await client.close();
+  return { session, vertexTriangle };
+}
+
+for (const [name, transform] of Object.entries({
+  "its first positions": undefined,
+  "its first transform": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0.5],
+})) {
+  test(`a rigid mesh whose first move had no answer moves again from ${name}`, async () => {
+    const undisturbed = await rise(transform, () => {});
+    assert.equal(undisturbed.vertexTriangle.count, 1);
+    const observer = await connect(daemon.address);
+    const disturbed = await rise(transform, async (sceneId) => {
+      proxy.mute();
+      while ((await observer.getScene(sceneId)).lastFrameId < 2n);
+      proxy.cut();
+    });
+    await observer.close();
+    assert.deepEqual([disturbed.session.reconnects, disturbed.session.recreations], [1, 0]);
+    assert.deepEqual(disturbed.vertexTriangle, undisturbed.vertexTriangle);
+  });
+}
+
 test("a session goes on elsewhere if its endpoint is gone, and leaves a daemon that drains", async (t) => {
   const folder = mkdtempSync(join(tmpdir(), "members-"));
   const member = (name: string, graceSeconds: number) => {
@@ -139,6 +174,21 @@ test("a stream that idled out is opened again", async () => {
   await session.close();
   await client.close();
   await impatient.stop();
+});
+
+test("a session can be closed while there is no connection", async () => {
+  const gone = await OwnDaemon.start(HASTY);
+  const client = await connect(gone.address, { patienceSeconds: 0.1 });
+  const session = await client.session(FALLING, { restore: () => [] });
+  await gone.stop();
+  const lost = session.detect(frameAt(FALLING, 0));
+  const told = refused(() => lost, Code.FAILED_PRECONDITION, "", /the session is closed/);
+  await pause(200); // it is trying to reconnect
+  const begin = performance.now();
+  await refused(() => session.close(), Code.UNAVAILABLE, "", /no daemon answers/); // the scene may be there
+  assert(performance.now() - begin < 5000);
+  await told;
+  await client.close();
 });
 
 test("a session tells what it cannot do", async () => {

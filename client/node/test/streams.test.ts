@@ -68,9 +68,34 @@ test("LATEST_WINS tells which frames were skipped", async () => {
 
 test("receive() without a frame in flight does not wait for ever", async () => {
   const stream = await used.client.stream(await used.client.createScene(TWO_TRIANGLES));
-  await refused(() => stream.receive(), Code.FAILED_PRECONDITION, "", /no frame in flight/);
+  await refused(() => stream.receive(), Code.FAILED_PRECONDITION, "", /no frame of send\(\) in flight/);
+  const detected = stream.detect(fall(2));
+  await refused(() => stream.receive(), Code.FAILED_PRECONDITION, "", /no frame of send\(\) in flight/); // detect() takes its output
+  await detected;
   await stream.send(fall(2));
-  assert.equal((await stream.receive()).check().vertexTriangle.count, 1);
+  const received = stream.receive();
+  await refused(() => stream.receive(), Code.FAILED_PRECONDITION, "", /no frame of send\(\) in flight/);
+  assert.equal((await received).check().vertexTriangle.count, 1);
+  await stream.finish();
+});
+
+test("finish() waits for frames that wait for a credit", async () => {
+  const stream = await used.client.stream(await used.client.createScene(TWO_TRIANGLES), { window: 1 });
+  const sent = Promise.all([fall(2), fall(2), fall(2)].map((frame) => stream.send(frame)));
+  const outputs = Promise.all([stream.receive(), stream.receive(), stream.receive()]);
+  await stream.finish();
+  assert.deepEqual(await sent, [1n, 2n, 3n]);
+  assert.deepEqual(
+    (await outputs).map(({ frameId }) => frameId),
+    [1n, 2n, 3n],
+  );
+});
+
+test("a frame id that was used before leaves those that the stream gives as they are", async () => {
+  const stream = await used.client.stream(await used.client.createScene(TWO_TRIANGLES));
+  await stream.detect(fall(2, { frameId: 10 }));
+  await refused(() => stream.detect(fall(2, { frameId: 3 })), Code.FAILED_PRECONDITION, "frame.frame_id");
+  assert.equal((await stream.detect(fall(2))).frameId, 11n);
   await stream.finish();
 });
 
