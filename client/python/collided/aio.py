@@ -10,9 +10,8 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import functools
-from collections import deque
 from collections.abc import AsyncIterable, AsyncIterator, Callable, Iterable
-from typing import Any, TypeVar, Unpack
+from typing import Any, Generic, TypeVar, Unpack
 
 import numpy as np
 
@@ -41,10 +40,55 @@ class _Thread:
         self._pool = concurrent.futures.ThreadPoolExecutor(1, "collided-aio")
 
     def start(self, function: Callable[..., _T], *arguments: Any, **options: Any) -> asyncio.Future[_T]:
-        return asyncio.get_running_loop().run_in_executor(self._pool, functools.partial(function, *arguments, **options))
+        return asyncio.wrap_future(self._pool.submit(functools.partial(function, *arguments, **options)))
+
+    async def make(self, function: Callable[[], _T]) -> _T:
+        """What the function makes, which is closed if nobody waits for it any more."""
+        making = self._pool.submit(function)
+        try:
+            return await asyncio.shield(asyncio.wrap_future(making))
+        except asyncio.CancelledError:
+            making.add_done_callback(_close_what_was_made)
+            raise
 
     def stop(self) -> None:
         self._pool.shutdown(wait=False)
+
+
+def _close_what_was_made(making: concurrent.futures.Future[Any]) -> None:
+    if making.exception() is None:
+        making.result().close()
+
+
+class _Results(Generic[_T]):
+    """Results of one function, in order. One whose caller was cancelled is the next caller's."""
+
+    def __init__(self, thread: _Thread, function: Callable[[], _T]) -> None:
+        self._thread, self._function = thread, function
+        self._is_awaited: dict[asyncio.Future[_T], bool] = {}  # those that nobody has yet, in order
+
+    @property
+    def has_late(self) -> bool:
+        """Whether there is one whose caller was cancelled."""
+        return not all(self._is_awaited.values())
+
+    async def next(self) -> _T:
+        late = (result for result, is_awaited in self._is_awaited.items() if not is_awaited)
+        result = next(late, None) or self._thread.start(self._function)
+        self._is_awaited[result] = True
+        try:
+            return await asyncio.shield(result)
+        except asyncio.CancelledError:
+            self._is_awaited[result] = False
+            raise
+        finally:
+            if self._is_awaited[result]:
+                del self._is_awaited[result]
+
+    def give_up(self) -> None:
+        """Nobody will ask for late ones any more."""
+        for result in self._is_awaited:
+            result.add_done_callback(lambda done: done.cancelled() or done.exception())
 
 
 class Session:
@@ -53,11 +97,11 @@ class Session:
     def __init__(self, meshes: Any, **options: Any) -> None:
         self._make = functools.partial(collided.Session, meshes, **options)
         self._thread = _Thread()
-        self._late: deque[asyncio.Future[Contacts]] = deque()  # receives that were cancelled
+        self._received = _Results(self._thread, lambda: self.sync.receive())
         self._session: collided.Session | None = None
 
     async def __aenter__(self) -> Session:
-        self._session = await self._thread.start(self._make)
+        self._session = await self._thread.make(self._make)
         return self
 
     async def __aexit__(self, *_: object) -> None:
@@ -75,16 +119,11 @@ class Session:
 
     async def receive(self) -> Contacts:
         """As `collided.Session.receive`; use `asyncio.timeout`."""
-        waiting = self._late.popleft() if self._late else self._thread.start(self.sync.receive)
-        try:
-            return await asyncio.shield(waiting)
-        except asyncio.CancelledError:
-            self._late.appendleft(waiting)
-            raise
+        return await self._received.next()
 
     async def step(self, positions: Any = None, start: Any = None, **options: Unpack[FrameOptions]) -> Contacts:
         """As `collided.Session.step`."""
-        if self._late or self.sync.in_flight:
+        if self._received.has_late or self.sync.in_flight:
             raise collided.FailedPrecondition("step() with frames in flight: receive them first")
         await self.send(positions, start, **options)
         return await self.receive()
@@ -92,11 +131,15 @@ class Session:
     async def run(self, frames: Iterable[Any] | AsyncIterable[Any],
                   **options: Unpack[FrameOptions]) -> AsyncIterator[Contacts]:
         """As `collided.Session.run`; frames may be made asynchronously."""
-        async for positions in _each(frames):
-            while self.sync.in_flight >= self.sync.window:
+        source, end = _each(frames), object()
+        while True:
+            while self.sync.in_flight >= self.sync.window:  # before a frame is taken, which an error would lose
                 yield await self.receive()
+            positions = await anext(source, end)
+            if positions is end:
+                break
             await self.send(positions, **options)
-        while self.sync.in_flight or self._late:
+        while self.sync.in_flight or self._received.has_late:
             yield await self.receive()
 
     @property
@@ -106,8 +149,7 @@ class Session:
 
     async def close(self) -> None:
         """As `collided.Session.close`, whatever the session waits for."""
-        for future in self._late:  # nobody will ask for these any more
-            future.add_done_callback(lambda done: done.cancelled() or done.exception())
+        self._received.give_up()
         try:
             if self._session is not None:
                 await asyncio.to_thread(self._session.close)
@@ -116,30 +158,38 @@ class Session:
 
 
 class Watcher:
-    """As `collided.Watcher`: `async for frame in watcher`."""
+    """As `collided.Watcher`: `async for frame in watcher`. An `anext` that is cancelled loses no frame."""
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         self._make = functools.partial(collided.Watcher, *arguments, **options)
         self._thread = _Thread()
         self._watcher: collided.Watcher | None = None
+        self._shown = _Results(self._thread, self._next)
 
     async def __aenter__(self) -> Watcher:
-        self._watcher = await self._thread.start(self._make)
+        self._watcher = await self._thread.make(self._make)
         return self
 
     async def __aexit__(self, *_: object) -> None:
+        self._shown.give_up()
         if self._watcher is not None:
             await asyncio.to_thread(self._watcher.close)
         self._thread.stop()
 
-    async def __aiter__(self) -> AsyncIterator[Watched]:
+    def __aiter__(self) -> Watcher:
+        return self
+
+    async def __anext__(self) -> Watched:
         assert self._watcher is not None, "the watcher is not open: use `async with`"
-        frames = iter(self._watcher)
-        while True:
-            frame: Watched | None = await self._thread.start(lambda: next(frames, None))
-            if frame is None:
-                return
-            yield frame
+        frame = await self._shown.next()
+        if frame is None:
+            raise StopAsyncIteration
+        return frame
+
+    def _next(self) -> Watched | None:
+        """None at the end."""
+        assert self._watcher is not None
+        return next(iter(self._watcher), None)
 
 
 async def _each(frames: Iterable[Any] | AsyncIterable[Any]) -> AsyncIterator[Any]:

@@ -160,13 +160,16 @@ class SceneBatch:
         return contacts
 
     def close(self) -> None:
-        """Deletes the set and, unless the client is the caller's, ends the connection. In a process that was forked from the
-        set's it does nothing."""
+        """Deletes the set, and ends the connection unless it was the caller's.
+
+        A daemon that is gone or does not answer is left alone, as by `Scene.close`; so is everything in a process that was
+        forked from the set's.
+        """
         if os.getpid() != self._process:
             return
         self._frames.close()
         try:
-            self.client.delete_scene(self.id)
+            self.client.end_scene(self.id)
         finally:
             if self._owns_client:
                 self.client.close()

@@ -65,6 +65,17 @@ class Layout:
             raise InvalidArgument(f"mesh {mesh} was removed", field="mesh")
         return int(mesh)
 
+    def by_index(self, values: Mapping[str | int, Any], argument: str) -> dict[int, Any]:
+        """Values of meshes, each named once."""
+        out: dict[int, Any] = {}
+        names: dict[int, str | int] = {}
+        for mesh, value in values.items():
+            index = self.index(mesh)
+            if index in out:
+                raise InvalidArgument(f"{argument} names mesh {index} twice: {names[index]!r} and {mesh!r}", field=argument)
+            out[index], names[index] = value, mesh
+        return out
+
     def mesh(self, index: int) -> Mesh:
         """A mesh that is there."""
         mesh = self.meshes[index]

@@ -109,7 +109,8 @@ class Format:
         """Positions as contiguous bytes of the wire. May be the caller's own memory, or a copy."""
         array = points(values, argument, count)
         if self.box is not None:
-            return array if array.dtype == self.dtype and array.flags.c_contiguous else pack_quantized(array, self.box)
+            is_encoded = array.dtype.newbyteorder("=") == np.uint16
+            return np.ascontiguousarray(array, self.dtype) if is_encoded else pack_quantized(array, self.box)
         if array.dtype == self.dtype:
             return np.ascontiguousarray(array)
         with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused by the daemon, with its vertex

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from collided.connection.client import Client
 from collided.connection.options import ConnectOptions
-from collided.errors import DeadlineExceeded, Error, InvalidArgument, NotFound
+from collided.errors import InvalidArgument, NotFound
 from collided.frames.track import Track
 from collided.layout import Layout
 from collided.options import SceneOptions
@@ -48,8 +48,11 @@ class Scene:
     def __init__(self, meshes: Any, *, server: str | Client | None = None, lease_seconds: float = 0.0,
                  **options: Any) -> None:
         connect, scene = divided(options, server)
-        self.options = SceneOptions(**scene)
-        self.track = Track(Layout.of(meshes, self.options.exclude), self.options)
+        asked = SceneOptions(**scene)
+        layout = Layout.of(meshes, asked.exclude)
+        # For good: after an edit another one might follow from the meshes, which a new scene must not have.
+        self.options = dataclasses.replace(asked, position_format=asked.format(layout).name)
+        self.track = Track(layout, self.options)
         self.lease_seconds = lease_seconds
         self._process = os.getpid()
         self.owns_client = not isinstance(server, Client)
@@ -103,10 +106,7 @@ class Scene:
         if os.getpid() != self._process:
             return
         try:
-            self.client.delete_scene(self.id)
-        except Error as error:
-            if not (error.is_connection_lost or isinstance(error, (NotFound, DeadlineExceeded))):
-                raise
+            self.client.end_scene(self.id)
         finally:
             if self.owns_client:
                 self.client.close()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Iterable, Iterator
@@ -74,20 +75,21 @@ class Session:
         positions: of the mesh that can move, or a mapping of meshes, by name or index, to positions (n, 3), `Sparse` or
             `Rigid`. Meshes that are not named stand still.
         start: likewise, where meshes are at t = 0 (CCD); None: where the last frame left them.
-        timeout: seconds after which DeadlineExceeded is raised; the frame stays in flight, for `receive`.
+        timeout: seconds after which DeadlineExceeded is raised; the frame stays in flight, for `receive`, unless `in_flight` is
+            0: where a daemon was lost before its first frame. What a scene takes to be put where it was, or where it begins,
+            once a daemon answers, comes on top.
         options: those of FrameOptions.
 
         Raises InvalidArgument before anything is sent for shapes, dtypes and meshes that cannot be, and what the daemon
         refuses the frame with: it leaves the scene unchanged.
         """
-        if timeout is not None:
-            check_seconds(timeout, "timeout")
+        until = _end_of(timeout)
         self._stream.check()
         self._stream.check_open()
         if self.in_flight:
             raise FailedPrecondition(f"step() with {self.in_flight} frames in flight: receive them first")
-        self._send(positions, start, options)
-        return self._receive(timeout)
+        self._send(positions, start, options, until)
+        return self._receive(timeout, until)
 
     def send(self, positions: Any = None, start: Any = None, **options: Unpack[FrameOptions]) -> int:
         """Sends a frame, and waits for that while a whole window is in flight. Returns the frame's number, from 1: its
@@ -97,30 +99,30 @@ class Session:
         """
         self._stream.check()
         self._stream.check_open()
-        return self._send(positions, start, options)
+        return self._send(positions, start, options, math.inf)
 
-    def _send(self, positions: Any, start: Any, options: FrameOptions) -> int:
-        is_first = not self._stream.begin()
-        return self._stream.send(self.scene.track.request(self._stream.layout, is_first, positions, start, options))
+    def _send(self, positions: Any, start: Any, options: FrameOptions, until: float) -> int:
+        is_first = not self._stream.begin(until)
+        if options.get("edit") is not None:
+            self._stream.finish_edits()
+        request = self.scene.track.request(self._stream.layout, is_first, positions, start, options)
+        return self._stream.send(request, until)
 
     def receive(self, timeout: float | None = None) -> Contacts:
         """The next frame's contacts, in the order in which frames were sent. Raises what the daemon refused it with.
 
-        timeout: seconds to wait; DeadlineExceeded if nothing came, and nothing is lost. FailedPrecondition if no frame is in
-        flight.
+        timeout: seconds to wait, as of `step`; DeadlineExceeded if nothing came, and nothing is lost. FailedPrecondition if no
+        frame is in flight.
         """
-        if timeout is not None:
-            check_seconds(timeout, "timeout")
+        until = _end_of(timeout)
         self._stream.check()
         if not self.in_flight:
             raise FailedPrecondition("receive() with no frame in flight")
-        return self._receive(timeout)
+        return self._receive(timeout, until)
 
-    def _receive(self, timeout: float | None) -> Contacts:
-        deadline = None if timeout is None or timeout > threading.TIMEOUT_MAX else time.monotonic() + timeout
+    def _receive(self, timeout: float | None, until: float) -> Contacts:
         while not self._stream.ready:
-            left = None if deadline is None else max(0.0, deadline - time.monotonic())
-            if not self._stream.read(left):
+            if not self._stream.read(until):
                 frame = self._stream.first_unanswered()
                 raise DeadlineExceeded(f"frame {frame} was not answered within {timeout} s; it is still in flight")
         answer = self._stream.take()
@@ -130,9 +132,13 @@ class Session:
 
     def run(self, frames: Iterable[Any], **options: Unpack[FrameOptions]) -> Iterator[Contacts]:
         """Contacts of each frame's positions, in order, with a whole window in flight."""
-        for positions in frames:
-            while self.in_flight >= self.window:
+        source, end = iter(frames), object()
+        while True:
+            while self.in_flight >= self.window:  # before a frame is taken, which an error would lose
                 yield self.receive()
+            positions = next(source, end)
+            if positions is end:
+                break
             self.send(positions, **options)
         while self.in_flight:
             yield self.receive()
@@ -210,6 +216,14 @@ class Session:
     def _close_scene(self) -> None:
         if self._owns_scene:
             self.scene.close()
+
+
+def _end_of(timeout: float | None) -> float:
+    """When it ends, by time.monotonic(). Raises InvalidArgument."""
+    if timeout is None:
+        return math.inf
+    check_seconds(timeout, "timeout")
+    return math.inf if timeout > threading.TIMEOUT_MAX else time.monotonic() + timeout
 
 
 def _read_only(array: np.ndarray) -> np.ndarray:

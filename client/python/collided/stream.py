@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections import deque
@@ -10,7 +11,7 @@ from dataclasses import dataclass, field
 from collided.contacts.answer import Answer
 from collided.contacts.columns import Part, read_chunk
 from collided.contacts.contacts import Contacts
-from collided.errors import (DataLoss, Error, FailedPrecondition, NotFound, ResourceExhausted, Unavailable,
+from collided.errors import (DataLoss, DeadlineExceeded, Error, FailedPrecondition, NotFound, ResourceExhausted, Unavailable,
                              error_of_frame)
 from collided.frames.state import State
 from collided.frames.track import NOWHERE, Request
@@ -65,6 +66,7 @@ class Stream:
         self.recreations = 0
         self.resent = 0
         self._next_move = 0.0  # when leaving a daemon that stops is tried
+        self._wait_ends = math.inf  # that for a daemon that is lost
         if self._open(resume=take_over) != self._track.last_applied:
             self._recreate()
 
@@ -106,45 +108,55 @@ class Stream:
         if self._failure is not None:
             raise self._failure
 
-    def begin(self) -> bool:
-        """Puts a scene whose meshes all have vertices there. Whether the scene has positions, or will have."""
+    def begin(self, until: float) -> bool:
+        """Puts a scene whose meshes all have vertices there. Whether the scene has positions, or will have. Raises
+        DeadlineExceeded if the daemon is lost and not found `until` then."""
         while not self.has_begun:
             state = self._track.initial()
             if state is None:
                 return False
             with self._guard:
-                self._begin(state)
+                if not self._begin(state, until):
+                    raise DeadlineExceeded("the daemon was not found in time; the frame was not sent")
         return True
 
-    def _begin(self, state: State) -> None:
+    def _begin(self, state: State, until: float) -> bool:
         try:
             if self._transport is None:
-                self._reopen()
+                self._reopen(until)
             self._exchange(self._track.beginning(state))
         except Error as error:
             if isinstance(error, NotSent) or error.frame_id:
                 raise
-            self._after(error)
+            return self._after(error, until)
+        return True
 
-    def send(self, request: Request) -> int:
-        """Waits for a credit, and sends. Nothing is in flight that was not before if it raises."""
+    def finish_edits(self) -> None:
+        """Waits until the edits in flight are answered: one that is refused leaves another layout to the next one."""
+        with self._guard:
+            while any(pending.request.edit is not None for pending in self._pending):
+                self._read(math.inf)
+
+    def send(self, request: Request, until: float) -> int:
+        """Waits for a credit, and sends. Nothing is in flight that was not before if it raises. If the daemon is lost and not
+        found `until` then, the frame is in flight and sent later."""
         with self._guard:
             try:
-                self._send(request)
+                self._send(request, until)
             except BaseException:
                 self._forget_unsent()
                 raise
             self.sent += 1
             return self.sent
 
-    def _send(self, request: Request) -> None:
+    def _send(self, request: Request, until: float) -> None:
         if self.draining is not None and self._transport is not None:
             self._leave()
         while self._transport is not None and len(self._pending) >= self.window:
-            self._read(None)
+            self._read(math.inf)
         pending = _Pending(self.sent + 1, request)
         self._pending.append(pending)
-        self._transmit_or_recover(pending)
+        self._transmit_or_recover(pending, until)
 
     def _forget_unsent(self) -> None:
         while self._pending and self._pending[-1].frame_id > self.sent:
@@ -158,23 +170,22 @@ class Stream:
             self.ready.popleft()
             return answer
 
-    def read(self, timeout: float | None) -> bool:
-        """Takes one message; False if none came in time."""
+    def read(self, until: float) -> bool:
+        """Takes one message; False if none came `until` then."""
         with self._guard:
-            return self._read(timeout)
+            return self._read(until)
 
-    def _read(self, timeout: float | None) -> bool:
+    def _read(self, until: float) -> bool:
         try:
             if self._transport is None:
-                self._reopen()
+                self._reopen(until)
                 return True
-            response = self._transport.read(timeout)
+            response = self._transport.read(None if until == math.inf else _left(until))
             if response is not None:
                 self._take(response)
             return response is not None
         except Error as error:
-            self._after(error)
-            return True
+            return self._after(error, until)
 
     def close(self, reason: Error) -> None:
         """No other transport will be opened."""
@@ -195,7 +206,7 @@ class Stream:
         self._transport.half_close()
         deadline = time.monotonic() + self._scene.client.options.deadline
         try:
-            while (response := self._transport.read(max(0.0, deadline - time.monotonic()))) is not None:
+            while (response := self._transport.read(_left(deadline))) is not None:
                 self._take(response)
         except Error:  # the end
             pass
@@ -206,9 +217,7 @@ class Stream:
 
     def _settle(self) -> None:
         """Puts things where `sent`, `received` and answers say that they are."""
-        self._close_transport()
-        if self._options.transport == "calls":  # one may be under way, after which the scene is elsewhere
-            self._track.last_applied = NOWHERE
+        self._give_up_transport()
         self._forget_unsent()
         if self._pending and self._pending[0].response is not None:
             self._hand_on(self._pending[0], self._pending[0].response)
@@ -217,17 +226,17 @@ class Stream:
 
     # Messages.
 
-    def _transmit_or_recover(self, pending: _Pending) -> None:
+    def _transmit_or_recover(self, pending: _Pending, until: float) -> None:
         is_open = self._transport is not None
         try:
             if is_open:
                 self._transmit(pending)
             else:
-                self._reopen()
+                self._reopen(until)
         except Error as error:
             if is_open and isinstance(error, NotSent):
                 raise
-            self._after(error)
+            self._after(error, until)
 
     def _transmit(self, pending: _Pending) -> None:
         assert self._transport is not None
@@ -301,39 +310,46 @@ class Stream:
 
     # Losing and finding the daemon.
 
-    def _after(self, error: Error) -> None:
-        """Goes on after the stream has ended, or raises why it cannot."""
-        self._close_transport()
+    def _after(self, error: Error, until: float) -> bool:
+        """Goes on after the stream has ended, or raises why it cannot. False if it has not `until` then."""
+        self._give_up_transport()
         has_idled = isinstance(error, ResourceExhausted) and self._has_answered and not isinstance(error, NotSent)
         if not (error.is_connection_lost or has_idled):
-            self._failure = error
+            if not isinstance(error, DeadlineExceeded):  # of a call, which may be made again
+                self._failure = error
             raise error
-        deadline = time.monotonic() + self._reconnect_seconds
+        if self._wait_ends == math.inf:
+            self._wait_ends = time.monotonic() + self._reconnect_seconds
         pause = _FIRST_PAUSE
-        while True:
-            if time.monotonic() >= deadline:
-                raise error
+        while (left := _left(min(until, self._wait_ends))) > 0:
             try:
-                return self._reopen()
+                self._reopen(min(until, self._wait_ends))
+                return True
             except Error as again:
                 self._close_transport()
                 if not again.is_connection_lost:
                     raise
                 error = again
-            time.sleep(min(pause, max(0.0, deadline - time.monotonic())))
+            time.sleep(min(pause, left))
             pause = min(2 * pause, _LONGEST_PAUSE)
+        if until < self._wait_ends:
+            return False
+        self._wait_ends = math.inf
+        raise error
 
-    def _reopen(self) -> None:
-        """A stream on which everything that is in flight was sent again. Raises Error."""
+    def _reopen(self, until: float) -> None:
+        """A stream on which everything that is in flight was sent again. Raises Error. Once a daemon answers, which is waited for
+        `until` then, this is done to its end, so that callers who wait for shorter times get there as well."""
         self.check_open()
         self._scene.client.reconnect()
-        self._scene.client.channel()  # if nobody answers, nobody is asked more
+        self._scene.client.connect(_left(until))  # if nobody answers, nobody is asked more
         last_applied = self._resume()
         if last_applied != self._track.last_applied or self._begins_on_last_way():
             self._recreate()
         self.reconnects += 1
         self.draining = None
         self._transmit_all()
+        self._wait_ends = math.inf
 
     def _begins_on_last_way(self) -> bool:
         """Whether what is in flight does: a frame that was given up with its stream leaves the scene where it was, but may leave
@@ -359,7 +375,7 @@ class Stream:
             return
         self._next_move = time.monotonic() + _LONGEST_PAUSE
         while self._pending and self._transport is not None:
-            self._read(None)
+            self._read(math.inf)
         if self.draining is None or self._transport is None:  # it has been lost meanwhile
             return
         try:
@@ -371,7 +387,7 @@ class Stream:
             self._restore()
             self.draining = None
         except Error as error:
-            self._after(error)
+            self._after(error, math.inf)
 
     def _transmit_all(self) -> None:
         """As many at a time as the window has, which may be another one than before."""
@@ -414,7 +430,18 @@ class Stream:
         self._track.last_sent = max(self._track.last_sent, opened.scene.last_frame_id)
         return opened.scene.last_frame_id
 
+    def _give_up_transport(self) -> None:
+        """Whatever it has not answered."""
+        self._close_transport()
+        if self._options.transport == "calls":  # one may be under way, after which the scene is elsewhere
+            self._track.last_applied = NOWHERE
+
     def _close_transport(self) -> None:
         if self._transport is not None:
             self._transport.close()
             self._transport = None
+
+
+def _left(until: float) -> float:
+    """Seconds until then."""
+    return max(0.0, until - time.monotonic())

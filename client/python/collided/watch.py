@@ -27,7 +27,7 @@ class Watched:
     contacts: the first of each kind; `frame_id` is the one on the wire, that of the sender's `Contacts.wire_id`, and totals are
         the frame's own.
     skipped_frames: frames that were not shown since the last one. omitted_contacts: those that the frame has besides these.
-    positions: of the meshes that were asked for, by name: of every `vertex_stride`-th vertex, (n, 3).
+    positions: of the meshes that were asked for, by name: of every `vertex_stride`-th vertex, (n, 3); (0, 3) once they are removed.
     edit_count: edits that the scene has had.
     """
 
@@ -40,7 +40,7 @@ class Watched:
 
 
 class Watcher:
-    """Frames that anyone sends to a scene of this client, as an iterator that ends when the scene does.
+    """Frames that anyone sends to a scene of this client, as an iterator that ends when the scene does, or after `close`.
 
     frame_interval: every so many frames; 0: every one. max_frames_per_second: 0: as many as are read.
     max_contacts_per_kind: 0 to 8192, the first in canonical order; 0: only their numbers.
@@ -52,6 +52,7 @@ class Watcher:
     def __init__(self, client: Client, scene_id: str, *, frame_interval: int = 0, max_frames_per_second: float = 0.0,
                  max_contacts_per_kind: int = 0, meshes: Iterable[str | int] = (), vertex_stride: int = 0) -> None:
         self._client, self._scene_id = client, scene_id
+        self._names: dict[int, str] = {}  # of meshes by index; the last one where it was removed
         self._see(client.get_scene(scene_id))
         request = api.WatchSceneRequest(
             scene_id=scene_id, frame_interval=frame_interval, max_frames_per_second=max_frames_per_second,
@@ -80,15 +81,19 @@ class Watcher:
         del message.done.contacts[:]
         answer = Answer(message.frame_id, message.frame_id, message.done, self._layout, None, False)
         return Watched(Contacts.of_parts(answer, parts), message.skipped_frames, message.omitted_contacts,
-                       {self._layout.mesh(sample.mesh).name: self._positions(sample) for sample in message.positions},
+                       {self._names[sample.mesh]: self._positions(sample) for sample in message.positions},
                        message.positions[0].vertex_stride if message.positions else 0, message.edit_count)
 
     def __iter__(self) -> Iterator[Watched]:
         while True:
             try:
                 frame = self.receive()
-            except (NotFound, Cancelled):
+            except NotFound:
                 return
+            except Cancelled:
+                if self._messages.is_cancelled:
+                    return
+                raise
             assert frame is not None
             yield frame
 
@@ -106,6 +111,7 @@ class Watcher:
     def _see(self, scene: scene_pb2.Scene) -> None:
         self.scene = scene
         self._layout = Layout.of_spec(scene.spec)
+        self._names.update((i, mesh.name) for i, mesh in self._layout.present())
 
     def _positions(self, sample: api.VertexSample) -> np.ndarray:
         is_double = self.scene.spec.position_format == scene_pb2.POSITION_FORMAT_F64

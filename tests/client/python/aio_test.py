@@ -2,6 +2,7 @@
 """The package in an event loop."""
 
 import asyncio
+import contextlib
 import signal
 import unittest
 
@@ -106,6 +107,74 @@ class Cancelled(unittest.TestCase):
             daemon = Supervised()
             self.addCleanup(daemon.close)
             asyncio.run(asyncio.wait_for(play(daemon, transport), 60))
+
+    def test_receives_that_are_cancelled_together_keep_their_order(self):
+        async def play(daemon):
+            async with collided.aio.Session(meshes(), server=daemon.address, window=4) as session:
+                await session.step({"tip": TIP})
+                daemon.freeze()
+                for _ in range(3):
+                    await session.send({"tip": TIP})
+                receives = [asyncio.create_task(session.receive()) for _ in range(3)]
+                await asyncio.sleep(0.05)
+                for receive in receives[:2]:
+                    receive.cancel()
+                await asyncio.wait(receives[:2])
+                daemon.process.send_signal(signal.SIGCONT)
+                answers = [await session.receive(), await session.receive(), await receives[2]]
+                self.assertEqual([contacts.frame_id for contacts in answers], [2, 3, 4])
+
+        daemon = Supervised()
+        self.addCleanup(daemon.close)
+        asyncio.run(asyncio.wait_for(play(daemon), 60))
+
+    def test_a_frame_that_is_refused_takes_none_from_the_iterator(self):
+        async def play(daemon):
+            async with collided.aio.Session(meshes(), server=daemon.address, window=2) as session:
+                frames = ({"tip": lowered(depth)} for depth in (0, np.nan, 2, 0))
+                with self.assertRaises(collided.InvalidArgument):
+                    async for _ in session.run(frames):
+                        continue
+                self.assertEqual([contacts.frame_id async for contacts in session.run(frames)], [3, 4])
+
+        daemon = Supervised()
+        self.addCleanup(daemon.close)
+        asyncio.run(asyncio.wait_for(play(daemon), 60))
+
+    def test_a_watched_frame_is_not_lost(self):
+        async def play(daemon):
+            async with collided.aio.Session(meshes(), server=daemon.address) as session:
+                await session.step()
+                async with collided.aio.Watcher(session.sync.scene.client, session.sync.scene.id) as watcher:
+                    frames = aiter(watcher)
+                    with self.assertRaises(TimeoutError):
+                        async with asyncio.timeout(0.2):
+                            while True:  # the first frame may be shown
+                                await anext(frames)
+                    sent = await session.step({"tip": TIP})
+                    await asyncio.sleep(0.1)
+                    await session.step({"tip": TIP})
+                    self.assertEqual((await anext(frames)).contacts.wire_id, sent.wire_id)
+
+        daemon = Supervised()
+        self.addCleanup(daemon.close)
+        asyncio.run(asyncio.wait_for(play(daemon), 60))
+
+    def test_a_session_that_nobody_waits_for_leaves_no_scene(self):
+        async def play(daemon):
+            for seconds in (0, 0.001, 0.002, 0.004, 0.008):
+                with contextlib.suppress(TimeoutError):
+                    async with asyncio.timeout(seconds):
+                        async with collided.aio.Session(meshes(), server=daemon.address):
+                            await asyncio.sleep(60)
+            async with asyncio.timeout(30):
+                while await asyncio.to_thread(client.scenes):
+                    await asyncio.sleep(0.05)
+
+        daemon = Supervised()
+        self.addCleanup(daemon.close)
+        with collided.Client(daemon.address) as client:
+            asyncio.run(asyncio.wait_for(play(daemon), 60))
 
     def test_a_session_is_closed_whatever_it_waits_for(self):
         async def play(daemon, transport):

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Sets of scenes, stepped together."""
 
-from support import FLOOR, ONE, TIP, Case, lowered, main, meshes, np
+import contextlib
+
+from support import DAEMON, FLOOR, ONE, TIP, Case, Daemon, lowered, main, meshes, np
 
 import collided
 from collided.transport.opening import StreamOptions
@@ -129,6 +131,18 @@ class Batches(Case):
             self.assertEqual(batch.step(falls(2, 0.75)).counts.tolist(), [1, 0])
             batch._frames._transport.half_close()  # the daemon ends it, as it does with those that are idle
             self.assertEqual(batch.step(falls(2, 2)).counts.tolist(), [0, 1])
+
+    def test_a_daemon_that_is_gone_hides_no_error_of_the_callers(self):
+        for raised in (KeyError, None):
+            daemon = Daemon(str(DAEMON))
+            self.addCleanup(daemon.kill)
+            with self.assertRaises(raised) if raised else contextlib.nullcontext():
+                with collided.SceneBatch(meshes(), 2, server=daemon.address) as batch:
+                    batch.step(falls(2, 2))
+                    daemon.process.kill()
+                    daemon.process.wait()
+                    if raised:
+                        raise raised
 
     def test_the_daemon_tells_what_it_holds(self):
         batch = self.batch(6)

@@ -108,6 +108,21 @@ class Scenes(Case):
             for call in (client.delete_scene, client.get_scene, lambda scene: client.get_mesh(scene, 0)):
                 self.assertEqual(self.refused(BAD, "scene_id is 5; it must be text", call, 5).field, "scene_id")
 
+    def test_a_scene_whose_id_no_daemon_makes_is_not_found(self):
+        with collided.Client(self.server) as client:
+            for name in ("\u00e4", "a b", "a\nb", ""):
+                self.refused(collided.NotFound, "", client.get_scene, name)
+
+    def test_times_without_an_end_are_none(self):
+        for seconds in (math.inf, 1e300, 10**400):
+            with collided.Client(self.server, deadline=seconds, patience=seconds) as client:
+                self.assertEqual(client.scenes(), [])
+                for transport in (*STREAMS, "calls"):
+                    with collided.Session(meshes(), server=client, transport=transport) as session:
+                        self.expect_hit(session.step({"tip": lowered(2)}), 2)
+                    with collided.SceneBatch(meshes(), np.int64(2), server=client, transport=transport) as batch:
+                        self.assertEqual(len(batch.step(np.stack([lowered(2)] * 2)).all), 0)
+
     def test_what_the_daemon_refuses_names_its_field(self):
         error = self.refused(BAD, "EXACT", self.session, mode="ccd", kinds=["tt"], accuracy="exact")
         self.assertEqual(error.code, "INVALID_ARGUMENT")
@@ -145,6 +160,8 @@ class Frames(Case):
                     ("mesh 'tap' is not in the scene, which has 'floor', 'tip'", ({"tap": TIP},), {}),
                     ("mesh is 2; it must be a name, or an index below 2", ({2: TIP},), {}),
                     ("mesh is -1", ({-1: TIP},), {}),
+                    ("positions names mesh 1 twice: 'tip' and 1", ({"tip": TIP, 1: TIP},), {}),
+                    ("start names mesh 1 twice: 1 and 'tip'", ({"tip": TIP}, {1: TIP, "tip": TIP}), {}),
                     ("start names mesh 1", (None, {"tip": TIP}), {}),
                     (r"start\['tip'\] has 1 rows", ({"tip": TIP}, {"tip": TIP[:1]}), {}),
                     ("is a pose, and the mesh's motion is 'deformable'", ({"tip": collided.Rigid(np.eye(4))},), {}),

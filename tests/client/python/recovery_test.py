@@ -1,14 +1,19 @@
 #!/usr/bin/env python3
 """Connections and daemons that are lost in the middle of a stream: answers are those of an unbroken run, to the bit."""
 
+import concurrent.futures
+import contextlib
 import signal
 import socket
+import threading
 import time
 import unittest
 
-from support import DAEMON, ONE, STREAMS, TIP, Case, Daemon, Supervised, assert_same, lowered, main, meshes, np
+from support import DAEMON, FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, Daemon, Supervised, assert_same, lowered, main, meshes, np
 
 import collided
+
+FAR = TIP + np.float32([0, 0, 20])
 
 
 def sheet(cells, height):
@@ -150,6 +155,87 @@ class Killed(unittest.TestCase):
         self.expect_the_unbroken_run(answers, play(self.session(transport="grpc"), self.COUNT))
 
 
+def bystander(rise=0):
+    return collided.Mesh(FAR + np.float32([0, 0, rise]), ONE)
+
+
+class Edited(unittest.TestCase):
+    """Daemons that are lost right after an edit."""
+
+    def setUp(self):
+        self.daemon = Supervised("--grace-seconds", "0.1")
+        self.addCleanup(self.daemon.close)
+
+    def session(self, what, **options):
+        session = collided.Session(what, server=self.daemon.address, **options)
+        self.addCleanup(session.close)
+        return session
+
+    def lose(self, session, is_lost=True):
+        """Kills the daemon, whose next step has to be in a new scene."""
+        if is_lost:
+            before = session.recreations
+            self.daemon.kill()
+            session.step()
+            self.assertEqual(session.recreations, before + 1)
+
+    def test_rest_pairs_are_those_of_the_edit(self):
+        near = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, .1], [1.25, 1, 9], [1, 1.25, 9]], "<f4")
+        far, below = near.copy(), near.copy()
+        far[3:, 2] += 3
+        below[3:, 2] -= 1
+
+        def strip(positions, elements=((0, 1, 2), (3, 4, 5))):
+            return collided.Mesh(positions, elements, exclude_rest_pairs=True)
+
+        def play(is_lost, end, elements):
+            session = self.session({"strip": strip(near)}, rest_distance=0.5)
+            session.step()
+            session.step(far)
+            session.step(end, edit=collided.Edit({"strip": strip(far, elements)}))
+            self.lose(session, is_lost)
+            return [len(session.step(positions)) for positions in (below, far)]
+
+        for end in (None, far, near):
+            for elements in (((0, 1, 2), (3, 4, 5)), ()):
+                with self.subTest(moves=end is near, elements=len(elements)):
+                    self.assertEqual(play(True, end, elements), play(False, end, elements))
+
+    def test_a_static_mesh_that_was_replaced(self):
+        for transport in STREAMS:
+            session = self.session(meshes(), transport=transport, edit_bytes=4096)
+            session.step({"tip": lowered(0.5)})
+            lower = collided.Mesh(FLOOR - np.float32([0, 0, 0.5]), ONE, motion="static")
+            session.step({"floor": lower.vertices}, edit=collided.Edit({"floor": lower}))
+            self.lose(session)
+            np.testing.assert_allclose(session.step({"tip": lowered(2)}).toi, [2 / 3], atol=1e-3)
+
+    def test_the_format_of_positions_stays(self):
+        for edited, positions in (({"tip": None}, None), ({"third": collided.Mesh(FAR.astype(float), ONE)}, None),
+                                  ({"third": collided.Mesh(triangles=ONE)}, {"third": FAR})):
+            session = self.session({**meshes(), "other": bystander(30)}, edit_bytes=4096)
+            session.step({"tip": lowered(0.5)})
+            form = session.scene.refresh().spec.position_format
+            session.step(positions, edit=collided.Edit(edited))
+            self.lose(session)
+            self.assertEqual(session.scene.refresh().spec.position_format, form)
+
+    def test_a_rest_distance_that_no_mesh_uses_any_more(self):
+        for edit in ({"tip": None}, {"tip": collided.Mesh(TIP, ONE)}):
+            session = self.session({**meshes(exclude_rest_pairs=True), "other": bystander()}, rest_distance=0.05, edit_bytes=4096)
+            session.step()
+            session.step(edit=collided.Edit(edit))
+            self.lose(session)
+            spec = session.scene.refresh().spec
+            self.assertEqual((spec.rest_distance, [mesh.exclude_rest_pairs for mesh in spec.meshes if mesh.vertex_count]),
+                             (0.05, [False] * (3 - (edit["tip"] is None))))
+            again = collided.Mesh(FAR + np.float32(30), ONE, exclude_rest_pairs=True)
+            contacts = session.step({"other": FAR}, edit=collided.Edit({"again": again}))
+            self.assertEqual(len(contacts), 0)
+            self.lose(session)
+            self.assertEqual(session.positions["again"].tolist(), again.vertices.tolist())
+
+
 class Draining(unittest.TestCase):
     def test_a_daemon_that_stops_answers_until_its_end_where_no_other_one_takes_the_scene(self):
         daemon = Supervised("--grace-seconds", "600")
@@ -209,6 +295,22 @@ class Broken(Case):
             assert_same(self, session.step({"tip": lowered(2)}, **on), unbroken.step({"tip": lowered(2)}, **on))
             self.assertEqual((session.reconnects, session.recreations), (1, 1))
 
+    def test_calls_of_other_threads_survive_it(self):
+        with collided.Client(self.server) as client, concurrent.futures.ThreadPoolExecutor(1) as pool:
+            session = self.session(server=client, transport="grpc")
+            is_over = threading.Event()
+
+            def list_scenes():
+                while not is_over.is_set():
+                    client.scenes()
+
+            other = pool.submit(list_scenes)
+            for _ in range(20):
+                client.reconnect()
+                session.step()
+            is_over.set()
+            other.result(60)
+
     def test_a_new_scene_that_is_gone_before_its_stream_opens_is_created_once_more(self):
         session = self.session()
         self.expect_hit(session.step({"tip": lowered(2)}), 2)
@@ -241,6 +343,21 @@ class Broken(Case):
             self.refused(collided.NotFound, "", session.step, {"tip": lowered(2)})
 
 
+class Calls(Case):
+    def test_a_frame_whose_answer_is_too_large_leaves_the_scene_where_it_was(self):
+        many = np.concatenate([TIP + np.float32([100 * i, 0, 0]) for i in range(160)])
+        together = np.tile(TIP, (160, 1))
+        cloud = {"cloud": collided.Mesh(many, np.arange(480).reshape(-1, 3))}
+        session = self.session(cloud, transport="calls", mode="dcd", thickness=0.1)
+        session.step()
+        error = self.refused(collided.ResourceExhausted, r"frame \d was applied, .* begins where the scene was before", session.step,
+                             together)
+        self.assertEqual((error.frame_id, session.in_flight), (2, 0))
+        for moved, meets in ((together[:3], True), (many[3:6], False)):  # all other vertices are where they were
+            self.assertEqual(session.step(collided.Sparse([3, 4, 5], moved)).any_contact, meets)
+            np.testing.assert_array_equal(session.positions["cloud"][6:], many[6:])
+
+
 class Idle(Case):
     options = ("--max-idle-seconds", "0.3")
 
@@ -263,7 +380,7 @@ class Idle(Case):
 
 class Stopped(unittest.TestCase):
     def test_a_daemon_that_hangs_is_told_from_a_slow_one_by_the_caller(self):
-        for transport in STREAMS:
+        for transport in TRANSPORTS:
             daemon = Supervised()
             self.addCleanup(daemon.close)
             session = collided.Session(meshes(), server=daemon.address, transport=transport)
@@ -278,6 +395,57 @@ class Stopped(unittest.TestCase):
             np.testing.assert_allclose(session.receive(timeout=30).toi, [0.5], atol=1e-3)
             self.assertEqual(session.reconnects, 0)
             session.close()
+
+    def test_a_call_that_is_not_answered_by_its_deadline_may_be_received_later(self):
+        daemon = Supervised()
+        self.addCleanup(daemon.close)
+        session = collided.Session(meshes(), server=daemon.address, transport="calls", deadline=0.5)
+        self.addCleanup(session.close)
+        session.step()
+        daemon.freeze()
+        with self.assertRaises(collided.DeadlineExceeded):
+            session.step({"tip": lowered(2)})
+        self.assertEqual(session.in_flight, 1)
+        daemon.process.send_signal(signal.SIGCONT)
+        np.testing.assert_allclose(session.receive().toi, [0.5], atol=1e-3)
+        np.testing.assert_allclose(session.step({"tip": TIP}).toi, [0.5], atol=1e-3)
+
+    def test_timeouts_hold_while_a_daemon_is_gone_and_no_frame_is_lost(self):
+        daemon = Supervised()
+        self.addCleanup(daemon.close)
+        for transport in TRANSPORTS:
+            with self.subTest(transport):
+                session = collided.Session(meshes(), server=daemon.address, transport=transport)
+                session.step()
+                begun = time.monotonic()
+                with daemon.gone():
+                    for call in (lambda: session.step({"tip": lowered(2)}, timeout=0.2), *3 * [lambda: session.receive(0.2)]):
+                        with self.assertRaises(collided.DeadlineExceeded):
+                            call()
+                        self.assertEqual(session.in_flight, 1)
+                    self.assertLess(time.monotonic() - begun, 4)
+                deadline = time.monotonic() + 30
+                while session.in_flight and time.monotonic() < deadline:
+                    with contextlib.suppress(collided.DeadlineExceeded):  # so short that connecting takes several of them
+                        self.assertEqual(len(session.receive(timeout=0.001)), 1)
+                self.assertEqual((session.in_flight, session.recreations), (0, 1))
+                session.close()
+
+    def test_an_absence_that_was_waited_for_is_told_however_short_the_timeouts_are(self):
+        daemon = Supervised()
+        self.addCleanup(daemon.close)
+        session = collided.Session(meshes(), server=daemon.address, reconnect_seconds=0.5)
+        session.step()
+        with daemon.gone():
+            session.send({"tip": lowered(2)})
+            begun = time.monotonic()
+            with self.assertRaises(collided.Unavailable):
+                while True:
+                    with contextlib.suppress(collided.DeadlineExceeded):
+                        session.receive(timeout=0.05)
+            self.assertTrue(0.4 < time.monotonic() - begun < 4)
+        np.testing.assert_allclose(session.receive().toi, [0.5], atol=1e-3)
+        session.close()
 
     def test_who_does_not_wait_is_told_and_loses_no_frame(self):
         daemon = Daemon(str(DAEMON))

@@ -57,6 +57,8 @@ class Security(unittest.TestCase):
         self.refused(PermissionError, "token")
         with self.assertRaisesRegex(collided.InvalidArgument, "not sent to 'gpu-host:50551' in plain text"):
             collided.Client("gpu-host:50551", token=TOKEN)
+        with self.assertRaisesRegex(collided.InvalidArgument, "in plain text"):
+            collided.Client("ipv6:[::1]:1,[fd00::2]:1", token=TOKEN)
         collided.Client("gpu-host:50551", token=TOKEN, allow_insecure_token=True)
 
     def test_a_folder_that_anyone_may_write_to_is_not_trusted(self):

@@ -53,6 +53,18 @@ class Sessions(Case):
             self.assertEqual([answer.frame_id for answer in answers], list(range(1, 17)))
             self.assertEqual([len(answer) for answer in answers], [0] + [1] * 15)
 
+    def test_a_frame_that_is_refused_takes_none_from_the_iterator(self):
+        for transport in TRANSPORTS:
+            session = self.session(window=0 if transport == "calls" else 2, transport=transport)
+            depths = iter([0, np.nan, 2, 0, 2])
+            frames = ({"tip": lowered(depth)} for depth in depths)
+            with self.assertRaises(collided.InvalidArgument) as caught:
+                for _ in session.run(frames):
+                    continue
+            self.assertEqual(caught.exception.frame_id, 2)
+            left = list(session.run(frames))
+            self.assertEqual([(contacts.frame_id, len(contacts)) for contacts in left], [(3, 1), (4, 1), (5, 1)])
+
     def test_arrays_may_change_once_they_are_sent(self):
         for transport in STREAMS:
             session = self.session(window=2, transport=transport)
@@ -190,6 +202,26 @@ class Sessions(Case):
         longer = collided.Mesh(np.concatenate([TIP, TIP + 20]), [[0, 1, 2], [3, 4, 5]])
         moved = np.concatenate([lowered(2), TIP + 20])
         self.expect_hit(session.step({"tip": moved}, edit=collided.Edit({"tip": longer})), 2)
+
+    def test_an_edit_may_replace_a_mesh_by_one_of_another_name(self):
+        session = self.session()
+        session.step()
+        for names in (("tip", "other"), ("other", "tip")):
+            session.step(edit=collided.Edit({names[0]: None, names[1]: collided.Mesh(TIP, ONE)}))
+            self.assertEqual([mesh.name for _, mesh in session.scene.layout.present()], ["floor", names[1]])
+            self.expect_hit(session.step({names[1]: lowered(2)}), 2)
+            self.assertEqual([mesh.name for mesh in session.scene.refresh().spec.meshes if mesh.vertex_count],
+                             ["floor", names[1]])
+
+    def test_an_edit_after_one_that_is_refused_is_of_the_scene_as_it_is(self):
+        for transport in STREAMS:
+            session = self.session(window=4, transport=transport, edit_bytes=4096)
+            session.step()
+            session.send(edit=collided.Edit({"bad": collided.Mesh(TIP * np.nan, ONE)}))
+            session.send({"tip": lowered(2)}, edit=collided.Edit({"tip": collided.Mesh(TIP, ONE)}))
+            self.refused(collided.InvalidArgument, "nan", session.receive)
+            self.expect_hit(session.receive(), 2)
+            self.assertEqual([mesh.name for _, mesh in session.scene.layout.present()], ["floor", "tip"])
 
     def test_frames_override_what_the_scene_says(self):
         session = self.session()
@@ -352,6 +384,14 @@ class Formats(Case):
                 np.testing.assert_allclose(contacts.toi, [0.5], atol=1e-2)
                 np.testing.assert_allclose(session.positions["tip"], lowered(2), atol=1e-3)
                 session.close()
+
+    def test_encoded_positions_may_have_any_layout(self):
+        box = collided.Box((0, 0, 0), (65535e4, 65535e4, 65535e4))
+        encoded = np.array([[0, 0, 0], [7, 1, 2], [3, 9, 4]], "<u2")
+        session = self.session({"tip": ONE}, position_format="q16", quantization_box=box)
+        for positions in (encoded, np.asfortranarray(encoded), encoded.astype(">u2"), np.repeat(encoded, 2, axis=0)[::2]):
+            session.step(positions)
+            np.testing.assert_array_equal(session.positions["tip"], encoded * 1e4)
 
     def test_where_an_advance_leaves_encoded_positions_is_known_to_the_bit(self):
         box = collided.Box((-16, -16, -16), (16, 16, 16))

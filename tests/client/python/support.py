@@ -6,6 +6,7 @@ Moved down by `depth`, the corner meets the floor at t = 1 / depth, and nothing 
 Tests get these arguments: DAEMON COLLIDECTL REPOSITORY.
 """
 
+import contextlib
 import faulthandler
 import os
 import pathlib
@@ -55,6 +56,9 @@ class Supervised:
                          "error", "--ready-file", f"{self.folder.name}/ready", *options]
         self._stopping = threading.Event()
         self.process = None
+        self._start_supervised()
+
+    def _start_supervised(self):
         self._start()
         self._thread = threading.Thread(target=self._supervise, daemon=True)
         self._thread.start()
@@ -77,6 +81,16 @@ class Supervised:
         process = self.process  # the supervisor may have started another one before wait()
         process.send_signal(signal.SIGKILL)
         process.wait()
+
+    @contextlib.contextmanager
+    def gone(self):
+        """Nobody is there meanwhile."""
+        self._stopping.set()
+        self._thread.join()
+        self.kill()
+        yield
+        self._stopping.clear()
+        self._start_supervised()
 
     def freeze(self):
         """Stops it in the middle of whatever it does, until it is sent SIGCONT."""

@@ -57,6 +57,15 @@ class Watching(Case):
         frame = self.shown(watcher, sent)
         self.assertEqual((frame.edit_count, len(frame.contacts.of_mesh("far")), len(frame.contacts.of_mesh("tip"))), (1, 0, 1))
 
+    def test_a_watched_mesh_that_is_removed_has_no_positions(self):
+        session = self.session()
+        session.step()
+        watcher = self.watch(session, meshes=["tip"])
+        for edit in ({"far": collided.Mesh(TIP + 50, ONE)}, {"tip": None}):  # of which the watcher sees the first one late
+            sent = session.step(edit=collided.Edit(edit))
+        frame = self.shown(watcher, sent)
+        self.assertEqual((frame.edit_count, list(frame.positions), len(frame.positions["tip"])), (2, ["tip"], 0))
+
     def test_what_meshes_are_made_of_is_told_as_edits_leave_it(self):
         hair = collided.Mesh(triangles=ONE, edges=[[2, 3], [3, 4]], points=[5], vertices=np.eye(6, 3))
         session = self.session({"tip": collided.Mesh(TIP, ONE), "hair": hair}, edit_bytes=4096)
@@ -118,6 +127,13 @@ class Watching(Case):
             thread.join(30)
             self.assertFalse(thread.is_alive())
             self.assertLessEqual(len(seen), 2)  # as of shown()
+
+    def test_it_does_not_end_silently_when_its_connection_breaks(self):
+        session = self.session()
+        session.step()
+        watcher = self.watch(session)
+        watcher._messages._call.cancel()
+        self.refused(collided.Cancelled, "", list, watcher)
 
     def test_bad_requests_are_refused(self):
         session = self.session()

@@ -12,6 +12,7 @@ from collided.v1 import collision_service_pb2 as api
 from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
 
 MAX_ANSWER_BYTES = 4 << 20
+_SHORTEST = 0.01  # seconds in which gRPC begins to connect at all
 _CONNECTION = (("grpc.keepalive_time_ms", 10_000), ("grpc.keepalive_timeout_ms", 5_000),
                ("grpc.keepalive_permit_without_calls", 1), ("grpc.http2.max_pings_without_data", 0),
                # A daemon that was started again is found soon.
@@ -34,23 +35,26 @@ def open_channel(address: str, options: ConnectOptions, max_answer_bytes: int = 
     return grpc.secure_channel(address, credentials, settings)
 
 
-def ask_for_info(channel: grpc.Channel, address: str, options: ConnectOptions) -> api.GetServerInfoResponse:
+def ask_for_info(channel: grpc.Channel, address: str, options: ConnectOptions, patience: float) -> api.GetServerInfoResponse:
     """Facts about the daemon. Raises Unavailable, with the reason if gRPC tells, if none answers in time."""
+    patience = max(patience, _SHORTEST)
     ask = CollisionServiceStub(channel).GetServerInfo
     carried = metadata(options)
     try:
-        return ask(api.GetServerInfoRequest(), timeout=options.patience, metadata=carried, wait_for_ready=True)
+        return ask(api.GetServerInfoRequest(), timeout=patience, metadata=carried, wait_for_ready=True)
     except grpc.RpcError as error:
         known = error_of_call(error)
     if not isinstance(known, (DeadlineExceeded, Unavailable)):
         raise known
     try:  # a call that does not wait is told why
-        return ask(api.GetServerInfoRequest(), timeout=1, metadata=carried)
+        return ask(api.GetServerInfoRequest(), timeout=min(1.0, patience), metadata=carried)
     except grpc.RpcError as error:
         raise Unavailable(f"no daemon answers at {address}: {error_of_call(error).message}") from None
 
 
 def metadata(options: ConnectOptions, scene_id: str = "") -> list[tuple[str, str]]:
-    """What every call carries: the token, and the scene for proxies that route by it."""
+    """What every call carries: the token, and the scene for proxies that route by it. What no daemon names a scene by cannot
+    be carried: it is left to the daemon not to find."""
     out = [("authorization", f"Bearer {options.token}")] if options.token else []
-    return [*out, ("scene-id", scene_id)] if scene_id else out
+    is_name = all("!" <= character <= "~" for character in scene_id)
+    return [*out, ("scene-id", scene_id)] if scene_id and is_name else out

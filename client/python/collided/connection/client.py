@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import math
 import os
 import threading
 import time
 import uuid
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import grpc
 import numpy as np
 
 from collided.choices import check_text
-from collided.connection.channel import MAX_ANSWER_BYTES, ask_for_info, metadata, open_channel
+from collided.connection.channel import MAX_ANSWER_BYTES, metadata, open_channel
+from collided.connection.connection import Connection
 from collided.connection.mesh_elements import MeshElements, read_elements
 from collided.connection.options import ConnectOptions, is_local_address
 from collided.connection.own_daemon import OwnDaemon, shared_daemon
-from collided.errors import Error, InvalidArgument, NotFound, Unavailable, error_of_call
+from collided.errors import DeadlineExceeded, Error, InvalidArgument, NotFound, Unavailable, error_of_call
 from collided.layout import Layout
 from collided.options import SceneOptions
 from collided.v1 import batch_pb2, scene_pb2
@@ -49,8 +52,7 @@ class Client:
         if self._server:
             self.options.check(self._server)
         self._lock = threading.Lock()
-        self._channel: grpc.Channel | None = None
-        self._info: api.GetServerInfoResponse | None = None
+        self._connection: Connection | None = None
 
     @property
     def address(self) -> str:
@@ -60,9 +62,9 @@ class Client:
     @property
     def info(self) -> api.GetServerInfoResponse:
         """Version, devices and limits of the daemon, as of this connection."""
-        self.channel()
-        assert self._info is not None
-        return self._info
+        info = self.connect().info
+        assert info is not None
+        return info
 
     def estimate(self, meshes: Any, **options: Any) -> api.EstimateSceneResponse:
         """What a scene would cost, before it is made: memory, bytes of its frames, stages. Arguments of Scene."""
@@ -112,6 +114,14 @@ class Client:
         except Error:
             pass
 
+    def end_scene(self, scene_id: str) -> None:
+        """As `delete_scene`, but for a scene or a daemon that is gone, or does not answer: the lease ends it there."""
+        try:
+            self.delete_scene(scene_id)
+        except Error as error:
+            if not (error.is_connection_lost or isinstance(error, (NotFound, DeadlineExceeded))):
+                raise
+
     def has_scene(self, scene_id: str) -> bool:
         """Whether the daemon, or the one that a proxy takes this client to, has it."""
         try:
@@ -129,10 +139,10 @@ class Client:
 
     def create_scenes(self, layout: Layout, options: SceneOptions, count: int, lease_seconds: float) -> scene_pb2.Scene:
         """The same for a set of `count` scenes of one spec."""
-        if isinstance(count, bool) or not isinstance(count, int) or not 0 <= count < 2**32:
+        if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or not 0 <= count <= _UINT32_MAX:
             raise InvalidArgument(f"count is {count!r}; it must be from 1 to 65536", field="count")
         request = batch_pb2.CreateScenesRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
-                                                count=count, lease_seconds=lease_seconds)
+                                                count=int(count), lease_seconds=lease_seconds)
         return self._upload_all(self._create("CreateScenes", request).scenes, layout)
 
     def _upload_all(self, scene: scene_pb2.Scene, layout: Layout) -> scene_pb2.Scene:
@@ -145,22 +155,33 @@ class Client:
             raise
         return scene
 
-    def channel(self) -> grpc.Channel:
-        """The connection, made if there is none."""
-        with self._lock:
-            if self._channel is None:
-                self._channel, self._info = self._connect()
-            return self._channel
+    def connect(self, patience: float = math.inf) -> Connection:
+        """The connection, made if there is none. Raises Unavailable if no daemon answers in time.
 
-    def _connect(self) -> tuple[grpc.Channel, api.GetServerInfoResponse]:
-        address = self.address
-        self.options.check(address)
-        channel = open_channel(address, self.options)
+        patience: seconds, if they are to be fewer than those of the options; the next call then goes on with the attempt.
+        """
+        with self._lock:
+            return self._connected(patience)
+
+    def _connected(self, patience: float = math.inf) -> Connection:
+        connection = self._connection
+        if connection is None or (connection.info is None and connection.address != self.address):
+            self._forget()
+            address = self.address
+            self.options.check(address)
+            connection = self._connection = Connection(address, self.options)
         try:
-            return channel, ask_for_info(channel, address, self.options)
+            connection.ask(min(patience, self.options.patience))
         except Error:
-            channel.close()
+            if patience >= self.options.patience:
+                self._forget()
             raise
+        return connection
+
+    def _forget(self) -> None:
+        connection, self._connection = self._connection, None
+        if connection is not None:
+            connection.retire()
 
     def separate_channel(self, endpoint: str = "", max_answer_bytes: int = MAX_ANSWER_BYTES) -> grpc.Channel:
         """A connection of its own, to the scene's endpoint if it has one, for answers of so many bytes."""
@@ -173,21 +194,34 @@ class Client:
         return self.info.local_socket if not endpoint and is_local_address(self.address) else ""
 
     def reconnect(self) -> None:
-        """Forgets the connection: the daemon may be another one now."""
+        """Forgets the connection, unless it is still being made: the daemon may be another one now."""
         with self._lock:
-            channel, self._channel, self._info = self._channel, None, None
-        if channel is not None:
-            channel.close()
+            if self._connection is not None and self._connection.info is not None:
+                self._forget()
 
     def close(self) -> None:
-        """Ends the connection. The client connects again if it is used again."""
-        self.reconnect()
+        """Ends the connection, once other threads' calls are done. The client connects again if it is used again."""
+        with self._lock:
+            self._forget()
 
-    def call(self, method: str | Callable[..., Any], request: Any, scene_id: str = "",
-             timeout: float | None = None, channel: grpc.Channel | None = None) -> Any:
-        """One call, on another channel than the client's if one is given. method: its name, or what a channel gives for it."""
+    @contextmanager
+    def _channel_of_a_call(self) -> Iterator[grpc.Channel]:
+        with self._lock:
+            connection = self._connected()
+            connection.begin_call()
         try:
-            call = getattr(CollisionServiceStub(channel or self.channel()), method) if isinstance(method, str) else method
+            yield connection.channel
+        finally:
+            connection.end_call()
+
+    def call(self, method: str, request: Any, scene_id: str = "", timeout: float | None = None,
+             channel: grpc.Channel | None = None) -> Any:
+        """One call, on another channel than the client's if one is given. method: its name."""
+        if channel is None:
+            with self._channel_of_a_call() as own:
+                return self.call(method, request, scene_id, timeout, own)
+        try:
+            call = getattr(CollisionServiceStub(channel), method)
             return call(request, timeout=timeout or self.options.deadline, metadata=metadata(self.options, scene_id))
         except grpc.RpcError as error:
             raise error_of_call(error) from None
@@ -195,7 +229,7 @@ class Client:
             raise Unavailable("the connection was closed during the call") from None
 
     def _create(self, method: str, request: Any, tries: int = _CREATE_TRIES) -> Any:
-        self.channel()  # a daemon that does not answer at all is waited for once
+        self.connect()  # a daemon that does not answer at all is waited for once
         for tried in range(1, tries + 1):
             try:
                 return self.call(method, request)

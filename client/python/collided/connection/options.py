@@ -13,6 +13,8 @@ from collided.choices import check_text
 from collided.errors import InvalidArgument
 from collided.options import check_seconds
 
+_LONGEST = 1e9  # seconds, of 30 years; far greater numbers overflow in gRPC, and count as none
+
 
 @dataclass(frozen=True, kw_only=True)
 class ConnectOptions:
@@ -22,7 +24,7 @@ class ConnectOptions:
     tls_ca: file with the certificates to trust. tls_certificate, tls_key: files of the client's own (mTLS).
     tls_server_name: name in the daemon's certificate, if it is not the address's.
     allow_insecure_token: send the token in plain text even to another host.
-    patience: seconds to connect. deadline: seconds for one call; streams have none.
+    patience: seconds to connect. deadline: seconds for one call; streams have none. Both above 0, perhaps infinite.
     """
 
     token: str = ""
@@ -40,6 +42,12 @@ class ConnectOptions:
         for name in ("tls_ca", "tls_certificate", "tls_key"):
             file = getattr(self, name)
             check_text(os.fspath(file) if isinstance(file, os.PathLike) else file, name)
+        for name in ("patience", "deadline"):
+            seconds = getattr(self, name)
+            check_seconds(seconds, name)
+            if not seconds > 0:
+                raise InvalidArgument(f"{name} is {seconds!r}; it must be above 0 seconds", field=name)
+            object.__setattr__(self, name, float(min(seconds, _LONGEST)))
 
     def check(self, address: str) -> None:
         """Raises InvalidArgument for options that do not go together."""
@@ -52,10 +60,6 @@ class ConnectOptions:
         if self.token and not (self.tls_ca or self.allow_insecure_token or is_local_address(address)):
             raise InvalidArgument(f"token is not sent to {address!r} in plain text; use TLS (tls_ca) or "
                                   "allow_insecure_token", field="token")
-        for name in ("patience", "deadline"):
-            check_seconds(getattr(self, name), name)
-            if not getattr(self, name) > 0:
-                raise InvalidArgument(f"{name} is {getattr(self, name)!r}; it must be above 0 seconds", field=name)
 
     def credentials(self) -> grpc.ChannelCredentials | None:
         """None for plain text."""
@@ -80,6 +84,8 @@ def is_local_address(address: str) -> bool:
     """Whether it is a Unix socket, or a loopback address."""
     if address.startswith(("unix:", "unix-abstract:")):
         return True
+    if "," in address:  # a list, whose others may be elsewhere
+        return False
     for scheme in ("dns:", "ipv4:", "ipv6:"):
         if address.startswith(scheme):
             address = address.removeprefix(scheme).lstrip("/")

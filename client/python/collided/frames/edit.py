@@ -51,7 +51,7 @@ def apply_edit(edit: Edit, before: Layout) -> Applied:
     meshes, message = list(before.meshes), scene_pb2.SceneEdit()
     begun, rested = set(), set()
     for key, source in edit.meshes.items():
-        index = _place(key, meshes, before)
+        index = _place(key, meshes, {edited.mesh for edited in message.meshes})
         old = meshes[index] if index < len(meshes) else None
         mesh_edit = message.meshes.add(mesh=index)
         new = None if source is None else _replacement(source, key, old)
@@ -74,14 +74,14 @@ def apply_edit(edit: Edit, before: Layout) -> Applied:
     return Applied(message, replace(after, excluded=frozenset(excluded)), frozenset(begun), frozenset(rested))
 
 
-def _place(key: str | int, meshes: list[Mesh | None], before: Layout) -> int:
-    """Index of the mesh that is there, or of a free place for a new one."""
+def _place(key: str | int, meshes: list[Mesh | None], edited: set[int]) -> int:
+    """Index of the mesh that is there, or of a free place for a new one, which this edit has not freed."""
     if isinstance(key, str):
         check_text(key, "edit.meshes")
         found = next((i for i, mesh in enumerate(meshes) if mesh is not None and mesh.name == key), None)
         if found is not None:
             return found
-        return next((i for i, mesh in enumerate(meshes) if mesh is None), len(meshes))
+        return next((i for i, mesh in enumerate(meshes) if mesh is None and i not in edited), len(meshes))
     if isinstance(key, bool) or not isinstance(key, int) or not 0 <= key <= len(meshes):
         raise InvalidArgument(f"edit.meshes has {key!r}; it must be a name, or an index up to {len(meshes)}",
                               field="edit.meshes")

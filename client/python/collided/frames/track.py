@@ -65,10 +65,19 @@ class Track:
 
     @property
     def creatable(self) -> Layout:
-        """The layout as a new scene can have it: where a mesh was removed there is a point, which `placing` removes."""
-        point = Mesh(points=[0])
-        meshes = (mesh or replace(point, name=f"collided removed {i}") for i, mesh in enumerate(self.layout.meshes))
+        """The layout as a new scene can have it: with points that `placing` removes."""
+        meshes = list(self.layout.meshes)
+        for i in self._points:
+            meshes[i:i + 1] = [Mesh(points=[0], name=f"collided removed {i}", exclude_rest_pairs=self.options.rest_distance > 0)]
         return replace(self.layout, meshes=tuple(meshes))
+
+    @property
+    def _points(self) -> list[int]:
+        """Indices at which a new scene has a point at first: of meshes that were removed, so that the others keep theirs; else
+        one more where a rest_distance, which edits may need again, is only taken with a mesh that uses it."""
+        is_used = any(mesh.exclude_rest_pairs for _, mesh in self.layout.present())
+        needs_one = self.options.rest_distance > 0 and not is_used and not self.layout.removed
+        return [len(self.layout.meshes)] if needs_one else self.layout.removed
 
     def has_motion(self, head: frame_pb2.Frame) -> bool:
         """Whether a frame asks what touches on the way, by its mode."""
@@ -149,6 +158,7 @@ class Track:
         way = way_of(request.updates, start, request.begun, layout, self.form)
         for index in request.edit.rested if request.edit else ():
             way.end[index] = way.end[index].at_rest()
+            way.start[index] = replace(way.start[index], rest=way.end[index].rest)  # where a new scene begins the way again
         return way
 
     def beginning(self, state: State) -> Request:
@@ -168,7 +178,7 @@ class Track:
         then = [Update(i, positions=place.positions, start=place.positions if self.has_starts else None)
                 for i, mesh, place in places if i in at_rest and not mesh.is_rigid]
         removed = frame_pb2.Frame()
-        for i in self.layout.removed:
+        for i in self._points:
             first.append(Update(i, positions=np.zeros((1, 3), self.form.dtype)))
             removed.edit.meshes.add(mesh=i)
         requests = [Request(frame_pb2.Frame(), first, is_counted=False)]
@@ -183,6 +193,7 @@ class Track:
         updates = [Update(i, positions=None if end.pose is not None else end.positions, pose=end.pose,
                           start=None if end.pose is not None or way.start[i] is begin[i] else way.start[i].positions,
                           start_pose=None if end.pose is None or way.start[i] is begin[i] else way.start[i].pose)
-                   for i, end in way.end.items() if end is not begin[i] or way.start[i] is not begin[i]]
+                   for i, end in way.end.items()
+                   if (end is not begin[i] or way.start[i] is not begin[i]) and not way.layout.mesh(i).is_static]
         replay = Request(frame_pb2.Frame(trial=self.last.trial), updates, is_counted=False)
         return [*self.placing(begin), replay]

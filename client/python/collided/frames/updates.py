@@ -71,7 +71,7 @@ def _by_mesh(layout: Layout, values: Any, argument: str) -> dict[int, Any]:
     if values is None:
         return {}
     if isinstance(values, Mapping):
-        return {layout.index(mesh): value for mesh, value in values.items()}
+        return layout.by_index(values, argument)
     if len(layout.movable) != 1:
         raise InvalidArgument(f"{argument} is not a mapping of meshes, which the scene needs: {len(layout.movable)} of its "
                               "meshes can move", field=argument)

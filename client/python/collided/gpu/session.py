@@ -122,15 +122,12 @@ class DeviceSession:
                 raise InvalidArgument(f"positions are not a mapping of meshes, and {len(movable)} meshes can move",
                                       field="positions")
             values = {movable[0]: values}
-        dtype, there, rest = self.scene.track.form.dtype, {}, {}
-        for name, value in values.items():
-            if is_on_device(value):
-                index = self._layout.index(name)
-                mesh = self._layout.mesh(index)
-                there[index] = incoming(value, dtype, mesh.vertex_count, f"positions[{mesh.name!r}]")
-            else:
-                rest[name] = value
-        return there, rest
+        dtype, there = self.scene.track.form.dtype, {}
+        on_device = {name: value for name, value in values.items() if is_on_device(value)}
+        for index, value in self._layout.by_index(on_device, "positions").items():
+            mesh = self._layout.mesh(index)
+            there[index] = incoming(value, dtype, mesh.vertex_count, f"positions[{mesh.name!r}]")
+        return there, {name: value for name, value in values.items() if name not in on_device}
 
     def close(self) -> None:
         """Ends the stream, and deletes the scene if it is the session's own."""

@@ -19,12 +19,12 @@ class Messages:
         self._requests: queue.SimpleQueue[bool] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[Any] | None = None
         self._is_requested = False
-        self._is_cancelled = False
+        self.is_cancelled = False  # by `cancel`
 
     def next(self, timeout: float | None) -> Any:
         """The next message; None if none came in time. Raises Error at the end."""
-        if self._answers is None or (self._is_cancelled and not self._is_requested):
-            if timeout is None or self._is_cancelled:
+        if self._answers is None or (self.is_cancelled and not self._is_requested):
+            if timeout is None or self.is_cancelled:
                 return self._next()
             self._answers = queue.SimpleQueue()
             # A daemon thread, so that a process can end while it waits.
@@ -58,6 +58,6 @@ class Messages:
 
     def cancel(self) -> None:
         """Ends the call; whoever waits for a message is told."""
-        self._is_cancelled = True
+        self.is_cancelled = True
         self._call.cancel()
         self._requests.put(False)
