@@ -119,6 +119,7 @@ void run(const BenchOptions& options) {
 void add_input_options(CLI::App& command, BenchOptions& options) {
   command.add_option("--scene", options.scenes, "Procedural scenes, see 'collidectl scenes', such as funnel,nbody")
       ->type_name("SCENE")
+      ->check(known_scene())
       ->delimiter(',')
       ->allow_extra_args(false);
   add_scale_option(command, options.scale);

@@ -14,7 +14,7 @@
 #include "client/cli/output/contact_files.hpp"
 #include "client/cli/output/output.hpp"
 #include "client/cli/report/contacts.hpp"
-#include "client/cli/report/json.hpp"
+#include "client/cli/report/frame_line.hpp"
 #include "client/cli/report/text.hpp"
 
 namespace collided::cli {
@@ -47,17 +47,6 @@ void check_usage(const DetectOptions& options) {
 StepInput read_step(const DetectOptions& options) {
   const std::vector<std::string>& frames = options.frames;
   return frames.size() == 2 ? file_step(frames[0], frames[1]) : file_frame(frames[0]);
-}
-
-Json contacts_json(const DetectOptions& options, const client::FrameOutput& output) {
-  const bool is_counted = options.detection.report != "any";
-  const bool has_times = is_counted && options.detection.mode == "ccd" && options.detection.accuracy != "candidates";
-  Json out = {{"contact_count", is_counted ? Json(output.done.contact_count()) : Json(nullptr)},
-              {"any_contact", output.done.any_contact()}};
-  if (has_times) out["earliest_toi"] = output.done.earliest_toi();
-  if (output.done.has_advanced()) out["advanced"] = output.done.advanced();
-  if (const auto contact = earliest_contact(output)) out["earliest"] = *contact;
-  return out;
 }
 
 void print(const DetectOptions& options, const Json& summary) {
@@ -112,7 +101,8 @@ void run(const DetectOptions& options) {
   const client::FrameOutput output = run_frame(stream, frame);
   stream.finish();
   Json summary = {{"scene", scene_json(*scene)}};
-  summary.update(contacts_json(options, output));
+  summary.update(found_json(output.done, spec));
+  if (const auto contact = earliest_contact(output)) summary["earliest"] = *contact;
   summary.update(frame_json(output.done, spec.report()));
   summary.update(transport_json(stream));
   report(options, std::move(summary), output, step);

@@ -187,7 +187,8 @@ void add_input_options(CLI::App& command, EstimateOptions& options) {
       ->expected(1, 2);
   CLI::Option* scene =
       command.add_option("--scene", options.scene.name, "Name of a scene instead, see 'collidectl scenes'")
-          ->type_name("SCENE");
+          ->type_name("SCENE")
+          ->check(known_scene());
   add_scale_option(command, options.scene.scale);
   command.get_option("--scale")->needs(scene);
   CLI::Option* triangles = command.add_option("--triangles", options.triangles, "Triangles of one mesh instead")

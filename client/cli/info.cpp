@@ -66,7 +66,7 @@ void add_info(CLI::App& app) {
     Connection connection(options->server);
     const Json info = info_json(connection->server_info());
     if (options->json)
-      std::printf("%s\n", info.dump().c_str());
+      std::printf("%s\n", json_text(info).c_str());
     else
       std::printf("%s", report_text(info).c_str());
   });

@@ -1,6 +1,9 @@
 // collidectl load: a load tester. Many streams send frames when they are due, and the latency of each frame is
 // reported.
 
+#include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <map>
 #include <memory>
 
@@ -71,6 +74,23 @@ void run(const LoadOptions& options) {
   load::run_load(settings);
 }
 
+/// A time as its number of milliseconds.
+CLI::Validator time_in_ms() {
+  const auto transform = [](std::string& word) -> std::string {
+    static const std::map<std::string, double> units{{"us", 1e-3}, {"ms", 1}, {"s", 1e3}};
+    double number = 0;
+    const char* const end = word.data() + word.size();
+    const auto [rest, error] = std::from_chars(word.data(), end, number);
+    const auto unit = units.find(std::string(std::find_if(rest, end, [](char c) { return c != ' '; }), end));
+    if (error != std::errc() || unit == units.end())
+      return "'" + word + "' is not a time with its unit, such as 5ms, 800us or 0.1s";
+    if (!(number > 0 && std::isfinite(number))) return "'" + word + "' is not a time greater than 0";
+    word = CLI::detail::to_string(number * unit->second);
+    return "";
+  };
+  return CLI::Validator(transform, "");
+}
+
 CLI::Range count() { return CLI::Range(uint64_t{1}, kMaxStreams); }
 
 CLI::Option* add_number(CLI::App& command, const char* name, double& value, const char* help, double min, double max) {
@@ -79,7 +99,8 @@ CLI::Option* add_number(CLI::App& command, const char* name, double& value, cons
 
 void add_input_options(CLI::App& command, load::InputSettings& input) {
   command.add_option("--scene", input.scene, "Procedural scene, see 'collidectl scenes', played back and forth")
-      ->type_name("SCENE");
+      ->type_name("SCENE")
+      ->check(known_scene());
   add_scale_option(command, input.scale);
   command.add_option("--steps", input.steps, "Frames of the scene from its beginning to its end")
       ->check(CLI::Range(1, 100000))
@@ -124,7 +145,7 @@ void add_pace_options(CLI::App& command, LoadOptions& options) {
       ->check(CLI::IsMember({"fixed", "poisson"}))
       ->excludes("--closed-loop")
       ->capture_default_str();
-  command.add_option("--seed", pace.seed, "Of --arrivals poisson")->capture_default_str();
+  command.add_option("--seed", pace.seed, "Of --arrivals poisson")->check(whole_number())->capture_default_str();
   add_number(command, "--drain-seconds", pace.drain_seconds, "Wait at the end for frames that are overdue", 0, 3600);
 }
 
@@ -134,7 +155,7 @@ void add_search_options(CLI::App& command, LoadOptions& options) {
       ->excludes("--seconds");
   command.add_option("--p99", options.p99_ms, "Bound of the latency's 99th percentile, such as 5ms, 800us, 0.1s")
       ->type_name("TIME")
-      ->transform(CLI::AsNumberWithUnit(std::map<std::string, double>{{"us", 1e-3}, {"ms", 1}, {"s", 1e3}}));
+      ->transform(time_in_ms());
   add_number(command, "--from", search.from, "Rate to begin with; 0: 10 frames a second of each stream", 0, 1e6);
   add_number(command, "--trial-seconds", search.trial_seconds, "Duration of one trial", 0.1, 1e5);
   add_number(command, "--precision", search.precision, "How far the result may be from a rate that failed", 0.001, 1);

@@ -1,7 +1,9 @@
 // collidectl: collision detection from the command line.
 
 #include <grpc/support/log.h>
+#include <poll.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -31,11 +33,17 @@ void silence_grpc() {
 /// No message if the reader, such as `head`, has closed the pipe.
 int fail(const collided::cli::OutputClosed& e) { return e.error_number == EPIPE ? 128 + SIGPIPE : fail(1, e.what()); }
 
+/// Whether nobody reads standard output any more. An earlier write may have found that, whose errno is gone.
+bool is_unread() {
+  pollfd output{STDOUT_FILENO, 0, 0};
+  return poll(&output, 1, 0) > 0 && (output.revents & (POLLERR | POLLHUP)) != 0;
+}
+
 /// `exit_code`, unless the output could not be written.
 int finish(int exit_code) {
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
-  return fail(collided::cli::OutputClosed(errno));
+  return fail(collided::cli::OutputClosed(is_unread() ? EPIPE : errno));
 }
 
 /// Flushes earlier output before the error.

@@ -112,15 +112,25 @@ class Renderer {
     if (options.has_crossings) crossings_.emplace(connection_, options, motion);
   }
 
+  /// If something ends it early, tells the pictures so far.
   void run() {
     Json frames = Json::array();
-    for (int picture = 1; picture <= pictures_; ++picture) frames.push_back(draw(picture));
-    if (!options_.json) return;
+    try {
+      for (int picture = 1; picture <= pictures_; ++picture) frames.push_back(draw(picture));
+    } catch (const std::exception&) {
+      if (!frames.empty()) tell(frames);
+      throw;
+    }
+    tell(frames);
+  }
+
+ private:
+  void tell(const Json& frames) const {
+    if (!options_.json) return;  // each has its line
     const Json summary = {{"name", motion_.name}, {"scene", scene_json(*scene_)}, {"per_frame", frames}};
     std::printf("%s\n", json_text(summary).c_str());
   }
 
- private:
   v1::SceneSpec spec_of() const {
     v1::SceneSpec spec =
         scene_spec(options_.server, options_.detection, choose_format(options_.position_format, motion_.is_double));
@@ -153,15 +163,15 @@ class Renderer {
 
   Json report(int last, const std::string& out, const client::FrameOutput& output,
               std::optional<uint64_t> crossings) const {
-    const v1::Report how = scene_->spec().report();
+    const v1::SceneSpec& spec = scene_->spec();
     if (!options_.json)
-      print_summary(out, (is_standard_output(out) ? "" : out + ": ") + frame_text(output.done, how) +
+      print_summary(out, (is_standard_output(out) ? "" : out + ": ") + frame_text(output.done, spec) +
                              (crossings ? ", " + std::to_string(*crossings) + " crossings" : "") + "\n");
     Json json = {{"frame", output.frame_id}};
     if (!motion_.files.empty()) json["file"] = motion_.files[static_cast<size_t>(last)];
     json["out"] = out;
     if (crossings) json["crossing_count"] = *crossings;
-    json.update(frame_result_json(output.done, how));
+    json.update(frame_result_json(output.done, spec));
     return json;
   }
 
@@ -229,7 +239,7 @@ void add_render(CLI::App& app) {
       "happens, at its own time. No display is needed.\n"
       "\n"
       "  collidectl render frame_0092.ply frame_0093.ply --zoom-contacts\n"
-      "  collidectl render frames/*.ply --up y --crossings --out 'pictures/{frame}.png'\n"
+      "  mkdir -p pictures && collidectl render frames/*.ply --up y --crossings --out 'pictures/{frame}.png'\n"
       "  collidectl render --scene cloth_ball --t0 0.5 --thickness 0.01 --azimuth 60\n"
       "  collidectl render frame.obj --mode dcd --kinds tt --accuracy exact");
   command.add_option("FRAME", options->files,

@@ -23,7 +23,7 @@ void add_scenes(CLI::App& app) {
       else
         std::printf("%-18s%s\n", info.name.c_str(), info.description.c_str());
     }
-    if (*json) std::printf("%s\n", out.dump().c_str());
+    if (*json) std::printf("%s\n", json_text(out).c_str());
   });
 }
 

@@ -35,20 +35,38 @@ void check_usage(const TradeoffOptions& options) {
     throw UsageError("--truth needs FRAME0 FRAME1, whose positions it is the truth of");
   if (!options.settings.truth.empty() && options.settings.detection.thickness != 0)
     throw UsageError("--truth is for thickness 0 and cannot judge --thickness");
+  check_runs(options.settings);
+}
+
+std::string json_file(const TradeoffOptions& options) { return options.out + "/tradeoff.json"; }
+std::string table_file(const TradeoffOptions& options) { return options.out + "/tradeoff.md"; }
+
+void check_outputs(const TradeoffOptions& options) {
+  make_folder("--out", options.out);
+  for (const std::string& file : {json_file(options), table_file(options)}) check_writable("--out", file);
+}
+
+/// What keeps the files from being written; null if they are.
+std::exception_ptr write_files(const TradeoffOptions& options, const Tradeoff& result) try {
+  write_text(json_file(options), json_lines(tradeoff_json(result)));
+  write_text(table_file(options), tradeoff_markdown(result));
+  return nullptr;
+} catch (const std::runtime_error&) {
+  return std::current_exception();
 }
 
 void print_report(const TradeoffOptions& options, const Tradeoff& result) {
   const Json summary = {{"out", options.out}, {"results", Json::array({tradeoff_summary(result)})}};
   if (options.json)
-    std::printf("%s\n", summary.dump().c_str());
+    std::printf("%s\n", json_text(summary).c_str());
   else
     std::printf("%sResult and table: %s\n", tradeoff_text(result).c_str(), options.out.c_str());
 }
 
-/// After an interrupt the position formats finished so far are reported.
+/// After an interrupt the position formats finished so far are reported; so is a result whose files cannot be written.
 void run(const TradeoffOptions& options) {
   check_usage(options);
-  make_folder("--out", options.out);
+  check_outputs(options);
   const StepInput step =
       options.frames.empty() ? scene_step(options.scene) : file_step(options.frames[0], options.frames[1]);
   Tradeoff result;
@@ -61,9 +79,9 @@ void run(const TradeoffOptions& options) {
     if (result.runs.empty()) throw;
     interrupted = std::current_exception();
   }
-  write_text(options.out + "/tradeoff.json", tradeoff_json(result).dump(2) + "\n");
-  write_text(options.out + "/tradeoff.md", tradeoff_markdown(result));
+  const std::exception_ptr failure = write_files(options, result);
   print_report(options, result);
+  if (failure) std::rethrow_exception(failure);
   if (interrupted) std::rethrow_exception(interrupted);
 }
 

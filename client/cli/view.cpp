@@ -18,6 +18,7 @@
 #include "client/cli/options/scene_options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/output.hpp"
+#include "client/cli/report/text.hpp"
 #include "client/cli/web/demo.hpp"
 #include "client/cli/web/feed.hpp"
 #include "client/cli/web/page_file.hpp"
@@ -83,7 +84,7 @@ struct Demo {
         stream(connection.stream(*scene)) {}
 
   SceneGuard make_scene(Connection& connection) {
-    spec.set_display_name(motion.name);
+    spec.set_display_name(shown_name(motion.name));
     return connection.create_scene(spec, mesh_inputs(motion.meshes));
   }
 
@@ -164,7 +165,8 @@ void add_view(CLI::App& app) {
   auto options = std::make_shared<ViewCommand>();
   CLI::App& command = *app.add_subcommand("view", "Show a live scene in 3D on a page for the browser");
   command.footer(kFooter);
-  command.add_option("SCENE", options->feed.scene_id, "Id of the scene; default: the one that there is");
+  command.add_option("SCENE", options->feed.scene_id, "Id of the scene; default: the one that there is")
+      ->check(scene_id());
   command.add_option("--listen", options->listen, "HOST:PORT of the page; port 0: any")->capture_default_str();
   command.add_option("--secret-file", options->secret_file,
                      "File with the secret of the page's address; default: a new one each time. With it and a fixed "

@@ -1,5 +1,7 @@
 // collidectl watch: the frames that others send to a scene, as a table that follows them or a line each.
 
+#include <grpcpp/support/status_code_enum.h>
+
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -12,7 +14,9 @@
 #include "client/cli/daemon/interrupt.hpp"
 #include "client/cli/live/live_table.hpp"
 #include "client/cli/live/screen.hpp"
+#include "client/cli/options/finite.hpp"
 #include "client/cli/options/options.hpp"
+#include "client/cli/options/scene_options.hpp"
 #include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/output.hpp"
 #include "client/cli/recording/live.hpp"
@@ -47,15 +51,15 @@ class EndOnInterrupt {
   std::jthread thread_;
 };
 
-std::string line_of(const WatchCommand& options, const client::WatchedFrame& frame, v1::Report report) {
+std::string line_of(const WatchCommand& options, const client::WatchedFrame& frame, const v1::SceneSpec& spec) {
   if (!options.json)
-    return "frame " + std::to_string(frame.frame_id) + ": " + frame_text(frame.done, report) + ", " +
+    return "frame " + std::to_string(frame.frame_id) + ": " + frame_text(frame.done, spec) + ", " +
            std::to_string(frame.skipped_frames) + " skipped";
   Json line = {{"frame", frame.frame_id}, {"skipped_frames", frame.skipped_frames}};
-  line.update(frame_result_json(frame.done, report));
+  line.update(frame_result_json(frame.done, spec));
   // A digest of all contacts, or none.
   if (!options.record.empty() && frame.omitted_contacts == 0) line["contacts_digest"] = digest_of(frame);
-  return line.dump();
+  return json_text(line);
 }
 
 void check_usage(const WatchCommand& options) {
@@ -72,7 +76,7 @@ void check_usage(const WatchCommand& options) {
 void show_lines(const WatchCommand& options, client::Watcher& watcher, const ReceiveFrame& receive) {
   const EndOnInterrupt end(watcher);
   try {
-    while (const auto frame = receive()) print_line(line_of(options, *frame, watcher.scene().spec().report()));
+    while (const auto frame = receive()) print_line(line_of(options, *frame, watcher.scene().spec()));
   } catch (const client::Error&) {
     check_interrupt();
     throw;
@@ -92,12 +96,16 @@ class Frames {
     if (!options.record.empty()) recorder_.emplace(options.record, watcher_.scene(), options.meshes);
   }
   client::Watcher& watcher() { return watcher_; }
-  /// The next one; nothing after the last.
-  std::optional<client::WatchedFrame> receive() {
+  /// The next one; nothing after the last, which may be the scene's.
+  std::optional<client::WatchedFrame> receive() try {
     if (left_-- == 0) return {};
     client::WatchedFrame frame = watcher_.receive();
     if (recorder_ && !recorder_->add(frame)) return {};
     return frame;
+  } catch (const client::Error& e) {
+    if (e.code() != grpc::NOT_FOUND) throw;
+    check_interrupt();  // which may have ended the scene as well
+    return {};
   }
   /// What was recorded can be replayed from now on.
   void finish() {
@@ -148,11 +156,12 @@ void add_watch(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("watch", "Show the frames that others send to a scene");
   command.footer(
       "On a terminal the last frames are a table, which the key q or an interrupt ends; else each frame is a line.");
-  command.add_option("scene", options->scene_id, "Id of the scene")->type_name("ID")->required();
+  command.add_option("scene", options->scene_id, "Id of the scene")->type_name("ID")->check(scene_id())->required();
   command.add_option("--interval", options->watch.frame_interval, "Every so many frames (default: every one)")
       ->check(CLI::Range(uint32_t{0}, UINT32_MAX));
   command.add_option("--rate", options->watch.max_frames_per_second, "At most so many frames a second (0: no limit)");
-  command.add_option("--frames", options->frames, "End after so many of them (0: with the scene)");
+  command.add_option("--frames", options->frames, "End after so many of them (0: with the scene)")
+      ->check(whole_number());
   auto* record = command.add_option("--record", options->record, "File that takes the frames, for 'collidectl replay'");
   auto* mesh = command.add_option("--mesh", options->meshes,
                                   "OBJ or PLY with the scene's meshes, in its order, which --record needs for their "

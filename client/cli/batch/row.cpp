@@ -8,6 +8,7 @@
 
 #include "client/cli/dataset/csv_text.hpp"
 #include "client/cli/report/digest.hpp"
+#include "client/cli/report/frame_line.hpp"
 
 namespace collided::cli {
 
@@ -34,14 +35,15 @@ std::vector<std::string> first_cells(uint64_t pair, const FrameNames& names, con
 /// Empty cells for what these options do not find out.
 std::vector<std::string> found_cells(const v1::SceneSpec& spec, const client::FrameOutput& output) {
   const v1::FrameDone& done = output.done;
-  const v1::FrameCounts& counts = done.metrics().counts();
+  const client::PerKind<uint64_t> found = found_counts(done, spec);
   const bool is_counted = spec.report() != v1::REPORT_ANY_HIT;
-  const bool has_times =
-      is_counted && spec.mode() != v1::DETECTION_MODE_DCD && spec.accuracy() != v1::ACCURACY_CANDIDATES;
   const auto count = [&](uint64_t n) { return is_counted ? text_of(n) : ""; };
-  return {count(done.contact_count()),        count(counts.contacts_vertex_triangle()),
-          count(counts.contacts_edge_edge()), count(counts.contacts_triangle_triangle()),
-          done.any_contact() ? "yes" : "no",  has_times ? text_of(done.earliest_toi()) : "",
+  return {count(done.contact_count()),
+          count(found.vertex_triangle),
+          count(found.edge_edge),
+          count(found.triangle_triangle),
+          done.any_contact() ? "yes" : "no",
+          has_times(done, spec) ? text_of(done.earliest_toi()) : "",
           is_counted ? digest_of(output) : ""};
 }
 

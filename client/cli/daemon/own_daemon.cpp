@@ -8,12 +8,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <deque>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -33,9 +35,18 @@ bool is_program(const fs::path& path) {
   return fs::is_regular_file(path, error) && access(path.c_str(), X_OK) == 0;
 }
 
+/// Whether a path means the same in an address, where ',' separates and '%', '?' and '#' have a meaning of their own.
+bool is_plain(const std::string& path) {
+  return std::all_of(path.begin(), path.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string_view("/._-~+").find(c) != std::string_view::npos;
+  });
+}
+
 fs::path make_directory() {
+  constexpr size_t kMaxBytes = 90;  // the path of a socket has at most 107
   std::string name = (fs::temp_directory_path() / "collidectl-XXXXXX").string();
-  if (name.size() > 90) name = "/tmp/collidectl-XXXXXX";  // the path of a socket has at most 107 bytes
+  if (name.size() > kMaxBytes || !is_plain(name)) name = "/tmp/collidectl-XXXXXX";
   if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot create the temporary directory " + name);
   return name;
 }
@@ -73,6 +84,15 @@ std::vector<std::string> command_line(const fs::path& program, const fs::path& d
   if (!options.all_transports) return words;
   words.insert(words.end(), {"--address", "127.0.0.1:0", "--local-socket", (directory / "local").string()});
   return words;
+}
+
+/// Without the settings of a daemon that serves others, which this one is not.
+std::vector<char*> own_environment() {
+  std::vector<char*> variables;
+  for (char** variable = environ; *variable != nullptr; ++variable)
+    if (!std::string_view(*variable).starts_with("COLLIDED_")) variables.push_back(*variable);
+  variables.push_back(nullptr);
+  return variables;
 }
 
 /// The last lines of a daemon's log in one, after ": "; empty if there are none. The advice to run it with --help is
@@ -164,6 +184,7 @@ void OwnDaemon::start(const fs::path& program, const DaemonOptions& options) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  const std::vector<char*> environment = own_environment();
   const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ < 0) throw std::runtime_error("cannot start a process");
@@ -171,7 +192,7 @@ void OwnDaemon::start(const fs::path& program, const DaemonOptions& options) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);  // if collidectl is killed, so is its daemon
   if (getppid() != parent) _exit(126);
   detach(directory_ / "log");
-  execv(argv[0], argv.data());
+  execve(argv[0], argv.data(), environment.data());
   _exit(127);
 }
 

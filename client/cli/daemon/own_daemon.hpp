@@ -1,5 +1,6 @@
 #pragma once
-// A daemon that collidectl starts for itself, on a Unix socket, for as long as the object lives.
+// A daemon that collidectl starts for itself, on a Unix socket, for as long as the object lives. No COLLIDED_* variable
+// reaches it.
 
 #include <sys/types.h>
 

@@ -7,7 +7,7 @@
 
 namespace collided::cli {
 
-/// In quotes if it needs them.
+/// In quotes if it needs them, as text that begins with '#' does at the beginning of a line.
 std::string csv_cell(std::string_view text);
 
 /// The cells of a line. Throws std::runtime_error, without a place, for quotes that do not end.

@@ -29,17 +29,32 @@ bool is_mesh(const fs::path& file) {
 
 bool is_hidden(const fs::path& path) { return path.filename().string().starts_with("."); }
 
+[[noreturn]] void fail_to_read(const fs::path& path, const std::error_code& error) {
+  fail(path.string(), "cannot be read: " + error.message());
+}
+
+bool is_folder(const fs::directory_entry& entry) {
+  std::error_code error;
+  const fs::file_status status = entry.status(error);
+  if (!fs::status_known(status)) fail_to_read(entry.path(), error);
+  return fs::is_directory(status);
+}
+
 /// Adds the mesh files of a folder and those below it, relative to `root` if there is one. Hidden ones are not meant,
-/// such as
-/// "._1.ply".
+/// such as "._1.ply".
 void add_meshes(const fs::path& folder, const fs::path& root, std::vector<std::string>& names) {
-  for (auto at = fs::recursive_directory_iterator(folder); at != fs::recursive_directory_iterator(); ++at) {
-    if (is_hidden(at->path())) {
-      if (at->is_directory()) at.disable_recursion_pending();
-    } else if (is_mesh(at->path()) && !at->is_directory()) {
-      names.push_back(root.empty() ? at->path().string() : at->path().lexically_relative(root).string());
+  std::error_code error;
+  fs::path last = folder;  // which may be a folder to go on in
+  auto at = fs::recursive_directory_iterator(folder, error);
+  for (; !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
+    last = at->path();
+    if (is_hidden(last)) {
+      if (is_folder(*at)) at.disable_recursion_pending();
+    } else if (is_mesh(last) && !is_folder(*at)) {
+      names.push_back(root.empty() ? last.string() : last.lexically_relative(root).string());
     }
   }
+  if (error) fail_to_read(last, error);
 }
 
 std::vector<std::string> matches(const std::string& pattern) {

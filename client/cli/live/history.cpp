@@ -4,9 +4,11 @@
 
 #include <algorithm>
 
+#include "client/cli/report/frame_line.hpp"
+
 namespace collided::cli {
 
-void History::add(const client::WatchedFrame& frame, v1::Report report, Clock::time_point now) {
+void History::add(const client::WatchedFrame& frame, const v1::SceneSpec& spec, Clock::time_point now) {
   using Unit = Series::Unit;
   const v1::FrameMetrics& m = frame.done.metrics();
   begin_frame();
@@ -16,8 +18,9 @@ void History::add(const client::WatchedFrame& frame, v1::Report report, Clock::t
   const Json stages = stages_json(m);
   for (const auto& [stage, ms] : stages.items())
     if (stage != "total") put("  " + stage, Unit::kMilliseconds, ms.get<double>());
-  if (report != v1::REPORT_ANY_HIT) put("contacts", Unit::kCount, static_cast<double>(frame.done.contact_count()));
-  put_counts(frame_json(frame.done, report).at("counts"));
+  if (spec.report() != v1::REPORT_ANY_HIT)
+    put("contacts", Unit::kCount, static_cast<double>(frame.done.contact_count()));
+  put_counts(frame_json(frame.done, spec.report()).at("counts"));
   put("bytes_in", Unit::kBytes, static_cast<double>(m.bytes_in()));
   put("bytes_out", Unit::kBytes, static_cast<double>(m.bytes_out()));
   put("device_bytes", Unit::kBytes, static_cast<double>(m.device_bytes()));
@@ -26,7 +29,7 @@ void History::add(const client::WatchedFrame& frame, v1::Report report, Clock::t
   ++frames_;
   skipped_ += frame.skipped_frames;
   last_frame_id_ = frame.frame_id;
-  earliest_toi_ = frame.done.earliest_toi();
+  earliest_toi_ = has_times(frame.done, spec) ? std::optional(frame.done.earliest_toi()) : std::nullopt;
   any_contact_ = frame.done.any_contact();
 }
 

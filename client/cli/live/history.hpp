@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,7 @@ class History {
   static constexpr size_t kFrames = 120;  ///< that are kept
 
   /// A frame that arrived now.
-  void add(const client::WatchedFrame& frame, v1::Report report, Clock::time_point now);
+  void add(const client::WatchedFrame& frame, const v1::SceneSpec& spec, Clock::time_point now);
 
   /// Times, stages, counts and bytes, in the order in which they appeared; counts that were never anything are left
   /// out.
@@ -34,7 +35,8 @@ class History {
   uint64_t frames() const { return frames_; }
   uint64_t skipped() const { return skipped_; }
   uint64_t last_frame_id() const { return last_frame_id_; }
-  double earliest_toi() const { return earliest_toi_; }
+  /// None if the last frame found no times.
+  std::optional<double> earliest_toi() const { return earliest_toi_; }
   bool any_contact() const { return any_contact_; }
   /// Frames a second over the last ones, also those that were not shown; 0 until there are two.
   double rate() const;
@@ -52,7 +54,7 @@ class History {
   std::vector<Series> series_;
   std::deque<Arrival> arrivals_;
   uint64_t frames_ = 0, skipped_ = 0, last_frame_id_ = 0;
-  double earliest_toi_ = 1;
+  std::optional<double> earliest_toi_;
   bool any_contact_ = false;
 };
 

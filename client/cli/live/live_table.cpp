@@ -21,7 +21,8 @@ constexpr size_t kAllRows = 1000;  // more than there are figures
 /// it.
 class Inbox {
  public:
-  Inbox(v1::Report report, const ReceiveFrame& receive) : thread_([this, report, receive] { run(report, receive); }) {}
+  Inbox(const v1::SceneSpec& spec, const ReceiveFrame& receive)
+      : thread_([this, spec, receive] { run(spec, receive); }) {}
 
   History history() const {
     const std::lock_guard lock(mutex_);
@@ -38,11 +39,11 @@ class Inbox {
   }
 
  private:
-  void run(v1::Report report, const ReceiveFrame& receive) {
+  void run(const v1::SceneSpec& spec, const ReceiveFrame& receive) {
     try {
       while (const auto frame = receive()) {
         const std::lock_guard lock(mutex_);
-        history_.add(*frame, report, History::Clock::now());
+        history_.add(*frame, spec, History::Clock::now());
       }
     } catch (const std::exception&) {
       failure_ = std::current_exception();
@@ -83,7 +84,7 @@ End show_until_the_end(const Inbox& inbox, const std::vector<std::string>& title
 
 void show_live(const v1::Scene& scene, const ReceiveFrame& receive, const std::function<void()>& cancel) {
   const std::vector<std::string> title = table_title(scene);
-  Inbox inbox(scene.spec().report(), receive);
+  Inbox inbox(scene.spec(), receive);
   End end{};
   try {
     end = show_until_the_end(inbox, title);

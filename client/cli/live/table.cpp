@@ -50,11 +50,15 @@ std::string row_of(const Series& series, size_t name_width, TableSize size) {
   return line + "  " + curve(series.values, size.columns - line.size() - 2, size.has_unicode);
 }
 
+std::string contact_text(const History& history) {
+  if (!history.any_contact()) return "no contact";
+  const std::optional<double> earliest = history.earliest_toi();
+  return earliest ? "earliest " + format_double("%.6g", *earliest) : "a contact";
+}
+
 std::string frame_line(const History& history) {
-  const std::string contact =
-      history.any_contact() ? "earliest " + format_double("%.6g", history.earliest_toi()) : std::string("no contact");
   return "frame " + count_text(history.last_frame_id()) + "   " + format_double("%.1f", history.rate()) +
-         " frames/s   " + count_text(history.skipped()) + " skipped   " + contact;
+         " frames/s   " + count_text(history.skipped()) + " skipped   " + contact_text(history);
 }
 
 std::string header(size_t name_width, const History& history) {

@@ -1,8 +1,10 @@
 #pragma once
-// Checks of options that are real numbers.
+// Checks of options that are numbers.
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <string>
 
 namespace collided::cli {
@@ -23,6 +25,19 @@ inline CLI::Validator at_least_zero() {
     double x = 0;
     using CLI::detail::lexical_cast;
     return lexical_cast(word, x) && x >= 0 ? std::string() : "'" + word + "' is not a number of at least 0";
+  };
+  return CLI::Validator(check, "");
+}
+
+/// Refuses what CLI11 takes for a number of 64 bits all the same: negative ones, which wrap around, and larger ones.
+inline CLI::Validator whole_number() {
+  const auto check = [](const std::string& word) {
+    uint64_t n = 0;
+    const char* const end = word.data() + word.size();
+    const auto [rest, error] = std::from_chars(word.data(), end, n);
+    return error == std::errc() && rest == end
+               ? std::string()
+               : "'" + word + "' is not a whole number from 0 to " + std::to_string(UINT64_MAX);
   };
   return CLI::Validator(check, "");
 }

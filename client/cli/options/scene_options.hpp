@@ -1,12 +1,38 @@
 #pragma once
-// Options for the procedural scene that a subcommand plays.
+// Options for the procedural scene that a subcommand plays, and for a daemon's scene.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <stdexcept>
+#include <string>
 
 #include "client/cli/options/finite.hpp"
 #include "client/cli/options/values.hpp"
+#include "client/scenes/scene.hpp"
 
 namespace collided::cli {
+
+/// Refuses, before anything is done, a procedural scene that there is not.
+inline CLI::Validator known_scene() {
+  const auto check = [](const std::string& word) -> std::string {
+    try {
+      scenes::check_scene(word, 1);
+      return "";
+    } catch (const std::invalid_argument& e) {
+      return e.what();
+    }
+  };
+  return CLI::Validator(check, "");
+}
+
+/// Refuses what no daemon calls a scene, and no message could carry.
+inline CLI::Validator scene_id() {
+  const auto check = [](const std::string& word) {
+    const bool is_visible = std::all_of(word.begin(), word.end(), [](char c) { return c > ' ' && c <= '~'; });
+    return is_visible ? std::string() : "the id has a character that is not visible ASCII, which none has";
+  };
+  return CLI::Validator(check, "");
+}
 
 inline void add_scale_option(CLI::App& command, double& scale) {
   command.add_option("--scale", scale, "Refines the grids: triangles grow by about its square")->capture_default_str();
@@ -15,6 +41,7 @@ inline void add_scale_option(CLI::App& command, double& scale) {
 inline void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--scene", options.name, "Name of the scene, see 'collidectl scenes'")
       ->type_name("SCENE")
+      ->check(known_scene())
       ->required();
   command.add_option("--frames", options.frames, "Number of frames")
       ->check(CLI::Range(1, 1000000))

@@ -1,6 +1,7 @@
 #pragma once
 // Names of files of which there is one for each frame: "{frame}" stands for the frame's number.
 
+#include <charconv>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -19,6 +20,19 @@ inline std::string numbered(std::string pattern, uint64_t frame) {
   for (size_t at = 0; (at = pattern.find(kFrameField, at)) != std::string::npos; at += number.size())
     pattern.replace(at, kFrameField.size(), number);
   return pattern;
+}
+
+/// Whether some frame's number makes `pattern` this name.
+inline bool gives(const std::string& pattern, const std::string& name) {
+  constexpr size_t kMaxDigits = 20;
+  const size_t first = pattern.find(kFrameField);
+  if (first == std::string::npos || name.compare(0, first, pattern, 0, first) != 0) return false;
+  for (size_t digits = 1; digits <= kMaxDigits && first + digits <= name.size(); ++digits) {
+    uint64_t frame = 0;
+    const char *const begin = name.data() + first, *const end = begin + digits;
+    if (std::from_chars(begin, end, frame).ptr == end && numbered(pattern, frame) == name) return true;
+  }
+  return false;
 }
 
 }  // namespace collided::cli

@@ -15,8 +15,11 @@
 #include <utility>
 
 #include "client/cli/options/usage_error.hpp"
+#include "client/cli/output/numbered.hpp"
 
 namespace collided::cli {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -26,7 +29,6 @@ std::string cannot_be_written(const std::string& file, int error) {
 
 /// Whether writing to one name changes what the other one holds.
 bool is_same_file(const std::string& a, const std::string& b) {
-  namespace fs = std::filesystem;
   if (is_standard_output(a) || is_standard_output(b)) return a == b;
   std::error_code error;
   if (fs::is_character_file(a, error)) return false;
@@ -37,6 +39,15 @@ bool is_same_file(const std::string& a, const std::string& b) {
   return error ? a == b : whole_a == whole_b;
 }
 
+/// Whether `pattern` gives the file of a frame this name.
+bool is_of_pattern(const std::string& pattern, const std::string& name) {
+  if (!is_numbered(pattern) || is_standard_output(name)) return false;
+  std::error_code error;
+  const fs::path whole_pattern = fs::weakly_canonical(fs::absolute(pattern), error);
+  const fs::path whole_name = fs::weakly_canonical(fs::absolute(name), error);
+  return !error && gives(whole_pattern.string(), whole_name.string());
+}
+
 using FileId = std::pair<dev_t, ino_t>;
 
 /// None if there is no regular file of that name.
@@ -44,6 +55,13 @@ std::optional<FileId> id_of(const std::string& file) {
   struct stat about {};
   if (stat(file.c_str(), &about) != 0 || !S_ISREG(about.st_mode)) return std::nullopt;
   return FileId(about.st_dev, about.st_ino);
+}
+
+/// Removes a file that was created by that name: of a link its target.
+void remove_created(const std::string& file) {
+  std::error_code error;
+  const fs::path created = fs::canonical(file, error);
+  if (!error) fs::remove(created, error);
 }
 
 /// 0, or errno from opening it for writing.
@@ -56,7 +74,7 @@ int try_to_open(const std::string& file) {
   const int opened = open(file.c_str(), O_WRONLY | O_CLOEXEC | (is_there ? 0 : O_CREAT), 0666);
   if (opened < 0) return errno;
   close(opened);
-  if (!is_there) unlink(file.c_str());
+  if (!is_there) remove_created(file);
   return 0;
 }
 
@@ -70,8 +88,8 @@ void check_writable(const std::string& option, const std::string& file) {
 void make_folder(const std::string& option, const std::string& folder) {
   if (is_standard_output(folder)) throw UsageError(option + " is a folder here; standard output (-) is none");
   std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder) || access(folder.c_str(), W_OK) != 0)
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder) || access(folder.c_str(), W_OK) != 0)
     throw std::runtime_error(option + " " + folder + ": is no folder that can be written to");
 }
 
@@ -80,10 +98,15 @@ void check_one_output(const std::string& out, bool json) {
 }
 
 void check_distinct(std::initializer_list<NamedOutput> outputs) {
+  const auto check = [](const NamedOutput& a, const NamedOutput& b) {
+    if (a.file.empty() || b.file.empty()) return;
+    const bool is_of_a = is_of_pattern(a.file, b.file);
+    if (is_of_a || is_of_pattern(b.file, a.file) || is_same_file(a.file, b.file))
+      throw UsageError(std::string(a.option) + " and " + b.option + " are two files; both are " +
+                       (is_of_a || !is_numbered(b.file) ? b.file : a.file));
+  };
   for (const NamedOutput* b = outputs.begin(); b != outputs.end(); ++b)
-    for (const NamedOutput* a = outputs.begin(); a != b; ++a)
-      if (!a->file.empty() && !b->file.empty() && is_same_file(a->file, b->file))
-        throw UsageError(std::string(a->option) + " and " + b->option + " are two files; both are " + b->file);
+    for (const NamedOutput* a = outputs.begin(); a != b; ++a) check(*a, *b);
 }
 
 void check_kept(const std::vector<std::string>& inputs, const std::vector<NamedOutput>& outputs) {
@@ -99,9 +122,8 @@ void check_kept(const std::vector<std::string>& inputs, const std::vector<NamedO
 }
 
 void print_summary(const std::string& out, const std::string& text) {
-  std::FILE* const to = is_standard_output(out) ? stderr : stdout;
-  std::fputs(text.c_str(), to);
-  std::fflush(to);
+  if (is_standard_output(out)) return (void)std::fputs(text.c_str(), stderr);
+  if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0) throw OutputClosed(errno);
 }
 
 void print_line(const std::string& line) {

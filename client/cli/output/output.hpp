@@ -35,13 +35,15 @@ struct NamedOutput {
 };
 
 /// Throws UsageError naming two options whose files are one, which would be overwritten. Links to a file are that file;
-/// whatever takes output and keeps none, such as /dev/null, may have several.
+/// a name with {frame} stands for those of all frames. Whatever takes output and keeps none, such as /dev/null, may
+/// have several.
 void check_distinct(std::initializer_list<NamedOutput> outputs);
 
 /// Throws UsageError naming an option whose file is one that is read, also by another name.
 void check_kept(const std::vector<std::string>& inputs, const std::vector<NamedOutput>& outputs);
 
-/// Prints a summary for people: to standard output, or to standard error if `out` is standard output.
+/// Prints a summary for people: to standard output, or to standard error if `out` is standard output. Throws
+/// OutputClosed.
 void print_summary(const std::string& out, const std::string& text);
 
 /// Prints a line to standard output and flushes it: whoever reads it watches. Throws OutputClosed.

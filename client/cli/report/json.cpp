@@ -18,6 +18,8 @@ std::string contact_count_name(v1::ContactKind kind) { return "contacts_" + long
 
 std::string json_text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
+std::string json_lines(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
 Json part_devices_json(const v1::SceneSpec& spec) {
   Json out = Json::array();
   for (const std::string& id : spec.part_devices()) out.push_back(id);

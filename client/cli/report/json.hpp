@@ -14,6 +14,8 @@ using Json = nlohmann::ordered_json;
 
 /// In one line. Bytes that are not UTF-8, as names of files may have, are replaced.
 std::string json_text(const Json& json);
+/// The same as the lines of a file, indented, with an end of line.
+std::string json_lines(const Json& json);
 Json scene_json(const v1::Scene& scene);
 /// Ids of the devices of a scene in parts, in order.
 Json part_devices_json(const v1::SceneSpec& spec);

@@ -153,7 +153,7 @@ std::string frame_message(ShownScene& shown, const client::WatchedFrame& frame) 
                {"skipped_frames", frame.skipped_frames},
                {"omitted_contacts", frame.omitted_contacts},
                {"origin", shown.origin}};
-  json.update(frame_result_json(frame.done, shown.scene.spec().report()));
+  json.update(frame_result_json(frame.done, shown.scene.spec()));
   Message message(MessageKind::kFrame, std::move(json));
   message.add("positions", positions);
   add_stencils(message, "vertex_triangle", shown.surface, frame.vertex_triangle);

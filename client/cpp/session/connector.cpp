@@ -13,6 +13,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
+constexpr milliseconds kQuietTime(10'000), kAnswerTime(5'000);  // those of gRPC's keepalive
+
 [[noreturn]] void refuse(const std::string& field, const std::string& why) {
   throw Error(grpc::INVALID_ARGUMENT, field + " " + why, field);
 }
@@ -64,11 +66,6 @@ bool is_gone(Client& client, const v1::Scene& scene) try {
   return true;
 }
 
-void ask(FrameStream& stream, uint64_t id, std::span<const FrameUpdate> updates, const FrameOptions& options) {
-  stream.send(id, updates, options);
-  stream.receive().check();
-}
-
 }  // namespace
 
 bool may_pass(const Error& error) {
@@ -98,10 +95,7 @@ Connector::Opened Connector::create(Client& client) const {
 
 Connector::Opened Connector::reopen(const v1::Scene& scene, bool is_reusable, Time deadline) const {
   const auto left = std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
-  ConnectOptions connect = channels_.options();
-  connect.patience = std::min(std::max(left, milliseconds(1)), connect.patience);
-  connect.deadline = std::min(std::max(left, milliseconds(1)), connect.deadline);
-  Client client = Client::connect(channels_.with(connect));
+  Client client = Client::connect(channels_.with(options_within(std::max(left, milliseconds(1)))));
   try {
     // Told at once if it is gone, where an endpoint that is gone would be waited for.
     if (is_reusable && !scene.endpoint().empty()) client.get_scene(scene.scene_id());
@@ -129,7 +123,35 @@ void Connector::remove(const v1::Scene& scene) const try {
   if (e.code() != grpc::NOT_FOUND) throw;
 }
 
-uint64_t restore(FrameStream& stream, const SceneMemory& memory) {
+FrameOutput Connector::receive(FrameStream& stream) const {
+  const bool is_watched = stream.is_local() && !channels_.in_process();
+  for (;;) {
+    if (auto output = stream.receive_within(is_watched ? kQuietTime : milliseconds::max())) return std::move(*output);
+    check_answers();
+  }
+}
+
+/// Throws Error if the daemon does not answer a call. Whatever else comes of it, such as a refusal, is an answer.
+void Connector::check_answers() const try {
+  Client::connect(channels_.with(options_within(kAnswerTime)));
+} catch (const Error& e) {
+  if (is_connection_lost(e) || e.code() == grpc::DEADLINE_EXCEEDED) throw;
+}
+
+ConnectOptions Connector::options_within(milliseconds time) const {
+  ConnectOptions options = channels_.options();
+  options.patience = std::min(time, options.patience);
+  options.deadline = std::min(time, options.deadline);
+  return options;
+}
+
+void Connector::ask(FrameStream& stream, uint64_t id, std::span<const FrameUpdate> updates,
+                    const FrameOptions& options) const {
+  stream.send(id, updates, options);
+  receive(stream).check();
+}
+
+uint64_t Connector::restore(FrameStream& stream, const SceneMemory& memory) const {
   uint64_t id = stream.scene().last_frame_id();
   if (!memory.first()) return id;
   const bool is_new = id == 0;

@@ -36,18 +36,24 @@ class Connector {
   Opened reopen(const v1::Scene& scene, bool is_reusable, Time deadline) const;
   /// Creates the scene on another daemon than the one that stops; none if no daemon takes it, and the scene stays.
   std::optional<Opened> leave(const v1::Scene& scene) const;
+  /// Waits for an answer, however long that takes. Throws Error once the stream has ended, and if the daemon is silent:
+  /// over gRPC keepalive ends the stream then, which a local socket does not have.
+  FrameOutput receive(FrameStream& stream) const;
+  /// Puts a scene where `memory` has it. Returns the last frame's id.
+  uint64_t restore(FrameStream& stream, const SceneMemory& memory) const;
   /// Ignores that it is gone.
   void remove(const v1::Scene& scene) const;
 
  private:
   Opened create(Client& client) const;
+  /// The options of a connection whose calls end within this time.
+  ConnectOptions options_within(std::chrono::milliseconds time) const;
+  void check_answers() const;
+  void ask(FrameStream& stream, uint64_t id, std::span<const FrameUpdate> updates, const FrameOptions& options) const;
 
   const ChannelFactory channels_;
   const SessionOptions options_;
   const OwnedScene input_;
 };
-
-/// Puts a scene where `memory` has it. Returns the last frame's id.
-uint64_t restore(FrameStream& stream, const SceneMemory& memory);
 
 }  // namespace collided::client

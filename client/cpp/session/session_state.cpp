@@ -132,7 +132,7 @@ void Session::State::run() {
 }
 
 void Session::State::receive_one(Lock& lock) {
-  FrameOutput output = unlocked(lock, [&] { return stream->receive_within(std::chrono::milliseconds::max()).value(); });
+  FrameOutput output = unlocked(lock, [&] { return connector.receive(*stream); });
   if (frames.empty() || frames.front().wire_id != output.frame_id)
     throw Error(grpc::DATA_LOSS, "the daemon answered frame " + std::to_string(output.frame_id) + " out of order");
   FrameInFlight& frame = frames.front();
@@ -153,7 +153,7 @@ void Session::State::leave(Lock& lock) {
     scene = std::move(opened->scene);
     ++recreations;
     stream.emplace(std::move(opened->stream));
-    last_wire_id = unlocked(lock, [&] { return restore(*stream, memory); });
+    last_wire_id = unlocked(lock, [&] { return connector.restore(*stream, memory); });
   }
   is_leaving = false;
   send_unsent(lock);
@@ -190,7 +190,7 @@ void Session::State::reopen(Lock& lock) {
   recreations += opened.is_new ? 1 : 0;
   stream.emplace(std::move(opened.stream));
   if (is_closed) return;
-  last_wire_id = unlocked(lock, [&] { return restore(*stream, memory); });
+  last_wire_id = unlocked(lock, [&] { return connector.restore(*stream, memory); });
   is_ready = true;
   ++reconnects;
   send_unsent(lock);

@@ -12,11 +12,11 @@ void BenchOutput::show(const std::string& lines) const {
 
 void BenchOutput::keep(const Json& object) {
   object_ = object;
-  if (!out_.empty() && !is_standard_output(out_)) write_text(out_, object_.dump(2) + "\n");
+  if (!out_.empty() && !is_standard_output(out_)) write_text(out_, json_lines(object_));
 }
 
 void BenchOutput::finish() const {
-  if (!object_.is_null() && (json_ || is_standard_output(out_))) write_text("-", object_.dump(2) + "\n");
+  if (!object_.is_null() && (json_ || is_standard_output(out_))) write_text("-", json_lines(object_));
 }
 
 }  // namespace collided::cli

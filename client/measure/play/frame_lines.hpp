@@ -10,7 +10,7 @@ namespace collided::cli {
 
 /// How `FrameLines` shows frames.
 struct LineOptions {
-  v1::Report report = v1::REPORT_ALL;
+  v1::SceneSpec spec = {};
   int frames = 0;
   std::vector<std::string> files = {};  ///< of the frames, by id from 1; may be empty
   bool json = false;                    ///< keeps objects instead of printing lines

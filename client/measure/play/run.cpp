@@ -31,9 +31,8 @@ double timed_play(client::FrameStream& stream, const FrameSource& source,
 
 void play_and_report(client::FrameStream& stream, const v1::Scene& scene, FrameSource source,
                      const PlayOptions& options) {
-  const v1::Report report = scene.spec().report();
-  FrameLines lines({.report = report, .frames = source.frames, .files = options.files, .json = options.json});
-  Totals totals(report);
+  FrameLines lines({.spec = scene.spec(), .frames = source.frames, .files = options.files, .json = options.json});
+  Totals totals(scene.spec().report());
   source.is_quiet = options.has_lines && lines.show_progress();
   std::exception_ptr failure;
   const auto take = [&](client::FrameOutput output) {

@@ -7,6 +7,7 @@
 
 #include "client/cli/daemon/connection.hpp"
 #include "client/cli/input/mesh_input.hpp"
+#include "client/cli/options/usage_error.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/report/json.hpp"
 #include "client/measure/stage_medians.hpp"
@@ -191,6 +192,12 @@ class Measurement {
 };
 
 }  // namespace
+
+void check_runs(const TradeoffSettings& settings) {
+  for (const std::string& format : settings.formats)
+    if (planned_runs(settings, format).empty())
+      throw UsageError("--formats " + format + " needs --levels fast, guarded or certified; exact is not for it");
+}
 
 void measure(const TradeoffSettings& settings, const StepInput& step, Tradeoff& result) {
   Measurement measurement(settings, step, result);

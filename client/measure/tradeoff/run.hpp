@@ -17,6 +17,9 @@ struct TradeoffSettings {
   std::string truth;  ///< folder; empty: the level exact
 };
 
+/// Throws UsageError naming a position format that none of the levels is for.
+void check_runs(const TradeoffSettings& settings);
+
 /// Fills in everything but date and commit. If it throws, `result` has the position formats that were completed.
 void measure(const TradeoffSettings& settings, const StepInput& step, Tradeoff& result);
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <locale>
+#include <sstream>
 
 #include "client/scenes/mesh_files/mesh_text.hpp"
 
@@ -42,9 +44,11 @@ void check(MeshFile& mesh, const std::string& file) {
 
 std::string read_file(const std::filesystem::path& file) {
   std::error_code error;
-  if (std::filesystem::is_directory(file, error)) fail(file.string(), "is a folder");
-  if (!std::filesystem::exists(file, error)) fail(file.string(), "does not exist");
-  if (!std::filesystem::is_regular_file(file, error)) fail(file.string(), "is not a file");
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (!status_known(status)) fail(file.string(), "cannot be read: " + error.message());
+  if (is_directory(status)) fail(file.string(), "is a folder");
+  if (!exists(status)) fail(file.string(), "does not exist");
+  if (!is_regular_file(status)) fail(file.string(), "is not a file");
   const uint64_t bytes = std::filesystem::file_size(file, error);
   if (error) fail(file.string(), error.message());
   if (bytes > kMaxFileBytes)
@@ -53,6 +57,13 @@ std::string read_file(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in.read(text.data(), static_cast<std::streamsize>(bytes))) fail(file.string(), "cannot be read");
   return text;
+}
+
+bool is_underflow(std::string_view word) {
+  std::istringstream in{std::string(word)};
+  in.imbue(std::locale::classic());
+  double value = 0;
+  return static_cast<bool>(in >> value);  // which fails for numbers that are too large
 }
 
 void write_file(const std::filesystem::path& file, const std::string& text) {

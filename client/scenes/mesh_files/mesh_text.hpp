@@ -47,17 +47,22 @@ inline std::string_view next_line(std::string_view& text) {
   return line;
 }
 
-/// The number that `word` spells, rounded once, to T. `place`, or what it returns, locates it in errors.
+/// Of a number that std::from_chars finds out of range, whether it is too small for a double, not too large.
+bool is_underflow(std::string_view word);
+
+/// The number that `word` spells, rounded once, to T; 0 if it is closer to 0 than any other. `place`, or what it
+/// returns, locates it in errors.
 template <class T, class Place>
 T parse_number(std::string_view word, const Place& place) {
   if (word.empty()) fail(place, "a number is missing");
   if (word.front() == '+') word.remove_prefix(1);
   T value{};
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error == std::errc::result_out_of_range) fail(place, "number " + std::string(word) + " is out of range");
-  if (error != std::errc() || end != word.data() + word.size())
+  if (error == std::errc::invalid_argument || end != word.data() + word.size())
     fail(place, "'" + std::string(word.substr(0, 40)) + "' is not a number");
-  return value;
+  if (error == std::errc()) return value;
+  if (std::floating_point<T> && is_underflow(word)) return 0;
+  fail(place, "number " + std::string(word) + " is out of range");
 }
 
 /// Splits a polygon of corners into a fan of triangles.

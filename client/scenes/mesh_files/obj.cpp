@@ -1,5 +1,5 @@
 // OBJ: lines "v x y z", "f a b c ...", "l a b ..." and "p a ..." (also a/b/c, and negative indices, which count back);
-// others are skipped.
+// others are skipped, and comments behind '#'. A line that ends in '\' goes on in the next one.
 
 #include <cmath>
 
@@ -51,6 +51,35 @@ void add_element(std::string_view key, const std::vector<uint32_t>& vertices, Me
   mesh.points.insert(mesh.points.end(), vertices.begin(), vertices.end());
 }
 
+class ObjLines {
+ public:
+  explicit ObjLines(std::string_view text) : text_(text) {}
+
+  bool has_next() const { return !text_.empty(); }
+  /// Without its comment, whose end is no '\': it would take the next line with it. Valid until the next call.
+  std::string_view next() {
+    number_ = read_ + 1;
+    std::string_view line = read();
+    if (!line.ends_with('\\')) return line;
+    joined_.clear();
+    for (; line.ends_with('\\'); line = read()) (joined_ += line.substr(0, line.size() - 1)) += ' ';
+    return joined_ += line;
+  }
+  /// Of the first of the lines that next() has joined, from 1.
+  size_t number() const { return number_; }
+
+ private:
+  std::string_view read() {
+    ++read_;
+    const std::string_view line = next_line(text_);
+    return line.substr(0, line.find('#'));
+  }
+
+  std::string_view text_;
+  std::string joined_;
+  size_t read_ = 0, number_ = 0;
+};
+
 void append_number(std::string& out, double x) {
   char buffer[40];
   out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, x, std::chars_format::general, 17).ptr);
@@ -64,11 +93,11 @@ MeshFile read_obj(std::string_view text, const std::string& file) {
   MeshFile mesh;
   std::vector<uint32_t> corners;
   MaxCorner max;
-  for (size_t number = 1; !text.empty(); ++number) {
-    std::string_view line = next_line(text);
+  for (ObjLines lines(text); lines.has_next();) {
+    std::string_view line = lines.next();
     const std::string_view key = next_word(line);
     if (key != "v" && key != "f" && key != "l" && key != "p") continue;
-    const std::string place = file + ":" + std::to_string(number);
+    const std::string place = file + ":" + std::to_string(lines.number());
     if (key == "v") {
       mesh.positions.push_back(parse_vertex(line, place));
       continue;
@@ -77,7 +106,7 @@ MeshFile read_obj(std::string_view text, const std::string& file) {
     for (std::string_view word = next_word(line); !word.empty(); word = next_word(line))
       corners.push_back(parse_corner(word, mesh.positions.size(), place));
     add_element(key, corners, mesh, place);
-    max.include(corners, number);
+    max.include(corners, lines.number());
   }
   if (max.line > 0 && max.corner >= mesh.positions.size())
     fail(file + ":" + std::to_string(max.line), "vertex index " + std::to_string(uint64_t{max.corner} + 1) +

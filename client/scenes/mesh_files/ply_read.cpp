@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <limits>
 
 #include "client/scenes/mesh_files/mesh_text.hpp"
 #include "client/scenes/mesh_files/ply_header.hpp"
@@ -11,6 +12,12 @@
 namespace collided::scenes {
 
 namespace {
+
+/// A whole number, however large.
+std::string text_of(double number) {
+  char text[std::numeric_limits<double>::max_exponent10 + 8];
+  return {text, std::to_chars(text, text + sizeof text, number, std::chars_format::fixed, 0).ptr};
+}
 
 /// Reads numbers from the body, whatever their encoding. A double holds every PLY type exactly.
 class Body {
@@ -47,8 +54,8 @@ class Body {
     const double length = number(property.count_type);
     const uint64_t each = format_ == PlyFormat::kAscii ? 1 : size_of(property.type);
     if (!(length >= 0) || length > static_cast<double>(text_.size() / each))
-      fail(place, "a list of " + std::to_string(static_cast<int64_t>(length)) + " does not fit in the " +
-                      std::to_string(text_.size()) + " bytes that are left");
+      fail(place, "a list of " + text_of(length) + " does not fit in the " + std::to_string(text_.size()) +
+                      " bytes that are left");
     return static_cast<uint64_t>(length);
   }
 
@@ -118,7 +125,7 @@ void read_face(Body& body, const PlyElement& element, MeshFile& mesh, const std:
     for (uint64_t n = body.list_length(p, place); n > 0; --n) {
       const double index = body.number(p.type);
       if (!(index >= 0 && index < static_cast<double>(mesh.positions.size())))
-        fail(place, "vertex index " + std::to_string(static_cast<int64_t>(index)) + " is out of range; there are " +
+        fail(place, "vertex index " + text_of(index) + " is out of range; there are " +
                         std::to_string(mesh.positions.size()) + " vertices");
       corners.push_back(static_cast<uint32_t>(index));
     }

@@ -38,7 +38,7 @@ export interface FrameMessage {
   omitted_contacts: number;
   contact_count: number | null;
   any_contact: boolean;
-  earliest_toi: number;
+  earliest_toi?: number;
   advanced?: number;
   total_ms: number;
   queue_ms: number;

@@ -113,7 +113,8 @@ export class Panel {
 
 function earliest(frame: FrameMessage, scene: SceneMessage): string {
   if (scene.scene.mode === "dcd") return "– (DCD)";
-  return frame.any_contact ? `at ${plain(100 * frame.earliest_toi)} % of the step` : "none";
+  if (!frame.any_contact) return "none";
+  return frame.earliest_toi === undefined ? "–" : `at ${plain(100 * frame.earliest_toi)} % of the step`;
 }
 
 function mark(color: string, shape: string): HTMLElement {

@@ -6,7 +6,7 @@ import json
 import os
 
 import support
-from support import ONE_CPU
+from support import FRAME0, FRAME1, ONE_CPU
 
 
 class Bench(support.CollidectlTest):
@@ -113,9 +113,27 @@ class Bench(support.CollidectlTest):
         self.refused(2, "--accuracy", "bench", *scene, "--accuracy", "perfect")
         self.refused(2, "--position-format", "bench", *scene, "--position-format", "f16")
 
+    def test_names_that_are_not_utf8_lose_no_result(self):
+        frames = [os.fsencode(self.folder.name) + name for name in (b"/\xff0.obj", b"/\xff1.obj")]
+        for text, frame in zip((FRAME0, FRAME1), frames):
+            with open(frame, "w", encoding="ascii") as file:
+                file.write(text)
+        out = os.path.join(self.folder.name, "out.json")
+        bench = ["bench", "--frames", *frames, "--steps", "1", "--warm-up", "0", *ONE_CPU]
+        load = ["load", "--frames", *frames, "--rate", "20", "--seconds", "0.2", *ONE_CPU]
+        for words in (bench, load):
+            told = json.loads(self.ok(*words, "--out", out, "--json"))
+            with open(out, encoding="utf-8") as file:
+                self.assertEqual(json.load(file), told)
+            self.assertIn("\ufffd", json.dumps(told, ensure_ascii=False))
+        out = os.path.join(self.folder.name, "tradeoff")
+        words = [*frames, "--levels", "fast", "--formats", "f32", "--repeats", "1", *ONE_CPU, "--out", out, "--json"]
+        told = json.loads(self.ok("tradeoff", *words))
+        self.assertIn("\ufffd", told["results"][0]["name"])
+
     def test_bench_names_what_it_cannot_use_before_any_work(self):
         nothing = {"COLLIDED_DAEMON": "/nonexistent"}
-        self.refused(1, "'nothing' is not known", "bench", "--scene", "funnel,nothing", **nothing)
+        self.refused(2, "'nothing' is not known", "bench", "--scene", "funnel,nothing", **nothing)
         self.refused(1, "scale is 100", "bench", "--scene", "funnel", "--scale", "100", **nothing)
         bad = "/nonexistent/folder/bench.json"
         self.refused(1, bad, "bench", "--scene", "funnel", "--out", bad, **nothing)

@@ -7,6 +7,7 @@ import json
 import os
 import pwd
 import signal
+import socket
 import subprocess
 import tempfile
 import time
@@ -93,6 +94,22 @@ class Daemon(support.CollidectlTest):
                     process.terminate()
                 self.assertIn(process.returncode, (-signal.SIGTERM, 128 + signal.SIGTERM, 0))
                 self.ok("detect", self.frame0, self.frame1, *server)
+
+    def test_settings_of_other_daemons_do_not_reach_its_own(self):
+        config = self.put("config.toml", "no-such-option = 1\n")
+        others = {"COLLIDED_LOG_FORMAT": "json", "COLLIDED_TOKENS_FILE": "/nonexistent", "COLLIDED_CONFIG": config,
+                  "COLLIDED_MAX_SCENES": "abc"}
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            others["COLLIDED_HTTP_ADDRESS"] = f"127.0.0.1:{taken.getsockname()[1]}"
+            self.ok("detect", self.frame0, self.frame1, *ONE_CPU, **others)
+        words = ["load", "--scene", "reef_knot", "--scale", "0.1", "--rate", "20", "--seconds", "0.2", "--json", *ONE_CPU]
+        self.assertTrue(json.loads(self.ok(*words, **others))["comparison"])  # with the metrics that its log names
+
+    def test_a_folder_whose_name_no_address_can_have_is_not_used(self):
+        for name in ("50%25", "a,b", "a b", "a#b"):
+            folder = os.path.join(self.folder.name, name)
+            os.mkdir(folder)
+            self.ok("info", TMPDIR=folder)
 
     def test_nothing_is_left_behind(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -51,7 +51,7 @@ class Estimate(support.CollidectlTest):
     def test_what_cannot_be_made_is_refused(self):
         with self.daemon("--max-vertices", "5") as address:
             self.refused(1, "max_vertices", "estimate", self.frame0, "--server", address)
-            self.refused(1, "is not known", "estimate", "--scene", "nothing", "--server", address)
+            self.refused(2, "is not known", "estimate", "--scene", "nothing", "--server", address)
         self.refused(1, "none.obj", "estimate", "none.obj", *ONE_CPU)
 
 

@@ -123,6 +123,39 @@ class Frames(support.CollidectlTest):
         self.refused(1, "Is a directory", "stream", *self.files, "--out", self.folder.name, **nothing)
         self.refused(1, "No such file", "stream", *self.files, "--vtp", "/nonexistent/{frame}.vtp", **nothing)
 
+    def test_files_of_a_frame_are_no_others(self):
+        nothing = {"COLLIDED_DAEMON": "/nonexistent"}
+        ply, link = ["--ply", self.path("k_{frame}.ply")], self.path("link")
+        os.symlink(self.folder.name, link)
+        for name in (self.path("k_0001.ply"), link + "/k_0012.ply", self.path("k_{frame}.ply")):
+            self.refused(2, "--record and --ply are two files; both are", "stream", *self.files, "--record", name, *ply, **nothing)
+        self.refused(2, "--ply and the series of --vtp are two files", "stream", *self.files, "--ply", self.path("c{frame}.pvd"),
+                     "--vtp", self.path("c0001{frame}.vtp"), **nothing)
+        self.ok("stream", *self.files, *ONE_CPU, "--record", self.path("k_001.ply"), *ply)
+
+    def test_checking_an_output_leaves_links_as_they_are(self):
+        link, target = self.path("link.csv"), self.path("target.csv")
+        os.symlink("target.csv", link)
+        words = ["stream", *self.files, "--out", link]
+        self.refused(1, "COLLIDED_DAEMON", *words, COLLIDED_DAEMON="/nonexistent")
+        self.assertTrue(os.path.islink(link))
+        self.assertFalse(os.path.exists(target))
+        self.ok(*words, *ONE_CPU)
+        self.assertTrue(os.path.islink(link) and os.path.getsize(target))
+
+    def test_a_frame_tells_candidates_of_each_kind(self):
+        words = ["stream", *self.files, "--accuracy", "candidates", "--kinds", "vt,ee,tt", *ONE_CPU]
+        self.assertRegex(self.ok(*words).splitlines()[1], r": 4 candidates \(1 vt, 2 ee, 1 tt\), \S+ ms$")
+        self.assertNotIn("earliest_toi", json.loads(self.ok(*words, "--json"))["per_frame"][1])
+
+    def test_a_frame_without_motion_has_no_time_of_impact(self):
+        words = ["stream", *self.files, "--mode", "dcd", "--thickness", "2", *ONE_CPU]
+        self.assertRegex(self.ok(*words).splitlines()[1], r": [1-9]\d* contacts \(\d+ vt, \d+ ee, 0 tt\), \S+ ms$")
+        for more in ([], ["--report", "any"]):
+            frame = json.loads(self.ok(*words, *more, "--json"))["per_frame"][1]
+            self.assertIs(frame["any_contact"], True)
+            self.assertNotIn("earliest_toi", frame)
+
     def test_files_or_a_scene(self):
         self.refused(2, "stream needs one of FRAME... and --scene", "stream", *ONE_CPU)
         self.refused(2, "stream needs one of FRAME... and --scene", "stream", *self.files, "--scene", "funnel")

@@ -120,6 +120,14 @@ class Runs(LoadTest):
         self.assertGreaterEqual(result["find_max"]["frames_per_second"], 20)
 
 
+    def test_a_result_that_cannot_be_written_is_told(self):
+        words = ["load", *SMALL, "--rate", "20", "--seconds", "0.2", *ONE_CPU, "--json", "--out", "/dev/full"]
+        done = support.ctl(*words)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("/dev/full: cannot be written: No space left", done.stderr)
+        self.assertEqual(json.loads(done.stdout)["frames"]["due"], 4)
+
+
 class Refusals(LoadTest):
     def test_refused_frames_are_counted_by_reason(self):
         with self.loaded_daemon("--max-frames-per-second", "20") as (_, server):
@@ -158,14 +166,18 @@ class Refusals(LoadTest):
         self.refused(2, "--seconds", "load", *SMALL, "--ramp", "1:2:3", "--seconds", "3")
         self.refused(2, "--find-max and --p99", "load", *SMALL, "--find-max")
         self.refused(2, "--find-max and --p99", "load", *SMALL, "--rate", "1", "--p99", "5ms")
-        self.refused(2, "--p99", "load", *SMALL, "--find-max", "--p99", "5 apples")
+        for bound in ("5 apples", "5", "ms", "", "1e999s"):
+            self.refused(2, "--p99", "load", *SMALL, "--find-max", f"--p99={bound}")
+        for bound in ("-5ms", "0s", "nanms", "infs"):
+            self.refused(2, f"--p99: '{bound}' is not a time greater than 0", "load", *SMALL, "--find-max", f"--p99={bound}")
+        for seed in ("-1", "99999999999999999999", "1.5", "x"):
+            self.refused(2, "--seed", "load", *SMALL, "--rate", "1", "--arrivals", "poisson", f"--seed={seed}")
         self.refused(2, "two frames or more", "load", "--frames", self.frame0, "--rate", "1")
         self.refused(2, "--html", "load", *SMALL, "--rate", "1", "--html", "-")
         self.refused(2, "--metrics-url", "load", *SMALL, "--rate", "1", "--metrics-url", "127.0.0.1:1")
         self.refused(2, "at most 100000", "load", *SMALL, "--rate", "1", "--clients", "70000", "--scenes", "70000")
         for rate in ("0", "-1", "nan"):
             self.refused(2, "--rate", "load", *SMALL, f"--rate={rate}")
-        self.refused(1, "is not known", "load", "--scene", "nothing", "--rate", "1")
         self.refused(1, "nonexistent", "load", *SMALL, "--rate", "1", "--html", "/nonexistent/load.html")
 
 

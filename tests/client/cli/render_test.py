@@ -4,7 +4,9 @@ Usage: render_test.py COLLIDECTL DAEMON"""
 
 import json
 import os
+import signal
 import subprocess
+import time
 
 import numpy as np
 from PIL import Image
@@ -127,6 +129,19 @@ class Render(support.CollidectlTest):
         scene = ["render", "--scene", "one_cell", "--mode", "dcd", *SMALL, *ONE_CPU, "--json"]
         self.assertEqual(len(json.loads(self.ok(*scene, "--frames", "3", "--out", pattern))["per_frame"]), 3)
         self.assertEqual(len(json.loads(self.ok(*scene, "--out", pattern))["per_frame"]), 1)
+
+    def test_an_interrupt_tells_the_pictures_so_far(self):
+        pattern = os.path.join(self.folder.name, "{frame}.png")
+        words = ["render", "--scene", "one_cell", "--mode", "dcd", "--frames", "100000", "--dt", "0", *SMALL, *ONE_CPU]
+        env = {**os.environ, "COLLIDED_DAEMON": DAEMON}
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        with subprocess.Popen([COLLIDECTL, *words, "--out", pattern, "--json"], env=env, **pipes) as process:
+            while process.poll() is None and not os.path.exists(pattern.format(frame="0003")):
+                time.sleep(0.01)
+            process.send_signal(signal.SIGINT)
+            printed, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 128 + signal.SIGINT, errors)
+        self.assertGreaterEqual(len(json.loads(printed)["per_frame"]), 2)
 
     def test_standard_output_takes_a_picture(self):
         words = [COLLIDECTL, "render", self.frame0, self.frame1, *SMALL, *ONE_CPU, "--out", "-"]

@@ -93,6 +93,8 @@ class Tradeoff(support.CollidectlTest):
         for delta in ("-1", "nan", "inf", "soon", "0,-1"):
             self.refused(2, "--deltas", "tradeoff", *frames, *out, f"--deltas={delta}")
         self.refused(2, "--thickness", "tradeoff", *frames, *out, "--thickness=-1")
+        self.refused(2, "--formats q16 needs --levels fast, guarded or certified", "tradeoff", *frames, *out, "--levels", "exact",
+                     "--formats", "f32,q16")
         self.refused(2, "--repeats", "tradeoff", *frames, *out, "--repeats", "0")
         self.refused(2, "--out", "tradeoff", *frames)
         self.refused(2, "one of FRAME0 FRAME1 and --scene", "tradeoff", *out)
@@ -114,7 +116,18 @@ class Tradeoff(support.CollidectlTest):
         self.refused(1, "a.obj has 6 vertices, ", "tradeoff", self.frame0, other, *out)
         turned = self.put("turned.obj", FRAME0.replace("f 1 2 3", "f 1 3 2"))
         self.refused(1, "triangle 0 has other vertices", "tradeoff", self.frame0, turned, *out)
-        self.refused(1, "is not known", "tradeoff", "--scene", "nothing", *out)
+        os.makedirs(os.path.join(out[1], "tradeoff.md"))
+        self.refused(1, "tradeoff.md: cannot be written: Is a directory", "tradeoff", *frames, *out, COLLIDED_DAEMON="/nonexistent")
+
+    def test_a_result_that_cannot_be_written_is_told(self):
+        out = os.path.join(self.folder.name, "tradeoff")
+        os.mkdir(out)
+        os.symlink("/dev/full", os.path.join(out, "tradeoff.json"))
+        words = ["tradeoff", self.frame0, self.frame1, "--levels", "fast", "--formats", "f32", "--repeats", "1", *ONE_CPU]
+        done = support.ctl(*words, "--out", out, "--json")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("tradeoff.json: cannot be written: No space left", done.stderr)
+        self.assertEqual(len(json.loads(done.stdout)["results"][0]["runs"]), 1)
 
 
 if __name__ == "__main__":

@@ -35,6 +35,8 @@ class Usage(support.CollidectlTest):
             self.refused(2, "--t0", "stream", "--scene", "funnel", f"--t0={number}")
             self.refused(2, "--dt", "stream", "--scene", "funnel", f"--dt={number}")
         self.refused(2, "a command is needed")
+        for command in ("stream", "render", "export", "bench", "load", "estimate", "tradeoff", "view"):
+            self.refused(2, "--scene: scene 'nothing' is not known; the scenes are funnel,", command, "--scene", "nothing")
         self.refused(2, "--threads", "detect", self.frame0, "--server", "x:1", "--threads", "2")
 
     def test_options_that_do_not_go_together(self):
@@ -139,7 +141,9 @@ class Usage(support.CollidectlTest):
 
     def test_a_reader_that_leaves_ends_it_without_a_word_and_without_leftovers(self):
         with tempfile.TemporaryDirectory() as folder:
-            for words in (["info"], ["scenes"], ["detect", self.frame0, self.frame1, "--out", "-", *ONE_CPU]):
+            detect = ["detect", self.frame0, self.frame1, *ONE_CPU]
+            long = [["completion", "bash"], ["load", "--help"]]  # whose first write fails, not the last
+            for words in (["info"], ["scenes"], detect, [*detect, "--out", "-"], *long):
                 reader, writer = os.pipe()
                 os.close(reader)
                 env = {**os.environ, "COLLIDED_DAEMON": DAEMON, "TMPDIR": folder}
@@ -165,12 +169,12 @@ class Usage(support.CollidectlTest):
         self.refused(1, "has 7", "detect", self.frame0, other, *ONE_CPU)
         self.refused(1, "none.ply", "detect", "none.ply", self.frame0)
         self.refused(1, "empty.obj: has 0 vertices", "detect", self.put("empty.obj", ""), "--mode", "dcd")
-        self.refused(1, "is not known", "stream", "--scene", "nothing")
         self.refused(1, "nonexistent", "info", "--server", "unix:/nonexistent/socket")
         self.refused(1, "COLLIDED_DAEMON", "detect", self.frame0, self.frame1, COLLIDED_DAEMON="/nonexistent")
         self.refused(1, "ended with exit code 1", "info", COLLIDED_DAEMON="/bin/false")
-        self.refused(1, 'before it was ready: --max-scenes: "abc" is not a number from 1 to 1000000\n', "info",
-                     COLLIDED_MAX_SCENES="abc")
+        daemon = self.put("daemon", "#!/bin/sh\necho 'no room' >&2\nexit 7\n")
+        os.chmod(daemon, 0o755)
+        self.refused(1, "ended with exit code 7 before it was ready: no room\n", "info", COLLIDED_DAEMON=daemon)
         self.refused(1, "does not exist", "detect", self.folder.name + "/none.obj", self.frame0)
         folder = os.path.join(self.folder.name, "folder.obj")
         os.mkdir(folder)

@@ -85,6 +85,26 @@ TEST_F(MeshFiles, ObjLinesAndPointsAreLooseElements) {
   EXPECT_NE(error_of("m.obj", "v 0 0 0\np 2\n").find("m.obj:2: vertex index 2 is out of range"), std::string::npos);
 }
 
+TEST_F(MeshFiles, ObjCommentsAndLinesThatGoOnAreRead) {
+  const MeshFile mesh = read_mesh(put("m.obj",
+                                      "# C:\\meshes\\\nv 0 0 0 # 1\nv 1 \\\n0 0\r\nv 0 \\\r\n1 \\\r\n0\n"
+                                      "f 1 2 3 # of 1 2 3\nf 3 2\\\n1#\n"));
+  EXPECT_EQ(mesh.positions, (std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+  EXPECT_EQ(mesh.triangles, (std::vector<std::array<uint32_t, 3>>{{0, 1, 2}, {2, 1, 0}}));
+  EXPECT_NE(error_of("m.obj", "v 0 0 0\nv 1 \\\nzero 0\n").find("m.obj:2: 'zero' is not a number"), std::string::npos);
+  EXPECT_NE(error_of("m.obj", "v 0 0 0\nv 1 0 \\\n\nv 0 zero 0").find("m.obj:2: a number is missing"),
+            std::string::npos);
+  EXPECT_NE(error_of("m.obj", "v 0 0 \\").find("m.obj:1: a number is missing"), std::string::npos);
+}
+
+TEST_F(MeshFiles, NumbersThatAreTooSmallAreZero) {
+  const MeshFile mesh = read_mesh(put("m.obj", "v 1e-400 -1e-400 0.1e-99999\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
+  EXPECT_EQ(mesh.positions[0], (Vec3d{0, 0, 0}));
+  for (const char* number : {"1e400", "-1e400"})
+    EXPECT_NE(error_of("m.obj", "v 0 0 " + std::string(number) + "\n").find("is out of range"), std::string::npos);
+  EXPECT_NE(error_of("m.obj", "v 0 0 1e-400x\n").find("'1e-400x' is not a number"), std::string::npos);
+}
+
 TEST_F(MeshFiles, AByteOrderMarkIsNoPartOfTheFirstLine) {
   const MeshFile f = read_mesh(put("m.obj", "\xEF\xBB\xBFv 7 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
   ASSERT_EQ(f.positions.size(), 3u);
@@ -171,6 +191,14 @@ TEST_F(MeshFiles, HostilePlyIsRefusedBeforeAllocation) {
   EXPECT_NE(error_of("m.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n"), "");
 }
 
+TEST_F(MeshFiles, LargeNumbersInPlyAreToldAsTheyAre) {
+  const std::string error = error_of("m.ply",
+                                     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                                     "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                                     "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 9223372036854775807\n");
+  EXPECT_NE(error.find("vertex index 9223372036854775808 is out of range"), std::string::npos) << error;
+}
+
 TEST_F(MeshFiles, FilesWithoutAMeshAreRefused) {
   EXPECT_NE(error_of("m.obj", "").find("m.obj: has 0 vertices; a mesh needs 3"), std::string::npos);
   EXPECT_NE(error_of("m.obj", "no mesh at all\n").find("m.obj: has 0 vertices"), std::string::npos);
@@ -198,6 +226,13 @@ TEST_F(MeshFiles, ErrorsNameFileAndPlace) {
             std::string::npos);
   EXPECT_NE(error_of("m.stl", "solid").find("neither .obj nor .ply"), std::string::npos);
   EXPECT_THROW(read_mesh(dir_ / "none.ply"), std::runtime_error);
+  std::filesystem::create_symlink("loop.obj", dir_ / "loop.obj");
+  try {
+    read_mesh(dir_ / "loop.obj");
+    ADD_FAILURE() << "read";
+  } catch (const std::runtime_error& e) {
+    EXPECT_NE(std::string(e.what()).find("loop.obj: cannot be read: Too many levels"), std::string::npos) << e.what();
+  }
   EXPECT_THROW(read_mesh(dir_), std::runtime_error);
 }
 

@@ -74,11 +74,13 @@ class Demos(ViewerCase):
     def test_files_are_played_to_and_fro_with_a_daemon_of_its_own(self):
         files = []
         for number, text in enumerate(FRAMES):
-            files.append(pathlib.Path(self.local.name) / f"frame{number}.obj")
+            files.append(pathlib.Path(self.local.name) / f"fram\udcff{number}.obj")  # no UTF-8, as names of files may be
             files[-1].write_text(text)
         viewer = self.view("--play", *map(str, files), "--rate", "50", "--backend", "cpu", "--threads", "1")
         socket = self.open(viewer)
-        self.assertEqual(socket.until("scene")["triangles"], (0, 1, 2, 3, 4, 5))
+        scene = socket.until("scene")
+        self.assertIn("fram?0", scene["name"])
+        self.assertEqual(scene["triangles"], (0, 1, 2, 3, 4, 5))
         heights = set()
         while len(heights) < 2:
             frame = socket.until("frame", lambda frame: frame["frame"] > 1)

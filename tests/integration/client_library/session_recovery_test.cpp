@@ -148,6 +148,36 @@ TEST(SessionFrames, ADaemonThatStopsForAWhileLosesNothing) {
   }
 }
 
+// A local socket has no keepalive.
+TEST(SessionFrames, ADaemonThatHangsIsALossOverSharedMemoryToo) {
+  MortalDaemon daemon;
+  constexpr auto mode = pb::DETECTION_MODE_CCD;
+  SessionOptions options = over(Local::kOn);
+  options.give_up = std::chrono::seconds(2);
+  Compared compared(
+      daemon.address(), session_spec(mode), [](uint64_t id) { return session_frame(id, mode); }, 4, daemon.address(),
+      options);
+  compared.detect(2);
+  daemon.pause();
+  compared.submit(1);
+  EXPECT_EQ(compared.answers.front().wait_for(std::chrono::seconds(40)), std::future_status::ready);
+  daemon.process().signal(SIGCONT);
+  EXPECT_THROW(compared.answers.front().get(), client::Error);
+}
+
+TEST(SessionFrames, AFrameThatTakesLongIsNoLossWhileTheDaemonAnswers) {
+  MortalDaemon daemon;
+  Compared compared = compare(daemon, pb::DETECTION_MODE_CCD, Local::kOn, 4);
+  compared.detect(2);
+  daemon.pause();
+  compared.submit(1);
+  constexpr std::chrono::seconds kUntilItIsAsked(12);
+  EXPECT_EQ(compared.answers.front().wait_for(kUntilItIsAsked), std::future_status::timeout);
+  daemon.process().signal(SIGCONT);
+  compared.expect_answers();
+  compared.expect_counts(0, 0);
+}
+
 /// Falls on the ground, as far as is certified: whole, sparse, and with the ball, which does not turn.
 SessionFrame falling_frame(uint64_t id) {
   const bool is_sparse = id % 3 == 0;

@@ -70,6 +70,18 @@ class Datasets(batch_support.BatchTest):
         self.assertEqual(self.listed(REAL)[0], ["cloth-ball/frames/cloth_ball92.ply,cloth-ball/frames/cloth_ball93.ply",
                                                 "cloth-funnel/frames/227.ply,cloth-funnel/frames/228.ply"])
 
+    def test_a_printed_list_keeps_names_that_look_like_comments(self):
+        self.put("#1.obj", FRAME0)
+        self.put("#2.obj", FRAME0)
+        printed = ctl("batch", "#?.obj", "--list", cwd=self.folder.name).stdout
+        self.assertEqual(printed.splitlines()[1], '"#1.obj","#2.obj"')
+        self.assertEqual(ctl("batch", self.put("pairs.csv", printed), "--list").stdout.count("\n"), 2)
+
+    def test_what_cannot_be_looked_at_is_named(self):
+        self.frames("below", (1, 2))
+        os.symlink("loop.obj", os.path.join(self.data, "below", "loop.obj"))
+        self.refused(1, "below/loop.obj: cannot be read: Too many levels of symbolic links", "batch", self.data, "--list")
+
     def test_hostile_data_sets(self):
         def refused(part, dataset, *words):
             self.refused(1, part, "batch", dataset, "--list", *words)
@@ -148,6 +160,16 @@ class Pairs(batch_support.BatchTest):
         self.frames("", (1, 2))
         self.batch("--report", "any", *ONE_CPU)
         self.assertEqual([(row["contacts"], row["earliest_toi"], row["any_contact"]) for row in self.table()], [("", "", "yes")])
+
+    def test_candidates_are_counted_by_kind(self):
+        self.frames("", (1, 2))
+        self.batch("--accuracy", "candidates", "--kinds", "vt,ee,tt", *ONE_CPU)
+        names = ("contacts", "vertex_triangle", "edge_edge", "triangle_triangle", "any_contact", "earliest_toi")
+        (row,) = self.table()
+        counts = [int(row[name]) for name in names[:4]]
+        self.assertEqual(counts[0], sum(counts[1:]))
+        self.assertTrue(all(counts), row)
+        self.assertEqual([row[name] for name in names[4:]], ["no", ""])
 
     def test_a_daemon_that_cannot_be_reached_is_no_pairs_fault(self):
         self.frames("", (1, 2, 3))

@@ -23,13 +23,20 @@ client::WatchedFrame frame(uint64_t id, double total_ms, uint64_t contacts, uint
   return out;
 }
 
+v1::SceneSpec spec_of(v1::Report report, v1::DetectionMode mode = v1::DETECTION_MODE_CCD) {
+  v1::SceneSpec spec;
+  spec.set_report(report);
+  spec.set_mode(mode);
+  return spec;
+}
+
 /// Frames 1, 2, 3 at 100 ms; one was missed before the last.
 History three_frames() {
   History history;
   const History::Clock::time_point start{};
-  history.add(frame(1, 4, 0), v1::REPORT_ALL, start);
-  history.add(frame(2, 8, 1234), v1::REPORT_ALL, start + milliseconds(100));
-  history.add(frame(4, 2, 7, 1), v1::REPORT_ALL, start + milliseconds(200));
+  history.add(frame(1, 4, 0), spec_of(v1::REPORT_ALL), start);
+  history.add(frame(2, 8, 1234), spec_of(v1::REPORT_ALL), start + milliseconds(100));
+  history.add(frame(4, 2, 7, 1), spec_of(v1::REPORT_ALL), start + milliseconds(200));
   return history;
 }
 
@@ -50,7 +57,8 @@ TEST(History, CountsFramesThatWereNotShownInTheRate) {
 TEST(History, KeepsTheLastFramesAlone) {
   History history;
   for (uint64_t id = 1; id <= 2 * History::kFrames; ++id)
-    history.add(frame(id, static_cast<double>(id), 1), v1::REPORT_ALL, History::Clock::time_point(milliseconds(id)));
+    history.add(frame(id, static_cast<double>(id), 1), spec_of(v1::REPORT_ALL),
+                History::Clock::time_point(milliseconds(id)));
   EXPECT_EQ(history.frames(), 2 * History::kFrames);
   EXPECT_EQ(history.series()[0].values.size(), History::kFrames);
   EXPECT_EQ(history.series()[0].values.front(), History::kFrames + 1);
@@ -59,10 +67,10 @@ TEST(History, KeepsTheLastFramesAlone) {
 
 TEST(History, StagesAndCountsStandWithTheirKind) {
   History history;
-  history.add(frame(1, 4, 0), v1::REPORT_ALL, {});
+  history.add(frame(1, 4, 0), spec_of(v1::REPORT_ALL), {});
   client::WatchedFrame later = frame(2, 4, 1);
   later.done.mutable_metrics()->add_stages()->set_stage("exact");
-  history.add(later, v1::REPORT_ALL, {});
+  history.add(later, spec_of(v1::REPORT_ALL), {});
   std::vector<std::string> names;
   for (const Series& series : history.series()) names.push_back(series.name);
   EXPECT_EQ(names, (std::vector<std::string>{"total", "queue", "step", "  search", "  exact", "contacts",
@@ -73,7 +81,7 @@ TEST(History, AStageThatDidNotRunTookNoTime) {
   History history = three_frames();
   client::WatchedFrame without = frame(5, 3, 7);
   without.done.mutable_metrics()->mutable_stages(0)->set_stage("exact");
-  history.add(without, v1::REPORT_ALL, History::Clock::time_point(milliseconds(300)));
+  history.add(without, spec_of(v1::REPORT_ALL), History::Clock::time_point(milliseconds(300)));
   const auto values_of = [&](const std::string& name) {
     const auto found = std::find_if(history.series().begin(), history.series().end(),
                                     [&](const Series& series) { return series.name == name; });
@@ -90,7 +98,7 @@ TEST(History, AStageAndACountMayHaveTheSameName) {
   v1::StageTime& stage = *both.done.mutable_metrics()->add_stages();
   stage.set_stage("pairs");
   stage.set_milliseconds(0.5);
-  history.add(both, v1::REPORT_ALL, {});
+  history.add(both, spec_of(v1::REPORT_ALL), {});
   std::vector<double> values;
   for (const Series& series : history.series())
     if (series.name == "  pairs") values.insert(values.end(), series.values.begin(), series.values.end());
@@ -99,7 +107,7 @@ TEST(History, AStageAndACountMayHaveTheSameName) {
 
 TEST(History, WhatIsNotCountedIsNotShown) {
   History history;
-  history.add(frame(1, 4, 5), v1::REPORT_ANY_HIT, {});
+  history.add(frame(1, 4, 5), spec_of(v1::REPORT_ANY_HIT), {});
   for (const Series& series : history.series()) EXPECT_EQ(series.name.find("contacts"), std::string::npos);
 }
 
@@ -112,6 +120,19 @@ TEST(Table, ShowsLastLeastMedianAndGreatest) {
             "  search                         1 ms       1 ms       2 ms       4 ms  ▅█▃");
   EXPECT_EQ(line_with(lines, "contacts"),
             "contacts                            7          0          7      1,234  ▁█▁");
+}
+
+TEST(Table, HasATimeWhereFramesHave) {
+  client::WatchedFrame found = frame(1, 4, 5);
+  found.done.set_any_contact(true);
+  found.done.set_earliest_toi(0.25);
+  const auto shown = [&](v1::DetectionMode mode) {
+    History history;
+    history.add(found, spec_of(v1::REPORT_ALL, mode), {});
+    return table_lines({"knot"}, history, {.columns = 100, .rows = 40})[1];
+  };
+  EXPECT_TRUE(shown(v1::DETECTION_MODE_CCD).ends_with("   earliest 0.25"));
+  EXPECT_TRUE(shown(v1::DETECTION_MODE_DCD).ends_with("   a contact"));
 }
 
 TEST(Table, FitsTheTerminal) {
