@@ -97,6 +97,17 @@ TEST_P(NarrowPhase, ContactAtTheStartIsInitial) {
   EXPECT_NE(r.edge_edge.flags[0] & kFlagInitial, 0);
 }
 
+// From guarded on: at the start as far apart as the thickness allows, and not.
+TEST_P(NarrowPhase, ContactWithinTheThicknessAtTheStartIsInitial) {
+  for (const Accuracy accuracy : {Accuracy::kGuarded, Accuracy::kCertified, Accuracy::kExact})
+    for (const double from : {0.0625, 1.0}) {
+      const FrameResult r = run_case(spike_over_floor(from, -1), settings(Mode::kCcd, accuracy, GetParam(), 0.125));
+      ASSERT_EQ(r.vertex_triangle.size(), 1u) << from;
+      EXPECT_EQ(r.vertex_triangle.toi[0] == 0, from < 0.125);
+      EXPECT_EQ((r.vertex_triangle.flags[0] & kFlagInitial) != 0, from < 0.125);
+    }
+}
+
 TEST_P(NarrowPhase, ContactAtTheEndCounts) {
   const FrameResult r = run_case(spike_over_floor(1, 0), fast(Mode::kCcd, GetParam()));
   ASSERT_EQ(r.vertex_triangle.size(), 1u);
