@@ -51,8 +51,8 @@ struct Limits {
   bool operator==(const Limits&) const = default;
 };
 
-/// Calls that one connection may have at once, from the start of the daemon on; further ones wait until some have ended.
-/// All streams of a client, and its other calls, may share one connection.
+/// Calls that one connection may have at once, from the start of the daemon on; further ones wait until some have
+/// ended. All streams of a client, and its other calls, may share one connection.
 inline uint32_t max_calls_of_connection(const Limits& limits) {
   constexpr uint32_t kMin = 256, kMax = 1'000'000;
   return std::clamp(2 * limits.max_streams, kMin, kMax);

@@ -115,7 +115,10 @@ struct Stopped {};
 class Decoder {
  public:
   Decoder(CodedInputStream& in, const Expected& expected, const std::function<std::span<std::byte>()>& room)
-      : in_(in), meshes_(expected.meshes), count_("request", max_fields(most_updates(), expected.worlds)), ask_for_room_(room) {}
+      : in_(in),
+        meshes_(expected.meshes),
+        count_("request", max_fields(most_updates(), expected.worlds)),
+        ask_for_room_(room) {}
 
   DecodedRequest decode() try {
     const std::string remaining = remaining_fields("request", [&](uint32_t tag) {

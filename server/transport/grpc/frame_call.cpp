@@ -279,8 +279,8 @@ void FrameCall::on_written(bool ok) {
   end_if_idle_locked();
 }
 
-// Arrives for every call that was accepted. If it was cancelled, waiting and running frames notice, and stop. Until then
-// a client that has half-closed looks like one that is gone.
+// Arrives for every call that was accepted. If it was cancelled, waiting and running frames notice, and stop. Until
+// then a client that has half-closed looks like one that is gone.
 void FrameCall::on_gone(bool) {
   const std::lock_guard lock(mutex_);
   const bool is_cancelled = context_.IsCancelled();

@@ -13,6 +13,7 @@ void place_ranges(const SharedRegion* region, IncomingFrame& frame);
 
 /// Reads a frame whose message itself is in the region, for a scene of this plan. `copied` takes the bytes of the
 /// message meanwhile. Throws InvalidInput, LimitExceeded, and what the quota throws.
-pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, const ScenePlan& plan, MemoryHold& copied);
+pb::Frame read_frame(const SharedRegion* region, const pb::SharedRange& range, const ScenePlan& plan,
+                     MemoryHold& copied);
 
 }  // namespace collided::server

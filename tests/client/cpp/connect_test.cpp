@@ -19,10 +19,10 @@ TEST(Address, IsLocalIfItCannotLeaveTheHost) {
        {"unix:/run/s", "unix-abstract:s", "localhost", "localhost:50551", "127.0.0.1:50551", "127.8.9.1", "[::1]:50551",
         "::1", "ipv4:127.0.0.1:1", "ipv6:[::1]:1", "dns:///localhost:1"})
     EXPECT_TRUE(is_local_address(local)) << local;
-  for (const char* remote : {"", "example.org:50551", "127.evil.org:50551", "127.0.0.1.evil.org", "localhost.evil.org",
-                             "10.0.0.1:50551", "0.0.0.0:50551", "[::]:50551", "[fe80::1]:1", "ipv4:8.8.8.8:1",
-                             "dns://8.8.8.8/localhost:1", "[::1", "[", "xunix:/run/s",
-                             "ipv4:127.0.0.1:1,8.8.8.8:1", "ipv6:[::1]:1,[fd00::2]:1"})
+  for (const char* remote :
+       {"", "example.org:50551", "127.evil.org:50551", "127.0.0.1.evil.org", "localhost.evil.org", "10.0.0.1:50551",
+        "0.0.0.0:50551", "[::]:50551", "[fe80::1]:1", "ipv4:8.8.8.8:1", "dns://8.8.8.8/localhost:1", "[::1", "[",
+        "xunix:/run/s", "ipv4:127.0.0.1:1,8.8.8.8:1", "ipv6:[::1]:1,[fd00::2]:1"})
     EXPECT_FALSE(is_local_address(remote)) << remote;
 }
 
