@@ -171,13 +171,18 @@ func TestARigidMeshWhoseFirstMoveHadNoAnswerMovesAgain(t *testing.T) {
 	}
 }
 
-func TestASessionIsClosedWhileThereIsNoConnection(t *testing.T) {
+// mortal is a daemon that ends at once when it is stopped, a client that does not look for it for long, and what is played.
+func mortal(t *testing.T) (*collided.Daemon, context.Context, *collided.Client, *play) {
 	d := daemon(t, "--grace-seconds", "0")
 	ctx := within(t)
 	client, err := collided.Connect(ctx, d.Address, collided.Options{Patience: 100 * time.Millisecond})
 	must(t, err)
-	defer client.Close()
-	p := &play{spec: &collided.SceneSpec{Mode: collided.CCD}}
+	t.Cleanup(func() { client.Close() })
+	return d, ctx, client, &play{spec: &collided.SceneSpec{Mode: collided.CCD}}
+}
+
+func TestASessionIsClosedWhileThereIsNoConnection(t *testing.T) {
+	d, ctx, client, p := mortal(t)
 	restore := func() []collided.Update { return nil }
 	session, err := client.Session(ctx, p.spec, p.meshes(), collided.SessionOptions{Restore: restore})
 	must(t, err)
@@ -270,13 +275,8 @@ func TestAStreamThatIdledOutIsOpenedAgain(t *testing.T) {
 }
 
 func TestASessionTellsWhatItCannotDo(t *testing.T) {
-	d := daemon(t, "--grace-seconds", "0")
-	ctx := within(t)
-	client, err := collided.Connect(ctx, d.Address, collided.Options{Patience: 100 * time.Millisecond})
-	must(t, err)
-	defer client.Close()
-	p := &play{spec: &collided.SceneSpec{Mode: collided.CCD}}
-	_, err = client.Session(ctx, p.spec, p.meshes(), collided.SessionOptions{})
+	d, ctx, client, p := mortal(t)
+	_, err := client.Session(ctx, p.spec, p.meshes(), collided.SessionOptions{})
 	refused(t, err, codes.InvalidArgument, "options.restore", "is not set")
 	restore := func() []collided.Update { return []collided.Update{p.updateAt(0)} }
 	options := collided.SessionOptions{Restore: restore, GiveUp: 200 * time.Millisecond}
