@@ -175,7 +175,7 @@ func TestARigidMeshWhoseFirstMoveHadNoAnswerMovesAgain(t *testing.T) {
 func mortal(t *testing.T) (*collided.Daemon, context.Context, *collided.Client, *play) {
 	d := daemon(t, "--grace-seconds", "0")
 	ctx := within(t)
-	client, err := collided.Connect(ctx, d.Address, collided.Options{Patience: 100 * time.Millisecond})
+	client, err := collided.Connect(ctx, d.Address, collided.Options{Patience: time.Second})
 	must(t, err)
 	t.Cleanup(func() { client.Close() })
 	return d, ctx, client, &play{spec: &collided.SceneSpec{Mode: collided.CCD}}

@@ -178,7 +178,7 @@ test("a stream that idled out is opened again", async () => {
 
 test("a session can be closed while there is no connection", async () => {
   const gone = await OwnDaemon.start(HASTY);
-  const client = await connect(gone.address, { patienceSeconds: 0.1 });
+  const client = await connect(gone.address, { patienceSeconds: 1 });
   const session = await client.session(FALLING, { restore: () => [] });
   await gone.stop();
   const lost = session.detect(frameAt(FALLING, 0));

@@ -84,6 +84,18 @@ TEST(Reload, NamesNothingIfNothingHasChanged) {
   EXPECT_EQ(restart, std::vector<std::string>());
 }
 
+// The stream limit itself applies at once.
+TEST(Reload, NamesStreamsThatOneConnectionCannotCarryBeforeARestart) {
+  for (const auto& [streams, is_named] : {std::pair("128", false), {"2000", true}}) {
+    const auto line = command_line({"--max-streams", streams});
+    Config before;
+    before.limits.max_streams = 64;
+    const auto [now, restart] = reload_config(static_cast<int>(line.size()), line.data(), before, {});
+    EXPECT_EQ(now.limits.max_streams, static_cast<uint32_t>(std::stoi(streams)));
+    EXPECT_EQ(std::ranges::any_of(restart, [](const auto& name) { return name.starts_with("max-streams, "); }), is_named);
+  }
+}
+
 // A file that was cut off, or is empty, would open the daemon to everyone.
 TEST(Reload, TokensAreReplacedButNotGivenUp) {
   const TextFile file("tokens-file = \"t\"\nmax-scenes = 5\n");
