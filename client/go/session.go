@@ -213,6 +213,9 @@ func (s *Session) try(ctx context.Context, frame *v1.Frame, giveUp time.Time) (*
 		limited, cancel := context.WithDeadline(ctx, giveUp)
 		defer cancel()
 		if err := s.reopen(limited); err != nil {
+			if limited.Err() != nil && ctx.Err() == nil { // no deadline of the caller's
+				err = failf(codes.Unavailable, "", "no daemon answers at %s within GiveUp, %v", s.connector.address, s.options.GiveUp)
+			}
 			return nil, err
 		}
 	}

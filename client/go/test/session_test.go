@@ -279,7 +279,7 @@ func TestASessionTellsWhatItCannotDo(t *testing.T) {
 	_, err := client.Session(ctx, p.spec, p.meshes(), collided.SessionOptions{})
 	refused(t, err, codes.InvalidArgument, "options.restore", "is not set")
 	restore := func() []collided.Update { return []collided.Update{p.updateAt(0)} }
-	options := collided.SessionOptions{Restore: restore, GiveUp: 200 * time.Millisecond}
+	options := collided.SessionOptions{Restore: restore, GiveUp: time.Second}
 	session, err := client.Session(ctx, p.spec, p.meshes(), options)
 	must(t, err)
 	half := 0.5

@@ -286,7 +286,7 @@ void FrameCall::on_gone(bool) {
   const bool is_cancelled = context_.IsCancelled();
   if (is_cancelled) {
     end_locked(grpc::Status(grpc::StatusCode::CANCELLED, "the call was cancelled"));
-    if (!session_) calls_.parts_.events.on_abandoned(context_.peer());
+    abandon_locked();
   }
   if (status_ && status_->ok())
     tell_end(is_cancelled ? grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone") : grpc::Status::OK);
@@ -302,9 +302,15 @@ void FrameCall::end_locked(const grpc::Status& status) {
   status_ = status;
   if (!status.ok()) tell_end(status);  // else once it is known whether the client is still there
   if (session_) session_->close();
+  if (status.ok() || status.error_code() == grpc::StatusCode::CANCELLED) abandon_locked();
   opening_.reset();
   ticket_.reset();
   finish_locked();
+}
+
+// Counts a call that opened no stream, unless its client waits for the refusal.
+void FrameCall::abandon_locked() {
+  if (!session_ && !std::exchange(is_abandoned_, true)) calls_.parts_.events.on_abandoned(context_.peer());
 }
 
 // A pending write has to complete before the status is sent.

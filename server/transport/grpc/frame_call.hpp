@@ -77,6 +77,7 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   void read_locked();
   void write_locked();
   void end_locked(const grpc::Status& status);
+  void abandon_locked();
   void finish_locked();
   void drop_outgoing_locked();
   void end_if_idle_locked();
@@ -106,6 +107,7 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   std::optional<uint64_t> edit_in_flight_;
   std::optional<grpc::Status> status_;  // of the call, once decided
   bool is_reading_ = false, is_writing_ = false, has_read_all_ = false, is_finishing_ = false;
+  bool is_abandoned_ = false;
 };
 
 }  // namespace collided::server
