@@ -62,12 +62,11 @@ using WriteContacts = void (*)(const std::string&, const client::FrameOutput&, c
 void report(const DetectOptions& options, Json summary, const client::FrameOutput& output, const StepInput& step) {
   std::exception_ptr failure;
   const auto write = [&](const char* name, const std::string& file, WriteContacts write_contacts) {
-    if (!file.empty()) try {
-        write_contacts(file, output, {step.start, step.end});
-        summary[name] = file;
-      } catch (const std::runtime_error&) {
-        failure = std::current_exception();
-      }
+    if (file.empty()) return;
+    if (const auto why = failure_in([&] { write_contacts(file, output, {step.start, step.end}); }))
+      failure = why;
+    else
+      summary[name] = file;
   };
   write("out", options.out, write_csv);
   write("vtp", options.vtp, write_vtp);

@@ -46,13 +46,9 @@ void check_outputs(const TradeoffOptions& options) {
   for (const std::string& file : {json_file(options), table_file(options)}) check_writable("--out", file);
 }
 
-/// What keeps the files from being written; null if they are.
-std::exception_ptr write_files(const TradeoffOptions& options, const Tradeoff& result) try {
+void write_files(const TradeoffOptions& options, const Tradeoff& result) {
   write_text(json_file(options), json_lines(tradeoff_json(result)));
   write_text(table_file(options), tradeoff_markdown(result));
-  return nullptr;
-} catch (const std::runtime_error&) {
-  return std::current_exception();
 }
 
 void print_report(const TradeoffOptions& options, const Tradeoff& result) {
@@ -79,7 +75,7 @@ void run(const TradeoffOptions& options) {
     if (result.runs.empty()) throw;
     interrupted = std::current_exception();
   }
-  const std::exception_ptr failure = write_files(options, result);
+  const std::exception_ptr failure = failure_in([&] { write_files(options, result); });
   print_report(options, result);
   if (failure) std::rethrow_exception(failure);
   if (interrupted) std::rethrow_exception(interrupted);

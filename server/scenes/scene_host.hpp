@@ -36,6 +36,11 @@ class SceneHost {
   /// Whether the owner could add such a scene if there were no others. Throws Stopping, LimitExceeded.
   void check_could_add(const Client& owner, const ScenePlan& plan);
   ClientUsage& usage() { return usage_; }
+  /// Counts a stream of frames while the result lives: one that takes over with this token in the place of the one that
+  /// it ends. Throws LimitExceeded.
+  std::shared_ptr<void> begin_stream(const Client& client, const Scene& scene, const std::string& resume_token) {
+    return usage_.begin_stream(client, scene.would_take_over(resume_token));
+  }
   const ServedDevices& devices() const { return devices_; }
   OpenUploads& uploads() { return uploads_; }
   /// Ends uploads that have been silent for too long or whose scenes are gone.

@@ -73,13 +73,14 @@ def switched(mutant, number, previous=""):
 
     `previous` is the code of the line before: an expression that goes on from there is left alone, but after `||`.
     """
-    code, active = mutant.before[:len(blanked(mutant.before))], f"collided_mutant == {number}"
+    blank, active = blanked(mutant.before), f"collided_mutant == {number}"
+    code = mutant.before[:len(blank)]
     if mutant.operator == "removal":
         statement = code.lstrip()
         return f"{code[:-len(statement)]}{{ if (!({active})) {statement} }}"
     after = mutant.after[:len(mutant.after) - len(mutant.before) + len(code)]
     first = next(i for i, (old, new) in enumerate(zip(code + "\n", after + "\n")) if old != new)
-    start, end = end_of_expression(blanked(mutant.before), first, -1), end_of_expression(blanked(mutant.before), first, 1)
+    start, end = end_of_expression(blank, first, -1), end_of_expression(blank, first, 1)
     start += len(code[start:]) - len(code[start:].lstrip())
     whole_line = not code[:start].strip()
     if whole_line and not previous.rstrip().endswith(("(", ",", "{", "=", "||", "return")):

@@ -130,6 +130,13 @@ void print_line(const std::string& line) {
   if (std::printf("%s\n", line.c_str()) < 0 || std::fflush(stdout) != 0) throw OutputClosed(errno);
 }
 
+std::exception_ptr failure_in(const std::function<void()>& write) try {
+  write();
+  return nullptr;
+} catch (const std::runtime_error&) {
+  return std::current_exception();
+}
+
 OutputFile::OutputFile(const std::string& name)
     : name_(name), file_(is_standard_output(name) ? stdout : std::fopen(name.c_str(), "wb")) {
   if (file_ == nullptr) fail();

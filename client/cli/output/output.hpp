@@ -2,6 +2,8 @@
 // Where results go: to a file, or to standard output, named "-"; messages for people then go to standard error.
 
 #include <cstdio>
+#include <exception>
+#include <functional>
 #include <initializer_list>
 #include <stdexcept>
 #include <string>
@@ -48,6 +50,9 @@ void print_summary(const std::string& out, const std::string& text);
 
 /// Prints a line to standard output and flushes it: whoever reads it watches. Throws OutputClosed.
 void print_line(const std::string& line);
+
+/// What keeps `write` from writing, to be thrown once the result that was to be written is shown; null if nothing does.
+std::exception_ptr failure_in(const std::function<void()>& write);
 
 /// A file or standard output. Throws std::runtime_error naming the file and the reason.
 class OutputFile {

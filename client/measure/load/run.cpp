@@ -132,19 +132,15 @@ void warn_of_rate(const LoadSettings& settings, const v1::ServerLimits& limits) 
   if (!warning.empty()) std::fprintf(stderr, "warning: %s\n", warning.c_str());
 }
 
-/// What keeps the files from being written; null if they are.
-std::exception_ptr write_files(const LoadSettings& settings, const Json& json) try {
+void write_files(const LoadSettings& settings, const Json& json) {
   if (!settings.out.empty()) write_text(settings.out, json_lines(json));
   if (!settings.html.empty()) write_text(settings.html, outcome_html(json));
-  return nullptr;
-} catch (const std::runtime_error&) {
-  return std::current_exception();
 }
 
 /// Prints the result even if its files cannot be written.
 void report(const LoadSettings& settings, const Outcome& outcome) {
   const Json json = outcome_json(settings, outcome);
-  const std::exception_ptr failure = write_files(settings, json);
+  const std::exception_ptr failure = failure_in([&] { write_files(settings, json); });
   if (settings.json)
     std::printf("%s\n", json_text(json).c_str());
   else

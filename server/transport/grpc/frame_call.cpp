@@ -146,7 +146,7 @@ void FrameCall::open(const pb::OpenStream& open) {
   const StreamTerms terms = parse_open(open, host_.limits());
   window_ = terms.window;
   auto scene = host_.scenes().find(caller_.client, open.scene_id());
-  take_ticket(scene->would_take_over(open.resume_token()));
+  take_ticket(*scene, open.resume_token());
   auto session =
       FrameSession::open(std::move(scene), open.resume_token(), terms.delivery, shared_from_this(), caller_.ids);
   {
@@ -159,8 +159,8 @@ void FrameCall::open(const pb::OpenStream& open) {
 }
 
 // From now on the call counts as one of the client's streams, not as a waiting call.
-void FrameCall::take_ticket(bool takes_over) {
-  auto ticket = host_.usage().begin_stream(caller_.client, takes_over);
+void FrameCall::take_ticket(const Scene& scene, const std::string& resume_token) {
+  auto ticket = host_.begin_stream(caller_.client, scene, resume_token);
   const std::lock_guard lock(mutex_);
   opening_.reset();
   owes_opened_ = true;

@@ -64,7 +64,7 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   Expected expected() const;
   DecodedRequest decode(const grpc::ByteBuffer& bytes, IncomingFrame& incoming) const;
   void open(const pb::OpenStream& open);
-  void take_ticket(bool takes_over);
+  void take_ticket(const Scene& scene, const std::string& resume_token);
   void submit(IncomingFrame incoming);
   void end_edit(uint64_t frame_id);
   void end_opening();

@@ -57,7 +57,7 @@ std::shared_ptr<InProcessStream> InProcessStream::open(const pb::OpenStream& ope
   const Client client = rules.authenticator.identify("", "");
   rules.host.check_serving();
   SceneUse scene = rules.host.scenes().find(client, open.scene_id());
-  stream->ticket_ = rules.host.usage().begin_stream(client, scene->would_take_over(open.resume_token()));
+  stream->ticket_ = rules.host.begin_stream(client, *scene, open.resume_token());
   stream->terms_ = parse_open(open, rules.host.limits());
   stream->scene_id_ = scene->id();
   stream->begin(

@@ -123,8 +123,7 @@ Opening check_opening(const pb::LocalOpen& open, std::vector<PassedFile> files, 
   opening.client = rules.authenticator.identify(open.token().empty() ? "" : "Bearer " + open.token(), "");
   rules.host.check_serving();
   opening.scene = rules.host.scenes().find(opening.client, open.open().scene_id());
-  opening.ticket =
-      rules.host.usage().begin_stream(opening.client, opening.scene->would_take_over(open.open().resume_token()));
+  opening.ticket = rules.host.begin_stream(opening.client, *opening.scene, open.open().resume_token());
   opening.terms = parse_open(open.open(), rules.host.limits());
   check_region(open, files, opening, rules);
   opening.region_bytes = hold_region(open, *opening.scene);
