@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "server/config/memory_limits.hpp"
 #include "server/ops/log.hpp"
 #include "server/transport/grpc/call_watch.hpp"
 
@@ -27,11 +28,9 @@ void log_grpc(gpr_log_func_args* line) {
             {{"source", "grpc"}});
 }
 
-// gRPC reads a whole message before it checks its size. Beyond the quota it ends calls (RESOURCE_EXHAUSTED), so two of
-// the largest messages must fit.
 void set_quota(grpc::ServerBuilder& builder, const Limits& limits) {
   grpc::ResourceQuota quota("collided");
-  quota.Resize(std::max(limits.max_network_bytes, 2 * limits.max_message_bytes));
+  quota.Resize(network_quota(limits));
   builder.SetResourceQuota(quota);
 }
 

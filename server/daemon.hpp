@@ -58,8 +58,11 @@ class Daemon {
   Reflection reflection_;
   Health health_;
   Entrance entrance_;
-  const CallEvents events_{[this](const grpc::ServerContextBase& call) { entrance_.accepted(call); },
-                           [this](const std::string& peer) { end_flood(peer); }};
+  const CallEvents events_{
+      [this](const grpc::ServerContextBase& call) { entrance_.accepted(call); },
+      [this](const std::string& peer) { end_flood(peer); },
+      [this](const std::string& peer, size_t bytes) { entrance_.connections().received(peer, bytes); },
+      [this](const std::string& peer, size_t bytes) { entrance_.connections().sent(peer, bytes); }};
   std::unique_ptr<LocalServer> local_;
   std::unique_ptr<HttpServer> http_;
   std::unique_ptr<FrameCalls> calls_;

@@ -4,7 +4,8 @@
 #include <chrono>
 #include <utility>
 
-#include "server/net/descriptors.hpp"
+#include "server/config/memory_limits.hpp"
+#include "server/net/sockets/descriptors.hpp"
 #include "server/ops/log.hpp"
 
 namespace collided::server {
@@ -31,7 +32,8 @@ void report(const std::string& obstacle, Lifecycle& lifecycle, Health& health) {
 
 }  // namespace
 
-Entrance::Entrance(const Config& config, Metrics& metrics) : connections_(connection_limit(config)) {
+Entrance::Entrance(const Config& config, Metrics& metrics)
+    : connections_(connection_limit(config), network_quota(config.limits)) {
   const std::chrono::duration<double> timeout(config.keepalive_timeout_seconds);
   for (const auto& address : config.addresses)
     listeners_.emplace_back(address).set_user_timeout(std::chrono::ceil<std::chrono::milliseconds>(timeout));
@@ -68,7 +70,10 @@ void Entrance::open(Lifecycle& lifecycle, Health& health) {
       targets.push_back({fd, tls_ && !listener.is_unix(), listener.address()});
       fds.push_back(fd);
     }
-  flood_watch_.emplace(connections_);
+  flood_watch_.emplace(connections_, [](const EndedFlood& flood) {
+    log_event(spdlog::level::warn, "connection ended: it floods the daemon",
+              {{"peer", flood.peer}, {"client", flood.client}, {"with", flood.what}});
+  });
   loop_.emplace(std::move(fds), connections_,
                 [this](Fd connection, size_t place) { take(std::move(connection), place); });
   probe_.emplace(

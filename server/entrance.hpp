@@ -19,7 +19,7 @@
 #include "server/net/admission_probe.hpp"
 #include "server/net/connections.hpp"
 #include "server/net/flood_watch.hpp"
-#include "server/net/listener.hpp"
+#include "server/net/sockets/listener.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/metrics.hpp"
 

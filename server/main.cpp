@@ -23,7 +23,7 @@
 #include "server/config/reload.hpp"
 #include "server/config/rules.hpp"
 #include "server/daemon.hpp"
-#include "server/net/descriptors.hpp"
+#include "server/net/sockets/descriptors.hpp"
 #include "server/ops/exit_deadline.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/log.hpp"

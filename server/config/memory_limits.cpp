@@ -53,6 +53,10 @@ void derive_limits(Limits& limits, const Memory& memory) {
   fill(limits.client.max_streams, quarter(limits.max_streams));
 }
 
+uint64_t network_quota(const Limits& limits) {
+  return std::max(limits.max_network_bytes, 2 * limits.max_message_bytes);
+}
+
 std::string describe_limits(const Limits& limits, const Memory& memory) {
   return "memory: host " + (memory.host ? megabytes(memory.host) : "unknown") +
          (memory.device ? ", device " + megabytes(memory.device) : "") + "; limits: all scenes " +

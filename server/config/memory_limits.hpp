@@ -22,6 +22,10 @@ Limits underived_limits();
 /// one client; never less than 1 MiB, 1 scene and 1 stream.
 void derive_limits(Limits& limits, const Memory& memory);
 
+/// Bytes of messages that may be on their way in, of all connections. gRPC reads a whole message before it checks its
+/// size, and beyond this it ends calls (RESOURCE_EXHAUSTED), so two of the largest messages fit.
+uint64_t network_quota(const Limits& limits);
+
 /// One line: the memory, and the limits derived from it.
 std::string describe_limits(const Limits& limits, const Memory& memory);
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/net/connections.hpp"
-#include "server/net/fd.hpp"
+#include "server/net/sockets/fd.hpp"
 
 namespace collided::server {
 

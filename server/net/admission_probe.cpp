@@ -14,7 +14,7 @@
 #include <string_view>
 #include <utility>
 
-#include "server/net/fd.hpp"
+#include "server/net/sockets/fd.hpp"
 
 namespace collided::server {
 namespace {

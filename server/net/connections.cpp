@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "server/net/fd.hpp"
+#include "server/net/sockets/fd.hpp"
 #include "server/net/unread_resets.hpp"
 
 namespace collided::server {
@@ -19,8 +19,6 @@ constexpr auto kCountedTime = std::chrono::seconds(10), kRefusal = std::chrono::
 constexpr uint32_t kMaxAbandoned = 1000;  // of a source
 constexpr uint32_t kMinAbandoned = 20;    // of a connection, before it is ended for its source's count
 constexpr uint32_t kCheckEvery = 64;      // abandoned calls over Unix sockets between two searches for the culprit
-// Bytes without a call: a call's headers, and what may come before they are looked at, are a tenth of it at most.
-constexpr double kMaxFruitless = 1 << 20, kFruitlessPerSecond = 64 << 10;
 constexpr std::string_view kUnix = "unix";
 constexpr size_t kSweepEvery = 64;  // connections between two sweeps
 
@@ -30,6 +28,9 @@ ino_t inode_of(int fd) {
 }
 
 }  // namespace
+
+Connections::Entry::Entry(int connection, const Peer& other, uint64_t max_unfinished)
+    : socket(connection), inode(inode_of(connection)), peer(other), meter(max_unfinished, begin) {}
 
 void Connections::set_limit(size_t max) {
   const std::lock_guard lock(mutex_);
@@ -49,32 +50,41 @@ bool Connections::admit(int socket, const Peer& peer) {
   if (next_ % kSweepEvery == 0 || open_locked() >= max_) sweep_locked();
   while (open_locked() >= max_ && make_room_locked()) continue;
   const uint64_t id = next_++;
-  Entry& entry = entries_[id];
-  entry.socket = socket;
-  entry.inode = inode_of(socket);
-  entry.peer = peer;
+  entries_.try_emplace(id, socket, peer, max_unfinished_);
   if (!peer.is_unix) by_peer_[peer.name] = id;
   return true;
 }
 
 void Connections::identified(std::string_view peer, std::string_view client) {
   const std::lock_guard lock(mutex_);
+  Entry* const entry = find_locked(peer);
+  if (entry && entry->client != client) entry->client = client;
+}
+
+void Connections::received(std::string_view peer, uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (Entry* const entry = find_locked(peer)) entry->meter.received(bytes);
+}
+
+void Connections::sent(std::string_view peer, uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (Entry* const entry = find_locked(peer)) entry->meter.sent(bytes);
+}
+
+Connections::Entry* Connections::find_locked(std::string_view peer) {
   const auto found = by_peer_.find(std::string(peer));
-  if (found == by_peer_.end()) return;
-  std::string& known = entries_.at(found->second).client;
-  if (known != client) known = client;
+  return found == by_peer_.end() ? nullptr : &entries_.at(found->second);
 }
 
 bool Connections::abandoned(std::string_view peer) {
   const std::lock_guard lock(mutex_);
   if (peer.starts_with(kUnix)) return abandoned_over_unix_locked();
-  const auto found = by_peer_.find(std::string(peer));
-  if (found == by_peer_.end()) return false;
-  Entry& entry = entries_.at(found->second);
-  ++entry.abandoned;
-  const bool is_flood = ++source_locked(entry.peer.source).abandoned >= kMaxAbandoned;
-  if (!is_flood || entry.abandoned < kMinAbandoned || entry.is_ending) return false;
-  shut_out_locked(entry);
+  Entry* const entry = find_locked(peer);
+  if (!entry) return false;
+  ++entry->abandoned;
+  const bool is_flood = ++source_locked(entry->peer.source).abandoned >= kMaxAbandoned;
+  if (!is_flood || entry->abandoned < kMinAbandoned || entry->is_ending) return false;
+  shut_out_locked(*entry);
   return true;
 }
 
@@ -101,25 +111,22 @@ Connections::Entries::iterator Connections::most_resetting_locked() {
   return found;
 }
 
-void Connections::end_floods() {
+std::vector<EndedFlood> Connections::end_floods() {
+  std::vector<EndedFlood> ended;
+  const auto now = Clock::now();
   const std::lock_guard lock(mutex_);
   sweep_locked();
   for (auto& [id, entry] : entries_) {
-    if (entry.peer.is_unix || !entry.client.empty() || entry.is_ending || !is_flood(entry)) continue;
+    if (entry.peer.is_unix || entry.is_ending) continue;
+    const std::optional<Traffic> traffic = traffic_of(entry.socket);
+    if (!traffic) continue;
+    const std::string_view what = entry.meter.look(*traffic, now, !entry.client.empty());
+    if (what.empty()) continue;
+    ended.push_back({entry.peer.name, entry.client, what});
     shut_out_locked(entry);
     ++evicted_;
   }
-}
-
-bool Connections::is_flood(Entry& entry) {
-  const auto now = Clock::now();
-  const uint64_t all = std::max(received_bytes(entry.socket), entry.received);
-  const double passed = std::chrono::duration<double>(now - entry.looked_at).count();
-  entry.fruitless =
-      std::max(0.0, entry.fruitless - kFruitlessPerSecond * passed) + static_cast<double>(all - entry.received);
-  entry.received = all;
-  entry.looked_at = now;
-  return entry.fruitless > kMaxFruitless;
+  return ended;
 }
 
 void Connections::shut_out_locked(Entry& entry) {

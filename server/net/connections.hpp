@@ -11,16 +11,25 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <vector>
 
-#include "server/net/peer.hpp"
+#include "server/net/flood_meter.hpp"
+#include "server/net/sockets/peer.hpp"
 
 namespace collided::server {
+
+/// A connection that was ended.
+struct EndedFlood {
+  std::string peer, client;
+  std::string_view what;  ///< what it flooded with
+};
 
 /// Thread-safe. A connection is identified by its descriptor and its socket's inode, which is never reused, as its
 /// owner may close it at any time.
 class Connections {
  public:
-  explicit Connections(size_t max) : max_(max) {}
+  /// `max_unfinished`: bytes that may have come over one of messages that are not complete yet.
+  explicit Connections(size_t max, uint64_t max_unfinished = 0) : max_unfinished_(max_unfinished), max_(max) {}
 
   void set_limit(size_t max);
   /// False while the table is full and enough evicted connections have yet to be closed by their owner.
@@ -34,10 +43,11 @@ class Connections {
   /// however many there are, so a connection whose source makes 1,000 of them within 10 s is ended, and the source
   /// refused for 2 s. True if it was. Over Unix sockets it is the connection with the most unread resets.
   bool abandoned(std::string_view peer);
-  /// Ends connections over TCP that have sent more than a megabyte, and go on, without a call whose caller is known
-  /// (health checks are such), and refuses their sources for 2 s: gRPC bounds neither the frames of a connection nor a
-  /// header that does not end. To be called a few times a second.
-  void end_floods();
+  /// A message of so many bytes has come from there, or is about to be sent there.
+  void received(std::string_view peer, uint64_t bytes);
+  void sent(std::string_view peer, uint64_t bytes);
+  /// Ends connections over TCP that flood, and refuses their sources for 2 s. To be called a few times a second.
+  std::vector<EndedFlood> end_floods();
   /// Evicts `count` connections, as a full table would.
   void evict(size_t count);
 
@@ -49,15 +59,15 @@ class Connections {
  private:
   using Clock = std::chrono::steady_clock;
   struct Entry {
-    int socket = -1;
-    ino_t inode = 0;
+    Entry(int connection, const Peer& other, uint64_t max_unfinished);
+
+    int socket;
+    ino_t inode;
     Peer peer;
     Clock::time_point begin = Clock::now();
     std::string client;      ///< empty: made no call
     uint32_t abandoned = 0;  ///< calls
-    uint64_t received = 0;   ///< bytes, when last looked at
-    Clock::time_point looked_at = begin;
-    double fruitless = 0;  ///< bytes without a call, less those of time
+    FloodMeter meter;
     bool is_ending = false;
   };
   struct Source {
@@ -75,7 +85,7 @@ class Connections {
   bool abandoned_over_unix_locked();
   Entries::iterator most_resetting_locked();
   void shut_out_locked(Entry& entry);
-  static bool is_flood(Entry& entry);
+  Entry* find_locked(std::string_view peer);
   bool is_evicting_enough_locked() const;
   bool make_room_locked();
   Entries::iterator victim_locked();
@@ -83,6 +93,7 @@ class Connections {
   void end_locked(Entry& entry) const;
   size_t open_locked() const { return entries_.size() - ending_; }
 
+  const uint64_t max_unfinished_;
   mutable std::mutex mutex_;  // guards what follows
   size_t max_;
   std::unordered_map<std::string, Source> sources_;  // with abandoned calls

@@ -2,10 +2,12 @@
 #include "server/net/flood_watch.hpp"
 
 #include <chrono>
+#include <utility>
 
 namespace collided::server {
 
-FloodWatch::FloodWatch(Connections& connections) : connections_(connections), thread_([this] { run(); }) {}
+FloodWatch::FloodWatch(Connections& connections, std::function<void(const EndedFlood& flood)> report)
+    : connections_(connections), report_(std::move(report)), thread_([this] { run(); }) {}
 
 FloodWatch::~FloodWatch() {
   {
@@ -19,7 +21,8 @@ FloodWatch::~FloodWatch() {
 void FloodWatch::run() {
   constexpr auto kPause = std::chrono::milliseconds(100);
   std::unique_lock lock(mutex_);
-  while (!stopped_.wait_for(lock, kPause, [this] { return is_stopping_; })) connections_.end_floods();
+  while (!stopped_.wait_for(lock, kPause, [this] { return is_stopping_; }))
+    for (const EndedFlood& flood : connections_.end_floods()) report_(flood);
 }
 
 }  // namespace collided::server

@@ -2,6 +2,7 @@
 // Looks for connections that flood, on a thread of its own: gRPC may read such a connection on the thread that accepts.
 
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <thread>
 
@@ -11,8 +12,8 @@ namespace collided::server {
 
 class FloodWatch {
  public:
-  /// The table must outlive it.
-  explicit FloodWatch(Connections& connections);
+  /// The table must outlive it. `report` is called for each connection that is ended, on the watch's thread.
+  FloodWatch(Connections& connections, std::function<void(const EndedFlood& flood)> report);
   ~FloodWatch();
   FloodWatch(const FloodWatch&) = delete;
   FloodWatch& operator=(const FloodWatch&) = delete;
@@ -21,6 +22,7 @@ class FloodWatch {
   void run();
 
   Connections& connections_;
+  const std::function<void(const EndedFlood&)> report_;
   std::mutex mutex_;
   std::condition_variable stopped_;
   bool is_stopping_ = false;  // guarded by mutex_

@@ -12,7 +12,7 @@
 
 #include "server/net/accept_loop.hpp"
 #include "server/net/connections.hpp"
-#include "server/net/listener.hpp"
+#include "server/net/sockets/listener.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/metrics.hpp"
 

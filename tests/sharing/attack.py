@@ -6,6 +6,7 @@ usage: attack.py TARGET_AS_JSON NAME...
 Prints "on" once each has done something, and at the end, as JSON, what became of each one's tries.
 """
 
+import dataclasses
 import json
 import os
 import sys
@@ -21,6 +22,10 @@ REFUSED_PAUSE = 0.01
 
 def load():
     from attacks import calls, http2, local, scenes, self_check  # noqa: F401
+
+
+def seen_by(target, attack):
+    return dataclasses.replace(target, source=attack.source)
 
 
 def keep_on(attack, target, told, over):
@@ -42,7 +47,8 @@ def main():
     os.nice(5)  # in life it would have cores of its own
     target, attacks = Target(**json.loads(sys.argv[1])), [ATTACKS[name] for name in sys.argv[2:]]
     over, told = threading.Event(), {attack.name: Told() for attack in attacks}
-    threads = [threading.Thread(target=keep_on, args=(attack, target, told[attack.name], over)) for attack in attacks]
+    threads = [threading.Thread(target=keep_on, args=(attack, seen_by(target, attack), told[attack.name], over))
+               for attack in attacks]
     for thread in threads:
         thread.daemon = True
         thread.start()

@@ -36,12 +36,20 @@ void CallWatch::Intercept(grpc::experimental::InterceptorBatchMethods* methods) 
     ids_ = ids_of(*methods->GetRecvInitialMetadata());
   }
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_MESSAGE) && methods->GetRecvMessage())
-    has_message_ = true;
+    received(*static_cast<const grpc::ByteBuffer*>(methods->GetRecvMessage()));
+  if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_MESSAGE))
+    events_.on_send(call_.server_context()->peer(), methods->GetSerializedSendMessage()->Length());
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) ended(methods->GetSendStatus());
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_CLOSE) && !has_message_ &&
       call_.server_context()->IsCancelled())
     events_.on_abandoned(call_.server_context()->peer());
   methods->Proceed();
+}
+
+// Every method is served raw.
+void CallWatch::received(const grpc::ByteBuffer& message) {
+  has_message_ = true;
+  events_.on_received(call_.server_context()->peer(), message.Length());
 }
 
 void CallWatch::ended(const grpc::Status& status) const {

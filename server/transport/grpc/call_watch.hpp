@@ -1,6 +1,6 @@
 #pragma once
 // Counts every call except frame streams, which count themselves; logs refused calls except watches, which log their
-// ends; reports calls that were abandoned before they sent a message.
+// ends; reports messages, and calls that were abandoned before they sent one.
 
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/support/server_interceptor.h>
@@ -19,6 +19,8 @@ namespace collided::server {
 struct CallEvents {
   std::function<void(const grpc::ServerContextBase& context)> on_accepted;
   std::function<void(const std::string& peer)> on_abandoned;  ///< its client cancelled it before a message arrived
+  std::function<void(const std::string& peer, size_t bytes)> on_received;  ///< a message of so many bytes
+  std::function<void(const std::string& peer, size_t bytes)> on_send;      ///< likewise, before it is sent
 };
 
 class CallWatch final : public grpc::experimental::Interceptor {
@@ -30,6 +32,7 @@ class CallWatch final : public grpc::experimental::Interceptor {
   void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override;
 
  private:
+  void received(const grpc::ByteBuffer& message);
   void ended(const grpc::Status& status) const;
 
   grpc::experimental::ServerRpcInfo& call_;

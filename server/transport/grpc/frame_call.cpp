@@ -94,6 +94,7 @@ void FrameCall::on_read(bool ok) {
     }
     bytes.Swap(&incoming_);
   }
+  calls_.parts_.events.on_received(context_.peer(), bytes.Length());
   try {
     take(bytes);
   } catch (...) {
@@ -262,6 +263,7 @@ void FrameCall::write_locked() {
   is_writing_ = true;
   grpc::WriteOptions options;
   if (outgoing_.size() > 1) options.set_buffer_hint();
+  calls_.parts_.events.on_send(context_.peer(), outgoing_.front().size);
   stream_.Write(outgoing_.front().bytes, options, written_.send());
 }
 

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "server/net/fd.hpp"
+#include "server/net/sockets/fd.hpp"
 
 namespace collided::server {
 

@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "server/errors.hpp"
-#include "server/net/peer.hpp"
+#include "server/net/sockets/peer.hpp"
 #include "server/ops/log.hpp"
 
 namespace collided::server {

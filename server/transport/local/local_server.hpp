@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/net/unix_listener.hpp"
+#include "server/net/sockets/unix_listener.hpp"
 #include "server/transport/local/connection.hpp"
 
 namespace collided::server {

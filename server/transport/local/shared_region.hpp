@@ -8,7 +8,7 @@
 #include <string>
 
 #include "gpu/detector.hpp"
-#include "server/net/fd.hpp"
+#include "server/net/sockets/fd.hpp"
 
 namespace collided::server {
 

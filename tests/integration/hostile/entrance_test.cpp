@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "tests/integration/support/bystander.hpp"
@@ -68,6 +70,47 @@ INSTANTIATE_TEST_SUITE_P(Entrance, Resets,
                            return "Of" + path.substr(path.rfind('/') + 1) +
                                   (info.param.is_unix ? "OverUnix" : "OverTcp");
                          });
+
+/// What a client sends after a call that was served, again and again. False if the daemon has ended the connection.
+struct Noise {
+  std::string name;
+  std::function<bool(RawHttp2& attacker)> send;
+};
+
+void PrintTo(const Noise& noise, std::ostream* out) { *out << noise.name; }
+
+class NoiseOfAClient : public testing::TestWithParam<Noise> {};
+
+// gRPC would read it for as long as it does not pause, and others' connections not at all.
+TEST_P(NoiseOfAClient, EndsItsConnection) {
+  constexpr uint64_t kMaxBytes = 512 << 20;
+  DaemonProcess daemon({"--address", "127.0.0.1:0", "--max-message-mb", "8", "--max-network-mb", "16"});
+  const Probe probe(daemon);
+  Aftermath aftermath(probe, daemon.address());
+  RawHttp2 attacker(daemon.tcp_address());
+  ASSERT_TRUE(attacker.call(method_path("GetServerInfo")));
+  while (attacker.sent() < kMaxBytes && GetParam().send(attacker)) continue;
+  EXPECT_LT(attacker.sent(), kMaxBytes) << "the connection was not ended";
+  aftermath.expect_unharmed();
+  EXPECT_GE(probe.metric("collided_evicted_connections_total"), 1);
+}
+
+constexpr int kFrames = 10'000;
+
+INSTANTIATE_TEST_SUITE_P(
+    Entrance, NoiseOfAClient,
+    testing::Values(Noise{"Settings", [](RawHttp2& attacker) { return attacker.send_settings(kFrames); }},
+                    Noise{"Priorities", [](RawHttp2& attacker) { return attacker.send_priorities(kFrames); }},
+                    Noise{"EmptyData",
+                          [](RawHttp2& attacker) {
+                            return attacker.send_empty_data(method_path("StreamFrames"), kFrames);
+                          }},
+                    Noise{"PrioritiesBetweenCalls",
+                          [](RawHttp2& attacker) {
+                            return attacker.send_priorities(10 * kFrames) &&
+                                   attacker.call(method_path("GetServerInfo"));
+                          }}),
+    [](const auto& info) { return info.param.name; });
 
 // A client may be mistaken often, and behind a proxy all share one connection.
 TEST(Entrance, RefusedStreamsAreNoFlood) {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/net/descriptors.hpp"
+#include "server/net/sockets/descriptors.hpp"
 #include "tests/server/net/tcp.hpp"
 
 namespace collided::server {
@@ -92,7 +92,10 @@ TEST_F(Table, AFloodWithoutACallEndsItsConnectionAndRefusesItsSource) {
   send_through(client, 2 << 20);
   send_through(checker, 512 << 10);
   send_through(attacker, 2 << 20);
-  connections_.end_floods();
+  const auto ended = connections_.end_floods();
+  ASSERT_EQ(ended.size(), 1u);
+  EXPECT_EQ(ended[0].peer, peer_of(attacker.server.get()).name);
+  EXPECT_EQ(ended[0].what, "bytes without a call");
   EXPECT_FALSE(client.is_ended());
   EXPECT_FALSE(checker.is_ended());
   EXPECT_TRUE(attacker.is_ended());

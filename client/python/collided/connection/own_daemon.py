@@ -31,8 +31,16 @@ def find_daemon() -> str:
     return found
 
 
+def _environment() -> dict[str, str]:
+    """Without the options of other daemons, such as COLLIDED_THREADS."""
+    return {name: value for name, value in os.environ.items() if not name.startswith("COLLIDED_")}
+
+
 class OwnDaemon:
-    """Runs until it is stopped, or this process ends. `address` starts it, and starts it again if it has ended."""
+    """Runs until it is stopped, or this process ends. `address` starts it, and starts it again if it has ended.
+
+    Its options are those that are given, and no variables of the environment, such as COLLIDED_THREADS.
+    """
 
     def __init__(self, *options: str, program: str | None = None) -> None:
         """options: more of the daemon's, such as "--backend", "cpu". program: None: as find_daemon() finds it."""
@@ -93,7 +101,7 @@ class OwnDaemon:
         self._starter = os.getpid()
         with log.open("wb") as out:
             self._process = subprocess.Popen(["/bin/sh", "-c", _GUARD, "sh", *command], stdin=subprocess.PIPE,
-                                             stdout=out, stderr=out, start_new_session=True)
+                                             stdout=out, stderr=out, env=_environment(), start_new_session=True)
         deadline = time.monotonic() + _READY_SECONDS
         while not ready.exists():
             if self._process.poll() is not None or time.monotonic() > deadline:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Unpack, cast
 
 from collided.errors import Error, FailedPrecondition, InvalidArgument, ResourceExhausted, error_of_frame
@@ -20,6 +21,16 @@ from collided.transport.opening import opened_by
 from collided.transport.peer import LocalPeer
 from collided.transport.region import region_layout
 from collided.v1 import collision_service_pb2 as api
+
+
+@dataclass(eq=False)
+class _Pending:
+    """A frame in flight. edited: what its edit makes of the scene."""
+
+    wire_id: int
+    contacts: DeviceContacts
+    is_trial: bool
+    edited: Layout | None
 
 
 class DeviceSession:
@@ -47,8 +58,8 @@ class DeviceSession:
         self.window = window
         self._sent = 0
         self._has_begun = False
-        self._layout: Layout = self.scene.layout
-        self._pending: deque[tuple[int, DeviceContacts]] = deque()
+        self._answered_layout: Layout = self.scene.layout
+        self._pending: deque[_Pending] = deque()
 
     def _open(self, cuda: Cuda, window: int, room: tuple[int, int], daemon_user: int | None) -> None:
         client = self.scene.client
@@ -70,34 +81,41 @@ class DeviceSession:
         return self.receive()
 
     def send(self, positions: Any = None, start: Any = None, **options: Unpack[FrameOptions]) -> int:
-        """Sends a frame. FailedPrecondition while a whole window is in flight."""
+        """Sends a frame. FailedPrecondition while a whole window is in flight, or an edit where there is another one."""
         if len(self._pending) >= self.window:
             raise FailedPrecondition(f"{self.window} frames are in flight, the whole window: receive one first")
+        if options.get("edit") is not None and any(pending.edited for pending in self._pending):
+            # One that is refused leaves another layout to the next one.
+            raise FailedPrecondition("an edit is in flight: receive it first")
         there, elsewhere = self._split(positions), self._split(start)
         track = self.scene.track
         alone = elsewhere[0].keys() - there[0].keys()
         if alone:
             raise InvalidArgument(f"start names mesh {min(alone)} on the device, and positions do not", field="start")
         placed = [Update(i, positions=array, start=elsewhere[0].get(i)) for i, array in there[0].items()]
-        is_first = not (self._has_begun or self._pending)
+        is_first = not (self._has_begun or any(not pending.is_trial for pending in self._pending))
         request = track.request(self._layout, is_first, there[1], elsewhere[1], cast(FrameOptions, options), placed)
         wire_id = track.next_id()
         self._transport.send(wire_id, request.head, request.updates)
-        if request.edit is not None:
-            self._layout = request.edit.layout
         self._sent += 1
-        self._pending.append((wire_id, DeviceContacts(self._sent)))
+        self._pending.append(_Pending(wire_id, DeviceContacts(self._sent), request.head.trial,
+                                      request.edit.layout if request.edit else None))
         return self._sent
+
+    @property
+    def _layout(self) -> Layout:
+        """Of the scene once all that was sent is answered."""
+        return next((pending.edited for pending in self._pending if pending.edited), self._answered_layout)
 
     def receive(self) -> DeviceContacts:
         """The next frame's contacts; raises what the daemon refused it with."""
         if not self._pending:
             raise FailedPrecondition("receive() with no frame in flight")
-        wire_id, contacts = self._pending[0]
+        pending, contacts = self._pending[0], self._pending[0].contacts
         while True:
             response = self._transport.read(None)
             kind = response.WhichOneof("response") if response is not None else None
-            if response is None or response.frame_id != wire_id:
+            if response is None or response.frame_id != pending.wire_id:
                 continue
             if kind == "contacts":
                 contacts.add(response.contacts, self._memory)
@@ -109,7 +127,9 @@ class DeviceSession:
                 contacts.add(chunk, self._memory)
             del response.done.contacts[:]
             contacts.done = response.done
-            self._has_begun = True
+            if not pending.is_trial:
+                self._has_begun = True
+                self._answered_layout = pending.edited or self._answered_layout
             return contacts
 
     def _split(self, values: Any) -> tuple[dict[int, Any], Any]:

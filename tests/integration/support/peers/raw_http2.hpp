@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "tests/integration/support/probe.hpp"
 
@@ -47,8 +48,30 @@ class RawHttp2 {
     return send(bytes);
   }
 
+  /// A whole call, with an empty message. False as above, as of what follows.
+  bool call(std::string_view path) {
+    const uint32_t stream = std::exchange(next_, next_ + 2);
+    return send(frame(kHeaders, kEndHeaders, stream, block(path)) +
+                frame(kData, kEndStream, stream, std::string(5, 0)));
+  }
+  bool send_settings(int count) {
+    return send_repeatedly(frame(kSettings, 0, 0, std::string{0, 4, 0, 0, '\xff', '\xff'}), count);
+  }
+  bool send_priorities(int count) { return send_repeatedly(frame(kPriority, 0, 9, std::string(5, 0)), count); }
+  /// Without data, in a call that they begin.
+  bool send_empty_data(std::string_view path, int count) {
+    if (!open_) {
+      open_ = std::exchange(next_, next_ + 2);
+      if (!send(frame(kHeaders, kEndHeaders, open_, block(path)))) return false;
+    }
+    return send_repeatedly(frame(kData, 0, open_, {}), count);
+  }
+  /// Bytes so far.
+  uint64_t sent() const { return sent_; }
+
  private:
-  static constexpr uint8_t kHeaders = 1, kReset = 3, kSettings = 4, kEndHeaders = 4;
+  static constexpr uint8_t kData = 0, kHeaders = 1, kPriority = 2, kReset = 3, kSettings = 4;
+  static constexpr uint8_t kEndStream = 1, kEndHeaders = 4;
   static constexpr int kPatienceMs = 20'000;
 
   static std::string number(uint32_t value) {
@@ -66,8 +89,13 @@ class RawHttp2 {
            std::string(1, '\0') + text("te") + text("trailers");
   }
 
+  bool send_repeatedly(const std::string& bytes, int count) {
+    std::string all;
+    for (int i = 0; i < count; ++i) all += bytes;
+    return send(all);
+  }
   // A daemon that has ended the connection resets it: that is what this detects.
-  bool send(const std::string& bytes) const {
+  bool send(const std::string& bytes) {
     for (size_t sent = 0; sent < bytes.size();) {
       const ssize_t now = ::send(socket_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
       if (now < 0 && errno != EAGAIN) return false;
@@ -76,6 +104,7 @@ class RawHttp2 {
       if (now < 0 && poll(&state, 1, kPatienceMs) <= 0) return false;
       if (!drain()) return false;
     }
+    sent_ += bytes.size();
     return true;
   }
   // False at the end.
@@ -87,7 +116,8 @@ class RawHttp2 {
   }
 
   const int socket_;
-  uint32_t next_ = 1;
+  uint32_t next_ = 1, open_ = 0;
+  uint64_t sent_ = 0;
 };
 
 }  // namespace collided::test

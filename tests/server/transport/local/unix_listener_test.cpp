@@ -1,5 +1,5 @@
 // Listening on a path, and removing it.
-#include "server/net/unix_listener.hpp"
+#include "server/net/sockets/unix_listener.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/net/peer.hpp"
+#include "server/net/sockets/peer.hpp"
 #include "tests/server/transport/local/serving.hpp"
 
 namespace collided::server {

@@ -1,11 +1,14 @@
 // Who is at the other end of a connection.
-#include "server/net/peer.hpp"
+#include "server/net/sockets/peer.hpp"
 
 #include <arpa/inet.h>
+#include <linux/sockios.h>
 #include <linux/tcp.h>  // the C library's tcp_info ends before the count of bytes
 #include <netinet/in.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
@@ -59,12 +62,15 @@ uid_t peer_uid(int socket) {
   return peer.uid;
 }
 
-uint64_t received_bytes(int socket) {
+std::optional<Traffic> traffic_of(int socket) {
   tcp_info info{};
   socklen_t size = sizeof(info);
-  if (getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return 0;
-  constexpr size_t kEnd = offsetof(tcp_info, tcpi_bytes_received) + sizeof(info.tcpi_bytes_received);
-  return size >= kEnd ? info.tcpi_bytes_received : 0;
+  constexpr size_t kEnd = offsetof(tcp_info, tcpi_bytes_sent) + sizeof(info.tcpi_bytes_sent);
+  if (getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 || size < kEnd) return {};
+  int unread = 0;
+  if (ioctl(socket, SIOCINQ, &unread) != 0) return {};
+  const uint64_t received = info.tcpi_bytes_received, waiting = std::min<uint64_t>(unread, received);
+  return Traffic{received, received - waiting, info.tcpi_bytes_sent, info.tcpi_bytes_acked};
 }
 
 }  // namespace collided::server

@@ -1,5 +1,5 @@
 // Unix sockets by their paths.
-#include "server/net/unix_listener.hpp"
+#include "server/net/sockets/unix_listener.hpp"
 
 #include <fcntl.h>
 #include <sys/file.h>

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "server/net/fd.hpp"
+#include "server/net/sockets/fd.hpp"
 
 namespace collided::server {
 

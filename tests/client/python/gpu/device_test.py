@@ -1,19 +1,22 @@
 #!/usr/bin/env python3
-"""Positions and contacts of other libraries' arrays on a real GPU: the same bytes as over the host.
+"""Positions and contacts as arrays on a real GPU: the same bytes as over the host.
 
-usage: device_test.py DAEMON COLLIDECTL REPOSITORY. Skipped without a GPU, or without torch and cupy.
+usage: device_test.py DAEMON COLLIDECTL REPOSITORY. Skipped without a GPU. Arrays are those of torch and cupy, where they are
+installed, and of libcudart.
 """
 
 import importlib.util
 import sys
 import unittest
 
+from device_arrays import InDlpack, OnDevice, with_a_number_before
 from support import DAEMON, np
 
 import collided
 from collided.v1 import scene_pb2
 
 LIBRARIES = [name for name in ("torch", "cupy") if importlib.util.find_spec(name)]
+CUDART = "cudart"
 FIELDS = ("elements", "stencils", "toi", "distance", "weights", "normals", "flags")
 
 
@@ -40,7 +43,37 @@ class ByDlpack:
         return self._array.__dlpack_device__()
 
 
+class Copied:
+    """An array's bytes in memory of libcudart's."""
+
+    def __init__(self, array):
+        self._cuda = collided.gpu.Cuda()
+        self.address = self._cuda.allocate(array.nbytes)
+        self._cuda.copy(self.address, array.ctypes.data, array.nbytes)
+
+    def __del__(self):
+        self._cuda.free(self.address)
+
+
+def by_cudart(array):
+    copied = Copied(array)
+    found = OnDevice(array, address=copied.address)
+    found.copied = copied  # lives as long
+    return found
+
+
+def by_dlpack(array):
+    if LIBRARIES:
+        return ByDlpack(on_device(LIBRARIES[0], array))
+    copied = Copied(with_a_number_before(array))
+    found = InDlpack(array, address=copied.address)
+    found.copied = copied
+    return found
+
+
 def on_device(library, array):
+    if library == CUDART:
+        return by_cudart(array)
     if library == "cupy":
         import cupy
         return cupy.asarray(array)
@@ -55,8 +88,6 @@ class OnTheDevice(unittest.TestCase):
         cls.addClassCleanup(cls.client.close)
         if not any(device.backend == scene_pb2.BACKEND_CUDA for device in cls.client.info.devices):
             raise unittest.SkipTest("no GPU here")
-        if not LIBRARIES:
-            raise unittest.SkipTest("neither torch nor cupy is installed")
         low, high = sheet(200, 0, 0.05), sheet(150, 0.1, 0.02)
         cls.meshes = {"low": collided.Mesh(*low), "high": collided.Mesh(*high)}
         cls.frames = [high[0] - np.float32([0, 0, 0.03 * step]) for step in range(1, 6)]
@@ -79,13 +110,14 @@ class OnTheDevice(unittest.TestCase):
         self.assertGreater(len(expected), 10000)
 
     def test_arrays_of_other_libraries_go_in(self):
-        for library in LIBRARIES:
+        for library in [CUDART, *LIBRARIES]:
             with self.subTest(library):
                 self.check_same_bytes(lambda frame: on_device(library, frame))
 
     def test_dlpack_goes_in(self):
-        self.check_same_bytes(lambda frame: ByDlpack(on_device(LIBRARIES[0], frame)))
+        self.check_same_bytes(by_dlpack)
 
+    @unittest.skipUnless(LIBRARIES, "neither torch nor cupy is installed")
     def test_contacts_are_arrays_of_other_libraries(self):
         with collided.gpu.DeviceSession(self.meshes, server=self.client, backend="cuda") as session:
             for frame in self.frames:
@@ -93,6 +125,18 @@ class OnTheDevice(unittest.TestCase):
             library = __import__(LIBRARIES[0])
             toi = library.as_tensor(found.vt.toi, device="cuda") if LIBRARIES[0] == "torch" else library.asarray(found.vt.toi)
             self.assertEqual(float(toi.min()), float(self.expected[-1].vt.toi.min()))
+
+    def test_a_refused_edit_leaves_the_meshes_as_they_were(self):
+        with collided.gpu.DeviceSession(self.meshes, server=self.client, backend="cuda", window=2) as session:
+            session.step({"high": by_cudart(self.frames[0])})
+            edit = collided.Edit({"extra": collided.Mesh(vertices=np.full((3, 3), np.inf), triangles=[[0, 1, 2]])})
+            session.send({"high": by_cudart(self.frames[0])}, edit=edit)
+            with self.assertRaisesRegex(collided.FailedPrecondition, "an edit is in flight"):
+                session.send(edit=edit)
+            with self.assertRaises(collided.InvalidArgument):
+                session.receive()
+            found = session.step({"high": by_cudart(self.frames[1])})
+            self.assertEqual(len(found.vt), len(self.expected[1].vt))
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ import socket
 import tempfile
 import threading
 
+from device_arrays import InDlpack, OnDevice
 from support import TIP, Case, lowered, main, meshes, np
 
 import collided
@@ -52,41 +53,6 @@ class Broken(HostCuda):
 
     def cudaGetErrorString(self, code):
         return b"out of memory"
-
-
-class OnDevice:
-    """An array that says that it is on a GPU."""
-
-    def __init__(self, array, strides=None):
-        self.array = array
-        self.__cuda_array_interface__ = {"shape": array.shape, "typestr": array.dtype.str, "strides": strides, "version": 3,
-                                         "data": (array.ctypes.data, False)}
-
-
-class Tensor(ctypes.Structure):
-    """DLManagedTensor."""
-
-    _fields_ = [("data", ctypes.c_void_p), ("device", ctypes.c_int32 * 2), ("ndim", ctypes.c_int32), ("code", ctypes.c_uint8),
-                ("bits", ctypes.c_uint8), ("lanes", ctypes.c_uint16), ("shape", ctypes.POINTER(ctypes.c_int64)),
-                ("strides", ctypes.POINTER(ctypes.c_int64)), ("byte_offset", ctypes.c_uint64), ("context", ctypes.c_void_p),
-                ("deleter", ctypes.c_void_p)]
-
-
-class InDlpack:
-    """The same by DLPack, a number into its memory."""
-
-    def __init__(self, array):
-        self.array = np.concatenate([[0], array.ravel()]).astype(array.dtype)
-        self.shape = (ctypes.c_int64 * 2)(*array.shape)
-        self.tensor = Tensor(self.array.ctypes.data, (2, 0), 2, 2, 8 * array.itemsize, 1, self.shape, None, array.itemsize)
-
-    def __dlpack_device__(self):
-        return 2, 0
-
-    def __dlpack__(self, stream):
-        make = ctypes.pythonapi.PyCapsule_New
-        make.restype, make.argtypes = ctypes.py_object, [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
-        return make(ctypes.addressof(self.tensor), b"dltensor", None)
 
 
 class DeviceDaemon:

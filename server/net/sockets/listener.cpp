@@ -1,5 +1,5 @@
 // The sockets of one address.
-#include "server/net/listener.hpp"
+#include "server/net/sockets/listener.hpp"
 
 #include <netdb.h>
 #include <netinet/in.h>

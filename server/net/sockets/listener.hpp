@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "server/net/fd.hpp"
-#include "server/net/unix_listener.hpp"
+#include "server/net/sockets/fd.hpp"
+#include "server/net/sockets/unix_listener.hpp"
 
 namespace collided::server {
 

@@ -1,5 +1,5 @@
 // How many file descriptors the process may have.
-#include "server/net/descriptors.hpp"
+#include "server/net/sockets/descriptors.hpp"
 
 #include <sys/resource.h>
 
