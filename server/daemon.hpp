@@ -60,6 +60,7 @@ class Daemon {
   Entrance entrance_;
   const CallEvents events_{
       [this](const grpc::ServerContextBase& call) { entrance_.accepted(call); },
+      [this](const std::string& peer) { entrance_.connections().ended(peer); },
       [this](const std::string& peer) { end_flood(peer); },
       [this](const std::string& peer, size_t bytes) { entrance_.connections().received(peer, bytes); },
       [this](const std::string& peer, size_t bytes) { entrance_.connections().sent(peer, bytes); }};

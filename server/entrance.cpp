@@ -33,7 +33,7 @@ void report(const std::string& obstacle, Lifecycle& lifecycle, Health& health) {
 }  // namespace
 
 Entrance::Entrance(const Config& config, Metrics& metrics)
-    : connections_(connection_limit(config), network_quota(config.limits)) {
+    : connections_(connection_limit(config), network_share(config.limits)) {
   const std::chrono::duration<double> timeout(config.keepalive_timeout_seconds);
   for (const auto& address : config.addresses)
     listeners_.emplace_back(address).set_user_timeout(std::chrono::ceil<std::chrono::milliseconds>(timeout));
@@ -59,6 +59,7 @@ void Entrance::add_to(grpc::ServerBuilder& builder, size_t max_calls, std::funct
 
 void Entrance::accepted(const grpc::ServerContextBase& context) {
   unaccepted_->accept(connection_of(*context.auth_context()));
+  connections_.began(context.peer());
 }
 
 void Entrance::open(Lifecycle& lifecycle, Health& health) {

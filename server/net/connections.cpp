@@ -29,8 +29,8 @@ ino_t inode_of(int fd) {
 
 }  // namespace
 
-Connections::Entry::Entry(int connection, const Peer& other, uint64_t max_unfinished)
-    : socket(connection), inode(inode_of(connection)), peer(other), meter(max_unfinished, begin) {}
+Connections::Entry::Entry(int connection, const Peer& other)
+    : socket(connection), inode(inode_of(connection)), peer(other), meter(begin) {}
 
 void Connections::set_limit(size_t max) {
   const std::lock_guard lock(mutex_);
@@ -50,7 +50,7 @@ bool Connections::admit(int socket, const Peer& peer) {
   if (next_ % kSweepEvery == 0 || open_locked() >= max_) sweep_locked();
   while (open_locked() >= max_ && make_room_locked()) continue;
   const uint64_t id = next_++;
-  entries_.try_emplace(id, socket, peer, max_unfinished_);
+  entries_.try_emplace(id, socket, peer);
   if (!peer.is_unix) by_peer_[peer.name] = id;
   return true;
 }
@@ -59,6 +59,16 @@ void Connections::identified(std::string_view peer, std::string_view client) {
   const std::lock_guard lock(mutex_);
   Entry* const entry = find_locked(peer);
   if (entry && entry->client != client) entry->client = client;
+}
+
+void Connections::began(std::string_view peer) {
+  const std::lock_guard lock(mutex_);
+  if (Entry* const entry = find_locked(peer)) entry->meter.began();
+}
+
+void Connections::ended(std::string_view peer) {
+  const std::lock_guard lock(mutex_);
+  if (Entry* const entry = find_locked(peer)) entry->meter.ended();
 }
 
 void Connections::received(std::string_view peer, uint64_t bytes) {
@@ -121,12 +131,34 @@ std::vector<EndedFlood> Connections::end_floods() {
     const std::optional<Traffic> traffic = traffic_of(entry.socket);
     if (!traffic) continue;
     const std::string_view what = entry.meter.look(*traffic, now, !entry.client.empty());
-    if (what.empty()) continue;
-    ended.push_back({entry.peer.name, entry.client, what});
-    shut_out_locked(entry);
-    ++evicted_;
+    if (!what.empty()) ended.push_back(end_flood_locked(entry, what));
   }
+  end_unfinished_locked(ended);
   return ended;
+}
+
+// Beyond gRPC's quota, which is for all, it resets whatever streams it finds. What one client holds of it may be spread
+// over connections.
+void Connections::end_unfinished_locked(std::vector<EndedFlood>& ended) {
+  struct Held {
+    uint64_t bytes = 0;
+    Entry* most = nullptr;
+  };
+  std::unordered_map<std::string, Held> clients;
+  for (auto& [id, entry] : entries_) {
+    if (entry.is_ending || entry.meter.unfinished() == 0) continue;
+    Held& held = clients[entry.client + "@" + entry.peer.source];
+    held.bytes += entry.meter.unfinished();
+    if (!held.most || entry.meter.unfinished() > held.most->meter.unfinished()) held.most = &entry;
+  }
+  for (const auto& [client, held] : clients)
+    if (held.bytes > max_unfinished_) ended.push_back(end_flood_locked(*held.most, "bytes without a whole message"));
+}
+
+EndedFlood Connections::end_flood_locked(Entry& entry, std::string_view what) {
+  shut_out_locked(entry);
+  ++evicted_;
+  return {entry.peer.name, entry.client, what};
 }
 
 void Connections::shut_out_locked(Entry& entry) {

@@ -28,8 +28,8 @@ struct EndedFlood {
 /// owner may close it at any time.
 class Connections {
  public:
-  /// `max_unfinished`: bytes that may have come over one of messages that are not complete yet.
-  explicit Connections(size_t max, uint64_t max_unfinished = 0) : max_unfinished_(max_unfinished), max_(max) {}
+  /// `max_unfinished`: bytes that may have come from one client of messages that are not complete.
+  explicit Connections(size_t max, uint64_t max_unfinished = UINT64_MAX) : max_unfinished_(max_unfinished), max_(max) {}
 
   void set_limit(size_t max);
   /// False while the table is full and enough evicted connections have yet to be closed by their owner.
@@ -43,6 +43,9 @@ class Connections {
   /// however many there are, so a connection whose source makes 1,000 of them within 10 s is ended, and the source
   /// refused for 2 s. True if it was. Over Unix sockets it is the connection with the most unread resets.
   bool abandoned(std::string_view peer);
+  /// A call from there has begun, or ended.
+  void began(std::string_view peer);
+  void ended(std::string_view peer);
   /// A message of so many bytes has come from there, or is about to be sent there.
   void received(std::string_view peer, uint64_t bytes);
   void sent(std::string_view peer, uint64_t bytes);
@@ -59,7 +62,7 @@ class Connections {
  private:
   using Clock = std::chrono::steady_clock;
   struct Entry {
-    Entry(int connection, const Peer& other, uint64_t max_unfinished);
+    Entry(int connection, const Peer& other);
 
     int socket;
     ino_t inode;
@@ -86,6 +89,8 @@ class Connections {
   Entries::iterator most_resetting_locked();
   void shut_out_locked(Entry& entry);
   Entry* find_locked(std::string_view peer);
+  EndedFlood end_flood_locked(Entry& entry, std::string_view what);
+  void end_unfinished_locked(std::vector<EndedFlood>& ended);
   bool is_evicting_enough_locked() const;
   bool make_room_locked();
   Entries::iterator victim_locked();

@@ -14,10 +14,11 @@ class FloodMeter {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// `max_unfinished`: bytes that may have come of messages that are not complete yet.
-  FloodMeter(uint64_t max_unfinished, Time begin)
-      : max_unfinished_(max_unfinished), looked_at_(begin), sent_at_(begin) {}
+  explicit FloodMeter(Time begin) : looked_at_(begin), sent_at_(begin) {}
 
+  /// A call.
+  void began();
+  void ended();
   /// A message of so many bytes has come.
   void received(uint64_t bytes);
   /// A message of so many bytes is about to be sent.
@@ -26,17 +27,19 @@ class FloodMeter {
   /// What the connection floods with, or "". To be called a few times a second, with its traffic. `is_known`: it has
   /// made a call whose caller is known.
   std::string_view look(const Traffic& traffic, Time now, bool is_known);
+  /// Bytes by the last look that belong to no message that has come: to none, or to one that is not complete.
+  uint64_t unfinished() const { return static_cast<uint64_t>(without_message_); }
 
  private:
   bool is_unanswered(const Traffic& traffic, Time now);
 
-  uint64_t max_unfinished_;
   Traffic traffic_;  // at the last look
   Time looked_at_;
   double taken_ = 0;           // bytes of messages that came since the last look
   double without_caller_ = 0;  // bytes, less those of time
   double without_message_ = 0, replies_ = 0;
   uint64_t read_at_sending_ = 0;  // bytes, by when something was last seen to be sent
+  uint64_t calls_ = 0, most_calls_ = 0;  // that are open, and at most since then
   Time sent_at_;
 };
 

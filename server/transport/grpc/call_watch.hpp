@@ -18,6 +18,7 @@ namespace collided::server {
 /// Told of calls; shared by all of them.
 struct CallEvents {
   std::function<void(const grpc::ServerContextBase& context)> on_accepted;
+  std::function<void(const std::string& peer)> on_gone;       ///< each call that was accepted
   std::function<void(const std::string& peer)> on_abandoned;  ///< its client cancelled it before a message arrived
   std::function<void(const std::string& peer, size_t bytes)> on_received;  ///< a message of so many bytes
   std::function<void(const std::string& peer, size_t bytes)> on_send;      ///< likewise, before it is sent
@@ -33,6 +34,7 @@ class CallWatch final : public grpc::experimental::Interceptor {
 
  private:
   void received(const grpc::ByteBuffer& message);
+  void gone() const;
   void ended(const grpc::Status& status) const;
 
   grpc::experimental::ServerRpcInfo& call_;

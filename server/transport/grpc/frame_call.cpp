@@ -284,6 +284,7 @@ void FrameCall::on_written(bool ok) {
 // Arrives for every call that was accepted. If it was cancelled, waiting and running frames notice, and stop. Until
 // then a client that has half-closed looks like one that is gone.
 void FrameCall::on_gone(bool) {
+  calls_.parts_.events.on_gone(context_.peer());
   const std::lock_guard lock(mutex_);
   const bool is_cancelled = context_.IsCancelled();
   if (is_cancelled) {

@@ -83,8 +83,8 @@ class NoiseOfAClient : public testing::TestWithParam<Noise> {};
 
 // gRPC would read it for as long as it does not pause, and others' connections not at all.
 TEST_P(NoiseOfAClient, EndsItsConnection) {
-  constexpr uint64_t kMaxBytes = 512 << 20;
-  DaemonProcess daemon({"--address", "127.0.0.1:0", "--max-message-mb", "8", "--max-network-mb", "16"});
+  constexpr uint64_t kMaxBytes = 1 << 30;
+  DaemonProcess daemon({"--address", "127.0.0.1:0", "--max-network-mb", "128"});
   const Probe probe(daemon);
   Aftermath aftermath(probe, daemon.address());
   RawHttp2 attacker(daemon.tcp_address());

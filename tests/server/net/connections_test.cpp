@@ -104,6 +104,28 @@ TEST_F(Table, AFloodWithoutACallEndsItsConnectionAndRefusesItsSource) {
   EXPECT_EQ(connections_.evicted(), 1u);
 }
 
+TEST(Unfinished, TheMostOfAClientWhoseConnectionsHoldTooMuchIsEnded) {
+  const Listener listener("127.0.0.1:0");
+  Connections connections(8, 3 << 20);
+  Pair large(listener), small(listener), other(listener);
+  for (const Pair* const pair : {&large, &small, &other})
+    ASSERT_TRUE(connections.admit(pair->server.get(), peer_of(pair->server.get())));
+  connections.identified(peer_of(large.server.get()).name, "a");
+  connections.identified(peer_of(small.server.get()).name, "a");
+  connections.identified(peer_of(other.server.get()).name, "b");
+  send_through(large, 2 << 20);
+  send_through(small, 1 << 20);
+  send_through(other, 2 << 20);
+  EXPECT_TRUE(connections.end_floods().empty());
+  send_through(small, 512 << 10);
+  const auto ended = connections.end_floods();
+  ASSERT_EQ(ended.size(), 1u);
+  EXPECT_EQ(ended[0].client, "a");
+  EXPECT_TRUE(large.is_ended());
+  EXPECT_FALSE(small.is_ended());
+  EXPECT_FALSE(other.is_ended());
+}
+
 // Unix sockets cannot be told apart by their calls.
 TEST(UnixTable, AFloodIsSeenInWhatIsUnread) {
   using std::string_view_literals::operator""sv;

@@ -11,7 +11,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr uint64_t kKilobyte = 1 << 10, kMegabyte = 1 << 20;
-constexpr uint64_t kUnfinished = 128 * kMegabyte;
 
 /// A connection whose caller is known, looked at ten times a second.
 class Metered : public testing::Test {
@@ -47,7 +46,7 @@ class Metered : public testing::Test {
 
   FloodMeter::Time now_{};
   Traffic traffic_;
-  FloodMeter meter_{kUnfinished, now_};
+  FloodMeter meter_{now_};
   bool is_known_ = true;
 };
 
@@ -74,6 +73,20 @@ TEST_F(Metered, WhatIsReadBetweenTwoWindowsIsNone) {
             "");
   reads(100 * kMegabyte);  // at once
   EXPECT_EQ(look(), "");
+}
+
+// Each has a window of its own.
+TEST_F(Metered, ManyCallsMayFillTheirWindows) {
+  for (int i = 0; i < 20; ++i) meter_.began();
+  EXPECT_EQ(said(13, [&] { reads(8 * kMegabyte); }), "");
+  for (int i = 0; i < 20; ++i) meter_.ended();
+  EXPECT_EQ(look(), "");  // they were open when it was sent
+  sends(13);
+  EXPECT_EQ(said(100, [&] { reads(8 * kMegabyte); }), "frames that need no window");
+  meter_.ended();  // of an earlier connection
+  meter_.began();
+  sends(13);
+  EXPECT_EQ(said(4, [&] { reads(8 * kMegabyte); }), "");
 }
 
 TEST_F(Metered, WhatTheKernelHoldsUnreadIsNone) {
@@ -121,24 +134,29 @@ TEST_F(Metered, KeepaliveIsNone) {
   EXPECT_EQ(said(3'000'000, ping), "");
 }
 
-TEST_F(Metered, AMessageThatTakesLongIsNone) {
+TEST_F(Metered, AMessageIsUnfinishedUntilItHasCome) {
   const auto part = [&] {
     reads(kMegabyte);
     sends(26);
   };
-  EXPECT_EQ(said(kUnfinished / kMegabyte, part), "");
-  meter_.received(kUnfinished);
-  EXPECT_EQ(said(kUnfinished / kMegabyte, part), "");
+  EXPECT_EQ(said(128, part), "");
+  EXPECT_GT(meter_.unfinished(), 64 * kMegabyte);
+  EXPECT_LE(meter_.unfinished(), 128 * kMegabyte);
+  meter_.received(128 * kMegabyte);
+  EXPECT_EQ(look(), "");
+  EXPECT_EQ(meter_.unfinished(), 0u);
+  EXPECT_EQ(said(128, part), "");
+  EXPECT_GT(meter_.unfinished(), 64 * kMegabyte);  // nothing is left over of the first
 }
 
-TEST_F(Metered, WhatBelongsToNoMessageIsAFlood) {
+TEST_F(Metered, WhatComesBetweenMessagesStaysUnfinished) {
   const auto noise = [&] {
     reads(2 * kMegabyte);
     receives_message(10);
     sends_message(10);
   };
-  EXPECT_EQ(said(10'000, noise), "bytes without a message");
-  EXPECT_LE(traffic_.read, 3 * kUnfinished);
+  EXPECT_EQ(said(100, noise), "");
+  EXPECT_GT(meter_.unfinished(), 100 * kMegabyte);
 }
 
 }  // namespace
