@@ -122,19 +122,37 @@ Connections::Entries::iterator Connections::most_resetting_locked() {
 }
 
 std::vector<EndedFlood> Connections::end_floods() {
+  std::vector<Watched> watched = watched_connections();
+  // Not under the lock, which each message needs, too.
+  for (Watched& one : watched) {
+    one.traffic = traffic_of(one.socket);
+    one.is_open = inode_of(one.socket) == one.inode;  // checked last: the number may have become another socket's
+  }
   std::vector<EndedFlood> ended;
   const auto now = Clock::now();
   const std::lock_guard lock(mutex_);
-  sweep_locked();
-  for (auto& [id, entry] : entries_) {
-    if (entry.peer.is_unix || entry.is_ending) continue;
-    const std::optional<Traffic> traffic = traffic_of(entry.socket);
-    if (!traffic) continue;
-    const std::string_view what = entry.meter.look(*traffic, now, !entry.client.empty());
+  for (const Watched& one : watched) {
+    const auto found = entries_.find(one.id);
+    if (found == entries_.end() || found->second.is_ending) continue;
+    if (!one.is_open) {
+      erase_locked(found);
+      continue;
+    }
+    Entry& entry = found->second;
+    if (!one.traffic) continue;
+    const std::string_view what = entry.meter.look(*one.traffic, now, !entry.client.empty());
     if (!what.empty()) ended.push_back(end_flood_locked(entry, what));
   }
   end_unfinished_locked(ended);
   return ended;
+}
+
+std::vector<Connections::Watched> Connections::watched_connections() const {
+  std::vector<Watched> watched;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, entry] : entries_)
+    if (!entry.peer.is_unix && !entry.is_ending) watched.push_back({id, entry.socket, entry.inode});
+  return watched;
 }
 
 // Beyond gRPC's quota, which is for all, it resets whatever streams it finds. What one client holds of it may be spread

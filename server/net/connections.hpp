@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -79,7 +80,15 @@ class Connections {
     Clock::time_point refused_until{};
   };
   using Entries = std::map<uint64_t, Entry>;  // by age
+  struct Watched {
+    uint64_t id = 0;
+    int socket = -1;
+    ino_t inode = 0;
+    std::optional<Traffic> traffic = {};
+    bool is_open = false;
+  };
 
+  std::vector<Watched> watched_connections() const;
   // `_locked`: the caller holds mutex_.
   void sweep_locked() const;
   void erase_locked(Entries::iterator entry) const;
