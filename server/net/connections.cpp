@@ -30,7 +30,10 @@ ino_t inode_of(int fd) {
 }  // namespace
 
 Connections::Entry::Entry(int connection, const Peer& other)
-    : socket(connection), inode(inode_of(connection)), peer(other), meter(begin) {}
+    : socket(connection),
+      inode(inode_of(connection)),
+      peer(other),
+      meter(other.is_unix ? nullptr : std::make_unique<FloodMeter>(begin)) {}
 
 void Connections::set_limit(size_t max) {
   const std::lock_guard lock(mutex_);
@@ -63,26 +66,26 @@ void Connections::identified(std::string_view peer, std::string_view client) {
 
 void Connections::began(std::string_view peer) {
   const std::lock_guard lock(mutex_);
-  if (Entry* const entry = find_locked(peer)) entry->meter.began();
+  if (Entry* const entry = find_locked(peer)) entry->meter->began();
 }
 
 void Connections::ended(std::string_view peer) {
   const std::lock_guard lock(mutex_);
-  if (Entry* const entry = find_locked(peer)) entry->meter.ended();
+  if (Entry* const entry = find_locked(peer)) entry->meter->ended();
 }
 
 void Connections::received(std::string_view peer, uint64_t bytes) {
   const std::lock_guard lock(mutex_);
-  if (Entry* const entry = find_locked(peer)) entry->meter.received(bytes);
+  if (Entry* const entry = find_locked(peer)) entry->meter->received(bytes);
 }
 
 void Connections::sent(std::string_view peer, uint64_t bytes) {
   const std::lock_guard lock(mutex_);
-  if (Entry* const entry = find_locked(peer)) entry->meter.sent(bytes);
+  if (Entry* const entry = find_locked(peer)) entry->meter->sent(bytes);
 }
 
 Connections::Entry* Connections::find_locked(std::string_view peer) {
-  const auto found = by_peer_.find(std::string(peer));
+  const auto found = by_peer_.find(peer);
   return found == by_peer_.end() ? nullptr : &entries_.at(found->second);
 }
 
@@ -140,7 +143,7 @@ std::vector<EndedFlood> Connections::end_floods() {
     }
     Entry& entry = found->second;
     if (!one.traffic) continue;
-    const std::string_view what = entry.meter.look(*one.traffic, now, !entry.client.empty());
+    const std::string_view what = entry.meter->look(*one.traffic, now, !entry.client.empty());
     if (!what.empty()) ended.push_back(end_flood_locked(entry, what));
   }
   end_unfinished_locked(ended);
@@ -151,7 +154,7 @@ std::vector<Connections::Watched> Connections::watched_connections() const {
   std::vector<Watched> watched;
   const std::lock_guard lock(mutex_);
   for (const auto& [id, entry] : entries_)
-    if (!entry.peer.is_unix && !entry.is_ending) watched.push_back({id, entry.socket, entry.inode});
+    if (entry.meter && !entry.is_ending) watched.push_back({id, entry.socket, entry.inode});
   return watched;
 }
 
@@ -164,10 +167,10 @@ void Connections::end_unfinished_locked(std::vector<EndedFlood>& ended) {
   };
   std::unordered_map<std::string, Held> clients;
   for (auto& [id, entry] : entries_) {
-    if (entry.is_ending || entry.meter.unfinished() == 0) continue;
+    if (entry.is_ending || !entry.meter || entry.meter->unfinished() == 0) continue;
     Held& held = clients[entry.client + "@" + entry.peer.source];
-    held.bytes += entry.meter.unfinished();
-    if (!held.most || entry.meter.unfinished() > held.most->meter.unfinished()) held.most = &entry;
+    held.bytes += entry.meter->unfinished();
+    if (!held.most || entry.meter->unfinished() > held.most->meter->unfinished()) held.most = &entry;
   }
   for (const auto& [client, held] : clients)
     if (held.bytes > max_unfinished_) ended.push_back(end_flood_locked(*held.most, "bytes without a whole message"));

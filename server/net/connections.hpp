@@ -6,7 +6,9 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -71,7 +73,7 @@ class Connections {
     Clock::time_point begin = Clock::now();
     std::string client;      ///< empty: made no call
     uint32_t abandoned = 0;  ///< calls
-    FloodMeter meter;
+    std::unique_ptr<FloodMeter> meter;  ///< over TCP
     bool is_ending = false;
   };
   struct Source {
@@ -80,6 +82,10 @@ class Connections {
     Clock::time_point refused_until{};
   };
   using Entries = std::map<uint64_t, Entry>;  // by age
+  /// Finds strings by views, of each message's peer.
+  struct NameHash : std::hash<std::string_view> {
+    using is_transparent = void;
+  };
   struct Watched {
     uint64_t id = 0;
     int socket = -1;
@@ -112,7 +118,7 @@ class Connections {
   size_t max_;
   std::unordered_map<std::string, Source> sources_;  // with abandoned calls
   mutable Entries entries_;
-  mutable std::unordered_map<std::string, uint64_t> by_peer_;  // without Unix sockets
+  mutable std::unordered_map<std::string, uint64_t, NameHash, std::equal_to<>> by_peer_;  // without Unix sockets
   mutable size_t ending_ = 0;
   uint64_t next_ = 0, evicted_ = 0;
 };

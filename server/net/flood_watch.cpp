@@ -2,6 +2,7 @@
 #include "server/net/flood_watch.hpp"
 
 #include <chrono>
+#include <new>
 #include <utility>
 
 namespace collided::server {
@@ -21,8 +22,13 @@ FloodWatch::~FloodWatch() {
 void FloodWatch::run() {
   constexpr auto kPause = std::chrono::milliseconds(100);
   std::unique_lock lock(mutex_);
-  while (!stopped_.wait_for(lock, kPause, [this] { return is_stopping_; }))
-    for (const EndedFlood& flood : connections_.end_floods()) report_(flood);
+  while (!stopped_.wait_for(lock, kPause, [this] { return is_stopping_; })) look();
+}
+
+void FloodWatch::look() try {
+  for (const EndedFlood& flood : connections_.end_floods()) report_(flood);
+} catch (const std::bad_alloc&) {
+  return;  // there is a next time
 }
 
 }  // namespace collided::server

@@ -20,6 +20,7 @@ class FloodWatch {
 
  private:
   void run();
+  void look();
 
   Connections& connections_;
   const std::function<void(const EndedFlood&)> report_;

@@ -57,6 +57,7 @@ void FrameCall::on_accepted(bool ok) {
   if (!ok) return gone_.drop();  // the server shuts down, and its tag will not arrive
   accept_next(calls_);
   calls_.parts_.events.on_accepted(context_);
+  peer_ = context_.peer();
   caller_.ids = ids_of(context_.client_metadata());  // even for a call that is refused
   try {
     calls_.add(shared_from_this());
@@ -75,7 +76,7 @@ void FrameCall::on_accepted(bool ok) {
 void FrameCall::await_opening() {
   const Limits limits = host_.limits();
   const WaitRule rule{"the opening of a stream", limits.max_silent_seconds, limits.max_streams,
-                      caller_.client->limits.max_streams, context_.peer()};
+                      caller_.client->limits.max_streams, peer_};
   auto wait = calls_.parts_.waiting.wait(rule, caller_.client, [weak = weak_from_this()](const auto& why) {
     if (const auto call = weak.lock()) call->ended(why);
   });
@@ -94,7 +95,7 @@ void FrameCall::on_read(bool ok) {
     }
     bytes.Swap(&incoming_);
   }
-  calls_.parts_.events.on_received(context_.peer(), bytes.Length());
+  calls_.parts_.events.on_received(peer_, bytes.Length());
   try {
     take(bytes);
   } catch (...) {
@@ -263,7 +264,7 @@ void FrameCall::write_locked() {
   is_writing_ = true;
   grpc::WriteOptions options;
   if (outgoing_.size() > 1) options.set_buffer_hint();
-  calls_.parts_.events.on_send(context_.peer(), outgoing_.front().size);
+  calls_.parts_.events.on_send(peer_, outgoing_.front().size);
   stream_.Write(outgoing_.front().bytes, options, written_.send());
 }
 
