@@ -125,7 +125,7 @@ Connections::Entries::iterator Connections::most_resetting_locked() {
 }
 
 std::vector<EndedFlood> Connections::end_floods() {
-  std::vector<Watched> watched = watched_connections();
+  std::vector<Watched> watched = prepare_looks();
   // Not under the lock, which each message needs, too.
   for (Watched& one : watched) {
     one.traffic = traffic_of(one.socket);
@@ -150,11 +150,14 @@ std::vector<EndedFlood> Connections::end_floods() {
   return ended;
 }
 
-std::vector<Connections::Watched> Connections::watched_connections() const {
+std::vector<Connections::Watched> Connections::prepare_looks() {
   std::vector<Watched> watched;
   const std::lock_guard lock(mutex_);
-  for (const auto& [id, entry] : entries_)
-    if (entry.meter && !entry.is_ending) watched.push_back({id, entry.socket, entry.inode});
+  for (auto& [id, entry] : entries_) {
+    if (!entry.meter || entry.is_ending) continue;
+    entry.meter->prepare_look();
+    watched.push_back({id, entry.socket, entry.inode});
+  }
   return watched;
 }
 

@@ -94,7 +94,7 @@ class Connections {
     bool is_open = false;
   };
 
-  std::vector<Watched> watched_connections() const;
+  std::vector<Watched> prepare_looks();
   // `_locked`: the caller holds mutex_.
   void sweep_locked() const;
   void erase_locked(Entries::iterator entry) const;

@@ -2,6 +2,7 @@
 #include "server/net/flood_meter.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace collided::server {
 namespace {
@@ -42,14 +43,15 @@ void FloodMeter::sent(uint64_t bytes) {
   replies_ -= static_cast<double>(bytes) * (1 + kRepliesOfByteSent) + kRepliesOfMessage;
 }
 
+void FloodMeter::prepare_look() { due_ += std::exchange(taken_, 0); }
+
 std::string_view FloodMeter::look(const Traffic& traffic, Time now, bool is_known) {
   const double seconds = std::chrono::duration<double>(now - looked_at_).count();
   without_caller_ =
       worn(without_caller_ + since(traffic_.received, traffic.received), kWithoutCallerPerSecond * seconds);
   // Bytes are read before their message has come: nothing is left over but headers that were not needed.
-  without_message_ = std::max(0.0, without_message_ + since(traffic_.read, traffic.read) - taken_);
+  without_message_ = std::max(0.0, without_message_ + since(traffic_.read, traffic.read) - std::exchange(due_, 0));
   without_message_ = worn(without_message_, kWithoutMessagePerSecond * seconds);
-  taken_ = 0;
   replies_ = worn(replies_ + since(traffic_.acknowledged, traffic.acknowledged), kRepliesPerSecond * seconds);
   const bool unanswered = is_unanswered(traffic, now);
   traffic_ = traffic;

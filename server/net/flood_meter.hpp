@@ -24,6 +24,9 @@ class FloodMeter {
   /// A message of so many bytes is about to be sent.
   void sent(uint64_t bytes);
 
+  /// Before the traffic of a look is asked for: messages that come from now on may have bytes that are not yet in it,
+  /// and count at the next look.
+  void prepare_look();
   /// What the connection floods with, or "". To be called a few times a second, with its traffic. `is_known`: it has
   /// made a call whose caller is known.
   std::string_view look(const Traffic& traffic, Time now, bool is_known);
@@ -35,7 +38,7 @@ class FloodMeter {
 
   Traffic traffic_;  // at the last look
   Time looked_at_;
-  double taken_ = 0;           // bytes of messages that came since the last look
+  double taken_ = 0, due_ = 0;  // bytes of messages that came since the last look was prepared, and before
   double without_caller_ = 0;  // bytes, less those of time
   double without_message_ = 0, replies_ = 0;
   uint64_t read_at_sending_ = 0;  // bytes, by when something was last seen to be sent

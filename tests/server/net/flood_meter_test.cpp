@@ -32,7 +32,13 @@ class Metered : public testing::Test {
     meter_.sent(bytes);
     sends(bytes + bytes / 500);
   }
-  std::string look() { return std::string(meter_.look(traffic_, now_ += milliseconds(100), is_known_)); }
+  std::string look() {
+    meter_.prepare_look();
+    return look_at(traffic_);
+  }
+  std::string look_at(const Traffic& traffic) {
+    return std::string(meter_.look(traffic, now_ += milliseconds(100), is_known_));
+  }
   /// What is said in so many looks, each after `something`.
   template <class Something>
   std::string said(int looks, Something something) {
@@ -147,6 +153,18 @@ TEST_F(Metered, AMessageIsUnfinishedUntilItHasCome) {
   EXPECT_EQ(meter_.unfinished(), 0u);
   EXPECT_EQ(said(128, part), "");
   EXPECT_GT(meter_.unfinished(), 64 * kMegabyte);  // nothing is left over of the first
+}
+
+// Otherwise each look would lose what comes while a busy machine is at it.
+TEST_F(Metered, AMessageThatComesDuringALookIsNotForgotten) {
+  for (int i = 0; i < 100; ++i) {
+    const Traffic before = traffic_;
+    meter_.prepare_look();
+    receives_message(100 * kMegabyte);
+    EXPECT_EQ(look_at(before), "");
+  }
+  EXPECT_EQ(look(), "");
+  EXPECT_LE(meter_.unfinished(), 1 * kMegabyte);
 }
 
 TEST_F(Metered, WhatComesBetweenMessagesStaysUnfinished) {
