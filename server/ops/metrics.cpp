@@ -154,7 +154,8 @@ Metrics::Families::Families()
       dropped_lines(counter(registry, "collided_dropped_log_lines_total", "Dropped log lines")),
       reset_floods(counter(registry, "collided_reset_floods_total",
                            "Connections ended because their clients reset too many calls")),
-      evicted(counter(registry, "collided_evicted_connections_total", "Connections evicted to make room for new ones")),
+      evicted(counter(registry, "collided_evicted_connections_total",
+                      "Connections evicted to make room for new ones, or because they flood")),
       frame_seconds(
           histograms(registry, "collided_frame_seconds", "Time of a frame from its arrival to its last answer")
               .Add({}, buckets())),
