@@ -6,8 +6,9 @@ import math
 import os
 import threading
 import traceback
+from unittest import mock
 
-from support import FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, assert_same, lowered, main, meshes, np
+from support import DAEMON, FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, assert_same, lowered, main, meshes, np
 
 import collided
 from collided.frames.updates import Update
@@ -295,6 +296,12 @@ class Sessions(Case):
         self.assertEqual(os.waitpid(child, 0)[1], 0)
         self.expect_hit(self.session(server=address).step({"tip": lowered(2)}), 2)
         self.assertEqual(daemon.address, address)
+
+    def test_a_daemon_of_its_own_ignores_the_options_of_others(self):
+        daemon = collided.OwnDaemon("--backend", "cpu", program=str(DAEMON))
+        self.addCleanup(daemon.stop)
+        with mock.patch.dict(os.environ, {"COLLIDED_BACKEND": "none", "COLLIDED_THREADS": "many"}):
+            self.expect_hit(self.session(server=daemon.address).step({"tip": lowered(2)}), 2)
 
     def test_another_thread_is_refused_while_one_waits(self):
         for transport in TRANSPORTS:

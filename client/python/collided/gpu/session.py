@@ -93,7 +93,7 @@ class DeviceSession:
         if alone:
             raise InvalidArgument(f"start names mesh {min(alone)} on the device, and positions do not", field="start")
         placed = [Update(i, positions=array, start=elsewhere[0].get(i)) for i, array in there[0].items()]
-        is_first = not (self._has_begun or any(not pending.is_trial for pending in self._pending))
+        is_first = not self._has_begun and all(pending.is_trial for pending in self._pending)
         request = track.request(self._layout, is_first, there[1], elsewhere[1], cast(FrameOptions, options), placed)
         wire_id = track.next_id()
         self._transport.send(wire_id, request.head, request.updates)

@@ -6,12 +6,12 @@ from support import np
 
 
 class OnDevice:
-    """By `__cuda_array_interface__`. address: of its bytes on the device; None: the host's, which are said to be there."""
+    """By `__cuda_array_interface__`. memory: on the device, with its `address`; None: the host's, which is said to be there."""
 
-    def __init__(self, array, strides=None, address=None):
-        self.array = array
+    def __init__(self, array, strides=None, memory=None):
+        self.array, self.memory = array, memory
         self.__cuda_array_interface__ = {"shape": array.shape, "typestr": array.dtype.str, "strides": strides, "version": 3,
-                                         "data": (address or array.ctypes.data, False)}
+                                         "data": (memory.address if memory else array.ctypes.data, False)}
 
 
 class Tensor(ctypes.Structure):
@@ -24,13 +24,13 @@ class Tensor(ctypes.Structure):
 
 
 class InDlpack:
-    """By DLPack, a number into its memory. address: of that memory on the device; None: the host's."""
+    """By DLPack, a number into its memory, as of `OnDevice`."""
 
-    def __init__(self, array, address=None):
-        self.array = with_a_number_before(array)
+    def __init__(self, array, memory=None):
+        self.array, self.memory = with_a_number_before(array), memory
         self.shape = (ctypes.c_int64 * 2)(*array.shape)
-        self.tensor = Tensor(address or self.array.ctypes.data, (2, 0), 2, 2, 8 * array.itemsize, 1, self.shape, None,
-                             array.itemsize)
+        self.tensor = Tensor(memory.address if memory else self.array.ctypes.data, (2, 0), 2, 2, 8 * array.itemsize, 1,
+                             self.shape, None, array.itemsize)
 
     def __dlpack_device__(self):
         return 2, 0

@@ -56,19 +56,13 @@ class Copied:
 
 
 def by_cudart(array):
-    copied = Copied(array)
-    found = OnDevice(array, address=copied.address)
-    found.copied = copied  # lives as long
-    return found
+    return OnDevice(array, memory=Copied(array))
 
 
 def by_dlpack(array):
     if LIBRARIES:
         return ByDlpack(on_device(LIBRARIES[0], array))
-    copied = Copied(with_a_number_before(array))
-    found = InDlpack(array, address=copied.address)
-    found.copied = copied
-    return found
+    return InDlpack(array, memory=Copied(with_a_number_before(array)))
 
 
 def on_device(library, array):

@@ -16,7 +16,7 @@ import collided
 from collided.contacts.columns import COLUMNS
 from collided.gpu import Cuda, DeviceSession
 from collided.v1 import collision_service_pb2 as api
-from collided.v1 import contact_pb2, local_pb2
+from collided.v1 import contact_pb2, frame_pb2, local_pb2
 
 
 class HostCuda:
@@ -56,10 +56,14 @@ class Broken(HostCuda):
 
 
 class DeviceDaemon:
-    """Answers a device session's frames of the floor and the tip with the contacts that another session finds."""
+    """Answers a device session's frames of the floor and the tip with the contacts that another session finds; refuses edits.
+
+    named: the meshes that each frame had positions of.
+    """
 
     def __init__(self, path, session):
         self.session = session
+        self.named = []
         self.listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self.listener.bind(path)
         self.listener.listen()
@@ -80,9 +84,13 @@ class DeviceDaemon:
         sent = 0
         while packet := connection.recv(1 << 16):
             frame = local_pb2.LocalRequest.FromString(packet).frame
+            if frame.HasField("edit"):
+                self.answer(connection, frame.frame_id, error=frame_pb2.FrameError(code=3, message="no edits", field="edit"))
+                continue
             moved = {update.mesh: self.positions(update) for update in frame.updates}
+            self.named.append(sorted(moved))
             moved.pop(0, None)
-            contacts = self.session.step(moved)
+            contacts = self.session.step(moved, trial=frame.trial)
             done = contacts.answer.done
             if len(contacts):
                 done.contacts.append(self.placed(contacts, sent % opening.open.window * self.room))
@@ -121,7 +129,7 @@ class Device(Case):
         scene = collided.Scene(meshes(), server=self.server)
         self.addCleanup(scene.close)
         path = folder.name + "/local"
-        DeviceDaemon(path, self.session())
+        self.daemon = DeviceDaemon(path, self.session())
         scene.client.info.local_socket = path
         session = DeviceSession(scene, cuda=self.cuda, output_bytes=8192, **options)
         self.addCleanup(session.close)
@@ -156,6 +164,21 @@ class Device(Case):
         self.expect_hit_on_device(first)
         self.expect_hit_on_device(second)
         self.assertNotEqual(first.vt.toi.address, second.vt.toi.address)
+
+    def test_a_refused_edit_leaves_the_meshes_as_they_were(self):
+        session = self.device_session(window=2)
+        session.step({"tip": OnDevice(TIP)})
+        session.send(edit=collided.Edit({"tip": None}))
+        self.refused(collided.FailedPrecondition, "an edit is in flight", session.send, edit=collided.Edit({"tip": None}))
+        self.refused(collided.InvalidArgument, "no edits", session.receive)
+        self.expect_hit_on_device(session.step({"tip": OnDevice(lowered(2))}))
+
+    def test_a_trial_is_no_first_frame(self):
+        session = self.device_session(window=2)
+        session.step({"tip": OnDevice(TIP)}, trial=True)
+        session.step({"tip": OnDevice(TIP)})
+        session.step({"tip": OnDevice(TIP)})
+        self.assertEqual(self.daemon.named, [[0, 1], [0, 1], [1]])
 
     def test_memory_lives_as_long_as_its_arrays(self):
         session = self.device_session()
