@@ -35,6 +35,8 @@ void check_pace(const LoadOptions& options) {
   if (ways != 1) throw UsageError("load needs one of --rate, --ramp, --closed-loop and --find-max");
   if (options.is_search != (options.p99_ms > 0))
     throw UsageError("--find-max and --p99 TIME go together, such as --find-max --p99 5ms");
+  if (options.is_search && options.settings.streams.generations > 1)
+    throw UsageError("--generations goes with --rate, --ramp or --closed-loop, not with --find-max");
 }
 
 void check_input(const LoadSettings& settings) {
@@ -128,6 +130,9 @@ void add_stream_options(CLI::App& command, LoadOptions& options) {
                    "A connection for each client, not for each stream");
   command.add_option("--warm-up", streams.warm_up, "First frames of each stream, which are not counted")
       ->check(CLI::Range(0, 100000))
+      ->capture_default_str();
+  command.add_option("--generations", streams.generations, "Runs, each on new scenes, once those before are deleted")
+      ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command.add_option("--workers", streams.workers, "Pairs of threads that send and receive; 0: by the number of cores")
       ->check(CLI::Range(0, 256))

@@ -2,7 +2,8 @@
 
 CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench), embree (collided_embree_bench), watch
 (collided_watch_bench), in_process (collided_in_process_bench), switches (collided_switches_bench), exact
-(collided_exact_bench), subdivision (collided_subdivision_bench) or reuse (collided_reuse_bench).
+(collided_exact_bench), subdivision (collided_subdivision_bench), reuse (collided_reuse_bench) or trials
+(collided_trials_bench).
 """
 
 import json
@@ -39,6 +40,17 @@ class Bench(unittest.TestCase):
         same = printed(*SMALL, "--check-same", "--threads", "1")
         self.assertEqual(len(same.splitlines()), 4)  # modes and number formats
         self.assertEqual(same, printed(*SMALL, "--check-same", "--threads", "2"))
+
+    def check_trials(self):
+        (run,) = parsed(*SMALL, "--frames", "40", "--warm-up", "1", "--period", "20")["runs"]
+        self.assertEqual((run["scene"], run["frames"], run["period"]), ("one_cell", 40, 20))
+        self.assertEqual(list(run["sides"]), ["auto", "lbvh", "octree"])
+        self.assertIn(run["best_engine"], ("lbvh", "octree"))
+        self.assertGreater(run["engine_trials"], 0)
+        self.assertGreater(run["time_ratio"], 0)
+        for side in run["sides"].values():
+            self.assertLessEqual(side["p50_ms"], side["p95_ms"])
+            self.assertLessEqual(side["p95_ms"], side["max_ms"])
 
     def check_levels(self):
         (scene,) = parsed(*SMALL, "--steps", str(STEPS), "--compare-levels")["scenes"]

@@ -126,6 +126,26 @@ Outcome measure(Target& target, Fleet& fleet, const LoadSettings& settings) {
   return outcome;
 }
 
+/// Ends after a generation that was interrupted or lost streams. What was measured is in the outcome even if it throws.
+void run_generations(Target& target, const LoadSettings& settings, const Motion& motion, Outcome& outcome) {
+  std::vector<Generation> generations;
+  const uint32_t count = settings.streams.generations;
+  do {
+    const Time begin = Clock::now();
+    Fleet fleet(target, settings, motion);
+    const std::chrono::duration<double> setup = Clock::now() - begin;
+    outcome = measure(target, fleet, settings);
+    const Histogram& latency = outcome.result.tally.latency;
+    generations.push_back({.setup_seconds = setup.count(),
+                           .p50 = latency.percentile(50),
+                           .p99 = latency.percentile(99),
+                           .max = latency.max(),
+                           .answered = outcome.result.tally.answered});
+    outcome.generations = generations;
+    fleet.finish();
+  } while (generations.size() < count && !outcome.result.is_interrupted && outcome.result.ended.empty());
+}
+
 void warn_of_rate(const LoadSettings& settings, const v1::ServerLimits& limits) {
   if (!settings.pace.profile) return;
   const std::string warning = rate_warning(limits, settings.pace.profile->max_rate() * settings.streams.count());
@@ -155,12 +175,13 @@ void run_load(const LoadSettings& settings) {
   Target target(settings);
   warn_of_rate(settings, target.client().server_info().limits());
   defer_interrupts();
-  Fleet fleet(target, settings, motion);
-  Outcome outcome = measure(target, fleet, settings);
+  Outcome outcome;
+  const std::exception_ptr failure = failure_in([&] { run_generations(target, settings, motion, outcome); });
+  if (outcome.generations.empty() && failure) std::rethrow_exception(failure);
   outcome.input = motion.name;
   report(settings, outcome);
-  fleet.finish();
   if (outcome.result.is_interrupted) check_interrupt();
+  if (failure) std::rethrow_exception(failure);
   if (!outcome.result.ended.empty()) throw std::runtime_error(warnings_of(settings, outcome).front());
 }
 

@@ -27,6 +27,7 @@ struct StreamSettings {
   bool shares_connections = false;  ///< one for each client, instead of one for each stream
   uint32_t warm_up = 5;             ///< frames of each stream that are not counted
   uint32_t workers = 0;             ///< 0: by the number of cores
+  uint32_t generations = 1;         ///< runs, each on scenes of its own; those of the run before are deleted first
   uint32_t count() const { return clients * scenes; }
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Errors, memory, streams and events of CUDA, each owned by an object.
+// Memory, streams and events of CUDA, each owned by an object.
 
 #include <cuda_runtime.h>
 
@@ -7,63 +7,34 @@
 #include <string>
 #include <utility>
 
+#include "gpu/exec/cuda/cuda_call.cuh"
+#include "gpu/exec/cuda/device_pool.cuh"
+#include "gpu/exec/cuda/pinned_pool.cuh"
 #include "gpu/exec/memory_ledger.hpp"
 
 namespace collided {
 
-inline void check_cuda(cudaError_t error, const char* what) {
-  if (error == cudaSuccess) return;
-  cudaGetLastError();
-  const std::string text = std::string(what) + ": " + cudaGetErrorString(error);
-  if (error == cudaErrorMemoryAllocation) throw ResourceExhausted(text);
-  throw DeviceError(text);
-}
-
-/// For the calling thread; returns the device.
-inline int use_device(int device) {
-  check_cuda(cudaSetDevice(device), "cudaSetDevice");
-  return device;
-}
-
-// Memory of the device comes from the device's pool: cudaMalloc and cudaFree let everything on the device wait, also
-// the frames of other scenes. What scenes gave back stays with the process, up to kPooledBytes, for the next ones.
-
-constexpr uint64_t kPooledBytes = uint64_t{1} << 30;
-
-/// Sets it up; false: the device has none.
-inline bool has_memory_pool(int device) {
-  int is_supported = 0;
-  if (cudaDeviceGetAttribute(&is_supported, cudaDevAttrMemoryPoolsSupported, device) != cudaSuccess ||
-      is_supported == 0)
-    return false;
-  cudaMemPool_t pool = nullptr;
-  uint64_t bytes = kPooledBytes;
-  return cudaDeviceGetDefaultMemPool(&pool, device) == cudaSuccess &&
-         cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &bytes) == cudaSuccess;
-}
-
 /// Memory of the device, booked in a scene's ledger. From any thread.
 class DeviceMemory {
  public:
+  /// `device` is the calling thread's.
   DeviceMemory(int device, std::shared_ptr<MemoryLedger> ledger)
-      : device_(device), ledger_(std::move(ledger)), is_pooled_(has_memory_pool(device)) {}
+      : device_(device), ledger_(std::move(ledger)), pool_(DevicePool::of(device)) {}
 
   /// For any stream from then on. `device` is the calling thread's.
   void* allocate(const std::string& part, uint64_t bytes) {
     ledger_->take(part, bytes);
-    void* memory = nullptr;
-    cudaError_t error = is_pooled_ ? cudaMallocAsync(&memory, bytes, cudaStreamPerThread) : cudaMalloc(&memory, bytes);
-    if (error == cudaSuccess && is_pooled_) error = cudaStreamSynchronize(cudaStreamPerThread);
-    if (error != cudaSuccess) {
+    try {
+      return pool_.allocate(bytes, (part + ": " + std::to_string(bytes) + " bytes").c_str());
+    } catch (...) {
       ledger_->give_back(part, bytes);
-      check_cuda(error, (part + ": " + std::to_string(bytes) + " bytes").c_str());
+      throw;
     }
-    return memory;
   }
   /// Nothing in line may use it any more.
   void deallocate(const std::string& part, void* memory, uint64_t bytes) {
     cudaSetDevice(device_);  // the calling thread may be a new one
-    is_pooled_ ? cudaFreeAsync(memory, cudaStreamPerThread) : cudaFree(memory);
+    pool_.deallocate(memory);
     ledger_->give_back(part, bytes);
   }
   const std::shared_ptr<MemoryLedger>& ledger() const { return ledger_; }
@@ -71,17 +42,19 @@ class DeviceMemory {
  private:
   int device_;
   std::shared_ptr<MemoryLedger> ledger_;
-  bool is_pooled_;
+  DevicePool& pool_;
 };
+
+inline std::string pinned_text(const std::string& part, uint64_t bytes) {
+  return part + ": " + std::to_string(bytes) + " bytes of pinned host memory";
+}
 
 /// For an answer: pinned, aligned to 64 bytes, booked nowhere. `device` is the calling thread's.
 inline std::shared_ptr<std::byte> pinned_block(int device, uint64_t bytes) {
-  void* memory = nullptr;
-  check_cuda(cudaHostAlloc(&memory, bytes, cudaHostAllocDefault),
-             ("answer: " + std::to_string(bytes) + " bytes of pinned host memory").c_str());
-  return {static_cast<std::byte*>(memory), [device](std::byte* block) {
+  std::byte* const memory = PinnedPool::instance().allocate(bytes, pinned_text("answer", bytes).c_str());
+  return {memory, [device](std::byte* block) {
             cudaSetDevice(device);  // another one might not be in use yet, and would be made ready
-            cudaFreeHost(block);
+            PinnedPool::instance().deallocate(block);
           }};
 }
 
@@ -92,16 +65,15 @@ class PinnedMemory {
 
   void* allocate(const std::string& part, uint64_t bytes) {
     ledger_->take_pinned(bytes);
-    void* memory = nullptr;
-    const cudaError_t error = cudaHostAlloc(&memory, bytes, cudaHostAllocDefault);
-    if (error != cudaSuccess) {
+    try {
+      return PinnedPool::instance().allocate(bytes, pinned_text(part, bytes).c_str());
+    } catch (...) {
       ledger_->give_back_pinned(bytes);
-      check_cuda(error, (part + ": " + std::to_string(bytes) + " bytes of pinned host memory").c_str());
+      throw;
     }
-    return memory;
   }
   void deallocate(const std::string&, void* memory, uint64_t bytes) {
-    cudaFreeHost(memory);
+    PinnedPool::instance().deallocate(static_cast<std::byte*>(memory));
     ledger_->give_back_pinned(bytes);
   }
 

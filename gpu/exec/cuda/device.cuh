@@ -6,7 +6,9 @@
 
 #include <string>
 
-#include "gpu/exec/cuda/cuda_memory.cuh"
+#include "gpu/device.hpp"
+#include "gpu/exec/cuda/cuda_call.cuh"
+#include "gpu/exec/cuda/device_pool.cuh"
 
 namespace collided {
 
@@ -38,18 +40,12 @@ inline bool does_device_work(int device) {
   return error == cudaSuccess;
 }
 
-/// What this process holds in the device's pool and does not use is free, too.
+/// Memory that this process holds without using it is free, too.
 inline uint64_t free_bytes_of(int device) {
   use_device(device);
   size_t free = 0, total = 0;
   check_cuda(cudaMemGetInfo(&free, &total), "cudaMemGetInfo");
-  cudaMemPool_t pool = nullptr;
-  uint64_t reserved = 0, used = 0;
-  if (has_memory_pool(device) && cudaDeviceGetDefaultMemPool(&pool, device) == cudaSuccess &&
-      cudaMemPoolGetAttribute(pool, cudaMemPoolAttrReservedMemCurrent, &reserved) == cudaSuccess &&
-      cudaMemPoolGetAttribute(pool, cudaMemPoolAttrUsedMemCurrent, &used) == cudaSuccess && reserved > used)
-    free += reserved - used;
-  return free;
+  return free + DevicePool::of(device).free_bytes();
 }
 
 }  // namespace collided

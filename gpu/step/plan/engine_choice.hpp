@@ -99,11 +99,12 @@ class EngineChoice {
 
  private:
   static constexpr double kHopeless = 2;    ///< times the time: one frame is enough to know
+  static constexpr double kSlower = 1.15;   ///< times the time: two frames are
   static constexpr int kLongestTrial = 12;  ///< frames, of which some are not clean
 
   struct Trial {
     Engine engine;
-    int frames = 0, hopeless = 0;
+    int frames = 0, hopeless = 0, slower = 0;
     LastTimes search = {};
     bool is_wrong = false;
   };
@@ -122,7 +123,11 @@ class EngineChoice {
     const double hopeless = kHopeless * search_.median();
     trial_->hopeless = frame.search > hopeless ? trial_->hopeless + 1 : 0;
     if (trial_->hopeless > 1 || frame.search > 4 * hopeless) return decide(frame.search);
-    if (!is_first && frame.is_clean) trial_->search.push(frame.search);
+    if (!is_first && frame.is_clean) {
+      trial_->search.push(frame.search);
+      trial_->slower = frame.search > kSlower * search_.median() ? trial_->slower + 1 : 0;
+      if (trial_->slower > 1) return decide(frame.search);
+    }
     if (trial_->search.is_full()) return decide(trial_->search.median());
     if (trial_->frames == kLongestTrial) lose();
   }
@@ -131,11 +136,12 @@ class EngineChoice {
     const Trial trial = *trial_;
     const double before = search_.median();
     const bool is_better = milliseconds < TrialBudget::kGain * before;
-    end_trial();
+    end_trial(is_better ? before / milliseconds : milliseconds / before);
     milliseconds_of(why_, trial.engine) = milliseconds;
     milliseconds_of(why_, why_.engine) = before;
     why_.reason = EngineReason::kFaster;
     if (!is_better) return;
+    budget_.forgive();
     why_.engine = trial.engine;
     search_ = trial.search;
     if (why_.engine == Engine::kOctree) tolerates_wrong_ = trial.is_wrong;
@@ -145,10 +151,10 @@ class EngineChoice {
     end_trial();
     budget_.pause_longest();
   }
-  void end_trial() {
+  void end_trial(double ratio = 1) {
     trial_.reset();
     is_settling_ = true;
-    budget_.pause();
+    budget_.pause(ratio);
   }
 
   void leave_octree() {

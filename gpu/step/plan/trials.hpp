@@ -30,8 +30,9 @@ class LastTimes {
   int count_ = 0, next_ = 0;
 };
 
-/// When the next comparison may begin: after a pause, twice as long each time, and once all that comparisons cost is a
-/// small share of all time. Times in milliseconds.
+/// When the next comparison may begin: after a pause, which grows each time, and once all that comparisons cost is a
+/// small share of all time. A scene that has become another one is compared soon, whatever comparisons have cost; if
+/// that leads to nothing, the next change of that kind waits twice as long. Times in milliseconds.
 class TrialBudget {
  public:
   static constexpr double kGain = 0.97;   ///< what the other way has to take of the time to be chosen
@@ -49,26 +50,42 @@ class TrialBudget {
   void owe(double milliseconds) { owed_ += std::max(0.0, milliseconds); }
   /// Any other frame.
   void earn(double milliseconds) { owed_ = std::max(0.0, owed_ - kShare * milliseconds); }
-  void count_frame() { wait_ = std::max(0, wait_ - 1); }
+  void count_frame() {
+    wait_ = std::max(0, wait_ - 1);
+    hurry_ = std::max(0, hurry_ - 1);
+  }
 
-  /// A comparison has ended.
-  void pause() {
+  /// A comparison has ended; the other way takes `ratio` times the time of the one that is kept. What loses clearly
+  /// today loses tomorrow, unless the scene changes.
+  void pause(double ratio = 1) {
+    const int growth = ratio > kHopeless ? 8 : ratio > kClear ? 4 : 2;
     wait_ = pause_;
-    pause_ = std::min(2 * pause_, kLongestPause);
+    pause_ = std::min(growth * pause_, kLongestPause);
   }
   /// The other way cannot be gone at all.
   void pause_longest() { wait_ = pause_ = kLongestPause; }
   void pause_for(int frames) { wait_ = frames; }
   void end_pause() { wait_ = 0; }
   /// The scene has become another one.
-  void hurry() { wait_ = std::min(wait_, pause_ = kFirstPause); }
+  void hurry() {
+    if (hurry_ > 0) return;
+    wait_ = std::min(wait_, kSoon);
+    pause_ = kFirstPause;
+    owed_ = 0;
+    hurry_ = hurry_pause_;
+    hurry_pause_ = std::min(2 * hurry_pause_, kLongestPause);
+  }
+  /// The comparison after a hurry paid.
+  void forgive() { hurry_pause_ = kFirstPause; }
 
  private:
-  static constexpr double kShare = 0.02;  ///< of all time may go to comparisons
-  static constexpr int kLongestPause = 1 << 14;
+  static constexpr double kShare = 0.005;               ///< of all time may go to comparisons of one kind
+  static constexpr double kClear = 1.25, kHopeless = 2;  ///< ratios of times
+  static constexpr int kSoon = 8, kLongestPause = 1 << 14;  ///< frames
 
   double owed_ = 0;  ///< what comparisons took, less the share that they may take
   int wait_, pause_ = kFirstPause;
+  int hurry_ = 0, hurry_pause_ = kFirstPause;  ///< frames until a change counts again, this time and the next
 };
 
 }  // namespace collided

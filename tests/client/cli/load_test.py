@@ -52,6 +52,23 @@ class LoadTest(support.CollidectlTest):
 
 
 class Runs(LoadTest):
+    def test_generations_run_on_new_scenes_of_the_same_daemon(self):
+        with self.loaded_daemon("--max-scenes", "4", "--max-scenes-per-client", "4") as (_, server):  # those of the run before are gone
+            words = ["--clients", "2", "--scenes", "2", "--rate", "10", "--seconds", "0.5", "--warm-up", "0",
+                     "--generations", "3", *server]
+            result = self.load(*words)
+            text = self.ok("load", *SMALL, *PATIENT, *words)
+            with urllib.request.urlopen(server[-1]) as page:
+                frames = int(re.search(r"^collided_frames_total (\d+)", page.read().decode(), re.M)[1])
+        self.assertEqual([run["answered"] for run in result["generations"]], [20] * 3)
+        self.assertEqual(frames, 2 * 3 * 20)
+        for run in result["generations"]:
+            self.assertGreater(run["setup_seconds"], 0)
+            self.assertTrue(0 < run["p50_ms"] <= run["p99_ms"] <= run["max_ms"])
+        self.assertEqual(result["latency_ms"]["max"], result["generations"][-1]["max_ms"])
+        self.assertRegex(text, r"generation of scenes +setup s(?s:.*)\n3 +\d")
+        self.refused(2, "--generations", "load", *SMALL, "--find-max", "--p99", "1s", "--generations", "2")
+
     def test_an_open_loop_sends_what_is_due_and_agrees_with_the_daemon(self):
         out, html = (os.path.join(self.folder.name, name) for name in ("load.json", "load.html"))
         with self.loaded_daemon() as (_, server):

@@ -61,6 +61,15 @@ std::string frames_table(const Json& outcome) {
   return table("Frames", rows);
 }
 
+std::string generations_table(const Json& outcome) {
+  if (!outcome.contains("generations")) return "";
+  std::vector<Cells> rows{{"generation", "setup s", "answered", "p50 ms", "p99 ms", "max ms"}};
+  for (const Json& run : outcome.at("generations"))
+    rows.push_back({std::to_string(rows.size()), format_double("%.3g", run.at("setup_seconds").get<double>()),
+                    count(run.at("answered")), ms(run.at("p50_ms")), ms(run.at("p99_ms")), ms(run.at("max_ms"))});
+  return table("Generations of scenes; all else is of the last", rows);
+}
+
 std::string comparison_table(const Json& outcome) {
   if (!outcome.contains("comparison")) return "";
   std::vector<Cells> rows{{"", "tester", "daemon"}};
@@ -131,7 +140,7 @@ std::string outcome_html(const Json& outcome) {
       paragraphs(load_text(outcome)) + warnings(outcome) + figures(outcome) + "<div class=\"plots\">\n";
   for (const Chart& chart : plots_of(outcome)) out += chart_svg(chart);
   return out + "</div>\n" + trials_table(outcome) + times_table(outcome) + frames_table(outcome) +
-         comparison_table(outcome) + "</body>\n</html>\n";
+         comparison_table(outcome) + generations_table(outcome) + "</body>\n</html>\n";
 }
 
 }  // namespace collided::cli::load

@@ -133,6 +133,17 @@ Json search_json(const LoadSettings& settings, const Outcome& outcome) {
           {"trials", trials}};
 }
 
+Json generations_json(const Outcome& outcome) {
+  Json out = Json::array();
+  for (const Generation& generation : outcome.generations)
+    out.push_back({{"setup_seconds", generation.setup_seconds},
+                   {"answered", generation.answered},
+                   {"p50_ms", generation.p50},
+                   {"p99_ms", generation.p99},
+                   {"max_ms", generation.max}});
+  return out;
+}
+
 Json measured_json(const Tally& tally) {
   return {{"latency_ms", times_json(tally.latency)},
           {"service_ms", times_json(tally.service)},
@@ -181,6 +192,7 @@ Json outcome_json(const LoadSettings& settings, const Outcome& outcome) {
   const PhaseResult& result = outcome.result;
   Json out = {{"load", load_json(settings, outcome)}, {"input", input_json(outcome)}};
   if (settings.find_max.p99_ms > 0) out["find_max"] = search_json(settings, outcome);
+  if (settings.streams.generations > 1) out["generations"] = generations_json(outcome);
   out["interrupted"] = result.is_interrupted;
   out["frames"] = frames_json(result.tally);
   out["refused"] = refusals_json(result.tally.refused);

@@ -20,12 +20,20 @@ struct Trial {
   uint64_t answered = 0;
 };
 
+/// One run of several on the same daemon, each with scenes of its own.
+struct Generation {
+  double setup_seconds = 0;  ///< to create the scenes and open the streams
+  double p50 = 0, p99 = 0, max = 0;
+  uint64_t answered = 0;
+};
+
 struct Outcome {
   std::string input;  ///< what was played
   v1::Scene scene;    ///< one of them
   uint64_t bytes_per_frame = 0;
   size_t connections = 0, threads = 0;
-  PhaseResult result;             ///< the run, or the best trial
+  PhaseResult result;             ///< the last run, or the best trial
+  std::vector<Generation> generations;  ///< all runs, in order
   std::vector<Trial> trials;      ///< of --find-max
   std::optional<double> best;     ///< the highest rate that held
   std::optional<Samples> daemon;  ///< what was added to the daemon's counters in the whole run

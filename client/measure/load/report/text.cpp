@@ -111,6 +111,16 @@ std::string search_text(const Json& outcome) {
          " frames/s of all streams; what follows is its trial\n";
 }
 
+std::string generations_text(const Json& outcome) {
+  if (!outcome.contains("generations")) return "";
+  std::string out = "\n" + row("generation of scenes", {"setup s", "answered", "p50 ms", "p99 ms", "max ms"});
+  int generation = 0;
+  for (const Json& run : outcome.at("generations"))
+    out += row(std::to_string(++generation), {format_double("%.3g", run.at("setup_seconds").get<double>()), count(run.at("answered")),
+                                          ms(run.at("p50_ms")), ms(run.at("p99_ms")), ms(run.at("max_ms"))});
+  return out + "what follows is the last generation\n";
+}
+
 }  // namespace
 
 std::string load_text(const Json& outcome) {
@@ -140,7 +150,7 @@ std::vector<std::pair<std::string, Json>> timed(const Json& outcome) {
 }
 
 std::string outcome_text(const Json& outcome) {
-  std::string out = load_text(outcome) + search_text(outcome) + times_text(outcome) + counts_text(outcome) +
+  std::string out = load_text(outcome) + search_text(outcome) + generations_text(outcome) + times_text(outcome) + counts_text(outcome) +
                     tester_text(outcome.at("tester")) + comparison_text(outcome);
   for (const Json& warning : outcome.at("warnings")) out += "warning: " + warning.get<std::string>() + "\n";
   return out;
