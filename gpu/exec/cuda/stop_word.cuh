@@ -17,6 +17,7 @@ class StopWord {
     one_.allocate(1);
     *one_.data() = 1;
     clear(stream_);
+    check_cuda(cudaStreamSynchronize(stream_), "stop");  // nothing is in line once the memory goes to another scene
   }
 
   /// On the device; 1: the frame has ended, loops that take long do no more.
