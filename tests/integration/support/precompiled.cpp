@@ -1,1 +1,0 @@
-// Empty: its target has the precompiled headers of the daemon's tests.
