@@ -15,18 +15,10 @@ def clipped(text, width):
     return text if len(text) <= width else text[:width - 3] + "..."
 
 
-def told(names, width):
-    """The suites of many tests with their numbers of cases, largest first, as far as they fit; a lone test by its name."""
+def groups(names):
+    """The suites of many tests with their numbers of cases, largest first; a lone test by its name."""
     suites = {}
     for name in sorted(names):
         suites.setdefault(suite_of(name), []).append(name)
-    entries = [(cases[0] if len(cases) == 1 else f"{suite}: {len(cases)} cases", len(cases))
-               for suite, cases in sorted(suites.items(), key=lambda item: -len(item[1]))]
-    text, left = "", len(names)
-    for entry, cases in entries:
-        more = f" and {left - cases} more" if left > cases else ""
-        longer = text + (", " if text else "") + entry
-        if text and len(longer + more) > width:
-            return text + f" and {left} more"
-        text, left = longer, left - cases
-    return clipped(text, width)
+    return [cases[0] if len(cases) == 1 else f"{suite}: {len(cases)} cases"
+            for suite, cases in sorted(suites.items(), key=lambda item: -len(item[1]))]

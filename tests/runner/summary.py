@@ -3,6 +3,7 @@
 import collections
 import pathlib
 import re
+import textwrap
 import xml.etree.ElementTree as xml
 
 import names
@@ -52,7 +53,9 @@ class Summary:
     def lines(self):
         for reason, skipped in sorted(self.skipped.items(), key=lambda item: -len(item[1])):
             line = names.clipped(f"   {len(skipped)} skipped: {reason}", WIDTH * 2 // 3)
-            yield f"{line} ({names.told(skipped, WIDTH - len(line) - 3)})"
+            groups = ", ".join(names.groups(skipped))
+            yield from textwrap.wrap(f"{line} ({groups})", WIDTH, subsequent_indent="      ", break_long_words=False,
+                                     break_on_hyphens=False)
         for name in sorted(self.failed):
             yield f"   failed: {name}"
 
