@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import shlex
 import tempfile
 
 import bpy
@@ -127,12 +128,15 @@ class Errors(Case):
     def test_what_a_daemon_has_no_room_for(self):
         from collided_blender.connection import stop_daemons
 
-        stop_daemons()
         self.addCleanup(stop_daemons)
-        self.addCleanup(os.environ.pop, "COLLIDED_MAX_TRIANGLES")
-        os.environ["COLLIDED_MAX_TRIANGLES"] = "4"
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        # No variable of Blender's environment reaches a daemon of its own, so a program of the user's sets the limit.
+        program = pathlib.Path(folder.name, "small")
+        program.write_text(f'#!/bin/sh\nexec {shlex.quote(DAEMON)} "$@" --max-triangles 4\n')
+        program.chmod(0o755)
         cube("cube")
-        preferences().server, preferences().program = "", DAEMON
+        preferences().server, preferences().program = "", str(program)
         self.refused(DETECT, "12 triangles.*fewer objects or no self contacts need less")
 
     def tearDown(self):
