@@ -10,12 +10,15 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import functools
+import queue
+import threading
 from collections.abc import AsyncIterable, AsyncIterator, Callable, Iterable
 from typing import Any, Generic, TypeVar, Unpack
 
 import numpy as np
 
 import collided
+from collided import leftovers
 from collided.contacts import Contacts
 from collided.frames.options import FrameOptions
 from collided.watch import Watched
@@ -34,17 +37,28 @@ async def proximity(*arguments: Any, **options: Any) -> Contacts:
 
 
 class _Thread:
-    """Does one thing after the other."""
+    """Does one thing after the other, in a daemon thread: a process can end while it waits, as with no thread of a pool."""
 
     def __init__(self) -> None:
-        self._pool = concurrent.futures.ThreadPoolExecutor(1, "collided-aio")
+        self._jobs: queue.SimpleQueue[tuple[concurrent.futures.Future[Any], Callable[[], Any]] | None] = queue.SimpleQueue()
+        self._is_started = self._is_stopped = False
 
     def start(self, function: Callable[..., _T], *arguments: Any, **options: Any) -> asyncio.Future[_T]:
-        return asyncio.wrap_future(self._pool.submit(functools.partial(function, *arguments, **options)))
+        return asyncio.wrap_future(self._submit(functools.partial(function, *arguments, **options)))
+
+    def _submit(self, function: Callable[[], _T]) -> concurrent.futures.Future[_T]:
+        if self._is_stopped:
+            raise collided.FailedPrecondition("it is closed")
+        if not self._is_started:
+            self._is_started = True
+            threading.Thread(target=_work, args=(self._jobs,), name="collided-aio", daemon=True).start()
+        future: concurrent.futures.Future[_T] = concurrent.futures.Future()
+        self._jobs.put((future, function))
+        return future
 
     async def make(self, function: Callable[[], _T]) -> _T:
         """What the function makes, which is closed if nobody waits for it any more."""
-        making = self._pool.submit(function)
+        making = self._submit(function)
         try:
             return await asyncio.shield(asyncio.wrap_future(making))
         except asyncio.CancelledError:
@@ -52,7 +66,19 @@ class _Thread:
             raise
 
     def stop(self) -> None:
-        self._pool.shutdown(wait=False)
+        self._is_stopped = True
+        self._jobs.put(None)
+
+
+def _work(jobs: queue.SimpleQueue[tuple[concurrent.futures.Future[Any], Callable[[], Any]] | None]) -> None:
+    while (job := jobs.get()) is not None:
+        future, function = job
+        if future.set_running_or_notify_cancel():
+            try:
+                future.set_result(function())
+            except BaseException as error:
+                future.set_exception(error)
+        del job, future, function  # which may refer to what is collected meanwhile
 
 
 def _close_what_was_made(making: concurrent.futures.Future[Any]) -> None:
@@ -63,8 +89,8 @@ def _close_what_was_made(making: concurrent.futures.Future[Any]) -> None:
 class _Results(Generic[_T]):
     """Results of one function, in order. One whose caller was cancelled is the next caller's."""
 
-    def __init__(self, thread: _Thread, function: Callable[[], _T]) -> None:
-        self._thread, self._function = thread, function
+    def __init__(self, thread: _Thread) -> None:
+        self._thread = thread
         self._is_awaited: dict[asyncio.Future[_T], bool] = {}  # those that nobody has yet, in order
 
     @property
@@ -72,9 +98,12 @@ class _Results(Generic[_T]):
         """Whether there is one whose caller was cancelled."""
         return not all(self._is_awaited.values())
 
-    async def next(self) -> _T:
+    async def next(self, function: Callable[[], _T]) -> _T:
         late = (result for result, is_awaited in self._is_awaited.items() if not is_awaited)
-        result = next(late, None) or self._thread.start(self._function)
+        result = next(late, None)
+        if result is None:
+            result = self._thread.start(function)
+            result.add_done_callback(lambda done: done.cancelled() or done.exception())  # nobody may ask for it any more
         self._is_awaited[result] = True
         try:
             return await asyncio.shield(result)
@@ -85,11 +114,6 @@ class _Results(Generic[_T]):
             if self._is_awaited[result]:
                 del self._is_awaited[result]
 
-    def give_up(self) -> None:
-        """Nobody will ask for late ones any more."""
-        for result in self._is_awaited:
-            result.add_done_callback(lambda done: done.cancelled() or done.exception())
-
 
 class Session:
     """As `collided.Session`; made on entry."""
@@ -97,11 +121,14 @@ class Session:
     def __init__(self, meshes: Any, **options: Any) -> None:
         self._make = functools.partial(collided.Session, meshes, **options)
         self._thread = _Thread()
-        self._received = _Results(self._thread, lambda: self.sync.receive())
+        self._received: _Results[Contacts] = _Results(self._thread)
         self._session: collided.Session | None = None
 
     async def __aenter__(self) -> Session:
         self._session = await self._thread.make(self._make)
+        self._session.leftover.kind = "aio.Session"
+        self._session.leftover.streams.append(self._thread.stop)
+        leftovers.watch(self, self._session.leftover)
         return self
 
     async def __aexit__(self, *_: object) -> None:
@@ -119,7 +146,7 @@ class Session:
 
     async def receive(self) -> Contacts:
         """As `collided.Session.receive`; use `asyncio.timeout`."""
-        return await self._received.next()
+        return await self._received.next(self.sync.receive)
 
     async def step(self, positions: Any = None, start: Any = None, **options: Unpack[FrameOptions]) -> Contacts:
         """As `collided.Session.step`."""
@@ -147,9 +174,11 @@ class Session:
         """Where each mesh is after the last answered frame, as of `collided.Session`."""
         return self.sync.positions
 
+    def __repr__(self) -> str:
+        return f"<aio {repr(self._session)[1:-1] if self._session else 'Session, not open'}>"
+
     async def close(self) -> None:
         """As `collided.Session.close`, whatever the session waits for."""
-        self._received.give_up()
         try:
             if self._session is not None:
                 await asyncio.to_thread(self._session.close)
@@ -164,14 +193,16 @@ class Watcher:
         self._make = functools.partial(collided.Watcher, *arguments, **options)
         self._thread = _Thread()
         self._watcher: collided.Watcher | None = None
-        self._shown = _Results(self._thread, self._next)
+        self._shown: _Results[Watched | None] = _Results(self._thread)
 
     async def __aenter__(self) -> Watcher:
         self._watcher = await self._thread.make(self._make)
+        self._watcher.leftover.kind = "aio.Watcher"
+        self._watcher.leftover.streams.append(self._thread.stop)
+        leftovers.watch(self, self._watcher.leftover)
         return self
 
     async def __aexit__(self, *_: object) -> None:
-        self._shown.give_up()
         if self._watcher is not None:
             await asyncio.to_thread(self._watcher.close)
         self._thread.stop()
@@ -181,15 +212,15 @@ class Watcher:
 
     async def __anext__(self) -> Watched:
         assert self._watcher is not None, "the watcher is not open: use `async with`"
-        frame = await self._shown.next()
+        frame = await self._shown.next(functools.partial(_next, self._watcher))
         if frame is None:
             raise StopAsyncIteration
         return frame
 
-    def _next(self) -> Watched | None:
-        """None at the end."""
-        assert self._watcher is not None
-        return next(iter(self._watcher), None)
+
+def _next(watcher: collided.Watcher) -> Watched | None:
+    """None at the end."""
+    return next(iter(watcher), None)
 
 
 async def _each(frames: Iterable[Any] | AsyncIterable[Any]) -> AsyncIterator[Any]:

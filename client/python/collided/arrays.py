@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,25 @@ from collided.errors import InvalidArgument
 
 UINT32_MAX = 2**32 - 1
 INDEX = np.dtype("<u4")
+
+
+class OneLine:
+    """The repr of a dataclass (repr=False) whose fields may be large arrays: a line with their types and shapes."""
+
+    def __repr__(self) -> str:
+        assert dataclasses.is_dataclass(self)
+        fields = (f"{field.name}={_outline(getattr(self, field.name))}" for field in dataclasses.fields(self))
+        return f"{type(self).__name__}({', '.join(fields)})"
+
+
+def _outline(value: Any) -> str:
+    if hasattr(value, "dtype") and hasattr(value, "shape"):
+        return f"<{value.dtype} {tuple(value.shape)}>"
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key!r}: {_outline(entry)}" for key, entry in value.items()) + "}"
+    text = repr(value)
+    is_short = len(text) <= 100 and "\n" not in text
+    return text if is_short else f"<{type(value).__name__} of {len(value)}>" if hasattr(value, "__len__") else f"<{type(value).__name__}>"
 
 
 def real(value: Any) -> float:

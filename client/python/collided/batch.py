@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from collided.arrays import ids, numbers
+from collided import leftovers
 from collided.choices import choice
 from collided.connection.client import Client
 from collided.contacts import Contacts
@@ -17,8 +18,10 @@ from collided.contacts.answer import Answer
 from collided.errors import Error, InvalidArgument, error_of_frame
 from collided.frames.updates import Update
 from collided.layout import Layout
+from collided.leftovers import Leftover
+from collided.meshes.mesh import counted
 from collided.options import SceneOptions, check_length
-from collided.scene import divided
+from collided.scene import Resident, divided
 from collided.transport.opening import StreamOptions
 from collided.set_frames import SetAnswer, SetFrames
 from collided.v1 import frame_pb2, metrics_pb2, scene_pb2
@@ -105,11 +108,12 @@ class SceneBatch:
         connect, scene = divided(options, server)
         self.options = SceneOptions(**scene)
         self.layout = Layout.of(meshes, self.options.exclude)
-        self._owns_client = not isinstance(server, Client)
+        self._form = self.options.format(self.layout)
         self.client = server if isinstance(server, Client) else Client(server, **connect)
         self.message = self.client.create_scenes(self.layout, self.options, count, lease_seconds)
-        self._form = self.options.format(self.layout)
+        self._resident = Resident(self.client, not isinstance(server, Client), self.message)
         self._frames = SetFrames(self.client, self.message, stream)
+        self._leftover = leftovers.watch(self, Leftover("SceneBatch", [self._frames.close], self._resident))
         self._has_frame = np.zeros(count, bool)
         self._process = os.getpid()
 
@@ -167,12 +171,12 @@ class SceneBatch:
         """
         if os.getpid() != self._process:
             return
-        self._frames.close()
-        try:
-            self.client.end_scene(self.id)
-        finally:
-            if self._owns_client:
-                self.client.close()
+        self._leftover.take()
+        self._leftover.end_streams()
+        self._resident.delete()
+
+    def __repr__(self) -> str:
+        return f"<SceneBatch of {self._resident.name}: {counted(self.count, 'world')}>"
 
     def __enter__(self) -> SceneBatch:
         return self

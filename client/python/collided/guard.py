@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import weakref
 from collections.abc import Callable
 
 from collided.errors import Error, FailedPrecondition
@@ -15,7 +16,8 @@ class Guard:
     as well; that it was not left still shows when the next call begins, which settles what it has left behind."""
 
     def __init__(self, settle: Callable[[], None]) -> None:
-        self._settle = settle
+        """settle: a method of the object that has this guard, and stays collectable without the cycle collector."""
+        self._settle = weakref.WeakMethod(settle)
         self._inside = _NOBODY
 
     @property
@@ -34,7 +36,9 @@ class Guard:
         if self._inside != _NOBODY:
             if self._inside not in (here, _INTERRUPTED):
                 raise FailedPrecondition("another thread is in a call of this session, which is for one at a time")
-            self._settle()
+            settle = self._settle()
+            assert settle is not None
+            settle()
         self._inside = here
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:

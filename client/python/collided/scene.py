@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from collided import leftovers
 from collided.connection.client import Client
 from collided.connection.options import ConnectOptions
 from collided.errors import InvalidArgument, NotFound
+from collided.leftovers import Leftover
 from collided.frames.track import Track
 from collided.layout import Layout
+from collided.meshes.mesh import counted
 from collided.options import SceneOptions
 from collided.v1 import scene_pb2
 from collided.watch import Watcher
@@ -34,6 +38,32 @@ def divided(options: dict[str, Any], server: str | Client | None) -> tuple[dict[
     return connect, {name: value for name, value in options.items() if name in _SCENE}
 
 
+class Resident:
+    """A scene, or a set of them, where it is now: on the daemon of a client, which may be the caller's."""
+
+    def __init__(self, client: Client, owns_client: bool, message: scene_pb2.Scene) -> None:
+        self.client, self.owns_client, self.message = client, owns_client, message
+
+    @property
+    def name(self) -> str:
+        title = f"{self.message.spec.display_name!r}, " if self.message.spec.display_name else ""
+        return f"scene {title}{self.message.scene_id} at {self.client.place}"
+
+    def ask_to_delete(self) -> Any:
+        return self.client.ask_to_delete(self.message.scene_id)
+
+    def delete(self) -> None:
+        """A daemon that is gone or does not answer is left alone: the scene's lease ends there."""
+        try:
+            self.client.end_scene(self.message.scene_id)
+        finally:
+            self.disconnect()
+
+    def disconnect(self) -> None:
+        if self.owns_client:
+            self.client.close()
+
+
 class Scene:
     """Meshes that stay resident on a daemon, as a context manager: made at the beginning, deleted at the end.
 
@@ -55,14 +85,25 @@ class Scene:
         self.track = Track(layout, self.options)
         self.lease_seconds = lease_seconds
         self._process = os.getpid()
-        self.owns_client = not isinstance(server, Client)
         self.client = server if isinstance(server, Client) else Client(server, **connect)
-        self.message = self.client.create_scene(self.track.layout, self.options, lease_seconds)
+        message = self.client.create_scene(self.track.layout, self.options, lease_seconds)
+        self._resident = Resident(self.client, not isinstance(server, Client), message)
+        self._leftover = leftovers.watch(self, Leftover("Scene", [], self._resident))
+
+    @property
+    def message(self) -> scene_pb2.Scene:
+        """The scene as the daemon created it."""
+        return self._resident.message
 
     @property
     def id(self) -> str:
         """The daemon's id of the scene; another one once the scene was created again."""
         return self.message.scene_id
+
+    @property
+    def name(self) -> str:
+        """What messages call it."""
+        return self._resident.name
 
     @property
     def layout(self) -> Layout:
@@ -79,12 +120,12 @@ class Scene:
             self.client.delete_scene(self.id)
         except NotFound:
             pass
-        self.message = self.client.create_scene(self.track.creatable, self.options, self.lease_seconds)
+        self._resident.message = self.client.create_scene(self.track.creatable, self.options, self.lease_seconds)
 
     def move(self) -> None:
         """A new scene, of the same meshes, on another daemon, as this one's stops. One try; this one stays if it fails."""
         old = self.id
-        self.message = self.client.create_scene(self.track.creatable, self.options, self.lease_seconds, tries=1)
+        self._resident.message = self.client.create_scene(self.track.creatable, self.options, self.lease_seconds, tries=1)
         self.client.try_delete(old)
 
     def session(self, **options: Any) -> Session:
@@ -105,11 +146,23 @@ class Scene:
         """
         if os.getpid() != self._process:
             return
-        try:
-            self.client.end_scene(self.id)
-        finally:
-            if self.owns_client:
-                self.client.close()
+        self._leftover.take()
+        self._resident.delete()
+
+    def left_by(self, kind: str, streams: list[Callable[[], object]]) -> Leftover:
+        """What is left by an object of this kind that the scene belongs to, once its streams have ended."""
+        self._leftover.take()
+        return Leftover(kind, streams, self._resident)
+
+    def give_up(self, error: BaseException) -> None:
+        """Deletes the scene of an object that could not be made. After an interrupt nothing waits."""
+        if isinstance(error, Exception):
+            self.close()
+        else:
+            leftovers.abandon(self._leftover)
+
+    def __repr__(self) -> str:
+        return f"<Scene {self.id} at {self.client.place}: {counted(sum(1 for _ in self.layout.present()), 'mesh')}>"
 
     def __enter__(self) -> Scene:
         return self

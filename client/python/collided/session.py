@@ -6,14 +6,17 @@ import math
 import threading
 import time
 from collections.abc import Iterable, Iterator
+from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
 
+from collided import leftovers
 from collided.choices import choice
 from collided.contacts.contacts import Contacts
 from collided.errors import DeadlineExceeded, Error, FailedPrecondition, InvalidArgument
 from collided.frames.options import FrameOptions
+from collided.leftovers import Leftover
 from collided.options import check_seconds
 from collided.scene import Scene
 from collided.stream import Stream
@@ -62,9 +65,13 @@ class Session:
         self.scene = meshes if isinstance(meshes, Scene) else Scene(meshes, **scene_options)
         try:
             self._stream = Stream(self.scene, stream_options, reconnect_seconds, take_over)
-        except Error:
-            self._close_scene()
+        except BaseException as error:
+            if self._owns_scene:
+                self.scene.give_up(error)
             raise
+        ends = [partial(self._stream.close, FailedPrecondition("the session is closed"))]
+        self.leftover = leftovers.watch(self, self.scene.left_by("Session", ends) if self._owns_scene else
+                                        Leftover("Session", ends, name=self.scene.name))
 
     # Frames.
 
@@ -202,20 +209,22 @@ class Session:
         """Ends the stream, and deletes the scene if it is the session's own. Answers in flight are given up."""
         if self._stream.is_foreign:
             return
+        self.leftover.take()
         if not self._owns_scene:
             self._stream.finish()
-        self._stream.close(FailedPrecondition("the session is closed"))
-        self._close_scene()
+        self.leftover.end_streams()
+        if self._owns_scene:
+            self.scene.close()
+
+    def __repr__(self) -> str:
+        way = "shared memory" if self.is_local else "gRPC"
+        return f"<Session of {self.scene.name}: {way}, {self.in_flight} of {self.window} frames in flight>"
 
     def __enter__(self) -> Session:
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def _close_scene(self) -> None:
-        if self._owns_scene:
-            self.scene.close()
 
 
 def _end_of(timeout: float | None) -> float:

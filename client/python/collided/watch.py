@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from collided import leftovers
+from collided.arrays import OneLine
 from collided.connection.channel import metadata
 from collided.connection.client import Client
 from collided.contacts.answer import Answer
@@ -14,14 +16,15 @@ from collided.contacts.columns import read_chunk
 from collided.contacts.contacts import Contacts
 from collided.errors import Cancelled, DataLoss, NotFound
 from collided.layout import Layout
+from collided.leftovers import Leftover
 from collided.transport.messages import Messages
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import scene_pb2
 from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
 
 
-@dataclass(frozen=True, eq=False)
-class Watched:
+@dataclass(frozen=True, eq=False, repr=False)
+class Watched(OneLine):
     """One frame.
 
     contacts: the first of each kind; `frame_id` is the one on the wire, that of the sender's `Contacts.wire_id`, and totals are
@@ -61,11 +64,13 @@ class Watcher:
         self._channel = client.separate_channel(self.scene.endpoint)
         self._messages = Messages(CollisionServiceStub(self._channel).WatchScene(
             request, metadata=metadata(client.options, scene_id)))
+        self.leftover = leftovers.watch(self, Leftover("Watcher", [self._messages.cancel, self._channel.close],
+                                                       name=f"scene {scene_id} at {client.place}"))
         try:
             opened = self._messages.next(None)
             if not opened.HasField("opened"):
                 raise DataLoss("the first message of a watch does not open it")
-        except Exception:
+        except BaseException:
             self.close()
             raise
         self._see(opened.opened.scene)
@@ -99,8 +104,11 @@ class Watcher:
 
     def close(self) -> None:
         """Ends the watch; from any thread."""
-        self._messages.cancel()
-        self._channel.close()
+        self.leftover.take()
+        self.leftover.end_streams()
+
+    def __repr__(self) -> str:
+        return f"<Watcher of scene {self._scene_id} at {self._client.place}>"
 
     def __enter__(self) -> Watcher:
         return self

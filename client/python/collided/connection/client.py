@@ -14,13 +14,15 @@ from typing import Any
 import grpc
 import numpy as np
 
+from collided import leftovers
 from collided.choices import check_text
 from collided.connection.channel import MAX_ANSWER_BYTES, metadata, open_channel
 from collided.connection.connection import Connection
 from collided.connection.mesh_elements import MeshElements, read_elements
 from collided.connection.options import ConnectOptions, is_local_address
 from collided.connection.own_daemon import OwnDaemon, shared_daemon
-from collided.errors import DeadlineExceeded, Error, InvalidArgument, NotFound, Unavailable, error_of_call
+from collided.errors import (DeadlineExceeded, Error, InvalidArgument, NotFound, ResourceExhausted, Unavailable,
+                             error_of_call)
 from collided.layout import Layout
 from collided.options import SceneOptions
 from collided.v1 import batch_pb2, scene_pb2
@@ -114,6 +116,18 @@ class Client:
         except Error:
             pass
 
+    def ask_to_delete(self, scene_id: str) -> grpc.Future | None:
+        """Frees a scene's memory, without waiting for the answer; on the connection that is open, if one is."""
+        connection = self._connection  # another thread may hold the lock
+        if connection is None or connection.info is None:
+            return None
+        try:
+            return CollisionServiceStub(connection.channel).DeleteScene.future(
+                api.DeleteSceneRequest(scene_id=scene_id), timeout=leftovers.CALL_SECONDS,
+                metadata=metadata(self.options, scene_id))
+        except ValueError:  # of gRPC, where another thread has closed the channel meanwhile
+            return None
+
     def end_scene(self, scene_id: str) -> None:
         """As `delete_scene`, but for a scene or a daemon that is gone, or does not answer: the lease ends it there."""
         try:
@@ -152,6 +166,9 @@ class Client:
                     scene = self._upload(scene.scene_id, index, mesh.triangles)
         except Error:
             self.try_delete(scene.scene_id)
+            raise
+        except BaseException:  # an interrupt, after which nothing waits
+            self.ask_to_delete(scene.scene_id)
             raise
         return scene
 
@@ -201,6 +218,7 @@ class Client:
 
     def close(self) -> None:
         """Ends the connection, once other threads' calls are done. The client connects again if it is used again."""
+        leftovers.settle(leftovers.EXIT_SECONDS)  # scenes may be deleted over this connection
         with self._lock:
             self._forget()
 
@@ -237,6 +255,9 @@ class Client:
                 if tried == tries:
                     raise
                 time.sleep(_RETRY_SECONDS * tried)
+            except ResourceExhausted:
+                if tried == tries or not leftovers.settle():
+                    raise
         raise AssertionError
 
     def _upload(self, scene_id: str, mesh: int, triangles: Any) -> scene_pb2.Scene:
@@ -244,6 +265,14 @@ class Client:
         chunks = (api.UploadMeshRequest(scene_id=scene_id, mesh=mesh,
                                         triangles=triangles[at:at + _TRIANGLES_PER_CHUNK].tobytes()) for at in starts)
         return self.call("UploadMesh", chunks, scene_id, self.options.deadline + len(starts)).scene
+
+    def __repr__(self) -> str:
+        return f"<Client of {self.place}>"
+
+    @property
+    def place(self) -> str:
+        """Where the daemon is, for people. Starts none."""
+        return self._server or "a daemon of this process"
 
     def __enter__(self) -> Client:
         return self

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 
+from collided import leftovers
 from collided.connection.channel import ask_for_info, open_channel
 from collided.connection.options import ConnectOptions
 from collided.v1 import collision_service_pb2 as api
@@ -22,6 +23,8 @@ class Connection:
         self._lock = threading.Lock()
         self._calls = 0
         self._is_retired = False
+        # gRPC keeps a channel open that nobody refers to.
+        self._unless_retired = leftovers.when_collected(self, self.channel.close)
 
     def ask(self, patience: float) -> None:
         """Has the daemon answer within so many seconds, if it has not yet. Raises Error."""
@@ -41,6 +44,7 @@ class Connection:
 
     def retire(self) -> None:
         """No other call begins."""
+        self._unless_retired.detach()
         with self._lock:
             self._is_retired = True
             is_over = not self._calls

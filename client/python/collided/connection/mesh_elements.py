@@ -7,14 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from collided.arrays import OneLine
 from collided.errors import Aborted, DataLoss, InvalidArgument
 from collided.v1 import collision_service_pb2 as api
 
 _TRIES = 8
 
 
-@dataclass(frozen=True, eq=False)
-class MeshElements:
+@dataclass(frozen=True, eq=False, repr=False)
+class MeshElements(OneLine):
     """A mesh as it was at `edit_count` (Scene.edit_count).
 
     elements: uint32[n][3], in the order of their scene-wide ids: triangles, then loose edges as a b b, then loose points as

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
 import os
 import pathlib
 import shutil
@@ -10,10 +9,12 @@ import subprocess
 import tempfile
 import threading
 import time
+import weakref
 
+from collided import leftovers
 from collided.errors import FailedPrecondition, Unavailable
 
-_READY_SECONDS, _STOP_SECONDS, _POLL_SECONDS = 60.0, 10.0, 0.01
+_READY_SECONDS, _STOP_SECONDS, _EXIT_SECONDS, _POLL_SECONDS = 60.0, 10.0, 0.1, 0.01
 _SAID_LINES = 3  # of a daemon that does not start
 # Ends the daemon when this process is gone, however it ended: then the pipe to standard input is closed. Not by
 # PR_SET_PDEATHSIG, which goes by the thread that started the daemon.
@@ -48,6 +49,7 @@ class OwnDaemon:
         self._program = program
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
+        self._unless_removed: weakref.finalize | None = None
         self._starter = 0  # the process that started it
         self._folder = ""
 
@@ -102,6 +104,10 @@ class OwnDaemon:
         with log.open("wb") as out:
             self._process = subprocess.Popen(["/bin/sh", "-c", _GUARD, "sh", *command], stdin=subprocess.PIPE,
                                              stdout=out, stderr=out, env=_environment(), start_new_session=True)
+        _running[self._process] = self._folder
+        leftovers.after_all(_end_all)
+        self._unless_removed = weakref.finalize(self, _let_go, self._process)
+        self._unless_removed.atexit = False
         deadline = time.monotonic() + _READY_SECONDS
         while not ready.exists():
             if self._process.poll() is not None or time.monotonic() > deadline:
@@ -113,9 +119,10 @@ class OwnDaemon:
 
     def _remove(self) -> None:
         if self._process is not None:
-            if self._process.stdin is not None and not self._process.stdin.closed:
-                self._process.stdin.close()
+            _let_go(self._process)
             self._process.wait()
+        if self._unless_removed is not None:
+            self._unless_removed.detach()
         self._process = None
         if self._folder:
             shutil.rmtree(self._folder, ignore_errors=True)
@@ -129,6 +136,32 @@ def _last_lines(log: pathlib.Path) -> str:
     return "; ".join([line for line in lines if line and not line.startswith("Run with --help")][-_SAID_LINES:])
 
 
+_running: dict[subprocess.Popen[bytes], str] = {}  # daemons of this process, and their folders
+
+
+def _let_go(process: subprocess.Popen[bytes]) -> None:
+    """Has the daemon end, and waits for nothing."""
+    folder = _running.pop(process, "")
+    if process.stdin is not None and not process.stdin.closed:
+        process.stdin.close()
+    if folder:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _end_all() -> None:
+    """At the end of the process, when nothing uses them any more. Those that take longer than the rest have nothing to lose."""
+    processes = list(_running)
+    for process in processes:
+        _let_go(process)
+    deadline = time.monotonic() + _EXIT_SECONDS
+    for process in processes:
+        try:
+            process.wait(max(0.0, deadline - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, 9)
+
+
+os.register_at_fork(after_in_child=_running.clear)
 _shared: OwnDaemon | None = None
 _shared_lock = threading.Lock()
 
@@ -139,5 +172,4 @@ def shared_daemon() -> OwnDaemon:
     with _shared_lock:
         if _shared is None:
             _shared = OwnDaemon()
-            atexit.register(_shared.stop)
         return _shared

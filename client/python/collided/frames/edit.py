@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from collided.arrays import OneLine
 from collided.choices import check_text
 from collided.errors import InvalidArgument
 from collided.layout import Layout
@@ -14,8 +15,8 @@ from collided.options import words
 from collided.v1 import scene_pb2
 
 
-@dataclass(frozen=True, eq=False)
-class Edit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Edit(OneLine):
     """Meshes that are replaced, added or removed with a frame, and pairs of meshes that are not tested any more, or again.
 
     meshes: by name or index. None removes a mesh; a name that is new adds one. A mesh without elements keeps those that it

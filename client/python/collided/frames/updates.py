@@ -8,14 +8,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from collided.arrays import check_below, ids, matrix
+from collided.arrays import OneLine, check_below, ids, matrix
 from collided.errors import InvalidArgument
 from collided.layout import Layout
 from collided.positions import Format
 
 
-@dataclass(frozen=True, eq=False)
-class Sparse:
+@dataclass(frozen=True, eq=False, repr=False)
+class Sparse(OneLine):
     """New positions of some vertices: only these move.
 
     indices: integers[n], strictly ascending, numbered within the mesh. positions: (n, 3). start: (n, 3), where they are at
@@ -27,8 +27,8 @@ class Sparse:
     start: Any = None
 
 
-@dataclass(frozen=True, eq=False)
-class Rigid:
+@dataclass(frozen=True, eq=False, repr=False)
+class Rigid(OneLine):
     """The pose of a rigid mesh: p -> R p + t of its first positions, as the rows of [R | t], (3, 4) or (4, 4).
 
     start: the pose at t = 0 (CCD); None: where the last frame left the mesh. In CCD a frame turns it by 3 radians at most.

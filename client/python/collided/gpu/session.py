@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Unpack, cast
 
-from collided.errors import Error, FailedPrecondition, InvalidArgument, ResourceExhausted, error_of_frame
+from collided import leftovers
+from collided.errors import FailedPrecondition, InvalidArgument, ResourceExhausted, error_of_frame
 from collided.frames.options import FrameOptions
 from collided.frames.updates import Update
 from collided.gpu.arrays import incoming, is_on_device
@@ -15,6 +16,7 @@ from collided.gpu.contacts import DeviceContacts
 from collided.gpu.cuda import Cuda
 from collided.gpu.memory import DeviceMemory
 from collided.layout import Layout
+from collided.leftovers import Leftover
 from collided.scene import Scene
 from collided.transport.local_transport import LocalTransport
 from collided.transport.opening import opened_by
@@ -52,9 +54,13 @@ class DeviceSession:
         self.scene = meshes if isinstance(meshes, Scene) else Scene(meshes, **scene_options)
         try:
             self._open(cuda or Cuda(), window, (output_bytes, edit_bytes), daemon_user)
-        except Error:
-            self._close_scene()
+        except BaseException as error:
+            if self._owns_scene:
+                self.scene.give_up(error)
             raise
+        ends = [self._transport.close]
+        self._leftover = leftovers.watch(self, self.scene.left_by("DeviceSession", ends) if self._owns_scene else
+                                         Leftover("DeviceSession", ends, name=self.scene.name))
         self.window = window
         self._sent = 0
         self._has_begun = False
@@ -151,12 +157,13 @@ class DeviceSession:
 
     def close(self) -> None:
         """Ends the stream, and deletes the scene if it is the session's own."""
-        self._transport.close()
-        self._close_scene()
-
-    def _close_scene(self) -> None:
+        self._leftover.take()
+        self._leftover.end_streams()
         if self._owns_scene:
             self.scene.close()
+
+    def __repr__(self) -> str:
+        return f"<DeviceSession of {self.scene.name}: {len(self._pending)} of {self.window} frames in flight>"
 
     def __enter__(self) -> DeviceSession:
         return self

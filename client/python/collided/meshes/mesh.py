@@ -107,6 +107,12 @@ class Mesh:
             return Mesh(**{**source, **options})
         return Mesh(**{**parts_of(source), **options})
 
+    def __repr__(self) -> str:
+        """One line, however many elements there are."""
+        counts = ((self.vertex_count, "vertex"), (len(self.triangles), "triangle"), (len(self.edges), "edge"),
+                  (len(self.points), "point"))
+        return f"<Mesh {self.name!r}: {', '.join(counted(n, word) for n, word in counts if n)}, {self.motion}>"
+
     @property
     def element_count(self) -> int:
         """Triangles, loose edges and loose points."""
@@ -133,6 +139,12 @@ class Mesh:
         if with_triangles:
             spec.triangles = self.triangles.tobytes()
         return spec
+
+
+def counted(count: int, word: str) -> str:
+    """As in "1 vertex" and "2,048 triangles"."""
+    plural = {"vertex": "vertices", "mesh": "meshes"}.get(word, word + "s")
+    return f"{count:,} {word if count == 1 else plural}"
 
 
 def as_mesh(source: Any, name: str) -> Mesh:
