@@ -14,10 +14,10 @@ def run_python(program, address, stubs):
     return run_with_package(program.replace(README_SOCKET, address), address, stubs)
 
 
-def run_with_package(program, address, package):
+def run_with_package(program, address, package, timeout=60):
     """What a program prints that finds the daemon by itself."""
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run([sys.executable, "-c", program], cwd=folder, text=True, capture_output=True, timeout=60,
+        done = subprocess.run([sys.executable, "-c", program], cwd=folder, text=True, capture_output=True, timeout=timeout,
                               env={**os.environ, "PYTHONPATH": str(package), "COLLIDED_SERVER": address})
     assert done.returncode == 0, done.stderr
     return done.stdout
