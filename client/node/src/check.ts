@@ -37,11 +37,12 @@ export const uint64: Rule = (value) => {
   return inRange ? undefined : "a bigint from 0 to 2^64 - 1, or an integer number up to 2^53 - 1";
 };
 
-/** A value of an enum of the protocol. */
-export function oneOf(values: Record<string, string | number>): Rule {
-  const known = Object.values(values).filter((value) => typeof value === "number");
-  const names = Object.keys(values).filter((name) => typeof values[name] === "number");
-  return (value) => (known.includes(value as number) ? undefined : `one of ${names.join(", ")}`);
+/** A value of an enum of the protocol, which is named as in `oneOf({ DetectionMode })`: messages spell values as code does. */
+export function oneOf(enums: Record<string, Record<string, string | number>>): Rule {
+  const [[type, values]] = Object.entries(enums);
+  const known = Object.entries(values).filter(([, value]) => typeof value === "number" && value >= 0);
+  const usable = known.filter(([, value]) => value !== 0).map(([name, value]) => `${type}.${name} (${value})`);
+  return (value) => (known.some(([, number]) => number === value) ? undefined : `one of ${usable.join(", ")}`);
 }
 
 /** An array, each of whose entries follows the rule. */

@@ -13,13 +13,13 @@ import {
   type EstimateSceneResponse,
   type GetServerInfoResponse,
 } from "./generated/collided/v1/collision_service.js";
-import type { Scene, SceneSpec } from "./generated/collided/v1/scene.js";
+import type { Scene } from "./generated/collided/v1/scene.js";
 import { type MeshElements, readElements } from "./mesh_elements.js";
 import { FrameOutput } from "./output.js";
 import { type SceneInput, sceneSpec } from "./scene.js";
 import { Session, type SessionOptions } from "./session.js";
 import { FrameStream, type StreamOptions, checkStreamOptions } from "./stream.js";
-import { uploadMesh } from "./upload.js";
+import { takeLarge, uploadMesh } from "./upload.js";
 import { type WatchOptions, Watcher, checkWatchOptions } from "./watcher.js";
 
 /** How a scene is created. */
@@ -74,14 +74,13 @@ export class Client {
   /** Creates a scene, ready for frames. Retries if the answer is lost, without ever creating two. */
   async createScene(input: SceneInput, options: CreateOptions = {}): Promise<Scene> {
     check(options, CREATE, "options");
-    const { spec, triangles } = withoutTriangles(input);
+    const spec = sceneSpec(input);
+    const uploads = takeLarge(spec, this.serverInfo.limits!.maxMessageBytes);
     const requestId = randomBytes(16).toString("hex");
     let scene = await this.#create(CreateSceneRequest.create({ requestId, leaseSeconds: options.leaseSeconds ?? 0, spec }));
     const { sceneId } = scene;
     try {
-      for (const [mesh, bytes] of triangles.entries()) {
-        if (bytes.length > 0) scene = await uploadMesh(this.connection, sceneId, mesh, bytes);
-      }
+      for (const [mesh, bytes] of uploads) scene = await uploadMesh(this.connection, sceneId, mesh, bytes);
     } catch (error) {
       await this.deleteScene(scene).catch(() => {}); // the upload's error is the one to tell
       throw error;
@@ -91,7 +90,9 @@ export class Client {
 
   /** What createScene of the same input would cost, before anything is made; no triangle is sent. */
   async estimateScene(input: SceneInput): Promise<EstimateSceneResponse> {
-    return this.connection.unary("estimateScene", { spec: withoutTriangles(input).spec });
+    const spec = sceneSpec(input);
+    for (const mesh of spec.meshes) mesh.triangles = new Uint8Array(); // their number stays
+    return this.connection.unary("estimateScene", { spec });
   }
 
   /** State and memory of a scene. */
@@ -179,14 +180,6 @@ export class Client {
       }
     }
   }
-}
-
-/** The spec without triangles but with their number, and the triangles of each mesh. */
-function withoutTriangles(input: SceneInput): { spec: SceneSpec; triangles: Uint8Array[] } {
-  const spec = sceneSpec(input);
-  const triangles = spec.meshes.map((mesh) => mesh.triangles);
-  for (const mesh of spec.meshes) mesh.triangles = new Uint8Array();
-  return { spec, triangles };
 }
 
 function sceneIdOf(scene: Scene): string {

@@ -4,9 +4,26 @@ import { join } from "./arrays.js";
 import { Code, CollidedError } from "./errors.js";
 import { type ContactChunk, ContactKind } from "./generated/collided/v1/contact.js";
 
-/** Contacts of one kind in canonical order. An array is empty if it was not requested or not computed. */
-export interface Contacts {
-  count: number;
+/** One contact, with its entries of the arrays of Contacts. A field is undefined if its array is empty. */
+export interface Contact {
+  elements: [number, number] | undefined;
+  stencil: [number, number, number, number] | undefined;
+  toi: number | undefined;
+  distance: number | undefined;
+  weights: [number, number] | undefined;
+  normal: [number, number, number] | undefined;
+  flags: number | undefined;
+}
+
+/**
+ * Contacts of one kind in canonical order, as flat arrays. An array is empty if it was not requested or not computed.
+ * `for (const { elements, toi } of contacts)` visits them one by one, which is slower.
+ */
+export interface Contacts extends Iterable<Contact> {
+  /** How many there are. */
+  readonly count: number;
+  /** The same as `count`. */
+  readonly length: number;
   /** Two ids for each contact: vertex and element, or two edges, or two triangles; scene-wide. */
   elements: Uint32Array;
   /** Four vertices for each contact; scene-wide. */
@@ -30,7 +47,7 @@ export interface ContactsByKind {
   triangleTriangle: Contacts;
 }
 
-type Field = Exclude<keyof Contacts, "count">;
+type Field = Exclude<keyof Contacts, "count" | "length" | typeof Symbol.iterator>;
 
 const ENTRIES: Record<Field, number> = { elements: 2, stencils: 4, toi: 1, distance: 1, weights: 2, normals: 3, flags: 1 };
 
@@ -56,8 +73,7 @@ function assemble(chunks: ContactChunk[]): Contacts {
     }
     return joined;
   };
-  return {
-    count,
+  return new ContactArrays(count, {
     elements: array(Uint32Array, "elements"),
     stencils: array(Uint32Array, "stencils"),
     toi: array(Float64Array, "toi"),
@@ -65,7 +81,55 @@ function assemble(chunks: ContactChunk[]): Contacts {
     weights: array(Float64Array, "weights"),
     normals: array(Float32Array, "normals"),
     flags: array(Uint8Array, "flags"),
-  };
+  });
+}
+
+class ContactArrays implements Contacts {
+  readonly elements: Uint32Array;
+  readonly stencils: Uint32Array;
+  readonly toi: Float64Array;
+  readonly distance: Float64Array;
+  readonly weights: Float64Array;
+  readonly normals: Float32Array;
+  readonly flags: Uint8Array;
+
+  constructor(
+    readonly count: number,
+    arrays: Pick<Contacts, Field>,
+  ) {
+    ({
+      elements: this.elements,
+      stencils: this.stencils,
+      toi: this.toi,
+      distance: this.distance,
+      weights: this.weights,
+      normals: this.normals,
+      flags: this.flags,
+    } = arrays);
+  }
+
+  get length(): number {
+    return this.count;
+  }
+
+  *[Symbol.iterator](): Iterator<Contact> {
+    for (let i = 0; i < this.count; ++i) {
+      yield {
+        elements: this.#entries("elements", i),
+        stencil: this.#entries("stencils", i),
+        toi: this.toi[i],
+        distance: this.distance[i],
+        weights: this.#entries("weights", i),
+        normal: this.#entries("normals", i),
+        flags: this.flags[i],
+      };
+    }
+  }
+
+  #entries<T extends number[]>(field: Field, i: number): T | undefined {
+    const all = this[field];
+    return all.length === 0 ? undefined : ([...all.subarray(i * ENTRIES[field], (i + 1) * ENTRIES[field])] as T);
+  }
 }
 
 function whole(chunks: ContactChunk[], field: Field, { BYTES_PER_ELEMENT }: { BYTES_PER_ELEMENT: number }): Uint8Array[] {

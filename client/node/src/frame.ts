@@ -65,10 +65,10 @@ export interface FrameInput {
 const FRAME: Rules<FrameInput> = {
   frameId: uint64,
   updates: list,
-  mode: oneOf(DetectionMode),
-  accuracy: oneOf(Accuracy),
+  mode: oneOf({ DetectionMode }),
+  accuracy: oneOf({ Accuracy }),
   delta: finite,
-  report: oneOf(Report),
+  report: oneOf({ Report }),
   ignoreSeparating: boolean,
   advance: boolean,
   trial: boolean,

@@ -8,7 +8,7 @@ export type { Indices, Positions, RigidMatrix } from "./arrays.js";
 export type { MeshInput, SceneInput } from "./scene.js";
 export type { MeshElements } from "./mesh_elements.js";
 export type { FrameInput, MeshEditInput, MeshUpdateInput, SceneEditInput } from "./frame.js";
-export type { Contacts, ContactsByKind } from "./contacts.js";
+export type { Contact, Contacts, ContactsByKind } from "./contacts.js";
 export type { FrameOutput } from "./output.js";
 export type { FrameStream, StreamOptions } from "./stream.js";
 export type { Session, SessionOptions } from "./session.js";

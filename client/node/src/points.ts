@@ -13,8 +13,10 @@ export interface ContactPoints {
   second: Float64Array;
 }
 
+type WithPoints = Pick<Contacts, "count" | "stencils" | "weights" | "toi">;
+
 /** Of vertex-triangle contact i. A loose edge a b has the stencil v a b b, a loose point a has v a a a. */
-export function elementKind(contacts: Contacts, i: number): ElementKind {
+export function elementKind(contacts: Pick<Contacts, "stencils">, i: number): ElementKind {
   const [a, b, c] = contacts.stencils.subarray(4 * i + 1, 4 * i + 4);
   if (a === undefined) throw invalid("i", `is ${i}; there are ${contacts.stencils.length / 4} stencils`);
   if (b !== c) return "triangle";
@@ -28,7 +30,7 @@ export function elementKind(contacts: Contacts, i: number): ElementKind {
  */
 export function contactPoints(
   kind: ContactKind.VERTEX_TRIANGLE | ContactKind.EDGE_EDGE,
-  contacts: Contacts,
+  contacts: WithPoints,
   end: ArrayLike<number>,
   start?: ArrayLike<number>,
 ): ContactPoints {
@@ -51,7 +53,7 @@ export function contactPoints(
   return { first, second };
 }
 
-function checkArrays(contacts: Contacts, end: ArrayLike<number>, start?: ArrayLike<number>): void {
+function checkArrays(contacts: WithPoints, end: ArrayLike<number>, start?: ArrayLike<number>): void {
   for (const [name, entries] of [["stencils", 4], ["weights", 2], ...(start ? ([["toi", 1]] as const) : [])] as const) {
     const has = contacts[name].length;
     if (has !== entries * contacts.count) {

@@ -26,7 +26,7 @@ export interface MeshInput {
   name?: string;
   /** 1 to the daemon's limit. */
   vertexCount: number;
-  /** Three vertices each. Any number: they are uploaded in chunks. */
+  /** Three vertices each. Any number: many are uploaded in chunks. */
   triangles?: Indices;
   /** Two vertices each, such as the segments of a hair. */
   edges?: Indices;
@@ -98,7 +98,7 @@ const MESH: Rules<MeshInput> = {
   triangles: anything,
   edges: anything,
   points: anything,
-  motion: oneOf(MeshMotion),
+  motion: oneOf({ MeshMotion }),
   groups: uint32,
   collideMask: uint32,
   noSelfContacts: boolean,
@@ -107,24 +107,24 @@ const MESH: Rules<MeshInput> = {
 };
 
 const SCENE: Rules<SceneInput> = {
-  mode: oneOf(DetectionMode),
+  mode: oneOf({ DetectionMode }),
   meshes: list,
-  positionFormat: oneOf(PositionFormat),
-  accuracy: oneOf(Accuracy),
+  positionFormat: oneOf({ PositionFormat }),
+  accuracy: oneOf({ Accuracy }),
   thickness: finite,
   minSeparation: finite,
   delta: finite,
-  kinds: listOf(oneOf(ContactKind)),
-  fields: listOf(oneOf(ContactField)),
-  report: oneOf(Report),
+  kinds: listOf(oneOf({ ContactKind })),
+  fields: listOf(oneOf({ ContactField })),
+  report: oneOf({ Report }),
   excludedMeshes: list,
   restDistance: finite,
   quantizationBox: anything,
-  backend: oneOf(Backend),
+  backend: oneOf({ Backend }),
   device: string,
   partDevices: listOf(string),
-  broadPhaseEngine: oneOf(BroadPhaseEngine),
-  reuse: oneOf(Reuse),
+  broadPhaseEngine: oneOf({ BroadPhaseEngine }),
+  reuse: oneOf({ Reuse }),
   memoryBudgetBytes: uint64,
   expectedContacts: uint32,
   displayName: string,

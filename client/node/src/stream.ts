@@ -26,7 +26,7 @@ export interface StreamOptions {
   resumeToken?: string;
 }
 
-const OPTIONS: Rules<StreamOptions> = { window: uint32, delivery: oneOf(DeliveryPolicy), resumeToken: string };
+const OPTIONS: Rules<StreamOptions> = { window: uint32, delivery: oneOf({ DeliveryPolicy }), resumeToken: string };
 
 /** What becomes of a frame's output, or of the stream's end before it. */
 interface Taker {

@@ -16,6 +16,10 @@ test("a contact is where it was built in", () =>
     const output = await used.client.detect(scene, fall(2, { frameId: 1 }));
     const { vertexTriangle: contacts, edgeEdge, triangleTriangle, done } = output;
     assert.deepEqual([contacts.count, edgeEdge.count, triangleTriangle.count], [1, 0, 0]);
+    assert.deepEqual([contacts.length, edgeEdge.length, [...edgeEdge]], [1, 0, []]);
+    const [{ elements, stencil, toi, weights, normal, flags }, ...others] = contacts;
+    assert.deepEqual([elements, stencil, toi, flags, others], [[3, 0], [3, 0, 1, 2], contacts.toi[0], contacts.flags[0], []]);
+    assert.deepEqual([weights?.length, normal?.length], contacts.weights.length > 0 ? [2, 3] : [undefined, undefined]);
     assert.deepEqual(
       [[...contacts.elements], [...contacts.stencils]],
       [

@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { Accuracy, Code, ContactField, DetectionMode, PositionFormat, SceneState, connect } from "../src/index.js";
 import { TWO_TRIANGLES, fall, refused, sheets, useDaemon } from "./support.js";
 
-const used = useDaemon();
+const used = useDaemon(["--max-message-mb", "4"]); // room for 2 MiB of triangles in the message that creates a scene
 const [floor, tip] = TWO_TRIANGLES.meshes;
 
 test("the daemon tells its version, devices and limits", async () => {
@@ -27,12 +27,12 @@ test("a scene is created, listed, estimated and deleted", async () => {
   await refused(() => client.getScene(scene.sceneId), Code.NOT_FOUND, "scene_id");
 });
 
-test("triangles go up in chunks, whole ones, however many there are, and can be read again", async () => {
-  const { scene } = sheets(230); // 1.27 MB of triangles a mesh: two chunks
+test("triangles go with the scene or in chunks, whole ones, however many there are, and can be read again", async () => {
+  const { scene } = sheets(230); // 1.27 MB of triangles a mesh: one goes with the scene, the other in two chunks
   const created = await used.client.createScene(scene);
   assert.equal(created.state, SceneState.READY);
   assert.equal(created.triangleCount, 2n * 2n * 230n * 230n);
-  assert.deepEqual((await used.client.getMesh(created, 1)).elements, scene.meshes[1].triangles);
+  for (const mesh of [0, 1]) assert.deepEqual((await used.client.getMesh(created, mesh)).elements, scene.meshes[mesh].triangles);
   await used.client.deleteScene(created);
 });
 
@@ -50,19 +50,22 @@ test("what a mesh is made of is told to whoever asks", async () => {
 
 test("a refused upload leaves no scene", async () => {
   const before = (await used.client.listScenes()).length;
-  const bad = { ...tip, triangles: [0, 1, 7] };
-  await refused(
-    () => used.client.createScene({ ...TWO_TRIANGLES, meshes: [floor, bad] }),
-    Code.INVALID_ARGUMENT,
-    "triangles[0]",
-  );
+  const large = Array.from({ length: 180_000 }, () => [0, 1, 2]).flat();
+  for (const [triangles, field] of [
+    [[0, 1, 7], "spec.meshes[1].triangles[0]"],
+    [[...large, 0, 1, 7], "triangles[180000]"],
+  ] as const) {
+    const meshes = [floor, { ...tip, triangles }];
+    await refused(() => used.client.createScene({ ...TWO_TRIANGLES, meshes }), Code.INVALID_ARGUMENT, field);
+  }
   assert.equal((await used.client.listScenes()).length, before);
 });
 
 test("a value that cannot be is refused by name before anything is sent", async () => {
   const cases: [object, string, RegExp][] = [
     [{ thicknes: 0.1 }, "spec.thicknes", /is not known; spec has mode, .*thickness/],
-    [{ mode: "CCD" }, "spec.mode", /is "CCD"; it must be one of UNSPECIFIED, DCD, CCD/],
+    [{ mode: "CCD" }, "spec.mode", /is "CCD"; it must be one of DetectionMode.DCD \(1\), DetectionMode.CCD \(2\), \S+ \(3\)$/],
+    [{ report: -1 }, "spec.report", /is -1; it must be one of Report\.ALL/],
     [{ displayName: "\ud800" }, "spec.display_name", /a string of whole characters/],
     [{ mode: 77 }, "spec.mode", /is 77; it must be one of/],
     [{ thickness: "0.1" }, "spec.thickness", /is "0.1"; it must be a finite number/],
