@@ -20,6 +20,7 @@ import (
 const (
 	createTries = 3
 	chunkBytes  = (1 << 20) / 12 * 12 // whole triangles, well below the limit of any daemon
+	maxInline   = 4 << 20             // bytes of triangles in the message that creates a scene
 )
 
 // Client is a connection to a daemon. Any goroutine may use it.
@@ -98,16 +99,14 @@ func (c *Client) CreateScene(ctx context.Context, spec *SceneSpec, meshes []Mesh
 }
 
 func (c *Client) createScene(ctx context.Context, input *sceneInput, lease time.Duration) (*Scene, error) {
-	scene, err := c.create(ctx, &v1.CreateSceneRequest{RequestId: randomID(), Spec: input.spec, LeaseSeconds: lease.Seconds()})
+	spec, uploads := input.withSmall(c.info.GetLimits().GetMaxMessageBytes())
+	scene, err := c.create(ctx, &v1.CreateSceneRequest{RequestId: randomID(), Spec: spec, LeaseSeconds: lease.Seconds()})
 	if err != nil {
 		return nil, err
 	}
 	id := scene.SceneId
-	for mesh, triangles := range input.triangles {
-		if len(triangles) == 0 {
-			continue
-		}
-		if scene, err = c.upload(ctx, id, uint32(mesh), triangles); err != nil {
+	for _, mesh := range uploads {
+		if scene, err = c.upload(ctx, id, uint32(mesh), input.triangles[mesh]); err != nil {
 			c.tryDelete(id)
 			return nil, err
 		}

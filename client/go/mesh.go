@@ -3,6 +3,7 @@ package collided
 import (
 	"encoding/binary"
 	"fmt"
+	"sort"
 	"unicode/utf8"
 
 	"google.golang.org/protobuf/proto"
@@ -17,7 +18,7 @@ type Mesh struct {
 	Name string
 	// VertexCount is 1 to the daemon's limit.
 	VertexCount uint32
-	// Triangles may be any number: they are uploaded in chunks.
+	// Triangles may be any number: many are uploaded in chunks.
 	Triangles [][3]uint32
 	// Edges are loose edges, such as the segments of a hair.
 	Edges [][2]uint32
@@ -85,6 +86,30 @@ func newSceneInput(spec *SceneSpec, meshes []Mesh) (*sceneInput, error) {
 		input.triangles = append(input.triangles, packTriangles(meshes[i].Triangles))
 	}
 	return input, checkTexts(input.spec)
+}
+
+// withSmall is the spec with triangles, those of the smallest meshes first, and the meshes whose triangles need a call each:
+// proto/README.md has the rule.
+func (s *sceneInput) withSmall(maxMessageBytes uint64) (*SceneSpec, []int) {
+	spec := proto.Clone(s.spec).(*SceneSpec)
+	left := min(maxInline, int(maxMessageBytes/2)-proto.Size(spec))
+	bySize := make([]int, len(s.triangles))
+	for i := range bySize {
+		bySize[i] = i
+	}
+	sort.SliceStable(bySize, func(a, b int) bool { return len(s.triangles[bySize[a]]) < len(s.triangles[bySize[b]]) })
+	var uploads []int
+	for _, mesh := range bySize {
+		size := len(s.triangles[mesh])
+		switch {
+		case size <= left:
+			spec.Meshes[mesh].Triangles = s.triangles[mesh]
+			left -= size
+		case size > 0:
+			uploads = append(uploads, mesh)
+		}
+	}
+	return spec, uploads
 }
 
 // checkTexts finds what gRPC cannot send, and would end a stream for.

@@ -34,16 +34,18 @@ func TestASceneIsCreatedListedEstimatedAndDeleted(t *testing.T) {
 }
 
 func TestTrianglesGoUpInChunks(t *testing.T) {
-	ctx, client := connected(t)
-	meshes, _ := sheets(230) // 1.27 MB of triangles a mesh: two chunks
+	ctx, client := connected(t, "--max-message-mb", "4")
+	meshes, _ := sheets(230) // 1.27 MB of triangles a mesh: one goes with the scene, the other in two chunks
 	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.DCD}, meshes)
 	same(t, scene.State, v1.SceneState_SCENE_STATE_READY)
 	same(t, scene.TriangleCount, 2*2*230*230)
-	mesh, err := client.GetMesh(ctx, scene.SceneId, 1)
-	must(t, err)
-	same(t, len(mesh.Elements), len(meshes[1].Triangles))
-	for i, triangle := range meshes[1].Triangles {
-		same(t, mesh.Elements[i], triangle)
+	for m := range meshes {
+		mesh, err := client.GetMesh(ctx, scene.SceneId, uint32(m))
+		must(t, err)
+		same(t, len(mesh.Elements), len(meshes[m].Triangles))
+		for i, triangle := range meshes[m].Triangles {
+			same(t, mesh.Elements[i], triangle)
+		}
 	}
 }
 
@@ -66,9 +68,15 @@ func TestWhatAMeshIsMadeOfIsTold(t *testing.T) {
 func TestARefusedUploadLeavesNoScene(t *testing.T) {
 	ctx, client := connected(t)
 	meshes := twoTriangles()
-	meshes[1].Triangles = [][3]uint32{{0, 1, 7}}
-	_, err := client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, meshes, 0)
-	refused(t, err, codes.InvalidArgument, "triangles[0]", "vertex 7")
+	for count, field := range map[int]string{0: "spec.meshes[1].triangles[0]", 400_000: "triangles[400000]"} { // 4.8 MB: not inline
+		meshes[1].Triangles = make([][3]uint32, count, count+1)
+		for i := range meshes[1].Triangles {
+			meshes[1].Triangles[i] = [3]uint32{0, 1, 2}
+		}
+		meshes[1].Triangles = append(meshes[1].Triangles, [3]uint32{0, 1, 7})
+		_, err := client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, meshes, 0)
+		refused(t, err, codes.InvalidArgument, field, "vertex 7")
+	}
 	scenes, err := client.ListScenes(ctx)
 	must(t, err)
 	same(t, len(scenes), 0)

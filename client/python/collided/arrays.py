@@ -31,7 +31,10 @@ def _outline(value: Any) -> str:
         return "{" + ", ".join(f"{key!r}: {_outline(entry)}" for key, entry in value.items()) + "}"
     text = repr(value)
     is_short = len(text) <= 100 and "\n" not in text
-    return text if is_short else f"<{type(value).__name__} of {len(value)}>" if hasattr(value, "__len__") else f"<{type(value).__name__}>"
+    if is_short:
+        return text
+    size = f" of {len(value)}" if hasattr(value, "__len__") else ""
+    return f"<{type(value).__name__}{size}>"
 
 
 def real(value: Any) -> float:

@@ -4,12 +4,18 @@
 import math
 import types
 import warnings
+from unittest import mock
 
-from support import FLOOR, ONE, STREAMS, TIP, Case, lowered, main, meshes, np
+from support import DAEMON, FLOOR, ONE, STREAMS, TIP, Case, Daemon, lowered, main, meshes, np
 
 import collided
 
 BAD = collided.InvalidArgument
+
+
+def called(call):
+    """Names of the calls that a spy on Client.call has seen; it calls itself with a channel."""
+    return [arguments.args[0] for arguments in call.call_args_list if len(arguments.args) < 5]
 
 
 class Meshes(Case):
@@ -130,11 +136,38 @@ class Scenes(Case):
         error = self.refused(collided.ResourceExhausted, "window", self.session, window=1000, transport="shared_memory")
         self.refused(collided.ResourceExhausted, "budget", self.session, memory_budget=1)
 
-    def test_an_upload_that_is_refused_names_its_mesh(self):
-        twice = {"floor": collided.Mesh(FLOOR, ONE), "tip": collided.Mesh(TIP, [[0, 1, 2], [1, 1, 2]])}
-        error = self.refused(collided.InvalidArgument, r"triangles\[1\] has a corner twice: 1 1 2, in mesh 1 \(\"tip\"\)",
-                             self.session, twice)
-        self.assertEqual(error.field, "triangles[1]")
+    def test_small_meshes_go_with_the_scene_and_large_ones_alone(self):
+        small = {f"box {i}": collided.Mesh(TIP, ONE.repeat(12, axis=0)) for i in range(300)}
+        large = {name: collided.Mesh(TIP, ONE.repeat(count, axis=0)) for name, count in
+                 (("first", 349_000), ("last", 100_000), ("last but one", 349_525))}  # 4.2, 1.2 and 4.2 MB
+        for meshes, uploads in ((small, 0), ({"first": large["first"], **small, **large}, 2)):
+            with collided.Client(self.server) as client, mock.patch.object(client, "call", wraps=client.call) as call:
+                for make in (collided.Scene, collided.Session, lambda meshes, server: collided.SceneBatch(meshes, 2, server=server)):
+                    call.reset_mock()
+                    with make(meshes, server=client) as made:
+                        names = called(call)
+                        self.assertEqual((names.count("UploadMesh"), names.count("CreateScene") + names.count("CreateScenes")),
+                                         (uploads, 1))
+                        message = made.scene.message if make is collided.Session else made.message
+                        self.assertEqual([mesh.triangle_count for mesh in message.spec.meshes],
+                                         [len(mesh.triangles) for mesh in meshes.values()])
+
+    def test_a_message_keeps_within_half_of_the_daemons_limit(self):
+        edges = collided.Mesh(TIP, edges=np.array([[0, 1]]).repeat(60_000, axis=0))  # 480 kB of 1 MiB
+        for count, uploads in ((3_000, 0), (5_000, 1)):  # 36 and 60 kB
+            daemon = Daemon(str(DAEMON), "--max-message-mb", "1")
+            self.addCleanup(daemon.kill)
+            with collided.Client(daemon.address) as client, mock.patch.object(client, "call", wraps=client.call) as call:
+                with collided.Scene({"hair": edges, "tip": collided.Mesh(TIP, ONE.repeat(count, axis=0))}, server=client) as scene:
+                    self.assertEqual(called(call).count("UploadMesh"), uploads)
+                    self.assertEqual(len(client.get_mesh(scene.id, 1).triangles), count)
+
+    def test_triangles_that_are_refused_name_their_mesh(self):
+        for before, field in ((1, "spec.meshes[1].triangles[1]"), (400_000, "triangles[400000]")):  # inline; 4.8 MB are not
+            twice = {"floor": collided.Mesh(FLOOR, ONE), "tip": collided.Mesh(TIP, np.vstack([ONE] * before + [[[1, 1, 2]]]))}
+            error = self.refused(collided.InvalidArgument, r"triangles\[\d+\] has a corner twice: 1 1 2, in mesh (1 \()?\"tip\"",
+                                 self.session, twice)
+            self.assertEqual(error.field, field)
 
     def test_empty_meshes_are_refused(self):
         for empty in (collided.Mesh(np.empty((0, 3)), np.empty((0, 3), int)), collided.Mesh(FLOOR)):

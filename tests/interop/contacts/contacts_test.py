@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Clients in several languages send the same scene to one daemon: they get the same bytes.
+"""Clients in several languages send the same scene to one daemon: they get the same bytes, and make it in one call.
 
 usage: contacts_test.py DAEMON CPP_PROGRAM LANGUAGE REPOSITORY BUILD_FOLDER
 
@@ -10,9 +10,11 @@ in five frames, the last one sparse; each client prints, for each frame, the arr
 import os
 import pathlib
 import shutil
+import socket
 import subprocess
 import sys
 import unittest
+import urllib.request
 
 DAEMON, CPP, LANGUAGE = sys.argv[1:4]
 REPOSITORY, BUILD = (pathlib.Path(argument).resolve() for argument in sys.argv[4:6])
@@ -64,12 +66,17 @@ except (go_workspace.Missing, node_package.Missing) as missing:
 
 class Contacts(unittest.TestCase):
     def test_they_are_the_same_bytes(self):
-        daemon = Daemon(DAEMON)
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            http = "{}:{}".format(*free.getsockname())
+        daemon = Daemon(DAEMON, "--http-address", http)
         self.addCleanup(daemon.kill)
         expected, found = printed([CPP, daemon.address]), CLIENT(daemon.address)
         self.assertGreater(len(expected), 100_000, "the sheets do not meet")
         first = next((i for i, pair in enumerate(zip(expected, found)) if pair[0] != pair[1]), min(len(expected), len(found)))
         self.assertTrue(found == expected, f"{len(found)} bytes instead of {len(expected)}; byte {first} is the first that differs")
+        calls = urllib.request.urlopen(f"http://{http}/metrics", timeout=20).read().decode()
+        self.assertIn('method="CreateScene"', calls)
+        self.assertNotIn('method="UploadMesh"', calls)  # a call for each mesh, however small it is
 
 
 if __name__ == "__main__":

@@ -30,6 +30,7 @@ from collided.v1 import collision_service_pb2 as api
 from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
 
 _TRIANGLES_PER_CHUNK = (1 << 20) // 12  # 1 MiB, well below the limit of any daemon
+_MAX_INLINE_BYTES = 4 << 20  # of triangles in the message that creates a scene
 _CREATE_TRIES, _RETRY_SECONDS = 3, 0.2
 _UINT32_MAX = 2**32 - 1
 
@@ -149,7 +150,8 @@ class Client:
         """Retries if the answer is lost, without ever creating two scenes on a daemon."""
         request = api.CreateSceneRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
                                          lease_seconds=lease_seconds)
-        return self._upload_all(self._create("CreateScene", request, tries).scene, layout)
+        uploads = self._put_inline(request.spec, layout)
+        return self._upload_all(self._create("CreateScene", request, tries).scene, uploads)
 
     def create_scenes(self, layout: Layout, options: SceneOptions, count: int, lease_seconds: float) -> scene_pb2.Scene:
         """The same for a set of `count` scenes of one spec."""
@@ -157,13 +159,26 @@ class Client:
             raise InvalidArgument(f"count is {count!r}; it must be from 1 to 65536", field="count")
         request = batch_pb2.CreateScenesRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
                                                 count=int(count), lease_seconds=lease_seconds)
-        return self._upload_all(self._create("CreateScenes", request).scenes, layout)
+        uploads = self._put_inline(request.spec, layout)
+        return self._upload_all(self._create("CreateScenes", request).scenes, uploads)
 
-    def _upload_all(self, scene: scene_pb2.Scene, layout: Layout) -> scene_pb2.Scene:
+    def _put_inline(self, spec: scene_pb2.SceneSpec, layout: Layout) -> dict[int, np.ndarray]:
+        """Puts triangles into the spec, those of the smallest meshes first. Those of the others, by mesh, which need a call
+        each: proto/README.md has the rule."""
+        left = min(_MAX_INLINE_BYTES, self.info.limits.max_message_bytes // 2 - spec.ByteSize())
+        uploads = {}
+        for index, mesh in sorted(layout.present(), key=lambda each: each[1].triangles.nbytes):
+            if mesh.triangles.nbytes <= left:
+                spec.meshes[index].triangles = mesh.triangles.tobytes()
+                left -= mesh.triangles.nbytes
+            elif len(mesh.triangles):
+                uploads[index] = mesh.triangles
+        return uploads
+
+    def _upload_all(self, scene: scene_pb2.Scene, uploads: dict[int, np.ndarray]) -> scene_pb2.Scene:
         try:
-            for index, mesh in layout.present():
-                if len(mesh.triangles):
-                    scene = self._upload(scene.scene_id, index, mesh.triangles)
+            for index, triangles in uploads.items():
+                scene = self._upload(scene.scene_id, index, triangles)
         except Error:
             self.try_delete(scene.scene_id)
             raise
@@ -247,7 +262,6 @@ class Client:
             raise Unavailable("the connection was closed during the call") from None
 
     def _create(self, method: str, request: Any, tries: int = _CREATE_TRIES) -> Any:
-        self.connect()  # a daemon that does not answer at all is waited for once
         for tried in range(1, tries + 1):
             try:
                 return self.call(method, request)
@@ -288,7 +302,7 @@ def _check_address(server: Any) -> None:
 
 
 def full_spec(layout: Layout, options: SceneOptions) -> scene_pb2.SceneSpec:
-    """The spec of a scene, whose triangles are uploaded."""
+    """The spec of a scene, without its triangles."""
     spec = options.spec()
     spec.position_format = scene_pb2.PositionFormat.Value("POSITION_FORMAT_" + options.format(layout).name.upper())
     spec.meshes.extend(mesh.spec(with_triangles=False) for _, mesh in layout.present())
