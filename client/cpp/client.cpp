@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <numeric>
 #include <random>
 #include <thread>
 
@@ -23,6 +24,7 @@ namespace {
 using Service = v1::CollisionService::Stub;
 
 constexpr size_t kTrianglesPerChunk = (1 << 20) / 12;  // 1 MiB, well below the limit of any daemon
+constexpr size_t kMaxInlineBytes = 4 << 20;                // of triangles in the message that creates a scene
 constexpr int kCreateTries = 3;
 constexpr std::chrono::milliseconds kRetryPause(200);
 
@@ -56,7 +58,27 @@ void fill_mesh(const MeshInput& mesh, v1::MeshSpec& out) {
   out.set_points(mesh.points.data(), mesh.points.size_bytes());
 }
 
-/// For a scene, or a set of them, whose triangles are sent later.
+/// Puts triangles into a spec of these meshes, those of the smallest first, and returns the meshes whose triangles need
+/// a call each: proto/README.md has the rule.
+std::vector<uint32_t> put_inline(std::span<const MeshInput> meshes, uint64_t max_message_bytes, v1::SceneSpec& spec) {
+  const size_t half = max_message_bytes / 2, used = spec.ByteSizeLong();
+  size_t left = std::min(kMaxInlineBytes, half > used ? half - used : 0);
+  std::vector<uint32_t> by_size(meshes.size()), uploads;
+  std::iota(by_size.begin(), by_size.end(), 0);
+  std::ranges::stable_sort(by_size, {}, [&](uint32_t mesh) { return meshes[mesh].triangles.size(); });
+  for (const uint32_t mesh : by_size) {
+    const auto triangles = std::as_bytes(meshes[mesh].triangles);
+    if (triangles.size() > left) {
+      uploads.push_back(mesh);
+    } else {
+      spec.mutable_meshes(static_cast<int>(mesh))->set_triangles(triangles.data(), triangles.size());
+      left -= triangles.size();
+    }
+  }
+  return uploads;
+}
+
+/// Makes a request for a scene, or a set of them, without triangles.
 template <class Request>
 Request request_of(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds) {
   for (const MeshInput& mesh : meshes) fill_mesh(mesh, *spec.add_meshes());
@@ -118,7 +140,7 @@ struct Client::State {
   template <class Request, class Response>
   Response create(grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
                   const Request& request);
-  v1::Scene upload_all(v1::Scene scene, std::span<const MeshInput> meshes);
+  v1::Scene upload_all(v1::Scene scene, std::span<const MeshInput> meshes, std::span<const uint32_t> uploads);
   v1::Scene upload(const std::string& scene_id, uint32_t index, const MeshInput& mesh);
   void try_delete(const std::string& scene_id);
   bool has_local(const v1::Scene& scene) const { return scene.endpoint().empty() && !info.local_socket().empty(); }
@@ -159,11 +181,11 @@ v1::Scene Client::State::upload(const std::string& scene_id, uint32_t index, con
 }
 
 /// A scene that could not be completed is deleted.
-v1::Scene Client::State::upload_all(v1::Scene scene, std::span<const MeshInput> meshes) {
+v1::Scene Client::State::upload_all(v1::Scene scene, std::span<const MeshInput> meshes,
+                                    std::span<const uint32_t> uploads) {
   const std::string id = scene.scene_id();
   try {
-    for (uint32_t i = 0; i < meshes.size(); ++i)
-      if (!meshes[i].triangles.empty()) scene = upload(id, i, meshes[i]);
+    for (const uint32_t mesh : uploads) scene = upload(id, mesh, meshes[mesh]);
   } catch (const Error&) {
     try_delete(id);
     throw;
@@ -216,15 +238,17 @@ const ChannelFactory& Client::channels() const { return state_->channels; }
 const v1::GetServerInfoResponse& Client::server_info() const { return state_->info; }
 
 v1::Scene Client::create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds) {
-  const auto request = request_of<v1::CreateSceneRequest>(std::move(spec), meshes, lease_seconds);
-  return state_->upload_all(state_->create(&Service::CreateScene, request).scene(), meshes);
+  auto request = request_of<v1::CreateSceneRequest>(std::move(spec), meshes, lease_seconds);
+  const auto uploads = put_inline(meshes, state_->info.limits().max_message_bytes(), *request.mutable_spec());
+  return state_->upload_all(state_->create(&Service::CreateScene, request).scene(), meshes, uploads);
 }
 
 v1::Scene Client::create_scenes(v1::SceneSpec spec, std::span<const MeshInput> meshes, uint32_t count,
                                 double lease_seconds) {
   auto request = request_of<v1::CreateScenesRequest>(std::move(spec), meshes, lease_seconds);
   request.set_count(count);
-  return state_->upload_all(state_->create(&Service::CreateScenes, request).scenes(), meshes);
+  const auto uploads = put_inline(meshes, state_->info.limits().max_message_bytes(), *request.mutable_spec());
+  return state_->upload_all(state_->create(&Service::CreateScenes, request).scenes(), meshes, uploads);
 }
 
 v1::EstimateSceneResponse Client::estimate_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes) {

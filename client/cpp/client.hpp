@@ -16,8 +16,8 @@
 
 namespace collided::client {
 
-/// A mesh of a new scene, of triangles, loose edges and loose points, one of them or more. They are borrowed. Triangles
-/// are uploaded in chunks, so that there may be any number; loose elements of all meshes are sent in one message.
+/// A mesh of a new scene, of triangles, loose edges and loose points, one of them or more. They are borrowed. There
+/// may be any number of triangles: many go up in chunks. The loose elements of all meshes are sent in one message.
 struct MeshInput {
   std::string name = "";
   uint32_t vertex_count = 0;

@@ -61,6 +61,16 @@ void check_count(const std::string& path, const char* array, const char* field, 
                                                   path, array, in_array));
 }
 
+// Names the mesh, as an upload does: people do not count meshes.
+void parse_triangles(const pb::MeshSpec& mesh, const std::string& path, MeshSpec& out) try {
+  out.triangles.reserve(inline_triangles(mesh));
+  for_each_triangle(mesh.triangles(), out.vertex_count, {path + ".triangles"},
+                    [&](const TriangleCorners& triangle) { out.triangles.push_back(triangle); });
+} catch (const InvalidInput& e) {
+  if (mesh.name().empty()) throw;
+  throw InvalidInput(e.field(), fmt::format("{}, in mesh \"{}\"", e.what(), mesh.name()));
+}
+
 void parse_loose_elements(const pb::MeshSpec& mesh, const std::string& path, MeshSpec& out) {
   out.edges.reserve(count_edges(mesh));
   for_each_element<2>(mesh.edges(), out.vertex_count, {path + ".edges"},
@@ -124,9 +134,7 @@ MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
   out.self_contacts = !mesh.no_self_contacts();
   out.excluded_rings = mesh.exclude_rings();
   out.excludes_rest_pairs = mesh.exclude_rest_pairs();
-  out.triangles.reserve(inline_triangles(mesh));
-  for_each_triangle(mesh.triangles(), out.vertex_count, {path + ".triangles"},
-                    [&](const TriangleCorners& triangle) { out.triangles.push_back(triangle); });
+  parse_triangles(mesh, path, out);
   parse_loose_elements(mesh, path, out);
   return out;
 }

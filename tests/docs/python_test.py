@@ -100,7 +100,7 @@ class Pages(unittest.TestCase):
         self.assertEqual(self.printed_by("\n".join(page.blocks("python"))), "".join(page.blocks("text")))
 
     def test_the_tutorials_solver_never_stops_a_jelly_cube_on_stairs(self):
-        """Of 240 steps 142 stopped it before contacts came last."""
+        """Without the projection of contacts at the end, 142 of the first 240 steps stopped it."""
         *parts, _ = Page(REPOSITORY / "client" / "TUTORIAL.md").blocks("python")
         printed = run_with_package("\n".join([*parts, STAIRS]), self.daemon.address, PACKAGE, timeout=230)
         stopped, crossings, advanced, x, z = map(float, printed.splitlines()[-1].split())

@@ -14,9 +14,9 @@ ROOMS = {
     "meshes": {"arrays", "choices", "errors"},
     "frames": {"arrays", "choices", "errors", "layout", "meshes", "options", "positions"},
     "contacts": {"errors", "frames", "layout"},
-    "connection": {"choices", "errors", "layout", "options"},
+    "connection": {"arrays", "choices", "errors", "layout", "leftovers", "options"},
     "transport": {"connection", "errors", "frames"},
-    "gpu": {"contacts", "errors", "frames", "layout", "scene", "transport"},
+    "gpu": {"contacts", "errors", "frames", "layout", "leftovers", "scene", "transport"},
 }
 # Packages of others, and where they may be used; numpy everywhere.
 OTHERS = {"grpc": ("errors", "connection", "transport"), "google": ("errors", "transport"), "pandas": ("contacts",)}

@@ -15,9 +15,12 @@ class Guard:
     """A context around each call. What anything but an Error ends, such as KeyboardInterrupt, may have been anywhere, here
     as well; that it was not left still shows when the next call begins, which settles what it has left behind."""
 
-    def __init__(self, settle: Callable[[], None]) -> None:
-        """settle: a method of the object that has this guard, and stays collectable without the cycle collector."""
-        self._settle = weakref.WeakMethod(settle)
+    def __init__(self, settle: Callable[[], None], failure: Callable[[], Error | None]) -> None:
+        """Both are methods of the object that has this guard, which weak references keep collectable without the cycle collector.
+
+        failure: why the object is closed, which another thread may do during a call: then anything else may fail.
+        """
+        self._settle, self._failure = weakref.WeakMethod(settle), weakref.WeakMethod(failure)
         self._inside = _NOBODY
 
     @property
@@ -41,5 +44,9 @@ class Guard:
             settle()
         self._inside = here
 
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: object) -> None:
         self._inside = _NOBODY if kind is None or issubclass(kind, Error) else _INTERRUPTED
+        why = self._failure() if isinstance(error, Exception) else None
+        failure = None if why is None else why()
+        if failure is not None and failure is not error:
+            raise failure from None

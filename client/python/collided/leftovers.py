@@ -30,16 +30,17 @@ class Resident(Protocol):
     def name(self) -> str: ...
 
     def ask_to_delete(self) -> Any:
-        """Asks the daemon to delete it, without waiting. The answer, a grpc.Future; None if no daemon could be asked."""
+        """Asks the daemon to delete it, without waiting. Returns the answer, a grpc.Future; None if no daemon could be asked."""
 
     def disconnect(self) -> None:
         """Ends the connection, unless it is the caller's."""
 
 
 class Leftover:
-    """What an object has to close. It must not refer to that object, which would never be collected.
+    """The streams and the scene that an object has open. It must not refer to that object, or nothing would ever be collected.
 
-    kind: of the object, for the warning. streams: functions that end its streams without waiting. resident: the scene to delete.
+    kind: the object's class, for the warning. streams: functions that end streams without waiting. resident: the scene to
+        delete; None if it is the caller's. name: the scene's, if there is no resident.
     """
 
     def __init__(self, kind: str, streams: list[Callable[[], object]], resident: Resident | None = None,
@@ -50,7 +51,7 @@ class Leftover:
         self._is_over = False
 
     def take(self) -> bool:
-        """Whether there is still something to close. Not in a process that was forked from the one that made it."""
+        """Returns True to the first caller, who then closes it; False in a process that was forked from its own."""
         if self._is_over or os.getpid() != self._process:
             return False
         self._is_over = True
@@ -165,7 +166,7 @@ def _forgotten(leftover: Leftover) -> None:
 
 
 def _started() -> _Closer:
-    """The closer. Not first started by a finalizer, since starting a thread takes a lock."""
+    """Returns the closer. Whoever registers a finalizer starts it, since starting a thread takes a lock."""
     global _closer
     if _closer is None:
         with _start_lock:
@@ -201,7 +202,7 @@ def _at_exit() -> None:
 
 
 def _in_forked_process() -> None:
-    """Nothing that is open here is this process's to close, and the thread is not there."""
+    """Forgets everything: open objects belong to the parent process, and fork() does not copy the thread."""
     global _closer, _start_lock
     _closer, _start_lock = None, threading.Lock()
     _open.clear()

@@ -102,7 +102,7 @@ class Scene:
 
     @property
     def name(self) -> str:
-        """What messages call it."""
+        """The scene's display name, id and daemon, as messages show them."""
         return self._resident.name
 
     @property
@@ -150,7 +150,7 @@ class Scene:
         self._resident.delete()
 
     def left_by(self, kind: str, streams: list[Callable[[], object]]) -> Leftover:
-        """What is left by an object of this kind that the scene belongs to, once its streams have ended."""
+        """Hands the scene over to an object of this kind: the leftover of its streams and of the scene."""
         self._leftover.take()
         return Leftover(kind, streams, self._resident)
 

@@ -58,7 +58,7 @@ class Stream:
         self.ready: deque[Contacts | Error] = deque()
         self.sent = self.received = 0  # the numbers of the last frames that were
         self._process = os.getpid()
-        self._guard = Guard(self._settle)
+        self._guard = Guard(self._settle, self._why_closed)
         self.draining: float | None = None
         self.local_refusal = ""
         self.window = 0
@@ -107,6 +107,9 @@ class Stream:
         """Raises why the stream has ended, if it has for good."""
         if self._failure is not None:
             raise self._failure
+
+    def _why_closed(self) -> Error | None:
+        return self._failure
 
     def begin(self, until: float) -> bool:
         """Puts a scene whose meshes all have vertices there. Whether the scene has positions, or will have. Raises

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What callers forget to close: scenes are deleted, warnings name them, and no process waits at its end.
+"""Objects that callers forget to close: their scenes are deleted, warnings name them, and no process waits at its end.
 
 Prints how long the end of a process takes for each kind of thing that was left open.
 """
@@ -119,7 +119,7 @@ class End(Case):
 
 
 class Forgotten(Case):
-    """Without the cycle collector: what nobody refers to is closed at once."""
+    """Objects are closed as soon as nothing refers to them, without the cycle collector."""
 
     def setUp(self):
         gc.collect()
@@ -251,6 +251,31 @@ class Forgotten(Case):
             self.expect_no_scene()
             self.expect_hit(contacts, 2)
             self.assertAlmostEqual(contacts.points[0][0][2], 0, places=3)
+
+
+class ClosedInACall(Case):
+    def test_another_thread_may_close_a_session_in_a_call(self):
+        """As the end of a process does. What the call then raises is that the session is closed."""
+        for way in TRANSPORTS:
+            for pause in range(12):
+                session = collided.Session(meshes(), server=self.server, transport=way)
+                caught = []
+
+                def work(session=session, caught=caught):
+                    try:
+                        while True:
+                            session.step({"tip": lowered(2)}, timeout=60)
+                    except BaseException as error:
+                        caught.append(error)
+
+                thread = threading.Thread(target=work)
+                thread.start()
+                time.sleep(0.0007 * pause)
+                session.close()
+                thread.join(20)
+                self.assertFalse(thread.is_alive())
+                self.assertIsInstance(caught[0], collided.FailedPrecondition, caught)
+                self.assertRegex(str(caught[0]), "the session is closed")
 
 
 class Forked(Case):

@@ -62,6 +62,27 @@ TEST_F(ElementsOfMeshes, AreTrianglesThenEdgesThenPointsNumberedWithinTheMesh) {
   EXPECT_EQ(all.edit_count, 0u);
 }
 
+// A message of the daemon has room for 1 MiB of triangles, so that the large mesh must go up in chunks.
+TEST(ElementsOfNewMeshes, GoWithTheSceneIfTheyAreFewAndInChunksElse) {
+  const DaemonProcess daemon({"--max-message-mb", "2"});
+  Client client = Client::connect(daemon.address());
+  const std::vector<std::array<uint32_t, 3>> large(200'000, {0, 1, 2}), medium(80'000, {2, 0, 1});  // 2.4 and 0.96 MB
+  std::vector<std::string> names;
+  for (int i = 0; i < 300; ++i) names.push_back("small " + std::to_string(i));
+  std::vector<MeshInput> meshes{{.name = "large", .vertex_count = 3, .triangles = large}};
+  for (const auto& name : names) meshes.push_back({.name = name, .vertex_count = 3, .triangles = kOne});
+  meshes.push_back({.name = "medium", .vertex_count = 3, .triangles = medium});
+  pb::SceneSpec spec;
+  spec.set_mode(pb::DETECTION_MODE_CCD);
+  const pb::Scene scene = client.create_scene(spec, meshes), set = client.create_scenes(spec, meshes, 2);
+  for (const std::string& id : {scene.scene_id(), set.scene_id()}) {
+    EXPECT_EQ(client.get_scene(id).state(), pb::SCENE_STATE_READY);
+    EXPECT_TRUE(client.mesh_elements(id, 0).elements == large);
+    EXPECT_EQ(client.mesh_elements(id, 300).elements, (Elements{{0, 1, 2}}));
+    EXPECT_TRUE(client.mesh_elements(id, 301).elements == medium);
+  }
+}
+
 TEST_F(ElementsOfMeshes, ComeInPagesWhereTheyAreMany) {
   const MeshElements mesh = other_.mesh_elements(make_layers(maker_, kLarge).scene_id(), 0);
   Elements expected;

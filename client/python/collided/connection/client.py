@@ -14,7 +14,7 @@ from typing import Any
 import grpc
 import numpy as np
 
-from collided import leftovers
+import collided.leftovers as leftovers
 from collided.choices import check_text
 from collided.connection.channel import MAX_ANSWER_BYTES, metadata, open_channel
 from collided.connection.connection import Connection
@@ -285,7 +285,7 @@ class Client:
 
     @property
     def place(self) -> str:
-        """Where the daemon is, for people. Starts none."""
+        """The daemon's address, for people. Starts no daemon."""
         return self._server or "a daemon of this process"
 
     def __enter__(self) -> Client:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from collided import leftovers
+import collided.leftovers as leftovers
 from collided.connection.channel import ask_for_info, open_channel
 from collided.connection.options import ConnectOptions
 from collided.v1 import collision_service_pb2 as api

@@ -11,7 +11,7 @@ import threading
 import time
 import weakref
 
-from collided import leftovers
+import collided.leftovers as leftovers
 from collided.errors import FailedPrecondition, Unavailable
 
 _READY_SECONDS, _STOP_SECONDS, _EXIT_SECONDS, _POLL_SECONDS = 60.0, 10.0, 0.1, 0.01

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Unpack, cast
 
-from collided import leftovers
+import collided.leftovers as leftovers
 from collided.errors import FailedPrecondition, InvalidArgument, ResourceExhausted, error_of_frame
 from collided.frames.options import FrameOptions
 from collided.frames.updates import Update

@@ -108,4 +108,5 @@ def _serve(ask: Callable[[bytes], api.DetectFrameResponse], requests: queue.Simp
         except grpc.RpcError as error:
             answers.put(error_of_call(error))
         except ValueError:  # of gRPC, where the transport was closed meanwhile
-            return
+            break
+    answers.put(Unavailable("the transport is closed"))  # for whoever still waits

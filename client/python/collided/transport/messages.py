@@ -47,6 +47,7 @@ class Messages:
                 answers.put(self._next())
             except Error as error:
                 answers.put(error)
+        answers.put(Unavailable("the stream was cancelled"))  # for whoever began to wait meanwhile
 
     def _next(self) -> Any:
         try:
