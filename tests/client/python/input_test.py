@@ -151,6 +151,10 @@ class Scenes(Case):
                         message = made.scene.message if make is collided.Session else made.message
                         self.assertEqual([mesh.triangle_count for mesh in message.spec.meshes],
                                          [len(mesh.triangles) for mesh in meshes.values()])
+                        if make is collided.Session:  # as after the loss of a daemon
+                            call.reset_mock()
+                            made.scene.create_again()
+                            self.assertEqual(called(call).count("UploadMesh"), uploads)
 
     def test_a_message_keeps_within_half_of_the_daemons_limit(self):
         edges = collided.Mesh(TIP, edges=np.array([[0, 1]]).repeat(60_000, axis=0))  # 480 kB of 1 MiB

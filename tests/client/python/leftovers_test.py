@@ -58,7 +58,7 @@ PROGRAMS = {
 def ended(program, **environment):
     """Runs it. Seconds that its end took, what it wrote to standard error."""
     with tempfile.TemporaryDirectory(dir="/tmp") as folder:
-        done = subprocess.run([sys.executable, "-X", "dev", "-W", "ignore::DeprecationWarning", "-c", BEGIN + program + END], text=True,
+        done = subprocess.run([sys.executable, "-W", "always::ResourceWarning", "-c", BEGIN + program + END], text=True,
                               capture_output=True, timeout=60, env={**os.environ, "TMPDIR": folder, **environment})
         now = time.monotonic()
         if "ValueError" not in program and done.returncode:
