@@ -64,7 +64,8 @@ class Leftover:
 
     def warn(self) -> None:
         name = self._name if self.resident is None else self.resident.name
-        warnings.warn(f"unclosed {self.kind} of {name}; use 'with' or close()", ResourceWarning, stacklevel=4)  # where it was let go
+        said = f"unclosed {self.kind} of {name}; use 'with' or close()"
+        warnings.warn(said, ResourceWarning, stacklevel=4)  # the line that let it go
 
 
 class _Closer:

@@ -4,6 +4,7 @@
 import math
 import types
 import warnings
+from functools import partial
 from unittest import mock
 
 from support import DAEMON, FLOOR, ONE, STREAMS, TIP, Case, Daemon, lowered, main, meshes, np
@@ -142,7 +143,7 @@ class Scenes(Case):
                  (("first", 349_000), ("last", 100_000), ("last but one", 349_525))}  # 4.2, 1.2 and 4.2 MB
         for meshes, uploads in ((small, 0), ({"first": large["first"], **small, **large}, 2)):
             with collided.Client(self.server) as client, mock.patch.object(client, "call", wraps=client.call) as call:
-                for make in (collided.Scene, collided.Session, lambda meshes, server: collided.SceneBatch(meshes, 2, server=server)):
+                for make in (collided.Scene, collided.Session, partial(collided.SceneBatch, count=2)):
                     call.reset_mock()
                     with make(meshes, server=client) as made:
                         names = called(call)

@@ -38,8 +38,8 @@ END = "print(time.monotonic(), flush=True)\n"
 
 PROGRAMS = {
     "nothing": "pass\n",
-    **{f"session over {way}, a frame in flight": f"left = collided.Session(meshes, transport='{way}'); left.step(); left.send(TIP)\n"
-       for way in TRANSPORTS},
+    **{f"session over {way}, a frame in flight":
+       f"left = collided.Session(meshes, transport='{way}'); left.step(); left.send(TIP)\n" for way in TRANSPORTS},
     "session in a daemon thread": "left = collided.Session(meshes)\ndef work():\n    try:\n        while True: left.step()\n"
     "    except collided.Error: pass\nthreading.Thread(target=work, daemon=True).start(); time.sleep(0.05)\n",
     "scene": "left = collided.Scene(meshes)\n",
@@ -82,7 +82,7 @@ class End(Case):
                 errors = self.expect_end(what, program, COLLIDED_SERVER=self.server)
                 self.assertEqual(client.scenes(), [])
                 if what != "nothing":
-                    self.assertRegex(errors, r"ResourceWarning: unclosed (aio\.)?(Session|Scene|SceneBatch|Watcher) of scene \S+ at unix:")
+                    self.assertRegex(errors, r"ResourceWarning: unclosed [.\w]*(Session|Scene|SceneBatch|Watcher) of scene \S+ at unix:")
 
     def test_so_does_one_with_a_daemon_of_its_own(self):
         environment = {name: value for name, value in os.environ.items() if name != "COLLIDED_SERVER"}
@@ -330,7 +330,8 @@ class Repr(Case):
         session = self.session({f"tip {i}": collided.Mesh(TIP, ONE) for i in range(40)})
         contacts = session.step({"tip 1": lowered(2)})
         with session.scene.watch() as watcher:
-            things = [session, session.scene, session.scene.client, contacts, watcher, session.scene.client.get_mesh(session.scene.id, 0),
+            things = [session, session.scene, session.scene.client, contacts, watcher,
+                      session.scene.client.get_mesh(session.scene.id, 0),
                       collided.Edit({"many": many, "gone": None}), collided.Sparse(range(999), TIP.repeat(333, axis=0)),
                       collided.Rigid([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]), collided.aio.Session({})]
             for thing in things:
