@@ -208,7 +208,7 @@ class RigidMeshes {
   void measure() {
     std::vector<double> deviations(shape_.spec.meshes.size() + 1, 0.0);
     for (const RigidBody& body : bodies()) {
-      deviations[body.mesh] = arc_deviation(body.start, body.end, body.rest, Precision<Real>::kUnit);
+      deviations[body.mesh] = arc_deviation<Real>(body.start, body.end, body.rest);
       deviations.back() = std::max(deviations.back(), deviations[body.mesh]);
     }
     if (deviations == state_.deviations) return;
