@@ -151,8 +151,9 @@ const (
 	// As GUARDED, with a float filter, and double precision for the pairs that it leaves.
 	Accuracy_ACCURACY_CERTIFIED Accuracy = 4
 	// As CERTIFIED, and pairs certain only to within delta are decided in exact arithmetic: contacts are those of real
-	// arithmetic on the given positions, no more and no less. Times of impact are lower bounds, as at CERTIFIED; those of
-	// the pairs so decided are exact to 2^-60.
+	// arithmetic on the given positions, no more and no less. Times of impact are lower bounds: without `thickness` early by
+	// less than 2^-50; with one CERTIFIED's, or early by less than 2^-50 for pairs that exact arithmetic decides.
+	// proto/ACCURACY.md lists the changes of the input that leave contacts and times the same.
 	Accuracy_ACCURACY_EXACT Accuracy = 5
 )
 
