@@ -224,7 +224,7 @@ int main(int argc, char** argv) {
     crossings += simulation.count_crossings();
     if (frame % 30 != 0 && frame != frames) continue;
     std::sort(advanced.begin(), advanced.end());
-    std::printf("frame %d: %llu crossings so far, %zu contacts, %zu of folds, advanced %.3f (least %.3f)\n", frame,
+    std::printf("frame %d: %llu pairs met so far, %zu contacts, %zu of folds, advanced %.3f (least %.3f)\n", frame,
                 static_cast<unsigned long long>(crossings), last.contacts, last.folds, advanced[advanced.size() / 2],
                 advanced.front());
   }

@@ -25,7 +25,7 @@ def draw(simulations):
 
 def draw_row(axes, name, runs):
     crossings = sum(run.crossings for run in runs)
-    axes.set_title(f"{name}: {crossings} crossings")
+    axes.set_title(f"{name}: {crossings} pairs of triangles met")
     for run in runs:
         axes.plot(range(1, len(run.advanced) + 1), run.advanced, color=COLOURS[run.position_format], linewidth=0.8,
                   label=run.position_format)

@@ -59,9 +59,9 @@ nlohmann::json run(const Simulation& s, Backend backend, Scalar scalar, int fram
     crossed += crossings.count(simulator.last_way());
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  std::cerr << s.name << ' ' << frames << " steps, " << crossed << " crossings, " << shortened << " shortened, "
-            << frozen << " frozen (" << longest_freeze << " in a row), advanced / largest " << median(of_largest)
-            << ", " << seconds << " s\n";
+  std::cerr << s.name << ' ' << frames << " steps, " << crossed << " pairs of triangles met, " << shortened
+            << " shortened, " << frozen << " frozen (" << longest_freeze << " in a row), advanced / largest "
+            << median(of_largest) << ", " << seconds << " s\n";
   uint64_t triangles = 0;
   for (const MeshSpec& m : simulator.bodies().meshes.meshes) triangles += m.triangles.size();
   return {{"simulation", s.name},

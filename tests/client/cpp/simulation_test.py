@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The C++ example that simulates a cloth on a sphere: nothing crosses after any frame; the cloth folds and moves.
+"""The C++ example that simulates a cloth on a sphere: no triangles that share no vertex meet; the cloth folds and moves.
 
 usage: simulation_test.py DAEMON EXAMPLE REPOSITORY
 """
@@ -16,7 +16,7 @@ sys.path.insert(0, str(REPOSITORY / "tests" / "interop"))
 from daemon import Daemon  # noqa: E402
 
 FRAMES, CELLS = 150, 16
-LINE = re.compile(r"frame (\d+): (\d+) crossings so far, \d+ contacts, (\d+) of folds, advanced ([\d.]+)")
+LINE = re.compile(r"frame (\d+): (\d+) pairs met so far, \d+ contacts, (\d+) of folds, advanced ([\d.]+)")
 
 
 class Simulation(unittest.TestCase):

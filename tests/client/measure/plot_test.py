@@ -183,7 +183,7 @@ class Steps(PlotTest):
     def test_simulations_have_a_panel_each(self):
         texts = Svg(self.draw(RESULTS / "stepping" / "2026-11-22-h200-advance.json")["advance"]).texts()
         for name in ("cloth_on_sphere", "sheets", "soft_boxes", "box_stack", "knot"):
-            self.assertIn(f"{name}: 0 crossings", texts)
+            self.assertIn(f"{name}: 0 pairs of triangles met", texts)
 
     def test_streams_have_a_line_for_each_scene(self):
         runs = [{"scene": scene, "streams": streams, "triangles": 500, "frames_per_second": 1000.0 * streams,

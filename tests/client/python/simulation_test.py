@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The example that simulates a cloth on a sphere: nothing ever crosses, and the cloth lies, folds and moves."""
+"""The example that simulates a cloth on a sphere: no triangles meet that share no vertex, and the cloth lies, folds and moves."""
 
 import os
 import pathlib
@@ -40,7 +40,7 @@ class Motion(Case):
                 cls.moving.append(np.mean(np.sum(sim.velocity**2, axis=1)))
             cls.on_sphere = len(steps[-1].near.between("sphere", "cloth"))
 
-    def test_nothing_crosses_after_any_frame(self):
+    def test_no_triangles_that_share_no_vertex_meet_after_any_frame(self):
         self.assertEqual(self.crossed, [0] * FRAMES)
 
     def test_the_cloth_lies_on_the_sphere(self):
@@ -82,7 +82,7 @@ class Program(Case):
         return done.stdout
 
     def test_it_tells_how_it_goes(self):
-        self.assertEqual(self.printed(), "frame 4: 0 crossings so far, 0 contacts, 0 of folds, "
+        self.assertEqual(self.printed(), "frame 4: 0 pairs met so far, 0 contacts, 0 of folds, "
                                          "advanced 1.000 (least 1.000)\n")
 
     def test_it_draws_what_moves(self):

@@ -25,7 +25,7 @@ def arguments():
 
 
 def run(options):
-    """Simulates, and tells every 30 frames how it goes. Returns pictures, if any are wanted, and how much crossed."""
+    """Simulates, and tells every 30 frames how it goes. Returns pictures, if any are wanted, and how many pairs met."""
     is_drawn = any((options.pictures, options.animation, options.sheet))
     pictures, advanced, crossed = [], [], 0
     with Simulation(options.cells) as simulation, Crossings(simulation) as crossings:
@@ -42,7 +42,7 @@ def run(options):
             if is_drawn and frame % options.every == 0:
                 pictures.append(painter.picture(positions, folds))
             if frame % 30 == 0 or frame == options.frames:
-                print(f"frame {frame}: {crossed} crossings so far, {len(steps[-1].near)} contacts, {len(folds)} of "
+                print(f"frame {frame}: {crossed} pairs met so far, {len(steps[-1].near)} contacts, {len(folds)} of "
                       f"folds, advanced {np.median(advanced):.3f} (least {min(advanced):.3f})", flush=True)
     return pictures, crossed
 
