@@ -11,6 +11,7 @@ namespace collided {
 struct MeshRule {
   uint32_t groups, collide_mask;          ///< of pairs with other meshes
   uint32_t is_static, has_self_contacts;  ///< 0 or 1
+  uint32_t branch = 0;                    ///< of the hierarchy (lbvh/lbvh.hpp); all 0 where most pairs may touch
 };
 
 /// What is known of the meshes of several triangles together. Of none: they touch nothing.
@@ -59,6 +60,7 @@ struct PairFilter {
     const uint32_t has_self = rule.has_self_contacts != 0 ? MeshesTogether::kHasSelfContacts : 0u;
     return {mesh, mesh, rule.groups, rule.collide_mask, moves | has_self};
   }
+  COLLIDED_HD uint32_t branch_of(uint32_t triangle) const { return rules[mesh_of(triangle)].branch; }
   /// Whether some triangle of p and some triangle of q may pass; never false where a pair does.
   COLLIDED_HD bool may_pass(const MeshesTogether& p, const MeshesTogether& q) const {
     if (((p.traits | q.traits) & MeshesTogether::kMoves) == 0) return false;

@@ -63,6 +63,7 @@ struct ResidentTopology {
   Buffer<uint8_t, Exec> owned;
   Buffer<uint32_t, Exec> mesh_of_triangle;
   Buffer<MeshRule, Exec> rules;
+  uint32_t branches = 0;                   ///< as count_branches() says
   Buffer<uint64_t, Exec> excluded_meshes;  ///< slots of a KeySet
   Buffer<uint32_t, Exec> ring_begin;
   Buffer<uint32_t, Exec> ring_vertices;
@@ -115,19 +116,22 @@ struct BvhBuffers {
       : keys{{exec, "bvh"}, {exec, "bvh"}},
         triangles{{exec, "bvh"}, {exec, "bvh"}},
         meeting(exec, "bvh"),
-        nodes(exec, "bvh") {}
+        nodes(exec, "bvh"),
+        meshes(exec, "bvh") {}
 
-  void reserve(uint64_t leaves) {
+  void reserve(uint64_t leaves, bool keeps_meshes) {
     for (auto& buffer : keys) buffer.allocate(leaves);
     for (auto& buffer : triangles) buffer.allocate(leaves);
     meeting.allocate(leaves);
     nodes.allocate(2 * leaves - 2);
+    if (keeps_meshes) meshes.allocate(2 * leaves - 2);
   }
 
   Buffer<uint64_t, Exec> keys[2];  ///< the second is room to sort in
   Buffer<uint32_t, Exec> triangles[2];
   Buffer<uint32_t, Exec> meeting;
   Buffer<BvhNode, Exec> nodes;
+  Buffer<MeshesTogether, Exec> meshes;  ///< below each node, where rules keep most pairs apart
 };
 
 /// The scene as one leaf: what the search for all pairs goes by. It changes with the number of triangles alone.

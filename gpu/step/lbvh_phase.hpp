@@ -1,6 +1,9 @@
 #pragma once
 // The stages of the linear bounding volume hierarchy (lbvh/lbvh.hpp), from boxes to pairs: the other broad phase.
 
+#include <algorithm>
+#include <bit>
+
 #include "gpu/contacts/scene_counts.hpp"
 #include "gpu/search/boxes.hpp"
 #include "gpu/search/searcher.hpp"
@@ -18,7 +21,7 @@ class LbvhPhase {
   /// What the next steps are like.
   void begin(double thickness, bool is_ccd) { thickness_ = thickness, is_ccd_ = is_ccd; }
 
-  void reserve() { scene_.bvh.reserve(leaves()); }
+  void reserve() { scene_.bvh.reserve(leaves(), keeps_meshes()); }
 
   /// How large the scene and its triangles are.
   void measure() {
@@ -48,15 +51,18 @@ class LbvhPhase {
                                   bvh.triangles[sorted_].all(),
                                   boxes(),
                                   bvh.meeting.all(),
-                                  bvh.nodes.all()});
+                                  bvh.nodes.all(),
+                                  scene_.topology.filter(),
+                                  meshes_below()});
   }
 
   /// What the walks of all leaves find goes to the sink. `counts_tests`: once for each step.
   template <class Sink>
   void search(const char* name, const Sink& sink, uint64_t* next_item, bool counts_tests) {
     StepState* state = scene_.state.data();
-    const BvhPairs source{scene_.bvh.nodes.all(), static_cast<uint32_t>(leaves()), scene_.pair_filter(),
-                          counts_tests ? &state->leaves[LeafSum::kTests] : nullptr, leaves_of_world()};
+    const BvhPairs source{scene_.bvh.nodes.all(), static_cast<uint32_t>(leaves()),
+                          scene_.pair_filter(),   counts_tests ? &state->leaves[LeafSum::kTests] : nullptr,
+                          leaves_of_world(),      meshes_below()};
     searcher_.walk(name, leaves(), next_item, source, sink);
   }
 
@@ -72,6 +78,16 @@ class LbvhPhase {
   /// 0: the scene is one.
   uint32_t leaves_of_world() const { return has_worlds() ? counts_.world_shape().triangles : 0; }
   Span<const Box<float>> boxes() const { return scene_.boxes.span(leaves()); }
+  bool keeps_meshes() const { return scene_.topology.branches > 0; }
+  Span<MeshesTogether> meshes_below() const {
+    return keeps_meshes() ? scene_.bvh.meshes.all() : Span<MeshesTogether>{};
+  }
+  /// `used`: bits of the keys without them. Where the branches need more than are left, all are in one.
+  BvhBranches branches(int used) const {
+    const uint32_t count = scene_.topology.branches;
+    const int bits = count > 1 ? std::bit_width(count - 1) : 0;
+    return {scene_.topology.filter(), bits <= std::min(BvhBranches::kMaxBits, 64 - used) ? bits : 0};
+  }
 
   void measure_worlds() {
     WorldBuffers<Exec>& worlds = scene_.worlds;
@@ -83,11 +99,13 @@ class LbvhPhase {
   int key_worlds() {
     BvhBuffers<Exec>& bvh = scene_.bvh;
     const int axis_bits = WorldMortonKeys::axis_bits_for(leaves_of_world());
-    exec_.for_each(
-        "morton_keys", leaves(),
-        WorldMortonKeys{scene_.worlds.bounds.data(), scene_.worlds.extents.data(), scene_.stepped_worlds(), boxes(),
-                        bvh.keys[0].span(leaves()), bvh.triangles[0].span(leaves()), bvh.meeting.all(), axis_bits});
-    return WorldMortonKeys::bits(axis_bits, counts_.worlds);
+    const int bits = WorldMortonKeys::bits(axis_bits, counts_.worlds);
+    const BvhBranches branches = this->branches(bits);
+    exec_.for_each("morton_keys", leaves(),
+                   WorldMortonKeys{scene_.worlds.bounds.data(), scene_.worlds.extents.data(), scene_.stepped_worlds(),
+                                   boxes(), bvh.keys[0].span(leaves()), bvh.triangles[0].span(leaves()),
+                                   bvh.meeting.all(), axis_bits, branches});
+    return bits + branches.bits;
   }
   int key_all() {
     const StepState* state = scene_.state.data();
@@ -98,7 +116,8 @@ class LbvhPhase {
                           bvh.keys[0].span(leaves()),
                           bvh.triangles[0].span(leaves()),
                           bvh.meeting.all(),
-                          MortonKeys::axis_bits_for(leaves())};
+                          MortonKeys::axis_bits_for(leaves()),
+                          branches(3 * MortonKeys::kMaxAxisBits + 1)};
     exec_.for_each("morton_keys", leaves(), keys);
     return keys.bits();
   }

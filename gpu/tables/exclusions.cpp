@@ -2,9 +2,12 @@
 
 #include <algorithm>
 
-namespace collided {
+#include "gpu/tables/branches.hpp"
 
-std::vector<MeshRule> mesh_rules(const SceneSpec& spec) {
+namespace collided {
+namespace {
+
+std::vector<MeshRule> rules_without_branches(const SceneSpec& spec) {
   std::vector<MeshRule> rules;
   for (const MeshSpec& m : spec.meshes) {
     const bool is_free = m.self_contacts && m.motion != MeshMotion::kRigid;
@@ -14,6 +17,20 @@ std::vector<MeshRule> mesh_rules(const SceneSpec& spec) {
   for (const auto& [first, second] : spec.excluded_meshes)
     if (first == second) rules[first].has_self_contacts = 0;
   return rules;
+}
+
+}  // namespace
+
+std::vector<MeshRule> mesh_rules(const SceneSpec& spec) {
+  std::vector<MeshRule> rules = rules_without_branches(spec);
+  const std::vector<uint32_t> branches = branches_of(spec, rules);
+  for (size_t i = 0; i < branches.size(); ++i) rules[i].branch = branches[i];
+  return rules;
+}
+
+uint32_t count_branches(const SceneSpec& spec) {
+  const std::vector<uint32_t> branches = branches_of(spec, rules_without_branches(spec));
+  return branches.empty() ? 0 : *std::max_element(branches.begin(), branches.end()) + 1;
 }
 
 std::vector<MeshRule> rest_rules(const SceneSpec& spec, const std::vector<bool>& meshes) {

@@ -10,6 +10,8 @@ namespace collided {
 
 /// The rule of each mesh.
 std::vector<MeshRule> mesh_rules(const SceneSpec& spec);
+/// Branches of the hierarchy that they put the meshes in; 0 where most pairs may touch.
+uint32_t count_branches(const SceneSpec& spec);
 /// The same for the step that finds rest pairs: nothing touches but those of `meshes` that exclude such pairs,
 /// themselves.
 std::vector<MeshRule> rest_rules(const SceneSpec& spec, const std::vector<bool>& meshes);

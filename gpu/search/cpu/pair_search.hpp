@@ -1,8 +1,13 @@
 #pragma once
 // The search for pairs on CPU cores: a source's items, member against member, four at a time.
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
 
 #include "gpu/base/mesh_filter.hpp"
 #include "gpu/base/tiles.hpp"
@@ -48,9 +53,66 @@ struct BoxTile {
   }
 };
 
+/// Holds the members of a large leaf sorted by id, which groups them by mesh, and the meshes of each tile. Tiles that
+/// may not touch are skipped before their boxes are loaded: 700 meshes in one place that are masked from each other
+/// make millions of such pairs of tiles.
+class LeafMeshes {
+ public:
+  /// Fewer members are tested sooner than they are sorted.
+  static constexpr uint32_t kFewest = 16 * kTile;
+
+  template <class Source, class Work>
+  static bool pays(const Source& source, const Work& work) {
+    return source.filter.has_rules() && source.by_start.empty() && work.leaf.count >= kFewest;
+  }
+  template <class Source, class Work>
+  void load(const Source& source, const Work& work) {
+    members_.assign(work.members, work.members + work.leaf.count);
+    if (!std::is_sorted(members_.begin(), members_.end())) std::sort(members_.begin(), members_.end());
+    tiles_.assign(tiles_of(work.leaf.count), {});
+    blocks_.assign((tiles_.size() + kTilesOfBlock - 1) / kTilesOfBlock, {});
+    for (uint32_t k = 0; k < work.leaf.count; ++k) tiles_[k / kTile].add(source.filter.meshes_of(members_[k]));
+    for (uint32_t tile = 0; tile < tiles_.size(); ++tile) blocks_[tile / kTilesOfBlock].add(tiles_[tile]);
+  }
+  const uint32_t* members() const { return members_.data(); }
+
+  /// The first tile from `column` on, before `end`, that tile `row` may touch; else `end`.
+  uint32_t next(const PairFilter& filter, uint32_t row, uint32_t column, uint32_t end) const {
+    while (column < end) {
+      if (column % kTilesOfBlock == 0 && !filter.may_pass(tiles_[row], blocks_[column / kTilesOfBlock]))
+        column += kTilesOfBlock;
+      else if (!filter.may_pass(tiles_[row], tiles_[column]))
+        ++column;
+      else
+        return column;
+    }
+    return end;
+  }
+
+ private:
+  static constexpr uint32_t kTilesOfBlock = 32;
+
+  std::vector<uint32_t> members_;
+  std::vector<MeshesTogether> tiles_, blocks_;
+};
+
 /// Tiles of the leaf at hand, which several items in a row work on.
 class LeafTiles {
  public:
+  /// Sorts the members of the work's leaf where that pays. Null: it does not.
+  template <class Source, class Work>
+  const LeafMeshes* sort(const Source& source, Work& work) {
+    if (!LeafMeshes::pays(source, work)) return nullptr;
+    if (sorted_ != work.members) {
+      sorted_ = work.members;
+      meshes_.load(source, work);
+      row_.members = nullptr;
+      for (Slot& column : columns_) column.members = nullptr;
+    }
+    work.members = meshes_.members();
+    return &meshes_;
+  }
+
   /// The tile of the rows, members [row, ...) of the work's leaf.
   template <class Source, class Work, class Prefetch>
   const BoxTile& rows(const Source& source, const Work& work, uint32_t count, const Prefetch& prefetch) {
@@ -80,6 +142,29 @@ class LeafTiles {
 
   Slot row_;
   std::array<Slot, 16> columns_;
+  const uint32_t* sorted_ = nullptr;  ///< the members that `meshes_` is of
+  LeafMeshes meshes_;
+};
+
+/// The tiles of threads that rest, for those that go on: a large leaf takes longer to sort than some threads work on
+/// it.
+class SpareTiles {
+ public:
+  std::unique_ptr<LeafTiles> take() {
+    const std::lock_guard lock(mutex_);
+    if (spare_.empty()) return std::make_unique<LeafTiles>();
+    auto tiles = std::move(spare_.back());
+    spare_.pop_back();
+    return tiles;
+  }
+  void give_back(std::unique_ptr<LeafTiles> tiles) {
+    const std::lock_guard lock(mutex_);
+    spare_.push_back(std::move(tiles));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<LeafTiles>> spare_;
 };
 
 /// visit(row, column) for the pairs of two tiles, or of one with itself. `is_own`: all are the part's own.
@@ -104,11 +189,18 @@ void visit_tile(const Source& source, const BoxTile& row, uint32_t rows, const B
 template <class Source, class Visit, class Prefetch>
 bool visit_tiles(const Source& source, uint64_t item, uint64_t& part, uint64_t& tests, LeafTiles& tiles,
                  const Visit& visit, const Prefetch& prefetch) {
-  const auto work = source.work(item);
+  auto work = source.work(item);
+  const LeafMeshes* meshes = tiles.sort(source, work);
   const uint32_t rows = min(kTile, work.leaf.count - work.row);
-  const BoxTile& row = tiles.rows(source, work, rows, prefetch);
   uint32_t first = work.first_column + static_cast<uint32_t>(part) * kTile;
   for (; first < work.end_column && tests > 0; first += kTile, ++part) {
+    if (meshes != nullptr) {
+      const uint32_t tile = meshes->next(source.filter, work.row / kTile, first / kTile, tiles_of(work.end_column));
+      tests -= min(tests, uint64_t{kTile});  // about what that takes
+      part += tile - first / kTile, first = tile * kTile;
+      if (first >= work.end_column) break;
+    }
+    const BoxTile& row = tiles.rows(source, work, rows, prefetch);
     const uint32_t columns = min(kTile, work.end_column - first);
     const BoxTile& column = first == work.row ? row : tiles.columns(source, work, first, columns, prefetch);
     visit_tile(source, row, rows, column, columns, work.is_own, visit);

@@ -2,7 +2,9 @@
 // The search for pairs on CPU cores: pair_search.hpp and tree_walk.hpp find them, pair_taker.hpp takes them;
 // neighbour_tests.hpp tests those that are known.
 
+#include <memory>
 #include <new>
+#include <utility>
 
 #include "gpu/exec/cpu/cpu_exec.hpp"
 #include "gpu/search/cpu/neighbour_tests.hpp"
@@ -23,12 +25,14 @@ class Searcher<CpuExec> {
   template <class Source, class Sink>
   void search(const char*, const Counted& items, uint64_t*, const Source& source, const Sink& sink) {
     if (source.must_rerun()) return;
+    SpareTiles spare;
     share_among_takers(items.size(), 8, sink, source.boxes.size(), [&](LoopTurn& turn, auto& taker) {
-      LeafTiles tiles;
+      std::unique_ptr<LeafTiles> tiles = spare.take();
       while (ItemRange* left = turn.next())
         visit_some(
-            source, sink, *left, tiles, [&](uint32_t a, uint32_t b) { taker.take(a, b); },
+            source, sink, *left, *tiles, [&](uint32_t a, uint32_t b) { taker.take(a, b); },
             [&](uint32_t triangle) { taker.prefetch(triangle); });
+      spare.give_back(std::move(tiles));
     });
   }
 

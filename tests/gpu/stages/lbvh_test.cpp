@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 #include <random>
 #include <set>
 #include <vector>
@@ -25,18 +26,21 @@ struct TestHierarchy {
   std::vector<uint64_t> keys, other_keys;
   std::vector<uint32_t> triangles, other_triangles, meeting;
   std::vector<BvhNode> nodes;
+  std::vector<MeshesTogether> meshes;  ///< below each node, where branches were given
   Box<float> bounds{{-1, -1, -1}, {2, 2, 2}};
   uint64_t extents = 0;
   CpuExec exec{2, 0};
 
-  explicit TestHierarchy(std::vector<Box<float>> of, int axis_bits = MortonKeys::kMaxAxisBits)
+  explicit TestHierarchy(std::vector<Box<float>> of, int axis_bits = MortonKeys::kMaxAxisBits,
+                         const std::optional<BvhBranches>& branches = {})
       : boxes(std::move(of)),
         keys(boxes.size()),
         other_keys(boxes.size()),
         triangles(boxes.size()),
         other_triangles(boxes.size()),
         meeting(boxes.size()),
-        nodes(2 * boxes.size() - 2) {
+        nodes(2 * boxes.size() - 2),
+        meshes(branches ? nodes.size() : 0) {
     for (const Box<float>& box : boxes) extents += extent_of(box, bounds);
     const MortonKeys codes{&bounds,
                            {&bounds, &extents, boxes.size()},
@@ -44,7 +48,8 @@ struct TestHierarchy {
                            span_of(keys),
                            span_of(triangles),
                            span_of(meeting),
-                           axis_bits};
+                           axis_bits,
+                           branches.value_or(BvhBranches{})};
     exec.for_each("keys", boxes.size(), codes);
     if (exec.sort_pairs("sort", codes.bits(),
                         {span_of(keys), span_of(other_keys), span_of(triangles), span_of(other_triangles)}) == 1) {
@@ -52,8 +57,16 @@ struct TestHierarchy {
       triangles.swap(other_triangles);
     }
     exec.for_each("build", boxes.size(),
-                  BuildHierarchy{
-                      {span_of(keys), leaves()}, span_of(triangles), span_of(boxes), span_of(meeting), span_of(nodes)});
+                  BuildHierarchy{{span_of(keys), leaves()},
+                                 span_of(triangles),
+                                 span_of(boxes),
+                                 span_of(meeting),
+                                 span_of(nodes),
+                                 codes.branches.filter,
+                                 span_of(meshes)});
+  }
+  BvhPairs source(const PairFilter& filter) const {
+    return {{nodes.data(), nodes.size()}, leaves(), filter, nullptr, 0, {meshes.data(), meshes.size()}};
   }
   uint32_t leaves() const { return static_cast<uint32_t>(boxes.size()); }
 };
@@ -219,6 +232,81 @@ TEST(Lbvh, ObeysTheFilterOfMeshes) {
   const Pairs expected{{0, 2}, {0, 3}, {1, 2}, {1, 3}};
   EXPECT_EQ(walked_by_ropes(tree, source).pairs, expected);
   EXPECT_EQ(walked_in_parts(tree, source, 1000).pairs, expected);
+}
+
+/// Pairs whose boxes meet, by their meshes, each once.
+Pairs allowed_pairs(const std::vector<Box<float>>& boxes, const PairFilter& filter) {
+  Pairs pairs;
+  for (uint32_t a = 0; a < boxes.size(); ++a)
+    for (uint32_t b = a + 1; b < boxes.size(); ++b)
+      if (overlap(boxes[a], boxes[b]) && filter(a, b)) pairs.insert({a, b});
+  return pairs;
+}
+
+void expect_walks(const TestHierarchy& tree, const PairFilter& filter, const Pairs& expected) {
+  const BvhPairs source = tree.source(filter);
+  const Found found = walked_by_ropes(tree, source);
+  EXPECT_EQ(found.pairs, expected);
+  for (size_t room : {1000, 2, 0}) EXPECT_EQ(walked_in_parts(tree, source, room).pairs, expected) << room;
+}
+
+// Branches change the order of the leaves, not the pairs: these are the ones that the rules let pass.
+TEST(Lbvh, FindsTheSamePairsWithAnyBranches) {
+  std::mt19937 random(11);
+  const auto below = [&](uint32_t n) { return static_cast<uint32_t>(random() % n); };
+  for (uint32_t run = 0; run < 60; ++run) {
+    SCOPED_TRACE(run);
+    const uint32_t meshes = 1 + below(12), bits = below(4);
+    std::vector<MeshRule> rules(meshes);
+    for (MeshRule& rule : rules) rule = {1u << below(3), below(8), below(2), below(2), below(1u << bits)};
+    std::vector<uint32_t> mesh(20 + below(150));
+    for (uint32_t& m : mesh) m = below(meshes);
+    const PairFilter filter{mesh.data(), rules.data()};
+    const auto boxes = random_boxes(static_cast<uint32_t>(mesh.size()), 0.5f, run);
+    const TestHierarchy tree(boxes, 13, BvhBranches{filter, static_cast<int>(bits)});
+    expect_tree(tree);
+    expect_walks(tree, filter, allowed_pairs(boxes, filter));
+  }
+}
+
+/// Probes in one place that may touch a few obstacles and nothing else. The obstacles are the last mesh.
+struct Probes {
+  static constexpr uint32_t kTriangles = 50, kObstacles = 40;
+
+  Probes(uint32_t count, bool touch_themselves) {
+    for (uint32_t p = 0; p < count; ++p) {
+      rules.push_back({2, 1, 0, touch_themselves ? 1u : 0u, touch_themselves ? p : 0});
+      const auto own = random_boxes(kTriangles, 0.2f, 12);
+      boxes.insert(boxes.end(), own.begin(), own.end());
+      mesh.insert(mesh.end(), kTriangles, p);
+    }
+    rules.push_back({1, ~0u, 1, 0, touch_themselves ? count : 1});
+    const auto obstacles = random_boxes(kObstacles, 0.2f, 13);
+    boxes.insert(boxes.end(), obstacles.begin(), obstacles.end());
+    mesh.insert(mesh.end(), kObstacles, count);
+  }
+  PairFilter filter() const { return {mesh.data(), rules.data()}; }
+  Found found(int branch_bits) const {
+    const TestHierarchy tree(boxes, 13, BvhBranches{filter(), branch_bits});
+    return walked_by_ropes(tree, tree.source(filter()));
+  }
+
+  std::vector<Box<float>> boxes;
+  std::vector<MeshRule> rules;
+  std::vector<uint32_t> mesh;
+};
+
+// A walk adds the way down to its own branch, which is the logarithm of the number of probes.
+TEST(Lbvh, ProbesThatAreMaskedFromEachOtherCostWhatEachCostsAlone) {
+  for (const bool touch_themselves : {false, true}) {
+    SCOPED_TRACE(touch_themselves);
+    const uint32_t count = 100;
+    const Probes all(count, touch_themselves), one(1, touch_themselves);
+    const Found of_all = all.found(7), of_one = one.found(1);
+    EXPECT_EQ(of_all.pairs, allowed_pairs(all.boxes, all.filter()));
+    EXPECT_EQ(of_all.pairs.size(), count * of_one.pairs.size());
+    EXPECT_LT(of_all.tests, 3 * count * of_one.tests);
+  }
 }
 
 }  // namespace

@@ -179,6 +179,86 @@ TEST(PairTests, TilesThatAreRuledOutHaveNoPairThatPasses) {
   }
 }
 
+/// A leaf's source that counts the boxes that are loaded.
+struct CountingSource {
+  LeafPairs pairs;
+  PairFilter filter = pairs.filter;
+  Span<const Box<float>> boxes = pairs.boxes;
+  Span<const MembersByStart> by_start = {};
+  uint64_t* loads;
+
+  auto work(uint64_t item) const { return pairs.work(item); }
+  template <class Work>
+  uint32_t axes_of_start(const Work& work, const Box<float>& box) const {
+    ++*loads;
+    return pairs.axes_of_start(work, box);
+  }
+};
+
+/// One leaf with 40 members of each of many meshes that are masked from each other, and 30 of a mesh that all may
+/// touch. The members are shuffled, as several threads would put them there.
+struct MaskedLeaf {
+  static constexpr uint32_t kMembers = 40, kOthers = 30;
+
+  MaskedLeaf(uint32_t meshes, bool touch_themselves) : leaf(meshes * kMembers + kOthers) {
+    for (uint32_t m = 0; m < meshes; ++m) {
+      rules.push_back({2, 1, 0, touch_themselves ? 1u : 0u});
+      mesh.insert(mesh.end(), kMembers, m);
+    }
+    rules.push_back({1, ~0u, 0, 0});
+    mesh.insert(mesh.end(), kOthers, meshes);
+    leaf.filter = {mesh.data(), rules.data()};
+    std::shuffle(leaf.registered.begin(), leaf.registered.end(), std::mt19937(8));
+  }
+
+  OneLeaf leaf;
+  std::vector<MeshRule> rules;
+  std::vector<uint32_t> mesh;
+};
+
+TEST(PairTests, MeshesThatAreMaskedFromEachOtherAreNotEvenLoaded) {
+  for (const bool touch_themselves : {false, true}) {
+    constexpr uint32_t kMeshes = 100;
+    MaskedLeaf masked(kMeshes, touch_themselves);
+    uint64_t loads = 0;
+    const CountingSource source{.pairs = masked.leaf.source(), .loads = &loads};
+    std::vector<std::pair<uint32_t, uint32_t>> found, expected;
+    LeafTiles tiles;
+    for (uint64_t i = 0; i < masked.leaf.items.size(); ++i)
+      visit_item(source, i, tiles, [&](uint32_t a, uint32_t b) { found.emplace_back(std::min(a, b), std::max(a, b)); });
+    for (uint32_t a = 0; a < masked.mesh.size(); ++a)
+      for (uint32_t b = a + 1; b < masked.mesh.size(); ++b)
+        if (masked.leaf.filter(a, b)) expected.emplace_back(a, b);
+    std::sort(found.begin(), found.end());
+    EXPECT_EQ(found, expected);
+    EXPECT_LT(loads, 6u * masked.mesh.size()) << "of " << masked.mesh.size() << " members";
+  }
+}
+
+TEST(PairTests, ALargeLeafOfAnyRulesHasEveryPairOnce) {
+  std::mt19937 random(9);
+  for (int run = 0; run < 20; ++run) {
+    const uint32_t members = 500 + static_cast<uint32_t>(random() % 1200);
+    OneLeaf leaf(members);
+    RandomMeshes meshes(random);
+    meshes.mesh.resize(members);
+    for (uint32_t& m : meshes.mesh) m = static_cast<uint32_t>(random() % 6);
+    if (run % 2 == 0) std::sort(meshes.mesh.begin(), meshes.mesh.end());
+    std::shuffle(leaf.registered.begin(), leaf.registered.end(), random);
+    const PairFilter may = leaf.filter = meshes.filter();
+    auto pairs = leaf.pairs();
+    std::sort(pairs.begin(), pairs.end());
+    size_t k = 0;
+    for (uint32_t a = 0; a < members; ++a)
+      for (uint32_t b = a + 1; b < members; ++b)
+        if (may(a, b)) {
+          ASSERT_LT(k, pairs.size());
+          ASSERT_EQ(pairs[k++], std::pair(a, b)) << run;
+        }
+    EXPECT_EQ(k, pairs.size()) << run;
+  }
+}
+
 // Meshes with neighbouring numbers, whose keys may not crowd each other out.
 TEST(PairFilter, LeavesOutPairsOfMeshes) {
   constexpr uint32_t kMeshes = 300;
