@@ -17,7 +17,8 @@
 namespace collided::server {
 namespace {
 
-constexpr int kMinPingIntervalMs = 5'000;
+// Half of what clients are told: the network may bring two pings closer together than they were sent.
+constexpr double kMinPingIntervalSeconds = kMinPingSeconds / 2;
 constexpr auto kLastAnswers = std::chrono::milliseconds(100);  // for answers in transit
 
 int milliseconds(double seconds) { return static_cast<int>(seconds * 1000); }
@@ -44,7 +45,8 @@ void set_keepalive(grpc::ServerBuilder& builder, const Config& config) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, milliseconds(config.keepalive_seconds));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, milliseconds(config.keepalive_timeout_seconds));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kMinPingIntervalMs);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
+                             milliseconds(kMinPingIntervalSeconds));
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
 }
 

@@ -29,7 +29,8 @@ Json limits_json(const v1::ServerLimits& limits) {
           {"max_streams_per_client", limits.max_streams_per_client()},
           {"max_frames_per_second", limits.max_frames_per_second()},
           {"max_frame_seconds", limits.max_frame_seconds()},
-          {"max_accuracy", name_of(limits.max_accuracy())}};
+          {"max_accuracy", name_of(limits.max_accuracy())},
+          {"min_ping_seconds", limits.min_ping_seconds()}};
 }
 
 Json device_json(const v1::Device& device) {

@@ -51,6 +51,10 @@ struct Limits {
   bool operator==(const Limits&) const = default;
 };
 
+/// Seconds between the pings of a gRPC client, at least, while it gets no answers. A client that looks whether the
+/// daemon still lives needs none more often than once a second. FloodMeter bounds what pings cost.
+constexpr double kMinPingSeconds = 0.1;
+
 /// Calls that one connection may have at once, from the start of the daemon on; further ones wait until some have
 /// ended. All streams of a client, and its other calls, may share one connection.
 inline uint32_t max_calls_of_connection(const Limits& limits) {

@@ -162,6 +162,7 @@ void fill_limits(const Limits& limits, const ClientLimits& client, pb::ServerLim
   out->set_max_accuracy(to_message(client.max_accuracy));
   out->set_max_idle_seconds(limits.max_idle_seconds);
   out->set_max_lease_seconds(limits.max_lease_seconds);
+  out->set_min_ping_seconds(kMinPingSeconds);
 }
 
 }  // namespace collided::server

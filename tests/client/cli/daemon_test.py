@@ -41,6 +41,7 @@ class Daemon(support.CollidectlTest):
             text = self.ok("info", "--server", address)
         expected = {name.replace("-", "_"): value for name, value in limits.items()}
         expected.update({name: value << 20 for name, value in megabytes.values()})
+        expected["min_ping_seconds"] = 0.1  # no option changes it
         self.assertEqual(info["limits"], expected)
         self.assertEqual(info["local_socket"], local)
         for name in (*expected, "local_socket"):

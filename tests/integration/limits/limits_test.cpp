@@ -149,6 +149,7 @@ TEST(Limits, AreTold) {
   EXPECT_EQ(limits.max_scenes_per_client(), 6u);
   EXPECT_EQ(limits.max_streams_per_client(), 5u);
   EXPECT_EQ(limits.max_frame_seconds(), 12.5);
+  EXPECT_EQ(limits.min_ping_seconds(), 0.1);
   EXPECT_EQ(limits.max_accuracy(), pb::ACCURACY_FAST);
   EXPECT_EQ(limits.max_device_bytes(), 4u << 20);
   EXPECT_EQ(limits.max_device_bytes_per_client(), 3u << 20);
