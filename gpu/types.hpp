@@ -250,6 +250,20 @@ struct ContactRoom {
   uint64_t first_on_host = 0;
 };
 
+/// Describes a frame that was given up: what it had found by then, and which meshes go far.
+struct FrameProgress {
+  /// A mesh that goes farther in the step than its edges are long: what it costs is not its contacts, but its way.
+  struct FarMesh {
+    uint32_t mesh = 0;
+    double way = 0;   ///< about the longest of a vertex
+    double edge = 0;  ///< about the mean length of an edge
+  };
+
+  uint64_t pairs = 0, candidates = 0, contacts = 0;  ///< of triangles, of features, of all kinds
+  std::vector<FarMesh> far_meshes;                   ///< the farthest for its edges first, at most kMaxFarMeshes
+  static constexpr size_t kMaxFarMeshes = 3;
+};
+
 /// Of a set of worlds each world's frame counts or is refused by itself: its first frame must name all its meshes;
 /// worlds that a frame does not name are not stepped, and stay where they are.
 struct FrameInput {
@@ -280,6 +294,8 @@ struct FrameInput {
   /// and after about 8 ms of work within one. If it returns true (Cancelled) or throws, the frame ends and the scene is
   /// as it was. On CPU cores it may take its time: nothing of the frame goes on meanwhile.
   std::function<bool()> cancelled = {};
+  /// Filled in where the search for contacts was given up, or found no memory; may be null.
+  FrameProgress* progress = nullptr;
   /// Bytes that the caller will hold for each contact of the answer, beside the result's own: counted with it.
   uint64_t bytes_beside_contact = 0;
   /// Where the contacts stay; those that do not fit come to the host.
@@ -347,6 +363,7 @@ struct FrameResult : PerKind<ContactSet> {
   WorldResults worlds;            ///< of a set of worlds
   std::vector<PartFacts> parts;   ///< of a scene in parts. Counts of what was done (cells, tests) are of all together
   bool input_resolution = false;  ///< the input's own spacing is coarser than delta (0: than 1/1000 of most triangles)
+  std::vector<std::string> unused_options;  ///< of the spec, that are set and had no effect on this frame
   /// The contacts' memory, within what the scene took of its memory_quota for answers; given back with the last copy.
   /// May be null.
   std::shared_ptr<const void> held = {};

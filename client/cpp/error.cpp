@@ -35,6 +35,12 @@ ErrorDetails details_of(const std::string& bytes) {
   return out;
 }
 
+/// gRPC refuses what is far above the daemon's limit by itself, and does not know which option sets it.
+std::string naming_option(const std::string& message) {
+  const bool is_of_grpc = message.starts_with("Received message larger than max");
+  return is_of_grpc ? message + " (the daemon's option max-message-mb)" : message;
+}
+
 }  // namespace
 
 std::string code_name(int code) {
@@ -57,7 +63,7 @@ bool is_connection_lost(const Error& error) {
 
 std::optional<Error> error_of(const grpc::Status& status) {
   if (status.ok()) return std::nullopt;
-  return Error(status.error_code(), status.error_message(), details_of(status.error_details()));
+  return Error(status.error_code(), naming_option(status.error_message()), details_of(status.error_details()));
 }
 
 void check(const grpc::Status& status) {

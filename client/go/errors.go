@@ -70,6 +70,10 @@ func errorOf(err error) error {
 	}
 	s := status.Convert(err)
 	e := &Error{Code: s.Code(), Message: s.Message()}
+	// gRPC refuses what is far above the daemon's limit by itself, and does not know which option sets it.
+	if strings.HasPrefix(e.Message, "Received message larger than max") {
+		e.Message += " (the daemon's option max-message-mb)"
+	}
 	for _, detail := range s.Proto().GetDetails() {
 		e.read(detail.GetTypeUrl(), detail.GetValue())
 	}

@@ -91,7 +91,7 @@ func (u *Update) message(format v1.PositionFormat, path string) (*v1.MeshUpdate,
 	if u.Transform != nil {
 		update.Rigid = &v1.RigidTransform{Matrix: u.Transform.pack(), StartMatrix: u.StartTransform.pack()}
 	} else if u.StartTransform != nil {
-		return nil, invalidf(path+".start_transform", "is set, which needs Transform")
+		return nil, invalidf(path+".rigid.start_matrix", "(StartTransform) is set, which needs Transform")
 	}
 	return update, nil
 }

@@ -185,6 +185,15 @@ void check_frame(const SceneSpec& spec, const FrameInput& frame) {
   if (spec.worlds > 0) check_frame_of_worlds(frame, settings);
 }
 
+std::vector<std::string> unused_options(const SceneSpec& spec, const FrameInput& frame) {
+  const FrameSettings settings = settings_of(spec, frame);
+  std::vector<std::string> unused;
+  if (spec.min_separation > 0 && spec.mode == Mode::kCcd && !frame.advance) unused.push_back("min_separation");
+  if (spec.thickness > 0 && !is_of_features(first_of(spec.kinds))) unused.push_back("thickness");
+  if (spec.delta > 0 && !frame.delta && settings.accuracy < Accuracy::kGuarded) unused.push_back("delta");
+  return unused;
+}
+
 void check_spec(const SceneSpec& spec) {
   check_length("thickness", spec.thickness, coordinate_limit(spec.scalar));
   if (spec.kinds == PerKind<bool>{}) throw InvalidInput("kinds", "kinds are all off, nothing would be detected");

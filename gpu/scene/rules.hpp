@@ -1,6 +1,9 @@
 #pragma once
 // Which options go together: the one place of these rules.
 
+#include <string>
+#include <vector>
+
 #include "gpu/step/settings.hpp"
 
 namespace collided {
@@ -17,6 +20,9 @@ void check_exclusions(const SceneSpec& spec);
 void check_mesh(const SceneSpec& spec, const MeshSpec& mesh, const std::string& field);
 /// Throws InvalidInput for a rest_distance that is no length.
 void check_rest_distance(const SceneSpec& spec);
+
+/// Options of the scene that are set, and that this frame has no use for, though another one might.
+std::vector<std::string> unused_options(const SceneSpec& spec, const FrameInput& frame);
 
 /// Throws InvalidInput naming the frame's option that the scene cannot have.
 void check_frame(const SceneSpec& spec, const FrameInput& frame);

@@ -9,6 +9,7 @@
 #include "gpu/detector.hpp"
 #include "gpu/positions/sample.hpp"
 #include "gpu/scene/edit.hpp"
+#include "gpu/scene/far_meshes.hpp"
 #include "gpu/scene/known_lengths.hpp"
 #include "gpu/scene/parts/meeting.hpp"
 #include "gpu/scene/resident_positions.hpp"
@@ -46,6 +47,7 @@ class SceneDetector final : public Detector {
     FrameResult result =
         exec_.frame([&] { return frame.edit ? detect_edited(frame, settings) : detect(frame, settings); });
     if (list_lengths().exceed(told_)) tell_lengths();
+    result.unused_options = unused_options(spec_, frame);
     return result;
   }
 
@@ -175,10 +177,7 @@ class SceneDetector final : public Detector {
     if (worlds) return detect_worlds(*worlds, *slot, settings, frame.bytes_beside_contact);
     RestCosts rest;
     if (begins_at_rest) rest = find_rest_pairs();
-    const double margin = frame.advance ? advance_margin(pipeline_.measure_way(), spec_.min_separation) : 0;
-    const FrameSettings own = frame.advance ? with_margin(settings, margin) : settings;
-    FrameResult result = pipeline_.detect_contacts(boxes_static, own, frame.bytes_beside_contact, frame.room);
-    if (frame.advance) advance(own, margin, result);
+    FrameResult result = search(frame, settings, boxes_static);
     if (begins_at_rest) add_costs(rest, result);
     exec_.asks().ask();
     if (part_ != nullptr) part_->take_answer(result, exec_.asks());
@@ -190,6 +189,27 @@ class SceneDetector final : public Detector {
     positions_.commit(*slot);
     rest_pairs_.settle();
     return result;
+  }
+
+  /// Finds the contacts of the positions that are resident.
+  FrameResult search(const FrameInput& frame, const FrameSettings& settings, bool boxes_static) {
+    try {
+      const double margin = frame.advance ? advance_margin(pipeline_.measure_way(), spec_.min_separation) : 0;
+      const FrameSettings own = frame.advance ? with_margin(settings, margin) : settings;
+      FrameResult result = pipeline_.detect_contacts(boxes_static, own, frame.bytes_beside_contact, frame.room);
+      if (frame.advance) advance(own, margin, result);
+      return result;
+    } catch (...) {
+      if (frame.progress != nullptr) tell_progress(settings.is_ccd(), *frame.progress);
+      throw;
+    }
+  }
+  /// Serves a message alone, so that a failure here is ignored.
+  void tell_progress(bool is_ccd, FrameProgress& progress) noexcept try {
+    exec_.asks().no_more();
+    progress = pipeline_.progress();
+    if (is_ccd) progress.far_meshes = far_meshes(exec_, scene_, model_.topology());
+  } catch (...) {
   }
 
   /// What all parts of the scene found; of a scene that is one: what it did. Once all have come they go on alike.

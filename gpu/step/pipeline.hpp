@@ -62,9 +62,8 @@ class Pipeline {
   Box<float> measure_way() {
     begin_state();
     StepState* state = scene_.state.data();
-    exec_.reduce_into("bounds", counts_.vertices,
-                      BoxOfWay<Real>{scene_.positions_at_start(true), scene_.end.data()}, empty_box(), JoinBoxes{},
-                      &state->bounds);
+    exec_.reduce_into("bounds", counts_.vertices, BoxOfWay<Real>{scene_.positions_at_start(true), scene_.end.data()},
+                      empty_box(), JoinBoxes{}, &state->bounds);
     return exec_.peek(state).bounds;
   }
 
@@ -90,6 +89,15 @@ class Pipeline {
     reuse_.forget();
   }
 
+  /// Returns what a step that ended early had found; nothing if it had not begun to search.
+  FrameProgress progress() {
+    if (!has_begun_) return {};
+    const StepState found = exec_.peek(scene_.state.data());
+    FrameProgress progress{found.pairs, 0, found.contacts, {}};
+    for (const uint64_t candidates : found.candidates) progress.candidates += candidates;
+    return progress;
+  }
+
   uint64_t answer_bytes() const { return results_.answer_bytes(); }
   /// What any step so far asked for.
   const ListLengths& list_lengths() const { return needed_; }
@@ -99,6 +107,7 @@ class Pipeline {
                      const ContactRoom& room) {
     const double thickness = needs.settings.reach();
     result_ = {};
+    has_begun_ = false;
     placing_.begin(room);
     const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == thickness;
     lists_ = reuse_.begin(needs, state_.bounds);
@@ -113,8 +122,8 @@ class Pipeline {
     result_.stages = exec_.stage_times();
     result_.allocations = exec_.allocations();
     choices_.end(result_, state_.totals.boxed(), state_.bricks[0] > 0);
-    reuse_.end(lists_, state_.displacement, state_.neighbours[0] + state_.neighbours[1], result_.step_milliseconds, work,
-               result_.allocations == 0);
+    reuse_.end(lists_, state_.displacement, state_.neighbours[0] + state_.neighbours[1], result_.step_milliseconds,
+               work, result_.allocations == 0);
     result_.reuse = reuse_.facts(lists_);
     release_idle_engines();
     return std::move(result_);
@@ -175,6 +184,7 @@ class Pipeline {
         state_ = exec_.step_by_parts(scene_.state.data(), [&] { enqueue(); });
         return;
       }
+      has_begun_ = true;
       state_ = exec_.step(numbers_.number_of(plan_), scene_.state.data(), [&] { enqueue(); });
       if (!must_rerun()) return;
       ++result_.replays;
@@ -270,6 +280,7 @@ class Pipeline {
   /// Fig. 7.
   void enqueue() {
     part([&] { plan_.searches() ? make_tree() : look_for_displacement(); }, [&] { return must_rebuild(); });
+    has_begun_ = true;
     if (plan_.lists.use == ListUse::kMade) list_neighbours();
     if (is_of_features(first_kind())) detect_features();
     if (needs().kinds.triangle_triangle) detect_triangles();
@@ -418,6 +429,7 @@ class Pipeline {
   OctreePlanner planner_;
   ActiveLevels sent_levels_{.deepest = -1};  ///< that are on the backend
   bool by_parts_ = false;                    ///< the step in work
+  bool has_begun_ = false;                   ///< likewise: its counters are its own
   StepPlan plan_;                            ///< of the last step
   ListPlan lists_;                           ///< of the step in work
   TrackTimes times_{};                       ///< likewise

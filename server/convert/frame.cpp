@@ -3,6 +3,7 @@
 
 #include "server/convert/kinds.hpp"
 #include "server/convert/options.hpp"
+#include "server/refusals/field_path.hpp"
 #include "server/refusals/refuse.hpp"
 
 namespace collided::server {
@@ -106,6 +107,7 @@ void fill_result(const FrameResult& result, pb::FrameDone* out) {
   metrics->set_all_pairs_milliseconds(result.broad_phase.all_pairs_milliseconds);
   fill_reuse(result.reuse, metrics);
   for (const PartFacts& part : result.parts) fill_part(part, metrics->add_parts());
+  for (const std::string& option : result.unused_options) metrics->add_unused_options(spec_path(option));
   if (result.input_resolution) metrics->add_warnings(pb::FRAME_WARNING_INPUT_RESOLUTION);
   out->set_contact_count(count_contacts(result));
   out->set_earliest_toi(result.earliest_toi);

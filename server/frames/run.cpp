@@ -4,9 +4,11 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <new>
+#include <string_view>
 
 #include "server/errors.hpp"
 #include "server/frames/watched.hpp"
+#include "server/refusals/advice.hpp"
 
 namespace collided::server {
 namespace {
@@ -26,13 +28,32 @@ bool should_stop(const Scene& scene, uint64_t frame_id, TurnsOfScene::Turn& turn
   return false;
 }
 
+bool has_found(const FrameProgress& progress) {
+  return progress.pairs + progress.candidates + progress.contacts + progress.far_meshes.size() > 0;
+}
+// False for a frame that is refused for what it brings, before any work on it.
+bool is_too_much(const LimitExceeded& refusal, const FrameProgress& progress) {
+  return has_found(progress) || std::string_view(refusal.what()).starts_with("max_frame_seconds");
+}
+BusyScene busy(const Scene& scene) {
+  return {scene.plan()->engine.mode, [&scene](uint32_t mesh) { return scene.mesh_name(mesh); }};
+}
+
 FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, const std::function<bool()>& cancelled, FrameCost& cost) {
   auto turn = scene.take_turn(cancelled);
   if (!frame.input.room.memory.empty()) frame.input.room.first_on_host = most_watched(scene);
   frame.input.cancelled = [&] { return should_stop(scene, frame.frame_id, turn, cancelled); };
+  FrameProgress progress;
+  frame.input.progress = &progress;
   FrameResult result;
   try {
     result = scene.apply(frame.frame_id, frame.input, frame.basis);
+  } catch (const LimitExceeded& e) {
+    if (!is_too_much(e, progress)) throw;
+    throw with_advice(e, progress, busy(scene));
+  } catch (const ResourceExhausted& e) {
+    if (!has_found(progress)) throw;
+    throw with_advice(e, progress, busy(scene));
   } catch (const DeviceError& e) {
     scene.observer().device_failed(scene, e.what());
     throw;

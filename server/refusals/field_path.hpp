@@ -1,6 +1,7 @@
 #pragma once
 // Maps fields of the engine's structs to the protocol's, which clients know. No gRPC here.
 
+#include <cctype>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,18 +18,31 @@ inline std::string with_last_part(const std::string& path, std::string_view from
   return whole || last ? path.substr(0, path.size() - from.size()) + std::string(to) : path;
 }
 
+/// The text with fields of the engine's own under the names that clients set.
+inline std::string with_protocol_names(std::string text) {
+  const auto is_of_word = [](char c) { return c == '_' || (std::isalnum(static_cast<unsigned char>(c)) != 0); };
+  for (const auto& [engine, protocol] :
+       {std::pair<std::string_view, std::string_view>{"start_transform", "rigid.start_matrix"},
+        {"start_fraction", "from_last_fraction"},
+        {"quantized_in", "quantization_box"},
+        {"excluded_rings", "exclude_rings"},
+        {"excludes_rest_pairs", "exclude_rest_pairs"}})
+    for (size_t at = text.find(engine); at != std::string::npos; at = text.find(engine, at + protocol.size())) {
+      const size_t end = at + engine.size();
+      const bool is_word = (at == 0 || !is_of_word(text[at - 1])) && (end == text.size() || !is_of_word(text[end]));
+      if (is_word) text.replace(at, engine.size(), protocol);
+    }
+  return text;
+}
+
 /// "updates[1].end" -> "frame.updates[1].positions".
 inline std::string frame_path(const std::string& engine_path) {
   if (engine_path.empty()) return "frame";
-  if (engine_path == "start_fraction") return "frame.from_last_fraction";
-  std::string path = engine_path;
+  std::string path = with_protocol_names(engine_path);
   for (const auto& [engine, protocol] : {std::pair{"indices", "sparse.indices"},
                                          {"start", "start_positions"},
                                          {"end", "positions"},
-                                         {"transform", "rigid.matrix"},
-                                         {"start_transform", "rigid.start_matrix"},
-                                         {"excluded_rings", "exclude_rings"},
-                                         {"excludes_rest_pairs", "exclude_rest_pairs"}})
+                                         {"transform", "rigid.matrix"}})
     path = with_last_part(path, engine, protocol);
   for (const auto& [engine, protocol] :
        {std::pair{"edit.excluded[", "edit.exclude_meshes["}, {"edit.included[", "edit.include_meshes["}})
@@ -39,12 +53,8 @@ inline std::string frame_path(const std::string& engine_path) {
 /// "meshes[0].triangles[5]" -> "spec.meshes[0].triangles[5]".
 inline std::string spec_path(const std::string& engine_path) {
   if (engine_path.empty()) return "spec";
-  std::string path = with_last_part(engine_path, "memory_budget", "memory_budget_bytes");
-  for (const auto& [engine, protocol] : {std::pair{"scalar", "position_format"},
-                                         {"engine", "broad_phase_engine"},
-                                         {"quantized_in", "quantization_box"},
-                                         {"excluded_rings", "exclude_rings"},
-                                         {"excludes_rest_pairs", "exclude_rest_pairs"}})
+  std::string path = with_last_part(with_protocol_names(engine_path), "memory_budget", "memory_budget_bytes");
+  for (const auto& [engine, protocol] : {std::pair{"scalar", "position_format"}, {"engine", "broad_phase_engine"}})
     path = with_last_part(path, engine, protocol);
   return "spec." + path;
 }
@@ -53,8 +63,9 @@ inline std::string spec_path(const std::string& engine_path) {
 inline std::string renamed(const InvalidInput& error, const std::string& name) {
   const std::string message = error.what();
   const auto at = error.field().empty() ? std::string::npos : message.find(error.field());
-  if (at == std::string::npos) return name + ": " + message;
-  return message.substr(0, at) + name + message.substr(at + error.field().size());
+  if (at == std::string::npos) return name + ": " + with_protocol_names(message);
+  return with_protocol_names(message.substr(0, at)) + name +
+         with_protocol_names(message.substr(at + error.field().size()));
 }
 
 /// The engine's refusal, naming the protocol's path.

@@ -30,7 +30,8 @@ client::PerKind<uint64_t> found_counts(const v1::FrameDone& done, const v1::Scen
 }
 
 std::string frame_text(const v1::FrameDone& done, const v1::SceneSpec& spec) {
-  const std::string time = ", " + format_double("%.3f", done.metrics().total_milliseconds()) + " ms";
+  std::string time = ", " + format_double("%.3f", done.metrics().total_milliseconds()) + " ms";
+  for (const std::string& option : done.metrics().unused_options()) time += ", " + option + " had no effect";
   if (!is_counted(spec)) return (done.any_contact() ? "a contact" : "no contact") + time;
   const client::PerKind<uint64_t> found = found_counts(done, spec);
   return std::to_string(done.contact_count()) + (has_candidates(done, spec) ? " candidates (" : " contacts (") +

@@ -132,8 +132,10 @@ Json transport_json(const client::FrameStream& stream) {
 
 Json warnings_json(const std::vector<v1::FrameMetrics>& frames) {
   std::set<std::string> names;
-  for (const v1::FrameMetrics& frame : frames)
+  for (const v1::FrameMetrics& frame : frames) {
     for (const int warning : frame.warnings()) names.insert(v1::FrameWarning_Name(warning));
+    for (const std::string& option : frame.unused_options()) names.insert(option + " had no effect");
+  }
   return names;
 }
 

@@ -73,7 +73,7 @@ func TestARefusedFrameLeavesTheStreamOpen(t *testing.T) {
 		{one(collided.Update{Mesh: 1, Positions: bad[:2]}), "frame.updates[0].positions", "24"},
 		{one(collided.Update{Mesh: 7, Positions: floor}), "frame.updates[0].mesh", "7"},
 		{one(collided.Update{Mesh: 1, Positions: collided.F64{}}), "frame.updates[0].positions", "is collided.F64; .*F32"},
-		{one(collided.Update{Mesh: 1, StartTransform: &collided.Matrix{}}), "frame.updates[0].start_transform", "needs Transform"},
+		{one(collided.Update{Mesh: 1, StartTransform: &collided.Matrix{}}), "frame.updates[0].rigid.start_matrix", "StartTransform.*needs Transform"},
 		{collided.Frame{FromLastFraction: &two}, "frame.from_last_fraction", "2"},
 	}
 	for _, c := range cases {

@@ -49,7 +49,12 @@ export function invalid(field: string, what: string): CollidedError {
 
 /** The error of a call that ended with another status than OK. */
 export function errorOfStatus(status: { code: Code; details: string; metadata?: Metadata }): CollidedError {
-  return new CollidedError(status.code, status.details, detailsOf(status.metadata));
+  return new CollidedError(status.code, namingOption(status.details), detailsOf(status.metadata));
+}
+
+/** gRPC refuses what is far above the daemon's limit by itself, and does not know which option sets it. */
+function namingOption(message: string): string {
+  return message.startsWith("Received message larger than max") ? `${message} (the daemon's option max-message-mb)` : message;
 }
 
 /** The error of a frame that was refused within a stream. */

@@ -108,20 +108,20 @@ function updateMessage(input: MeshUpdateInput, format: PositionFormat, path: str
   checkValue(input.mesh, uint32, join(path, "mesh"));
   const { indices, transform, startTransform } = input;
   if (startTransform !== undefined && transform === undefined) {
-    throw invalid(join(path, "startTransform"), "is set, which needs transform");
+    throw invalid(join(path, "rigid.startMatrix"), "(startTransform) is set, which needs transform");
   }
   return {
     ...MeshUpdate.create({ mesh: input.mesh }),
     positions: packPositions(input.positions, format, join(path, "positions")),
     startPositions: packPositions(input.startPositions, format, join(path, "startPositions")),
     sparse:
-      indices === undefined ? undefined : { indices: packIndices(indices, 1, join(path, "indices")), sharedIndices: undefined },
+      indices === undefined ? undefined : { indices: packIndices(indices, 1, join(path, "sparse.indices")), sharedIndices: undefined },
     rigid:
       transform === undefined
         ? undefined
         : {
-            matrix: packMatrix(transform, join(path, "transform")),
-            startMatrix: packMatrix(startTransform, join(path, "startTransform")),
+            matrix: packMatrix(transform, join(path, "rigid.matrix")),
+            startMatrix: packMatrix(startTransform, join(path, "rigid.startMatrix")),
           },
   };
 }

@@ -146,7 +146,12 @@ def error_of_call(error: grpc.RpcError) -> Error:
     metadata = (error.trailing_metadata() if hasattr(error, "trailing_metadata") else None) or ()
     packed = next((value for key, value in metadata if key == "grpc-status-details-bin"), b"")
     field, quota, retry_after = _details(packed)
-    return error_of(code.value[0], error.details() or str(code), field=field, quota=quota, retry_after=retry_after)
+    return error_of(code.value[0], _naming_option(error.details() or str(code)), field=field, quota=quota, retry_after=retry_after)
+
+
+def _naming_option(message: str) -> str:
+    """gRPC refuses what is far above the daemon's limit by itself, and does not know which option sets it."""
+    return message + (" (the daemon's option max-message-mb)" if message.startswith("Received message larger than max") else "")
 
 
 def _details(packed: bytes) -> tuple[str, str, float | None]:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 import os
 import time
+import warnings
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from collided.contacts.answer import Answer
@@ -54,6 +56,7 @@ class Stream:
         self._transport: Transport | None = None
         self._pending: deque[_Pending] = deque()
         self._has_answered = False  # the current transport
+        self._unused: set[str] = set()  # options that were warned of
         self._failure: Error | None = None  # why no other one will be opened
         self.ready: deque[Contacts | Error] = deque()
         self.sent = self.received = 0  # the numbers of the last frames that were
@@ -288,9 +291,17 @@ class Stream:
 
     def _contacts(self, pending: _Pending, done: frame_pb2.FrameDone) -> Contacts:
         head = pending.request.head
+        self._warn_of_unused(done.metrics.unused_options)
         way = self._track.apply(pending.request, done, pending.wire_id)
         answer = Answer(pending.frame_id, pending.wire_id, done, way.layout, way, self._track.has_motion(head))
         return Contacts.of_parts(answer, pending.parts)
+
+    def _warn_of_unused(self, options: Iterable[str]) -> None:
+        """Once for each option."""
+        for option in set(options) - self._unused:
+            self._unused.add(option)
+            rule = ": it counts in frames with advance=True" if option == "spec.min_separation" else ""
+            warnings.warn(f"{option.removeprefix('spec.')} is set and had no effect on a frame{rule}", stacklevel=2)
 
     def _exchange(self, request: Request) -> int:
         """A frame of the stream's own. Its id on the wire. Raises Error with that if it is refused."""

@@ -133,6 +133,7 @@ FrameResult merged_facts(const std::vector<FrameResult>& parts, Report report) {
   all.broad_phase = first.broad_phase;
   all.reuse = first.reuse;
   all.advanced = first.advanced;  // which they agreed on
+  all.unused_options = first.unused_options;
   all.stages = slowest_stages(parts);
   for (const FrameResult& part : parts) {
     add(all.counts, part.counts);

@@ -124,6 +124,7 @@ class PartedScene final : public Detector {
       throw InvalidInput("slot", "slot is of another scene than the frame, or of this one before an edit");
     for (size_t k = 0; k < parts_.size(); ++k) {
       if (slot != nullptr) inputs[k].slot = slot->of_part(k);
+      if (k > 0) inputs[k].progress = nullptr;
       inputs[k].cancelled = [this, k, asks = frame.cancelled] {
         return meeting_.has_failed() || (k == 0 && asks && asks());
       };

@@ -1,5 +1,8 @@
 // What one frame leaves behind for the next: positions, grown buffers, and nothing else.
 
+#include <algorithm>
+#include <cmath>
+
 #include "tests/gpu/backend.hpp"
 #include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
@@ -202,6 +205,70 @@ TEST_F(DetectorState, DetectorsAreIndependent) {
   const FrameResult rb = two->detect(Frame(b, Mode::kCcd, Scalar::kF64).input());
   EXPECT_TRUE(same_contacts(ra, run_case(a, fast_spec())));
   EXPECT_TRUE(same_contacts(rb, run_case(b, fast_spec())));
+}
+
+/// A fine grid that goes far for its edges, and a dense heap that stays.
+Case far_case() {
+  Case c = dense_case();
+  std::vector<std::array<uint32_t, 3>> triangles;
+  Positions from, to;
+  for (uint32_t i = 0; i < 20; ++i)
+    for (uint32_t j = 0; j < 20; ++j) {
+      from.push_back({0.03125 * i, 0.03125 * j, 5});
+      to.push_back({0.03125 * i, 0.03125 * j, 6.5});
+      if (i + 1 < 20 && j + 1 < 20) triangles.push_back({20 * i + j, 20 * i + j + 1, 20 * i + j + 20});
+    }
+  add_mesh(c, triangles, from, to);
+  return c;
+}
+
+TEST_F(DetectorState, AFrameThatIsGivenUpTellsWhatItHadFound) {
+  const Case c = far_case();
+  const Frame frame(c, Mode::kCcd, Scalar::kF64);
+  const uint64_t all_pairs = run_case(c, fast_spec()).counts.pairs;
+  uint64_t most_pairs = 0, told = 0;
+  for (int last = 0, is_over = 0; is_over == 0; last += 1 + last / 4) {
+    FrameProgress progress;
+    FrameInput input = frame.input();
+    int asked = 0;
+    input.cancelled = [&] { return asked++ >= last; };
+    input.progress = &progress;
+    try {
+      Detector::create(spec_for(c, fast_spec()))->detect(input);
+      is_over = 1;
+      EXPECT_EQ(progress.pairs + progress.far_meshes.size(), 0u) << "of a frame that ended well";
+    } catch (const Cancelled&) {
+      EXPECT_LE(progress.pairs, all_pairs);
+      most_pairs = std::max(most_pairs, progress.pairs);
+      if (progress.far_meshes.empty()) continue;
+      ++told;
+      ASSERT_EQ(progress.far_meshes.size(), 1u);
+      const auto& [mesh, way, edge] = progress.far_meshes[0];
+      EXPECT_EQ(mesh, 1u);
+      EXPECT_EQ(way, 1.5);
+      EXPECT_NEAR(edge, 0.03125 * (2 + std::sqrt(2)) / 3, 1e-12);
+    }
+  }
+  EXPECT_GT(told, 0u);
+  EXPECT_GT(most_pairs, 0u);
+}
+
+TEST_F(DetectorState, AFrameThatFindsNoMemoryTellsWhatItHadFound) {
+  const Case c = dense_case();
+  SceneSpec spec = spec_for(c, fast_spec());
+  const FrameResult whole = run_case(c, fast_spec());
+  const auto scene = Detector::create(spec);
+  const Frame frame(c, Mode::kCcd, Scalar::kF64);
+  scene->detect(frame.input());
+  uint64_t needed = 0;
+  for (const MemoryPart& part : scene->memory()) needed += part.bytes;
+  spec.memory_budget = needed / 2;
+  FrameProgress progress;
+  FrameInput input = frame.input();
+  input.progress = &progress;
+  EXPECT_THROW(Detector::create(spec)->detect(input), ResourceExhausted);
+  EXPECT_GT(progress.pairs, 0u);
+  EXPECT_LE(progress.pairs, whole.counts.pairs);
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 // Accuracy, delta and report of a scene and of a single frame; what they cannot be; what the input can resolve.
 
 #include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
 
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/judged_case.hpp"
@@ -251,6 +254,35 @@ TEST_P(InputResolution, IsHeldAgainstDeltaIfThereIsOne) {
 
 INSTANTIATE_TEST_SUITE_P(Scalars, InputResolution, ::testing::Values(Scalar::kF32, Scalar::kF64),
                          [](const auto& info) { return info.param == Scalar::kF32 ? "F32" : "F64"; });
+
+using Unused = std::vector<std::string>;
+
+TEST_F(FrameOptions, ThatHaveNoEffectAreTold) {
+  const Case c = small_case();
+  const auto unused_in = [&](const SceneSpec& spec, const std::function<void(FrameInput&)>& set = {}) {
+    const Frame frame(c, spec.mode, spec.scalar);
+    FrameInput input = frame.input();
+    if (set) set(input);
+    return Detector::create(spec_for(c, spec))->detect(input).unused_options;
+  };
+  SceneSpec apart = settings(Mode::kCcd, Accuracy::kCertified);
+  EXPECT_EQ(unused_in(apart), Unused{});
+  apart.min_separation = 0.01;
+  EXPECT_EQ(unused_in(apart), Unused{"min_separation"});
+  EXPECT_EQ(unused_in(apart, [](FrameInput& f) { f.advance = true; }), Unused{});
+  apart.mode = Mode::kBoth;
+  EXPECT_EQ(unused_in(apart), Unused{}) << "it is the contact distance of CCD frames";
+
+  SceneSpec crossing = settings(Mode::kDcd, Accuracy::kExact, Scalar::kF64, 0.1);
+  EXPECT_EQ(unused_in(crossing), Unused{});
+  crossing.kinds = {.triangle_triangle = true};
+  EXPECT_EQ(unused_in(crossing), Unused{"thickness"});
+
+  SceneSpec coarse = settings(Mode::kCcd, Accuracy::kFast);
+  coarse.delta = 1e-6;
+  EXPECT_EQ(unused_in(coarse), Unused{"delta"});
+  EXPECT_EQ(unused_in(coarse, [](FrameInput& f) { f.accuracy = Accuracy::kGuarded; }), Unused{});
+}
 
 }  // namespace
 }  // namespace collided::test

@@ -57,6 +57,7 @@ TEST(Told, AllThatTheEngineSaysOfAFrame) {
   result.input_resolution = result.any_contact = true;
   result.earliest_toi = 0.25;
   result.advanced = 0.5;
+  result.unused_options = {"min_separation"};
   result.placed.vertex_triangle.count = 3;
   pb::FrameDone done;
   fill_result(result, &done);
@@ -68,6 +69,7 @@ TEST(Told, AllThatTheEngineSaysOfAFrame) {
   EXPECT_EQ(done.contact_count(), 3u);
   const pb::FrameMetrics& metrics = done.metrics();
   EXPECT_EQ(metrics.stages(0).stage(), "boxes");
+  EXPECT_EQ(metrics.unused_options(0), "spec.min_separation");
   EXPECT_EQ(metrics.stages(0).milliseconds(), 1);
   EXPECT_EQ(metrics.octree_milliseconds(), 5);
   EXPECT_EQ(metrics.lbvh_milliseconds(), 6);
