@@ -211,8 +211,8 @@ struct BvhPairs {
   /// Meets the next node; whether that is a partner, which `found` then names.
   COLLIDED_HD bool step(Walk& walk) const {
     const BvhNode node = nodes[walk.node];
-    const bool meets = overlap(walk.box, node.box()) && may_touch_below(walk, walk.node);
-    walk.node = meets && !node.is_leaf() ? node.child : node.rope;
+    const bool meets = overlap(walk.box, node.box());
+    walk.node = meets && goes_below(walk, walk.node, node) ? node.child : node.rope;
     walk.found = node.triangle();
     return meets && node.is_leaf() && filter(walk.triangle, walk.found);
   }
@@ -240,10 +240,9 @@ struct BvhPairs {
   COLLIDED_HD Met meet(Walk& walk) const {
     const bool only_right = is_right(walk.node);
     const BvhNode left = nodes[walk.node & ~1u], right = nodes[walk.node | 1u];
-    const bool meets_left = !only_right && overlap(walk.box, left.box()) && may_touch_below(walk, walk.node & ~1u);
-    const bool meets_right = overlap(walk.box, right.box()) && may_touch_below(walk, walk.node | 1u);
-    const uint32_t below_left = meets_left && !left.is_leaf() ? left.child : kNoNode;
-    const uint32_t below_right = meets_right && !right.is_leaf() ? right.child : kNoNode;
+    const bool meets_left = !only_right && overlap(walk.box, left.box()), meets_right = overlap(walk.box, right.box());
+    const uint32_t below_left = meets_left && goes_below(walk, walk.node & ~1u, left) ? left.child : kNoNode;
+    const uint32_t below_right = meets_right && goes_below(walk, walk.node | 1u, right) ? right.child : kNoNode;
     const uint32_t deep = only_right ? below_right : below_left, late = only_right ? right.rope : below_right;
     walk.node = deep != kNoNode ? deep : late;
     return {{left.triangle(), right.triangle()},
@@ -272,8 +271,9 @@ struct BvhPairs {
 
  private:
   COLLIDED_HD static bool is_right(uint32_t node) { return (node & 1u) != 0; }
-  COLLIDED_HD bool may_touch_below(const Walk& walk, uint32_t node) const {
-    return meshes.empty() || filter.may_pass(meshes[walk.leaf], meshes[node]);
+  /// Of a node that the walk meets. A leaf is asked of the filter alone.
+  COLLIDED_HD bool goes_below(const Walk& walk, uint32_t number, const BvhNode& node) const {
+    return !node.is_leaf() && (meshes.empty() || filter.may_pass(meshes[walk.leaf], meshes[number]));
   }
   COLLIDED_HD bool is_partner(const Walk& walk, bool meets, const BvhNode& node) const {
     return meets && node.is_leaf() && filter(walk.triangle, node.triangle());
