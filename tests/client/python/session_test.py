@@ -6,6 +6,7 @@ import math
 import os
 import threading
 import traceback
+import warnings
 from unittest import mock
 
 from support import DAEMON, FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, assert_same, lowered, main, meshes, np
@@ -439,6 +440,28 @@ class Formats(Case):
             first, second = contacts.points
             np.testing.assert_allclose(np.linalg.norm(first - second, axis=1), contacts.distance, atol=1e-6)
             np.testing.assert_allclose(second, [[1, 1, 0]], atol=1e-6)
+
+    def test_an_option_without_effect_is_warned_of_once(self):
+        session = self.session(min_separation=0.01)
+        with self.assertWarnsRegex(UserWarning, "min_separation .*advance=True"):
+            contacts = session.step({"tip": lowered(2)})
+        self.assertEqual(list(contacts.metrics.unused_options), ["spec.min_separation"])
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            session.step({"tip": TIP})
+            self.assertEqual(list(session.step({"tip": lowered(0.5)}, advance=True).metrics.unused_options), [])
+
+
+class SmallMessages(Case):
+    options = ("--max-message-mb", "1")
+
+    def test_a_message_that_is_too_large_names_the_option(self):
+        for vertices in (100_000, 300_000):  # a little more than the limit, which the daemon refuses; much more, which gRPC does
+            for transport in ("grpc", "calls"):
+                with self.assertRaisesRegex(collided.ResourceExhausted, "max-message-mb"):
+                    with collided.Session({"large": (np.zeros((vertices, 3), "<f4"), ONE)}, server=self.server,
+                                          transport=transport) as session:
+                        session.step()
 
 
 if __name__ == "__main__":
