@@ -39,7 +39,7 @@ class Setup(unittest.TestCase):
         self.environment = os.environ | {"APT_CONFIG": str(self.root / "apt.conf"), "DPKG_ADMINDIR": str(self.root / "dpkg")}
 
     def plan(self, installed, available, *packages):
-        """The lines that are told of the missing ones of `packages`."""
+        """Returns the lines that report the missing ones of `packages`."""
         (self.root / "dpkg/status").write_text("".join(entry(*one, installed=True) for one in installed))
         (self.root / "sources/Packages").write_text("".join(entry(*one) for one in available))
         script = f"source deploy/packages; COLLIDED_PACKAGES=({' '.join(packages)}); apt-get update -qq; collided_show_plan"
@@ -65,7 +65,7 @@ class Setup(unittest.TestCase):
                          ["packages: installing 1 that are missing: other 3"])
         self.assertEqual(self.plan([("tool", "1.0")], [("tool", "1.1")], "tool"), ["packages: nothing is missing"])
 
-    def test_an_upgrade_that_is_needed_is_told_of(self):
+    def test_an_upgrade_that_is_needed_is_reported(self):
         self.assertEqual(self.plan([("libthing0", "0.9")], [("libthing0", "1.1"), ("libthing-dev", "1.1", "libthing0 (= 1.1)")], "libthing-dev"),
                          ["packages: upgrading libthing0 0.9 -> 1.1: a missing package depends on it",
                           "packages: installing 1 that are missing: libthing-dev 1.1"])

@@ -16,7 +16,7 @@ def clipped(text, width):
 
 
 def groups(names):
-    """The suites of many tests with their numbers of cases, largest first; a lone test by its name."""
+    """Returns the suites of many tests with their numbers of cases, largest first; a lone test by its name."""
     suites = {}
     for name in sorted(names):
         suites.setdefault(suite_of(name), []).append(name)
