@@ -5,20 +5,29 @@ usage: check_layers.py includes ROOT
        check_layers.py folders ROOT
        check_layers.py headers ROOT COMPILER INCLUDE_DIR...
 
-A header that is the first include of a source, or of another header, is compiled alone with that.
+A header that is the first include of another header is compiled alone with that. Sources do not count: they have
+precompiled headers, which would hide what is missing.
 """
 
+import collections
 import concurrent.futures
 import os
 import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 
 SOURCES = {".hpp", ".cpp", ".cuh", ".cu"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 CUDA = re.compile(r"^(cuda|cub/|thrust/|nvtx3/|nvToolsExt|device_launch_parameters|cooperative_groups|curand|nvml)")
 STANDARD = re.compile(r"^(c?[a-z_0-9]+|(math|stdint|stddef|string|float|immintrin)\.h)$")
+CONDITION = re.compile(r"^\s*#\s*if")
+END_OF_CONDITION = re.compile(r"^\s*#\s*endif")
+# Rough guesses: parsing costs a header's bytes, which of others' headers are not counted; precompiling costs as much as
+# parsing several times, and more.
+SYSTEM_COST, LIBRARY_COST, PRECOMPILING, WRITING = 20_000, 500_000, 3, 300_000
+SYSTEM = re.compile(r"^(sys/.*|[a-z_0-9]+(\.h)?)$")
 MAX_FILES = 20  # in a folder
 NO_SOURCE = {"results", "data", "corpus", "node_modules", "dist", "__pycache__"}
 MESSAGES = re.compile(r"\.pb\.h$")
@@ -225,27 +234,117 @@ def crowded_folders(root):
     return sorted(found), folders
 
 
-def first_include(file):
-    """The first file in quotes or angle brackets that `file` includes; none if there is no include."""
-    found = (INCLUDE.match(line) for line in file.read_text().splitlines())
-    return next((match[2] for match in found if match), None)
+def own_includes(root, file):
+    """Lists what `file` includes outside of conditions: its name and, if it is ours, its file."""
+    found, depth = [], 0
+    for line in file.read_text().splitlines():
+        if CONDITION.match(line):
+            depth += 1
+        elif END_OF_CONDITION.match(line):
+            depth -= 1
+        match = INCLUDE.match(line)
+        if match and depth == 0:
+            places = (folder / match[2] for folder in (root, file.parent))
+            found.append((match[2], next((place for place in places if match[1] == '"' and place.is_file()), None)))
+    return found
+
+
+class Headers:
+    """Knows the headers of a tree that must compile alone, and what each includes, directly or not."""
+
+    def __init__(self, root):
+        self.root, self.includes, self.reached = root, {}, {}
+        headers = [file for file in sources(root) if file.suffix == ".hpp"]
+        # What a header includes first is compiled alone with it.
+        first = {includes[0][0] for header in headers if (includes := self.included_by(header))}
+        self.alone = [header for header in headers if self.name(header) not in first]
+
+    def name(self, header):
+        return header.relative_to(self.root).as_posix()
+
+    def included_by(self, header):
+        if header not in self.includes:
+            self.includes[header] = own_includes(self.root, header)
+        return self.includes[header]
+
+    def closure(self, header):
+        """Returns the names of all headers that `header` includes, with an estimate of what each costs to parse."""
+        if header not in self.reached:
+            self.reached[header] = {}  # of a header that includes itself
+            reached = {}
+            for name, file in self.included_by(header):
+                if file:
+                    reached |= self.closure(file) | {self.name(file): file.stat().st_size}
+                else:
+                    reached[name] = self.cost(name)
+            self.reached[header] = reached
+        return self.reached[header]
+
+    def cost(self, name):
+        """Estimates the cost of parsing a header with all that it includes."""
+        file = self.root / name
+        if not file.is_file():
+            return SYSTEM_COST if SYSTEM.match(name) else LIBRARY_COST
+        return file.stat().st_size + sum(self.closure(file).values())
+
+    def bases(self):
+        """Chooses a precompiled header for headers of `alone`: one of those that they include.
+
+        It hides nothing that such a header lacks. One of ours is compiled alone when it is precompiled.
+        """
+        users = collections.defaultdict(list)
+        for header in self.alone:
+            for name in self.closure(header):
+                users[name].append(header)
+        costs = {name: self.cost(name) for name in users}
+        best, saved = {}, collections.Counter()
+
+        def gain(name):
+            return sum(max(0, costs[name] - saved[header]) for header in users[name]) - PRECOMPILING * costs[name] - WRITING
+
+        while users:
+            name = max(sorted(users), key=gain)
+            if gain(name) <= 0:
+                break
+            for header in users.pop(name):
+                if costs[name] > saved[header]:
+                    best[header], saved[header] = name, costs[name]
+        return best
 
 
 def bad_headers(root, compiler, include_dirs):
-    """Headers that do not compile as the only include of a file."""
-    options = ["-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-x", "c++", '-DCOLLIDED_VERSION="0"',
-               f"-I{root}", *(f"-isystem{d}" for d in include_dirs), "-"]
+    """Finds headers that do not compile as the only include of a file. Includes must come first in each of them."""
+    options = ["-std=c++20", "-Wall", "-Wextra", "-Werror", "-Winvalid-pch", '-DCOLLIDED_VERSION="0"', f"-I{root}",
+               *(f"-isystem{d}" for d in include_dirs)]
+    headers = Headers(root)
+    bases = headers.bases()
+    chosen = sorted(set(bases.values()))
 
-    def compile_alone(header):
-        text = f'#include "{header.relative_to(root).as_posix()}"\n'
-        run = subprocess.run([compiler, *options], input=text, capture_output=True, text=True, cwd=root)
+    def compiled(arguments, text):
+        run = subprocess.run([compiler, *options, *arguments], input=text, capture_output=True, text=True, cwd=root)
         return run.stderr if run.returncode else None
 
-    compiled = {first_include(file) for file in sources(root) if file.suffix in (".cpp", ".hpp")}
-    headers = [file for file in sources(root)
-               if file.suffix == ".hpp" and file.relative_to(root).as_posix() not in compiled]
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        return [error for error in pool.map(compile_alone, headers) if error], len(headers)
+    def including(name):
+        file = root / name
+        return f'#include "{name}"\n' if file.is_file() else f"#include <{name}>\n"
+
+    with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        wrappers = {name: pathlib.Path(folder, f"{number}.hpp") for number, name in enumerate(chosen)}
+
+        def precompile(name):
+            wrappers[name].write_text(including(name))
+            return compiled(["-x", "c++-header", str(wrappers[name]), "-o", f"{wrappers[name]}.gch"], "")
+
+        def compile_alone(header):
+            base = bases.get(header)
+            below = ["-include", str(wrappers[base])] if base in usable else []
+            return compiled(["-fsyntax-only", *below, "-x", "c++", "-"], including(headers.name(header)))
+
+        errors = list(pool.map(precompile, chosen))
+        usable = {name for name, error in zip(chosen, errors) if not error}
+        rest = [header for header in headers.alone if headers.name(header) not in wrappers]
+        errors += pool.map(compile_alone, rest)
+    return [error for error in errors if error], len(headers.alone)
 
 
 def main(arguments):

@@ -171,15 +171,39 @@ class CheckLayers(unittest.TestCase):
         errors, count = check_layers.bad_headers(self.root, "c++", [])
         self.assertEqual(len(errors), 1)
         self.assertIn("lonely.hpp", "".join(errors))
-        self.write("gpu/base/lonely.cpp", '#include <vector>\n#include "gpu/base/lonely.hpp"\n')
+        # A source may have precompiled headers, and proves nothing; a header that includes it first is compiled with it.
+        self.write("gpu/base/lonely.cpp", '#include "gpu/base/lonely.hpp"\n')
         self.assertEqual(check_layers.bad_headers(self.root, "c++", [])[1], count)
-        self.write("gpu/base/lonely.cpp", '// Compiles it.\n#include "gpu/base/lonely.hpp"\n')
-        self.assertEqual(check_layers.bad_headers(self.root, "c++", []), ([], count - 1))
-        self.write("gpu/base/lonely.cpp", "")
         self.write("gpu/base/above.hpp", '#pragma once\n#include "gpu/base/lonely.hpp"\n')
         errors, again = check_layers.bad_headers(self.root, "c++", [])
         self.assertEqual((len(errors), again), (1, count))
         self.assertIn("lonely.hpp", errors[0])
+
+    def with_a_large_header(self):
+        """Makes `large.hpp`, which is precompiled because five headers include it."""
+        self.root = self.root / "other"
+        self.write("gpu/base/large.hpp", f"#pragma once\n#include <vector>\n// {'a' * check_layers.WRITING}\n")
+        for name in ("a", "b", "c", "d", "e"):
+            self.write(f"gpu/base/{name}.hpp", '#pragma once\n#include <cstddef>\n#include "gpu/base/large.hpp"\n'
+                       f"inline std::vector<int> {name}() {{ return {{}}; }}\n")
+        headers = check_layers.Headers(self.root)
+        self.assertEqual({header.stem: base for header, base in headers.bases().items()},
+                         {name: "gpu/base/large.hpp" for name in ("a", "b", "c", "d", "e")})
+
+    def test_what_others_are_compiled_on_top_of_hides_nothing(self):
+        self.with_a_large_header()
+        self.assertEqual(check_layers.bad_headers(self.root, "c++", []), ([], 6))
+        for includes in ("", '#include <cstddef>\n#ifdef NEVER\n#include "gpu/base/large.hpp"\n#endif\n'):
+            self.write("gpu/base/lonely.hpp", f"#pragma once\n{includes}inline std::vector<int> f() {{ return {{}}; }}\n")
+            errors, count = check_layers.bad_headers(self.root, "c++", [])
+            self.assertEqual((len(errors), count), (1, 7))
+            self.assertIn("lonely.hpp", errors[0])
+
+    def test_what_others_are_compiled_on_top_of_is_compiled_alone_itself(self):
+        self.with_a_large_header()
+        self.write("gpu/base/large.hpp", (self.root / "gpu/base/large.hpp").read_text().replace("#include <vector>", "inline std::vector<int> f();"))
+        errors, _ = check_layers.bad_headers(self.root, "c++", [])
+        self.assertIn("gpu/base/large.hpp:2", errors[0])
 
 
 if __name__ == "__main__":
