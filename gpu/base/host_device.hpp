@@ -11,6 +11,14 @@
 #define COLLIDED_HD
 #endif
 
+/// Keeps a function out of those that call it. Unrolled into each other, the loops of a GPU's code take minutes to
+/// compile, and more registers than there are.
+#ifdef __CUDACC__
+#define COLLIDED_CALLED __noinline__
+#else
+#define COLLIDED_CALLED
+#endif
+
 namespace collided {
 
 /// Borrowed array in the memory of the backend that works on it; owns nothing.

@@ -3,6 +3,7 @@
 // missed, and no time of impact is late.
 
 #include "gpu/narrow/doubt.hpp"
+#include "gpu/narrow/near_miss.hpp"
 #include "gpu/narrow/separating.hpp"
 
 namespace collided {
@@ -154,35 +155,49 @@ struct AdvanceCcd {
   COLLIDED_HD void finish(const State& state) const {
     const AdvancementOf<Work, Kind>& features = state.features;
     if (!features.is_hit()) return;
+    const NearMiss found = follow(state);
+    if (!found.is_hit) return;
+    const Work t = static_cast<Work>(found.t);
     const double doubt = queries.doubt_of(state.key);
-    const bool separating = doubt == 0 && is_separating(state);
+    const bool separating = doubt == 0 && is_separating(state, t);
     if (separating && skips_separating) return;
-    const double by = known_by(features, doubt);
-    const uint8_t flags = flags_of(features, doubt, by < kNeverCertain) | (separating ? kFlagSeparating : 0);
-    contacts.report(state.key, contact_at<Real>(features.d, features.time(), flags), by);
+    const double by = known_by(features, t, doubt);
+    const uint8_t flags = flags_of(features, found, doubt, by < kNeverCertain) | (separating ? kFlagSeparating : 0);
+    contacts.report(state.key, contact_at<Real>(features.d, t, flags), by);
   }
 
  private:
+  COLLIDED_HD NearMiss follow(const State& state) const {
+    const AdvancementOf<Work, Kind>& features = state.features;
+    if constexpr (std::is_same_v<Work, double>) {
+      const Tolerance<double> tolerance{features.thickness(), features.delta()};
+      if (may_be_near_miss(features.d, tolerance, features.time()))
+        return follow_near_miss<Kind>(queries.kind.stencil(state.key), queries.start, queries.end, tolerance,
+                                      features.time());
+    }
+    return {true, features.is_capped(), features.time()};
+  }
   /// As certain_by.
-  COLLIDED_HD double known_by(const AdvancementOf<Work, Kind>& features, double doubt) const {
+  COLLIDED_HD double known_by(const AdvancementOf<Work, Kind>& features, Work t, double doubt) const {
     const double certain = certain_distance(start_thickness, doubt);
     if (doubt > 0 && certain == 0) return kNeverCertain;
-    return certain_by(features.d, features.time(), scaled_thickness<Work>(certain, features.d.scale));
+    return certain_by(features.d, t, scaled_thickness<Work>(certain, features.d.scale));
   }
-  COLLIDED_HD uint8_t flags_of(const AdvancementOf<Work, Kind>& features, double doubt, bool is_sure) const {
+  COLLIDED_HD uint8_t flags_of(const AdvancementOf<Work, Kind>& features, const NearMiss& found, double doubt,
+                               bool is_sure) const {
     const double certain = certain_distance(start_thickness, doubt);
-    const Work t = features.time(), thickness = scaled_thickness<Work>(certain, features.d.scale);
+    const Work thickness = scaled_thickness<Work>(certain, features.d.scale);
     uint8_t flags = is_sure ? kFlagCertified : kFlagNear;
-    if (features.is_capped()) flags |= kFlagCapped;
+    if (found.is_capped) flags |= kFlagCapped;
     // A sure contact may come after its lower bound 0.
-    if (t == 0 && (!is_sure || touches_at(features.d, Work(0), thickness))) flags |= kFlagInitial;
+    if (found.t == 0 && (!is_sure || touches_at(features.d, Work(0), thickness))) flags |= kFlagInitial;
     return flags;
   }
   /// Features within the thickness at t = 0; or, where the thickness grows, those that it catches up with. Float could
   /// tell hardly anything of it.
-  COLLIDED_HD bool is_separating(const State& state) const {
+  COLLIDED_HD bool is_separating(const State& state, Work t) const {
     const AdvancementOf<Work, Kind>& features = state.features;
-    const bool begins_within = features.time() == 0;
+    const bool begins_within = t == 0;
     if (!begins_within && start_thickness == queries.thickness) return false;
     // What begins within is no farther apart than this.
     if (features.thickness().end + features.delta() < static_cast<Work>(kTooClose) * features.d.extent) return false;

@@ -41,7 +41,17 @@ struct CertifyProximity {
     if (are_apart(d, scaled_thickness<Work>(Deviations::widened(thickness, doubt), d.scale))) return;
     const Work certain = scaled_thickness<Work>(certain_distance(thickness, doubt), d.scale);
     const uint8_t flags = touches_at(d, Work(0), certain) ? kFlagCertified : kFlagNear;
+    if (flags == kFlagNear && is_near_miss(candidates[i], d.scale)) return;
     contacts.report(candidates[i], contact_at<Real>(d, Work(0), flags));
+  }
+
+ private:
+  COLLIDED_HD bool is_near_miss(uint64_t candidate, double scale) const {
+    if constexpr (std::is_same_v<Work, double>)
+      return are_precisely_apart<Kind>(kind.stencil(candidate), positions,
+                                       scaled_thickness<double>(Deviations::widened(thickness, doubt), scale));
+    else
+      return false;
   }
 };
 

@@ -110,7 +110,9 @@ COLLIDED_HD Closest<Real> closest_edge_edge(const Vec3<Real>& a0, const Vec3<Rea
     if (any(inside)) {
       const Real height = dot(r, n);
       const Closest<Real> of_crossing{height * height / n2, s, u};
-      keep_if<Real>(inside && of_crossing.squared < best.squared, best, of_crossing);
+      // The height is precise. The weights of edges that are nearly parallel may be off by far more than it.
+      const Real between = squared_length((r + s * d) - u * e);
+      keep_if<Real>(inside && of_crossing.squared < best.squared && between < best.squared, best, of_crossing);
     }
   }
   return best;

@@ -7,13 +7,6 @@
 
 namespace collided::exact::fixed {
 
-/// Unrolled into each other, the loops of a GPU's code take minutes to compile, and more registers than there are.
-#ifdef __CUDACC__
-#define COLLIDED_CALLED __noinline__
-#else
-#define COLLIDED_CALLED
-#endif
-
 __extension__ using Double = unsigned __int128;  ///< a product of two limbs
 
 /// Two's complement, the lowest limb first.

@@ -196,6 +196,21 @@ TEST_F(NormalOf, ParallelEdges) {
               {0, 1, 0});
 }
 
+// All is in the plane z = 0: a corner runs into a side.
+TEST_F(NormalOf, AnImpactWithinAPlaneIsInThePlane) {
+  for (const Accuracy accuracy : {Accuracy::kGuarded, Accuracy::kCertified, Accuracy::kExact}) {
+    Case c;
+    add_mesh(c, {{0, 1, 2}}, {{0, -1, 0}, {0, 1, 0}, {-2, 0, 0}});
+    add_mesh(c, {{0, 1, 2}}, {{1, 0, 0}, {2, .5, 0}, {2, -.5, 0}}, {{-1, 0, 0}, {0, .5, 0}, {0, -.5, 0}});
+    SceneSpec spec = settings(Mode::kCcd, accuracy);
+    spec.fields = kEveryField;
+    const FrameResult r = run_case(c, spec);
+    ASSERT_GT(r.vertex_triangle.size() + r.edge_edge.size(), 0u);
+    for (const ContactSet* set : {&r.vertex_triangle, &r.edge_edge})
+      for (const Normal& normal : set->normals) EXPECT_GT(std::abs(normal[0]), 0.99) << level_name(accuracy);
+  }
+}
+
 TEST_F(NormalOf, TrianglePairsAndCandidatesHaveNone) {
   const Case c = soup(13, 200, 0.5, 0.2, 0.05);
   SceneSpec spec = settings(Mode::kDcd, Accuracy::kCertified, Scalar::kF64, 0.01);
