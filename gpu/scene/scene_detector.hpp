@@ -194,7 +194,8 @@ class SceneDetector final : public Detector {
   /// Finds the contacts of the positions that are resident.
   FrameResult search(const FrameInput& frame, const FrameSettings& settings, bool boxes_static) {
     try {
-      const double margin = frame.advance ? advance_margin(pipeline_.measure_way(), spec_.min_separation) : 0;
+      const bool has_margin = frame.advance && settings.accuracy != Accuracy::kExact;
+      const double margin = has_margin ? advance_margin(pipeline_.measure_way(), spec_.min_separation) : 0;
       const FrameSettings own = frame.advance ? with_margin(settings, margin) : settings;
       FrameResult result = pipeline_.detect_contacts(boxes_static, own, frame.bytes_beside_contact, frame.room);
       if (frame.advance) advance(own, margin, result);
@@ -266,12 +267,14 @@ class SceneDetector final : public Detector {
 
   /// After the frame's own step, from whose end the scene goes back as far as it has to.
   void advance(const FrameSettings& settings, double margin, FrameResult& result) {
-    const FrameSettings attempt = settings_of_try(spec_, margin);
+    const FrameSettings attempt = settings_of_try(spec_, settings.accuracy, margin);
     const bool is_same_question = settings.start_thickness == spec_.min_separation && settings.encoding == 0 &&
                                   settings.report != Report::kAnyHit;
     const Found found = share(result);
     AdvanceSearch search(is_same_question ? found.earliest_toi : 1);
-    if (search.fraction() < 1 || !is_same_question || !covers(settings, attempt))
+    // An exact time may be 1, which alone does not tell a contact at the very end from none.
+    const bool may_end_in_contact = settings.accuracy == Accuracy::kExact && found.any_contact;
+    if (search.fraction() < 1 || !is_same_question || !covers(settings, attempt) || may_end_in_contact)
       try_until_free(search, attempt, result);
     result.advanced = search.fraction();
   }

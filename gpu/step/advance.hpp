@@ -3,11 +3,12 @@
 // x' = blend(x, p, a), is certified free of contact: for x' as it is after rounding, not for the point it was rounded
 // from.
 //
-// A way is tried, as any step is, at CERTIFIED, for its earliest contact; the first one that has none is taken.
-// Features have to be `min_separation` apart on all of it, and a little more at its end: the way's thickness grows
-// linearly by `margin`. So the next step begins where the certificate holds, whatever it rounds, and features that part
-// are free to. Features that are closer than min_separation when the way begins may stay so if they come no closer
-// (kFlagSeparating).
+// A way is tried, as any step is, at the frame's own level, for its earliest contact; the first one that has none is
+// taken. So an advance never contradicts the frame's contacts. Features have to be `min_separation` apart on all of it;
+// at CERTIFIED a little more at its end: the way's thickness grows linearly by `margin`. So the next step begins where
+// the certificate holds, whatever it rounds, and features that part are free to. EXACT decides the next step from
+// wherever it begins. Features that are closer than min_separation when the way begins may stay so if they come no
+// closer (kFlagSeparating).
 
 #include <cmath>
 
@@ -65,9 +66,9 @@ inline double advance_margin(const Box<float>& bounds, double min_separation) {
   return std::ldexp(1.0, std::ilogb(size) + 1 - 40);
 }
 
-/// For the tries of an advance.
-inline FrameSettings settings_of_try(const SceneSpec& spec, double margin) {
-  return {Mode::kCcd, Accuracy::kCertified, 0, Report::kEarliestOnly, spec.min_separation + margin, spec.min_separation,
+/// For the tries of an advance of a frame at this level.
+inline FrameSettings settings_of_try(const SceneSpec& spec, Accuracy accuracy, double margin) {
+  return {Mode::kCcd, accuracy, 0, Report::kEarliestOnly, spec.min_separation + margin, spec.min_separation,
           true};
 }
 

@@ -9,6 +9,7 @@
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/judged_case.hpp"
 #include "tests/gpu/refused_field.hpp"
+#include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
 #include "tests/support/sim/simulations.hpp"
 
@@ -148,6 +149,89 @@ TEST_F(Stepping, WhatBeginsTooCloseMayPart) {
     EXPECT_EQ(1, go(*scene_at_start(rest, ccd(rest, scalar, 0.5, 0.5)), rest, scalar, kAdvance).advanced);
     EXPECT_EQ(0, go(*scene_at_start(closer, ccd(closer, scalar, 0.5, 0.5)), closer, scalar, kAdvance).advanced);
   }
+}
+
+/// The contacts, the earliest time and the advance of a frame agree. `may_stick`: it may begin as close to contact as
+/// the format resolves.
+void expect_one_story(const FrameResult& result, Accuracy accuracy, bool may_stick) {
+  bool is_free = true;
+  double earliest = 1;
+  for (const ContactSet* set : {&result.vertex_triangle, &result.edge_edge})
+    for (size_t i = 0; i < set->size(); ++i) {
+      if ((set->flags[i] & kFlagSeparating) != 0) continue;
+      is_free = false;
+      earliest = std::min(earliest, set->toi[i]);
+    }
+  EXPECT_EQ(earliest, result.earliest_toi);
+  ASSERT_TRUE(result.advanced);
+  if (is_free) {
+    EXPECT_EQ(1, *result.advanced) << "nothing approaches";
+  } else if (accuracy == Accuracy::kExact || earliest < 1) {
+    EXPECT_TRUE(*result.advanced < earliest || *result.advanced == 0) << *result.advanced << " of " << earliest;
+    EXPECT_TRUE(*result.advanced > 0 || earliest == 0 || may_stick) << "free until " << earliest;
+  }
+}
+
+/// A vertex in a triangle's plane, `gap` away from a slanted side, and the triangle that it belongs to.
+Case in_a_plane(double gap, bool moves) {
+  const std::array<double, 2> out{0.25 / std::sqrt(1.0625), -1 / std::sqrt(1.0625)};
+  const std::array<double, 2> p{0.5 + gap * out[0], 0.125 + gap * out[1]};
+  const auto at = [](double x, double y) { return Vec3d{x, y, x + y / 2}; };
+  const auto from_p = [&](double along, double x, double y) {
+    return at(p[0] + along * out[0] + x, p[1] + along * out[1] + y);
+  };
+  Case c;
+  add_mesh(c, {{0, 1, 2}}, {at(0, 0), at(1, 0.25), at(0.25, 1)});
+  Positions start{from_p(0, 0, 0), from_p(0.3, 0.1, 0.02), from_p(0.25, -0.1, -0.05)}, end = start;
+  if (moves)
+    for (Vec3d& x : end) x = {x[0] + 0.2, x[1] + 0.05, x[2] + 0.225};
+  add_mesh(c, {{0, 1, 2}}, start, end);
+  return c;
+}
+
+TEST_F(Stepping, ContactsAndAdvanceTellOneStory) {
+  std::vector<Case> cases{falling(1, 0), falling(1, -1), falling(1, 1), falling(0, 1), falling(0, 0)};
+  for (int exponent = -16; exponent <= -8; ++exponent)
+    for (const bool moves : {false, true}) cases.push_back(in_a_plane(std::pow(10.0, exponent), moves));
+  const size_t made = cases.size();
+  for (uint32_t seed = 1; seed <= 12; ++seed) {
+    cases.push_back(soup(seed, 12 + 2 * seed, 1, 0.1, 0.05));
+    cases.push_back(lattice(seed, 3 + seed / 3, 8));
+  }
+  for (const Accuracy accuracy : {Accuracy::kCertified, Accuracy::kExact})
+    for (const Scalar scalar : kFormats)
+      for (const double separation : {0.0, 0x1p-6})
+        for (size_t i = 0; i < cases.size(); ++i) {
+          const Case c = rounded(cases[i], scalar);
+          SceneSpec spec = ccd(c, scalar, separation, separation);
+          spec.accuracy = accuracy;
+          SCOPED_TRACE(level_name(accuracy) + " case " + std::to_string(i) + (separation > 0 ? " separated" : ""));
+          expect_one_story(go(*scene_at_start(c, spec), c, scalar, kAdvance), accuracy, i < made);
+        }
+}
+
+// Exact times may be 1, and the end of the way is then in contact.
+TEST_F(Stepping, StopsBeforeAContactAtTheVeryEnd) {
+  for (const Accuracy accuracy : {Accuracy::kCertified, Accuracy::kExact}) {
+    const Case c = falling(1, 0);
+    SceneSpec spec = ccd(c, Scalar::kF64);
+    spec.accuracy = accuracy;
+    const double advanced = *go(*scene_at_start(c, spec), c, Scalar::kF64, kAdvance).advanced;
+    EXPECT_LT(advanced, 1);
+    EXPECT_GT(advanced, 0.98);
+  }
+}
+
+TEST_F(Stepping, GoesOnPastWhatIsNoContactByALittle) {
+  for (const bool moves : {false, true})
+    for (int exponent = -15; exponent <= -8; ++exponent) {
+      const Case c = in_a_plane(std::pow(10.0, exponent), moves);
+      SceneSpec spec = ccd(c, Scalar::kF64);
+      spec.accuracy = Accuracy::kExact;
+      const FrameResult result = go(*scene_at_start(c, spec), c, Scalar::kF64, kAdvance);
+      EXPECT_EQ(0u, result.vertex_triangle.size() + result.edge_edge.size()) << "1e" << exponent;
+      EXPECT_EQ(1, result.advanced) << "1e" << exponent;
+    }
 }
 
 TEST_F(Stepping, TheSceneIsWhereTheFormulaPutsIt) {
