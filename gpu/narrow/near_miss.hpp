@@ -77,11 +77,11 @@ class PreciseDirections {
     if (--k < kEdges) return facing(direction_of(detail::across_both(axes_[k], axes_[kEdges])));
     k -= kEdges;
     if (k == kEdges) return facing(direction_of(cross(normal_, axes_[kEdges])));
-    // In one plane this turns as the edge does, linearly, if both are scaled alike at all times.
+    // In a plane this direction turns linearly, as the edge does. A scale that changed with time would spoil that.
     const Vec3<Work> v = Work(0.125) * cross(normal_, edges_[k]);
     return facing({v, square_root(dot(v, v))});
   }
-  /// Another vector takes the place of that between the closest points.
+  /// Replaces the vector between the closest points.
   COLLIDED_HD void replace_gap(const Vec3<Work>& gap) { gap_ = direction_of(gap).n; }
   /// Between the closest points, and how fast it grows.
   COLLIDED_HD Work gap() const { return length_; }
@@ -120,7 +120,7 @@ COLLIDED_HD bool are_precisely_apart(const Differences<Work, N>& d, const Thickn
   return false;
 }
 
-/// What is known of features that advancement.hpp reported as a contact.
+/// The outcome for features that advancement.hpp reported as a contact.
 struct NearMiss {
   bool is_hit, is_capped;
   double t;  ///< apart on [0, t) for certain

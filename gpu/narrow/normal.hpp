@@ -26,19 +26,13 @@ namespace detail {
 
 COLLIDED_HD inline double length_of(const Vec3<double>& v) { return std::sqrt(dot(v, v)); }
 
-/// `v` without what it has along `axis`.
-COLLIDED_HD inline Vec3<double> across(const Vec3<double>& v, const Vec3<double>& axis) {
-  const double squared = dot(axis, axis);
-  return squared > 0 ? v - (dot(v, axis) / squared) * axis : v;
-}
-
 COLLIDED_HD inline Vec3<double> any_across(const Vec3<double>& edge) {
   const double x = magnitude(edge.x), y = magnitude(edge.y), z = magnitude(edge.z);
   if (x <= y && x <= z) return cross(edge, Vec3<double>{1, 0, 0});
   return y <= z ? cross(edge, Vec3<double>{0, 1, 0}) : cross(edge, Vec3<double>{0, 0, 1});
 }
 
-/// Of the normal: w is off the plane across it by more than this sine if it tells what the approach is.
+/// The normal of the features tells the approach if w leaves the plane across it by more than this sine.
 constexpr double kAcross = 0x1p-10;
 
 /// The features at a contact. `clear`: of what they extend over.
@@ -53,7 +47,7 @@ class Touching {
          between_points(d.start, gap_.points.w0, gap_.points.w1);
   }
 
-  /// Of any length but 0.
+  /// Returns the normal, of any length but 0.
   COLLIDED_HD Vec3<double> normal() const {
     if (gap_.length > clear_) return gap_.vector;
     const SpanningEdges<double> edges = spanning_edges(x_);
@@ -69,14 +63,15 @@ class Touching {
       if (dot(n, before) != 0) side = dot(n, before);
     }
     if (has_normal) return (side != 0 ? side : dot(n, gap_.vector)) < 0 ? -1.0 * n : n;
-    const Vec3<double> edge = e < f ? edges.second : edges.first, against = across(-1.0 * w_, edge);
+    const Vec3<double> edge = e < f ? edges.second : edges.first, against = reject(-1.0 * w_, edge);
     if (length_of(against) > clear_) return against;
     return length_of(edge) > 0 ? any_across(edge) : Vec3<double>{0, 0, 1};
   }
 
  private:
-  /// Between the closest points when the features were last clearly apart; 0 if they do not move. Steps back are first
-  /// of the length of `clear`, then twice as long each time, up to a whole step; before t = 0 the motion goes on.
+  /// Returns the vector between the closest points when the features were last clearly apart; 0 if they do not move.
+  /// It looks back by about the time that the fastest vertex takes to move `clear`, then twice as far each time, up to
+  /// a whole step. Before t = 0 the motion is extrapolated.
   COLLIDED_HD Vec3<double> gap_before() const {
     double speed = 0;
     for (int k = 0; k < N; ++k) speed = max(speed, largest_component(d_.end[k] - d_.start[k]));

@@ -272,7 +272,7 @@ class SceneDetector final : public Detector {
                                   settings.report != Report::kAnyHit;
     const Found found = share(result);
     AdvanceSearch search(is_same_question ? found.earliest_toi : 1);
-    // An exact time may be 1, which alone does not tell a contact at the very end from none.
+    // The earliest time is 1 without contacts, and may be 1 with an exact one.
     const bool may_end_in_contact = settings.accuracy == Accuracy::kExact && found.any_contact;
     if (search.fraction() < 1 || !is_same_question || !covers(settings, attempt) || may_end_in_contact)
       try_until_free(search, attempt, result);

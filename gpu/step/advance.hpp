@@ -66,7 +66,7 @@ inline double advance_margin(const Box<float>& bounds, double min_separation) {
   return std::ldexp(1.0, std::ilogb(size) + 1 - 40);
 }
 
-/// For the tries of an advance of a frame at this level.
+/// Returns the settings of the tries of an advance, for a frame at this level.
 inline FrameSettings settings_of_try(const SceneSpec& spec, Accuracy accuracy, double margin) {
   return {Mode::kCcd, accuracy, 0, Report::kEarliestOnly, spec.min_separation + margin, spec.min_separation,
           true};

@@ -30,7 +30,7 @@ std::array<mpq_class, 3> motion_at(const Query& query, double t) {
   return motion;
 }
 
-/// How fast the distance shrinks before t: the least of several mean speeds, so that grazing features have none.
+/// Returns how fast the distance shrinks before t: the least of several mean speeds, and so 0 for grazing features.
 double approach_speed(const Query& query, double t, double shortest) {
   const double now = closest_at(query, t).distance;
   double least = 1e300;
@@ -53,7 +53,7 @@ struct Tally {
   uint64_t impacts = 0, wrong = 0;
 };
 
-/// In units in which it is about 1 large, exactly.
+/// Scales the query by a power of two to an extent of 1 to 2.
 Query in_own_units(Query query) {
   const double extent = extent_of(query);
   if (extent == 0) return query;
@@ -80,7 +80,7 @@ bool is_of_impact(const Query& query, const Verdict& verdict) {
   return truth.hit && truth.upper.get_d() - verdict.toi < 0x1p-12;
 }
 
-/// Of the queries that meet within the step, and approach each other before at an angle that tells.
+/// Counts impacts at an angle that is not too flat, and those whose normal does not oppose the approach.
 Tally tally(const std::vector<Query>& queries, Accuracy accuracy) {
   Tally tally;
   const auto verdicts = run_queries(queries, {kBackend, Mode::kCcd, Scalar::kF64, accuracy});
@@ -106,6 +106,7 @@ Tally tally(const std::vector<Query>& queries, Accuracy accuracy) {
 class ImpactNormals : public OnBackend<::testing::TestWithParam<Accuracy>> {};
 
 TEST_P(ImpactNormals, OpposeTheApproachInAPlaneAndInSlides) {
+  uint64_t impacts = 0;
   for (const NearMissFamily family : kNearMissFamilies)
     for (const QueryKind kind : kQueryKinds) {
       Random random(3);
@@ -113,9 +114,10 @@ TEST_P(ImpactNormals, OpposeTheApproachInAPlaneAndInSlides) {
       for (int i = 0; i < 1500; ++i) queries.push_back(near_miss(family, kind, 0, random));
       const Tally found = tally(queries, GetParam());
       SCOPED_TRACE(name_of(family) + " " + name_of(kind));
-      EXPECT_GE(found.impacts, 3u);
       EXPECT_EQ(found.wrong, 0u) << "of " << found.impacts;
+      impacts += found.impacts;
     }
+  EXPECT_GT(impacts, 400u);
 }
 
 // Lattices, coplanar and parallel features, slivers, points: all that tends to fail.

@@ -1,5 +1,5 @@
-// How sharp CERTIFIED is where features slide past each other or move in one plane: proto/ACCURACY.md states the bound.
-// Decided in integer arithmetic, query by query.
+// CERTIFIED is as sharp as proto/ACCURACY.md states where features slide past each other or move in one plane. Integer
+// arithmetic decides each query.
 
 #include <tbb/parallel_for.h>
 
@@ -56,7 +56,7 @@ TEST_P(NearMisses, AreReportedWithinTheStatedBoundAlone) {
       late += truth.hit && verdict.hit && toi > truth.upper;
       if (!verdict.hit || (truth.hit && toi >= truth.lower)) return;
       if ((verdict.flags & kFlagCapped) != 0) return void(++capped);
-      // By the time that is reported they have come that close.
+      // They must come that close by the time that was reported.
       const ExactImpact close = judge_ccd(query, thickness + kSharpness * size_of(query));
       blunt += !close.hit || close.lower > toi;
     });

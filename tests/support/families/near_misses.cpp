@@ -73,7 +73,7 @@ Passing edges_in_plane(double gap, Random& random) {
   return {p, out};
 }
 
-/// Of a corner that is in the plane z = 0 or below it.
+/// Returns a corner in the plane z = 0, or below it.
 Vec3d below(NearMissFamily family, Random& random) {
   Vec3d v = in_plane(random);
   if (family == NearMissFamily::kSliding && random.chance(0.6))
