@@ -23,6 +23,8 @@ struct ContactData {
 COLLIDED_HD inline bool is_undecided(uint8_t flags, bool is_at_zero) {
   return (flags & (kFlagCertified | kFlagCapped)) != kFlagCertified || (is_at_zero && (flags & kFlagInitial) == 0);
 }
+/// A pair that the step itself has decided to be apart; the host drops it, so the flag is in no answer.
+constexpr uint8_t kFlagApart = 128;
 /// Those of a contact that exact arithmetic has decided.
 COLLIDED_HD inline uint8_t decided_flags(uint8_t before, bool is_initial) {
   return static_cast<uint8_t>(kFlagCertified | (is_initial ? kFlagInitial : 0) | (before & kFlagSeparating));

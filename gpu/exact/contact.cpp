@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <span>
-#include <utility>
 
-#include "gpu/exact/root.hpp"
+#include "gpu/exact/located.hpp"
+#include "gpu/exact/windows.hpp"
 
 namespace collided::exact {
 namespace {
@@ -24,47 +24,48 @@ bool any_holds(std::span<const Case> cases, Sign sign) {
   return std::any_of(cases.begin(), cases.end(), [&](const Case& c) { return holds(c, sign); });
 }
 
-bool never_holds(const Case& c) {
-  return std::any_of(c.zero.begin(), c.zero.end(), [](const Form& f) { return closed_sign(f) != 0; }) ||
-         std::any_of(c.not_negative.begin(), c.not_negative.end(), [](const Form& f) { return closed_sign(f) < 0; }) ||
-         std::any_of(c.not_zero.begin(), c.not_zero.end(), [](const Form& f) { return f.vanishes(); });
-}
-
 bool holds_at_end(const Contact& contact) {
   const auto sign = [](const Form& f) { return sgn(f.c.back()); };
   return sign(contact.necessary) == 0 && any_holds(contact.cases, sign);
 }
 
-/// The first root of `source` in (0, 1) where one of the cases holds, rounded down; kNever if there is none.
-double first_root(const Form& source, std::span<const Case> cases) {
-  for (Root& root : roots_inside(source)) {
-    const auto sign = [&](const Form& f) { return &f == &source ? 0 : root.sign_of(f); };
-    if (any_holds(cases, sign)) return root.rounded_down();
+/// The first root of `source` in (0, 1) where one of the cases holds, rounded down; kNever if there is none. `rising`:
+/// only those count before which the form is below 0.
+double first_root(const Form& source, std::span<const Case> cases, bool rising) {
+  LocatedRoots roots(source);
+  for (size_t i = 0; i < roots.size(); ++i) {
+    if (rising && !roots.may_rise(i)) continue;
+    const auto sign = [&](const Form& f) { return &f == &source ? 0 : roots.sign_of(i, f); };
+    if (any_holds(cases, sign)) return roots.rounded_down(i);
   }
   return kNever;
 }
 
-/// The forms of a case one of which has a root at its first time; see first_impact.
-std::vector<const Form*> sources(const Case& c) {
-  std::vector<const Form*> found;
-  for (const Form& f : c.zero)
-    if (!f.vanishes()) return {&f};
-  for (const Form& f : c.not_negative)
-    if (!f.vanishes()) found.push_back(&f);
-  return found;
-}
-
+/// At the roots of the forms one of which has a root at the case's first time; see first_impact.
 double first_root(const Case& c) {
+  Windows windows;
+  windows.need(c);
+  if (windows.are_empty()) return kNever;
+  for (const Form& f : c.zero)
+    if (!f.vanishes()) return first_root(f, {&c, 1}, false);
   double first = kNever;
-  for (const Form* source : sources(c)) first = std::min(first, first_root(*source, {&c, 1}));
+  for (const Form& f : c.not_negative)
+    if (!f.vanishes() && !windows.are_above(f)) first = std::min(first, first_root(f, {&c, 1}, true));
   return first;
 }
 
-}  // namespace
-
-void Contact::add(Case added) {
-  if (!never_holds(added)) cases.push_back(std::move(added));
+/// At the roots of a form that is 0 whenever one of the cases holds.
+double first_root(const Form& necessary, std::span<const Case> cases) {
+  const bool may_hold = std::any_of(cases.begin(), cases.end(), [&](const Case& c) {
+    Windows windows;
+    windows.need_zero(necessary);
+    windows.need(c);
+    return !windows.are_empty();
+  });
+  return may_hold ? first_root(necessary, cases, false) : kNever;
 }
+
+}  // namespace
 
 bool holds_at_start(const Contact& contact) {
   const auto sign = [](const Form& f) { return sgn(f.c.front()); };
@@ -73,10 +74,10 @@ bool holds_at_start(const Contact& contact) {
 
 // No time between the roots has to be tried. The set of contact is closed, so it has a first time T, and some case C
 // holds at T. If a form of C's `zero` does not vanish identically, T is one of its roots. If all of them do, T is 0 or
-// a root of a form of C's `not_negative` that does not vanish identically: else all signs of C would be the same a
-// little before T (what is not 0 stays so), and T would not be the first. Roots of `not_zero` need not be tried,
-// because C fails there. Every root that passes is a time of contact, so the first of them is T; the least of their
-// rounded times is T's, as rounding is monotone.
+// a root of a form of C's `not_negative` that is below 0 a little before T: else C would hold there, too (what is not 0
+// stays so), and T would not be the first. Roots of `not_zero` need not be tried, because C fails there. Every root that
+// passes is a time of contact, so the first of them is T; the least of their rounded times is T's, as rounding is
+// monotone.
 ExactImpact first_impact(const Contact& contact) {
   if (holds_at_start(contact)) return {true, 0, true};
   double first = kNever;

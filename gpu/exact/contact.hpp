@@ -13,6 +13,7 @@ struct Case {
   std::vector<Form> zero;
   std::vector<Form> not_negative;
   std::vector<Form> not_zero;
+  std::vector<Form> implied;  ///< >= 0 wherever the case holds: what is easier to look at than the others
 };
 
 /// Holds at t if one of the cases does. All cases together hold on a closed set of times; one alone need not, because
@@ -20,9 +21,6 @@ struct Case {
 struct Contact {
   Form necessary;  ///< 0 at every time of contact; the zero form if nothing simple is known
   std::vector<Case> cases;
-
-  /// Adds a case, unless the coefficients show that it never holds in [0, 1].
-  void add(Case added);
 };
 
 /// The contact holds at t = 0; forms of degree 0 will do.

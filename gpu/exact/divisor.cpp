@@ -12,14 +12,14 @@ namespace {
 
 /// Without leading zeros and without the coefficients' common factor; the degree is then the true one.
 Form primitive(Form f) {
-  while (f.c.size() > 1 && f.c.back() == 0) f.c.pop_back();
-  mpz_class content = 0;
-  for (const mpz_class& x : f.c) {
-    mpz_gcd(content.get_mpz_t(), content.get_mpz_t(), x.get_mpz_t());
+  while (f.c.size() > 1 && f.c.back().is_zero()) f.c.pop_back();
+  Number content;
+  for (const Number& x : f.c) {
+    content = common_divisor(content, x);
     if (content == 1) return f;
   }
-  if (content != 0)
-    for (mpz_class& x : f.c) mpz_divexact(x.get_mpz_t(), x.get_mpz_t(), content.get_mpz_t());
+  if (!content.is_zero())
+    for (Number& x : f.c) x = exact_quotient(x, content);
   return f;
 }
 
@@ -27,18 +27,18 @@ Form primitive(Form f) {
 /// 2, section 4.6.1, algorithm R). Neither has leading zeros, and deg a >= deg b.
 std::pair<Form, Form> pseudo_divide(Form a, const Form& b) {
   const size_t n = b.degree(), m = a.degree() - n;
-  const mpz_class& lead = b.c.back();
+  const Number& lead = b.c.back();
   Form quotient;
   quotient.c.resize(m + 1);
   for (size_t k = m + 1; k-- > 0;) {
-    const mpz_class top = a.c[n + k];
-    for (size_t j = k + 1; j <= m; ++j) quotient.c[j] *= lead;
+    const Number top = a.c[n + k];
+    for (size_t j = k + 1; j <= m; ++j) quotient.c[j] = quotient.c[j] * lead;
     quotient.c[k] = top;
-    for (size_t j = 0; j < n + k; ++j) a.c[j] *= lead;
+    for (size_t j = 0; j < n + k; ++j) a.c[j] = a.c[j] * lead;
     for (size_t j = 0; j < n; ++j) a.c[k + j] -= top * b.c[j];
     a.c.pop_back();
   }
-  if (a.c.empty()) a.c.emplace_back(0);
+  if (a.c.empty()) a.c.emplace_back();
   return {std::move(quotient), std::move(a)};
 }
 
@@ -53,7 +53,7 @@ void trim(Polynomial& f) {
 }
 Polynomial of(const Form& f) {
   Polynomial residues;
-  for (const mpz_class& x : f.c) residues.push_back(mpz_fdiv_ui(x.get_mpz_t(), kPrime));
+  for (const Number& x : f.c) residues.push_back(exact::remainder(x, kPrime));
   trim(residues);
   return residues;
 }
@@ -91,7 +91,7 @@ size_t common_degree(Polynomial a, Polynomial b) {
 /// divisor's leading coefficient divides that of a. If the prime does not divide the one, it does not divide the other:
 /// then the divisor, modulo the prime, is of the same degree and divides both.
 bool are_seen_coprime(const Form& a, const Form& b) {
-  const auto lead = std::find_if(a.c.rbegin(), a.c.rend(), [](const mpz_class& x) { return x != 0; });
+  const auto lead = std::find_if(a.c.rbegin(), a.c.rend(), [](const Number& x) { return !x.is_zero(); });
   const modular::Polynomial u = modular::of(a);
   const bool keeps_degree = !u.empty() && u.size() == static_cast<size_t>(a.c.rend() - lead);
   return keeps_degree && modular::common_degree(u, modular::of(b)) == 0;
@@ -100,7 +100,7 @@ bool are_seen_coprime(const Form& a, const Form& b) {
 Form derivative(const Form& f) {
   Form d;
   d.c.assign(f.c.begin() + 1, f.c.end());
-  for (size_t i = 0; i < d.c.size(); ++i) d.c[i] *= static_cast<unsigned long>(i + 1);
+  for (size_t i = 0; i < d.c.size(); ++i) d.c[i] = d.c[i] * static_cast<int64_t>(i + 1);
   return d;
 }
 
@@ -108,7 +108,7 @@ Form derivative(const Form& f) {
 
 // Euclid's algorithm with primitive remainders, where there may be a divisor.
 Form common_divisor(const Form& a, const Form& b) {
-  if (are_seen_coprime(a, b)) return {{mpz_class(1)}};
+  if (are_seen_coprime(a, b)) return {{Number(1)}};
   Form u = primitive(a), v = primitive(b);
   if (u.degree() < v.degree() || u.vanishes()) std::swap(u, v);
   while (!v.vanishes()) {

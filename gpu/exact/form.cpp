@@ -1,25 +1,39 @@
 #include "gpu/exact/form.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 namespace collided::exact {
 namespace {
 
 /// f times (from s + to t).
-Form times_linear(const Form& f, const mpz_class& from, const mpz_class& to) {
+Form times_linear(const Form& f, const Number& from, const Number& to) {
   Form product;
-  product.c.assign(f.c.size() + 1, mpz_class(0));
+  product.c.resize(f.c.size() + 1);
   for (size_t i = 0; i < f.c.size(); ++i) {
-    mpz_addmul(product.c[i].get_mpz_t(), f.c[i].get_mpz_t(), from.get_mpz_t());
-    mpz_addmul(product.c[i + 1].get_mpz_t(), f.c[i].get_mpz_t(), to.get_mpz_t());
+    product.c[i].add_product(f.c[i], from);
+    product.c[i + 1].add_product(f.c[i], to);
   }
   return product;
+}
+
+/// Divides f by s + t if it is a divisor: if f at t / s = -1 is 0.
+bool divide_by_one(Form& f) {
+  if (f.degree() == 0) return false;
+  Form quotient;
+  quotient.c.resize(f.degree());
+  Number next;
+  for (size_t i = 0; i < quotient.c.size(); ++i) quotient.c[i] = next = f.c[i] - next;
+  if (next != f.c.back()) return false;
+  f = std::move(quotient);
+  return true;
 }
 
 }  // namespace
 
 bool Form::vanishes() const {
-  return std::all_of(c.begin(), c.end(), [](const mpz_class& x) { return x == 0; });
+  return std::all_of(c.begin(), c.end(), [](const Number& x) { return x.is_zero(); });
 }
 
 Form operator+(Form a, const Form& b) {
@@ -33,7 +47,7 @@ Form operator-(Form a, const Form& b) {
 }
 
 Form operator-(Form a) {
-  for (mpz_class& x : a.c) x = -x;
+  for (Number& x : a.c) x.negate();
   return a;
 }
 
@@ -42,33 +56,52 @@ Form operator*(const Form& a, const Form& b) {
   product.c.resize(a.c.size() + b.c.size() - 1);
   for (size_t i = 0; i < a.c.size(); ++i)
     for (size_t j = 0; j < b.c.size(); ++j)
-      mpz_addmul(product.c[i + j].get_mpz_t(), a.c[i].get_mpz_t(), b.c[j].get_mpz_t());
+      product.c[i + j].add_product(a.c[i], b.c[j]);
   return product;
 }
 
+Form reduced(Form f) {
+  if (f.vanishes()) return Form();
+  while (divide_by_one(f)) {
+  }
+  mp_bitcnt_t zeros = std::numeric_limits<mp_bitcnt_t>::max();
+  for (const Number& x : f.c)
+    if (!x.is_zero()) zeros = std::min(zeros, x.trailing_zeros());
+  for (Number& x : f.c) x >>= zeros;
+  return f;
+}
+
+Form without_roots_at_ends(Form f) {
+  while (f.c.back().is_zero()) f.c.pop_back();
+  f.c.erase(f.c.begin(), std::find_if(f.c.begin(), f.c.end(), [](const Number& x) { return !x.is_zero(); }));
+  return reduced(std::move(f));
+}
+
 // Horner's rule in t / s, with the powers of s made on the way.
-mpz_class value_at_point(const Form& f, const Dyadic& at) {
-  const mpz_class s = (mpz_class(1) << at.bits) - at.k;
-  mpz_class value = f.c.back(), power = 1;
+Number value_at_ratio(const Form& f, const Number& s, const Number& t) {
+  Number value = f.c.back(), power = 1;
   for (size_t i = f.degree(); i-- > 0;) {
-    power *= s;
-    value *= at.k;
-    mpz_addmul(value.get_mpz_t(), f.c[i].get_mpz_t(), power.get_mpz_t());
+    power = power * s;
+    value = value * t;
+    value.add_product(f.c[i], power);
   }
   return value;
+}
+Number value_at_point(const Form& f, const Dyadic& at) {
+  return value_at_ratio(f, (Number(1) << at.bits) - at.k, at.k);
 }
 
 // As above, with the linear forms that t and s are in the local parameter.
 Form restricted(const Form& f, const Dyadic& on) {
-  const mpz_class s0 = (mpz_class(1) << on.bits) - on.k, s1 = s0 - 1, t1 = on.k + 1;
+  const Number s0 = (Number(1) << on.bits) - on.k, s1 = s0 - 1, t1 = on.k + 1;
   Form value, power;
-  value.c = {f.c.back()};
-  power.c = {mpz_class(1)};
+  value.c[0] = f.c.back();
+  power.c[0] = 1;
   for (size_t i = f.degree(); i-- > 0;) {
     power = times_linear(power, s0, s1);
     value = times_linear(value, on.k, t1);
     for (size_t j = 0; j < value.c.size(); ++j)
-      mpz_addmul(value.c[j].get_mpz_t(), f.c[i].get_mpz_t(), power.c[j].get_mpz_t());
+      value.c[j].add_product(f.c[i], power.c[j]);
   }
   return value;
 }
@@ -93,7 +126,7 @@ Form left_half(const Form& f) {
 
 int sign_changes(const Form& f) {
   int changes = 0, last = 0;
-  for (const mpz_class& x : f.c) {
+  for (const Number& x : f.c) {
     const int sign = sgn(x);
     changes += sign * last < 0;
     if (sign != 0) last = sign;
@@ -102,13 +135,13 @@ int sign_changes(const Form& f) {
 }
 
 int first_sign(const Form& f) {
-  for (const mpz_class& x : f.c)
-    if (x != 0) return sgn(x);
+  for (const Number& x : f.c)
+    if (!x.is_zero()) return sgn(x);
   return 0;
 }
 
 int open_sign(const Form& f) { return sign_changes(f) == 0 ? first_sign(f) : 0; }
 
-int closed_sign(const Form& f) { return f.c.front() != 0 && f.c.back() != 0 ? open_sign(f) : 0; }
+int closed_sign(const Form& f) { return f.c.front().is_zero() || f.c.back().is_zero() ? 0 : open_sign(f); }
 
 }  // namespace collided::exact

@@ -3,15 +3,16 @@
 // binomials. Products are convolutions, the ends are c[0] and c[d], and the signs of the coefficients bound the roots
 // in (0, 1) by Descartes' rule. Sums need equal degrees, so a constant that moves along is {c, c}.
 
-#include <gmpxx.h>
+#include <boost/container/small_vector.hpp>
 
-#include <vector>
+#include "gpu/exact/number.hpp"
 
 namespace collided::exact {
 
 /// Form of degree c.size() - 1; never empty.
 struct Form {
-  std::vector<mpz_class> c{mpz_class(0)};
+  static constexpr size_t kUsual = 7;  ///< coefficients of the largest form of a decision
+  boost::container::small_vector<Number, kUsual> c{Number()};
 
   size_t degree() const { return c.size() - 1; }
   bool vanishes() const;
@@ -24,12 +25,22 @@ Form operator*(const Form& a, const Form& b);
 
 /// The dyadic interval [k, k + 1] / 2^bits, or its lower end.
 struct Dyadic {
-  mpz_class k = 0;
+  Number k;
   mp_bitcnt_t bits = 0;
 };
 
+/// f without factors s + t, which is 1, and without powers of two that divide all coefficients. Forms of features that
+/// do not turn lose most of their degree.
+Form reduced(Form f);
+
+/// The same without factors s and t, too: f's roots in (0, 1), and its sign between them. f must not vanish.
+Form without_roots_at_ends(Form f);
+
+/// f at t / (s + t), times (s + t)^degree.
+Number value_at_ratio(const Form& f, const Number& s, const Number& t);
+
 /// f at the lower end of `at`, which lies in [0, 1], times 2^(at.bits * degree).
-mpz_class value_at_point(const Form& f, const Dyadic& at);
+Number value_at_point(const Form& f, const Dyadic& at);
 inline int sign_at_point(const Form& f, const Dyadic& at) { return sgn(value_at_point(f, at)); }
 
 /// f in the local parameter of the interval `on`, but for a positive factor.

@@ -33,11 +33,9 @@ class Unit {
     for (const Vec3<double>& p : points)
       for (const double x : {p.x, p.y, p.z}) see(x);
   }
-  mpz_class operator()(double x) const {
+  Number operator()(double x) const {
     const Binary b = to_binary(x);
-    mpz_class n = static_cast<long>(b.odd);
-    if (b.odd != 0) n <<= static_cast<mp_bitcnt_t>(b.exponent - exponent_);
-    return n;
+    return b.odd == 0 ? Number() : Number(b.odd) << static_cast<mp_bitcnt_t>(b.exponent - exponent_);
   }
 
  private:

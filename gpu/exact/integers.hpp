@@ -9,10 +9,12 @@
 namespace collided::exact {
 
 /// A query's numbers as forms of one degree: 0 at rest, 1 in motion.
-struct ExactQuery {
-  std::array<Vec3<Form>, 4> points;
-  Form thickness;
+template <class Linear>
+struct QueryOf {
+  std::array<Vec3<Linear>, 4> points;
+  Linear thickness;
 };
+using ExactQuery = QueryOf<Form>;
 
 ExactQuery at_rest(const Vec3<double> (&points)[4], double thickness);
 ExactQuery in_motion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness);

@@ -13,6 +13,8 @@ bool is_undecided(const ContactSet& set, size_t i) {
   return collided::is_undecided(set.flags[i], !set.toi.empty() && set.toi[i] == 0);
 }
 
+bool is_apart(const ContactSet& set, size_t i) { return (set.flags[i] & kFlagApart) != 0; }
+
 /// Keeps entry i of every array if keep[i].
 void filter(CpuLoops& loops, ContactSet& set, const std::vector<bool>& keep) {
   const auto filter_array = [&](auto& array) {
@@ -68,7 +70,13 @@ std::vector<size_t> undecided(CpuLoops& loops, const ContactSet& set, size_t cou
     for (size_t i = first; i < end; ++i)
       if (is_undecided(set, i)) places.push_back(i);
   });
+  std::stable_partition(places.begin(), places.end(), [&](size_t i) { return !is_apart(set, i); });
   return places;
+}
+
+size_t count_open(const ContactSet& set, const std::vector<size_t>& places) {
+  const auto open = [&](size_t i) { return !is_apart(set, i); };
+  return static_cast<size_t>(std::partition_point(places.begin(), places.end(), open) - places.begin());
 }
 
 void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places, const std::vector<ExactAnswer>& answers,

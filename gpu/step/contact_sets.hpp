@@ -10,8 +10,10 @@ namespace collided {
 /// Contacts that only exact arithmetic can decide: those that are not certain, those whose time of impact is 0 though
 /// they may not touch at the start, and those whose time was left far off by the limit of iterations.
 size_t count_undecided(CpuLoops& loops, const ContactSet& set);
-/// Their places; `count`: of them.
+/// Their places; `count`: of them. Pairs that the step has decided to be apart come last.
 std::vector<size_t> undecided(CpuLoops& loops, const ContactSet& set, size_t count);
+/// How many of the places are not of such pairs.
+size_t count_open(const ContactSet& set, const std::vector<size_t>& places);
 
 /// Takes the answers for the contacts at `places`: what is no contact goes, the rest is certain. `normals`: empty if
 /// the set has none.

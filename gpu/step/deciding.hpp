@@ -71,7 +71,7 @@ struct DecideOther {
   };
   DecidedContacts<Real> contacts;
   Span<const uint64_t> others;
-  uint64_t* undecided;  ///< contacts that are left to the host
+  uint64_t* undecided;  ///< contacts that are left to the host, if only to be dropped
 
   COLLIDED_HD void begin(uint64_t i, State&) const {
     ContactData<Real>& contact = contacts.data[others[i]];
@@ -80,7 +80,8 @@ struct DecideOther {
       if (verdict.outcome > exact::fixed::Outcome::kApart) return contacts.decide(contact, verdict);
       atomic_add(*contacts.decisions, uint64_t{1});
       atomic_add(*undecided, uint64_t{1});
-      contact.flags = static_cast<uint8_t>((contact.flags & ~kFlagCertified) | kFlagNear);
+      const uint8_t known = verdict.outcome == exact::fixed::Outcome::kApart ? kFlagApart : uint8_t{0};
+      contact.flags = static_cast<uint8_t>((contact.flags & ~kFlagCertified) | kFlagNear | known);
     });
   }
   COLLIDED_HD void step(State&) const {}

@@ -228,9 +228,10 @@ class Results {
     std::vector<ExactAnswer> answers(places.size());
     std::vector<Normal> normals(set.normals.empty() ? 0 : places.size());
     std::vector<uint64_t> keys;
-    for (size_t first = 0; first < places.size(); first += kSettledAtATime) {
+    const size_t open = count_open(set, places);
+    for (size_t first = 0; first < open; first += kSettledAtATime) {
       keys.clear();
-      for (size_t k = first; k < std::min(places.size(), first + kSettledAtATime); ++k)
+      for (size_t k = first; k < std::min(open, first + kSettledAtATime); ++k)
         keys.push_back(pack_ids(set.elements[places[k]][0], set.elements[places[k]][1]));
       decide(keys, answers.data() + first, normals.empty() ? nullptr : normals.data() + first);
     }

@@ -3,7 +3,9 @@
 // and features that touch at an end of the step, or meet between where no two conditions hold just so. The rest is left
 // open.
 
+#include "gpu/exact/fixed/cluster.hpp"
 #include "gpu/exact/fixed/crossing.hpp"
+#include "gpu/exact/fixed/scaling.hpp"
 #include "gpu/exact/fixed/sliding.hpp"
 #include "gpu/exact/fixed/soon.hpp"
 #include "gpu/exact/fixed/touching.hpp"
@@ -18,25 +20,64 @@ struct Verdict {
   double toi = 1;  ///< as ExactImpact::toi
 };
 
+/// An outcome and its time, rounded down to a multiple of 2^-60.
+struct Found {
+  Outcome outcome = Outcome::kOpen;
+  uint64_t time = kOne;
+
+  COLLIDED_HD Verdict verdict() const { return {outcome, time_of(time)}; }
+};
+
 template <ContactKind kind, int W>
 class Decision {
  public:
   COLLIDED_HD Decision(const Unit& unit, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4])
       : features_(unit, start, end) {}
+  COLLIDED_HD explicit Decision(const Differences<kind, W>& features) : features_(features) {}
 
   COLLIDED_HD Verdict verdict() const {
     if (touch(features_, 0)) return {Outcome::kAtStart, 0};
+    if (const Scaling<kind, W> scaling(features_); scaling.is_scaling()) return found_by(scaling).verdict();
     const Cubic<3 * W> f = volume();
-    uint64_t first = kOne;
-    const Look found = f.first_sign() == 0 ? slide(first) : cross_at_roots(f, first);
-    if (found == Look::kOpen) return {};
-    if (found == Look::kFound) return {Outcome::kBetween, time_of(first)};
-    return {f.c[3].is_zero() && touch(features_, 1) ? Outcome::kAtEnd : Outcome::kApart, 1};
+    Window window;
+    if (f.sign_changes() > 1 && find_cluster(f, window)) return found_in(window, f).verdict();
+    return found_by_roots(f).verdict();
+  }
+  /// The same without a look for what is special.
+  COLLIDED_HD COLLIDED_CALLED Found found_by_roots() const {
+    if (touch(features_, 0)) return {Outcome::kAtStart, 0};
+    return found_by_roots(volume());
   }
   /// Whether they meet at a root of their volume that has no other beside it in [k, k + 1] / 2^60.
   COLLIDED_HD bool meet_at(uint64_t k) const { return Crossing<kind, W>(features_, k, true).look() == Look::kFound; }
 
  private:
+  COLLIDED_HD static Found found_by(const Scaling<kind, W>& scaling) {
+    if (!scaling.vanishes()) return {Outcome::kApart, kOne};
+    if (scaling.vanishes_at_end()) return {Outcome::kAtEnd, kOne};
+    return {Outcome::kBetween, scaling.time()};
+  }
+  COLLIDED_HD Found found_in(const Window& window, const Cubic<3 * W>& f) const {
+    const InWindow<kind, W> in_window(features_, window);
+    Found found;
+    if (in_window.template fits<1>())
+      found = Decision<kind, 1>(in_window.template features<1>()).found_by_roots();
+    else if (in_window.template fits<2>())
+      found = Decision<kind, 2>(in_window.template features<2>()).found_by_roots();
+    if (found.outcome == Outcome::kOpen) return found;
+    if (found.outcome == Outcome::kApart) return found_at_end(f);
+    return {Outcome::kBetween, window.time(found.time)};
+  }
+  COLLIDED_HD Found found_by_roots(const Cubic<3 * W>& f) const {
+    uint64_t first = kOne;
+    const Look look = f.first_sign() == 0 ? slide(first) : cross_at_roots(f, first);
+    if (look == Look::kOpen) return {};
+    if (look == Look::kFound) return {Outcome::kBetween, first};
+    return found_at_end(f);
+  }
+  COLLIDED_HD Found found_at_end(const Cubic<3 * W>& f) const {
+    return {f.c[3].is_zero() && touch(features_, 1) ? Outcome::kAtEnd : Outcome::kApart, kOne};
+  }
   COLLIDED_HD Look cross_at_roots(const Cubic<3 * W>& f, uint64_t& first) const {
     return for_each_root(f, [&](uint64_t k, bool is_alone) {
       first = k;

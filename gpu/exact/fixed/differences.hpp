@@ -7,7 +7,6 @@
 //   the volume, at any power of t        below 2^(3 w - 3)
 //   the volume at a time k / 2^60, times 2^180: below 2^(3 w + 180)
 
-#include <bit>
 #include <climits>
 
 #include "gpu/contact_set.hpp"
@@ -65,21 +64,6 @@ class Unit {
       is_negative = (bits >> 63) != 0;
     }
   };
-  COLLIDED_HD static int trailing_zeros(uint64_t x) {
-#ifdef __CUDA_ARCH__
-    return __ffsll(static_cast<long long>(x)) - 1;
-#else
-    return std::countr_zero(x);
-#endif
-  }
-  COLLIDED_HD static int leading_zeros(uint64_t x) {
-#ifdef __CUDA_ARCH__
-    return __clzll(static_cast<long long>(x));
-#else
-    return std::countl_zero(x);
-#endif
-  }
-
   int lowest_ = INT_MAX, highest_ = INT_MIN;
 };
 
@@ -89,6 +73,7 @@ struct Differences {
   static constexpr int kCount = kind == ContactKind::kVertexTriangle ? 3 : 4;
   Moving<W> d[kCount];
 
+  Differences() = default;
   COLLIDED_HD Differences(const Unit& unit, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4]) {
     set(unit, start, 0);
     set(unit, end, 1);

@@ -2,6 +2,8 @@
 // Integers of a fixed number of 64-bit limbs, without memory of their own. A product is as wide as both factors
 // together, so that none overflows; sums have to fit (the bounds are in differences.hpp).
 
+#include <bit>
+
 #include "gpu/base/rounding.hpp"
 #include "gpu/base/vec3.hpp"
 
@@ -77,12 +79,54 @@ COLLIDED_HD COLLIDED_CALLED Integer<N + M> operator*(const Integer<N>& a, const 
   return r;
 }
 
-/// The same number in more limbs.
+/// The same number in another count of limbs, which it has to fit.
 template <int To, int N>
-COLLIDED_HD Integer<To> widened(const Integer<N>& a) {
+COLLIDED_HD Integer<To> resized(const Integer<N>& a) {
   Integer<To> r;
   for (int i = 0; i < To; ++i) r.limb[i] = i < N ? a.limb[i] : a.is_negative() ? ~uint64_t{0} : 0;
   return r;
+}
+
+/// a / 2^bits, which divides it.
+template <int N>
+COLLIDED_HD Integer<N> shifted_right(const Integer<N>& a, int bits) {
+  const int limbs = bits / 64, rest = bits % 64;
+  const uint64_t fill = a.is_negative() ? ~uint64_t{0} : 0;
+  Integer<N> r;
+  for (int i = 0; i < N; ++i) {
+    const uint64_t low = i + limbs < N ? a.limb[i + limbs] : fill, high = i + limbs + 1 < N ? a.limb[i + limbs + 1] : fill;
+    r.limb[i] = rest == 0 ? low : (low >> rest) | (high << (64 - rest));
+  }
+  return r;
+}
+
+COLLIDED_HD inline int trailing_zeros(uint64_t x) {
+#ifdef __CUDA_ARCH__
+  return __ffsll(static_cast<long long>(x)) - 1;
+#else
+  return std::countr_zero(x);
+#endif
+}
+COLLIDED_HD inline int leading_zeros(uint64_t x) {
+#ifdef __CUDA_ARCH__
+  return __clzll(static_cast<long long>(x));
+#else
+  return std::countl_zero(x);
+#endif
+}
+/// Of a number that is not 0.
+template <int N>
+COLLIDED_HD int trailing_zeros(const Integer<N>& a) {
+  int i = 0;
+  while (a.limb[i] == 0) ++i;
+  return 64 * i + trailing_zeros(a.limb[i]);
+}
+/// Bits of a number that is above 0.
+template <int N>
+COLLIDED_HD int used_bits(const Integer<N>& a) {
+  int i = N - 1;
+  while (a.limb[i] == 0) --i;
+  return 64 * (i + 1) - leading_zeros(a.limb[i]);
 }
 
 /// a within 2^-51 of its magnitude.
@@ -94,12 +138,13 @@ COLLIDED_HD double to_double(const Integer<N>& a) {
   return a.is_negative() ? -value : value;
 }
 
-template <int N, int M>
-COLLIDED_HD Vec3<Integer<N + M>> wide_cross(const Vec3<Integer<N>>& a, const Vec3<Integer<M>>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+/// Of vectors whose components' products may be of another type.
+template <class A, class B>
+COLLIDED_HD auto wide_cross(const Vec3<A>& a, const Vec3<B>& b) {
+  return Vec3<decltype(a.x * b.x)>{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-template <int N, int M>
-COLLIDED_HD Integer<N + M> wide_dot(const Vec3<Integer<N>>& a, const Vec3<Integer<M>>& b) {
+template <class A, class B>
+COLLIDED_HD auto wide_dot(const Vec3<A>& a, const Vec3<B>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 template <int N>

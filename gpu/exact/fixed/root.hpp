@@ -17,6 +17,10 @@ struct Cubic {
     const auto high = (c[3] * time.t + c[2] * time.s) * time.t + c[1] * ss;
     return high * time.t + c[0] * (ss * time.s);
   }
+  /// The same polynomial in the local parameter of [begin, end] / 2^60, times 2^180.
+  COLLIDED_HD Cubic<N + 3> on(uint64_t begin, uint64_t end) const {
+    return {{at(begin), inner(Time(begin), Time(end)), inner(Time(end), Time(begin)), at(end)}};
+  }
   /// Changes of sign along the coefficients, zeros left out: the number of roots in (0, 1), or an even number more.
   COLLIDED_HD int sign_changes() const {
     int changes = 0, last = 0;
@@ -32,6 +36,15 @@ struct Cubic {
     for (const Integer<N>& x : c)
       if (const int sign = x.sign()) return sign;
     return 0;
+  }
+
+ private:
+  /// The coefficient that takes two factors of three from one end of an interval, and one from the other.
+  COLLIDED_HD Integer<N + 3> inner(const Time& twice, const Time& once) const {
+    const auto ss = twice.s * twice.s, st = twice.s * twice.t, tt = twice.t * twice.t;
+    const auto at_first = ss * once.s, at_last = tt * once.t;
+    return c[0] * (at_first + at_first + at_first) + c[1] * (st * once.s + st * once.s + ss * once.t) +
+           c[2] * (st * once.t + st * once.t + tt * once.s) + c[3] * (at_last + at_last + at_last);
   }
 };
 
@@ -51,37 +64,35 @@ struct Part {
   }
 };
 
-/// The signs of f on a part of [0, 1], from its Bernstein coefficients there, which subdivision makes of sums.
+/// The signs of f's coefficients in the local parameter of a part of [0, 1].
 template <int N>
 class PartSigns {
  public:
-  static constexpr int kMaxDepth = 18;  // a halving takes three bits of one limb
+  static constexpr int kMaxDepth = 20;  // products of three times are below 2^62: one limb
 
   COLLIDED_HD PartSigns(const Cubic<N>& f, const Part& on) {
-    for (int i = 0; i < 4; ++i) b_.c[i] = widened<N + 1>(f.c[i]);
-    b_.c[0] = times3(b_.c[0]), b_.c[3] = times3(b_.c[3]);
-    for (int level = on.depth; level-- > 0;) halve(((on.part >> level) & 1) != 0);
+    const int64_t t0 = static_cast<int64_t>(on.part), t1 = t0 + 1, s1 = (int64_t{1} << on.depth) - t1, s0 = s1 + 1;
+    f_.c[0] = combined(f, s0 * s0 * s0, s0 * s0 * t0, s0 * t0 * t0, t0 * t0 * t0);
+    f_.c[1] = inner(f, s0, t0, s1, t1);
+    f_.c[2] = inner(f, s1, t1, s0, t0);
+    f_.c[3] = combined(f, s1 * s1 * s1, s1 * s1 * t1, s1 * t1 * t1, t1 * t1 * t1);
   }
-  COLLIDED_HD int changes() const { return b_.sign_changes(); }
-  COLLIDED_HD int first() const { return b_.first_sign(); }
-  COLLIDED_HD bool is_zero_at_begin() const { return b_.c[0].is_zero(); }
-  COLLIDED_HD bool is_zero_at_end() const { return b_.c[3].is_zero(); }
+  COLLIDED_HD int changes() const { return f_.sign_changes(); }
+  COLLIDED_HD int first() const { return f_.first_sign(); }
+  COLLIDED_HD bool is_zero_at_begin() const { return f_.c[0].is_zero(); }
+  COLLIDED_HD bool is_zero_at_end() const { return f_.c[3].is_zero(); }
 
  private:
-  using Value = Integer<N + 1>;
-  COLLIDED_HD static Value times2(const Value& x) { return x + x; }
-  COLLIDED_HD static Value times3(const Value& x) { return x + x + x; }
-
-  /// De Casteljau's scheme at 1/2, times 8.
-  COLLIDED_HD void halve(bool right) {
-    Value* b = b_.c;
-    const Value ab = b[0] + b[1], bc = b[1] + b[2], cd = b[2] + b[3], abc = ab + bc, bcd = bc + cd, middle = abc + bcd;
-    const Value end = times2(times2(times2(b[right ? 3 : 0]))), beside = times2(times2(right ? cd : ab)),
-                inner = times2(right ? bcd : abc);
-    b[right ? 3 : 0] = end, b[right ? 2 : 1] = beside, b[right ? 1 : 2] = inner, b[right ? 0 : 3] = middle;
+  COLLIDED_HD static Integer<N + 1> combined(const Cubic<N>& f, int64_t a, int64_t b, int64_t c, int64_t d) {
+    return f.c[0] * Integer<1>::of(a) + f.c[1] * Integer<1>::of(b) + f.c[2] * Integer<1>::of(c) +
+           f.c[3] * Integer<1>::of(d);
+  }
+  /// As Cubic::inner.
+  COLLIDED_HD static Integer<N + 1> inner(const Cubic<N>& f, int64_t s, int64_t t, int64_t s1, int64_t t1) {
+    return combined(f, 3 * s * s * s1, 2 * s * t * s1 + s * s * t1, 2 * s * t * t1 + t * t * s1, 3 * t * t * t1);
   }
 
-  Cubic<N + 1> b_;
+  Cubic<N + 1> f_;
 };
 
 /// Where the only root of f in an interval is, rounded down to a multiple of 2^-60. Bounds close in on it from both

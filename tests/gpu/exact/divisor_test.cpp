@@ -52,7 +52,7 @@ TEST(CommonDivisor, OfLargeCoefficients) {
   const auto large = [&](size_t degree) {
     Form f;
     for (size_t k = 0; k <= degree; ++k) {
-      mpz_class x = static_cast<long>(random() >> 2 | 1);
+      const exact::Number x = static_cast<long>(random() >> 2 | 1);
       f.c.resize(degree + 1);
       f.c[k] = (x << (random() % 3000)) + 1;
     }

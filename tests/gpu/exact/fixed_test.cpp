@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <gmpxx.h>
+
 #include <cmath>
 #include <map>
 #include <random>
@@ -50,7 +52,7 @@ void expect_arithmetic() {
     ASSERT_EQ(value(a * b), x * y);
     ASSERT_EQ((value(a + same_width) - x - z) % wrap, 0);
     ASSERT_EQ((value(a - same_width) - x + z) % wrap, 0);
-    ASSERT_EQ(value(exact::fixed::widened<N + 2>(a)), x);
+    ASSERT_EQ(value(exact::fixed::resized<N + 2>(a)), x);
     ASSERT_EQ(a.sign(), sgn(x));
     ASSERT_EQ(a.is_zero(), x == 0);
     const mpq_class found(to_double(a)), error = abs(found - x);
@@ -120,7 +122,7 @@ TEST(FixedRoots, AreThoseInIntegersOfAnySize) {
     const Cubic<3> f = any_cubic(random);
     Form form;
     form.c.clear();
-    for (const Integer<3>& c : f.c) form.c.push_back(value(c));
+    for (const Integer<3>& c : f.c) form.c.push_back(exact::Number::of(value(c).get_mpz_t()));
     if (form.vanishes()) continue;
     std::vector<double> expected, found;
     for (exact::Root& root : exact::roots_inside(form)) expected.push_back(root.rounded_down());
@@ -132,7 +134,7 @@ TEST(FixedRoots, AreThoseInIntegersOfAnySize) {
       ++left_open;
       continue;
     }
-    ASSERT_EQ(found, expected) << form.c[0] << ' ' << form.c[1] << ' ' << form.c[2] << ' ' << form.c[3];
+    ASSERT_EQ(found, expected) << value(f.c[0]) << ' ' << value(f.c[1]) << ' ' << value(f.c[2]) << ' ' << value(f.c[3]);
     ++counts[found.size()];
   }
   for (const int count : counts) EXPECT_GT(count, 20);

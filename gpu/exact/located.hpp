@@ -1,0 +1,34 @@
+#pragma once
+// The roots of a form in (0, 1) and other forms' signs there: in double precision (rough.hpp) as far as that decides,
+// else exactly (root.hpp).
+
+#include <optional>
+#include <vector>
+
+#include "gpu/exact/root.hpp"
+#include "gpu/exact/rough.hpp"
+
+namespace collided::exact {
+
+/// Ascending and distinct.
+class LocatedRoots {
+ public:
+  /// f must not vanish.
+  explicit LocatedRoots(const Form& f);
+
+  size_t size() { return rough_ ? rough_->size() : exact().size(); }
+  /// False if the form is known to be above 0 just before the root.
+  bool may_rise(size_t i) { return rough_ ? (*rough_)[i].may_rise() : exact()[i].may_rise(); }
+  int sign_of(size_t i, const Form& g);
+  /// As Root::rounded_down.
+  double rounded_down(size_t i);
+
+ private:
+  std::vector<Root>& exact();
+
+  const Form f_;
+  std::optional<std::vector<RoughRoot>> rough_;
+  std::optional<std::vector<Root>> exact_;
+};
+
+}  // namespace collided::exact

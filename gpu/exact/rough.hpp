@@ -1,0 +1,100 @@
+#pragma once
+// Roots of forms, and signs there, in double precision with bounds of all errors: what it does not decide, exact.hpp's
+// integers do. Coefficients whose exponents lie far apart are no difficulty: with x = t / s, a form is a polynomial in
+// x, and where one of its terms outweighs all others it has no root. Those places are left out by exponents alone
+// (Newton's polygon), and in the others all terms that matter are of a size that doubles have.
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "gpu/exact/form.hpp"
+
+namespace collided::exact {
+
+/// A form's coefficients as c * 2^exponent.
+class RoughForm {
+ public:
+  static constexpr int kMostCoefficients = 7;
+
+  /// None if the form has more coefficients.
+  static std::optional<RoughForm> of(const Form& f);
+
+  int degree() const { return degree_; }
+  bool vanishes() const;
+
+  /// x = 2^scale y, with y in [1, 2).
+  struct Place {
+    int64_t scale;
+    double y;
+    friend bool operator==(const Place& a, const Place& b) = default;
+  };
+  /// The sign of all of [begin, end]; kUnknown: there may be a root. The form does not vanish.
+  int sign_on(const Place& begin, const Place& end) const;
+
+  /// Where roots may be: x in [2^(scale - reach), 2^(scale + reach)].
+  struct Neighbourhood {
+    int64_t scale;
+    int reach;
+  };
+  /// All roots in (0, 1) are in these, ascending. None if one is too long. The first and the last coefficient are not 0.
+  std::optional<std::vector<Neighbourhood>> neighbourhoods() const;
+
+  /// The coefficients at x = 2^scale y as a polynomial in y, times a power of two.
+  class Local {
+   public:
+    /// The sign at y; kUnknown where rounding may have made it.
+    int sign_at(double y) const;
+    /// The sign of all of [begin, end]; kUnknown: there may be a root.
+    int sign_on(double begin, double end) const;
+    /// Changes of sign along the coefficients over [begin, end], or kUnknown; `first`: the sign at `begin`.
+    int changes_on(double begin, double end, int& first) const;
+
+   private:
+    friend class RoughForm;
+    using Signs = std::array<int, kMostCoefficients>;
+    Signs signs_on(double begin, double end) const;
+
+    std::array<double, kMostCoefficients> c_{};
+    int degree_ = 0;
+  };
+  Local at_scale(int64_t scale) const;
+
+  static constexpr int kUnknown = 99;
+
+ private:
+  /// The term that outweighs all others together at x = 2^scale; -1: none.
+  int largest_term(int64_t scale) const;
+
+  std::array<double, kMostCoefficients> c_{};
+  std::array<int64_t, kMostCoefficients> exponent_{};
+  int degree_ = 0;
+};
+
+/// A simple root of a form, which has no other one in its interval.
+class RoughRoot {
+ public:
+  RoughRoot(const RoughForm::Local& f, int64_t scale, double begin, double end, int left_sign)
+      : f_(f), scale_(scale), begin_(begin), end_(end), left_sign_(left_sign) {}
+
+  /// Sign of g there, or kUnknown.
+  int sign_of(const Form& g);
+  /// False if the form is above 0 just before the root.
+  bool may_rise() const { return left_sign_ < 0; }
+  /// As Root::rounded_down; `f`: its form. None where the root is too close to where it begins to be another number.
+  std::optional<double> rounded_down(const Form& f);
+
+ private:
+  /// Cuts the interval in two so often; false where rounding hides the side of a cut that the root is on.
+  bool refine(int times);
+
+  RoughForm::Local f_;
+  int64_t scale_;
+  double begin_, end_;
+  int left_sign_;
+};
+
+/// All roots in (0, 1) of a form that does not vanish at 0 or 1, ascending; none if some are too close together.
+std::optional<std::vector<RoughRoot>> rough_roots(const Form& f);
+
+}  // namespace collided::exact

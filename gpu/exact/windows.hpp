@@ -1,0 +1,35 @@
+#pragma once
+// Times at which a case may hold, from signs that double precision is sure of (rough.hpp). Most cases hold at no time,
+// and most forms have their roots where another form says so: exact roots are needed for what is left alone.
+
+#include <utility>
+#include <vector>
+
+#include "gpu/exact/contact.hpp"
+#include "gpu/exact/rough.hpp"
+
+namespace collided::exact {
+
+class Windows {
+ public:
+  /// All of (0, 1).
+  Windows();
+
+  bool are_empty() const { return windows_.empty(); }
+  /// Leaves out times at which f is below 0, or is not 0.
+  void need_not_negative(const Form& f);
+  void need_zero(const Form& f);
+  void need(const Case& c);
+  /// True if f is certain to be above 0 in all that is left.
+  bool are_above(const Form& f) const;
+
+ private:
+  using Window = std::pair<RoughForm::Place, RoughForm::Place>;
+
+  template <class IsOut>
+  void leave_out(const Form& f, const IsOut& is_out);
+
+  std::vector<Window> windows_;  ///< ascending
+};
+
+}  // namespace collided::exact
