@@ -15,8 +15,8 @@ constexpr double kNever = 2;
 template <class Sign>
 bool holds(const Case& c, Sign sign) {
   return std::all_of(c.zero.begin(), c.zero.end(), [&](const Form& f) { return sign(f) == 0; }) &&
-         std::all_of(c.not_negative.begin(), c.not_negative.end(), [&](const Form& f) { return sign(f) >= 0; }) &&
-         std::all_of(c.not_zero.begin(), c.not_zero.end(), [&](const Form& f) { return sign(f) != 0; });
+         std::all_of(c.not_zero.begin(), c.not_zero.end(), [&](const Form& f) { return sign(f) != 0; }) &&
+         std::all_of(c.not_negative.begin(), c.not_negative.end(), [&](const Form& f) { return sign(f) >= 0; });
 }
 
 template <class Sign>
@@ -42,8 +42,7 @@ double first_root(const Form& source, std::span<const Case> cases, bool rising) 
 }
 
 /// At the roots of the forms one of which has a root at the case's first time; see first_impact.
-double first_root(const Case& c) {
-  Windows windows;
+double first_root(const Case& c, Windows windows) {
   windows.need(c);
   if (windows.are_empty()) return kNever;
   for (const Form& f : c.zero)
@@ -55,17 +54,34 @@ double first_root(const Case& c) {
 }
 
 /// At the roots of a form that is 0 whenever one of the cases holds.
-double first_root(const Form& necessary, std::span<const Case> cases) {
+double first_root(const Form& necessary, std::span<const Case> cases, Windows windows) {
+  windows.need_zero(necessary);
   const bool may_hold = std::any_of(cases.begin(), cases.end(), [&](const Case& c) {
-    Windows windows;
-    windows.need_zero(necessary);
-    windows.need(c);
-    return !windows.are_empty();
+    Windows left = windows;
+    left.need(c);
+    return !left.are_empty();
   });
   return may_hold ? first_root(necessary, cases, false) : kNever;
 }
 
+Windows windows_of_alternatives(const Contact& contact) {
+  Windows windows;
+  for (const std::vector<Form>& forms : contact.alternatives)
+    if (!windows.are_empty()) windows.need_one_not_negative(forms);
+  return windows;
+}
+
 }  // namespace
+
+bool alternatives_exclude(const Contact& contact) {
+  const auto exclude = [&](const auto& value_of) {
+    return std::any_of(contact.alternatives.begin(), contact.alternatives.end(), [&](const std::vector<Form>& forms) {
+      return std::all_of(forms.begin(), forms.end(), [&](const Form& f) { return sgn(value_of(f)) < 0; });
+    });
+  };
+  return exclude([](const Form& f) { return f.c.front(); }) && exclude([](const Form& f) { return f.c.back(); }) &&
+         windows_of_alternatives(contact).are_empty();
+}
 
 bool holds_at_start(const Contact& contact) {
   const auto sign = [](const Form& f) { return sgn(f.c.front()); };
@@ -81,10 +97,11 @@ bool holds_at_start(const Contact& contact) {
 ExactImpact first_impact(const Contact& contact) {
   if (holds_at_start(contact)) return {true, 0, true};
   double first = kNever;
+  const Windows windows = windows_of_alternatives(contact);
   if (!contact.necessary.vanishes()) {
-    first = first_root(contact.necessary, contact.cases);
+    first = first_root(contact.necessary, contact.cases, windows);
   } else {
-    for (const Case& c : contact.cases) first = std::min(first, first_root(c));
+    for (const Case& c : contact.cases) first = std::min(first, first_root(c, windows));
   }
   if (first < kNever) return {true, first, false};
   if (holds_at_end(contact)) return {true, 1, false};

@@ -21,7 +21,12 @@ struct Case {
 struct Contact {
   Form necessary;  ///< 0 at every time of contact; the zero form if nothing simple is known
   std::vector<Case> cases;
+  /// At every time of contact one form of each list at least is >= 0.
+  std::vector<std::vector<Form>> alternatives = {};
 };
+
+/// True if the alternatives alone show that there is no contact in [0, 1].
+bool alternatives_exclude(const Contact& contact);
 
 /// The contact holds at t = 0; forms of degree 0 will do.
 bool holds_at_start(const Contact& contact);

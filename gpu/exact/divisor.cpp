@@ -120,6 +120,8 @@ Form common_divisor(const Form& a, const Form& b) {
   return u;
 }
 
+bool may_repeat(const Form& f) { return f.degree() > 1 && !are_seen_coprime(f, derivative(f)); }
+
 Form square_free(const Form& f) {
   const Form whole = primitive(f);
   if (whole.degree() == 0) return whole;

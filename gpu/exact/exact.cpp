@@ -1,7 +1,10 @@
 #include "gpu/exact/exact.hpp"
 
+#include <utility>
+
 #include "gpu/exact/features.hpp"
 #include "gpu/exact/fixed/decide.hpp"
+#include "gpu/exact/fixed/separation.hpp"
 #include "gpu/exact/fixed/within.hpp"
 
 namespace collided {
@@ -9,25 +12,84 @@ namespace {
 
 using exact::fixed::Outcome;
 
-template <ContactKind kind>
-Outcome decide_within(const Vec3<double> (&p)[4], double thickness) {
+/// Decides features at rest, or tells what is simple of those that move: if they are in contact at the start, or apart
+/// until the end.
+template <ContactKind kind, int W>
+class Within {
+ public:
+  Within(const exact::fixed::Unit& unit, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness)
+      : features_(unit, start, end), thickness_(unit.count<W>(thickness)) {}
+
+  Outcome at_rest() const { return touches(features_) ? Outcome::kAtStart : Outcome::kApart; }
+  Outcome in_motion() const {
+    using exact::fixed::Apart;
+    if (touches(features_)) return Outcome::kAtStart;
+    const Apart apart = exact::fixed::Separation<kind, W>(features_, thickness_).look();
+    if (apart == Apart::kPerhaps) return Outcome::kOpen;
+    return apart == Apart::kBeforeEnd && touches(reversed()) ? Outcome::kAtEnd : Outcome::kApart;
+  }
+
+ private:
+  using Features = exact::fixed::Differences<kind, W>;
+
+  bool touches(const Features& features) const {
+    return exact::fixed::Within<kind, W>(features, thickness_).run();
+  }
+  Features reversed() const {
+    Features features = features_;
+    for (auto& d : features.d) std::swap(d.p[0], d.p[1]);
+    return features;
+  }
+
+  Features features_;
+  exact::fixed::Integer<W> thickness_;
+};
+
+/// use(within) of the size that the numbers need; kOpen if they need more than there is.
+template <ContactKind kind, class Use>
+Outcome with_size(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness, const Use& use) {
   exact::fixed::Unit unit;
-  unit.see(p);
+  unit.see(start);
+  unit.see(end);
   unit.see(thickness);
-  const auto outcome = [&]<int W>() {
-    const exact::fixed::Differences<kind, W> features(unit, p, p);
-    const bool is_within = exact::fixed::Within<kind, W>(features, unit.count<W>(thickness)).run();
-    return is_within ? Outcome::kAtStart : Outcome::kApart;
-  };
-  if (unit.fits<1>()) return outcome.template operator()<1>();
-  if (unit.fits<2>()) return outcome.template operator()<2>();
+  if (unit.fits<1>()) return use(Within<kind, 1>(unit, start, end, thickness));
+  if (unit.fits<2>()) return use(Within<kind, 2>(unit, start, end, thickness));
   return Outcome::kOpen;
+}
+template <class Use>
+Outcome with_size(ContactKind kind, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness,
+                  const Use& use) {
+  return kind == ContactKind::kVertexTriangle
+             ? with_size<ContactKind::kVertexTriangle>(start, end, thickness, use)
+             : with_size<ContactKind::kEdgeEdge>(start, end, thickness, use);
 }
 
 Outcome decide_at_rest(ContactKind kind, const Vec3<double> (&p)[4], double thickness) {
   if (thickness == 0) return exact::fixed::decide_at_rest(kind, p);
-  return kind == ContactKind::kVertexTriangle ? decide_within<ContactKind::kVertexTriangle>(p, thickness)
-                                              : decide_within<ContactKind::kEdgeEdge>(p, thickness);
+  return with_size(kind, p, p, thickness, [](const auto& within) { return within.at_rest(); });
+}
+
+/// True if an axis keeps the features apart all along: a difference is not above the thickness unless its rounding is.
+bool are_apart_along_an_axis(ContactKind kind, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4],
+                             double thickness) {
+  const size_t first = kind == ContactKind::kVertexTriangle ? 1 : 2;
+  const auto are_apart = [&](double Vec3<double>::*axis, double side) {
+    for (size_t i = 0; i < first; ++i)
+      for (size_t j = first; j < 4; ++j)
+        if (!(side * (start[i].*axis - start[j].*axis) > thickness && side * (end[i].*axis - end[j].*axis) > thickness))
+          return false;
+    return true;
+  };
+  for (const auto axis : {&Vec3<double>::x, &Vec3<double>::y, &Vec3<double>::z})
+    if (are_apart(axis, 1) || are_apart(axis, -1)) return true;
+  return false;
+}
+
+/// Decides the simple cases with a thickness; leaves the others open.
+Outcome decide_within(ContactKind kind, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4],
+                      double thickness) {
+  if (are_apart_along_an_axis(kind, start, end, thickness)) return Outcome::kApart;
+  return with_size(kind, start, end, thickness, [](const auto& within) { return within.in_motion(); });
 }
 
 }  // namespace
@@ -35,13 +97,15 @@ Outcome decide_at_rest(ContactKind kind, const Vec3<double> (&p)[4], double thic
 // First integers of fixed size, then, for what they leave open, integers of any size.
 ExactImpact exact_ccd(ContactKind kind, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4],
                       double thickness) {
+  exact::fixed::Verdict verdict;
   if (thickness == 0) {
-    const exact::fixed::Verdict verdict = exact::fixed::decide(kind, start, end);
-    if (verdict.outcome != Outcome::kOpen)
-      return {verdict.outcome != Outcome::kApart, verdict.toi, verdict.outcome == Outcome::kAtStart};
-  } else if (decide_at_rest(kind, start, thickness) == Outcome::kAtStart) {
-    return {true, 0, true};
+    verdict = exact::fixed::decide(kind, start, end);
+  } else {
+    verdict.outcome = decide_within(kind, start, end, thickness);
+    if (verdict.outcome == Outcome::kAtStart) verdict.toi = 0;
   }
+  if (verdict.outcome != Outcome::kOpen)
+    return {verdict.outcome != Outcome::kApart, verdict.toi, verdict.outcome == Outcome::kAtStart};
   return exact::first_impact(exact::contact_in_motion(kind, start, end, thickness));
 }
 

@@ -11,7 +11,7 @@
 namespace collided::exact {
 namespace {
 
-// Of forms, or of polynomials of fixed size, which are forms as far as their names go.
+// The functions below take forms, or polynomials of fixed size, which have the same operators.
 using fixed::wide_cross;
 using fixed::wide_dot;
 
@@ -80,8 +80,8 @@ Squared within(const Squared& squared, const Linear& thickness, const Vec3<Compo
   return thickness * thickness * wide_dot(d, d) - squared;
 }
 
-// Where d's largest component crosses 0, the others still tell that |d| is above the limit: of forms with exponents far
-// apart, signs that double precision sees at once. Fixed sizes have no such exponents.
+// Each component of d alone has to be within the limit. Where the largest one crosses 0, double precision loses the sign
+// of the whole sum, but still sees that another component is too large. Only exponents that lie far apart need this.
 template <class Limit, class Component>
 void imply_components_within(Draft& draft, const Limit& limit, const Vec3<Component>& d) {
   if constexpr (std::is_same_v<Component, Form>)
@@ -142,6 +142,18 @@ void add_outline(Contact& contact, std::initializer_list<Side<Linear>> sides,
   for (const Vec3<Linear>* d : to_ends) add_point_near_point(contact, *d, thickness);
 }
 
+// Adds that no axis keeps the features apart. These forms are lines, so they cost little, and where exponents lie far
+// apart one coordinate mostly decides. `to_ends`: the differences between the corners of both features.
+template <class Linear>
+void add_axes(Contact& contact, std::initializer_list<const Vec3<Linear>*> to_ends, const Linear& thickness) {
+  if constexpr (std::is_same_v<Linear, Form>)
+    for (Form Vec3<Form>::*axis : {&Vec3<Form>::x, &Vec3<Form>::y, &Vec3<Form>::z})
+      for (const bool is_above : {false, true}) {
+        std::vector<Form>& forms = contact.alternatives.emplace_back();
+        for (const Vec3<Form>* d : to_ends) forms.push_back(is_above ? thickness - d->*axis : thickness + d->*axis);
+      }
+}
+
 // With A, B, C from the corners to the vertex, n = (b - a) x (c - a) = B x C + C x A + A x B. The weights of the vertex
 // in the triangle are (B x C) n, (C x A) n and (A x B) n over n^2, and A (B x C) is its height times |n|. Where no
 // weight is negative, the distance is the height, else that to a side; a triangle without area is its sides.
@@ -150,9 +162,12 @@ Contact vertex_triangle_contact(const QueryOf<Linear>& query) {
   const auto& [v, a, b, c] = query.points;
   const Linear& thickness = query.thickness;
   const Vec3<Linear> A = v - a, B = v - b, C = v - c;
+  Contact contact;
+  add_axes<Linear>(contact, {&A, &B, &C}, thickness);
+  if (alternatives_exclude(contact)) return contact;
   const auto bc = wide_cross(B, C);
   const auto volume = wide_dot(A, bc);
-  Contact contact{thickness.vanishes() ? form_of(volume) : Form(), {}};
+  if (thickness.vanishes()) contact.necessary = form_of(volume);
   if (closed_sign(contact.necessary) != 0) return contact;
   const auto ca = wide_cross(C, A), ab = wide_cross(A, B), n = bc + ca + ab;
   add_planes_near(contact, {&bc, &ca, &ab}, volume, n, thickness);
@@ -169,9 +184,12 @@ Contact edge_edge_contact(const QueryOf<Linear>& query) {
   const auto& [a0, a1, b0, b1] = query.points;
   const Linear& thickness = query.thickness;
   const Vec3<Linear> A = a0 - b0, B = a0 - b1, C = a1 - b0, D = a1 - b1;
+  Contact contact;
+  add_axes<Linear>(contact, {&A, &B, &C, &D}, thickness);
+  if (alternatives_exclude(contact)) return contact;
   const auto ab = wide_cross(A, B);
   const auto volume = wide_dot(C, ab);
-  Contact contact{thickness.vanishes() ? form_of(volume) : Form(), {}};
+  if (thickness.vanishes()) contact.necessary = form_of(volume);
   if (closed_sign(contact.necessary) != 0) return contact;
   const auto dc = wide_cross(D, C), ca = wide_cross(C, A), bd = wide_cross(B, D), n = wide_cross(C - A, A - B);
   add_planes_near(contact, {&ab, &dc, &ca, &bd}, volume, n, thickness);
@@ -184,7 +202,7 @@ Contact contact_of_any(ContactKind kind, const QueryOf<Linear>& query) {
   return kind == ContactKind::kVertexTriangle ? vertex_triangle_contact(query) : edge_edge_contact(query);
 }
 
-/// In numbers of W limbs, which the unit fits.
+/// Makes the contact in numbers of W limbs, which the unit has to fit.
 template <int W>
 Contact fixed_contact(ContactKind kind, const fixed::Unit& unit, const Vec3<double> (&start)[4],
                       const Vec3<double> (&end)[4], double thickness) {

@@ -9,7 +9,7 @@ namespace collided::exact {
 /// Points v, a, b, c or a0, a1, b0, b1.
 Contact contact_of(ContactKind kind, const ExactQuery& query);
 
-/// Of points that move linearly; the same, and faster where all numbers fit integers of fixed size.
+/// Returns the same for points that move linearly, and takes less time where all numbers fit integers of fixed size.
 Contact contact_in_motion(ContactKind kind, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4],
                           double thickness);
 

@@ -1,8 +1,15 @@
 #include "gpu/exact/located.hpp"
 
+#include "gpu/exact/divisor.hpp"
+
 namespace collided::exact {
 
-LocatedRoots::LocatedRoots(const Form& f) : f_(without_roots_at_ends(f)), rough_(rough_roots(f_)) {}
+LocatedRoots::LocatedRoots(const Form& f) : f_(without_roots_at_ends(f)), rough_(rough_roots(f_)) {
+  if (rough_ || !may_repeat(f_)) return;
+  f_ = square_free(f_);
+  is_simplified_ = true;
+  rough_ = rough_roots(f_);
+}
 
 int LocatedRoots::sign_of(size_t i, const Form& g) {
   const int sign = rough_ ? (*rough_)[i].sign_of(g) : RoughForm::kUnknown;

@@ -18,7 +18,7 @@ class LocatedRoots {
 
   size_t size() { return rough_ ? rough_->size() : exact().size(); }
   /// False if the form is known to be above 0 just before the root.
-  bool may_rise(size_t i) { return rough_ ? (*rough_)[i].may_rise() : exact()[i].may_rise(); }
+  bool may_rise(size_t i) { return is_simplified_ || (rough_ ? (*rough_)[i].may_rise() : exact()[i].may_rise()); }
   int sign_of(size_t i, const Form& g);
   /// As Root::rounded_down.
   double rounded_down(size_t i);
@@ -26,7 +26,8 @@ class LocatedRoots {
  private:
   std::vector<Root>& exact();
 
-  const Form f_;
+  Form f_;
+  bool is_simplified_ = false;  ///< each root was left once; the form has other signs between them
   std::optional<std::vector<RoughRoot>> rough_;
   std::optional<std::vector<Root>> exact_;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// Integers of any size. Those of ordinary decisions, up to kInline limbs, need no memory of their own: most of the time
+// Integers of any size. Numbers of up to kInline limbs, which ordinary decisions need, allocate nothing: half of the time
 // of such a decision went to malloc and free.
 
 #include <gmp.h>
@@ -16,13 +16,13 @@ class Number {
   Number(int64_t x) : size_(x > 0 ? 1 : x < 0 ? -1 : 0) {  // NOLINT: as an int converts to a double
     inline_[0] = x < 0 ? ~static_cast<uint64_t>(x) + 1 : static_cast<uint64_t>(x);
   }
-  /// Of a GMP integer.
+  /// Copies a GMP integer.
   static Number of(mpz_srcptr x) {
     Number n;
     n.assign(mpz_limbs_read(x), x->_mp_size);
     return n;
   }
-  /// Of limbs, the lowest first.
+  /// Copies limbs, the lowest first.
   static Number of(const uint64_t* limbs, int count, bool is_negative) {
     Number n;
     n.assign_limbs(limbs, count, is_negative);

@@ -54,7 +54,7 @@ Root root_of_line(const Form& f) {
   return Root::at_ratio(is_falling ? -f.c[1] : f.c[1], is_falling ? f.c[0] : -f.c[0]);
 }
 
-/// Of a form with several roots in one place.
+/// Returns the roots of a form that has several in one place.
 std::vector<Root> roots_with_repeated(const Form& f) {
   constexpr mp_bitcnt_t kAnyDepth = std::numeric_limits<mp_bitcnt_t>::max();
   const Form simple = square_free(f);
@@ -138,16 +138,15 @@ bool Root::narrow(mp_bitcnt_t bits) {
 
 // Coefficients of one sign on the interval settle it, and a sign that is not zero is found once the interval is short
 // enough. A zero never is: it is a common root. The greatest common divisor divides f, so in the interval it has this
-// number as a simple root or no root, and the parity of its sign changes tells which.
+// number as a simple root or no root, and the parity of its sign changes tells which. Who asks has mostly tried double
+// precision before, so that a zero is likely.
 int Root::sign_of(const Form& g) {
   if (g.vanishes()) return 0;
-  constexpr mp_bitcnt_t kDivisorAt = 64;  // rarely reached but by zeros
   bool may_be_zero = true;
-  for (mp_bitcnt_t bits = 4;; bits *= bits < kDivisorAt ? 4 : 2) {
+  for (mp_bitcnt_t bits = 16;; bits *= 2) {
     if (is_ratio()) return sgn(value_at_ratio(g, s_, t_));
     if (const int sign = open_sign(restricted(g, at_))) return sign;
-    if (bits > kDivisorAt && std::exchange(may_be_zero, false))
-      if (sign_changes(restricted(common_divisor(f_, g), at_)) % 2 == 1) return 0;
+    if (std::exchange(may_be_zero, false) && sign_changes(restricted(common_divisor(f_, g), at_)) % 2 == 1) return 0;
     refine(bits);
   }
 }

@@ -11,8 +11,8 @@ namespace collided::exact {
 namespace {
 
 constexpr int kUnknown = RoughForm::kUnknown;
-/// A sum of up to seven terms, each a product of a coefficient, two binomials and up to six factors of which each has
-/// one rounding, is within 2^-46 of its terms' magnitudes.
+/// Sums here have up to seven terms. Each is a product of a coefficient, two binomials and up to six factors, with one
+/// rounding each, so that sums are within 2^-46 of their terms' magnitudes.
 constexpr double kError = 0x1p-45;
 
 constexpr int kBinomials[7][7] = {{1},
@@ -23,7 +23,7 @@ constexpr int kBinomials[7][7] = {{1},
                                   {1, 5, 10, 10, 5, 1},
                                   {1, 6, 15, 20, 15, 6, 1}};
 
-/// Where to cut an interval in two: off the middle, where constructed input has its roots.
+/// Returns where to cut an interval in two. Constructed input has its roots in the middle, so the cut lies beside it.
 double cut_of(double begin, double end) {
   return end > 4 * begin ? std::sqrt(begin) * std::sqrt(end) * 1.0078125 : begin + (end - begin) * 0.4921875;
 }

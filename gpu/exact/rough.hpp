@@ -1,8 +1,8 @@
 #pragma once
-// Roots of forms, and signs there, in double precision with bounds of all errors: what it does not decide, exact.hpp's
-// integers do. Coefficients whose exponents lie far apart are no difficulty: with x = t / s, a form is a polynomial in
-// x, and where one of its terms outweighs all others it has no root. Those places are left out by exponents alone
-// (Newton's polygon), and in the others all terms that matter are of a size that doubles have.
+// Roots of forms, and signs there, in double precision with bounds of all errors. Integers decide what it leaves open.
+// Coefficients may have exponents that lie far apart. With x = t / s, a form is a polynomial in x, and it has no root
+// where one of its terms outweighs all others together. Exponents alone show these places (Newton's polygon). In the
+// remaining ones all terms that matter have the size of doubles.
 
 #include <array>
 #include <optional>

@@ -18,7 +18,7 @@ Place between(const Place& a, const Place& b) {
 }
 
 bool is_short(const Place& a, const Place& b) {
-  constexpr double kShort = 0x1p-8;
+  constexpr double kShort = 0x1p-4;
   const int64_t scales = b.scale - a.scale;
   return scales == 0 ? b.y - a.y < kShort : scales == 1 && 2 * b.y - a.y < kShort;
 }
@@ -63,6 +63,26 @@ void Windows::need(const Case& c) {
   for (const auto* forms : {&c.implied, &c.not_negative})
     for (const Form& f : *forms)
       if (!are_empty()) need_not_negative(f);
+}
+
+void Windows::need_one_not_negative(const std::vector<Form>& forms) {
+  std::vector<Window> all;
+  for (const Form& f : forms) {
+    Windows left = *this;
+    left.need_not_negative(f);
+    all.insert(all.end(), left.windows_.begin(), left.windows_.end());
+  }
+  const auto is_before = [](const Place& a, const Place& b) {
+    return a.scale != b.scale ? a.scale < b.scale : a.y < b.y;
+  };
+  std::sort(all.begin(), all.end(), [&](const Window& a, const Window& b) { return is_before(a.first, b.first); });
+  windows_.clear();
+  for (const Window& w : all) {
+    if (windows_.empty() || is_before(windows_.back().second, w.first))
+      windows_.push_back(w);
+    else if (is_before(windows_.back().second, w.second))
+      windows_.back().second = w.second;
+  }
 }
 
 bool Windows::are_above(const Form& f) const {

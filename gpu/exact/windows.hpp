@@ -20,6 +20,8 @@ class Windows {
   void need_not_negative(const Form& f);
   void need_zero(const Form& f);
   void need(const Case& c);
+  /// Leaves out times at which all of the forms are below 0.
+  void need_one_not_negative(const std::vector<Form>& forms);
   /// True if f is certain to be above 0 in all that is left.
   bool are_above(const Form& f) const;
 

@@ -131,6 +131,11 @@ class Bench(unittest.TestCase):
             self.assertGreaterEqual(run["decisions"], run["contacts"])
             self.assertAlmostEqual(run["ratio"], run["exact_ms"] / run["certified_ms"])
 
+        runs = parsed("--backend", "cpu", "--costly", "--frames", "2")["runs"]
+        self.assertEqual(len(runs), 16)
+        for run in runs:
+            self.assertGreater(run["decisions"], 0, run["scene"])
+
     def check_subdivision(self):
         """Smaller pieces are in no more cells, and find no more."""
         (scene,) = parsed("--scene", "funnel", "--scale", "0.4", "--steps", str(STEPS))["scenes"]

@@ -76,6 +76,37 @@ TEST_P(ExactAgreement, Proximity) {
   }
 }
 
+/// Families with ways of their own, of which many queries meet a thickness of 1/2 exactly.
+class ExactAgreementOnCostly : public ::testing::TestWithParam<FamilyCase> {
+ protected:
+  static void expect(double thickness, bool is_ccd, uint64_t count) {
+    const auto [family, scalar] = GetParam();
+    for (QueryKind kind : kQueryKinds)
+      for (const Query& query : queries_of({family, kind, scalar, 11}, count)) {
+        const std::string wrong = is_ccd ? impact_disagreement(query, thickness) : rest_disagreement(query, thickness);
+        EXPECT_EQ(wrong, "") << family->name << ", thickness " << thickness << "\n  " << text_of(query);
+      }
+  }
+
+ private:
+  static std::string impact_disagreement(const Query& query, double thickness) {
+    const ExactImpact truth = judge_ccd(query, thickness);
+    const collided::ExactImpact impact = decide_ccd(query, thickness);
+    if (impact.hit != truth.hit) return "hit or not";
+    return !truth.hit || time_agrees(impact.toi, truth) ? "" : "time " + ::testing::PrintToString(impact.toi);
+  }
+  static std::string rest_disagreement(const Query& query, double thickness) {
+    const bool truth = judge_proximity(query.kind, {query.p[4], query.p[5], query.p[6], query.p[7]}, thickness);
+    return decide_proximity(query, thickness) == truth ? "" : "hit or not";
+  }
+};
+
+TEST_P(ExactAgreementOnCostly, FirstContact) { expect(0, true, 60); }
+TEST_P(ExactAgreementOnCostly, FirstTimeWithinAThickness) { expect(0.5, true, 40); }
+TEST_P(ExactAgreementOnCostly, Proximity) {
+  for (const double thickness : {0.0, 0.5}) expect(thickness, false, 60);
+}
+
 /// Which integers decide: of one limb, of two, or of any size; and what they decide.
 using Rungs = std::map<std::pair<int, exact::fixed::Outcome>, int>;
 
@@ -106,6 +137,8 @@ TEST(ExactLadder, EveryRungDecidesQueriesOfTheFamilies) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Fuzz, ExactAgreement, ::testing::ValuesIn(cases_of(fuzz_families())),
+                         [](const auto& info) { return case_name(info.param); });
+INSTANTIATE_TEST_SUITE_P(Costly, ExactAgreementOnCostly, ::testing::ValuesIn(cases_of(costly_families())),
                          [](const auto& info) { return case_name(info.param); });
 INSTANTIATE_TEST_SUITE_P(Extremes, ExactAgreement, ::testing::ValuesIn(cases_of(extreme_families())),
                          [](const auto& info) { return case_name(info.param); });

@@ -1,8 +1,8 @@
 #pragma once
-// Roots of the volume that lie so close together that double precision takes them for one: features that are scaled
-// through one point, but for the rounding of their coordinates, have three of them within about 2^-53. All of the step
-// but a short interval around them is then without roots, and in that interval the features are small and ordinary:
-// differences at its ends are exact integers, and mostly need no more bits than the coordinates did.
+// Roots of the volume that lie so close together that double precision takes them for one. Features that are scaled
+// through one point, with rounded coordinates, have three of them within about 2^-53. All roots are then in a short
+// window, and within it the features are small and ordinary. Their differences at its ends are exact integers, which
+// mostly need no more bits than the coordinates did.
 
 #include "gpu/exact/fixed/differences.hpp"
 #include "gpu/exact/fixed/root.hpp"

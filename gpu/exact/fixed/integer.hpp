@@ -114,14 +114,14 @@ COLLIDED_HD inline int leading_zeros(uint64_t x) {
   return std::countl_zero(x);
 #endif
 }
-/// Of a number that is not 0.
+/// Returns how often 2 divides a number that is not 0.
 template <int N>
 COLLIDED_HD int trailing_zeros(const Integer<N>& a) {
   int i = 0;
   while (a.limb[i] == 0) ++i;
   return 64 * i + trailing_zeros(a.limb[i]);
 }
-/// Bits of a number that is above 0.
+/// Returns the bits of a number above 0.
 template <int N>
 COLLIDED_HD int used_bits(const Integer<N>& a) {
   int i = N - 1;
@@ -138,7 +138,7 @@ COLLIDED_HD double to_double(const Integer<N>& a) {
   return a.is_negative() ? -value : value;
 }
 
-/// Of vectors whose components' products may be of another type.
+/// Cross and dot products may have components of another type than their factors.
 template <class A, class B>
 COLLIDED_HD auto wide_cross(const Vec3<A>& a, const Vec3<B>& b) {
   return Vec3<decltype(a.x * b.x)>{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};

@@ -1,8 +1,8 @@
 #pragma once
-// The forms of exact/form.hpp with coefficients of fixed size, for most of the work of a decision with a thickness: to
-// make the forms and to look at their coefficients' signs. The sums of all coefficients of a form are its value at
-// s = t = 1, where coordinates are below 2^(64 W - 3): the bounds of differences.hpp, with one bit more for each factor,
-// leave room for products of six.
+// Forms as in exact/form.hpp, with coefficients of fixed size. Decisions with a thickness spend most of their time on
+// making forms and looking at their coefficients' signs. No coefficient is above the form's value at s = t = 1, taken
+// with all signs positive. There coordinates are below 2^(64 W - 3), so products of six fit by the bounds of
+// differences.hpp with one bit more for each factor.
 
 #include "gpu/exact/fixed/integer.hpp"
 
@@ -44,7 +44,7 @@ Polynomial<d1 + d2, N1 + N2> operator*(const Polynomial<d1, N1>& a, const Polyno
   return product;
 }
 
-/// As closed_sign of exact/form.hpp.
+/// Returns what closed_sign of exact/form.hpp does.
 template <int degree, int N>
 int closed_sign(const Polynomial<degree, N>& f) {
   const int first = f.c[0].sign();

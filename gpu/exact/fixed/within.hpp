@@ -1,5 +1,5 @@
 #pragma once
-// Whether features at rest are within a thickness of each other, by signs of determinants: the cases of
+// Signs of determinants decide if features at rest are within a thickness of each other, in the cases of
 // exact/features.cpp. The thickness counts as a coordinate, so the bounds of differences.hpp hold for all sums.
 
 #include "gpu/exact/fixed/differences.hpp"

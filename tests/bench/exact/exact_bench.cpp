@@ -6,6 +6,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "tests/bench/exact/costly_kinds.hpp"
 #include "tests/bench/inputs.hpp"
 #include "tests/bench/report.hpp"
 
@@ -19,6 +20,7 @@ struct Options {
   std::string scene;
   int frames = 40, threads = 0;
   double scale = 1;
+  bool costly = false;
 };
 
 /// How a cloth and the floor below it touch where they begin: in the plane z = 0, the cloth's corners in the faces of
@@ -72,16 +74,25 @@ Case resting(const Rest& rest, double scale) {
   return c;
 }
 
-std::vector<Case> cases(const Options& o) {
-  std::vector<Case> all;
+std::vector<CostlyKind> costly_cases(const Options& o) {
+  std::vector<CostlyKind> all;
+  for (CostlyKind& kind : costly_kinds())
+    if (o.scene.empty() || o.scene == kind.input.name) all.push_back(std::move(kind));
+  if (all.empty()) throw std::invalid_argument("no costly kind is called " + o.scene);
+  return all;
+}
+
+std::vector<CostlyKind> cases(const Options& o) {
+  if (o.costly) return costly_cases(o);
+  std::vector<CostlyKind> all;
   for (const char* name : {"cloth_funnel_227_228", "cloth_ball_92_93", "touching_boxes"})
     if (o.scene.empty() || o.scene == name)
       for (const BenchInput& input : bench_inputs(name, o.scale)) {
-        all.push_back(input.at(3, 5));
-        all.back().name = name;
+        all.push_back({input.at(3, 5)});
+        all.back().input.name = name;
       }
   for (const Rest& rest : kRests)
-    if (o.scene.empty() || o.scene == rest.name) all.push_back(resting(rest, o.scale));
+    if (o.scene.empty() || o.scene == rest.name) all.push_back({resting(rest, o.scale)});
   if (all.empty()) throw std::invalid_argument("no scene is called " + o.scene);
   return all;
 }
@@ -110,11 +121,14 @@ struct Level {
 };
 
 /// The same step again and again, at both levels in turn.
-json measure(const Case& c, Scalar scalar, const Options& o) {
+json measure(const CostlyKind& kind, Scalar scalar, const Options& o) {
+  const Case& c = kind.input;
   SceneSpec spec;
   spec.device.backend = o.backend;
   spec.scalar = scalar;
   spec.threads = o.threads;
+  spec.mode = kind.mode;
+  spec.thickness = kind.thickness;
   const auto detector = Detector::create(spec_for(c, spec));
   detector->detect(Frame(c, spec.mode, scalar).input());
   const Frame frame(c, spec.mode, scalar, false);
@@ -150,6 +164,7 @@ int main(int argc, char** argv) {
   std::string backend = "cpu", date, commit;
   app.add_option("--backend", backend, "cpu or cuda")->check(CLI::IsMember({"cpu", "cuda"}))->capture_default_str();
   app.add_option("--scene", options.scene, "One scene; default: all");
+  app.add_flag("--costly", options.costly, "What costs EXACT the most, instead of scenes");
   app.add_option("--scale", options.scale, "Of procedural scenes: triangles grow with its square")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -163,9 +178,9 @@ int main(int argc, char** argv) {
   try {
     options.backend = backend == "cuda" ? collided::Backend::kCuda : collided::Backend::kCpu;
     json runs = json::array();
-    for (const Case& c : cases(options))
-      for (const collided::Scalar scalar : {collided::Scalar::kF32, collided::Scalar::kF64}) {
-        runs.push_back(measure(c, scalar, options));
+    for (const CostlyKind& kind : cases(options))
+      for (const collided::Scalar scalar : kind.scalars) {
+        runs.push_back(measure(kind, scalar, options));
         std::cerr << runs.back() << "\n";
       }
     std::cout << json{{"date", date},

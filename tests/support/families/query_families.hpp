@@ -24,6 +24,9 @@ const std::vector<QueryFamily>& fuzz_families();
 /// One family for each known failure of the usual methods; tests/extremes/README.md.
 const std::vector<QueryFamily>& extreme_families();
 
+/// Queries that cost exact decisions the most, with a thickness of 1/2 and without; for tests of these alone.
+const std::vector<QueryFamily>& costly_families();
+
 /// Of the fuzz families; throws std::invalid_argument.
 const QueryFamily& fuzz_family(const std::string& name);
 
