@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "gpu/exact/located.hpp"
+#include "gpu/exact/roots/located.hpp"
 #include "gpu/exact/windows.hpp"
 
 namespace collided::exact {
@@ -91,7 +91,7 @@ bool holds_at_start(const Contact& contact) {
 // No time between the roots has to be tried. The set of contact is closed, so it has a first time T, and some case C
 // holds at T. If a form of C's `zero` does not vanish identically, T is one of its roots. If all of them do, T is 0 or
 // a root of a form of C's `not_negative` that is below 0 a little before T: else C would hold there, too (what is not 0
-// stays so), and T would not be the first. Roots of `not_zero` need not be tried, because C fails there. Every root that
+// stays so), and T would not be the first. Roots of `not_zero` need not be tried, as C fails there. Every root that
 // passes is a time of contact, so the first of them is T; the least of their rounded times is T's, as rounding is
 // monotone.
 ExactImpact first_impact(const Contact& contact) {

@@ -80,8 +80,8 @@ Squared within(const Squared& squared, const Linear& thickness, const Vec3<Compo
   return thickness * thickness * wide_dot(d, d) - squared;
 }
 
-// Each component of d alone has to be within the limit. Where the largest one crosses 0, double precision loses the sign
-// of the whole sum, but still sees that another component is too large. Only exponents that lie far apart need this.
+// Each component of d alone has to be within the limit. Where the largest one crosses 0, double precision loses the
+// sign of the whole sum, but still sees that another component is too large. Only exponents that lie far apart need this.
 template <class Limit, class Component>
 void imply_components_within(Draft& draft, const Limit& limit, const Vec3<Component>& d) {
   if constexpr (std::is_same_v<Component, Form>)
@@ -121,8 +121,8 @@ void add_point_near_segment(Contact& contact, const Side<Linear>& side, const Li
 // The weights of the closest points, times n^2, are not negative, and |volume| = distance * |n|. Without thickness
 // the volume has to be 0, which is necessary in any case.
 template <class Linear, class Normal, class Volume>
-void add_planes_near(Contact& contact, std::initializer_list<const Normal*> sides, const Volume& volume, const Normal& n,
-                     const Linear& thickness) {
+void add_planes_near(Contact& contact, std::initializer_list<const Normal*> sides, const Volume& volume,
+                     const Normal& n, const Linear& thickness) {
   Draft draft;
   for (const Normal* side : sides) draft.not_negative([&] { return wide_dot(*side, n); });
   draft.not_zero([&] { return wide_dot(n, n); });

@@ -3,7 +3,7 @@
 // binomials. Products are convolutions, the ends are c[0] and c[d], and the signs of the coefficients bound the roots
 // in (0, 1) by Descartes' rule. Sums need equal degrees, so a constant that moves along is {c, c}.
 
-#include <boost/container/small_vector.hpp>
+#include <vector>
 
 #include "gpu/exact/number.hpp"
 
@@ -11,8 +11,7 @@ namespace collided::exact {
 
 /// Form of degree c.size() - 1; never empty.
 struct Form {
-  static constexpr size_t kUsual = 7;  ///< coefficients of the largest form of a decision
-  boost::container::small_vector<Number, kUsual> c{Number()};
+  std::vector<Number> c{Number()};
 
   size_t degree() const { return c.size() - 1; }
   bool vanishes() const;

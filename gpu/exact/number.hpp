@@ -1,6 +1,6 @@
 #pragma once
-// Integers of any size. Numbers of up to kInline limbs, which ordinary decisions need, allocate nothing: half of the time
-// of such a decision went to malloc and free.
+// Integers of any size. Numbers of up to kInline limbs, which ordinary decisions need, allocate nothing: half of the
+// time of such a decision went to malloc and free.
 
 #include <gmp.h>
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gpu/exact/contact.hpp"
-#include "gpu/exact/rough.hpp"
+#include "gpu/exact/roots/rough.hpp"
 
 namespace collided::exact {
 

@@ -94,7 +94,8 @@ COLLIDED_HD Integer<N> shifted_right(const Integer<N>& a, int bits) {
   const uint64_t fill = a.is_negative() ? ~uint64_t{0} : 0;
   Integer<N> r;
   for (int i = 0; i < N; ++i) {
-    const uint64_t low = i + limbs < N ? a.limb[i + limbs] : fill, high = i + limbs + 1 < N ? a.limb[i + limbs + 1] : fill;
+    const uint64_t low = i + limbs < N ? a.limb[i + limbs] : fill;
+    const uint64_t high = i + limbs + 1 < N ? a.limb[i + limbs + 1] : fill;
     r.limb[i] = rest == 0 ? low : (low >> rest) | (high << (64 - rest));
   }
   return r;

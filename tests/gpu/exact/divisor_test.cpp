@@ -1,6 +1,6 @@
 // Common divisors of polynomials that are made of known factors.
 
-#include "gpu/exact/divisor.hpp"
+#include "gpu/exact/roots/divisor.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 
 #include "gpu/exact/features.hpp"
 #include "gpu/exact/fixed/decide.hpp"
-#include "gpu/exact/root.hpp"
+#include "gpu/exact/roots/root.hpp"
 #include "tests/gpu/exact/queries.hpp"
 
 namespace collided::test {

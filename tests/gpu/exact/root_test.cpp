@@ -1,6 +1,6 @@
 // Roots of polynomials that are made of known factors: each once, however often it is one, in order.
 
-#include "gpu/exact/root.hpp"
+#include "gpu/exact/roots/root.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "gpu/exact/rough.hpp"
+#include "gpu/exact/roots/rough.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "gpu/exact/root.hpp"
+#include "gpu/exact/roots/root.hpp"
 
 namespace collided::exact {
 namespace {

@@ -1,6 +1,6 @@
-#include "gpu/exact/located.hpp"
+#include "gpu/exact/roots/located.hpp"
 
-#include "gpu/exact/divisor.hpp"
+#include "gpu/exact/roots/divisor.hpp"
 
 namespace collided::exact {
 

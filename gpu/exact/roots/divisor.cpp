@@ -1,4 +1,4 @@
-#include "gpu/exact/divisor.hpp"
+#include "gpu/exact/roots/divisor.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "gpu/exact/root.hpp"
-#include "gpu/exact/rough.hpp"
+#include "gpu/exact/roots/root.hpp"
+#include "gpu/exact/roots/rough.hpp"
 
 namespace collided::exact {
 

@@ -37,7 +37,7 @@ class RoughForm {
     int64_t scale;
     int reach;
   };
-  /// All roots in (0, 1) are in these, ascending. None if one is too long. The first and the last coefficient are not 0.
+  /// All roots in (0, 1) are in these, ascending. None if one is too long. The first and last coefficient are not 0.
   std::optional<std::vector<Neighbourhood>> neighbourhoods() const;
 
   /// The coefficients at x = 2^scale y as a polynomial in y, times a power of two.

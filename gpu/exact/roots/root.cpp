@@ -1,4 +1,4 @@
-#include "gpu/exact/root.hpp"
+#include "gpu/exact/roots/root.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "gpu/exact/divisor.hpp"
-#include "gpu/exact/piece.hpp"
+#include "gpu/exact/roots/divisor.hpp"
+#include "gpu/exact/roots/piece.hpp"
 #include "gpu/exact/poll.hpp"
 
 namespace collided::exact {

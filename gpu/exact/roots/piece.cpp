@@ -1,4 +1,4 @@
-#include "gpu/exact/piece.hpp"
+#include "gpu/exact/roots/piece.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -31,8 +31,8 @@ Piece right_half(const Piece& piece) {
   return {right_half(piece.f), {2 * piece.on.k + 1, piece.on.bits + 1}, shorter_jump(piece)};
 }
 
-// The idea is Sagraloff and Mehlhorn's (2016). By Descartes' rule nothing is left out if all changes of sign are in the shorter
-// piece.
+// The idea is Sagraloff and Mehlhorn's (2016). By Descartes' rule nothing is left out if all changes of sign are in the
+// shorter piece.
 std::optional<Piece> around_cluster(const Piece& piece, int changes) {
   for (const bool from_end : {false, true}) {
     std::optional<Piece> shorter = around_guess(piece, changes, from_end);
