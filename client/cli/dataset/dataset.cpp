@@ -21,11 +21,7 @@ using scenes::fail;
 
 namespace {
 
-bool is_mesh(const fs::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending == ".obj" || ending == ".ply";
-}
+bool is_mesh(const fs::path& file) { return scenes::is_mesh_file(file); }
 
 bool is_hidden(const fs::path& path) { return path.filename().string().starts_with("."); }
 
@@ -89,7 +85,7 @@ Dataset find_pairs(const std::string& name, size_t frames) {
         names.push_back(match);
     }
   }
-  if (names.empty()) fail(name, "has no mesh files (.obj, .ply)");
+  if (names.empty()) fail(name, std::string("has no mesh files (") + scenes::kMeshExtensions + ")");
   out.pairs = as_steps(std::move(names), frames, out.notes);
   return out;
 }

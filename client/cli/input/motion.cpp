@@ -28,24 +28,25 @@ Motion scene_motion(const SceneOptions& options) {
 }
 
 Motion file_motion(std::vector<std::string> files) {
+  files = expand_folders(files);
   sort_naturally(files);
-  FileFrame first = read_frame(files[0]);
-  bool is_double = first.is_double;
+  const auto first = std::make_shared<const FileFrame>(read_frame(files[0]));
+  bool is_double = first->is_double;
   const int frames = static_cast<int>(files.size());
   Progress progress;
   for (int i = 1; i < frames; ++i) {
     check_interrupt();
-    is_double |= read_frame(files[static_cast<size_t>(i)], first.mesh, files[0]).is_double;
+    is_double |= read_frame(files[static_cast<size_t>(i)], *first, files[0]).is_double;
     progress.show("reading", i + 1, frames);
   }
-  const auto mesh = std::make_shared<const scenes::Mesh>(std::move(first.mesh));
   return {.name = std::filesystem::path(files[0]).stem().string(),
-          .meshes = {*mesh},
+          .meshes = {first->mesh},
           .frames = frames,
           .files = files,
           .is_double = is_double,
-          .positions = [mesh, files](int frame) {
-            return read_frame(files[static_cast<size_t>(frame)], *mesh, files[0]).positions;
+          .notes = first->notes,
+          .positions = [first, files](int frame) {
+            return read_frame(files[static_cast<size_t>(frame)], *first, files[0]).positions;
           }};
 }
 

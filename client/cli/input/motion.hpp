@@ -16,6 +16,7 @@ struct Motion {
   int frames = 0;
   std::vector<std::string> files;                                  ///< of the frames; none of a procedural scene
   bool is_double = false;                                          ///< a position in a file is not exactly a float
+  std::vector<std::string> notes = {};                             ///< what the reader changed in the first file
   std::function<std::vector<scenes::Vec3d>(int frame)> positions;  ///< of all meshes; frames count from 0
 };
 
@@ -24,8 +25,9 @@ void grow_box(v1::SceneSpec& spec, const Motion& motion);
 
 Motion scene_motion(const SceneOptions& options);
 
-/// Frames in mesh files, in their natural order. All are read once, so that one that does not fit is found before the
-/// work, and again as they are played. Throws std::runtime_error naming the file, and Interrupted.
+/// Frames in mesh files and in folders of them, in their natural order. All are read once, so that one that does not
+/// fit is found before the work, and again as they are played. Throws std::runtime_error naming the file, and
+/// Interrupted.
 Motion file_motion(std::vector<std::string> files);
 
 }  // namespace collided::cli

@@ -3,10 +3,13 @@
 #include "client/scenes/mesh_files/mesh_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <locale>
 #include <sstream>
+#include <utility>
 
+#include "client/scenes/mesh_files/faces.hpp"
 #include "client/scenes/mesh_files/mesh_text.hpp"
 
 namespace collided::scenes {
@@ -15,12 +18,34 @@ namespace {
 
 constexpr uint64_t kMaxFileBytes = uint64_t{8} << 30;
 
+using Reader = RawMesh (*)(std::string_view text, const std::string& file);
+
+constexpr std::array<std::pair<std::string_view, Reader>, 7> kReaders{{{".obj", read_obj},
+                                                                       {".ply", read_ply},
+                                                                       {".stl", read_stl},
+                                                                       {".off", read_off},
+                                                                       {".gltf", read_gltf},
+                                                                       {".glb", read_gltf},
+                                                                       {".dae", read_dae}}};
+
 /// The file's extension in lower case.
-std::string ending_of(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (ending != ".obj" && ending != ".ply") fail(file.string(), "ending '" + ending + "' is neither .obj nor .ply");
-  return ending;
+std::string extension_of(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension;
+}
+
+/// Null if there is none.
+Reader find_reader(const std::string& extension) {
+  for (const auto& [known, reader] : kReaders)
+    if (known == extension) return reader;
+  return nullptr;
+}
+
+Reader reader_of(const std::string& extension, const std::string& file) {
+  if (const Reader reader = find_reader(extension)) return reader;
+  fail(file, "the extension must be " + std::string(kMeshExtensions));
 }
 
 void check(MeshFile& mesh, const std::string& file) {
@@ -29,15 +54,10 @@ void check(MeshFile& mesh, const std::string& file) {
       if (!std::isfinite(x)) fail(file, "vertex " + std::to_string(v) + " has a position that is not finite");
       if (std::abs(x) > 3.4e38 || static_cast<double>(static_cast<float>(x)) != x) mesh.is_double = true;
     }
-  for (size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (const uint32_t v : mesh.triangles[t])
-      if (v >= mesh.positions.size())
-        fail(file, "triangle " + std::to_string(t) + " has vertex " + std::to_string(v) + "; there are " +
-                       std::to_string(mesh.positions.size()) + " vertices");
   const bool is_loose = !mesh.edges.empty() || !mesh.points.empty();
   if (mesh.positions.size() < 3 && !is_loose)
-    fail(file, "has " + std::to_string(mesh.positions.size()) + " vertices; a mesh needs 3");
-  if (mesh.triangles.empty() && !is_loose) fail(file, "has no triangles");
+    fail(file, "has " + count_text(mesh.positions.size(), "vertex", "vertices") + "; a mesh needs 3");
+  if (mesh.triangles.empty() && !is_loose) fail(file, "has no faces");
 }
 
 }  // namespace
@@ -72,21 +92,27 @@ void write_file(const std::filesystem::path& file, const std::string& text) {
   if (!out.flush()) fail(file.string(), "cannot be written");
 }
 
-void add_fan(const std::vector<uint32_t>& corners, MeshFile& mesh, const std::string& place) {
-  if (corners.size() < 3) fail(place, "the face has " + std::to_string(corners.size()) + " corners; it needs 3");
-  for (size_t i = 2; i < corners.size(); ++i) mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+bool is_mesh_file(const std::filesystem::path& file) { return find_reader(extension_of(file)) != nullptr; }
+
+MeshFile parse_mesh(const std::string& extension, std::string_view text, const std::string& file,
+                    const MeshFile* like) {
+  MeshFile mesh = split_faces(reader_of(extension, file)(text, file), file, like);
+  check(mesh, file);
+  return mesh;
 }
 
-MeshFile read_mesh(const std::filesystem::path& file) {
-  const std::string ending = ending_of(file), text = read_file(file);
-  MeshFile mesh = ending == ".obj" ? read_obj(text, file.string()) : read_ply(text, file.string());
-  check(mesh, file.string());
-  return mesh;
+MeshFile read_mesh(const std::filesystem::path& file, const MeshFile* like) {
+  const std::string extension = extension_of(file);
+  reader_of(extension, file.string());
+  return parse_mesh(extension, read_file(file), file.string(), like);
 }
 
 void write_mesh(const std::filesystem::path& file, const MeshFile& mesh) {
   if (!mesh.edges.empty() || !mesh.points.empty()) fail(file.string(), "loose edges and points cannot be written");
-  write_file(file, ending_of(file) == ".obj" ? write_obj(mesh) : write_ply(mesh));
+  const std::string extension = extension_of(file);
+  if (extension != ".obj" && extension != ".ply")
+    fail(file.string(), "the extension must be .obj or .ply to be written");
+  write_file(file, extension == ".obj" ? write_obj(mesh) : write_ply(mesh));
 }
 
 }  // namespace collided::scenes

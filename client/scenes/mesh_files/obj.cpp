@@ -1,21 +1,24 @@
 // OBJ: lines "v x y z", "f a b c ...", "l a b ..." and "p a ..." (also a/b/c, and negative indices, which count back);
 // others are skipped, and comments behind '#'. A line that ends in '\' goes on in the next one.
 
-#include <cmath>
-
 #include "client/scenes/mesh_files/mesh_text.hpp"
 
 namespace collided::scenes {
 
 namespace {
 
+/// Three coordinates; a fourth number alone is a weight w, three or four more are a colour.
 Vec3d parse_vertex(std::string_view line, const std::string& place) {
   Vec3d p;
-  for (double& x : p) {
-    const std::string_view word = next_word(line);
-    x = parse_number<double>(word, place);
-    if (!std::isfinite(x)) fail(place, "position " + std::string(word.substr(0, 40)) + " is not finite");
-  }
+  for (double& x : p) x = parse_coordinate(next_word(line), place);
+  const std::string_view fourth = next_word(line);
+  if (fourth.empty()) return p;
+  size_t numbers = 4;
+  while (!next_word(line).empty()) ++numbers;
+  if (numbers == 4) divide_by_w(p, parse_number<double>(fourth, place), place);
+  if (numbers == 5 || numbers > 7)
+    fail(place, "the vertex has " + std::to_string(numbers) +
+                    " numbers; it needs 3, 4 with a weight, or 6 or 7 with a colour");
   return p;
 }
 
@@ -39,16 +42,21 @@ uint32_t parse_corner(std::string_view word, size_t vertices, const std::string&
 }
 
 /// A line of several vertices is as many edges, less one.
-void add_line(const std::vector<uint32_t>& vertices, MeshFile& mesh, const std::string& place) {
-  if (vertices.size() < 2) fail(place, "the line has " + std::to_string(vertices.size()) + " vertices; it needs 2");
+void add_line(const std::vector<uint32_t>& vertices, RawMesh& mesh, const std::string& place) {
+  if (vertices.size() < 2)
+    fail(place, "the line has " + count_text(vertices.size(), "vertex", "vertices") + "; it needs 2");
   for (size_t i = 1; i < vertices.size(); ++i) mesh.edges.push_back({vertices[i - 1], vertices[i]});
 }
 
-void add_element(std::string_view key, const std::vector<uint32_t>& vertices, MeshFile& mesh,
+void add_element(std::string_view key, const std::vector<uint32_t>& vertices, RawMesh& mesh, size_t line,
                  const std::string& place) {
-  if (key == "f") return add_fan(vertices, mesh, place);
   if (key == "l") return add_line(vertices, mesh, place);
-  mesh.points.insert(mesh.points.end(), vertices.begin(), vertices.end());
+  if (key == "p") {
+    mesh.points.insert(mesh.points.end(), vertices.begin(), vertices.end());
+    return;
+  }
+  mesh.add_face(vertices.data(), vertices.size());
+  mesh.lines.push_back(static_cast<uint32_t>(line));
 }
 
 class ObjLines {
@@ -87,10 +95,10 @@ void append_number(std::string& out, double x) {
 
 }  // namespace
 
-MeshFile read_obj(std::string_view text, const std::string& file) {
+RawMesh read_obj(std::string_view text, const std::string& file) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // of UTF-8, as editors on Windows write it
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  MeshFile mesh;
+  RawMesh mesh;
   std::vector<uint32_t> corners;
   MaxCorner max;
   for (ObjLines lines(text); lines.has_next();) {
@@ -105,13 +113,12 @@ MeshFile read_obj(std::string_view text, const std::string& file) {
     corners.clear();
     for (std::string_view word = next_word(line); !word.empty(); word = next_word(line))
       corners.push_back(parse_corner(word, mesh.positions.size(), place));
-    add_element(key, corners, mesh, place);
+    add_element(key, corners, mesh, lines.number(), place);
     max.include(corners, lines.number());
   }
   if (max.line > 0 && max.corner >= mesh.positions.size())
     fail(file + ":" + std::to_string(max.line), "vertex index " + std::to_string(uint64_t{max.corner} + 1) +
-                                                    " is out of range; there are " +
-                                                    std::to_string(mesh.positions.size()) + " vertices");
+                                                    " is out of range; " + vertices_there(mesh.positions.size()));
   return mesh;
 }
 

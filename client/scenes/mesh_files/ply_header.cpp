@@ -2,6 +2,7 @@
 
 #include "client/scenes/mesh_files/ply_header.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -40,7 +41,7 @@ PlyFormat parse_format(std::string_view word, const std::string& place) {
   fail(place, "format '" + std::string(word.substr(0, 40)) + "' is not a PLY format");
 }
 
-PlyProperty parse_property(std::string_view line, const std::string& element, const std::string& place) {
+PlyProperty parse_property(std::string_view line, const PlyElement& element, const std::string& place) {
   PlyProperty property;
   std::string_view word = next_word(line);
   if (word == "list") {
@@ -51,7 +52,8 @@ PlyProperty parse_property(std::string_view line, const std::string& element, co
   }
   property.type = parse_type(word, place);
   property.name = next_word(line);
-  if (element == "face" && is_corners(property) && property.type >= PlyType::kFloat)
+  if ((element.name == "face" || element.name == "tristrips") && is_corners(property) &&
+      property.type >= PlyType::kFloat)
     fail(place, property.name + " must be of an integer type");
   return property;
 }
@@ -83,15 +85,22 @@ uint32_t size_of(PlyType type) {
 }
 
 PlyHeader read_ply_header(std::string_view& text, const std::string& file) {
+  // After a line that CR alone ends, an LF is the first byte of binary data.
+  const bool has_cr_lines = text.starts_with("ply\r") && !text.starts_with("ply\r\n");
   if (next_line(text) != "ply") fail(file, "does not begin with 'ply'");
   PlyHeader header;
   bool has_format = false;
   for (size_t number = 2;; ++number) {
     if (text.empty()) fail(file, "is cut off in its header");
     const std::string place = file + ":" + std::to_string(number);
+    const std::string_view from_line = text;
     std::string_view line = next_line(text);
+    const size_t length = line.size();
     const std::string_view key = next_word(line);
-    if (key == "end_header") break;
+    if (key == "end_header") {
+      if (has_cr_lines) text = from_line.substr(std::min(length + 1, from_line.size()));
+      break;
+    }
     if (key == "format") {
       header.format = parse_format(next_word(line), place);
       has_format = true;
@@ -101,12 +110,16 @@ PlyHeader read_ply_header(std::string_view& text, const std::string& file) {
     } else if (key == "property") {
       if (header.elements.empty()) fail(place, "a property stands before any element");
       PlyElement& element = header.elements.back();
-      element.properties.push_back(parse_property(line, element.name, place));
+      element.properties.push_back(parse_property(line, element, place));
     } else if (key != "comment" && key != "obj_info" && !key.empty()) {
       fail(place, "'" + std::string(key.substr(0, 40)) + "' is not a PLY keyword");
     }
   }
   if (!has_format) fail(file, "has no format line");
+  for (const PlyElement& element : header.elements)
+    if ((element.name == "face" || element.name == "tristrips") && element.count > 0 &&
+        std::none_of(element.properties.begin(), element.properties.end(), is_corners))
+      fail(file, "element " + element.name + " lacks the list vertex_indices");
   check_counts(header, text.size(), file);
   return header;
 }

@@ -1,4 +1,5 @@
-// Reads PLY: positions of "vertex" and corners of "face"; other elements and properties are skipped.
+// Reads PLY: positions of "vertex", corners of "face" and strips of "tristrips"; other elements and properties are
+// skipped.
 
 #include <algorithm>
 #include <array>
@@ -17,6 +18,14 @@ namespace {
 std::string text_of(double number) {
   char text[std::numeric_limits<double>::max_exponent10 + 8];
   return {text, std::to_chars(text, text + sizeof text, number, std::chars_format::fixed, 0).ptr};
+}
+
+/// The line breaks in a text that is not cut within one.
+size_t count_lines(std::string_view text) {
+  size_t lines = 0;
+  for (size_t i = 0; i < text.size(); ++i)
+    lines += text[i] == '\n' || (text[i] == '\r' && text.substr(i + 1, 1) != "\n");
+  return lines;
 }
 
 /// Reads numbers from the body, whatever their encoding. A double holds every PLY type exactly.
@@ -65,7 +74,7 @@ class Body {
     if (from == std::string_view::npos) fail(file_, "is cut off");
     const size_t to = std::min(text_.find_first_of(" \t\r\n", from), text_.size());
     const std::string_view word = text_.substr(from, to - from);
-    line_ += static_cast<size_t>(std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(from), '\n'));
+    line_ += count_lines(text_.substr(0, from));
     text_.remove_prefix(to);
     const auto place = [this] { return file_ + ":" + std::to_string(line_); };
     // Decimal text is read at double precision, whatever type the header names, so that nothing is rounded twice.
@@ -96,7 +105,7 @@ void skip(Body& body, const PlyProperty& property, const std::string& place) {
   for (uint64_t i = 0; i < n; ++i) body.number(property.type);
 }
 
-void read_vertices(Body& body, const PlyElement& element, MeshFile& mesh, const std::string& file) {
+void read_vertices(Body& body, const PlyElement& element, RawMesh& mesh, const std::string& file) {
   std::vector<int> axis_of;
   int found = 0;
   for (const PlyProperty& p : element.properties) {
@@ -115,32 +124,50 @@ void read_vertices(Body& body, const PlyElement& element, MeshFile& mesh, const 
     }
 }
 
-void read_face(Body& body, const PlyElement& element, MeshFile& mesh, const std::string& place) {
+/// An index below 0 restarts a strip.
+constexpr uint32_t kRestart = UINT32_MAX;
+
+uint32_t read_index(Body& body, PlyType type, bool can_restart, const std::string& place) {
+  const double index = body.number(type);
+  if (can_restart && index < 0) return kRestart;
+  if (!(index >= 0 && index < kRestart)) fail(place, "vertex index " + text_of(index) + " is out of range");
+  return static_cast<uint32_t>(index);
+}
+
+/// The corners of a face, or the strips of an element.
+std::vector<uint32_t> read_corners(Body& body, const PlyElement& element, const std::string& place) {
   std::vector<uint32_t> corners;
   for (const PlyProperty& p : element.properties) {
     if (!is_corners(p)) {
       skip(body, p, place);
       continue;
     }
-    for (uint64_t n = body.list_length(p, place); n > 0; --n) {
-      const double index = body.number(p.type);
-      if (!(index >= 0 && index < static_cast<double>(mesh.positions.size())))
-        fail(place, "vertex index " + text_of(index) + " is out of range; there are " +
-                        std::to_string(mesh.positions.size()) + " vertices");
-      corners.push_back(static_cast<uint32_t>(index));
-    }
+    for (uint64_t n = body.list_length(p, place); n > 0; --n)
+      corners.push_back(read_index(body, p.type, element.name == "tristrips", place));
   }
-  add_fan(corners, mesh, place);
+  return corners;
+}
+
+void add_strips(const std::vector<uint32_t>& indices, RawMesh& mesh) {
+  std::vector<uint32_t> strip;
+  for (const uint32_t index : indices) {
+    if (index != kRestart) {
+      strip.push_back(index);
+      continue;
+    }
+    mesh.add_strip(strip);
+    strip.clear();
+  }
+  mesh.add_strip(strip);
 }
 
 }  // namespace
 
-MeshFile read_ply(std::string_view text, const std::string& file) {
+RawMesh read_ply(std::string_view text, const std::string& file) {
   const std::string_view whole = text;
   const PlyHeader header = read_ply_header(text, file);
-  const auto header_end = whole.begin() + static_cast<std::ptrdiff_t>(whole.size() - text.size());
-  Body body(text, 1 + static_cast<size_t>(std::count(whole.begin(), header_end, '\n')), header.format, file);
-  MeshFile mesh;
+  Body body(text, 1 + count_lines(whole.substr(0, whole.size() - text.size())), header.format, file);
+  RawMesh mesh;
   for (const PlyElement& element : header.elements) {
     if (element.name == "vertex") {
       read_vertices(body, element, mesh, file);
@@ -148,10 +175,14 @@ MeshFile read_ply(std::string_view text, const std::string& file) {
     }
     for (uint64_t i = 0; i < element.count; ++i) {
       const std::string place = file + ": " + element.name + " " + std::to_string(i);
-      if (element.name == "face")
-        read_face(body, element, mesh, place);
-      else
+      if (element.name == "face") {
+        const std::vector<uint32_t> corners = read_corners(body, element, place);
+        mesh.add_face(corners.data(), corners.size());
+      } else if (element.name == "tristrips") {
+        add_strips(read_corners(body, element, place), mesh);
+      } else {
         for (const PlyProperty& p : element.properties) skip(body, p, place);
+      }
     }
   }
   return mesh;

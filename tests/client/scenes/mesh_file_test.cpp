@@ -80,8 +80,7 @@ TEST_F(MeshFiles, ObjLinesAndPointsAreLooseElements) {
   EXPECT_EQ(mesh.edges, (std::vector<std::array<uint32_t, 2>>{{0, 1}, {1, 2}, {2, 0}}));
   EXPECT_EQ(mesh.points, (std::vector<uint32_t>{0, 1}));
   EXPECT_EQ(read_mesh(put("p.obj", "v 0 0 0\np 1\n")).points, std::vector<uint32_t>{0});
-  EXPECT_NE(error_of("m.obj", "v 0 0 0\nl 1\n").find("m.obj:2: the line has 1 vertices; it needs 2"),
-            std::string::npos);
+  EXPECT_NE(error_of("m.obj", "v 0 0 0\nl 1\n").find("m.obj:2: the line has 1 vertex; it needs 2"), std::string::npos);
   EXPECT_NE(error_of("m.obj", "v 0 0 0\np 2\n").find("m.obj:2: vertex index 2 is out of range"), std::string::npos);
 }
 
@@ -199,20 +198,31 @@ TEST_F(MeshFiles, LargeNumbersInPlyAreToldAsTheyAre) {
   EXPECT_NE(error.find("vertex index 9223372036854775808 is out of range"), std::string::npos) << error;
 }
 
+TEST_F(MeshFiles, AFrameIsSplitLikeTheFirst) {
+  const auto quad = [](const std::string& corner) {
+    return "v 0 0 0\nv " + corner + " 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4\n";
+  };
+  const MeshFile first = read_mesh(put("0.obj", quad("4 0"))), alone = read_mesh(put("1.obj", quad("1 2")));
+  EXPECT_NE(alone.triangles, first.triangles) << "a quad that is concave there has another diagonal";
+  const MeshFile second = read_mesh(dir_ / "1.obj", &first);
+  EXPECT_EQ(second.triangles, first.triangles);
+  const MeshFile other = read_mesh(put("2.obj", quad("1 2") + "f 1 2 3\n"), &first);
+  EXPECT_EQ(other.triangles.size(), 3u) << "other faces are split by themselves";
+}
+
 TEST_F(MeshFiles, FilesWithoutAMeshAreRefused) {
   EXPECT_NE(error_of("m.obj", "").find("m.obj: has 0 vertices; a mesh needs 3"), std::string::npos);
   EXPECT_NE(error_of("m.obj", "no mesh at all\n").find("m.obj: has 0 vertices"), std::string::npos);
   EXPECT_NE(error_of("m.obj", "v 0 0 0\nv 1 0 0\nf 1 2 1\n").find("m.obj: has 2 vertices"), std::string::npos);
-  EXPECT_NE(error_of("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n").find("m.obj: has no triangles"), std::string::npos);
+  EXPECT_NE(error_of("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n").find("m.obj: has no faces"), std::string::npos);
   EXPECT_NE(error_of("m.ply", "ply\nformat ascii 1.0\nend_header\n").find("m.ply: has 0 vertices"), std::string::npos);
 }
 
 TEST_F(MeshFiles, ErrorsNameFileAndPlace) {
   EXPECT_NE(error_of("m.obj", "v 0 0 0\nv 1 zero 0\n").find("m.obj:2: 'zero' is not a number"), std::string::npos);
   EXPECT_NE(error_of("m.obj", "v 0 0\n").find("m.obj:1: a number is missing"), std::string::npos);
-  EXPECT_NE(
-      error_of("m.obj", "v 0 0 0\nf 1 1 2\n").find("m.obj:2: vertex index 2 is out of range; there are 1 vertices"),
-      std::string::npos);
+  EXPECT_NE(error_of("m.obj", "v 0 0 0\nf 1 1 2\n").find("m.obj:2: vertex index 2 is out of range; there is 1 vertex"),
+            std::string::npos);
   EXPECT_NE(error_of("m.obj", "v 0 0 0\nf 1 0 1\n").find("vertex index 0"), std::string::npos);
   EXPECT_NE(error_of("m.obj", "v 0 0 0\nf 1 1\n").find("2 corners"), std::string::npos);
   EXPECT_NE(error_of("m.obj", "v 1 0 0\nv 0 nan 0\n").find("m.obj:2: position nan is not finite"), std::string::npos);
@@ -224,7 +234,7 @@ TEST_F(MeshFiles, ErrorsNameFileAndPlace) {
   EXPECT_NE(error_of("m.obj", "v 0 0 0\nf 1 3 4\nf 2 3 1\nv 1 0 0\nv 0 1 0\n")
                 .find("m.obj:2: vertex index 4 is out of range; there are 3 vertices"),
             std::string::npos);
-  EXPECT_NE(error_of("m.stl", "solid").find("neither .obj nor .ply"), std::string::npos);
+  EXPECT_NE(error_of("m.fbx", "solid").find("the extension must be .obj, .ply"), std::string::npos);
   EXPECT_THROW(read_mesh(dir_ / "none.ply"), std::runtime_error);
   std::filesystem::create_symlink("loop.obj", dir_ / "loop.obj");
   try {

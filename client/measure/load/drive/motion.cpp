@@ -21,11 +21,12 @@ Motion motion_of_scene(const InputSettings& input) {
 }
 
 Motion motion_of_files(std::vector<std::string> files) {
+  files = expand_folders(files);
   sort_naturally(files);
   FileFrame first = read_frame(files.front());
   const auto all = std::make_shared<std::vector<std::vector<scenes::Vec3d>>>();
-  all->push_back(std::move(first.positions));
-  for (size_t i = 1; i < files.size(); ++i) all->push_back(read_frame(files[i], first.mesh, files.front()).positions);
+  all->push_back(first.positions);
+  for (size_t i = 1; i < files.size(); ++i) all->push_back(read_frame(files[i], first, files.front()).positions);
   return {.name = std::to_string(files.size()) + " recorded frames from " + files.front(),
           .meshes = {std::move(first.mesh)},
           .frames = static_cast<int>(files.size()),

@@ -4,46 +4,61 @@ from __future__ import annotations
 
 import codecs
 import re
-from typing import Any
 
 import numpy as np
 
-from collided.errors import InvalidArgument
-from collided.meshes.polygons import fans
+from collided.meshes.polygons import ReadError
+from collided.meshes.raw import RawMesh, count_text, divided, float_table, lines_of, no_rows, number, vertices_there
 
 _AFTER_SLASH = re.compile(rb"/[^\s]*")
-_CONTINUED = re.compile(rb"\\\r?\n")
+_COMMENT = re.compile(rb"#.*")
 
 
-def read_obj(data: bytes) -> dict[str, Any]:
-    """Vertices and elements, as arguments of Mesh."""
-    text = data.removeprefix(codecs.BOM_UTF8)
-    lines = [line.strip() for line in _CONTINUED.sub(b" ", text).split(b"\n")]
+def read_obj(data: bytes, _path: str) -> RawMesh:
+    lines = _logical_lines(lines_of(data.removeprefix(codecs.BOM_UTF8)))
     keys = np.array([line[:2].replace(b"\t", b" ") for line in lines], dtype="S2")
-    vertex_lines = np.flatnonzero(keys == b"v ")
-    vertices = _vertices(lines, vertex_lines)
-    parts: dict[str, Any] = {"vertices": vertices}
-    for key, name, elements_of in ((b"f ", "triangles", fans), (b"l ", "edges", _segments), (b"p ", "points", _each)):
-        at = np.flatnonzero(keys == key)
+    vertex_lines = np.flatnonzero((keys == b"v ") | (keys == b"v"))
+    mesh = RawMesh(vertices=_vertices(lines, vertex_lines))
+    for key in (b"f", b"l", b"p"):
+        at = np.flatnonzero((keys == key + b" ") | (keys == key))
         corners, counts = _words(lines, at)
         before = np.searchsorted(vertex_lines, np.repeat(at, counts))
-        parts[name] = elements_of(_from_zero(corners, before, len(vertices), np.repeat(at, counts)), counts,
-                                  f"line {key.decode().strip()!r}")
-    return parts
+        indices = _from_zero(corners, before, len(mesh.vertices), np.repeat(at, counts))
+        if key == b"f":
+            mesh.corners, mesh.counts, mesh.lines = indices, counts, at + 1
+        elif key == b"l":
+            mesh.edges = _segments(indices, counts, at)
+        else:
+            mesh.points = indices
+    return mesh
+
+
+def _logical_lines(lines: list[bytes]) -> list[bytes]:
+    """Strips comments, and joins a line that ends in a backslash with the next one, which is left empty."""
+    lines = [_COMMENT.sub(b"", line) if b"#" in line else line for line in lines]
+    for i in range(len(lines) - 1, 0, -1):  # backwards, for chains of such lines
+        if lines[i - 1].endswith(b"\\"):
+            lines[i - 1], lines[i] = lines[i - 1][:-1] + b" " + lines[i], b""
+    return [line.strip() for line in lines]
 
 
 def _vertices(lines: list[bytes], at: np.ndarray) -> np.ndarray:
-    """The first three numbers of each line."""
-    rows = [lines[i].split(None, 4)[1:4] for i in at]
-    try:
-        vertices = np.array(rows, dtype="S").astype("<f8") if rows else np.empty((0, 3))
-    except ValueError as error:
-        raise InvalidArgument(f"a vertex is not three numbers: {error}") from None
-    if vertices.ndim != 2 or vertices.shape[1] != 3:
-        raise InvalidArgument("a vertex has fewer than three numbers")
-    bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
+    """Three coordinates; a fourth number alone is a weight w, three or four more are a colour."""
+    rows = [lines[i].split()[1:] for i in at]
+    if not rows:
+        return np.empty((0, 3))
+    counts = np.fromiter(map(len, rows), int, len(rows))
+    bad = np.flatnonzero((counts < 3) | (counts == 5) | (counts > 7))
+    if bad.size and counts[bad[0]] < 3:
+        float_table([rows[bad[0]]], [at[bad[0]] + 1])  # names a word that is no number, rather
+        raise ReadError("a number is missing", f":{at[bad[0]] + 1}")
     if bad.size:
-        raise InvalidArgument(f"line {at[bad[0]] + 1}: position {vertices[bad[0]].tolist()} is not finite")
+        raise ReadError(f"the vertex has {counts[bad[0]]} numbers; it needs 3, 4 with a weight, or 6 or 7 with a colour",
+                        f":{at[bad[0]] + 1}")
+    vertices = float_table([row[:3] for row in rows], at + 1)
+    for i in np.flatnonzero(counts == 4):
+        place = f":{at[i] + 1}"
+        vertices[i] = divided(vertices[i].tolist(), number(rows[i][3], place), place)
     return vertices
 
 
@@ -53,8 +68,9 @@ def _words(lines: list[bytes], at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     counts = np.fromiter(map(len, rows), int, len(rows))
     try:
         return np.array([word for row in rows for word in row], dtype="S").astype(np.int64), counts
-    except (ValueError, OverflowError) as error:
-        raise InvalidArgument(f"an index is not a number: {error}") from None
+    except (ValueError, OverflowError):
+        indices = [number(word, f":{i + 1}", int) for row, i in zip(rows, at) for word in row]
+        return np.clip(np.array(indices, object), -2 ** 62, 2 ** 62).astype(np.int64), counts
 
 
 def _from_zero(corners: np.ndarray, before: np.ndarray, vertices: int, line: np.ndarray) -> np.ndarray:
@@ -62,20 +78,17 @@ def _from_zero(corners: np.ndarray, before: np.ndarray, vertices: int, line: np.
     index = np.where(corners < 0, corners + before, corners - 1)
     bad = np.flatnonzero((index < 0) | (index >= vertices))
     if bad.size:
-        raise InvalidArgument(f"line {line[bad[0]] + 1}: vertex index {corners[bad[0]]} is out of range; there are "
-                              f"{vertices} vertices")
+        there = f"; {vertices_there(vertices)}" if corners[bad[0]] > 0 else ""
+        raise ReadError(f"vertex index {corners[bad[0]]} is out of range{there}", f":{line[bad[0]] + 1}")
     return index
 
 
-def _segments(corners: np.ndarray, counts: np.ndarray, argument: str) -> np.ndarray:
+def _segments(corners: np.ndarray, counts: np.ndarray, line: np.ndarray) -> np.ndarray:
     """A line of several vertices is as many edges, less one."""
-    if counts.size and int(counts.min()) < 2:
-        raise InvalidArgument(f"{argument} {int(counts.argmin())} has {int(counts.min())} vertices; it needs 2")
+    few = np.flatnonzero(counts < 2)
+    if few.size:
+        raise ReadError(f"the line has {count_text(int(counts[few[0]]), 'vertex', 'vertices')}; it needs 2", f":{line[few[0]] + 1}")
     is_last = np.zeros(len(corners), bool)
     is_last[np.cumsum(counts) - 1] = True
     at = np.flatnonzero(~is_last)
-    return np.stack([corners[at], corners[at + 1]], axis=1) if at.size else np.empty((0, 2), np.int64)
-
-
-def _each(corners: np.ndarray, _counts: np.ndarray, _argument: str) -> np.ndarray:
-    return corners
+    return np.stack([corners[at], corners[at + 1]], axis=1) if at.size else no_rows(2)
