@@ -107,7 +107,9 @@ void add_input_options(CLI::App& command, load::InputSettings& input) {
   command.add_option("--steps", input.steps, "Frames of the scene from its beginning to its end")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command.add_option("--frames", input.files, "Recorded frames, OBJ or PLY, in natural order, such as frames/*.ply")
+  command
+      .add_option("--frames", input.files,
+                  "Recorded frames, files or folders of them, in natural order, such as frames/*.ply")
       ->type_name("FILE")
       ->excludes("--scene")
       ->excludes("--scale")
@@ -186,7 +188,7 @@ constexpr auto kFooter =
     "  collidectl load --scene funnel --scale 0.2 --clients 20 --ramp 10:100:30 --arrivals poisson\n"
     "  collidectl load --frames frames/*.ply --clients 4 --closed-loop --window 4\n"
     "  collidectl load --scene reef_knot --clients 8 --find-max --p99 5ms\n"
-    "  collidectl load --scene reef_knot --rate 60 --server gpu-host:50551 --metrics-url http://gpu-host:9464/metrics\n"
+    "  collidectl load --scene funnel --rate 60 --server gpu:50551 --metrics-url http://gpu:9464/metrics\n"
     "\n"
     "Exit codes: 0 done, 1 failure, streams that ended early among them, 2 bad usage, 128 + n interrupted by signal n.";
 

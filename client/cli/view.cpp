@@ -144,18 +144,18 @@ constexpr auto kFooter =
     "and never slows the simulator; large scenes are thinned. Without SCENE it shows the daemon's scene, and the\n"
     "next one once that has ended. The address has a secret: whoever has it sees the scene.\n"
     "\n"
-    "  collidectl view --scene cloth_ball                             a demo, with a daemon of its own\n"
+    "  collidectl view --scene cloth_ball                           a demo, with a daemon of its own\n"
     "  collidectl view --play frames/*.ply --mode dcd --thickness 0.01\n"
-    "  collidectl view --server unix:/run/collided/socket             the only scene there, or the next one\n"
+    "  collidectl view --server unix:/run/collided/socket           the only scene there, or the next one\n"
     "  collidectl view SCENE --server gpu-host:50551 --tls-ca ca.pem --token-file token\n"
-    "  ssh -L 8080:127.0.0.1:8080 gpu-host collidectl view --server 127.0.0.1:50551 --listen 127.0.0.1:8080";
+    "  ssh -L 8080:127.0.0.1:8080 gpu collidectl view --server localhost:50551 --listen 127.0.0.1:8080";
 
 void add_demo_options(CLI::App& command, ViewCommand& options) {
   add_scene_options(command, options.demo);
   CLI::Option* scene = command.get_option("--scene")->required(false);
   scene->description("Demo: plays a procedural scene to and fro, see 'collidectl scenes'");
   for (const char* of_scenes : {"--frames", "--t0", "--dt", "--scale"}) command.get_option(of_scenes)->needs(scene);
-  command.add_option("--play", options.files, "Demo: plays OBJ or PLY files, a frame each, to and fro");
+  command.add_option("--play", options.files, "Demo: plays mesh files, a frame each, to and fro");
   add_detection_options(command, options.detection);
 }
 

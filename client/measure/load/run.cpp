@@ -2,13 +2,18 @@
 
 #include "client/measure/load/run.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <climits>
 #include <cstdio>
+#include <ctime>
 #include <exception>
 #include <stdexcept>
 
 #include "client/cli/daemon/interrupt.hpp"
 #include "client/cli/output/output.hpp"
+#include "client/cli/report/text.hpp"
 #include "client/measure/load/daemon/limits.hpp"
 #include "client/measure/load/drive/fleet.hpp"
 #include "client/measure/load/drive/phase_run.hpp"
@@ -168,17 +173,36 @@ void report(const LoadSettings& settings, const Outcome& outcome) {
   if (failure) std::rethrow_exception(failure);
 }
 
+std::string host_name() {
+  char name[HOST_NAME_MAX + 1] = "";
+  return gethostname(name, sizeof name) == 0 ? shown_name(name) : "unknown";
+}
+
+/// UTC in ISO 8601.
+std::string now_text() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[sizeof "2026-01-01T00:00:00Z"];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
 }  // namespace
 
 void run_load(const LoadSettings& settings) {
   const Motion motion = make_motion(settings.input);
   Target target(settings);
-  warn_of_rate(settings, target.client().server_info().limits());
+  const v1::GetServerInfoResponse daemon = target.client().server_info();
+  warn_of_rate(settings, daemon.limits());
   defer_interrupts();
   Outcome outcome;
   const std::exception_ptr failure = failure_in([&] { run_generations(target, settings, motion, outcome); });
   if (outcome.generations.empty() && failure) std::rethrow_exception(failure);
   outcome.input = motion.name;
+  outcome.version = daemon.version();
+  outcome.host = host_name();
+  outcome.date = now_text();
   report(settings, outcome);
   if (outcome.result.is_interrupted) check_interrupt();
   if (failure) std::rethrow_exception(failure);

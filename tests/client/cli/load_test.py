@@ -3,10 +3,12 @@
 Usage: load_test.py COLLIDECTL DAEMON"""
 
 import contextlib
+import datetime
 import json
 import os
 import re
 import signal
+import socket
 import subprocess
 import time
 import urllib.request
@@ -23,12 +25,12 @@ class LoadTest(support.CollidectlTest):
     @contextlib.contextmanager
     def loaded_daemon(self, *options):
         """A daemon with metrics: its process and the words that make collidectl use it."""
-        log, socket = (os.path.join(self.folder.name, name) for name in ("log", "socket"))
-        words = [DAEMON, "--address", "unix:" + socket, "--backend", "cpu", "--threads", "1", "--http-address",
+        log, path = (os.path.join(self.folder.name, name) for name in ("log", "socket"))
+        words = [DAEMON, "--address", "unix:" + path, "--backend", "cpu", "--threads", "1", "--http-address",
                  "127.0.0.1:0", *options]
         with open(log, "w", encoding="utf-8") as file, subprocess.Popen(words, stderr=file) as daemon:
             try:
-                yield daemon, ["--server", "unix:" + socket, "--metrics-url", self.metrics_url(daemon, log)]
+                yield daemon, ["--server", "unix:" + path, "--metrics-url", self.metrics_url(daemon, log)]
             finally:
                 daemon.send_signal(signal.SIGCONT)
                 daemon.terminate()
@@ -89,14 +91,20 @@ class Runs(LoadTest):
         for times in (result["latency_ms"], result["service_ms"], result["daemon_ms"]["total"]):
             self.check_times(times)
             self.assertEqual(times["count"], 180)
+        version = json.loads(self.ok("info", *ONE_CPU, "--json"))["version"]
+        self.assertEqual((result["version"], result["host"], result["device"]), (version, socket.gethostname(), "CPU, 1 threads"))
+        ended = datetime.datetime.strptime(result["date"], "%Y-%m-%dT%H:%M:%SZ").replace(tzinfo=datetime.timezone.utc)
+        self.assertLess(abs((datetime.datetime.now(datetime.timezone.utc) - ended).total_seconds()), 120)
         self.assertGreater(result["tester"]["cpu_ms_per_frame"], 0)
         self.assertEqual(sum(second["answered"] for second in result["series"]), 180)
-        for part in ("6 streams (3 clients, 2 scenes each) on 6 connections", "open loop, fixed arrivals",
+        said = f"collided {version} on CPU, 1 threads, tested from {socket.gethostname()}, {result['date']}"
+        for part in (said, "6 streams (3 clients, 2 scenes each) on 6 connections", "open loop, fixed arrivals",
                      "180 answered", "ms of CPU a frame"):
             self.assertIn(part, text)
         with open(html, encoding="utf-8") as file:
             page = file.read()
         self.assertIn("<svg", page)
+        self.assertIn(said, page)
         self.assertNotIn("http", page)
 
     def test_its_own_daemon_lets_all_streams_in(self):

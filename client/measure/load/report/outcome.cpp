@@ -190,7 +190,9 @@ std::vector<std::string> warnings_of(const LoadSettings& settings, const Outcome
 
 Json outcome_json(const LoadSettings& settings, const Outcome& outcome) {
   const PhaseResult& result = outcome.result;
-  Json out = {{"load", load_json(settings, outcome)}, {"input", input_json(outcome)}};
+  Json out = {
+      {"version", outcome.version}, {"host", outcome.host}, {"device", outcome.scene.device()}, {"date", outcome.date}};
+  out.update({{"load", load_json(settings, outcome)}, {"input", input_json(outcome)}});
   if (settings.find_max.p99_ms > 0) out["find_max"] = search_json(settings, outcome);
   if (settings.streams.generations > 1) out["generations"] = generations_json(outcome);
   out["interrupted"] = result.is_interrupted;

@@ -28,8 +28,11 @@ struct Generation {
 };
 
 struct Outcome {
-  std::string input;  ///< what was played
-  v1::Scene scene;    ///< one of them
+  std::string input;    ///< what was played
+  std::string version;  ///< of the daemon
+  std::string host;     ///< that the tester ran on
+  std::string date;     ///< when it ended: UTC, ISO 8601
+  v1::Scene scene;      ///< one of them
   uint64_t bytes_per_frame = 0;
   size_t connections = 0, threads = 0;
   PhaseResult result;             ///< the last run, or the best trial

@@ -125,12 +125,14 @@ std::string generations_text(const Json& outcome) {
 
 std::string load_text(const Json& outcome) {
   const Json &load = outcome.at("load"), &input = outcome.at("input"), &scene = input.at("scene");
-  std::string out = plural(load.at("streams"), "stream") + " (" + plural(load.at("clients"), "client") + ", " +
-                    plural(load.at("scenes_per_client"), "scene") + " each) on " +
-                    plural(load.at("connections"), "connection") + ", window " + count(load.at("window")) + ", " +
-                    load.at("delivery").get<std::string>() + "\n";
+  const auto text = [&](const char* key) { return outcome.at(key).get<std::string>(); };
+  std::string out = "collided " + text("version") + " on " + text("device") + ", tested from " + text("host") + ", " +
+                    text("date") + "\n";
+  out += plural(load.at("streams"), "stream") + " (" + plural(load.at("clients"), "client") + ", " +
+         plural(load.at("scenes_per_client"), "scene") + " each) on " + plural(load.at("connections"), "connection") +
+         ", window " + count(load.at("window")) + ", " + load.at("delivery").get<std::string>() + "\n";
   out += input.at("name").get<std::string>() + ": " + count(scene.at("triangles")) + " triangles, " +
-         count(input.at("bytes_per_frame")) + " bytes a frame; " + scene.at("device").get<std::string>() + "\n";
+         count(input.at("bytes_per_frame")) + " bytes a frame\n";
   if (load.at("loop") == "closed")
     return out +
            "closed loop: a frame is sent when an answer makes room for it, so that no queue beyond the window is "

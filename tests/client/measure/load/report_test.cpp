@@ -20,6 +20,8 @@ LoadSettings open_loop() {
 Outcome sample() {
   Outcome outcome;
   outcome.input = "<funnel> & co";
+  outcome.version = "1.2.3", outcome.host = "lab", outcome.date = "2026-11-27T16:00:00Z";
+  outcome.scene.set_device("some GPU");
   outcome.connections = 1;
   outcome.threads = 2;
   Tally& tally = outcome.result.tally;
@@ -51,6 +53,15 @@ TEST(LoadReport, JsonHasPercentilesThroughputAndTheTestersOwnCost) {
   EXPECT_EQ(json["latency_curve"].back(), (Json{100, 300}));
   EXPECT_EQ(json["load"]["loop"], "open");
   EXPECT_EQ(json["warnings"], Json::array());
+}
+
+TEST(LoadReport, EveryFormSaysWhatWasMeasuredWhereAndWhen) {
+  const Json json = outcome_json(open_loop(), sample());
+  EXPECT_EQ((std::vector<std::string>{json["version"], json["host"], json["device"], json["date"]}),
+            (std::vector<std::string>{"1.2.3", "lab", "some GPU", "2026-11-27T16:00:00Z"}));
+  const std::string said = "collided 1.2.3 on some GPU, tested from lab, 2026-11-27T16:00:00Z";
+  EXPECT_TRUE(outcome_text(json).starts_with(said + "\n")) << outcome_text(json);
+  EXPECT_NE(outcome_html(json).find(said), std::string::npos);
 }
 
 TEST(LoadReport, AClosedLoopSaysWhatItCannotShow) {
