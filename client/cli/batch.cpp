@@ -74,7 +74,7 @@ void add_batch(CLI::App& app) {
   auto options = std::make_shared<BatchOptions>();
   CLI::App& command = *app.add_subcommand("batch", "Contacts of all pairs of frames of a data set, in shards");
   command.footer(kFooter);
-  command.add_option("DATASET", options->dataset, "Folder, glob in quotes, or list of pairs of OBJ or PLY files")
+  command.add_option("DATASET", options->dataset, "Folder, glob in quotes, or list of pairs of mesh files")
       ->type_name("FILE")
       ->required();
   command.add_option("--out", options->out, "Folder for the results of all shards; created if missing")

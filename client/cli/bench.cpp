@@ -123,7 +123,7 @@ void add_input_options(CLI::App& command, BenchOptions& options) {
       ->delimiter(',')
       ->allow_extra_args(false);
   add_scale_option(command, options.scale);
-  command.add_option("--frames", options.frames, "OBJ or PLY: FRAME0 FRAME1 for ccd, one for dcd, the same each step")
+  command.add_option("--frames", options.frames, "Mesh files: FRAME0 FRAME1 for ccd, one for dcd, the same each step")
       ->type_name("FILE")
       ->expected(1, 2)
       ->excludes(command.get_option("--scale"));

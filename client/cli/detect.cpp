@@ -1,11 +1,14 @@
-// collidectl detect: one step, from mesh files to contacts.
+// collidectl detect: whether meshes touch, or what one step between two frames of a mesh finds.
 
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "client/cli/commands.hpp"
 #include "client/cli/daemon/connection.hpp"
+#include "client/cli/input/frame_files.hpp"
 #include "client/cli/input/mesh_input.hpp"
 #include "client/cli/input/step_input.hpp"
 #include "client/cli/options/exclusion_options.hpp"
@@ -16,6 +19,7 @@
 #include "client/cli/report/contacts.hpp"
 #include "client/cli/report/frame_line.hpp"
 #include "client/cli/report/text.hpp"
+#include "client/cli/report/touching.hpp"
 
 namespace collided::cli {
 
@@ -25,35 +29,82 @@ struct DetectOptions {
   ServerOptions server;
   DetectionOptions detection;
   ExclusionOptions exclusions;
-  std::vector<std::string> frames;
+  std::vector<std::string> meshes;  ///< files of meshes that stand still
+  std::vector<std::string> frames;  ///< files of one mesh
   std::string position_format = kAutomaticFormat;
   std::string out, vtp, ply;
+  bool has_chosen_kinds = false;   ///< the command did, not the user
+  bool has_self_contacts = false;  ///< also with several meshes
   bool json = false;
 };
 
+std::vector<std::string> inputs_of(const DetectOptions& options) {
+  return options.meshes.empty() ? options.frames : options.meshes;
+}
+
+/// A folder has the frames of one mesh.
+void find_frames(DetectOptions& options) {
+  const auto is_folder = [](const std::string& name) { return std::filesystem::is_directory(name); };
+  if (options.meshes.size() == 1 && is_folder(options.meshes[0])) options.frames = std::exchange(options.meshes, {});
+  for (const std::string& mesh : options.meshes)
+    if (is_folder(mesh)) throw UsageError(mesh + " is a folder, whose files are frames of one mesh; it goes alone");
+  options.frames = expand_folders(options.frames);
+}
+
+/// Fills in what the user did not choose. Two frames have motion. Meshes that stand still are tested exactly, and
+/// triangles that cross count as well.
+void choose_detection(const CLI::App& command, DetectOptions& options) {
+  const auto is_given = [&](const char* option) { return command.get_option(option)->count() > 0; };
+  DetectionOptions& detection = options.detection;
+  if (!is_given("--mode")) detection.mode = options.frames.size() == 2 || options.detection.advance ? "ccd" : "dcd";
+  if (options.meshes.empty() || detection.mode == "ccd") return;
+  if (!is_given("--accuracy")) detection.accuracy = "exact";
+  options.has_chosen_kinds = !is_given("--kinds") && detection.accuracy == "exact";
+  if (options.has_chosen_kinds) detection.kinds = {"vt", "ee", "tt"};
+}
+
 void check_usage(const DetectOptions& options) {
+  if (options.meshes.empty() == options.frames.empty()) throw UsageError("detect needs one of MESH... and --frames");
   const size_t frames = options.frames.size();
-  if (options.detection.mode == "ccd" && frames != 2)
-    throw UsageError("--mode ccd needs two frames, FRAME0 and FRAME1; 1 was given");
-  if (options.detection.mode == "dcd" && frames != 1) throw UsageError("--mode dcd needs one frame; 2 were given");
+  const std::string& mode = options.detection.mode;
+  if (frames > 2)
+    throw UsageError("detect takes one step, of two frames; there are " + std::to_string(frames) +
+                     ": 'collidectl stream' plays them");
+  if (mode == "ccd" && frames != 2)
+    throw UsageError("--mode ccd needs two frames, --frames FRAME0 FRAME1; " +
+                     (frames == 1 ? std::string("1 was given") : "MESH... stand still"));
+  if (mode == "dcd" && frames == 2) throw UsageError("--mode dcd needs one frame; 2 were given");
   check_usage(options.detection);
   check_one_output(options.out, options.json);
-  check_points(options.detection, "--vtp", options.vtp);
-  check_points(options.detection, "--ply", options.ply);
+  DetectionOptions located =
+      options.detection;  // files of points leave out what has none, unless it is all that is asked
+  if (options.has_chosen_kinds) located.kinds = {"vt", "ee"};
+  check_points(located, "--vtp", options.vtp);
+  check_points(located, "--ply", options.ply);
   check_distinct({{"--out", options.out}, {"--vtp", options.vtp}, {"--ply", options.ply}});
-  check_kept(options.frames, {{"--out", options.out}, {"--vtp", options.vtp}, {"--ply", options.ply}});
+  check_kept(inputs_of(options), {{"--out", options.out}, {"--vtp", options.vtp}, {"--ply", options.ply}});
 }
 
 StepInput read_step(const DetectOptions& options) {
   const std::vector<std::string>& frames = options.frames;
+  if (!options.meshes.empty()) return file_meshes(options.meshes);
   return frames.size() == 2 ? file_step(frames[0], frames[1]) : file_frame(frames[0]);
+}
+
+/// Prints sentences first, then the figures.
+std::string text_of(Json summary) {
+  std::string text = summary["found"].get<std::string>() + "\n";
+  if (summary.contains("notes"))
+    for (const Json& note : summary["notes"]) text += note.get<std::string>() + "\n";
+  summary.erase("found"), summary.erase("notes"), summary.erase("touching");
+  return text + "\n" + report_text(summary);
 }
 
 void print(const DetectOptions& options, const Json& summary) {
   if (options.json)
     std::printf("%s\n", json_text(summary).c_str());
   else
-    print_summary(options.out, report_text(summary));
+    print_summary(options.out, text_of(summary));
 }
 
 using WriteContacts = void (*)(const std::string&, const client::FrameOutput&, const StepPositions&);
@@ -79,6 +130,17 @@ bool has_files(const DetectOptions& options) {
   return !options.out.empty() || !options.vtp.empty() || !options.ply.empty();
 }
 
+/// Says in sentences what was found, and what the reader changed in the files.
+Json found_in_words(const DetectOptions& options, const StepInput& step, const client::FrameOutput& output,
+                    const v1::SceneSpec& spec) {
+  const Touching touching{step.meshes, step.end, output, spec};
+  const bool stands_still = step.start.empty();
+  Json out = {{"found", stands_still ? touching_text(touching) : step_text(step.name, output.done, spec)}};
+  if (stands_still && !options.meshes.empty()) out["touching"] = touching_json(touching);
+  if (!step.notes.empty()) out["notes"] = step.notes;
+  return out;
+}
+
 void run(const DetectOptions& options) {
   check_usage(options);
   check_writable("--out", options.out);
@@ -87,6 +149,7 @@ void run(const DetectOptions& options) {
   const StepInput step = read_step(options);
   std::vector<client::MeshInput> meshes = mesh_inputs(step.meshes);
   options.exclusions.apply_to(meshes);
+  for (client::MeshInput& mesh : meshes) mesh.no_self_contacts = meshes.size() > 1 && !options.has_self_contacts;
   v1::SceneSpec spec =
       scene_spec(options.server, options.detection, choose_format(options.position_format, step.is_double));
   if (has_files(options)) ask_for_all_fields(spec);
@@ -99,7 +162,8 @@ void run(const DetectOptions& options) {
   client::FrameStream stream = connection.stream(*scene);
   const client::FrameOutput output = run_frame(stream, frame);
   stream.finish();
-  Json summary = {{"scene", scene_json(*scene)}};
+  Json summary = found_in_words(options, step, output, spec);
+  summary["scene"] = scene_json(*scene);
   summary.update(found_json(output.done, spec));
   if (const auto contact = earliest_contact(output)) summary["earliest"] = *contact;
   summary.update(frame_json(output.done, spec.report()));
@@ -111,11 +175,22 @@ void run(const DetectOptions& options) {
 
 void add_detect(CLI::App& app) {
   auto options = std::make_shared<DetectOptions>();
-  CLI::App& command = *app.add_subcommand("detect", "Contacts of one step between mesh files");
-  command.add_option("FRAME", options->frames, "OBJ or PLY: FRAME0 FRAME1 for ccd, one for dcd")
+  CLI::App& command = *app.add_subcommand("detect", "Whether meshes touch, and contacts of one step");
+  command.footer(
+      "Several meshes are tested against each other as they stand, one mesh against itself. A folder has the frames\n"
+      "of one mesh, as --frames does.\n"
+      "\n"
+      "  collidectl detect ball.ply box.obj\n"
+      "  collidectl detect ball.ply box.obj --thickness 0.01 --out contacts.csv\n"
+      "  collidectl detect --frames before.ply after.ply");
+  command.add_option("MESH", options->meshes, "Meshes of one scene: OBJ, PLY, STL, OFF, glTF, GLB or DAE")
+      ->type_name("FILE");
+  command
+      .add_option("--frames", options->frames,
+                  "FRAME0 FRAME1 of one mesh: what touches as it moves from one to the other")
       ->type_name("FILE")
-      ->required()
       ->expected(1, 2);
+  command.add_flag("--self", options->has_self_contacts, "Several meshes: also test each against itself");
   add_detection_options(command, options->detection);
   add_advance_options(command, options->detection);
   add_ring_option(command, options->exclusions.rings);
@@ -129,7 +204,14 @@ void add_detect(CLI::App& app) {
       ->type_name("FILE");
   command.add_option("--ply", options->ply, "PLY file with a point for each contact")->type_name("FILE");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");
-  command.callback([options] { run(*options); });
+  command.get_option("--mode")->default_str("ccd with two frames, else dcd");
+  command.get_option("--accuracy")->default_str("exact for MESH..., certified for --frames");
+  command.get_option("--kinds")->default_str("vt,ee,tt for MESH..., vt,ee for --frames");
+  command.callback([options, &command] {
+    find_frames(*options);
+    choose_detection(command, *options);
+    run(*options);
+  });
 }
 
 }  // namespace collided::cli

@@ -182,7 +182,7 @@ CLI::Option* add_number(CLI::App& command, const char* name, T& value, const cha
 void add_input_options(CLI::App& command, EstimateOptions& options) {
   command
       .add_option("FRAME", options.frames,
-                  "OBJ or PLY, whose vertices and elements the scene has; --measure: FRAME0 FRAME1")
+                  "Mesh files, whose vertices and elements the scene has; --measure: FRAME0 FRAME1")
       ->type_name("FILE")
       ->expected(1, 2);
   CLI::Option* scene =

@@ -1,13 +1,17 @@
 // collidectl render: pictures of steps, with their contacts marked.
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "client/cli/commands.hpp"
 #include "client/cli/daemon/connection.hpp"
+#include "client/cli/input/frame_files.hpp"
 #include "client/cli/input/mesh_input.hpp"
 #include "client/cli/input/motion.hpp"
+#include "client/cli/input/step_input.hpp"
 #include "client/cli/options/options.hpp"
 #include "client/cli/options/scene_options.hpp"
 #include "client/cli/options/usage_error.hpp"
@@ -24,7 +28,9 @@ struct RenderOptions {
   ServerOptions server;
   DetectionOptions detection;
   SceneOptions scene{.name = "", .frames = 0};  // 0: as many as one picture takes
-  std::vector<std::string> files;
+  std::vector<std::string> meshes;              ///< files of meshes that stand still
+  std::vector<std::string> frames;              ///< files of one mesh, or with --scene their number
+  std::vector<std::string> files;               ///< of frames
   std::string position_format = kAutomaticFormat;
   PictureOptions picture;
   std::string size, up = "z";
@@ -36,7 +42,10 @@ struct RenderOptions {
 bool is_ccd(const RenderOptions& options) { return options.detection.mode == "ccd"; }
 
 void check_usage(const RenderOptions& options) {
-  if (options.scene.name.empty() == options.files.empty()) throw UsageError("render needs one of FRAME... and --scene");
+  const int inputs = !options.scene.name.empty() + !options.files.empty() + !options.meshes.empty();
+  if (inputs != 1) throw UsageError("render needs one of MESH..., --frames and --scene");
+  if (!options.meshes.empty() && is_ccd(options))
+    throw UsageError("--mode ccd needs two frames, --frames FRAME0 FRAME1; MESH... stand still");
   check_usage(options.detection);
   if (options.detection.accuracy == "candidates")
     throw UsageError("render marks contacts; --accuracy candidates has none");
@@ -49,6 +58,16 @@ void check_usage(const RenderOptions& options) {
 
 Motion motion_of(const RenderOptions& options) {
   if (!options.files.empty()) return file_motion(options.files);
+  if (!options.meshes.empty()) {
+    const auto step = std::make_shared<const StepInput>(file_meshes(options.meshes));
+    return {.name = step->name,
+            .meshes = step->meshes,
+            .frames = 1,
+            .files = {},
+            .is_double = step->is_double,
+            .notes = step->notes,
+            .positions = [step](int) { return step->end; }};
+  }
   SceneOptions scene = options.scene;
   if (scene.frames == 0) scene.frames = is_ccd(options) ? 2 : 1;
   return scene_motion(scene);
@@ -190,6 +209,27 @@ class Renderer {
   Drawing drawing_;
 };
 
+/// --frames is a number with --scene, and else names files; a folder has frames, too.
+void find_frames(RenderOptions& options) {
+  if (options.meshes.size() == 1 && std::filesystem::is_directory(options.meshes[0]))
+    options.files = std::exchange(options.meshes, {});
+  if (options.scene.name.empty()) {
+    options.files.insert(options.files.end(), options.frames.begin(), options.frames.end());
+    options.files = expand_folders(options.files);
+  } else if (!options.frames.empty()) {
+    if (options.frames.size() > 1 || !CLI::detail::lexical_cast(options.frames[0], options.scene.frames) ||
+        options.scene.frames < 1 || options.scene.frames > 1000000)
+      throw UsageError("--frames with --scene needs one number from 1 to 1000000");
+  }
+}
+
+/// Fills in what the user did not choose, as 'detect' does.
+void choose_detection(const CLI::App& command, RenderOptions& options) {
+  if (options.meshes.empty()) return;
+  if (command.get_option("--mode")->count() == 0) options.detection.mode = "dcd";
+  options.has_crossings = options.has_crossings || options.meshes.size() > 1;
+}
+
 void run(RenderOptions options) {
   options.picture.view.is_y_up = options.up == "y";
   check_usage(options);
@@ -199,7 +239,7 @@ void run(RenderOptions options) {
   check_writable("--out", numbered(pattern, 1));
   std::vector<NamedOutput> outputs;
   for (int picture = 1; picture <= pictures; ++picture) outputs.push_back({"--out", numbered(pattern, picture)});
-  check_kept(options.files, outputs);
+  check_kept(options.meshes.empty() ? options.files : options.meshes, outputs);
   Renderer(options, motion, pattern, pictures).run();
 }
 
@@ -242,20 +282,31 @@ void add_render(CLI::App& app) {
       "it\n"
       "happens, at its own time. No display is needed.\n"
       "\n"
-      "  collidectl render frame_0092.ply frame_0093.ply --zoom-contacts\n"
-      "  mkdir -p pictures && collidectl render frames/*.ply --up y --crossings --out 'pictures/{frame}.png'\n"
+      "  collidectl render ball.ply box.obj --thickness 0.01\n"
+      "  collidectl render --frames frame_0092.ply frame_0093.ply --zoom-contacts\n"
+      "  mkdir -p pictures && collidectl render frames --up y --crossings --out 'pictures/{frame}.png'\n"
       "  collidectl render --scene cloth_ball --t0 0.5 --thickness 0.01 --azimuth 60\n"
       "  collidectl render frame.obj --mode dcd --kinds tt --accuracy exact");
-  command.add_option("FRAME", options->files,
-                     "OBJ or PLY: FRAME0 FRAME1 for ccd, one for dcd; more draw more pictures");
+  command.add_option("MESH", options->meshes, "Meshes of one scene: OBJ, PLY, STL, OFF, glTF, GLB or DAE")
+      ->type_name("FILE");
   add_optional_scene_options(command, options->scene);
-  command.get_option("--frames")->default_str("those of one picture");
+  command.remove_option(command.get_option("--frames"));
+  command
+      .add_option("--frames", options->frames,
+                  "FRAME0 FRAME1 of one mesh for ccd, one for dcd, more for more pictures; with --scene their number")
+      ->type_name("FILE")
+      ->expected(1, CLI::detail::expected_max_vector_size);
   add_picture_options(command, *options);
   add_detection_options(command, options->detection);
   add_server_options(command, options->server);
   add_automatic_format_option(command, options->position_format);
   command.add_flag("--json", options->json, "Print one JSON object");
-  command.callback([options] { run(*options); });
+  command.get_option("--mode")->default_str("dcd for MESH..., else ccd");
+  command.callback([options, &command] {
+    find_frames(*options);
+    choose_detection(command, *options);
+    run(*options);
+  });
 }
 
 }  // namespace collided::cli

@@ -7,6 +7,7 @@
 
 #include "client/cli/commands.hpp"
 #include "client/cli/daemon/connection.hpp"
+#include "client/cli/input/frame_files.hpp"
 #include "client/cli/input/mesh_input.hpp"
 #include "client/cli/input/motion.hpp"
 #include "client/cli/input/rigid_motion.hpp"
@@ -165,7 +166,8 @@ void play_into_files(client::FrameStream& stream, const v1::Scene& scene, const 
   finish();
 }
 
-void run(const StreamOptions& options) {
+void run(StreamOptions& options) {
+  options.files = expand_folders(options.files);
   check_usage(options);
   check_writable("--record", options.record);
   check_files(options.detection, options.contacts);
@@ -190,7 +192,9 @@ void add_stream(CLI::App& app) {
   auto options = std::make_shared<StreamOptions>();
   CLI::App& command =
       *app.add_subcommand("stream", "Play mesh files or a procedural scene and tell what the frames cost");
-  command.add_option("FRAME", options->files, "OBJ or PLY, a frame each, in natural order: frame2 before frame10")
+  command
+      .add_option("FRAME", options->files,
+                  "Mesh files, a frame each, or folders of them, in natural order: frame2 before frame10")
       ->type_name("FILE");
   add_optional_scene_options(command, options->scene);
   add_detection_options(command, options->detection);

@@ -82,7 +82,7 @@ void run(const TradeoffOptions& options) {
 }
 
 void add_input_options(CLI::App& command, TradeoffOptions& options) {
-  command.add_option("FRAME", options.frames, "OBJ or PLY: FRAME0 FRAME1, the start and the end of the step")
+  command.add_option("FRAME", options.frames, "Mesh files: FRAME0 FRAME1, the start and the end of the step")
       ->type_name("FILE")
       ->expected(1, 2);
   add_scene_options(command, options.scene);

@@ -22,6 +22,8 @@
 #include "client/cli/recording/live.hpp"
 #include "client/cli/report/digest.hpp"
 #include "client/cli/report/frame_line.hpp"
+#include "client/cli/report/numbers.hpp"
+#include "client/cli/report/text.hpp"
 
 namespace collided::cli {
 
@@ -34,7 +36,7 @@ struct WatchCommand {
   uint64_t frames = 0;
   std::string record;
   std::vector<std::string> meshes;  ///< files
-  bool table = false, plain = false, json = false;
+  bool list = false, table = false, plain = false, json = false;
 };
 
 /// Ends the watch after an interrupt, which its thread, waiting for a frame, would not notice.
@@ -64,6 +66,10 @@ std::string line_of(const WatchCommand& options, const client::WatchedFrame& fra
 
 void check_usage(const WatchCommand& options) {
   if (options.server.server.empty()) throw UsageError("watch needs --server, the daemon that has the scene");
+  if (options.list && !options.scene_id.empty()) throw UsageError("--list takes no SCENE");
+  if (options.scene_id.empty() && (!options.record.empty() || options.table))
+    throw UsageError(std::string(options.table ? "--table" : "--record") +
+                     " needs SCENE; without it, watch lists the scenes");
   if (options.table + options.plain + options.json > 1)
     throw UsageError("watch takes one of --table, --plain and --json");
   if (options.table && !has_screen()) throw UsageError("--table needs a terminal as standard output");
@@ -134,8 +140,34 @@ void show(const WatchCommand& options, Frames& frames) {
     show_lines(options, watcher, receive);
 }
 
+std::string scene_text(const v1::Scene& scene) {
+  const std::string name = shown_name(scene.spec().display_name());
+  return scene.scene_id() + "  " + (name.empty() ? "(no name)" : name) + ", " + count_text(scene.spec().meshes_size()) +
+         (scene.spec().meshes_size() == 1 ? " mesh, " : " meshes, ") + count_text(scene.triangle_count()) +
+         " triangles, frame " + std::to_string(scene.last_frame_id());
+}
+
+Json listed_json(const v1::Scene& scene) {
+  return {{"id", scene.scene_id()},
+          {"name", shown_name(scene.spec().display_name())},
+          {"meshes", scene.spec().meshes_size()},
+          {"vertices", scene.vertex_count()},
+          {"triangles", scene.triangle_count()},
+          {"frame", scene.last_frame_id()}};
+}
+
+/// The scenes that can be watched: sets of scenes have no watch.
+void list_scenes(const WatchCommand& options) {
+  Connection connection(options.server);
+  std::vector<v1::Scene> scenes = connection->list_scenes();
+  std::erase_if(scenes, [](const v1::Scene& scene) { return scene.worlds() > 0; });
+  for (const v1::Scene& scene : scenes) print_line(options.json ? json_text(listed_json(scene)) : scene_text(scene));
+  if (scenes.empty() && !options.json) std::fputs("the daemon has no scene that can be watched\n", stderr);
+}
+
 void run(const WatchCommand& options) {
   check_usage(options);
+  if (options.scene_id.empty()) return list_scenes(options);
   check_writable("--record", options.record);
   defer_interrupts();
   Connection connection(options.server);
@@ -153,10 +185,12 @@ void run(const WatchCommand& options) {
 
 void add_watch(CLI::App& app) {
   auto options = std::make_shared<WatchCommand>();
-  CLI::App& command = *app.add_subcommand("watch", "Show the frames that others send to a scene");
+  CLI::App& command = *app.add_subcommand("watch", "Show the frames that others send to a scene, or list scenes");
   command.footer(
-      "On a terminal the last frames are a table, which the key q or an interrupt ends; else each frame is a line.");
-  command.add_option("scene", options->scene_id, "Id of the scene")->type_name("ID")->check(scene_id())->required();
+      "Without SCENE, the scenes of the daemon are listed. On a terminal the last frames are a table, which the key\n"
+      "q or an interrupt ends; else each frame is a line.");
+  command.add_option("scene", options->scene_id, "Id of the scene")->type_name("ID")->check(scene_id());
+  command.add_flag("--list", options->list, "List the scenes that can be watched, as without SCENE");
   command.add_option("--interval", options->watch.frame_interval, "Every so many frames (default: every one)")
       ->check(CLI::Range(uint32_t{0}, UINT32_MAX));
   command.add_option("--rate", options->watch.max_frames_per_second, "At most so many frames a second (0: no limit)");
@@ -164,7 +198,7 @@ void add_watch(CLI::App& app) {
       ->check(whole_number());
   auto* record = command.add_option("--record", options->record, "File that takes the frames, for 'collidectl replay'");
   auto* mesh = command.add_option("--mesh", options->meshes,
-                                  "OBJ or PLY with the scene's meshes, in its order, which --record needs for their "
+                                  "Files with the scene's meshes, in its order, which --record needs for their "
                                   "elements: in one file or several");
   mesh->needs(record);
   record->needs(mesh);

@@ -10,7 +10,7 @@ cd /root/told || exit 1
 service=collided.service config=/etc/collided/collided.toml
 touch booted
 systemctl show -p Type,NRestarts,User,ActiveState,StatusText $service >show
-collidectl detect /srv/0.obj /srv/1.obj --json --server unix:/run/collided/socket >detect 2>&1
+collidectl detect --frames /srv/0.obj /srv/1.obj --json --server unix:/run/collided/socket >detect 2>&1
 python3 -c 'import urllib.request as u; print(u.urlopen("http://127.0.0.1:9464/readyz").read().decode().strip())' >ready 2>&1
 stat -c '%a %U %G %n' /run/collided /run/collided/socket >modes 2>&1
 systemctl reload $service >/dev/null 2>&1

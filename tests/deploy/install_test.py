@@ -104,7 +104,7 @@ class Install(unittest.TestCase):
         type(self).before = self.root.files()
         self.root.apt("install", "/tmp/previous.deb")
         self.assertIn("max-window = 15 ", self.read(CONFIG))
-        said = json.loads(self.serving("collidectl detect /srv/0.obj /srv/1.obj --json --server unix:/run/collided/socket"))
+        said = json.loads(self.serving("collidectl detect --frames /srv/0.obj /srv/1.obj --json --server unix:/run/collided/socket"))
         self.assertAlmostEqual(said["earliest_toi"], 2 / 3, places=6)
 
     def test_2_the_unit_is_enabled_and_systemd_finds_no_mistake_in_it(self):

@@ -92,7 +92,12 @@ class CommandLines(WithDaemon):
                         "--out", frames], check=True, stdout=subprocess.DEVNULL, timeout=60)
         for name, frame in zip(("before", "after"), sorted(frames.glob("*.ply"))):
             shutil.copy(frame, cls.folder / f"{name}.ply")
-        shutil.copy(cls.folder / "before.ply", cls.folder / "mesh.ply")
+        for name in ("mesh.ply", "ball.ply"):
+            shutil.copy(cls.folder / "before.ply", cls.folder / name)
+        table = REPOSITORY / "tests" / "support" / "mesh_files" / "table.py"
+        subprocess.run([sys.executable, table, cls.folder / "table"], check=True)
+        for name, source in (("box.obj", "tent_lf.obj"), ("ball.stl", "cube.stl"), ("box.glb", "plain.glb")):
+            shutil.copy(cls.folder / "table" / source, cls.folder / name)
         (cls.folder / "client").symlink_to(REPOSITORY / "client")
 
     def lines(self, program):

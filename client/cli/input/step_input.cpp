@@ -3,15 +3,19 @@
 #include "client/cli/input/step_input.hpp"
 
 #include <filesystem>
+#include <map>
 #include <utility>
 
 #include "client/cli/input/frame_files.hpp"
 #include "client/cli/input/mesh_input.hpp"
 #include "client/cli/report/numbers.hpp"
+#include "client/cli/report/text.hpp"
 
 namespace collided::cli {
 
 namespace {
+
+constexpr size_t kMaxNameBytes = 100;  // MeshSpec.name, less a number
 
 std::string stem(const std::string& file) { return std::filesystem::path(file).stem().string(); }
 
@@ -30,13 +34,16 @@ StepInput scene_step(const SceneOptions& options) {
 }
 
 StepInput file_step(const std::string& first, const std::string& second) {
-  FileFrame a = read_frame(first), b = read_frame(second, a.mesh, first);
+  FileFrame a = read_frame(first), b = read_frame(second, a, first);
+  std::vector<std::string> notes = a.notes;
+  notes.insert(notes.end(), b.notes.begin(), b.notes.end());
   return {.name = stem(first) + " to " + stem(second),
           .description = "frames " + first + " and " + second,
           .meshes = {std::move(a.mesh)},
           .start = std::move(a.positions),
           .end = std::move(b.positions),
-          .is_double = a.is_double || b.is_double};
+          .is_double = a.is_double || b.is_double,
+          .notes = std::move(notes)};
 }
 
 StepInput file_frame(const std::string& file) {
@@ -46,7 +53,25 @@ StepInput file_frame(const std::string& file) {
           .meshes = {std::move(frame.mesh)},
           .start = {},
           .end = std::move(frame.positions),
-          .is_double = frame.is_double};
+          .is_double = frame.is_double,
+          .notes = std::move(frame.notes)};
+}
+
+StepInput file_meshes(const std::vector<std::string>& files) {
+  StepInput out;
+  std::map<std::string, int> taken;
+  for (const std::string& file : files) {
+    FileFrame frame = read_frame(file);
+    frame.mesh.name = shown_name(stem(file)).substr(0, kMaxNameBytes);
+    if (const int number = ++taken[frame.mesh.name]; number > 1) frame.mesh.name += " (" + std::to_string(number) + ")";
+    out.name += (out.name.empty() ? "" : ", ") + frame.mesh.name;
+    out.description += (out.description.empty() ? "meshes " : ", ") + file;
+    out.meshes.push_back(std::move(frame.mesh));
+    out.end.insert(out.end.end(), frame.positions.begin(), frame.positions.end());
+    out.is_double = out.is_double || frame.is_double;
+    out.notes.insert(out.notes.end(), frame.notes.begin(), frame.notes.end());
+  }
+  return out;
 }
 
 v1::Frame step_frame(const StepInput& step, uint64_t id, const v1::SceneSpec& spec) {

@@ -109,7 +109,7 @@ class Bench(support.CollidectlTest):
         self.refused(2, "--warm-up", "bench", *scene, "--warm-up", "-1")
         for engines in ("grid", "octree,grid", ""):
             self.refused(2, "--engine", "bench", *scene, "--engine", engines)
-        self.refused(2, "--engine", "detect", *frames[1:], "--engine", "grid")
+        self.refused(2, "--engine", "detect", "--frames", *frames[1:], "--engine", "grid")
         self.refused(2, "--accuracy", "bench", *scene, "--accuracy", "perfect")
         self.refused(2, "--position-format", "bench", *scene, "--position-format", "f16")
 

@@ -23,7 +23,7 @@ class Daemon(support.CollidectlTest):
             self.assertEqual(info["devices"]["cpu:0"]["scenes"], 0)
             self.assertEqual(info["local_socket"], "")
             for _ in range(2):
-                self.ok("detect", self.frame0, self.frame1, "--server", address, "--backend", "cpu")
+                self.ok("detect", "--frames", self.frame0, self.frame1, "--server", address, "--backend", "cpu")
 
     def test_info_tells_every_limit(self):
         limits = {"max-vertices": 5, "max-triangles": 6, "max-window": 7, "max-idle-seconds": 8.5,
@@ -56,7 +56,7 @@ class Daemon(support.CollidectlTest):
         with self.daemon("--local-socket", os.path.join(folder, "local")) as address:
             os.chown(folder, nobody.pw_uid, -1)
             server = ["--server", address, "--backend", "cpu", "--json"]
-            commands = (["detect", self.frame0, self.frame1], ["stream", "--scene", "funnel", "--scale=0.2", "--frames=1"])
+            commands = (["detect", "--frames", self.frame0, self.frame1], ["stream", "--scene", "funnel", "--scale=0.2", "--frames=1"])
             for words in commands:
                 told = json.loads(self.ok(*words, *server))
                 self.assertEqual(told["transport"], "grpc")
@@ -80,7 +80,7 @@ class Daemon(support.CollidectlTest):
                     process.send_signal(number)
                     self.assertIn(f"collidectl: interrupted by signal {number.value}\n", process.stderr.read())
                 self.assertEqual(process.returncode, 128 + number)
-                self.ok("detect", self.frame0, self.frame1, *server)  # there is room for its scene
+                self.ok("detect", "--frames", self.frame0, self.frame1, *server)  # there is room for its scene
 
     def test_an_interrupted_detect_leaves_no_scene_on_a_running_daemon(self):
         out = os.path.join(self.folder.name, "frames")
@@ -89,12 +89,12 @@ class Daemon(support.CollidectlTest):
         with self.daemon("--max-scenes", "1") as address:
             server = ["--server", address, "--backend", "cpu"]
             for milliseconds in range(0, 200, 10):
-                words = [COLLIDECTL, "detect", *frames, *server]
+                words = [COLLIDECTL, "detect", "--frames", *frames, *server]
                 with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
                     time.sleep(milliseconds / 1000)
                     process.terminate()
                 self.assertIn(process.returncode, (-signal.SIGTERM, 128 + signal.SIGTERM, 0))
-                self.ok("detect", self.frame0, self.frame1, *server)
+                self.ok("detect", "--frames", self.frame0, self.frame1, *server)
 
     def test_settings_of_other_daemons_do_not_reach_its_own(self):
         config = self.put("config.toml", "no-such-option = 1\n")
@@ -102,7 +102,7 @@ class Daemon(support.CollidectlTest):
                   "COLLIDED_MAX_SCENES": "abc"}
         with socket.create_server(("127.0.0.1", 0)) as taken:
             others["COLLIDED_HTTP_ADDRESS"] = f"127.0.0.1:{taken.getsockname()[1]}"
-            self.ok("detect", self.frame0, self.frame1, *ONE_CPU, **others)
+            self.ok("detect", "--frames", self.frame0, self.frame1, *ONE_CPU, **others)
         words = ["load", "--scene", "reef_knot", "--scale", "0.1", "--rate", "20", "--seconds", "0.2", "--json", *ONE_CPU]
         self.assertTrue(json.loads(self.ok(*words, **others))["comparison"])  # with the metrics that its log names
 
@@ -116,7 +116,7 @@ class Daemon(support.CollidectlTest):
         with tempfile.TemporaryDirectory() as folder:
             self.ok("info", TMPDIR=folder)
             far = ["--mode", "dcd", "--position-format", "f32", "--thickness", "1e39"]
-            self.refused(1, "thickness", "detect", self.frame0, *far, *ONE_CPU, TMPDIR=folder)
+            self.refused(1, "thickness", "detect", "--frames", self.frame0, *far, *ONE_CPU, TMPDIR=folder)
             self.assertEqual(os.listdir(folder), [])
 
     def test_an_interrupt_stops_the_daemon_and_removes_its_folder(self):

@@ -12,10 +12,86 @@ import support
 from support import ONE_CPU, FRAME0
 
 
+def cube(x, size=2, y=0):
+    """An OBJ file's text: a cube of quads whose lower corner is at (x, y, y)."""
+    corners = [(x + size * (i & 1), y + size * (i >> 1 & 1), y + size * (i >> 2)) for i in range(8)]
+    faces = ("1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6")
+    return "".join("v {} {} {}\n".format(*corner) for corner in corners) + "".join(f"f {face}\n" for face in faces)
+
+
+class Meshes(support.CollidectlTest):
+    """Files are meshes of one scene."""
+
+    def found(self, *words):
+        return json.loads(self.ok("detect", *words, *ONE_CPU, "--json"))
+
+    def test_two_meshes_touch_or_do_not(self):
+        ball, box, far = (self.put(name, cube(x)) for name, x in (("ball.obj", 0), ("box.obj", 1.5), ("far.obj", 4)))
+        text = self.ok("detect", ball, box, *ONE_CPU)
+        self.assertRegex(text, r"^ball and box touch: [1-9]\d* contacts \(.*[1-9]\d* triangle-triangle\)\n\nscene\n")
+        self.assertTrue(self.ok("detect", ball, far, *ONE_CPU).startswith("ball and far do not touch\n"))
+        found = self.found(ball, box)
+        self.assertEqual(found["touching"], [{"meshes": ["ball", "box"], "contact_count": found["contact_count"]}])
+        self.assertEqual((found["scene"]["mode"], found["scene"]["accuracy"], found["scene"]["kinds"]), ("dcd", "exact", ["vt", "ee", "tt"]))
+        self.assertEqual((self.found(ball, far)["touching"], self.found(ball, far)["any_contact"]), ([], False))
+        self.assertEqual(self.found(ball, far, "--report", "any")["found"], "ball and far do not touch")
+        self.assertEqual(self.found(ball, box, "--report", "any")["found"], "ball and box touch")
+
+    def test_a_side_that_only_touches_counts_and_a_hair_of_room_does_not(self):
+        ball, box, near = (self.put(name, cube(x)) for name, x in (("ball.obj", 0), ("box.obj", 2), ("near.obj", 2.000000001)))
+        self.assertTrue(self.found(ball, box)["any_contact"])
+        self.assertFalse(self.found(ball, near)["any_contact"])
+        self.assertRegex(self.found(ball, near, "--thickness", "0.01")["found"], "^ball and near touch at a thickness of 0.01: ")
+
+    def test_three_meshes_are_told_by_pairs_and_a_mesh_alone_by_itself(self):
+        files = [self.put(name, cube(x)) for name, x in (("a.obj", 0), ("b.obj", 1), ("c.obj", 9))]
+        self.assertRegex(self.found(*files)["found"], r"^a and b touch: .*\)\nthe other 2 pairs do not touch$")
+        self.assertEqual(self.found(files[0], files[2], self.put("d.obj", cube(20)))["found"], "none of the 3 meshes touch")
+        self.assertEqual(self.found(files[0])["found"], "a does not touch itself")
+        both = self.put("both.obj", cube(0) + re.sub(r"^f .*$", lambda f: "f " + " ".join(str(int(v) + 8) for v in f[0].split()[1:]), cube(1), flags=re.M))
+        self.assertRegex(self.found(both)["found"], "^both touches itself: ")
+        self.assertNotIn("both and both", self.found(both, files[2])["found"])
+        self.assertIn("both touches itself", self.found(both, files[2], "--self")["found"])
+        self.assertEqual(self.found(files[0], files[0])["touching"][0]["meshes"], ["a", "a (2)"])
+
+    def test_a_mesh_within_another_has_no_contact_and_is_told_why(self):
+        text = self.found(self.put("shell.obj", cube(0, 9)), self.put("core.obj", cube(1, 1, 1)))["found"]
+        self.assertIn("shell and core do not touch; ", text)
+        self.assertIn("meshes are surfaces", text)
+
+    def test_frames_follow_their_option_or_are_in_a_folder(self):
+        folder = os.path.join(self.folder.name, "frames")
+        os.mkdir(folder)
+        for name, text in (("f2.obj", support.FRAME0), ("f10.obj", support.FRAME1), ("notes.txt", "")):
+            with open(os.path.join(folder, name), "w", encoding="ascii") as file:
+                file.write(text)
+        by_option = self.found("--frames", self.frame0, self.frame1)
+        self.assertRegex(by_option["found"], r"^a to b: there is contact, \d+ contacts?, the first at 0\.(49\d*|5) of the step$")
+        for words in ([folder], ["--frames", folder]):
+            self.assertEqual(self.found(*words)["earliest_toi"], by_option["earliest_toi"])
+        self.refused(2, "it goes alone", "detect", self.frame0, folder)
+        self.put("frames/f11.obj", support.FRAME1)
+        self.refused(2, "there are 3: 'collidectl stream' plays them", "detect", folder)
+        self.assertEqual(len(json.loads(self.ok("stream", folder, *ONE_CPU, "--json"))["per_frame"]), 3)
+        self.refused(1, "two meshes go without --frames", "detect", "--frames", self.frame0, self.put("ball.obj", cube(0)))
+
+    def test_polygons_that_bend_keep_their_triangles(self):
+        quad = "v 0 0 0\nv {} 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4\n"  # convex, then concave at the second corner
+        bent = self.found("--frames", self.put("q0.obj", quad.format("4 0")), self.put("q1.obj", quad.format("1 2")))
+        self.assertEqual(bent["scene"]["triangles"], 2)
+
+    def test_what_the_reader_changed_is_said(self):
+        facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex {} 1 0\nendloop\nendfacet\n"
+        stl = self.put("two.stl", "solid a\n" + facet.format(0) + facet.format(1) + "endsolid a\n")
+        said = f"{stl}: welded 6 corners into 4 vertices"
+        self.assertEqual(self.found(stl)["notes"], [said])
+        self.assertIn(said + "\n", self.ok("detect", stl, *ONE_CPU))
+
+
 class Detect(support.CollidectlTest):
     def test_ccd_finds_the_known_contact(self):
         out = os.path.join(self.folder.name, "c.csv")
-        summary = json.loads(self.ok("detect", self.frame0, self.frame1, *ONE_CPU, "--out", out, "--json"))
+        summary = json.loads(self.ok("detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--out", out, "--json"))
         rows = self.rows(out)
         self.assertEqual(summary["contact_count"], len(rows))
         self.assertEqual(summary["scene"]["triangles"], 2)
@@ -36,7 +112,7 @@ class Detect(support.CollidectlTest):
         for level in ("fast", "guarded", "certified", "exact"):
             out = os.path.join(self.folder.name, level)
             words = ["--accuracy", level, "--delta", "1e-5", "--out", out, "--json"]
-            summary = json.loads(self.ok("detect", self.frame0, self.frame1, *ONE_CPU, *words))
+            summary = json.loads(self.ok("detect", "--frames", self.frame0, self.frame1, *ONE_CPU, *words))
             self.assertEqual((summary["scene"]["accuracy"], summary["scene"]["delta"]), (level, 1e-5))
             vt = [row for row in self.rows(out) if row["kind"] == "vt"]
             self.assertEqual([(row["element_a"], row["element_b"]) for row in vt], [("3", "0")])
@@ -51,15 +127,15 @@ class Detect(support.CollidectlTest):
             return path
 
         out = os.path.join(self.folder.name, "loose.csv")
-        summary = json.loads(self.ok("detect", frame("a.obj", 1), frame("b.obj", -1), *ONE_CPU, "--out", out, "--json"))
+        summary = json.loads(self.ok("detect", "--frames", frame("a.obj", 1), frame("b.obj", -1), *ONE_CPU, "--out", out, "--json"))
         self.assertEqual(summary["earliest"]["stencil"], [1, 0, 2, 2])
         self.assertEqual([(row["kind"], row["element_a"], row["element_b"]) for row in self.rows(out)], [("vt", "1", "0")])
         others = frame("c.obj", -1, points="1")
-        self.refused(1, "has other loose edges or points", "detect", frame("a.obj", 1), others, *ONE_CPU)
+        self.refused(1, "has other loose edges or points", "detect", "--frames", frame("a.obj", 1), others, *ONE_CPU)
 
     def test_a_csv_has_weights_points_and_normals(self):
         out = os.path.join(self.folder.name, "c.csv")
-        self.ok("detect", self.frame0, self.frame1, *ONE_CPU, "--accuracy", "exact", "--out", out)
+        self.ok("detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--accuracy", "exact", "--out", out)
         (row,) = [row for row in self.rows(out) if row["kind"] == "vt"]
         self.assertEqual([float(row[name]) for name in ("w0", "w1")], [0.25, 0.25])
         for point in ("point_a", "point_b"):
@@ -70,7 +146,7 @@ class Detect(support.CollidectlTest):
     def test_a_scene_in_parts_has_the_same_contacts(self):
         frames, parts = [self.frame0, self.frame1], ["--part-devices", "cpu:0,cpu:0,cpu:0"]
         files = [os.path.join(self.folder.name, name) for name in ("one.csv", "parts.csv")]
-        one, in_parts = (json.loads(self.ok("detect", *frames, *ONE_CPU, *words, "--out", file, "--json"))
+        one, in_parts = (json.loads(self.ok("detect", "--frames", *frames, *ONE_CPU, *words, "--out", file, "--json"))
                          for words, file in zip(([], parts), files))
         self.assertEqual(*(self.rows(file) for file in files))
         self.assertEqual((in_parts["scene"]["part_devices"], "part_devices" in one["scene"]), (["cpu:0"] * 3, False))
@@ -81,12 +157,12 @@ class Detect(support.CollidectlTest):
         apart = self.put("apart.obj", FRAME0.replace("v 1 1 1\n", "v 1 1 0.1\n"))
         further = self.put("further.obj", FRAME0)
         out = os.path.join(self.folder.name, "c.csv")
-        self.ok("detect", apart, further, *ONE_CPU, "--thickness", "0.2", "--out", out)
+        self.ok("detect", "--frames", apart, further, *ONE_CPU, "--thickness", "0.2", "--out", out)
         self.assertIn("separating", [word for row in self.rows(out) for word in row["flags"].split("|")])
 
     def test_files_for_paraview_hold_what_the_csv_holds(self):
         out, vtp, ply = (os.path.join(self.folder.name, "c." + ending) for ending in ("csv", "vtp", "ply"))
-        words = ["detect", self.frame0, self.frame1, *ONE_CPU]
+        words = ["detect", "--frames", self.frame0, self.frame1, *ONE_CPU]
         summary = json.loads(self.ok(*words, "--out", out, "--vtp", vtp, "--ply", ply, "--json"))
         self.assertEqual([summary[name] for name in ("out", "vtp", "ply")], [out, vtp, ply])
         rows = self.rows(out)
@@ -115,7 +191,7 @@ class Detect(support.CollidectlTest):
 
     def test_files_for_paraview_without_contacts_or_times(self):
         vtp, ply = (os.path.join(self.folder.name, "c." + ending) for ending in ("vtp", "ply"))
-        self.ok("detect", self.frame0, self.frame0, *ONE_CPU, "--vtp", vtp, "--ply", ply)
+        self.ok("detect", "--frames", self.frame0, self.frame0, *ONE_CPU, "--vtp", vtp, "--ply", ply)
         self.assertEqual(xml.etree.ElementTree.parse(vtp).find("PolyData/Piece").get("NumberOfPoints"), "0")
         self.ok("detect", self.frame1, *ONE_CPU, "--mode", "dcd", "--thickness", "1", "--vtp", vtp, "--ply", ply)
         piece = xml.etree.ElementTree.parse(vtp).find("PolyData/Piece")
@@ -124,11 +200,11 @@ class Detect(support.CollidectlTest):
         for option in ("--vtp", "--ply"):
             self.refused(2, f"{option} needs contact points", "detect", self.frame1, "--mode", "dcd", "--kinds", "tt", option,
                          vtp)
-            self.refused(2, f"{option} is a file here", "detect", self.frame0, self.frame1, option, "-")
-            self.refused(1, "Is a directory", "detect", self.frame0, self.frame1, option, self.folder.name)
+            self.refused(2, f"{option} is a file here", "detect", "--frames", self.frame0, self.frame1, option, "-")
+            self.refused(1, "Is a directory", "detect", "--frames", self.frame0, self.frame1, option, self.folder.name)
 
     def test_encoded_positions_miss_nothing(self):
-        words = ["detect", self.frame0, self.frame1, *ONE_CPU, "--position-format", "q16"]
+        words = ["detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--position-format", "q16"]
         summary = json.loads(self.ok(*words, "--json"))
         self.assertEqual(summary["scene"]["position_format"], "q16")
         self.assertEqual(summary["bytes_in"], 2 * 6 * 6)
@@ -136,29 +212,29 @@ class Detect(support.CollidectlTest):
         self.refused(1, "EXACT", *words, "--accuracy", "exact")
 
     def test_an_advance_tells_how_far_it_went(self):
-        words = ["detect", self.frame0, self.frame1, *ONE_CPU, "--json"]
+        words = ["detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--json"]
         self.assertNotIn("advanced", json.loads(self.ok(*words)))
         free = json.loads(self.ok(*words, "--advance"))
         self.assertTrue(0.4 < free["advanced"] < 0.5, free)
         wide = json.loads(self.ok(*words, "--advance", "--min-separation", "0.5"))
         self.assertEqual(wide["scene"]["min_separation"], 0.5)
         self.assertTrue(0 < wide["advanced"] < 0.25, wide)
-        still = json.loads(self.ok("detect", self.frame0, self.frame0, *ONE_CPU, "--json", "--advance"))
+        still = json.loads(self.ok("detect", "--frames", self.frame0, self.frame0, *ONE_CPU, "--json", "--advance"))
         self.assertEqual(still["advanced"], 1)
 
     def test_reports(self):
         frames = [self.frame0, self.frame1]
         out = os.path.join(self.folder.name, "c.csv")
-        earliest = json.loads(self.ok("detect", *frames, *ONE_CPU, "--report", "earliest", "--out", out, "--json"))
+        earliest = json.loads(self.ok("detect", "--frames", *frames, *ONE_CPU, "--report", "earliest", "--out", out, "--json"))
         self.assertEqual((earliest["scene"]["report"], earliest["contact_count"], len(self.rows(out))), ("earliest", 1, 1))
-        hit = json.loads(self.ok("detect", *frames, *ONE_CPU, "--report", "any", "--out", out, "--json"))
+        hit = json.loads(self.ok("detect", "--frames", *frames, *ONE_CPU, "--report", "any", "--out", out, "--json"))
         self.assertEqual((hit["any_contact"], hit["contact_count"], self.rows(out)), (True, None, []))
-        miss = json.loads(self.ok("detect", self.frame0, self.frame0, *ONE_CPU, "--report", "any", "--json"))
+        miss = json.loads(self.ok("detect", "--frames", self.frame0, self.frame0, *ONE_CPU, "--report", "any", "--json"))
         self.assertIs(miss["any_contact"], False)
 
     def test_the_earliest_contact_is_named(self):
         for report in ("earliest", "all"):
-            words = ["detect", self.frame0, self.frame1, *ONE_CPU, "--report", report]
+            words = ["detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--report", report]
             summary = json.loads(self.ok(*words, "--json"))
             contact = summary["earliest"]
             self.assertEqual((contact["kind"], contact["elements"], contact["stencil"], contact["flags"]),
@@ -170,14 +246,14 @@ class Detect(support.CollidectlTest):
         self.assertEqual("earliest" in played, played["any_contact"])
 
     def test_what_is_not_counted_is_no_zero(self):
-        words = ["detect", self.frame0, self.frame1, *ONE_CPU, "--report", "any"]
+        words = ["detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--report", "any"]
         summary = json.loads(self.ok(*words, "--json"))
         self.assertEqual([summary["contact_count"], summary["counts"]["contacts_vertex_triangle"]], [None, None])
         self.assertNotIn("earliest_toi", summary)
         self.assertRegex(self.ok(*words), r"contact_count +not counted\nany_contact +yes\n")
 
     def test_reports_are_for_people(self):
-        text = self.ok("detect", self.frame0, self.frame1, *ONE_CPU)
+        text = self.ok("detect", "--frames", self.frame0, self.frame1, *ONE_CPU)
         self.assertRegex(text, r"\n  delta +automatic\n")
         self.assertRegex(text, r"\nstep +[0-9.,e-]+ ms\n")
         self.assertRegex(text, r"\ndevice_bytes +[0-9]{1,3}(,[0-9]{3})+ bytes\n")
@@ -185,7 +261,7 @@ class Detect(support.CollidectlTest):
         self.assertNotIn("[", text)
 
     def test_an_output_that_cannot_be_written_is_found_before_the_work(self):
-        words = ["detect", self.frame0, self.frame1]
+        words = ["detect", "--frames", self.frame0, self.frame1]
         nothing = {"COLLIDED_DAEMON": "/nonexistent"}
         missing = os.path.join(self.folder.name, "none", "c.csv")
         self.refused(1, f"--out {missing}: cannot be written: No such file or directory", *words, "--out", missing,
@@ -196,19 +272,19 @@ class Detect(support.CollidectlTest):
         self.assertFalse(os.path.exists(left))
 
     def test_a_result_is_printed_even_if_its_file_cannot_be_written(self):
-        done = support.ctl("detect", self.frame0, self.frame1, *ONE_CPU, "--out", "/dev/full", "--json")
+        done = support.ctl("detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--out", "/dev/full", "--json")
         self.assertEqual(done.returncode, 1)
         self.assertIs(json.loads(done.stdout)["any_contact"], True)
         self.assertEqual(done.stderr, "collidectl: /dev/full: cannot be written: No space left on device\n")
 
     def test_standard_output_takes_the_contacts(self):
-        done = support.ctl("detect", self.frame0, self.frame1, *ONE_CPU, "--out", "-", cwd=self.folder.name)
+        done = support.ctl("detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--out", "-", cwd=self.folder.name)
         self.assertEqual(done.returncode, 0, done.stderr)
         rows = list(csv.DictReader(done.stdout.splitlines()))
         self.assertEqual(("vt", "3", "0"), tuple(rows[0][name] for name in ("kind", "element_a", "element_b")))
         self.assertIn("any_contact", done.stderr)
         self.assertEqual(sorted(os.listdir(self.folder.name)), ["a.obj", "b.obj"])
-        self.refused(2, "both want standard output", "detect", self.frame0, self.frame1, "--out", "-", "--json")
+        self.refused(2, "both want standard output", "detect", "--frames", self.frame0, self.frame1, "--out", "-", "--json")
 
     def test_triangles_that_cross(self):
         out = os.path.join(self.folder.name, "c.csv")
@@ -222,7 +298,7 @@ class Detect(support.CollidectlTest):
 
     def test_candidates_leave_uncomputed_fields_empty(self):
         out = os.path.join(self.folder.name, "c.csv")
-        self.ok("detect", self.frame0, self.frame1, *ONE_CPU, "--accuracy", "candidates", "--out", out)
+        self.ok("detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--accuracy", "candidates", "--out", out)
         rows = self.rows(out)
         self.assertEqual([row["kind"] for row in rows], sorted((row["kind"] for row in rows), reverse=True))
         self.assertTrue(all(row["toi"] == row["distance"] == "" for row in rows))
@@ -239,8 +315,8 @@ class Detect(support.CollidectlTest):
         for ending in ("ply", "obj"):
             self.ok("export", *small, "--t0", "0.9", "--out", out, "--format", ending)
         frames = [os.path.join(out, f"funnel_000{i}.ply") for i in (0, 1)]
-        one = json.loads(self.ok("detect", *frames, *ONE_CPU, "--json"))
-        two = json.loads(self.ok("detect", *(f.replace(".ply", ".obj") for f in frames), *ONE_CPU, "--json"))
+        one = json.loads(self.ok("detect", "--frames", *frames, *ONE_CPU, "--json"))
+        two = json.loads(self.ok("detect", "--frames", *(f.replace(".ply", ".obj") for f in frames), *ONE_CPU, "--json"))
         self.assertEqual(one["counts"], two["counts"])
         played = json.loads(self.ok("stream", *small, *ONE_CPU, "--json"))
         self.assertEqual(played["scene"]["triangles"], one["scene"]["triangles"])

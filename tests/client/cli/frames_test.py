@@ -26,7 +26,7 @@ class Frames(support.CollidectlTest):
         self.assertTrue(lines[3].startswith("name"), lines[3])
 
     def test_a_stream_finds_what_detect_finds(self):
-        step = json.loads(self.ok("detect", *self.files[:2], *ONE_CPU, "--json"))
+        step = json.loads(self.ok("detect", "--frames", *self.files[:2], *ONE_CPU, "--json"))
         played = json.loads(self.ok("stream", *self.files, *ONE_CPU, "--json"))
         frames = played["per_frame"]
         self.assertEqual([(frame["frame"], frame["file"]) for frame in frames], list(enumerate(self.files, 1)))
@@ -60,7 +60,7 @@ class Frames(support.CollidectlTest):
                      **nothing)
         self.refused(1, "none.obj: does not exist", "stream", *self.files, os.path.join(self.folder.name, "none.obj"),
                      **nothing)
-        self.refused(1, "neither .obj nor .ply", "stream", self.put("frame5.txt", ""), **nothing)
+        self.refused(1, "the extension must be .obj, .ply", "stream", self.put("frame5.txt", ""), **nothing)
 
     def path(self, name):
         return os.path.join(self.folder.name, name)
@@ -73,7 +73,7 @@ class Frames(support.CollidectlTest):
         counts = [frame["contact_count"] for frame in played["per_frame"]]
         self.assertEqual([sum(row["frame"] == str(id) for row in rows) for id in (1, 2, 3)], counts)
         step = self.path("step.csv")
-        self.ok("detect", *self.files[:2], *ONE_CPU, "--out", step)
+        self.ok("detect", "--frames", *self.files[:2], *ONE_CPU, "--out", step)
         second = [{name: cell for name, cell in row.items() if name != "frame"} for row in rows if row["frame"] == "2"]
         self.assertEqual(second, self.rows(step))
         text = self.ok("stream", *self.files, *ONE_CPU, "--out", "-")
@@ -92,7 +92,7 @@ class Frames(support.CollidectlTest):
             with open(names["ply"].format(frame=f"{id:04}"), encoding="ascii") as file:
                 self.assertIn(f"element vertex {count}\n", file.read())
         points = [self.path(f"step.{form}") for form in ("vtp", "ply")]
-        self.ok("detect", *self.files[:2], *ONE_CPU, "--vtp", points[0], "--ply", points[1])
+        self.ok("detect", "--frames", *self.files[:2], *ONE_CPU, "--vtp", points[0], "--ply", points[1])
         for file, of_stream in zip(points, (names["vtp"], names["ply"])):
             with open(file, encoding="ascii") as step, open(of_stream.format(frame="0002"), encoding="ascii") as frame:
                 self.assertEqual(step.read(), frame.read())

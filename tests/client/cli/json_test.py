@@ -44,16 +44,17 @@ class JsonKeys(json_keys.KeyChecks, support.CollidectlTest):
     def test_keys_of_frames(self):
         frames = [self.frame0, self.frame1]
         recording, picture = (os.path.join(self.folder.name, name) for name in ("r.rec", "p.png"))
-        self.read("detect", *frames, *ONE_CPU, "--advance", "--out", os.path.join(self.folder.name, "c.csv"))
-        self.read("detect", *frames, *ONE_CPU, "--report", "any")
-        self.read("detect", *frames, *ONE_CPU, *IN_PARTS)
+        self.read("detect", "--frames", *frames, *ONE_CPU, "--advance", "--out", os.path.join(self.folder.name, "c.csv"))
+        self.read("detect", "--frames", *frames, *ONE_CPU, "--report", "any")
+        self.read("detect", "--frames", *frames, *ONE_CPU, *IN_PARTS)
+        self.read("detect", *frames, self.put("repeated.obj", support.FRAME0 + "f 1 1 2\n"), *ONE_CPU)
         results = os.path.join(self.folder.name, "results")
         self.read("batch", self.put("pairs.csv", "a.obj,b.obj\n"), *ONE_CPU, "--out", results)
         self.read("merge", results, "--out", os.path.join(self.folder.name, "pairs"))
         self.read("stream", *frames, *ONE_CPU, "--record", recording)
         self.read("stream", *SMALL, "--frames", "2", "--advance", *ONE_CPU)
         self.read("replay", recording, *ONE_CPU)
-        self.read("render", *frames, *ONE_CPU, "--crossings", "--width", "16", "--height", "16", "--out", picture)
+        self.read("render", "--frames", *frames, *ONE_CPU, "--crossings", "--width", "16", "--height", "16", "--out", picture)
 
     def test_keys_of_a_watch(self):
         socket, log, ready = (os.path.join(self.folder.name, name) for name in ("socket", "log", "up"))
@@ -75,6 +76,8 @@ class JsonKeys(json_keys.KeyChecks, support.CollidectlTest):
                     with open(log, encoding="utf-8") as file:
                         scene = re.search(r"scene created.*?\b([0-9a-f]{32})\b", file.read())
                     time.sleep(0.01)
+                for line in self.ok("watch", "--json", "--server", server).splitlines():
+                    self.check(json.loads(line), "watch")
                 for line in self.ok("watch", scene[1], "--frames", "2", "--json", "--server", server).splitlines():
                     self.check(json.loads(line), "watch")
             finally:

@@ -46,7 +46,7 @@ class Render(support.CollidectlTest):
         return pixels_of(out), report["per_frame"][0]
 
     def test_a_ball_marks_where_a_vertex_meets_a_triangle(self):
-        picture, frame = self.drawn(self.frame0, self.frame1, *FROM_ABOVE)
+        picture, frame = self.drawn("--frames", self.frame0, self.frame1, *FROM_ABOVE)
         self.assertEqual(picture.shape, (240, 320, 3))
         self.assertEqual(frame["counts"]["contacts_vertex_triangle"], 1)
         ball = marked(picture, VERMILION)
@@ -62,7 +62,7 @@ class Render(support.CollidectlTest):
 
     def test_a_cross_marks_where_edges_meet(self):
         frames = [self.put(f"edges{z}.obj", EDGES.format(z=z)) for z in (1, -1)]
-        picture, frame = self.drawn(*frames, *FROM_ABOVE)
+        picture, frame = self.drawn("--frames", *frames, *FROM_ABOVE)
         self.assertEqual(frame["counts"]["contacts_edge_edge"], 1)
         cross = marked(picture, BLUE)
         self.assertGreater(len(cross), 50)
@@ -72,7 +72,7 @@ class Render(support.CollidectlTest):
         self.assertLess(len(cross), 0.7 * (bottom - top + 1) * (right - left + 1))
 
     def test_lines_mark_where_triangles_cross(self):
-        picture, frame = self.drawn(self.frame0, self.frame1, "--crossings")
+        picture, frame = self.drawn("--frames", self.frame0, self.frame1, "--crossings")
         self.assertEqual(frame["crossing_count"], 1)
         self.assertGreater(len(marked(picture, PURPLE)), 20)
         picture, frame = self.drawn(self.frame0, "--mode", "dcd", "--crossings")
@@ -82,21 +82,21 @@ class Render(support.CollidectlTest):
         self.assertGreater(len(marked(picture, PURPLE)), 20)
 
     def test_crossings_are_those_at_the_time_that_is_drawn(self):
-        counts = [self.drawn(self.frame0, self.frame1, "--crossings", "--time", time)[1]["crossing_count"]
+        counts = [self.drawn("--frames", self.frame0, self.frame1, "--crossings", "--time", time)[1]["crossing_count"]
                   for time in ("0", "0.25", "0.75")]
         self.assertEqual(counts, [0, 0, 1])
 
     def test_marks_behind_a_surface_shine_through_it(self):
         roof = "v -1 -1 5\nv 9 -1 5\nv -1 9 5\nf 7 8 9\n"
         frames = [self.put(name, text + roof) for name, text in (("a.obj", FRAME0), ("b.obj", FRAME1))]
-        picture = self.drawn(*frames, *FROM_ABOVE)[0]
+        picture = self.drawn("--frames", *frames, *FROM_ABOVE)[0]
         self.assertEqual(len(marked(picture, VERMILION)), 0)
         redness = picture.astype(int) @ np.array(VERMILION)
         roof = np.median(redness[tuple(shown(picture).T)])
         self.assertGreater((redness > roof + 30).sum(), 50)
 
     def test_the_same_input_gives_the_same_bytes_wherever_the_scene_is(self):
-        first, again = (self.drawn(self.frame0, self.frame1)[0] for _ in range(2))
+        first, again = (self.drawn("--frames", self.frame0, self.frame1)[0] for _ in range(2))
         np.testing.assert_array_equal(first, again)
         moved = []
         for name, text in (("a.ply", FRAME0), ("b.ply", FRAME1)):
@@ -105,22 +105,22 @@ class Render(support.CollidectlTest):
             moved.append(self.put(name, "ply\nformat ascii 1.0\nelement vertex 6\nproperty double x\nproperty double y\n"
                                   "property double z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
                                   f"{vertices}3 0 1 2\n3 3 4 5\n"))
-        far, _ = self.drawn(*moved)
+        far, _ = self.drawn("--frames", *moved)
         self.assertLess(np.abs(first.astype(int) - far).mean(), 0.5)
 
     def test_zooming_shows_the_surroundings_of_the_contacts(self):
-        zoomed, _ = self.drawn(self.frame0, self.frame1, "--zoom-contacts", *FROM_ABOVE)
+        zoomed, _ = self.drawn("--frames", self.frame0, self.frame1, "--zoom-contacts", *FROM_ABOVE)
         corners = zoomed[[0, 0, -1, -1], [0, -1, 0, -1]].astype(int)
         self.assertGreater(np.abs(corners - PAPER).max(axis=1).min(), 20, "the triangle is seen even in the corners")
         self.assertGreater(len(marked(zoomed, VERMILION)), 50)
-        apart, frame = self.drawn(self.frame0, self.frame0, "--zoom-contacts")
+        apart, frame = self.drawn("--frames", self.frame0, self.frame0, "--zoom-contacts")
         self.assertEqual(frame["contact_count"], 0)
-        np.testing.assert_array_equal(apart, self.drawn(self.frame0, self.frame0)[0])
+        np.testing.assert_array_equal(apart, self.drawn("--frames", self.frame0, self.frame0)[0])
 
     def test_a_sequence_has_a_picture_for_each_step(self):
         third = self.put("c.obj", FRAME0)
         pattern = os.path.join(self.folder.name, "{frame}.png")
-        words = ["render", third, self.frame1, self.frame0, *SMALL, *ONE_CPU]
+        words = ["render", "--frames", third, self.frame1, self.frame0, *SMALL, *ONE_CPU]
         lines = self.ok(*words, "--out", pattern).splitlines()
         self.assertEqual([line.partition(": ")[0] for line in lines], [pattern.format(frame=n) for n in ("0001", "0002")])
         self.assertRegex(lines[0], r": [1-9]\d* contacts \(1 vt")
@@ -129,6 +129,13 @@ class Render(support.CollidectlTest):
         scene = ["render", "--scene", "one_cell", "--mode", "dcd", *SMALL, *ONE_CPU, "--json"]
         self.assertEqual(len(json.loads(self.ok(*scene, "--frames", "3", "--out", pattern))["per_frame"]), 3)
         self.assertEqual(len(json.loads(self.ok(*scene, "--out", pattern))["per_frame"]), 1)
+
+    def test_several_meshes_are_drawn_as_they_stand(self):
+        corner = self.put("corner.obj", "v 0.5 0.5 -1\nv 1 0.5 1\nv 0.5 1 1\nf 1 2 3\n")  # goes through the triangle
+        floor = self.put("floor.obj", "v 0 0 0\nv 4 0 0\nv 0 4 0\nf 1 2 3\n")
+        picture, frame = self.drawn(floor, corner)
+        self.assertEqual(frame["crossing_count"], 1)
+        self.assertGreater(len(marked(picture, PURPLE)), 0)
 
     def test_an_interrupt_tells_the_pictures_so_far(self):
         pattern = os.path.join(self.folder.name, "{frame}.png")
@@ -144,7 +151,7 @@ class Render(support.CollidectlTest):
         self.assertGreaterEqual(len(json.loads(printed)["per_frame"]), 2)
 
     def test_standard_output_takes_a_picture(self):
-        words = [COLLIDECTL, "render", self.frame0, self.frame1, *SMALL, *ONE_CPU, "--out", "-"]
+        words = [COLLIDECTL, "render", "--frames", self.frame0, self.frame1, *SMALL, *ONE_CPU, "--out", "-"]
         done = subprocess.run(words, capture_output=True, env={**os.environ, "COLLIDED_DAEMON": DAEMON}, timeout=240)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue(done.stdout.startswith(b"\x89PNG"))
@@ -153,21 +160,22 @@ class Render(support.CollidectlTest):
 
     def test_what_cannot_be_drawn_is_refused(self):
         frames = [self.frame0, self.frame1]
-        self.refused(2, "one of FRAME... and --scene", "render")
-        self.refused(2, "one of FRAME... and --scene", "render", *frames, "--scene", "funnel")
-        self.refused(2, "needs two frames or more", "render", self.frame0)
-        self.refused(2, "--accuracy candidates has none", "render", *frames, "--accuracy", "candidates")
-        self.refused(2, "--report any tells only", "render", *frames, "--report", "any")
+        self.refused(2, "one of MESH..., --frames and --scene", "render")
+        self.refused(2, "one of MESH..., --frames and --scene", "render", *frames, "--scene", "funnel")
+        self.refused(2, "--frames with --scene needs one number from 1 to 1000000", "render", "--frames", *frames, "--scene", "funnel")
+        self.refused(2, "needs two frames or more", "render", "--frames", self.frame0)
+        self.refused(2, "--accuracy candidates has none", "render", "--frames", *frames, "--accuracy", "candidates")
+        self.refused(2, "--report any tells only", "render", "--frames", *frames, "--report", "any")
         self.refused(2, "--time needs --mode ccd", "render", self.frame0, "--mode", "dcd", "--time", "0.5")
         for option, value in (("--width", "0"), ("--height", "100000"), ("--azimuth", "nan"), ("--elevation", "91"),
                               ("--time", "-1"), ("--up", "x")):
-            self.refused(2, option, "render", *frames, option, value)
+            self.refused(2, option, "render", "--frames", *frames, option, value)
         huge = [self.put(name, text.replace("v 4 0 0", "v 1e300 0 0")) for name, text in (("0.obj", FRAME0), ("1.obj", FRAME1))]
         for more in ([], ["--zoom-contacts"]):
-            self.refused(1, "too large for a picture", "render", *huge, *SMALL, *ONE_CPU, *more, "--out", "x.png")
-        self.refused(2, "--json and --out -", "render", *frames, "--json", "--out", "-")
-        self.refused(1, "Is a directory", "render", *frames, "--out", self.folder.name, COLLIDED_DAEMON="/nonexistent")
-        self.refused(1, "/dev/full: cannot be written: No space", "render", *frames, *SMALL, *ONE_CPU, "--out", "/dev/full")
+            self.refused(1, "too large for a picture", "render", "--frames", *huge, *SMALL, *ONE_CPU, *more, "--out", "x.png")
+        self.refused(2, "--json and --out -", "render", "--frames", *frames, "--json", "--out", "-")
+        self.refused(1, "Is a directory", "render", "--frames", *frames, "--out", self.folder.name, COLLIDED_DAEMON="/nonexistent")
+        self.refused(1, "/dev/full: cannot be written: No space", "render", "--frames", *frames, *SMALL, *ONE_CPU, "--out", "/dev/full")
 
 
 if __name__ == "__main__":

@@ -20,15 +20,18 @@ class Usage(support.CollidectlTest):
         self.assertEqual(scenes["cloth_ball"], 91872)
 
     def test_bad_usage(self):
-        self.refused(2, "needs two frames", "detect", self.frame0, *ONE_CPU)
-        self.refused(2, "needs one frame", "detect", self.frame0, self.frame1, "--mode", "dcd")
+        self.refused(2, "needs two frames", "detect", "--frames", self.frame0, "--mode", "ccd", *ONE_CPU)
+        self.refused(2, "MESH... stand still", "detect", self.frame0, self.frame1, "--mode", "ccd")
+        self.refused(2, "one of MESH... and --frames", "detect")
+        self.refused(2, "one of MESH... and --frames", "detect", self.frame0, "--frames", self.frame1)
+        self.refused(2, "needs one frame", "detect", "--frames", self.frame0, self.frame1, "--mode", "dcd")
         self.refused(2, "--mode", "detect", self.frame0, "--mode", "maybe")
         self.refused(2, "--thickness", "detect", self.frame0, "--thickness", "-1")
         self.refused(2, "--delta", "detect", self.frame0, "--delta", "-1")
         self.refused(2, "--accuracy", "detect", self.frame0, "--accuracy", "perfect")
         self.refused(2, "--report", "stream", "--scene", "funnel", "--report", "most")
         for kinds in ("xx", "vt,xx"):
-            self.refused(2, "--kinds", "detect", self.frame0, self.frame1, "--kinds", kinds)
+            self.refused(2, "--kinds", "detect", "--frames", self.frame0, self.frame1, "--kinds", kinds)
         for number in ("nan", "inf", "-inf"):
             self.refused(2, "--thickness", "detect", self.frame0, f"--thickness={number}")
             self.refused(2, "--delta", "detect", self.frame0, f"--delta={number}")
@@ -40,7 +43,7 @@ class Usage(support.CollidectlTest):
         self.refused(2, "--threads", "detect", self.frame0, "--server", "x:1", "--threads", "2")
 
     def test_options_that_do_not_go_together(self):
-        ccd = ["detect", self.frame0, self.frame1]
+        ccd = ["detect", "--frames", self.frame0, self.frame1]
         dcd = ["detect", self.frame0, "--mode", "dcd"]
         stream = ["stream", "--scene", "funnel"]
         self.refused(2, "--report earliest needs", *dcd, "--report", "earliest")
@@ -60,12 +63,12 @@ class Usage(support.CollidectlTest):
 
     def test_an_address_needs_a_port_that_there_is(self):
         for address in ("localhost:70000", "localhost:-1", "[::1]:0", "dns:///localhost:65536", "localhost"):
-            for words in (["info"], ["detect", self.frame0, self.frame1], ["watch", "x"]):
+            for words in (["info"], ["detect", "--frames", self.frame0, self.frame1], ["watch", "x"]):
                 self.refused(2, f"--server: address is '{address}', wh", *words, f"--server={address}")
                 self.refused(2, "from 1 to 65535", *words, f"--server={address}")
 
     def test_outputs_are_different_files(self):
-        ccd, scene = ["detect", self.frame0, self.frame1], ["stream", "--scene", "funnel"]
+        ccd, scene = ["detect", "--frames", self.frame0, self.frame1], ["stream", "--scene", "funnel"]
         name = os.path.join(self.folder.name, "x.csv")
         for words in (["--out", name, "--vtp", name], ["--vtp", name, "--ply", name],
                       ["--out", name, "--ply", os.path.join(self.folder.name, ".", "x.csv")]):
@@ -94,7 +97,7 @@ class Usage(support.CollidectlTest):
             self.assertEqual(file.read(), FRAME0)
 
     def test_an_empty_value_is_not_none(self):
-        ccd, scene = ["detect", self.frame0, self.frame1], ["stream", "--scene", "funnel"]
+        ccd, scene = ["detect", "--frames", self.frame0, self.frame1], ["stream", "--scene", "funnel"]
         for words, option in ((["info"], "--server"), (ccd, "--out"), (ccd, "--position-format"), (scene, "--record"),
                               (scene, "--kinds"), (["render", *ccd[1:]], "--out"), (scene, "--frames"), (scene, "--vtp"),
                               (["info", "--server", "a:1"], "--daemon-user"), (["load", "--scene", "funnel"], "--ramp"),
@@ -102,7 +105,7 @@ class Usage(support.CollidectlTest):
             self.refused(2, f"{option}: the value is empty", *words, option, "")
             self.refused(2, option, *words, f"{option}=")
         self.refused(2, "FILE: the value is empty", "replay", "")
-        self.refused(2, "FRAME: the value is empty", "detect", self.frame0, "")
+        self.refused(2, "MESH: the value is empty", "detect", self.frame0, "")
 
     def test_messages_name_what_is_wrong(self):
         scene = ["stream", "--scene", "cloth_ball"]
@@ -111,18 +114,18 @@ class Usage(support.CollidectlTest):
         self.refused(2, "--out needs 1 value, FILE", *scene, "--out")
         self.refused(2, "not in range 0 to 4294967295", "watch", "x", "--server", "a:1", "--interval", "-1")
         self.refused(1, "scale is 1e-09; it must be in [0.02, 30]", *scene, "--scale", "1e-9")
-        self.refused(1, "a\\x1b[31m\\x0ab.obj: does not exist", "detect", "a\x1b[31m\nb.obj", self.frame0)
+        self.refused(1, "a\\x1b[31m\\x0ab.obj: does not exist", "detect", "--frames", "a\x1b[31m\nb.obj", self.frame0)
 
     def test_the_wrong_word_is_named(self):
         frames = [self.frame0, self.frame1]
         self.refused(2, "'frobnicate' is not a command; there are detect, stream", "frobnicate")
         self.refused(2, "'steam' is not a command; did you mean stream?", "steam", "--scene", "funnel")
         self.refused(2, "--scnee is not an option of 'stream'; did you mean --scene?", "stream", "--scnee", "funnel")
-        self.refused(2, "--treshold is not an option of 'detect'; see 'collidectl detect --help'", "detect", *frames,
+        self.refused(2, "--treshold is not an option of 'detect'; see 'collidectl detect --help'", "detect", "--frames", *frames,
                      "--treshold", "3")
-        self.refused(2, "--treads is not an option of 'detect'; did you mean --threads?", "detect", *frames, "--treads=3")
+        self.refused(2, "--treads is not an option of 'detect'; did you mean --threads?", "detect", "--frames", *frames, "--treads=3")
         self.refused(2, "'detetc' is not a command; did you mean detect?", "detetc", *frames)
-        self.refused(2, "--thicknes is not an option of 'detect'; did you mean --thickness?", "detect", *frames,
+        self.refused(2, "--thicknes is not an option of 'detect'; did you mean --thickness?", "detect", "--frames", *frames,
                      "--thicknes=3")
         self.refused(2, "'funnel' is one word too many for 'scenes'", "scenes", "funnel")
         self.refused(2, "a command is needed: detect, stream")
@@ -131,8 +134,15 @@ class Usage(support.CollidectlTest):
     def test_help_tells_the_exit_codes(self):
         self.assertIn("Exit codes: 0 done, 1 failure, 2 bad usage, 128 + n interrupted by signal n.", self.ok("--help"))
 
+    def test_help_fits_in_100_columns(self):
+        commands = [line.split()[0] for line in self.ok("--help").partition("Subcommands:\n")[2].splitlines() if line.startswith("  ")]
+        self.assertGreater(len(commands), 12)
+        for words in ([], *([command] for command in commands)):
+            for line in self.ok(*words, "--help").splitlines():
+                self.assertLessEqual(len(line), 100, [*words, line])
+
     def test_help_tells_how_many_files_go_in(self):
-        self.assertIn("detect [OPTIONS] FRAME [FRAME]\n", self.ok("detect", "--help"))
+        self.assertIn("detect [OPTIONS] [MESH...]\n", self.ok("detect", "--help"))
         self.assertIn("tradeoff [OPTIONS] [FRAME [FRAME]]\n", self.ok("tradeoff", "--help"))
         self.assertIn("stream [OPTIONS] [FRAME...]\n", self.ok("stream", "--help"))
         for command in ("detect", "stream", "render", "watch", "replay", "estimate", "scenes", "export", "info", "tradeoff", "bench", "load"):
@@ -141,7 +151,7 @@ class Usage(support.CollidectlTest):
 
     def test_a_reader_that_leaves_ends_it_without_a_word_and_without_leftovers(self):
         with tempfile.TemporaryDirectory() as folder:
-            detect = ["detect", self.frame0, self.frame1, *ONE_CPU]
+            detect = ["detect", "--frames", self.frame0, self.frame1, *ONE_CPU]
             long = [["completion", "bash"], ["load", "--help"]]  # whose first write fails, not the last
             for words in (["info"], ["scenes"], detect, [*detect, "--out", "-"], *long):
                 reader, writer = os.pipe()
@@ -165,26 +175,26 @@ class Usage(support.CollidectlTest):
 
     def test_errors_in_the_work(self):
         other = self.put("other.obj", FRAME0 + "v 9 9 9\n")
-        self.refused(1, "has 6 vertices", "detect", self.frame0, other, *ONE_CPU)
-        self.refused(1, "has 7", "detect", self.frame0, other, *ONE_CPU)
-        self.refused(1, "none.ply", "detect", "none.ply", self.frame0)
+        self.refused(1, "has 6 vertices", "detect", "--frames", self.frame0, other, *ONE_CPU)
+        self.refused(1, "has 7", "detect", "--frames", self.frame0, other, *ONE_CPU)
+        self.refused(1, "none.ply", "detect", "--frames", "none.ply", self.frame0)
         self.refused(1, "empty.obj: has 0 vertices", "detect", self.put("empty.obj", ""), "--mode", "dcd")
         self.refused(1, "nonexistent", "info", "--server", "unix:/nonexistent/socket")
-        self.refused(1, "COLLIDED_DAEMON", "detect", self.frame0, self.frame1, COLLIDED_DAEMON="/nonexistent")
+        self.refused(1, "COLLIDED_DAEMON", "detect", "--frames", self.frame0, self.frame1, COLLIDED_DAEMON="/nonexistent")
         self.refused(1, "ended with exit code 1", "info", COLLIDED_DAEMON="/bin/false")
         daemon = self.put("daemon", "#!/bin/sh\necho 'no room' >&2\nexit 7\n")
         os.chmod(daemon, 0o755)
         self.refused(1, "ended with exit code 7 before it was ready: no room\n", "info", COLLIDED_DAEMON=daemon)
-        self.refused(1, "does not exist", "detect", self.folder.name + "/none.obj", self.frame0)
+        self.refused(1, "does not exist", "detect", "--frames", self.folder.name + "/none.obj", self.frame0)
         folder = os.path.join(self.folder.name, "folder.obj")
         os.mkdir(folder)
-        self.refused(1, "folder.obj: is a folder", "detect", folder, self.frame0)
+        self.refused(1, "folder.obj: the folder has no mesh files", "detect", "--frames", folder, self.frame0)
         wrong = self.put("wrong.obj", FRAME0.replace("f 4 5 6", "f 4 5 7"))
-        self.refused(1, "wrong.obj:8: vertex index 7 is out of range; there are 6 vertices", "detect", wrong, wrong)
+        self.refused(1, "wrong.obj:8: vertex index 7 is out of range; there are 6 vertices", "detect", "--frames", wrong, wrong)
         no_number = self.put("nan.obj", FRAME0.replace("v 4 0 0", "v nan 0 0"))
-        self.refused(1, "nan.obj:2: position nan is not finite", "detect", no_number, no_number)
+        self.refused(1, "nan.obj:2: position nan is not finite", "detect", "--frames", no_number, no_number)
         bad = "/nonexistent/folder/c.csv"
-        self.refused(1, bad, "detect", self.frame0, self.frame1, *ONE_CPU, "--out", bad)
+        self.refused(1, bad, "detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--out", bad)
 
     def test_tokens_and_certificates(self):
         nobody = ["info", "--server", "192.0.2.1:50551"]

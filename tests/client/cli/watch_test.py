@@ -60,6 +60,20 @@ class Watched(support.CollidectlTest):
         self.fail(stream.stderr.read())
 
 
+class Lists(Watched):
+    def test_without_a_scene_those_of_the_daemon_are_listed(self):
+        done = support.ctl("watch", *self.server)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", "the daemon has no scene that can be watched\n"))
+        scenes = sorted(self.play()[1] for _ in range(2))
+        for words in ([], ["--list"]):
+            lines = self.ok("watch", *words, *self.server).splitlines()
+            self.assertEqual([line.split()[0] for line in lines], scenes)
+            self.assertRegex(lines[0], r"^[0-9a-f]{32}  reef_knot, \d+ mesh(es)?, [0-9,]+ triangles, frame \d+$")
+        listed = [json.loads(line) for line in self.ok("watch", "--json", *self.server).splitlines()]
+        self.assertEqual([(scene["id"], scene["name"]) for scene in listed], [(scene, "reef_knot") for scene in scenes])
+        self.ok("watch", listed[0]["id"], "--frames", "1", *self.server)
+
+
 class Lines(Watched):
     def test_each_frame_is_a_line(self):
         scene = self.play()[1]
@@ -97,7 +111,8 @@ class Lines(Watched):
 
     def test_what_cannot_be_watched_is_refused(self):
         self.refused(2, "--server", "watch", "0123")
-        self.refused(2, "scene", "watch", *self.server)
+        self.refused(2, "--record needs SCENE", "watch", "--record", "x.rec", "--mesh", self.frame0, *self.server)
+        self.refused(2, "--list takes no SCENE", "watch", "0123", "--list", *self.server)
         self.refused(1, "scene_id", "watch", "none", *self.server)
         self.refused(2, "the id has a character that is not visible ASCII", "watch", b"\xff", *self.server)
         self.refused(2, "the id has a character that is not visible ASCII", "view", b"\xff", *self.server)

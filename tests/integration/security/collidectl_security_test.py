@@ -53,7 +53,7 @@ class Security(unittest.TestCase):
         self.assertEqual(info.returncode, 0, info.stderr)
         self.assertTrue(json.loads(info.stdout)["version"])
         frames = [self.folder.put(f"{i}.obj", text) for i, text in enumerate(FRAMES)]
-        detected = self.ctl("detect", *frames, "--backend", "cpu", *options)
+        detected = self.ctl("detect", "--frames", *frames, "--backend", "cpu", *options)
         self.assertEqual(detected.returncode, 0, detected.stderr)
 
     def refused(self, parts, *options, code=1):

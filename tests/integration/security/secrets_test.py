@@ -84,7 +84,7 @@ class Logs(DaemonCase):
         """Frames, refusals of every kind, reloads good and bad."""
         frames = [self.folder.put(f"{i}.obj", text) for i, text in enumerate(FRAMES)]
         for token in ("known", "hashed"):
-            self.assertEqual(self.ctl(token, "detect", *frames, "--backend", "cpu"), 0, self.said)
+            self.assertEqual(self.ctl(token, "detect", "--frames", *frames, "--backend", "cpu"), 0, self.said)
         self.assertEqual(self.ctl("wrong", "info"), 1)
         for header in ("Bearer {}", "Basic {}", "Bearer {} {}", "{}"):
             self.refuse(header.format(self.tokens["wrong"], self.tokens["known"]))

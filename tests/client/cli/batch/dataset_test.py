@@ -129,7 +129,7 @@ class Pairs(batch_support.BatchTest):
         for row, (name, why) in zip(rows[1:], BROKEN.items()):
             self.assertIn(why, row["error"])
             self.assertIn(name + ".obj", row["error"])
-        alone = json.loads(self.ok("detect", *(os.path.join(self.data, name) for name in ("a0.obj", "a1.obj")), *LEVEL, *ONE_CPU,
+        alone = json.loads(self.ok("detect", "--frames", *(os.path.join(self.data, name) for name in ("a0.obj", "a1.obj")), *LEVEL, *ONE_CPU,
                                    "--json"))
         self.assertEqual((int(rows[0]["contacts"]), float(rows[0]["earliest_toi"])), (alone["contact_count"], alone["earliest_toi"]))
         self.assertEqual((rows[0]["vertices"], rows[0]["triangles"], rows[0]["any_contact"], rows[0]["error"]), ("6", "2", "yes", ""))
@@ -151,7 +151,7 @@ class Pairs(batch_support.BatchTest):
         contacts, alone = (os.path.join(self.folder.name, name) for name in ("contacts.csv", "alone.csv"))
         self.batch("--contacts", *ONE_CPU)
         self.merged("--contacts", contacts)
-        self.ok("detect", *(os.path.join(self.data, name) for name in ("f2.obj", "f3.obj")), *LEVEL, *ONE_CPU, "--out", alone)
+        self.ok("detect", "--frames", *(os.path.join(self.data, name) for name in ("f2.obj", "f3.obj")), *LEVEL, *ONE_CPU, "--out", alone)
         second = [{name: cell for name, cell in row.items() if name != "pair"} for row in self.rows(contacts) if row["pair"] == "2"]
         self.assertGreater(len(second), 0)
         self.assertEqual(second, self.rows(alone))
