@@ -75,7 +75,7 @@ def first_frame(build, arguments):
     frames = [str(file) for file in arguments.frames]
     with streams_bench.daemon(program(build, "collided"), arguments.backend) as address:
         for _ in range(2):
-            found = run(arguments.after, "collidectl", "detect", *frames, "--server", address, "--json")
+            found = run(arguments.after, "collidectl", "detect", "--frames", *frames, "--server", address, "--json")
     return found["total_ms"]
 
 
