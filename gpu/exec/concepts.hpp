@@ -215,6 +215,8 @@ concept RunsFrames = requires(Exec& exec, const Exec& same, const char* name, ui
   /// copyable value that it left at `result` on the backend. Steps of one key must put the same work in line: a backend
   /// may call f() more than once, or replay what it recorded, as long as no memory was allocated since.
   { exec.step(key, result, f) } -> std::same_as<uint64_t>;
+  /// Whether step() of that key can begin now; else steps run by parts sooner. The answer holds for the next step.
+  { exec.can_step(key) } -> std::same_as<bool>;
   /// Runs f() as a step that is not recorded: f() may look at what it has done so far, allocate, and go on as that
   /// demands. Returns the value at `result` in the end.
   { exec.step_by_parts(result, f) } -> std::same_as<uint64_t>;

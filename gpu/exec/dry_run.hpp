@@ -75,6 +75,7 @@ class DryRun {
     enqueue();
     return T{};
   }
+  static bool can_step(uint64_t) { return true; }
   template <class F, class T>
   T step_by_parts(const T*, const F& f) {
     f();

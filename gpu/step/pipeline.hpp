@@ -39,11 +39,12 @@ class Pipeline {
         candidates_(exec, counts_, ranks_, scene, octree_, lbvh_, all_pairs_, neighbours_, narrow_),
         placing_(exec, scene),
         results_(exec, spec, scene, placing_),
-        choices_(engine_of(spec), rivals_of(counts_.triangles)),
+        choices_(engine_of(spec), rivals_of(counts_.triangles, Exec::kLaunchesCost)),
         reuse_(spec),
         planner_(counts_.triangles) {
     narrow_.expect_loose_elements(counts_.has_loose_elements());
     scene_.expected = spec.expected;
+    suit_reuse();
   }
 
   /// `boxes_static`: the boxes of static meshes too are out of date. `bytes_beside_contact`, `room`: as in FrameInput.
@@ -71,7 +72,8 @@ class Pipeline {
   void resize(SceneCounts counts) {
     ranks_ = ranks_of(spec_.kinds, counts);
     counts_ = std::move(counts);
-    choices_.choose_between(rivals_of(counts_.triangles));
+    choices_.choose_between(rivals_of(counts_.triangles, Exec::kLaunchesCost));
+    suit_reuse();
     planner_.resize(counts_.triangles);
     narrow_.expect_loose_elements(counts_.has_loose_elements());
     boxed_thickness_.reset();
@@ -141,6 +143,7 @@ class Pipeline {
     if (scene_.neighbours.counts.capacity() > 0 && reuse_.is_idle()) neighbours_.release(), reuse_.forget();
   }
 
+  void suit_reuse() { reuse_.suit(!is_launch_bound(counts_.triangles, Exec::kLaunchesCost)); }
   const LevelNeeds& needs() const { return plan_.needs; }
 
   void run_step(const LevelNeeds& needs, bool boxes_static) {
@@ -167,7 +170,8 @@ class Pipeline {
     run_step(needs, true);
   }
   /// Until everything the step found had room. A step that will not be as it is again, because memory was allocated for
-  /// it, runs by parts: where it was short of room only the last part runs again. On CPU cores all do.
+  /// it, runs by parts: where it was short of room only the last part runs again. So does one that would have to wait
+  /// for recordings of others. On CPU cores all do.
   void run_until_room(const LevelNeeds& needs, bool boxes_static) {
     begin_state();
     for (;;) {
@@ -178,14 +182,15 @@ class Pipeline {
       narrow_.begin(plan_);
       candidates_.begin(plan_);
       reserve();
-      by_parts_ = !Exec::kLaunchesCost || exec_.allocations() > 0;
+      const uint64_t number = numbers_.number_of(plan_);
+      by_parts_ = !Exec::kLaunchesCost || exec_.allocations() > 0 || !exec_.can_step(number);
       narrow_.follow(by_parts_ ? &state_ : nullptr);
       if (by_parts_) {
         state_ = exec_.step_by_parts(scene_.state.data(), [&] { enqueue(); });
         return;
       }
       has_begun_ = true;
-      state_ = exec_.step(numbers_.number_of(plan_), scene_.state.data(), [&] { enqueue(); });
+      state_ = exec_.step(number, scene_.state.data(), [&] { enqueue(); });
       if (!must_rerun()) return;
       ++result_.replays;
     }

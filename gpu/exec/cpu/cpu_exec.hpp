@@ -122,6 +122,7 @@ class CpuExec {
   T step(uint64_t, const T* result, const F& enqueue) {
     return step_by_parts(result, enqueue);
   }
+  static bool can_step(uint64_t) { return true; }
   template <class F, class T>
   T step_by_parts(const T* result, const F& f) {
     const WorkTime time(loops_.asks);

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <cub/cub.cuh>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -153,6 +154,13 @@ class CudaExec {
     return keys.selector;
   }
 
+  /// Few scenes record at once: the driver makes their graphs one after the other, and eight hundred scenes that begin
+  /// together would wait for 0.3 s (H200), in which each of them can run many steps by parts.
+  bool can_step(uint64_t key) {
+    if (graphs_.find(key, generation_) != nullptr) return true;
+    if (!turn_to_record_) turn_to_record_ = RecordingTurn::take();
+    return turn_to_record_.has_value();
+  }
   /// The first step of a key is recorded as a graph, and replayed as long as all buffers are the same: one launch,
   /// whatever the number of stages.
   template <class F, class T>
@@ -166,6 +174,7 @@ class CudaExec {
         enqueue();
         note_now(graphs_.recording().end());
       });
+      turn_to_record_.reset();
     }
     const NvtxRange range("step");
     static_assert(sizeof(T) % sizeof(uint64_t) == 0 && alignof(T) % alignof(uint64_t) == 0, "answers are words");
@@ -272,6 +281,7 @@ class CudaExec {
   void begin_frame() {
     make_current();
     stage_events_.begin_frame();
+    turn_to_record_.reset();  // of a frame that threw before its step
     allocations_ = 0;
     graph_launches_ = 0;
     step_milliseconds_ = 0;
@@ -375,6 +385,7 @@ class CudaExec {
   cudaEvent_t fork_ = make_event(), join_ = make_event();
   uint64_t generation_ = 0;  ///< of the buffers: changes whenever one does
   StepGraphs graphs_;
+  std::optional<RecordingTurn> turn_to_record_;
   bool reserving_ = false;  ///< a step is gone through for its memory alone
   bool in_parts_ = false;   ///< a step by parts is in line
   Buffer<char, CudaExec> scratch_;

@@ -3,10 +3,13 @@
 
 #include <cuda_runtime.h>
 
+#include <atomic>
 #include <cstddef>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gpu/exec/cuda/cuda_memory.cuh"
@@ -101,6 +104,32 @@ class StepGraph {
   std::vector<Stage> stages_;
   size_t times_used_ = 0, last_ = 0;
   uint64_t times_[kMaxTimes] = {};  ///< in nanoseconds, of the last launch
+};
+
+/// The right to record, which few scenes of the process have at once.
+class RecordingTurn {
+ public:
+  static std::optional<RecordingTurn> take() {
+    int taken = taken_.load(std::memory_order_relaxed);
+    while (taken < kMost)
+      if (taken_.compare_exchange_weak(taken, taken + 1, std::memory_order_relaxed)) return RecordingTurn();
+    return std::nullopt;
+  }
+  RecordingTurn(RecordingTurn&& other) noexcept : is_held_(std::exchange(other.is_held_, false)) {}
+  RecordingTurn& operator=(RecordingTurn&& other) noexcept {
+    std::swap(is_held_, other.is_held_);
+    return *this;
+  }
+  ~RecordingTurn() {
+    if (is_held_) taken_.fetch_sub(1, std::memory_order_relaxed);
+  }
+
+ private:
+  static constexpr int kMost = 2;
+  static inline std::atomic<int> taken_ = 0;
+
+  RecordingTurn() = default;
+  bool is_held_ = true;
 };
 
 /// The recordings of a scene; those of old buffers go.

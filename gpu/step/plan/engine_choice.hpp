@@ -35,7 +35,7 @@ inline bool looks_wrong(const FrameCounts& counts, uint64_t triangles, bool refi
   return refined || counts.registrations > 24 * triangles || counts.tests > 512 * triangles + 32 * counts.pairs;
 }
 
-/// Engines that a scene chooses between, from the first of them on.
+/// Engines that a scene chooses between, from the first of them on. Where both are the same there is no choice.
 struct Rivals {
   Engine first = Engine::kOctree, second = Engine::kLbvh;
 
@@ -59,9 +59,10 @@ class EngineChoice {
   };
 
   explicit EngineChoice(Engine wanted = Engine::kAuto, const Rivals& rivals = {})
-      : is_open_(wanted == Engine::kAuto),
+      : is_open_(wanted == Engine::kAuto && rivals.first != rivals.second),
         rivals_(rivals),
-        why_{is_open_ ? rivals.first : wanted, is_open_ ? EngineReason::kFirst : EngineReason::kAsked} {}
+        why_{wanted == Engine::kAuto ? rivals.first : wanted,
+             wanted == Engine::kAuto ? EngineReason::kFirst : EngineReason::kAsked} {}
 
   /// Of the next frame.
   EngineFacts next() const { return trial_ ? trial_facts() : why_; }

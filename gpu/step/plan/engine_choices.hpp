@@ -30,11 +30,19 @@ inline Engine engine_of(const SceneSpec& spec) {
   return spec.worlds > 0 && spec.engine == Engine::kAuto ? Engine::kLbvh : spec.engine;
 }
 
-/// What a scene of so many triangles chooses between: the same on all backends, so that counts of first frames are. Up
-/// to here testing all pairs takes a GPU no longer than making a tree; where it does the octree wins the first
-/// comparison.
-inline Rivals rivals_of(uint64_t triangles) {
+/// Scenes so small that on a GPU (`launches_cost`) launches take longer than any search. Neither engines nor lists of
+/// neighbours are tried there: a trial allocates, and makes the step's graph anew, which holds up all other scenes.
+inline bool is_launch_bound(uint64_t triangles, bool launches_cost) {
+  constexpr uint64_t kVeryFew = 2048;
+  return launches_cost && triangles <= kVeryFew;
+}
+
+/// What a scene of so many triangles chooses between, from the same first engine on all backends, so that counts of
+/// first frames are the same. Up to here testing all pairs takes a GPU no longer than making a tree; where it does the
+/// octree wins the first comparison.
+inline Rivals rivals_of(uint64_t triangles, bool launches_cost) {
   constexpr uint64_t kFew = 4096;
+  if (is_launch_bound(triangles, launches_cost)) return {Engine::kAllPairs, Engine::kAllPairs};
   return triangles <= kFew ? Rivals{Engine::kAllPairs, Engine::kOctree} : Rivals{};
 }
 

@@ -114,11 +114,12 @@ class ReuseChoice {
   }
   /// Frames that its list is meant to last.
   double run_length() const { return length_.frames(); }
-  /// Milliseconds that the thread of a frame which makes lists may be at work on it; 0: any number. What takes longer than
-  /// the searches that it saves is of no use, and nobody is to wait for it.
+  /// Milliseconds that the thread of a frame which makes lists may be at work on it; 0: any number. Frames that reuse a
+  /// list save about half of a search at best, so that a list which takes longer than half the searches of its frames is
+  /// of no use, and nobody is to wait for it.
   double longest_making() const {
     if (wanted_ == Reuse::kOn || !search_work_.is_full()) return 0;
-    return std::max(kAlwaysAllowed, (1 + run_length()) * search_work_.median());
+    return std::max(kAlwaysAllowed, (1 + run_length() / 2) * search_work_.median());
   }
   /// Neither the next frame nor a comparison has use for lists.
   bool is_idle() const { return wanted_ != Reuse::kOn && state_ == State::kSearching; }
@@ -152,7 +153,7 @@ class ReuseChoice {
   enum class State { kSearching, kTrying, kUsing };
   static constexpr int kFirstWait = 16;  ///< frames before the first comparison: engines are compared first
   static constexpr int kLongestTrial = 256, kSearches = 3;
-  static constexpr double kAlwaysAllowed = 20;  ///< milliseconds: whose threads wait for processors is not slow
+  static constexpr double kAlwaysAllowed = 2;  ///< milliseconds: a thread that waits for a processor is not slow
 
   bool is_comparing() const { return state_ == State::kTrying || searches_left_ > 0; }
 

@@ -69,18 +69,20 @@ class ListLife {
 /// Frames whose searches are alike share a choice; the lists serve all frames.
 class ReusePlanner {
  public:
-  explicit ReusePlanner(const SceneSpec& spec) {
+  explicit ReusePlanner(const SceneSpec& spec) : is_auto_(spec.reuse == Reuse::kAuto) {
     // Who names an engine wants to see it work.
-    const bool is_off = spec.worlds > 0 || (spec.reuse == Reuse::kAuto && spec.engine != Engine::kAuto);
+    const bool is_off = spec.worlds > 0 || (is_auto_ && spec.engine != Engine::kAuto);
     choices_.fill(ReuseChoice(is_off ? Reuse::kOff : spec.reuse));
   }
+  /// Whether lists can save time at all in a scene that leaves it open.
+  void suit(bool can_pay) { can_pay_ = can_pay; }
 
   /// A step begins. `bounds`: of the last one.
   ListPlan begin(const LevelNeeds& needs, const Box<float>& bounds) {
     settings_ = needs.settings;
     bounds_ = bounds;
     missed_ = false;
-    is_suited_ = settings_.accuracy >= Accuracy::kGuarded && !needs.is_any_hit() && !needs.finds_rest_pairs &&
+    is_suited_ = (can_pay_ || !is_auto_) && settings_.accuracy >= Accuracy::kGuarded && !needs.is_any_hit() && !needs.finds_rest_pairs &&
                  !needs.kinds.triangle_triangle;
     choice_ = &choices_[2 * needs.is_ccd() + needs.has_filter()];
     if (!is_suited_ || !choice_->uses_lists()) return {};
@@ -157,6 +159,7 @@ class ReusePlanner {
   std::array<ReuseChoice, 4> choices_;
   ReuseChoice* choice_ = &choices_[0];  ///< of the step in work
   FrameSettings settings_{};            ///< of that step
+  bool is_auto_, can_pay_ = true;  ///< the scene leaves it open whether there are lists; they may save time
   bool is_suited_ = false, missed_ = false;
   ListLife life_;
   Box<float> bounds_{};

@@ -233,7 +233,7 @@ TEST(EngineChoices, MeasureTheLastStepsSearch) {
 }
 
 TEST_F(Choice, ComparesTheRivalsOfSmallScenes) {
-  choice_ = EngineChoice(Engine::kAuto, rivals_of(500));
+  choice_ = EngineChoice(Engine::kAuto, rivals_of(500, false));
   EXPECT_EQ(choice_.next().engine, Engine::kAllPairs);
   run(32, {.octree = 0.5, .lbvh = 1});  // the second is what all pairs take
   const EngineFacts facts = choice_.next();
@@ -243,15 +243,25 @@ TEST_F(Choice, ComparesTheRivalsOfSmallScenes) {
   EXPECT_EQ(facts.lbvh_milliseconds, 0);
 }
 
+// A GPU takes longer to launch anything than to search so few.
+TEST_F(Choice, TriesNothingWhereLaunchesCostMore) {
+  choice_ = EngineChoice(Engine::kAuto, rivals_of(2000, true));
+  run(10'000, {.octree = 0.5, .lbvh = 1});
+  EXPECT_EQ(trials_, 0);
+  EXPECT_EQ(choice_.next().engine, Engine::kAllPairs);
+  EXPECT_EQ(choice_.next().reason, EngineReason::kFirst);
+  EXPECT_EQ(EngineChoice(kOctree, rivals_of(2000, true)).next().engine, kOctree);  // what a scene asks for
+}
+
 // An edit that makes a scene small, or large.
 TEST(EngineChoices, BeginAnewWithOtherRivals) {
   LevelNeeds needs;
-  EngineChoices choices(Engine::kAuto, rivals_of(500));
+  EngineChoices choices(Engine::kAuto, rivals_of(500, false));
   EXPECT_EQ(choices.begin(needs).engine, Engine::kAllPairs);
-  choices.choose_between(rivals_of(100'000));
+  choices.choose_between(rivals_of(100'000, false));
   EXPECT_EQ(choices.begin(needs).engine, kOctree);
-  EngineChoices asked(kLbvh, rivals_of(500));
-  asked.choose_between(rivals_of(100'000));
+  EngineChoices asked(kLbvh, rivals_of(500, false));
+  asked.choose_between(rivals_of(100'000, false));
   EXPECT_EQ(asked.begin(needs).engine, kLbvh);
 }
 

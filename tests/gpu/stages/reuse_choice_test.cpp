@@ -57,7 +57,7 @@ TEST_F(ReuseTimes, GiveUpListsThatTakeTooLongToMake) {
       choice_.observe(ListUse::kNone, 10, 10, true);
       continue;
     }
-    EXPECT_EQ(choice_.longest_making(), 10 * (1 + choice_.run_length()));
+    EXPECT_EQ(choice_.longest_making(), 10 * (1 + choice_.run_length() / 2));
     choice_.give_up();
     EXPECT_EQ(choice_.facts().reason, ReuseReason::kSlower);
     EXPECT_EQ(choice_.run_length(), std::max(2.0, 4.0 / (1 << tries)));  // the next ones are to last less long
