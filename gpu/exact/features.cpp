@@ -81,7 +81,7 @@ Squared within(const Squared& squared, const Linear& thickness, const Vec3<Compo
 }
 
 // Each component of d alone has to be within the limit. Where the largest one crosses 0, double precision loses the
-// sign of the whole sum, but still sees that another component is too large. Only exponents that lie far apart need this.
+// sign of the whole sum, but still sees that another component is too large. Only exponents that lie far apart need it.
 template <class Limit, class Component>
 void imply_components_within(Draft& draft, const Limit& limit, const Vec3<Component>& d) {
   if constexpr (std::is_same_v<Component, Form>)
