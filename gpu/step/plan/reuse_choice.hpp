@@ -153,7 +153,7 @@ class ReuseChoice {
   enum class State { kSearching, kTrying, kUsing };
   static constexpr int kFirstWait = 16;  ///< frames before the first comparison: engines are compared first
   static constexpr int kLongestTrial = 256, kSearches = 3;
-  static constexpr double kAlwaysAllowed = 2;  ///< milliseconds: a thread that waits for a processor is not slow
+  static constexpr double kAlwaysAllowed = 3;  ///< milliseconds: a thread that waits for a processor is not slow
 
   bool is_comparing() const { return state_ == State::kTrying || searches_left_ > 0; }
 
