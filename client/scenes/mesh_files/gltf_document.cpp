@@ -161,7 +161,7 @@ void GltfDocument::parse(std::string_view json) {
   const std::string version = asset.is_object() && asset.contains("version") && asset["version"].is_string()
                                   ? asset["version"].get<std::string>()
                                   : "";
-  if (!version.starts_with("2.")) fail(file_, "is glTF of version '" + version.substr(0, 40) + "'; version 2 is read");
+  if (!version.starts_with("2.")) fail(file_, "is glTF of version " + in_quotes(version) + "; version 2 is read");
   // What else a file requires may change where the triangles are.
   constexpr std::array<std::string_view, 5> kHarmless{"KHR_mesh_quantization", "KHR_materials_", "KHR_texture_",
                                                       "EXT_texture_", "KHR_lights_"};

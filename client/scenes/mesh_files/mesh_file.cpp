@@ -62,6 +62,12 @@ void check(MeshFile& mesh, const std::string& file) {
 
 }  // namespace
 
+std::string in_quotes(std::string_view word) {
+  std::string out = "'";
+  out.append(word.substr(0, 40));
+  return out += '\'';
+}
+
 std::string read_file(const std::filesystem::path& file) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(file, error);

@@ -32,6 +32,9 @@ template <std::invocable Place>
   fail(place(), what);
 }
 
+/// The word in quotes, for messages; words of more than 40 characters are cut off.
+std::string in_quotes(std::string_view word);
+
 std::string read_file(const std::filesystem::path& file);
 void write_file(const std::filesystem::path& file, const std::string& text);
 
@@ -109,7 +112,7 @@ T parse_number(std::string_view word, const Place& place) {
   T value{};
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error == std::errc::invalid_argument || end != word.data() + word.size())
-    fail(place, "'" + std::string(word.substr(0, 40)) + "' is not a number");
+    fail(place, in_quotes(word) + " is not a number");
   if (error == std::errc()) return value;
   if (std::floating_point<T> && is_underflow(word)) return 0;
   fail(place, "number " + std::string(word) + " is out of range");

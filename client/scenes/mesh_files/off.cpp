@@ -19,7 +19,7 @@ bool read_keyword(std::string_view word, const std::string& file) {
   };
   take("ST"), take("C"), take("N");
   const bool has_w = take("4");
-  if (!prefix.empty()) fail(file, "'" + std::string(word.substr(0, 40)) + "' is a kind of OFF that is not read");
+  if (!prefix.empty()) fail(file, in_quotes(word) + " is a kind of OFF that is not read");
   return has_w;
 }
 

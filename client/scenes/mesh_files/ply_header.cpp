@@ -31,14 +31,14 @@ PlyType parse_type(std::string_view word, const std::string& place) {
                                                                          {"float64", PlyType::kDouble}}};
   for (const auto& [name, type] : kTypes)
     if (name == word) return type;
-  fail(place, "type '" + std::string(word.substr(0, 40)) + "' is not a PLY type");
+  fail(place, "type " + in_quotes(word) + " is not a PLY type");
 }
 
 PlyFormat parse_format(std::string_view word, const std::string& place) {
   if (word == "ascii") return PlyFormat::kAscii;
   if (word == "binary_little_endian") return PlyFormat::kLittleEndian;
   if (word == "binary_big_endian") return PlyFormat::kBigEndian;
-  fail(place, "format '" + std::string(word.substr(0, 40)) + "' is not a PLY format");
+  fail(place, "format " + in_quotes(word) + " is not a PLY format");
 }
 
 PlyProperty parse_property(std::string_view line, const PlyElement& element, const std::string& place) {
@@ -112,7 +112,7 @@ PlyHeader read_ply_header(std::string_view& text, const std::string& file) {
       PlyElement& element = header.elements.back();
       element.properties.push_back(parse_property(line, element, place));
     } else if (key != "comment" && key != "obj_info" && !key.empty()) {
-      fail(place, "'" + std::string(key.substr(0, 40)) + "' is not a PLY keyword");
+      fail(place, in_quotes(key) + " is not a PLY keyword");
     }
   }
   if (!has_format) fail(file, "has no format line");

@@ -73,7 +73,7 @@ class AsciiReader {
       else if (equal_words(word, "solid") || equal_words(word, "endsolid"))
         is_open_ = equal_words(word, "solid"), words_.rest_of_line();  // the name
       else
-        fail(words_.place(), "'" + std::string(word.substr(0, 40)) + "' is not an STL keyword");
+        fail(words_.place(), in_quotes(word) + " is not an STL keyword");
     if (is_open_) fail(file_, "is cut off: 'endsolid' is missing");
     return std::move(mesh_);
   }
@@ -81,10 +81,10 @@ class AsciiReader {
  private:
   void expect(std::string_view keyword) {
     const std::string_view word = words_.next();
-    if (word.empty()) fail(file_, "is cut off: '" + std::string(keyword) + "' is missing");
+    if (word.empty()) fail(file_, "is cut off: " + in_quotes(keyword) + " is missing");
     if (!equal_words(word, keyword))
       fail(words_.place(),
-           "'" + std::string(word.substr(0, 40)) + "' stands where '" + std::string(keyword) + "' must");
+           in_quotes(word) + " stands where " + in_quotes(keyword) + " must");
   }
 
   void read_facet() {
@@ -96,7 +96,7 @@ class AsciiReader {
     for (std::string_view word = words_.next(); !equal_words(word, "endloop"); word = words_.next(), ++corners) {
       if (word.empty()) fail(file_, "is cut off: 'endloop' is missing");
       if (!equal_words(word, "vertex"))
-        fail(words_.place(), "'" + std::string(word.substr(0, 40)) + "' stands where 'vertex' or 'endloop' must");
+        fail(words_.place(), in_quotes(word) + " stands where 'vertex' or 'endloop' must");
       Vec3d p;
       for (double& x : p) x = parse_coordinate(words_.next(), [&] { return words_.place(); });
       add_corner(mesh_, p);
