@@ -1,6 +1,7 @@
 #pragma once
 // Divides large chunks of memory among small blocks, so that a small block costs no call of a driver.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -38,7 +39,7 @@ class BlockHeap {
 
   /// A block of at least `bytes`, at most those of a chunk. Null if a chunk was needed and not to be had.
   std::byte* allocate(uint64_t bytes) {
-    const uint64_t size = (bytes + sizes_.alignment - 1) / sizes_.alignment * sizes_.alignment;
+    const uint64_t size = (std::max<uint64_t>(bytes, 1) + sizes_.alignment - 1) / sizes_.alignment * sizes_.alignment;
     const std::lock_guard lock(mutex_);
     auto fitting = free_.lower_bound({size, nullptr});
     if (fitting == free_.end()) {

@@ -112,7 +112,9 @@ COLLIDED_HD Closest<Real> closest_edge_edge(const Vec3<Real>& a0, const Vec3<Rea
       const Closest<Real> of_crossing{height * height / n2, s, u};
       // The height is precise. The weights of edges that are nearly parallel may be off by far more than it.
       const Real between = squared_length((r + s * d) - u * e);
-      keep_if<Real>(inside && of_crossing.squared < best.squared && between < best.squared, best, of_crossing);
+      const Mask<Real> is_closer = inside && of_crossing.squared < best.squared;
+      keep_if<Real>(is_closer && between < best.squared, best, of_crossing);
+      best.squared = select(is_closer, of_crossing.squared, best.squared);
     }
   }
   return best;

@@ -79,7 +79,9 @@ class PreciseDirections {
     if (k == kEdges) return facing(direction_of(cross(normal_, axes_[kEdges])));
     // In a plane this direction turns linearly, as the edge does. A scale that changed with time would spoil that.
     const Vec3<Work> v = Work(0.125) * cross(normal_, edges_[k]);
-    return facing({v, square_root(dot(v, v))});
+    // A square that may have underflowed says nothing of the length.
+    const Work squared = dot(v, v);
+    return facing({v, squared > Precision<Work>::kTiny / Precision<Work>::kUnit ? square_root(squared) : Work(0)});
   }
   /// Replaces the vector between the closest points.
   COLLIDED_HD void replace_gap(const Vec3<Work>& gap) { gap_ = direction_of(gap).n; }

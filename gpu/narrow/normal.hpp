@@ -119,8 +119,9 @@ constexpr double kClear = 0x1p-26, kClearInFloat = 0x1p-16;
 /// Of two features with these differences, in contact at time t.
 template <int N>
 COLLIDED_HD Vec3<double> contact_normal(const Differences<double, N>& d, double t, double clear) {
-  const Vec3<double> normal = detail::Touching<N>(d, t, clear).normal();
-  return (1 / detail::length_of(normal)) * normal;
+  // Features may be so small against the pair's extent that the square of their normal underflows.
+  const Direction<double> normal = direction_of(detail::Touching<N>(d, t, clear).normal());
+  return (1 / normal.length) * normal.n;
 }
 
 /// Of a contact of this kind at time t.

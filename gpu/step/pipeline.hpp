@@ -123,9 +123,11 @@ class Pipeline {
     results_.collect(state_, needs, {bytes_beside_contact, room.first_on_host}, result_);
     result_.stages = exec_.stage_times();
     result_.allocations = exec_.allocations();
-    choices_.end(result_, state_.totals.boxed(), state_.bricks[0] > 0);
+    // Steps by parts take longer than recorded ones.
+    const bool is_clean = result_.allocations == 0 && (!Exec::kLaunchesCost || !by_parts_);
+    choices_.end(result_, state_.totals.boxed(), state_.bricks[0] > 0, is_clean && result_.replays == 0);
     reuse_.end(lists_, state_.displacement, state_.neighbours[0] + state_.neighbours[1], result_.step_milliseconds,
-               work, result_.allocations == 0);
+               work, is_clean);
     result_.reuse = reuse_.facts(lists_);
     release_idle_engines();
     return std::move(result_);

@@ -41,9 +41,12 @@ Transform transform_of(const Json& node, const std::string& place) {
   const auto q = numbers_of<4>(node, "rotation", {0, 0, 0, 1}, place);
   const auto s = numbers_of<3>(node, "scale", {1, 1, 1}, place);
   const auto [x, y, z, w] = q;
-  return {{(1 - 2 * (y * y + z * z)) * s[0], 2 * (x * y - z * w) * s[1], 2 * (x * z + y * w) * s[2], t[0],
-           2 * (x * y + z * w) * s[0], (1 - 2 * (x * x + z * z)) * s[1], 2 * (y * z - x * w) * s[2], t[1],
-           2 * (x * z - y * w) * s[0], 2 * (y * z + x * w) * s[1], (1 - 2 * (x * x + y * y)) * s[2], t[2]}};
+  const double squared = x * x + y * y + z * z + w * w;  // exporters round, so that it is not quite 1
+  if (!(squared > 0 && std::isfinite(squared))) fail(place, "'rotation' is no quaternion: its length is 0, or infinite");
+  const double n = 2 / squared;
+  return {{(1 - n * (y * y + z * z)) * s[0], n * (x * y - z * w) * s[1], n * (x * z + y * w) * s[2], t[0],
+           n * (x * y + z * w) * s[0], (1 - n * (x * x + z * z)) * s[1], n * (y * z - x * w) * s[2], t[1],
+           n * (x * z - y * w) * s[0], n * (y * z + x * w) * s[1], (1 - n * (x * x + y * y)) * s[2], t[2]}};
 }
 
 class GltfReader {

@@ -130,6 +130,7 @@ double parse_coordinate(std::string_view word, const Place& place) {
 template <class Place>
 void divide_by_w(Vec3d& position, double w, const Place& place) {
   if (w == 0) fail(place, "w is 0: the vertex is at infinity");
+  if (!std::isfinite(w)) fail(place, "w is not finite");
   if (w == 1) return;
   for (double& x : position) x /= w;
   if (!std::isfinite(position[0] + position[1] + position[2]))

@@ -281,7 +281,6 @@ class CudaExec {
   void begin_frame() {
     make_current();
     stage_events_.begin_frame();
-    turn_to_record_.reset();  // of a frame that threw before its step
     allocations_ = 0;
     graph_launches_ = 0;
     step_milliseconds_ = 0;
@@ -290,7 +289,13 @@ class CudaExec {
   auto frame(const F& f) {
     const NvtxRange range("frame");
     begin_frame();
-    return f();
+    try {
+      return f();
+    } catch (...) {
+      turn_to_record_.reset();  // others wait for it
+      cudaStreamSynchronize(stream_);  // what is in line may use memory that is given back next
+      throw;
+    }
   }
   std::vector<StageTime> stage_times() {
     if (stage_events_.are_in_line()) wait();

@@ -137,7 +137,7 @@ class EngineChoice {
     const Trial trial = *trial_;
     const double before = search_.median();
     const bool is_better = milliseconds < TrialBudget::kGain * before;
-    end_trial(is_better ? before / milliseconds : milliseconds / before);
+    end_trial(is_better ? 1 : milliseconds / before);  // what has won once is looked at again soon
     milliseconds_of(why_, trial.engine) = milliseconds;
     milliseconds_of(why_, why_.engine) = before;
     why_.reason = EngineReason::kFaster;

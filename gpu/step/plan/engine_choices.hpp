@@ -66,12 +66,12 @@ class EngineChoices {
     begin_ = Clock::now();
     return is_observed_ ? choice_->next() : choice_->settled();
   }
-  /// It has ended. `triangles`: that had boxes; `refined`: with bricks.
-  void end(const FrameResult& result, uint64_t triangles, bool refined) {
+  /// It has ended. `triangles`: that had boxes; `refined`: with bricks; `is_clean`: it ran once, as later ones will.
+  void end(const FrameResult& result, uint64_t triangles, bool refined, bool is_clean) {
     if (!is_observed_) return;
     const std::chrono::duration<double, std::milli> total = Clock::now() - begin_;
     const bool is_octree = result.broad_phase.engine == Engine::kOctree;
-    choice_->observe({search_milliseconds(result.stages), total.count(), result.replays == 0 && result.allocations == 0,
+    choice_->observe({search_milliseconds(result.stages), total.count(), is_clean,
                       is_octree && looks_wrong(result.counts, triangles, refined)});
   }
   /// It did not end.

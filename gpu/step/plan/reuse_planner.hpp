@@ -69,9 +69,10 @@ class ListLife {
 /// Frames whose searches are alike share a choice; the lists serve all frames.
 class ReusePlanner {
  public:
-  explicit ReusePlanner(const SceneSpec& spec) : is_auto_(spec.reuse == Reuse::kAuto) {
+  explicit ReusePlanner(const SceneSpec& spec)
+      : is_auto_(spec.reuse == Reuse::kAuto && spec.engine == Engine::kAuto) {
     // Who names an engine wants to see it work.
-    const bool is_off = spec.worlds > 0 || (is_auto_ && spec.engine != Engine::kAuto);
+    const bool is_off = spec.worlds > 0 || (spec.reuse == Reuse::kAuto && !is_auto_);
     choices_.fill(ReuseChoice(is_off ? Reuse::kOff : spec.reuse));
   }
   /// Whether lists can save time at all in a scene that leaves it open.

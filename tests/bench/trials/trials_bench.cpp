@@ -44,6 +44,7 @@ struct Side {
   std::unique_ptr<Detector> detector;
   std::vector<double> ms = {};  ///< GPU or CPU time of each step
   uint64_t engine_trials = 0, list_trials = 0, list_steps = 0, switches = 0;
+  uint64_t repeated = 0;  ///< steps that ran again, as lists were too short or the tree did not fit
   double engine_trial_ms = 0, list_trial_ms = 0;
   Engine engine = Engine::kAuto;
   FrameResult last = {};
@@ -58,6 +59,7 @@ struct Side {
                tries_lists = last.reuse.reason == ReuseReason::kTrial;
     engine_trials += tries_engine, list_trials += tries_lists;
     list_steps += last.reuse.use != ListUse::kNone;
+    repeated += last.replays > 0;
     (tries_engine ? engine_trial_ms : list_trial_ms) += tries_engine || tries_lists ? step : 0;
     if (!tries_engine) switches += std::exchange(engine, last.broad_phase.engine) != last.broad_phase.engine;
   }
@@ -123,7 +125,8 @@ json measure(const BenchInput& input, const Options& o) {
                             {"p50_ms", s.percentile(0.5)},
                             {"p95_ms", s.percentile(0.95)},
                             {"p99_ms", s.percentile(0.99)},
-                            {"max_ms", s.percentile(1)}};
+                            {"max_ms", s.percentile(1)},
+                            {"repeated_steps", s.repeated}};
   return out;
 }
 

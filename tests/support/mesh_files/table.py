@@ -59,6 +59,7 @@ def add_obj():
         notes=["dropped 3 repeated corners", "dropped 2 faces with fewer than 3 different corners"])
     add("repeated_once.obj", obj(SQUARE, "f 1 2 3 4", "f 2 2 2"), vertices=SQUARE, triangles=2,
         notes=["dropped 1 face with fewer than 3 different corners"])
+    refuse("w_infinite.obj", "v 0 0 0\nv 1 0 0 inf\n", ":2: w is not finite")
     refuse("w_zero.obj", "v 0 0 0\nv 1 0 0 0\n", ":2: w is 0: the vertex is at infinity")
     refuse("five.obj", "v 0 0 0 1 2\n", ":1: the vertex has 5 numbers; it needs 3, 4 with a weight, or 6 or 7 with a colour")
     refuse("nan.obj", "v 0 0 0\n\nv 0 nan 0\n", ":3: position nan is not finite")
@@ -350,6 +351,7 @@ def add_gltf():
     add("matrix.gltf", quad(positions=[(0, 0, 0), (0, 4, 0), (-4, 4, 0), (-4, 0, 0)],  # turned by a quarter about z, and back
                             node={"matrix": [0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}).text(), **PLANE)
     add("rotation.gltf", quad(node={"rotation": [1, 0, 0, 0]}).text(), triangles=2, twice_area=(0, 0, -32), vertices=[(x, -y, 0) for x, y, _ in SQUARE])
+    add("rotation_of_length_2.gltf", quad(node={"rotation": [2, 0, 0, 0]}).text(), triangles=2, twice_area=(0, 0, -32), vertices=[(x, -y, 0) for x, y, _ in SQUARE])
     add("mirror.gltf", quad(node={"scale": [-1, 1, 1]}).text(), triangles=2, twice_area=(0, 0, 32), vertices=[(-x, y, 0) for x, y, _ in SQUARE])
     g = Gltf()
     mesh = g.mesh({"attributes": {"POSITION": g.accessor(SQUARE)}, "indices": g.indices(QUAD)})

@@ -329,8 +329,12 @@ def _transform(node: dict[str, Any], place: str) -> np.ndarray:
     t = _numbers(node, "translation", [0.0] * 3, place)
     x, y, z, w = _numbers(node, "rotation", [0.0, 0.0, 0.0, 1.0], place)
     s = _numbers(node, "scale", [1.0] * 3, place)
+    squared = x * x + y * y + z * z + w * w  # exporters round, so that it is not quite 1
+    if not 0 < squared < float("inf"):
+        raise ReadError("'rotation' is no quaternion: its length is 0, or infinite", place)
+    n = 2 / squared
     return np.array([
-        [(1 - 2 * (y * y + z * z)) * s[0], 2 * (x * y - z * w) * s[1], 2 * (x * z + y * w) * s[2], t[0]],
-        [2 * (x * y + z * w) * s[0], (1 - 2 * (x * x + z * z)) * s[1], 2 * (y * z - x * w) * s[2], t[1]],
-        [2 * (x * z - y * w) * s[0], 2 * (y * z + x * w) * s[1], (1 - 2 * (x * x + y * y)) * s[2], t[2]],
+        [(1 - n * (y * y + z * z)) * s[0], n * (x * y - z * w) * s[1], n * (x * z + y * w) * s[2], t[0]],
+        [n * (x * y + z * w) * s[0], (1 - n * (x * x + z * z)) * s[1], n * (y * z - x * w) * s[2], t[1]],
+        [n * (x * z - y * w) * s[0], n * (y * z + x * w) * s[1], (1 - n * (x * x + y * y)) * s[2], t[2]],
         [0.0, 0.0, 0.0, 1.0]])

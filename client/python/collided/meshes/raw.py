@@ -145,6 +145,8 @@ def divided(vertex: list[float], w: float, place: str) -> list[float]:
     """A homogeneous position divided by its w."""
     if w == 0:
         raise ReadError("w is 0: the vertex is at infinity", place)
+    if w - w != 0:
+        raise ReadError("w is not finite", place)
     vertex = [x / w for x in vertex]
     if sum(vertex) - sum(vertex) != 0:
         raise ReadError("the position divided by its w is not finite", place)
