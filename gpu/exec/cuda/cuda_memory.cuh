@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "gpu/exec/cuda/cuda_call.cuh"
-#include "gpu/exec/cuda/device_pool.cuh"
-#include "gpu/exec/cuda/pinned_pool.cuh"
+#include "gpu/exec/cuda/memory/cuda_call.cuh"
+#include "gpu/exec/cuda/memory/device_pool.cuh"
+#include "gpu/exec/cuda/memory/pinned_pool.cuh"
 #include "gpu/exec/memory_ledger.hpp"
 
 namespace collided {

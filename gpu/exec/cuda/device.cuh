@@ -6,9 +6,9 @@
 
 #include <string>
 
-#include "gpu/device.hpp"
-#include "gpu/exec/cuda/cuda_call.cuh"
-#include "gpu/exec/cuda/device_pool.cuh"
+#include "gpu/exec/cuda/memory/cuda_call.cuh"
+#include "gpu/exec/cuda/memory/device_pool.cuh"
+#include "gpu/types.hpp"
 
 namespace collided {
 

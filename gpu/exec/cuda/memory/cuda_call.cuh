@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "gpu/errors.hpp"
+#include "gpu/types.hpp"
 
 namespace collided {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "gpu/exec/block_heap.hpp"
-#include "gpu/exec/cuda/cuda_call.cuh"
+#include "gpu/exec/cuda/memory/cuda_call.cuh"
 
 namespace collided {
 

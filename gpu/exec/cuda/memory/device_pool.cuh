@@ -10,7 +10,7 @@
 #include <mutex>
 
 #include "gpu/exec/block_heap.hpp"
-#include "gpu/exec/cuda/cuda_call.cuh"
+#include "gpu/exec/cuda/memory/cuda_call.cuh"
 
 namespace collided {
 
