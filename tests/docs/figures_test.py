@@ -79,6 +79,26 @@ class Figures(unittest.TestCase):
                              (r"([\d,]+) later", large[32]["frames_per_second"])):
             self.expect(re.search(shown, text)[1], value, shown)
 
+    def test_generations_of_scenes(self):
+        runs = {(run["scenes"], run["commit"]): run["generations"] for run in result("load/2026-11-27-h200-generations.json")["runs"]}
+        rows = FIGURES.table("| scenes, generation |")[1:]
+        self.assertEqual(len(rows), 6)
+        for name, *shown in rows:
+            scenes, generation = int(name.split(",")[0]), ("first", "second", "third").index(name.split()[-1])
+            for numbers, commit in ((shown[:3], "5d9d03ee"), (shown[3:], "ea66d98c")):
+                for number, key in zip(numbers, ("p50_ms", "p99_ms", "max_ms")):
+                    if number:
+                        self.expect(number, runs[scenes, commit][generation][key], (name, key))
+
+    def test_trials(self):
+        runs = {(run["scene"], run["period"] > 0): run for run in result("steps/2026-11-27-h200-trials.json")["runs"]}
+        rows = FIGURES.table("| scene | time | p95 |")[1:]
+        self.assertEqual(len(rows), len(runs))
+        for name, time, p95 in rows:
+            run = runs[name.split(",")[0], "changing" in name]
+            self.expect(time, run["time_ratio"], name)
+            self.expect(p95, run["p95_ratio"], name)
+
     def test_before_and_after(self):
         rows = {row["row"]: row for row in result("steps/2026-11-23-h200-builds.json")["rows"]}
         shown = FIGURES.table("Two builds in turns")[1:]

@@ -10,10 +10,9 @@ namespace collided {
 
 constexpr unsigned kResumableBlock = 128;
 
-/// `next` is a zeroed counter. Three blocks a processor at least: what few queries need, such as near misses, may not
-/// take registers from all.
+/// `next` is a zeroed counter.
 template <class F>
-__global__ void __launch_bounds__(kResumableBlock, 3)
+__global__ void __launch_bounds__(kResumableBlock)
     for_each_resumable_kernel(uint64_t* begin, Counted n, uint64_t* next, const uint32_t* stop, F f) {
   note_begin(begin);
   constexpr int kEnough = 12;  // lanes

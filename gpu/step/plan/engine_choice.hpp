@@ -99,6 +99,7 @@ class EngineChoice {
   }
 
  private:
+  static constexpr double kShare = 0.0075;  ///< of all time may go to comparisons
   static constexpr double kHopeless = 2;    ///< times the time: one frame is enough to know
   static constexpr double kSlower = 1.15;   ///< times the time: two frames are
   static constexpr int kLongestTrial = 12;  ///< frames, of which some are not clean
@@ -177,7 +178,7 @@ class EngineChoice {
   EngineFacts why_;             ///< of the engine between trials
   std::optional<Trial> trial_;  ///< of the other one
   LastTimes search_, total_;    ///< of clean frames of the engine between trials
-  TrialBudget budget_{0};
+  TrialBudget budget_{0, kShare};
   bool tolerates_wrong_ = false;  ///< measured: the octree is faster although it looks wrong
   bool is_settling_ = false;      ///< the next frame is the first after a trial
 };

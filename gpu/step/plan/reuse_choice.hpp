@@ -151,6 +151,7 @@ class ReuseChoice {
 
  private:
   enum class State { kSearching, kTrying, kUsing };
+  static constexpr double kShare = 0.0025;  ///< of all time may go to comparisons
   static constexpr int kFirstWait = 16;  ///< frames before the first comparison: engines are compared first
   static constexpr int kLongestTrial = 256, kSearches = 3;
   static constexpr double kAlwaysAllowed = 3;  ///< milliseconds: a thread that waits for a processor is not slow
@@ -226,7 +227,7 @@ class ReuseChoice {
   LastTimes search_;               ///< of frames without lists
   LastTimes search_work_;          ///< of their threads
   double list_ = 0, without_ = 0;  ///< as measured last
-  TrialBudget budget_{kFirstWait};
+  TrialBudget budget_{kFirstWait, kShare};
   int trial_frames_ = 0;
   int searches_left_ = 0;  ///< of a comparison while lists are in use
 };

@@ -39,8 +39,8 @@ class TrialBudget {
   static constexpr double kChange = 1.3;  ///< from here on a scene has become another one
   static constexpr int kFirstPause = 64;  ///< frames
 
-  /// Frames before the first comparison.
-  explicit TrialBudget(int first_wait) : wait_(first_wait) {}
+  /// Frames before the first comparison; the share of all time that comparisons may take.
+  TrialBudget(int first_wait, double share) : share_(share), wait_(first_wait) {}
 
   bool is_due() const { return is_over() && owed_ == 0; }
   /// The pause alone.
@@ -49,7 +49,7 @@ class TrialBudget {
   /// A frame of a comparison took so much more than others.
   void owe(double milliseconds) { owed_ += std::max(0.0, milliseconds); }
   /// Any other frame.
-  void earn(double milliseconds) { owed_ = std::max(0.0, owed_ - kShare * milliseconds); }
+  void earn(double milliseconds) { owed_ = std::max(0.0, owed_ - share_ * milliseconds); }
   void count_frame() {
     wait_ = std::max(0, wait_ - 1);
     hurry_ = std::max(0, hurry_ - 1);
@@ -79,10 +79,10 @@ class TrialBudget {
   void forgive() { hurry_pause_ = kFirstPause; }
 
  private:
-  static constexpr double kShare = 0.005;               ///< of all time may go to comparisons of one kind
-  static constexpr double kClear = 1.25, kHopeless = 2;  ///< ratios of times
+  static constexpr double kClear = 1.25, kHopeless = 2;     ///< ratios of times
   static constexpr int kSoon = 8, kLongestPause = 1 << 14;  ///< frames
 
+  double share_;
   double owed_ = 0;  ///< what comparisons took, less the share that they may take
   int wait_, pause_ = kFirstPause;
   int hurry_ = 0, hurry_pause_ = kFirstPause;  ///< frames until a change counts again, this time and the next
