@@ -18,7 +18,7 @@ Number by_gmp(Operation operation, const Number& a, const Number& b) {
 void Number::reserve(int limbs, int kept) {
   if (limbs <= capacity_) return;
   const int capacity = std::max(limbs, 2 * capacity_);
-  auto* larger = new mp_limb_t[static_cast<size_t>(capacity)];
+  mp_limb_t* const larger = std::allocator<mp_limb_t>().allocate(static_cast<size_t>(capacity));
   std::copy_n(limbs_, kept, larger);
   release();
   limbs_ = larger;

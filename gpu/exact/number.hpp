@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <utility>
 
 namespace collided::exact {
@@ -75,7 +76,7 @@ class Number {
 
   int count() const { return size_ < 0 ? -size_ : size_; }
   void release() {
-    if (limbs_ != inline_) delete[] limbs_;
+    if (limbs_ != inline_) std::allocator<mp_limb_t>().deallocate(limbs_, static_cast<size_t>(capacity_));
   }
   void take(Number& other) {
     size_ = other.size_;
