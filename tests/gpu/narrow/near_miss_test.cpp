@@ -82,8 +82,10 @@ INSTANTIATE_TEST_SUITE_P(Families, NearMisses,
                                            NearMissCase{NearMissFamily::kSliding, 0x1p-10}),
                          [](const auto& info) { return ::testing::PrintToString(info.param); });
 
+using NearMissAtRest = OnBackend<>;
+
 // Static features of one plane, 1e-9 of their size apart.
-TEST(NearMissAtRest, IsNoContactOfADiscreteFrame) {
+TEST_F(NearMissAtRest, IsNoContactOfADiscreteFrame) {
   Query query{QueryKind::kVertexTriangle, {}};
   const Vec3d out{0.24253562503633297, -0.97014250014533188, 0};
   for (size_t time : {0, 4}) {
