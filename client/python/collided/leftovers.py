@@ -49,6 +49,7 @@ class Leftover:
         self._name = name
         self._process = os.getpid()
         self._is_over = False
+        self.finalizer: weakref.finalize | None = None
 
     def take(self) -> bool:
         """Returns True to the first caller, who then closes it; False in a process that was forked from its own."""
@@ -56,6 +57,8 @@ class Leftover:
             return False
         self._is_over = True
         _open.discard(self)
+        if self.finalizer is not None:
+            self.finalizer.detach()  # Python ignores an interrupt that comes while a finalizer runs
         return True
 
     def end_streams(self) -> None:
@@ -131,7 +134,8 @@ def watch(owner: object, leftover: Leftover) -> Leftover:
     """Closes `leftover` once `owner` is collected, or when the process ends, unless it was taken by then."""
     _started()
     _open.add(leftover)
-    weakref.finalize(owner, _forgotten, leftover).atexit = False  # _at_exit() does it, within its time
+    leftover.finalizer = weakref.finalize(owner, _forgotten, leftover)
+    leftover.finalizer.atexit = False  # _at_exit() does it, within its time
     return leftover
 
 
