@@ -32,7 +32,8 @@ template <class F>
 concept ItemFunctor = std::invocable<const F&, uint64_t>;
 
 /// f(i, group, shared): the work of one thread of a group (Group) on item i. F::Shared is memory of the group, not
-/// initialised; F::kGroupSize is the number of its threads on a GPU.
+/// initialised; F::kGroupSize is the number of its threads on a GPU. F::kGroupsOfProcessor, if it is there, limits how
+/// many groups a GPU's processor is given at once: where items are few, most groups would find none.
 template <class F>
 concept GroupFunctor = requires(const F& f, const Group& group, typename F::Shared& shared) {
   { F::kGroupSize } -> std::convertible_to<uint32_t>;

@@ -59,10 +59,17 @@ struct Group {
   /// Whether a condition holds for any thread of the group, each of which must call; synchronises.
   COLLIDED_HD bool any(bool condition) const {
 #ifdef __CUDA_ARCH__
-    return __syncthreads_or(condition) != 0;
-#else
-    return condition;
+    if (size > 1) return __syncthreads_or(condition) != 0;
 #endif
+    return condition;
+  }
+  /// Returns the largest value of all threads, each of which must call. The group is one thread, or a warp.
+  COLLIDED_HD double most(double value) const {
+#ifdef __CUDA_ARCH__
+    if (size > 1)
+      for (int offset = 16; offset > 0; offset /= 2) value = fmax(value, __shfl_xor_sync(~0u, value, offset));
+#endif
+    return value;
   }
 };
 

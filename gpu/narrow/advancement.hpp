@@ -88,8 +88,9 @@ class Advancement {
   /// Apart on [0, t) for certain.
   COLLIDED_HD Work time() const { return t_; }
   COLLIDED_HD const Pace& pace() const { return pace_; }
-  COLLIDED_HD const Thickness<Work>& thickness() const { return tolerance_.thickness; }
-  COLLIDED_HD Work delta() const { return tolerance_.delta; }
+  COLLIDED_HD const Tolerance<Work>& tolerance() const { return tolerance_; }
+  /// At that time, between points of the features that are nearly the closest: the distance, or more.
+  COLLIDED_HD Work gap() const { return now_.gap; }
 
   /// Looks at the features at the time that was chosen for it. A contact that is certain to be reported after `last`
   /// may count as a miss; `last` never changes the time of a hit, for what it is depends on the order of the queries.

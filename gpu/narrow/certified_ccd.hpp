@@ -130,81 +130,142 @@ struct ApproachCcd {
   }
 };
 
-/// Advances to the end, and reports contacts.
+/// Pairs that the advancement reported as contacts and that may be near misses: their keys, and the times that they are
+/// apart until. A later loop follows them. It needs many registers, and would slow all queries if they shared a kernel.
+struct NearMissList {
+  AppendList<uint64_t> keys;
+  Span<uint64_t> time_bits;
+
+  /// Both lists need a slot for every query.
+  COLLIDED_HD void push(uint64_t key, double t) const {
+    const uint64_t slot = claim_slot(*keys.count);
+    if (slot >= keys.items.size() || slot >= time_bits.size()) return;
+    keys.items[slot] = key;
+    time_bits[slot] = detail::bit_copy<uint64_t>(t);
+  }
+};
+
+/// Reports the contacts of advancements.
 template <class Work, class Real, class Kind, class Candidate>
-struct AdvanceCcd {
-  using State = CcdState<Work, Kind>;
+struct CcdReporter {
   CcdQueries<Real, Kind, Candidate> queries;
   double start_thickness;  ///< at t = 0, at most queries.thickness
   bool skips_separating;   ///< what comes no closer is no contact
   ContactSink<Real> contacts;
 
-  COLLIDED_HD void begin(uint64_t i, State& state) const {
-    if (contacts.early_exit.is_over()) return;
-    state.key = queries.key(i);
-    DifferencesOf<Work, Kind>& d = state.features.d;
-    const double doubt = queries.doubt_of(state.key);
-    if (!queries.load(i, d)) return contacts.report(state.key, coincident<Real>(start_thickness, doubt, kFlagInitial));
+  COLLIDED_HD Tolerance<Work> tolerance_of(const DifferencesOf<Work, Kind>& d, double doubt) const {
     const Work delta =
         queries.delta > 0 ? static_cast<Work>(queries.delta * d.scale) : default_delta(Work(0)) * d.extent;
-    const Thickness<Work> thickness{scaled_thickness<Work>(Deviations::widened(start_thickness, doubt), d.scale),
-                                    scaled_thickness<Work>(Deviations::widened(queries.thickness, doubt), d.scale)};
-    state.features.begin({thickness, delta}, queries.progress(i), kMaxIterations);
+    return {{scaled_thickness<Work>(Deviations::widened(start_thickness, doubt), d.scale),
+             scaled_thickness<Work>(Deviations::widened(queries.thickness, doubt), d.scale)},
+            delta};
   }
-  COLLIDED_HD void step(State& state) const { state.features.iterate(static_cast<Work>(contacts.early_exit.last())); }
-  COLLIDED_HD void finish(const State& state) const {
-    const AdvancementOf<Work, Kind>& features = state.features;
-    if (!features.is_hit()) return;
-    const NearMiss found = follow(state);
-    if (!found.is_hit) return;
-    const Work t = static_cast<Work>(found.t);
-    const double doubt = queries.doubt_of(state.key);
-    const bool separating = doubt == 0 && is_separating(state, t);
+  COLLIDED_HD void report_coincident(uint64_t key, double doubt) const {
+    contacts.report(key, coincident<Real>(start_thickness, doubt, kFlagInitial));
+  }
+  /// A pair that is certain to be apart on [0, t) alone.
+  COLLIDED_HD void report(uint64_t key, const DifferencesOf<Work, Kind>& d, const Tolerance<Work>& tolerance, Work t,
+                          bool is_capped) const {
+    const double doubt = queries.doubt_of(key);
+    const bool separating = doubt == 0 && is_separating(key, d, tolerance, t);
     if (separating && skips_separating) return;
-    const double by = known_by(features, t, doubt);
-    const uint8_t flags = flags_of(features, found, doubt, by < kNeverCertain) | (separating ? kFlagSeparating : 0);
-    contacts.report(state.key, contact_at<Real>(features.d, t, flags), by);
+    const double by = known_by(d, t, doubt);
+    const uint8_t flags = flags_of(d, t, is_capped, doubt, by < kNeverCertain) | (separating ? kFlagSeparating : 0);
+    contacts.report(key, contact_at<Real>(d, t, flags), by);
   }
 
  private:
-  COLLIDED_HD NearMiss follow(const State& state) const {
-    const AdvancementOf<Work, Kind>& features = state.features;
-    if constexpr (std::is_same_v<Work, double>) {
-      const Tolerance<double> tolerance{features.thickness(), features.delta()};
-      if (may_be_near_miss(features.d, tolerance, features.time()))
-        return follow_near_miss<Kind>(queries.kind.stencil(state.key), queries.start, queries.end, tolerance,
-                                      features.time());
-    }
-    return {true, features.is_capped(), features.time()};
-  }
   /// As certain_by.
-  COLLIDED_HD double known_by(const AdvancementOf<Work, Kind>& features, Work t, double doubt) const {
+  COLLIDED_HD double known_by(const DifferencesOf<Work, Kind>& d, Work t, double doubt) const {
     const double certain = certain_distance(start_thickness, doubt);
     if (doubt > 0 && certain == 0) return kNeverCertain;
-    return certain_by(features.d, t, scaled_thickness<Work>(certain, features.d.scale));
+    return certain_by(d, t, scaled_thickness<Work>(certain, d.scale));
   }
-  COLLIDED_HD uint8_t flags_of(const AdvancementOf<Work, Kind>& features, const NearMiss& found, double doubt,
+  COLLIDED_HD uint8_t flags_of(const DifferencesOf<Work, Kind>& d, Work t, bool is_capped, double doubt,
                                bool is_sure) const {
     const double certain = certain_distance(start_thickness, doubt);
-    const Work thickness = scaled_thickness<Work>(certain, features.d.scale);
+    const Work thickness = scaled_thickness<Work>(certain, d.scale);
     uint8_t flags = is_sure ? kFlagCertified : kFlagNear;
-    if (found.is_capped) flags |= kFlagCapped;
+    if (is_capped) flags |= kFlagCapped;
     // A sure contact may come after its lower bound 0.
-    if (found.t == 0 && (!is_sure || touches_at(features.d, Work(0), thickness))) flags |= kFlagInitial;
+    if (t == 0 && (!is_sure || touches_at(d, Work(0), thickness))) flags |= kFlagInitial;
     return flags;
   }
   /// Features within the thickness at t = 0; or, where the thickness grows, those that it catches up with. Float could
   /// tell hardly anything of it.
-  COLLIDED_HD bool is_separating(const State& state, Work t) const {
-    const AdvancementOf<Work, Kind>& features = state.features;
+  COLLIDED_HD bool is_separating(uint64_t key, const DifferencesOf<Work, Kind>& scaled,
+                                 const Tolerance<Work>& tolerance, Work t) const {
     const bool begins_within = t == 0;
     if (!begins_within && start_thickness == queries.thickness) return false;
     // What begins within is no farther apart than this.
-    if (features.thickness().end + features.delta() < static_cast<Work>(kTooClose) * features.d.extent) return false;
+    if (tolerance.thickness.end + tolerance.delta < static_cast<Work>(kTooClose) * scaled.extent) return false;
     DifferencesOf<double, Kind> d;
-    if (!load_differences<Kind, double>(points_of(queries.kind.stencil(state.key), queries.start, queries.end), d))
+    if (!load_differences<Kind, double>(points_of(queries.kind.stencil(key), queries.start, queries.end), d))
       return false;
     return comes_no_closer(d, begins_within ? 0.0 : scaled_thickness<double>(start_thickness, d.scale));
+  }
+};
+
+/// Advances to the end, and reports contacts; those in double that may be near misses are left to FollowNearMisses.
+template <class Work, class Real, class Kind, class Candidate>
+struct AdvanceCcd {
+  using State = CcdState<Work, Kind>;
+  CcdReporter<Work, Real, Kind, Candidate> reporter;
+  NearMissList near_misses;
+
+  COLLIDED_HD void begin(uint64_t i, State& state) const {
+    if (reporter.contacts.early_exit.is_over()) return;
+    state.key = reporter.queries.key(i);
+    DifferencesOf<Work, Kind>& d = state.features.d;
+    const double doubt = reporter.queries.doubt_of(state.key);
+    if (!reporter.queries.load(i, d)) return reporter.report_coincident(state.key, doubt);
+    state.features.begin(reporter.tolerance_of(d, doubt), reporter.queries.progress(i), kMaxIterations);
+  }
+  COLLIDED_HD void step(State& state) const {
+    state.features.iterate(static_cast<Work>(reporter.contacts.early_exit.last()));
+  }
+  COLLIDED_HD void finish(const State& state) const {
+    const AdvancementOf<Work, Kind>& features = state.features;
+    if (!features.is_hit()) return;
+    if constexpr (std::is_same_v<Work, double>)
+      if (may_be_near_miss(features.d, features.tolerance(), features.time(), features.gap()))
+        return near_misses.push(state.key, features.time());
+    reporter.report(state.key, features.d, features.tolerance(), features.time(), features.is_capped());
+  }
+};
+
+/// Follows the pairs of a list, and reports those that are contacts. Where they are few, a warp of a GPU shares the
+/// directions of each pair, as the step waits for the one that takes longest; else each thread has a pair of its own.
+template <class Real, class Kind>
+struct FollowNearMisses {
+  using Shared = Nothing;
+  static constexpr uint32_t kGroupSize = 32, kGroupsOfProcessor = 8;
+  CcdReporter<double, Real, Kind, uint64_t> reporter;  ///< its candidates are those of the list
+  Span<const uint64_t> time_bits;
+  Counted pairs;
+
+  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
+    constexpr uint64_t kFew = 4096;
+    const uint64_t count = pairs.size();
+    const bool shares = count <= kFew;
+    const uint64_t pair = shares ? i : i * group.size + group.rank;
+    if (pair < count) follow(pair, shares ? group : Group{0, 1});
+  }
+
+ private:
+  COLLIDED_HD void follow(uint64_t i, const Group& team) const {
+    const EarlyExit& early_exit = reporter.contacts.early_exit;
+    const double t = detail::bit_copy<double>(time_bits[i]);
+    // All threads of a team have to go the same way.
+    if (team.any(early_exit.is_over() || t > early_exit.last())) return;
+    const uint64_t key = reporter.queries.key(i);
+    DifferencesOf<double, Kind> d;
+    const double doubt = reporter.queries.doubt_of(key);
+    const bool differ = reporter.queries.load(i, d), reports = team.rank == 0;
+    if (!differ) return reports ? reporter.report_coincident(key, doubt) : void();
+    const Tolerance<double> tolerance = reporter.tolerance_of(d, doubt);
+    const NearMiss found = follow_near_miss(d, tolerance, t, team);
+    if (found.is_hit && reports) reporter.report(key, d, tolerance, found.t, found.is_capped);
   }
 };
 

@@ -32,26 +32,38 @@ struct CertifyProximity {
   Kind kind;
   Span<const uint64_t> candidates;
   ContactSink<Real> contacts;
+  AppendList<uint64_t> near_misses;  ///< in double: pairs that are left to SeparateNearMisses
 
   COLLIDED_HD void operator()(uint64_t i) const {
     if (contacts.early_exit.is_over()) return;
     DifferencesOf<Work, Kind> d;
     if (!load_differences<Kind, Work>(points_of(kind.stencil(candidates[i]), positions, positions), d))
       return contacts.report(candidates[i], coincident<Real>(thickness, doubt, 0));
-    if (are_apart(d, scaled_thickness<Work>(Deviations::widened(thickness, doubt), d.scale))) return;
+    const Work widened = scaled_thickness<Work>(Deviations::widened(thickness, doubt), d.scale);
+    if (are_apart(d, widened)) return;
     const Work certain = scaled_thickness<Work>(certain_distance(thickness, doubt), d.scale);
     const uint8_t flags = touches_at(d, Work(0), certain) ? kFlagCertified : kFlagNear;
-    if (flags == kFlagNear && is_near_miss(candidates[i], d.scale)) return;
+    if constexpr (std::is_same_v<Work, double>)
+      if (flags == kFlagNear && may_be_near_miss(d, {{widened, widened}, 0}, 0.0, gap_at(d, 0.0).length)) {
+        near_misses.push(candidates[i]);
+        return;
+      }
     contacts.report(candidates[i], contact_at<Real>(d, Work(0), flags));
   }
+};
 
- private:
-  COLLIDED_HD bool is_near_miss(uint64_t candidate, double scale) const {
-    if constexpr (std::is_same_v<Work, double>)
-      return are_precisely_apart<Kind>(kind.stencil(candidate), positions,
-                                       scaled_thickness<double>(Deviations::widened(thickness, doubt), scale));
-    else
-      return false;
+/// Reports the pairs of a list that no precise direction keeps apart by more than the thickness.
+template <class Real, class Kind>
+struct SeparateNearMisses {
+  CertifyProximity<double, Real, Kind> pairs;  ///< its candidates are those of the list
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const uint64_t key = pairs.candidates[i];
+    DifferencesOf<double, Kind> d;
+    load_differences<Kind, double>(points_of(pairs.kind.stencil(key), pairs.positions, pairs.positions), d);
+    const double widened = scaled_thickness<double>(Deviations::widened(pairs.thickness, pairs.doubt), d.scale);
+    if (!are_precisely_apart(d, {widened, widened}, 0.0))
+      pairs.contacts.report(key, contact_at<Real>(d, 0.0, kFlagNear));
   }
 };
 

@@ -8,7 +8,7 @@
 // exactly across what the features would otherwise move along: edges, the relative motion, or the plane of all of it.
 // proto/ACCURACY.md states how sharp that makes CERTIFIED.
 
-#include "gpu/contacts/contact.hpp"
+#include "gpu/exec/counted.hpp"
 #include "gpu/narrow/advancement.hpp"
 
 namespace collided {
@@ -49,27 +49,27 @@ COLLIDED_HD void edges_of(const Vec3<Work> (&x)[4], Vec3<Work> (&edges)[2]) {
 /// across an edge and the motion, or across the normal and either.
 template <class Work, int N>
 class PreciseDirections {
-  static constexpr int kEdges = N == 3 ? 3 : 2, kAxes = kEdges + 1;
+  static constexpr uint32_t kEdges = N == 3 ? 3 : 2, kAxes = kEdges + 1;
 
  public:
-  static constexpr int kCount = 2 + kAxes + kEdges + kAxes;
+  static constexpr uint32_t kCount = 2 + kAxes + kEdges + kAxes;
 
   COLLIDED_HD PreciseDirections(const Differences<Work, N>& d, Work t) {
     differences_at(d, t, x_);
     const Gap<Work> gap = gap_between(x_);
-    const Vec3<Work> motion = between_points(d.end, gap.points.w0, gap.points.w1) -
-                              between_points(d.start, gap.points.w0, gap.points.w1);
+    const Vec3<Work> motion =
+        between_points(d.end, gap.points.w0, gap.points.w1) - between_points(d.start, gap.points.w0, gap.points.w1);
     length_ = gap.length;
     speed_ = length_ > 0 ? dot(gap.vector, motion) / length_ : Work(0);
     gap_ = direction_of(gap.vector).n;
     detail::edges_of(x_, edges_);
-    for (int k = 0; k < kEdges; ++k) axes_[k] = direction_of(edges_[k]).n;
+    for (uint32_t k = 0; k < kEdges; ++k) axes_[k] = direction_of(edges_[k]).n;
     axes_[kEdges] = direction_of(motion).n;
     const Direction<Work> across = direction_of(detail::across_both(axes_[0], axes_[1]));
     normal_ = across.length > 0 ? (1 / across.length) * across.n : Vec3<Work>{0, 0, 0};
   }
 
-  COLLIDED_HD Direction<Work> operator[](int k) const {
+  COLLIDED_HD Direction<Work> operator[](uint32_t k) const {
     if (k == 0) return direction_of(gap_);
     if (--k < kAxes) return direction_of(detail::reject(gap_, axes_[k]));
     k -= kAxes;
@@ -104,20 +104,20 @@ class PreciseDirections {
   Vec3<Work> x_[N], gap_, edges_[kEdges], axes_[kAxes], normal_;
 };
 
-/// True if the features are so far beyond the thickness at t that more precise directions may separate them: by more
-/// than delta and what certificates lose to rounding.
+/// True if features that are `gap` apart at t are so far beyond the thickness that more precise directions may separate
+/// them: by more than delta and what certificates lose to rounding.
 template <class Work, int N>
-COLLIDED_HD bool may_be_near_miss(const Differences<Work, N>& d, const Tolerance<Work>& tolerance, Work t) {
+COLLIDED_HD bool may_be_near_miss(const Differences<Work, N>& d, const Tolerance<Work>& tolerance, Work t, Work gap) {
   constexpr Work kLost = 32 * Precision<Work>::kUnit;
   const Work beyond = tolerance.delta + kLost * d.extent;
-  return gap_at(d, t).length > (1 - t) * tolerance.thickness.start + t * tolerance.thickness.end + beyond;
+  return gap > (1 - t) * tolerance.thickness.start + t * tolerance.thickness.end + beyond;
 }
 
 /// True if one of the directions at t separates the features then; false says nothing.
 template <class Work, int N>
 COLLIDED_HD bool are_precisely_apart(const Differences<Work, N>& d, const Thickness<Work>& thickness, Work t) {
   const PreciseDirections<Work, N> directions(d, t);
-  for (int k = 0; k < PreciseDirections<Work, N>::kCount; ++k)
+  for (uint32_t k = 0; k < PreciseDirections<Work, N>::kCount; ++k)
     if (along(d, directions[k], thickness, t).is_apart()) return true;
   return false;
 }
@@ -128,37 +128,48 @@ struct NearMiss {
   double t;  ///< apart on [0, t) for certain
 };
 
-/// True if one of the directions, while it turns from what it is at t to what it is at h, separates the features.
+/// True if one of the directions, while it turns from what it is at t to what it is at h, separates the features. The
+/// threads of the team share the directions, and all of them call.
 template <class Work, int N>
 COLLIDED_HD bool apart_between(const Differences<Work, N>& d, const Thickness<Work>& thickness,
                                const PreciseDirections<Work, N>& from, Work t, const PreciseDirections<Work, N>& to,
-                               Work h) {
-  for (int k = 0; k < PreciseDirections<Work, N>::kCount; ++k)
-    if (apart_while_turning(along(d, from[k], thickness, t), along(d, to[k], thickness, h), t, h)) return true;
-  return false;
+                               Work h, const Group& team) {
+  bool is_apart = false;
+  for (uint32_t k = team.rank; k < PreciseDirections<Work, N>::kCount && !is_apart; k += team.size)
+    is_apart = apart_while_turning(along(d, from[k], thickness, t), along(d, to[k], thickness, h), t, h);
+  return team.any(is_apart);
+}
+
+/// The farthest time until which a fixed direction separates the features by more than delta; t if none does.
+template <class Work, int N>
+COLLIDED_HD Work reach_of_fixed(const Differences<Work, N>& d, const Tolerance<Work>& tolerance,
+                                const PreciseDirections<Work, N>& now, Work t, const Group& team) {
+  Work until = t;
+  for (uint32_t k = team.rank; k < PreciseDirections<Work, N>::kCount; k += team.size) {
+    const Reach<Work> reach = along(d, now[k], tolerance.thickness, t).reach();
+    if (reach.separation > tolerance.delta) until = max(until, reach.until);
+  }
+  return team.most(until);
 }
 
 /// Continues an advancement that ended in a contact at t. Each iteration tries a step of four times the last one's
 /// length, or a quarter of it after a failure, then Newton's, then as far as a fixed direction reaches. Newton's alone
-/// does not do: the speed of a gap of 1e-13 is mostly rounding.
+/// does not do: the speed of a gap of 1e-13 is mostly rounding. A team of threads takes the same course as one thread.
 template <class Work, int N>
-COLLIDED_HD NearMiss follow_near_miss(const Differences<Work, N>& d, const Tolerance<Work>& tolerance, Work t) {
+COLLIDED_HD NearMiss follow_near_miss(const Differences<Work, N>& d, const Tolerance<Work>& tolerance, Work t,
+                                      const Group& team) {
   using Directions = PreciseDirections<Work, N>;
   const Work rounding = 8 * Precision<Work>::kUnit * d.extent;
   Pace pace;
   Work step = 1 - t;
   for (int i = 0; i <= kMaxIterations; ++i) {
     const Directions now(d, t);
-    Work until = t;
-    for (int k = 0; k < Directions::kCount; ++k) {
-      const Reach<Work> reach = along(d, now[k], tolerance.thickness, t).reach();
-      if (reach.separation > tolerance.delta) until = max(until, reach.until);
-    }
+    const Work until = reach_of_fixed(d, tolerance, now, t, team);
     if (until > 1) return {false, false, 1};
     if (!(until > t)) return {true, false, t};
     const Work far = min(t + step, Work(1));
     Work next = until;
-    if (far > until && apart_between(d, tolerance.thickness, now, t, Directions(d, far), far)) {
+    if (far > until && apart_between(d, tolerance.thickness, now, t, Directions(d, far), far, team)) {
       if (far == 1) return {false, false, 1};
       next = far, step = 4 * step;
     } else {
@@ -166,7 +177,7 @@ COLLIDED_HD NearMiss follow_near_miss(const Differences<Work, N>& d, const Toler
       const Work ahead = pace.ahead_of(t, now.gap() - tolerance.thickness.end, now.speed(), rounding);
       if (ahead > until) {
         const Directions then(d, ahead);
-        if (apart_between(d, tolerance.thickness, now, t, then, ahead)) {
+        if (apart_between(d, tolerance.thickness, now, t, then, ahead, team)) {
           if (ahead == 1) return {false, false, 1};
           pace.succeed(ahead - t, now.gap(), now.speed(), then.gap());
           next = ahead;
@@ -178,24 +189,6 @@ COLLIDED_HD NearMiss follow_near_miss(const Differences<Work, N>& d, const Toler
     t = next;
   }
   return {true, true, t};
-}
-
-/// Does the same for a pair of the given vertices. Out of line: it is rare, and takes more registers than its callers.
-template <class Kind, class Real>
-COLLIDED_HD COLLIDED_CALLED NearMiss follow_near_miss(const Stencil& s, const Vec3<Real>* start, const Vec3<Real>* end,
-                                                      const Tolerance<double>& tolerance, double t) {
-  DifferencesOf<double, Kind> d;
-  if (!load_differences<Kind, double>(points_of(s, start, end), d)) return {true, false, t};
-  return follow_near_miss(d, tolerance, t);
-}
-
-/// True if some precise direction keeps features that stand still apart by more than the thickness (scaled).
-template <class Kind, class Real>
-COLLIDED_HD COLLIDED_CALLED bool are_precisely_apart(const Stencil& s, const Vec3<Real>* positions, double thickness) {
-  DifferencesOf<double, Kind> d;
-  if (!load_differences<Kind, double>(points_of(s, positions, positions), d)) return false;
-  const Thickness<double> scaled{thickness, thickness};
-  return may_be_near_miss(d, {scaled, 0}, 0.0) && are_precisely_apart(d, scaled, 0.0);
 }
 
 }  // namespace collided

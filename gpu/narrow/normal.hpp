@@ -43,8 +43,8 @@ class Touching {
       : d_(d), t_(t), sine_(clear), clear_(clear * d.extent) {
     differences_at(d, t, x_);
     gap_ = gap_between(x_);
-    w_ = between_points(d.end, gap_.points.w0, gap_.points.w1) -
-         between_points(d.start, gap_.points.w0, gap_.points.w1);
+    w_ =
+        between_points(d.end, gap_.points.w0, gap_.points.w1) - between_points(d.start, gap_.points.w0, gap_.points.w1);
   }
 
   /// Returns the normal, of any length but 0.
@@ -95,7 +95,7 @@ class Touching {
     directions.replace_gap(before);
     Direction<double> best{{0, 0, 0}, 0};
     double most = 0;
-    for (int k = 0; k < directions.kCount; ++k) {
+    for (uint32_t k = 0; k < directions.kCount; ++k) {
       Direction<double> direction = directions[k];
       if (dot(direction.n, before) < 0) direction.n = -1.0 * direction.n;
       const double likeness = direction.length > 0 ? dot(direction.n, before) / direction.length : 0;

@@ -65,6 +65,8 @@ struct LevelNeeds {
   /// CCD tries a fixed direction before it follows the features, and float goes ahead of double.
   bool is_screened() const { return is_ccd() && settings.accuracy >= Accuracy::kGuarded; }
   bool is_approached() const { return is_screened() && settings.accuracy >= Accuracy::kCertified; }
+  /// DCD looks again at pairs that are neither certain to be apart nor certain to be within the thickness.
+  bool looks_twice() const { return !is_ccd() && settings.accuracy >= Accuracy::kCertified; }
 
   bool judges_resolution() const { return settings.accuracy >= Accuracy::kGuarded; }
 };

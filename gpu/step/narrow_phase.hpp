@@ -90,10 +90,9 @@ class NarrowPhase {
     exec_.stage(Kind::kNarrow, [&] {
       const AppendList<uint64_t> list = kept(Kind::kKind);
       const Counted count{list.count, list.items.size(), list.most_in_vain()};
-      if (needs().is_screened())
-        detect_screened(kind, count, part);
-      else
-        part([&] { run(kind, count, list.items); });
+      if (needs().is_screened()) return detect_screened(kind, count, part);
+      part([&] { run(kind, count, list.items); });
+      if (needs().looks_twice()) part([&] { look_again(kind); });
     });
   }
   void detect_triangles() {
@@ -160,7 +159,8 @@ class NarrowPhase {
     const ListLengths& expected = scene_.expected;
     CandidateBuffers<Exec>& candidates = scene_.candidates[kind];
     begin_list(candidates.kept, count, expected[ListLengths::kKept + kind]);
-    if (needs().is_screened()) begin_list(candidates.screened, count, expected[ListLengths::kScreened + kind]);
+    if (needs().is_screened() || needs().looks_twice())
+      begin_list(candidates.screened, count, expected[ListLengths::kScreened + kind]);
     if (needs().is_approached()) begin_list(candidates.resumable, count, expected[ListLengths::kResumable + kind]);
   }
 
@@ -195,6 +195,12 @@ class NarrowPhase {
     });
     if (found_ != nullptr) expect_contacts(lists, found_->resumable[k]);
     part([&] { advance_ccd<double>(kind, &state->resumable[k], lists.resumable); });
+    part([&] {
+      const Counted near_misses{&state->near_misses[k], lists.kept.capacity()};
+      exec_.for_each_group(
+          "follow_near_misses", near_misses,
+          FollowNearMisses<Real, Kind>{reporter<double>(kind, lists.kept), lists.screened.all(), near_misses});
+    });
   }
   /// Contacts are at most as many as queries. Room for all of them spares the queries a second run; where that takes
   /// more than the candidates' lists do, room is made as it is needed.
@@ -206,11 +212,20 @@ class NarrowPhase {
       enlarge(scene_.contacts, most, found_->contacts);
   }
   template <class Work, class Kind, class Candidate>
+  CcdReporter<Work, Real, Kind, Candidate> reporter(const Kind& kind, const Buffer<Candidate, Exec>& candidates) {
+    return {queries(kind, candidates), needs().settings.start_thickness, needs().skips_separating(), sink(Kind::kKind)};
+  }
+  /// Near misses wait in lists whose candidates have all been looked at by now.
+  template <class Work, class Kind, class Candidate>
   void advance_ccd(const Kind& kind, const uint64_t* count, const Buffer<Candidate, Exec>& candidates) {
-    exec_.for_each_resumable(
-        "advance_ccd", {count, candidates.capacity()}, &scene_.state.data()->next_query[kIndexOf<Kind>][1],
-        AdvanceCcd<Work, Real, Kind, Candidate>{queries(kind, candidates), needs().settings.start_thickness,
-                                                needs().skips_separating(), sink(Kind::kKind)});
+    constexpr int k = kIndexOf<Kind>;
+    StepState* state = scene_.state.data();
+    NearMissList near_misses;
+    if constexpr (std::is_same_v<Work, double>)
+      near_misses = {{candidates_of(Kind::kKind).kept.all(), &state->near_misses[k]},
+                     candidates_of(Kind::kKind).screened.all()};
+    exec_.for_each_resumable("advance_ccd", {count, candidates.capacity()}, &state->next_query[k][1],
+                             AdvanceCcd<Work, Real, Kind, Candidate>{reporter<Work>(kind, candidates), near_misses});
   }
   template <class Kind>
   void run(const Kind& kind, const Counted& count, Span<const uint64_t> candidates) {
@@ -233,16 +248,23 @@ class NarrowPhase {
                      TestProximity<Real, Kind>{scene_.end.data(), static_cast<Real>(needs().settings.thickness), kind,
                                                candidates, contacts});
     else if (needs().settings.accuracy == Accuracy::kGuarded)
-      certify_proximity<float>(kind, count, candidates, contacts);
+      exec_.for_each("certify_proximity", count, proximity<float>(kind, candidates));
     else
-      certify_proximity<double>(kind, count, candidates, contacts);
+      exec_.for_each("certify_proximity", count, proximity<double>(kind, candidates));
   }
   template <class Work, class Kind>
-  void certify_proximity(const Kind& kind, const Counted& count, Span<const uint64_t> candidates,
-                         const ContactSink<Real>& contacts) {
-    exec_.for_each("certify_proximity", count,
-                   CertifyProximity<Work, Real, Kind>{scene_.end.data(), needs().settings.thickness,
-                                                      needs().settings.encoding, kind, candidates, contacts});
+  CertifyProximity<Work, Real, Kind> proximity(const Kind& kind, Span<const uint64_t> candidates) {
+    const AppendList<uint64_t> near_misses{candidates_of(Kind::kKind).screened.all(),
+                                           &scene_.state.data()->screened[kIndexOf<Kind>]};
+    return {
+        scene_.end.data(), needs().settings.thickness, needs().settings.encoding, kind, candidates, sink(Kind::kKind),
+        near_misses};
+  }
+  template <class Kind>
+  void look_again(const Kind& kind) {
+    const AppendList<uint64_t> near_misses = proximity<double>(kind, {}).near_misses;
+    exec_.for_each("separate_near_misses", Counted{near_misses.count, near_misses.items.size()},
+                   SeparateNearMisses<Real, Kind>{proximity<double>(kind, near_misses.items)});
   }
   template <class Work>
   void run_triangles() {

@@ -93,8 +93,9 @@ class CudaExec {
   template <GroupFunctor F>
   void for_each_group(const char* name, const Counted& n, const F& f) {
     if (n.most == 0) return;
-    const unsigned resident = 2048 / F::kGroupSize;
-    const unsigned blocks = static_cast<unsigned>(std::min<uint64_t>(n.most, 2 * resident * processors_));
+    unsigned of_processor = 2 * 2048 / F::kGroupSize;
+    if constexpr (requires { F::kGroupsOfProcessor; }) of_processor = F::kGroupsOfProcessor;
+    const unsigned blocks = static_cast<unsigned>(std::min<uint64_t>(n.most, of_processor * processors_));
     launch(name, for_each_group_kernel<F>, blocks, F::kGroupSize, n, f);
   }
 
@@ -292,7 +293,7 @@ class CudaExec {
     try {
       return f();
     } catch (...) {
-      turn_to_record_.reset();  // others wait for it
+      turn_to_record_.reset();         // others wait for it
       cudaStreamSynchronize(stream_);  // what is in line may use memory that is given back next
       throw;
     }

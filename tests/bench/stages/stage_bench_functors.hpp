@@ -36,14 +36,30 @@ class Found {
 /// The same for contacts.
 class FoundContacts {
  public:
-  explicit FoundContacts(uint64_t most) : keys_(most), data_(most) {}
+  explicit FoundContacts(uint64_t most) : keys_(most), data_(most), near_misses_(most), time_bits_(most) {}
   ContactSink<float> sink() { return {{keys_.list(), span_of(data_)}, EarlyExit{}, 0}; }
-  void clear() { keys_.clear(); }
+  NearMissList near_misses() { return {near_misses_.list(), span_of(time_bits_)}; }
+  /// The functor that follows them to the end.
+  template <class Kind, class Candidate>
+  FollowNearMisses<float, Kind> follow(const CcdReporter<double, float, Kind, Candidate>& reporter) {
+    const CcdQueries<float, Kind, Candidate>& q = reporter.queries;
+    const Span<const uint64_t> keys = near_misses_.list().items, time_bits = span_of(time_bits_);
+    return {{{q.start, q.end, q.thickness, q.doubt, q.delta, q.kind, keys},
+             reporter.start_thickness,
+             reporter.skips_separating,
+             reporter.contacts},
+            time_bits,
+            {near_misses_.list().count, keys.size()}};
+  }
+  uint64_t near_miss_count() const { return near_misses_.count(); }
+  void clear() { keys_.clear(), near_misses_.clear(); }
   uint64_t count() const { return keys_.count(); }
 
  private:
   Found<uint64_t> keys_;
   std::vector<ContactData<float>> data_;
+  Found<uint64_t> near_misses_;
+  std::vector<uint64_t> time_bits_;
 };
 
 // The search for pairs, and the processing of pairs.
@@ -130,7 +146,7 @@ template <class Work, class Kind, class Candidate>
 AdvanceCcd<Work, float, Kind, Candidate> advance_to_the_end(const StageScene& s,
                                                             const std::vector<Candidate>& candidates,
                                                             FoundContacts& found) {
-  return {queries<Kind>(s, candidates), 0, false, found.sink()};
+  return {{queries<Kind>(s, candidates), 0, false, found.sink()}, found.near_misses()};
 }
 
 /// A query that advances in double from t = 0.
@@ -183,7 +199,8 @@ TestProximity<float, Kind> test_proximity(const StageScene& s, const std::vector
 template <class Work, class Kind>
 CertifyProximity<Work, float, Kind> certify_proximity(const StageScene& s, const std::vector<uint64_t>& candidates,
                                                       FoundContacts& found) {
-  return {s.buffers.end.data(), s.thickness_at_rest, 0, s.kind<Kind>(), span_of(candidates), found.sink()};
+  return {s.buffers.end.data(), s.thickness_at_rest,     0, s.kind<Kind>(), span_of(candidates),
+          found.sink(),         found.near_misses().keys};
 }
 
 /// Runs a functor over all items, on this thread, as CpuExec does: in ranges, one by one, or in steps.

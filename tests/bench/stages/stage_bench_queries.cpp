@@ -59,6 +59,22 @@ void bench_advance(const StageScene& s, const std::vector<Candidate>& candidates
   measure_functor(state, candidates.size(), advance_to_the_end<Work, Kind>(s, candidates, found), found);
 }
 
+/// What is left of it: pairs that may be near misses.
+template <class Kind>
+void bench_near_misses(const StageScene& s, benchmark::State& state) {
+  const std::vector<ResumableQuery>& candidates = s.lists<Kind>().near;
+  FoundContacts near(candidates.size()), found(candidates.size());
+  const auto advance = advance_to_the_end<double, Kind>(s, candidates, near);
+  run_all(candidates.size(), advance);
+  FollowNearMisses<float, Kind> follow = near.follow(advance.reporter);
+  follow.reporter.contacts = found.sink();
+  const auto follow_alone = [&](uint64_t i) {
+    Nothing shared;
+    follow(i, Group{0, 1}, shared);
+  };
+  measure_functor(state, near.near_miss_count(), follow_alone, found);
+}
+
 /// The advancement alone, in double and from t = 0, with the looks that it takes.
 template <class Kind>
 void bench_advancement(const StageScene& s, benchmark::State& state) {
@@ -155,6 +171,7 @@ void register_kind(const StageScene& s, const std::string& kind) {
       [&s](auto& state) { bench_advance<double, Kind>(s, s.lists<Kind>().screened, state); });
   add("separation/advance_float_from_start/" + kind,
       [&s](auto& state) { bench_advance<float, Kind>(s, s.lists<Kind>().screened, state); });
+  add("separation/near_misses/" + kind, [&s](auto& state) { bench_near_misses<Kind>(s, state); });
   add("separation/look_double/" + kind, [&s](auto& state) { bench_advancement<Kind>(s, state); });
   add("separation/certificate/" + kind, [&s](auto& state) { bench_certificate<Kind>(s, state); });
   add("fast/solve_cubic/" + kind, [&s](auto& state) { bench_cubic<Kind>(s, state); });
