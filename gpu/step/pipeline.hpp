@@ -257,7 +257,10 @@ class Pipeline {
     if (neighbours_.are_too_long(state_)) throw ResourceExhausted("lists of neighbours are too long to be of use");
     return neighbours_.grow(state_);
   }
-  OctreePlan plan_octree() const { return planner_.plan(result_.broad_phase.engine, !Exec::kLaunchesCost); }
+  OctreePlan plan_octree() const {
+    return planner_.plan(result_.broad_phase.engine, !Exec::kLaunchesCost, makes_lists());
+  }
+  bool makes_lists() const { return lists_.use == ListUse::kMade; }
 
   /// Where there is no room for what is expected, lists begin as they do without.
   void reserve() {
@@ -278,7 +281,8 @@ class Pipeline {
     if (engine() == Engine::kLbvh) return lbvh_.reserve();
     if (engine() == Engine::kAllPairs) return all_pairs_.reserve();
     octree_.reserve(plan_.octree);
-    if (std::exchange(sent_levels_, planner_.levels()) == planner_.levels()) return;
+    const ActiveLevels& levels = planner_.levels(makes_lists());
+    if (std::exchange(sent_levels_, levels) == levels) return;
     exec_.upload(scene_.octree.wanted.data(), &sent_levels_, sizeof(sent_levels_));
   }
   /// That searches, where the step does.
@@ -411,7 +415,7 @@ class Pipeline {
     else if (engine() == Engine::kAllPairs)
       all_pairs_.describe(c);
     else if (!has_cells_of_triangles(engine()))
-      planner_.learn_levels(state_);
+      planner_.learn_levels(state_, makes_lists());
     result_.input_resolution = needs().judges_resolution() && octree_.is_coarse(state_, needs().settings);
     result_.step_milliseconds = exec_.step_milliseconds();
     result_.graph_launches = exec_.graph_launches();

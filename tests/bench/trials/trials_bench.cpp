@@ -47,6 +47,8 @@ struct Side {
   uint64_t repeated = 0;  ///< steps that ran again, as lists were too short or the tree did not fit
   double engine_trial_ms = 0, list_trial_ms = 0;
   Engine engine = Engine::kAuto;
+  json comparisons = json::array();  ///< what each trial of an engine told
+  bool was_trial = false;
   FrameResult last = {};
 
   void run(const FrameInput& input, bool counts) {
@@ -58,6 +60,10 @@ struct Side {
     const bool tries_engine = last.broad_phase.reason == EngineReason::kTrial,
                tries_lists = last.reuse.reason == ReuseReason::kTrial;
     engine_trials += tries_engine, list_trials += tries_lists;
+    if (std::exchange(was_trial, tries_engine) && !tries_engine)
+      comparisons.push_back({{"frame", ms.size()},
+                             {"octree_ms", last.broad_phase.octree_milliseconds},
+                             {"lbvh_ms", last.broad_phase.lbvh_milliseconds}});
     list_steps += last.reuse.use != ListUse::kNone;
     repeated += last.replays > 0;
     (tries_engine ? engine_trial_ms : list_trial_ms) += tries_engine || tries_lists ? step : 0;
@@ -119,6 +125,7 @@ json measure(const BenchInput& input, const Options& o) {
               {"list_trial_ms", own.list_trial_ms},
               {"list_steps", own.list_steps},
               {"switches", own.switches},
+              {"comparisons", own.comparisons},
               {"sides", json::object()}};
   for (const Side& s : sides)
     out["sides"][s.name] = {{"mean_ms", s.sum(0, frames) / static_cast<double>(frames)},

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "gpu/step/plan/octree_planner.hpp"
+
 namespace collided::test {
 namespace {
 
@@ -80,6 +82,30 @@ TEST(Levels, FirstFrameLeavesOutTheCoarsestLevels) {
   for (int level = 3; level <= kMaxLevel; ++level) totals.cells[level] = 1000;
   EXPECT_EQ(clamp_levels({}, totals).base, 2);
   EXPECT_EQ(clamp_levels({}, totals).top, 0);
+}
+
+/// A step that ran at levels 3 to 6, with so many of 10,000 registrations at the lowest.
+StepState step_with(uint64_t at_base) {
+  StepState step{};
+  step.grid.grid.top = 3, step.grid.grid.base = 6;
+  step.leaves.level_registrations[3] = 5;
+  step.leaves.level_registrations[4] = 9'995 - at_base;
+  step.leaves.level_registrations[6] = at_base;
+  return step;
+}
+
+// Widened boxes made the levels coarser for the ordinary steps after, too, which found nothing wrong with 50 % at the
+// lowest level: --engine auto then compared an octree at the wrong levels.
+TEST(Levels, OfWidenedStepsAreTheirOwn) {
+  OctreePlanner planner(1 << 20);
+  planner.learn_levels(step_with(5'000), false);
+  EXPECT_EQ(planner.levels(false).base, 6);
+  EXPECT_EQ(planner.levels(true).base, 6);  // where there is nothing better to go by
+  planner.learn_levels(step_with(200), true);
+  EXPECT_EQ(planner.levels(true).base, 5);
+  EXPECT_EQ(planner.levels(false).base, 6);
+  EXPECT_EQ(planner.plan(Engine::kOctree, true, true).base, 5);
+  EXPECT_EQ(planner.plan(Engine::kOctree, true, false).base, 6);
 }
 
 }  // namespace
