@@ -2,6 +2,8 @@
 // Which triangles may touch at all, by the meshes they belong to (null where every pair may); in a part of a scene, of
 // the pairs that are its own.
 
+#include <vector>
+
 #include "gpu/base/key_set.hpp"
 #include "gpu/base/keys.hpp"
 #include "gpu/base/share.hpp"
@@ -12,6 +14,23 @@ struct MeshRule {
   uint32_t groups, collide_mask;          ///< of pairs with other meshes
   uint32_t is_static, has_self_contacts;  ///< 0 or 1
   uint32_t branch = 0;                    ///< of the hierarchy (lbvh/lbvh.hpp); all 0 where most pairs may touch
+  uint32_t is_idle = 0;                   ///< 1: the mesh may touch nothing, itself included
+};
+
+/// True if two different meshes of these rules may touch, unless their pair is excluded.
+COLLIDED_HD inline bool may_touch(const MeshRule& p, const MeshRule& q) {
+  return (p.is_static == 0 || q.is_static == 0) && (p.groups & q.collide_mask) != 0 && (q.groups & p.collide_mask) != 0;
+}
+/// True if a mesh of this rule may touch itself.
+COLLIDED_HD inline bool touches_itself(const MeshRule& p) { return p.is_static == 0 && p.has_self_contacts != 0; }
+
+/// Meshes of a scene that may touch nothing. Their triangles take no part in a search.
+struct IdleMeshes {
+  std::vector<bool> meshes = {};  ///< empty: none is idle
+  bool are_all = false;
+
+  bool has_any() const { return !meshes.empty(); }
+  bool has(size_t mesh) const { return has_any() && meshes[mesh]; }
 };
 
 /// What is known of the meshes of several triangles together. Of none: they touch nothing.
@@ -46,10 +65,8 @@ struct PairFilter {
     if (!has_rules()) return true;
     const uint32_t mesh_a = mesh_of(a), mesh_b = mesh_of(b);
     const MeshRule p = rules[mesh_a], q = rules[mesh_b];
-    if (p.is_static != 0 && q.is_static != 0) return false;
-    if (mesh_a == mesh_b) return p.has_self_contacts != 0;
-    if ((p.groups & q.collide_mask) == 0 || (q.groups & p.collide_mask) == 0) return false;
-    return !excludes(mesh_a, mesh_b);
+    if (mesh_a == mesh_b) return touches_itself(p);
+    return collided::may_touch(p, q) && !excludes(mesh_a, mesh_b);
   }
 
   /// Of one triangle. Only where there are rules, like what follows.
@@ -61,6 +78,7 @@ struct PairFilter {
     return {mesh, mesh, rule.groups, rule.collide_mask, moves | has_self};
   }
   COLLIDED_HD uint32_t branch_of(uint32_t triangle) const { return rules[mesh_of(triangle)].branch; }
+  COLLIDED_HD bool is_idle(uint32_t triangle) const { return rules[mesh_of(triangle)].is_idle != 0; }
   /// Whether some triangle of p and some triangle of q may pass; never false where a pair does.
   COLLIDED_HD bool may_pass(const MeshesTogether& p, const MeshesTogether& q) const {
     if (((p.traits | q.traits) & MeshesTogether::kMoves) == 0) return false;

@@ -116,6 +116,7 @@ template <class T>
 struct AppendList {
   Span<T> items;
   uint64_t* count = nullptr;
+  bool ends_full = false;  ///< true: whoever pushes stops as soon as the list is full
 
   /// Whether there is use in pushing more: no longer once the list is_overfull().
   COLLIDED_HD bool push(const T& value) const {
@@ -132,6 +133,7 @@ struct AppendList {
   /// If more is asked for, it is better to enlarge the list before the rest is counted: what is found in vain stays
   /// below what there has to be room for.
   COLLIDED_HD uint64_t most_in_vain() const {
+    if (ends_full) return items.size();
     constexpr uint64_t kAlways = 1u << 22;
     const uint64_t most = 4 * items.size();
     return most < kAlways ? kAlways : most;

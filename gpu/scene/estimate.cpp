@@ -60,6 +60,7 @@ class SceneDryRun {
       tables.mesh_of_triangle.allocate(of_world);
       tables.rules.allocate(spec_.meshes.size());
       tables.branches = count_branches(spec_);
+      tables.idle = idle_meshes(spec_);
       tables.excluded_meshes.allocate(excluded_mesh_slots(spec_).size());
     }
     scene_.reserve_boxes(counts_.triangles, counts_.vertices);

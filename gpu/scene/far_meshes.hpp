@@ -66,6 +66,7 @@ std::vector<FrameProgress::FarMesh> far_meshes(Exec& exec, const SceneBuffers<Ex
   std::vector<FrameProgress::FarMesh> far;
   const size_t meshes = std::min(topology.vertex_offset.size() - 1, kMaxMeshes);
   for (uint32_t mesh = 0; mesh < meshes; ++mesh) {
+    if (scene.topology.idle.has(mesh)) continue;  // costs nothing, however far it goes
     const SampledMesh<Exec, Real> sampled(exec, scene, topology, mesh);
     const double way = sampled.way(), edge = sampled.edge();
     if (edge > 0 && way > edge) far.push_back({mesh, way, edge});

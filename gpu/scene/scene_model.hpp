@@ -94,6 +94,7 @@ class SceneModel {
       send(resident.mesh_of_triangle, meshes_of_elements(topology_));
       send(resident.rules, mesh_rules(spec()));
       resident.branches = count_branches(spec());
+      resident.idle = idle_meshes(spec());
       send(resident.excluded_meshes, excluded_mesh_slots(spec()));
     }
     send(resident.ring_begin, rings.begin);

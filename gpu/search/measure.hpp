@@ -3,6 +3,7 @@
 // triangles that are in none of its pairs are left out then: from there on their boxes meet nothing.
 
 #include "gpu/base/extent.hpp"
+#include "gpu/base/mesh_filter.hpp"
 #include "gpu/base/share.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/concepts.hpp"
@@ -29,6 +30,16 @@ struct LeaveOutOthers {
 
   COLLIDED_HD void operator()(uint64_t i) const {
     if (!share->touches(boxes[i])) boxes[i] = no_box();
+  }
+};
+
+/// Takes the boxes of triangles of idle meshes (IdleMeshes) away, so that no search meets them.
+struct LeaveOutIdle {
+  PairFilter filter;
+  Span<Box<float>> boxes;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    if (filter.is_idle(static_cast<uint32_t>(i))) boxes[i] = no_box();
   }
 };
 

@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "gpu/base/mesh_filter.hpp"
 #include "gpu/exec/counted.hpp"
 #include "gpu/search/elementary.hpp"
 
@@ -137,9 +138,11 @@ struct DisplacementOf {
   Span<const Box<float>> boxes;
   Span<const Track<Real>> tracks;
   const TrackTimes* times;
+  PairFilter idle;  ///< has rules where some meshes may touch nothing; these may leave their tracks
 
   COLLIDED_HD Displacement operator()(uint64_t i) const {
     Displacement all{boxes[i], times->margin, 0};
+    if (idle.has_rules() && idle.is_idle(static_cast<uint32_t>(i))) return all;
     const uint32_t triangle = static_cast<uint32_t>(i), own = tests.owned[i];
     for (int k = 0; k < 3; ++k) {
       if ((own >> k & 1u) == 0) continue;

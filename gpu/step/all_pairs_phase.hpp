@@ -42,6 +42,7 @@ class AllPairsPhase {
   void measure() {
     StepState* state = scene_.state.data();
     measure_bounds(exec_, scene_.size(triangles()), PrepareNarrow{state, thickness_, scene_.deviations(is_ccd_)});
+    scene_.leave_out_idle(exec_, triangles());
   }
 
   template <class Sink>

@@ -64,6 +64,7 @@ struct ResidentTopology {
   Buffer<uint32_t, Exec> mesh_of_triangle;
   Buffer<MeshRule, Exec> rules;
   uint32_t branches = 0;                   ///< as count_branches() says
+  IdleMeshes idle;                         ///< by mesh of one world
   Buffer<uint64_t, Exec> excluded_meshes;  ///< slots of a KeySet
   Buffer<uint32_t, Exec> ring_begin;
   Buffer<uint32_t, Exec> ring_vertices;
@@ -312,6 +313,12 @@ struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
     PairFilter filter = this->topology.filter();
     if (share.is_part()) filter.own = {share.data(), this->boxes.data()};
     return filter;
+  }
+
+  /// Runs after the scene and its worlds are measured, because bounds are those of all triangles.
+  void leave_out_idle(Exec& exec, uint64_t triangles) {
+    if (this->topology.idle.has_any())
+      exec.for_each("leave_out_idle", triangles, LeaveOutIdle{this->topology.filter(), this->boxes.span(triangles)});
   }
 
   ListLengths expected;

@@ -54,10 +54,9 @@ class CandidatePhase {
     constexpr ContactKind kKind = ContactKind::kTriangleTriangle;
     const bool is_narrow = needs().tests_triangles();
     exec_.stage("pairs_tt", [&] {
-      const AppendList<uint64_t> pairs{scene_.triangle_pairs.all(), &scene_.state.data()->triangle_pairs};
       find_pairs("find_triangle_pairs", kKind,
                  TrianglePairSink{scene_.topology.corners(),
-                                  is_narrow ? pairs : all_contacts(),
+                                  is_narrow ? narrow_.pairs_of_triangles() : all_contacts(),
                                   is_narrow ? 0 : ranks_.begin[index_of(kKind)],
                                   narrow_.early_exit(),
                                   {pairs_counter(kKind), nullptr, nullptr},

@@ -29,6 +29,7 @@ class LbvhPhase {
     measure_bounds(exec_, scene_.size(leaves()));
     measure_extents(exec_, scene_.size(leaves()), PrepareNarrow{state, thickness_, scene_.deviations(is_ccd_)});
     if (has_worlds()) measure_worlds();
+    scene_.leave_out_idle(exec_, leaves());
   }
 
   /// The leaves in order, and what is above them.

@@ -2,6 +2,8 @@
 // From the candidates that the filter kept to contacts, at the frame's accuracy level (step 8 of Fig. 7). Everything is
 // put in line for the backend; no length is read back.
 
+#include <utility>
+
 #include "gpu/narrow/certified_proximity.hpp"
 #include "gpu/narrow/fast_loose.hpp"
 #include "gpu/narrow/gather.hpp"
@@ -30,7 +32,7 @@ class NarrowPhase {
   void expect_loose_elements(bool are_there) { has_loose_elements_ = are_there; }
 
   /// What the next steps do.
-  void begin(const StepPlan& plan) { plan_ = plan; }
+  void begin(const StepPlan& plan) { plan_ = plan, most_first_ = kAll; }
 
   /// Where the step runs by parts: what it has found so far; else null.
   void follow(const StepState* found) { found_ = found; }
@@ -118,9 +120,31 @@ class NarrowPhase {
     exec_.stage("order", [&] { order(); });
   }
 
-  /// Where the search puts candidates of a kind.
+  // Lists that searches fill.
+  /// Returns the list of candidates of a kind of features.
   AppendList<uint64_t> kept(ContactKind kind) {
-    return {candidates_of(kind).kept.all(), &scene_.state.data()->kept[index_of(kind)]};
+    return list_of(candidates_of(kind).kept, &scene_.state.data()->kept[index_of(kind)]);
+  }
+  /// Returns the list of pairs of triangles.
+  AppendList<uint64_t> pairs_of_triangles() {
+    return list_of(scene_.triangle_pairs, &scene_.state.data()->triangle_pairs);
+  }
+
+  /// Makes the next searches end after `most` candidates; kAll: makes them complete.
+  void look_at_first(uint64_t most) { most_first_ = most; }
+  static constexpr uint64_t kAll = ~uint64_t{0};
+  /// Drops the candidates that a search had no room for. Returns how many it found if those were too many, else 0.
+  uint64_t cut_off(ContactKind kind, StepState& found) {
+    uint64_t& count = is_of_features(kind) ? found.kept[index_of(kind)] : found.triangle_pairs;
+    const AppendList<uint64_t> list = is_of_features(kind) ? kept(kind) : pairs_of_triangles();
+    if (count <= list.items.size()) return 0;
+    const uint64_t all = std::exchange(count, list.items.size());
+    exec_.upload(list.count, &count, sizeof(count));
+    return all;
+  }
+  /// Empties the list of a kind and makes it larger, before a new search.
+  void make_room(ContactKind kind, uint64_t count) {
+    (is_of_features(kind) ? candidates_of(kind).kept : scene_.triangle_pairs).ensure(count);
   }
   EarlyExit early_exit() const { return {&scene_.state.data()->shortcut, needs().settings.report, needs().is_exact()}; }
 
@@ -131,6 +155,11 @@ class NarrowPhase {
     return {ranks_.count(), max(uint64_t{ranks_.most_of_a_kind()}, scene_.topology.triangle_count())};
   }
   CandidateBuffers<Exec>& candidates_of(ContactKind kind) { return scene_.candidates[index_of(kind)]; }
+  AppendList<uint64_t> list_of(const Buffer<uint64_t, Exec>& buffer, uint64_t* count) const {
+    const Span<uint64_t> all = buffer.all();
+    if (most_first_ == kAll) return {all, count};
+    return {{all.data, min(all.size(), most_first_)}, count, true};
+  }
   ContactBuffers<Exec, Real>& wanted() { return needs().is_earliest_only() ? scene_.earliest : scene_.contacts; }
 
   ContactList<Real> list(ContactBuffers<Exec, Real>& contacts, uint64_t* count) const {
@@ -325,6 +354,7 @@ class NarrowPhase {
   SceneBuffers<Exec, Real>& scene_;
   bool has_loose_elements_ = false;
   const StepState* found_ = nullptr;
+  uint64_t most_first_ = kAll;
   StepPlan plan_;
   OrderPredictor order_;
 };

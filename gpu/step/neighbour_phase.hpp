@@ -68,7 +68,8 @@ class NeighbourPhase {
     StepState* state = scene_.state.data();
     exec_.reduce_into(
         "displacement", counts_.triangles,
-        DisplacementOf<Tests>{tests, scene_.boxes.span(counts_.triangles), lists().tracks.all(), lists().times.data()},
+        DisplacementOf<Tests>{tests, scene_.boxes.span(counts_.triangles), lists().tracks.all(), lists().times.data(),
+                              scene_.topology.idle.has_any() ? scene_.topology.filter() : PairFilter{}},
         Displacement{empty_box(), std::numeric_limits<double>::infinity(), 0}, JoinDisplacements{},
         &state->displacement, PrepareDisplaced{{state, thickness, scene_.deviations(is_ccd)}});
   }

@@ -94,7 +94,7 @@ class OctreePhase {
 
   void clear_state() { exec_.fill_zero(scene_.state.data(), sizeof(StepState)); }
 
-  // 1. Bounding boxes: of all triangles, or of those of meshes that move.
+  // 1. Bounding boxes: of all triangles, or of meshes that move or are idle, whose boxes the last step removed.
   void box_triangles(bool all) {
     using Work = BoxTriangles<Real>;
     for (const TriangleRun& run : runs(all))
@@ -121,6 +121,7 @@ class OctreePhase {
   void choose_levels() {
     StepState* state = scene_.state.data();
     measure_bounds(exec_, scene_.size(triangle_count()));
+    scene_.leave_out_idle(exec_, triangle_count());
     exec_.reduce_into("covered_per_level", triangle_count(), CoveredPerLevel{&state->bounds, boxes()}, LevelTotals{},
                       AddTotals{}, &state->totals,
                       PrepareStep{{&state->bounds, &state->totals, scene_.octree.wanted.data(), &state->grid},
@@ -137,6 +138,7 @@ class OctreePhase {
       return SpanCells<Mean>{&state->bounds, length, kCellPerMean, deepest_base(triangle_count()), grid};
     };
     measure_extents(exec_, scene_.size(triangle_count()), span(mean));
+    scene_.leave_out_idle(exec_, triangle_count());
     if (plan.engine == Engine::kVss)  // then by those that are not large
       exec_.reduce_into("ordinary_extents", triangle_count(), OrdinaryExtentOf{mean, boxes()}, OrdinaryExtents{},
                         AddOrdinaryExtents{}, &state->ordinary, span(OrdinaryMean{&state->bounds, &state->ordinary}));
@@ -287,7 +289,8 @@ class OctreePhase {
     if (counts_.worlds > 0) return {{0, triangle_count()}};  // whichever are static
     std::vector<TriangleRun> runs;
     for (uint32_t mesh = 0; mesh < spec_.meshes.size(); ++mesh) {
-      if (!all && spec_.meshes[mesh].motion == MeshMotion::kStatic) continue;
+      const bool is_boxed = spec_.meshes[mesh].motion == MeshMotion::kStatic && !scene_.topology.idle.has(mesh);
+      if (!all && is_boxed) continue;
       const uint64_t first = counts_.triangle_offset[mesh], end = counts_.triangle_offset[mesh + 1];
       if (!runs.empty() && runs.back().first + runs.back().count == first)
         runs.back().count += end - first;

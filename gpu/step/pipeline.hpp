@@ -39,7 +39,7 @@ class Pipeline {
         candidates_(exec, counts_, ranks_, scene, octree_, lbvh_, all_pairs_, neighbours_, narrow_),
         placing_(exec, scene),
         results_(exec, spec, scene, placing_),
-        choices_(engine_of(spec), rivals_of(counts_.triangles, Exec::kLaunchesCost)),
+        choices_(engine_of(spec), rivals()),
         reuse_(spec),
         planner_(counts_.triangles) {
     narrow_.expect_loose_elements(counts_.has_loose_elements());
@@ -72,7 +72,7 @@ class Pipeline {
   void resize(SceneCounts counts) {
     ranks_ = ranks_of(spec_.kinds, counts);
     counts_ = std::move(counts);
-    choices_.choose_between(rivals_of(counts_.triangles, Exec::kLaunchesCost));
+    choices_.choose_between(rivals());
     suit_reuse();
     planner_.resize(counts_.triangles);
     narrow_.expect_loose_elements(counts_.has_loose_elements());
@@ -113,11 +113,12 @@ class Pipeline {
     placing_.begin(room);
     const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == thickness;
     lists_ = reuse_.begin(needs, state_.bounds);
-    result_.broad_phase = choices_.begin(needs, lists_.use == ListUse::kNone);
+    result_.broad_phase = choices_.begin(needs, lists_.use == ListUse::kNone && !is_idle());
     const WorkTime time(exec_.asks());
     run_step(needs, boxes_static || !is_boxed || scene_.share.is_part());
     const double work = time.milliseconds();
     boxed_thickness_ = thickness;
+    if (needs.is_any_hit()) had_hit_ = has_hit();
     needed_.include(lengths_of(state_));
     describe();
     results_.collect(state_, needs, {bytes_beside_contact, room.first_on_host}, result_);
@@ -145,16 +146,26 @@ class Pipeline {
     if (scene_.neighbours.counts.capacity() > 0 && reuse_.is_idle()) neighbours_.release(), reuse_.forget();
   }
 
-  void suit_reuse() { reuse_.suit(!is_launch_bound(counts_.triangles, Exec::kLaunchesCost)); }
+  Rivals rivals() const {
+    return rivals_of(counts_.triangles, Exec::kLaunchesCost, scene_.topology.branches > 0);
+  }
+  /// True if no two meshes may touch and the step makes no lists.
+  bool is_idle() const { return scene_.topology.idle.are_all && lists_.use == ListUse::kNone; }
+  void suit_reuse() {
+    reuse_.suit(!scene_.topology.idle.are_all && !is_launch_bound(counts_.triangles, Exec::kLaunchesCost));
+  }
   const LevelNeeds& needs() const { return plan_.needs; }
 
   void run_step(const LevelNeeds& needs, bool boxes_static) {
     try {
-      const AllowedWork allowed(exec_.asks(), reuse_.longest_step(lists_));
+      const bool has_lists = lists_.use != ListUse::kNone;
+      const AllowedWork allowed(exec_.asks(), has_lists ? reuse_.longest_step(lists_) : choices_.longest_step());
       run_until_room(needs, boxes_static);
     } catch (const OutOfTime&) {
-      reuse_.give_up();
-      run_without_lists(needs);
+      if (lists_.use != ListUse::kNone) return reuse_.give_up(), run_without_lists(needs);
+      result_.broad_phase = choices_.abandon();
+      release_idle_engines();
+      run_until_room(needs, true);
     } catch (const ResourceExhausted&) {
       if (lists_.use != ListUse::kNone) return reuse_.refuse(), run_without_lists(needs);
       const std::optional<EngineFacts> other = choices_.retreat();
@@ -177,7 +188,7 @@ class Pipeline {
   void run_until_room(const LevelNeeds& needs, bool boxes_static) {
     begin_state();
     for (;;) {
-      plan_ = {needs, plan_octree(), boxes_static, narrow_.plan_order(), lists_};
+      plan_ = {needs, plan_octree(), boxes_static, narrow_.plan_order(), lists_, is_idle()};
       octree_.begin(needs.settings.reach(), needs.is_ccd());
       lbvh_.begin(needs.settings.reach(), needs.is_ccd());
       all_pairs_.begin(needs.settings.reach(), needs.is_ccd());
@@ -197,11 +208,12 @@ class Pipeline {
       ++result_.replays;
     }
   }
-  /// The second is what the first was before a part.
+  /// The second is what the first was before a part, the third what it was before a search at kAnyHit.
   void begin_state() {
+    constexpr uint64_t kStates = 3;
     if (scene_.state.capacity() > 0) return;
-    scene_.state.allocate(2);
-    exec_.fill_zero(scene_.state.data(), 2 * sizeof(StepState));
+    scene_.state.allocate(kStates);
+    exec_.fill_zero(scene_.state.data(), kStates * sizeof(StepState));
   }
 
   /// Part of a step. After it, where steps run by parts, `must_rerun` makes room for what it asked for.
@@ -226,6 +238,7 @@ class Pipeline {
 
   /// Of a whole step.
   bool must_rerun() {
+    if (has_hit()) return false;
     const bool missed = must_search(), lists_grew = must_list_anew(), narrow_grew = narrow_.grow(state_, 0),
                reorders = narrow_.reorders(state_);
     return missed || must_plan_anew(lists_grew || narrow_grew || reorders);
@@ -247,7 +260,7 @@ class Pipeline {
   }
   /// The octree, or whatever else was too short.
   bool must_plan_anew(bool others_grew) {
-    if (!plan_.searches()) return others_grew;
+    if (!plan_.searches() || plan_.is_idle) return others_grew;
     const bool grew = octree_.grow(state_), missed_large = planner_.missed_large(state_, plan_.octree);
     return grew || others_grew || missed_large || planner_.needs_refinement(state_, plan_.octree);
   }
@@ -277,7 +290,7 @@ class Pipeline {
     scene_.reserve_boxes(counts_.triangles, counts_.vertices);
     narrow_.reserve();
     if (plan_.lists.use != ListUse::kNone) neighbours_.reserve(times_ = reuse_.times(plan_.lists));
-    if (!plan_.searches()) return;
+    if (!plan_.searches() || plan_.is_idle) return;
     if (engine() == Engine::kLbvh) return lbvh_.reserve();
     if (engine() == Engine::kAllPairs) return all_pairs_.reserve();
     octree_.reserve(plan_.octree);
@@ -293,12 +306,15 @@ class Pipeline {
     part([&] { plan_.searches() ? make_tree() : look_for_displacement(); }, [&] { return must_rebuild(); });
     has_begun_ = true;
     if (plan_.lists.use == ListUse::kMade) list_neighbours();
-    if (is_of_features(first_kind())) detect_features();
-    if (needs().kinds.triangle_triangle) detect_triangles();
+    if (!plan_.is_idle) detect_all();
     if (needs().is_earliest_only()) part([&] { narrow_.keep_earliest(); });
     if (by_parts_) plan_order();
     narrow_.finish();
     if (needs().places_contacts()) exec_.stage("place", [&] { placing_.place(needs()); });
+  }
+  void detect_all() {
+    if (is_of_features(first_kind())) detect_features();
+    if (needs().kinds.triangle_triangle) detect_triangles();
   }
   /// How many contacts there are is known.
   void plan_order() {
@@ -315,7 +331,7 @@ class Pipeline {
       if (is_for_lists)
         octree_.widen(plan_.lists.margin, neighbours_.extrapolate(plan_.lists.frames, needs().is_ccd()));
       exec_.concurrently([&] { octree_.box_triangles(plan_.boxes_static || is_for_lists); },
-                         [&] { octree_.clear(plan_.octree); });
+                         [&] { plan_.is_idle ? octree_.clear_state() : octree_.clear(plan_.octree); });
     });
     exec_.stage("levels", [&] { measure(); });
     if (judges_triangles() && !is_for_lists)
@@ -347,6 +363,7 @@ class Pipeline {
   }
   /// How large the scene is, and what follows from that.
   void measure() {
+    if (plan_.is_idle) return all_pairs_.measure();
     switch (engine()) {
       case Engine::kLbvh:
         return lbvh_.measure();
@@ -357,6 +374,7 @@ class Pipeline {
     }
   }
   void build() {
+    if (plan_.is_idle) return;
     if (engine() == Engine::kLbvh) lbvh_.build();
     if (plan_.octree.has_octree()) octree_.build(plan_.octree);
   }
@@ -383,9 +401,30 @@ class Pipeline {
     for_each_features([&]<class Kind>(const Kind& kind) {
       PerKind<bool> alone;
       value_of(alone, Kind::kKind) = true;
-      part([&] { candidates_.search(alone); });
-      detect(kind);
+      look_for_hit(
+          Kind::kKind, [&] { candidates_.search(alone); }, [&] { detect(kind); });
     });
+  }
+  bool has_hit() const { return needs().is_any_hit() && state_.shortcut.has_contact != 0; }
+  /// Tests the first candidates before the search makes more: bodies in one place make millions, and the first tells.
+  /// After that, the candidates that the list has room for are tested before the list grows.
+  template <class Search, class Detect>
+  void look_for_hit(ContactKind kind, const Search& search, const Detect& detect) {
+    if (!by_parts_) return search(), detect();
+    if (has_hit()) return;
+    StepState* state = scene_.state.data();
+    exec_.copy(state + 2, state, sizeof(StepState));
+    constexpr uint64_t kFirst = 4096;
+    for (uint64_t most = had_hit_ ? kFirst : narrow_.kAll;; most = narrow_.kAll, ++result_.replays) {
+      narrow_.look_at_first(most);
+      part(search, [] { return false; });
+      const uint64_t found = narrow_.cut_off(kind, state_);
+      detect();
+      if (found == 0 || has_hit()) break;
+      narrow_.make_room(kind, found);
+      exec_.copy(state, state + 2, sizeof(StepState));
+    }
+    narrow_.look_at_first(narrow_.kAll);
   }
   /// The first kind beside the others.
   void detect_side_by_side() {
@@ -401,8 +440,11 @@ class Pipeline {
   }
 
   void detect_triangles() {
-    part([&] { candidates_.search_triangles(); });
-    if (needs().tests_triangles()) part([&] { narrow_.detect_triangles(); });
+    const auto search = [&] { candidates_.search_triangles(); };
+    const auto detect = [&] { part([&] { narrow_.detect_triangles(); }); };
+    if (needs().is_any_hit()) return look_for_hit(ContactKind::kTriangleTriangle, search, detect);
+    part(search);
+    if (needs().tests_triangles()) detect();
   }
 
   /// Counts of the step, and what follows from them for the next.
@@ -410,6 +452,8 @@ class Pipeline {
     FrameCounts& c = result_.counts = counts_of(state_, needs());
     if (!plan_.searches())
       c.tests = reuse_.length(), c.top_level = c.base_level = 0;
+    else if (plan_.is_idle)
+      c.top_level = c.base_level = 0;
     else if (engine() == Engine::kLbvh)
       lbvh_.describe(c);
     else if (engine() == Engine::kAllPairs)
@@ -441,6 +485,7 @@ class Pipeline {
   ActiveLevels sent_levels_{.deepest = -1};  ///< that are on the backend
   bool by_parts_ = false;                    ///< the step in work
   bool has_begun_ = false;                   ///< likewise: its counters are its own
+  bool had_hit_ = true;                      ///< the last step at kAnyHit; as good as a guess before the first
   StepPlan plan_;                            ///< of the last step
   ListPlan lists_;                           ///< of the step in work
   TrackTimes times_{};                       ///< likewise

@@ -8,10 +8,13 @@ namespace collided {
 namespace {
 
 constexpr double kFewPairs = 1.0 / 8;
-constexpr size_t kMaxClasses = 1024;         ///< all of which are compared with each other
+constexpr double kSomePairs = 1.0 / 64;
+constexpr double kLarge = 1.0 / 8;    ///< of all vertices; a mesh of so many has kSomePairs of all pairs in itself
+constexpr size_t kFewBranches = 16;   ///< each walk may have to go through all of them
+constexpr size_t kMaxClasses = 1024;  ///< all of which are compared with each other
 constexpr uint32_t kMaxBranches = 1u << 16;  ///< more would leave keys too few bits
 
-/// Meshes of the same groups and mask, all static or none.
+/// Meshes of the same groups and mask, all static or none, that all touch themselves or none does.
 struct RuleClass {
   MeshRule rule;
   double vertices = 0, squares = 0;  ///< sums over the meshes
@@ -21,35 +24,42 @@ struct RuleClass {
   double pairs() const { return (vertices * vertices - squares) / 2; }
 };
 
-bool may_touch(const MeshRule& a, const MeshRule& b) {
-  return (a.is_static == 0 || b.is_static == 0) && (a.groups & b.collide_mask) != 0 && (b.groups & a.collide_mask) != 0;
-}
-bool touches_itself(const MeshRule& rule) { return rule.is_static == 0 && rule.has_self_contacts != 0; }
-
 class MeshClasses {
  public:
   MeshClasses(const SceneSpec& spec, const std::vector<MeshRule>& rules) : rules_(rules) {
-    std::map<std::tuple<uint32_t, uint32_t, uint32_t>, size_t> known;
+    std::map<std::tuple<uint32_t, uint32_t, uint32_t, uint32_t>, size_t> known;
     for (size_t i = 0; i < rules.size(); ++i) {
       const MeshRule& rule = rules[i];
-      const auto [at, is_new] = known.try_emplace({rule.groups, rule.collide_mask, rule.is_static}, classes_.size());
+      const auto [at, is_new] = known.try_emplace(
+          {rule.groups, rule.collide_mask, rule.is_static, rule.has_self_contacts}, classes_.size());
       if (is_new) classes_.push_back({rule});
       of_mesh_.push_back(at->second);
-      add_mesh(classes_[at->second], spec.meshes[i].vertex_count, touches_itself(rule));
+      sizes_.push_back(rule.is_idle != 0 ? 0 : spec.meshes[i].vertex_count);
+      add_mesh(classes_[at->second], sizes_[i], touches_itself(rule));
     }
     for (const auto& [first, second] : spec.excluded_meshes)
       if (first != second && may_touch(rules[first], rules[second]))
-        exclude(first, second, static_cast<double>(spec.meshes[first].vertex_count) * spec.meshes[second].vertex_count);
+        exclude(first, second, sizes_[first] * sizes_[second]);
   }
 
+  bool are_countable() const { return vertices_ > 0 && classes_.size() <= kMaxClasses; }
   bool keep_most_apart() const {
-    if (classes_.size() > kMaxClasses) return false;
     double touching = itself_ - excluded_;
-    for (size_t a = 0; a < classes_.size(); ++a)
-      for (size_t b = a; b < classes_.size(); ++b)
-        if (may_touch(classes_[a].rule, classes_[b].rule))
-          touching += a == b ? classes_[a].pairs() : classes_[a].vertices * classes_[b].vertices;
-    return touching <= kFewPairs * vertices_ * vertices_ / 2;
+    for_each_pair([&](const RuleClass& p, const RuleClass& q, double pairs) {
+      if (may_touch(p.rule, q.rule)) touching += pairs;
+    });
+    return touching <= kFewPairs * all_pairs();
+  }
+  /// Counts what moves: nothing else makes large boxes, which overlap although nothing touches.
+  bool keep_some_apart() const {
+    double apart = excluded_;
+    for_each_pair([&](const RuleClass& p, const RuleClass& q, double pairs) {
+      const bool moves = p.rule.is_static == 0 || q.rule.is_static == 0;
+      if (moves && !may_touch(p.rule, q.rule)) apart += pairs;
+    });
+    for (size_t mesh = 0; mesh < rules_.size(); ++mesh)
+      if (is_large(mesh)) apart += sizes_[mesh] * sizes_[mesh] / 2;
+    return apart >= kSomePairs * all_pairs();
   }
   /// Without branches of single meshes: of the classes alone.
   std::vector<uint32_t> branches(bool has_single) const {
@@ -58,7 +68,7 @@ class MeshClasses {
     uint32_t next = 0;
     for (size_t i = 0; i < rules_.size(); ++i) {
       uint32_t& shared = of_class[of_mesh_[i]];
-      const bool is_single = has_single && is_single_branch(i);
+      const bool is_single = has_single && (is_single_branch(i) || is_large(i));
       if (!is_single && shared == kNone) shared = next++;
       of_mesh.push_back(is_single ? next++ : shared);
     }
@@ -66,6 +76,21 @@ class MeshClasses {
   }
 
  private:
+  double all_pairs() const { return vertices_ * vertices_ / 2; }
+  /// use(class, class, pairs of vertices of different meshes), whatever is excluded.
+  template <class Use>
+  void for_each_pair(const Use& use) const {
+    for (size_t a = 0; a < classes_.size(); ++a)
+      for (size_t b = a; b < classes_.size(); ++b)
+        use(classes_[a], classes_[b], a == b ? classes_[a].pairs() : classes_[a].vertices * classes_[b].vertices);
+  }
+  /// True for a mesh that may not touch itself and holds a large share of the scene. It needs its own branch, because a
+  /// node of several meshes does not show that all triangles below belong to one.
+  bool is_large(size_t mesh) const {
+    const MeshRule& rule = rules_[mesh];
+    return rule.is_static == 0 && !touches_itself(rule) && sizes_[mesh] >= kLarge * vertices_;
+  }
+
   void add_mesh(RuleClass& of, double vertices, bool touches_itself) {
     of.vertices += vertices, of.squares += vertices * vertices;
     vertices_ += vertices;
@@ -84,6 +109,7 @@ class MeshClasses {
   const std::vector<MeshRule>& rules_;
   std::vector<RuleClass> classes_;
   std::vector<size_t> of_mesh_;  ///< each one's class
+  std::vector<double> sizes_;    ///< vertices of each mesh; 0 of those that take no part
   double vertices_ = 0;
   double itself_ = 0, excluded_ = 0;  ///< pairs of vertices: of meshes that touch themselves, of excluded meshes
 };
@@ -93,10 +119,12 @@ class MeshClasses {
 std::vector<uint32_t> branches_of(const SceneSpec& spec, const std::vector<MeshRule>& rules) {
   if (rules.empty()) return {};
   const MeshClasses classes(spec, rules);
-  if (!classes.keep_most_apart()) return {};
+  if (!classes.are_countable()) return {};
   const std::vector<uint32_t> branches = classes.branches(true);
-  const bool are_too_many = *std::max_element(branches.begin(), branches.end()) >= kMaxBranches;
-  return are_too_many ? classes.branches(false) : branches;
+  const uint32_t highest = *std::max_element(branches.begin(), branches.end());
+  if (!classes.keep_most_apart())
+    return highest < kFewBranches && classes.keep_some_apart() ? branches : std::vector<uint32_t>{};
+  return highest < kMaxBranches ? branches : classes.branches(false);
 }
 
 }  // namespace collided

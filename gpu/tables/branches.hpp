@@ -9,9 +9,11 @@
 
 namespace collided {
 
-/// Returns the branch of each mesh; none where more than an eighth of all pairs may touch, for there branches gain
-/// nothing. Meshes of the same groups and mask share one, since groups and masks treat them alike. A mesh that
-/// exclusions keep from most of these has its own. Vertices stand for triangles, whose number may come after the spec.
+/// Returns the branch of each mesh, or nothing where branches do not pay. They pay where at most an eighth of all pairs
+/// may touch, or where at most 16 branches keep a 64th of all pairs apart and a mesh of each pair moves. Meshes share a
+/// branch if they have the same groups and mask and agree on whether they touch themselves. A mesh has its own branch
+/// if exclusions keep it from most of these, or if it is large and may not touch itself. Vertices stand for triangles,
+/// whose number may come after the spec.
 std::vector<uint32_t> branches_of(const SceneSpec& spec, const std::vector<MeshRule>& rules);
 
 }  // namespace collided

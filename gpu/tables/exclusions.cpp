@@ -1,11 +1,38 @@
 #include "gpu/tables/exclusions.hpp"
 
 #include <algorithm>
+#include <map>
+#include <tuple>
 
 #include "gpu/tables/branches.hpp"
 
 namespace collided {
 namespace {
+
+/// Sets MeshRule::is_idle. More classes of meshes than can be compared with each other are left as they are.
+void mark_idle(const SceneSpec& spec, std::vector<MeshRule>& rules) {
+  constexpr size_t kMaxClasses = 1024;
+  struct Class {
+    MeshRule rule;
+    uint64_t meshes = 0, partners = 0;
+  };
+  const auto key = [](const MeshRule& rule) { return std::tuple(rule.groups, rule.collide_mask, rule.is_static); };
+  std::map<std::tuple<uint32_t, uint32_t, uint32_t>, Class> classes;
+  for (const MeshRule& rule : rules) {
+    Class& like = classes.try_emplace(key(rule), Class{rule}).first->second;
+    ++like.meshes;
+  }
+  if (classes.size() > kMaxClasses) return;
+  for (auto& [of_one, one] : classes)
+    for (const auto& [of_other, other] : classes)
+      if (may_touch(one.rule, other.rule)) one.partners += other.meshes - (of_one == of_other ? 1 : 0);
+
+  std::vector<uint64_t> partners;
+  for (const MeshRule& rule : rules) partners.push_back(classes.at(key(rule)).partners);
+  for (const auto& [first, second] : spec.excluded_meshes)
+    if (first != second && may_touch(rules[first], rules[second])) --partners[first], --partners[second];
+  for (size_t i = 0; i < rules.size(); ++i) rules[i].is_idle = partners[i] == 0 && !touches_itself(rules[i]) ? 1 : 0;
+}
 
 std::vector<MeshRule> rules_without_branches(const SceneSpec& spec) {
   std::vector<MeshRule> rules;
@@ -16,6 +43,7 @@ std::vector<MeshRule> rules_without_branches(const SceneSpec& spec) {
   }
   for (const auto& [first, second] : spec.excluded_meshes)
     if (first == second) rules[first].has_self_contacts = 0;
+  mark_idle(spec, rules);
   return rules;
 }
 
@@ -38,13 +66,23 @@ std::vector<MeshRule> rest_rules(const SceneSpec& spec, const std::vector<bool>&
   for (size_t i = 0; i < rules.size(); ++i) {
     rules[i].groups = 0;
     if (!meshes[i] || !spec.meshes[i].excludes_rest_pairs) rules[i].has_self_contacts = 0;
+    rules[i].is_idle = touches_itself(rules[i]) ? 0 : 1;
   }
   return rules;
 }
 
 bool may_touch(const std::vector<MeshRule>& rest_rules) {
-  return std::any_of(rest_rules.begin(), rest_rules.end(),
-                     [](const MeshRule& rule) { return rule.is_static == 0 && rule.has_self_contacts != 0; });
+  return std::any_of(rest_rules.begin(), rest_rules.end(), [](const MeshRule& rule) { return touches_itself(rule); });
+}
+
+IdleMeshes idle_meshes(const SceneSpec& spec) {
+  IdleMeshes idle{{}, true};
+  bool has_some = false;
+  for (const MeshRule& rule : rules_without_branches(spec)) {
+    idle.meshes.push_back(rule.is_idle != 0);
+    (rule.is_idle != 0 ? has_some : idle.are_all) = rule.is_idle != 0;
+  }
+  return has_some ? idle : IdleMeshes{};
 }
 
 bool needs_pair_filter(const SceneSpec& spec) {

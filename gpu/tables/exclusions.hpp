@@ -18,6 +18,9 @@ std::vector<MeshRule> rest_rules(const SceneSpec& spec, const std::vector<bool>&
 /// Whether, by such rules, a mesh may touch itself.
 bool may_touch(const std::vector<MeshRule>& rest_rules);
 
+/// Meshes that may touch nothing.
+IdleMeshes idle_meshes(const SceneSpec& spec);
+
 /// Whether some pair of triangles may not touch because of its meshes.
 bool needs_pair_filter(const SceneSpec& spec);
 /// Whether some mesh that may touch itself excludes rest pairs.

@@ -35,8 +35,10 @@ bool has_found(const FrameProgress& progress) {
 bool is_too_much(const LimitExceeded& refusal, const FrameProgress& progress) {
   return has_found(progress) || std::string_view(refusal.what()).starts_with("max_frame_seconds");
 }
-BusyScene busy(const Scene& scene) {
-  return {scene.plan()->engine.mode, [&scene](uint32_t mesh) { return scene.mesh_name(mesh); }};
+template <class Refusal>
+Refusal advised(const Refusal& refusal, const Scene& scene, const FrameInput& frame, const FrameProgress& progress) {
+  const auto plan = scene.plan();
+  return with_advice(refusal, progress, {plan->engine, frame, [&](uint32_t mesh) { return scene.mesh_name(mesh); }});
 }
 
 FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, const std::function<bool()>& cancelled, FrameCost& cost) {
@@ -50,10 +52,10 @@ FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, const std::function
     result = scene.apply(frame.frame_id, frame.input, frame.basis);
   } catch (const LimitExceeded& e) {
     if (!is_too_much(e, progress)) throw;
-    throw with_advice(e, progress, busy(scene));
+    throw advised(e, scene, frame.input, progress);
   } catch (const ResourceExhausted& e) {
     if (!has_found(progress)) throw;
-    throw with_advice(e, progress, busy(scene));
+    throw advised(e, scene, frame.input, progress);
   } catch (const DeviceError& e) {
     scene.observer().device_failed(scene, e.what());
     throw;

@@ -85,6 +85,12 @@ class EngineChoice {
     if (budget_.is_due() && search_.is_full()) trial_.emplace(Trial{rivals_.other_than(why_.engine)});
   }
 
+  /// Returns the milliseconds after which a frame of a trial is given up, because nothing yet shows how slow the engine
+  /// is; 0 outside trials.
+  double longest_trial() const {
+    constexpr double kLeast = 50;  // threads may wait for processors
+    return trial_ ? std::max(kLeast, 2 * kHopeless * total_.median()) : 0;
+  }
   /// The frame of next() did not end.
   void abandon() {
     if (trial_) lose();

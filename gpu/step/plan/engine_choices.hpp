@@ -39,11 +39,13 @@ inline bool is_launch_bound(uint64_t triangles, bool launches_cost) {
 
 /// What a scene of so many triangles chooses between, from the same first engine on all backends, so that counts of
 /// first frames are the same. Up to here testing all pairs takes a GPU no longer than making a tree; where it does the
-/// octree wins the first comparison.
-inline Rivals rivals_of(uint64_t triangles, bool launches_cost) {
+/// other engine wins the first comparison. `has_branches`: rules keep pairs apart, which the hierarchy passes over
+/// where the octree refines crowded cells for them, at 11 s for the first frame of 700 probes in one place.
+inline Rivals rivals_of(uint64_t triangles, bool launches_cost, bool has_branches) {
   constexpr uint64_t kFew = 4096;
   if (is_launch_bound(triangles, launches_cost)) return {Engine::kAllPairs, Engine::kAllPairs};
-  return triangles <= kFew ? Rivals{Engine::kAllPairs, Engine::kOctree} : Rivals{};
+  const Rivals trees = has_branches ? Rivals{Engine::kLbvh, Engine::kOctree} : Rivals{};
+  return triangles <= kFew ? Rivals{Engine::kAllPairs, trees.first} : trees;
 }
 
 /// Frames whose searches are alike share a choice. A step that may end early, or that no frame asked for, tells nothing
@@ -74,9 +76,12 @@ class EngineChoices {
     choice_->observe({search_milliseconds(result.stages), total.count(), is_clean,
                       is_octree && looks_wrong(result.counts, triangles, refined)});
   }
-  /// It did not end.
-  void abandon() {
+  /// Returns the milliseconds that a thread may work on the step; 0: any number.
+  double longest_step() const { return is_observed_ ? choice_->longest_trial() : 0; }
+  /// Ends a trial whose step took longer or failed. Returns the engine that the step uses from here on.
+  EngineFacts abandon() {
     if (is_observed_) choice_->abandon();
+    return choice_->settled();
   }
   /// There was no room for it: the engine that it is to be done with instead, if there is another.
   std::optional<EngineFacts> retreat() {

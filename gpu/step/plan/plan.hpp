@@ -44,6 +44,7 @@ struct StepPlan {
   bool boxes_static = true;  ///< meshes that never move are boxed too
   OrderPlan order = {};
   ListPlan lists = {};
+  bool is_idle = false;  ///< nothing may touch: the step searches for nothing
 
   /// Whether there are octree and hierarchy at all.
   bool searches() const { return lists.use != ListUse::kReused; }

@@ -4,6 +4,7 @@
 
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/judged_case.hpp"
+#include "tests/gpu/scene/sheets.hpp"
 #include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
 
@@ -245,6 +246,58 @@ TEST_F(ReportCases, AnyHitOfACrowd) {
     const Case c = soup(125, 300, 0.3, 0.2, 0.1);
     expect_any_is_of_all(c, ccd(accuracy));
     EXPECT_TRUE(run_report(c, ccd(accuracy), Report::kAnyHit).any_contact);
+  }
+}
+
+// Every pair of these triangles is a candidate many times, and the first few decide.
+TEST_F(ReportCases, AnyHitLeavesMostCandidatesUnmade) {
+  if (kBackend != Backend::kCpu) GTEST_SKIP() << "a GPU works on all pairs of a small scene at once";
+  const Case c = soup(70, 450, 0.01, 0.5, 0.3);
+  const auto candidates = [&](Report report) {
+    const FrameResult result = run_report(c, ccd(Accuracy::kGuarded), report);
+    EXPECT_TRUE(result.any_contact);
+    return result.counts.candidates.vertex_triangle + result.counts.candidates.edge_edge;
+  };
+  EXPECT_LT(10 * candidates(Report::kAnyHit), candidates(Report::kAll));
+}
+
+/// Two slanted sheets, close to each other and apart. The boxes of their features overlap many times. The last vertex
+/// of one is drawn down by `way`: 1.8 brings it onto the other.
+Case slanted_sheets(double way) {
+  constexpr uint32_t kSide = 40;
+  const auto sheet = [](double gap) {
+    return grid(kSide, [&](double i, double j) { return Vec3d{i, j, 3 * i + 3 * j + gap}; });
+  };
+  Case c;
+  add_mesh(c, grid_triangles(kSide), sheet(0));
+  Positions end = sheet(0.3);
+  if (way > 0) end.back() = {end.back()[0] - 0.25, end.back()[1] - 0.25, end.back()[2] - way};
+  add_mesh(c, grid_triangles(kSide), sheet(0.3), end);
+  for (MeshSpec& mesh : c.meshes) mesh.self_contacts = false;
+  return c;
+}
+
+// Frame by frame, with and without: what the last frame found is no answer.
+TEST_F(ReportCases, AnyHitFindsTheOneContactAmongManyCandidates) {
+  struct Kind {
+    Mode mode;
+    PerKind<bool> kinds;
+    double way;
+  };
+  const PerKind<bool> features{.vertex_triangle = true, .edge_edge = true}, triangles{.triangle_triangle = true};
+  for (const Kind& kind : {Kind{Mode::kCcd, features, 3}, {Mode::kDcd, features, 1.8}, {Mode::kDcd, triangles, 3}}) {
+    SceneSpec spec = settings(kind.mode, Accuracy::kFast, Scalar::kF64, kind.mode == Mode::kDcd ? 0.01 : 0);
+    spec.kinds = kind.kinds;
+    const FrameResult all = run_report(slanted_sheets(kind.way), spec, Report::kAll);
+    EXPECT_TRUE(all.any_contact);
+    ASSERT_GT(kind.kinds.edge_edge ? all.counts.candidates.edge_edge : all.counts.pairs, 4 * 4096u);
+    EXPECT_FALSE(run_report(slanted_sheets(0), spec, Report::kAll).any_contact);
+    spec.report = Report::kAnyHit;
+    const auto scene = Detector::create(spec_for(slanted_sheets(0), spec));
+    for (const bool hit : {false, true, true, false, true, false, false}) {
+      const Case c = slanted_sheets(hit ? kind.way : 0);
+      EXPECT_EQ(scene->detect(Frame(c, kind.mode, Scalar::kF64).input()).any_contact, hit);
+    }
   }
 }
 

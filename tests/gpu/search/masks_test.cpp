@@ -119,6 +119,48 @@ TEST(Branches, AreOfEachMeshThatExclusionsKeepFromItsLike) {
   }
 }
 
+// A cloth and another mesh: what one of them may not touch would be met on every walk through its crowd.
+TEST(Branches, AreFewWhereLittleOfAMeshIsKeptApart) {
+  SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified);
+  spec.meshes.resize(2);
+  spec.meshes[0].vertex_count = 3000, spec.meshes[1].vertex_count = 1000;
+  EXPECT_EQ(count_branches(spec), 0u);
+  spec.meshes[1].self_contacts = false;
+  EXPECT_EQ(branches_of_meshes(spec), (std::vector<uint32_t>{0, 1}));
+  spec.meshes[1].vertex_count = 100;  // nothing to gain
+  EXPECT_EQ(count_branches(spec), 0u);
+  spec.meshes[1] = {.vertex_count = 1000, .collide_mask = 2};  // takes no part
+  EXPECT_EQ(count_branches(spec), 0u);
+}
+
+std::vector<uint32_t> idle_in(const SceneSpec& spec) {
+  std::vector<uint32_t> idle;
+  for (uint32_t mesh = 0; mesh < spec.meshes.size(); ++mesh)
+    if (idle_meshes(spec).has(mesh)) idle.push_back(mesh);
+  return idle;
+}
+
+TEST(IdleMeshes, AreThoseThatNoOtherMeshMayTouchNorThemselves) {
+  SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified);
+  spec.meshes.resize(4);
+  for (MeshSpec& mesh : spec.meshes) mesh.vertex_count = 3;
+  EXPECT_FALSE(idle_meshes(spec).has_any());
+  spec.meshes[1].groups = 2;
+  EXPECT_EQ(idle_in(spec), (std::vector<uint32_t>{}));
+  spec.meshes[1].collide_mask = 4;
+  EXPECT_EQ(idle_in(spec), (std::vector<uint32_t>{1}));
+  spec.meshes[2].self_contacts = false;
+  EXPECT_EQ(idle_in(spec), (std::vector<uint32_t>{1}));
+  spec.excluded_meshes = {{2, 0}, {3, 2}};
+  EXPECT_EQ(idle_in(spec), (std::vector<uint32_t>{1, 2}));
+  spec.excluded_meshes.push_back({3, 3});
+  EXPECT_EQ(idle_in(spec), (std::vector<uint32_t>{1, 2}));
+  EXPECT_FALSE(idle_meshes(spec).are_all);
+  spec.meshes[0].motion = spec.meshes[3].motion = MeshMotion::kStatic;
+  EXPECT_EQ(idle_in(spec), (std::vector<uint32_t>{0, 1, 2, 3}));
+  EXPECT_TRUE(idle_meshes(spec).are_all);
+}
+
 TEST(Branches, AreNoneWhereMostMeshesMayTouch) {
   SceneSpec spec = probes_spec(Kept::kByMasks, 20);
   for (MeshSpec& mesh : spec.meshes) mesh.groups = 1, mesh.collide_mask = ~0u;

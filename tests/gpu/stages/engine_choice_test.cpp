@@ -202,6 +202,24 @@ TEST_F(Choice, EndsAComparisonWhoseFrameDoesNotEnd) {
   EXPECT_EQ(choice_.next().engine, kOctree);
 }
 
+// Without the bound, a comparison could take a thousand times as long as any frame before.
+TEST_F(Choice, BoundsTheFramesOfAComparison) {
+  while (choice_.next().reason != EngineReason::kTrial) {
+    EXPECT_EQ(choice_.longest_trial(), 0);
+    run({.octree = 100, .lbvh = 100});
+  }
+  EXPECT_GE(choice_.longest_trial(), 2 * 100.5);
+  EXPECT_LE(choice_.longest_trial(), 20 * 100.5);
+}
+
+TEST_F(Choice, BeginsWithTheHierarchyWhereRulesKeepPairsApart) {
+  EXPECT_EQ(EngineChoice(Engine::kAuto, rivals_of(100'000, false, true)).next().engine, kLbvh);
+  choice_ = EngineChoice(Engine::kAuto, rivals_of(500, false, true));
+  EXPECT_EQ(choice_.next().engine, Engine::kAllPairs);
+  while (choice_.next().reason != EngineReason::kTrial) run({});
+  EXPECT_EQ(choice_.next().engine, kLbvh);
+}
+
 TEST_F(Choice, WaitsForFramesThatTellSomething) {
   for (int frame = 0; frame < 100; ++frame) choice_.observe({1, 1, false, false});
   EXPECT_EQ(choice_.next().reason, EngineReason::kFirst);
@@ -233,7 +251,7 @@ TEST(EngineChoices, MeasureTheLastStepsSearch) {
 }
 
 TEST_F(Choice, ComparesTheRivalsOfSmallScenes) {
-  choice_ = EngineChoice(Engine::kAuto, rivals_of(500, false));
+  choice_ = EngineChoice(Engine::kAuto, rivals_of(500, false, false));
   EXPECT_EQ(choice_.next().engine, Engine::kAllPairs);
   run(32, {.octree = 0.5, .lbvh = 1});  // the second is what all pairs take
   const EngineFacts facts = choice_.next();
@@ -245,23 +263,23 @@ TEST_F(Choice, ComparesTheRivalsOfSmallScenes) {
 
 // A GPU takes longer to launch anything than to search so few.
 TEST_F(Choice, TriesNothingWhereLaunchesCostMore) {
-  choice_ = EngineChoice(Engine::kAuto, rivals_of(2000, true));
+  choice_ = EngineChoice(Engine::kAuto, rivals_of(2000, true, false));
   run(10'000, {.octree = 0.5, .lbvh = 1});
   EXPECT_EQ(trials_, 0);
   EXPECT_EQ(choice_.next().engine, Engine::kAllPairs);
   EXPECT_EQ(choice_.next().reason, EngineReason::kFirst);
-  EXPECT_EQ(EngineChoice(kOctree, rivals_of(2000, true)).next().engine, kOctree);  // what a scene asks for
+  EXPECT_EQ(EngineChoice(kOctree, rivals_of(2000, true, false)).next().engine, kOctree);  // what a scene asks for
 }
 
 // An edit that makes a scene small, or large.
 TEST(EngineChoices, BeginAnewWithOtherRivals) {
   LevelNeeds needs;
-  EngineChoices choices(Engine::kAuto, rivals_of(500, false));
+  EngineChoices choices(Engine::kAuto, rivals_of(500, false, false));
   EXPECT_EQ(choices.begin(needs).engine, Engine::kAllPairs);
-  choices.choose_between(rivals_of(100'000, false));
+  choices.choose_between(rivals_of(100'000, false, false));
   EXPECT_EQ(choices.begin(needs).engine, kOctree);
-  EngineChoices asked(kLbvh, rivals_of(500, false));
-  asked.choose_between(rivals_of(100'000, false));
+  EngineChoices asked(kLbvh, rivals_of(500, false, false));
+  asked.choose_between(rivals_of(100'000, false, false));
   EXPECT_EQ(asked.begin(needs).engine, kLbvh);
 }
 

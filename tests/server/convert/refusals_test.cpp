@@ -25,17 +25,32 @@ TEST(Refusals, NameWhatClientsSetWhereverTheyNameIt) {
   EXPECT_EQ(with_protocol_names("restart_transform, start_transforms"), "restart_transform, start_transforms");
 }
 
-BusyScene scene_of(Mode mode) {
-  return {mode, [](uint32_t mesh) { return "mesh " + std::to_string(mesh); }};
+/// Deformable meshes that may all touch, at CERTIFIED, all of them reported.
+SceneSpec spec_of(Mode mode, size_t meshes = 2) {
+  SceneSpec spec;
+  spec.mode = mode;
+  spec.meshes.resize(meshes);
+  return spec;
+}
+const FrameInput kFrame;
+BusyScene busy(const SceneSpec& spec, const FrameInput& frame = kFrame) {
+  return {spec, frame, [](uint32_t mesh) { return "mesh " + std::to_string(mesh); }};
+}
+/// Returns the advice that follows the refusal of a frame that took too long.
+std::string advice_for(const SceneSpec& spec, const FrameInput& frame = kFrame) {
+  const std::string refusal = "max_frame_seconds is 10, and frame 2 has run for 10.001 s";
+  const std::string text = with_advice(LimitExceeded("f", refusal), FrameProgress{}, busy(spec, frame)).what();
+  return text.substr(refusal.size());
 }
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 TEST(Refusals, ATooLongFrameSaysWhatItFoundAndWhatHelps) {
+  const SceneSpec spec = spec_of(Mode::kCcd);
   FrameProgress progress{.pairs = 5, .candidates = 60, .contacts = 7, .far_meshes = {}};
   progress.far_meshes = {{3, 0.5, 0.125}, {1, 0.25, 0.125}};
   const auto refusal =
       LimitExceeded::quota("client:one", "max_frame_seconds is 10, and frame 2 has run for 10.001 s", 0);
-  const LimitExceeded advised = with_advice(refusal, progress, scene_of(Mode::kCcd));
+  const LimitExceeded advised = with_advice(refusal, progress, busy(spec));
   const std::string text = advised.what();
   EXPECT_EQ(advised.subject(), "client:one");
   EXPECT_EQ(text.find(refusal.what()), 0u);
@@ -43,21 +58,57 @@ TEST(Refusals, ATooLongFrameSaysWhatItFoundAndWhatHelps) {
   EXPECT_TRUE(has(text, ". In this step mesh 3 moves by up to 0.5, 4 times its mean edge of 0.125, mesh 1 moves"))
       << text;
   EXPECT_TRUE(has(text, "several shorter ones")) << text;
-  EXPECT_TRUE(has(text, "any_hit, earliest_only in CCD")) << text;
+  EXPECT_TRUE(has(text, "any_hit or earliest_only")) << text;
   EXPECT_TRUE(has(text, "--max-frame-seconds")) << text;
 }
 
 TEST(Refusals, EachLimitNamesTheOptionThatRaisesIt) {
+  const SceneSpec spec = spec_of(Mode::kDcd);
   const FrameProgress progress{.pairs = 1, .far_meshes = {}};
   for (const auto& [limit, option] : {std::pair{"spec.memory_budget_bytes is 1 bytes", "--max-scene-mb"},
                                       {"max_device_bytes_per_client is 1 bytes", "--max-device-mb-per-client"},
                                       {"max_device_bytes is 1 bytes", "--max-device-mb"},
                                       {"max_device_bytes of cuda:0 is 1 bytes", "--max-device-mb"}}) {
-    const std::string text = with_advice(LimitExceeded("f", limit), progress, scene_of(Mode::kDcd)).what();
+    const std::string text = with_advice(LimitExceeded("f", limit), progress, busy(spec)).what();
     EXPECT_TRUE(text.ends_with(option) || has(text, std::string(option) + ",")) << text;
     EXPECT_FALSE(has(text, "earliest_only")) << text;
     EXPECT_FALSE(has(text, "moves by")) << text;
   }
+}
+
+constexpr const char* kRaised =
+    "a higher limit: the daemon's option --max-frame-seconds, or max-frame-seconds of the client's token";
+
+TEST(Refusals, NameNothingThatTheSceneOrTheFrameHasAlready) {
+  SceneSpec spec = spec_of(Mode::kBoth);
+  spec.thickness = 0.1;
+  EXPECT_EQ(advice_for(spec),
+            ". What takes less: report any_hit or earliest_only; fewer kinds; fewer fields; meshes that are left out "
+            "(groups and collide_mask, excluded_meshes, no_self_contacts); a smaller thickness; or " +
+                std::string(kRaised));
+  FrameInput frame;
+  frame.report = Report::kEarliestOnly;
+  EXPECT_TRUE(has(advice_for(spec, frame), ": report any_hit; fewer kinds; fewer fields;"));
+  frame.report = Report::kAnyHit;
+  EXPECT_TRUE(has(advice_for(spec, frame), ": fewer kinds; meshes that"));
+  frame = {};
+  frame.mode = Mode::kDcd;  // has no times
+  EXPECT_TRUE(has(advice_for(spec, frame), ": report any_hit; fewer"));
+  frame.mode = Mode::kCcd, frame.accuracy = Accuracy::kCandidates;
+  EXPECT_FALSE(has(advice_for(spec, frame), "report"));
+}
+
+TEST(Refusals, NameWhatIsLeftWhereLittleCouldBeLess) {
+  SceneSpec spec = spec_of(Mode::kCcd, 1);
+  spec.kinds = {.vertex_triangle = true};
+  spec.fields = {ContactField::kElements, ContactField::kToi};
+  spec.report = Report::kAnyHit;
+  EXPECT_EQ(advice_for(spec),
+            ". What takes less: meshes that are left out (no_self_contacts); or " + std::string(kRaised));
+  spec.meshes[0].self_contacts = false;
+  EXPECT_EQ(advice_for(spec), ". What helps is " + std::string(kRaised));
+  spec.meshes[0].self_contacts = true, spec.meshes[0].motion = MeshMotion::kRigid;
+  EXPECT_EQ(advice_for(spec), ". What helps is " + std::string(kRaised));
 }
 
 }  // namespace
