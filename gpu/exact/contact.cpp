@@ -1,22 +1,22 @@
 #include "gpu/exact/contact.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <span>
 
+#include "gpu/exact/certain.hpp"
 #include "gpu/exact/roots/located.hpp"
 #include "gpu/exact/windows.hpp"
 
 namespace collided::exact {
 namespace {
 
-constexpr double kNever = 2;
-
 /// `sign` gives a form's sign at the time in question.
 template <class Sign>
 bool holds(const Case& c, Sign sign) {
-  return std::all_of(c.zero.begin(), c.zero.end(), [&](const Form& f) { return sign(f) == 0; }) &&
-         std::all_of(c.not_zero.begin(), c.not_zero.end(), [&](const Form& f) { return sign(f) != 0; }) &&
-         std::all_of(c.not_negative.begin(), c.not_negative.end(), [&](const Form& f) { return sign(f) >= 0; });
+  return std::all_of(c.zero.begin(), c.zero.end(), [&](const LazyForm& f) { return sign(f) == 0; }) &&
+         std::all_of(c.not_zero.begin(), c.not_zero.end(), [&](const LazyForm& f) { return sign(f) != 0; }) &&
+         std::all_of(c.not_negative.begin(), c.not_negative.end(), [&](const LazyForm& f) { return sign(f) >= 0; });
 }
 
 template <class Sign>
@@ -24,18 +24,13 @@ bool any_holds(std::span<const Case> cases, Sign sign) {
   return std::any_of(cases.begin(), cases.end(), [&](const Case& c) { return holds(c, sign); });
 }
 
-bool holds_at_end(const Contact& contact) {
-  const auto sign = [](const Form& f) { return sgn(f.c.back()); };
-  return sign(contact.necessary) == 0 && any_holds(contact.cases, sign);
-}
-
 /// The first root of `source` in (0, 1) where one of the cases holds, rounded down; kNever if there is none. `rising`:
 /// only those count before which the form is below 0.
-double first_root(const Form& source, std::span<const Case> cases, bool rising) {
+double first_root(const LazyForm& source, std::span<const Case> cases, bool rising) {
   LocatedRoots roots(source);
   for (size_t i = 0; i < roots.size(); ++i) {
     if (rising && !roots.may_rise(i)) continue;
-    const auto sign = [&](const Form& f) { return &f == &source ? 0 : roots.sign_of(i, f); };
+    const auto sign = [&](const LazyForm& f) { return &f == &source ? 0 : roots.sign_of(i, f); };
     if (any_holds(cases, sign)) return roots.rounded_down(i);
   }
   return kNever;
@@ -45,16 +40,16 @@ double first_root(const Form& source, std::span<const Case> cases, bool rising) 
 double first_root(const Case& c, Windows windows) {
   windows.need(c);
   if (windows.are_empty()) return kNever;
-  for (const Form& f : c.zero)
+  for (const LazyForm& f : c.zero)
     if (!f.vanishes()) return first_root(f, {&c, 1}, false);
   double first = kNever;
-  for (const Form& f : c.not_negative)
+  for (const LazyForm& f : c.not_negative)
     if (!f.vanishes() && !windows.are_above(f)) first = std::min(first, first_root(f, {&c, 1}, true));
   return first;
 }
 
 /// At the roots of a form that is 0 whenever one of the cases holds.
-double first_root(const Form& necessary, std::span<const Case> cases, Windows windows) {
+double first_root(const LazyForm& necessary, std::span<const Case> cases, Windows windows) {
   windows.need_zero(necessary);
   const bool may_hold = std::any_of(cases.begin(), cases.end(), [&](const Case& c) {
     Windows left = windows;
@@ -64,27 +59,40 @@ double first_root(const Form& necessary, std::span<const Case> cases, Windows wi
   return may_hold ? first_root(necessary, cases, false) : kNever;
 }
 
+/// True if the case holds at a time between two places at which a component crosses 0.
+bool holds_at_crossing(const Case& c, const Windows::Window& on) {
+  const LazyForm* const component = crossing_component(c, on);
+  if (component == nullptr) return false;
+  LocatedRoots roots(*component);
+  for (size_t i = 0; i < roots.size(); ++i) {
+    const auto sign = [&](const LazyForm& f) { return &f == &c.not_negative.back() ? 1 : roots.sign_of(i, f); };
+    if (roots.is_within(i, on) && holds(c, sign)) return true;
+  }
+  return false;
+}
+bool holds_at_crossing(const Contact& contact, const std::vector<Windows::Window>& windows) {
+  return std::any_of(windows.begin(), windows.end(), [&](const Windows::Window& on) {
+    return std::any_of(contact.cases.begin(), contact.cases.end(),
+                       [&](const Case& c) { return holds_at_crossing(c, on); });
+  });
+}
+
 Windows windows_of_alternatives(const Contact& contact) {
   Windows windows;
-  for (const std::vector<Form>& forms : contact.alternatives)
+  for (const std::vector<LazyForm>& forms : contact.alternatives)
     if (!windows.are_empty()) windows.need_one_not_negative(forms);
   return windows;
 }
 
 }  // namespace
 
-bool alternatives_exclude(const Contact& contact) {
-  const auto exclude = [&](const auto& value_of) {
-    return std::any_of(contact.alternatives.begin(), contact.alternatives.end(), [&](const std::vector<Form>& forms) {
-      return std::all_of(forms.begin(), forms.end(), [&](const Form& f) { return sgn(value_of(f)) < 0; });
-    });
-  };
-  return exclude([](const Form& f) { return f.c.front(); }) && exclude([](const Form& f) { return f.c.back(); }) &&
-         windows_of_alternatives(contact).are_empty();
+bool holds_at_start(const Contact& contact) {
+  const auto sign = [](const LazyForm& f) { return f.sign_at_start(); };
+  return sign(contact.necessary) == 0 && any_holds(contact.cases, sign);
 }
 
-bool holds_at_start(const Contact& contact) {
-  const auto sign = [](const Form& f) { return sgn(f.c.front()); };
+bool holds_at_end(const Contact& contact) {
+  const auto sign = [](const LazyForm& f) { return f.sign_at_end(); };
   return sign(contact.necessary) == 0 && any_holds(contact.cases, sign);
 }
 
@@ -96,10 +104,15 @@ bool holds_at_start(const Contact& contact) {
 // monotone.
 ExactImpact first_impact(const Contact& contact) {
   if (holds_at_start(contact)) return {true, 0, true};
-  double first = kNever;
-  const Windows windows = windows_of_alternatives(contact);
-  if (!contact.necessary.vanishes()) {
-    first = first_root(contact.necessary, contact.cases, windows);
+  std::optional<CertainImpact> certain;
+  if (contact.numbers != nullptr) certain = certain_impact(contact);
+  if (certain && certain->time_of_open && holds_at_crossing(contact, certain->open))
+    return {true, *certain->time_of_open, false};
+  double first = certain ? certain->time : kNever;
+  const Windows windows = certain ? Windows(std::move(certain->open)) : windows_of_alternatives(contact);
+  if (windows.are_empty()) {
+  } else if (!contact.necessary.vanishes()) {
+    first = std::min(first, first_root(contact.necessary, contact.cases, windows));
   } else {
     for (const Case& c : contact.cases) first = std::min(first, first_root(c, windows));
   }

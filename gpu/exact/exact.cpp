@@ -112,7 +112,7 @@ ExactImpact exact_ccd(ContactKind kind, const Vec3<double> (&start)[4], const Ve
 bool exact_proximity(ContactKind kind, const Vec3<double> (&p)[4], double thickness) {
   const Outcome outcome = decide_at_rest(kind, p, thickness);
   if (outcome != Outcome::kOpen) return outcome == Outcome::kAtStart;
-  return exact::holds_at_start(exact::contact_of(kind, exact::at_rest(p, thickness)));
+  return exact::holds_at_start(exact::contact_at_rest(kind, p, thickness));
 }
 
 }  // namespace collided

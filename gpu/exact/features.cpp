@@ -1,28 +1,18 @@
 #include "gpu/exact/features.hpp"
 
-#include <initializer_list>
-#include <type_traits>
+#include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "gpu/exact/fixed/differences.hpp"
 #include "gpu/exact/fixed/polynomial.hpp"
+#include "gpu/exact/parts.hpp"
 
 namespace collided::exact {
 namespace {
 
-// The functions below take forms, or polynomials of fixed size, which have the same operators.
-using fixed::wide_cross;
+// The conditions below are functions of parts, which are exact or rough (parts.hpp).
 using fixed::wide_dot;
 
-/// Vectors p and q from the ends of a segment to a point, or both from the point to the ends, and n = p x q or -p x q.
-template <class Linear>
-struct Side {
-  const Vec3<Linear>&p, &q;
-  const Vec3<decltype(p.x * q.x)>& n;
-};
-
-Form form_of(Form f) { return f; }
 template <int degree, int N>
 Form form_of(const fixed::Polynomial<degree, N>& f) {
   Form form;
@@ -35,9 +25,101 @@ Form form_of(const fixed::Polynomial<degree, N>& f) {
   return form;
 }
 
+template <int degree, int N>
+LazyForm lazy(const fixed::Polynomial<degree, N>& f) {
+  return LazyForm(reduced(form_of(f)));
+}
+LazyForm lazy(LazyForm f) { return f; }
+int closed_sign(const LazyForm& f) { return f.closed_sign(); }
+using fixed::closed_sign;
+
+/// Features whose numbers fit integers of W limbs.
+template <ContactKind kind, int W>
+class OfFixedSize {
+ public:
+  static constexpr ContactKind kKind = kind;
+  static constexpr bool kIsFixed = true;
+  using Linear = fixed::Polynomial<1, W>;
+
+  explicit OfFixedSize(const QueryOf<Linear>& query) : parts_(query) {}
+
+  bool has_thickness() const { return !parts_.thickness().vanishes(); }
+  template <class Make>
+  auto form(const Make& make) const {
+    return make(parts_);
+  }
+  std::shared_ptr<const Numbers> numbers() const { return nullptr; }
+
+ private:
+  ExactParts<kind, Linear> parts_;
+};
+
+/// Points whose exponents may lie far apart.
+struct Points {
+  Vec3<double> start[4], end[4];
+  double thickness;
+
+  Points(const Vec3<double> (&from)[4], const Vec3<double> (&to)[4], double limit) : thickness(limit) {
+    std::copy_n(from, 4, start);
+    std::copy_n(to, 4, end);
+  }
+};
+
+/// Features in rough numbers and, of the whole way, exact ones. Degree 0: at rest.
+template <ContactKind kind, int degree>
+class AnyNumbers : public Numbers {
+ public:
+  explicit AnyNumbers(const Points& points)
+      : motion_(points.start, points.end, points.thickness), points_(points), parts_(motion_) {}
+  explicit AnyNumbers(const RoughMotion& part) : motion_(part), parts_(motion_) {}
+
+  const RoughParts<kind, degree>& rough() const { return parts_; }
+  bool has_thickness() const { return motion_.end(1).thickness.size != 0; }
+  bool has_exact() const { return points_.has_value(); }
+  const ExactParts<kind, Form>& exact() const {
+    return exact_.get([&] {
+      const auto& [start, end, thickness] = *points_;
+      return ExactParts<kind, Form>(degree == 0 ? at_rest(end, thickness) : in_motion(start, end, thickness));
+    });
+  }
+  double ratio_at(const RoughForm::Place& place) const override { return motion_.ratio_at(place); }
+  std::vector<Contact> cut(const RoughForm::Place& from, const RoughForm::Place& to) const override;
+
+ private:
+  const RoughMotion motion_;
+  const std::optional<Points> points_;
+  const RoughParts<kind, degree> parts_;
+  Memo<ExactParts<kind, Form>> exact_;
+};
+
+template <ContactKind kind, int degree>
+class OfAnySize {
+ public:
+  static constexpr ContactKind kKind = kind;
+  static constexpr bool kIsFixed = false;
+
+  template <class Motion>
+  explicit OfAnySize(const Motion& motion) : numbers_(std::make_shared<AnyNumbers<kind, degree>>(motion)) {}
+
+  bool has_thickness() const { return numbers_->has_thickness(); }
+  template <class Make>
+  LazyForm form(const Make& make) const {
+    if (!numbers_->has_exact()) return LazyForm(make(numbers_->rough()), nullptr);
+    return LazyForm(make(numbers_->rough()),
+                    [make, numbers = numbers_.get()] { return reduced(make(numbers->exact())); });
+  }
+  std::shared_ptr<const Numbers> numbers() const { return numbers_; }
+
+ private:
+  std::shared_ptr<const AnyNumbers<kind, degree>> numbers_;
+};
+
 /// A case whose forms are made one after the other, until one of them shows that it never holds in [0, 1].
+template <class Features>
 class Draft {
  public:
+  explicit Draft(const Features& features) : features_(features) {}
+
   template <class Make>
   Draft& zero(const Make& make) {
     return take(make, case_.zero, [](const auto& f) { return closed_sign(f) == 0; });
@@ -50,162 +132,160 @@ class Draft {
   Draft& not_zero(const Make& make) {
     return take(make, case_.not_zero, [](const auto& f) { return !f.vanishes(); });
   }
-  /// The form is >= 0 wherever the others hold.
-  template <class Make>
-  Draft& implied(const Make& make) {
-    return take(make, case_.implied, [](const auto& f) { return closed_sign(f) >= 0; });
+  /// Adds that `sum`, of the squares of what `for_components` passes on, is within the limit.
+  template <class Sum, class Limit, class Components>
+  Draft& within(const Limit& limit, const Sum& sum, const Components& for_components) {
+    not_negative([=](const auto& f) { return limit(f) - sum(f); });
+    if constexpr (!Features::kIsFixed)
+      if (may_hold_) {
+        case_.limit = features_.form(limit);
+        for_components([&](const auto& component) { case_.components.push_back(features_.form(component)); });
+      }
+    return *this;
   }
-  bool may_hold() const { return may_hold_; }
   void add_to(Contact& contact) {
     if (may_hold_) contact.cases.push_back(std::move(case_));
   }
 
  private:
   template <class Make, class MayHold>
-  Draft& take(const Make& make, std::vector<Form>& forms, const MayHold& may_hold) {
+  Draft& take(const Make& make, std::vector<LazyForm>& forms, const MayHold& may_hold) {
     if (!may_hold_) return *this;
-    auto f = make();
+    auto f = features_.form(make);
     may_hold_ = may_hold(f);
-    if (may_hold_) forms.push_back(reduced(form_of(std::move(f))));
+    if (may_hold_) forms.push_back(lazy(std::move(f)));
     return *this;
   }
 
+  const Features& features_;
   Case case_;
   bool may_hold_ = true;
 };
 
-/// distance <= h as a form that is not negative, given distance * |d| (its square) and d.
-template <class Squared, class Linear, class Component>
-Squared within(const Squared& squared, const Linear& thickness, const Vec3<Component>& d) {
-  return thickness * thickness * wide_dot(d, d) - squared;
+constexpr auto kAxes = [](const auto& use) {
+  use([](const auto& v) { return v.x; });
+  use([](const auto& v) { return v.y; });
+  use([](const auto& v) { return v.z; });
+};
+
+template <class Parts>
+auto limit_of(const Parts& f) {
+  return f.thickness() * f.thickness();
 }
 
-// Each component of d alone has to be within the limit. Where the largest one crosses 0, double precision loses the
-// sign of the whole sum, but still sees that another component is too large. Only exponents that lie far apart need it.
-template <class Limit, class Component>
-void imply_components_within(Draft& draft, const Limit& limit, const Vec3<Component>& d) {
-  if constexpr (std::is_same_v<Component, Form>)
-    for (const Form* x : {&d.x, &d.y, &d.z}) draft.implied([&] { return limit - *x * *x; });
-}
-
-template <class Linear>
-void add_point_near_point(Contact& contact, const Vec3<Linear>& d, const Linear& thickness) {
-  Draft draft;
-  imply_components_within(draft, thickness * thickness, d);
-  draft.not_negative([&] { return thickness * thickness - wide_dot(d, d); }).add_to(contact);
-}
-
-// p and q are parallel and do not lead to the same side. True of segments without length, too.
-template <class Linear>
-void add_point_on_segment(Contact& contact, const Side<Linear>& side) {
-  Draft()
-      .zero([&] { return side.n.x; })
-      .zero([&] { return side.n.y; })
-      .zero([&] { return side.n.z; })
-      .not_negative([&] { return -wide_dot(side.p, side.q); })
+template <class Features>
+void add_point_near_point(Contact& contact, const Features& features, int i) {
+  Draft(features)
+      .within([](const auto& f) { return limit_of(f); }, [=](const auto& f) { return wide_dot(f.d(i), f.d(i)); },
+              [=](const auto& use) { kAxes([&](auto axis) { use([=](const auto& f) { return axis(f.d(i)); }); }); })
       .add_to(contact);
 }
 
-// The point's foot is on the segment e = p - q, which has a length; |n| = distance * |e|.
-template <class Linear>
-void add_point_near_segment(Contact& contact, const Side<Linear>& side, const Linear& thickness) {
-  const Vec3<Linear> e = side.p - side.q;
-  Draft draft;
-  draft.not_negative([&] { return wide_dot(side.p, e); })
-      .not_negative([&] { return -wide_dot(side.q, e); })
-      .not_zero([&] { return wide_dot(e, e); });
-  if (draft.may_hold()) imply_components_within(draft, thickness * thickness * wide_dot(e, e), side.n);
-  draft.not_negative([&] { return within(wide_dot(side.n, side.n), thickness, e); }).add_to(contact);
+// P and Q are parallel and do not lead to the same side. True of segments without length, too.
+template <class Features>
+void add_point_on_segment(Contact& contact, const Features& features, int i) {
+  Draft draft(features);
+  kAxes([&](auto axis) { draft.zero([=](const auto& f) { return axis(f.side(i)); }); });
+  const fixed::Side side = fixed::Sides<Features::kKind>::at(i);
+  draft.not_negative([=](const auto& f) { return -wide_dot(f.d(side.p), f.d(side.q)); }).add_to(contact);
+}
+
+// The point's foot is on the segment e = P - Q, which has a length; |P x Q| = distance * |e|.
+template <class Features>
+void add_point_near_segment(Contact& contact, const Features& features, int i) {
+  const fixed::Side side = fixed::Sides<Features::kKind>::at(i);
+  Draft(features)
+      .not_negative([=](const auto& f) { return wide_dot(f.d(side.p), f.edge(i)); })
+      .not_negative([=](const auto& f) { return -wide_dot(f.d(side.q), f.edge(i)); })
+      .not_zero([=](const auto& f) { return wide_dot(f.edge(i), f.edge(i)); })
+      .within([=](const auto& f) { return limit_of(f) * wide_dot(f.edge(i), f.edge(i)); },
+              [=](const auto& f) { return wide_dot(f.side(i), f.side(i)); },
+              [=](const auto& use) { kAxes([&](auto axis) { use([=](const auto& f) { return axis(f.side(i)); }); }); })
+      .add_to(contact);
 }
 
 // The weights of the closest points, times n^2, are not negative, and |volume| = distance * |n|. Without thickness
 // the volume has to be 0, which is necessary in any case.
-template <class Linear, class Normal, class Volume>
-void add_planes_near(Contact& contact, std::initializer_list<const Normal*> sides, const Volume& volume,
-                     const Normal& n, const Linear& thickness) {
-  Draft draft;
-  for (const Normal* side : sides) draft.not_negative([&] { return wide_dot(*side, n); });
-  draft.not_zero([&] { return wide_dot(n, n); });
-  if (!thickness.vanishes()) draft.not_negative([&] { return within(volume * volume, thickness, n); });
+template <class Features>
+void add_planes_near(Contact& contact, const Features& features) {
+  Draft draft(features);
+  for (int i = 0; i < fixed::Sides<Features::kKind>::kCount; ++i)
+    draft.not_negative([=](const auto& f) { return wide_dot(f.side(i), f.n()); });
+  draft.not_zero([](const auto& f) { return wide_dot(f.n(), f.n()); });
+  if (features.has_thickness())
+    draft.within([](const auto& f) { return limit_of(f) * wide_dot(f.n(), f.n()); },
+                 [](const auto& f) { return f.volume() * f.volume(); },
+                 [](const auto& use) { use([](const auto& f) { return f.volume(); }); });
   draft.add_to(contact);
 }
 
 // The points at the sides and, with a thickness, at their ends. Without one, a point at an end is on the side, too.
-template <class Linear>
-void add_outline(Contact& contact, std::initializer_list<Side<Linear>> sides,
-                 std::initializer_list<const Vec3<Linear>*> to_ends, const Linear& thickness) {
-  if (thickness.vanishes()) {
-    for (const Side<Linear>& side : sides) add_point_on_segment(contact, side);
-    return;
-  }
-  for (const Side<Linear>& side : sides) add_point_near_segment(contact, side, thickness);
-  for (const Vec3<Linear>* d : to_ends) add_point_near_point(contact, *d, thickness);
+template <class Features>
+void add_outline(Contact& contact, const Features& features) {
+  for (int i = 0; i < fixed::Sides<Features::kKind>::kCount; ++i)
+    if (features.has_thickness())
+      add_point_near_segment(contact, features, i);
+    else
+      add_point_on_segment(contact, features, i);
+  if (features.has_thickness())
+    for (int i = 0; i < fixed::Differences<Features::kKind, 1>::kCount; ++i) add_point_near_point(contact, features, i);
+}
+
+/// True if the forms of an alternative are below 0 all along.
+bool are_apart(const Contact& contact) {
+  return std::any_of(contact.alternatives.begin(), contact.alternatives.end(), [](const std::vector<LazyForm>& forms) {
+    return std::all_of(forms.begin(), forms.end(), [](const LazyForm& f) { return f.closed_sign() < 0; });
+  });
 }
 
 // Adds that no axis keeps the features apart. These forms are lines, so they cost little, and where exponents lie far
-// apart one coordinate mostly decides. `to_ends`: the differences between the corners of both features.
-template <class Linear>
-void add_axes(Contact& contact, std::initializer_list<const Vec3<Linear>*> to_ends, const Linear& thickness) {
-  if constexpr (std::is_same_v<Linear, Form>)
-    for (Form Vec3<Form>::*axis : {&Vec3<Form>::x, &Vec3<Form>::y, &Vec3<Form>::z})
-      for (const bool is_above : {false, true}) {
-        std::vector<Form>& forms = contact.alternatives.emplace_back();
-        for (const Vec3<Form>* d : to_ends) forms.push_back(is_above ? thickness - d->*axis : thickness + d->*axis);
-      }
+// apart one coordinate mostly decides.
+template <class Features>
+void add_axes(Contact& contact, const Features& features) {
+  kAxes([&](auto axis) {
+    for (const bool is_above : {false, true}) {
+      std::vector<LazyForm>& forms = contact.alternatives.emplace_back();
+      for (int i = 0; i < fixed::Differences<Features::kKind, 1>::kCount; ++i)
+        forms.push_back(features.form(
+            [=](const auto& f) { return is_above ? f.thickness() - axis(f.d(i)) : f.thickness() + axis(f.d(i)); }));
+    }
+  });
 }
 
-// With A, B, C from the corners to the vertex, n = (b - a) x (c - a) = B x C + C x A + A x B. The weights of the vertex
-// in the triangle are (B x C) n, (C x A) n and (A x B) n over n^2, and A (B x C) is its height times |n|. Where no
-// weight is negative, the distance is the height, else that to a side; a triangle without area is its sides.
-template <class Linear>
-Contact vertex_triangle_contact(const QueryOf<Linear>& query) {
-  const auto& [v, a, b, c] = query.points;
-  const Linear& thickness = query.thickness;
-  const Vec3<Linear> A = v - a, B = v - b, C = v - c;
+// The weights of the vertex in the triangle are (B x C) n, (C x A) n and (A x B) n over n^2, and the volume is its
+// height times |n|. Where no weight is negative, the distance is the height, else that to a side; a triangle without area is
+// its sides. The closest points of two edges' lines have the weights (A x B) n of a1, (D x C) n of a0, (C x A) n of b1
+// and (B x D) n of b0, over n^2, and the volume is the lines' distance times |n|. Where a weight is negative or the
+// edges are parallel, an end of one edge is among the closest points.
+template <class Features>
+Contact contact_of(const Features& features) {
   Contact contact;
-  add_axes<Linear>(contact, {&A, &B, &C}, thickness);
-  if (alternatives_exclude(contact)) return contact;
-  const auto bc = wide_cross(B, C);
-  const auto volume = wide_dot(A, bc);
-  if (thickness.vanishes()) contact.necessary = form_of(volume);
-  if (closed_sign(contact.necessary) != 0) return contact;
-  const auto ca = wide_cross(C, A), ab = wide_cross(A, B), n = bc + ca + ab;
-  add_planes_near(contact, {&bc, &ca, &ab}, volume, n, thickness);
-  add_outline<Linear>(contact, {{B, C, bc}, {C, A, ca}, {A, B, ab}}, {&A, &B, &C}, thickness);
+  contact.numbers = features.numbers();
+  if constexpr (!Features::kIsFixed) {
+    add_axes(contact, features);
+    if (are_apart(contact)) return contact;
+  }
+  if (!features.has_thickness()) {
+    contact.necessary = lazy(features.form([](const auto& f) { return f.volume(); }));
+    if (contact.necessary.closed_sign() != 0) return contact;
+  }
+  add_planes_near(contact, features);
+  add_outline(contact, features);
   return contact;
 }
 
-// With A = a0 - b0, B = a0 - b1, C = a1 - b0, D = a1 - b1, n = (a1 - a0) x (b1 - b0) = (C - A) x (A - B). The closest
-// points of the two lines have the weights (A x B) n of a1, (D x C) n of a0, (C x A) n of b1 and (B x D) n of b0, over
-// n^2, and A (B x C) is the lines' distance times |n|. Where a weight is negative or the edges are parallel, an end
-// of one edge is among the closest points.
-template <class Linear>
-Contact edge_edge_contact(const QueryOf<Linear>& query) {
-  const auto& [a0, a1, b0, b1] = query.points;
-  const Linear& thickness = query.thickness;
-  const Vec3<Linear> A = a0 - b0, B = a0 - b1, C = a1 - b0, D = a1 - b1;
-  Contact contact;
-  add_axes<Linear>(contact, {&A, &B, &C, &D}, thickness);
-  if (alternatives_exclude(contact)) return contact;
-  const auto ab = wide_cross(A, B);
-  const auto volume = wide_dot(C, ab);
-  if (thickness.vanishes()) contact.necessary = form_of(volume);
-  if (closed_sign(contact.necessary) != 0) return contact;
-  const auto dc = wide_cross(D, C), ca = wide_cross(C, A), bd = wide_cross(B, D), n = wide_cross(C - A, A - B);
-  add_planes_near(contact, {&ab, &dc, &ca, &bd}, volume, n, thickness);
-  add_outline<Linear>(contact, {{A, B, ab}, {D, C, dc}, {C, A, ca}, {B, D, bd}}, {&A, &B, &C, &D}, thickness);
-  return contact;
-}
-
-template <class Linear>
-Contact contact_of_any(ContactKind kind, const QueryOf<Linear>& query) {
-  return kind == ContactKind::kVertexTriangle ? vertex_triangle_contact(query) : edge_edge_contact(query);
+template <ContactKind kind, int degree>
+std::vector<Contact> AnyNumbers<kind, degree>::cut(const RoughForm::Place& from, const RoughForm::Place& to) const {
+  std::vector<Contact> contacts;
+  if (const auto parts = motion_.cut(from, to))
+    for (const RoughMotion& part : *parts) contacts.push_back(contact_of(OfAnySize<kind, degree>(part)));
+  return contacts;
 }
 
 /// Makes the contact in numbers of W limbs, which the unit has to fit.
-template <int W>
-Contact fixed_contact(ContactKind kind, const fixed::Unit& unit, const Vec3<double> (&start)[4],
-                      const Vec3<double> (&end)[4], double thickness) {
+template <ContactKind kind, int W>
+Contact fixed_contact(const fixed::Unit& unit, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4],
+                      double thickness) {
   using Linear = fixed::Polynomial<1, W>;
   const auto linear = [&](double from, double to) { return Linear{{unit.count<W>(from), unit.count<W>(to)}}; };
   QueryOf<Linear> query{{}, linear(thickness, thickness)};
@@ -213,22 +293,42 @@ Contact fixed_contact(ContactKind kind, const fixed::Unit& unit, const Vec3<doub
     const Vec3<double>&p = start[i], &q = end[i];
     query.points[i] = {linear(p.x, q.x), linear(p.y, q.y), linear(p.z, q.z)};
   }
-  return contact_of_any(kind, query);
+  return contact_of(OfFixedSize<kind, W>(query));
 }
 
-}  // namespace
-
-Contact contact_of(ContactKind kind, const ExactQuery& query) { return contact_of_any(kind, query); }
-
-Contact contact_in_motion(ContactKind kind, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4],
-                          double thickness) {
+template <ContactKind kind>
+Contact contact_of_kind(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness) {
   fixed::Unit unit;
   unit.see(start);
   unit.see(end);
   unit.see(thickness);
-  if (unit.fits<1>()) return fixed_contact<1>(kind, unit, start, end, thickness);
-  if (unit.fits<2>()) return fixed_contact<2>(kind, unit, start, end, thickness);
-  return contact_of(kind, in_motion(start, end, thickness));
+  if (unit.fits<1>()) return fixed_contact<kind, 1>(unit, start, end, thickness);
+  if (unit.fits<2>()) return fixed_contact<kind, 2>(unit, start, end, thickness);
+  return contact_of(OfAnySize<kind, 1>(Points(start, end, thickness)));
+}
+
+template <int degree>
+Contact any_contact(ContactKind kind, const Points& points) {
+  return kind == ContactKind::kVertexTriangle
+             ? contact_of(OfAnySize<ContactKind::kVertexTriangle, degree>(points))
+             : contact_of(OfAnySize<ContactKind::kEdgeEdge, degree>(points));
+}
+
+}  // namespace
+
+Contact contact_in_motion(ContactKind kind, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4],
+                          double thickness) {
+  return kind == ContactKind::kVertexTriangle ? contact_of_kind<ContactKind::kVertexTriangle>(start, end, thickness)
+                                              : contact_of_kind<ContactKind::kEdgeEdge>(start, end, thickness);
+}
+
+Contact contact_in_any_size(ContactKind kind, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4],
+                            double thickness) {
+  return any_contact<1>(kind, Points(start, end, thickness));
+}
+
+Contact contact_at_rest(ContactKind kind, const Vec3<double> (&p)[4], double thickness) {
+  return any_contact<0>(kind, Points(p, p, thickness));
 }
 
 }  // namespace collided::exact

@@ -2,42 +2,30 @@
 
 #include <algorithm>
 
+#include "gpu/exact/roots/places.hpp"
+
 namespace collided::exact {
 namespace {
 
 using Place = RoughForm::Place;
 
-/// Above all exponents of coefficients: beyond it forms keep their signs.
-constexpr int64_t kFarthest = 40000;
-
-/// Between two places: halfway in the exponent, or of two in one binary order or in neighbouring ones, in the middle.
-Place between(const Place& a, const Place& b) {
-  if (b.scale - a.scale > 1) return {a.scale + (b.scale - a.scale) / 2, 1.015625};
-  const double last = b.scale == a.scale ? b.y : 2 * b.y, middle = a.y + (last - a.y) * 0.4921875;
-  return middle < 2 ? Place{a.scale, middle} : Place{a.scale + 1, middle / 2};
-}
-
-bool is_short(const Place& a, const Place& b) {
-  constexpr double kShort = 0x1p-4;
-  const int64_t scales = b.scale - a.scale;
-  return scales == 0 ? b.y - a.y < kShort : scales == 1 && 2 * b.y - a.y < kShort;
-}
+constexpr double kShort = 0x1p-4;
 
 }  // namespace
 
 Windows::Windows() : windows_{{{-kFarthest, 1}, {kFarthest, 1}}} {}
 
 template <class IsOut>
-void Windows::leave_out(const Form& f, const IsOut& is_out) {
+void Windows::leave_out(const LazyForm& f, const IsOut& is_out) {
   constexpr size_t kMost = 64;
-  const std::optional<RoughForm> rough = RoughForm::of(f);
-  if (!rough || windows_.size() > kMost) return;
+  const RoughForm* const rough = f.rough();
+  if (rough == nullptr || rough->vanishes() || windows_.size() > kMost) return;
   std::vector<Window> left, right_to_left(windows_.rbegin(), windows_.rend());
   while (!right_to_left.empty()) {
     const auto [begin, end] = right_to_left.back();
     right_to_left.pop_back();
     const int sign = rough->sign_on(begin, end);
-    if (sign == RoughForm::kUnknown && !is_short(begin, end)) {
+    if (sign == RoughForm::kUnknown && !is_short(begin, end, kShort)) {
       const Place middle = between(begin, end);
       right_to_left.push_back({middle, end});
       right_to_left.push_back({begin, middle});
@@ -51,23 +39,22 @@ void Windows::leave_out(const Form& f, const IsOut& is_out) {
   windows_ = std::move(left);
 }
 
-void Windows::need_not_negative(const Form& f) {
-  if (!f.vanishes()) leave_out(f, [](int sign) { return sign < 0; });
+void Windows::need_not_negative(const LazyForm& f) {
+  leave_out(f, [](int sign) { return sign < 0; });
 }
-void Windows::need_zero(const Form& f) {
-  if (!f.vanishes()) leave_out(f, [](int sign) { return sign != 0; });
+void Windows::need_zero(const LazyForm& f) {
+  leave_out(f, [](int sign) { return sign != 0; });
 }
 
 void Windows::need(const Case& c) {
-  for (const Form& f : c.zero) need_zero(f);
-  for (const auto* forms : {&c.implied, &c.not_negative})
-    for (const Form& f : *forms)
-      if (!are_empty()) need_not_negative(f);
+  for (const LazyForm& f : c.zero) need_zero(f);
+  for (const LazyForm& f : c.not_negative)
+    if (!are_empty()) need_not_negative(f);
 }
 
-void Windows::need_one_not_negative(const std::vector<Form>& forms) {
+void Windows::need_one_not_negative(const std::vector<LazyForm>& forms) {
   std::vector<Window> all;
-  for (const Form& f : forms) {
+  for (const LazyForm& f : forms) {
     Windows left = *this;
     left.need_not_negative(f);
     all.insert(all.end(), left.windows_.begin(), left.windows_.end());
@@ -85,9 +72,9 @@ void Windows::need_one_not_negative(const std::vector<Form>& forms) {
   }
 }
 
-bool Windows::are_above(const Form& f) const {
-  const std::optional<RoughForm> rough = RoughForm::of(f);
-  return rough && std::all_of(windows_.begin(), windows_.end(), [&](const Window& w) {
+bool Windows::are_above(const LazyForm& f) const {
+  const RoughForm* const rough = f.rough();
+  return rough != nullptr && std::all_of(windows_.begin(), windows_.end(), [&](const Window& w) {
            return rough->sign_on(w.first, w.second) == 1;
          });
 }

@@ -79,6 +79,7 @@ TEST_P(ExactAgreement, Proximity) {
 /// Families with ways of their own, of which many queries meet a thickness of 1/2 exactly.
 class ExactAgreementOnCostly : public ::testing::TestWithParam<FamilyCase> {
  protected:
+  static uint64_t queries() { return number_from_environment("COLLIDED_FUZZ_QUERIES", 60); }
   static void expect(double thickness, bool is_ccd, uint64_t count) {
     const auto [family, scalar] = GetParam();
     for (QueryKind kind : kQueryKinds)
@@ -101,10 +102,10 @@ class ExactAgreementOnCostly : public ::testing::TestWithParam<FamilyCase> {
   }
 };
 
-TEST_P(ExactAgreementOnCostly, FirstContact) { expect(0, true, 60); }
-TEST_P(ExactAgreementOnCostly, FirstTimeWithinAThickness) { expect(0.5, true, 40); }
+TEST_P(ExactAgreementOnCostly, FirstContact) { expect(0, true, queries()); }
+TEST_P(ExactAgreementOnCostly, FirstTimeWithinAThickness) { expect(0.5, true, queries() * 2 / 3); }
 TEST_P(ExactAgreementOnCostly, Proximity) {
-  for (const double thickness : {0.0, 0.5}) expect(thickness, false, 60);
+  for (const double thickness : {0.0, 0.5}) expect(thickness, false, queries());
 }
 
 /// Which integers decide: of one limb, of two, or of any size; and what they decide.

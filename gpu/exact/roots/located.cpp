@@ -4,27 +4,46 @@
 
 namespace collided::exact {
 
-LocatedRoots::LocatedRoots(const Form& f) : f_(without_roots_at_ends(f)), rough_(rough_roots(f_)) {
-  if (rough_ || !may_repeat(f_)) return;
-  f_ = square_free(f_);
+LocatedRoots::LocatedRoots(const LazyForm& f) : source_(f) {
+  if (const RoughForm* rough = f.rough()) rough_ = rough_roots(rough->without_roots_at_ends());
+  if (rough_ || !may_repeat(exact_form())) return;
+  f_ = square_free(*f_);
   is_simplified_ = true;
-  rough_ = rough_roots(f_);
+  if (const std::optional<RoughForm> rough = RoughForm::of(*f_)) rough_ = rough_roots(*rough);
 }
 
-int LocatedRoots::sign_of(size_t i, const Form& g) {
-  const int sign = rough_ ? (*rough_)[i].sign_of(g) : RoughForm::kUnknown;
-  return sign != RoughForm::kUnknown ? sign : exact()[i].sign_of(g);
+int LocatedRoots::sign_of(size_t i, const LazyForm& g) {
+  const RoughForm* const rough = rough_ ? g.rough() : nullptr;
+  const int sign = rough != nullptr ? (*rough_)[i].sign_of(*rough) : RoughForm::kUnknown;
+  return sign != RoughForm::kUnknown ? sign : exact(i).sign_of(g.exact());
+}
+
+bool LocatedRoots::is_within(size_t i, const std::pair<RoughForm::Place, RoughForm::Place>& on) {
+  return rough_ && (*rough_)[i].is_within(on.first, on.second);
 }
 
 double LocatedRoots::rounded_down(size_t i) {
   if (rough_)
-    if (const std::optional<double> time = (*rough_)[i].rounded_down(f_)) return *time;
-  return exact()[i].rounded_down();
+    if (const std::optional<double> time = (*rough_)[i].rounded_down()) return *time;
+  return exact(i).rounded_down();
+}
+
+const Form& LocatedRoots::exact_form() {
+  if (!f_) f_ = without_roots_at_ends(source_.exact());
+  return *f_;
 }
 
 std::vector<Root>& LocatedRoots::exact() {
-  if (!exact_) exact_ = roots_inside(f_);
+  if (!exact_) exact_ = roots_inside(exact_form());
   return *exact_;
+}
+
+Root& LocatedRoots::exact(size_t i) {
+  if (exact_ || !rough_) return exact()[i];
+  exact_from_rough_.resize(rough_->size());
+  std::optional<Root>& root = exact_from_rough_[i];
+  if (!root) root = (*rough_)[i].exact(exact_form());
+  return root ? *root : exact()[i];
 }
 
 }  // namespace collided::exact

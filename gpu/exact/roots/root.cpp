@@ -143,11 +143,11 @@ bool Root::narrow(mp_bitcnt_t bits) {
 int Root::sign_of(const Form& g) {
   if (g.vanishes()) return 0;
   bool may_be_zero = true;
-  for (mp_bitcnt_t bits = 16;; bits *= 2) {
+  for (;;) {
     if (is_ratio()) return sgn(value_at_ratio(g, s_, t_));
     if (const int sign = open_sign(restricted(g, at_))) return sign;
     if (std::exchange(may_be_zero, false) && sign_changes(restricted(common_divisor(f_, g), at_)) % 2 == 1) return 0;
-    refine(bits);
+    refine(std::max<mp_bitcnt_t>(16, 2 * at_.bits));
   }
 }
 

@@ -158,7 +158,7 @@ Verdict decide(ContactKind kind, const Query& q) { return exact::fixed::decide(k
 
 /// In integers of any size alone.
 ExactImpact in_any_size(ContactKind kind, const Query& q) {
-  return exact::first_impact(exact::contact_of(kind, exact::in_motion(q.start, q.end, 0)));
+  return exact::first_impact(exact::contact_in_any_size(kind, q.start, q.end, 0));
 }
 
 void expect_same(const Verdict& found, const ExactImpact& expected) {

@@ -27,7 +27,7 @@ Point any_point(std::mt19937_64& random) {
 }
 
 Contact in_any_size(ContactKind kind, const Query& q) {
-  return exact::contact_of(kind, exact::in_motion(q.start, q.end, q.thickness));
+  return exact::contact_in_any_size(kind, q.start, q.end, q.thickness);
 }
 
 void expect_same(const ExactImpact& found, const ExactImpact& expected) {
@@ -115,7 +115,7 @@ TEST(AtTheThickness, FormsOfFixedSizeAreThoseOfAnySize) {
         initial += expected.initial ? 1 : 0;
         expect_same(impact(kind == kKinds[0] ? ccd<kKinds[0]> : ccd<kKinds[1]>, stretched), expected);
         const bool at_rest = exact::holds_at_start(
-            exact::contact_of(kind, exact::at_rest(stretched.start, stretched.thickness)));
+            exact::contact_at_rest(kind, stretched.start, stretched.thickness));
         EXPECT_EQ(exact_proximity(kind, stretched.start, stretched.thickness), at_rest);
       }
     }
@@ -146,27 +146,33 @@ Form any_form(std::mt19937_64& random) {
 
 TEST(RootsInDoublePrecision, AreTheExactOnes) {
   std::mt19937_64 random(7);
-  int found = 0, signs = 0;
+  int found = 0, signs = 0, times = 0;
   for (int i = 0; i < 400; ++i) {
     const Form f = any_form(random), g = any_form(random);
     std::vector<exact::Root> expected = exact::roots_inside(f);
-    std::optional<std::vector<exact::RoughRoot>> roots = exact::rough_roots(exact::without_roots_at_ends(f));
+    const std::optional<exact::RoughForm> rough = exact::RoughForm::of(exact::without_roots_at_ends(f));
+    std::optional<std::vector<exact::RoughRoot>> roots = exact::rough_roots(*rough);
     if (!roots) continue;
     ASSERT_EQ(roots->size(), expected.size()) << i;
     for (size_t k = 0; k < roots->size(); ++k) {
       ++found;
       exact::RoughRoot& root = (*roots)[k];
-      if (const int sign = root.sign_of(g); sign != exact::RoughForm::kUnknown) {
+      if (const int sign = root.sign_of(*exact::RoughForm::of(g)); sign != exact::RoughForm::kUnknown) {
         ++signs;
         EXPECT_EQ(sign, expected[k].sign_of(g));
       }
       EXPECT_GE(expected[k].may_rise(), root.may_rise());
-      const std::optional<double> time = root.rounded_down(exact::without_roots_at_ends(f));
+      const std::optional<double> time = root.rounded_down();
+      times += time ? 1 : 0;
       EXPECT_EQ(time.value_or(expected[k].rounded_down()), expected[k].rounded_down());
+      if (std::optional<exact::Root> same = root.exact(exact::without_roots_at_ends(f))) {
+        EXPECT_EQ(same->rounded_down(), expected[k].rounded_down());
+      }
     }
   }
   EXPECT_GT(found, 200);
   EXPECT_GT(signs, 150);
+  EXPECT_GT(times, 100);
 }
 
 // What is left out has no time at which the form is above 0.
@@ -176,7 +182,7 @@ TEST(WindowsOfAForm, LeaveOutNoTimeAtWhichItIsNotNegative) {
   for (int i = 0; i < 300; ++i) {
     const Form f = any_form(random);
     exact::Windows windows;
-    windows.need_not_negative(f);
+    windows.need_not_negative(exact::LazyForm(f));
     if (!windows.are_empty()) continue;
     ++empty;
     EXPECT_TRUE(exact::roots_inside(f).empty());

@@ -64,7 +64,7 @@ Verdict decide_from(ContactKind kind, const Query& q, double from) {
              : exact::fixed::decide_from<ContactKind::kEdgeEdge>(q.start, q.end, from);
 }
 ExactImpact in_any_size(ContactKind kind, const Query& q) {
-  return exact::first_impact(exact::contact_of(kind, exact::in_motion(q.start, q.end, 0)));
+  return exact::first_impact(exact::contact_in_any_size(kind, q.start, q.end, 0));
 }
 
 /// Points in a cube of side 2 about `centre`, on a lattice of 2^-bits.

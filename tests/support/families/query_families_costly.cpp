@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 
 #include "tests/support/families/query_families.hpp"
@@ -44,6 +45,33 @@ Query exponents_far_apart(QueryKind kind, Scalar scalar, Random& random) {
   return query;
 }
 
+/// Small integers along each axis, times powers of two of its own: degenerate in many ways, at any exponents.
+Query stretched_lattice(QueryKind kind, Scalar scalar, Random& random) {
+  const int range = scalar == Scalar::kF32 ? 60 : 700;
+  Query query{kind, {}};
+  const std::array<int, 3> exponents{random.integer(-range, range), random.integer(-range, range),
+                                     random.integer(-range, range)};
+  for (Vec3d& p : query.p) {
+    p = random.lattice(2);
+    for (size_t axis = 0; axis < 3; ++axis) p[axis] = std::ldexp(p[axis], exponents[axis]);
+  }
+  for (size_t i = 0; i < 4; ++i)
+    if (random.chance(0.2)) query.p[i + 4] = query.p[i];
+  return query;
+}
+
+/// Small integers times one of three powers of two: exponents far apart, and terms that cancel each other.
+Query few_exponents(QueryKind kind, Scalar scalar, Random& random) {
+  const int range = scalar == Scalar::kF32 ? 60 : 700;
+  const std::array<int, 3> exponents{-2, random.integer(-range, range), random.integer(-range, range)};
+  Query query{kind, {}};
+  for (Vec3d& p : query.p) {
+    p = random.lattice(2);
+    for (double& x : p) x = std::ldexp(x, exponents[static_cast<size_t>(random.integer(0, 2))]);
+  }
+  return query;
+}
+
 }  // namespace
 
 const std::vector<QueryFamily>& costly_families() {
@@ -53,6 +81,8 @@ const std::vector<QueryFamily>& costly_families() {
       {"scaled through a line", scaled_about({0, 0, 0}, {-2, -2, 1})},
       {"half apart", half_apart},
       {"exponents far apart", exponents_far_apart},
+      {"stretched lattice", stretched_lattice},
+      {"few exponents", few_exponents},
   };
   return families;
 }
