@@ -58,6 +58,11 @@ class Leftover:
         _open.discard(self)
         return True
 
+    @property
+    def is_over(self) -> bool:
+        """Whether somebody has taken it."""
+        return self._is_over
+
     def end_streams(self) -> None:
         for end in self.streams:
             end()

@@ -111,6 +111,11 @@ class Stream:
         if self._failure is not None:
             raise self._failure
 
+    @property
+    def has_ended(self) -> bool:
+        """Whether it has ended for good."""
+        return self._failure is not None
+
     def _why_closed(self) -> Error | None:
         return self._failure
 

@@ -19,6 +19,52 @@ def called(call):
     return [arguments.args[0] for arguments in call.call_args_list if len(arguments.args) < 5]
 
 
+ILL_TYPED = (1, -1, 1.5, math.nan, 2**70, "x", b"x", True, [1], [None], ["x"], (1, 2), {}, {"a": 1}, object(), np.zeros(3), [[1, 2]])
+
+
+class IllTyped(Case):
+    """Whatever an argument is given, it is taken, or refused with an error that names it; nothing else is raised."""
+
+    def check(self, name, call):
+        for value in ILL_TYPED:
+            with self.subTest(name, value=repr(value)):
+                try:
+                    made = call(**{name: value})
+                except collided.Error as error:
+                    self.assertIn(name, f"{error} {error.field if isinstance(error, BAD) else ''}")
+                else:
+                    getattr(made, "close", int)()
+
+    def test_scenes_and_meshes(self):
+        for name in collided.SceneOptions.__dataclass_fields__:
+            self.check(name, collided.SceneOptions)
+        for name in collided.Mesh.__dataclass_fields__:
+            self.check(name, partial(collided.Mesh, **{key: value for key, value in (("vertices", FLOOR), ("triangles", ONE)) if key != name}))
+
+    def test_sessions_and_sets(self):
+        with collided.Client(self.server) as client:
+            for name in ("window", "delivery", "transport", "output_bytes", "edit_bytes", "daemon_user", "take_over", "reconnect_seconds",
+                         "lease_seconds"):
+                self.check(name, partial(collided.Session, (FLOOR, ONE), server=client))
+            for name in ("count", "lease_seconds", "daemon_user"):
+                self.check(name, partial(collided.SceneBatch, (FLOOR, ONE), **{"count": 1} if name != "count" else {}, server=client))
+            with collided.SceneBatch((FLOOR, ONE), 2, server=client) as batch:
+                for name in ("start", "mode", "accuracy", "delta"):
+                    self.check(name, partial(batch.step, np.array([FLOOR, FLOOR])))
+                for worlds in (1, 1.5, True, {}, "x", object()):
+                    with self.assertRaisesRegex(BAD, "worlds"):
+                        batch.step(np.array([FLOOR, FLOOR]), worlds=worlds)
+
+    def test_frames(self):
+        session = self.session()
+        session.step({"tip": TIP})
+        for name in ("mode", "accuracy", "delta", "report", "ignore_separating", "advance", "trial", "from_last_fraction", "edit"):
+            self.check(name, partial(session.step, {"tip": TIP}))
+        for name in ("V0", "V1", "F", "edges", "particles"):
+            given = {"V0": TIP, "V1": TIP, "F": ONE}
+            self.check(name, partial(collided.detect, **{key: value for key, value in given.items() if key != name}, server=self.server))
+
+
 class Meshes(Case):
     def test_arrays_that_cannot_be(self):
         for pattern, arguments in (

@@ -24,7 +24,7 @@ from collided.connection.own_daemon import OwnDaemon, shared_daemon
 from collided.errors import (DeadlineExceeded, Error, InvalidArgument, NotFound, ResourceExhausted, Unavailable,
                              error_of_call)
 from collided.layout import Layout
-from collided.options import SceneOptions
+from collided.options import SceneOptions, check_seconds
 from collided.v1 import batch_pb2, scene_pb2
 from collided.v1 import collision_service_pb2 as api
 from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
@@ -148,6 +148,7 @@ class Client:
     def create_scene(self, layout: Layout, options: SceneOptions, lease_seconds: float,
                      tries: int = _CREATE_TRIES) -> scene_pb2.Scene:
         """Retries if the answer is lost, without ever creating two scenes on a daemon."""
+        check_seconds(lease_seconds, "lease_seconds")
         request = api.CreateSceneRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
                                          lease_seconds=lease_seconds)
         uploads = self._put_inline(request.spec, layout)
@@ -157,6 +158,7 @@ class Client:
         """The same for a set of `count` scenes of one spec."""
         if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or not 0 <= count <= _UINT32_MAX:
             raise InvalidArgument(f"count is {count!r}; it must be from 1 to 65536", field="count")
+        check_seconds(lease_seconds, "lease_seconds")
         request = batch_pb2.CreateScenesRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
                                                 count=int(count), lease_seconds=lease_seconds)
         uploads = self._put_inline(request.spec, layout)
