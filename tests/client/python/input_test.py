@@ -10,6 +10,7 @@ from unittest import mock
 from support import DAEMON, FLOOR, ONE, STREAMS, TIP, Case, Daemon, lowered, main, meshes, np
 
 import collided
+from collided.v1 import scene_pb2
 
 BAD = collided.InvalidArgument
 
@@ -188,29 +189,43 @@ class Scenes(Case):
         large = {name: collided.Mesh(TIP, ONE.repeat(count, axis=0)) for name, count in
                  (("first", 349_000), ("last", 100_000), ("last but one", 349_525))}  # 4.2, 1.2 and 4.2 MB
         for meshes, uploads in ((small, 0), ({"first": large["first"], **small, **large}, 2)):
-            with collided.Client(self.server) as client, mock.patch.object(client, "call", wraps=client.call) as call:
+            with (collided.Client(self.server) as client, mock.patch.object(client, "call", wraps=client.call) as call,
+                  mock.patch.object(client, "_upload", wraps=client._upload) as upload):
                 for make in (collided.Scene, collided.Session, partial(collided.SceneBatch, count=2)):
-                    call.reset_mock()
+                    call.reset_mock(), upload.reset_mock()
                     with make(meshes, server=client) as made:
                         names = called(call)
-                        self.assertEqual((names.count("UploadMesh"), names.count("CreateScene") + names.count("CreateScenes")),
+                        self.assertEqual((upload.call_count, names.count("CreateScene") + names.count("CreateScenes")),
                                          (uploads, 1))
                         message = made.scene.message if make is collided.Session else made.message
                         self.assertEqual([mesh.triangle_count for mesh in message.spec.meshes],
                                          [len(mesh.triangles) for mesh in meshes.values()])
                         if make is collided.Session:  # as after the loss of a daemon
-                            call.reset_mock()
+                            upload.reset_mock()
                             made.scene.create_again()
-                            self.assertEqual(called(call).count("UploadMesh"), uploads)
+                            self.assertEqual(upload.call_count, uploads)
+
+    def test_uploads_go_together_and_one_by_one_where_few_calls_may_be_open(self):
+        count = 5_000
+        sent = {f"mesh {i}": collided.Mesh(TIP, (np.arange(3 * count).reshape(-1, 3) + i) % 3) for i in range(20)}
+        for streams in (3, 64):
+            daemon = Daemon(str(DAEMON), "--max-message-mb", "1", "--max-streams-per-client", str(streams))
+            self.addCleanup(daemon.kill)
+            with (collided.Client(daemon.address) as client, mock.patch.object(client, "_upload", wraps=client._upload) as upload,
+                  collided.Scene(sent, server=client) as scene):
+                self.assertEqual(scene.message.state, scene_pb2.SCENE_STATE_READY)
+                self.assertGreaterEqual(upload.call_count, 10)
+                for i, mesh in enumerate(sent.values()):
+                    np.testing.assert_array_equal(client.get_mesh(scene.id, i).triangles, mesh.triangles)
 
     def test_a_message_keeps_within_half_of_the_daemons_limit(self):
         edges = collided.Mesh(TIP, edges=np.array([[0, 1]]).repeat(60_000, axis=0))  # 480 kB of 1 MiB
         for count, uploads in ((3_000, 0), (5_000, 1)):  # 36 and 60 kB
             daemon = Daemon(str(DAEMON), "--max-message-mb", "1")
             self.addCleanup(daemon.kill)
-            with collided.Client(daemon.address) as client, mock.patch.object(client, "call", wraps=client.call) as call:
+            with collided.Client(daemon.address) as client, mock.patch.object(client, "_upload", wraps=client._upload) as upload:
                 with collided.Scene({"hair": edges, "tip": collided.Mesh(TIP, ONE.repeat(count, axis=0))}, server=client) as scene:
-                    self.assertEqual(called(call).count("UploadMesh"), uploads)
+                    self.assertEqual(upload.call_count, uploads)
                     self.assertEqual(len(client.get_mesh(scene.id, 1).triangles), count)
 
     def test_triangles_that_are_refused_name_their_mesh(self):
