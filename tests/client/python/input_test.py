@@ -206,15 +206,15 @@ class Scenes(Case):
                             self.assertEqual(upload.call_count, uploads)
 
     def test_uploads_go_together_and_one_by_one_where_few_calls_may_be_open(self):
-        count = 5_000
-        sent = {f"mesh {i}": collided.Mesh(TIP, (np.arange(3 * count).reshape(-1, 3) + i) % 3) for i in range(20)}
-        for streams in (3, 64):
-            daemon = Daemon(str(DAEMON), "--max-message-mb", "1", "--max-streams-per-client", str(streams))
+        strip = np.arange(100_000)[:, None] + [0, 1, 2]  # 1.2 MB, three chunks
+        sent = {f"mesh {i}": collided.Mesh(triangles=np.roll(strip, i, axis=1)) for i in range(10)}
+        for streams in (1, 64):
+            daemon = Daemon(str(DAEMON), "--max-streams-per-client", str(streams))
             self.addCleanup(daemon.kill)
             with (collided.Client(daemon.address) as client, mock.patch.object(client, "_upload", wraps=client._upload) as upload,
                   collided.Scene(sent, server=client) as scene):
                 self.assertEqual(scene.message.state, scene_pb2.SCENE_STATE_READY)
-                self.assertGreaterEqual(upload.call_count, 10)
+                (self.assertEqual if streams == 64 else self.assertGreater)(upload.call_count, 7)  # 3 are in CreateScene
                 for i, mesh in enumerate(sent.values()):
                     np.testing.assert_array_equal(client.get_mesh(scene.id, i).triangles, mesh.triangles)
 
@@ -227,6 +227,13 @@ class Scenes(Case):
                 with collided.Scene({"hair": edges, "tip": collided.Mesh(TIP, ONE.repeat(count, axis=0))}, server=client) as scene:
                     self.assertEqual(upload.call_count, uploads)
                     self.assertEqual(len(client.get_mesh(scene.id, 1).triangles), count)
+
+    def test_a_chunk_fits_in_the_smallest_message(self):
+        daemon = Daemon(str(DAEMON), "--max-message-mb", "1")
+        self.addCleanup(daemon.kill)
+        many = np.arange(90_000)[:, None] % 5000 + [0, 1, 2]  # 1.08 MB
+        with collided.Client(daemon.address) as client, collided.Scene(collided.Mesh(triangles=many), server=client) as scene:
+            np.testing.assert_array_equal(client.get_mesh(scene.id, 0).triangles, many)
 
     def test_triangles_that_are_refused_name_their_mesh(self):
         for before, field in ((1, "spec.meshes[1].triangles[1]"), (400_000, "triangles[400000]")):  # inline; 4.8 MB are not

@@ -30,7 +30,7 @@ from collided.v1 import batch_pb2, scene_pb2
 from collided.v1 import collision_service_pb2 as api
 from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
 
-_TRIANGLES_PER_CHUNK = (1 << 20) // 12  # 1 MiB, well below the limit of any daemon
+_TRIANGLES_PER_CHUNK = (1 << 19) // 12  # 512 KiB, well below the limit of any daemon
 _UPLOADS_AT_ONCE = 8
 _MAX_INLINE_BYTES = 4 << 20  # of triangles in the message that creates a scene
 _CREATE_TRIES, _RETRY_SECONDS = 3, 0.2
@@ -194,26 +194,26 @@ class Client:
 
     def _upload_together(self, scene_id: str, uploads: dict[int, np.ndarray], channel: grpc.Channel) -> scene_pb2.Scene:
         """Several at a time, as each takes a round trip. Returns the scene once it has all meshes."""
-        left, flying, at_once = deque(uploads), deque[tuple[int, Any]](), _UPLOADS_AT_ONCE
+        left, flying, at_once = deque(uploads), deque[tuple[int, bool, Any]](), _UPLOADS_AT_ONCE
         ready = scene_pb2.Scene()
         try:
             while left or flying:
                 while left and len(flying) < at_once:
                     mesh = left.popleft()
-                    flying.append((mesh, self._upload(scene_id, mesh, uploads[mesh], channel)))
-                mesh, call = flying.popleft()
+                    flying.append((mesh, at_once == 1, self._upload(scene_id, mesh, uploads[mesh], channel)))
+                mesh, is_alone, call = flying.popleft()
                 try:
                     scene = call.result().scene
                 except grpc.RpcError as error:
                     why = error_of_call(error)
-                    if at_once == 1 or not isinstance(why, ResourceExhausted):
+                    if is_alone or not isinstance(why, ResourceExhausted):
                         raise why from None
                     at_once = 1  # a client may have few calls open, or little memory: this one goes again, once the others have ended
                     left.appendleft(mesh)
                 else:
                     ready = scene if scene.state == scene_pb2.SCENE_STATE_READY else ready
         finally:
-            for _, call in flying:
+            for *_, call in flying:
                 call.cancel()
         return ready
 
