@@ -42,13 +42,14 @@ std::vector<std::string> inputs_of(const DetectOptions& options) {
   return options.meshes.empty() ? options.frames : options.meshes;
 }
 
-/// A folder has the frames of one mesh.
+/// A folder has the frames of one mesh. A single frame is a mesh that stands still, however it is named.
 void find_frames(DetectOptions& options) {
   const auto is_folder = [](const std::string& name) { return std::filesystem::is_directory(name); };
   if (options.meshes.size() == 1 && is_folder(options.meshes[0])) options.frames = std::exchange(options.meshes, {});
   for (const std::string& mesh : options.meshes)
     if (is_folder(mesh)) throw UsageError(mesh + " is a folder, whose files are frames of one mesh; it goes alone");
   options.frames = expand_folders(options.frames);
+  if (options.meshes.empty() && options.frames.size() == 1) options.meshes = std::exchange(options.frames, {});
 }
 
 /// Fills in what the user did not choose. Two frames have motion. Meshes that stand still are tested exactly, and
@@ -71,8 +72,7 @@ void check_usage(const DetectOptions& options) {
     throw UsageError("detect takes one step, of two frames; there are " + std::to_string(frames) +
                      ": 'collidectl stream' plays them");
   if (mode == "ccd" && frames != 2)
-    throw UsageError("--mode ccd needs two frames, --frames FRAME0 FRAME1; " +
-                     (frames == 1 ? std::string("1 was given") : "MESH... stand still"));
+    throw UsageError("--mode ccd needs two frames, --frames FRAME0 FRAME1; what was given stands still");
   if (mode == "dcd" && frames == 2) throw UsageError("--mode dcd needs one frame; 2 were given");
   check_usage(options.detection);
   check_one_output(options.out, options.json);
@@ -86,9 +86,7 @@ void check_usage(const DetectOptions& options) {
 }
 
 StepInput read_step(const DetectOptions& options) {
-  const std::vector<std::string>& frames = options.frames;
-  if (!options.meshes.empty()) return file_meshes(options.meshes);
-  return frames.size() == 2 ? file_step(frames[0], frames[1]) : file_frame(frames[0]);
+  return options.meshes.empty() ? file_step(options.frames[0], options.frames[1]) : file_meshes(options.meshes);
 }
 
 /// Prints sentences first, then the figures.
@@ -131,12 +129,11 @@ bool has_files(const DetectOptions& options) {
 }
 
 /// Says in sentences what was found, and what the reader changed in the files.
-Json found_in_words(const DetectOptions& options, const StepInput& step, const client::FrameOutput& output,
-                    const v1::SceneSpec& spec) {
+Json found_in_words(const StepInput& step, const client::FrameOutput& output, const v1::SceneSpec& spec) {
   const Touching touching{step.meshes, step.end, output, spec};
   const bool stands_still = step.start.empty();
   Json out = {{"found", stands_still ? touching_text(touching) : step_text(step.name, output.done, spec)}};
-  if (stands_still && !options.meshes.empty()) out["touching"] = touching_json(touching);
+  if (stands_still) out["touching"] = touching_json(touching);
   if (!step.notes.empty()) out["notes"] = step.notes;
   return out;
 }
@@ -162,7 +159,7 @@ void run(const DetectOptions& options) {
   client::FrameStream stream = connection.stream(*scene);
   const client::FrameOutput output = run_frame(stream, frame);
   stream.finish();
-  Json summary = found_in_words(options, step, output, spec);
+  Json summary = found_in_words(step, output, spec);
   summary["scene"] = scene_json(*scene);
   summary.update(found_json(output.done, spec));
   if (const auto contact = earliest_contact(output)) summary["earliest"] = *contact;
@@ -178,7 +175,7 @@ void add_detect(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("detect", "Whether meshes touch, and contacts of one step");
   command.footer(
       "Several meshes are tested against each other as they stand, one mesh against itself. A folder has the frames\n"
-      "of one mesh, as --frames does.\n"
+      "of one mesh, as --frames does; one frame alone stands still, as a MESH does.\n"
       "\n"
       "  collidectl detect ball.ply box.obj\n"
       "  collidectl detect ball.ply box.obj --thickness 0.01 --out contacts.csv\n"
@@ -205,8 +202,8 @@ void add_detect(CLI::App& app) {
   command.add_option("--ply", options->ply, "PLY file with a point for each contact")->type_name("FILE");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");
   command.get_option("--mode")->default_str("ccd with two frames, else dcd");
-  command.get_option("--accuracy")->default_str("exact for MESH..., certified for --frames");
-  command.get_option("--kinds")->default_str("vt,ee,tt for MESH..., vt,ee for --frames");
+  command.get_option("--accuracy")->default_str("exact for what stands still, certified for two frames");
+  command.get_option("--kinds")->default_str("vt,ee,tt for what stands still, vt,ee for two frames");
   command.callback([options, &command] {
     find_frames(*options);
     choose_detection(command, *options);

@@ -45,7 +45,7 @@ void check_usage(const RenderOptions& options) {
   const int inputs = !options.scene.name.empty() + !options.files.empty() + !options.meshes.empty();
   if (inputs != 1) throw UsageError("render needs one of MESH..., --frames and --scene");
   if (!options.meshes.empty() && is_ccd(options))
-    throw UsageError("--mode ccd needs two frames, --frames FRAME0 FRAME1; MESH... stand still");
+    throw UsageError("--mode ccd needs two frames, --frames FRAME0 FRAME1; what was given stands still");
   check_usage(options.detection);
   if (options.detection.accuracy == "candidates")
     throw UsageError("render marks contacts; --accuracy candidates has none");
@@ -209,13 +209,15 @@ class Renderer {
   Drawing drawing_;
 };
 
-/// --frames is a number with --scene, and else names files; a folder has frames, too.
+/// --frames is a number with --scene, and else names files; a folder has frames, too. A single frame is a mesh that
+/// stands still, as for 'detect'.
 void find_frames(RenderOptions& options) {
   if (options.meshes.size() == 1 && std::filesystem::is_directory(options.meshes[0]))
     options.files = std::exchange(options.meshes, {});
   if (options.scene.name.empty()) {
     options.files.insert(options.files.end(), options.frames.begin(), options.frames.end());
     options.files = expand_folders(options.files);
+    if (options.meshes.empty() && options.files.size() == 1) options.meshes = std::exchange(options.files, {});
   } else if (!options.frames.empty()) {
     if (options.frames.size() > 1 || !CLI::detail::lexical_cast(options.frames[0], options.scene.frames) ||
         options.scene.frames < 1 || options.scene.frames > 1000000)
@@ -301,7 +303,7 @@ void add_render(CLI::App& app) {
   add_server_options(command, options->server);
   add_automatic_format_option(command, options->position_format);
   command.add_flag("--json", options->json, "Print one JSON object");
-  command.get_option("--mode")->default_str("dcd for MESH..., else ccd");
+  command.get_option("--mode")->default_str("dcd for what stands still, else ccd");
   command.callback([options, &command] {
     find_frames(*options);
     choose_detection(command, *options);

@@ -18,9 +18,10 @@ import (
 )
 
 const (
-	createTries = 3
-	chunkBytes  = (1 << 20) / 12 * 12 // whole triangles, well below the limit of any daemon
-	maxInline   = 4 << 20             // bytes of triangles in the message that creates a scene
+	createTries   = 3
+	chunkBytes    = (1 << 19) / 12 * 12 // whole triangles, well below the limit of any daemon
+	uploadsAtOnce = 8
+	maxInline     = 4 << 20 // bytes of triangles in the message that creates a scene
 )
 
 // Client is a connection to a daemon. Any goroutine may use it.
@@ -104,14 +105,53 @@ func (c *Client) createScene(ctx context.Context, input *sceneInput, lease time.
 	if err != nil {
 		return nil, err
 	}
-	id := scene.SceneId
-	for _, mesh := range uploads {
-		if scene, err = c.upload(ctx, id, uint32(mesh), input.triangles[mesh]); err != nil {
-			c.tryDelete(id)
-			return nil, err
+	if len(uploads) == 0 {
+		return scene, nil
+	}
+	whole, err := c.uploadAll(ctx, scene.SceneId, input, uploads)
+	if err != nil {
+		c.tryDelete(scene.SceneId)
+		return nil, err
+	}
+	return whole, nil
+}
+
+// uploadAll uploads several meshes at a time, as each takes a round trip. It returns the scene once it has all meshes.
+func (c *Client) uploadAll(ctx context.Context, id string, input *sceneInput, uploads []int) (*Scene, error) {
+	ctx, cancel := context.WithCancel(ctx)
+	defer cancel() // what is still on its way after an error
+	type answer struct {
+		mesh    int
+		isAlone bool
+		scene   *Scene
+		err     error
+	}
+	answers := make(chan answer, len(uploads))
+	left, flying, atOnce := append([]int(nil), uploads...), 0, uploadsAtOnce
+	var ready *Scene
+	for len(left) > 0 || flying > 0 {
+		for ; len(left) > 0 && flying < atOnce; flying++ {
+			mesh, isAlone := left[0], atOnce == 1
+			left = left[1:]
+			go func() {
+				scene, err := c.upload(ctx, id, uint32(mesh), input.triangles[mesh])
+				answers <- answer{mesh, isAlone, scene, err}
+			}()
+		}
+		got := <-answers
+		flying--
+		if got.err != nil {
+			// A client may have few calls open, or little memory: this one goes again, once the others have ended.
+			if got.isAlone || got.err.(*Error).Code != codes.ResourceExhausted {
+				return nil, got.err
+			}
+			atOnce = 1
+			left = append(left, got.mesh)
+		} else if got.scene.GetState() == v1.SceneState_SCENE_STATE_READY {
+			ready = got.scene
 		}
 	}
-	return scene, nil
+	return ready, nil
 }
 
 // tryDelete cleans up after an upload whose error is the one to tell; its context may be over.

@@ -19,6 +19,7 @@ import numpy as np
 
 import collided
 from collided import leftovers
+from collided.callers import from_here
 from collided.contacts import Contacts
 from collided.frames.options import FrameOptions
 from collided.watch import Watched
@@ -28,12 +29,12 @@ _T = TypeVar("_T")
 
 async def detect(*arguments: Any, **options: Any) -> Contacts:
     """As `collided.detect`."""
-    return await asyncio.to_thread(collided.detect, *arguments, **options)
+    return await asyncio.to_thread(from_here(collided.detect, *arguments, **options))
 
 
 async def proximity(*arguments: Any, **options: Any) -> Contacts:
     """As `collided.proximity`."""
-    return await asyncio.to_thread(collided.proximity, *arguments, **options)
+    return await asyncio.to_thread(from_here(collided.proximity, *arguments, **options))
 
 
 class _Thread:
@@ -44,7 +45,7 @@ class _Thread:
         self._is_started = self._is_stopped = False
 
     def start(self, function: Callable[..., _T], *arguments: Any, **options: Any) -> asyncio.Future[_T]:
-        return asyncio.wrap_future(self._submit(functools.partial(function, *arguments, **options)))
+        return asyncio.wrap_future(self._submit(from_here(function, *arguments, **options)))
 
     def _submit(self, function: Callable[[], _T]) -> concurrent.futures.Future[_T]:
         if self._is_stopped:

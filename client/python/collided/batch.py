@@ -176,7 +176,7 @@ class SceneBatch:
         self._resident.delete()
 
     def __repr__(self) -> str:
-        return f"<SceneBatch of {self._resident.name}: {counted(self.count, 'world')}>"
+        return f"<SceneBatch of {self._resident.name}: {'closed' if self._leftover.is_over else counted(self.count, 'world')}>"
 
     def __enter__(self) -> SceneBatch:
         return self
@@ -187,7 +187,7 @@ class SceneBatch:
     def _worlds(self, worlds: Sequence[int] | np.ndarray | None) -> np.ndarray:
         if worlds is None:
             return np.arange(self.count)
-        chosen = ids(np.asarray(worlds, dtype=None if len(worlds) else np.int64), "worlds").astype(np.int64)
+        chosen = ids(worlds, "worlds").astype(np.int64)
         if not len(chosen) or chosen[-1] >= self.count or (np.diff(chosen) <= 0).any():
             raise InvalidArgument(f"worlds are {chosen.tolist()[:8]}; they must ascend strictly, one or more, below "
                                   f"{self.count}", field="worlds")

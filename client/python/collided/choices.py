@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 from typing import Any
 
 from collided.errors import InvalidArgument
@@ -16,10 +17,17 @@ def choice(enum: Any, prefix: str, value: str | int | None, argument: str) -> An
         known = words.get(value.lower().replace("-", "_"))
         if known:
             return known
-    elif not isinstance(value, bool) and value in words.values():
+    elif not isinstance(value, bool) and isinstance(value, numbers.Integral) and value in words.values():
         return int(value)
     usable = ", ".join(word for word, number in words.items() if number)
     raise InvalidArgument(f"{argument} is {value!r}; it must be one of {usable}", field=argument)
+
+
+def check_flag(value: Any, argument: str) -> bool:
+    """True or False, also numpy's."""
+    if not isinstance(value, (bool, int)) and type(value).__name__ not in ("bool_", "bool") or value not in (0, 1):
+        raise InvalidArgument(f"{argument} is {value!r}; it must be True or False", field=argument)
+    return bool(value)
 
 
 def check_text(value: Any, argument: str) -> None:

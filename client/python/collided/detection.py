@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from collided.arrays import points
+from collided.arrays import ids, points
 from collided.contacts import Contacts
 from collided.errors import InvalidArgument
 from collided.meshes import Mesh
@@ -44,6 +44,9 @@ def _ask(start: np.ndarray | None, end: np.ndarray, triangles: Any, edges: Any, 
          options: dict[str, Any]) -> Contacts:
     if triangles is None and edges is None and particles is None:
         raise InvalidArgument("there are no triangles, edges or particles; one of them is needed", field="F")
+    for values, argument, columns in ((triangles, "F", 3), (edges, "edges", 2), (particles, "particles", 0)):
+        if values is not None:
+            ids(values, argument, columns)
     mesh = Mesh(triangles=triangles, edges=edges, points=particles, vertex_count=len(end), name="mesh")
     is_single = all(array is None or array.dtype == np.float32 for array in (start, end))
     if "position_format" not in options:

@@ -61,6 +61,11 @@ class Leftover:
             self.finalizer.detach()  # Python ignores an interrupt that comes while a finalizer runs
         return True
 
+    @property
+    def is_over(self) -> bool:
+        """Whether somebody has taken it."""
+        return self._is_over
+
     def end_streams(self) -> None:
         for end in self.streams:
             end()

@@ -80,6 +80,8 @@ class SceneOptions:
             check_text(self.device, "device")
         for device in self.part_devices:
             check_text(device, "part_devices")
+        if not isinstance(self.quantization_box, (Box, type(None))):
+            raise InvalidArgument(f"quantization_box is {self.quantization_box!r}; it must be a Box", field="quantization_box")
         self.spec()
 
     def format(self, layout: Layout) -> Format:

@@ -43,6 +43,7 @@ class Resident:
 
     def __init__(self, client: Client, owns_client: bool, message: scene_pb2.Scene) -> None:
         self.client, self.owns_client, self.message = client, owns_client, message
+        self.is_deleted = False  # from here
 
     @property
     def name(self) -> str:
@@ -54,6 +55,7 @@ class Resident:
 
     def delete(self) -> None:
         """A daemon that is gone or does not answer is left alone: the scene's lease ends there."""
+        self.is_deleted = True
         try:
             self.client.end_scene(self.message.scene_id)
         finally:
@@ -121,6 +123,7 @@ class Scene:
         except NotFound:
             pass
         self._resident.message = self.client.create_scene(self.track.creatable, self.options, self.lease_seconds)
+        self._resident.is_deleted = False
 
     def move(self) -> None:
         """A new scene, of the same meshes, on another daemon, as this one's stops. One try; this one stays if it fails."""
@@ -162,7 +165,8 @@ class Scene:
             leftovers.abandon(self._leftover)
 
     def __repr__(self) -> str:
-        return f"<Scene {self.id} at {self.client.place}: {counted(sum(1 for _ in self.layout.present()), 'mesh')}>"
+        state = "closed" if self._resident.is_deleted else counted(sum(1 for _ in self.layout.present()), "mesh")
+        return f"<Scene {self.id} at {self.client.place}: {state}>"
 
     def __enter__(self) -> Scene:
         return self

@@ -12,7 +12,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from collided import leftovers
-from collided.choices import choice
+from collided.choices import check_flag, choice
 from collided.contacts.contacts import Contacts
 from collided.errors import DeadlineExceeded, Error, FailedPrecondition, InvalidArgument
 from collided.frames.options import FrameOptions
@@ -55,6 +55,7 @@ class Session:
                  output_bytes: int = 8 << 20, edit_bytes: int = 0, daemon_user: int | None = None,
                  take_over: bool = False, reconnect_seconds: float = 60.0, **scene_options: Any) -> None:
         check_seconds(reconnect_seconds, "reconnect_seconds")
+        check_flag(take_over, "take_over")
         if isinstance(meshes, Scene) and scene_options:
             raise InvalidArgument(f"{min(scene_options)} is given with a Scene, which has its own",
                                   field=min(scene_options))
@@ -217,6 +218,8 @@ class Session:
             self.scene.close()
 
     def __repr__(self) -> str:
+        if self._stream.has_ended:
+            return f"<Session of {self.scene.name}: closed>"
         way = "shared memory" if self.is_local else "gRPC"
         return f"<Session of {self.scene.name}: {way}, {self.in_flight} of {self.window} frames in flight>"
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import os
 import time
-import warnings
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from collided.callers import warn
 from collided.contacts.answer import Answer
 from collided.contacts.columns import Part, read_chunk
 from collided.contacts.contacts import Contacts
@@ -110,6 +110,11 @@ class Stream:
         """Raises why the stream has ended, if it has for good."""
         if self._failure is not None:
             raise self._failure
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether it has ended for good."""
+        return self._failure is not None
 
     def _why_closed(self) -> Error | None:
         return self._failure
@@ -301,7 +306,7 @@ class Stream:
         for option in set(options) - self._unused:
             self._unused.add(option)
             rule = ": it counts in frames with advance=True" if option == "spec.min_separation" else ""
-            warnings.warn(f"{option.removeprefix('spec.')} is set and had no effect on a frame{rule}", stacklevel=2)
+            warn(f"{option.removeprefix('spec.')} is set and had no effect on a frame{rule}")
 
     def _exchange(self, request: Request) -> int:
         """A frame of the stream's own. Its id on the wire. Raises Error with that if it is refused."""

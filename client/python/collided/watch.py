@@ -108,7 +108,7 @@ class Watcher:
         self.leftover.end_streams()
 
     def __repr__(self) -> str:
-        return f"<Watcher of scene {self._scene_id} at {self._client.place}>"
+        return f"<Watcher of scene {self._scene_id} at {self._client.place}{': closed' if self.leftover.is_over else ''}>"
 
     def __enter__(self) -> Watcher:
         return self

@@ -52,7 +52,11 @@ Transform transform_of(const Json& node, const std::string& place) {
 class GltfReader {
  public:
   GltfReader(std::string_view text, const std::string& file)
-      : document_(text, file), file_(file), placer_(mesh_, file, true), is_visited_(document_.size("nodes")) {}
+      : expansion_(file, text.size()),
+        document_(text, file, expansion_),
+        file_(file),
+        placer_(mesh_, expansion_, file, true),
+        is_visited_(document_.size("nodes")) {}
 
   RawMesh run() {
     for (const uint64_t root : roots()) visit(root, {}, 0);
@@ -104,88 +108,100 @@ class GltfReader {
   }
 
   void place(uint64_t mesh, const Transform& transform) {
-    placer_.place(transform, !placed_.insert(mesh).second, [&] {
-      first_vertex_.clear();
-      const std::string at = document_.place("mesh", mesh);
-      uint64_t number = 0;
-      for (const Json& primitive : document_.list(document_.element("meshes", mesh), "primitives", at)) {
-        const std::string here = at + ": primitive " + std::to_string(number++);
-        if (!primitive.is_object()) fail(here, "must be an object");
-        add_primitive(primitive, here);
-      }
-    });
+    const auto [at, is_new] = parts_.try_emplace(mesh);
+    if (is_new) at->second = read_part(mesh);
+    placer_.place(at->second, transform, is_new);
   }
 
-  /// The first vertex and the number of vertices of an accessor, which several primitives may share.
-  std::pair<uint32_t, uint32_t> vertices_of(uint64_t accessor) {
-    const auto known = first_vertex_.find(accessor);
-    if (known != first_vertex_.end()) return known->second;
+  RawMesh read_part(uint64_t mesh) {
+    RawMesh part;
+    Known known;
+    const std::string at = document_.place("mesh", mesh);
+    uint64_t number = 0;
+    for (const Json& primitive : document_.list(document_.element("meshes", mesh), "primitives", at)) {
+      const std::string here = at + ": primitive " + std::to_string(number++);
+      if (!primitive.is_object()) fail(here, "must be an object");
+      add_primitive(primitive, here, known, part);
+    }
+    return part;
+  }
+
+  /// The first vertex and the number of vertices of accessors, which the primitives of a mesh may share.
+  using Known = std::map<uint64_t, std::pair<uint32_t, uint32_t>>;
+
+  std::pair<uint32_t, uint32_t> vertices_of(uint64_t accessor, Known& known, RawMesh& part) {
+    const auto found = known.find(accessor);
+    if (found != known.end()) return found->second;
     const std::vector<Vec3d> positions = document_.positions(accessor);
-    const size_t first = mesh_.positions.size();
+    const size_t first = part.positions.size();
     if (first + positions.size() > UINT32_MAX) fail(file_, "has more than 4294967295 vertices");
-    mesh_.positions.insert(mesh_.positions.end(), positions.begin(), positions.end());
-    return first_vertex_[accessor] = {static_cast<uint32_t>(first), static_cast<uint32_t>(positions.size())};
+    part.positions.insert(part.positions.end(), positions.begin(), positions.end());
+    return known[accessor] = {static_cast<uint32_t>(first), static_cast<uint32_t>(positions.size())};
   }
 
-  void add_primitive(const Json& primitive, const std::string& at) {
+  void add_primitive(const Json& primitive, const std::string& at, Known& known, RawMesh& part) {
     const auto attributes = primitive.find("attributes");
     if (attributes == primitive.end() || !attributes->is_object()) fail(at, "attributes must be an object");
     if (primitive.contains("targets")) ignored_.insert("morph targets");
-    const auto [first, count] = vertices_of(document_.whole(*attributes, "POSITION", at));
+    const auto [first, count] = vertices_of(document_.whole(*attributes, "POSITION", at), known, part);
+    const uint64_t mode = document_.whole(primitive, "mode", at, 4);
+    const bool is_strip = mode == 5 || mode == 6, is_line = mode == 2 || mode == 3;
+    const uint64_t corners_each = is_strip ? 3 : is_line ? 2 : 1;
     std::vector<uint32_t> indices;
     if (primitive.contains("indices"))
-      indices = document_.indices(document_.whole(primitive, "indices", at));
+      indices = document_.indices(document_.whole(primitive, "indices", at), corners_each);
     else
-      for (uint32_t i = 0; i < count; ++i) indices.push_back(i);
+      expansion_.count(corners_each * count);
+    for (uint32_t i = 0; i < count && !primitive.contains("indices"); ++i) indices.push_back(i);
     for (uint32_t& i : indices) {
       if (i >= count) fail(at, "vertex index " + std::to_string(i) + " is out of range; " + vertices_there(count));
       i += first;
     }
-    add_elements(document_.whole(primitive, "mode", at, 4), indices, at);
+    add_elements(mode, indices, part, at);
   }
 
-  void add_elements(uint64_t mode, const std::vector<uint32_t>& v, const std::string& at) {
+  static void add_elements(uint64_t mode, const std::vector<uint32_t>& v, RawMesh& part, const std::string& at) {
     const auto check_multiple = [&](size_t of) {
       if (v.size() % of != 0)
         fail(at, "has " + count_text(v.size(), "index", "indices") + ", which is no multiple of " + std::to_string(of));
     };
     const auto add_edges = [&](size_t step) {
-      for (size_t i = 1; i < v.size(); i += step) mesh_.edges.push_back({v[i - 1], v[i]});
+      for (size_t i = 1; i < v.size(); i += step) part.edges.push_back({v[i - 1], v[i]});
     };
     switch (mode) {
       case 0:
-        mesh_.points.insert(mesh_.points.end(), v.begin(), v.end());
+        part.points.insert(part.points.end(), v.begin(), v.end());
         return;
       case 1:
         check_multiple(2);
         return add_edges(2);
       case 2:
         add_edges(1);
-        if (v.size() > 2) mesh_.edges.push_back({v.back(), v.front()});
+        if (v.size() > 2) part.edges.push_back({v.back(), v.front()});
         return;
       case 3:
         return add_edges(1);
       case 4:
         check_multiple(3);
-        for (size_t i = 0; i < v.size(); i += 3) mesh_.add_face({v[i], v[i + 1], v[i + 2]});
+        for (size_t i = 0; i < v.size(); i += 3) part.add_face({v[i], v[i + 1], v[i + 2]});
         return;
       case 5:
-        return mesh_.add_strip(v);
+        return part.add_strip(v);
       case 6:
-        return mesh_.add_fan(v);
+        return part.add_fan(v);
       default:
         fail(at, "mode " + std::to_string(mode) + " is none of glTF's");
     }
   }
 
+  Expansion expansion_;
   GltfDocument document_;
   const std::string& file_;
   RawMesh mesh_;
   MeshPlacer placer_;
   std::vector<bool> is_visited_;
-  std::set<uint64_t> placed_;
+  std::map<uint64_t, RawMesh> parts_;  ///< the meshes that were placed
   std::set<std::string> ignored_;
-  std::map<uint64_t, std::pair<uint32_t, uint32_t>> first_vertex_;
 };
 
 }  // namespace

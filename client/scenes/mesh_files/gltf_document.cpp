@@ -106,15 +106,18 @@ double normalised(double value, uint64_t type) {
   }
 }
 
-/// Numbers of `count` elements in the bytes from `offset` on; `stride` 0: one after the other.
+/// Numbers of `count` elements in the bytes from `offset` on; `stride` 0: one after the other. Calls fits() once the
+/// elements are known to be in the bytes.
+template <class Fits>
 void unpack(std::string_view bytes, uint64_t offset, uint64_t stride, uint64_t count, size_t components, uint64_t type,
-            std::vector<double>& out, const std::string& place) {
+            std::vector<double>& out, const std::string& place, const Fits& fits) {
   const size_t each = size_of_component(type, place), element = each * components;
   if (stride == 0) stride = element;
   if (stride < element) fail(place, "byteStride " + std::to_string(stride) + " is less than an element");
   const uint64_t left = offset < bytes.size() ? bytes.size() - offset : 0;
   if (count > 0 && (left < element || (count - 1) > (left - element) / stride))
     fail(place, "is cut off: " + count_text(count, "element") + " do not fit in " + count_text(left, "byte"));
+  fits();
   for (uint64_t i = 0; i < count; ++i)
     for (size_t k = 0; k < components; ++k)
       out.push_back(component(bytes.data() + offset + i * stride + k * each, type));
@@ -122,9 +125,9 @@ void unpack(std::string_view bytes, uint64_t offset, uint64_t stride, uint64_t c
 
 }  // namespace
 
-GltfDocument::GltfDocument(std::string_view text, std::string file) : file_(std::move(file)) {
+GltfDocument::GltfDocument(std::string_view text, std::string file, Expansion& expansion)
+    : file_(std::move(file)), expansion_(expansion) {
   parse(text.starts_with("glTF") ? open_container(text) : text);
-  buffers_.resize(size("buffers"));
 }
 
 std::string GltfDocument::place(const std::string& what, uint64_t index) const {
@@ -153,9 +156,10 @@ std::string_view GltfDocument::open_container(std::string_view text) {
 }
 
 void GltfDocument::parse(std::string_view json) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (json.starts_with(kByteOrderMark)) json.remove_prefix(kByteOrderMark.size());
-  root_ = Json::parse(json, nullptr, false);
+  json = without_mark(json);
+  while (json.ends_with('\0')) json.remove_suffix(1);  // some exporters pad with it
+  // The parser takes a byte of 0 for the end.
+  if (json.find('\0') == std::string_view::npos) root_ = Json::parse(json, nullptr, false);
   if (!root_.is_object()) fail(file_, "is not a JSON object, or is cut off");
   const Json& asset = root_.contains("asset") ? root_["asset"] : root_;
   const std::string version = asset.is_object() && asset.contains("version") && asset["version"].is_string()
@@ -188,7 +192,9 @@ uint64_t GltfDocument::whole(const Json& object, const char* key, const std::str
                              std::optional<uint64_t> otherwise) const {
   const auto found = object.find(key);
   if (found == object.end() && otherwise) return *otherwise;
-  if (found == object.end() || !found->is_number_unsigned()) fail(place, std::string(key) + " must be a whole number");
+  const bool is_whole = found != object.end() && found->is_number_integer();
+  if (!is_whole || (!found->is_number_unsigned() && found->get<int64_t>() != 0))  // -0 is signed
+    fail(place, std::string(key) + " must be a whole number");
   return found->get<uint64_t>();
 }
 
@@ -200,23 +206,31 @@ const Json& GltfDocument::list(const Json& object, const char* key, const std::s
   return *found;
 }
 
-std::string GltfDocument::load(const Json& buffer, const std::string& place) const {
+const std::string& GltfDocument::load(const Json& buffer, uint64_t index, const std::string& place) {
   const auto found = buffer.find("uri");
   if (found == buffer.end() || !found->is_string()) fail(place, "has no data");
   const std::string uri = found->get<std::string>();
   if (uri.starts_with("data:")) {
+    const auto [at_index, is_new] = buffers_.try_emplace(std::to_string(index));
+    if (!is_new) return at_index->second;
     constexpr std::string_view kMark = ";base64,";
     const size_t at = uri.find(kMark);
     if (at == std::string::npos) fail(place, "its data is not base64");
-    return decode_base64(std::string_view(uri).substr(at + kMark.size()), place);
+    return at_index->second = decode_base64(std::string_view(uri).substr(at + kMark.size()), place);
   }
   // A file from a stranger must not make the reader open files elsewhere.
   const std::filesystem::path name = decode_percent(uri);
   if (uri.find("://") != std::string::npos || name.is_absolute() ||
       std::find(name.begin(), name.end(), "..") != name.end())
     fail(place, "uri '" + uri.substr(0, 80) + "' is not in the folder of the file");
+  // Buffers can name one file many times.
+  const std::filesystem::path path = (std::filesystem::path(file_).parent_path() / name).lexically_normal();
+  const auto [at, is_new] = buffers_.try_emplace("file " + path.string());
+  if (!is_new) return at->second;
   try {
-    return read_file(std::filesystem::path(file_).parent_path() / name);
+    at->second = read_file(path);
+    expansion_.add_bytes(at->second.size());
+    return at->second;
   } catch (const std::runtime_error& e) {
     fail(place, e.what());
   }
@@ -230,8 +244,7 @@ std::string_view GltfDocument::buffer(uint64_t index) {
   if (index == 0 && has_binary_ && !spec.contains("uri")) {
     bytes = binary_;
   } else {
-    if (!buffers_[index]) buffers_[index] = load(spec, at);
-    bytes = *buffers_[index];
+    bytes = load(spec, index, at);
   }
   if (bytes.size() < length)
     fail(at, "is cut off: it has " + std::to_string(bytes.size()) + " of " + std::to_string(length) + " bytes");
@@ -249,7 +262,8 @@ std::string_view GltfDocument::view(uint64_t index) {
   return bytes.substr(offset, length);
 }
 
-std::vector<double> GltfDocument::numbers(uint64_t accessor, const std::string& type, size_t components) {
+std::vector<double> GltfDocument::numbers(uint64_t accessor, const std::string& type, size_t components,
+                                          uint64_t counts_as) {
   const Json& spec = element("accessors", accessor);
   const std::string at = place("accessor", accessor);
   if (!spec.contains("type") || spec["type"] != type) fail(at, "type must be " + type);
@@ -258,12 +272,14 @@ std::vector<double> GltfDocument::numbers(uint64_t accessor, const std::string& 
   if (spec.contains("bufferView")) {
     const uint64_t index = whole(spec, "bufferView", at);
     const uint64_t stride = whole(element("bufferViews", index), "byteStride", at, 0);
-    unpack(view(index), whole(spec, "byteOffset", at, 0), stride, count, components, component_type, out, at);
+    unpack(view(index), whole(spec, "byteOffset", at, 0), stride, count, components, component_type, out, at,
+           [&] { expansion_.count(counts_as * count); });
   } else {
     if (count > kMaxImplicitElements)
       fail(at, "has " + std::to_string(count) + " elements without data; the limit is " +
                    std::to_string(kMaxImplicitElements));
     size_of_component(component_type, at);
+    expansion_.count(counts_as * count);
     out.resize(count * components);
   }
   if (spec.contains("sparse")) add_sparse(spec, components, out, at);
@@ -279,21 +295,24 @@ void GltfDocument::add_sparse(const Json& accessor, size_t components, std::vect
       !sparse["indices"].is_object() || !sparse["values"].is_object())
     fail(place, "sparse must have indices and values");
   const Json &where = sparse["indices"], &what = sparse["values"];
-  const uint64_t count = whole(sparse, "count", place);
+  const uint64_t count = whole(sparse, "count", place), elements = numbers.size() / components;
+  if (count > elements)
+    fail(place, "sparse has " + count_text(count, "element") + "; the accessor has " + std::to_string(elements));
+  const auto fits = [] {};  // they replace elements that were counted
   std::vector<double> indices, values;
   unpack(view(whole(where, "bufferView", place)), whole(where, "byteOffset", place, 0), 0, count, 1,
-         whole(where, "componentType", place), indices, place + ": sparse indices");
+         whole(where, "componentType", place), indices, place + ": sparse indices", fits);
   unpack(view(whole(what, "bufferView", place)), whole(what, "byteOffset", place, 0), 0, count, components,
-         whole(accessor, "componentType", place), values, place + ": sparse values");
+         whole(accessor, "componentType", place), values, place + ": sparse values", fits);
   for (uint64_t i = 0; i < count; ++i) {
-    if (!(indices[i] >= 0 && indices[i] < static_cast<double>(numbers.size() / components)))
-      fail(place, "a sparse index is out of range; there are " + count_text(numbers.size() / components, "element"));
+    if (!(indices[i] >= 0 && indices[i] < static_cast<double>(elements)))
+      fail(place, "a sparse index is out of range; there are " + count_text(elements, "element"));
     std::copy_n(&values[i * components], components, &numbers[static_cast<size_t>(indices[i]) * components]);
   }
 }
 
 std::vector<Vec3d> GltfDocument::positions(uint64_t accessor) {
-  const std::vector<double> flat = numbers(accessor, "VEC3", 3);
+  const std::vector<double> flat = numbers(accessor, "VEC3", 3, 1);
   std::vector<Vec3d> out;
   for (size_t i = 0; i < flat.size(); i += 3) {
     out.push_back({flat[i], flat[i + 1], flat[i + 2]});
@@ -303,13 +322,13 @@ std::vector<Vec3d> GltfDocument::positions(uint64_t accessor) {
   return out;
 }
 
-std::vector<uint32_t> GltfDocument::indices(uint64_t accessor) {
+std::vector<uint32_t> GltfDocument::indices(uint64_t accessor, uint64_t corners_each) {
   const Json& spec = element("accessors", accessor);
   const uint64_t type = whole(spec, "componentType", place("accessor", accessor));
   if (type != 5121 && type != 5123 && type != 5125)
     fail(place("accessor", accessor), "componentType of indices must be 5121, 5123 or 5125");
   std::vector<uint32_t> out;
-  for (const double index : numbers(accessor, "SCALAR", 1)) out.push_back(static_cast<uint32_t>(index));
+  for (const double index : numbers(accessor, "SCALAR", 1, corners_each)) out.push_back(static_cast<uint32_t>(index));
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <locale>
+#include <new>
 #include <sstream>
 #include <utility>
 
@@ -48,6 +49,18 @@ Reader reader_of(const std::string& extension, const std::string& file) {
   fail(file, "the extension must be " + std::string(kMeshExtensions));
 }
 
+/// Names the file if there is no memory for what `read` makes of it.
+template <class Read>
+auto in_memory(const std::string& file, const Read& read) {
+  try {
+    return read();
+  } catch (const std::bad_alloc&) {
+    fail(file, "does not fit in memory");
+  } catch (const std::length_error&) {
+    fail(file, "does not fit in memory");
+  }
+}
+
 void check(MeshFile& mesh, const std::string& file) {
   for (size_t v = 0; v < mesh.positions.size(); ++v)
     for (const double x : mesh.positions[v]) {
@@ -61,12 +74,6 @@ void check(MeshFile& mesh, const std::string& file) {
 }
 
 }  // namespace
-
-std::string in_quotes(std::string_view word) {
-  std::string out = "'";
-  out.append(word.substr(0, 40));
-  return out += '\'';
-}
 
 std::string read_file(const std::filesystem::path& file) {
   std::error_code error;
@@ -102,15 +109,19 @@ bool is_mesh_file(const std::filesystem::path& file) { return find_reader(extens
 
 MeshFile parse_mesh(const std::string& extension, std::string_view text, const std::string& file,
                     const MeshFile* like) {
-  MeshFile mesh = split_faces(reader_of(extension, file)(text, file), file, like);
-  check(mesh, file);
-  return mesh;
+  const Reader reader = reader_of(extension, file);
+  return in_memory(file, [&] {
+    MeshFile mesh = split_faces(reader(text, file), file, like);
+    check(mesh, file);
+    return mesh;
+  });
 }
 
 MeshFile read_mesh(const std::filesystem::path& file, const MeshFile* like) {
   const std::string extension = extension_of(file);
   reader_of(extension, file.string());
-  return parse_mesh(extension, read_file(file), file.string(), like);
+  const std::string text = in_memory(file.string(), [&] { return read_file(file); });
+  return parse_mesh(extension, text, file.string(), like);
 }
 
 void write_mesh(const std::filesystem::path& file, const MeshFile& mesh) {

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -32,17 +33,31 @@ template <std::invocable Place>
   fail(place(), what);
 }
 
-/// The word in quotes, for messages; words of more than 40 characters are cut off.
-std::string in_quotes(std::string_view word);
+/// A word as messages show it, at most 40 bytes of it. A byte of 0 would end the message.
+inline std::string shortened(std::string_view word) {
+  std::string out;
+  for (const char c : word.substr(0, 40)) c == '\0' ? out += "\xEF\xBF\xBD" : out += c;
+  return out;
+}
+inline std::string in_quotes(std::string_view word) { return "'" + shortened(word) + "'"; }
 
 std::string read_file(const std::filesystem::path& file);
 void write_file(const std::filesystem::path& file, const std::string& text);
 
+/// What separates words within a line.
+inline constexpr std::string_view kBlanks = " \t\r\v\f";
+/// Of UTF-8, as editors on Windows write it.
+inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+inline std::string_view without_mark(std::string_view text) {
+  return text.substr(text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);
+}
+
 /// Removes the next word (separated by blanks) from the front of `line`; empty at its end.
 inline std::string_view next_word(std::string_view& line) {
-  const size_t from = line.find_first_not_of(" \t\r");
+  const size_t from = line.find_first_not_of(kBlanks);
   if (from == std::string_view::npos) return line = {};
-  const size_t to = std::min(line.find_first_of(" \t\r", from), line.size());
+  const size_t to = std::min(line.find_first_of(kBlanks, from), line.size());
   const std::string_view word = line.substr(from, to - from);
   line.remove_prefix(to);
   return word;
@@ -80,7 +95,7 @@ class Words {
   std::string_view next_full_line() {
     for (;;) {
       const std::string_view rest = rest_of_line();
-      if (rest.find_first_not_of(" \t") != std::string_view::npos) return rest;
+      if (rest.find_first_not_of(kBlanks) != std::string_view::npos) return rest;
       if (!next_line()) return {};
     }
   }
@@ -103,27 +118,34 @@ class Words {
 /// Of a number that std::from_chars finds out of range, whether it is too small for a double, not too large.
 bool is_underflow(std::string_view word);
 
-/// The number that `word` spells, rounded once, to T; 0 if it is closer to 0 than any other. `place`, or what it
-/// returns, locates it in errors.
+/// The number that `word` spells, rounded once, to T; 0 if it is closer to 0 than any other, infinity if it is too large
+/// for a floating-point T. `place`, or what it returns, locates it in errors.
 template <class T, class Place>
 T parse_number(std::string_view word, const Place& place) {
   if (word.empty()) fail(place, "a number is missing");
-  if (word.front() == '+') word.remove_prefix(1);
+  const bool has_plus = word.front() == '+' && !word.starts_with("+-");  // from_chars takes no plus
+  const std::string_view digits = word.substr(has_plus ? 1 : 0);
   T value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error == std::errc::invalid_argument || end != word.data() + word.size())
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  // from_chars takes a parenthesis behind "nan".
+  if (error == std::errc::invalid_argument || end != digits.data() + digits.size() || word.ends_with(')'))
     fail(place, in_quotes(word) + " is not a number");
   if (error == std::errc()) return value;
-  if (std::floating_point<T> && is_underflow(word)) return 0;
-  fail(place, "number " + std::string(word) + " is out of range");
+  if constexpr (std::floating_point<T>) {
+    if (is_underflow(digits)) return 0;
+    return std::copysign(std::numeric_limits<T>::infinity(), word.starts_with('-') ? T{-1} : T{1});
+  }
+  fail(place, "number " + shortened(word) + " is out of range");
 }
 
 /// Parses a coordinate, which must be finite.
 template <class Place>
 double parse_coordinate(std::string_view word, const Place& place) {
   const auto value = parse_number<double>(word, place);
-  if (!std::isfinite(value)) fail(place, "position " + std::string(word.substr(0, 40)) + " is not finite");
-  return value;
+  if (std::isfinite(value)) return value;
+  const bool is_spelled = word.find_first_of("nN") != std::string_view::npos;  // nan, inf or infinity
+  fail(place, is_spelled ? "position " + shortened(word) + " is not finite"
+                         : "number " + shortened(word) + " is out of range");
 }
 
 /// Divides a homogeneous position by its w.
@@ -132,9 +154,10 @@ void divide_by_w(Vec3d& position, double w, const Place& place) {
   if (w == 0) fail(place, "w is 0: the vertex is at infinity");
   if (!std::isfinite(w)) fail(place, "w is not finite");
   if (w == 1) return;
-  for (double& x : position) x /= w;
-  if (!std::isfinite(position[0] + position[1] + position[2]))
-    fail(place, "the position divided by its w is not finite");
+  for (double& x : position) {
+    x /= w;
+    if (!std::isfinite(x)) fail(place, "the position divided by its w is not finite");
+  }
 }
 
 /// "1 face", "2 faces". Plurals that end otherwise are given.
@@ -170,6 +193,19 @@ struct RawMesh {
   }
   void add_fan(const std::vector<uint32_t>& fan) {
     for (size_t i = 2; i < fan.size(); ++i) add_face({fan[0], fan[i - 1], fan[i]});
+  }
+  /// Vertices, corners of faces, ends of edges, and points.
+  uint64_t size() const {
+    return positions.size() + polygons.corners.size() + 2 * edges.size() + points.size();
+  }
+  /// Adds positions and elements of a mesh without lines.
+  void append(const RawMesh& part) {
+    const auto first = static_cast<uint32_t>(positions.size());
+    positions.insert(positions.end(), part.positions.begin(), part.positions.end());
+    polygons.counts.insert(polygons.counts.end(), part.polygons.counts.begin(), part.polygons.counts.end());
+    for (const uint32_t corner : part.polygons.corners) polygons.corners.push_back(first + corner);
+    for (const auto& [a, b] : part.edges) edges.push_back({first + a, first + b});
+    for (const uint32_t point : part.points) points.push_back(first + point);
   }
 };
 

@@ -96,8 +96,7 @@ void append_number(std::string& out, double x) {
 }  // namespace
 
 RawMesh read_obj(std::string_view text, const std::string& file) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // of UTF-8, as editors on Windows write it
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  text = without_mark(text);
   RawMesh mesh;
   std::vector<uint32_t> corners;
   MaxCorner max;

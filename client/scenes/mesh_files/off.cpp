@@ -46,19 +46,25 @@ void add_face(std::string_view line, RawMesh& mesh, const std::string& place) {
 }  // namespace
 
 RawMesh read_off(std::string_view text, const std::string& file) {
+  text = without_mark(text);
   Words words(text, file);
   std::string_view line = words.next_full_line(), rest = line;
   const std::string_view keyword = next_word(rest);
   bool has_w = false;
   if (keyword.ends_with("OFF")) {
     has_w = read_keyword(keyword, file);
-    if (rest.find("BINARY") != std::string_view::npos) fail(file, "binary OFF is not read");
-    line = rest.find_first_of(kDigits) == std::string_view::npos ? words.next_full_line() : rest;
+    std::string_view more = rest;
+    const std::string_view next = next_word(more);
+    if (next == "BINARY") fail(file, "binary OFF is not read");
+    line = next.empty() ? words.next_full_line() : rest;
   } else if (keyword.empty() || kDigits.find(keyword.front()) == std::string_view::npos) {
     fail(file, "does not begin with 'OFF'");
   }
   const auto vertices = parse_number<uint64_t>(next_word(line), words.place());
   const auto faces = parse_number<uint64_t>(next_word(line), words.place());
+  next_word(line);  // the number of edges
+  if (!next_word(line).empty())
+    fail(words.place(), "more than three counts are in this line; each vertex and face must have a line of its own");
   check_count(vertices, 5, "vertices", text.size(), file);
   check_count(faces, 5, "faces", text.size(), file);
   RawMesh mesh;
@@ -75,6 +81,9 @@ RawMesh read_off(std::string_view text, const std::string& file) {
     add_face(face, mesh, words.place());
     mesh.lines.push_back(static_cast<uint32_t>(words.number()));
   }
+  uint64_t ignored = 0;
+  while (!words.next_full_line().empty()) ++ignored;
+  if (ignored > 0) mesh.notes.push_back("ignored " + count_text(ignored, "line") + " after the last face");
   return mesh;
 }
 

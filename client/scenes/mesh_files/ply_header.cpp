@@ -41,6 +41,9 @@ PlyFormat parse_format(std::string_view word, const std::string& place) {
   fail(place, "format " + in_quotes(word) + " is not a PLY format");
 }
 
+/// True for elements whose lists of vertices are read.
+bool has_corners(const PlyElement& element) { return element.name == "face" || element.name == "tristrips"; }
+
 PlyProperty parse_property(std::string_view line, const PlyElement& element, const std::string& place) {
   PlyProperty property;
   std::string_view word = next_word(line);
@@ -52,10 +55,27 @@ PlyProperty parse_property(std::string_view line, const PlyElement& element, con
   }
   property.type = parse_type(word, place);
   property.name = next_word(line);
-  if ((element.name == "face" || element.name == "tristrips") && is_corners(property) &&
-      property.type >= PlyType::kFloat)
-    fail(place, property.name + " must be of an integer type");
+  if (property.name.empty()) fail(place, "the property has no name");
+  if (!has_corners(element) || !is_corners(property)) return property;
+  if (property.type >= PlyType::kFloat) fail(place, property.name + " must be of an integer type");
+  if (std::any_of(element.properties.begin(), element.properties.end(), is_corners))
+    fail(place, "element " + element.name + " has two lists of vertices");
   return property;
+}
+
+void add_property(std::string_view line, PlyElement& element, const std::string& place) {
+  const PlyProperty property = parse_property(line, element, place);
+  for (const PlyProperty& known : element.properties)
+    if (known.name == property.name)
+      fail(place, "element " + element.name + " has the property " + in_quotes(property.name) + " twice");
+  element.properties.push_back(property);
+}
+
+void add_element(std::string_view line, PlyHeader& header, const std::string& place) {
+  const std::string name(next_word(line));
+  for (const PlyElement& known : header.elements)
+    if (known.name == name) fail(place, "the header has the element " + in_quotes(name) + " twice");
+  header.elements.push_back({name, parse_number<uint64_t>(next_word(line), place), {}});
 }
 
 /// The minimum size of one element in the file.
@@ -85,6 +105,7 @@ uint32_t size_of(PlyType type) {
 }
 
 PlyHeader read_ply_header(std::string_view& text, const std::string& file) {
+  text = without_mark(text);
   // After a line that CR alone ends, an LF is the first byte of binary data.
   const bool has_cr_lines = text.starts_with("ply\r") && !text.starts_with("ply\r\n");
   if (next_line(text) != "ply") fail(file, "does not begin with 'ply'");
@@ -105,19 +126,17 @@ PlyHeader read_ply_header(std::string_view& text, const std::string& file) {
       header.format = parse_format(next_word(line), place);
       has_format = true;
     } else if (key == "element") {
-      const std::string name(next_word(line));
-      header.elements.push_back({name, parse_number<uint64_t>(next_word(line), place), {}});
+      add_element(line, header, place);
     } else if (key == "property") {
       if (header.elements.empty()) fail(place, "a property stands before any element");
-      PlyElement& element = header.elements.back();
-      element.properties.push_back(parse_property(line, element, place));
+      add_property(line, header.elements.back(), place);
     } else if (key != "comment" && key != "obj_info" && !key.empty()) {
       fail(place, in_quotes(key) + " is not a PLY keyword");
     }
   }
   if (!has_format) fail(file, "has no format line");
   for (const PlyElement& element : header.elements)
-    if ((element.name == "face" || element.name == "tristrips") && element.count > 0 &&
+    if (has_corners(element) && element.count > 0 &&
         std::none_of(element.properties.begin(), element.properties.end(), is_corners))
       fail(file, "element " + element.name + " lacks the list vertex_indices");
   check_counts(header, text.size(), file);

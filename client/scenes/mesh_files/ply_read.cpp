@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
-#include <limits>
 
 #include "client/scenes/mesh_files/mesh_text.hpp"
 #include "client/scenes/mesh_files/ply_header.hpp"
@@ -14,10 +12,10 @@ namespace collided::scenes {
 
 namespace {
 
-/// A whole number, however large.
+/// A number as messages show it.
 std::string text_of(double number) {
-  char text[std::numeric_limits<double>::max_exponent10 + 8];
-  return {text, std::to_chars(text, text + sizeof text, number, std::chars_format::fixed, 0).ptr};
+  char text[40];
+  return {text, std::to_chars(text, text + sizeof text, number).ptr};
 }
 
 /// The line breaks in a text that is not cut within one.
@@ -35,8 +33,11 @@ class Body {
   Body(std::string_view text, size_t line, PlyFormat format, std::string file)
       : text_(text), line_(line), format_(format), file_(std::move(file)) {}
 
+  /// The element that the next numbers belong to, for messages.
+  void begin(const std::string& element) { element_ = element; }
+
   double number(PlyType type) {
-    if (format_ == PlyFormat::kAscii) return ascii_number(type);
+    if (format_ == PlyFormat::kAscii) return ascii_number();
     switch (type) {
       case PlyType::kInt8:
         return binary<int8_t, uint8_t>();
@@ -58,33 +59,49 @@ class Body {
     return binary<double, uint64_t>();
   }
 
-  /// The length of a list, checked against the bytes that are left.
   uint64_t list_length(const PlyProperty& property, const std::string& place) {
     const double length = number(property.count_type);
-    const uint64_t each = format_ == PlyFormat::kAscii ? 1 : size_of(property.type);
-    if (!(length >= 0) || length > static_cast<double>(text_.size() / each))
-      fail(place, "a list of " + text_of(length) + " does not fit in the " + std::to_string(text_.size()) +
-                      " bytes that are left");
+    if (length != std::floor(length)) fail(place, "a list's length " + text_of(length) + " is not an integer");
+    if (length < 0) fail(place, "a list of " + text_of(length) + " does not fit in the file");
+    if (length > static_cast<double>(text_.size())) fail_cut_off();
     return static_cast<uint64_t>(length);
   }
 
+  /// Says what follows the last element, if something does.
+  void add_note(std::vector<std::string>& notes) {
+    if (format_ != PlyFormat::kAscii) {
+      if (!text_.empty()) notes.push_back("ignored " + count_text(text_.size(), "byte") + " after the last element");
+      return;
+    }
+    uint64_t words = 0;
+    while (!next_word().empty()) ++words;
+    if (words > 0) notes.push_back("ignored " + count_text(words, "word") + " after the last element");
+  }
+
  private:
-  double ascii_number(PlyType type) {
-    const size_t from = text_.find_first_not_of(" \t\r\n");
-    if (from == std::string_view::npos) fail(file_, "is cut off");
-    const size_t to = std::min(text_.find_first_of(" \t\r\n", from), text_.size());
+  [[noreturn]] void fail_cut_off() const { fail(file_, "is cut off within element " + element_); }
+
+  /// Of ascii text; empty at its end.
+  std::string_view next_word() {
+    static constexpr std::string_view kSpaces = " \t\r\n\v\f";
+    const size_t from = std::min(text_.find_first_not_of(kSpaces), text_.size());
+    const size_t to = std::min(text_.find_first_of(kSpaces, from), text_.size());
     const std::string_view word = text_.substr(from, to - from);
     line_ += count_lines(text_.substr(0, from));
     text_.remove_prefix(to);
-    const auto place = [this] { return file_ + ":" + std::to_string(line_); };
-    // Decimal text is read at double precision, whatever type the header names, so that nothing is rounded twice.
-    if (type >= PlyType::kFloat) return parse_number<double>(word, place);
-    return static_cast<double>(parse_number<int64_t>(word, place));
+    return word;
+  }
+
+  /// Decimal text is read at double precision, whatever type the header names, so that nothing is rounded twice.
+  double ascii_number() {
+    const std::string_view word = next_word();
+    if (word.empty()) fail_cut_off();
+    return parse_number<double>(word, [this] { return file_ + ":" + std::to_string(line_); });
   }
 
   template <class T, class Bits>
   double binary() {
-    if (text_.size() < sizeof(Bits)) fail(file_, "is cut off");
+    if (text_.size() < sizeof(Bits)) fail_cut_off();
     Bits bits = 0;
     for (size_t i = 0; i < sizeof(Bits); ++i) {
       const size_t shift = 8 * (format_ == PlyFormat::kLittleEndian ? i : sizeof(Bits) - 1 - i);
@@ -97,7 +114,7 @@ class Body {
   std::string_view text_;
   size_t line_;  ///< of ascii text
   PlyFormat format_;
-  std::string file_;
+  std::string file_, element_;
 };
 
 void skip(Body& body, const PlyProperty& property, const std::string& place) {
@@ -129,6 +146,7 @@ constexpr uint32_t kRestart = UINT32_MAX;
 
 uint32_t read_index(Body& body, PlyType type, bool can_restart, const std::string& place) {
   const double index = body.number(type);
+  if (index != std::floor(index)) fail(place, "vertex index " + text_of(index) + " is not an integer");
   if (can_restart && index < 0) return kRestart;
   if (!(index >= 0 && index < kRestart)) fail(place, "vertex index " + text_of(index) + " is out of range");
   return static_cast<uint32_t>(index);
@@ -169,6 +187,8 @@ RawMesh read_ply(std::string_view text, const std::string& file) {
   Body body(text, 1 + count_lines(whole.substr(0, whole.size() - text.size())), header.format, file);
   RawMesh mesh;
   for (const PlyElement& element : header.elements) {
+    body.begin(element.name);
+    if (element.name == "edge" && element.count > 0) mesh.notes.push_back("ignored " + count_text(element.count, "edge"));
     if (element.name == "vertex") {
       read_vertices(body, element, mesh, file);
       continue;
@@ -185,6 +205,7 @@ RawMesh read_ply(std::string_view text, const std::string& file) {
       }
     }
   }
+  body.add_note(mesh.notes);
   return mesh;
 }
 

@@ -28,8 +28,9 @@ bool equal_words(std::string_view a, std::string_view b) {
 bool is_binary(std::string_view text) {
   if (text.size() >= kHeaderBytes && text.size() == kHeaderBytes + kFacetBytes * uint64_t{little_endian(&text[80])})
     return true;
-  const size_t start = std::min(text.find_first_not_of(" \t\r\n"), text.size());
-  return !equal_words(text.substr(start, 5), "solid") || text.substr(0, 512).find('\0') != std::string_view::npos;
+  std::string_view head = without_mark(text.substr(0, 512));
+  head.remove_prefix(std::min(head.find_first_not_of(" \t\r\n\v\f"), head.size()));
+  return !equal_words(head.substr(0, 5), "solid") || head.find('\0') != std::string_view::npos;
 }
 
 void add_corner(RawMesh& mesh, const Vec3d& position) {
@@ -114,7 +115,7 @@ class AsciiReader {
 }  // namespace
 
 RawMesh read_stl(std::string_view text, const std::string& file) {
-  RawMesh mesh = is_binary(text) ? read_binary(text, file) : AsciiReader(text, file).run();
+  RawMesh mesh = is_binary(text) ? read_binary(text, file) : AsciiReader(without_mark(text), file).run();
   const size_t corners = mesh.positions.size();
   if (weld(mesh) > 0)
     mesh.notes.push_back("welded " + count_text(corners, "corner") + " into " +

@@ -6,12 +6,11 @@
 #include <cmath>
 #include <string>
 
+#include "client/scenes/mesh_files/expansion.hpp"
 #include "client/scenes/mesh_files/mesh_text.hpp"
 
 namespace collided::scenes {
 
-/// Repeated meshes take no bytes in the file, so the vertices and corners of all copies are limited.
-inline constexpr uint64_t kMaxCopied = uint64_t{1} << 25;
 /// Deeper hierarchies are refused.
 inline constexpr int kMaxNodeDepth = 256;
 
@@ -41,20 +40,20 @@ struct Transform {
   }
 };
 
-/// Counts the meshes that nodes place, welds each and notes what was done.
+/// Copies meshes to where nodes place them, welds each and notes what was done.
 class MeshPlacer {
  public:
-  MeshPlacer(RawMesh& mesh, const std::string& file, bool welds) : mesh_(mesh), file_(file), welds_(welds) {}
+  MeshPlacer(RawMesh& mesh, Expansion& expansion, const std::string& file, bool welds)
+      : mesh_(mesh), expansion_(expansion), file_(file), welds_(welds) {}
 
-  /// Moves what `add` appends to the mesh. `is_copy`: the same mesh was placed before.
-  template <class Add>
-  void place(const Transform& transform, bool is_copy, const Add& add) {
+  /// `is_counted`: what the part expands to was counted as it was read.
+  void place(const RawMesh& part, const Transform& transform, bool is_counted) {
     const size_t vertex = mesh_.positions.size(), corner = mesh_.polygons.corners.size();
     const size_t face = mesh_.polygons.counts.size(), edge = mesh_.edges.size(), point = mesh_.points.size();
-    add();
-    if (is_copy) copied_ += mesh_.positions.size() - vertex + mesh_.polygons.corners.size() - corner;
-    if (copied_ > kMaxCopied)
-      fail(file_, "its nodes repeat meshes to more than " + std::to_string(kMaxCopied) + " vertices and corners");
+    if (part.size() == 0) return;
+    if (!is_counted) expansion_.count(part.size());
+    if (vertex + part.positions.size() > UINT32_MAX) fail(file_, "has more than 4294967295 vertices");
+    mesh_.append(part);
     if (transform != Transform()) move(transform, vertex);
     if (transform.is_mirror()) mirror(face, corner);
     if (welds_) welded_ += weld(mesh_, vertex, corner, edge, point);
@@ -82,9 +81,10 @@ class MeshPlacer {
   }
 
   RawMesh& mesh_;
+  Expansion& expansion_;
   const std::string& file_;
   const bool welds_;
-  uint64_t placed_ = 0, copied_ = 0;
+  uint64_t placed_ = 0;
   size_t welded_ = 0;
 };
 

@@ -75,6 +75,19 @@ class Meshes(support.CollidectlTest):
         self.assertEqual(len(json.loads(self.ok("stream", folder, *ONE_CPU, "--json"))["per_frame"]), 3)
         self.refused(1, "two meshes go without --frames", "detect", "--frames", self.frame0, self.put("ball.obj", cube(0)))
 
+    def test_a_frame_alone_is_a_mesh_however_it_is_named(self):
+        folder = os.path.join(self.folder.name, "one")
+        os.mkdir(folder)
+        crossing = self.put("one/a.obj", cube(0) + re.sub(r"^f .*$", lambda f: "f " + " ".join(str(int(v) + 8) for v in f[0].split()[1:]), cube(1), flags=re.M))
+        answers = []
+        for words in ([crossing], ["--frames", crossing], [folder], ["--frames", folder]):
+            found = self.found(*words)
+            answers.append({key: found[key] for key in ("found", "touching", "contact_count", "counts", "earliest")})
+            answers[-1].update({key: found["scene"][key] for key in ("mode", "accuracy", "kinds")})
+            self.refused(2, "what was given stands still", "detect", *words, "--mode", "ccd")
+        self.assertEqual(answers[0]["kinds"], ["vt", "ee", "tt"])
+        self.assertEqual(answers[1:], answers[:1] * 3)
+
     def test_polygons_that_bend_keep_their_triangles(self):
         quad = "v 0 0 0\nv {} 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4\n"  # convex, then concave at the second corner
         bent = self.found("--frames", self.put("q0.obj", quad.format("4 0")), self.put("q1.obj", quad.format("1 2")))

@@ -75,6 +75,8 @@ class Render(support.CollidectlTest):
         picture, frame = self.drawn("--frames", self.frame0, self.frame1, "--crossings")
         self.assertEqual(frame["crossing_count"], 1)
         self.assertGreater(len(marked(picture, PURPLE)), 20)
+        alone = [self.drawn(*words, self.frame0)[1] for words in ([], ["--frames"])]
+        self.assertEqual(*({key: frame[key] for key in ("frame", "out", "counts")} for frame in alone))
         picture, frame = self.drawn(self.frame0, "--mode", "dcd", "--crossings")
         self.assertEqual((frame["crossing_count"], len(marked(picture, PURPLE))), (0, 0))
         picture, frame = self.drawn(self.frame1, "--mode", "dcd", "--kinds", "tt", "--accuracy", "exact")

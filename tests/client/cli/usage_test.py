@@ -21,7 +21,7 @@ class Usage(support.CollidectlTest):
 
     def test_bad_usage(self):
         self.refused(2, "needs two frames", "detect", "--frames", self.frame0, "--mode", "ccd", *ONE_CPU)
-        self.refused(2, "MESH... stand still", "detect", self.frame0, self.frame1, "--mode", "ccd")
+        self.refused(2, "what was given stands still", "detect", self.frame0, self.frame1, "--mode", "ccd")
         self.refused(2, "one of MESH... and --frames", "detect")
         self.refused(2, "one of MESH... and --frames", "detect", self.frame0, "--frames", self.frame1)
         self.refused(2, "needs one frame", "detect", "--frames", self.frame0, self.frame1, "--mode", "dcd")

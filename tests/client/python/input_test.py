@@ -10,6 +10,7 @@ from unittest import mock
 from support import DAEMON, FLOOR, ONE, STREAMS, TIP, Case, Daemon, lowered, main, meshes, np
 
 import collided
+from collided.v1 import scene_pb2
 
 BAD = collided.InvalidArgument
 
@@ -17,6 +18,52 @@ BAD = collided.InvalidArgument
 def called(call):
     """Names of the calls that a spy on Client.call has seen; it calls itself with a channel."""
     return [arguments.args[0] for arguments in call.call_args_list if len(arguments.args) < 5]
+
+
+ILL_TYPED = (1, -1, 1.5, math.nan, 2**70, "x", b"x", True, [1], [None], ["x"], (1, 2), {}, {"a": 1}, object(), np.zeros(3), [[1, 2]])
+
+
+class IllTyped(Case):
+    """Whatever an argument is given, it is taken, or refused with an error that names it; nothing else is raised."""
+
+    def check(self, name, call):
+        for value in ILL_TYPED:
+            with self.subTest(name, value=repr(value)):
+                try:
+                    made = call(**{name: value})
+                except collided.Error as error:
+                    self.assertIn(name, f"{error} {error.field if isinstance(error, BAD) else ''}")
+                else:
+                    getattr(made, "close", int)()
+
+    def test_scenes_and_meshes(self):
+        for name in collided.SceneOptions.__dataclass_fields__:
+            self.check(name, collided.SceneOptions)
+        for name in collided.Mesh.__dataclass_fields__:
+            self.check(name, partial(collided.Mesh, **{key: value for key, value in (("vertices", FLOOR), ("triangles", ONE)) if key != name}))
+
+    def test_sessions_and_sets(self):
+        with collided.Client(self.server) as client:
+            for name in ("window", "delivery", "transport", "output_bytes", "edit_bytes", "daemon_user", "take_over", "reconnect_seconds",
+                         "lease_seconds"):
+                self.check(name, partial(collided.Session, (FLOOR, ONE), server=client))
+            for name in ("count", "lease_seconds", "daemon_user"):
+                self.check(name, partial(collided.SceneBatch, (FLOOR, ONE), **{"count": 1} if name != "count" else {}, server=client))
+            with collided.SceneBatch((FLOOR, ONE), 2, server=client) as batch:
+                for name in ("start", "mode", "accuracy", "delta"):
+                    self.check(name, partial(batch.step, np.array([FLOOR, FLOOR])))
+                for worlds in (1, 1.5, True, {}, "x", object()):
+                    with self.assertRaisesRegex(BAD, "worlds"):
+                        batch.step(np.array([FLOOR, FLOOR]), worlds=worlds)
+
+    def test_frames(self):
+        session = self.session()
+        session.step({"tip": TIP})
+        for name in ("mode", "accuracy", "delta", "report", "ignore_separating", "advance", "trial", "from_last_fraction", "edit"):
+            self.check(name, partial(session.step, {"tip": TIP}))
+        for name in ("V0", "V1", "F", "edges", "particles"):
+            given = {"V0": TIP, "V1": TIP, "F": ONE}
+            self.check(name, partial(collided.detect, **{key: value for key, value in given.items() if key != name}, server=self.server))
 
 
 class Meshes(Case):
@@ -142,30 +189,51 @@ class Scenes(Case):
         large = {name: collided.Mesh(TIP, ONE.repeat(count, axis=0)) for name, count in
                  (("first", 349_000), ("last", 100_000), ("last but one", 349_525))}  # 4.2, 1.2 and 4.2 MB
         for meshes, uploads in ((small, 0), ({"first": large["first"], **small, **large}, 2)):
-            with collided.Client(self.server) as client, mock.patch.object(client, "call", wraps=client.call) as call:
+            with (collided.Client(self.server) as client, mock.patch.object(client, "call", wraps=client.call) as call,
+                  mock.patch.object(client, "_upload", wraps=client._upload) as upload):
                 for make in (collided.Scene, collided.Session, partial(collided.SceneBatch, count=2)):
-                    call.reset_mock()
+                    call.reset_mock(), upload.reset_mock()
                     with make(meshes, server=client) as made:
                         names = called(call)
-                        self.assertEqual((names.count("UploadMesh"), names.count("CreateScene") + names.count("CreateScenes")),
+                        self.assertEqual((upload.call_count, names.count("CreateScene") + names.count("CreateScenes")),
                                          (uploads, 1))
                         message = made.scene.message if make is collided.Session else made.message
                         self.assertEqual([mesh.triangle_count for mesh in message.spec.meshes],
                                          [len(mesh.triangles) for mesh in meshes.values()])
                         if make is collided.Session:  # as after the loss of a daemon
-                            call.reset_mock()
+                            upload.reset_mock()
                             made.scene.create_again()
-                            self.assertEqual(called(call).count("UploadMesh"), uploads)
+                            self.assertEqual(upload.call_count, uploads)
+
+    def test_uploads_go_together_and_one_by_one_where_few_calls_may_be_open(self):
+        strip = np.arange(100_000)[:, None] + [0, 1, 2]  # 1.2 MB, three chunks
+        sent = {f"mesh {i}": collided.Mesh(triangles=np.roll(strip, i, axis=1)) for i in range(10)}
+        for streams in (1, 64):
+            daemon = Daemon(str(DAEMON), "--max-streams-per-client", str(streams))
+            self.addCleanup(daemon.kill)
+            with (collided.Client(daemon.address) as client, mock.patch.object(client, "_upload", wraps=client._upload) as upload,
+                  collided.Scene(sent, server=client) as scene):
+                self.assertEqual(scene.message.state, scene_pb2.SCENE_STATE_READY)
+                (self.assertEqual if streams == 64 else self.assertGreater)(upload.call_count, 7)  # 3 are in CreateScene
+                for i, mesh in enumerate(sent.values()):
+                    np.testing.assert_array_equal(client.get_mesh(scene.id, i).triangles, mesh.triangles)
 
     def test_a_message_keeps_within_half_of_the_daemons_limit(self):
         edges = collided.Mesh(TIP, edges=np.array([[0, 1]]).repeat(60_000, axis=0))  # 480 kB of 1 MiB
         for count, uploads in ((3_000, 0), (5_000, 1)):  # 36 and 60 kB
             daemon = Daemon(str(DAEMON), "--max-message-mb", "1")
             self.addCleanup(daemon.kill)
-            with collided.Client(daemon.address) as client, mock.patch.object(client, "call", wraps=client.call) as call:
+            with collided.Client(daemon.address) as client, mock.patch.object(client, "_upload", wraps=client._upload) as upload:
                 with collided.Scene({"hair": edges, "tip": collided.Mesh(TIP, ONE.repeat(count, axis=0))}, server=client) as scene:
-                    self.assertEqual(called(call).count("UploadMesh"), uploads)
+                    self.assertEqual(upload.call_count, uploads)
                     self.assertEqual(len(client.get_mesh(scene.id, 1).triangles), count)
+
+    def test_a_chunk_fits_in_the_smallest_message(self):
+        daemon = Daemon(str(DAEMON), "--max-message-mb", "1")
+        self.addCleanup(daemon.kill)
+        many = np.arange(90_000)[:, None] % 5000 + [0, 1, 2]  # 1.08 MB
+        with collided.Client(daemon.address) as client, collided.Scene(collided.Mesh(triangles=many), server=client) as scene:
+            np.testing.assert_array_equal(client.get_mesh(scene.id, 0).triangles, many)
 
     def test_triangles_that_are_refused_name_their_mesh(self):
         for before, field in ((1, "spec.meshes[1].triangles[1]"), (400_000, "triangles[400000]")):  # inline; 4.8 MB are not

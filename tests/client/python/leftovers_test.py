@@ -338,6 +338,24 @@ class Repr(Case):
                 self.assertNotIn("\n", repr(thing))
                 self.assertLess(len(repr(thing)), 250, repr(thing))
 
+    def test_it_says_what_is_closed(self):
+        batch = collided.SceneBatch((TIP, ONE), 2, server=self.server)
+        session = self.session({"tip": collided.Mesh(TIP, ONE)})
+        scene, watcher = session.scene, session.scene.watch()
+        things = [watcher, session, scene, batch]
+        for thing in things:
+            self.assertNotIn("closed", repr(thing))
+        for thing in things:
+            thing.close()
+            self.assertRegex(repr(thing), ": closed>$")
+
+        async def closed():
+            async with collided.aio.Session((TIP, ONE), server=self.server) as over_asyncio:
+                self.assertNotIn("closed", repr(over_asyncio))
+            return repr(over_asyncio)
+
+        self.assertRegex(asyncio.run(closed()), "^<aio Session .*: closed>$")
+
 
 if __name__ == "__main__":
     main(230)

@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """Frames and their contacts, over every transport."""
 
+import asyncio
 import concurrent.futures
+import inspect
+import linecache
 import math
 import os
 import threading
@@ -450,6 +453,40 @@ class Formats(Case):
             warnings.simplefilter("error")
             session.step({"tip": TIP})
             self.assertEqual(list(session.step({"tip": lowered(0.5)}, advance=True).metrics.unused_options), [])
+
+    def test_warnings_point_at_the_callers_line(self):
+        meshes, options = {"floor": (FLOOR, ONE), "tip": (TIP, ONE)}, {"min_separation": 0.01, "server": self.server}
+
+        def step():
+            with collided.Session(meshes, **options) as session:
+                session.step({"tip": lowered(2)})  # here
+
+        def run():
+            with collided.Session(meshes, **options, transport="calls") as session:
+                list(session.run([{"tip": lowered(2)}]))  # here
+
+        def detect():
+            collided.detect(TIP, lowered(2), ONE, **options)  # here
+
+        async def aio_step():
+            async with collided.aio.Session(meshes, **options) as session:
+                await session.step({"tip": lowered(2)})  # here
+
+        async def aio_run():
+            async with collided.aio.Session(meshes, **options) as session:
+                async for _ in session.run([{"tip": lowered(2)}]):  # here
+                    pass
+
+        async def aio_detect():
+            await collided.aio.detect(TIP, lowered(2), ONE, **options)  # here
+
+        for way in (step, run, detect, aio_step, aio_run, aio_detect):
+            with self.subTest(way.__name__), warnings.catch_warnings(record=True) as given:
+                warnings.simplefilter("always")
+                asyncio.run(way()) if inspect.iscoroutinefunction(way) else way()
+                (unused,) = [warning for warning in given if "had no effect" in str(warning.message)]
+                self.assertEqual(unused.filename, __file__)
+                self.assertIn("# here", linecache.getline(__file__, unused.lineno))
 
 
 class SmallMessages(Case):

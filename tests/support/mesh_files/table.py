@@ -33,6 +33,12 @@ def refuse(name, data, error):
     add(name, data, error=error)
 
 
+def expands(name, data):
+    """A small file that stands for a mesh without end."""
+    size = len(data if isinstance(data, bytes) else data.encode())
+    refuse(name, data, f": expands to more than {2 ** 23 + 4 * size} vertices and corners (a node counts as 64), the limit for {size} bytes")
+
+
 # OBJ
 
 def obj(vertices, *lines):
@@ -59,6 +65,17 @@ def add_obj():
         notes=["dropped 3 repeated corners", "dropped 2 faces with fewer than 3 different corners"])
     add("repeated_once.obj", obj(SQUARE, "f 1 2 3 4", "f 2 2 2"), vertices=SQUARE, triangles=2,
         notes=["dropped 1 face with fewer than 3 different corners"])
+    add("vertical_tab.obj", obj(SQUARE, "f 1 2 3 4").replace(" ", "\x0b").replace("v", "\x0cv"), **PLANE)
+    add("continued_to_the_end.obj", obj(SQUARE, "f 1 2 3 4\\").removesuffix("\n"), **PLANE)
+    add("continued_often.obj", obj(SQUARE, "f 1 2 3 4 " + "\\\n" * 300000), **PLANE)
+    add("long_numbers.obj", obj(SQUARE, "f 1 2 3 +" + "0" * 100000 + "4").replace("4 4 0", "4 4 0." + "0" * 100000), **PLANE)
+    add("underflow.obj", "v 0 0 0\nv 1 0 1e-400\nv 0 1 -1e-999\nf 1 2 3\n", vertices=[(0, 0, 0), (1, 0, 0), (0, 1, 0)], triangles=1)
+    refuse("plus_minus.obj", "v 0 +-1 0\n", ":1: '+-1' is not a number")
+    refuse("plus_minus_index.obj", obj(SQUARE, "f 1 2 +-1"), ":5: '+-1' is not a number")
+    refuse("parenthesis.obj", "v 0 nan(1) 0\n", ":1: 'nan(1)' is not a number")
+    refuse("zero_byte.obj", b"v 0 1\0 0\n", ":1: '1\ufffd' is not a number")
+    refuse("large_whole.obj", "v 0 0 1" + "0" * 400 + "\n", ":1: number 1" + "0" * 39 + " is out of range")
+    refuse("slash.obj", obj(SQUARE, "f 1 2 3 a/4"), ":5: 'a' is not a number")
     refuse("w_infinite.obj", "v 0 0 0\nv 1 0 0 inf\n", ":2: w is not finite")
     refuse("w_zero.obj", "v 0 0 0\nv 1 0 0 0\n", ":2: w is 0: the vertex is at infinity")
     refuse("five.obj", "v 0 0 0 1 2\n", ":1: the vertex has 5 numbers; it needs 3, 4 with a weight, or 6 or 7 with a colour")
@@ -156,8 +173,28 @@ def add_ply():
                              element="tristrips"), triangles=4, twice_area=(0, 0, 64), notes=[])
     add("faces_first.ply", b"ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_index\nelement vertex 3\n"
         b"property float x\nproperty float y\nproperty float z\nend_header\n3 0 1 2\n0 0 0\n4 0 0\n0 4 0\n", triangles=1)
-    add("other_elements.ply", ply(body.replace("4 0 1", "4 0 1", 1) + "0 1\n", extra="element edge 1\nproperty int vertex1\nproperty int vertex2\n"),
-        **TENT_READ)
+    edges = "element edge 1\nproperty int vertex1\nproperty int vertex2\n"
+    add("edges.ply", ply(body + "0 1\n", extra=edges), **{**TENT_READ, "notes": ["ignored 1 edge"]})
+    add("other_elements.ply", ply(body + "0 1\n", extra=edges.replace("edge", "material")), **TENT_READ)
+    add("more_words.ply", ply(body + "# the end\n"), **{**TENT_READ, "notes": ["ignored 3 words after the last element"]})
+    add("more_bytes.ply", ply("", "binary_little_endian") + data + b"more", **{**TENT_READ, "notes": ["ignored 4 bytes after the last element"]})
+    add("vertical_tab.ply", ply(body.replace(" ", "\x0b").replace("\n", "\x0c")), **TENT_READ)
+    add("bom.ply", b"\xef\xbb\xbf" + ply(body), **TENT_READ)
+    add("whole_floats.ply", ply(body.replace("4 0 1", "4.0 0 1e0")), **TENT_READ)
+    add("odd_values.ply", ply(body.replace("\n3 4", " 0.5\n3 4") + " nan 1e999\n", extra="property int a\n").replace(b"6 nan", b"6\nnan"),
+        **{**TENT_READ, "notes": ["ignored 1 word after the last element"]})
+    refuse("two_lists.ply", ply(body, extra="property list uchar int vertex_index\n"), ":11: element face has two lists of vertices")
+    refuse("property_twice.ply", ply(body, extra="element a 1\nproperty int a\nproperty list uchar int a\n"),
+           ":13: element a has the property 'a' twice")
+    refuse("list_twice.ply", ply(body, extra="property list uchar int vertex_indices\n"), ":11: element face has two lists of vertices")
+    refuse("element_twice.ply", ply(body, extra="element vertex 1\nproperty int a\n"), ":11: the header has the element 'vertex' twice")
+    refuse("no_name.ply", ply(body, extra="property int\n"), ":11: the property has no name")
+    refuse("half_length.ply", ply(body.replace("4 0 1 2 3", "4.5 0 1 2 3")), ": face 0: a list's length 4.5 is not an integer")
+    refuse("half_index.ply", ply(body.replace("4 0 1", "4 0 1.5")), ": face 0: vertex index 1.5 is not an integer")
+    refuse("plus_minus.ply", ply(body.replace("4 0 1", "4 0 +-1")), ":19: '+-1' is not a number")
+    refuse("negative_length.ply", ply(body, count="char").replace(b"4 0 1 2 3", b"-1"), ": face 0: a list of -1 does not fit in the file")
+    refuse("long_list.ply", ply(body, count="uint").replace(b"4 0 1 2 3", b"18446744073709551615"), ": is cut off within element face")
+    refuse("long_list_binary.ply", ply("", "binary_little_endian", count="uint") + data[:7 * 24] + b"\xff" * 4, ": is cut off within element face")
     add("concave.ply", ply("0 0 0\n4 2 0\n0 4 0\n3 2 0\n4 0 1 2 3\n", vertices=4, faces=1), triangles=2, twice_area=(0, 0, 4))
     add("repeated.ply", ply("0 0 0\n4 0 0\n4 4 0\n0 4 0\n5 0 1 1 2 3\n3 0 1 0\n", vertices=4), triangles=2, twice_area=(0, 0, 32),
         notes=["dropped 1 repeated corner", "dropped 1 face with fewer than 3 different corners"])
@@ -212,6 +249,8 @@ def add_stl():
         twice_area=(0, 0, 32), notes=["welded 6 corners into 4 vertices"])
     add("degenerate.stl", ascii_stl([cube[0], [CUBE[0], CUBE[0], CUBE[1]]]), triangles=1, vertex_count=3,
         notes=["welded 6 corners into 3 vertices", "dropped 1 face with fewer than 3 different corners"])
+    add("bom.stl", "\ufeff" + text, **CUBE_READ)
+    add("vertical_tab.stl", text.replace(" vertex", "\x0bvertex").replace("\n  ", "\x0c\n"), **CUBE_READ)
     add("one_facet.stl", ascii_stl([[(0, 0, 0), (1, 0, 0), (0, 1, 0)]]), triangles=1, vertex_count=3, twice_area=(0, 0, 1), notes=[])
     add("doubles.stl", ascii_stl([[(0.1, 0, 0), (1e-300, 1, 0), (0, 0, 1)]]), vertices=[(.1, 0, 0), (1e-300, 1, 0), (0, 0, 1)], triangles=1)
     refuse("cut_ascii.stl", text[:-len("endsolid a\n")], ": is cut off: 'endsolid' is missing")
@@ -240,6 +279,12 @@ def add_off():
     add("normals.off", "NOFF\n4 1 0\n" + square.replace("\n", " 0 0 1\n") + "4 0 1 2 3\n", **PLANE)
     add("all.off", "STCN4OFF\n4 1 0\n" + "".join("{} {} {} 2 0 0 1 9 9 9 9 0 0\n".format(*(2 * x for x in p)) for p in SQUARE) + "4 0 1 2 3\n", **PLANE)
     add("concave.off", "OFF\n4 1 0\n0 0 0\n4 2 0\n0 4 0\n3 2 0\n4 0 1 2 3\n", triangles=2, twice_area=(0, 0, 4))
+    add("bom.off", "\ufeffOFF\n4 1 0\n" + square + "4 0 1 2 3\n", **PLANE)
+    add("vertical_tab.off", ("OFF\n4 1 0\n" + square + "4 0 1 2 3\n").replace(" ", "\x0b"), **PLANE)
+    add("more_lines.off", "OFF\n4 1 0\n" + square + "4 0 1 2 3\n\n# end\n2 0 1\nmore\n", **{**PLANE, "notes": ["ignored 2 lines after the last face"]})
+    refuse("one_line.off", ("OFF\n4 1 0\n" + square + "4 0 1 2 3\n").replace("\n", " "),
+           ":1: more than three counts are in this line; each vertex and face must have a line of its own")
+    refuse("word.off", "OFF x\n4 1 0\n" + square + "4 0 1 2 3\n", ":1: 'x' is not a number")
     refuse("keyword.off", "OF\n4 1 0\n", ": does not begin with 'OFF'")
     refuse("dimensions.off", "nOFF\n4\n4 1 0\n", ": 'nOFF' is a kind of OFF that is not read")
     refuse("binary.off", "OFF BINARY\n4 1 0\n", ": binary OFF is not read")
@@ -420,7 +465,35 @@ def add_gltf():
     mesh = g.mesh({"attributes": {"POSITION": g.accessor(SQUARE)}, "indices": g.indices([i % 4 for i in range(60000)]), "mode": 5})
     for _ in range(200):
         g.node(mesh=mesh)
-    refuse("many_copies.glb", g.binary(), ": its nodes repeat meshes to more than 33554432 vertices and corners")
+    expands("many_copies.glb", g.binary())
+    g = Gltf()
+    first = {"attributes": {"POSITION": g.accessor(SQUARE)}, "indices": g.indices([i % 4 for i in range(6000)])}
+    g.node(mesh=g.mesh(*[first] * 1600))
+    expands("primitives_share_indices.glb", g.binary())
+    g = Gltf()
+    first = {"attributes": {"POSITION": g.accessor([(i, 0, 0) for i in range(6000)])}, "mode": 0}
+    for _ in range(1600):
+        g.node(mesh=g.mesh(first))
+    expands("meshes_share_positions.glb", g.binary())
+    g = Gltf()
+    g.root["accessors"] = [{"componentType": 5126, "count": 1000000, "type": "VEC3"} for _ in range(9)]
+    for i in range(9):
+        g.node(mesh=g.mesh({"attributes": {"POSITION": i}, "mode": 0}))
+    expands("zeros.gltf", g.text())
+    g = Gltf()
+    g.root["accessors"] = [{"bufferView": 0, "componentType": 5126, "count": 0, "type": "VEC3"}]
+    g.view(b"0000")
+    mesh = g.mesh(*[{"attributes": {"POSITION": 0}, "mode": 0}] * 5000)
+    for _ in range(5000):
+        g.node(mesh=mesh)
+    refuse("copies_of_nothing.glb", g.binary(), ": has 0 vertices; a mesh needs 3")
+    g = quad()
+    g.root["accessors"][0]["sparse"] = {"count": 2 ** 63, "indices": {"bufferView": 0, "componentType": 5125}, "values": {"bufferView": 0}}
+    refuse("giant_sparse.gltf", g.text(), f": accessor 0: sparse has {2 ** 63} elements; the accessor has 4")
+    add("minus_zero.gltf", quad().text().replace('"byteOffset": 0', '"byteOffset": -0'), **PLANE)
+    add("zero_bytes.gltf", quad().text() + "\0\0", **PLANE)
+    refuse("zero_byte.gltf", quad().text().replace(", ", ",\0", 1), ": is not a JSON object, or is cut off")
+    refuse("infinite.gltf", quad(node={"scale": [1, 1, 9]}).text().replace("9]", "1" + "0" * 400 + "]"), ": is not a JSON object, or is cut off")
     refuse("empty.gltf", json.dumps({"asset": {"version": "2.0"}}), ": has 0 vertices; a mesh needs 3")
     refuse("list.gltf", "[]", ": is not a JSON object, or is cut off")
     refuse("deep_json.gltf", "[" * 200000, ": is not a JSON object, or is cut off")
@@ -491,7 +564,31 @@ def add_dae():
     refuse("skew.dae", dae(triangles, "<skew>1 0 0 0 1 0 0</skew>"), ": node 'n': the transform 'skew' is not read")
     refuse("circle.dae", dae(triangles, nodes='<node id="n"><instance_node url="#n"/></node>'), ": node 'n': nodes are nested deeper than 256")
     bomb = "".join(f'<node id="n{i}"><instance_node url="#n{i + 1}"/><instance_node url="#n{i + 1}"/></node>' for i in range(40))
-    refuse("bomb.dae", dae(triangles, nodes=bomb + '<node id="n40"/>'), ": nodes are instanced more than 250000 times")
+    expands("bomb.dae", dae(triangles, nodes=bomb + '<node id="n40"/>'))
+    expands("bomb_of_a_mesh.dae", dae(triangles, nodes=bomb + '<node id="n40"><instance_geometry url="#g"/></node>'))
+    points = [(i, 0, 0) for i in range(6000)]
+    geometry = '<geometry id="g{}"><mesh><vertices><input semantic="POSITION" source="#p"/></vertices></mesh></geometry>'
+    expands("geometries_share_source.dae", dae("", positions=points, nodes="<node>" + "".join(f'<instance_geometry url="#g{i}"/>' for i in range(1600)) + "</node>")
+            .replace("</library_geometries>", "".join(map(geometry.format, range(1600))) + "</library_geometries>"))
+    refuse("copies_of_nothing.dae", dae("", positions=points * 5, count=0, nodes="<node>" + '<instance_geometry url="#g"/>' * 20000 + "</node>"),
+           ": has 0 vertices; a mesh needs 3")
+    chain = "".join(f'<controller id="c{i}"><skin source="#c{i + 1}"/></controller>' for i in range(250)) + '<controller id="c250"><skin source="#g"/></controller>'
+    add("controllers.dae", dae(triangles, nodes="<node>" + '<instance_controller url="#c0"/>' * 20000 + "</node>").replace(
+        "<library_visual", f"<library_controllers>{chain}</library_controllers><library_visual", 1), triangles=40000, vertex_count=80000,
+        notes=["joined 20000 meshes into one", "ignored skins: meshes are as they were modelled"])
+    add("comment_in_array.dae", dae(triangles).replace("4 4 0", "4 <!-- four --> 4 <?x y?>0"), **PLANE)
+    add("cdata.dae", dae(triangles).replace("<p>0 1 2 0 2 3", "<p><![CDATA[0 1 2]]> 0 2 3"), **PLANE)
+    add("bom.dae", "\ufeff" + dae(triangles), **PLANE)
+    add("latin_1.dae", dae(triangles, "<!-- \xe9 -->").replace("utf-8", "windows-1252").encode("latin-1"), **PLANE)
+    add("prefixes.dae", dae(triangles).replace("xmlns=", "xmlns:c=").replace("<vertices", "<c:vertices").replace("</vertices", "</c:vertices"), **PLANE)
+    refuse("not_utf_8.dae", dae(triangles, "<!-- \xe9 -->").encode("latin-1"), ":10: is not well-formed XML, or is cut off")
+    refuse("utf_16.dae", dae(triangles).replace("utf-8", "utf-16").encode("utf-16"), ": has bytes of 0; XML must be in UTF-8")
+    refuse("ampersand.dae", dae(triangles, "<!-- & --> & "), ":10: is not well-formed XML, or is cut off")
+    refuse("attribute_twice.dae", dae(triangles, '<x a="1" a="2"/>'), ":10: is not well-formed XML, or is cut off")
+    refuse("minus_zero.dae", dae(primitive("triangles", "<p>-0 1 2</p>")), ": p: '-0' is not a number")
+    refuse("no_accessor.dae", dae(triangles).replace("accessor", "access"), ": source 'p': has no accessor")
+    refuse("no_skin.dae", dae(triangles, nodes='<node id="c"><instance_controller url="#c"/></node>'), ": node 'c': has no skin and no morph")
+    add("large_number_that_is_not_read.dae", dae(triangles).replace("0 4 0</float_array>", "0 4 0 1e999</float_array>"), **PLANE)
     refuse("doctype.dae", dae(triangles).replace("?>\n", '?>\n<!DOCTYPE x [<!ENTITY a "b">]>\n', 1), ": has a DOCTYPE, which COLLADA has not")
     refuse("other.dae", "<html/>", ": has no element COLLADA")
     refuse("deep.dae", dae(triangles, nodes="<node>" * 400 + "</node>" * 400), ": elements are nested deeper than 256")

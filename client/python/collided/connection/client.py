@@ -7,6 +7,7 @@ import os
 import threading
 import time
 import uuid
+from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -24,12 +25,13 @@ from collided.connection.own_daemon import OwnDaemon, shared_daemon
 from collided.errors import (DeadlineExceeded, Error, InvalidArgument, NotFound, ResourceExhausted, Unavailable,
                              error_of_call)
 from collided.layout import Layout
-from collided.options import SceneOptions
+from collided.options import SceneOptions, check_seconds
 from collided.v1 import batch_pb2, scene_pb2
 from collided.v1 import collision_service_pb2 as api
 from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
 
-_TRIANGLES_PER_CHUNK = (1 << 20) // 12  # 1 MiB, well below the limit of any daemon
+_TRIANGLES_PER_CHUNK = (1 << 19) // 12  # 512 KiB, well below the limit of any daemon
+_UPLOADS_AT_ONCE = 8
 _MAX_INLINE_BYTES = 4 << 20  # of triangles in the message that creates a scene
 _CREATE_TRIES, _RETRY_SECONDS = 3, 0.2
 _UINT32_MAX = 2**32 - 1
@@ -148,6 +150,7 @@ class Client:
     def create_scene(self, layout: Layout, options: SceneOptions, lease_seconds: float,
                      tries: int = _CREATE_TRIES) -> scene_pb2.Scene:
         """Retries if the answer is lost, without ever creating two scenes on a daemon."""
+        check_seconds(lease_seconds, "lease_seconds")
         request = api.CreateSceneRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
                                          lease_seconds=lease_seconds)
         uploads = self._put_inline(request.spec, layout)
@@ -157,6 +160,7 @@ class Client:
         """The same for a set of `count` scenes of one spec."""
         if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or not 0 <= count <= _UINT32_MAX:
             raise InvalidArgument(f"count is {count!r}; it must be from 1 to 65536", field="count")
+        check_seconds(lease_seconds, "lease_seconds")
         request = batch_pb2.CreateScenesRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
                                                 count=int(count), lease_seconds=lease_seconds)
         uploads = self._put_inline(request.spec, layout)
@@ -176,16 +180,42 @@ class Client:
         return uploads
 
     def _upload_all(self, scene: scene_pb2.Scene, uploads: dict[int, np.ndarray]) -> scene_pb2.Scene:
+        if not uploads:
+            return scene
         try:
-            for index, triangles in uploads.items():
-                scene = self._upload(scene.scene_id, index, triangles)
+            with self._channel_of_a_call() as channel:
+                return self._upload_together(scene.scene_id, uploads, channel)
         except Error:
             self.try_delete(scene.scene_id)
             raise
         except BaseException:  # an interrupt, after which nothing waits
             self.ask_to_delete(scene.scene_id)
             raise
-        return scene
+
+    def _upload_together(self, scene_id: str, uploads: dict[int, np.ndarray], channel: grpc.Channel) -> scene_pb2.Scene:
+        """Several at a time, as each takes a round trip. Returns the scene once it has all meshes."""
+        left, flying, at_once = deque(uploads), deque[tuple[int, bool, Any]](), _UPLOADS_AT_ONCE
+        ready = scene_pb2.Scene()
+        try:
+            while left or flying:
+                while left and len(flying) < at_once:
+                    mesh = left.popleft()
+                    flying.append((mesh, at_once == 1, self._upload(scene_id, mesh, uploads[mesh], channel)))
+                mesh, is_alone, call = flying.popleft()
+                try:
+                    scene = call.result().scene
+                except grpc.RpcError as error:
+                    why = error_of_call(error)
+                    if is_alone or not isinstance(why, ResourceExhausted):
+                        raise why from None
+                    at_once = 1  # a client may have few calls open, or little memory: this one goes again, once the others have ended
+                    left.appendleft(mesh)
+                else:
+                    ready = scene if scene.state == scene_pb2.SCENE_STATE_READY else ready
+        finally:
+            for *_, call in flying:
+                call.cancel()
+        return ready
 
     def connect(self, patience: float = math.inf) -> Connection:
         """The connection, made if there is none. Raises Unavailable if no daemon answers in time.
@@ -274,11 +304,13 @@ class Client:
                     raise
         raise AssertionError
 
-    def _upload(self, scene_id: str, mesh: int, triangles: Any) -> scene_pb2.Scene:
+    def _upload(self, scene_id: str, mesh: int, triangles: Any, channel: grpc.Channel) -> Any:
+        """Begins an upload. Returns a grpc.Future of its answer."""
         starts = range(0, len(triangles), _TRIANGLES_PER_CHUNK)
         chunks = (api.UploadMeshRequest(scene_id=scene_id, mesh=mesh,
                                         triangles=triangles[at:at + _TRIANGLES_PER_CHUNK].tobytes()) for at in starts)
-        return self.call("UploadMesh", chunks, scene_id, self.options.deadline + len(starts)).scene
+        return CollisionServiceStub(channel).UploadMesh.future(chunks, timeout=self.options.deadline + len(starts),
+                                                               metadata=metadata(self.options, scene_id))
 
     def __repr__(self) -> str:
         return f"<Client of {self.place}>"

@@ -6,7 +6,7 @@ from typing import TypedDict
 
 import numpy as np
 
-from collided.choices import choice
+from collided.choices import check_flag, choice
 from collided.errors import InvalidArgument
 from collided.frames.edit import Edit
 from collided.options import check_length
@@ -36,6 +36,11 @@ class FrameOptions(TypedDict, total=False):
     edit: Edit | None
 
 
+def _flag(options: FrameOptions, name: str) -> bool:
+    value = options.get(name)
+    return value is not None and check_flag(value, name)
+
+
 _PLAIN = frame_pb2.Frame()
 
 
@@ -51,8 +56,7 @@ def frame_head(options: FrameOptions) -> frame_pb2.Frame:
         mode=choice(scene_pb2.DetectionMode, "DETECTION_MODE_", options.get("mode"), "mode"),
         accuracy=choice(scene_pb2.Accuracy, "ACCURACY_", options.get("accuracy"), "accuracy"),
         report=choice(scene_pb2.Report, "REPORT_", options.get("report"), "report"),
-        ignore_separating=bool(options.get("ignore_separating")), advance=bool(options.get("advance")),
-        trial=bool(options.get("trial")))
+        ignore_separating=_flag(options, "ignore_separating"), advance=_flag(options, "advance"), trial=_flag(options, "trial"))
     delta, fraction = options.get("delta"), options.get("from_last_fraction")
     if delta is not None:
         check_length(delta, "delta")

@@ -163,7 +163,8 @@ class DeviceSession:
             self.scene.close()
 
     def __repr__(self) -> str:
-        return f"<DeviceSession of {self.scene.name}: {len(self._pending)} of {self.window} frames in flight>"
+        state = "closed" if self._leftover.is_over else f"{len(self._pending)} of {self.window} frames in flight"
+        return f"<DeviceSession of {self.scene.name}: {state}>"
 
     def __enter__(self) -> DeviceSession:
         return self

@@ -31,5 +31,7 @@ def read_mesh_file(path: str) -> dict[str, Any]:
         return reader(contents(path), path).finish()
     except ReadError as error:
         raise InvalidArgument(f"{path}{error.place}: {error}") from None
+    except MemoryError:
+        raise InvalidArgument(f"{path}: does not fit in memory") from None
     except ValueError as error:  # InvalidArgument, and numpy's own
         raise InvalidArgument(f"{path}: {getattr(error, 'message', error)}") from None

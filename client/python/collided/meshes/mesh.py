@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from collided.arrays import UINT32_MAX, check_below, ids, points
-from collided.choices import check_text, choice, word
+from collided.choices import check_flag, check_text, choice, word
 from collided.errors import InvalidArgument
 from collided.meshes.files import read_mesh_file
 from collided.meshes.foreign import parts_of
@@ -57,6 +57,7 @@ class Mesh:
             self._keep(name, ids(() if given is None else given, name, corners))
         if self.vertices is not None:
             self._keep("vertices", points(self.vertices, "vertices"))
+        self._check_whole("vertex_count", UINT32_MAX)
         object.__setattr__(self, "vertex_count", self._count())
         for name in ("triangles", "edges", "points"):
             check_below(getattr(self, name), self.vertex_count, name)
@@ -64,9 +65,14 @@ class Mesh:
         motion = choice(scene_pb2.MeshMotion, "MESH_MOTION_", self.motion, "motion")
         object.__setattr__(self, "motion", word(scene_pb2.MeshMotion, "MESH_MOTION_", motion or 1))
         for name, limit in (("groups", UINT32_MAX), ("collide_mask", UINT32_MAX), ("exclude_rings", 8)):
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not 0 <= value <= limit:
-                raise InvalidArgument(f"{name} is {value!r}; it must be from 0 to {limit}", field=name)
+            self._check_whole(name, limit)
+        for name in ("self_contacts", "exclude_rest_pairs"):
+            object.__setattr__(self, name, check_flag(getattr(self, name), name))
+
+    def _check_whole(self, name: str, limit: int) -> None:
+        value = getattr(self, name)
+        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not 0 <= value <= limit:
+            raise InvalidArgument(f"{name} is {value!r}; it must be from 0 to {limit}", field=name)
 
     def _keep(self, name: str, array: np.ndarray) -> None:
         """A copy: the scene is made of it, perhaps again, whatever becomes of the caller's array."""

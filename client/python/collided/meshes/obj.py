@@ -2,31 +2,33 @@
 
 from __future__ import annotations
 
-import codecs
 import re
 
 import numpy as np
 
 from collided.meshes.polygons import ReadError
-from collided.meshes.raw import RawMesh, count_text, divided, float_table, lines_of, no_rows, number, vertices_there
+from collided.meshes.raw import (RawMesh, count_text, divided, fast_numbers, float_table, lines_of, no_rows, number,
+                                 vertices_there, without_mark)
 
-_AFTER_SLASH = re.compile(rb"/[^\s]*")
+_AFTER_SLASH = re.compile(rb"(?<=\S)/\S*")
+_KEYS = {key + end: key[0] for key in (b"v", b"f", b"l", b"p") for end in (b"", b" ")}
+_BLANKS = bytes.maketrans(b"\t\x0b\x0c", b"   ")
 _COMMENT = re.compile(rb"#.*")
 
 
 def read_obj(data: bytes, _path: str) -> RawMesh:
-    lines = _logical_lines(lines_of(data.removeprefix(codecs.BOM_UTF8)))
-    keys = np.array([line[:2].replace(b"\t", b" ") for line in lines], dtype="S2")
-    vertex_lines = np.flatnonzero((keys == b"v ") | (keys == b"v"))
+    lines = _logical_lines(lines_of(without_mark(data)))
+    keys = np.fromiter((_KEYS.get(line[:2].translate(_BLANKS), 0) for line in lines), np.uint8, len(lines))
+    vertex_lines = np.flatnonzero(keys == ord("v"))
     mesh = RawMesh(vertices=_vertices(lines, vertex_lines))
-    for key in (b"f", b"l", b"p"):
-        at = np.flatnonzero((keys == key + b" ") | (keys == key))
+    for key in "flp":
+        at = np.flatnonzero(keys == ord(key))
         corners, counts = _words(lines, at)
         before = np.searchsorted(vertex_lines, np.repeat(at, counts))
         indices = _from_zero(corners, before, len(mesh.vertices), np.repeat(at, counts))
-        if key == b"f":
+        if key == "f":
             mesh.corners, mesh.counts, mesh.lines = indices, counts, at + 1
-        elif key == b"l":
+        elif key == "l":
             mesh.edges = _segments(indices, counts, at)
         else:
             mesh.points = indices
@@ -36,9 +38,14 @@ def read_obj(data: bytes, _path: str) -> RawMesh:
 def _logical_lines(lines: list[bytes]) -> list[bytes]:
     """Strips comments, and joins a line that ends in a backslash with the next one, which is left empty."""
     lines = [_COMMENT.sub(b"", line) if b"#" in line else line for line in lines]
-    for i in range(len(lines) - 1, 0, -1):  # backwards, for chains of such lines
-        if lines[i - 1].endswith(b"\\"):
-            lines[i - 1], lines[i] = lines[i - 1][:-1] + b" " + lines[i], b""
+    i = 0
+    while i < len(lines):
+        first = i
+        while i < len(lines) and lines[i].endswith(b"\\"):
+            i += 1
+        if i > first:
+            lines[first:i + 1] = [b" ".join([line.removesuffix(b"\\") for line in lines[first:i + 1]]), *[b""] * (len(lines[first:i + 1]) - 1)]
+        i += 1
     return [line.strip() for line in lines]
 
 
@@ -66,11 +73,11 @@ def _words(lines: list[bytes], at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """All indices of these lines, and how many each has."""
     rows = [_AFTER_SLASH.sub(b"", lines[i]).split()[1:] for i in at]
     counts = np.fromiter(map(len, rows), int, len(rows))
-    try:
-        return np.array([word for row in rows for word in row], dtype="S").astype(np.int64), counts
-    except (ValueError, OverflowError):
-        indices = [number(word, f":{i + 1}", int) for row, i in zip(rows, at) for word in row]
-        return np.clip(np.array(indices, object), -2 ** 62, 2 ** 62).astype(np.int64), counts
+    indices = fast_numbers([word for row in rows for word in row], int)
+    if indices is None:
+        slow = [number(word, f":{i + 1}", int) for row, i in zip(rows, at) for word in row]
+        indices = np.clip(np.array(slow, object), -2 ** 62, 2 ** 62).astype(np.int64)
+    return indices, counts
 
 
 def _from_zero(corners: np.ndarray, before: np.ndarray, vertices: int, line: np.ndarray) -> np.ndarray:

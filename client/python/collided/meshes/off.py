@@ -9,25 +9,28 @@ from collections.abc import Iterator
 import numpy as np
 
 from collided.meshes.polygons import ReadError
-from collided.meshes.raw import RawMesh, coordinate, divided, lines_of, number, text_of
+from collided.meshes.raw import RawMesh, coordinate, count_text, divided, lines_of, number, text_of, whole, without_mark
 
 _KEYWORD = re.compile(rb"(ST)?C?N?(4?)OFF")
 
 
 def read_off(data: bytes, _path: str) -> RawMesh:
+    data = without_mark(data)
     lines = _full_lines(data)
     at, words = next(lines, (0, []))
     has_w = False
     if words and words[0].endswith(b"OFF"):
         if not (match := _KEYWORD.fullmatch(words[0])):
             raise ReadError(f"'{text_of(words[0])}' is a kind of OFF that is not read")
-        if b"BINARY" in words:
+        if words[1:2] == [b"BINARY"]:
             raise ReadError("binary OFF is not read")
         has_w = bool(match[2])
         at, words = (at, words[1:]) if len(words) > 1 else next(lines, (at, []))
     elif not words or not words[0][:1].isdigit():
         raise ReadError("does not begin with 'OFF'")
     vertex_count, face_count = (_whole(words, i, at) for i in (0, 1))
+    if len(words) > 3:
+        raise ReadError("more than three counts are in this line; each vertex and face must have a line of its own", f":{at}")
     for count, what in ((vertex_count, "vertices"), (face_count, "faces")):
         if 5 * count > len(data):
             raise ReadError(f"is cut off: {count} {what} do not fit in the {len(data)} bytes of the file")
@@ -40,7 +43,9 @@ def read_off(data: bytes, _path: str) -> RawMesh:
             raise ReadError("a number is missing", f":{at}")
         corners.extend(_whole(words, i, at) for i in range(1, counts[-1] + 1))
         face_lines.append(at)
-    return RawMesh(vertices=np.array(vertices, "<f8").reshape(-1, 3), corners=np.array(corners, np.int64),
+    ignored = sum(1 for _ in lines)
+    notes = [f"ignored {count_text(ignored, 'line')} after the last face"] if ignored else []
+    return RawMesh(notes=notes, vertices=np.array(vertices, "<f8").reshape(-1, 3), corners=np.array(corners, np.int64),
                    counts=np.array(counts, np.int64), lines=np.array(face_lines))
 
 
@@ -60,12 +65,7 @@ def _exactly(lines: Iterator[tuple[int, list[bytes]]], count: int, what: str) ->
 
 
 def _whole(words: list[bytes], i: int, at: int) -> int:
-    value = number(words[i] if i < len(words) else b"", f":{at}", int)
-    if value < 0:
-        raise ReadError(f"'{text_of(words[i])}' is not a number", f":{at}")
-    if value > 0xFFFFFFFF:
-        raise ReadError(f"number {text_of(words[i])} is out of range", f":{at}")
-    return value
+    return whole(words[i] if i < len(words) else b"", f":{at}", 2 ** 32)
 
 
 def _vertex(words: list[bytes], has_w: bool, place: str) -> list[float]:

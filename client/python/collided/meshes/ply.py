@@ -1,5 +1,5 @@
 """PLY, ASCII or binary of either byte order: positions of "vertex", corners of "face", strips of "tristrips"; all else is
-skipped."""
+skipped, and a note says so of what "edge" has and of what follows the last element."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from collided.meshes.polygons import ReadError
-from collided.meshes.raw import RawMesh, lines_of, number, strip_faces, text_of
+from collided.meshes.raw import RawMesh, count_text, fast_numbers, lines_of, number, strip_faces, text_of, whole, without_mark
 
 _TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
           "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
@@ -32,26 +32,39 @@ class _Element:
     properties: list[_Property] = field(default_factory=list)
 
     @property
-    def lists(self) -> list[_Property]:
-        return [p for p in self.properties if p.count_type]
+    def lists(self) -> list[int]:
+        """Numbers of the properties that are lists."""
+        return [i for i, p in enumerate(self.properties) if p.count_type]
 
     @property
-    def corners(self) -> _Property | None:
-        """The list of a face's vertices."""
-        return next((p for p in self.lists if p.name in _CORNERS), None)
+    def corners(self) -> int | None:
+        """The property that lists a face's vertices."""
+        is_face = self.name in ("face", "tristrips")
+        return next((i for i in self.lists if is_face and self.properties[i].name in _CORNERS), None)
+
+    def min_bytes(self, order: str) -> int:
+        """The minimum size of a row."""
+        return sum(np.dtype(p.count_type or p.type).itemsize if order else 1 for p in self.properties)
 
 
 class _Body(Protocol):
-    """Where the elements are read from."""
+    """Where the elements are read from. In its tables "0", "1" and so on are the properties, "n0" and so on lengths of lists."""
 
-    def table(self, element: _Element, lengths: dict[str, int], most: int) -> np.ndarray:
+    unit: str  # of what is left: bytes or words
+
+    @property
+    def left(self) -> int:
+        """How much of the body is left."""
+
+    def table(self, element: _Element, lengths: dict[int, int], most: int) -> np.ndarray:
         """The next rows, up to `most`, whose lists have these lengths. Does not move on."""
 
-    def skip(self, element: _Element, lengths: dict[str, int], rows: int) -> None:
+    def skip(self, element: _Element, lengths: dict[int, int], rows: int) -> None:
         """Moves on behind so many of them."""
 
 
 def read_ply(data: bytes, _path: str) -> RawMesh:
+    data = without_mark(data)
     order, elements, body_at = _header(data)
     body: _Body = _Binary(data, body_at, order) if order else _Text(data, body_at)
     mesh = RawMesh()
@@ -66,6 +79,10 @@ def read_ply(data: bytes, _path: str) -> RawMesh:
         else:
             for _ in _runs(body, element):
                 pass
+            if element.name == "edge" and element.count:
+                mesh.notes.append(f"ignored {count_text(element.count, 'edge')}")
+    if body.left:
+        mesh.notes.append(f"ignored {count_text(body.left, body.unit)} after the last element")
     return mesh
 
 
@@ -97,13 +114,13 @@ def _header(data: bytes) -> tuple[str, list[_Element], int]:
     if order is None:
         raise ReadError("has no format line")
     for element in elements:
-        if element.name in ("face", "tristrips") and element.count and not element.corners:
+        if element.name in ("face", "tristrips") and element.count and element.corners is None:
             raise ReadError(f"element {element.name} lacks the list vertex_indices")
         if element.count and not element.properties:
             raise ReadError(f"element {element.name} has no properties")
-        if element.count > len(data) - body_at:
+        if element.count * element.min_bytes(order) > len(data) - body_at:
             raise ReadError(f"is cut off: {element.count} of element {element.name} do not fit in the "
-                            f"{len(data) - body_at} bytes that follow the header")
+                            f"{max(len(data) - body_at, 0)} bytes that follow the header")
     return order, elements, body_at
 
 
@@ -121,12 +138,10 @@ def _header_line(words: list[bytes], order: str | None, elements: list[_Element]
             raise ReadError(f"format '{text_of(words[0])}' is not a PLY format", place)
         return _ORDERS[words[0].decode("latin-1")]
     if key == b"element":
-        count = number(words[1], place, int)
-        if count < 0:
-            raise ReadError(f"'{text_of(words[1])}' is not a number", place)
-        if count >= 2 ** 64:
-            raise ReadError(f"number {text_of(words[1])} is out of range", place)
-        elements.append(_Element(words[0].decode("latin-1"), count))
+        name = words[0].decode("latin-1")
+        if any(element.name == name for element in elements):
+            raise ReadError(f"the header has the element '{text_of(words[0])}' twice", place)
+        elements.append(_Element(name, whole(words[1], place)))
     elif key == b"property":
         if not elements:
             raise ReadError("a property stands before any element", place)
@@ -134,28 +149,36 @@ def _header_line(words: list[bytes], order: str | None, elements: list[_Element]
         if count_type.startswith("f"):
             raise ReadError("a list's length must be an integer type", place)
         kind, name = words[2:4] if count_type else words[:2]
-        property_ = _Property(name.decode("latin-1"), _type(kind, place), count_type)
-        elements[-1].properties.append(property_)
-        if elements[-1].name in ("face", "tristrips") and property_ is elements[-1].corners and property_.type[0] == "f":
-            raise ReadError(f"{property_.name} must be of an integer type", place)
+        _add_property(elements[-1], _Property(name.decode("latin-1"), _type(kind, place), count_type), place)
     elif key not in (b"comment", b"obj_info"):
         raise ReadError(f"'{text_of(key)}' is not a PLY keyword", place)
     return order
+
+
+def _add_property(element: _Element, added: _Property, place: str) -> None:
+    if not added.name:
+        raise ReadError("the property has no name", place)
+    if element.name in ("face", "tristrips") and added.count_type and added.name in _CORNERS:
+        if added.type[0] == "f":
+            raise ReadError(f"{added.name} must be of an integer type", place)
+        if element.corners is not None:
+            raise ReadError(f"element {element.name} has two lists of vertices", place)
+    if any(known.name == added.name for known in element.properties):
+        raise ReadError(f"element {element.name} has the property '{added.name[:40]}' twice", place)
+    element.properties.append(added)
 
 
 def _runs(body: _Body, element: _Element) -> Any:
     """Tables of successive rows whose lists have the same lengths; most files have one."""
     left, at_once = element.count if element.properties else 0, element.count
     while left > 0:
-        lengths = {p.name: 0 for p in element.lists}
-        for name in lengths:  # a list's place depends on the lengths of those before it
-            lengths[name] = int(body.table(element, lengths, 1)["count of " + name][0])
-            if lengths[name] < 0:
-                raise ReadError(f"a list of {lengths[name]} does not fit in the file", f": {element.name} {element.count - left}")
+        lengths = {i: 0 for i in element.lists}
+        for i in lengths:  # a list's place depends on the lengths of those before it
+            lengths[i] = _length(body, element, body.table(element, lengths, 1)[f"n{i}"][0], element.count - left)
         rows = body.table(element, lengths, min(left, at_once))
         same = np.ones(len(rows), bool)
-        for name, length in lengths.items():
-            same &= rows["count of " + name] == length
+        for i, length in lengths.items():
+            same &= rows[f"n{i}"] == length
         equal = len(rows) if same.all() else int(same.argmin())
         yield lengths, rows[:equal]
         body.skip(element, lengths, equal)
@@ -163,82 +186,118 @@ def _runs(body: _Body, element: _Element) -> Any:
         at_once = max(64, 2 * equal)  # where lengths alternate, few rows are looked at in vain
 
 
-def _dtype(element: _Element, lengths: dict[str, int], order: str) -> np.dtype:
+def _length(body: _Body, element: _Element, length: Any, row: int) -> int:
+    """A list's length, checked."""
+    if length != np.floor(length):
+        raise ReadError(f"a list's length {_shown(length)} is not an integer", f": {element.name} {row}")
+    if length < 0:
+        raise ReadError(f"a list of {_shown(length)} does not fit in the file", f": {element.name} {row}")
+    if length > body.left:
+        raise _cut_off(element)
+    return int(length)
+
+
+def _cut_off(element: _Element) -> ReadError:
+    return ReadError(f"is cut off within element {element.name}")
+
+
+def _shown(value: Any) -> str:
+    return repr(float(value)).removesuffix(".0")
+
+
+def _dtype(element: _Element, lengths: dict[int, int], order: str) -> np.dtype:
     """Of a row whose lists have these lengths; of text ("") doubles hold every type exactly."""
     fields: list[Any] = []
-    for p in element.properties:
+    for i, p in enumerate(element.properties):
         kind = order + p.type if order else "f8"
         if p.count_type:
-            fields.append(("count of " + p.name, order + p.count_type if order else "f8"))
-            fields.append((p.name, kind, (lengths[p.name],)))
+            fields.append((f"n{i}", order + p.count_type if order else "f8"))
+            fields.append((str(i), kind, (lengths[i],)))
         else:
-            fields.append((p.name, kind))
+            fields.append((str(i), kind))
     return np.dtype(fields)
 
 
 class _Binary(_Body):
+    unit = "byte"
+
     def __init__(self, data: bytes, at: int, order: str) -> None:
         self._data, self._at, self._order = data, at, order
 
-    def table(self, element: _Element, lengths: dict[str, int], most: int) -> np.ndarray:
+    @property
+    def left(self) -> int:
+        return len(self._data) - self._at
+
+    def table(self, element: _Element, lengths: dict[int, int], most: int) -> np.ndarray:
         dtype = _dtype(element, lengths, self._order)
-        rows = min(most, (len(self._data) - self._at) // dtype.itemsize)
+        rows = min(most, self.left // dtype.itemsize)
         if rows < 1:
-            raise ReadError(f"is cut off within element {element.name}")
+            raise _cut_off(element)
         return np.frombuffer(self._data, dtype, rows, self._at)
 
-    def skip(self, element: _Element, lengths: dict[str, int], rows: int) -> None:
+    def skip(self, element: _Element, lengths: dict[int, int], rows: int) -> None:
         self._at += rows * _dtype(element, lengths, self._order).itemsize
 
 
 class _Text(_Body):
-    def __init__(self, data: bytes, at: int) -> None:
-        try:
-            if b"_" in data[at:]:
-                raise ValueError
-            self._numbers = np.array(data[at:].split(), dtype="S").astype("<f8")
-        except ValueError:
-            first = 1 + len(lines_of(data[:at])) - 1
-            for line_number, line in enumerate(lines_of(data[at:]), first):
-                for word in line.split():
-                    number(word, f":{line_number}")
-            raise
-        self._at = 0
+    unit = "word"
 
-    def table(self, element: _Element, lengths: dict[str, int], most: int) -> np.ndarray:
+    def __init__(self, data: bytes, at: int) -> None:
+        words = data[at:].split()
+        self._words, self._at = len(words), 0
+        self._error: ReadError | None = None  # of the word behind the numbers
+        numbers = fast_numbers(words, float)
+        self._numbers = self._up_to_an_error(data, at) if numbers is None else numbers
+
+    def _up_to_an_error(self, data: bytes, at: int) -> np.ndarray:
+        numbers: list[float] = []
+        try:
+            for line_number, line in enumerate(lines_of(data[at:]), len(lines_of(data[:at]))):
+                for word in line.split():
+                    numbers.append(number(word, f":{line_number}"))
+        except ReadError as error:
+            self._error = error
+        return np.array(numbers, "<f8")
+
+    @property
+    def left(self) -> int:
+        return self._words - self._at
+
+    def table(self, element: _Element, lengths: dict[int, int], most: int) -> np.ndarray:
         dtype = _dtype(element, lengths, "")
         width = dtype.itemsize // 8
         rows = min(most, (len(self._numbers) - self._at) // width)
         if rows < 1:
-            raise ReadError(f"is cut off within element {element.name}")
+            raise self._error or _cut_off(element)
         return self._numbers[self._at:self._at + rows * width].view(dtype)
 
-    def skip(self, element: _Element, lengths: dict[str, int], rows: int) -> None:
+    def skip(self, element: _Element, lengths: dict[int, int], rows: int) -> None:
         self._at += rows * (_dtype(element, lengths, "").itemsize // 8)
 
 
 def _vertices(body: _Body, element: _Element) -> np.ndarray:
-    if not {"x", "y", "z"} <= {p.name for p in element.properties if not p.count_type}:
+    places = {p.name: str(i) for i, p in enumerate(element.properties) if not p.count_type}
+    if not {"x", "y", "z"} <= places.keys():
         raise ReadError("element vertex lacks one of the properties x, y, z")
-    tables = [np.stack([rows[axis] for axis in "xyz"], axis=1) for _, rows in _runs(body, element)]
+    tables = [np.stack([rows[places[axis]] for axis in "xyz"], axis=1) for _, rows in _runs(body, element)]
     vertices = np.concatenate(tables) if tables else np.empty((0, 3))
     return vertices.astype(vertices.dtype.newbyteorder("=")) if vertices.dtype.kind == "f" else vertices.astype("<f8")
 
 
 def _corners(body: _Body, element: _Element) -> tuple[np.ndarray, np.ndarray]:
     """The vertices that all rows list, and how many each lists."""
-    assert element.corners
-    name = element.corners.name
+    assert element.corners is not None
+    name, length_of = str(element.corners), element.corners
     corners, counts, row = [np.empty(0, np.int64)], [np.empty(0, np.int64)], 0
     for lengths, rows in _runs(body, element):
         values = rows[name].reshape(-1)
         if values.dtype.kind == "f" and (broken := np.flatnonzero(values != np.floor(values))).size:  # of text
-            raise ReadError(f"vertex index {values[broken[0]]} is not an integer",
-                            f": {element.name} {row + broken[0] // lengths[name]}")
+            raise ReadError(f"vertex index {_shown(values[broken[0]])} is not an integer",
+                            f": {element.name} {row + broken[0] // lengths[length_of]}")
         if values.dtype.kind == "f":
             values = np.clip(values, -2.0 ** 62, 2.0 ** 62)
         corners.append(values.astype(np.int64))
-        counts.append(np.full(len(rows), lengths[name]))
+        counts.append(np.full(len(rows), lengths[length_of]))
         row += len(rows)
     return np.concatenate(corners), np.concatenate(counts)
 

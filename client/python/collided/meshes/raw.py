@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import codecs
 import os
+import re
 import stat
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -14,6 +16,8 @@ from collided.meshes.polygons import ReadError, triangulate
 
 
 _MAX_BYTES = 8 << 30
+_MAX_FAST = 64  # bytes of a word
+_ZEROS = re.compile(rb"([+-]?)0*(?=[0-9]+$)")
 
 
 def contents(path: str) -> bytes:
@@ -117,8 +121,13 @@ def lines_of(data: bytes) -> list[bytes]:
     return data.split(b"\n")
 
 
+def without_mark(data: bytes) -> bytes:
+    """The text without UTF-8's byte order mark, as editors on Windows write it."""
+    return data.removeprefix(codecs.BOM_UTF8)
+
+
 def text_of(word: bytes) -> str:
-    return word[:40].decode("utf-8", "replace")
+    return word[:40].decode("utf-8", "replace").replace("\0", "\ufffd")
 
 
 def number(word: bytes, place: str, kind: Callable[[bytes], Any] = float) -> Any:
@@ -126,11 +135,34 @@ def number(word: bytes, place: str, kind: Callable[[bytes], Any] = float) -> Any
     if not word:
         raise ReadError("a number is missing", place)
     try:
-        if b"_" in word:
+        if b"_" in word or word.strip() != word:
             raise ValueError
+        if kind is int and len(word) > _MAX_FAST and _ZEROS.match(word):  # which int() takes few of
+            word = _ZEROS.sub(rb"\1", word)[:_MAX_FAST]
         return kind(word)
     except ValueError:
         raise ReadError(f"'{text_of(word)}' is not a number", place) from None
+
+
+def whole(word: bytes, place: str, limit: int = 2 ** 64) -> int:
+    """A number from 0 up to the limit."""
+    value = number(word, place, int)
+    if b"-" in word:
+        raise ReadError(f"'{text_of(word)}' is not a number", place)
+    if value >= limit:
+        raise ReadError(f"number {text_of(word)} is out of range", place)
+    return int(value)
+
+
+def fast_numbers(words: list[bytes], kind: type) -> np.ndarray | None:
+    """The numbers of all words at once; None if one of them may be none, or is so long that an array of equal words were large."""
+    text = b" ".join(words)
+    if b"_" in text or b"\0" in text or max(map(len, words), default=0) > _MAX_FAST:
+        return None
+    try:
+        return np.array(words, "S").astype("<f8" if kind is float else np.int64)
+    except (ValueError, OverflowError):
+        return None
 
 
 def coordinate(word: bytes, place: str) -> float:
@@ -148,20 +180,16 @@ def divided(vertex: list[float], w: float, place: str) -> list[float]:
     if w - w != 0:
         raise ReadError("w is not finite", place)
     vertex = [x / w for x in vertex]
-    if sum(vertex) - sum(vertex) != 0:
+    if any(x - x != 0 for x in vertex):
         raise ReadError("the position divided by its w is not finite", place)
     return vertex
 
 
 def float_table(rows: list[list[bytes]], lines: Iterable[int]) -> np.ndarray:
     """Coordinates, a row each of one length; slow only where a word must be named."""
-    try:
-        words = np.array(rows, dtype="S")
-        table = words.astype("<f8")
-        if np.isfinite(table).all() and not (np.char.find(words, b"_") >= 0).any():
-            return table
-    except ValueError:
-        pass
+    table = fast_numbers([word for row in rows for word in row], float)
+    if table is not None and np.isfinite(table).all():
+        return table.reshape(len(rows), -1)
     return np.array([[coordinate(word, f":{line}") for word in row] for row, line in zip(rows, lines)])
 
 

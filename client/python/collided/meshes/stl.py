@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from collided.meshes.polygons import ReadError
-from collided.meshes.raw import RawMesh, coordinate, count_text, lines_of, text_of, weld
+from collided.meshes.raw import RawMesh, coordinate, count_text, lines_of, text_of, weld, without_mark
 
 _HEADER_BYTES = 84
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attributes", "<u2")])
 
 
 def read_stl(data: bytes, _path: str) -> RawMesh:
-    mesh = _binary(data) if _is_binary(data) else _Ascii(data).read()
+    mesh = _binary(data) if _is_binary(data) else _Ascii(without_mark(data)).read()
     corners = len(mesh.vertices)
     mesh.vertices, mesh.corners = weld(mesh.vertices)
     if len(mesh.vertices) < corners:
@@ -24,7 +24,8 @@ def _is_binary(data: bytes) -> bool:
     """Binary files may begin with "solid" as well."""
     if len(data) >= _HEADER_BYTES and len(data) == _HEADER_BYTES + 50 * int.from_bytes(data[80:84], "little"):
         return True
-    return data[:512].lstrip(b" \t\r\n")[:5].lower() != b"solid" or b"\0" in data[:512]
+    head = without_mark(data[:512]).lstrip()
+    return head[:5].lower() != b"solid" or b"\0" in head
 
 
 def _binary(data: bytes) -> RawMesh:

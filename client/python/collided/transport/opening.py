@@ -36,13 +36,16 @@ class StreamOptions:
     daemon_user: int | None
 
     def __post_init__(self) -> None:
-        if self.transport not in _TRANSPORTS:
+        if not isinstance(self.transport, str) or self.transport not in _TRANSPORTS:
             raise InvalidArgument(f"transport is {self.transport!r}; it must be one of {', '.join(_TRANSPORTS)}",
                                   field="transport")
         for name, limit in (("window", 2**32 - 1), ("output_bytes", 2**63), ("edit_bytes", 2**63)):
             value: Any = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not 0 <= value <= limit:
                 raise InvalidArgument(f"{name} is {value!r}; it must be from 0 to {limit}", field=name)
+        user: Any = self.daemon_user
+        if user is not None and (isinstance(user, bool) or not isinstance(user, (int, np.integer)) or not 0 <= user < 2**32):
+            raise InvalidArgument(f"daemon_user is {user!r}; it must be a user's number, or None", field="daemon_user")
 
 
 def open_transport(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
