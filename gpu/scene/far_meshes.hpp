@@ -10,8 +10,8 @@
 
 namespace collided {
 
-/// How far the vertices of a mesh go, and how long its edges are, by some thousands of them. Of a large mesh these are
-/// runs of vertices that are spread evenly over it, since neighbours in number mostly are neighbours in space.
+/// Samples how far the vertices of a mesh go and how long its edges are. A large mesh is sampled by runs of vertices that
+/// are spread evenly over it: neighbours in number mostly are neighbours in space, and have edges.
 template <Executor Exec, class Real>
 class SampledMesh {
  public:
@@ -45,7 +45,7 @@ class SampledMesh {
     const Vec3<double> d = convert<double>(b) - convert<double>(a);
     return std::sqrt(dot(d, d));
   }
-  /// Where the start of a vertex is; null if it was not sampled.
+  /// Returns where a vertex starts; null if it was not sampled.
   const Vec3<Real>* start_of(uint32_t vertex) const {
     const uint32_t v = vertex - first_;
     const uint32_t run = std::min<uint32_t>(v / step_, static_cast<uint32_t>(start_.size() / run_) - 1);
@@ -72,7 +72,8 @@ class SampledMesh {
   uint64_t edges_ = 0;
 };
 
-/// Of a scene of CCD that is no set, in the step that is resident. Of very many meshes some are looked at, spread evenly.
+/// Returns the meshes that go far in the step that is resident, in a scene of CCD that is no set. Of very many meshes
+/// some are looked at, spread evenly.
 template <Executor Exec, class Real>
 std::vector<FrameProgress::FarMesh> far_meshes(Exec& exec, const SceneBuffers<Exec, Real>& scene,
                                                const Topology& topology) {
