@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <deque>
+#include <future>
 #include <numeric>
 #include <random>
 #include <thread>
+#include <utility>
 
 #include "client/cpp/meshes/mesh_pages.hpp"
 #include "client/cpp/transport/grpc/address.hpp"
@@ -23,8 +26,9 @@ namespace {
 
 using Service = v1::CollisionService::Stub;
 
-constexpr size_t kTrianglesPerChunk = (1 << 20) / 12;  // 1 MiB, well below the limit of any daemon
+constexpr size_t kTrianglesPerChunk = (1 << 19) / 12;  // 512 KiB, well below the limit of any daemon
 constexpr size_t kMaxInlineBytes = 4 << 20;                // of triangles in the message that creates a scene
+constexpr size_t kUploadsAtOnce = 8;
 constexpr int kCreateTries = 3;
 constexpr std::chrono::milliseconds kRetryPause(200);
 
@@ -180,14 +184,39 @@ v1::Scene Client::State::upload(const std::string& scene_id, uint32_t index, con
   return std::move(*response.mutable_scene());
 }
 
-/// A scene that could not be completed is deleted.
+/// Uploads several at a time, as each takes a round trip. A scene that could not be completed is deleted.
 v1::Scene Client::State::upload_all(v1::Scene scene, std::span<const MeshInput> meshes,
                                     std::span<const uint32_t> uploads) {
   const std::string id = scene.scene_id();
+  std::deque<uint32_t> left(uploads.begin(), uploads.end());
+  struct Upload {
+    uint32_t mesh;
+    bool is_alone;
+    std::future<v1::Scene> scene;
+  };
+  std::deque<Upload> flying;
+  size_t at_once = kUploadsAtOnce;
   try {
-    for (const uint32_t mesh : uploads) scene = upload(id, mesh, meshes[mesh]);
+    while (!left.empty() || !flying.empty()) {
+      for (; !left.empty() && flying.size() < at_once; left.pop_front()) {
+        const uint32_t mesh = left.front();
+        const auto send = [this, &id, mesh, &triangles = meshes[mesh]] { return upload(id, mesh, triangles); };
+        flying.push_back({mesh, at_once == 1, std::async(std::launch::async, send)});
+      }
+      Upload first = std::move(flying.front());
+      flying.pop_front();
+      try {
+        v1::Scene now = first.scene.get();
+        if (now.state() == v1::SCENE_STATE_READY) scene = std::move(now);
+      } catch (const Error& e) {
+        if (first.is_alone || e.code() != grpc::RESOURCE_EXHAUSTED) throw;
+        // A client may have few calls open, or little memory: this one goes again, once the others have ended.
+        at_once = 1;
+        left.push_front(first.mesh);
+      }
+    }
   } catch (const Error&) {
-    try_delete(id);
+    try_delete(id);  // which ends the other uploads
     throw;
   }
   return scene;

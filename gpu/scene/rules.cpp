@@ -185,12 +185,28 @@ void check_frame(const SceneSpec& spec, const FrameInput& frame) {
   if (spec.worlds > 0) check_frame_of_worlds(frame, settings);
 }
 
+namespace {
+
+/// Self contacts are left out of meshes that have none: of each option the first such mesh is named.
+void add_unused_exclusions(const SceneSpec& spec, std::vector<std::string>& unused) {
+  const auto add_first = [&](const char* option, const auto& is_set) {
+    for (size_t mesh = 0; mesh < spec.meshes.size(); ++mesh)
+      if (!spec.meshes[mesh].self_contacts && is_set(spec.meshes[mesh]))
+        return unused.push_back("meshes[" + std::to_string(mesh) + "]." + option);
+  };
+  add_first("excluded_rings", [](const MeshSpec& mesh) { return mesh.excluded_rings > 0; });
+  add_first("excludes_rest_pairs", [](const MeshSpec& mesh) { return mesh.excludes_rest_pairs; });
+}
+
+}  // namespace
+
 std::vector<std::string> unused_options(const SceneSpec& spec, const FrameInput& frame) {
   const FrameSettings settings = settings_of(spec, frame);
   std::vector<std::string> unused;
   if (spec.min_separation > 0 && spec.mode == Mode::kCcd && !frame.advance) unused.push_back("min_separation");
   if (spec.thickness > 0 && !is_of_features(first_of(spec.kinds))) unused.push_back("thickness");
   if (spec.delta > 0 && !frame.delta && settings.accuracy < Accuracy::kGuarded) unused.push_back("delta");
+  add_unused_exclusions(spec, unused);
   return unused;
 }
 

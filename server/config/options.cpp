@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <memory>
 #include <sstream>
 
+#include "deploy/help/help.hpp"
 #include "server/config/memory_limits.hpp"
 #include "server/config/rules.hpp"
 
@@ -61,6 +63,7 @@ ParsedConfig parse_config(int argc, const char* const* argv, const std::string& 
   ParsedConfig parsed;
   Switches switches{.version = version};
   CLI::App app(kSummary, kProgram);
+  app.formatter(std::make_shared<FittedFormatter>());
   define_options(app, parsed.config, switches);
   try {
     app.parse(argc, argv);

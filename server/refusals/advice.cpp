@@ -28,7 +28,7 @@ std::string found_by_then(const FrameProgress& progress) {
 std::string far_meshes(const FrameProgress& progress, const BusyScene& scene) {
   std::string text;
   for (const auto& [mesh, way, edge] : progress.far_meshes)
-    text += fmt::format("{} {} moves by up to {:.3g}, {:.3g} times its mean edge of {:.3g}",
+    text += fmt::format("{} {} moves by {:.3g} or more, {:.3g} times its mean edge of {:.3g}",
                         text.empty() ? ". In this step" : ",", scene.mesh_name(mesh), way, way / edge, edge);
   if (text.empty()) return text;
   return text + ": all that lies along such a way is tested, so the step costs less in several shorter ones";

@@ -3,6 +3,7 @@ package test
 import (
 	"context"
 	"errors"
+	"fmt"
 	"testing"
 	"time"
 
@@ -80,6 +81,25 @@ func TestARefusedUploadLeavesNoScene(t *testing.T) {
 	scenes, err := client.ListScenes(ctx)
 	must(t, err)
 	same(t, len(scenes), 0)
+}
+
+func TestLargeMeshesAreUploadedTogether(t *testing.T) {
+	ctx, client := connected(t)
+	meshes := make([]collided.Mesh, 12)
+	for i := range meshes { // 7.2 MB, of which 4 MiB are inline
+		meshes[i] = collided.Mesh{Name: fmt.Sprint("mesh ", i), VertexCount: 50_012, Triangles: make([][3]uint32, 50_000)}
+		for at := range meshes[i].Triangles {
+			meshes[i].Triangles[at] = [3]uint32{uint32(at), uint32(at + 1), uint32(at + 2 + i%3)}
+		}
+	}
+	scene := create(ctx, t, client, &collided.SceneSpec{Mode: collided.DCD}, meshes)
+	same(t, scene.State, v1.SceneState_SCENE_STATE_READY)
+	for i := range meshes {
+		mesh, err := client.GetMesh(ctx, scene.SceneId, uint32(i))
+		must(t, err)
+		same(t, len(mesh.Elements), len(meshes[i].Triangles))
+		same(t, mesh.Elements[49_999], meshes[i].Triangles[49_999])
+	}
 }
 
 func TestABadSpecIsRefusedByName(t *testing.T) {

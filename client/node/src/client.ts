@@ -19,7 +19,7 @@ import { FrameOutput } from "./output.js";
 import { type SceneInput, sceneSpec } from "./scene.js";
 import { Session, type SessionOptions } from "./session.js";
 import { FrameStream, type StreamOptions, checkStreamOptions } from "./stream.js";
-import { takeLarge, uploadMesh } from "./upload.js";
+import { takeLarge, uploadAll } from "./upload.js";
 import { type WatchOptions, Watcher, checkWatchOptions } from "./watcher.js";
 
 /** How a scene is created. */
@@ -77,15 +77,14 @@ export class Client {
     const spec = sceneSpec(input);
     const uploads = takeLarge(spec, this.serverInfo.limits!.maxMessageBytes);
     const requestId = randomBytes(16).toString("hex");
-    let scene = await this.#create(CreateSceneRequest.create({ requestId, leaseSeconds: options.leaseSeconds ?? 0, spec }));
-    const { sceneId } = scene;
+    const scene = await this.#create(CreateSceneRequest.create({ requestId, leaseSeconds: options.leaseSeconds ?? 0, spec }));
+    if (uploads.size === 0) return scene;
     try {
-      for (const [mesh, bytes] of uploads) scene = await uploadMesh(this.connection, sceneId, mesh, bytes);
+      return await uploadAll(this.connection, scene.sceneId, uploads);
     } catch (error) {
       await this.deleteScene(scene).catch(() => {}); // the upload's error is the one to tell
       throw error;
     }
-    return scene;
   }
 
   /** What createScene of the same input would cost, before anything is made; no triangle is sent. */

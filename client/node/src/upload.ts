@@ -4,9 +4,10 @@
 import type { Connection } from "./connection.js";
 import { Code, CollidedError } from "./errors.js";
 import type { UploadMeshResponse } from "./generated/collided/v1/collision_service.js";
-import { type Scene, SceneSpec } from "./generated/collided/v1/scene.js";
+import { type Scene, SceneSpec, SceneState } from "./generated/collided/v1/scene.js";
 
-const CHUNK_BYTES = 12 * Math.floor((1 << 20) / 12); // whole triangles, well below the limit of any daemon
+const CHUNK_BYTES = 12 * Math.floor((1 << 19) / 12); // whole triangles, well below the limit of any daemon
+const UPLOADS_AT_ONCE = 8;
 const MAX_INLINE_BYTES = 4 << 20; // of triangles in the message that creates a scene
 
 /**
@@ -29,8 +30,32 @@ export function takeLarge(spec: SceneSpec, maxMessageBytes: bigint): Map<number,
   return uploads;
 }
 
+/** Uploads several meshes at a time, as each takes a round trip; resolves with the scene once it has all meshes. */
+export async function uploadAll(connection: Connection, sceneId: string, uploads: Map<number, Uint8Array>): Promise<Scene> {
+  const left = [...uploads.keys()];
+  let ready: Scene | undefined;
+  let failure: unknown;
+  const crowded: number[] = []; // a client may have few calls open, or little memory: these go again, one by one
+  const run = async (retried?: number[]) => {
+    for (let mesh = left.shift(); mesh !== undefined && failure === undefined; mesh = left.shift()) {
+      try {
+        const scene = await uploadMesh(connection, sceneId, mesh, uploads.get(mesh)!);
+        if (scene.state === SceneState.READY) ready = scene;
+      } catch (error) {
+        if (retried && error instanceof CollidedError && error.code === Code.RESOURCE_EXHAUSTED) retried.push(mesh);
+        else failure ??= error;
+      }
+    }
+  };
+  await Promise.all(Array.from({ length: UPLOADS_AT_ONCE }, () => run(crowded)));
+  left.push(...crowded);
+  await run();
+  if (failure !== undefined) throw failure;
+  return ready!;
+}
+
 /** Uploads all triangles of mesh `mesh`; resolves with the scene after it. */
-export async function uploadMesh(connection: Connection, sceneId: string, mesh: number, triangles: Uint8Array): Promise<Scene> {
+async function uploadMesh(connection: Connection, sceneId: string, mesh: number, triangles: Uint8Array): Promise<Scene> {
   const limit = connection.deadlineSeconds + Math.ceil(triangles.length / CHUNK_BYTES);
   let settle: { resolve(answer: UploadMeshResponse): void; reject(error: CollidedError): void };
   const answered = new Promise<UploadMeshResponse>((resolve, reject) => (settle = { resolve, reject }));

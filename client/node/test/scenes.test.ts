@@ -36,6 +36,15 @@ test("triangles go with the scene or in chunks, whole ones, however many there a
   await used.client.deleteScene(created);
 });
 
+test("meshes that are too large for the message are uploaded together", async () => {
+  const strip = (i: number) => Array.from({ length: 60_000 }, (_, at) => [at % 5000, (at % 5000) + 1 + (i % 2), (at % 5000) + 2 - (i % 2)]).flat();
+  const meshes = Array.from({ length: 10 }, (_, i) => ({ name: `mesh ${i}`, vertexCount: 5_002, triangles: strip(i) }));
+  const scene = await used.client.createScene({ mode: DetectionMode.DCD, meshes });
+  assert.equal(scene.state, SceneState.READY);
+  for (const [i, mesh] of meshes.entries()) assert.deepEqual([...(await used.client.getMesh(scene, i)).elements], mesh.triangles);
+  await used.client.deleteScene(scene);
+});
+
 test("what a mesh is made of is told to whoever asks", async () => {
   const hair = { name: "hair", vertexCount: 6, triangles: [0, 1, 2], edges: [2, 3, 3, 4], points: [5] };
   const scene = await used.client.createScene({ mode: DetectionMode.CCD, meshes: [hair] });

@@ -63,7 +63,7 @@ class Leftover:
 
     @property
     def is_over(self) -> bool:
-        """Whether somebody has taken it."""
+        """Returns True once somebody has taken it."""
         return self._is_over
 
     def end_streams(self) -> None:

@@ -113,7 +113,7 @@ class Stream:
 
     @property
     def has_ended(self) -> bool:
-        """Whether it has ended for good."""
+        """Returns True once it has ended for good."""
         return self._failure is not None
 
     def _why_closed(self) -> Error | None:

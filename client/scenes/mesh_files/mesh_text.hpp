@@ -44,9 +44,9 @@ inline std::string in_quotes(std::string_view word) { return "'" + shortened(wor
 std::string read_file(const std::filesystem::path& file);
 void write_file(const std::filesystem::path& file, const std::string& text);
 
-/// What separates words within a line.
+/// Characters that separate the words of a line.
 inline constexpr std::string_view kBlanks = " \t\r\v\f";
-/// Of UTF-8, as editors on Windows write it.
+/// The byte order mark of UTF-8, which editors on Windows write.
 inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 inline std::string_view without_mark(std::string_view text) {

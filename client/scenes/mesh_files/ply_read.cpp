@@ -81,7 +81,7 @@ class Body {
  private:
   [[noreturn]] void fail_cut_off() const { fail(file_, "is cut off within element " + element_); }
 
-  /// Of ascii text; empty at its end.
+  /// Takes a word of ascii text; empty at its end.
   std::string_view next_word() {
     static constexpr std::string_view kSpaces = " \t\r\n\v\f";
     const size_t from = std::min(text_.find_first_not_of(kSpaces), text_.size());

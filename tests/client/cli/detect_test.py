@@ -82,7 +82,7 @@ class Meshes(support.CollidectlTest):
         answers = []
         for words in ([crossing], ["--frames", crossing], [folder], ["--frames", folder]):
             found = self.found(*words)
-            answers.append({key: found[key] for key in ("found", "touching", "contact_count", "counts", "earliest")})
+            answers.append({key: found.get(key) for key in ("found", "touching", "contact_count", "counts", "earliest")})
             answers[-1].update({key: found["scene"][key] for key in ("mode", "accuracy", "kinds")})
             self.refused(2, "what was given stands still", "detect", *words, "--mode", "ccd")
         self.assertEqual(answers[0]["kinds"], ["vt", "ee", "tt"])

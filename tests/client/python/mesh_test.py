@@ -184,7 +184,7 @@ class Files(unittest.TestCase):
 
     @staticmethod
     def outcome(name):
-        """What tests/client/python/read_meshes.cpp prints."""
+        """Returns the line that tests/client/python/read_meshes.cpp prints."""
         try:
             mesh = collided.Mesh.read(name)
         except collided.InvalidArgument:

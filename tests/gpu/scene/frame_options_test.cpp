@@ -284,5 +284,18 @@ TEST_F(FrameOptions, ThatHaveNoEffectAreTold) {
   EXPECT_EQ(unused_in(coarse, [](FrameInput& f) { f.accuracy = Accuracy::kGuarded; }), Unused{});
 }
 
+TEST_F(FrameOptions, ExclusionsOfMeshesWithoutSelfContactsAreTold) {
+  Case c = small_case();
+  const SceneSpec plain = settings(Mode::kCcd, Accuracy::kCertified);
+  const auto unused = [&] {
+    const Frame frame(c, plain.mode, plain.scalar);
+    return Detector::create(spec_for(c, plain))->detect(frame.input()).unused_options;
+  };
+  c.meshes[0].excluded_rings = 1;
+  EXPECT_EQ(unused(), Unused{});
+  c.meshes[0].self_contacts = false;
+  EXPECT_EQ(unused(), Unused{"meshes[0].excluded_rings"});
+}
+
 }  // namespace
 }  // namespace collided::test

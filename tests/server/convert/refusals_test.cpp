@@ -55,7 +55,7 @@ TEST(Refusals, ATooLongFrameSaysWhatItFoundAndWhatHelps) {
   EXPECT_EQ(advised.subject(), "client:one");
   EXPECT_EQ(text.find(refusal.what()), 0u);
   EXPECT_TRUE(has(text, "By then it had found 5 pairs of triangles, 60 candidates and 7 contacts")) << text;
-  EXPECT_TRUE(has(text, ". In this step mesh 3 moves by up to 0.5, 4 times its mean edge of 0.125, mesh 1 moves"))
+  EXPECT_TRUE(has(text, ". In this step mesh 3 moves by 0.5 or more, 4 times its mean edge of 0.125, mesh 1 moves"))
       << text;
   EXPECT_TRUE(has(text, "several shorter ones")) << text;
   EXPECT_TRUE(has(text, "any_hit or earliest_only")) << text;

@@ -242,7 +242,7 @@ def _parse_int(word: str) -> int | float:
 
 @dataclass
 class _Growing:
-    """What the primitives of a mesh have so far."""
+    """Collects the arrays of a mesh, primitive by primitive."""
 
     vertices: list[np.ndarray] = field(default_factory=list)
     vertex_count: int = 0

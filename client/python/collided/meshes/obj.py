@@ -38,14 +38,15 @@ def read_obj(data: bytes, _path: str) -> RawMesh:
 def _logical_lines(lines: list[bytes]) -> list[bytes]:
     """Strips comments, and joins a line that ends in a backslash with the next one, which is left empty."""
     lines = [_COMMENT.sub(b"", line) if b"#" in line else line for line in lines]
-    i = 0
-    while i < len(lines):
-        first = i
-        while i < len(lines) and lines[i].endswith(b"\\"):
-            i += 1
-        if i > first:
-            lines[first:i + 1] = [b" ".join([line.removesuffix(b"\\") for line in lines[first:i + 1]]), *[b""] * (len(lines[first:i + 1]) - 1)]
-        i += 1
+    at = 0
+    while at < len(lines):
+        end = at
+        while end < len(lines) and lines[end].endswith(b"\\"):
+            end += 1
+        if end > at:
+            chain = lines[at:end + 1]
+            lines[at:end + 1] = [b" ".join(line.removesuffix(b"\\") for line in chain), *[b""] * (len(chain) - 1)]
+        at = end + 1
     return [line.strip() for line in lines]
 
 

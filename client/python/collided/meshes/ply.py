@@ -54,7 +54,7 @@ class _Body(Protocol):
 
     @property
     def left(self) -> int:
-        """How much of the body is left."""
+        """Returns how much of the body is left."""
 
     def table(self, element: _Element, lengths: dict[int, int], most: int) -> np.ndarray:
         """The next rows, up to `most`, whose lists have these lengths. Does not move on."""

@@ -9,13 +9,13 @@
 
 #include "client/scenes/mesh_files/mesh_text.hpp"
 #include "client/scenes/mesh_files/transform.hpp"
-#include "client/scenes/mesh_files/xml.hpp"
+#include "client/scenes/mesh_files/collada/xml.hpp"
 
 namespace collided::scenes {
 
 namespace {
 
-/// What errors call an element: its tag and its id or name.
+/// Returns an element's name in errors: its tag and its id or name.
 std::string label_of(const XmlElement& element) {
   const std::string id = element.value("id"), label = id.empty() ? element.value("name") : id;
   return element.name + (label.empty() ? "" : " '" + label.substr(0, 80) + "'");
@@ -56,7 +56,7 @@ class DaeReader {
   }
 
  private:
-  /// What a node does, once its references are resolved.
+  /// A node whose references are resolved.
   struct Node {
     Transform own;
     struct Item {

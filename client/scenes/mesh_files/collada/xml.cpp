@@ -1,6 +1,6 @@
 // XML as a tree of elements, parsed by expat.
 
-#include "client/scenes/mesh_files/xml.hpp"
+#include "client/scenes/mesh_files/collada/xml.hpp"
 
 #include <expat.h>
 
