@@ -109,10 +109,11 @@ class Search {
  private:
   static constexpr int kMostLooks = 400, kMostCuts = 2;
 
-  /// Looks closer at an interval of which double precision says no more.
-  Outcome look_closer(const Interval& on) {
+  /// Looks closer at an interval of which double precision says no more. Where it is too long to have one time, a cut
+  /// would not make it shorter.
+  Outcome look_closer(const Interval& on, bool has_time) {
     const std::vector<Contact> parts =
-        cuts_ < kMostCuts ? contact_.numbers->cut(on.begin, on.end) : std::vector<Contact>();
+        has_time && cuts_ < kMostCuts ? contact_.numbers->cut(on.begin, on.end) : std::vector<Contact>();
     bool is_open = parts.empty();
     for (const Contact& part : parts) {
       if (is_open) break;
@@ -146,14 +147,15 @@ class Search {
     std::erase_if(cases, [&](Doubtful& c) { return fails(on, c); });
     if (cases.empty()) return Outcome::kNone;
     const Place first = open_.empty() ? on.begin : open_.front().first;
-    if (const std::optional<double> time =
-            rounded_time(contact_.numbers->ratio_at(first), contact_.numbers->ratio_at(on.end)))
+    const std::optional<double> time =
+        rounded_time(contact_.numbers->ratio_at(first), contact_.numbers->ratio_at(on.end));
+    if (time)
       if (std::any_of(cases.begin(), cases.end(), [&](const Doubtful& c) { return holds_somewhere(on, c); })) {
         time_ = *time;
         open_.clear();
         return Outcome::kFound;
       }
-    if (is_short(on.begin, on.end, 0x1p-42)) return look_closer(on);
+    if (is_short(on.begin, on.end, 0x1p-42)) return look_closer(on, time.has_value());
     const Place middle = between(on.begin, on.end);
     const Outcome outcome = first_in({on.begin, middle}, alternatives, cases);
     return outcome == Outcome::kNone ? first_in({middle, on.end}, alternatives, std::move(cases)) : outcome;

@@ -23,9 +23,11 @@ bool LocatedRoots::is_within(size_t i, const std::pair<RoughForm::Place, RoughFo
 }
 
 double LocatedRoots::rounded_down(size_t i) {
-  if (rough_)
+  if (rough_) {
     if (const std::optional<double> time = (*rough_)[i].rounded_down()) return *time;
-  return exact(i).rounded_down();
+    if (std::optional<Root> root = (*rough_)[i].exact(exact_form())) return root->rounded_down();
+  }
+  return exact()[i].rounded_down();
 }
 
 const Form& LocatedRoots::exact_form() {
@@ -38,8 +40,11 @@ std::vector<Root>& LocatedRoots::exact() {
   return *exact_;
 }
 
+// Of numbers that are not large, all roots are isolated in less time than one is taken from rough numbers, whose
+// intervals are short: so are the numbers that signs at it are made of.
 Root& LocatedRoots::exact(size_t i) {
-  if (exact_ || !rough_) return exact()[i];
+  constexpr mp_bitcnt_t kLarge = 2000;
+  if (exact_ || !rough_ || exact_form().c.front().bits() < kLarge) return exact()[i];
   exact_from_rough_.resize(rough_->size());
   std::optional<Root>& root = exact_from_rough_[i];
   if (!root) root = (*rough_)[i].exact(exact_form());

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <random>
 
+#include "gpu/exact/certain.hpp"
 #include "gpu/exact/features.hpp"
 #include "gpu/exact/fixed/decide.hpp"
 #include "gpu/exact/roots/located.hpp"
@@ -173,6 +175,34 @@ TEST(RootsInDoublePrecision, AreTheExactOnes) {
   EXPECT_GT(found, 200);
   EXPECT_GT(signs, 150);
   EXPECT_GT(times, 100);
+}
+
+Query exponents_far_apart(std::mt19937_64& random) {
+  std::uniform_int_distribution<int> exponent(-1000, 1000);
+  return changed({}, [&](const Point&, bool) {
+    const Point p = any_point(random);
+    const int x = exponent(random), y = exponent(random), z = exponent(random);
+    return Point{std::ldexp(p.x, x), std::ldexp(p.y, y), std::ldexp(p.z, z)};
+  });
+}
+
+// Integers of thousands of bits take a hundred times as long.
+TEST(ExponentsFarApart, AreMostlyDecidedWithoutIntegers) {
+  std::mt19937_64 random(9);
+  int left_open = 0, hits = 0;
+  for (int i = 0; i < 150; ++i)
+    for (const ContactKind kind : kKinds)
+      for (const double thickness : {0.0, 0.01}) {
+        Query q = exponents_far_apart(random);
+        q.thickness = thickness;
+        const Contact contact = in_any_size(kind, q);
+        if (exact::holds_at_start(contact)) continue;
+        const std::optional<exact::CertainImpact> certain = exact::certain_impact(contact);
+        left_open += certain && certain->open.empty() ? 0 : 1;
+        hits += certain && certain->time < exact::kNever ? 1 : 0;
+      }
+  EXPECT_LT(left_open, 30) << "of 600";
+  EXPECT_GT(hits, 50);
 }
 
 // What is left out has no time at which the form is above 0.
