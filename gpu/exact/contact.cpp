@@ -4,8 +4,8 @@
 #include <optional>
 #include <span>
 
-#include "gpu/exact/certain.hpp"
 #include "gpu/exact/roots/located.hpp"
+#include "gpu/exact/rough/certain.hpp"
 #include "gpu/exact/windows.hpp"
 
 namespace collided::exact {

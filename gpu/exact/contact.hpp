@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gpu/exact/exact.hpp"
-#include "gpu/exact/lazy_form.hpp"
+#include "gpu/exact/rough/lazy_form.hpp"
 
 namespace collided::exact {
 

@@ -32,9 +32,7 @@ class Within {
  private:
   using Features = exact::fixed::Differences<kind, W>;
 
-  bool touches(const Features& features) const {
-    return exact::fixed::Within<kind, W>(features, thickness_).run();
-  }
+  bool touches(const Features& features) const { return exact::fixed::Within<kind, W>(features, thickness_).run(); }
   Features reversed() const {
     Features features = features_;
     for (auto& d : features.d) std::swap(d.p[0], d.p[1]);
@@ -59,9 +57,8 @@ Outcome with_size(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], 
 template <class Use>
 Outcome with_size(ContactKind kind, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness,
                   const Use& use) {
-  return kind == ContactKind::kVertexTriangle
-             ? with_size<ContactKind::kVertexTriangle>(start, end, thickness, use)
-             : with_size<ContactKind::kEdgeEdge>(start, end, thickness, use);
+  return kind == ContactKind::kVertexTriangle ? with_size<ContactKind::kVertexTriangle>(start, end, thickness, use)
+                                              : with_size<ContactKind::kEdgeEdge>(start, end, thickness, use);
 }
 
 Outcome decide_at_rest(ContactKind kind, const Vec3<double> (&p)[4], double thickness) {

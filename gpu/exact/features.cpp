@@ -253,10 +253,10 @@ void add_axes(Contact& contact, const Features& features) {
 }
 
 // The weights of the vertex in the triangle are (B x C) n, (C x A) n and (A x B) n over n^2, and the volume is its
-// height times |n|. Where no weight is negative, the distance is the height, else that to a side; a triangle without area is
-// its sides. The closest points of two edges' lines have the weights (A x B) n of a1, (D x C) n of a0, (C x A) n of b1
-// and (B x D) n of b0, over n^2, and the volume is the lines' distance times |n|. Where a weight is negative or the
-// edges are parallel, an end of one edge is among the closest points.
+// height times |n|. Where no weight is negative, the distance is the height, else that to a side; a triangle without
+// area is its sides. The closest points of two edges' lines have the weights (A x B) n of a1, (D x C) n of a0, (C x A)
+// n of b1 and (B x D) n of b0, over n^2, and the volume is the lines' distance times |n|. Where a weight is negative or
+// the edges are parallel, an end of one edge is among the closest points.
 template <class Features>
 Contact contact_of(const Features& features) {
   Contact contact;
@@ -309,9 +309,8 @@ Contact contact_of_kind(const Vec3<double> (&start)[4], const Vec3<double> (&end
 
 template <int degree>
 Contact any_contact(ContactKind kind, const Points& points) {
-  return kind == ContactKind::kVertexTriangle
-             ? contact_of(OfAnySize<ContactKind::kVertexTriangle, degree>(points))
-             : contact_of(OfAnySize<ContactKind::kEdgeEdge, degree>(points));
+  return kind == ContactKind::kVertexTriangle ? contact_of(OfAnySize<ContactKind::kVertexTriangle, degree>(points))
+                                              : contact_of(OfAnySize<ContactKind::kEdgeEdge, degree>(points));
 }
 
 }  // namespace

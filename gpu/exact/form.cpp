@@ -55,8 +55,7 @@ Form operator*(const Form& a, const Form& b) {
   Form product;
   product.c.resize(a.c.size() + b.c.size() - 1);
   for (size_t i = 0; i < a.c.size(); ++i)
-    for (size_t j = 0; j < b.c.size(); ++j)
-      product.c[i + j].add_product(a.c[i], b.c[j]);
+    for (size_t j = 0; j < b.c.size(); ++j) product.c[i + j].add_product(a.c[i], b.c[j]);
   return product;
 }
 
@@ -100,8 +99,7 @@ Form restricted(const Form& f, const Dyadic& on) {
   for (size_t i = f.degree(); i-- > 0;) {
     power = times_linear(power, s0, s1);
     value = times_linear(value, on.k, t1);
-    for (size_t j = 0; j < value.c.size(); ++j)
-      value.c[j].add_product(f.c[i], power.c[j]);
+    for (size_t j = 0; j < value.c.size(); ++j) value.c[j].add_product(f.c[i], power.c[j]);
   }
   return value;
 }

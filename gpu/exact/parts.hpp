@@ -13,7 +13,7 @@
 
 #include "gpu/exact/fixed/differences.hpp"
 #include "gpu/exact/integers.hpp"
-#include "gpu/exact/rough_motion.hpp"
+#include "gpu/exact/rough/motion.hpp"
 
 namespace collided::exact {
 
@@ -101,9 +101,8 @@ class RoughParts {
     });
   }
   const Vec3<Quadratic>& n() const {
-    return n_.get([&] {
-      return kCount == 3 ? normal(1, 2, 3) : fixed::wide_cross(difference(1, 0), difference(3, 2));
-    });
+    return n_.get(
+        [&] { return kCount == 3 ? normal(1, 2, 3) : fixed::wide_cross(difference(1, 0), difference(3, 2)); });
   }
   /// Along x, by cofactors, whose sum is 0.
   const RoughPolynomial<3 * degree>& volume() const {

@@ -74,9 +74,8 @@ void Windows::need_one_not_negative(const std::vector<LazyForm>& forms) {
 
 bool Windows::are_above(const LazyForm& f) const {
   const RoughForm* const rough = f.rough();
-  return rough != nullptr && std::all_of(windows_.begin(), windows_.end(), [&](const Window& w) {
-           return rough->sign_on(w.first, w.second) == 1;
-         });
+  return rough != nullptr && std::all_of(windows_.begin(), windows_.end(),
+                                         [&](const Window& w) { return rough->sign_on(w.first, w.second) == 1; });
 }
 
 }  // namespace collided::exact

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "gpu/exact/lazy_form.hpp"
 #include "gpu/exact/roots/root.hpp"
 #include "gpu/exact/roots/rough.hpp"
+#include "gpu/exact/rough/lazy_form.hpp"
 
 namespace collided::exact {
 
@@ -32,7 +32,7 @@ class LocatedRoots {
   Root& exact(size_t i);
 
   const LazyForm& source_;
-  std::optional<Form> f_;  ///< without roots at the ends
+  std::optional<Form> f_;       ///< without roots at the ends
   bool is_simplified_ = false;  ///< each root was left once; the form has other signs between them
   std::optional<std::vector<RoughRoot>> rough_;
   std::optional<std::vector<Root>> exact_;

@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
+#include "gpu/exact/poll.hpp"
 #include "gpu/exact/roots/divisor.hpp"
 #include "gpu/exact/roots/piece.hpp"
-#include "gpu/exact/poll.hpp"
 
 namespace collided::exact {
 namespace {

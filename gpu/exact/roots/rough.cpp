@@ -15,13 +15,8 @@ constexpr int kUnknown = RoughForm::kUnknown;
 /// rounding each, so that sums are within 2^-46 of their terms' magnitudes.
 constexpr double kError = 0x1p-45;
 
-constexpr int kBinomials[7][7] = {{1},
-                                  {1, 1},
-                                  {1, 2, 1},
-                                  {1, 3, 3, 1},
-                                  {1, 4, 6, 4, 1},
-                                  {1, 5, 10, 10, 5, 1},
-                                  {1, 6, 15, 20, 15, 6, 1}};
+constexpr int kBinomials[7][7] = {
+    {1}, {1, 1}, {1, 2, 1}, {1, 3, 3, 1}, {1, 4, 6, 4, 1}, {1, 5, 10, 10, 5, 1}, {1, 6, 15, 20, 15, 6, 1}};
 
 /// Returns where to cut an interval in two. Constructed input has its roots in the middle, so the cut lies beside it.
 double cut_of(double begin, double end) {

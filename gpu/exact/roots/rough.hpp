@@ -11,7 +11,7 @@
 
 #include "gpu/exact/form.hpp"
 #include "gpu/exact/roots/root.hpp"
-#include "gpu/exact/rough_polynomial.hpp"
+#include "gpu/exact/rough/polynomial.hpp"
 
 namespace collided::exact {
 

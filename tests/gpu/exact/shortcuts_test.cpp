@@ -6,7 +6,7 @@
 #include <optional>
 #include <random>
 
-#include "gpu/exact/certain.hpp"
+#include "gpu/exact/rough/certain.hpp"
 #include "gpu/exact/features.hpp"
 #include "gpu/exact/fixed/decide.hpp"
 #include "gpu/exact/roots/located.hpp"

@@ -1,4 +1,4 @@
-#include "gpu/exact/rough_motion.hpp"
+#include "gpu/exact/rough/motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -59,8 +59,8 @@ RoughMotion::RoughMotion(const Vec3<double> (&start)[4], const Vec3<double> (&en
 
 double RoughMotion::ratio_at(const RoughForm::Place& place) const {
   constexpr int64_t kFar = 12000;
-  const long double x = std::ldexp(static_cast<long double>(place.y),
-                                   static_cast<int>(std::clamp<int64_t>(place.scale, -kFar, kFar)));
+  const long double x =
+      std::ldexp(static_cast<long double>(place.y), static_cast<int>(std::clamp<int64_t>(place.scale, -kFar, kFar)));
   const long double s = ends_[0].s.value + x * ends_[1].s.value, t = ends_[0].t.value + x * ends_[1].t.value;
   return static_cast<double>(std::clamp(t / s, 0x1p-500L, 0x1p500L));
 }

@@ -1,4 +1,4 @@
-#include "gpu/exact/certain.hpp"
+#include "gpu/exact/rough/certain.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -95,8 +95,7 @@ class Search {
   /// `cuts`: how often the way has been cut before.
   explicit Search(const Contact& contact, int cuts = 0) : contact_(contact), cuts_(cuts) {
     const auto all = [](const auto& list) { return (Doubts{1} << list.size()) - 1; };
-    for (const Case& c : contact.cases)
-      cases_.push_back({&c, all(c.zero), all(c.not_negative), all(c.not_zero)});
+    for (const Case& c : contact.cases) cases_.push_back({&c, all(c.zero), all(c.not_negative), all(c.not_zero)});
   }
 
   /// kNone: at no time but those left open.

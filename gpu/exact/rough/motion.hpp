@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "gpu/exact/roots/rough.hpp"
-#include "gpu/exact/rough_polynomial.hpp"
+#include "gpu/exact/rough/polynomial.hpp"
 
 namespace collided::exact {
 

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "gpu/exact/form.hpp"
-#include "gpu/exact/rough_polynomial.hpp"
 #include "gpu/exact/roots/rough.hpp"
+#include "gpu/exact/rough/polynomial.hpp"
 
 namespace collided::exact {
 

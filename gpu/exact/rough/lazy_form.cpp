@@ -1,4 +1,4 @@
-#include "gpu/exact/lazy_form.hpp"
+#include "gpu/exact/rough/lazy_form.hpp"
 
 #include <algorithm>
 
