@@ -45,14 +45,15 @@ class TheCheckFails(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         tokens = folder.put("tokens.toml", f'[[tokens]]\nname = "a"\ntoken = "{TOKEN}"\n')
         with Daemon(PROGRAM, "--tokens-file", tokens, "--local-socket", folder.path("local")) as daemon:
-            wrong = copy.deepcopy(honest.right_answers(daemon.address, TOKEN))
+            server = honest.Server(daemon.address)
+            wrong = copy.deepcopy(honest.right_answers(server, TOKEN))
             wrong[3] = wrong[4]
-            clients = honest.Clients(daemon.address, [TOKEN], wrong)
+            clients = honest.Clients(server, [TOKEN], wrong)
             daemon.wait_for(clients.faults, "fault")
             clients.close()
             self.assertIn("contacts of step 3 are wrong", clients.faults()[0])
             with self.assertRaises(ValueError):
-                honest.visit(daemon.address, TOKEN, wrong[:-1] + [wrong[0]], 30)
+                honest.visit(server, TOKEN, wrong[:-1] + [wrong[0]], 30)
 
 
 if __name__ == "__main__":
