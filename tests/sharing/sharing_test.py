@@ -32,6 +32,16 @@ class TheCatalogue(unittest.TestCase):
         self.assertIn("nothing", done.stderr)
 
 
+class TheEntrance(unittest.TestCase):
+    def test_plays_attacks_through_the_entrance(self):
+        """All of them are integration.sharing_entrance and integration.sharing_address."""
+        done = run("--entrance", "--counts", "--seconds", "1", "--only", "reset_storm")
+        if done.returncode == 77:
+            self.skipTest(done.stdout)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("1 of 1 entries", done.stdout)
+
+
 class TheCheckFails(unittest.TestCase):
     def test_if_a_daemon_serves_nobody(self):
         done = run("--only", "stopped_daemon", "--seconds", "1", "--tries", "1", "--patience", "1")

