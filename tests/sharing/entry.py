@@ -50,7 +50,7 @@ class Newcomer(threading.Thread):
 
 
 class Stage:
-    """A way to a daemon, its honest clients, and what they should be told. `is_timed`: their waiting is a fault."""
+    """Holds a way to a daemon, its honest clients, and their right answers. `is_timed`: a slow answer is a fault."""
 
     def __init__(self, way, tokens, answers, seconds, patience, is_timed=True):
         self.way, self.tokens, self.answers = way, tokens, answers

@@ -33,7 +33,7 @@ def end(step):
 
 @dataclasses.dataclass
 class Server:
-    """Where clients connect, and how."""
+    """Describes where clients connect, and how."""
 
     address: str
     options: dict = dataclasses.field(default_factory=dict)  # of the sessions: TLS

@@ -12,13 +12,13 @@ MAX_MB = 300  # of the daemon and the entrance together
 
 
 def peak_mb(process):
-    """The most memory that a process has had so far; None if it has ended."""
+    """Returns the peak memory of a process; None if it has ended."""
     found = re.search(r"VmHWM:\s+(\d+) kB", pathlib.Path(f"/proc/{process.pid}/status").read_text(encoding="ascii"))
     return int(found[1]) // 1024 if found else None
 
 
 class Way:
-    """A daemon, and what is before it. `processes` by their names."""
+    """A daemon with whatever is in front of it. `processes` are by name."""
 
     max_mb = None
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Who gets through the entrance, and what its limits do, one by one. Usage: network_entrance_test.py DAEMON
+"""Tests each limit of the entrance, and how it identifies callers. Usage: network_entrance_test.py DAEMON
 
-Floods of many kinds, beside honest clients, are in tests/sharing (`run --entrance`).
+tests/sharing runs floods through the entrance (`run --entrance`).
 """
 
 import contextlib
@@ -39,7 +39,7 @@ EMPTY = bytes(5)  # a message without fields
 
 
 def setUpModule():
-    """A daemon that knows three clients by tokens. The certificate of `client` is sim-1's."""
+    """Starts a daemon that knows three clients by tokens. The certificate `client` names sim-1."""
     Case.folder = folder = Folder()
     unittest.addModuleCleanup(folder.cleanup)
     folder.certificates()
@@ -66,12 +66,12 @@ class Case(unittest.TestCase):
         return client
 
     def target(self, entrance, token="token-of-client-one", source="127.0.0.2"):
-        """Of an entrance without TLS."""
+        """Describes an entrance without TLS to an attack."""
         host, port = entrance.address.split(":")
         return Target(int(port), 0, token, "", 0, source, host)
 
     def begun(self, entrance, certificate, source="127.0.0.2"):
-        """A connection with HTTP/2 over TLS."""
+        """Opens a connection with HTTP/2 over TLS."""
         context = ssl.create_default_context(cafile=self.folder.path("ca.pem"))
         context.check_hostname = False
         context.set_alpn_protocols(["h2"])
@@ -85,7 +85,7 @@ class Case(unittest.TestCase):
         return peer
 
     def calls(self, method):
-        """Calls of a method that the daemon has seen, by their codes."""
+        """Counts the calls of a method that the daemon has seen, by code."""
         text = self.daemon.http("/metrics")[1]
         found = re.findall(rf'collided_calls_total{{code="(\w+)",method="{method}"}} (\d+)', text)
         return {code: int(count) for code, count in found}
@@ -145,7 +145,7 @@ def is_over(connection, seconds=5):
 
 
 def kinds(data):
-    """Of the whole frames in what has come."""
+    """Returns the kinds of the complete frames in `data`."""
     found = set()
     while len(data) >= 9 and len(data) >= (end := 9 + int.from_bytes(data[:3], "big")):
         found.add(data[3])

@@ -53,10 +53,10 @@ class Member:
 
 
 class Fleet:
-    """Three daemons, collided-0 to collided-2, and HAProxy before them.
+    """Runs three daemons, collided-0 to collided-2, behind HAProxy.
 
     options: of all daemons; own: more of each, by its index. advertise: streams go to the daemons, not through the proxy.
-    by_connection: without HTTP/2.
+    by_connection: HAProxy forwards connections instead of calls.
     """
 
     def __init__(self, program, *options, own=None, advertise=True, by_connection=False):

@@ -35,7 +35,7 @@ def wait_for(condition, what):
 
 
 def loopback_net():
-    """Three of four numbers of addresses that nobody else has, so that ports need not be free."""
+    """Returns the first three numbers of loopback addresses that nobody else uses, so that fixed ports are free there."""
     return f"127.{random.randint(1, 254)}.{random.randint(0, 255)}"
 
 
@@ -56,7 +56,7 @@ class HaProxy:
         return (self.folder / "haproxy.log").read_text()
 
     def ask(self, command):
-        """Its answer to a command of the runtime API."""
+        """Returns the answer to a command of the runtime API."""
         with socket.socket(socket.AF_UNIX) as control:
             control.settimeout(PATIENCE)
             control.connect(str(self.control))
@@ -67,7 +67,7 @@ class HaProxy:
         return answer.decode()
 
     def states(self, backend):
-        """Of the servers of a backend: UP, DOWN, NOLB."""
+        """Returns the state of each server of a backend: UP, DOWN, NOLB."""
         rows = [line.split(",") for line in self.ask(f"show stat {backend} 4 -1").splitlines() if line]
         status = rows[0].index("status")
         return {row[1]: row[status].split()[0] for row in rows[1:]}
@@ -78,13 +78,16 @@ class HaProxy:
 
 
 def written(*options):
-    """The configuration that these options make."""
+    """Returns the configuration that these options make."""
     return subprocess.run([WRITER, *options], check=True, capture_output=True, text=True, timeout=PATIENCE).stdout
 
 
 class Entrance(HaProxy):
-    """Before `daemons`, each NAME=ADDRESS,HTTP_ADDRESS. options: more of the writer; limits: other values of its `presetenv`;
-    edits: other lines, by the lines that they replace."""
+    """Serves `daemons`, each NAME=ADDRESS,HTTP_ADDRESS.
+
+    options: further options of the writer. limits: values that replace those of its `presetenv` lines. edits: replacements of
+    other text of the configuration.
+    """
 
     def __init__(self, daemons, *options, host=None, limits=None, edits=None, user="", group=""):
         self._folder = tempfile.TemporaryDirectory()

@@ -310,7 +310,7 @@ def empty_data(target, told, over):
 
 
 def held(connect, count):
-    """So many connections, or as many as there are places."""
+    """Opens `count` connections, or as many as are accepted."""
     peers = []
     with contextlib.suppress(OSError):
         peers += (connect() for _ in range(count))
