@@ -315,8 +315,10 @@ class Calls(Case):
 
     def test_binary_metadata_is_left_out(self):
         entrance = self.enter(plain=True)
+        before = self.calls("GetServerInfo").get("OK", 0)
         with Http2(self.target(entrance)) as peer:
             self.assertTrue(self.is_answered(peer, b"\x00\x05x-bin\x01!"))
+        self.assertEqual(self.calls("GetServerInfo").get("OK"), before + 1)
 
 
 class Uploads(Case):
