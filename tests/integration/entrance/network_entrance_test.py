@@ -12,7 +12,6 @@ import pwd
 import re
 import socket
 import ssl
-import subprocess
 import sys
 import time
 import unittest
@@ -20,7 +19,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT / "tests/integration/support"), str(ROOT / "tests/sharing")]
 from ops_daemon import SERVICE, Daemon, Folder  # noqa: E402: without gRPC for Python the test ends as skipped here
-from entrance import WRITER, Entrance, wait_for  # noqa: E402: without HAProxy, here
+from entrance import Entrance, wait_for  # noqa: E402: without HAProxy, here
 
 import grpc  # noqa: E402
 import numpy as np  # noqa: E402
@@ -52,11 +51,20 @@ def setUpModule():
 
 
 class Case(unittest.TestCase):
+    shared = None
+
     def enter(self, *options, plain=False, **more):
         how = ["--plain-text"] if plain else ["--certificate", self.pem]
         entrance = Entrance([f"only={self.daemon.address},{self.daemon.http_address}"], *how, *options, **more)
         self.addCleanup(entrance.close)
         return entrance
+
+    def plain(self):
+        """Returns the one entrance of all tests that need no TLS and no option."""
+        if Case.shared is None:
+            Case.shared = Entrance([f"only={self.daemon.address},{self.daemon.http_address}"], "--plain-text")
+            unittest.addModuleCleanup(Case.shared.close)
+        return Case.shared
 
     def client(self, entrance, certificate=None, **options):
         own = {"tls_certificate": self.folder.path(f"{certificate}.pem"), "tls_key": self.folder.path(f"{certificate}.key")}
@@ -267,7 +275,7 @@ class Calls(Case):
         return False
 
     def test_a_connection_that_only_resets_is_ended_by_its_next_call(self):
-        entrance = self.enter(plain=True)
+        entrance = self.plain()
         for count, is_answered in ((60, True), (200, False)):
             with self.subTest(count), Http2(self.target(entrance)) as peer:
                 peer.send(resets(peer, count))
@@ -275,7 +283,7 @@ class Calls(Case):
                 self.assertEqual(self.is_answered(peer), is_answered)
 
     def test_a_call_that_is_reset_at_once_never_reaches_the_daemon(self):
-        entrance = self.enter(plain=True)
+        entrance = self.plain()
         before = self.calls("StreamFrames")
         with Http2(self.target(entrance)) as peer:
             for _ in range(100):
@@ -284,12 +292,12 @@ class Calls(Case):
         self.assertEqual(self.calls("StreamFrames"), before)
 
     def test_a_guesser_of_tokens_is_ended(self):
-        entrance = self.enter(plain=True)
+        entrance = self.plain()
         with Http2(self.target(entrance, token="token-of-a-guesser")) as peer:
             self.assertEqual([self.is_answered(peer) for _ in range(23)], [True] * 21 + [False] * 2)
 
     def test_headers_that_are_too_long_are_refused_by_their_size(self):
-        entrance = self.enter(plain=True)
+        entrance = self.plain()
         with contextlib.closing(grpc.insecure_channel(entrance.address)) as channel:
             call = channel.unary_unary(f"/{SERVICE}/GetServerInfo")
             with self.assertRaises(grpc.RpcError) as refused:
@@ -314,7 +322,7 @@ class Calls(Case):
                                      (grpc.StatusCode.RESOURCE_EXHAUSTED, said))
 
     def test_binary_metadata_is_left_out(self):
-        entrance = self.enter(plain=True)
+        entrance = self.plain()
         before = self.calls("GetServerInfo").get("OK", 0)
         with Http2(self.target(entrance)) as peer:
             self.assertTrue(self.is_answered(peer, b"\x00\x05x-bin\x01!"))
@@ -340,65 +348,6 @@ class Uploads(Case):
         self.assertLess(peak_mb(self.daemon.process) + peak_mb(entrance.process), MAX_MB)
         for channel in channels:
             channel.close()
-
-
-class Check(Case):
-    def write(self, *options):
-        path = self.folder.path("haproxy.cfg")
-        done = subprocess.run([WRITER, *options, "--output", path], capture_output=True, text=True, check=False)
-        self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
-        return path
-
-    def check(self, path, **environment):
-        done = subprocess.run([WRITER, "--check", path], capture_output=True, text=True, check=False,
-                              env=os.environ | environment)
-        return done.returncode, done.stdout
-
-    def good(self):
-        return self.write("--daemon", "a=unix:/tmp/socket,127.0.0.1:9464", "--certificate", self.pem, "--user", "", "--group", "")
-
-    def test_what_the_program_writes_is_good(self):
-        path = self.good()
-        self.assertEqual(self.check(path), (0, f"{path} is good\n"))
-
-    def test_an_edited_limit_and_a_broken_line_are_told(self):
-        path = self.good()
-        text = pathlib.Path(path).read_text()
-        for old, new, said in (("HEADER_BYTES 6144", "HEADER_BYTES 61440", "-  presetenv HEADER_BYTES 61440"),
-                               ("http-reuse safe", "http-reuse sometimes", "sometimes")):
-            with self.subTest(new):
-                self.assertIn(old, text)
-                pathlib.Path(path).write_text(text.replace(old, new))
-                code, told = self.check(path)
-                self.assertEqual(code, 1)
-                self.assertIn(said, told)
-
-    def test_an_old_haproxy_is_told(self):
-        path = self.good()
-        program = pathlib.Path(self.folder.path("haproxy"))
-        program.write_text("#!/bin/sh\necho 'HAProxy version 2.4.30'\n")
-        program.chmod(0o755)
-        code, told = self.check(path, PATH=f"{self.folder.name}:{os.environ['PATH']}")
-        self.assertEqual((code, told), (1, "HAProxy is version 2.4; these limits need 2.6\n"))
-
-    def test_a_key_that_all_can_read_is_told(self):
-        path = self.good()
-        os.chmod(self.pem, 0o644)
-        self.addCleanup(os.chmod, self.pem, 0o600)
-        self.assertEqual(self.check(path),
-                         (1, f"{self.pem} has secrets, and every user of this host can read it\n"))
-
-    def test_options_that_make_no_entrance_are_refused(self):
-        daemon = ("--daemon", "a=unix:/s,127.0.0.1:1")
-        for options, said in (((), "--daemon is missing"), (daemon, "one of --certificate and --plain-text is needed"),
-                              (("--daemon", "a=b"), "'a=b' is not NAME=ADDRESS,HTTP_ADDRESS"),
-                              ((*daemon, *daemon, "--plain-text"), "two daemons have one name"),
-                              ((*daemon, "--plain-text", "--client-ca", "x"), "--client-ca needs --certificate"),
-                              ((*daemon, "--plain-text", "--client-tokens", "x"), "need --client-ca")):
-            with self.subTest(said):
-                done = subprocess.run([WRITER, *options], capture_output=True, text=True, check=False)
-                self.assertEqual(done.returncode, 2)
-                self.assertIn(said, done.stderr)
 
 
 if __name__ == "__main__":
