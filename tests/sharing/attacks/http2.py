@@ -331,7 +331,7 @@ def silent_connections(target, told, over):
     hold(held(target.tcp, 1200), told, over)
 
 
-@attack("connections")
+@attack(STORM)
 def handshakes_without_end(target, told, over):
     """As many connections as there are places, each with the beginning of a TLS handshake, held for as long as they may be."""
     peers = held(target.bytes, 400)
