@@ -25,7 +25,7 @@ def load():
 
 
 def seen_by(target, attack):
-    return dataclasses.replace(target, source=attack.source)
+    return dataclasses.replace(target, source=target.source or attack.source)
 
 
 def keep_on(attack, target, told, over):

@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import pathlib
-import re
 import subprocess
 import sys
 import threading
@@ -51,12 +50,12 @@ class Newcomer(threading.Thread):
 
 
 class Stage:
-    """The daemon, its honest clients, and what they should be told."""
+    """Holds a way to a daemon, its honest clients, and their right answers. `is_timed`: a slow answer is a fault."""
 
-    def __init__(self, daemon, tokens, answers, seconds, patience):
-        self.daemon, self.tokens, self.answers = daemon, tokens, answers
-        self.seconds, self.patience = seconds, patience
-        self.clients = Clients(daemon.address, tokens, answers)
+    def __init__(self, way, tokens, answers, seconds, patience, is_timed=True):
+        self.way, self.tokens, self.answers = way, tokens, answers
+        self.seconds, self.patience, self.is_timed = seconds, patience, is_timed
+        self.clients = Clients(way.server, tokens, answers)
 
     def has_clients(self):
         """Whether all honest clients are there; those of a failed entry are replaced, if the daemon still takes some."""
@@ -64,13 +63,13 @@ class Stage:
             return True
         self.clients.close()
         try:
-            self.clients = Clients(self.daemon.address, self.tokens, self.answers)
+            self.clients = Clients(self.way.server, self.tokens, self.answers)
         except collided.Error:
             return False
         return True
 
     def newcomer(self):
-        return Newcomer(self.daemon.address, "token-of-newcomer", self.answers, self.patience)
+        return Newcomer(self.way.server, "token-of-newcomer", self.answers, self.patience)
 
     def play(self, target, names):
         """The entry's figures; `faults` says why it is not as promised."""
@@ -84,21 +83,18 @@ class Stage:
         after = self.newcomer()
         after.join(self.patience + 5)
         bound = TIMES * alone["p99_ms"] + MORE_MS
-        entry = {"attacks": names, "daemon_peak_mb": self.peak_mb(), "alone": alone, "beside": beside, "bound_ms": round(bound, 1),
+        entry = {"attacks": names, "peak_mb": self.way.peak_mb(), "alone": alone, "beside": beside, "bound_ms": round(bound, 1),
                  "newcomer_seconds": {"during": during.seconds, "after": after.seconds}, "attackers_saw": told}
         entry["faults"] = list(self.faults(entry, names, during, after))
         return entry
 
-    def peak_mb(self):
-        """The most memory that the daemon has had so far."""
-        status = pathlib.Path(f"/proc/{self.daemon.process.pid}/status").read_text(encoding="ascii")
-        found = re.search(r"VmHWM:\s+(\d+) kB", status)
-        return int(found[1]) // 1024 if found else None
-
     def faults(self, entry, names, during, after):
-        if self.daemon.process.poll() is not None:
-            yield f"the daemon ended with {self.daemon.process.returncode}"
-        if entry["beside"]["p99_ms"] > entry["bound_ms"]:
+        for name, process in self.way.processes.items():
+            if process.poll() is not None:
+                yield f"{name} ended with {process.returncode}"
+        if self.way.max_mb and sum(entry["peak_mb"].values()) > self.way.max_mb:
+            yield f"{entry['peak_mb']} MB of memory; {self.way.max_mb} would be fair"
+        if self.is_timed and entry["beside"]["p99_ms"] > entry["bound_ms"]:
             yield f"p99 is {entry['beside']['p99_ms']} ms beside the attack; {entry['bound_ms']} would be fair"
         yield from (f"an honest client: {fault}" for fault in self.clients.faults())
         for when, newcomer in (("during", during), ("after", after)):

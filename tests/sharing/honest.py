@@ -1,5 +1,6 @@
 """Clients that do as they should: each streams frames at a modest rate and checks every answer."""
 
+import dataclasses
 import math
 import threading
 import time
@@ -30,29 +31,38 @@ def end(step):
     return START - [0, 0, 0.5 + 0.25 * (step % STEPS)]
 
 
-def open_session(address, token, patience, transport):
+@dataclasses.dataclass
+class Server:
+    """Describes where clients connect, and how."""
+
+    address: str
+    options: dict = dataclasses.field(default_factory=dict)  # of the sessions: TLS
+    transports: tuple = ("grpc", "shared_memory")  # in turns
+
+
+def open_session(server, token, patience, transport):
     meshes = {"floor": collided.Mesh(*FLOOR, motion="static"), "cloth": collided.Mesh(START, CLOTH[1])}
-    return collided.Session(meshes, server=address, token=token, patience=patience, deadline=patience, transport=transport,
-                            reconnect_seconds=0)
+    return collided.Session(meshes, server=server.address, token=token, patience=patience, deadline=patience,
+                            transport=transport, reconnect_seconds=0, **server.options)
 
 
 def bytes_of(contacts):
     return tuple(array.tobytes() for array in (contacts.kinds, contacts.elements, contacts.toi, contacts.flags))
 
 
-def right_answers(address, token):
+def right_answers(server, token):
     """Of each step, from a client that is alone."""
-    with open_session(address, token, 30, "grpc") as session:
+    with open_session(server, token, 30, "grpc") as session:
         answers = [session.step({"cloth": end(step)}, {"cloth": START}) for step in range(STEPS)]
     counts = [len(answer) for answer in answers]
     assert counts[0] == 0 and counts[-1] > 0, counts
     return [bytes_of(answer) for answer in answers]
 
 
-def visit(address, token, answers, patience):
+def visit(server, token, answers, patience):
     """A client that is new: seconds until it has the right contacts of one frame."""
     began = time.monotonic()
-    with open_session(address, token, patience, "grpc") as session:
+    with open_session(server, token, patience, "grpc") as session:
         step = STEPS - 1
         contacts = session.step({"cloth": end(step)}, {"cloth": START}, timeout=patience)
         if bytes_of(contacts) != answers[step]:
@@ -65,9 +75,9 @@ def percentile(values, part):
 
 
 class Client(threading.Thread):
-    def __init__(self, address, token, transport, answers):
+    def __init__(self, server, token, transport, answers):
         super().__init__(daemon=True)
-        self.session = open_session(address, token, 30, transport)
+        self.session = open_session(server, token, 30, transport)
         self.answers = answers
         self.times = []  # when a frame was sent and how long its answer took
         self.waits_since = None
@@ -107,10 +117,9 @@ class Client(threading.Thread):
 
 
 class Clients:
-    """Half of them over gRPC, the others through shared memory."""
-
-    def __init__(self, address, tokens, answers):
-        self.all = [Client(address, token, ("grpc", "shared_memory")[i % 2], answers) for i, token in enumerate(tokens)]
+    def __init__(self, server, tokens, answers):
+        ways = server.transports
+        self.all = [Client(server, token, ways[i % len(ways)], answers) for i, token in enumerate(tokens)]
         for client in self.all:
             client.start()
             time.sleep(1 / RATE / len(tokens))  # not all at the same moment

@@ -32,6 +32,16 @@ class TheCatalogue(unittest.TestCase):
         self.assertIn("nothing", done.stderr)
 
 
+class TheEntrance(unittest.TestCase):
+    def test_plays_attacks_through_the_entrance(self):
+        """All of them are integration.sharing_entrance and integration.sharing_address."""
+        done = run("--entrance", "--counts", "--seconds", "1", "--only", "reset_storm")
+        if done.returncode == 77:
+            self.skipTest(done.stdout)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("1 of 1 entries", done.stdout)
+
+
 class TheCheckFails(unittest.TestCase):
     def test_if_a_daemon_serves_nobody(self):
         done = run("--only", "stopped_daemon", "--seconds", "1", "--tries", "1", "--patience", "1")
@@ -45,14 +55,15 @@ class TheCheckFails(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         tokens = folder.put("tokens.toml", f'[[tokens]]\nname = "a"\ntoken = "{TOKEN}"\n')
         with Daemon(PROGRAM, "--tokens-file", tokens, "--local-socket", folder.path("local")) as daemon:
-            wrong = copy.deepcopy(honest.right_answers(daemon.address, TOKEN))
+            server = honest.Server(daemon.address)
+            wrong = copy.deepcopy(honest.right_answers(server, TOKEN))
             wrong[3] = wrong[4]
-            clients = honest.Clients(daemon.address, [TOKEN], wrong)
+            clients = honest.Clients(server, [TOKEN], wrong)
             daemon.wait_for(clients.faults, "fault")
             clients.close()
             self.assertIn("contacts of step 3 are wrong", clients.faults()[0])
             with self.assertRaises(ValueError):
-                honest.visit(daemon.address, TOKEN, wrong[:-1] + [wrong[0]], 30)
+                honest.visit(server, TOKEN, wrong[:-1] + [wrong[0]], 30)
 
 
 if __name__ == "__main__":

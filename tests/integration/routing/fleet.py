@@ -1,33 +1,17 @@
-"""Daemons behind a real HAProxy, with the files of deploy/routing, whose example addresses become loopback ones."""
+"""Daemons behind a real HAProxy: an entrance, or deploy/entrance/by_connection.cfg, whose example addresses become loopback ones."""
 
-import os
 import pathlib
-import random
 import re
-import shutil
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
-import time
 import urllib.request
 
-HAPROXY = shutil.which("haproxy", path=f"{os.environ.get('PATH', '')}:/usr/sbin")
-if not HAPROXY:
-    print("skipped: haproxy is not installed (Debian: haproxy)")
-    sys.exit(77)
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from entrance import PATIENCE, WRITER, Entrance, HaProxy, loopback_net, wait_for  # noqa: E402
 
-PATIENCE = 60
 PORT, HTTP_PORT = 50551, 9464
-
-
-def wait_for(condition, what):
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        if time.monotonic() > deadline:
-            raise TimeoutError(what)
-        time.sleep(0.01)
 
 
 class Member:
@@ -69,16 +53,16 @@ class Member:
 
 
 class Fleet:
-    """Three daemons, collided-0 to collided-2, and HAProxy with one of the files.
+    """Runs three daemons, collided-0 to collided-2, behind HAProxy.
 
     options: of all daemons; own: more of each, by its index. advertise: streams go to the daemons, not through the proxy.
+    by_connection: HAProxy forwards connections instead of calls.
     """
 
-    def __init__(self, program, deploy, config="haproxy.cfg", *options, own=None, advertise=True):
+    def __init__(self, program, *options, own=None, advertise=True, by_connection=False):
         self._folder = tempfile.TemporaryDirectory()
         folder = pathlib.Path(self._folder.name)
-        # Loopback addresses that nobody else has, so that ports need not be free.
-        net = f"127.{random.randint(1, 254)}.{random.randint(0, 255)}"
+        net = loopback_net()
         self.members = []
         self.proxy = None
         try:
@@ -88,55 +72,35 @@ class Fleet:
                 more = (own or {}).get(index, [])
                 self.members.append(Member(program, folder, f"collided-{index}", host, [*options, *endpoint, *more]))
             self.address = f"{net}.9:{PORT}"
-            self._control = folder / "admin.sock"
-            self._start_proxy(folder, pathlib.Path(deploy) / "routing", config, net)
+            self.proxy = self._by_connection(folder, net) if by_connection else self._entrance()
         except BaseException:
             self.close()
             raise
 
-    def _start_proxy(self, folder, source, config, net):
-        text = (source / config).read_text()
-        for example, here in (("192.0.2.", f"{net}."), (f"bind :{PORT}", f"bind {self.address}"),
-                              ("/run/haproxy/admin.sock", str(self._control)),
-                              ("/etc/haproxy/free_memory.lua", str(source / "free_memory.lua"))):
-            text = text.replace(example, here)
-        (folder / "haproxy.cfg").write_text(text)
-        subprocess.run([HAPROXY, "-c", "-q", "-f", str(folder / "haproxy.cfg")], check=True, timeout=PATIENCE)
-        self._log = open(folder / "haproxy.log", "wb")
-        self.proxy = subprocess.Popen([HAPROXY, "-db", "-f", str(folder / "haproxy.cfg")], stdout=self._log, stderr=self._log)
-        wait_for(lambda: self._control.exists() or self.proxy.poll() is not None, "start of HAProxy")
-        if self.proxy.poll() is not None:
-            raise RuntimeError(pathlib.Path(self._log.name).read_text())
+    def _entrance(self):
+        daemons = [f"{member.name}={member.address},{member.host}:{HTTP_PORT}" for member in self.members]
+        return Entrance(daemons, "--plain-text", host=self.address.partition(":")[0])
 
-    def ask_proxy(self, command):
-        """Its answer to a command of the runtime API."""
-        with socket.socket(socket.AF_UNIX) as control:
-            control.settimeout(PATIENCE)
-            control.connect(str(self._control))
-            control.sendall(command.encode() + b"\n")
-            answer = b""
-            while part := control.recv(65536):
-                answer += part
-        return answer.decode()
+    def _by_connection(self, folder, net):
+        text = (WRITER.parent / "by_connection.cfg").read_text()
+        for example, here in (("192.0.2.", f"{net}."), (f"bind :{PORT}", f"bind {self.address}"),
+                              ("/run/haproxy/admin.sock", str(folder / "admin.sock"))):
+            text = text.replace(example, here)
+        return HaProxy(folder, text)
 
     def weights(self):
         """Of the backend that places new scenes."""
-        return [int(self.ask_proxy(f"get weight place/{member.name}").split()[0]) for member in self.members]
+        return [int(self.proxy.ask(f"get weight place/{member.name}").split()[0]) for member in self.members]
 
     def states(self, backend):
-        """Of the servers of a backend: UP, DOWN, NOLB."""
-        rows = [line.split(",") for line in self.ask_proxy(f"show stat {backend} 4 -1").splitlines() if line]
-        status = rows[0].index("status")
-        return {row[1]: row[status].split()[0] for row in rows[1:]}
+        return self.proxy.states(backend)
 
     def scenes(self):
         return [int(member.metric("collided_scenes")) for member in self.members]
 
     def close(self):
         if self.proxy is not None:
-            self.proxy.kill()
-            self.proxy.wait()
-            self._log.close()
+            self.proxy.close()
         for member in self.members:
             member.close()
         self._folder.cleanup()

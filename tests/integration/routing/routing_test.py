@@ -11,7 +11,7 @@ import threading
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "client" / "python"))
-from support import DAEMON, REPOSITORY, TIP, lowered, main, meshes, np  # noqa: E402
+from support import DAEMON, TIP, lowered, main, meshes, np  # noqa: E402
 
 from fleet import Fleet, wait_for  # noqa: E402
 from load import WINDOW, Load  # noqa: E402
@@ -28,7 +28,7 @@ def megabytes(count):
 
 class Case(unittest.TestCase):
     def fleet(self, *arguments, **options):
-        fleet = Fleet(str(DAEMON), REPOSITORY / "deploy", *arguments, **options)
+        fleet = Fleet(str(DAEMON), *arguments, **options)
         self.addCleanup(fleet.close)
         return fleet
 
@@ -65,7 +65,7 @@ class Case(unittest.TestCase):
 
 class Placing(Case):
     def test_scenes_spread_evenly_over_equal_daemons(self):
-        fleet = self.fleet("haproxy.cfg", *ROOMY)
+        fleet = self.fleet(*ROOMY)
         scenes = self.place(fleet, 9)
         self.assertEqual(fleet.scenes(), [3, 3, 3])
         for scene in scenes:
@@ -75,13 +75,13 @@ class Placing(Case):
             self.assertEqual(scene.refresh().scene_id, scene.id)  # by the proxy, to the daemon that has it
 
     def test_scenes_go_where_memory_is_free(self):
-        fleet = self.fleet("haproxy.cfg", *ROOMY, own={0: megabytes(1024), 1: megabytes(1024), 2: megabytes(256)})
+        fleet = self.fleet(*ROOMY, own={0: megabytes(1024), 1: megabytes(1024), 2: megabytes(256)})
         wait_for(lambda: fleet.weights() == [100, 100, 25], f"weights, which are {fleet.weights()}")
         self.place(fleet, 9)
         self.assertEqual(fleet.scenes(), [4, 4, 1])
 
     def test_frames_that_pass_the_proxy_reach_their_scenes(self):
-        fleet = self.fleet("haproxy.cfg", *ROOMY, advertise=False)
+        fleet = self.fleet(*ROOMY, advertise=False)
         sessions = [collided.Session(scene, transport="grpc") for scene in self.place(fleet, 6)]
         for session in sessions:
             self.addCleanup(session.close)
@@ -97,7 +97,7 @@ class Placing(Case):
 
 class Losing(Case):
     def test_a_daemon_that_is_killed_loses_at_most_a_window_of_each_stream(self):
-        fleet = self.fleet("haproxy.cfg", *ROOMY)
+        fleet = self.fleet(*ROOMY)
         loads = self.load(fleet, 6)
         lost = [load for load in loads if load.daemon == "collided-0"]
         self.assertEqual(len(lost), 2)
@@ -111,7 +111,7 @@ class Losing(Case):
             self.assertNotEqual(load.daemon, "collided-0")
 
     def test_a_daemon_that_drains_loses_nothing(self):
-        fleet = self.fleet("haproxy.cfg", *PATIENT)
+        fleet = self.fleet(*PATIENT)
         loads = self.load(fleet, 6)
         leaving = [load for load in loads if load.daemon == "collided-1"]
         self.assertEqual(len(leaving), 2)
@@ -123,7 +123,7 @@ class Losing(Case):
             self.assertEqual(load.session.recreations, load in leaving)
 
     def test_all_daemons_restart_one_after_the_other(self):
-        fleet = self.fleet("haproxy.cfg", *PATIENT)
+        fleet = self.fleet(*PATIENT)
         loads = self.load(fleet, 6)
         for member in fleet.members:
             self.assertEqual(member.drain(), 0)
@@ -165,7 +165,7 @@ class CppSession:
 
 class FromCpp(Case):
     def test_sessions_go_on_after_a_kill_and_leave_a_daemon_that_drains(self):
-        fleet = self.fleet("haproxy.cfg", *PATIENT)
+        fleet = self.fleet(*PATIENT)
         sessions = [CppSession(fleet.address) for _ in range(3)]
         try:
             for session in sessions:
@@ -191,7 +191,7 @@ class FromCpp(Case):
 
 class ByConnection(Case):
     def test_a_host_is_served_by_one_daemon_and_goes_to_another_one(self):
-        fleet = self.fleet("haproxy-tcp.cfg", *ROOMY, "--grace-seconds", "0.5", advertise=False)
+        fleet = self.fleet(*ROOMY, "--grace-seconds", "0.5", advertise=False, by_connection=True)
         loads = self.load(fleet, 3)
         first = {load.daemon for load in loads}
         self.assertEqual(len(first), 1)

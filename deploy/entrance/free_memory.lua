@@ -1,7 +1,13 @@
 -- Weighs the servers of the backend "place" by the memory and scenes that each daemon has left, as its /metrics tell: from
 -- 1 (the daemon itself refuses, and says why) to 100 (empty, or the same share as the emptiest).
+-- METRICS_OF_DAEMONS in the environment names each server and where its daemon has /metrics: NAME=HOST:PORT, with spaces between.
 
-local BACKEND, PORT, PERIOD_MS = "place", 9464, 1000
+local BACKEND, PERIOD_MS = "place", 1000
+
+local metrics = {}
+for name, address in os.getenv("METRICS_OF_DAEMONS"):gmatch("(%S+)=(%S+)") do
+  metrics[name] = address
+end
 
 local function value(text, name)
   return tonumber(text:match("\n" .. name .. " (%S+)"))
@@ -20,17 +26,16 @@ local function room(text)
   return math.max(0, free_share(text)) * value(text, "collided_max_device_bytes")
 end
 
-local function room_of(server)
-  local host = server:get_addr():match("^(.*):%d+$")
-  local answer = core.httpclient():get{url = "http://" .. host .. ":" .. PORT .. "/metrics"}
+local function room_of(name)
+  local answer = core.httpclient():get{url = "http://" .. metrics[name] .. "/metrics"}
   if answer.status ~= 200 then return nil end
   return room(answer.body)
 end
 
 local function weigh(servers)
   local rooms, most = {}, 0
-  for name, server in pairs(servers) do
-    local ok, bytes = pcall(room_of, server)
+  for name in pairs(servers) do
+    local ok, bytes = pcall(room_of, name)
     if ok and bytes then
       rooms[name] = bytes
       most = math.max(most, bytes)
