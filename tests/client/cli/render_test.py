@@ -165,7 +165,6 @@ class Render(support.CollidectlTest):
         self.refused(2, "one of MESH..., --frames and --scene", "render")
         self.refused(2, "one of MESH..., --frames and --scene", "render", *frames, "--scene", "funnel")
         self.refused(2, "--frames with --scene needs one number from 1 to 1000000", "render", "--frames", *frames, "--scene", "funnel")
-        self.refused(2, "needs two frames or more", "render", "--frames", self.frame0)
         self.refused(2, "--accuracy candidates has none", "render", "--frames", *frames, "--accuracy", "candidates")
         self.refused(2, "--report any tells only", "render", "--frames", *frames, "--report", "any")
         self.refused(2, "--time needs --mode ccd", "render", self.frame0, "--mode", "dcd", "--time", "0.5")

@@ -125,7 +125,7 @@ class OneQuestion(Case):
             for mode, ours in (("ccd", collided.detect(before, after, triangles, server=self.server)),
                                ("dcd", collided.proximity(before, triangles, thickness=0.01, server=self.server))):
                 inputs = files if mode == "ccd" else files[:1]
-                rows = self.rows_of(folder, "--frames", *inputs, "--mode", mode, *(["--thickness", "0.01"] if mode == "dcd" else []))
+                rows = self.rows_of(folder, "--frames", *inputs, "--mode", mode, *(["--thickness", "0.01", "--kinds", "vt,ee"] if mode == "dcd" else []))
                 self.assertGreater(len(rows), 30)
                 self.assertEqual(ours.elements.tolist(), [[int(row["element_a"]), int(row["element_b"])] for row in rows])
                 self.assertEqual(ours.stencils.tolist(), [[int(row[f"v{i}"]) for i in range(4)] for row in rows])
