@@ -276,13 +276,13 @@ Case on_integers(Case c) {
 
 Case crowd() { return soup(70, 3500, 0.01, 0.5, 0.3); }
 
-Case far_apart() {
+Case far_apart(uint32_t triangles) {
   std::mt19937_64 random(71);
   const auto number = [&] {
     const int exponent = static_cast<int>(random() % 1900) - 1000;
     return std::ldexp(static_cast<double>(random() % 2000) / 1000 - 1, exponent);
   };
-  Case c = soup(71, 10, 1, 0.5, 0.3);
+  Case c = soup(71, triangles, 1, 0.5, 0.3);
   for (Positions* positions : {&c.start[0], &c.end[0]})
     for (auto& p : *positions) p = {number(), number(), number()};
   return c;

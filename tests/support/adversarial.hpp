@@ -28,6 +28,6 @@ Case on_integers(Case c);
 Case crowd();
 
 /// A few triangles, with exponents as far apart as F64 allows: exact decisions take long.
-Case far_apart();
+Case far_apart(uint32_t triangles = 10);
 
 }  // namespace collided::test

@@ -87,7 +87,7 @@ TEST_P(HostileFrame, EndsWithWhatTheQuestionThrows) {
 // Far more asks than a frame of these has stages, runs of the step included.
 INSTANTIATE_TEST_SUITE_P(Frames, HostileFrame,
                          testing::Values(Hostile{"crowd", crowd(), Accuracy::kCertified, 150},
-                                         Hostile{"far_apart", far_apart(), Accuracy::kExact, 100}),
+                                         Hostile{"far_apart", far_apart(60), Accuracy::kExact, 100}),
                          [](const auto& info) { return std::string(info.param.name); });
 
 using Budget = OnBackend<>;

@@ -37,7 +37,7 @@ FrameWork hostile(const Case& frame, pb::Accuracy accuracy) {
   return work;
 }
 FrameWork crowded() { return hostile(crowd(), pb::ACCURACY_CERTIFIED); }
-FrameWork exponents_far_apart() { return hostile(far_apart(), pb::ACCURACY_EXACT); }
+FrameWork exponents_far_apart() { return hostile(far_apart(40), pb::ACCURACY_EXACT); }
 
 struct Attack {
   const char* name;
