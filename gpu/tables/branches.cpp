@@ -9,9 +9,8 @@ namespace {
 
 constexpr double kFewPairs = 1.0 / 8;
 constexpr double kSomePairs = 1.0 / 64;
-constexpr double kLarge = 1.0 / 8;    ///< of all vertices; a mesh of so many has kSomePairs of all pairs in itself
-constexpr size_t kFewBranches = 16;   ///< each walk may have to go through all of them
-constexpr size_t kMaxClasses = 1024;  ///< all of which are compared with each other
+constexpr double kLarge = 1.0 / 8;   ///< of all vertices; a mesh of so many has kSomePairs of all pairs in itself
+constexpr size_t kFewBranches = 16;  ///< each walk may have to go through all of them
 constexpr uint32_t kMaxBranches = 1u << 16;  ///< more would leave keys too few bits
 
 /// Meshes of the same groups and mask, all static or none, that all touch themselves or none does.
@@ -30,8 +29,8 @@ class MeshClasses {
     std::map<std::tuple<uint32_t, uint32_t, uint32_t, uint32_t>, size_t> known;
     for (size_t i = 0; i < rules.size(); ++i) {
       const MeshRule& rule = rules[i];
-      const auto [at, is_new] = known.try_emplace(
-          {rule.groups, rule.collide_mask, rule.is_static, rule.has_self_contacts}, classes_.size());
+      const auto [at, is_new] =
+          known.try_emplace({rule.groups, rule.collide_mask, rule.is_static, rule.has_self_contacts}, classes_.size());
       if (is_new) classes_.push_back({rule});
       of_mesh_.push_back(at->second);
       sizes_.push_back(rule.is_idle != 0 ? 0 : spec.meshes[i].vertex_count);
@@ -42,7 +41,7 @@ class MeshClasses {
         exclude(first, second, sizes_[first] * sizes_[second]);
   }
 
-  bool are_countable() const { return vertices_ > 0 && classes_.size() <= kMaxClasses; }
+  bool are_countable() const { return vertices_ > 0 && classes_.size() <= kMaxRuleClasses; }
   bool keep_most_apart() const {
     double touching = itself_ - excluded_;
     for_each_pair([&](const RuleClass& p, const RuleClass& q, double pairs) {

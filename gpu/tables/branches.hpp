@@ -1,6 +1,7 @@
 #pragma once
 // In which branch of the hierarchy (lbvh/lbvh.hpp) each mesh is, where rules keep most pairs apart.
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -8,6 +9,9 @@
 #include "gpu/types.hpp"
 
 namespace collided {
+
+/// Classes of meshes that rules treat alike are all compared with each other; more of them are left as they are.
+inline constexpr size_t kMaxRuleClasses = 1024;
 
 /// Returns the branch of each mesh, or nothing where branches do not pay. They pay where at most an eighth of all pairs
 /// may touch, or where at most 16 branches keep a 64th of all pairs apart and a mesh of each pair moves. Meshes share a

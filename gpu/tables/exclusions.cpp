@@ -9,9 +9,8 @@
 namespace collided {
 namespace {
 
-/// Sets MeshRule::is_idle. More classes of meshes than can be compared with each other are left as they are.
+/// Sets MeshRule::is_idle.
 void mark_idle(const SceneSpec& spec, std::vector<MeshRule>& rules) {
-  constexpr size_t kMaxClasses = 1024;
   struct Class {
     MeshRule rule;
     uint64_t meshes = 0, partners = 0;
@@ -22,7 +21,7 @@ void mark_idle(const SceneSpec& spec, std::vector<MeshRule>& rules) {
     Class& like = classes.try_emplace(key(rule), Class{rule}).first->second;
     ++like.meshes;
   }
-  if (classes.size() > kMaxClasses) return;
+  if (classes.size() > kMaxRuleClasses) return;
   for (auto& [of_one, one] : classes)
     for (const auto& [of_other, other] : classes)
       if (may_touch(one.rule, other.rule)) one.partners += other.meshes - (of_one == of_other ? 1 : 0);
@@ -76,13 +75,12 @@ bool may_touch(const std::vector<MeshRule>& rest_rules) {
 }
 
 IdleMeshes idle_meshes(const SceneSpec& spec) {
-  IdleMeshes idle{{}, true};
-  bool has_some = false;
-  for (const MeshRule& rule : rules_without_branches(spec)) {
-    idle.meshes.push_back(rule.is_idle != 0);
-    (rule.is_idle != 0 ? has_some : idle.are_all) = rule.is_idle != 0;
-  }
-  return has_some ? idle : IdleMeshes{};
+  IdleMeshes idle;
+  for (const MeshRule& rule : rules_without_branches(spec)) idle.meshes.push_back(rule.is_idle != 0);
+  const auto count = static_cast<size_t>(std::count(idle.meshes.begin(), idle.meshes.end(), true));
+  if (count == 0) return {};
+  idle.are_all = count == idle.meshes.size();
+  return idle;
 }
 
 bool needs_pair_filter(const SceneSpec& spec) {
