@@ -1,7 +1,7 @@
 #pragma once
-// What the conditions of exact/features.cpp are made of, in exact numbers or in rough ones: the differences d of both
-// features' corners, in the order of fixed/differences.hpp; the cross products of all sides; the features' normal n;
-// the volume. Each is made when it is first asked for.
+// The polynomials that the conditions of exact/features.cpp are built from, in exact or in rough numbers. These are the
+// differences of the features' corners, in the order of fixed/differences.hpp, the cross products of all sides, the
+// features' normal n, and the volume. Each is computed on first use.
 //
 // With A, B, C from the corners to the vertex, n = (b - a) x (c - a) = B x C + C x A + A x B, and the volume is
 // A (B x C). With A = a0 - b0, B = a0 - b1, C = a1 - b0, D = a1 - b1, n = (a1 - a0) x (b1 - b0) = A x B + D x C, and

@@ -40,8 +40,8 @@ std::vector<Root>& LocatedRoots::exact() {
   return *exact_;
 }
 
-// Of numbers that are not large, all roots are isolated in less time than one is taken from rough numbers, whose
-// intervals are short: so are the numbers that signs at it are made of.
+// Isolating all roots is faster where the coefficients are small. Where they are large, one root is refined from its
+// rough interval, which is short and so has short numbers.
 Root& LocatedRoots::exact(size_t i) {
   constexpr mp_bitcnt_t kLarge = 2000;
   if (exact_ || !rough_ || exact_form().c.front().bits() < kLarge) return exact()[i];
