@@ -32,6 +32,7 @@ if(COLLIDED_HAVE_CUDA)
   set(ENVIRONMENT "\
 # The GPU as nvidia-smi numbers it. Addresses here override the file's; gpu-%i.env overrides both.
 Environment=CUDA_DEVICE_ORDER=PCI_BUS_ID CUDA_VISIBLE_DEVICES=%i
+Environment=COLLIDED_NAME=gpu-%i
 Environment=COLLIDED_ADDRESS=127.0.0.1:5055%i,unix:/run/collided-%i/socket
 Environment=COLLIDED_HTTP_ADDRESS=127.0.0.1:946%i
 EnvironmentFile=-${SYSCONFDIR}/collided/gpu-%i.env\n")

@@ -53,7 +53,9 @@ class Packages(unittest.TestCase):
              "/usr/share/man/man1/collidectl-stream.1.gz", "/usr/share/man/man5/collided.toml.5.gz",
              "/usr/share/bash-completion/completions/collidectl", "/usr/share/zsh/vendor-completions/_collidectl",
              "/usr/share/fish/vendor_completions.d/collidectl.fish", "/etc/collided/collided.toml",
-             "/usr/lib/systemd/system/collided.service", "/usr/lib/sysusers.d/collided.conf"}, self.paths(self.daemon()))
+             "/usr/lib/systemd/system/collided.service", "/usr/lib/sysusers.d/collided.conf",
+             "/usr/share/collided/entrance/entrance", "/usr/share/collided/entrance/haproxy.cfg.in",
+             "/usr/share/collided/entrance/free_memory.lua"}, self.paths(self.daemon()))
 
     def test_only_a_build_with_cuda_has_units_for_gpus(self):
         units = {"/usr/lib/systemd/system/collided@.service", "/usr/lib/systemd/system/collided-nvidia.service"}

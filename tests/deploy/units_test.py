@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 import unittest
 
 CMAKE = sys.argv[1]
@@ -61,6 +62,15 @@ class Units(unittest.TestCase):
         self.assertIn("max-scenes = 64 ", config.read_text())
         code, said = run(self.root / "usr/bin/collided", "--config", config, "--check")
         self.assertEqual(code, 0, said)
+
+    def test_the_installed_entrance_is_for_the_installed_configuration(self):
+        options = tomllib.loads((self.root / "etc/collided/collided.toml").read_text())
+        socket, = (address for address in options["address"] if address.startswith("unix:"))
+        folder = self.root / "usr/share/collided/entrance"
+        code, said = run(folder / "entrance", "--plain-text", "--daemon", f"one={socket},{options['http-address']}")
+        self.assertEqual(code, 0, said)
+        self.assertIn(f"server one {socket.replace('unix:', 'unix@')} ", said)
+        self.assertIn(f"lua-load {folder}/free_memory.lua\n", said)
 
     def test_an_edited_configuration_survives_a_second_install(self):
         config = self.root / "etc/collided/collided.toml"

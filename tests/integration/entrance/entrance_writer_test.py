@@ -63,6 +63,15 @@ class Check(unittest.TestCase):
         self.assertEqual(self.check(path),
                          (1, f"{self.pem} has secrets, and every user of this host can read it\n"))
 
+    def test_files_that_cannot_be_are_told_in_a_line(self):
+        daemon = ("--daemon", "a=unix:/s,127.0.0.1:1", "--plain-text")
+        missing = self.folder.path("missing")
+        for options in ((*daemon, "--run", missing), (*daemon, "--output", f"{missing}/cfg"), ("--check", missing)):
+            with self.subTest(options[-2]):
+                done = subprocess.run([WRITER, *options], capture_output=True, text=True, check=False)
+                self.assertEqual((done.returncode, done.stdout), (1, ""))
+                self.assertRegex(done.stderr, rf"^entrance: .*'{missing}.*'\n$")
+
     def test_options_that_make_no_entrance_are_refused(self):
         daemon = ("--daemon", "a=unix:/s,127.0.0.1:1")
         for options, said in (((), "--daemon is missing"), (daemon, "one of --certificate and --plain-text is needed"),

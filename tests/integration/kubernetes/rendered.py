@@ -39,12 +39,30 @@ class Objects:
         return found["spec"]["template"]
 
     @property
+    def containers(self):
+        return self.pod["spec"]["containers"]
+
+    @property
     def container(self):
-        found, = self.pod["spec"]["containers"]
+        """The one that the pod is for: of the daemon, or of the Job."""
+        return self.containers[0]
+
+    @property
+    def entrance(self):
+        found, = (container for container in self.containers if container["name"] == "entrance")
         return found
 
+    @property
+    def entrance_options(self):
+        """Values by name."""
+        return {name: value for name, _, value in (word.partition("=") for word in self.entrance["args"])}
+
+    def mounts(self, container):
+        """Names of volumes by the folders that they are mounted at."""
+        return {mount["mountPath"]: mount["name"] for mount in container["volumeMounts"]}
+
     def environment(self, pod_name):
-        """Of the container, in the order in which Kubernetes expands it."""
+        """Of the daemon's container, in the order in which Kubernetes expands it."""
         values = {}
         for variable in self.container["env"]:
             value = variable.get("value")
@@ -58,5 +76,6 @@ class Objects:
 
     @property
     def ports(self):
-        """Numbers by name."""
-        return {port["name"]: port["containerPort"] for port in self.container["ports"]}
+        """Numbers by name, of all containers."""
+        return {port["name"]: port["containerPort"]
+                for container in self.containers for port in container["ports"]}

@@ -35,6 +35,22 @@ def http(address, path):
         return error.code, error.read().decode()
 
 
+def channel_to(address, credentials=None):
+    """A channel for a `with`. TLS is for the name localhost, whatever the address."""
+    options = [("grpc.use_local_subchannel_pool", 1)]
+    if credentials:
+        options.append(("grpc.ssl_target_name_override", "localhost"))
+        return contextlib.closing(grpc.secure_channel(address, credentials, options))
+    return contextlib.closing(grpc.insecure_channel(address, options))
+
+
+def health(address, service="", credentials=None):
+    """Returns the status that the standard health service reports. Throws grpc.RpcError."""
+    request = b"\x0a" + bytes([len(service)]) + service.encode()
+    with channel_to(address, credentials) as channel:
+        return channel.unary_unary("/grpc.health.v1.Health/Check")(request, timeout=30)[1]
+
+
 class Folder(tempfile.TemporaryDirectory):
     def path(self, name):
         return os.path.join(self.name, name)
@@ -139,16 +155,10 @@ class Daemon:
         return int(re.search(r"^collided_calls_in_work (\d+)$", self.http("/metrics")[1], re.MULTILINE)[1])
 
     def channel(self, credentials=None):
-        options = [("grpc.use_local_subchannel_pool", 1)]
-        if credentials:
-            return contextlib.closing(grpc.secure_channel(self.address, credentials, options))
-        return contextlib.closing(grpc.insecure_channel(self.address, options))
+        return channel_to(self.address, credentials)
 
     def health(self, service="", credentials=None):
-        """The status that the standard health service reports; throws grpc.RpcError."""
-        request = b"\x0a" + bytes([len(service)]) + service.encode()
-        with self.channel(credentials) as channel:
-            return channel.unary_unary("/grpc.health.v1.Health/Check")(request, timeout=30)[1]
+        return health(self.address, service, credentials)
 
     def info(self, credentials=None, metadata=()):
         """GetServerInfo, as bytes; throws grpc.RpcError."""
