@@ -28,7 +28,7 @@ import collided  # noqa: E402
 from collided.v1 import collision_service_pb2 as api  # noqa: E402
 
 from attacks.catalogue import Target  # noqa: E402
-from attacks.http2 import DATA, END_STREAM, HEADERS, INFO, PREFACE, SETTINGS, Http2, frame, resets  # noqa: E402
+from attacks.http2 import DATA, END_STREAM, HEADERS, INFO, PREFACE, SETTINGS, Http2, frame, resets, text  # noqa: E402
 from attacks.tip import tip_request  # noqa: E402
 from ways import MAX_MB, peak_mb  # noqa: E402
 
@@ -327,6 +327,21 @@ class Calls(Case):
         with Http2(self.target(entrance)) as peer:
             self.assertTrue(self.is_answered(peer, b"\x00\x05x-bin\x01!"))
         self.assertEqual(self.calls("GetServerInfo").get("OK"), before + 1)
+
+
+    def test_headers_that_end_a_daemon_do_not_reach_it(self):
+        """CVE-2023-1428: gRPC 1.51 calls abort() where one of these is followed by more than 8 KiB of headers."""
+        entrance = self.plain()
+        for name, value in ((b"grpclb_client_stats", b"x"), (b"te", b"x")):
+            for count, size in ((1, 5000), (8, 600), (50, 60), (60, 30), (1, 9000), (60, 200), (200, 30)):
+                with self.subTest(name, count=count, size=size), Http2(self.target(entrance)) as peer:
+                    lines = b"\x00" + text(name) + text(value)
+                    lines += b"".join(b"\x00" + text(b"x-%d" % index) + text(b"y" * size) for index in range(count))
+                    with contextlib.suppress(OSError):
+                        self.is_answered(peer, lines)
+                    self.assertIsNone(self.daemon.process.poll(), self.daemon.log()[-1000:])
+        with Http2(self.target(entrance)) as peer:
+            self.assertTrue(self.is_answered(peer, b""))
 
 
 class Uploads(Case):

@@ -35,11 +35,13 @@ TEST(Rules, WarnOfWhatIsExposed) {
   };
   EXPECT_TRUE(warnings({}).empty());
   EXPECT_TRUE(warnings({"--http-address", "127.0.0.1:1"}).empty());
-  EXPECT_EQ(warnings({"--address", "0.0.0.0:1", "--allow-insecure"}).size(), 2u);
-  EXPECT_EQ(warnings({"--address", "0.0.0.0:1", "--allow-insecure", "--tokens-file", "t"}).size(), 1u);
-  EXPECT_EQ(warnings({"--address", "0.0.0.0:1", "--tls-certificate", "c", "--tls-key", "k"}).size(), 1u);
-  EXPECT_TRUE(
-      warnings({"--address", "0.0.0.0:1", "--tls-certificate", "c", "--tls-key", "k", "--tokens-file", "t"}).empty());
+  EXPECT_EQ(warnings({"--address", "0.0.0.0:1", "--allow-insecure"}).size(), 3u);
+  EXPECT_EQ(warnings({"--address", "0.0.0.0:1", "--allow-insecure", "--tokens-file", "t"}).size(), 2u);
+  EXPECT_EQ(warnings({"--address", "0.0.0.0:1", "--tls-certificate", "c", "--tls-key", "k"}).size(), 2u);
+  const auto best = warnings({"--address", "0.0.0.0:1", "--tls-certificate", "c", "--tls-key", "k", "--tokens-file", "t"});
+  ASSERT_EQ(best.size(), 1u);
+  EXPECT_NE(best[0].find("0.0.0.0:1 is open to other hosts: "), std::string::npos);
+  EXPECT_NE(best[0].find("deploy/entrance"), std::string::npos);
   EXPECT_EQ(warnings({"--http-address", "0.0.0.0:1"}).size(), 1u);
 }
 
