@@ -61,10 +61,10 @@ class Watcher:
             scene_id=scene_id, frame_interval=frame_interval, max_frames_per_second=max_frames_per_second,
             max_contacts_per_kind=max_contacts_per_kind, vertex_stride=vertex_stride,
             position_meshes=[self._layout.index(mesh) for mesh in meshes])
-        self._channel = client.separate_channel(self.scene.endpoint)
-        self._messages = Messages(CollisionServiceStub(self._channel).WatchScene(
-            request, metadata=metadata(client.options, scene_id)))
-        self.leftover = leftovers.watch(self, Leftover("Watcher", [self._messages.cancel, self._channel.close],
+        channel = client.separate_channel(self.scene.endpoint)
+        carried = metadata(client.options, scene_id)
+        self._messages = Messages(channel, lambda: CollisionServiceStub(channel).WatchScene(request, metadata=carried))
+        self.leftover = leftovers.watch(self, Leftover("Watcher", [self._messages.close],
                                                        name=f"scene {scene_id} at {client.place}"))
         try:
             opened = self._messages.next(None)
