@@ -139,6 +139,8 @@ class SetFrames:
         answer = answers[0]
         if answer.HasField("error"):
             raise error_of_frame(answer.error, self._last_id)
+        if not answer.HasField("done"):
+            raise DataLoss(f"the daemon's answer to frame {self._last_id} of the set has no end")
         return SetAnswer(self._last_id, [read_chunk(of_kind.contacts) for of_kind in answer.contacts],
                          [_begins(of_kind, len(worlds)) for of_kind in answer.contacts], list(answer.errors), answer.done)
 

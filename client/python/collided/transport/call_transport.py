@@ -72,6 +72,8 @@ class CallTransport:
         frame_id, self._frame_id = self._frame_id, 0
         if isinstance(answer, Error):
             return api.StreamFramesResponse(frame_id=frame_id, error=self._refusal(answer, frame_id))
+        if not answer.HasField("done"):
+            raise DataLoss(f"the daemon's answer to frame {frame_id} has no end")
         answer.done.contacts.extend(answer.contacts)
         return api.StreamFramesResponse(frame_id=frame_id, done=answer.done)
 
