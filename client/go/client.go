@@ -165,7 +165,7 @@ func (c *Client) create(ctx context.Context, request *v1.CreateSceneRequest) (*S
 	for try := 1; ; try++ {
 		answer, err := call(ctx, c, "", c.service.CreateScene, request)
 		if err == nil {
-			return answer.Scene, nil
+			return answer.GetScene(), checkScene(answer.GetScene())
 		}
 		if err.(*Error).Code != codes.Unavailable || try == createTries {
 			return nil, err
@@ -207,19 +207,32 @@ func (c *Client) EstimateScene(ctx context.Context, spec *SceneSpec, meshes []Me
 // GetScene asks for state and memory of a scene.
 func (c *Client) GetScene(ctx context.Context, sceneID string) (*Scene, error) {
 	answer, err := call(ctx, c, sceneID, c.service.GetScene, &v1.GetSceneRequest{SceneId: sceneID})
-	return answer.GetScene(), err
+	if err != nil {
+		return nil, err
+	}
+	return answer.GetScene(), checkScene(answer.GetScene())
 }
 
-// ListScenes lists this client's scenes, by id.
+// ListScenes lists this client's scenes, by id. All pages together take no longer than a call may.
 func (c *Client) ListScenes(ctx context.Context) (scenes []*Scene, err error) {
+	ctx, cancel := c.connector.limited(ctx)
+	defer cancel()
 	for token := ""; ; {
 		page, err := call(ctx, c, "", c.service.ListScenes, &v1.ListScenesRequest{PageToken: token})
 		if err != nil {
 			return nil, err
 		}
-		scenes = append(scenes, page.Scenes...)
+		for _, scene := range page.Scenes {
+			if last := len(scenes) - 1; last >= 0 && scene.SceneId <= scenes[last].SceneId {
+				return nil, failf(codes.DataLoss, "", "scenes names '%s' after '%s'; ids must ascend", scene.SceneId, scenes[last].SceneId)
+			}
+			scenes = append(scenes, scene)
+		}
 		if token = page.NextPageToken; token == "" {
 			return scenes, nil
+		}
+		if len(page.Scenes) == 0 || len(scenes) >= maxScenes {
+			return nil, failf(codes.DataLoss, "", "next_page_token is set after a page of %d scenes, %d in all", len(page.Scenes), len(scenes))
 		}
 	}
 }
@@ -245,17 +258,21 @@ func (c *Client) Detect(ctx context.Context, scene *Scene, frame Frame) (*Output
 	if err := output.addAll(answer.Contacts); err != nil {
 		return nil, err
 	}
-	return output, output.finish(answer.Done)
+	if err := output.finish(answer.Done); err != nil {
+		return nil, err
+	}
+	return output, output.checkTotal()
 }
 
-// Stream opens a stream, on a connection of its own to the scene's endpoint. The stream ends with ctx.
+// Stream opens a stream, on a connection of its own to the scene's endpoint, which it waits for. The stream ends with ctx.
 func (c *Client) Stream(ctx context.Context, scene *Scene, options StreamOptions) (*Stream, error) {
 	connection, err := c.connector.connect(ctx, scene.GetEndpoint())
 	if err != nil {
 		return nil, err
 	}
 	id := scene.GetSceneId()
-	return openStream(c.connector.streamContext(ctx, id), connection, id, options, c.info.GetLimits().GetMaxMessageBytes())
+	return openStream(c.connector.streamContext(ctx, id), connection, id, options, c.info.GetLimits().GetMaxMessageBytes(),
+		c.connector.options.Deadline)
 }
 
 // Resume resumes a scene whose stream broke, and takes it over from one that may still be open: send the frames after the new
@@ -271,7 +288,7 @@ func (c *Client) Watch(ctx context.Context, sceneID string, options WatchOptions
 	if err != nil {
 		return nil, err
 	}
-	return openWatcher(c.connector.streamContext(ctx, sceneID), connection, sceneID, options)
+	return openWatcher(c.connector.streamContext(ctx, sceneID), connection, sceneID, options, c.connector.options.Deadline)
 }
 
 // Session creates a scene and a stream that survive the loss of the connection and of the daemon. The session ends with ctx.

@@ -22,7 +22,7 @@ import (
 type Options struct {
 	// Patience is how long to wait for the connection; 0: 5 s.
 	Patience time.Duration
-	// Deadline is of one call whose context has none; 0: 60 s. Streams have none.
+	// Deadline is of one call whose context has none; 0: 60 s. Of a stream or a watch it limits the first answer, and the end.
 	Deadline time.Duration
 	// Token is a bearer token; empty: none is sent.
 	Token string
@@ -135,7 +135,7 @@ func (c *connector) connect(ctx context.Context, address string) (*grpc.ClientCo
 	if ctx.Err() != nil {
 		return nil, contextError(ctx.Err())
 	}
-	return nil, failf(codes.Unavailable, "", "no daemon answers at %s: %v", address, err)
+	return nil, failf(codes.Unavailable, "", "no daemon answers at %s within %v (Options.Patience): %v", address, c.options.Patience, err)
 }
 
 func (c *connector) dialOptions(address string) (string, []grpc.DialOption) {
@@ -171,6 +171,14 @@ func (c *connector) callContext(ctx context.Context, sceneID string, more time.D
 		return context.WithCancel(ctx)
 	}
 	return context.WithTimeout(ctx, c.options.Deadline+more)
+}
+
+// limited is ctx, if it has a deadline; else it ends after that of a call, for several calls that are one to the caller.
+func (c *connector) limited(ctx context.Context) (context.Context, context.CancelFunc) {
+	if _, has := ctx.Deadline(); has {
+		return context.WithCancel(ctx)
+	}
+	return context.WithTimeout(ctx, c.options.Deadline)
 }
 
 // streamContext is callContext without a deadline.

@@ -57,6 +57,12 @@ func (s *ContactSet) addAll(chunks []*v1.ContactChunk) error {
 }
 
 func (c *Contacts) add(chunk *v1.ContactChunk) error {
+	if chunk.Count == 0 {
+		return failf(codes.DataLoss, "", "contacts.count is 0; a chunk has 1 contact or more")
+	}
+	if chunk.Shared != nil {
+		return failf(codes.DataLoss, "", "contacts.shared names shared memory, and there is none over gRPC")
+	}
 	r := reader{before: c.Count, count: int(chunk.Count)}
 	c.Elements = read(&r, "elements", c.Elements, chunk.Elements, 8, uint32s[[2]uint32])
 	c.Stencils = read(&r, "stencils", c.Stencils, chunk.Stencils, 16, uint32s[[4]uint32])
@@ -66,7 +72,10 @@ func (c *Contacts) add(chunk *v1.ContactChunk) error {
 	c.Normals = read(&r, "normals", c.Normals, chunk.Normals, 12, threeFloat32s)
 	c.Flags = read(&r, "flags", c.Flags, chunk.Flags, 1, func(bytes []byte) byte { return bytes[0] })
 	c.Count += int(chunk.Count)
-	return r.err
+	if r.err != nil {
+		return r.err
+	}
+	return c.check(r.before)
 }
 
 // reader remembers the first array of a chunk that is not as long as it has to be.

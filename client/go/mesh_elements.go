@@ -3,6 +3,7 @@ package collided
 import (
 	"context"
 	"encoding/binary"
+	"time"
 
 	"google.golang.org/grpc/codes"
 
@@ -29,10 +30,11 @@ type MeshElements struct {
 // edits keep changing it.
 func (c *Client) GetMesh(ctx context.Context, sceneID string, mesh uint32) (*MeshElements, error) {
 	request := &v1.GetMeshRequest{SceneId: sceneID, Mesh: mesh}
-	out := &MeshElements{}
+	out, begun := &MeshElements{}, time.Now()
 	for tries := readTries; ; {
 		request.FirstElement = uint32(len(out.Elements))
-		page, err := call(ctx, c, sceneID, c.service.GetMesh, request)
+		more := time.Duration(len(out.Elements)*elementBytes/chunkBytes) * time.Second // as uploads have
+		page, err := c.meshPage(ctx, sceneID, request, begun.Add(c.connector.options.Deadline+more))
 		hasFewer := err != nil && len(out.Elements) > 0 && err.(*Error).Field == "first_element"
 		if err != nil && !hasFewer {
 			return nil, err
@@ -51,6 +53,13 @@ func (c *Client) GetMesh(ctx context.Context, sceneID string, mesh uint32) (*Mes
 			return out, nil
 		}
 	}
+}
+
+// meshPage asks for one of several pages, all of which together are due.
+func (c *Client) meshPage(ctx context.Context, sceneID string, request *v1.GetMeshRequest, due time.Time) (*v1.GetMeshResponse, error) {
+	limited, cancel := context.WithDeadline(ctx, due)
+	defer cancel()
+	return call(limited, c, sceneID, c.service.GetMesh, request)
 }
 
 // add appends a page. DataLoss if it does not fit the mesh.

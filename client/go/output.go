@@ -16,7 +16,10 @@ type Output struct {
 
 // finish takes the last contacts and the totals.
 func (o *Output) finish(done *v1.FrameDone) error {
-	if err := o.addAll(done.GetContacts()); err != nil {
+	if err := checkDone(done); err != nil {
+		return err
+	}
+	if err := o.addAll(done.Contacts); err != nil {
 		return err
 	}
 	done.Contacts = nil

@@ -192,7 +192,9 @@ func (s *Session) leave(ctx context.Context) {
 		if err != nil {
 			return err
 		}
-		if err := s.restore(ctx, stream); err != nil {
+		limited, cancel := s.connector.limited(ctx)
+		defer cancel()
+		if err := s.restore(limited, stream); err != nil {
 			stream.Close()
 			return err
 		}

@@ -4,6 +4,7 @@ import (
 	"context"
 	"io"
 	"sync"
+	"sync/atomic"
 	"time"
 
 	"google.golang.org/grpc"
@@ -31,6 +32,10 @@ type Stream struct {
 	cancel     context.CancelFunc
 	opened     *v1.StreamOpened
 	maxBytes   uint64
+	deadline   time.Duration // for the first answer, and for the next one once no more frames will come
+	maySkip    bool          // LATEST_WINS
+	size       sceneSize     // as of the opening
+	hasEdits   atomic.Bool   // the scene may have another size by now
 	credits    chan struct{} // an entry for each frame that may be sent
 	ended      chan struct{} // closed once err is set, and nothing is written any more
 	booking    sync.Mutex    // frames go out in the order of their ids
@@ -54,10 +59,11 @@ type inFlight struct {
 }
 
 func openStream(ctx context.Context, connection *grpc.ClientConn, sceneID string, options StreamOptions,
-	maxBytes uint64) (*Stream, error) {
+	maxBytes uint64, deadline time.Duration) (*Stream, error) {
 	ctx, cancel := context.WithCancel(ctx)
-	s := &Stream{connection: connection, cancel: cancel, maxBytes: maxBytes,
-		ended: make(chan struct{}), written: make(chan struct{}), news: make(chan struct{})}
+	s := &Stream{connection: connection, cancel: cancel, maxBytes: maxBytes, deadline: deadline,
+		maySkip: options.Delivery == v1.DeliveryPolicy_DELIVERY_POLICY_LATEST_WINS,
+		ended:   make(chan struct{}), written: make(chan struct{}), news: make(chan struct{})}
 	if err := s.open(ctx, sceneID, options); err != nil {
 		s.release()
 		return nil, err
@@ -80,12 +86,42 @@ func (s *Stream) open(ctx context.Context, sceneID string, options StreamOptions
 	open := &v1.OpenStream{SceneId: sceneID, Window: options.Window, Delivery: options.Delivery, ResumeToken: options.ResumeToken}
 	// If it fails, Recv says why.
 	_ = s.call.Send(&v1.StreamFramesRequest{Request: &v1.StreamFramesRequest_Open{Open: open}})
-	answer, err := s.call.Recv()
+	answer, err := firstWithin(s.deadline, s.cancel, s.call.Recv)
 	if err != nil {
-		return errorOf(err)
+		return err
 	}
 	if s.opened = answer.GetOpened(); s.opened.GetScene() == nil {
-		return failf(codes.Internal, "", "the daemon's first answer does not open the stream")
+		return failf(codes.DataLoss, "", "the daemon's first answer does not open the stream")
+	}
+	s.size = sizeOf(s.Scene().GetSpec())
+	return s.checkOpened(sceneID, options.Window)
+}
+
+// firstWithin is the first message of a call, which is cancelled if none comes in time.
+func firstWithin[M any](deadline time.Duration, cancel func(), receive func() (M, error)) (M, error) {
+	var isLate atomic.Bool
+	timer := time.AfterFunc(deadline, func() {
+		isLate.Store(true)
+		cancel()
+	})
+	defer timer.Stop()
+	message, err := receive()
+	if err != nil && isLate.Load() {
+		return message, failf(codes.DeadlineExceeded, "", "the daemon did not answer within %v (Options.Deadline)", deadline)
+	}
+	return message, errorOf(err)
+}
+
+func (s *Stream) checkOpened(sceneID string, window uint32) error {
+	most := window
+	if most == 0 {
+		most = maxWindow
+	}
+	if s.opened.Window < 1 || s.opened.Window > most {
+		return failf(codes.DataLoss, "", "opened.window is %d; it must be from 1 to %d", s.opened.Window, most)
+	}
+	if s.Scene().SceneId != sceneID {
+		return failf(codes.DataLoss, "", "the daemon opened scene '%s' instead of '%s'", s.Scene().SceneId, sceneID)
 	}
 	return nil
 }
@@ -119,7 +155,7 @@ func (s *Stream) Err() error {
 // Send waits until fewer frames than the window are in flight, then has the frame sent, and returns its id. Receive has its
 // output. The frame's slices may change once Send has returned.
 func (s *Stream) Send(ctx context.Context, frame Frame) (uint64, error) {
-	message, err := frame.message(s.Scene().Spec.PositionFormat)
+	message, err := frame.message(s.Scene().GetSpec().GetPositionFormat())
 	if err != nil {
 		return 0, err
 	}
@@ -129,7 +165,7 @@ func (s *Stream) Send(ctx context.Context, frame Frame) (uint64, error) {
 // Detect sends a frame and waits for its output. It fails if the frame is refused; the stream goes on. A frame whose context
 // ends once fewer than the window are in flight is applied all the same.
 func (s *Stream) Detect(ctx context.Context, frame Frame) (*Output, error) {
-	message, err := frame.message(s.Scene().Spec.PositionFormat)
+	message, err := frame.message(s.Scene().GetSpec().GetPositionFormat())
 	if err != nil {
 		return nil, err
 	}
@@ -182,17 +218,36 @@ func (s *Stream) Receive(ctx context.Context) (*Output, error) {
 }
 
 // Finish tells the daemon that no more frames will come, and waits until all are answered. Outputs can still be received.
+// DeadlineExceeded if none is answered, and the stream does not end, for as long as a call may take.
 func (s *Stream) Finish(ctx context.Context) error {
 	s.bookNoMore()
-	select {
-	case <-s.ended:
-	case <-ctx.Done():
-		return contextError(ctx.Err())
+	for left, isOver := s.countInFlight(), false; !isOver; {
+		timer := time.NewTimer(s.deadline)
+		defer timer.Stop()
+		select {
+		case <-s.ended:
+			isOver = true
+		case <-ctx.Done():
+			return contextError(ctx.Err())
+		case <-timer.C:
+			now := s.countInFlight()
+			if now >= left {
+				s.Close()
+				return failf(codes.DeadlineExceeded, "", "the daemon did not end the stream within %v (Options.Deadline)", s.deadline)
+			}
+			left = now
+		}
 	}
 	if err := s.Err(); err != errFinished {
 		return err
 	}
 	return nil
+}
+
+func (s *Stream) countInFlight() int {
+	s.mutex.Lock()
+	defer s.mutex.Unlock()
+	return len(s.inFlight)
 }
 
 func (s *Stream) bookNoMore() {
@@ -285,6 +340,9 @@ func (s *Stream) book(request *v1.StreamFramesRequest, answer chan *Output) erro
 		return failf(codes.ResourceExhausted, "frame", "frame is %d bytes; the daemon's limit is %d (--max-message-mb)",
 			bytes, s.maxBytes)
 	}
+	if frame.Edit != nil {
+		s.hasEdits.Store(true)
+	}
 	if frame.FrameId > s.lastID { // else it is refused
 		s.lastID = frame.FrameId
 	}
@@ -345,18 +403,31 @@ func (s *Stream) take(response *v1.StreamFramesResponse) error {
 	case *v1.StreamFramesResponse_Contacts:
 		return output.add(answer.Contacts)
 	case *v1.StreamFramesResponse_Done:
-		if err := output.finish(answer.Done); err != nil {
+		if err := s.finishFrame(output, answer.Done); err != nil {
 			return err
 		}
 	case *v1.StreamFramesResponse_Error:
 		output.Err = errorOfFrame(answer.Error)
 	case *v1.StreamFramesResponse_Skipped:
+		if !s.maySkip {
+			return failf(codes.DataLoss, "", "the daemon skipped frame %d of a stream that answers each one", response.FrameId)
+		}
 		output.Skipped = true
 	default:
 		return failf(codes.DataLoss, "", "the answer of frame %d is %T", response.FrameId, answer)
 	}
 	s.complete()
 	return nil
+}
+
+func (s *Stream) finishFrame(output *Output, done *v1.FrameDone) error {
+	if err := output.finish(done); err != nil {
+		return err
+	}
+	if err := output.checkTotal(); err != nil || s.hasEdits.Load() {
+		return err
+	}
+	return output.checkIDs(s.size)
 }
 
 // complete gives the oldest output to whom it belongs. The mutex is held.

@@ -4,6 +4,7 @@ import (
 	"context"
 	"encoding/binary"
 	"math"
+	"time"
 
 	"google.golang.org/grpc"
 	"google.golang.org/grpc/codes"
@@ -53,7 +54,8 @@ type Watcher struct {
 	opened     *v1.WatchOpened
 }
 
-func openWatcher(ctx context.Context, connection *grpc.ClientConn, sceneID string, options WatchOptions) (*Watcher, error) {
+func openWatcher(ctx context.Context, connection *grpc.ClientConn, sceneID string, options WatchOptions,
+	deadline time.Duration) (*Watcher, error) {
 	ctx, cancel := context.WithCancel(ctx)
 	w := &Watcher{connection: connection, cancel: cancel}
 	request := &v1.WatchSceneRequest{
@@ -66,7 +68,7 @@ func openWatcher(ctx context.Context, connection *grpc.ClientConn, sceneID strin
 	}
 	var err error
 	if w.call, err = v1.NewCollisionServiceClient(connection).WatchScene(ctx, request); err == nil {
-		err = w.open()
+		err = w.open(deadline)
 	}
 	if err != nil {
 		w.Close()
@@ -75,8 +77,8 @@ func openWatcher(ctx context.Context, connection *grpc.ClientConn, sceneID strin
 	return w, nil
 }
 
-func (w *Watcher) open() error {
-	first, err := w.call.Recv()
+func (w *Watcher) open(deadline time.Duration) error {
+	first, err := firstWithin(deadline, w.cancel, w.call.Recv)
 	if err != nil {
 		return err
 	}
@@ -108,11 +110,32 @@ func (w *Watcher) Receive() (*WatchedFrame, error) {
 		EditCount:       response.EditCount,
 	}
 	for _, sample := range response.Positions {
-		positions := unpackPositions(sample.Positions, w.Scene().Spec.PositionFormat)
+		if err := w.checkSample(sample); err != nil && response.EditCount == w.Scene().EditCount {
+			return nil, err
+		}
+		positions := unpackPositions(sample.Positions, w.Scene().GetSpec().GetPositionFormat())
 		frame.Positions = append(frame.Positions, SampledPositions{sample.Mesh, sample.VertexStride, positions})
 	}
 	frame.FrameID = response.FrameId
-	return frame, frame.finish(done)
+	if err := frame.finish(done); err != nil {
+		return nil, err
+	}
+	if response.EditCount != w.Scene().EditCount {
+		return frame, nil // the scene may have another size by now
+	}
+	return frame, frame.checkIDs(sizeOf(w.Scene().GetSpec()))
+}
+
+func (w *Watcher) checkSample(sample *v1.VertexSample) error {
+	width, meshes := 12, len(w.Scene().GetSpec().GetMeshes())
+	if w.Scene().GetSpec().GetPositionFormat() == FormatF64 {
+		width = 24
+	}
+	if len(sample.Positions)%width != 0 || int64(sample.Mesh) >= int64(meshes) {
+		return failf(codes.DataLoss, "", "positions of mesh %d has %d bytes; the scene has %d meshes, of %d bytes for a vertex",
+			sample.Mesh, len(sample.Positions), meshes, width)
+	}
+	return nil
 }
 
 // Close ends the watch.

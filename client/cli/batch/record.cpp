@@ -2,6 +2,10 @@
 
 #include "client/cli/batch/record.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <boost/crc.hpp>
 #include <cerrno>
 #include <charconv>
@@ -23,6 +27,17 @@ std::string crc_of(std::string_view line, std::string_view text) {
   return digits;
 }
 
+/// Opens a file for reading. A pipe, whose opening would wait for a writer, and a device are refused.
+std::FILE* open_regular(const std::filesystem::path& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) throw std::runtime_error(path.string() + ": cannot be read: " + std::strerror(errno));
+  if (!is_regular(file)) {
+    ::close(file);
+    throw std::runtime_error(path.string() + ": is no file");
+  }
+  return ::fdopen(file, "rb");
+}
+
 /// The line with its line break; none if it is cut off, or longer than any head.
 std::optional<std::string> read_line(std::FILE* file) {
   std::string line(1 << 16, '\0');
@@ -35,6 +50,11 @@ std::optional<std::string> read_line(std::FILE* file) {
 
 }  // namespace
 
+bool is_regular(int file) {
+  struct stat about {};
+  return fstat(file, &about) == 0 && S_ISREG(about.st_mode);
+}
+
 std::string record_bytes(const Record& record) {
   const std::string line = " " + std::to_string(record.text.size()) + " " + json_text(record.head) + "\n";
   return crc_of(line, record.text) + line + record.text;
@@ -45,8 +65,7 @@ uint64_t number_of(const Json& head, const char* name) {
   return at != head.end() && at->is_number_unsigned() ? at->get<uint64_t>() : 0;
 }
 
-RecordReader::RecordReader(const std::filesystem::path& file) : file_(std::fopen(file.c_str(), "rbe")) {
-  if (file_ == nullptr) throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(errno));
+RecordReader::RecordReader(const std::filesystem::path& file) : file_(open_regular(file)) {
   std::error_code error;
   bytes_ = std::filesystem::file_size(file, error);
 }

@@ -17,6 +17,9 @@ struct Record {
   std::string text;
 };
 
+/// Whether an open file is no pipe and no device, which could not be read back.
+bool is_regular(int file);
+
 std::string record_bytes(const Record& record);
 
 /// A number of a head, 0 if it has none of that name.
@@ -24,7 +27,7 @@ uint64_t number_of(const Json& head, const char* name);
 
 class RecordReader {
  public:
-  /// Throws std::runtime_error naming the file if it cannot be read.
+  /// Throws std::runtime_error naming the file if it cannot be read, or is no regular file.
   explicit RecordReader(const std::filesystem::path& file);
   RecordReader(const RecordReader&) = delete;
   RecordReader& operator=(const RecordReader&) = delete;

@@ -23,12 +23,6 @@ namespace {
   throw std::runtime_error(file.string() + ": " + what);
 }
 
-/// No pipe or device, which could not be read back.
-bool is_regular(int file) {
-  struct stat about {};
-  return fstat(file, &about) == 0 && S_ISREG(about.st_mode);
-}
-
 /// Whether the open file is still the one of that name: another process may have finished it meanwhile.
 bool is_file(int file, const fs::path& path) {
   struct stat opened {

@@ -28,7 +28,9 @@ using Request = http::request<http::empty_body>;
 
 namespace {
 
-constexpr size_t kMaxConnections = 64;
+/// Connections that have shown the secret, and those that have not yet. Of the latter the oldest gives way to a new
+/// one, so that visitors who say nothing keep nobody out.
+constexpr size_t kMaxConnections = 64, kMaxStrangers = 256;
 constexpr uint32_t kMaxHeaderBytes = 16 << 10;
 constexpr size_t kMaxPageMessageBytes = 16;  // kNextFrame
 constexpr std::chrono::seconds kHttpTimeout(10), kIdleTimeout(60), kAcceptPause(1);
@@ -200,11 +202,9 @@ class PageServer::State : public std::enable_shared_from_this<State> {
   }
 
  private:
-  /// A connection until it has become a Viewer or was answered.
+  /// A connection until it has become a Viewer or was answered. It has a place once it has shown the secret.
   struct Visit {
-    Visit(Tcp::socket socket, std::shared_ptr<void> place) : stream(std::move(socket)), place(std::move(place)) {
-      parser.header_limit(kMaxHeaderBytes);
-    }
+    explicit Visit(Tcp::socket socket) : stream(std::move(socket)) { parser.header_limit(kMaxHeaderBytes); }
     beast::tcp_stream stream;
     beast::flat_buffer buffer{kMaxHeaderBytes};
     http::request_parser<http::empty_body> parser;
@@ -215,10 +215,23 @@ class PageServer::State : public std::enable_shared_from_this<State> {
     acceptor_.async_accept([this](error_code error, Tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
       if (error) return accept_later();  // such as a lack of descriptors
-      if (places_.use_count() <= static_cast<long>(kMaxConnections))
-        read(std::make_shared<Visit>(std::move(socket), places_));
+      const auto visit = std::make_shared<Visit>(std::move(socket));
+      admit(visit);
+      read(visit);
       accept();
     });
+  }
+
+  void admit(const std::shared_ptr<Visit>& visit) {
+    strangers_.remove_if([](const auto& weak) {
+      const auto stranger = weak.lock();
+      return !stranger || stranger->place;
+    });
+    if (strangers_.size() >= kMaxStrangers) {
+      if (const auto oldest = strangers_.front().lock()) oldest->stream.close();
+      strangers_.pop_front();
+    }
+    strangers_.push_back(visit);
   }
 
   void accept_later() {
@@ -241,6 +254,9 @@ class PageServer::State : public std::enable_shared_from_this<State> {
   void serve(const std::shared_ptr<Visit>& visit) {
     const Request& request = visit->parser.get();
     if (const auto refusal = refuse(request, identity_)) return answer(visit, refusal->first, refusal->second);
+    if (places_.use_count() > static_cast<long>(kMaxConnections))
+      return answer(visit, http::status::service_unavailable, "as many browsers look already as this server takes");
+    visit->place = places_;
     const std::string_view rest = view(request.target()).substr(identity_.secret.size() + 1);
     if (rest == "/frames") return watch(visit);
     if (rest == "/") return answer(visit, http::status::ok, identity_.page, "text/html; charset=utf-8");
@@ -283,6 +299,7 @@ class PageServer::State : public std::enable_shared_from_this<State> {
   const std::shared_ptr<int> places_ = std::make_shared<int>();  // each connection has a copy
   Latest latest_;
   std::list<std::weak_ptr<Viewer>> viewers_;
+  std::list<std::weak_ptr<Visit>> strangers_;  // the oldest first
   std::jthread thread_;
 };
 

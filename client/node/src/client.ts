@@ -3,7 +3,8 @@
 import { randomBytes } from "node:crypto";
 import { setTimeout as pause } from "node:timers/promises";
 import { type Rules, check, checkValue, finite, string, uint32 } from "./check.js";
-import { type ConnectOptions, type Connection, Connector } from "./connection.js";
+import { MOST_SCENES, checkDone, checkTotal, dataLoss, sceneOf } from "./check_answer.js";
+import { type ConnectOptions, type Connection, Connector, Limit } from "./connection.js";
 import { OwnDaemon } from "./daemon.js";
 import { Code, CollidedError, invalid } from "./errors.js";
 import { type FrameInput, frameIdOf, frameMessage } from "./frame.js";
@@ -30,6 +31,7 @@ export interface CreateOptions {
 
 const CREATE: Rules<CreateOptions> = { leaseSeconds: finite };
 const CREATE_TRIES = 3;
+const ELEMENTS_A_SECOND = (1 << 19) / 12; // that reading a mesh may take longer for, as an upload may
 
 /**
  * Connects to the daemon at `address`, host:port or unix:/path. Without an address it starts a daemon of its own, which
@@ -66,6 +68,11 @@ export class Client {
     }
   }
 
+  /** Seconds that a call may take. */
+  get deadlineSeconds(): number {
+    return this.connection.deadlineSeconds;
+  }
+
   /** Version, devices and limits of the daemon. */
   getServerInfo(): Promise<GetServerInfoResponse> {
     return this.connection.unary("getServerInfo", {});
@@ -75,7 +82,7 @@ export class Client {
   async createScene(input: SceneInput, options: CreateOptions = {}): Promise<Scene> {
     check(options, CREATE, "options");
     const spec = sceneSpec(input);
-    const uploads = takeLarge(spec, this.serverInfo.limits!.maxMessageBytes);
+    const uploads = takeLarge(spec, this.serverInfo.limits?.maxMessageBytes ?? 0n);
     const requestId = randomBytes(16).toString("hex");
     const scene = await this.#create(CreateSceneRequest.create({ requestId, leaseSeconds: options.leaseSeconds ?? 0, spec }));
     if (uploads.size === 0) return scene;
@@ -97,24 +104,35 @@ export class Client {
   /** State and memory of a scene. */
   async getScene(sceneId: string): Promise<Scene> {
     checkValue(sceneId, string, "scene_id");
-    return (await this.connection.unary("getScene", { sceneId }, sceneId)).scene!;
+    return sceneOf(await this.connection.unary("getScene", { sceneId }, sceneId));
   }
 
   /** What a mesh of a scene is made of now, whoever created it. `mesh`: its index in the scene's spec. */
   async getMesh(scene: Scene | string, mesh: number): Promise<MeshElements> {
     const sceneId = typeof scene === "string" ? scene : sceneIdOf(scene);
     checkValue(mesh, uint32, "mesh");
-    return readElements((firstElement) => this.connection.unary("getMesh", { sceneId, mesh, firstElement }, sceneId));
+    const limit = new Limit(this.connection.deadlineSeconds);
+    return readElements((firstElement) =>
+      this.connection.unary("getMesh", { sceneId, mesh, firstElement }, sceneId, limit.left(firstElement / ELEMENTS_A_SECOND)),
+    );
   }
 
-  /** This client's scenes, by id. */
+  /** This client's scenes, by id. All pages together take no longer than a call may. */
   async listScenes(): Promise<Scene[]> {
     const scenes: Scene[] = [];
+    const limit = new Limit(this.connection.deadlineSeconds);
     let pageToken = "";
     do {
-      const page = await this.connection.unary("listScenes", { pageSize: 0, pageToken });
-      scenes.push(...page.scenes);
+      const page = await this.connection.unary("listScenes", { pageSize: 0, pageToken }, "", limit.left());
+      for (const scene of page.scenes) {
+        const last = scenes.at(-1);
+        if (last && scene.sceneId <= last.sceneId) throw dataLoss(`scenes names ${scene.sceneId} after ${last.sceneId}; ids must ascend`);
+        scenes.push(scene);
+      }
       pageToken = page.nextPageToken;
+      if (pageToken !== "" && (page.scenes.length === 0 || scenes.length >= MOST_SCENES)) {
+        throw dataLoss(`next_page_token is set after a page of ${page.scenes.length} scenes, ${scenes.length} in all`);
+      }
     } while (pageToken !== "");
     return scenes;
   }
@@ -131,7 +149,10 @@ export class Client {
     const frameId = frameIdOf(frame);
     const request: DetectFrameRequest = { sceneId, frame: frameMessage(frame, frameId, scene.spec!.positionFormat) };
     const answer = await this.connection.unary("detectFrame", request, sceneId);
-    return new FrameOutput(frameId, answer.contacts, { done: answer.done! });
+    const done = checkDone(answer.done);
+    const output = new FrameOutput(frameId, answer.contacts, { done });
+    checkTotal(done, output);
+    return output;
   }
 
   /** Opens a stream, on a connection of its own to the scene's endpoint. */
@@ -139,7 +160,7 @@ export class Client {
     sceneIdOf(scene);
     checkStreamOptions(options);
     const connection = await this.connector.connect(scene.endpoint || undefined);
-    return FrameStream.open(connection, scene, options, this.serverInfo.limits!.maxMessageBytes);
+    return FrameStream.open(connection, scene, options, this.serverInfo.limits?.maxMessageBytes ?? 0n);
   }
 
   /**
@@ -171,7 +192,7 @@ export class Client {
   async #create(request: CreateSceneRequest): Promise<Scene> {
     for (let tries = 1; ; ++tries) {
       try {
-        return (await this.connection.unary("createScene", request)).scene!;
+        return sceneOf(await this.connection.unary("createScene", request));
       } catch (error) {
         const isLost = error instanceof CollidedError && error.code === Code.UNAVAILABLE;
         if (!isLost || tries === CREATE_TRIES) throw error;

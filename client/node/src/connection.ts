@@ -21,7 +21,7 @@ import { CollisionServiceDefinition } from "./generated/collided/v1/collision_se
 export interface ConnectOptions {
   /** Seconds to wait for the connection; 5. */
   patienceSeconds?: number;
-  /** Seconds for one call; 60. Streams have no limit. */
+  /** Seconds for one call; 60. Of a stream or a watch for the first answer, and for the end. */
   deadlineSeconds?: number;
   /** Bearer token. */
   token?: string;
@@ -133,7 +133,10 @@ export class Connection {
     if (why === undefined) return;
     this.close();
     const reason = why.code === Code.UNAVAILABLE ? `: ${why.message}` : "";
-    throw new CollidedError(Code.UNAVAILABLE, `no daemon answers at ${address}${reason}`);
+    throw new CollidedError(
+      Code.UNAVAILABLE,
+      `no daemon answers at ${address} within ${patienceSeconds} s (patienceSeconds)${reason}`,
+    );
   }
 
   /** GrpcClient.waitForReady would open a channel again that is closed meanwhile. */
@@ -283,6 +286,29 @@ function hostOf(address: string): string {
   const bracketed = /^\[([^\]]*)\]/.exec(rest);
   if (bracketed) return bracketed[1];
   return isIP(rest) === 6 ? rest : rest.split(":")[0];
+}
+
+/** Calls `late` after so many seconds, unless what is returned is called before. */
+export function onceLate(limitSeconds: number, late: () => void): () => void {
+  const timer = setTimeout(late, Math.min(1000 * limitSeconds, 2 ** 31 - 1)); // longer ones would end at once
+  return () => clearTimeout(timer);
+}
+
+/** That several calls, which are one to the caller, may take: throws (DEADLINE_EXCEEDED) once it has passed. */
+export class Limit {
+  readonly #until: number;
+
+  constructor(readonly limitSeconds: number) {
+    this.#until = performance.now() + 1000 * limitSeconds;
+  }
+
+  /** Seconds that are left, and `more`, but not more than one call may take. */
+  left(more = 0): number {
+    const left = (this.#until - performance.now()) / 1000 + more;
+    if (left > 0) return Math.min(left, this.limitSeconds);
+    const text = `the daemon did not send all pages within ${this.limitSeconds} s (deadlineSeconds)`;
+    throw new CollidedError(Code.DEADLINE_EXCEEDED, text);
+  }
 }
 
 type Reading = ClientReadableStream<unknown> | ClientDuplexStream<never, unknown>;

@@ -1,7 +1,7 @@
 // A frame's contacts as typed arrays, assembled from the daemon's chunks.
 
 import { join } from "./arrays.js";
-import { Code, CollidedError } from "./errors.js";
+import { checkNumbers, dataLoss } from "./check_answer.js";
 import { type ContactChunk, ContactKind } from "./generated/collided/v1/contact.js";
 
 /** One contact, with its entries of the arrays of Contacts. A field is undefined if its array is empty. */
@@ -54,6 +54,8 @@ const ENTRIES: Record<Field, number> = { elements: 2, stencils: 4, toi: 1, dista
 /** Throws (DATA_LOSS) if an array's length is not what its chunk's count asks for, or a kind is not known. */
 export function contactsOf(chunks: readonly ContactChunk[]): ContactsByKind {
   const known = [ContactKind.VERTEX_TRIANGLE, ContactKind.EDGE_EDGE, ContactKind.TRIANGLE_TRIANGLE];
+  if (chunks.some((chunk) => chunk.count === 0)) throw dataLoss("contacts.count is 0; a chunk has 1 contact or more");
+  if (chunks.some((chunk) => chunk.shared)) throw dataLoss("contacts.shared names shared memory, and there is none over gRPC");
   const stranger = chunks.find((chunk) => !known.includes(chunk.kind));
   if (stranger) throw dataLoss(`contacts.kind is ${stranger.kind}, which this client does not know`);
   const ofKind = (kind: ContactKind) => assemble(chunks.filter((chunk) => chunk.kind === kind));
@@ -73,7 +75,7 @@ function assemble(chunks: ContactChunk[]): Contacts {
     }
     return joined;
   };
-  return new ContactArrays(count, {
+  const contacts = new ContactArrays(count, {
     elements: array(Uint32Array, "elements"),
     stencils: array(Uint32Array, "stencils"),
     toi: array(Float64Array, "toi"),
@@ -82,6 +84,8 @@ function assemble(chunks: ContactChunk[]): Contacts {
     normals: array(Float32Array, "normals"),
     flags: array(Uint8Array, "flags"),
   });
+  checkNumbers(contacts);
+  return contacts;
 }
 
 class ContactArrays implements Contacts {
@@ -140,8 +144,4 @@ function whole(chunks: ContactChunk[], field: Field, { BYTES_PER_ELEMENT }: { BY
     }
   }
   return chunks.map((chunk) => chunk[field]);
-}
-
-function dataLoss(message: string): CollidedError {
-  return new CollidedError(Code.DATA_LOSS, message);
 }

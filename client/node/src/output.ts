@@ -1,5 +1,6 @@
 // The daemon's answer to one frame.
 
+import { checkDone } from "./check_answer.js";
 import { type Contacts, type ContactsByKind, contactsOf } from "./contacts.js";
 import { Code, CollidedError } from "./errors.js";
 import type { ContactChunk } from "./generated/collided/v1/contact.js";
@@ -32,6 +33,7 @@ export class FrameOutput implements ContactsByKind {
       edgeEdge: this.edgeEdge,
       triangleTriangle: this.triangleTriangle,
     } = contactsOf([...chunks, ...(done?.contacts ?? [])]));
+    if (done) checkDone(done);
     this.error = error;
     this.skipped = !done && !error;
     this.#done = done && { ...done, contacts: [] };

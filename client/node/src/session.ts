@@ -4,6 +4,7 @@ import { setTimeout as pause } from "node:timers/promises";
 import type { RigidMatrix } from "./arrays.js";
 import { type Rules, anything, check, finite, seconds } from "./check.js";
 import type { Client } from "./client.js";
+import { onceLate } from "./connection.js";
 import { Code, CollidedError, invalid } from "./errors.js";
 import { type FrameInput, type MeshUpdateInput, frameMessage } from "./frame.js";
 import { DetectionMode, MeshMotion, type Scene } from "./generated/collided/v1/scene.js";
@@ -49,6 +50,7 @@ export class Session {
   #stream: FrameStream | undefined;
   #first: FrameInput | undefined; // the scene's, which fixes static and rigid meshes and what is at rest
   #running: Promise<FrameOutput> | undefined; // the frame that is on its way
+  #restoreSeconds = 60; // the client's deadline
   #nextLeave = 0; // when leaving a daemon that stops is tried
   readonly #closing = new AbortController();
 
@@ -142,12 +144,15 @@ export class Session {
   }
 
   async #restore(stream: FrameStream): Promise<void> {
+    const stop = onceLate(this.#restoreSeconds, () => stream.cancel()); // the frame then ends as one of a lost connection
     try {
       if (this.#first && stream.scene.lastFrameId === 0n) await stream.detect(this.#first);
       if (this.#first) await stream.detect(this.#restoring());
     } catch (error) {
       stream.cancel();
       throw error;
+    } finally {
+      stop();
     }
   }
 
@@ -225,6 +230,7 @@ export class Session {
 
   async #withClient<T>(use: (client: Client) => Promise<T>, patienceSeconds?: number, signal?: AbortSignal): Promise<T> {
     const client = await this.#connect(patienceSeconds, signal);
+    this.#restoreSeconds = client.deadlineSeconds;
     try {
       return await use(client);
     } finally {

@@ -2,7 +2,8 @@
 
 import type { ClientDuplexStream } from "@grpc/grpc-js";
 import { type Rules, check, oneOf, string, uint32 } from "./check.js";
-import { type Connection, endOf } from "./connection.js";
+import { MOST_FRAMES, type SceneSize, checkIds, checkTotal, dataLoss, sceneOf, sizeOf } from "./check_answer.js";
+import { type Connection, endOf, onceLate } from "./connection.js";
 import { Code, CollidedError, errorOfFrame } from "./errors.js";
 import { type FrameInput, frameIdOf, frameMessage } from "./frame.js";
 import {
@@ -48,8 +49,14 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   readonly #unanswered: Unanswered[] = []; // in flight, or waiting for a credit
   readonly #ready: FrameOutput[] = [];
   readonly #ended: Promise<void>;
+  readonly #deadlineSeconds: number;
+  #size: SceneSize = { vertices: 0, elements: 0 }; // as of the opening
+  #hasEdits = false; // the scene may have another size by now
+  #maySkip = false; // LATEST_WINS
+  #asked: OpenStream | undefined;
   #opened: StreamOpened | undefined;
   #isOpen = () => {};
+  #onAnswer = () => {};
   #lastId = 0n;
   #credits = 0;
   #awaitingCredit: (() => void)[] = [];
@@ -62,6 +69,7 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
 
   private constructor(connection: Connection, sceneId: string, maxMessageBytes: bigint) {
     this.#maxMessageBytes = maxMessageBytes;
+    this.#deadlineSeconds = connection.deadlineSeconds;
     this.#call = connection.duplex("streamFrames", sceneId);
     this.#ended = endOf(this.#call).then((error) => {
       connection.close();
@@ -136,14 +144,19 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
 
   /**
    * Tells the daemon that no more frames will come, after those that wait for a credit, and waits until all are answered.
-   * Outputs can still be received.
+   * Outputs can still be received. Rejects with DEADLINE_EXCEEDED if none is answered, and the stream does not end, for as
+   * long as a call may take.
    */
   async finish(): Promise<void> {
     if (!this.#isFinishing) {
       this.#isFinishing = true;
       this.#endIfSent();
     }
-    await this.#ended;
+    while (!this.#end) {
+      const answered = new Promise<void>((resolve) => (this.#onAnswer = resolve));
+      const stop = onceLate(this.#deadlineSeconds, () => this.#giveUp("answer a frame or end the stream"));
+      await Promise.race([this.#ended, answered]).finally(stop);
+    }
     if (this.#end?.error) throw this.#end.error;
   }
 
@@ -152,18 +165,32 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
     this.#call.cancel();
   }
 
+  #giveUp(what: string): void {
+    const text = `the daemon did not ${what} within ${this.#deadlineSeconds} s (deadlineSeconds)`;
+    this.#malformed ??= new CollidedError(Code.DEADLINE_EXCEEDED, text);
+    this.cancel();
+  }
+
   async #open(open: OpenStream): Promise<void> {
+    this.#maySkip = open.delivery === DeliveryPolicy.LATEST_WINS;
+    this.#asked = open;
     const opened = new Promise<void>((resolve) => (this.#isOpen = resolve));
     this.#call.on("data", (response: StreamFramesResponse) => this.#take(response));
     this.#call.write(StreamFramesRequest.encode({ request: { $case: "open", value: open } }).finish());
-    await Promise.race([opened, this.#ended]);
+    const stop = onceLate(this.#deadlineSeconds, () => this.#giveUp("open the stream"));
+    await Promise.race([opened, this.#ended]).finally(stop);
     if (!this.#opened) throw this.#whyEnded();
   }
 
   #begin(response: StreamFramesResponse["response"]): void {
-    if (response?.$case !== "opened")
-      throw new CollidedError(Code.INTERNAL, "the daemon's first answer does not open the stream");
+    if (response?.$case !== "opened") throw dataLoss("the daemon's first answer does not open the stream");
+    const { window } = response.value;
+    const { sceneId, spec } = sceneOf(response.value);
+    const most = this.#asked!.window || MOST_FRAMES;
+    if (sceneId !== this.#asked!.sceneId) throw dataLoss(`the daemon opened scene ${sceneId} instead of ${this.#asked!.sceneId}`);
+    if (window < 1 || window > most) throw dataLoss(`opened.window is ${window}; it must be from 1 to ${most}`);
     this.#opened = response.value;
+    this.#size = sizeOf(spec);
     this.#lastId = this.scene.lastFrameId;
     this.#credits = this.window;
     this.#isOpen();
@@ -173,6 +200,7 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
     const id = input?.frameId === undefined ? this.#lastId + 1n : frameIdOf(input);
     const bytes = this.#encode(input, id);
     if (this.#end || this.#isFinishing) throw this.#whyEnded();
+    if (input?.edit) this.#hasEdits = true;
     if (id > this.#lastId) this.#lastId = id; // else it is refused
     this.#unanswered.push({ id, chunks: [], ...taker });
     this.#unsent += 1;
@@ -205,7 +233,10 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
       if (response?.$case === "contacts") this.#oldest(frameId).chunks.push(response.value);
       if (response?.$case === "done") this.#complete(frameId, { done: response.value });
       if (response?.$case === "error") this.#complete(frameId, { error: errorOfFrame(response.value) });
-      if (response?.$case === "skipped") this.#complete(frameId, {});
+      if (response?.$case === "skipped" && this.#maySkip) return this.#complete(frameId, {});
+      if (response && ["opened", "skipped", "worldErrors"].includes(response.$case)) {
+        throw dataLoss(`the daemon answers frame ${frameId} with ${response.$case}, which is no answer of this stream`);
+      }
     } catch (error) {
       this.#malformed = error as CollidedError;
       this.cancel();
@@ -215,19 +246,19 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   #oldest(frameId: bigint): Unanswered {
     const oldest = this.#unanswered[0];
     if (oldest?.id === frameId) return oldest;
-    throw new CollidedError(
-      Code.DATA_LOSS,
-      `an answer is of frame ${frameId}; the oldest in flight is ${oldest?.id ?? "none"}`,
-    );
+    throw dataLoss(`an answer is of frame ${frameId}; the oldest in flight is ${oldest?.id ?? "none"}`);
   }
 
   #complete(frameId: bigint, end: FrameEnd): void {
     const { chunks, give } = this.#oldest(frameId);
     const output = new FrameOutput(frameId, chunks, end);
+    if (end.done) checkTotal(end.done, output);
+    if (!this.#hasEdits) checkIds(output, this.#size);
     this.#unanswered.shift();
     const next = this.#awaitingCredit.shift();
     if (next) next();
     else this.#credits += 1;
+    this.#onAnswer();
     give(output);
   }
 

@@ -2,7 +2,8 @@
 
 import type { ClientReadableStream } from "@grpc/grpc-js";
 import { type Rules, check, finite, listOf, uint32 } from "./check.js";
-import { type Connection, endOf } from "./connection.js";
+import { checkIds, dataLoss, sizeOf } from "./check_answer.js";
+import { type Connection, endOf, onceLate } from "./connection.js";
 import { Code, CollidedError } from "./errors.js";
 import { type WatchOpened, WatchSceneRequest, type WatchSceneResponse } from "./generated/collided/v1/collision_service.js";
 import type { FrameDone } from "./generated/collided/v1/frame.js";
@@ -63,6 +64,17 @@ export class WatchedFrame extends FrameOutput {
   }
 }
 
+/** An edit may have added meshes since the opening. */
+function checkSamples(response: WatchSceneResponse, scene: Scene): void {
+  const bytes = scene.spec!.positionFormat === PositionFormat.F64 ? 24 : 12;
+  const meshes = response.editCount === scene.editCount ? scene.spec!.meshes.length : Infinity;
+  const bad = response.positions.find(({ mesh, positions }) => positions.length % bytes !== 0 || mesh >= meshes);
+  if (!bad) return;
+  throw dataLoss(
+    `positions of mesh ${bad.mesh} has ${bad.positions.length} bytes; the scene has ${meshes} meshes, of ${bytes} bytes for a vertex`,
+  );
+}
+
 /**
  * Iterate over it once: `for await (const frame of watcher)`. Leaving the loop ends the watch. Of frames that come faster than
  * the loop takes them the latest is shown, but for at most 16 that were received already.
@@ -94,10 +106,19 @@ export class Watcher implements AsyncIterable<WatchedFrame> {
     const { positionMeshes = [], ...rest } = options;
     const request = WatchSceneRequest.create({ ...rest, sceneId, positionMeshes: [...positionMeshes] });
     const watcher = new Watcher(connection, request);
-    const first = await watcher.#next();
+    let isLate = false;
+    const stop = onceLate(connection.deadlineSeconds, () => {
+      isLate = true;
+      watcher.cancel();
+    });
+    const first = await watcher.#next().finally(stop);
+    if (isLate) {
+      const text = `the daemon did not open the watch within ${connection.deadlineSeconds} s (deadlineSeconds)`;
+      throw new CollidedError(Code.DEADLINE_EXCEEDED, text);
+    }
     if (first?.event?.$case === "opened") {
       watcher.#opened = first.event.value;
-      return watcher;
+      if (watcher.#opened.scene?.spec) return watcher;
     }
     watcher.cancel();
     throw watcher.#end?.error ?? new CollidedError(Code.DATA_LOSS, "the first message of a watch is not `opened`");
@@ -117,7 +138,10 @@ export class Watcher implements AsyncIterable<WatchedFrame> {
   async receive(): Promise<WatchedFrame> {
     const response = await this.#next();
     if (response?.event?.$case === "done") {
-      return new WatchedFrame(response, response.event.value, this.scene.spec!.positionFormat);
+      checkSamples(response, this.scene);
+      const frame = new WatchedFrame(response, response.event.value, this.scene.spec!.positionFormat);
+      if (frame.editCount === this.scene.editCount) checkIds(frame, sizeOf(this.scene.spec));
+      return frame;
     }
     throw this.#end?.error ?? new CollidedError(Code.DATA_LOSS, "the daemon ended the watch without a reason");
   }

@@ -15,7 +15,7 @@ from collided.choices import choice
 from collided.connection.client import Client
 from collided.contacts import Contacts
 from collided.contacts.answer import Answer
-from collided.errors import Error, InvalidArgument, error_of_frame
+from collided.errors import DataLoss, Error, InvalidArgument, error_of_frame
 from collided.frames.updates import Update
 from collided.layout import Layout
 from collided.leftovers import Leftover
@@ -112,6 +112,9 @@ class SceneBatch:
         self.client = server if isinstance(server, Client) else Client(server, **connect)
         self.message = self.client.create_scenes(self.layout, self.options, count, lease_seconds)
         self._resident = Resident(self.client, not isinstance(server, Client), self.message)
+        if self.message.worlds != count:
+            self._resident.delete()
+            raise DataLoss(f"scenes.worlds is {self.message.worlds}; {count} were asked for")
         self._frames = SetFrames(self.client, self.message, stream)
         self._leftover = leftovers.watch(self, Leftover("SceneBatch", [self._frames.close], self._resident))
         self._has_frame = np.zeros(count, bool)

@@ -20,6 +20,7 @@ from functools import partial
 from typing import Any, Protocol
 
 EXIT_SECONDS = 0.2  # that the end of the process waits for daemons
+CLOSE_SECONDS = 2.0  # that closing a connection is waited for; gRPC does not ask the daemon for that
 CALL_SECONDS = 5.0  # after which a daemon that does not answer is given up
 
 
@@ -95,6 +96,24 @@ class _Closer:
     def do(self, job: Callable[[], None]) -> None:
         self._jobs.put(job)
 
+    def do_and_wait(self, job: Callable[[], None], seconds: float) -> None:
+        """Does it in the closer's thread, and waits for that, but no longer than so many seconds."""
+        if threading.current_thread() is self._thread:
+            job()
+            return
+        # Not an Event, whose lock an interrupt may leave taken.
+        done: queue.SimpleQueue[None] = queue.SimpleQueue()
+
+        def do() -> None:
+            try:
+                job()
+            finally:
+                done.put(None)
+
+        self._jobs.put(do)
+        with contextlib.suppress(queue.Empty):
+            done.get(timeout=seconds)
+
     def wait(self, seconds: float) -> bool:
         """Waits until all that was queued has ended. False if it takes longer, and in the closer's own thread."""
         if threading.current_thread() is self._thread:
@@ -161,6 +180,11 @@ def abandon(leftover: Leftover) -> None:
 def settle(seconds: float = CALL_SECONDS) -> bool:
     """Waits for scenes of forgotten objects that are still being deleted. Whether there were any, and all are gone."""
     return _closer is not None and bool(_closer.queued) and _closer.wait(seconds)
+
+
+def do_elsewhere(job: Callable[[], None]) -> None:
+    """Closes something of gRPC's in the closer's thread, where no interrupt comes. Waits for that, but not for ever."""
+    _started().do_and_wait(job, CLOSE_SECONDS)
 
 
 def after_all(end: Callable[[], None]) -> None:

@@ -130,7 +130,7 @@ class Session:
 
     def _receive(self, timeout: float | None, until: float) -> Contacts:
         while not self._stream.ready:
-            if not self._stream.read(until):
+            if not self._stream.read(until) or (time.monotonic() > until and not self._stream.ready):
                 frame = self._stream.first_unanswered()
                 raise DeadlineExceeded(f"frame {frame} was not answered within {timeout} s; it is still in flight")
         answer = self._stream.take()

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from collided.connection.client import Client
+from collided.contacts.checks import check_total
 from collided.contacts.columns import Part, read_chunk
 from collided.errors import DataLoss, DeadlineExceeded, Error, ResourceExhausted, error_of_frame
 from collided.frames.updates import Update
@@ -92,9 +94,11 @@ class SetFrames:
         transport = self._transport
         assert transport is not None
         transport.send(self._last_id, head, [update])
-        answer = SetAnswer(self._last_id)
+        answer, seen = SetAnswer(self._last_id), set(worlds.tolist())
+        until = time.monotonic() + self._client.options.deadline
         while True:
-            response = transport.read(self._client.options.deadline if transport.is_local else None)
+            left = until - time.monotonic()
+            response = transport.read(left) if left > 0 else None
             if response is None:
                 raise DeadlineExceeded(f"frame {self._last_id} of the set was not answered in "
                                        f"{self._client.options.deadline:g} s")
@@ -104,13 +108,18 @@ class SetFrames:
             if kind == "error":
                 raise error_of_frame(response.error, self._last_id)
             if kind == "world_errors":
-                answer.errors.extend(response.world_errors.errors)
+                for refused in response.world_errors.errors:
+                    if refused.world not in seen:
+                        raise DataLoss(f"world_errors names world {refused.world}, which is not in the frame, or twice")
+                    seen.remove(refused.world)
+                    answer.errors.append(refused)
             for chunk in [response.contacts] if kind == "contacts" else response.done.contacts:
                 answer.parts.append(read_chunk(chunk, transport.shared))
                 answer.begins.append(_begins_by_column(chunk, worlds, transport))
             if kind == "done":
                 del response.done.contacts[:]
                 answer.done = response.done
+                check_total(answer.done, answer.parts)
                 return answer
 
     def _call(self, head: frame_pb2.Frame, update: Update, worlds: np.ndarray) -> SetAnswer:
@@ -124,9 +133,14 @@ class SetFrames:
         if head.HasField("delta"):
             frame.delta = head.delta
         request = batch_pb2.DetectBatchRequest(frames=[frame], max_answer_bytes=most)
-        answer = self._client.call("DetectBatch", request, self._scene.scene_id, channel=self._channel).answers[0]
+        answers = self._client.call("DetectBatch", request, self._scene.scene_id, channel=self._channel).answers
+        if len(answers) != 1:
+            raise DataLoss(f"answers has {len(answers)} entries for 1 frame")
+        answer = answers[0]
         if answer.HasField("error"):
             raise error_of_frame(answer.error, self._last_id)
+        if not answer.HasField("done"):
+            raise DataLoss(f"the daemon's answer to frame {self._last_id} of the set has no end")
         return SetAnswer(self._last_id, [read_chunk(of_kind.contacts) for of_kind in answer.contacts],
                          [_begins(of_kind, len(worlds)) for of_kind in answer.contacts], list(answer.errors), answer.done)
 

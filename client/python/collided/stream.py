@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 from collided.callers import warn
 from collided.contacts.answer import Answer
+from collided.contacts.checks import check_done, check_total
 from collided.contacts.columns import Part, read_chunk
 from collided.contacts.contacts import Contacts
 from collided.errors import (DataLoss, DeadlineExceeded, Error, FailedPrecondition, NotFound, ResourceExhausted, Unavailable,
@@ -26,6 +27,8 @@ from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.02, 1.0
+_MOST_FRUITLESS = 8  # streams in a row that end before they have answered a frame
+_LATEST_WINS = api.DELIVERY_POLICY_LATEST_WINS
 _GONE = -2  # instead of the last frame that a scene has applied
 
 
@@ -56,6 +59,7 @@ class Stream:
         self._transport: Transport | None = None
         self._pending: deque[_Pending] = deque()
         self._has_answered = False  # the current transport
+        self._kinds = {"contacts", "done", "error"} | ({"skipped"} if options.delivery == _LATEST_WINS else set())
         self._unused: set[str] = set()  # options that were warned of
         self._failure: Error | None = None  # why no other one will be opened
         self.ready: deque[Contacts | Error] = deque()
@@ -70,6 +74,7 @@ class Stream:
         self.resent = 0
         self._next_move = 0.0  # when leaving a daemon that stops is tried
         self._wait_ends = math.inf  # that for a daemon that is lost
+        self._fruitless = 0  # streams that were opened since a frame was answered
         if self._open(resume=take_over) != self._track.last_applied:
             self._recreate()
 
@@ -145,8 +150,9 @@ class Stream:
     def finish_edits(self) -> None:
         """Waits until the edits in flight are answered: one that is refused leaves another layout to the next one."""
         with self._guard:
+            until = self._deadline()
             while any(pending.request.edit is not None for pending in self._pending):
-                self._read(math.inf)
+                self._read_by(until, "an edit was not answered")
 
     def send(self, request: Request, until: float) -> int:
         """Waits for a credit, and sends. Nothing is in flight that was not before if it raises. If the daemon is lost and not
@@ -163,8 +169,9 @@ class Stream:
     def _send(self, request: Request, until: float) -> None:
         if self.draining is not None and self._transport is not None:
             self._leave()
+        deadline = self._deadline()
         while self._transport is not None and len(self._pending) >= self.window:
-            self._read(math.inf)
+            self._read_by(deadline, f"{self.window} frames are in flight, the whole window, and none was answered")
         pending = _Pending(self.sent + 1, request)
         self._pending.append(pending)
         self._transmit_or_recover(pending, until)
@@ -198,6 +205,15 @@ class Stream:
         except Error as error:
             return self._after(error, until)
 
+    def _deadline(self) -> float:
+        """When what has no timeout of its own is given up, if it begins now."""
+        return time.monotonic() + self._scene.client.options.deadline
+
+    def _read_by(self, until: float, what: str) -> None:
+        """As _read. Raises DeadlineExceeded once it is later."""
+        if time.monotonic() >= until or not self._read(until):
+            raise DeadlineExceeded(f"{what} within {self._scene.client.options.deadline:g} s (deadline)")
+
     def close(self, reason: Error) -> None:
         """No other transport will be opened."""
         self._failure = reason
@@ -215,9 +231,9 @@ class Stream:
         if self._transport is None:
             return
         self._transport.half_close()
-        deadline = time.monotonic() + self._scene.client.options.deadline
+        deadline = self._deadline()
         try:
-            while (response := self._transport.read(_left(deadline))) is not None:
+            while time.monotonic() < deadline and (response := self._transport.read(_left(deadline))) is not None:
                 self._take(response)
         except Error:  # the end
             pass
@@ -264,10 +280,14 @@ class Stream:
         if kind == "draining":
             self.draining = time.monotonic() + response.draining.deadline_seconds
             return
+        if kind is None:
+            return  # of a later version
         pending = self._pending[0] if self._pending else None
         if pending is None or response.frame_id != pending.wire_id:
             raise DataLoss(f"the daemon answers frame {response.frame_id}, which is not the next in flight")
         assert self._transport is not None
+        if kind not in self._kinds:
+            raise DataLoss(f"the daemon answers frame {response.frame_id} with {kind!r}, which is no answer of this stream")
         if kind == "contacts":
             pending.parts.append(read_chunk(response.contacts, self._transport.shared))
             return
@@ -283,6 +303,7 @@ class Stream:
         if not self.ready or self.ready[-1].frame_id != pending.frame_id:
             self.ready.append(answer)
         self._pending.popleft()
+        self._fruitless = 0
 
     def _answer(self, pending: _Pending, response: api.StreamFramesResponse) -> Contacts | Error:
         kind = response.WhichOneof("response")
@@ -296,6 +317,8 @@ class Stream:
 
     def _contacts(self, pending: _Pending, done: frame_pb2.FrameDone) -> Contacts:
         head = pending.request.head
+        check_done(done)
+        check_total(done, pending.parts)
         self._warn_of_unused(done.metrics.unused_options)
         way = self._track.apply(pending.request, done, pending.wire_id)
         answer = Answer(pending.frame_id, pending.wire_id, done, way.layout, way, self._track.has_motion(head))
@@ -314,18 +337,31 @@ class Stream:
         head = request.head
         wire_id = self._track.next_id()
         request.updates = self._transport.send(wire_id, head, request.updates)
+        deadline = self._deadline()
         while True:
-            response = self._transport.read(None)
-            assert response is not None
-            if response.WhichOneof("response") == "draining":
+            response = self._read_own(deadline)
+            kind = response.WhichOneof("response")
+            if kind == "draining":
                 self._take(response)
-            if response.frame_id != wire_id or response.WhichOneof("response") == "contacts":
                 continue
-            if response.WhichOneof("response") == "error":
+            if response.frame_id != wire_id or kind not in ("contacts", "done", "error"):
+                raise DataLoss(f"the daemon answers frame {response.frame_id} with {kind!r} instead of frame {wire_id}")
+            if kind == "error":
                 raise error_of_frame(response.error, wire_id)
-            if request.is_counted:
-                self._track.apply(request, response.done, wire_id)
-            return wire_id
+            if kind == "done":
+                check_done(response.done)
+                if request.is_counted:
+                    self._track.apply(request, response.done, wire_id)
+                return wire_id
+
+    def _read_own(self, deadline: float) -> api.StreamFramesResponse:
+        """A message of a stream that is being put where it was. Raises DeadlineExceeded."""
+        assert self._transport is not None
+        response = self._transport.read(_left(deadline)) if time.monotonic() < deadline else None
+        if response is None:
+            seconds = self._scene.client.options.deadline
+            raise DeadlineExceeded(f"the daemon did not put the scene where it was within {seconds:g} s (deadline)")
+        return response
 
     # Losing and finding the daemon.
 
@@ -337,9 +373,15 @@ class Stream:
             if not isinstance(error, DeadlineExceeded):  # of a call, which may be made again
                 self._failure = error
             raise error
+        if self._fruitless >= _MOST_FRUITLESS:
+            self._fruitless, self._wait_ends = 0, math.inf
+            raise error
         if self._wait_ends == math.inf:
             self._wait_ends = time.monotonic() + self._reconnect_seconds
         pause = _FIRST_PAUSE
+        if self._fruitless:
+            pause = min(_FIRST_PAUSE * 2**self._fruitless, _LONGEST_PAUSE)
+            time.sleep(min(pause, _left(min(until, self._wait_ends))))
         while (left := _left(min(until, self._wait_ends))) > 0:
             try:
                 self._reopen(min(until, self._wait_ends))
@@ -366,6 +408,7 @@ class Stream:
         if last_applied != self._track.last_applied or self._begins_on_last_way():
             self._recreate()
         self.reconnects += 1
+        self._fruitless += 1
         self.draining = None
         self._transmit_all()
         self._wait_ends = math.inf
@@ -377,6 +420,9 @@ class Stream:
 
     def _resume(self) -> int:
         """The last frame that the scene has applied; _GONE: the scene is."""
+        # Told at once if it is gone, where an endpoint that is gone would be waited for.
+        if self._scene.message.endpoint and not self._scene.client.has_scene(self._scene.id):
+            return _GONE
         try:
             return self._open(resume=True)
         except NotFound:
@@ -393,8 +439,9 @@ class Stream:
         if time.monotonic() < self._next_move:
             return
         self._next_move = time.monotonic() + _LONGEST_PAUSE
+        until = self._deadline()
         while self._pending and self._transport is not None:
-            self._read(math.inf)
+            self._read_by(until, "the frames in flight were not answered")
         if self.draining is None or self._transport is None:  # it has been lost meanwhile
             return
         try:
@@ -413,11 +460,9 @@ class Stream:
         waiting = list(self._pending)
         self.resent += sum(pending.wire_id > 0 for pending in waiting)
         for sent, pending in enumerate(waiting):
+            deadline = self._deadline()
             while sent - (len(waiting) - len(self._pending)) >= self.window:
-                assert self._transport is not None
-                response = self._transport.read(None)
-                assert response is not None
-                self._take(response)
+                self._take(self._read_own(deadline))
             self._transmit(pending)
 
     def _recreate(self) -> None:

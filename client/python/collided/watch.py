@@ -14,7 +14,7 @@ from collided.connection.client import Client
 from collided.contacts.answer import Answer
 from collided.contacts.columns import read_chunk
 from collided.contacts.contacts import Contacts
-from collided.errors import Cancelled, DataLoss, NotFound
+from collided.errors import Cancelled, DataLoss, DeadlineExceeded, NotFound
 from collided.layout import Layout
 from collided.leftovers import Leftover
 from collided.transport.messages import Messages
@@ -61,13 +61,16 @@ class Watcher:
             scene_id=scene_id, frame_interval=frame_interval, max_frames_per_second=max_frames_per_second,
             max_contacts_per_kind=max_contacts_per_kind, vertex_stride=vertex_stride,
             position_meshes=[self._layout.index(mesh) for mesh in meshes])
-        self._channel = client.separate_channel(self.scene.endpoint)
-        self._messages = Messages(CollisionServiceStub(self._channel).WatchScene(
-            request, metadata=metadata(client.options, scene_id)))
-        self.leftover = leftovers.watch(self, Leftover("Watcher", [self._messages.cancel, self._channel.close],
+        carried = metadata(client.options, scene_id)
+        with client.stream_channel(self.scene) as channel:
+            self._messages = Messages(channel, lambda: CollisionServiceStub(channel).WatchScene(request, metadata=carried))
+        self.leftover = leftovers.watch(self, Leftover("Watcher", [self._messages.close],
                                                        name=f"scene {scene_id} at {client.place}"))
         try:
-            opened = self._messages.next(None)
+            opened = self._messages.next(client.options.deadline)
+            if opened is None:
+                raise DeadlineExceeded(f"the daemon at {client.place} did not open the watch within "
+                                       f"{client.options.deadline:g} s (deadline)")
             if not opened.HasField("opened"):
                 raise DataLoss("the first message of a watch does not open it")
         except BaseException:
@@ -80,13 +83,16 @@ class Watcher:
         message = self._messages.next(timeout)
         if message is None:
             return None
+        if not message.HasField("done"):
+            raise DataLoss("a message of the watch is neither `opened` nor a frame")
         if message.edit_count != self.scene.edit_count:
             self._see(self._client.get_scene(self._scene_id))
         parts = [read_chunk(chunk) for chunk in message.done.contacts]
         del message.done.contacts[:]
-        answer = Answer(message.frame_id, message.frame_id, message.done, self._layout, None, False)
+        answer = Answer(message.frame_id, message.frame_id, message.done, self._layout, None, False,
+                        has_layout=message.edit_count == self.scene.edit_count)
         return Watched(Contacts.of_parts(answer, parts), message.skipped_frames, message.omitted_contacts,
-                       {self._names[sample.mesh]: self._positions(sample) for sample in message.positions},
+                       {self._name(sample.mesh): self._positions(sample) for sample in message.positions},
                        message.positions[0].vertex_stride if message.positions else 0, message.edit_count)
 
     def __iter__(self) -> Iterator[Watched]:
@@ -121,6 +127,13 @@ class Watcher:
         self._layout = Layout.of_spec(scene.spec)
         self._names.update((i, mesh.name) for i, mesh in self._layout.present())
 
+    def _name(self, mesh: int) -> str:
+        if mesh not in self._names:
+            raise DataLoss(f"positions names mesh {mesh}, which the scene never had")
+        return self._names[mesh]
+
     def _positions(self, sample: api.VertexSample) -> np.ndarray:
         is_double = self.scene.spec.position_format == scene_pb2.POSITION_FORMAT_F64
+        if len(sample.positions) % (24 if is_double else 12):
+            raise DataLoss(f"positions of mesh {sample.mesh} has {len(sample.positions)} bytes, which are no whole positions")
         return np.frombuffer(sample.positions, "<f8" if is_double else "<f4").reshape(-1, 3)

@@ -30,6 +30,12 @@ class Workspace:
         cache = pathlib.Path(repository) / "build" / "tools" / "go-build"
         self.environment = {"GO111MODULE": "off", "GOPATH": f"{root}:{DEBIAN}", "GOCACHE": str(cache), "GOFLAGS": ""}
 
+    def built(self, source):
+        """The command of a program's source, built in the build folder."""
+        program = self.folder.parents[2] / pathlib.Path(source).stem
+        self.run("build", "-o", program, source)
+        return [str(program)]
+
     def run(self, *words, **environment):
         """What `go WORDS` prints. Raises if it fails, with all that it said."""
         done = subprocess.run([self.go, *map(str, words)], cwd=self.folder, capture_output=True, timeout=230,

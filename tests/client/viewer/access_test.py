@@ -5,13 +5,14 @@ import pathlib
 import shutil
 import socket as sockets
 import subprocess
+import time
 import urllib.parse
 
 from viewer_support import COLLIDECTL, PAGE, ViewerCase, main
-from web_client import BINARY, WebSocket, connect, read_all, request
+from web_client import BINARY, WebSocket, connect, parse, read_all, request
 
 SECRET = "0123456789abcdef-_XYZ"
-MOST_CONNECTIONS = 64
+MOST_CONNECTIONS, MOST_STRANGERS = 64, 256
 
 
 class Access(ViewerCase):
@@ -104,18 +105,28 @@ class Access(ViewerCase):
         other.until("frame")
         self.expect_served()
 
-    def test_connections_are_bounded_and_their_places_come_back(self):
-        idle = [connect(self.url) for _ in range(2 * MOST_CONNECTIONS)]
-        for peer in idle[MOST_CONNECTIONS:]:
+    def test_visitors_without_the_secret_keep_nobody_out(self):
+        silent = [connect(self.url) for _ in range(MOST_STRANGERS + 20)]
+        for peer in silent[:20]:  # the oldest gave way
             self.assertEqual(read_all(peer), b"")
-        for peer in idle:
+        self.expect_served()
+        half = silent[-1]
+        half.sendall(b"GET /wrong/ HTTP/1.1\r\n")
+        self.expect_served()
+        half.sendall(f"Host: 127.0.0.1:{self.port}\r\n\r\n".encode())
+        self.assertEqual(parse(read_all(half))[0], 404)
+        for peer in silent:
             peer.close()
-        for _ in range(1000):  # until it has noticed
-            try:
-                self.assertEqual(request(self.url)[0], 200)
-                break
-            except (IndexError, ConnectionResetError):
-                continue
+
+    def test_browsers_are_bounded_and_their_places_come_back(self):
+        browsers = [self.open(self.viewer) for _ in range(MOST_CONNECTIONS)]
+        self.assertEqual(request(self.url)[0], 503)
+        self.assertEqual(self.status_of_socket(), 503)
+        for browser in browsers:
+            browser.close()
+        deadline = time.monotonic() + 30
+        while request(self.url)[0] == 503 and time.monotonic() < deadline:  # until it has noticed
+            pass
         self.expect_served()
 
 

@@ -35,11 +35,12 @@ def open_channel(address: str, options: ConnectOptions, max_answer_bytes: int = 
     return grpc.secure_channel(address, credentials, settings)
 
 
-def ask_for_info(channel: grpc.Channel, address: str, options: ConnectOptions, patience: float) -> api.GetServerInfoResponse:
+def ask_for_info(channel: grpc.Channel, address: str, options: ConnectOptions, patience: float,
+                 scene_id: str = "") -> api.GetServerInfoResponse:
     """Facts about the daemon. Raises Unavailable, with the reason if gRPC tells, if none answers in time."""
     patience = max(patience, _SHORTEST)
     ask = CollisionServiceStub(channel).GetServerInfo
-    carried = metadata(options)
+    carried = metadata(options, scene_id)
     try:
         return ask(api.GetServerInfoRequest(), timeout=patience, metadata=carried, wait_for_ready=True)
     except grpc.RpcError as error:
@@ -49,7 +50,8 @@ def ask_for_info(channel: grpc.Channel, address: str, options: ConnectOptions, p
     try:  # a call that does not wait is told why
         return ask(api.GetServerInfoRequest(), timeout=min(1.0, patience), metadata=carried)
     except grpc.RpcError as error:
-        raise Unavailable(f"no daemon answers at {address}: {error_of_call(error).message}") from None
+        raise Unavailable(f"no daemon answers at {address} within {patience:g} s (patience): "
+                          f"{error_of_call(error).message}") from None
 
 
 def metadata(options: ConnectOptions, scene_id: str = "") -> list[tuple[str, str]]:

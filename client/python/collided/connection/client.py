@@ -17,12 +17,12 @@ import numpy as np
 
 import collided.leftovers as leftovers
 from collided.choices import check_text
-from collided.connection.channel import MAX_ANSWER_BYTES, metadata, open_channel
+from collided.connection.channel import MAX_ANSWER_BYTES, ask_for_info, metadata, open_channel
 from collided.connection.connection import Connection
 from collided.connection.mesh_elements import MeshElements, read_elements
 from collided.connection.options import ConnectOptions, is_local_address
 from collided.connection.own_daemon import OwnDaemon, shared_daemon
-from collided.errors import (DeadlineExceeded, Error, InvalidArgument, NotFound, ResourceExhausted, Unavailable,
+from collided.errors import (DataLoss, DeadlineExceeded, Error, InvalidArgument, NotFound, ResourceExhausted, Unavailable,
                              error_of_call)
 from collided.layout import Layout
 from collided.options import SceneOptions, check_seconds
@@ -34,6 +34,7 @@ _TRIANGLES_PER_CHUNK = (1 << 19) // 12  # 512 KiB, well below the limit of any d
 _UPLOADS_AT_ONCE = 8
 _MAX_INLINE_BYTES = 4 << 20  # of triangles in the message that creates a scene
 _CREATE_TRIES, _RETRY_SECONDS = 3, 0.2
+_MOST_SCENES = 1_000_000  # that a daemon can have
 _UINT32_MAX = 2**32 - 1
 
 
@@ -78,15 +79,28 @@ class Client:
         return self.call("EstimateScene", api.EstimateSceneRequest(spec=spec))
 
     def scenes(self) -> list[scene_pb2.Scene]:
-        """All scenes of this client, by id."""
+        """All scenes of this client, by id. All pages together take `deadline` seconds at most."""
         out: list[scene_pb2.Scene] = []
-        token = ""
+        token, until = "", time.monotonic() + self.options.deadline
         while True:
-            page = self.call("ListScenes", api.ListScenesRequest(page_token=token))
-            out += page.scenes
+            page = self.call("ListScenes", api.ListScenesRequest(page_token=token), timeout=self._left(until))
+            for scene in page.scenes:
+                if out and scene.scene_id <= out[-1].scene_id:
+                    raise DataLoss(f"scenes names {scene.scene_id!r} after {out[-1].scene_id!r}; ids must ascend")
+                out.append(scene)
             token = page.next_page_token
             if not token:
                 return out
+            if not page.scenes or len(out) >= _MOST_SCENES:
+                raise DataLoss(f"next_page_token is {token[:40]!r} after a page of {len(page.scenes)} scenes, {len(out)} in all")
+
+    def _left(self, until: float) -> float:
+        """Seconds until then, for a call that is one of several. Raises DeadlineExceeded."""
+        left = until - time.monotonic()
+        if left <= 0:
+            raise DeadlineExceeded(f"the daemon at {self.place} did not send all pages within {self.options.deadline:g} s "
+                                   "(deadline)")
+        return left
 
     def get_scene(self, scene_id: str) -> scene_pb2.Scene:
         """State and memory of a scene; restarts its lease. NotFound."""
@@ -102,8 +116,12 @@ class Client:
         if isinstance(mesh, bool) or not isinstance(mesh, (int, np.integer)) or not 0 <= mesh <= _UINT32_MAX:
             raise InvalidArgument(f"mesh is {mesh!r}; it must be an index from 0", field="mesh")
 
+        until = time.monotonic() + self.options.deadline
+
         def page_from(element: int) -> api.GetMeshResponse:
-            return self.call("GetMesh", api.GetMeshRequest(scene_id=scene_id, mesh=mesh, first_element=element), scene_id)
+            # As an upload has: a second more for each 512 KiB.
+            timeout = min(self._left(until + element / _TRIANGLES_PER_CHUNK), self.options.deadline)
+            return self.call("GetMesh", api.GetMeshRequest(scene_id=scene_id, mesh=mesh, first_element=element), scene_id, timeout)
 
         return read_elements(page_from)
 
@@ -154,7 +172,7 @@ class Client:
         request = api.CreateSceneRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
                                          lease_seconds=lease_seconds)
         uploads = self._put_inline(request.spec, layout)
-        return self._upload_all(self._create("CreateScene", request, tries).scene, uploads)
+        return self._upload_all(self._create("CreateScene", request, tries), uploads)
 
     def create_scenes(self, layout: Layout, options: SceneOptions, count: int, lease_seconds: float) -> scene_pb2.Scene:
         """The same for a set of `count` scenes of one spec."""
@@ -164,7 +182,7 @@ class Client:
         request = batch_pb2.CreateScenesRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
                                                 count=int(count), lease_seconds=lease_seconds)
         uploads = self._put_inline(request.spec, layout)
-        return self._upload_all(self._create("CreateScenes", request).scenes, uploads)
+        return self._upload_all(self._create("CreateScenes", request), uploads)
 
     def _put_inline(self, spec: scene_pb2.SceneSpec, layout: Layout) -> dict[int, np.ndarray]:
         """Puts triangles into the spec, those of the smallest meshes first. Those of the others, by mesh, which need a call
@@ -251,6 +269,18 @@ class Client:
         self.options.check(address)
         return open_channel(address, self.options, max_answer_bytes)
 
+    @contextmanager
+    def stream_channel(self, scene: scene_pb2.Scene) -> Iterator[grpc.Channel]:
+        """A connection for one stream of the scene, at its endpoint, once a daemon answers there. It is closed if an error ends
+        the context. gRPC itself would not wait: it ends a stream if the connection is refused for a moment."""
+        channel = self.separate_channel(scene.endpoint)
+        try:
+            ask_for_info(channel, scene.endpoint or self.address, self.options, self.options.patience, scene.scene_id)
+            yield channel
+        except BaseException:
+            leftovers.do_elsewhere(channel.close)
+            raise
+
     def local_socket(self, endpoint: str) -> str:
         """Path of the daemon's local socket, if it has one and is on this host; else empty."""
         return self.info.local_socket if not endpoint and is_local_address(self.address) else ""
@@ -291,10 +321,14 @@ class Client:
         except ValueError:  # of gRPC, where another thread has closed the channel meanwhile
             raise Unavailable("the connection was closed during the call") from None
 
-    def _create(self, method: str, request: Any, tries: int = _CREATE_TRIES) -> Any:
+    def _create(self, method: str, request: Any, tries: int = _CREATE_TRIES) -> scene_pb2.Scene:
         for tried in range(1, tries + 1):
             try:
-                return self.call(method, request)
+                answer = self.call(method, request)
+                scene = answer.scenes if method == "CreateScenes" else answer.scene
+                if not scene.scene_id:
+                    raise DataLoss(f"the daemon's answer to {method} has no scene")
+                return scene
             except Unavailable:
                 if tried == tries:
                     raise

@@ -14,7 +14,8 @@ from collided.v1 import frame_pb2
 
 @dataclass(eq=False)
 class Answer:
-    """The end of a frame. way: None where the client does not know the positions, as of a frame that it watches."""
+    """The end of a frame. way: None where the client does not know the positions, as of a frame that it watches. has_layout:
+    the layout is the frame's, and not that of a later edit."""
 
     frame_id: int
     wire_id: int
@@ -23,6 +24,7 @@ class Answer:
     way: Way | None
     has_motion: bool
     is_skipped: bool = False
+    has_layout: bool = True
 
     @cached_property
     def starts(self) -> np.ndarray:

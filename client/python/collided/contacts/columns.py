@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from collided.contacts.checks import check_chunk
 from collided.errors import DataLoss
 from collided.v1 import contact_pb2
 
@@ -46,21 +47,22 @@ class Part:
 
 def read_chunk(chunk: contact_pb2.ContactChunk, shared: Callable[[Any], memoryview] | None = None) -> Part:
     """A chunk of the daemon's; arrays in shared memory are copied from where `shared` finds their ranges."""
+    check_chunk(chunk)
     arrays: Arrays = {}
     for name, column in COLUMNS.items():
         data: Any = getattr(chunk, name)
         if not data and shared is not None and chunk.HasField("shared"):
-            data = bytes(shared(getattr(chunk.shared, name)))
-        if data:
+            data = shared(getattr(chunk.shared, name))
+        if len(data):
             arrays[name] = _array(data, column, chunk.count)
     return Part(chunk.kind, chunk.count, arrays)
 
 
-def _array(data: bytes, column: Column, count: int) -> np.ndarray:
+def _array(data: bytes | memoryview, column: Column, count: int) -> np.ndarray:
     width = column.dtype.itemsize * int(np.prod(column.shape, dtype=int))
     if len(data) != count * width:
         raise DataLoss(f"contacts.{column.name} has {len(data)} bytes for {count} contacts; it needs {count * width}")
-    return np.frombuffer(data, column.dtype).reshape(count, *column.shape)
+    return np.frombuffer(bytes(data), column.dtype).reshape(count, *column.shape)  # bytes() copies no bytes
 
 
 def joined(parts: list[Part], name: str) -> np.ndarray | None:

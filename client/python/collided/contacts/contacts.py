@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from collided.contacts.answer import Answer
+from collided.contacts.checks import check_done, check_part
 from collided.contacts.columns import COLUMNS, Part, joined
 from collided.contacts.geometry import closest_points, meshes_of
 from collided.contacts.tables import dataframe, records
@@ -49,7 +50,11 @@ class Contacts:
 
     @staticmethod
     def of_parts(answer: Answer, parts: list[Part]) -> Contacts:
-        """All contacts of a frame."""
+        """All contacts of a frame. Raises DataLoss for ids that the scene does not have, and times that are none."""
+        check_done(answer.done)
+        for part in parts if answer.has_layout else ():
+            check_part(part, answer.layout)
+
         def column(name: str) -> np.ndarray | None:
             if name == "kinds":
                 return np.concatenate([np.empty(0, "u1"), *(np.full(part.count, part.kind, "u1") for part in parts)])

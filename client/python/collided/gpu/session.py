@@ -76,8 +76,8 @@ class DeviceSession:
         if not path:
             raise FailedPrecondition("the daemon has no local socket here (--local-socket)")
         self._memory = DeviceMemory(cuda, region_layout(self.scene.refresh(), window, *room))
-        self._transport = LocalTransport(LocalPeer(path, client.address, daemon_user, client.options.token), self._memory)
-        opened_by(self._transport, api.OpenStream(scene_id=self.scene.id, window=window))
+        self._transport = LocalTransport(LocalPeer(path, client.address, daemon_user, client.options), self._memory)
+        opened_by(self._transport, api.OpenStream(scene_id=self.scene.id, window=window), client)
 
     def step(self, positions: Any = None, start: Any = None, **options: Unpack[FrameOptions]) -> DeviceContacts:
         """Sends a frame and waits for its contacts."""

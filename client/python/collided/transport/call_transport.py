@@ -10,6 +10,7 @@ from typing import Any
 
 import grpc
 
+from collided import leftovers
 from collided.connection.channel import metadata
 from collided.connection.client import Client
 from collided.errors import (DataLoss, Error, FailedPrecondition, InvalidArgument, NotFound, ResourceExhausted,
@@ -71,6 +72,8 @@ class CallTransport:
         frame_id, self._frame_id = self._frame_id, 0
         if isinstance(answer, Error):
             return api.StreamFramesResponse(frame_id=frame_id, error=self._refusal(answer, frame_id))
+        if not answer.HasField("done"):
+            raise DataLoss(f"the daemon's answer to frame {frame_id} has no end")
         answer.done.contacts.extend(answer.contacts)
         return api.StreamFramesResponse(frame_id=frame_id, done=answer.done)
 
@@ -97,7 +100,7 @@ class CallTransport:
 
     def close(self) -> None:
         self._requests.put(None)
-        self._channel.close()
+        leftovers.do_elsewhere(self._channel.close)
 
 
 def _serve(ask: Callable[[bytes], api.DetectFrameResponse], requests: queue.SimpleQueue[bytes | None],

@@ -22,12 +22,12 @@ class GrpcTransport:
     is_local = False
 
     def __init__(self, channel: grpc.Channel, metadata: list[tuple[str, str]], max_message_bytes: int) -> None:
-        self._channel = channel
         self._max_message_bytes = max_message_bytes
         self._requests: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
+        requests = iter(self._requests.get, None)
         stream = channel.stream_stream(_METHOD, request_serializer=None,
                                        response_deserializer=api.StreamFramesResponse.FromString)
-        self._messages = Messages(stream(iter(self._requests.get, None), metadata=metadata))
+        self._messages = Messages(channel, lambda: stream(requests, metadata=metadata))
 
     def open(self, request: api.OpenStream) -> None:
         self._requests.put(api.StreamFramesRequest(open=request).SerializeToString())
@@ -51,5 +51,4 @@ class GrpcTransport:
 
     def close(self) -> None:
         self._requests.put(None)
-        self._messages.cancel()
-        self._channel.close()
+        self._messages.close()

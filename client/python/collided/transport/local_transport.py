@@ -29,7 +29,7 @@ class LocalTransport:
         except Exception:
             memory.close()
             raise
-        self._token = peer.token
+        self._token, self._deadline = peer.options.token, peer.options.deadline
         self._frames = LocalFrames(memory)
         self._packet = memoryview(bytearray(MAX_PACKET_BYTES))
 
@@ -49,6 +49,8 @@ class LocalTransport:
         packet = self._frames.pack(frame_id, head, updates)
         try:
             self._socket.send(packet)
+        except BlockingIOError:
+            raise Unavailable(f"the daemon did not take a frame within {self._deadline:g} s (deadline)") from None
         except OSError:
             pass  # reading tells why the stream has ended
         return self._frames.lasting(updates)  # the daemon is at work meanwhile

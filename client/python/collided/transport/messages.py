@@ -4,32 +4,38 @@ from __future__ import annotations
 
 import queue
 import threading
+from collections.abc import Callable
 from typing import Any
 
 import grpc
 
-from collided.errors import Error, Unavailable, error_of_call
+from collided import leftovers
+from collided.errors import Cancelled, Error, Unavailable, error_of_call
 
 
 class Messages:
-    """gRPC has no timeout for one message of a stream: once one is asked for, a thread reads, a message for each request."""
+    """A thread begins the call and reads, a message for each request, because gRPC has no timeout for one message.
 
-    def __init__(self, call: Any) -> None:
-        self._call = call
+    No call of gRPC's is made in the caller's thread. An interrupt that comes while gRPC takes one of its locks, by functions
+    in Python, leaves that lock taken for good.
+    """
+
+    def __init__(self, channel: grpc.Channel, begin: Callable[[], Any]) -> None:
+        """begin: makes the call, on a channel that is closed with it."""
+        self._channel, self._begin = channel, begin
+        self._call: Any = None
         self._requests: queue.SimpleQueue[bool] = queue.SimpleQueue()
-        self._answers: queue.SimpleQueue[Any] | None = None
+        self._answers: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._is_requested = False
-        self.is_cancelled = False  # by `cancel`
+        self.is_cancelled = False  # by `close`
+        # A daemon thread, so that a process can end while it waits.
+        threading.Thread(target=self._serve, name="collided-reader", daemon=True).start()
 
     def next(self, timeout: float | None) -> Any:
         """The next message; None if none came in time. Raises Error at the end."""
-        if self._answers is None or (self.is_cancelled and not self._is_requested):
-            if timeout is None or self.is_cancelled:
-                return self._next()
-            self._answers = queue.SimpleQueue()
-            # A daemon thread, so that a process can end while it waits.
-            threading.Thread(target=self._serve, args=(self._answers,), name="collided-reader", daemon=True).start()
         if not self._is_requested:
+            if self.is_cancelled:
+                raise _cancelled()
             self._requests.put(True)
             self._is_requested = True
         try:
@@ -41,13 +47,18 @@ class Messages:
             raise answer
         return answer
 
-    def _serve(self, answers: queue.SimpleQueue[Any]) -> None:
-        while self._requests.get():
+    def _serve(self) -> None:
+        try:
+            self._call = self._begin()
+        except ValueError:  # of gRPC, where the channel was closed meanwhile
+            self.is_cancelled = True
+        while not self.is_cancelled and self._requests.get():
             try:
-                answers.put(self._next())
+                self._answers.put(self._next())
             except Error as error:
-                answers.put(error)
-        answers.put(Unavailable("the stream was cancelled"))  # for whoever began to wait meanwhile
+                self._answers.put(error)
+        self._end()  # `close` may have come before the call was made
+        self._answers.put(_cancelled())  # for whoever began to wait meanwhile
 
     def _next(self) -> Any:
         try:
@@ -57,8 +68,17 @@ class Messages:
         except grpc.RpcError as error:
             raise error_of_call(error) from None
 
-    def cancel(self) -> None:
-        """Ends the call; whoever waits for a message is told."""
+    def close(self) -> None:
+        """Ends the call and its channel; whoever waits for a message is told."""
         self.is_cancelled = True
-        self._call.cancel()
         self._requests.put(False)
+        leftovers.do_elsewhere(self._end)
+
+    def _end(self) -> None:
+        if self._call is not None:
+            self._call.cancel()
+        self._channel.close()
+
+
+def _cancelled() -> Error:
+    return Cancelled("the stream was cancelled")

@@ -9,7 +9,7 @@ import numpy as np
 
 from collided.connection.channel import metadata
 from collided.connection.client import Client
-from collided.errors import Error, FailedPrecondition, Internal, InvalidArgument, ResourceExhausted, Unavailable
+from collided.errors import DataLoss, DeadlineExceeded, Error, FailedPrecondition, InvalidArgument, ResourceExhausted
 from collided.transport.base import Transport
 from collided.transport.call_transport import CallTransport
 from collided.transport.grpc_transport import GrpcTransport
@@ -20,7 +20,7 @@ from collided.v1 import collision_service_pb2 as api
 from collided.v1 import scene_pb2
 
 _DEFAULT_WINDOW = 2
-_OPEN_SECONDS = 60.0
+_MOST_FRAMES = 1024  # that any daemon lets be in flight
 _TRANSPORTS = ("auto", "shared_memory", "grpc", "calls")
 
 
@@ -56,19 +56,19 @@ def open_transport(client: Client, scene: scene_pb2.Scene, options: StreamOption
     refusal = ""
     if options.transport == "calls":
         calls = CallTransport(client)
-        return calls, opened_by(calls, opening), ""
+        return calls, opened_by(calls, opening, client), ""
     if options.transport != "grpc":
         try:
             local = _local(client, scene, options, opening)
             if local is not None:
-                return local, opened_by(local, opening), ""
+                return local, opened_by(local, opening, client), ""
         except Error as error:
             if options.transport == "shared_memory":
                 raise
             refusal = error.message  # if gRPC fails as well, its error is raised
-    transport = GrpcTransport(client.separate_channel(scene.endpoint), metadata(client.options, scene.scene_id),
-                              client.info.limits.max_message_bytes)
-    return transport, opened_by(transport, opening), refusal
+    with client.stream_channel(scene) as channel:
+        transport = GrpcTransport(channel, metadata(client.options, scene.scene_id), client.info.limits.max_message_bytes)
+        return transport, opened_by(transport, opening, client), refusal
 
 
 def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
@@ -88,20 +88,26 @@ def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
     known = client.get_scene(scene.scene_id)
     # Of each frame in flight, and of those before and after the last one that was answered; if the daemon allows as much.
     lasting = window + 2 if 2 * window + 2 <= limit else 0
-    return LocalTransport(LocalPeer(path, client.address, options.daemon_user, client.options.token),
+    return LocalTransport(LocalPeer(path, client.address, options.daemon_user, client.options),
                           Region(region_layout(known, window, options.output_bytes, options.edit_bytes, lasting)))
 
 
-def opened_by(transport: Transport, opening: api.OpenStream) -> api.StreamOpened:
+def opened_by(transport: Transport, opening: api.OpenStream, client: Client) -> api.StreamOpened:
+    """The daemon's first answer. Raises DeadlineExceeded if none comes within the client's deadline."""
     try:
         transport.open(opening)
-        # Over gRPC keepalive notices a daemon that hangs.
-        response = transport.read(_OPEN_SECONDS if transport.is_local else None)
+        seconds = client.options.deadline
+        response = transport.read(seconds)
         if response is None:
-            raise Unavailable(f"the daemon did not open the stream within {_OPEN_SECONDS:g} s")
+            raise DeadlineExceeded(f"the daemon at {client.place} did not open the stream within {seconds:g} s (deadline)")
         if not response.HasField("opened"):
-            raise Internal("the daemon's first answer does not open the stream")
-        return response.opened
+            raise DataLoss("the daemon's first answer does not open the stream")
+        opened, most = response.opened, opening.window or _MOST_FRAMES
+        if opened.scene.scene_id != opening.scene_id:
+            raise DataLoss(f"the daemon opened scene {opened.scene.scene_id!r} instead of {opening.scene_id!r}")
+        if not 1 <= opened.window <= most:
+            raise DataLoss(f"opened.window is {opened.window}; it must be from 1 to {most}")
+        return opened
     except BaseException:
         transport.close()
         raise

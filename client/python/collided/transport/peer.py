@@ -9,9 +9,11 @@ import stat
 import struct
 from dataclasses import dataclass
 
+from collided.connection.options import ConnectOptions
 from collided.errors import InvalidArgument, PermissionDenied, Unavailable
 
 _ROOT = 0
+_SHORTEST, _LONGEST = 0.001, 1e6  # seconds of a socket's timeout; 0 would be none
 
 
 @dataclass(frozen=True)
@@ -21,27 +23,37 @@ class LocalPeer:
     path: str
     address: str
     daemon_user: int | None
-    token: str
+    options: ConnectOptions
 
 
 def connect_to_trusted(peer: LocalPeer) -> socket.socket:
     """A connection to the daemon's local socket. Raises Unavailable, or PermissionDenied for a user who is not trusted."""
-    connection = connect_to_socket(peer.path, socket.SOCK_SEQPACKET)
+    connection = connect_to_socket(peer.path, socket.SOCK_SEQPACKET, peer.options.patience)
     try:
-        check_trusted(connection, peer.path, peer.address, peer.daemon_user)
+        check_trusted(connection, peer.path, peer.address, peer.daemon_user, peer.options.patience)
     except Exception:
         connection.close()
         raise
+    limit_sending(connection, peer.options.deadline)
     return connection
 
 
-def connect_to_socket(path: str, kind: socket.SocketKind) -> socket.socket:
+def limit_sending(connection: socket.socket, seconds: float) -> None:
+    """Has connecting and sending, which wait for a listener that takes nothing, fail after so long."""
+    timeout = min(max(seconds, _SHORTEST), _LONGEST)
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, struct.pack("ll", int(timeout), int(timeout % 1 * 1e6)))
+
+
+def connect_to_socket(path: str, kind: socket.SocketKind, patience: float) -> socket.socket:
     """A connection to the Unix socket at `path`. Raises InvalidArgument if no socket can have it, else Unavailable."""
     connection = socket.socket(socket.AF_UNIX, kind)
+    limit_sending(connection, patience)
     try:
         connection.connect(path)
     except (ValueError, OSError) as error:
         connection.close()
+        if isinstance(error, BlockingIOError):
+            raise Unavailable(f"no daemon answers at {path} within {patience:g} s (patience)") from None
         if isinstance(error, OSError) and error.errno:
             raise Unavailable(f"no daemon answers at {path}: {os.strerror(error.errno)}") from None
         raise InvalidArgument(f"local_socket is {path!r}, which is not a socket path") from None
@@ -54,7 +66,7 @@ def user_at(connection: socket.socket) -> int:
     return struct.unpack("iII", credentials)[1]
 
 
-def check_trusted(connection: socket.socket, path: str, address: str, daemon_user: int | None) -> None:
+def check_trusted(connection: socket.socket, path: str, address: str, daemon_user: int | None, patience: float) -> None:
     """Raises PermissionDenied, naming what is wrong, unless a trusted user listens, and no one else can put a socket there.
 
     Trusted are this process's own user, root, `daemon_user`, and whoever listens at `address`, if that is a Unix socket:
@@ -64,7 +76,7 @@ def check_trusted(connection: socket.socket, path: str, address: str, daemon_use
     owner = _folder_owner(path)
     listener = user_at(connection)
     if not {owner, listener} <= users:
-        users |= _users_at(address)
+        users |= _users_at(address, patience)
     known = ", ".join(map(str, sorted(users)))
     for user, what in ((listener, f"listens at the daemon's local socket {path}"),
                        (owner, f"owns the folder of the daemon's local socket {path}")):
@@ -84,12 +96,12 @@ def _folder_owner(path: str) -> int:
     return about.st_uid
 
 
-def _users_at(address: str) -> set[int]:
+def _users_at(address: str, patience: float) -> set[int]:
     if not address.startswith("unix:"):
         return set()
     path = address.removeprefix("unix:")
     try:
-        with connect_to_socket(path.removeprefix("//"), socket.SOCK_STREAM) as connection:
+        with connect_to_socket(path.removeprefix("//"), socket.SOCK_STREAM, patience) as connection:
             return {user_at(connection)}
     except (InvalidArgument, Unavailable):  # an address that only gRPC understands adds no trusted user
         return set()

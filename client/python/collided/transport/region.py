@@ -60,7 +60,9 @@ def region_layout(scene: scene_pb2.Scene, window: int, output_bytes: int, edit_b
     positions = 1 if spec.mode == scene_pb2.DETECTION_MODE_DCD else 2
     vertices = worlds * sum(mesh.vertex_count for mesh in spec.meshes)
     message = MAX_PACKET_BYTES + worlds * len(spec.meshes) * _UPDATE_BYTES
-    position = _POSITION_BYTES[spec.position_format]
+    position = _POSITION_BYTES.get(spec.position_format)
+    if position is None:
+        raise DataLoss(f"spec.position_format is {spec.position_format}, which this client does not know")
     frame = whole_pages(vertices * (positions * position + 4) + message)
     all_positions = whole_pages(vertices * position + len(spec.meshes) * ALIGNMENT)
     edit = min(whole_pages(edit_bytes), _MAX_EDIT_BYTES // window // PAGE * PAGE)
@@ -101,8 +103,9 @@ class Region:
             os.ftruncate(self._file.fileno(), size)
             fcntl.fcntl(self._file.fileno(), fcntl.F_ADD_SEALS, _SEALS)
             self._bytes = memoryview(mmap.mmap(self._file.fileno(), size))
-        except OSError as error:
-            raise ResourceExhausted(f"no shared memory of {size} bytes: {error.strerror}") from None
+        except (OSError, OverflowError, ValueError) as error:  # of sizes that no mapping can have
+            why = error.strerror if isinstance(error, OSError) else error
+            raise ResourceExhausted(f"no shared memory of {size} bytes: {why}") from None
         self._lasting: list[Callable[[], object]] = [lambda: None] * layout.lasting  # what each part is taken by
 
     def describe(self, opening: local_pb2.LocalOpen) -> list[int]:

@@ -187,6 +187,12 @@ class Merge(batch_support.BatchTest):
         file.write_bytes(b"".join(lines[:3] + others[1:3] + lines[5:]))
         self.not_merged("has pair 2, which is not of this shard")
 
+    def test_pipes_and_devices_are_no_results(self):
+        for make in (os.mkfifo, lambda file: os.symlink("/dev/zero", file), os.mkdir):
+            self.file(2, 4).unlink(missing_ok=True)
+            make(self.file(2, 4))
+            self.not_merged("shard-0002-of-0004.results: is no file")
+
     def test_folders_and_files_that_are_none(self):
         self.refused(1, "is no folder", "merge", "/nonexistent", "--out", self.table_file)
         self.refused(1, "has no results", "merge", self.data, "--out", self.table_file)

@@ -1,0 +1,86 @@
+// What an answer must be before anything is made of it: a daemon that is wrong, or no daemon, may answer.
+
+import type { Contacts, ContactsByKind } from "./contacts.js";
+import { Code, CollidedError } from "./errors.js";
+import type { FrameDone } from "./generated/collided/v1/frame.js";
+import type { Scene, SceneSpec } from "./generated/collided/v1/scene.js";
+
+/** That any daemon lets be in flight. */
+export const MOST_FRAMES = 1024;
+/** Scenes that a daemon can have. */
+export const MOST_SCENES = 1_000_000;
+/** Contacts of chunks without any array, whose number nothing confirms. */
+const MOST_BARE = 1 << 24;
+
+/** How many vertices and elements a scene has. */
+export interface SceneSize {
+  vertices: number;
+  elements: number;
+}
+
+export function sizeOf(spec: SceneSpec | undefined): SceneSize {
+  const size = { vertices: 0, elements: 0 };
+  for (const mesh of spec?.meshes ?? []) {
+    size.vertices += mesh.vertexCount;
+    size.elements += mesh.triangleCount + mesh.edgeCount + mesh.pointCount;
+  }
+  return size;
+}
+
+export function dataLoss(message: string): CollidedError {
+  return new CollidedError(Code.DATA_LOSS, message);
+}
+
+/** The scene of an answer. Throws (DATA_LOSS) if it has none. */
+export function sceneOf(answer: { scene?: Scene | undefined }): Scene {
+  if (answer.scene?.sceneId && answer.scene.spec) return answer.scene;
+  throw dataLoss("the daemon's answer has no scene");
+}
+
+/** Times of a frame's end. */
+export function checkDone(done: FrameDone | undefined): FrameDone {
+  if (!done) throw dataLoss("an answer has no `done`");
+  if (!isFraction(done.earliestToi)) throw dataLoss(`done.earliest_toi is ${done.earliestToi}; it must be in [0, 1]`);
+  if (!isFraction(done.advanced ?? 0)) throw dataLoss(`done.advanced is ${done.advanced}; it must be in [0, 1]`);
+  return done;
+}
+
+/** As many contacts came as the daemon says that it sent. */
+export function checkTotal(done: FrameDone, { vertexTriangle, edgeEdge, triangleTriangle }: ContactsByKind): void {
+  const came = vertexTriangle.count + edgeEdge.count + triangleTriangle.count;
+  if (done.contactCount !== BigInt(came)) throw dataLoss(`done.contact_count is ${done.contactCount}, and ${came} contacts came`);
+}
+
+/** Times and distances of contacts, and a count that no array confirms. */
+export function checkNumbers(contacts: Contacts): void {
+  const time = contacts.toi.find((toi) => !isFraction(toi));
+  if (time !== undefined) throw dataLoss(`contacts.toi has ${time}; it must be in [0, 1]`);
+  const distance = contacts.distance.find((each) => !(each >= 0));
+  if (distance !== undefined) throw dataLoss(`contacts.distance has ${distance}; it must be 0 or more`);
+  const { elements, stencils, toi, distance: distances, weights, normals, flags } = contacts;
+  const isBare = [elements, stencils, toi, distances, weights, normals, flags].every((array) => array.length === 0);
+  if (isBare && contacts.count > MOST_BARE) {
+    throw dataLoss(`contacts.count is ${contacts.count} in all without any array; it must be at most ${MOST_BARE}`);
+  }
+}
+
+/** The scene has what the contacts name. A size of 0 is not known. */
+export function checkIds({ vertexTriangle, edgeEdge, triangleTriangle }: ContactsByKind, size: SceneSize): void {
+  if (size.vertices === 0) return;
+  const { vertices, elements } = size;
+  checkKind(vertexTriangle, size, [vertices, elements]);
+  checkKind(edgeEdge, size, [3 * elements, 3 * elements]); // edges at most
+  checkKind(triangleTriangle, size, [elements, elements]);
+}
+
+function checkKind(contacts: Contacts, { vertices }: SceneSize, limits: [number, number]): void {
+  const vertex = contacts.stencils.find((each) => each >= vertices);
+  if (vertex !== undefined) throw dataLoss(`contacts.stencils names ${vertex}; the scene has ${vertices} vertices`);
+  const id = contacts.elements.find((each, i) => each >= limits[i % 2]);
+  if (id !== undefined) throw dataLoss(`contacts.elements names ${id}, which the scene does not have`);
+}
+
+/** Not NaN. */
+function isFraction(value: number): boolean {
+  return value >= 0 && value <= 1;
+}

@@ -1,0 +1,70 @@
+"""What an answer must be before anything is computed from it: a daemon that is wrong, or no daemon, may answer."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from collided.errors import DataLoss
+from collided.v1 import contact_pb2, frame_pb2
+
+if TYPE_CHECKING:
+    from collided.contacts.columns import Part
+    from collided.layout import Layout
+
+_KINDS = (contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE, contact_pb2.CONTACT_KIND_EDGE_EDGE,
+          contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE)
+_MOST_BARE = 1 << 24  # contacts of a chunk without any array, whose number nothing else confirms
+
+
+def check_chunk(chunk: contact_pb2.ContactChunk) -> None:
+    """The kind. Raises DataLoss."""
+    if chunk.kind not in _KINDS:
+        raise DataLoss(f"contacts.kind is {chunk.kind}, which this client does not know")
+    if not chunk.count:
+        raise DataLoss("contacts.count is 0; a chunk has 1 contact or more")
+
+
+def check_done(done: frame_pb2.FrameDone) -> None:
+    """Times of a frame's end. Raises DataLoss."""
+    for name in ("earliest_toi", "advanced"):
+        value = getattr(done, name)
+        if not 0 <= value <= 1:
+            raise DataLoss(f"done.{name} is {value}; it must be in [0, 1]")
+
+
+def check_total(done: frame_pb2.FrameDone, parts: list[Part]) -> None:
+    """The number of contacts that came. Raises DataLoss."""
+    came = sum(part.count for part in parts)
+    if done.contact_count != came:
+        raise DataLoss(f"done.contact_count is {done.contact_count}, and {came} contacts came")
+
+
+def check_part(part: Part, layout: Layout) -> None:
+    """Times and ids of contacts. Raises DataLoss."""
+    arrays = part.arrays
+    if not arrays and part.count > _MOST_BARE:
+        raise DataLoss(f"contacts.count is {part.count} without any array; it must be at most {_MOST_BARE}")
+    toi = arrays.get("toi")
+    if toi is not None and not (toi.min() >= 0 and toi.max() <= 1):
+        raise DataLoss("contacts.toi has a time that is not in [0, 1]")
+    distance = arrays.get("distance")
+    if distance is not None and not distance.min() >= 0:
+        raise DataLoss("contacts.distance has a distance that is not 0 or more")
+    if (stencils := arrays.get("stencils")) is not None:
+        _check_ids("stencils", stencils, int(layout.vertex_offsets[-1]), "vertices")
+    if (elements := arrays.get("elements")) is not None:
+        count = int(layout.element_offsets[-1])
+        if part.kind == contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE:
+            _check_ids("elements", elements[:, 0], int(layout.vertex_offsets[-1]), "vertices")
+            _check_ids("elements", elements[:, 1], count, "elements")
+        elif part.kind == contact_pb2.CONTACT_KIND_EDGE_EDGE:
+            _check_ids("elements", elements, 3 * count, "edges at most")
+        else:
+            _check_ids("elements", elements, count, "elements")
+
+
+def _check_ids(name: str, ids: np.ndarray, count: int, of_what: str) -> None:
+    if (largest := int(ids.max())) >= count:
+        raise DataLoss(f"contacts.{name} names {largest}; the scene has {count} {of_what}")

@@ -1,0 +1,75 @@
+"""The Python client, against a daemon that misbehaves. Reads lines "BEHAVIOUR SCENARIO ADDRESS", plays them all at once, and
+prints for each how it ended: the code of an error, or ok, the seconds that it took, and the message."""
+
+import sys
+import threading
+import time
+
+import collided
+import numpy as np
+
+SECONDS = float(sys.argv[1])
+PRINTING = threading.Lock()
+FLOOR = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0]], "<f4")
+TIP = np.array([[1, 1, 1], [1.25, 1, 9], [1, 1.25, 9]], "<f4")
+ONE = np.array([[0, 1, 2]], "<u4")
+
+
+def meshes(with_vertices=False):
+    if with_vertices:
+        return {"floor": collided.Mesh(FLOOR, ONE), "tip": collided.Mesh(TIP, ONE)}
+    return {name: collided.Mesh(None, ONE, vertex_count=3) for name in ("floor", "tip")}
+
+
+def stream(client, transport="grpc"):
+    with collided.Session(meshes(), server=client, transport=transport, window=2 if transport == "grpc" else 1,
+                          reconnect_seconds=SECONDS) as session:
+        frames = 2 if transport == "grpc" else 1
+        for _ in range(frames):
+            session.send({"floor": FLOOR, "tip": TIP})
+        for _ in range(frames):
+            contacts = session.receive(timeout=SECONDS)
+            assert contacts.meshes.tolist() == [[1, 0]], contacts.meshes
+
+
+def watch(client):
+    scene = client.create_scene(collided.layout.Layout.of(meshes()), collided.SceneOptions(), 0)
+    with collided.Watcher(client, scene.scene_id, meshes=["tip"]) as watcher:
+        repr(watcher.receive(timeout=SECONDS))
+
+
+def batch(client):
+    with collided.SceneBatch(meshes(with_vertices=True), 2, server=client, transport="calls") as scenes:
+        positions = np.stack([np.concatenate([FLOOR, TIP])] * 2)
+        assert scenes.step(positions).counts.tolist() == [1, 0]
+
+
+def mesh(client):
+    scene = client.create_scene(collided.layout.Layout.of(meshes()), collided.SceneOptions(), 0)
+    client.get_mesh(scene.scene_id, 0)
+
+
+SCENARIOS = {"stream": stream, "call": lambda client: stream(client, "calls"), "watch": watch, "set": batch, "local": lambda client: stream(client, "shared_memory"), "mesh": mesh,
+             "list": lambda client: client.scenes()}
+
+
+def play(behaviour, scenario, address):
+    begun, code, message = time.monotonic(), "ok", ""
+    try:
+        with collided.Client(address, token=behaviour, patience=SECONDS, deadline=SECONDS) as client:
+            SCENARIOS[scenario](client)
+    except collided.Error as error:
+        code, message = error.code, error.message
+    except BaseException as error:
+        code, message = "UNTYPED", repr(error)
+    line = f"{behaviour} {scenario} {code} {time.monotonic() - begun:.3f} {message[:200]!r}\n"
+    with PRINTING:
+        sys.stdout.write(line)
+
+
+if __name__ == "__main__":
+    threads = [threading.Thread(target=play, args=line.split()) for line in sys.stdin]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
