@@ -125,7 +125,7 @@ void Daemon::listen(const Config& config) {
   set_keepalive(builder, config);
   const uint32_t max_calls = max_calls_of_connection(config.limits);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, static_cast<int>(max_calls));
-  entrance_.add_to(builder, max_calls, [this] { end_flood("unix:"); });
+  entrance_.add_to(builder, max_calls);
   core_.add_to(builder);
   health_.add_to(core_.router, pb::CollisionService::service_full_name());
   reflection_.add_to(core_.router, {pb::CollisionService::service_full_name(), "grpc.health.v1.Health"});
@@ -141,7 +141,7 @@ void Daemon::listen(const Config& config) {
   calls_->start();
 }
 
-void Daemon::end_flood(const std::string& peer) {
+void Daemon::abandoned(const std::string& peer) {
   if (!entrance_.connections().abandoned(peer)) return;
   core_.metrics.count_reset_flood();
   log_event(spdlog::level::warn, "connection ended: its client keeps opening and resetting streams", {{"peer", peer}});

@@ -49,7 +49,7 @@ class Daemon {
 
  private:
   void listen(const Config& config);
-  void end_flood(const std::string& peer);
+  void abandoned(const std::string& peer);
   void log_devices() const;
   Gauges gauges() const;
 
@@ -60,10 +60,7 @@ class Daemon {
   Entrance entrance_;
   const CallEvents events_{
       [this](const grpc::ServerContextBase& call) { entrance_.accepted(call); },
-      [this](const std::string& peer) { entrance_.connections().ended(peer); },
-      [this](const std::string& peer) { end_flood(peer); },
-      [this](const std::string& peer, size_t bytes) { entrance_.connections().received(peer, bytes); },
-      [this](const std::string& peer, size_t bytes) { entrance_.connections().sent(peer, bytes); }};
+      [this](const std::string& peer) { abandoned(peer); }};
   std::unique_ptr<LocalServer> local_;
   std::unique_ptr<HttpServer> http_;
   std::unique_ptr<FrameCalls> calls_;

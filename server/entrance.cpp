@@ -1,24 +1,27 @@
 // How clients reach the gRPC server.
 #include "server/entrance.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
-#include "server/config/memory_limits.hpp"
 #include "server/net/sockets/descriptors.hpp"
 #include "server/ops/log.hpp"
 
 namespace collided::server {
 namespace {
 
-constexpr int kHandshakeMs = 10'000;  // of TLS, and until a client's first HTTP/2 frame
+constexpr int kHandshakeMs = 10'000;      // of TLS, and until a client's first HTTP/2 frame
+constexpr int kMaxIdleMs = 10 * 60'000;   // without a call; clients connect again when they need to
+constexpr size_t kMaxUnaccepted = 512;   // calls of all connections
 
-size_t connection_limit(const Config& config) {
+ConnectionLimits connection_limits(const Config& config) {
   const size_t wanted = config.limits.max_connections, max = connections_for(descriptor_limit(), wanted);
+  const size_t of_peer = config.limits.max_connections_per_peer;
   if (wanted > max)
     log_event(spdlog::level::warn, "max-connections exceeds what the limit of file descriptors allows",
               {{"wanted", wanted}, {"connections", max}, {"descriptors", descriptor_limit()}});
-  return max;
+  return {max, of_peer ? of_peer : max};
 }
 
 void report(const std::string& obstacle, Lifecycle& lifecycle, Health& health) {
@@ -33,7 +36,7 @@ void report(const std::string& obstacle, Lifecycle& lifecycle, Health& health) {
 }  // namespace
 
 Entrance::Entrance(const Config& config, Metrics& metrics)
-    : connections_(connection_limit(config), network_share(config.limits)) {
+    : connections_(connection_limits(config)) {
   const std::chrono::duration<double> timeout(config.keepalive_timeout_seconds);
   for (const auto& address : config.addresses)
     listeners_.emplace_back(address).set_user_timeout(std::chrono::ceil<std::chrono::milliseconds>(timeout));
@@ -41,17 +44,13 @@ Entrance::Entrance(const Config& config, Metrics& metrics)
   tls_.emplace(config.tls, [&metrics](bool is_taken) { metrics.count_certificate_reload(is_taken); });
 }
 
-// A flood over TCP is noticed when its calls are accepted: only then is their peer known.
-void Entrance::add_to(grpc::ServerBuilder& builder, size_t max_calls, std::function<void()> on_flood) {
+void Entrance::add_to(grpc::ServerBuilder& builder, size_t max_calls) {
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
-  unaccepted_.emplace(max_calls);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kMaxIdleMs);
+  unaccepted_.emplace(max_calls, std::max(max_calls, kMaxUnaccepted));
   const AdmitCall admit = [this](const void* connection) { return unaccepted_->arrive(connection); };
   tcp_.credentials = tls_ ? make_credentials(*tls_, admit) : make_plain_credentials(admit);
-  unix_.credentials = make_plain_credentials([admit, on_flood = std::move(on_flood)](const void* connection) {
-    const bool is_admitted = admit(connection);
-    if (!is_admitted) on_flood();
-    return is_admitted;
-  });
+  unix_.credentials = make_plain_credentials(admit);
   using Type = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
   for (Gate* const gate : {&tcp_, &unix_})
     gate->acceptor = builder.experimental().AddExternalConnectionAcceptor(Type::FROM_FD, gate->credentials);
@@ -59,7 +58,7 @@ void Entrance::add_to(grpc::ServerBuilder& builder, size_t max_calls, std::funct
 
 void Entrance::accepted(const grpc::ServerContextBase& context) {
   unaccepted_->accept(connection_of(*context.auth_context()));
-  connections_.began(context.peer());
+  connections_.called(context.peer());
 }
 
 void Entrance::open(Lifecycle& lifecycle, Health& health) {
@@ -71,12 +70,9 @@ void Entrance::open(Lifecycle& lifecycle, Health& health) {
       targets.push_back({fd, tls_ && !listener.is_unix(), listener.address()});
       fds.push_back(fd);
     }
-  flood_watch_.emplace(connections_, [](const EndedFlood& flood) {
-    log_event(spdlog::level::warn, "connection ended: it floods the daemon",
-              {{"peer", flood.peer}, {"client", flood.client}, {"with", flood.what}});
-  });
   loop_.emplace(std::move(fds), connections_,
-                [this](Fd connection, size_t place) { take(std::move(connection), place); });
+                [this](Fd connection, size_t place) { take(std::move(connection), place); },
+                [this] { return !unaccepted_->is_full(); });
   probe_.emplace(
       std::move(targets), [this] { return loop_->shortage(); },
       [&](const std::string& obstacle) { report(obstacle, lifecycle, health); });
@@ -93,10 +89,9 @@ void Entrance::take(Fd connection, size_t place) const {
 void Entrance::close() {
   probe_.reset();
   loop_.reset();
-  flood_watch_.reset();
 }
 
-void Entrance::set_limit(const Config& config) { connections_.set_limit(connection_limit(config)); }
+void Entrance::set_limit(const Config& config) { connections_.set_limits(connection_limits(config)); }
 
 std::vector<std::string> Entrance::addresses() const {
   std::vector<std::string> addresses;

@@ -4,7 +4,6 @@
 
 #include <grpcpp/grpcpp.h>
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,7 +17,6 @@
 #include "server/net/accept_loop.hpp"
 #include "server/net/admission_probe.hpp"
 #include "server/net/connections.hpp"
-#include "server/net/flood_watch.hpp"
 #include "server/net/sockets/listener.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/metrics.hpp"
@@ -32,8 +30,8 @@ class Entrance {
   Entrance(const Config& config, Metrics& metrics);
 
   /// Before the server is built. The server must be destroyed before the entrance is. A connection may have `max_calls`
-  /// open; `on_flood` is called for each call over a Unix socket that is refused because as many wait to be accepted.
-  void add_to(grpc::ServerBuilder& builder, size_t max_calls, std::function<void()> on_flood);
+  /// open.
+  void add_to(grpc::ServerBuilder& builder, size_t max_calls);
   /// For each call that is accepted.
   void accepted(const grpc::ServerContextBase& context);
   /// Once the server has started. Reports to `lifecycle` and `health` whatever keeps new clients out.
@@ -68,7 +66,6 @@ class Entrance {
   std::optional<UnacceptedCalls> unaccepted_;
   std::vector<Socket> sockets_;
   Gate unix_, tcp_;
-  std::optional<FloodWatch> flood_watch_;
   std::optional<AcceptLoop> loop_;
   std::optional<AdmissionProbe> probe_;
 };

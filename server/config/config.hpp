@@ -40,6 +40,7 @@ struct Limits {
   uint64_t max_device_bytes = uint64_t{4} << 30;     ///< of all scenes
   uint64_t max_network_bytes = uint64_t{512} << 20;  ///< gRPC's buffers of all connections
   uint32_t max_connections = 0;                      ///< of gRPC; 0: half of the file descriptors, at most 1,024
+  uint32_t max_connections_per_peer = 0;             ///< of an address, or a user over Unix sockets; 0: as many
   uint32_t max_window = 16;
   uint32_t max_streams = 256;
   double max_idle_seconds = 3600;
@@ -52,7 +53,7 @@ struct Limits {
 };
 
 /// Seconds between the pings of a gRPC client, at least, while it gets no answers. A client that looks whether the
-/// daemon still lives needs none more often than once a second. FloodMeter bounds what pings cost.
+/// daemon still lives needs none more often than once a second.
 constexpr double kMinPingSeconds = 0.1;
 
 /// Calls that one connection may have at once, from the start of the daemon on; further ones wait until some have

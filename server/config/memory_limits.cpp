@@ -57,8 +57,6 @@ uint64_t network_quota(const Limits& limits) {
   return std::max(limits.max_network_bytes, 2 * limits.max_message_bytes);
 }
 
-uint64_t network_share(const Limits& limits) { return network_quota(limits) / 8 * 5 + kMegabyte; }
-
 std::string describe_limits(const Limits& limits, const Memory& memory) {
   return "memory: host " + (memory.host ? megabytes(memory.host) : "unknown") +
          (memory.device ? ", device " + megabytes(memory.device) : "") + "; limits: all scenes " +

@@ -26,10 +26,6 @@ void derive_limits(Limits& limits, const Memory& memory);
 /// size, and beyond this it ends calls (RESOURCE_EXHAUSTED), so two of the largest messages fit.
 uint64_t network_quota(const Limits& limits);
 
-/// Bytes of these that may come from one client before they are a whole message: five eighths, as one of the largest
-/// messages needs half, and what belongs to it.
-uint64_t network_share(const Limits& limits);
-
 /// One line: the memory, and the limits derived from it.
 std::string describe_limits(const Limits& limits, const Memory& memory);
 

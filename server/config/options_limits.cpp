@@ -51,6 +51,8 @@ void add_limit_options(CLI::App& app, Limits& limits) {
                 "MiB of network buffers, of all connections; 0: an eighth of the memory, at most 512");
   add<uint32_t>(*group, "--max-connections", limits.max_connections, 0, 1'000'000,
                 "Connections at once; 0: half of the file descriptors, at most 1024");
+  add<uint32_t>(*group, "--max-connections-per-peer", limits.max_connections_per_peer, 0, 1'000'000,
+                "Connections at once of one address, or of one user over Unix sockets; 0: as --max-connections");
   add_megabytes(
       *group, "--max-decode-mb", limits.max_decode_bytes, kDerivedMegabytes,
       "MiB of decoded messages, of all open calls, but always enough for the largest message; 0: an eighth of the "

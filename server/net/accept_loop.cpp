@@ -7,6 +7,7 @@
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -16,9 +17,12 @@ namespace collided::server {
 namespace {
 
 constexpr size_t kReserve = 16;
-constexpr int kRetryMs = 50;  // while the process has no descriptor left
-constexpr int kFullMs = 2;    // while evicted connections are being closed
-constexpr int kBatch = 64;    // connections from one socket before the next socket is served
+constexpr int kRetryMs = 50;   // while the process has no descriptor left
+constexpr int kFullMs = 2;     // while evicted connections are being closed
+constexpr int kTurnMs = 2;     // while connections wait for their turn
+constexpr int kCheckMs = 500;  // between two searches for connections without a call
+constexpr size_t kMinUnread = 4;
+constexpr int kBatch = 64;     // connections from one socket before the next socket is served
 
 // accept4() takes a descriptor before it checks whether a connection is waiting.
 bool has_waiting(int socket) {
@@ -30,10 +34,12 @@ bool is_shortage(int error) { return error == EMFILE || error == ENFILE || error
 
 }  // namespace
 
-AcceptLoop::AcceptLoop(std::vector<int> sockets, Connections& connections, Take take)
+AcceptLoop::AcceptLoop(std::vector<int> sockets, Connections& connections, Take take, MayTake may_take)
     : sockets_(std::move(sockets)),
       connections_(connections),
       take_(std::move(take)),
+      may_take_(std::move(may_take)),
+      waiting_(std::max<size_t>(kMinUnread, std::thread::hardware_concurrency())),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   if (!wake_) throw std::system_error(errno, std::generic_category(), "eventfd");
   fill_reserve();
@@ -52,19 +58,30 @@ std::string AcceptLoop::shortage() const {
 }
 
 void AcceptLoop::run() {
+  while (!is_stopping_) look();
+}
+
+void AcceptLoop::look() {
+  const bool is_short = !shortage().empty(), is_full = !connections_.may_accept();
   std::vector<pollfd> states;
-  for (const int socket : sockets_) states.push_back({socket, POLLIN, 0});
+  // While nothing can be accepted the sockets stay readable, so they are left out (poll() ignores -1).
+  for (const int socket : sockets_) states.push_back({is_short || is_full ? -1 : socket, POLLIN, 0});
   states.push_back({wake_.get(), POLLIN, 0});
-  while (!is_stopping_) {
-    const bool is_short = !shortage().empty(), is_full = !connections_.may_accept();
-    // While nothing can be accepted the sockets stay readable, so wait only for the stop.
-    if (is_short || is_full)
-      poll(&states.back(), 1, is_short ? kRetryMs : kFullMs);
-    else
-      poll(states.data(), states.size(), -1);
-    for (size_t i = 0; i < sockets_.size() && !is_stopping_; ++i)
-      if (is_short || is_full || states[i].revents) accept_batch(i);
-  }
+  waiting_.watch(states);
+  poll(states.data(), states.size(), patience_ms(is_short, is_full));
+  waiting_.update(&states[sockets_.size() + 1]);
+  for (size_t i = 0; i < sockets_.size() && !is_stopping_; ++i)
+    if (is_short || is_full || states[i].revents) accept_batch(i);
+  if (!may_take_) return;
+  hand_over();
+  end_callless();
+}
+
+int AcceptLoop::patience_ms(bool is_short, bool is_full) const {
+  if (is_full) return kFullMs;
+  if (waiting_.ready() > 0) return kTurnMs;
+  if (is_short) return kRetryMs;
+  return may_take_ && connections_.size() > 0 ? kCheckMs : -1;
 }
 
 void AcceptLoop::accept_batch(size_t place) {
@@ -75,8 +92,31 @@ void AcceptLoop::accept_batch(size_t place) {
     if (error == EAGAIN || (is_shortage(error) && !has_waiting(sockets_[place]))) return on_recovery();
     if (is_shortage(error)) return on_shortage(error);
     if (!connection) continue;  // the client has already given up
-    if (connections_.admit(connection.get(), peer_of(connection.get()))) take_(std::move(connection), place);
+    if (may_take_ && has_left(connection.get())) continue;
+    Peer peer = peer_of(connection.get());
+    connections_.admit(connection.get(), peer);
+    if (may_take_)
+      waiting_.add({std::move(connection), place, std::move(peer.source)});
+    else
+      take_(std::move(connection), place);
   }
+}
+
+void AcceptLoop::hand_over() {
+  while (!is_stopping_ && may_take_()) {
+    WaitingRoom::Connection next = waiting_.next();
+    if (!next.fd) return;
+    connections_.handed_over(next.fd.get());
+    take_(std::move(next.fd), next.place);
+  }
+}
+
+void AcceptLoop::end_callless() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_check_) return;
+  next_check_ = now + std::chrono::milliseconds(kCheckMs);
+  for (const EndedConnection& ended : connections_.end_callless(now))
+    spdlog::warn("connection of {} ended: {}", ended.peer, ended.why);
 }
 
 // The reserve serves the clients that wait now; evicted connections replenish it.

@@ -1,6 +1,6 @@
 #pragma once
-// The table of accepted connections, which others close: how many there may be, and which one is evicted to make room
-// for a new one.
+// The table of accepted connections, which others close: how many there may be, what each may do before its first call,
+// and which one is evicted to make room for a new one. It ends connections and refuses none.
 
 #include <sys/types.h>
 
@@ -8,62 +8,61 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
 
-#include "server/net/flood_meter.hpp"
 #include "server/net/sockets/peer.hpp"
 
 namespace collided::server {
 
+struct ConnectionLimits {
+  size_t max = 0;          ///< connections
+  size_t max_of_peer = 0;  ///< of one address, or of one user over Unix sockets
+};
+
 /// A connection that was ended.
-struct EndedFlood {
-  std::string peer, client;
-  std::string_view what;  ///< what it flooded with
+struct EndedConnection {
+  std::string peer;
+  std::string_view why;
 };
 
 /// Thread-safe. A connection is identified by its descriptor and its socket's inode, which is never reused, as its
 /// owner may close it at any time.
 class Connections {
  public:
-  /// `max_unfinished`: bytes that may have come from one client of messages that are not complete.
-  explicit Connections(size_t max, uint64_t max_unfinished = UINT64_MAX) : max_unfinished_(max_unfinished), max_(max) {}
+  using Clock = std::chrono::steady_clock;
 
-  void set_limit(size_t max);
+  explicit Connections(const ConnectionLimits& limits) : limits_(limits) {}
+
+  void set_limits(const ConnectionLimits& limits);
   /// False while the table is full and enough evicted connections have yet to be closed by their owner.
   bool may_accept();
-  /// Adds a connection that was just accepted; evicts another one if the table is full. False if its source is refused:
-  /// then it is not added and must be closed.
-  bool admit(int socket, const Peer& peer);
-  /// The connection made a call as this client. Unix sockets cannot be told apart by their calls.
+  /// Adds a connection that was just accepted. If there are too many, in all or of its peer, it evicts another one.
+  void admit(int socket, const Peer& peer);
+  /// gRPC has the connection from now on. Until then it has sent nothing.
+  void handed_over(int socket);
+  /// The connection made a call, whoever the caller is. gRPC does not tell Unix sockets apart by their calls, so calls
+  /// over these are ignored here and below.
+  void called(std::string_view peer);
+  /// The connection made a call as this client.
   void identified(std::string_view peer, std::string_view client);
-  /// A call of the connection was abandoned before it sent a message. gRPC keeps each such call until it is accepted,
-  /// however many there are, so a connection whose source makes 1,000 of them within 10 s is ended, and the source
-  /// refused for 2 s. True if it was. Over Unix sockets it is the connection with the most unread resets.
+  /// A call of the connection was abandoned before it sent a message. True if the connection was ended, because it had
+  /// 1,000 of these within 10 s, or 64 without a known caller.
   bool abandoned(std::string_view peer);
-  /// A call from there has begun, or ended.
-  void began(std::string_view peer);
-  void ended(std::string_view peer);
-  /// A message of so many bytes has come from there, or is about to be sent there.
-  void received(std::string_view peer, uint64_t bytes);
-  void sent(std::string_view peer, uint64_t bytes);
-  /// Ends connections over TCP that flood, and refuses their sources for 2 s. To be called a few times a second.
-  std::vector<EndedFlood> end_floods();
+  /// Ends connections over TCP without a call that are too old or have sent too much. To be called about once a second.
+  std::vector<EndedConnection> end_callless(Clock::time_point now = Clock::now());
   /// Evicts `count` connections, as a full table would.
   void evict(size_t count);
 
   /// Open connections.
   size_t size() const;
-  /// Connections evicted so far.
+  /// Connections ended so far, by eviction or for one of the limits.
   uint64_t evicted() const;
 
  private:
-  using Clock = std::chrono::steady_clock;
   struct Entry {
     Entry(int connection, const Peer& other);
 
@@ -71,55 +70,35 @@ class Connections {
     ino_t inode;
     Peer peer;
     Clock::time_point begin = Clock::now();
-    std::string client;      ///< empty: made no call
-    uint32_t abandoned = 0;  ///< calls
-    std::unique_ptr<FloodMeter> meter;  ///< over TCP
-    bool is_ending = false;
-  };
-  struct Source {
-    Clock::time_point begin = Clock::now();  // of the period in which calls are counted
-    uint32_t abandoned = 0;
-    Clock::time_point refused_until{};
+    std::string client;  ///< empty: no caller was known
+    bool is_handed_over = false, has_called = false, is_ending = false;
+    Clock::time_point abandoned_since{};
+    uint32_t abandoned = 0;  ///< calls since then
   };
   using Entries = std::map<uint64_t, Entry>;  // by age
-  /// Finds strings by views, of each message's peer.
+  /// Finds strings by views, of each call's peer.
   struct NameHash : std::hash<std::string_view> {
     using is_transparent = void;
   };
-  struct Watched {
-    uint64_t id = 0;
-    int socket = -1;
-    ino_t inode = 0;
-    std::optional<Traffic> traffic = {};
-    bool is_open = false;
-  };
 
-  std::vector<Watched> prepare_looks();
   // `_locked`: the caller holds mutex_.
   void sweep_locked() const;
   void erase_locked(Entries::iterator entry) const;
-  bool is_refused_locked(const std::string& source) const;
-  Source& source_locked(const std::string& name);
-  bool abandoned_over_unix_locked();
-  Entries::iterator most_resetting_locked();
-  void shut_out_locked(Entry& entry);
   Entry* find_locked(std::string_view peer);
-  EndedFlood end_flood_locked(Entry& entry, std::string_view what);
-  void end_unfinished_locked(std::vector<EndedFlood>& ended);
   bool is_evicting_enough_locked() const;
-  bool make_room_locked();
-  Entries::iterator victim_locked();
-  Entries::iterator oldest_of_largest_group_locked(bool is_unix);
+  bool make_room_locked(std::string_view source = {});
+  Entries::iterator victim_locked(std::string_view source);
+  Entries::iterator oldest_of_largest_group_locked(std::string_view source, bool is_unix);
+  size_t open_of_locked(std::string_view source) const;
   void end_locked(Entry& entry) const;
   size_t open_locked() const { return entries_.size() - ending_; }
 
-  const uint64_t max_unfinished_;
   mutable std::mutex mutex_;  // guards what follows
-  size_t max_;
-  std::unordered_map<std::string, Source> sources_;  // with abandoned calls
+  ConnectionLimits limits_;
   mutable Entries entries_;
   mutable std::unordered_map<std::string, uint64_t, NameHash, std::equal_to<>> by_peer_;  // without Unix sockets
   mutable size_t ending_ = 0;
+  mutable Clock::time_point swept_{};
   uint64_t next_ = 0, evicted_ = 0;
 };
 

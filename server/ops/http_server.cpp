@@ -94,7 +94,7 @@ struct HttpServer::Parts {
   const Metrics& metrics;
   const Lifecycle& lifecycle;
   const Listener listener;
-  Connections connections{kMaxConnections};
+  Connections connections{{kMaxConnections, kMaxConnections}};
   const std::unique_ptr<MHD_Daemon, decltype(&MHD_stop_daemon)> http;
   std::optional<AcceptLoop> loop;
 };

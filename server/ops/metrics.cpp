@@ -155,7 +155,7 @@ Metrics::Families::Families()
       reset_floods(counter(registry, "collided_reset_floods_total",
                            "Connections ended because their clients reset too many calls")),
       evicted(counter(registry, "collided_evicted_connections_total",
-                      "Connections evicted to make room for new ones, or because they flood")),
+                      "Connections evicted to make room for new ones, or ended by a limit of a connection")),
       frame_seconds(
           histograms(registry, "collided_frame_seconds", "Time of a frame from its arrival to its last answer")
               .Add({}, buckets())),

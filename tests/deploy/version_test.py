@@ -21,7 +21,7 @@ def is_commit(name):
 
 
 class Version(unittest.TestCase):
-    def test_both_programs_tell_version_commit_build_and_cuda(self):
+    def test_both_programs_tell_version_commit_build_cuda_and_grpc(self):
         self.assertTrue(PROGRAMS)
         for program in PROGRAMS:
             done = subprocess.run([program, "--version"], text=True, capture_output=True, timeout=60, check=False)
@@ -34,7 +34,8 @@ class Version(unittest.TestCase):
             self.assertRegex(facts[1], rf"^build:  {BUILD_TYPE}, \w+ \d+\.\d+\.\d+$")
             expected = r"none, CPU cores only" if CUDA == "OFF" else rf"{re.escape(CUDA)}, architectures \d\d+.*"
             self.assertRegex(facts[2], rf"^CUDA:   {expected}$")
-            self.assertEqual(len(facts), 3)
+            self.assertRegex(facts[3], r"^gRPC:   1\.\d+\.\d+$")
+            self.assertEqual(len(facts), 4)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ import collided
 from honest import Clients, visit
 
 TIMES, MORE_MS = 3, 100  # what a frame may take beside an attack: so many times as long as alone, and so much more
+RECOVERY_SECONDS = 2  # that a newcomer may take after an attack which the way to the daemon does not withstand
 ATTACK = str(pathlib.Path(__file__).with_name("attack.py"))
 END_SECONDS = 20
 
@@ -71,8 +72,9 @@ class Stage:
     def newcomer(self):
         return Newcomer(self.way.server, "token-of-newcomer", self.answers, self.patience)
 
-    def play(self, target, names):
-        """The entry's figures; `faults` says why it is not as promised."""
+    def play(self, target, names, is_withstood=True):
+        """Returns the entry's figures; `faults` says why it is not as promised. `is_withstood` says that honest clients must be
+        served during the attacks, and not only after them."""
         alone = self.clients.measure(self.seconds)
         assault = Assault(target, names)
         try:
@@ -85,22 +87,29 @@ class Stage:
         bound = TIMES * alone["p99_ms"] + MORE_MS
         entry = {"attacks": names, "peak_mb": self.way.peak_mb(), "alone": alone, "beside": beside, "bound_ms": round(bound, 1),
                  "newcomer_seconds": {"during": during.seconds, "after": after.seconds}, "attackers_saw": told}
-        entry["faults"] = list(self.faults(entry, names, during, after))
+        entry["faults"] = list(self.faults(entry, names, is_withstood, during, after))
         return entry
 
-    def faults(self, entry, names, during, after):
+    def faults(self, entry, names, is_withstood, during, after):
         for name, process in self.way.processes.items():
             if process.poll() is not None:
                 yield f"{name} ended with {process.returncode}"
         if self.way.max_mb and sum(entry["peak_mb"].values()) > self.way.max_mb:
             yield f"{entry['peak_mb']} MB of memory; {self.way.max_mb} would be fair"
-        if self.is_timed and entry["beside"]["p99_ms"] > entry["bound_ms"]:
-            yield f"p99 is {entry['beside']['p99_ms']} ms beside the attack; {entry['bound_ms']} would be fair"
-        yield from (f"an honest client: {fault}" for fault in self.clients.faults())
-        for when, newcomer in (("during", during), ("after", after)):
-            if newcomer.seconds is None:
-                yield f"a newcomer {when} the attack: {newcomer.fault or 'was kept waiting'}"
+        if is_withstood:
+            yield from self.faults_beside(entry, during)
+        elif self.is_timed and (after.seconds or 0) > RECOVERY_SECONDS:
+            yield f"a newcomer after the attack took {after.seconds} s; {RECOVERY_SECONDS} would be fair"
+        if after.seconds is None:
+            yield f"a newcomer after the attack: {after.fault or 'was kept waiting'}"
         for name in names:
             told = entry["attackers_saw"].get(name)
             if not told or not told["did"] or told["bug"]:
                 yield f"{name} was no attack: {told}"
+
+    def faults_beside(self, entry, during):
+        if self.is_timed and entry["beside"]["p99_ms"] > entry["bound_ms"]:
+            yield f"p99 is {entry['beside']['p99_ms']} ms beside the attack; {entry['bound_ms']} would be fair"
+        yield from (f"an honest client: {fault}" for fault in self.clients.faults())
+        if during.seconds is None:
+            yield f"a newcomer during the attack: {during.fault or 'was kept waiting'}"

@@ -7,8 +7,8 @@
 #include <netinet/in.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
@@ -17,11 +17,11 @@
 namespace collided::server {
 namespace {
 
-Peer of_process(int socket) {
+Peer of_user(int socket) {
   ucred process{};
   socklen_t size = sizeof(process);
   getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &process, &size);
-  return {"unix:", "pid:" + std::to_string(process.pid), true};
+  return {"unix:", "uid:" + std::to_string(process.uid), true};
 }
 
 Peer of_v4(const in_addr& address, in_port_t port) {
@@ -44,11 +44,16 @@ Peer of_v6(const sockaddr_in6& address) {
 
 }  // namespace
 
+ino_t inode_of(int fd) {
+  struct stat file {};
+  return fstat(fd, &file) == 0 && S_ISSOCK(file.st_mode) ? file.st_ino : 0;
+}
+
 Peer peer_of(int socket) {
   sockaddr_storage address{};
   socklen_t size = sizeof(address);
   if (getpeername(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {};
-  if (address.ss_family == AF_UNIX) return of_process(socket);
+  if (address.ss_family == AF_UNIX) return of_user(socket);
   if (address.ss_family == AF_INET6) return of_v6(reinterpret_cast<const sockaddr_in6&>(address));
   const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
   return of_v4(v4.sin_addr, v4.sin_port);
@@ -62,15 +67,17 @@ uid_t peer_uid(int socket) {
   return peer.uid;
 }
 
-std::optional<Traffic> traffic_of(int socket) {
+uint64_t received_bytes(int socket) {
   tcp_info info{};
   socklen_t size = sizeof(info);
-  constexpr size_t kEnd = offsetof(tcp_info, tcpi_bytes_sent) + sizeof(info.tcpi_bytes_sent);
-  if (getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 || size < kEnd) return {};
+  constexpr size_t kEnd = offsetof(tcp_info, tcpi_bytes_received) + sizeof(info.tcpi_bytes_received);
+  const bool is_told = getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 && size >= kEnd;
+  return is_told ? info.tcpi_bytes_received : 0;
+}
+
+bool has_unread(int socket) {
   int unread = 0;
-  if (ioctl(socket, SIOCINQ, &unread) != 0) return {};
-  const uint64_t received = info.tcpi_bytes_received, waiting = std::min<uint64_t>(unread, received);
-  return Traffic{received, received - waiting, info.tcpi_bytes_sent, info.tcpi_bytes_acked};
+  return ioctl(socket, SIOCINQ, &unread) == 0 && unread > 0;
 }
 
 }  // namespace collided::server

@@ -36,24 +36,14 @@ void CallWatch::Intercept(grpc::experimental::InterceptorBatchMethods* methods) 
     ids_ = ids_of(*methods->GetRecvInitialMetadata());
   }
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_MESSAGE) && methods->GetRecvMessage())
-    received(*static_cast<const grpc::ByteBuffer*>(methods->GetRecvMessage()));
-  if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_MESSAGE))
-    events_.on_send(call_.server_context()->peer(), methods->GetSerializedSendMessage()->Length());
+    has_message_ = true;
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) ended(methods->GetSendStatus());
   if (methods->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_CLOSE)) gone();
   methods->Proceed();
 }
 
-// Every method is served raw.
-void CallWatch::received(const grpc::ByteBuffer& message) {
-  has_message_ = true;
-  events_.on_received(call_.server_context()->peer(), message.Length());
-}
-
 void CallWatch::gone() const {
-  const std::string peer = call_.server_context()->peer();
-  events_.on_gone(peer);
-  if (!has_message_ && call_.server_context()->IsCancelled()) events_.on_abandoned(peer);
+  if (!has_message_ && call_.server_context()->IsCancelled()) events_.on_abandoned(call_.server_context()->peer());
 }
 
 void CallWatch::ended(const grpc::Status& status) const {

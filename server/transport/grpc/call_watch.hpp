@@ -1,6 +1,6 @@
 #pragma once
 // Counts every call except frame streams, which count themselves; logs refused calls except watches, which log their
-// ends; reports messages, and calls that were abandoned before they sent one.
+// ends; reports calls that are accepted, and calls that were abandoned before they sent a message.
 
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/support/server_interceptor.h>
@@ -18,10 +18,7 @@ namespace collided::server {
 /// Told of calls; shared by all of them.
 struct CallEvents {
   std::function<void(const grpc::ServerContextBase& context)> on_accepted;
-  std::function<void(const std::string& peer)> on_gone;       ///< each call that was accepted
   std::function<void(const std::string& peer)> on_abandoned;  ///< its client cancelled it before a message arrived
-  std::function<void(const std::string& peer, size_t bytes)> on_received;  ///< a message of so many bytes
-  std::function<void(const std::string& peer, size_t bytes)> on_send;      ///< likewise, before it is sent
 };
 
 class CallWatch final : public grpc::experimental::Interceptor {
@@ -33,7 +30,6 @@ class CallWatch final : public grpc::experimental::Interceptor {
   void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override;
 
  private:
-  void received(const grpc::ByteBuffer& message);
   void gone() const;
   void ended(const grpc::Status& status) const;
 

@@ -57,7 +57,6 @@ void FrameCall::on_accepted(bool ok) {
   if (!ok) return gone_.drop();  // the server shuts down, and its tag will not arrive
   accept_next(calls_);
   calls_.parts_.events.on_accepted(context_);
-  peer_ = context_.peer();
   caller_.ids = ids_of(context_.client_metadata());  // even for a call that is refused
   try {
     calls_.add(shared_from_this());
@@ -76,7 +75,7 @@ void FrameCall::on_accepted(bool ok) {
 void FrameCall::await_opening() {
   const Limits limits = host_.limits();
   const WaitRule rule{"the opening of a stream", limits.max_silent_seconds, limits.max_streams,
-                      caller_.client->limits.max_streams, peer_};
+                      caller_.client->limits.max_streams, context_.peer()};
   auto wait = calls_.parts_.waiting.wait(rule, caller_.client, [weak = weak_from_this()](const auto& why) {
     if (const auto call = weak.lock()) call->ended(why);
   });
@@ -95,7 +94,6 @@ void FrameCall::on_read(bool ok) {
     }
     bytes.Swap(&incoming_);
   }
-  calls_.parts_.events.on_received(peer_, bytes.Length());
   try {
     take(bytes);
   } catch (...) {
@@ -264,7 +262,6 @@ void FrameCall::write_locked() {
   is_writing_ = true;
   grpc::WriteOptions options;
   if (outgoing_.size() > 1) options.set_buffer_hint();
-  calls_.parts_.events.on_send(peer_, outgoing_.front().size);
   stream_.Write(outgoing_.front().bytes, options, written_.send());
 }
 
@@ -285,7 +282,6 @@ void FrameCall::on_written(bool ok) {
 // Arrives for every call that was accepted. If it was cancelled, waiting and running frames notice, and stop. Until
 // then a client that has half-closed looks like one that is gone.
 void FrameCall::on_gone(bool) {
-  calls_.parts_.events.on_gone(context_.peer());
   const std::lock_guard lock(mutex_);
   const bool is_cancelled = context_.IsCancelled();
   if (is_cancelled) {

@@ -92,7 +92,6 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
       written_{*this, &FrameCall::on_written}, finished_{*this, &FrameCall::on_finished},
       gone_{*this, &FrameCall::on_gone}, lingered_{*this, &FrameCall::on_linger};
 
-  std::string peer_;     // set when it is accepted, which may be after it is gone
   Caller caller_;        // set before the first read
   uint32_t window_ = 0;  // set by the opening
 

@@ -1,9 +1,12 @@
-// Attacks on the entrance: connections, and calls without requests.
+// Attacks on the daemon's own port: connections, and calls without requests.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <chrono>
 #include <functional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/integration/support/bystander.hpp"
@@ -43,21 +46,27 @@ void PrintTo(const Flood& flood, std::ostream* out) {
 
 class Resets : public testing::TestWithParam<Flood> {};
 
-// gRPC keeps each call until it is accepted, however fast they come and go.
+// gRPC keeps each call until it is accepted, however fast they come and go. It does not tell Unix sockets apart.
 TEST_P(Resets, TakeLittleMemory) {
-  constexpr int kBatch = 1000, kBatches = 1000;
+  constexpr int kBatch = 1000;
   DaemonProcess daemon({"--address", "127.0.0.1:0"});
   const Probe probe(daemon);
   const auto& [path, is_unix] = GetParam();
+  const int batches = is_unix ? 30 : 1000;
   Aftermath aftermath(probe, is_unix ? daemon.tcp_address() : daemon.address());
   const double before = probe.resident_bytes();
-  RawHttp2 attacker(is_unix ? daemon.address() : daemon.tcp_address());
-  int sent = 0;
-  while (sent < kBatches && attacker.reset_calls(path, kBatch)) ++sent;
-  EXPECT_LT(sent, kBatches) << "the connection was not ended";
+  {
+    RawHttp2 attacker(is_unix ? daemon.address() : daemon.tcp_address());
+    int sent = 0;
+    while (sent < batches && attacker.reset_calls(path, kBatch)) ++sent;
+    if (is_unix)
+      EXPECT_EQ(sent, batches);
+    else
+      EXPECT_LT(sent, batches) << "the connection was not ended";
+  }
   EXPECT_LT(probe.peak_resident_bytes() - before, memory_limit(256));
   aftermath.expect_unharmed();
-  EXPECT_GE(probe.metric("collided_reset_floods_total"), 1);
+  EXPECT_EQ(probe.metric("collided_reset_floods_total") >= 1, !is_unix);
 }
 
 INSTANTIATE_TEST_SUITE_P(Entrance, Resets,
@@ -71,7 +80,40 @@ INSTANTIATE_TEST_SUITE_P(Entrance, Resets,
                                   (info.param.is_unix ? "OverUnix" : "OverTcp");
                          });
 
-/// What a client sends after a call that was served, again and again. False if the daemon has ended the connection.
+/// Seconds until a new client has been served.
+double seconds_until_served(const std::string& address) {
+  const auto begin = std::chrono::steady_clock::now();
+  expect_new_client_served(address);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// A busy machine takes longer than the two seconds that the benchmark allows.
+constexpr double kMaxRecoverySeconds = kIsSanitized ? 30 : 8;
+
+// Connections that bring thousands of resets and are closed before the daemon has read them. Who has a connection
+// keeps it, and who comes afterwards does not wait for what is left of them.
+TEST(Storm, OfConnectionsThatAreClosedAtOnceEndsWithIt) {
+  constexpr auto kTime = std::chrono::seconds(3);
+  DaemonProcess daemon({"--address", "127.0.0.1:0"});
+  const Probe probe(daemon);
+  Aftermath aftermath(probe, daemon.tcp_address());
+  const double before = probe.resident_bytes();
+  const std::string storm = RawHttp2::bytes_of_resets(method_path("StreamFrames"), 2000);
+  int connections = 0;
+  for (const auto end = std::chrono::steady_clock::now() + kTime; std::chrono::steady_clock::now() < end;) {
+    const int socket = connect_to(daemon.tcp_address());
+    if (socket < 0) continue;
+    connections += send(socket, storm.data(), storm.size(), MSG_NOSIGNAL) > 0;
+    close(socket);
+  }
+  EXPECT_GT(connections, 100);
+  EXPECT_LT(seconds_until_served(daemon.tcp_address()), kMaxRecoverySeconds);
+  EXPECT_TRUE(probe.is_ready());
+  EXPECT_LT(probe.peak_resident_bytes() - before, memory_limit(256));
+  aftermath.expect_unharmed();
+}
+
+/// What a client sends after a call that was served, again and again.
 struct Noise {
   std::string name;
   std::function<bool(RawHttp2& attacker)> send;
@@ -81,18 +123,20 @@ void PrintTo(const Noise& noise, std::ostream* out) { *out << noise.name; }
 
 class NoiseOfAClient : public testing::TestWithParam<Noise> {};
 
-// gRPC would read it for as long as it does not pause, and others' connections not at all.
-TEST_P(NoiseOfAClient, EndsItsConnection) {
-  constexpr uint64_t kMaxBytes = 1 << 30;
-  DaemonProcess daemon({"--address", "127.0.0.1:0", "--max-network-mb", "128"});
+// gRPC reads it for as long as it does not pause, and perhaps others' connections not at all, but no longer.
+TEST_P(NoiseOfAClient, EndsWithItsConnection) {
+  constexpr auto kTime = std::chrono::seconds(1);
+  DaemonProcess daemon({"--address", "127.0.0.1:0"});
   const Probe probe(daemon);
   Aftermath aftermath(probe, daemon.address());
-  RawHttp2 attacker(daemon.tcp_address());
-  ASSERT_TRUE(attacker.call(method_path("GetServerInfo")));
-  while (attacker.sent() < kMaxBytes && GetParam().send(attacker)) continue;
-  EXPECT_LT(attacker.sent(), kMaxBytes) << "the connection was not ended";
+  {
+    RawHttp2 attacker(daemon.tcp_address());
+    ASSERT_TRUE(attacker.call(method_path("GetServerInfo")));
+    for (const auto end = std::chrono::steady_clock::now() + kTime; std::chrono::steady_clock::now() < end;)
+      ASSERT_TRUE(GetParam().send(attacker));
+  }
+  EXPECT_LT(seconds_until_served(daemon.tcp_address()), kMaxRecoverySeconds);
   aftermath.expect_unharmed();
-  EXPECT_GE(probe.metric("collided_evicted_connections_total"), 1);
 }
 
 constexpr int kFrames = 10'000;
@@ -104,13 +148,33 @@ INSTANTIATE_TEST_SUITE_P(
                     Noise{"EmptyData",
                           [](RawHttp2& attacker) {
                             return attacker.send_empty_data(method_path("StreamFrames"), kFrames);
-                          }},
-                    Noise{"PrioritiesBetweenCalls",
-                          [](RawHttp2& attacker) {
-                            return attacker.send_priorities(10 * kFrames) &&
-                                   attacker.call(method_path("GetServerInfo"));
                           }}),
     [](const auto& info) { return info.param.name; });
+
+// Each sends megabytes before the daemon has accepted its first call, all from one address.
+TEST(Entrance, ServesManyClientsThatBeginWithMegabytes) {
+  constexpr int kClients = 8, kRounds = 4;
+  constexpr size_t kBytes = 4 << 20;
+  DaemonProcess daemon({"--address", "127.0.0.1:0", "--max-scenes-per-client", "64"});
+  const Probe probe(daemon);
+  pb::CreateSceneRequest request = tip_request();
+  request.GetReflection()->MutableUnknownFields(&request)->AddLengthDelimited(1000, std::string(kBytes, 'x'));
+  std::atomic<int> served = 0;
+  {
+    std::vector<std::jthread> clients;
+    for (int client = 0; client < kClients; ++client)
+      clients.emplace_back([&, client] {
+        for (int round = 0; round < kRounds; ++round) {
+          const auto stub = pb::CollisionService::NewStub(channel_to(daemon.tcp_address(), 8 * round + client));
+          const grpc::Status status = create_scene(*stub, request);
+          EXPECT_TRUE(status.ok()) << status.error_message();
+          served += status.ok();
+        }
+      });
+  }
+  EXPECT_EQ(served, kClients * kRounds);
+  EXPECT_EQ(probe.metric("collided_evicted_connections_total"), 0);
+}
 
 // A client may be mistaken often, and behind a proxy all share one connection.
 TEST(Entrance, RefusedStreamsAreNoFlood) {

@@ -61,7 +61,7 @@ class LateServer {
     }
   }
 
-  UnacceptedCalls unaccepted_{kMax};
+  UnacceptedCalls unaccepted_{kMax, 1024};
   const std::shared_ptr<grpc::ServerCredentials> credentials_ =
       make_plain_credentials([this](const void* connection) { return unaccepted_.arrive(connection); });
   grpc::AsyncGenericService service_;

@@ -23,7 +23,7 @@ class Loop : public testing::Test {
   }
 
   const Listener listener_{"127.0.0.1:0"};
-  Connections connections_{64};
+  Connections connections_{{64, 64}};
   mutable std::mutex mutex_;
   std::vector<Fd> taken_;
   AcceptLoop loop_{listener_.sockets(), connections_, [this](Fd connection, size_t) {
@@ -66,7 +66,7 @@ TEST(Descriptors, OfNobodyWhoWaitsAreNotMissed) {
   getrlimit(RLIMIT_NOFILE, &before);
   const rlimit none{1, before.rlim_max};  // 0 would be too few for poll()
   const Listener listener("127.0.0.1:0");
-  Connections connections(64);
+  Connections connections({64, 64});
   const Fd client = connect_to(listener), other = connect_to(listener);
   std::atomic<size_t> taken = 0;
   std::vector<Fd> kept;
@@ -106,7 +106,7 @@ TEST(Probe, TellsTroubleAtOnceThoughAKnockWaits) {
 
 TEST(Probe, TellsThatNobodyGetsIn) {
   const Listener listener("127.0.0.1:0");
-  Connections connections(64);
+  Connections connections({64, 64});
   AcceptLoop closing(listener.sockets(), connections, [](Fd connection, size_t) { connection = Fd(); });
   EXPECT_NE(probe({listener.sockets().front(), false, "here"}), "");
 }

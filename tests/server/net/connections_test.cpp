@@ -3,8 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <deque>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "server/net/sockets/descriptors.hpp"
@@ -18,13 +19,13 @@ class Table : public testing::Test {
   Pair& add(const std::string& client = "") {
     Pair& pair = pairs_.emplace_back(listener_);
     const Peer peer = peer_of(pair.server.get());
-    EXPECT_TRUE(connections_.admit(pair.server.get(), peer));
+    connections_.admit(pair.server.get(), peer);
     if (!client.empty()) connections_.identified(peer.name, client);
     return pair;
   }
 
   const Listener listener_{"127.0.0.1:0"};
-  Connections connections_{3};
+  Connections connections_{{3, 3}};
   std::deque<Pair> pairs_;
 };
 
@@ -61,95 +62,111 @@ TEST_F(Table, TheOwnerMayCloseAtAnyTime) {
   EXPECT_EQ(connections_.size(), 0u);
 }
 
-TEST_F(Table, AFloodOfFruitlessCallsEndsItsConnectionAndRefusesItsSource) {
+TEST_F(Table, AFloodOfFruitlessCallsEndsItsConnectionAlone) {
   Pair& honest = add("honest");
-  Pair& attacker = add();
-  const std::string name = peer_of(attacker.server.get()).name;
-  int calls = 1;
-  while (!connections_.abandoned(name) && calls < 100'000) ++calls;
-  EXPECT_EQ(calls, 1000);
+  Pair& attacker = add("attacker");
+  const auto calls_until_end = [&](const Pair& pair) {
+    const std::string name = peer_of(pair.server.get()).name;
+    int calls = 1;
+    while (!connections_.abandoned(name) && calls < 100'000) ++calls;
+    return calls;
+  };
+  EXPECT_EQ(calls_until_end(attacker), 1000);
   EXPECT_TRUE(attacker.is_ended());
   EXPECT_FALSE(connections_.abandoned(peer_of(honest.server.get()).name));
   EXPECT_FALSE(honest.is_ended());
-  const Pair again(listener_);
-  EXPECT_FALSE(connections_.admit(again.server.get(), peer_of(again.server.get())));
-  EXPECT_TRUE(eventually([&] { return connections_.admit(again.server.get(), peer_of(again.server.get())); }));
+  Pair& again = add();  // from the same address
+  EXPECT_FALSE(again.is_ended());
+  EXPECT_EQ(calls_until_end(again), 64);  // its caller is not known
+  EXPECT_EQ(connections_.evicted(), 2u);
 }
 
 /// Sends so many bytes and takes them at the other end, as gRPC would.
 void send_through(Pair& pair, size_t size) {
-  std::vector<char> bytes(4096), taken(4096);
-  for (size_t sent = 0; sent < size; sent += bytes.size()) {
-    ASSERT_EQ(send(pair.client.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL), ssize_t(bytes.size()));
-    ASSERT_EQ(recv(pair.server.get(), taken.data(), taken.size(), MSG_WAITALL), ssize_t(taken.size()));
+  std::vector<char> bytes(1 << 20), taken(1 << 16);
+  for (size_t sent = 0; sent < size;) {
+    const ssize_t now = send(pair.client.get(), bytes.data(), std::min(bytes.size(), size - sent), MSG_DONTWAIT);
+    sent += static_cast<size_t>(std::max<ssize_t>(now, 0));
+    while (recv(pair.server.get(), taken.data(), taken.size(), MSG_DONTWAIT) > 0) continue;
   }
 }
 
-TEST_F(Table, AFloodWithoutACallEndsItsConnectionAndRefusesItsSource) {
+TEST_F(Table, AConnectionHasBytesAndTimeBeforeItsFirstCall) {
   Pair& client = add("a");
-  Pair& checker = add();
-  Pair& attacker = add();
-  send_through(client, 2 << 20);
-  send_through(checker, 512 << 10);
-  send_through(attacker, 2 << 20);
-  const auto ended = connections_.end_floods();
+  Pair& flood = add();
+  Pair& silent = add();
+  connections_.called(peer_of(client.server.get()).name);
+  send_through(client, 65 << 20);
+  send_through(flood, 63 << 20);
+  EXPECT_TRUE(connections_.end_callless().empty());
+  send_through(flood, 2 << 20);
+  const auto ended = connections_.end_callless();
   ASSERT_EQ(ended.size(), 1u);
-  EXPECT_EQ(ended[0].peer, peer_of(attacker.server.get()).name);
-  EXPECT_EQ(ended[0].what, "bytes without a call");
+  EXPECT_EQ(ended[0].peer, peer_of(flood.server.get()).name);
+  EXPECT_TRUE(flood.is_ended());
+  EXPECT_FALSE(silent.is_ended());
+  EXPECT_TRUE(connections_.end_callless(Connections::Clock::now() + std::chrono::seconds(59)).empty());
+  EXPECT_EQ(connections_.end_callless(Connections::Clock::now() + std::chrono::seconds(61)).size(), 1u);
+  EXPECT_TRUE(silent.is_ended());
   EXPECT_FALSE(client.is_ended());
-  EXPECT_FALSE(checker.is_ended());
-  EXPECT_TRUE(attacker.is_ended());
-  const Pair again(listener_);
-  EXPECT_FALSE(connections_.admit(again.server.get(), peer_of(again.server.get())));
-  EXPECT_EQ(connections_.evicted(), 1u);
 }
 
-TEST(Unfinished, TheMostOfAClientWhoseConnectionsHoldTooMuchIsEnded) {
+TEST(PeerLimit, APeerThatHasTooManyLosesItsOwn) {
   const Listener listener("127.0.0.1:0");
-  Connections connections(8, 3 << 20);
-  Pair large(listener), small(listener), other(listener);
-  for (const Pair* const pair : {&large, &small, &other})
-    ASSERT_TRUE(connections.admit(pair->server.get(), peer_of(pair->server.get())));
-  connections.identified(peer_of(large.server.get()).name, "a");
-  connections.identified(peer_of(small.server.get()).name, "a");
-  connections.identified(peer_of(other.server.get()).name, "b");
-  send_through(large, 2 << 20);
-  send_through(small, 1 << 20);
-  send_through(other, 2 << 20);
-  EXPECT_TRUE(connections.end_floods().empty());
-  send_through(small, 512 << 10);
-  const auto ended = connections.end_floods();
-  ASSERT_EQ(ended.size(), 1u);
-  EXPECT_EQ(ended[0].client, "a");
-  EXPECT_TRUE(large.is_ended());
-  EXPECT_FALSE(small.is_ended());
-  EXPECT_FALSE(other.is_ended());
+  Connections connections({8, 2});
+  std::deque<Pair> pairs;
+  for (const char* source : {"one", "other", "one", "one", "other"}) {
+    Peer peer = peer_of(pairs.emplace_back(listener).server.get());
+    peer.source = source;
+    connections.admit(pairs.back().server.get(), peer);
+    connections.identified(peer.name, "a");
+  }
+  EXPECT_TRUE(pairs[0].is_ended());
+  for (size_t i = 1; i < pairs.size(); ++i) EXPECT_FALSE(pairs[i].is_ended()) << i;
 }
 
-// Unix sockets cannot be told apart by their calls.
-TEST(UnixTable, AFloodIsSeenInWhatIsUnread) {
-  using std::string_view_literals::operator""sv;
-  constexpr auto kReset = "\0\0\4\3\0\0\0\0\1\0\0\0\x8"sv, kSettings = "\0\0\0\4\0\0\0\0\0"sv;
-  Connections connections(8);
-  int honest[2], attacker[2];
-  for (int* const pair : {honest, attacker}) {
-    ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair), 0);
-    EXPECT_TRUE(connections.admit(pair[0], {"unix:", pair == honest ? "pid:1" : "pid:2", true}));
+/// Both ends of a connection over a Unix socket.
+struct UnixPair {
+  UnixPair() {
+    int both[2];
+    EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, both), 0);
+    server = Fd(both[0]);
+    client = Fd(both[1]);
   }
-  const Fd all[] = {Fd(honest[0]), Fd(honest[1]), Fd(attacker[0]), Fd(attacker[1])};
-  EXPECT_EQ(send(honest[1], kSettings.data(), kSettings.size(), 0), static_cast<ssize_t>(kSettings.size()));
-  const auto flood = [&] {
-    bool is_ended = false;
-    for (int i = 0; i < 2000; ++i) is_ended |= connections.abandoned("unix:");
-    return is_ended;
+  bool is_ended() const {
+    char byte;
+    return recv(client.get(), &byte, 1, MSG_DONTWAIT) == 0;
+  }
+  Fd server, client;
+};
+
+TEST(UnixTable, UsersAreDifferentPeers) {
+  const UnixPair pair;
+  const Peer peer = peer_of(pair.server.get());
+  EXPECT_TRUE(peer.is_unix);
+  EXPECT_EQ(peer.source, "uid:" + std::to_string(getuid()));
+  Connections connections({4, 4});
+  std::deque<UnixPair> pairs;
+  const auto add = [&](const std::string& user) {
+    connections.admit(pairs.emplace_back().server.get(), {"unix:", user, true});
+    connections.handed_over(pairs.back().server.get());
   };
-  EXPECT_FALSE(flood());
-  for (int i = 0; i < 100; ++i) send(attacker[1], kReset.data(), kReset.size(), 0);
-  EXPECT_TRUE(flood());
-  char byte;
-  EXPECT_EQ(recv(attacker[1], &byte, 1, MSG_DONTWAIT), 0);
-  EXPECT_EQ(recv(honest[1], &byte, 1, MSG_DONTWAIT), -1);
-  EXPECT_FALSE(connections.admit(attacker[0], {"unix:", "pid:2", true}));
+  for (const char* user : {"uid:1", "uid:2", "uid:2", "uid:2"}) add(user);
+  add("uid:3");
+  EXPECT_FALSE(pairs[0].is_ended());
+  EXPECT_TRUE(pairs[1].is_ended());  // the oldest of the user with the most
+}
+
+TEST(UnixTable, WhoSentNothingYetGoesFirst) {
+  Connections connections({2, 2});
+  std::deque<UnixPair> pairs(3);
+  const auto admit = [&](size_t i) { connections.admit(pairs[i].server.get(), {"unix:", "uid:1", true}); };
+  admit(0);
+  connections.handed_over(pairs[0].server.get());
+  admit(1);
+  admit(2);
+  EXPECT_FALSE(pairs[0].is_ended());
+  EXPECT_TRUE(pairs[1].is_ended());
 }
 
 TEST(ConnectionLimit, LeavesDescriptorsForTheRest) {

@@ -8,8 +8,8 @@ import ssl
 
 ATTACKS = {}  # by name, in the order in which they are defined
 SELF_CHECK = "self-check"  # a kind that the catalogue leaves out
-STORM = "storms"  # a kind that a daemon's own port does not withstand
-APART = "http2 clients"  # a kind whose attacks have a source each: each is ended, which would keep the others out
+STORM = "storms"
+APART = "http2 clients"  # a kind whose attacks have a source each
 
 
 @dataclasses.dataclass

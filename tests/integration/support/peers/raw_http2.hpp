@@ -33,7 +33,7 @@ inline int connect_to_any(const std::string& address) {
 class RawHttp2 {
  public:
   explicit RawHttp2(const std::string& address) : socket_(connect_to_any(address)) {
-    send("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + frame(kSettings, 0, 0, {}));
+    send(preface());
   }
   ~RawHttp2() { close(socket_); }
   RawHttp2(const RawHttp2&) = delete;
@@ -41,12 +41,11 @@ class RawHttp2 {
 
   /// Begins `count` calls of a method and resets each at once. False if the daemon has ended the connection.
   bool reset_calls(std::string_view path, int count) {
-    const std::string headers = block(path), cancel{0, 0, 0, 8};
-    std::string bytes;
-    for (int i = 0; i < count; ++i, next_ += 2)
-      bytes += frame(kHeaders, kEndHeaders, next_, headers) + frame(kReset, 0, next_, cancel);
-    return send(bytes);
+    const uint32_t first = std::exchange(next_, next_ + 2 * static_cast<uint32_t>(count));
+    return send(resets(path, count, first));
   }
+  /// The bytes of these on a connection of their own, from its preface on.
+  static std::string bytes_of_resets(std::string_view path, int count) { return preface() + resets(path, count, 1); }
 
   /// A whole call, with an empty message. False as above, as of what follows.
   bool call(std::string_view path) {
@@ -87,6 +86,15 @@ class RawHttp2 {
   static std::string block(std::string_view path) {
     return "\x83\x86\x04" + text(path) + "\x01" + text("localhost") + "\x0f\x10" + text("application/grpc") +
            std::string(1, '\0') + text("te") + text("trailers");
+  }
+
+  static std::string preface() { return "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + frame(kSettings, 0, 0, {}); }
+  static std::string resets(std::string_view path, int count, uint32_t first) {
+    const std::string headers = block(path), cancel{0, 0, 0, 8};
+    std::string bytes;
+    for (uint32_t stream = first; stream < first + 2 * static_cast<uint32_t>(count); stream += 2)
+      bytes += frame(kHeaders, kEndHeaders, stream, headers) + frame(kReset, 0, stream, cancel);
+    return bytes;
   }
 
   bool send_repeatedly(const std::string& bytes, int count) {
