@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "gpu/base/float_environment.hpp"
+#include "gpu/exec/asks.hpp"
 #include "gpu/scene/backends.hpp"
 #include "gpu/scene/known_lengths.hpp"
 #include "gpu/scene/parts/parted_scene.hpp"
@@ -54,14 +55,16 @@ void check_size(const SceneSpec& spec, const Topology& topology) {
 
 }  // namespace
 
-std::unique_ptr<Detector> Detector::create(SceneSpec spec) {
+std::unique_ptr<Detector> Detector::create(SceneSpec spec, std::function<bool()> cancelled) {
   const DefaultFloatEnvironment environment;  // threads that this starts inherit it
   check_spec(spec);
   check_devices(spec);
   check_meshes(spec);
   check_exclusions(spec);
   MemoryHold making(spec.memory_quota);
-  FeatureTables features = make_tables(spec, making);
+  Asks asks;
+  asks.begin(std::move(cancelled));
+  FeatureTables features = make_tables(spec, making, asks);
   check_size(spec, features.topology);
   if (!spec.part_devices.empty()) return make_parted_scene(std::move(spec), std::move(features));
   expect_known_lengths(spec, features.topology);

@@ -13,8 +13,9 @@ class Detector {
  public:
   /// Throws InvalidInput for a bad spec, ResourceExhausted past the budget, what the quota throws, DeviceError if the
   /// backend is missing. Host memory that this takes while it works counts in the quota; memory for positions is taken
-  /// by the first frame, so that nothing is held for vertices that were only declared.
-  static std::unique_ptr<Detector> create(SceneSpec spec);
+  /// by the first frame, so that nothing is held for vertices that were only declared. `cancelled`: as FrameInput has
+  /// it, asked by the calling thread after about 8 ms of work; Cancelled is thrown if it returns true.
+  static std::unique_ptr<Detector> create(SceneSpec spec, std::function<bool()> cancelled = {});
   virtual ~Detector() = default;
 
   /// Applies one frame and finds its contacts. A throw leaves the scene as it was.

@@ -132,7 +132,8 @@ void Daemon::listen(const Config& config) {
   calls_ =
       std::make_unique<FrameCalls>(builder, core_.service,
                                    FrameCallParts{core_.host, core_.authenticator, core_.metrics,
-                                                  core_.service.waiting(), config.limits.max_message_bytes, events_});
+                                                  core_.service.waiting(), core_.service.parts().work,
+                                                  config.limits.max_message_bytes, events_});
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> watches;
   watches.push_back(std::make_unique<CallWatches>(core_.metrics, events_));
   builder.experimental().SetInterceptorCreators(std::move(watches));

@@ -70,12 +70,15 @@ class SceneSlot final : public FrameSlot {
     if (const uint64_t bad = staging_.first_bad()[0]; bad != kNoBadPlace) refuse(BadPosition::of(bad));
   }
   /// The same of a set, whose worlds are refused one by one.
-  WorldFrames arrive_by_world(const FirstMeshes& first) {
+  WorldFrames arrive_by_world(const FirstMeshes& first, Asks& asks) {
     if (!is_sent_) throw InvalidInput("slot", "slot brings no positions, they have to be sent first");
-    WorldFrames frames(shape_->spec, meshes_, first);
+    WorldFrames frames(shape_->spec, meshes_, first, asks);
     const std::span<const uint64_t> bad = staging_.first_bad();
-    for (uint32_t world = 0; world < bad.size(); ++world)
-      if (bad[world] != kNoBadPlace) frames.unless_refused(world, [&] { refuse(BadPosition::of(bad[world])); });
+    for (uint32_t world = 0; world < bad.size(); ++world) {
+      if (bad[world] == kNoBadPlace) continue;
+      asks.ask_if_due();  // a refusal takes as long as the steps of many worlds
+      frames.unless_refused(world, [&] { refuse(BadPosition::of(bad[world])); });
+    }
     return frames;
   }
 

@@ -11,7 +11,8 @@ std::vector<SentMesh> in_world(std::vector<SentMesh> meshes, uint32_t meshes_of_
 
 }  // namespace
 
-WorldFrames::WorldFrames(const SceneSpec& spec, const std::vector<SentMesh>& meshes, const FirstMeshes& first)
+WorldFrames::WorldFrames(const SceneSpec& spec, const std::vector<SentMesh>& meshes, const FirstMeshes& first,
+                         Asks& asks)
     : frame_(spec.worlds, 0) {
   const auto of_world = static_cast<uint32_t>(spec.meshes.size());
   std::vector<std::vector<SentMesh>> to_check(spec.worlds);  // empty for most
@@ -25,6 +26,7 @@ WorldFrames::WorldFrames(const SceneSpec& spec, const std::vector<SentMesh>& mes
   }
   for (uint32_t world = 0; world < spec.worlds; ++world) {
     if (to_check[world].empty()) continue;
+    asks.ask_if_due();
     unless_refused(world, [&] {
       const auto begin = first.begin() + static_cast<std::ptrdiff_t>(uint64_t{world} * of_world);
       check_turn(spec, in_world(std::move(to_check[world]), of_world), FirstMeshes(begin, begin + of_world));
@@ -32,8 +34,8 @@ WorldFrames::WorldFrames(const SceneSpec& spec, const std::vector<SentMesh>& mes
   }
 }
 
-std::vector<RefusedWorld> WorldFrames::refused() const {
-  std::vector<RefusedWorld> refused = refused_;
+std::vector<RefusedWorld> WorldFrames::refused() && {
+  std::vector<RefusedWorld> refused = std::move(refused_);
   std::stable_sort(refused.begin(), refused.end(),
                    [](const RefusedWorld& a, const RefusedWorld& b) { return a.world < b.world; });
   const auto is_same = [](const RefusedWorld& a, const RefusedWorld& b) { return a.world == b.world; };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gpu/base/worlds.hpp"
+#include "gpu/exec/asks.hpp"
 #include "gpu/positions/checks.hpp"
 
 namespace collided {
@@ -13,7 +14,7 @@ namespace collided {
 class WorldFrames {
  public:
   /// Of a frame with these meshes. Refuses worlds whose turn for them it is not (check_turn).
-  WorldFrames(const SceneSpec& spec, const std::vector<SentMesh>& meshes, const FirstMeshes& first);
+  WorldFrames(const SceneSpec& spec, const std::vector<SentMesh>& meshes, const FirstMeshes& first, Asks& asks);
 
   /// Of each world: kStepsWorld, kIsFirstOfWorld.
   const std::vector<uint8_t>& frame() const { return frame_; }
@@ -22,7 +23,7 @@ class WorldFrames {
     return static_cast<uint64_t>(std::count_if(frame_.begin(), frame_.end(), [](uint8_t f) { return f != 0; }));
   }
   /// Ascending.
-  std::vector<RefusedWorld> refused() const;
+  std::vector<RefusedWorld> refused() &&;
 
   /// Refuses the world with what check() throws, if it throws InvalidInput.
   template <class Check>

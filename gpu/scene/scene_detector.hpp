@@ -107,9 +107,9 @@ class SceneDetector final : public Detector {
         EditedScene edited = edit_scene(spec_, model_.topology(), frame, settings.is_ccd());
         FeatureTables features;
         if (edited.changes_features)
-          features = make_tables(edited.spec, making);
+          features = make_tables(edited.spec, making, exec_.asks());
         else
-          features.rings = make_rings(edited.spec, model_.topology(), making);
+          features.rings = make_rings(edited.spec, model_.topology(), making, exec_.asks());
         model_.swap(before);
         is_begun = true;
         begin_edited(std::move(edited), std::move(features), before, saved);
@@ -164,7 +164,7 @@ class SceneDetector final : public Detector {
     exec_.stage("upload", [&] {
       slot = &sent_slot(frame);
       if (spec_.worlds > 0)
-        worlds = slot->arrive_by_world(positions_.first());
+        worlds = slot->arrive_by_world(positions_.first(), exec_.asks());
       else
         slot->arrive(positions_.first());
       if (worlds) positions_.begin_worlds(*worlds);
@@ -174,7 +174,7 @@ class SceneDetector final : public Detector {
       positions_.place(*slot, frame, settings.is_ccd());
       check_straight(frame, settings);
     });
-    if (worlds) return detect_worlds(*worlds, *slot, settings, frame.bytes_beside_contact);
+    if (worlds) return detect_worlds(std::move(*worlds), *slot, settings, frame.bytes_beside_contact);
     RestCosts rest;
     if (begins_at_rest) rest = find_rest_pairs();
     FrameResult result = search(frame, settings, boxes_static);
@@ -220,7 +220,7 @@ class SceneDetector final : public Detector {
   }
 
   /// The rest of a set's frame, for the worlds that take part in it.
-  FrameResult detect_worlds(const WorldFrames& worlds, Slot& slot, const FrameSettings& settings,
+  FrameResult detect_worlds(WorldFrames worlds, Slot& slot, const FrameSettings& settings,
                             uint64_t bytes_beside_contact) {
     FrameResult result;
     if (worlds.count() > 0) {
@@ -230,7 +230,7 @@ class SceneDetector final : public Detector {
       positions_.commit(slot, worlds);
     }
     result.worlds = divide_by_world(scene_.topology.shape, result);
-    result.worlds.refused = worlds.refused();
+    result.worlds.refused = std::move(worlds).refused();
     return result;
   }
 

@@ -111,11 +111,17 @@ uint64_t max_steps(const Topology& topology) {
 /// use(vertex, its ring) for the vertices of meshes that have rings.
 template <class Use>
 void for_each_ring(const SceneSpec& spec, const Topology& topology, const std::vector<uint32_t>& reaches,
-                   RingWalk& walk, const Use& use) {
+                   RingWalk& walk, Asks& asks, const Use& use) {
+  constexpr uint64_t kStepsOfOneLook = 1 << 14;
   const uint64_t most = max_steps(topology);
+  uint64_t next_look = walk.steps() + kStepsOfOneLook;
   for (size_t mesh = 0; mesh < reaches.size(); ++mesh)
     for (uint32_t v = topology.vertex_offset[mesh]; reaches[mesh] > 0 && v < topology.vertex_offset[mesh + 1]; ++v) {
       use(v, walk.ring(v, reaches[mesh]));
+      if (walk.steps() >= next_look) {
+        asks.ask_if_due();
+        next_look = walk.steps() + kStepsOfOneLook;
+      }
       if (walk.steps() > most)
         refuse_rings(spec, mesh, "take more than " + std::to_string(most) + " steps along edges");
     }
@@ -124,11 +130,11 @@ void for_each_ring(const SceneSpec& spec, const Topology& topology, const std::v
 /// How many vertices all rings have; what they take is taken while they are counted, so that nobody counts for long
 /// what cannot be held. Leaves the length of each ring in `lengths`.
 uint64_t count_entries(const SceneSpec& spec, const Topology& topology, const std::vector<uint32_t>& reaches,
-                       MemoryHold& making, std::vector<uint32_t>& lengths) {
+                       MemoryHold& making, Asks& asks, std::vector<uint32_t>& lengths) {
   constexpr uint64_t kAtATime = 1u << 20;
   uint64_t entries = 0, taken = 0;
   RingWalk walk(topology);
-  for_each_ring(spec, topology, reaches, walk, [&](uint32_t v, const std::vector<uint32_t>& ring) {
+  for_each_ring(spec, topology, reaches, walk, asks, [&](uint32_t v, const std::vector<uint32_t>& ring) {
     lengths[v] = static_cast<uint32_t>(ring.size());
     entries += ring.size();
     if (entries <= taken) return;
@@ -142,19 +148,19 @@ uint64_t count_entries(const SceneSpec& spec, const Topology& topology, const st
 
 }  // namespace
 
-RingTables make_rings(const SceneSpec& spec, const Topology& topology, MemoryHold& making) {
+RingTables make_rings(const SceneSpec& spec, const Topology& topology, MemoryHold& making, Asks& asks) {
   RingTables rings;
   const std::vector<uint32_t> reaches = reaches_of(spec);
   if (std::all_of(reaches.begin(), reaches.end(), [](uint32_t reach) { return reach == 0; })) return rings;
   const uint64_t before = making.bytes();
   making.resize(before + walking_bytes(topology) + table_bytes(topology, 0));
   rings.begin.assign(size_t{topology.vertex_count} + 1, 0);
-  const uint64_t entries = count_entries(spec, topology, reaches, making, rings.begin);
+  const uint64_t entries = count_entries(spec, topology, reaches, making, asks, rings.begin);
   uint32_t sum = 0;
   for (uint32_t& begin : rings.begin) sum += std::exchange(begin, sum);
   rings.vertices.reserve(entries);
   RingWalk walk(topology);
-  for_each_ring(spec, topology, reaches, walk, [&](uint32_t, const std::vector<uint32_t>& ring) {
+  for_each_ring(spec, topology, reaches, walk, asks, [&](uint32_t, const std::vector<uint32_t>& ring) {
     const auto first = static_cast<std::ptrdiff_t>(rings.vertices.size());
     rings.vertices.insert(rings.vertices.end(), ring.begin(), ring.end());
     std::sort(rings.vertices.begin() + first, rings.vertices.end());

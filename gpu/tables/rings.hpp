@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "gpu/exec/asks.hpp"
 #include "gpu/types.hpp"
 
 namespace collided {
@@ -15,7 +16,7 @@ struct RingTables {
 
 /// Takes from `making`, which then has the tables' bytes more than before, what memory this needs. Throws
 /// ResourceExhausted where the tables exceed the scene's budget, InvalidInput where they exceed the limits of their
-/// numbers or steps, and what the quota throws.
-RingTables make_rings(const SceneSpec& spec, const Topology& topology, MemoryHold& making);
+/// numbers or steps, and what the quota and the question throw.
+RingTables make_rings(const SceneSpec& spec, const Topology& topology, MemoryHold& making, Asks& asks);
 
 }  // namespace collided

@@ -29,11 +29,11 @@ uint64_t max_making_bytes(uint64_t elements) {
 
 }  // namespace
 
-FeatureTables make_tables(const SceneSpec& spec, MemoryHold& making) {
+FeatureTables make_tables(const SceneSpec& spec, MemoryHold& making, Asks& asks) {
   making.resize(max_making_bytes(elements_of(spec)));
-  FeatureTables features = make_features(spec.meshes);
+  FeatureTables features = make_features(spec.meshes, asks);
   making.resize(bytes_of(features));
-  features.rings = make_rings(spec, features.topology, making);
+  features.rings = make_rings(spec, features.topology, making, asks);
   return features;
 }
 

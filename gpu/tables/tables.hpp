@@ -6,7 +6,7 @@
 namespace collided {
 
 /// `making` has the tables' bytes afterwards, and more while they are made. Throws InvalidInput as make_features(),
-/// ResourceExhausted and InvalidInput as make_rings(), and what the quota throws.
-FeatureTables make_tables(const SceneSpec& spec, MemoryHold& making);
+/// ResourceExhausted and InvalidInput as make_rings(), and what the quota and the question throw.
+FeatureTables make_tables(const SceneSpec& spec, MemoryHold& making, Asks& asks);
 
 }  // namespace collided

@@ -18,28 +18,51 @@ Corners corners_of(const Corners& t) { return t; }
 Corners corners_of(const std::array<uint32_t, 2>& e) { return {e[0], e[1], e[1]}; }
 Corners corners_of(uint32_t p) { return {p, p, p}; }
 
-template <size_t N>
-void check_vertices(const std::array<uint32_t, N>& vertices, uint32_t vertex_count, const std::string& field) {
-  std::string list;
-  for (const uint32_t v : vertices) {
-    if (v >= vertex_count)
-      throw InvalidInput(field, field + " has vertex index " + std::to_string(v) + ", the mesh has " +
-                                    std::to_string(vertex_count) + " vertices");
-    list += ' ' + std::to_string(v);
+/// Asks after a number of steps that take a bounded time together.
+class Pace {
+ public:
+  explicit Pace(Asks& asks) : asks_(asks) {}
+  void step() {
+    if (--left_ > 0) return;
+    left_ = kSteps;
+    asks_.ask_if_due();
   }
+
+ private:
+  static constexpr uint32_t kSteps = 1 << 14;
+  Asks& asks_;
+  uint32_t left_ = kSteps;
+};
+
+template <size_t N>
+bool has_vertex_twice(const std::array<uint32_t, N>& vertices) {
   for (size_t i = 0; i < N; ++i)
     for (size_t j = 0; j < i; ++j)
-      if (vertices[i] == vertices[j])
-        throw InvalidInput(field, field + " has a " + (N == 3 ? "corner" : "vertex") + " twice:" + list);
+      if (vertices[i] == vertices[j]) return true;
+  return false;
+}
+
+template <size_t N>
+void check_vertices(const std::array<uint32_t, N>& vertices, uint32_t vertex_count, const auto& name_of_field) {
+  for (const uint32_t v : vertices)
+    if (v >= vertex_count)
+      throw InvalidInput(name_of_field(), name_of_field() + " has vertex index " + std::to_string(v) +
+                                              ", the mesh has " + std::to_string(vertex_count) + " vertices");
+  if (!has_vertex_twice(vertices)) return;
+  std::string list;
+  for (const uint32_t v : vertices) list += ' ' + std::to_string(v);
+  throw InvalidInput(name_of_field(), name_of_field() + " has a " + (N == 3 ? "corner" : "vertex") + " twice:" + list);
 }
 
 /// The elements of one kind that a mesh has.
 template <class Elements>
 void append_elements(FeatureTables& out, const Elements& elements, const MeshSpec& mesh, size_t index,
-                     const char* name) {
+                     const char* name, Pace& pace) {
   for (size_t i = 0; i < elements.size(); ++i) {
-    check_vertices(vertices_of(elements[i]), mesh.vertex_count,
-                   "meshes[" + std::to_string(index) + "]." + name + "[" + std::to_string(i) + "]");
+    pace.step();
+    check_vertices(vertices_of(elements[i]), mesh.vertex_count, [&] {
+      return "meshes[" + std::to_string(index) + "]." + name + "[" + std::to_string(i) + "]";
+    });
     Corners corners = corners_of(elements[i]);
     for (uint32_t& v : corners) v += out.topology.vertex_count;
     out.topology.triangles.push_back(corners);
@@ -63,12 +86,12 @@ void check_size(const Topology& topology, const MeshSpec& mesh, size_t index) {
                            " triangles, loose edges and points, the limit of each is " + std::to_string(kMax));
 }
 
-void append_mesh(FeatureTables& out, const MeshSpec& mesh, size_t index) {
+void append_mesh(FeatureTables& out, const MeshSpec& mesh, size_t index, Pace& pace) {
   Topology& topology = out.topology;
   check_size(topology, mesh, index);
-  append_elements(out, mesh.triangles, mesh, index, "triangles");
-  append_elements(out, mesh.edges, mesh, index, "edges");
-  append_elements(out, mesh.points, mesh, index, "points");
+  append_elements(out, mesh.triangles, mesh, index, "triangles", pace);
+  append_elements(out, mesh.edges, mesh, index, "edges", pace);
+  append_elements(out, mesh.points, mesh, index, "points", pace);
   topology.loose_edges += mesh.edges.size();
   topology.loose_points += mesh.points.size();
   topology.vertex_count += mesh.vertex_count;
@@ -94,22 +117,26 @@ size_t count_edges(const std::vector<Use>& sorted) {
   return count;
 }
 
-void number_edges(FeatureTables& out) {
+void number_edges(FeatureTables& out, Pace& pace) {
   const auto& triangles = out.topology.triangles;
   std::vector<Use> uses;
   uses.reserve(3 * triangles.size());
-  for (uint32_t i = 0; i < triangles.size(); ++i)
+  for (uint32_t i = 0; i < triangles.size(); ++i) {
+    pace.step();
     for (uint32_t k = 0; k < 3; ++k) {
       const uint32_t a = triangles[i][k], b = triangles[i][(k + 1) % 3];
       if (a == b) continue;  // of a loose element
       uses.push_back({{std::min(a, b), std::max(a, b)}, i, k});
     }
-  std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) {
+  }
+  std::sort(uses.begin(), uses.end(), [&](const Use& a, const Use& b) {
+    pace.step();
     return std::tie(a.edge, a.triangle, a.side) < std::tie(b.edge, b.triangle, b.side);
   });
   out.triangle_edges.resize(triangles.size());
   out.topology.edges.reserve(count_edges(uses));
   for (const Use& use : uses) {
+    pace.step();
     auto& edges = out.topology.edges;
     if (edges.empty() || edges.back() != use.edge) {
       edges.push_back(use.edge);
@@ -121,15 +148,21 @@ void number_edges(FeatureTables& out) {
 
 // Each vertex belongs to the lowest element that has it. Sorted by vertex, so that memory goes by the elements that
 // came and not by the vertices that were declared.
-void own_vertices(FeatureTables& out) {
+void own_vertices(FeatureTables& out, Pace& pace) {
   const auto& triangles = out.topology.triangles;
   std::vector<uint64_t> corners;  // vertex, then place of the corner
   corners.reserve(3 * triangles.size());
-  for (size_t i = 0; i < triangles.size(); ++i)
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    pace.step();
     for (size_t k = 0; k < 3; ++k) corners.push_back(uint64_t{triangles[i][k]} << 32 | (3 * i + k));
-  std::sort(corners.begin(), corners.end());
+  }
+  std::sort(corners.begin(), corners.end(), [&](uint64_t a, uint64_t b) {
+    pace.step();
+    return a < b;
+  });
   uint64_t last = ~uint64_t{0};
   for (const uint64_t corner : corners) {
+    pace.step();
     const uint32_t place = static_cast<uint32_t>(corner);
     if (corner >> 32 != last) out.owned[place / 3] |= static_cast<uint8_t>(1u << place % 3);
     last = corner >> 32;
@@ -151,16 +184,17 @@ void add_roles(FeatureTables& out) {
 
 }  // namespace
 
-FeatureTables make_features(const std::vector<MeshSpec>& meshes) {
+FeatureTables make_features(const std::vector<MeshSpec>& meshes, Asks& asks) {
   if (meshes.empty()) throw InvalidInput("meshes", "meshes is empty, at least one is needed");
+  Pace pace(asks);
   FeatureTables out;
   out.topology.vertex_offset.push_back(0);
   out.topology.triangle_offset.push_back(0);
   reserve(out, meshes);
-  for (size_t i = 0; i < meshes.size(); ++i) append_mesh(out, meshes[i], i);
+  for (size_t i = 0; i < meshes.size(); ++i) append_mesh(out, meshes[i], i, pace);
   out.owned.assign(out.topology.triangles.size(), 0);
-  own_vertices(out);
-  number_edges(out);
+  own_vertices(out, pace);
+  number_edges(out, pace);
   if (has_loose_elements(out.topology)) add_roles(out);
   return out;
 }

@@ -17,7 +17,6 @@ struct ClientTable {
   std::vector<Token> tokens;  ///< empty: none is required
   bool certificates = false;  ///< the name of the certificate is the client
   ClientLimits limits;
-  Client anonymous;
 };
 
 namespace {
@@ -28,7 +27,6 @@ std::shared_ptr<const ClientTable> read_table(const Config& config) {
   if (!config.tokens_file.empty()) table->tokens = read_tokens(config.tokens_file, limits);
   table->certificates = !config.tls.client_ca.empty();
   table->limits = limits;
-  table->anonymous = std::make_shared<const ClientIdentity>(ClientIdentity{ClientIdentity().name, limits});
   return table;
 }
 
@@ -52,15 +50,23 @@ Client find(const std::vector<Token>& tokens, std::string_view token) {
   return found->client;
 }
 
+// Anonymous callers share a name and its limits, but each origin takes turns of its own.
+Client anonymous(const ClientTable& table, const Origin& origin) {
+  ClientIdentity client{.limits = table.limits};
+  if (!origin.party.empty()) client.turns = {origin.party, origin.of_them};
+  return std::make_shared<const ClientIdentity>(std::move(client));
+}
+
 }  // namespace
 
 Authenticator::Authenticator(const Config& config) : table_(read_table(config)) {}
 Authenticator::~Authenticator() = default;
 
-Client Authenticator::identify(std::string_view authorization, std::string_view certificate_name) const {
+Client Authenticator::identify(std::string_view authorization, std::string_view certificate_name,
+                               const Origin& origin) const {
   const auto now = table();
   if (!now->tokens.empty()) return find(now->tokens, token_of(authorization));
-  if (!now->certificates) return now->anonymous;
+  if (!now->certificates) return anonymous(*now, origin);
   if (certificate_name.empty()) throw Unauthenticated("the daemon requires a certificate with a name");
   return std::make_shared<const ClientIdentity>(ClientIdentity{std::string(certificate_name), now->limits});
 }

@@ -23,9 +23,9 @@ class Authenticator {
 
   /// `authorization`: the header as received ("Bearer <token>"); `certificate_name`: of the client's verified
   /// certificate; each empty if there is none. With a tokens file a valid token is required; without one, but with a CA
-  /// for clients, a certificate is; without both every caller is "anonymous". Throws Unauthenticated, which never
-  /// contains the token.
-  Client identify(std::string_view authorization, std::string_view certificate_name) const;
+  /// for clients, a certificate is; without both every caller is "anonymous", and takes turns by its origin. Throws
+  /// Unauthenticated, which never contains the token.
+  Client identify(std::string_view authorization, std::string_view certificate_name, const Origin& origin = {}) const;
 
   /// `hook` is called for each admitted call, with gRPC's name of its peer and its client. Must be set before the first
   /// call.

@@ -34,6 +34,13 @@ Turns::Options turn_options(const Config& config, Backend backend, uint64_t devi
   return {.concurrent = asked > 0 ? asked : by_default, .reserves_one = on_gpu, .now = now};
 }
 
+// Host work gets half of the cores, so that frames keep the other half however many clients ask for it. There are at least
+// two turns, of which a client leaves one to others: checking a message cannot yield.
+Turns::Options host_turn_options(const Now& now) {
+  const unsigned half = std::thread::hardware_concurrency() / 2;
+  return {.concurrent = std::clamp(half, 2u, 16u), .reserves_one = true, .now = now};
+}
+
 // A device that is the only one of its kind has all that scenes may hold.
 uint64_t limit_of(const DeviceInfo& info, uint64_t devices, uint64_t of_all) {
   if (devices == 1) return of_all;
@@ -100,7 +107,7 @@ ServedDevices::Served::Served(DeviceTerms given)
       bytes(std::make_shared<DeviceBytes>("device:" + to_string(terms.info.device),
                                           "max_device_bytes of " + to_string(terms.info.device), terms.max_bytes)) {}
 
-ServedDevices::ServedDevices(std::vector<DeviceTerms> terms) {
+ServedDevices::ServedDevices(std::vector<DeviceTerms> terms, const Now& now) : host_turns_(host_turn_options(now)) {
   for (DeviceTerms& each : terms) served_.emplace_back(std::move(each));
   has_several_gpus_ = count_of(infos(), Backend::kCuda) > 1;
 }

@@ -63,7 +63,7 @@ struct DeviceState {
 class ServedDevices {
  public:
   /// In the order of their ids; one or more.
-  explicit ServedDevices(std::vector<DeviceTerms> terms);
+  explicit ServedDevices(std::vector<DeviceTerms> terms, const Now& now = Clock::now);
 
   /// Of the devices that the wish allows and that have room, the one with the most free bytes for its load: free bytes
   /// divided by 1 + load; of equal ones the first. Throws LimitExceeded if there are several and none has room; where
@@ -75,6 +75,8 @@ class ServedDevices {
   void check_could_hold(const DeviceWish& wish) const;
 
   Turns& turns(const Device& device) { return served(device).turns; }
+  /// Turns of work on the host, one thread each: scenes are built, messages checked, calls answered.
+  Turns& host_turns() { return host_turns_; }
   /// Limits of each device, from those of the daemon.
   void set_limits(const Limits& limits);
   std::vector<DeviceState> state() const;
@@ -106,6 +108,7 @@ class ServedDevices {
   uint64_t free_bytes(const Served& served) const;
 
   std::deque<Served> served_;  // which never move
+  Turns host_turns_;
   bool has_several_gpus_ = false;
   mutable std::mutex mutex_;
 };

@@ -1,4 +1,4 @@
-// Whose frame runs next: start-time fair queuing, a quantum at a time.
+// Decides who works next by start-time fair queuing on a tree, a quantum at a time.
 #include "server/limits/turns.hpp"
 
 #include <algorithm>
@@ -17,6 +17,16 @@ constexpr size_t kWaitersOfOnePoll = 16;
 std::chrono::milliseconds poll_of(size_t waiters) { return kCancelPoll * (1 + waiters / kWaitersOfOnePoll); }
 
 }  // namespace
+
+// use(share, the one above it), up to the root.
+template <class Use>
+void Turns::for_each_up(TurnShare& from, const Use& use) {
+  for (TurnShare* share = &from; share != &root_;) {
+    TurnShare& parent = above(*share);
+    use(*share, parent);
+    share = &parent;
+  }
+}
 
 Turns::Turn::~Turn() {
   if (turns_ == nullptr) return;
@@ -42,59 +52,103 @@ void Turns::Turn::yield_turn(const std::function<bool()>& cancelled) {
   turns_ = &turns;
 }
 
-TurnAccount Turns::account(const std::string& client) {
+TurnAccount Turns::account(const TurnPath& client) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(clients_, [](const auto& known) { return known.second.expired(); });
-  auto& known = clients_[client];
-  auto alive = known.lock();
-  if (!alive) known = alive = std::make_shared<TurnClient>();
-  return TurnAccount(std::move(alive));
+  std::shared_ptr<TurnShare> parent;
+  for (const std::string& name : client) parent = group(parent, name);
+  if (!parent) return {};
+  return TurnAccount(std::move(parent));
+}
+
+std::shared_ptr<TurnShare> Turns::group(const std::shared_ptr<TurnShare>& parent, const std::string& name) {
+  auto& groups = (parent ? *parent : root_).groups_;
+  const auto found = groups.find(name);
+  if (found != groups.end())
+    if (auto alive = found->second.lock()) return alive;
+  forget_debts();
+  std::erase_if(groups, [](const auto& known) { return known.second.expired(); });
+  std::shared_ptr<TurnShare> made(new TurnShare(parent));
+  groups[name] = made;
+  return made;
 }
 
 Turns::Turn Turns::take(TurnAccount& account, const std::function<bool()>& cancelled) {
   Lock lock(mutex_);
-  charge_running();
-  account.turn_seconds_ = 0;
-  TurnClient& client = *account.client_;
-  client.used_ = std::max(client.used_, virtual_time_);
-  account.used_ = std::max(account.used_, client.virtual_time_);
+  prepare(account);
   await(lock, account, cancelled);
   return {this, &account};
 }
 
-void Turns::await(Lock& lock, TurnAccount& account, const std::function<bool()>& cancelled) {
-  TurnWaiter waiter{&account, account.used_, arrivals_++, {}};
-  join(waiter);
-  while (next() != &waiter) {
-    waiter.woken.wait_for(lock, poll_of(waiting_));
-    charge_running();
-    if (!cancelled || !cancelled()) continue;
-    leave(waiter);
-    wake_next();
-    throw Cancelled();
-  }
-  leave(waiter);
-  begin(account);
-  wake_next();
+void Turns::request(TurnAccount& account, std::function<void(Turn)> granted) {
+  const std::lock_guard lock(mutex_);
+  prepare(account);
+  join(account, [this, &account, granted = std::move(granted)] { granted(Turn(this, &account)); });
+  grant();
 }
 
-void Turns::join(TurnWaiter& waiter) {
-  TurnClient& client = *waiter.account->client_;
-  if (client.waiting_.empty()) waiting_clients_.push_back(&client);
-  client.waiting_.insert(&waiter);
+void Turns::prepare(TurnAccount& account) {
+  charge_running();
+  account.turn_seconds_ = 0;
+  for_each_up(account,
+              [](TurnShare& share, TurnShare& above) { share.used_ = std::max(share.used_, above.virtual_time_); });
+}
+
+void Turns::await(Lock& lock, TurnAccount& account, const std::function<bool()>& cancelled) {
+  std::condition_variable woken;
+  bool is_granted = false;
+  join(account, [&] {
+    is_granted = true;
+    woken.notify_one();
+  });
+  grant();
+  while (!is_granted) {
+    woken.wait_for(lock, poll_of(waiting_));
+    charge_running();
+    if (is_granted || !cancelled || !cancelled()) continue;
+    leave(account);
+    grant();
+    throw Cancelled();
+  }
+}
+
+void Turns::join(TurnAccount& account, std::function<void()> granted) {
+  account.granted_ = std::move(granted);
+  account.account_ = &account;
+  const uint64_t arrival = arrivals_++;
+  for_each_up(account, [&](TurnShare& share, TurnShare& above) {
+    if (std::ranges::find(above.waiting_, &share) != above.waiting_.end()) return;
+    share.arrival_ = arrival;
+    above.waiting_.push_back(&share);
+  });
   ++waiting_;
 }
 
-void Turns::leave(TurnWaiter& waiter) {
-  TurnClient& client = *waiter.account->client_;
-  client.waiting_.erase(&waiter);
-  if (client.waiting_.empty()) std::erase(waiting_clients_, &client);
+void Turns::leave(TurnAccount& account) {
+  account.account_ = nullptr;
+  for_each_up(account, [](TurnShare& share, TurnShare& above) {
+    const auto arrival = [](const TurnShare* child) { return child->arrival_; };
+    if (share.account_ == nullptr && share.waiting_.empty())
+      std::erase(above.waiting_, &share);
+    else
+      share.arrival_ = std::ranges::min(share.waiting_, {}, arrival)->arrival_;
+  });
   --waiting_;
+}
+
+// The turn begins here, even if the waiting thread wakes up later.
+void Turns::grant() {
+  while (free_ > 0) {
+    TurnAccount* const account = next_of(root_);
+    if (account == nullptr) return;
+    leave(*account);
+    begin(*account);
+    std::exchange(account->granted_, {})();
+  }
 }
 
 void Turns::begin(TurnAccount& account) {
   --free_;
-  ++account.client_->running_;
+  for_each_up(account, [](TurnShare& share, TurnShare&) { ++share.running_; });
   running_.push_back(&account);
   account.charged_until_ = options_.now();
   begin_quantum(account);
@@ -103,16 +157,28 @@ void Turns::begin(TurnAccount& account) {
 void Turns::end(TurnAccount& account) {
   charge_running();
   std::erase(running_, &account);
-  --account.client_->running_;
+  for_each_up(account, [](TurnShare& share, TurnShare&) { --share.running_; });
   ++free_;
-  wake_next();
+  keep_debt(account);
+  grant();
+}
+
+// Without this a client that asks repeatedly, and holds nothing in between, would start at zero each time.
+void Turns::keep_debt(const TurnAccount& account) {
+  const std::shared_ptr<TurnShare>& client = account.parent_;
+  if (client->used_ <= above(*client).virtual_time_) return;
+  if (std::ranges::find(debtors_, client) == debtors_.end()) debtors_.push_back(client);
+}
+
+void Turns::forget_debts() {
+  std::erase_if(debtors_, [this](const auto& client) { return client->used_ <= above(*client).virtual_time_; });
 }
 
 void Turns::begin_quantum(TurnAccount& account) {
-  TurnClient& client = *account.client_;
   account.quantum_begin_ = account.charged_until_;
-  virtual_time_ = std::max(virtual_time_, client.used_);
-  client.virtual_time_ = std::max(client.virtual_time_, account.used_);
+  for_each_up(account, [](const TurnShare& share, TurnShare& above) {
+    above.virtual_time_ = std::max(above.virtual_time_, share.used_);
+  });
 }
 
 void Turns::charge_running() {
@@ -121,9 +187,8 @@ void Turns::charge_running() {
   for (TurnAccount* account : running_) {
     const double seconds = seconds_between(account->charged_until_, now);
     work += seconds;
-    account->used_ += seconds;
+    for_each_up(*account, [&](TurnShare& share, TurnShare&) { share.used_ += seconds; });
     account->turn_seconds_ += seconds;
-    account->client_->used_ += seconds;
     account->charged_until_ = now;
   }
   load_.add(work, now);
@@ -146,37 +211,40 @@ size_t Turns::waiting() {
   return waiting_;
 }
 
-bool Turns::may_run(const TurnClient& client) const {
-  if (!options_.reserves_one || options_.concurrent == 1) return true;
-  return client.running_ + 1 < options_.concurrent || live_clients() < 2;
+// A group leaves one turn to its siblings while it has any.
+bool Turns::may_run(const TurnShare& share, const TurnShare& above) const {
+  if (!options_.reserves_one || options_.concurrent == 1 || share.account_ != nullptr) return true;
+  if (share.running_ + 1 < options_.concurrent) return true;
+  unsigned live = 0;
+  return std::ranges::none_of(above.groups_, [&](const auto& known) { return !known.second.expired() && ++live == 2; });
 }
 
-unsigned Turns::live_clients() const {
-  return static_cast<unsigned>(
-      std::ranges::count_if(clients_, [](const auto& known) { return !known.second.expired(); }));
+bool Turns::has_next(const TurnShare& share, const TurnShare& above) const {
+  if (!options_.reserves_one || share.account_ != nullptr) return true;
+  return may_run(share, above) &&
+         std::ranges::any_of(share.waiting_, [&](const TurnShare* child) { return has_next(*child, share); });
 }
 
 // Ties go to the earliest waiter.
-TurnWaiter* Turns::next() const {
-  if (free_ == 0) return nullptr;
-  const auto rank = [](const TurnClient& client) {
-    return std::pair(client.used_, (*client.waiting_.begin())->arrival);
-  };
-  const TurnClient* best = nullptr;
-  for (const TurnClient* client : waiting_clients_)
-    if ((!best || rank(*client) < rank(*best)) && may_run(*client)) best = client;
-  return best ? *best->waiting_.begin() : nullptr;
-}
-
-void Turns::wake_next() {
-  if (TurnWaiter* waiter = next()) waiter->woken.notify_one();
+TurnAccount* Turns::next_of(const TurnShare& share) const {
+  if (share.account_ != nullptr) return share.account_;
+  const auto rank = [](const TurnShare& child) { return std::pair(child.used_, child.arrival_); };
+  const TurnShare* best = nullptr;
+  for (const TurnShare* child : share.waiting_)
+    if ((!best || rank(*child) < rank(*best)) && has_next(*child, share)) best = child;
+  return best ? next_of(*best) : nullptr;
 }
 
 // The scenes of one client do not yield to each other: that would only delay all its frames.
-bool Turns::should_yield(const TurnAccount& account) const {
-  return free_ == 0 && std::ranges::any_of(waiting_clients_, [&](const TurnClient* other) {
-           return other != account.client_.get() && other->used_ < account.client_->used_;
-         });
+bool Turns::should_yield(const TurnAccount& account) {
+  if (free_ > 0) return false;
+  bool is_behind = false;  // another group has used less than the one of this turn
+  for_each_up(above(account), [&](const TurnShare& share, const TurnShare& above) {
+    is_behind = is_behind || std::ranges::any_of(above.waiting_, [&](const TurnShare* other) {
+                  return other != &share && other->used_ < share.used_;
+                });
+  });
+  return is_behind;
 }
 
 }  // namespace collided::server

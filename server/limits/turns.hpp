@@ -1,16 +1,16 @@
 #pragma once
-// Whose frame runs next when many scenes share a device: start-time fair queuing on two levels. The waiting client that
-// has used the least time goes first, and among its scenes the one that has used the least. No gRPC here.
+// Decides who works next when many share a device, by start-time fair queuing on a tree. The waiting group that has used
+// the least time goes first; within it, the group or scene that has used the least. No gRPC here.
 
 #include <condition_variable>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 #include <vector>
 
+#include "server/auth/turn_path.hpp"
 #include "server/limits/load.hpp"
 #include "server/ops/clock.hpp"
 
@@ -18,39 +18,37 @@ namespace collided::server {
 
 class TurnAccount;
 
-/// A frame that waits for its turn.
-struct TurnWaiter {
-  TurnAccount* account;
-  double used;       // by the scene, in seconds
-  uint64_t arrival;  // its number among all
-  std::condition_variable woken;
-};
-/// Of one client's.
-struct GoesFirst {
-  bool operator()(const TurnWaiter* a, const TurnWaiter* b) const {
-    return std::pair(a->used, a->arrival) < std::pair(b->used, b->arrival);
-  }
-};
-
-/// The time that one client's scenes have used together.
-class TurnClient {
-  friend class Turns;
-  std::set<TurnWaiter*, GoesFirst> waiting_;
-  double used_ = 0;          // seconds
-  double virtual_time_ = 0;  // lower bound of a scene's time when it becomes busy again
-  unsigned running_ = 0;     // turns
-};
-
-/// The time that a scene has used. Neither scenes nor clients accrue credit while idle.
-class TurnAccount {
+/// A node of the tree: all clients of one address, a client, or one scene. Guarded by the mutex of its Turns.
+class TurnShare {
  public:
-  explicit TurnAccount(std::shared_ptr<TurnClient> client = std::make_shared<TurnClient>())
-      : client_(std::move(client)) {}
+  TurnShare() = default;
 
  private:
   friend class Turns;
-  std::shared_ptr<TurnClient> client_;
-  double used_ = 0;                    // seconds
+  friend class TurnAccount;
+  explicit TurnShare(std::shared_ptr<TurnShare> parent) : parent_(std::move(parent)) {}
+
+  std::shared_ptr<TurnShare> parent_;  // null: the root
+  std::map<std::string, std::weak_ptr<TurnShare>> groups_;
+  std::vector<TurnShare*> waiting_;  // of its children
+  TurnAccount* account_ = nullptr;   // that waits here; null for a group
+  uint64_t arrival_ = 0;             // of its earliest waiter
+  double used_ = 0;                  // seconds
+  double virtual_time_ = 0;          // lower bound of a child's time when it becomes busy again
+  unsigned running_ = 0;             // turns
+};
+
+/// The time that a scene has used, or a call. Neither scenes nor clients accrue credit while idle.
+class TurnAccount : public TurnShare {
+ public:
+  /// Makes an account of a client that has no other.
+  TurnAccount() : TurnShare(std::make_shared<TurnShare>()) {}
+
+ private:
+  friend class Turns;
+  explicit TurnAccount(std::shared_ptr<TurnShare> client) : TurnShare(std::move(client)) {}
+
+  std::function<void()> granted_;      // while it waits
   double turn_seconds_ = 0;            // seconds of the current or last turn
   Clock::time_point charged_until_{};  // the turn's time is charged up to here
   Clock::time_point quantum_begin_{};  // start of the turn's current quantum
@@ -59,11 +57,11 @@ class TurnAccount {
 class Turns {
  public:
   struct Options {
-    unsigned concurrent = 1;    ///< frames of different scenes that may run at once, 1 or more
+    unsigned concurrent = 1;    ///< turns of different accounts that may run at once, 1 or more
     bool reserves_one = false;  ///< keeps a turn free for other clients, for turns that cannot yield
     Now now = Clock::now;
   };
-  /// A frame that has run for this long yields to clients that have used less time.
+  /// A turn that has run for this long yields to clients that have used less time.
   static constexpr std::chrono::milliseconds kQuantum{10};
 
   explicit Turns(Options options) : options_(std::move(options)), free_(options_.concurrent), load_(options_.now()) {}
@@ -90,44 +88,54 @@ class Turns {
     TurnAccount* account_;
   };
 
-  /// The account of a scene of the client with that name.
-  TurnAccount account(const std::string& client);
+  /// A new account of the client with that path.
+  TurnAccount account(const TurnPath& client);
   /// Waits for a turn; an account for one at a time. Throws Cancelled soon after `cancelled` turns true.
   Turn take(TurnAccount& account, const std::function<bool()>& cancelled = {});
+  /// Calls `granted` with the turn once it has come, on any thread and perhaps at once. `granted` must neither wait nor
+  /// end the turn, but pass it on. The account outlives the turn.
+  void request(TurnAccount& account, std::function<void(Turn)> granted);
 
+  unsigned concurrent() const { return options_.concurrent; }
   /// Seconds that turns run a second, of late.
   double load();
   /// Seconds that turns have run, all together.
   double busy_seconds();
-  /// Frames that wait for a turn.
+  /// Accounts that wait for a turn.
   size_t waiting();
 
  private:
   using Lock = std::unique_lock<std::mutex>;
 
   // The caller holds the lock.
+  void prepare(TurnAccount& account);
   void await(Lock& lock, TurnAccount& account, const std::function<bool()>& cancelled);
-  void join(TurnWaiter& waiter);
-  void leave(TurnWaiter& waiter);
+  void join(TurnAccount& account, std::function<void()> granted);
+  void leave(TurnAccount& account);
+  void grant();
   void begin(TurnAccount& account);
   void end(TurnAccount& account);
   void begin_quantum(TurnAccount& account);
   void charge_running();
-  bool may_run(const TurnClient& client) const;
-  TurnWaiter* next() const;
-  void wake_next();
-  bool should_yield(const TurnAccount& account) const;
-  unsigned live_clients() const;
+  TurnShare& above(const TurnShare& share) { return share.parent_ ? *share.parent_ : root_; }
+  template <class Use>
+  void for_each_up(TurnShare& from, const Use& use);
+  std::shared_ptr<TurnShare> group(const std::shared_ptr<TurnShare>& parent, const std::string& name);
+  void keep_debt(const TurnAccount& account);
+  void forget_debts();
+  bool may_run(const TurnShare& share, const TurnShare& above) const;
+  bool has_next(const TurnShare& share, const TurnShare& above) const;
+  TurnAccount* next_of(const TurnShare& share) const;
+  bool should_yield(const TurnAccount& account);
 
   const Options options_;
-  std::mutex mutex_;                          // guards what follows, and all accounts
-  std::vector<TurnClient*> waiting_clients_;  // each has a waiter
-  size_t waiting_ = 0;                        // of all clients
+  std::mutex mutex_;     // guards what follows, and all shares
+  TurnShare root_;
+  size_t waiting_ = 0;   // accounts
   uint64_t arrivals_ = 0;
   std::vector<TurnAccount*> running_;
-  std::map<std::string, std::weak_ptr<TurnClient>> clients_;
+  std::vector<std::shared_ptr<TurnShare>> debtors_;  // clients that have used more than their share, even if they are gone
   unsigned free_;
-  double virtual_time_ = 0;  // lower bound of a client's time when it becomes busy again
   Load load_;
 };
 

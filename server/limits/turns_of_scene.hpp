@@ -3,7 +3,6 @@
 
 #include <deque>
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "server/limits/turns.hpp"
@@ -29,8 +28,15 @@ class TurnsOfScene {
   };
 
   /// `devices`: of the scene, each once, in the same order for all scenes, so that no two wait for each other.
-  TurnsOfScene(const std::vector<Turns*>& devices, const std::string& client) {
+  TurnsOfScene(const std::vector<Turns*>& devices, const TurnPath& client) : client_(client) {
     for (Turns* turns : devices) accounts_.push_back({turns, turns->account(client)});
+  }
+
+  /// Later turns are that client's. Not while there is a turn.
+  void charge_to(const TurnPath& client) {
+    if (client == client_) return;
+    for (auto& [turns, account] : accounts_) account = turns->account(client);
+    client_ = client;
   }
 
   /// Waits for a turn on each; for one frame at a time. Throws as Turns::take does.
@@ -45,6 +51,7 @@ class TurnsOfScene {
     Turns* turns;
     TurnAccount account;
   };
+  TurnPath client_;
   std::deque<Account> accounts_;  // which never move
 };
 

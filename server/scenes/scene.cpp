@@ -76,7 +76,8 @@ Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
       quota_(parted_ ? parted_->whole() : DeviceBytes::of_scene(plan.engine.memory_budget, plan.quota)),
       device_(plan.engine.device),
       devices_(devices_of(plan.engine)),
-      turns_(turns_on(surroundings_.devices, devices_), facts_.owner->name),
+      turns_(turns_on(surroundings_.devices, devices_), facts_.owner->turn_path()),
+      host_turns_({&surroundings_.devices.host_turns()}, facts_.owner->turn_path()),
       held_(quota_),
       worker_(facts_.queue_capacity) {
   held_.resize(plan_bytes(plan) + element_bytes(plan.engine));
@@ -281,9 +282,19 @@ void Scene::build_if_complete() {
 }
 
 void Scene::make_detector() try {
-  detector_ = naming_paths(spec_path, [&] { return Detector::create(std::move(pending_)); });
+  const auto is_closed = [this] { return closed_.load(); };
+  auto turn = host_turns_.take(is_closed);
+  detector_ = naming_paths(spec_path, [&] {
+    return Detector::create(std::move(pending_), [&] {
+      turn.yield_turn(is_closed);
+      return is_closed();
+    });
+  });
   pending_ = {};
   held_.resize(host_bytes());
+} catch (const Cancelled&) {
+  check_open();
+  throw;
 } catch (...) {
   build_failure_ = std::current_exception();
   throw;

@@ -138,13 +138,17 @@ class Scene {
   uint64_t max_position_bytes() const;
   /// Waits for this scene's turn on its devices.
   TurnsOfScene::Turn take_turn(const std::function<bool()>& cancelled) { return turns_.take(cancelled); }
+  /// Later frames take turns of this client: the one that sends them. From any thread.
+  void charge_to(const TurnPath& client) {
+    worker_.post([this, client] { turns_.charge_to(client); });
+  }
 
   /// Whether nobody has used the scene for longer than its lease.
   bool is_expired(std::chrono::steady_clock::time_point now) const;
 
   // On the worker's thread only:
 
-  /// Builds the detector unless triangles are still missing.
+  /// Builds the detector, in turns of its client on the host, unless triangles are still missing.
   void build_if_complete();
   /// Adds all triangles that a mesh awaits, and builds the detector once no mesh awaits any.
   void add_triangles(uint32_t mesh, ReceivedTriangles& triangles);
@@ -180,7 +184,7 @@ class Scene {
   const std::shared_ptr<DeviceBytes> quota_;
   const Device device_;
   const std::vector<Device> devices_;
-  TurnsOfScene turns_;
+  TurnsOfScene turns_, host_turns_;   // of frames, and of building
   MemoryHold held_;                   // plan, triangles and topology; owned by the worker after construction
   std::exception_ptr build_failure_;  // owned by the worker
   bool excludes_rest_pairs_ = false;  // a mesh does; fixed after construction

@@ -42,6 +42,7 @@ class SceneHost {
     return usage_.begin_stream(client, scene.would_take_over(resume_token));
   }
   const ServedDevices& devices() const { return devices_; }
+  Turns& host_turns() { return devices_.host_turns(); }
   OpenUploads& uploads() { return uploads_; }
   /// Ends uploads that have been silent for too long or whose scenes are gone.
   void end_stale_uploads();

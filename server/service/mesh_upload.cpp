@@ -55,6 +55,15 @@ void MeshUpload::OnReadDone(bool ok) try {
   first_chunk_.reset();
   if (!upload_->receive(Upload::Clock::now())) return;
   if (!ok) return commit();
+  check_message_size(bytes_.Length(), parts_.max_message_bytes);
+  share_ = parts_.budget.take(caller_.client, bytes_.Length());
+  parts_.work.post(caller_.client->turn_path(), [this] { take_chunk(); });
+} catch (...) {
+  finish(to_status(describe_current()));
+}
+
+// Nobody else ends the call between receive() and read().
+void MeshUpload::take_chunk() try {
   parse();
   if (!upload_->scene()) begin();
   take();
@@ -66,6 +75,7 @@ void MeshUpload::OnReadDone(bool ok) try {
 }
 
 void MeshUpload::parse() {
+  share_.reset();
   share_ = parse_bounded(bytes_, caller_.client, parts_, request_);
   bytes_.Clear();
 }

@@ -27,6 +27,7 @@ class MeshUpload final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  private:
   void await_first();
   void read();
+  void take_chunk();
   void parse();
   void begin();
   void finish(const grpc::Status& status);

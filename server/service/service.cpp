@@ -49,7 +49,8 @@ CollisionService::CollisionService(const Config& config, SceneHost& host, const 
       host_(host),
       devices_(devices_of(host)),
       budget_(decode_budget_bytes(config.limits)),
-      parts_{authenticator, host, budget_, waiting_, config.limits.max_message_bytes} {}
+      work_(host.host_turns()),
+      parts_{authenticator, host, budget_, waiting_, work_, config.limits.max_message_bytes} {}
 
 template <class Request, class Response>
 void CollisionService::add(RpcRouter& router, const char* method, Body<Request, Response> body) {

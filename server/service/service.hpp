@@ -31,7 +31,7 @@ class CollisionService final : public RawService {
   /// Adds all methods except StreamFrames. Before the server is built; the service must outlive it.
   void add_to(RpcRouter& router);
   /// Number of open calls.
-  uint64_t in_work() const { return static_cast<uint64_t>(calls_.use_count() - 1); }
+  uint64_t in_work() const { return static_cast<uint64_t>(calls_.use_count() - 1) + work_.size(); }
   WaitingCalls& waiting() { return waiting_; }
   const CallParts& parts() const { return parts_; }
 
@@ -63,6 +63,7 @@ class CollisionService final : public RawService {
   const std::vector<Device> devices_;
   DecodeBudget budget_;
   WaitingCalls waiting_;
+  ClientWork work_;
   const CallParts parts_;
   TimedJobs watch_jobs_;
   const std::shared_ptr<int> calls_ = std::make_shared<int>();  // each open call holds a copy

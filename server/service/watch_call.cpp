@@ -117,7 +117,9 @@ void WatchCall::show(WatchedUpdate update) {
   const std::lock_guard lock(mutex_);
   if (status_) return;
   update_ = std::move(update);
-  post(Clock::now(), &WatchCall::build_and_send);
+  parts_.work.post(caller().client->turn_path(), [weak = weak_from_this()] {
+    if (const auto call = weak.lock()) call->build_and_send();
+  });
 }
 
 void WatchCall::build_and_send() {

@@ -1,5 +1,5 @@
 #pragma once
-// One WatchScene call. Its messages are built by the thread of all watchers: the scene's worker only hands them over.
+// One WatchScene call. Its messages are built in turns of its client: the scene's worker only hands them over.
 
 #include <memory>
 #include <mutex>
@@ -13,8 +13,7 @@ namespace collided::server {
 
 class WatchCall final : public RequestCall, public WatchSink, public std::enable_shared_from_this<WatchCall> {
  public:
-  /// `host` and `parts` outlive the call. `jobs`: the thread of all watchers, which thus never take more than one core
-  /// from the frames.
+  /// `host` and `parts` outlive the call. `jobs`: for what it does later.
   static grpc::ServerGenericBidiReactor* serve(grpc::CallbackServerContext& context, SceneHost& host,
                                                const CallParts& parts, TimedJobs& jobs);
 
@@ -40,7 +39,6 @@ class WatchCall final : public RequestCall, public WatchSink, public std::enable
   void await_next();
   void get_ready();
   void cancel_write();
-  /// To the thread of all watchers.
   void post(Clock::time_point when, void (WatchCall::*step)());
   void log_end(const grpc::Status& status) const;
 

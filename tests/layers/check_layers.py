@@ -95,7 +95,7 @@ def server_complaint(path, target):
 # The engine's folders, and those that each may include besides itself: data flows from the later to the earlier.
 ROOMS = {"base": set(), "exact": {"base"}, "exec": {"base"}, "contacts": {"base", "exec"}}
 ROOMS |= {room: {"base", "exec", "contacts"} for room in ("positions", "octree", "lbvh", "search", "narrow")}
-ROOMS["tables"] = {"base", "search"}
+ROOMS["tables"] = {"base", "exec", "search"}
 ROOMS["step"] = {"base", "exec", "contacts", "octree", "lbvh", "search", "narrow", "exact"}
 ROOMS["scene"] = ROOMS["step"] | {"positions", "step", "tables"}
 # The specification of a scene, and the top.

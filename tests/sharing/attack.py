@@ -21,7 +21,7 @@ REFUSED_PAUSE = 0.01
 
 
 def load():
-    from attacks import calls, http2, http2_windows, local, scenes, self_check  # noqa: F401
+    from attacks import calls, http2, http2_windows, local, scenes, self_check, work  # noqa: F401
 
 
 def seen_by(target, attack):

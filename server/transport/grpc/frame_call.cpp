@@ -20,6 +20,8 @@ namespace {
 constexpr StreamKind kKind{"stream", "StreamFrames"};
 constexpr size_t kMaxOutgoing = size_t{16} << 20;   // bytes of unsent answers past which no frame is started
 constexpr auto kLinger = std::chrono::seconds(10);  // for the last message if the client does not take it
+// The completion-queue thread handles messages up to this size itself: a hand-over would cost more than it protects.
+constexpr size_t kMaxUnsharedBytes = size_t{4} << 20;
 constexpr size_t kAlignmentBytes = 4096;            // for the alignment of each update's positions
 
 }  // namespace
@@ -94,6 +96,11 @@ void FrameCall::on_read(bool ok) {
     }
     bytes.Swap(&incoming_);
   }
+  if (bytes.Length() <= kMaxUnsharedBytes) return handle(bytes);
+  calls_.parts_.work.post(caller_.client->turn_path(), [self = shared_from_this(), bytes] { self->handle(bytes); });
+}
+
+void FrameCall::handle(const grpc::ByteBuffer& bytes) {
   try {
     take(bytes);
   } catch (...) {
@@ -154,6 +161,7 @@ void FrameCall::open(const pb::OpenStream& open) {
     session_ = session;
     if (status_) session->close();  // ended in the meantime
   }
+  session->scene().charge_to(caller_.client->turn_path());
   host_.tell_of_stop(*session);
   log_stream_opened(kKind, session->scene(), window_, caller_.ids);
 }

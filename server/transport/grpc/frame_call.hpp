@@ -60,6 +60,7 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   void on_linger(bool ok);
 
   void await_opening();
+  void handle(const grpc::ByteBuffer& bytes);
   void take(const grpc::ByteBuffer& bytes);
   Expected expected() const;
   DecodedRequest decode(const grpc::ByteBuffer& bytes, IncomingFrame& incoming) const;

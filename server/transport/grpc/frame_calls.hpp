@@ -1,6 +1,6 @@
 #pragma once
 // The StreamFrames calls: raw messages on their own completion queue, whose threads read frames and never run engine
-// work. (The callback API is slower for large messages: it passes each one through more threads.)
+// work; large ones are read in turns of their client. (The callback API is slower for large messages: it passes each one through more threads.)
 
 #include <grpcpp/grpcpp.h>
 
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/auth/authenticator.hpp"
+#include "server/limits/client_work.hpp"
 #include "server/limits/waiting_calls.hpp"
 #include "server/ops/metrics.hpp"
 #include "server/scenes/scene_host.hpp"
@@ -26,6 +27,7 @@ struct FrameCallParts {
   const Authenticator& authenticator;
   Metrics& metrics;
   WaitingCalls& waiting;
+  ClientWork& work;
   uint64_t max_message_bytes;
   const CallEvents& events;  ///< a call is abandoned if it ends before it opens a stream
 };

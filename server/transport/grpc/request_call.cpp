@@ -86,6 +86,16 @@ void RequestCall::OnReadDone(bool ok) {
   message_.reset();
   guard(*this, [&] {
     if (!ok) throw InvalidInput("request", "request is missing: the call had no message");
+    check_message_size(bytes_.Length(), parts_.max_message_bytes);
+    share_ = parts_.budget.take(caller_.client, bytes_.Length());  // so that few bytes wait for their client's turn
+    parts_.work.post(caller_.client->turn_path(), [this] { take_message(); });
+  });
+}
+
+void RequestCall::take_message() {
+  guard(*this, [&] {
+    if (is_cancelled()) throw Cancelled();
+    share_.reset();
     share_ = parse_bounded(bytes_, caller_.client, parts_, request_message());
     bytes_.Clear();
     answer();

@@ -9,6 +9,7 @@
 #include <memory>
 #include <utility>
 
+#include "server/limits/client_work.hpp"
 #include "server/limits/decode_budget.hpp"
 #include "server/limits/waiting_calls.hpp"
 #include "server/refusals/status.hpp"
@@ -23,6 +24,7 @@ struct CallParts {
   const SceneHost& host;
   DecodeBudget& budget;
   WaitingCalls& waiting;
+  ClientWork& work;
   uint64_t max_message_bytes = 0;
 };
 
@@ -67,9 +69,10 @@ class RequestCall : public grpc::ServerGenericBidiReactor {
 
  private:
   virtual google::protobuf::Message& request_message() = 0;
-  /// The message has arrived; what this throws ends the call.
+  /// The message has arrived, and it is the client's turn; what this throws ends the call.
   virtual void answer() = 0;
   void await_message();
+  void take_message();
 
   Caller caller_;
   std::unique_ptr<WaitingCalls::Wait> message_;  // until the message has arrived

@@ -3,6 +3,7 @@
 
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -37,6 +38,14 @@ int milliseconds_until(const std::optional<Clock::time_point>& time) {
   if (!time) return -1;
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(*time - Clock::now()).count();
   return static_cast<int>(std::clamp<int64_t>(left, 0, 3'600'000));
+}
+
+// Who connected.
+Origin origin_of_process(int socket) {
+  ucred process{};
+  socklen_t size = sizeof(process);
+  if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &process, &size) != 0) return {};
+  return {fmt::format("uid:{}", process.uid), fmt::format("pid:{}", process.pid)};
 }
 
 Fd make_event() {
@@ -167,7 +176,7 @@ void Connection::take(Packet packet) {
 
 void Connection::open(const pb::LocalOpen& open, std::vector<PassedFile> files) {
   requested_scene_id_ = shorten(open.open().scene_id(), 64);
-  opening_ = check_opening(open, std::move(files), rules_);
+  opening_ = check_opening(open, std::move(files), rules_, origin_of_process(socket_.get()));
   writer_ = std::make_unique<AnswerWriter>(opening_.region, opening_.terms.window);
   {
     const std::lock_guard lock(mutex_);
@@ -180,6 +189,7 @@ void Connection::open(const pb::LocalOpen& open, std::vector<PassedFile> files) 
     session_ = session;
     if (!outbox_.empty()) session->hold(true);
   }
+  opening_.scene->charge_to(opening_.client->turn_path());
   rules_.host.tell_of_stop(*session);
   log_stream_opened(kKind, *opening_.scene, opening_.terms.window, ids_);
 }

@@ -116,11 +116,12 @@ std::shared_ptr<SharedRegion> map_region(const pb::LocalOpen& open, const std::v
 
 }  // namespace
 
-Opening check_opening(const pb::LocalOpen& open, std::vector<PassedFile> files, const OpeningRules& rules) {
+Opening check_opening(const pb::LocalOpen& open, std::vector<PassedFile> files, const OpeningRules& rules,
+                      const Origin& origin) {
   if (open.version() != pb::kLocalVersion)
     throw_invalid("open.version", fmt::format("is {}, but this daemon speaks {}", open.version(), pb::kLocalVersion));
   Opening opening;
-  opening.client = rules.authenticator.identify(open.token().empty() ? "" : "Bearer " + open.token(), "");
+  opening.client = rules.authenticator.identify(open.token().empty() ? "" : "Bearer " + open.token(), "", origin);
   rules.host.check_serving();
   opening.scene = rules.host.scenes().find(opening.client, open.open().scene_id());
   opening.ticket = rules.host.begin_stream(opening.client, *opening.scene, open.open().resume_token());

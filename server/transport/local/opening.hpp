@@ -32,6 +32,7 @@ struct OpeningRules {
 };
 
 /// Checks the opening and maps its memory. Throws exceptions that map to the codes of StreamFrames.
-Opening check_opening(const pb::LocalOpen& open, std::vector<PassedFile> files, const OpeningRules& rules);
+Opening check_opening(const pb::LocalOpen& open, std::vector<PassedFile> files, const OpeningRules& rules,
+                      const Origin& origin = {});
 
 }  // namespace collided::server

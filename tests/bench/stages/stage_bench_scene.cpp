@@ -63,7 +63,10 @@ namespace collided::test {
 StageScene::StageScene(const std::string& name, const Case& step)
     : spec(spec_of(step)),
       thickness_at_rest(dcd_thickness(name)),
-      features(make_features(spec.meshes)),
+      features([&] {
+        Asks asks;
+        return make_features(spec.meshes, asks);
+      }()),
       frame(step, spec.mode, spec.scalar) {
   make_resident(step);
   run_step();

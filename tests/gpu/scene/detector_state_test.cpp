@@ -198,6 +198,18 @@ TEST_F(DetectorState, CancelledFirstFrameIsStillTheFirst) {
   EXPECT_TRUE(same_contacts(run_case(c, fast_spec()), detector->detect(frame.input())));
 }
 
+// create() asks repeatedly while it makes the tables.
+TEST_F(DetectorState, ItsMakingCanBeCancelled) {
+  constexpr uint32_t kTriangles = 1 << 18;
+  SceneSpec spec = fast_spec();
+  MeshSpec& mesh = spec.meshes.emplace_back();
+  mesh.vertex_count = kTriangles + 2;
+  for (uint32_t i = 0; i < kTriangles; ++i) mesh.triangles.push_back({i, i + 1, i + 2});
+  int asked = 0;
+  EXPECT_THROW(Detector::create(spec, [&] { return ++asked > 2; }), Cancelled);
+  EXPECT_EQ(asked, 3);
+}
+
 TEST_F(DetectorState, DetectorsAreIndependent) {
   const Case a = soup(67, 300, 1, 0.2, 0.1), b = soup(68, 400, 1, 0.2, 0.1);
   auto one = Detector::create(spec_for(a, fast_spec())), two = Detector::create(spec_for(b, fast_spec()));

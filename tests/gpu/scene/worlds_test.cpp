@@ -255,6 +255,29 @@ TEST_F(Worlds, AllMayBeBad) {
   scenes.expect_same(all_worlds(), 0);
 }
 
+// Refusals of many worlds take long, and nothing else of such a frame asks: it must not run as a whole.
+TEST_F(Worlds, AFrameOfBadOnesCanBeCancelled) {
+  constexpr uint32_t kMany = 1 << 15;
+  const Case c = of_one_world();
+  SceneSpec spec = spec_for(c, settings(Mode::kCcd, Accuracy::kFast, Scalar::kF32));
+  spec.worlds = kMany;
+  auto set = Detector::create(spec);
+  std::vector<std::vector<float>> positions;
+  for (const Positions& mesh : c.start)
+    positions.emplace_back(3 * mesh.size(), std::numeric_limits<float>::quiet_NaN());
+  FrameInput input;
+  for (uint32_t mesh = 0; mesh < kMany * positions.size(); ++mesh) {
+    MeshPositions& update = input.updates.emplace_back();
+    update.mesh = mesh;
+    update.end = std::as_bytes(std::span(positions[mesh % positions.size()]));
+  }
+  int asked = 0;
+  input.cancelled = [&] { return ++asked > 3; };
+  EXPECT_THROW(set->detect(input), Cancelled);
+  input.cancelled = {};
+  EXPECT_EQ(set->detect(input).worlds.refused.size(), kMany);
+}
+
 TEST_F(Worlds, TurnsAreRefusedByWorld) {
   Scenes scenes(settings(Mode::kDcd, Accuracy::kFast, Scalar::kF32, 0x1p-6), of_one_world());
   scenes.expect_same({0, 1}, 0);

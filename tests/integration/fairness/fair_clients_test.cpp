@@ -53,6 +53,25 @@ TEST_F(FairClients, LongFramesGiveWayToShortOnes) {
   aftermath_.expect_unharmed();
 }
 
+// Without tokens all clients have one name, and each connection takes turns of its own.
+TEST(ClientsWithoutTokens, LongFramesGiveWayToShortOnesOfOtherConnections) {
+  constexpr uint64_t kLong = 4, kLeastShort = 3 * kLong;
+  DaemonProcess daemon({"--threads", "2"}, "cpu");
+  const auto stubs = [&](int first, int count) {
+    std::vector<std::unique_ptr<Stub>> all;
+    for (int i = 0; i < count; ++i)
+      all.push_back(pb::CollisionService::NewStub(channel_to(daemon.address(), first + i)));
+    return all;
+  };
+  const TwoLoads loads{{stubs(1, 4), layers_work(200, 2)}, {stubs(10, 1), layers_work(4, 1)}};
+  loads.wait_until_on();
+  const uint64_t of_many = loads.many.frames(), of_one = loads.one.frames();
+  eventually(
+      "long frames are answered", [&] { return loads.many.frames() >= of_many + kLong; }, kPatience);
+  EXPECT_GE(loads.one.frames() - of_one, kLeastShort);
+  EXPECT_EQ(loads.refused(), 0u);
+}
+
 TEST_F(FairClients, AFrameThatRunsForTooLongIsRefusedAndItsStreamGoesOn) {
   constexpr uint32_t kSide = 100;
   const auto positions = pack_points(layer_points(kSide, kLayersApart));

@@ -42,6 +42,19 @@ TEST(Authenticator, EverybodyIsAnonymousWhereNothingIsAsked) {
   }
 }
 
+// Anonymous callers have one name: without origins a long frame of one would never yield to another's.
+TEST(Authenticator, AnonymousCallersTakeTurnsByTheirOrigin) {
+  const Authenticator authenticator{Config()};
+  EXPECT_EQ(authenticator.identify("", "", {"uid:7", "pid:9"})->turn_path(), (TurnPath{"uid:7", "pid:9"}));
+  EXPECT_EQ(authenticator.identify("", "")->turn_path(), TurnPath{"anonymous"});
+}
+
+TEST(Authenticator, ATokenTakesTurnsByItsNameWhereverItComesFrom) {
+  const TextFile file(kTwo);
+  const Authenticator authenticator(with_tokens(file));
+  EXPECT_EQ(authenticator.identify("Bearer token-of-client-a", "", {"uid:7", "pid:9"})->turn_path(), TurnPath{"a"});
+}
+
 TEST(Authenticator, ATokenIsItsClient) {
   const TextFile file(kTwo);
   const Authenticator authenticator(with_tokens(file));

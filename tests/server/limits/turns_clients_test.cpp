@@ -1,11 +1,16 @@
 // Fair turns among clients: however many scenes they have, and however long their frames run.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <deque>
+#include <map>
+#include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "gpu/detector.hpp"
@@ -60,7 +65,7 @@ TEST_F(TurnsOfClients, HaveEqualTimeHoweverManyScenesTheyHave) {
   std::vector<std::jthread> threads;
   for (int i = 0; i < kScenes; ++i)
     threads.emplace_back([&] {
-      TurnAccount account = shared.account("greedy");
+      TurnAccount account = shared.account({"greedy"});
       while (!is_over) {
         const auto turn = shared.take(account);
         wait_until([&] { return modest_waits || is_over; });
@@ -69,7 +74,7 @@ TEST_F(TurnsOfClients, HaveEqualTimeHoweverManyScenesTheyHave) {
         ++of_greedy;
       }
     });
-  TurnAccount account = shared.account("modest");
+  TurnAccount account = shared.account({"modest"});
   ASSERT_TRUE(wait_until([&] { return !is_free(shared, account); }));
   for (int i = 0; i < kTurns; ++i) {
     const auto turn = shared.take(account, [&] { return !(modest_waits = true); });
@@ -82,7 +87,7 @@ TEST_F(TurnsOfClients, HaveEqualTimeHoweverManyScenesTheyHave) {
 
 TEST_F(TurnsOfClients, TheScenesOfOneAreFairAmongEachOther) {
   Turns shared = turns(1);
-  TurnAccount much = shared.account("a"), little = shared.account("a"), holder = shared.account("b");
+  TurnAccount much = shared.account({"a"}), little = shared.account({"a"}), holder = shared.account({"b"});
   std::string order;
   for (const auto& [account, time] : {std::pair{&much, 9}, {&little, 2}}) {
     const auto turn = shared.take(*account);
@@ -98,7 +103,7 @@ TEST_F(TurnsOfClients, TheScenesOfOneAreFairAmongEachOther) {
 
 TEST_F(TurnsOfClients, AFrameGivesWayAfterItsQuantumToAnotherClientAlone) {
   Turns shared = turns(1);
-  TurnAccount runs = shared.account("a"), brother = shared.account("a"), other = shared.account("b");
+  TurnAccount runs = shared.account({"a"}), brother = shared.account({"a"}), other = shared.account({"b"});
   std::string order;
   auto turn = std::make_optional(shared.take(runs));
   {
@@ -123,7 +128,7 @@ TEST_F(TurnsOfClients, AFrameGivesWayAfterItsQuantumToAnotherClientAlone) {
 
 TEST_F(TurnsOfClients, AFrameIsChargedForItsOwnTimeAlone) {
   Turns shared = turns(1);
-  TurnAccount runs = shared.account("a"), other = shared.account("b");
+  TurnAccount runs = shared.account({"a"}), other = shared.account({"b"});
   auto turn = shared.take(runs);
   clock_.move(milliseconds(20));
   {
@@ -137,7 +142,7 @@ TEST_F(TurnsOfClients, AFrameIsChargedForItsOwnTimeAlone) {
 // A client that has used more gets no turn, however long the other runs.
 TEST_F(TurnsOfClients, NobodyGivesWayToOneThatHasHadMore) {
   Turns shared = turns(1);
-  TurnAccount runs = shared.account("a"), other = shared.account("b");
+  TurnAccount runs = shared.account({"a"}), other = shared.account({"b"});
   {
     const auto turn = shared.take(other);
     clock_.move(milliseconds(100));
@@ -159,7 +164,7 @@ TEST_F(TurnsOfClients, NobodyGivesWayToOneThatHasHadMore) {
 // One client's long frame is no credit for those that arrive later.
 TEST_F(TurnsOfClients, OneThatComesLateSavedNothingUp) {
   Turns shared = turns(1);
-  TurnAccount runs = shared.account("a"), late = shared.account("b");
+  TurnAccount runs = shared.account({"a"}), late = shared.account({"b"});
   auto turn = shared.take(runs);
   for (int i = 0; i < 100; ++i) {
     clock_.move(Turns::kQuantum);
@@ -185,7 +190,7 @@ TEST_F(TurnsOfClients, OneThatComesLateSavedNothingUp) {
 
 TEST_F(TurnsOfClients, AFrameThatIsCancelledWhileItGaveWayLosesNoTurn) {
   Turns shared = turns(1);
-  TurnAccount runs = shared.account("a"), other = shared.account("b");
+  TurnAccount runs = shared.account({"a"}), other = shared.account({"b"});
   std::atomic<bool> goes_on = false;
   {
     auto turn = shared.take(runs);
@@ -203,20 +208,94 @@ TEST_F(TurnsOfClients, AFrameThatIsCancelledWhileItGaveWayLosesNoTurn) {
 // If turns cannot yield, one client never holds them all, unless it is alone.
 TEST_F(TurnsOfClients, OneTurnIsKeptFreeForOtherClients) {
   Turns shared = turns(3, true);
-  std::array<TurnAccount, 3> accounts{shared.account("a"), shared.account("a"), shared.account("a")};
+  std::array<TurnAccount, 3> accounts{shared.account({"a"}), shared.account({"a"}), shared.account({"a"})};
   const auto first = shared.take(accounts[0]), second = shared.take(accounts[1]);
   EXPECT_TRUE(is_free(shared, accounts[2]));
   {
-    TurnAccount other = shared.account("b");
+    TurnAccount other = shared.account({"b"});
     EXPECT_FALSE(is_free(shared, accounts[2]));
     EXPECT_TRUE(is_free(shared, other));
   }
   EXPECT_TRUE(is_free(shared, accounts[2]));
 }
 
+// An address has its share however many connections it has; so has each of its connections.
+TEST_F(TurnsOfClients, GroupsOfClientsHaveEqualTime) {
+  Turns shared = turns(1);
+  struct Loop {
+    char name;
+    TurnAccount account;
+    std::optional<Turns::Turn> turn = std::nullopt;
+  };
+  std::deque<Loop> loops;
+  for (const auto& [name, path] : {std::pair{'x', TurnPath{"one", "x"}}, {'y', TurnPath{"one", "y"}},
+                                   {'z', TurnPath{"one", "z"}}, {'o', TurnPath{"other", "o"}}})
+    loops.push_back({name, shared.account(path)});
+  const auto ask = [&](Loop& loop) {
+    shared.request(loop.account, [&](Turns::Turn turn) { loop.turn.emplace(std::move(turn)); });
+  };
+  for (Loop& loop : loops) ask(loop);
+  std::map<char, int> had;
+  const auto running = [&] {
+    return std::ranges::find_if(loops, [](const Loop& loop) { return loop.turn.has_value(); });
+  };
+  for (int i = 0; i < 60; ++i) {
+    const auto runs = running();
+    ASSERT_NE(runs, loops.end());
+    clock_.move(milliseconds(5));
+    ++had[runs->name];
+    runs->turn.reset();
+    ask(*runs);
+  }
+  EXPECT_EQ(shared.waiting(), 3u);
+  for (auto last = running(); last != loops.end(); last = running()) last->turn.reset();
+  EXPECT_NEAR(had['o'], 30, 2);
+  for (const char name : {'x', 'y', 'z'}) EXPECT_NEAR(had[name], 10, 2);
+}
+
+TEST_F(TurnsOfClients, AConnectionGivesWayToAnotherOfItsAddress) {
+  Turns shared = turns(1);
+  TurnAccount runs = shared.account({"address", "1"}), brother = shared.account({"address", "1"}),
+              other = shared.account({"address", "2"});
+  std::string order;
+  auto turn = std::make_optional(shared.take(runs));
+  {
+    const Waiting same(shared, brother, [&] { order += 's'; });
+    clock_.move(Turns::kQuantum);
+    turn->yield_turn();
+    EXPECT_EQ(order, "");
+    const Waiting another(shared, other, [&] { order += 'o'; });
+    clock_.move(Turns::kQuantum);
+    turn->yield_turn();
+    EXPECT_EQ(order.substr(0, 1), "o");
+    turn.reset();
+  }
+}
+
+// Between its calls a client may hold nothing: what it has used counts all the same.
+TEST_F(TurnsOfClients, OneThatComesAgainIsNotNew) {
+  Turns shared = turns(1);
+  const auto use = [&](const char* client, int time) {
+    TurnAccount account = shared.account({client});
+    const auto turn = shared.take(account);
+    clock_.move(milliseconds(time));
+  };
+  TurnAccount holder = shared.account({"holder"}), little = shared.account({"little"});
+  use("much", 100);
+  use("little", 20);
+  std::optional held = shared.take(holder);
+  std::string order;
+  {
+    TurnAccount much = shared.account({"much"});
+    const Waiting first(shared, much, [&] { order += 'm'; }), second(shared, little, [&] { order += 'l'; });
+    held.reset();
+  }
+  EXPECT_EQ(order, "lm");
+}
+
 TEST_F(TurnsOfClients, ASingleTurnIsKeptFreeForNobody) {
   Turns shared = turns(1, true);
-  TurnAccount one = shared.account("a"), other = shared.account("b");
+  TurnAccount one = shared.account({"a"}), other = shared.account({"b"});
   EXPECT_TRUE(is_free(shared, one));
   EXPECT_TRUE(is_free(shared, other));
 }

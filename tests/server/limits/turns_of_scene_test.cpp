@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <deque>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -24,7 +27,7 @@ bool is_free(Turns& turns) {
 
 TEST(TurnsOfAScene, AreOnAllItsDevicesWhileTheyLast) {
   Turns first(1), second(1), other(1);
-  TurnsOfScene scene({&first, &second}, "robot");
+  TurnsOfScene scene({&first, &second}, {"robot"});
   {
     const auto turn = scene.take({});
     EXPECT_TRUE(!is_free(first) && !is_free(second) && is_free(other));
@@ -37,11 +40,38 @@ TEST(TurnsOfAScene, AreOnAllItsDevicesWhileTheyLast) {
 
 TEST(TurnsOfAScene, ACancelledWaitForOneGivesTheOthersBack) {
   Turns first(1), second(1);
-  TurnsOfScene scene({&first, &second}, "robot");
+  TurnsOfScene scene({&first, &second}, {"robot"});
   TurnAccount account;
   const auto busy = second.take(account);
   EXPECT_THROW(scene.take([] { return true; }), Cancelled);
   EXPECT_TRUE(is_free(first));
+}
+
+TEST(TurnsOfAScene, AreChargedToWhoSendsItsFrames) {
+  Turns turns(1);
+  TurnsOfScene scene({&turns}, {"creator"});
+  scene.charge_to({"sender"});
+  TurnAccount creator = turns.account({"creator"}), sender = turns.account({"sender"}), holder = turns.account({"h"});
+  {
+    auto turn = scene.take({});
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  std::string order;
+  auto held = std::make_optional(turns.take(holder));
+  std::deque<Turns::Turn> granted;
+  const auto ask = [&](TurnAccount& account, char name) {
+    turns.request(account, [&order, &granted, name](Turns::Turn turn) {
+      order += name;
+      granted.push_back(std::move(turn));
+    });
+  };
+  ask(sender, 's');
+  ask(creator, 'c');
+  held.reset();
+  std::optional<Turns::Turn> first(std::move(granted.front()));
+  granted.pop_front();
+  first.reset();
+  EXPECT_EQ(order, "cs");
 }
 
 // Each would otherwise wait for what the other has.
@@ -50,7 +80,7 @@ TEST(TurnsOfAScene, ScenesOnTheSameDevicesNeverBlockEachOther) {
   std::vector<std::thread> threads;
   for (const char* client : {"a", "b", "c"})
     threads.emplace_back([&, client] {
-      TurnsOfScene scene({&first, &second}, client);
+      TurnsOfScene scene({&first, &second}, {client});
       for (int frame = 0; frame < 200; ++frame) {
         auto turn = scene.take({});
         turn.yield_turn({});

@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+#include <vector>
+
 #include "server/errors.hpp"
 #include "tests/server/scenes/tiny_scene.hpp"
+#include "tests/server/wait_until.hpp"
 
 namespace collided::server {
 namespace {
@@ -41,6 +45,33 @@ void add(Scene& scene, const std::vector<TriangleCorners>& triangles) {
   received.reserve(triangles.size());
   for (const auto& triangle : triangles) received.push(triangle);
   scene.add_triangles(1, received);
+}
+
+// Building takes turns like frames do, but on the host.
+TEST_F(SceneTest, IsBuiltInTurnsOfItsClient) {
+  Turns& turns = devices_.host_turns();
+  std::vector<TurnAccount> accounts(turns.concurrent());
+  std::vector<Turns::Turn> held;
+  for (TurnAccount& account : accounts) held.push_back(turns.take(account));
+  const auto scene = make(tip_plan());
+  std::thread builder([&] { scene->build_if_complete(); });
+  EXPECT_TRUE(wait_until([&] { return turns.waiting() == 1; }));
+  EXPECT_FALSE(scene->snapshot().ready);
+  held.clear();
+  builder.join();
+  EXPECT_TRUE(scene->snapshot().ready);
+}
+
+TEST_F(SceneTest, IsNotBuiltOnceItIsDeleted) {
+  Turns& turns = devices_.host_turns();
+  std::vector<TurnAccount> accounts(turns.concurrent());
+  std::vector<Turns::Turn> held;
+  for (TurnAccount& account : accounts) held.push_back(turns.take(account));
+  const auto scene = make(tip_plan());
+  std::thread builder([&] { EXPECT_THROW(scene->build_if_complete(), NotFound); });
+  EXPECT_TRUE(wait_until([&] { return turns.waiting() == 1; }));
+  scene->close({});
+  builder.join();
 }
 
 TEST_F(SceneTest, TakesNothingForAMeshThatIsComplete) {

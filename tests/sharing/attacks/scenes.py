@@ -4,6 +4,7 @@ import numpy as np
 
 import collided
 
+from attacks.calls import in_threads
 from attacks.catalogue import attack
 
 
@@ -47,9 +48,20 @@ def all_pairs_touch(target, told, over):
     stream(target, told, over, vertices, triangles, -vertices, thickness=0.01)
 
 
+def far_apart(count):
+    vertices, triangles = soup(count, 1)
+    return vertices * 2.0 ** np.random.default_rng(2).integers(-200, 20, vertices.shape), triangles
+
+
 @attack("scenes")
 def exponents_far_apart(target, told, over):
     """Numbers that exact arithmetic needs many words for."""
-    vertices, triangles = soup(60, 1)
-    vertices *= 2.0 ** np.random.default_rng(2).integers(-200, 20, vertices.shape)
+    vertices, triangles = far_apart(60)
     stream(target, told, over, vertices, triangles, -vertices, accuracy="exact")
+
+
+@attack("scenes")
+def long_exact_frames(target, told, over):
+    """Four scenes at once whose frames take seconds."""
+    vertices, triangles = far_apart(300)
+    in_threads(4, lambda: stream(target, told, over, vertices, triangles, -vertices, accuracy="exact"))

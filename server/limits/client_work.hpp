@@ -1,0 +1,49 @@
+#pragma once
+// Work on the host for calls of clients: messages are checked, scenes looked up, answers made. It runs in fair turns, on
+// as many threads as there are turns, so that no thread waits for a turn and no client's calls wait behind another's. No
+// gRPC here.
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "server/limits/turns.hpp"
+
+namespace collided::server {
+
+/// Thread-safe.
+class ClientWork {
+ public:
+  using Job = std::function<void()>;  ///< must neither throw nor wait for a turn
+
+  /// `turns` outlives it.
+  explicit ClientWork(Turns& turns);
+  /// Waits until all jobs are done.
+  ~ClientWork();
+  ClientWork(const ClientWork&) = delete;
+  ClientWork& operator=(const ClientWork&) = delete;
+
+  /// Jobs of one client begin in the order of the calls.
+  void post(const TurnPath& client, Job job);
+  /// Jobs that are not done.
+  size_t size() const;
+
+ private:
+  struct Task;
+  void run();
+
+  Turns& turns_;
+  mutable std::mutex mutex_;  // guards what follows; taken while the turns' own is held, so never the other way
+  std::condition_variable changed_;
+  std::deque<std::unique_ptr<Task>> granted_;
+  size_t size_ = 0;
+  bool is_over_ = false;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace collided::server
