@@ -42,6 +42,14 @@ class Security(unittest.TestCase):
             self.assertTrue(met, threat)
             self.assertEqual(mistakes(shown), [], threat)
 
+    def test_what_meets_a_vulnerability_of_grpc_is_shown(self):
+        header, *rows = PAGE.table(after="## Known vulnerabilities of gRPC")
+        self.assertEqual(header[-1], "shown by")
+        for name, _, _, behind, shown in rows:
+            self.assertRegex(name, r"^CVE-\d{4}-\d+$")
+            if behind != "yes":
+                self.assertEqual(mistakes(shown), [], name)
+
     def test_every_file_named_exists(self):
         for path in re.findall(r"`((?:tests|deploy|server|client)/[\w./-]+)`", PAGE.text):
             self.assertTrue((REPOSITORY / path).exists(), path)
