@@ -77,7 +77,7 @@ class DeviceSession:
             raise FailedPrecondition("the daemon has no local socket here (--local-socket)")
         self._memory = DeviceMemory(cuda, region_layout(self.scene.refresh(), window, *room))
         self._transport = LocalTransport(LocalPeer(path, client.address, daemon_user, client.options), self._memory)
-        opened_by(self._transport, api.OpenStream(scene_id=self.scene.id, window=window), client)
+        opened_by(self._transport, api.OpenStream(scene_id=self.scene.id, window=window), client, client.options.deadline)
 
     def step(self, positions: Any = None, start: Any = None, **options: Unpack[FrameOptions]) -> DeviceContacts:
         """Sends a frame and waits for its contacts."""
