@@ -53,6 +53,8 @@ class Honest:
         if not cls.__name__.startswith("Of"):  # what several have in common
             BEHAVIOURS[cls.__name__] = cls
 
+    refusal = ""  # of streams
+
     def info(self, info):
         return info
 
@@ -282,6 +284,14 @@ class HugeErrorText(OfStream):
 
     def frame(self, frame_id):
         yield api.StreamFramesResponse(frame_id=frame_id, error=frame_pb2.FrameError(code=3, message="x" * (3 << 20)))
+
+
+class HugeStatusText(OfStream):
+    """Refuses the stream with more text than gRPC's metadata holds."""
+
+    scenarios = ("stream", "session")
+    expected = {"INVALID_ARGUMENT", "RESOURCE_EXHAUSTED", "INTERNAL", "UNAVAILABLE", "CANCELLED", "UNKNOWN", LATE}
+    refusal = "x" * (1 << 20)
 
 
 class EndsBeforeEachAnswer(OfStream):
@@ -727,6 +737,8 @@ class EvilDaemon:
         behaviour, opening = _of(context), next(requests).open
         if "set" in behaviour.scenarios:
             context.abort(grpc.StatusCode.RESOURCE_EXHAUSTED, "no streams of sets")
+        if behaviour.refusal:
+            context.abort(grpc.StatusCode.INVALID_ARGUMENT, behaviour.refusal)
         first = behaviour.opened(api.StreamOpened(scene=self._scene(opening.scene_id), window=opening.window or 2))
         if first is None:
             wait(context.is_active)
