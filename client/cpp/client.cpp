@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "client/cpp/frame_stream_state.hpp"
 #include "client/cpp/meshes/mesh_pages.hpp"
 #include "client/cpp/transport/grpc/address.hpp"
 #include "client/cpp/transport/grpc/channel.hpp"
@@ -27,8 +28,9 @@ namespace {
 using Service = v1::CollisionService::Stub;
 
 constexpr size_t kTrianglesPerChunk = (1 << 19) / 12;  // 512 KiB, well below the limit of any daemon
-constexpr size_t kMaxInlineBytes = 4 << 20;                // of triangles in the message that creates a scene
+constexpr size_t kMaxInlineBytes = 4 << 20;            // of triangles in the message that creates a scene
 constexpr size_t kUploadsAtOnce = 8;
+constexpr size_t kMostScenes = 1'000'000;  // that a daemon can have
 constexpr int kCreateTries = 3;
 constexpr std::chrono::milliseconds kRetryPause(200);
 
@@ -93,6 +95,11 @@ Request request_of(v1::SceneSpec spec, std::span<const MeshInput> meshes, double
   return request;
 }
 
+const v1::Scene& checked(const v1::Scene& scene) {
+  if (scene.scene_id().empty()) throw Error(grpc::DATA_LOSS, "the daemon's answer has no scene");
+  return scene;
+}
+
 /// Over gRPC there is no device memory, so that a stream must not fall back to it.
 void check_handles(const LocalOptions& local) {
   if (local.use == Local::kOn || (local.cuda_ipc_handle.empty() && local.output_cuda_ipc_handle.empty())) return;
@@ -136,10 +143,20 @@ struct Client::State {
   template <class Request, class Response>
   Response call(grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
                 const Request& request, const std::string& scene_id = "") {
+    return call(method, request, channels.call_context(scene_id));
+  }
+
+  template <class Request, class Response>
+  Response call(grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
+                const Request& request, const std::unique_ptr<grpc::ClientContext>& context) {
     Response response;
-    check(((*stub).*method)(channels.call_context(scene_id).get(), request, &response));
+    check(((*stub).*method)(context.get(), request, &response));
     return response;
   }
+
+  /// For a call that is one of several. Throws Error (DEADLINE_EXCEEDED) once it is later.
+  std::unique_ptr<grpc::ClientContext> context_until(FrameTransport::Time until,
+                                                     const std::string& scene_id = "") const;
 
   template <class Request, class Response>
   Response create(grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
@@ -222,6 +239,15 @@ v1::Scene Client::State::upload_all(v1::Scene scene, std::span<const MeshInput> 
   return scene;
 }
 
+std::unique_ptr<grpc::ClientContext> Client::State::context_until(FrameTransport::Time until,
+                                                                  const std::string& scene_id) const {
+  using std::chrono::milliseconds;
+  const auto left = std::chrono::duration_cast<milliseconds>(until - std::chrono::steady_clock::now());
+  if (left > milliseconds(0)) return channels.context_within(scene_id, left);
+  throw Error(grpc::DEADLINE_EXCEEDED, "the daemon at " + channels.address() + " did not send all pages within " +
+                                           std::to_string(channels.options().deadline.count()) + " ms (deadline)");
+}
+
 /// Ignores errors: it cleans up after a failed upload, whose error is the one to report.
 void Client::State::try_delete(const std::string& scene_id) {
   v1::DeleteSceneRequest request;
@@ -245,10 +271,16 @@ FrameStream Client::State::stream_locally(const v1::Scene& scene, const v1::Open
     throw Error(grpc::RESOURCE_EXHAUSTED,
                 "window is " + std::to_string(window) + "; the daemon's limit is " + std::to_string(limit),
                 "open.window");
-  return FrameStream::open(std::make_unique<LocalTransport>(
-                               LocalPeer{info.local_socket(), TrustedUsers(channels.address(), options.daemon_user)},
-                               local_layout(known, window, options), channels.options().token, options),
-                           open, {.is_local = true, .keeper = stream.keeper});
+  const ConnectOptions& connect = channels.options();
+  v1::OpenStream granted = open;
+  granted.set_window(window);
+  return FrameStream::open(
+      std::make_unique<LocalTransport>(
+          LocalPeer{info.local_socket(), TrustedUsers(channels.address(), options.daemon_user, connect.patience),
+                    connect.patience, connect.deadline},
+          local_layout(known, window, options), connect.token, options),
+      granted,
+      {.is_local = true, .keeper = stream.keeper, .deadline = connect.deadline, .address = info.local_socket()});
 }
 
 Client::Client(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -269,7 +301,7 @@ const v1::GetServerInfoResponse& Client::server_info() const { return state_->in
 v1::Scene Client::create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds) {
   auto request = request_of<v1::CreateSceneRequest>(std::move(spec), meshes, lease_seconds);
   const auto uploads = put_inline(meshes, state_->info.limits().max_message_bytes(), *request.mutable_spec());
-  return state_->upload_all(state_->create(&Service::CreateScene, request).scene(), meshes, uploads);
+  return state_->upload_all(checked(state_->create(&Service::CreateScene, request).scene()), meshes, uploads);
 }
 
 v1::Scene Client::create_scenes(v1::SceneSpec spec, std::span<const MeshInput> meshes, uint32_t count,
@@ -277,7 +309,11 @@ v1::Scene Client::create_scenes(v1::SceneSpec spec, std::span<const MeshInput> m
   auto request = request_of<v1::CreateScenesRequest>(std::move(spec), meshes, lease_seconds);
   request.set_count(count);
   const auto uploads = put_inline(meshes, state_->info.limits().max_message_bytes(), *request.mutable_spec());
-  return state_->upload_all(state_->create(&Service::CreateScenes, request).scenes(), meshes, uploads);
+  const v1::CreateScenesResponse made = state_->create(&Service::CreateScenes, request);
+  if (made.scenes().worlds() != count)
+    throw Error(grpc::DATA_LOSS, "scenes.worlds is " + std::to_string(made.scenes().worlds()) + "; " +
+                                     std::to_string(count) + " were asked for");
+  return state_->upload_all(checked(made.scenes()), meshes, uploads);
 }
 
 v1::EstimateSceneResponse Client::estimate_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes) {
@@ -294,11 +330,21 @@ v1::Scene Client::get_scene(const std::string& scene_id) {
 }
 
 std::vector<v1::Scene> Client::list_scenes() {
+  const auto until = time_after(state_->channels.options().deadline);
   std::vector<v1::Scene> scenes;
   v1::ListScenesRequest request;
   do {
-    v1::ListScenesResponse page = state_->call(&Service::ListScenes, request);
-    for (v1::Scene& scene : *page.mutable_scenes()) scenes.push_back(std::move(scene));
+    v1::ListScenesResponse page = state_->call(&Service::ListScenes, request, state_->context_until(until));
+    const bool is_last = page.next_page_token().empty(), is_too_many = scenes.size() >= kMostScenes;
+    if (!is_last && (page.scenes().empty() || is_too_many))
+      throw Error(grpc::DATA_LOSS, "next_page_token is set after a page of " + std::to_string(page.scenes_size()) +
+                                       " scenes, " + std::to_string(scenes.size()) + " before it");
+    for (v1::Scene& scene : *page.mutable_scenes()) {
+      if (!scenes.empty() && scene.scene_id() <= scenes.back().scene_id())
+        throw Error(grpc::DATA_LOSS, "scenes names '" + scene.scene_id() + "' after '" + scenes.back().scene_id() +
+                                         "'; ids must ascend");
+      scenes.push_back(std::move(scene));
+    }
     request.set_page_token(page.next_page_token());
   } while (!request.page_token().empty());
   return scenes;
@@ -308,9 +354,11 @@ MeshElements Client::mesh_elements(const std::string& scene_id, uint32_t mesh) {
   v1::GetMeshRequest request;
   request.set_scene_id(scene_id);
   request.set_mesh(mesh);
+  const auto until = time_after(state_->channels.options().deadline);
   return read_elements(mesh, [&](uint32_t first) {
     request.set_first_element(first);
-    return state_->call(&Service::GetMesh, request, scene_id);
+    const std::chrono::seconds more(first / kTrianglesPerChunk);  // as uploads have
+    return state_->call(&Service::GetMesh, request, state_->context_until(until + more, scene_id));
   });
 }
 
@@ -337,9 +385,14 @@ FrameStream Client::stream(const v1::Scene& scene, const StreamOptions& options)
       local_refusal = e.message();
     }
   const ChannelFactory channels = scene.endpoint().empty() ? own : ChannelFactory(scene.endpoint(), own.options());
-  return FrameStream::open(std::make_unique<GrpcTransport>(channels.connect(), channels.context(scene.scene_id()),
-                                                           state_->info.limits().max_message_bytes()),
-                           open, {.local_refusal = std::move(local_refusal), .keeper = options.keeper});
+  return FrameStream::open(
+      std::make_unique<GrpcTransport>(channels.connect(), channels.context(scene.scene_id()),
+                                      state_->info.limits().max_message_bytes(), own.options().deadline),
+      open,
+      {.local_refusal = std::move(local_refusal),
+       .keeper = options.keeper,
+       .deadline = own.options().deadline,
+       .address = channels.address()});
 }
 
 FrameStream Client::resume(const v1::Scene& scene, StreamOptions options) {

@@ -9,7 +9,7 @@ namespace collided::client {
 /// Files are in PEM format. TLS is used if tls_ca is set, else the connection is plain text.
 struct ConnectOptions {
   std::chrono::milliseconds patience = std::chrono::seconds(5);   ///< time to connect
-  std::chrono::milliseconds deadline = std::chrono::seconds(60);  ///< for one call; streams have none
+  std::chrono::milliseconds deadline = std::chrono::seconds(60);  ///< for one call, and a stream's first answer
   std::string token = "";                                         ///< bearer token; empty: none is sent
   std::string tls_ca = "";  ///< file with the certificates to trust, such as /etc/ssl/certs/ca-certificates.crt
   std::string tls_certificate = "";   ///< file of the client's own certificate (mTLS); needs tls_key

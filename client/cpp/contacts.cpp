@@ -47,11 +47,32 @@ class Arrays {
   uint64_t before_;
 };
 
+/// A count that no array confirms must not make callers reserve memory for nothing.
+constexpr uint64_t kMaxBareCount = 1 << 24;
+
+void check_numbers(const Contacts& contacts, uint64_t first) {
+  for (size_t i = first; i < contacts.toi.size(); ++i)
+    if (!(contacts.toi[i] >= 0 && contacts.toi[i] <= 1))
+      throw Error(kDataLoss, "contacts.toi has " + std::to_string(contacts.toi[i]) + "; it must be in [0, 1]");
+  for (size_t i = first; i < contacts.distance.size(); ++i)
+    if (!(contacts.distance[i] >= 0))
+      throw Error(kDataLoss,
+                  "contacts.distance has " + std::to_string(contacts.distance[i]) + "; it must be 0 or more");
+  const bool is_bare = contacts.elements.empty() && contacts.stencils.empty() && contacts.toi.empty() &&
+                       contacts.distance.empty() && contacts.weights.empty() && contacts.normals.empty() &&
+                       contacts.flags.empty();
+  if (is_bare && contacts.count > kMaxBareCount)
+    throw Error(kDataLoss, "contacts.count is " + std::to_string(contacts.count) +
+                               " in all without any array; it must be " + "at most " + std::to_string(kMaxBareCount));
+}
+
 }  // namespace
 
 void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport* transport) {
+  if (chunk.count() == 0) throw Error(kDataLoss, "contacts.count is 0; a chunk has 1 contact or more");
   const Arrays arrays(contacts, chunk, transport);
   const v1::SharedArrays& shared = chunk.shared();
+  const uint64_t before = contacts.count;
   arrays.append(contacts.elements, chunk.elements(), shared.elements(), "elements");
   arrays.append(contacts.stencils, chunk.stencils(), shared.stencils(), "stencils");
   arrays.append(contacts.toi, chunk.toi(), shared.toi(), "toi");
@@ -61,6 +82,34 @@ void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransp
   arrays.append(contacts.flags, chunk.flags(), shared.flags(), "flags");
   arrays.append(contacts.worlds, chunk.worlds(), shared.worlds(), "worlds");
   contacts.count += chunk.count();
+  check_numbers(contacts, before);
+}
+
+SceneSize size_of(const v1::SceneSpec& spec) {
+  SceneSize size;
+  for (const v1::MeshSpec& mesh : spec.meshes()) {
+    size.vertices += mesh.vertex_count();
+    size.elements += uint64_t{mesh.triangle_count()} + mesh.edge_count() + mesh.point_count();
+  }
+  return size;
+}
+
+void check_ids(v1::ContactKind kind, const Contacts& contacts, uint64_t first, const SceneSize& size) {
+  const auto check = [](const char* field, uint32_t id, uint64_t limit, const char* what) {
+    if (id < limit) return;
+    throw Error(kDataLoss, std::string("contacts.") + field + " names " + std::to_string(id) + "; the scene has " +
+                               std::to_string(limit) + what);
+  };
+  for (size_t i = first; i < contacts.stencils.size(); ++i)
+    for (const uint32_t vertex : contacts.stencils[i]) check("stencils", vertex, size.vertices, " vertices");
+  for (size_t i = first; i < contacts.elements.size(); ++i) {
+    const auto [a, b] = contacts.elements[i];
+    const bool is_edges = kind == v1::CONTACT_KIND_EDGE_EDGE, has_vertex = kind == v1::CONTACT_KIND_VERTEX_TRIANGLE;
+    const uint64_t limit = is_edges ? 3 * size.elements : size.elements;
+    const char* const what = is_edges ? " edges at most" : " elements";
+    has_vertex ? check("elements", a, size.vertices, " vertices") : check("elements", a, limit, what);
+    check("elements", b, limit, what);
+  }
 }
 
 DeviceContacts on_device(const v1::ContactChunk& chunk, uint64_t bytes) {

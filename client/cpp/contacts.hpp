@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "collided/v1/contact.pb.h"
+#include "collided/v1/scene.pb.h"
 
 namespace collided::client {
 
@@ -61,8 +62,19 @@ constexpr ElementKind element_kind(const std::array<uint32_t, 4>& stencil) {
 }
 
 /// Appends a chunk; arrays in shared memory are read through `transport`, if there is one. Throws Error (DATA_LOSS) if
-/// the length of an array is not the chunk's `count`.
+/// the length of an array is not the chunk's `count`, for a count that no array confirms, and for a time or a distance
+/// that is none.
 void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport* transport = nullptr);
+
+/// How many vertices and elements a scene has.
+struct SceneSize {
+  uint64_t vertices = 0, elements = 0;
+};
+
+SceneSize size_of(const v1::SceneSpec& spec);
+
+/// Throws Error (DATA_LOSS) if a contact from the `first` on names a vertex, edge or element that the scene has not.
+void check_ids(v1::ContactKind kind, const Contacts& contacts, uint64_t first, const SceneSize& size);
 
 /// Where a chunk's arrays lie in an output region of `bytes` on the device. Throws Error (DATA_LOSS) if an array has
 /// not the length that `count` asks for, or does not lie in the region.

@@ -68,7 +68,7 @@ void FrameStream::send(uint64_t frame_id, std::span<const FrameUpdate> updates, 
 
 FrameOutput FrameStream::receive() {
   std::unique_lock lock(state_->mutex);
-  if (state_->ready.empty() && state_->in_flight == 0 && !state_->ended)
+  if (state_->ready.empty() && state_->in_flight.empty() && !state_->ended)
     throw Error(grpc::FAILED_PRECONDITION, "receive() was called with no frame in flight");
   state_->await(lock, [&] { return state_->has_news(); });
   return state_->take_ready();
@@ -90,7 +90,7 @@ void FrameStream::finish() {
     state_->transport->half_close();
     lock.lock();
   }
-  state_->await(lock, [&] { return state_->ended; });
+  state_->await_end(lock);
   if (state_->failure) throw *state_->failure;
 }
 

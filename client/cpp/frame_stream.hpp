@@ -62,12 +62,16 @@ struct StreamSetup {
   bool is_local = false;           ///< over shared memory
   std::string local_refusal = "";  ///< why not, although the daemon offers it
   KeeperPace keeper = {};
+  /// For the first answer, and for the next one once no more frames will come.
+  std::chrono::milliseconds deadline = std::chrono::seconds(60);
+  std::string address = "";  ///< of the daemon, for messages
 };
 
 /// One thread may send while another receives. Outputs come in frame order.
 class FrameStream {
  public:
-  /// Opens a stream over a fresh transport. Throws Error if the daemon refuses.
+  /// Opens a stream over a fresh transport. Throws Error if the daemon refuses, DEADLINE_EXCEEDED if it does not answer
+  /// in time.
   static FrameStream open(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open,
                           StreamSetup setup = {});
   FrameStream(FrameStream&&) noexcept;
@@ -101,7 +105,8 @@ class FrameStream {
   /// The same for at most `timeout`, whether or not a frame is in flight: for a thread that only receives. Nothing if
   /// no output came. Throws Error once the stream has ended.
   std::optional<FrameOutput> receive_within(std::chrono::milliseconds timeout);
-  /// Tells the daemon that no more frames will come and waits until it ends the stream. Throws Error if it ends badly.
+  /// Tells the daemon that no more frames will come and waits until it ends the stream. Throws Error if it ends badly:
+  /// DEADLINE_EXCEEDED if it neither answers a frame nor ends the stream for as long as a call may take.
   void finish();
   /// Ends the stream at once, from any thread: those that wait throw Error (CANCELLED), and frames in flight are
   /// withdrawn.

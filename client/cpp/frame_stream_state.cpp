@@ -30,12 +30,25 @@ auto& value_of(Values& values, v1::ContactKind wanted) {
   throw Error(grpc::DATA_LOSS, "contacts.kind is " + std::to_string(wanted) + ", which this client does not know");
 }
 
-void add(FrameOutput& output, const v1::ContactChunk& chunk, const FrameTransport& transport) {
-  if (chunk.has_shared() && transport.device_output_bytes() > 0)
-    value_of(output.on_device, chunk.kind()) = on_device(chunk, transport.device_output_bytes());
-  else
-    append(value_of(output, chunk.kind()), chunk, &transport);
+constexpr uint32_t kMaxWindow = 1024;  // of any daemon
+
+[[noreturn]] void throw_lost(const std::string& what) { throw Error(grpc::DATA_LOSS, what); }
+
+void check_fraction(const char* field, double value) {
+  if (!(value >= 0 && value <= 1))
+    throw_lost(std::string("done.") + field + " is " + std::to_string(value) + "; it must be in [0, 1]");
 }
+
+void check_opened(const v1::StreamOpened& opened, const v1::OpenStream& open) {
+  const uint32_t most = open.window() ? open.window() : kMaxWindow;
+  if (opened.window() < 1 || opened.window() > most)
+    throw_lost("opened.window is " + std::to_string(opened.window()) + "; it must be from 1 to " +
+               std::to_string(most));
+  if (opened.scene().scene_id() != open.scene_id())
+    throw_lost("the daemon opened scene '" + opened.scene().scene_id() + "' instead of '" + open.scene_id() + "'");
+}
+
+std::string text_of(std::chrono::milliseconds limit) { return std::to_string(limit.count()) + " ms (deadline)"; }
 
 }  // namespace
 
@@ -45,17 +58,33 @@ FrameTransport::Time time_after(std::chrono::duration<double> time) {
 }
 
 FrameStream::State::State(std::unique_ptr<FrameTransport> fresh, const v1::OpenStream& open, StreamSetup of_stream)
-    : setup(std::move(of_stream)), transport(std::move(fresh)) {
+    : setup(std::move(of_stream)),
+      may_skip(open.delivery() == v1::DELIVERY_POLICY_LATEST_WINS),
+      transport(std::move(fresh)) {
+  using Arrival = FrameTransport::Arrival;
   v1::StreamFramesResponse response;
-  const bool is_answered =
-      transport->open(open) && transport->read(response, FrameTransport::kNever) == FrameTransport::Arrival::kMessage;
-  if (!is_answered || !response.has_opened()) {
-    if (is_answered) transport->cancel();
+  auto arrival = Arrival::kEnd;
+  try {
+    if (transport->open(open)) arrival = transport->read(response, time_after(setup.deadline));
+    if (arrival == Arrival::kNothing)
+      throw Error(grpc::DEADLINE_EXCEEDED,
+                  "the daemon at " + setup.address + " did not open the stream within " + text_of(setup.deadline));
+    if (arrival == Arrival::kMessage) {
+      if (!response.has_opened()) throw_lost("the daemon's first answer does not open the stream");
+      check_opened(response.opened(), open);
+    }
+  } catch (const Error&) {
+    transport->cancel();
+    if (arrival == Arrival::kNothing) transport->read(response, FrameTransport::kNever);  // a read is pending
+    transport->finish();
+    throw;
+  }
+  if (arrival == Arrival::kEnd) {
     const std::optional<Error> end = transport->finish();
-    if (!is_answered && end) throw *end;
-    throw Error(grpc::INTERNAL, "the daemon's first answer does not open the stream");
+    throw end ? *end : Error(grpc::UNAVAILABLE, "the daemon ended the stream before it was open");
   }
   opened = std::move(*response.mutable_opened());
+  size = size_of(opened.scene().spec());
   keeper = std::thread([this] { run_keeper(); });
 }
 
@@ -113,49 +142,98 @@ void FrameStream::State::run_keeper() {
 /// and go, and without a deadline once none has waited for a while.
 FrameTransport::Time FrameStream::State::keeper_deadline(int quiet_pauses) const {
   if (quiet_pauses >= setup.keeper.quiet_pauses) return FrameTransport::kNever;
-  return in_flight > 0 ? time_after(setup.keeper.pause) : Clock::now();
+  return !in_flight.empty() ? time_after(setup.keeper.pause) : Clock::now();
 }
 
 void FrameStream::State::take(v1::StreamFramesResponse& response) {
+  if (response.has_draining()) {
+    const std::lock_guard lock(mutex);
+    draining = time_after(std::chrono::duration<double>(response.draining().deadline_seconds()));
+    return;  // frames in flight are still answered
+  }
+  if (response.response_case() == v1::StreamFramesResponse::RESPONSE_NOT_SET) return;  // of a later version
   const uint64_t id = response.frame_id();
+  check_is_next(id);
   switch (response.response_case()) {
     case v1::StreamFramesResponse::kContacts:
-      return add(partial[id], response.contacts(), *transport);
+      return add(response.contacts());
     case v1::StreamFramesResponse::kDone:
-      for (const v1::ContactChunk& chunk : response.done().contacts()) add(partial[id], chunk, *transport);
-      response.mutable_done()->clear_contacts();
-      partial[id].done = std::move(*response.mutable_done());
+      finish_frame(*response.mutable_done());
       return complete(id);
     case v1::StreamFramesResponse::kWorldErrors:
-      for (v1::WorldError& error : *response.mutable_world_errors()->mutable_errors())
-        partial[id].world_errors.push_back(std::move(error));
+      for (v1::WorldError& error : *response.mutable_world_errors()->mutable_errors()) {
+        if (!partial.world_errors.empty() && error.world() <= partial.world_errors.back().world())
+          throw_lost("world_errors names world " + std::to_string(error.world()) + " after a later one");
+        partial.world_errors.push_back(std::move(error));
+      }
       return;
     case v1::StreamFramesResponse::kError:
-      partial[id].error = std::move(*response.mutable_error());
+      partial.error = std::move(*response.mutable_error());
       return complete(id);
     case v1::StreamFramesResponse::kSkipped:
-      partial[id].skipped = true;
+      if (!may_skip)
+        throw_lost("the daemon skipped frame " + std::to_string(id) + " of a stream that answers each one");
+      partial.skipped = true;
       return complete(id);
-    case v1::StreamFramesResponse::kDraining: {
-      const std::lock_guard lock(mutex);
-      draining = time_after(std::chrono::duration<double>(response.draining().deadline_seconds()));
-      return;  // frames in flight are still answered
-    }
     default:
-      return;
+      throw_lost("the daemon answers frame " + std::to_string(id) + " with what is no answer");
   }
 }
 
+void FrameStream::State::check_is_next(uint64_t frame_id) {
+  const std::lock_guard lock(mutex);
+  if (in_flight.empty() || in_flight.front() != frame_id)
+    throw_lost("the daemon answers frame " + std::to_string(frame_id) + ", which is not the oldest in flight");
+}
+
+void FrameStream::State::add(const v1::ContactChunk& chunk) {
+  if (chunk.has_shared() && transport->device_output_bytes() > 0) {
+    value_of(partial.on_device, chunk.kind()) = on_device(chunk, transport->device_output_bytes());
+    return;
+  }
+  Contacts& contacts = value_of(partial, chunk.kind());
+  const uint64_t before = contacts.count;
+  append(contacts, chunk, transport.get());
+  const std::lock_guard lock(mutex);
+  if (size.vertices > 0 && !has_edits) check_ids(chunk.kind(), contacts, before, size);
+}
+
+void FrameStream::State::finish_frame(v1::FrameDone& done) {
+  for (const v1::ContactChunk& chunk : done.contacts()) add(chunk);
+  done.clear_contacts();
+  check_fraction("earliest_toi", done.earliest_toi());
+  check_fraction("advanced", done.advanced());
+  uint64_t came = 0;
+  for_each_kind(
+      [&](v1::ContactKind, const Contacts& host, const DeviceContacts& device) { came += host.count + device.count; },
+      partial, partial.on_device);
+  if (done.contact_count() != came)
+    throw_lost("done.contact_count is " + std::to_string(done.contact_count()) + ", and " + std::to_string(came) +
+               " contacts came");
+  partial.done = std::move(done);
+}
+
 void FrameStream::State::complete(uint64_t frame_id) {
-  FrameOutput output = std::move(partial[frame_id]);
-  partial.erase(frame_id);
+  FrameOutput output = std::exchange(partial, {});
   output.frame_id = frame_id;
   {
     const std::lock_guard lock(mutex);
     ready.push_back(std::move(output));
-    if (in_flight > 0) --in_flight;
+    in_flight.pop_front();
   }
   reading.notify();
+}
+
+void FrameStream::State::await_end(std::unique_lock<std::mutex>& lock) {
+  while (!ended) {
+    const size_t left = in_flight.size();
+    const auto has_come = [&] { return ended || in_flight.size() < left; };
+    if (await(lock, has_come, time_after(setup.deadline))) continue;
+    transport->cancel();
+    await(lock, [&] { return ended; });
+    failure = Error(grpc::DEADLINE_EXCEEDED,
+                    "the daemon at " + setup.address + " did not end the stream within " + text_of(setup.deadline));
+  }
 }
 
 void FrameStream::State::throw_ended() const {
@@ -172,24 +250,28 @@ FrameOutput FrameStream::State::take_ready() {
 }
 
 void FrameStream::State::await_credit(std::unique_lock<std::mutex>& lock) {
-  await(lock, [&] { return ended || in_flight < opened.window(); });
+  await(lock, [&] { return ended || in_flight.size() < opened.window(); });
   if (ended) throw_ended();
 }
 
-void FrameStream::State::take_credit() {
+void FrameStream::State::take_credit(uint64_t frame_id) {
   std::unique_lock lock(mutex);
   await_credit(lock);
-  ++in_flight;
+  in_flight.push_back(frame_id);
 }
 
 void FrameStream::State::give_credit() {
   const std::lock_guard lock(mutex);
-  --in_flight;
+  if (!in_flight.empty()) in_flight.pop_back();
   reading.notify();
 }
 
 void FrameStream::State::send(const v1::Frame& frame, std::span<const FrameUpdate> updates) {
-  take_credit();
+  take_credit(frame.frame_id());
+  if (frame.has_edit()) {
+    const std::lock_guard lock(mutex);
+    has_edits = true;
+  }
   try {
     if (transport->send(frame, updates)) return;
   } catch (const Error&) {  // nothing was sent

@@ -5,7 +5,6 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
-#include <map>
 #include <mutex>
 #include <thread>
 
@@ -35,12 +34,18 @@ struct FrameStream::State {
   /// Needs the mutex. `quiet_pauses`: of the keeper, in a row, in which no caller waited.
   FrameTransport::Time keeper_deadline(int quiet_pauses) const;
   void take(v1::StreamFramesResponse& response);
+  /// Throws Error (DATA_LOSS) unless it is the oldest frame in flight.
+  void check_is_next(uint64_t frame_id);
+  void add(const v1::ContactChunk& chunk);
+  void finish_frame(v1::FrameDone& done);
   void complete(uint64_t frame_id);
   void send(const v1::Frame& frame, std::span<const FrameUpdate> updates);
-  void take_credit();
+  void take_credit(uint64_t frame_id);
   /// Needs the mutex. Throws Error once the stream has ended.
   void await_credit(std::unique_lock<std::mutex>& lock);
   void give_credit();
+  /// Needs the mutex. Throws Error (DEADLINE_EXCEEDED), and ends the stream, if nothing comes in time.
+  void await_end(std::unique_lock<std::mutex>& lock);
   /// Needs the mutex. Whether there is an output, or the end, to receive.
   bool has_news() const { return ended || !ready.empty(); }
   /// Needs the mutex and has_news(). Throws Error at the end.
@@ -49,15 +54,18 @@ struct FrameStream::State {
   [[noreturn]] void throw_ended() const;
 
   const StreamSetup setup;
+  const bool may_skip;  ///< LATEST_WINS
   std::unique_ptr<FrameTransport> transport;
   v1::StreamOpened opened;
   std::mutex mutex;
-  LeaderFollowers reading;                  ///< one waiting caller reads for all
-  uint64_t waits = 0;                       ///< how often callers have waited
-  int waiting = 0;                          ///< callers that wait now
-  std::map<uint64_t, FrameOutput> partial;  ///< used by the reading thread only
+  LeaderFollowers reading;  ///< one waiting caller reads for all
+  uint64_t waits = 0;       ///< how often callers have waited
+  int waiting = 0;          ///< callers that wait now
+  FrameOutput partial;      ///< of the oldest frame in flight; used by the reading thread only
   std::deque<FrameOutput> ready;
-  uint64_t in_flight = 0;
+  std::deque<uint64_t> in_flight;  ///< ids, the oldest first
+  SceneSize size;                  ///< as of the opening; 0 if the daemon does not tell it
+  bool has_edits = false;          ///< the scene may have another size by now
   bool ended = false;
   bool half_closed = false;
   std::optional<Error> failure;  ///< why it ended

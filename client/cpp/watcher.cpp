@@ -2,8 +2,10 @@
 
 #include "client/cpp/watcher.hpp"
 
+#include <future>
 #include <utility>
 
+#include "client/cpp/frame_stream_state.hpp"
 #include "client/cpp/transport/grpc/channel.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
 
@@ -22,6 +24,16 @@ v1::WatchSceneRequest request_of(const std::string& scene_id, const WatchOptions
   request.mutable_position_meshes()->Add(options.meshes.begin(), options.meshes.end());
   request.set_vertex_stride(options.vertex_stride);
   return request;
+}
+
+void check_positions(const v1::WatchSceneResponse& response, const v1::Scene& scene) {
+  const size_t bytes = scene.spec().position_format() == v1::POSITION_FORMAT_F64 ? 24 : 12;
+  for (const v1::VertexSample& sample : response.positions())
+    if (sample.positions().size() % bytes != 0 || sample.mesh() >= static_cast<uint32_t>(scene.spec().meshes_size()))
+      throw Error(kDataLoss, "positions of mesh " + std::to_string(sample.mesh()) + " has " +
+                                 std::to_string(sample.positions().size()) + " bytes; the scene had " +
+                                 std::to_string(scene.spec().meshes_size()) + " meshes, of " + std::to_string(bytes) +
+                                 " bytes for a vertex");
 }
 
 WatchedFrame frame_of(v1::WatchSceneResponse& response) {
@@ -50,13 +62,24 @@ struct Watcher::State {
         stub(v1::CollisionService::NewStub(channels.connect())),
         context(channels.context(scene_id)),
         reader(stub->WatchScene(context.get(), request_of(scene_id, options))) {
-    if (!read().has_opened()) throw Error(kDataLoss, "the first message of a watch is not `opened`");
+    if (!read_within(channels.options().deadline).has_opened())
+      throw Error(kDataLoss, "the first message of a watch is not `opened`");
     opened = std::move(*response.mutable_opened());
   }
   ~State() {
     if (!reader) return;
     context->TryCancel();
     reader->Finish();
+  }
+
+  /// gRPC has no deadline for one message, so that another thread cancels the call.
+  v1::WatchSceneResponse& read_within(std::chrono::milliseconds deadline) {
+    auto message = std::async(std::launch::async, [this]() -> v1::WatchSceneResponse& { return read(); });
+    if (message.wait_until(time_after(deadline)) == std::future_status::ready) return message.get();
+    context->TryCancel();
+    message.wait();
+    throw Error(grpc::DEADLINE_EXCEEDED, "the daemon at " + channels.address() + " did not open the watch within " +
+                                             std::to_string(deadline.count()) + " ms (deadline)");
   }
 
   v1::WatchSceneResponse& read() {
@@ -89,7 +112,14 @@ uint32_t Watcher::vertex_stride() const { return state_->opened.vertex_stride();
 WatchedFrame Watcher::receive() {
   v1::WatchSceneResponse& response = state_->read();
   if (!response.has_done()) throw Error(kDataLoss, "a message of the watch is neither `opened` nor a frame");
-  return frame_of(response);
+  const v1::Scene& scene = state_->opened.scene();
+  const bool is_as_opened = response.edit_count() == scene.edit_count();
+  if (is_as_opened) check_positions(response, scene);
+  WatchedFrame frame = frame_of(response);
+  const SceneSize size = size_of(scene.spec());
+  if (is_as_opened && size.vertices > 0)
+    for_each_kind([&](v1::ContactKind kind, const Contacts& contacts) { check_ids(kind, contacts, 0, size); }, frame);
+  return frame;
 }
 
 void Watcher::cancel() { state_->context->TryCancel(); }

@@ -224,7 +224,8 @@ func (c *Client) ListScenes(ctx context.Context) (scenes []*Scene, err error) {
 		}
 		for _, scene := range page.Scenes {
 			if last := len(scenes) - 1; last >= 0 && scene.SceneId <= scenes[last].SceneId {
-				return nil, failf(codes.DataLoss, "", "scenes names '%s' after '%s'; ids must ascend", scene.SceneId, scenes[last].SceneId)
+				return nil, failf(codes.DataLoss, "", "scenes names '%s' after '%s'; ids must ascend",
+					scene.SceneId, scenes[last].SceneId)
 			}
 			scenes = append(scenes, scene)
 		}
@@ -232,7 +233,8 @@ func (c *Client) ListScenes(ctx context.Context) (scenes []*Scene, err error) {
 			return scenes, nil
 		}
 		if len(page.Scenes) == 0 || len(scenes) >= maxScenes {
-			return nil, failf(codes.DataLoss, "", "next_page_token is set after a page of %d scenes, %d in all", len(page.Scenes), len(scenes))
+			return nil, failf(codes.DataLoss, "", "next_page_token is set after a page of %d scenes, %d in all",
+				len(page.Scenes), len(scenes))
 		}
 	}
 }

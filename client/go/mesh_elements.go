@@ -56,7 +56,8 @@ func (c *Client) GetMesh(ctx context.Context, sceneID string, mesh uint32) (*Mes
 }
 
 // meshPage asks for one of several pages, all of which together are due.
-func (c *Client) meshPage(ctx context.Context, sceneID string, request *v1.GetMeshRequest, due time.Time) (*v1.GetMeshResponse, error) {
+func (c *Client) meshPage(ctx context.Context, sceneID string, request *v1.GetMeshRequest,
+	due time.Time) (*v1.GetMeshResponse, error) {
 	limited, cancel := context.WithDeadline(ctx, due)
 	defer cancel()
 	return call(limited, c, sceneID, c.service.GetMesh, request)

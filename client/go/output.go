@@ -1,6 +1,10 @@
 package collided
 
-import v1 "collided/client/go/v1"
+import (
+	"google.golang.org/grpc/codes"
+
+	v1 "collided/client/go/v1"
+)
 
 // Output is the daemon's whole answer to one frame. One that was refused or skipped has no contacts.
 type Output struct {
@@ -24,5 +28,107 @@ func (o *Output) finish(done *v1.FrameDone) error {
 	}
 	done.Contacts = nil
 	o.Done = done
+	return nil
+}
+
+// The checks below guard everything that is computed from an answer: the daemon may be wrong, or another program may answer.
+
+const (
+	maxWindow = 1024    // of any daemon
+	maxBare   = 1 << 24 // contacts of chunks without any array, whose number nothing confirms
+	maxScenes = 1000000 // that a daemon can have
+)
+
+// sceneSize is how many vertices and elements a scene has.
+type sceneSize struct{ vertices, elements uint64 }
+
+func sizeOf(spec *v1.SceneSpec) (size sceneSize) {
+	for _, mesh := range spec.GetMeshes() {
+		size.vertices += uint64(mesh.VertexCount)
+		size.elements += uint64(mesh.TriangleCount) + uint64(mesh.EdgeCount) + uint64(mesh.PointCount)
+	}
+	return size
+}
+
+// checkDone checks the times of a frame's end.
+func checkDone(done *v1.FrameDone) error {
+	if done == nil {
+		return failf(codes.DataLoss, "", "an answer has no `done`")
+	}
+	if !isFraction(done.EarliestToi) {
+		return failf(codes.DataLoss, "", "done.earliest_toi is %v; it must be in [0, 1]", done.EarliestToi)
+	}
+	if !isFraction(done.GetAdvanced()) {
+		return failf(codes.DataLoss, "", "done.advanced is %v; it must be in [0, 1]", done.GetAdvanced())
+	}
+	return nil
+}
+
+// isFraction is false for NaN.
+func isFraction(value float64) bool { return value >= 0 && value <= 1 }
+
+// check checks the times and distances from the first contact on, and a count that no array confirms.
+func (c *Contacts) check(first int) error {
+	for i := first; i < len(c.TOI); i++ {
+		if !isFraction(c.TOI[i]) {
+			return failf(codes.DataLoss, "", "contacts.toi has %v; it must be in [0, 1]", c.TOI[i])
+		}
+	}
+	for i := first; i < len(c.Distance); i++ {
+		if !(c.Distance[i] >= 0) {
+			return failf(codes.DataLoss, "", "contacts.distance has %v; it must be 0 or more", c.Distance[i])
+		}
+	}
+	arrays := len(c.Elements) + len(c.Stencils) + len(c.TOI) + len(c.Distance) + len(c.Weights) + len(c.Normals) + len(c.Flags)
+	if arrays == 0 && c.Count > maxBare {
+		return failf(codes.DataLoss, "", "contacts.count is %d in all without any array; it must be at most %d", c.Count, maxBare)
+	}
+	return nil
+}
+
+// checkIDs checks that the scene has what the contacts name. A size of 0 is not known.
+func (s *ContactSet) checkIDs(size sceneSize) error {
+	if size.vertices == 0 {
+		return nil
+	}
+	for _, each := range []struct {
+		contacts      *Contacts
+		first, second uint64
+	}{
+		{&s.VertexTriangle, size.vertices, size.elements},
+		{&s.EdgeEdge, 3 * size.elements, 3 * size.elements}, // edges at most
+		{&s.TriangleTriangle, size.elements, size.elements},
+	} {
+		for _, stencil := range each.contacts.Stencils {
+			for _, vertex := range stencil {
+				if uint64(vertex) >= size.vertices {
+					return failf(codes.DataLoss, "", "contacts.stencils names %d; the scene has %d vertices", vertex, size.vertices)
+				}
+			}
+		}
+		for _, pair := range each.contacts.Elements {
+			if uint64(pair[0]) >= each.first || uint64(pair[1]) >= each.second {
+				return failf(codes.DataLoss, "", "contacts.elements names %d and %d; the scene has %d vertices and %d elements",
+					pair[0], pair[1], size.vertices, size.elements)
+			}
+		}
+	}
+	return nil
+}
+
+// checkTotal checks that as many contacts came as the daemon says that it sent.
+func (o *Output) checkTotal() error {
+	came := uint64(o.VertexTriangle.Count + o.EdgeEdge.Count + o.TriangleTriangle.Count)
+	if o.Done.ContactCount != came {
+		return failf(codes.DataLoss, "", "done.contact_count is %d, and %d contacts came", o.Done.ContactCount, came)
+	}
+	return nil
+}
+
+// checkScene checks that an answer has the scene that it is about.
+func checkScene(scene *Scene) error {
+	if scene.GetSceneId() == "" {
+		return failf(codes.DataLoss, "", "the daemon's answer has no scene")
+	}
 	return nil
 }

@@ -48,7 +48,7 @@ void mark_contacts(Marks& marks, const client::FrameOutput& output, const StepPo
     const Vec3d middle = scenes::between(contact.points.first, contact.points.second, 0.5);
     if (contact.kind == v1::CONTACT_KIND_VERTEX_TRIANGLE) {
       marks.vertices.push_back(middle);
-      marks.touched.push_back(contact.contacts.elements[contact.i][1]);
+      if (!contact.contacts.elements.empty()) marks.touched.push_back(contact.contacts.elements[contact.i][1]);
       return;
     }
     const auto& stencil = contact.contacts.stencils[contact.i];

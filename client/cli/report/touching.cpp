@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "client/cli/output/contact_points.hpp"
 #include "client/cli/report/frame_line.hpp"
 #include "client/cli/report/numbers.hpp"
 
@@ -15,8 +16,10 @@ namespace {
 
 using Pair = std::pair<size_t, size_t>;
 
-/// The mesh that an id belongs to. `ends`: the first id behind each mesh.
+/// The mesh that an id belongs to. `ends`: the first id behind each mesh. Throws client::Error (DATA_LOSS) for an id
+/// that the scene does not have.
 size_t mesh_of(uint32_t id, const std::vector<uint64_t>& ends) {
+  checked_id("id", id, ends.empty() ? 0 : ends.back());
   return static_cast<size_t>(std::upper_bound(ends.begin(), ends.end(), uint64_t{id}) - ends.begin());
 }
 

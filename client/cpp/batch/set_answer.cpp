@@ -54,6 +54,7 @@ void take(WorldContacts& to, const v1::WorldContacts& from, size_t worlds) {
 SetOutput read_answer(v1::SetAnswer&& answer, size_t worlds) {
   SetOutput output;
   output.frame_id = answer.frame_id();
+  if (!answer.has_error() && !answer.has_done()) throw_lost("answers has an entry that is neither an error nor an end");
   if (answer.has_error()) output.error = std::move(*answer.mutable_error());
   output.done = std::move(*answer.mutable_done());
   output.refused = {answer.errors().begin(), answer.errors().end()};

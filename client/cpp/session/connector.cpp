@@ -148,7 +148,13 @@ ConnectOptions Connector::options_within(milliseconds time) const {
 void Connector::ask(FrameStream& stream, uint64_t id, std::span<const FrameUpdate> updates,
                     const FrameOptions& options) const {
   stream.send(id, updates, options);
-  receive(stream).check();
+  const auto limit = channels_.options().deadline;
+  const auto output = stream.receive_within(limit);
+  if (!output)
+    throw Error(grpc::DEADLINE_EXCEEDED, "the daemon at " + channels_.address() +
+                                             " did not put the scene where it was within " +
+                                             std::to_string(limit.count()) + " ms (deadline)");
+  output->check();
 }
 
 uint64_t Connector::restore(FrameStream& stream, const SceneMemory& memory) const {

@@ -14,14 +14,16 @@ class LeaderFollowers {
   using Lock = std::unique_lock<std::mutex>;
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Waits until `done()`, but not past `deadline`; returns whether it is done. `fetch(lock, deadline)` releases the
-  /// lock while it waits, and returns false if nothing came by the deadline.
+  /// Waits until `done()`, but not past `deadline`, whatever else comes meanwhile; returns whether it is done.
+  /// `fetch(lock, deadline)` releases the lock while it waits, and returns false if nothing came by the deadline.
   template <class Done, class Fetch>
   bool await(Lock& lock, const Done& done, Time deadline, const Fetch& fetch) {
     bool is_in_time = true;
-    while (!done() && is_in_time)
+    for (bool is_first = true; !done() && is_in_time; is_first = false) {
+      if (!is_first && deadline != Time::max() && std::chrono::steady_clock::now() >= deadline) break;
       is_in_time = has_leader_ ? changed_.wait_until(lock, deadline) == std::cv_status::no_timeout
                                : lead_once(lock, deadline, fetch);
+    }
     return done();
   }
   /// Fetches once. There must be no leader.

@@ -1,4 +1,4 @@
-// What an answer must be before anything is made of it: a daemon that is wrong, or no daemon, may answer.
+// These checks guard everything that is computed from an answer: the daemon may be wrong, or another program may answer.
 
 import type { Contacts, ContactsByKind } from "./contacts.js";
 import { Code, CollidedError } from "./errors.js";

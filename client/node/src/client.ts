@@ -126,7 +126,8 @@ export class Client {
       const page = await this.connection.unary("listScenes", { pageSize: 0, pageToken }, "", limit.left());
       for (const scene of page.scenes) {
         const last = scenes.at(-1);
-        if (last && scene.sceneId <= last.sceneId) throw dataLoss(`scenes names ${scene.sceneId} after ${last.sceneId}; ids must ascend`);
+        if (last && scene.sceneId <= last.sceneId)
+          throw dataLoss(`scenes names ${scene.sceneId} after ${last.sceneId}; ids must ascend`);
         scenes.push(scene);
       }
       pageToken = page.nextPageToken;

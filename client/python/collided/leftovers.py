@@ -101,7 +101,7 @@ class _Closer:
         if threading.current_thread() is self._thread:
             job()
             return
-        # Not an Event, whose lock an interrupt may leave taken.
+        # An interrupt may leave the lock of an Event taken, but not that of a SimpleQueue.
         done: queue.SimpleQueue[None] = queue.SimpleQueue()
 
         def do() -> None:

@@ -76,7 +76,8 @@ class SetFrames:
         if self._transport is not None or self._has_no_stream:
             return
         try:
-            self._transport, opened, _ = open_transport(self._client, self._scene, self._options, resume=True)
+            self._transport, opened, _ = open_transport(self._client, self._scene, self._options, True,
+                                                         self._client.options.deadline)
         except ResourceExhausted:
             if self._options.transport != "auto":
                 raise

@@ -27,6 +27,7 @@ from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.02, 1.0
+_FIRST_ATTEMPT = 0.5  # seconds for a stream to be opened again, however short the caller's timeout is; it doubles
 _MOST_FRUITLESS = 8  # streams in a row that end before they have answered a frame
 _LATEST_WINS = api.DELIVERY_POLICY_LATEST_WINS
 _GONE = -2  # instead of the last frame that a scene has applied
@@ -74,6 +75,7 @@ class Stream:
         self.resent = 0
         self._next_move = 0.0  # when leaving a daemon that stops is tried
         self._wait_ends = math.inf  # that for a daemon that is lost
+        self._attempt, self._attempt_ends = _FIRST_ATTEMPT, math.inf
         self._fruitless = 0  # streams that were opened since a frame was answered
         if self._open(resume=take_over) != self._track.last_applied:
             self._recreate()
@@ -206,8 +208,8 @@ class Stream:
             return self._after(error, until)
 
     def _deadline(self) -> float:
-        """When what has no timeout of its own is given up, if it begins now."""
-        return time.monotonic() + self._scene.client.options.deadline
+        """Returns the time at which a wait that begins now ends, if the caller sets no timeout."""
+        return min(time.monotonic() + self._scene.client.options.deadline, self._attempt_ends)
 
     def _read_by(self, until: float, what: str) -> None:
         """As _read. Raises DeadlineExceeded once it is later."""
@@ -359,8 +361,8 @@ class Stream:
         assert self._transport is not None
         response = self._transport.read(_left(deadline)) if time.monotonic() < deadline else None
         if response is None:
-            seconds = self._scene.client.options.deadline
-            raise DeadlineExceeded(f"the daemon did not put the scene where it was within {seconds:g} s (deadline)")
+            raise DeadlineExceeded(f"the daemon at {self._scene.client.place} did not put the scene where it was in time "
+                                   "(deadline, or the call's timeout)")
         return response
 
     # Losing and finding the daemon.
@@ -368,6 +370,8 @@ class Stream:
     def _after(self, error: Error, until: float) -> bool:
         """Goes on after the stream has ended, or raises why it cannot. False if it has not `until` then."""
         self._give_up_transport()
+        if isinstance(error, DeadlineExceeded) and time.monotonic() >= until:
+            return False
         has_idled = isinstance(error, ResourceExhausted) and self._has_answered and not isinstance(error, NotSent)
         if not (error.is_connection_lost or has_idled):
             if not isinstance(error, DeadlineExceeded):  # of a call, which may be made again
@@ -388,6 +392,8 @@ class Stream:
                 return True
             except Error as again:
                 self._close_transport()
+                if isinstance(again, DeadlineExceeded) and time.monotonic() >= until:
+                    return False
                 if not again.is_connection_lost:
                     raise
                 error = again
@@ -400,10 +406,22 @@ class Stream:
 
     def _reopen(self, until: float) -> None:
         """A stream on which everything that is in flight was sent again. Raises Error. Once a daemon answers, which is waited for
-        `until` then, this is done to its end, so that callers who wait for shorter times get there as well."""
+        `until` then, the rest may take longer by an attempt's time, which grows, so that callers who wait for shorter times
+        get there as well."""
         self.check_open()
         self._scene.client.reconnect()
         self._scene.client.connect(_left(until))  # if nobody answers, nobody is asked more
+        self._attempt_ends = max(until, time.monotonic() + self._attempt)
+        try:
+            self._reopen_in_time()
+        except DeadlineExceeded:
+            self._attempt = min(2 * self._attempt, self._scene.client.options.deadline)
+            raise
+        finally:
+            self._attempt_ends = math.inf
+        self._attempt, self._wait_ends = _FIRST_ATTEMPT, math.inf
+
+    def _reopen_in_time(self) -> None:
         last_applied = self._resume()
         if last_applied != self._track.last_applied or self._begins_on_last_way():
             self._recreate()
@@ -411,7 +429,6 @@ class Stream:
         self._fruitless += 1
         self.draining = None
         self._transmit_all()
-        self._wait_ends = math.inf
 
     def _begins_on_last_way(self) -> bool:
         """Whether what is in flight does: a frame that was given up with its stream leaves the scene where it was, but may leave
@@ -420,7 +437,7 @@ class Stream:
 
     def _resume(self) -> int:
         """The last frame that the scene has applied; _GONE: the scene is."""
-        # Told at once if it is gone, where an endpoint that is gone would be waited for.
+        # A call tells at once that the scene is gone; opening a stream would wait for an endpoint that is gone.
         if self._scene.message.endpoint and not self._scene.client.has_scene(self._scene.id):
             return _GONE
         try:
@@ -488,7 +505,7 @@ class Stream:
     def _open(self, resume: bool) -> int:
         """Opens a stream. Returns the last frame that the scene has applied, by its id on the wire."""
         self._transport, opened, self.local_refusal = open_transport(
-            self._scene.client, self._scene.message, self._options, resume)
+            self._scene.client, self._scene.message, self._options, resume, _left(self._deadline()))
         self.window = opened.window
         self._has_answered = False
         self._track.last_sent = max(self._track.last_sent, opened.scene.last_frame_id)

@@ -1,5 +1,8 @@
-// The C++ client against a daemon that misbehaves. Reads lines "BEHAVIOUR SCENARIO ADDRESS", plays them all at once, and
-// prints for each how it ended: the code of an error, or ok, the seconds that it took, and the message.
+// This program runs the C++ client against a daemon that misbehaves. It reads lines "BEHAVIOUR SCENARIO ADDRESS" and
+// runs all of them at once. For each it prints the code of the error, or ok, then the seconds that it took and the
+// message.
+
+#include "client/cpp/client.hpp"
 
 #include <grpcpp/support/status_code_enum.h>
 
@@ -16,7 +19,6 @@
 #include <vector>
 
 #include "client/cpp/batch/scene_set.hpp"
-#include "client/cpp/client.hpp"
 #include "client/cpp/session.hpp"
 
 namespace {
@@ -29,7 +31,8 @@ constexpr std::array<std::array<uint32_t, 3>, 1> kOne{{{0, 1, 2}}};
 constexpr std::array<float, 9> kFloor{0, 0, 0, 4, 0, 0, 0, 4, 0}, kTip{1, 1, 1, 1.25, 1, 9, 1, 1.25, 9};
 
 std::vector<MeshInput> meshes() {
-  return {{.name = "floor", .vertex_count = 3, .triangles = kOne}, {.name = "tip", .vertex_count = 3, .triangles = kOne}};
+  return {{.name = "floor", .vertex_count = 3, .triangles = kOne},
+          {.name = "tip", .vertex_count = 3, .triangles = kOne}};
 }
 
 v1::SceneSpec spec() {
@@ -63,7 +66,8 @@ void run_stream(Client& client, milliseconds patience, Local local) {
 void run_large(Client& client, milliseconds) {
   constexpr uint32_t kVertices = 3'000'000;
   MeshInput mesh{.name = "large", .vertex_count = kVertices, .triangles = kOne};
-  FrameStream stream = client.stream(client.create_scene(spec(), {&mesh, 1}), {.window = 2, .local = {.use = Local::kOff}});
+  FrameStream stream =
+      client.stream(client.create_scene(spec(), {&mesh, 1}), {.window = 2, .local = {.use = Local::kOff}});
   const std::vector<float> positions(3 * kVertices);
   const FrameUpdate update{.positions = std::as_bytes(std::span(positions))};
   stream.send(1, {&update, 1});
@@ -71,8 +75,9 @@ void run_large(Client& client, milliseconds) {
 }
 
 void run_session(const std::string& address, const ConnectOptions& connect) {
-  Session session = Session::open(address, spec(), meshes(),
-                                  {.connect = connect, .stream = {.local = {.use = Local::kOff}}, .give_up = connect.deadline});
+  Session session =
+      Session::open(address, spec(), meshes(),
+                    {.connect = connect, .stream = {.local = {.use = Local::kOff}}, .give_up = connect.deadline});
   auto answer = session.submit(updates());
   if (answer.wait_for(2 * connect.deadline) != std::future_status::ready) {
     session.close();
@@ -128,6 +133,5 @@ void play(const std::string& line, milliseconds limit) {
 int main(int, char** arguments) {
   const auto limit = std::chrono::duration_cast<milliseconds>(std::chrono::duration<double>(std::atof(arguments[1])));
   std::vector<std::jthread> threads;
-  for (std::string line; std::getline(std::cin, line);)
-    threads.emplace_back([line, limit] { play(line, limit); });
+  for (std::string line; std::getline(std::cin, line);) threads.emplace_back([line, limit] { play(line, limit); });
 }

@@ -1,5 +1,5 @@
-// The Node client against a daemon that misbehaves. Reads lines "BEHAVIOUR SCENARIO ADDRESS", plays them all at once, and
-// prints for each how it ended: the code of an error, or ok, the seconds that it took, and the message.
+// This program runs the Node client against a daemon that misbehaves. It reads lines "BEHAVIOUR SCENARIO ADDRESS" and runs
+// all of them at once. For each it prints the code of the error, or ok, then the seconds that it took and the message.
 
 import { readFileSync } from "node:fs";
 import { join } from "node:path";

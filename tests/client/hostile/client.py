@@ -1,5 +1,5 @@
-"""The Python client, against a daemon that misbehaves. Reads lines "BEHAVIOUR SCENARIO ADDRESS", plays them all at once, and
-prints for each how it ended: the code of an error, or ok, the seconds that it took, and the message."""
+"""This program runs the Python client against a daemon that misbehaves. It reads lines "BEHAVIOUR SCENARIO ADDRESS" and runs
+all of them at once. For each it prints the code of the error, or ok, then the seconds that it took and the message."""
 
 import sys
 import threading
@@ -32,6 +32,23 @@ def stream(client, transport="grpc"):
             assert contacts.meshes.tolist() == [[1, 0]], contacts.meshes
 
 
+def timeouts(client):
+    """The last error, if none took much longer than the call's timeout, which is far below the client's deadline."""
+    client = collided.Client(client.address, token=client.options.token)
+    with collided.Session(meshes(), server=client, transport="grpc") as session:
+        session.step({"floor": FLOOR, "tip": TIP})
+        session.send({"tip": TIP})
+        for most in (2, 3):
+            begun = time.monotonic()
+            try:
+                session.receive(timeout=0.1)
+            except collided.DeadlineExceeded as error:
+                late = error
+            assert time.monotonic() - begun < most, time.monotonic() - begun
+        assert session.in_flight == 1
+        raise late
+
+
 def watch(client):
     scene = client.create_scene(collided.layout.Layout.of(meshes()), collided.SceneOptions(), 0)
     with collided.Watcher(client, scene.scene_id, meshes=["tip"]) as watcher:
@@ -49,7 +66,8 @@ def mesh(client):
     client.get_mesh(scene.scene_id, 0)
 
 
-SCENARIOS = {"stream": stream, "call": lambda client: stream(client, "calls"), "watch": watch, "set": batch, "local": lambda client: stream(client, "shared_memory"), "mesh": mesh,
+SCENARIOS = {"stream": stream, "call": lambda client: stream(client, "calls"), "watch": watch, "timeouts": timeouts,
+             "set": batch, "local": lambda client: stream(client, "shared_memory"), "mesh": mesh,
              "list": lambda client: client.scenes()}
 
 

@@ -1,7 +1,7 @@
-"""A daemon that answers, but not as a daemon does. How it misbehaves is a class below; a client asks for one by its name, as
-the bearer token of its calls, so that one process plays all of them at once.
+"""A daemon that misbehaves. Each class below is one behaviour. A client selects it by the class's name, which it sends as the
+bearer token of its calls, so that one process serves all behaviours at once.
 
-Its scene is the floor and the tip of the other tests: vertex 3 meets triangle 0 at half of the step.
+The scene is the floor and the tip of the other tests: vertex 3 meets triangle 0 at t = 0.5.
 """
 
 import concurrent.futures
@@ -45,7 +45,7 @@ def mesh_page(first, **changes):
 
 
 class Honest:
-    """Does nothing wrong. scenarios: what a client does with it; expected: the codes that it may end with."""
+    """Behaves well. scenarios: the names of what a client does with it. expected: the codes with which that may end."""
 
     scenarios, expected = ("stream", "session", "call", "watch", "mesh", "list"), {"ok"}
 
@@ -53,11 +53,13 @@ class Honest:
         if not cls.__name__.startswith("Of"):  # what several have in common
             BEHAVIOURS[cls.__name__] = cls
 
+    refusal = ""  # of streams
+
     def info(self, info):
         return info
 
     def end(self, message):
-        """The answer to a frame that is a call of its own."""
+        """Returns the answer to DetectFrame."""
         return api.DetectFrameResponse(done=message.done)
 
     def scene(self, scene):
@@ -106,7 +108,7 @@ def wait(is_active):
 
 
 class OfStream(Honest):
-    """Streams, over whatever a client has."""
+    """Answers frames wrongly."""
 
     scenarios, expected = ("stream", "session", "call"), {LOST}
     chunk, changes = {}, {}
@@ -284,6 +286,14 @@ class HugeErrorText(OfStream):
         yield api.StreamFramesResponse(frame_id=frame_id, error=frame_pb2.FrameError(code=3, message="x" * (3 << 20)))
 
 
+class HugeStatusText(OfStream):
+    """Refuses the stream with more text than gRPC's metadata holds."""
+
+    scenarios = ("stream", "session")
+    expected = {"INVALID_ARGUMENT", "RESOURCE_EXHAUSTED", "INTERNAL", "UNAVAILABLE", "CANCELLED", "UNKNOWN", LATE}
+    refusal = "x" * (1 << 20)
+
+
 class EndsBeforeEachAnswer(OfStream):
     """Opens each stream, and ends it when a frame comes."""
 
@@ -306,6 +316,23 @@ class NeverOpens(OfWaits):
     def watch(self, scene, is_active):
         wait(is_active)
         yield from ()
+
+
+class NeverOpensAgain(OfWaits):
+    """A timeout of the caller's holds while a stream is opened again, too."""
+
+    scenarios = ("timeouts",)
+    _opened = set()  # peers' scenes
+
+    def opened(self, opened):
+        if opened.scene.scene_id in self._opened:
+            return None
+        self._opened.add(opened.scene.scene_id)
+        return super().opened(opened)
+
+    def answers(self, frame_ids, is_active):
+        yield answer(next(frame_ids))
+        next(frame_ids)
 
 
 class NeverAnswers(OfWaits):
@@ -710,6 +737,8 @@ class EvilDaemon:
         behaviour, opening = _of(context), next(requests).open
         if "set" in behaviour.scenarios:
             context.abort(grpc.StatusCode.RESOURCE_EXHAUSTED, "no streams of sets")
+        if behaviour.refusal:
+            context.abort(grpc.StatusCode.INVALID_ARGUMENT, behaviour.refusal)
         first = behaviour.opened(api.StreamOpened(scene=self._scene(opening.scene_id), window=opening.window or 2))
         if first is None:
             wait(context.is_active)

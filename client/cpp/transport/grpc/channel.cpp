@@ -133,7 +133,9 @@ std::shared_ptr<grpc::Channel> ChannelFactory::connect(uint64_t max_answer_bytes
   if (in_process_) return in_process_->channel(call_arguments(max_answer_bytes));
   auto channel = make(max_answer_bytes);
   if (!channel->WaitForConnected(deadline_in(options_.patience)))
-    throw Error(grpc::UNAVAILABLE, "no daemon answers at " + address_ + reason_of(channel));
+    throw Error(grpc::UNAVAILABLE, "no daemon answers at " + address_ + " within " +
+                                       std::to_string(options_.patience.count()) + " ms (patience)" +
+                                       reason_of(channel));
   return channel;
 }
 
@@ -142,6 +144,13 @@ std::unique_ptr<grpc::ClientContext> ChannelFactory::context(const std::string& 
   // Not as call credentials, which gRPC refuses on plain-text channels, Unix sockets included.
   if (!options_.token.empty()) context->AddMetadata("authorization", "Bearer " + options_.token);
   if (!scene_id.empty() && is_visible(scene_id)) context->AddMetadata("scene-id", scene_id);
+  return context;
+}
+
+std::unique_ptr<grpc::ClientContext> ChannelFactory::context_within(const std::string& scene_id,
+                                                                    std::chrono::milliseconds time) const {
+  auto context = this->context(scene_id);
+  context->set_deadline(deadline_in(std::min(time, options_.deadline)));
   return context;
 }
 

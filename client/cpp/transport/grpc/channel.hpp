@@ -37,6 +37,9 @@ class ChannelFactory {
   std::shared_ptr<grpc::Channel> connect(uint64_t max_answer_bytes = v1::kMaxAnswerBytes) const;
   /// Has the token and, for a call about a scene, the metadata `scene-id`, by which proxies find its daemon.
   std::unique_ptr<grpc::ClientContext> context(const std::string& scene_id = "") const;
+  /// The same with a deadline, of which the options' own one is the most.
+  std::unique_ptr<grpc::ClientContext> context_within(const std::string& scene_id,
+                                                      std::chrono::milliseconds time) const;
   /// The same with a deadline: that of the options plus `more`.
   std::unique_ptr<grpc::ClientContext> call_context(const std::string& scene_id = "",
                                                     std::chrono::milliseconds more = {}) const;

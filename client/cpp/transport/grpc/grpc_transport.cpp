@@ -27,10 +27,11 @@ gpr_timespec queue_deadline(FrameTransport::Time deadline) {
 }  // namespace
 
 GrpcTransport::GrpcTransport(std::shared_ptr<grpc::Channel> channel, std::unique_ptr<grpc::ClientContext> context,
-                             uint64_t max_message_bytes)
+                             uint64_t max_message_bytes, std::chrono::milliseconds deadline)
     : channel_(std::move(channel)),
       context_(std::move(context)),
       max_message_bytes_(max_message_bytes),
+      deadline_(deadline),
       call_(grpc::GenericStub(channel_).PrepareCall(context_.get(), kMethod, &queue_)) {}
 
 GrpcTransport::~GrpcTransport() {
@@ -78,10 +79,23 @@ bool GrpcTransport::take_event(LeaderFollowers::Lock& lock, Time deadline) {
   return got != grpc::CompletionQueue::TIMEOUT;
 }
 
+/// Waits until no write is pending. False, and the end of the call, if the daemon does not take it in time.
+bool GrpcTransport::await_write(LeaderFollowers::Lock& lock) {
+  const auto is_written = [&] { return !write_.is_pending; };
+  const Time now = Clock::now();
+  if (await(lock, is_written, deadline_ < kNever - now ? now + deadline_ : kNever)) return true;
+  is_late_ = true;
+  lock.unlock();
+  cancel();
+  lock.lock();
+  await(lock, is_written);
+  return false;
+}
+
 /// Waits until no write is pending and gRPC has released what it borrowed, which it does soon after the write, without
 /// an event.
 void GrpcTransport::await_written(LeaderFollowers::Lock& lock) {
-  await(lock, [&] { return !write_.is_pending; });
+  await_write(lock);
   while (!await(
       lock, [&] { return borrowed_ == 0; }, Clock::now() + kPoll))
     continue;
@@ -91,8 +105,7 @@ void GrpcTransport::await_written(LeaderFollowers::Lock& lock) {
 template <class Start>
 bool GrpcTransport::write(const Start& start, bool is_last) {
   LeaderFollowers::Lock lock(mutex_);
-  await(lock, [&] { return !write_.is_pending; });
-  if (is_closed_) return false;
+  if (!await_write(lock) || is_closed_) return false;
   is_closed_ = is_last;
   write_.is_pending = true;
   ++starting_;
@@ -153,7 +166,7 @@ void GrpcTransport::half_close() {
   constexpr bool kLast = true;
   if (!write([&] { call_->WritesDone(&write_); }, kLast)) return;
   LeaderFollowers::Lock lock(mutex_);
-  await(lock, [&] { return !write_.is_pending; });
+  await_write(lock);
 }
 
 // Unlocked, as for a write.
@@ -188,6 +201,9 @@ std::optional<Error> GrpcTransport::finish() {
   await(lock, [&] { return !finish_.is_pending; });
   end_call(lock);
   await_written(lock);
+  if (is_late_)
+    return Error(grpc::DEADLINE_EXCEEDED,
+                 "the daemon took no message within " + std::to_string(deadline_.count()) + " ms (deadline)");
   return error_of(status);
 }
 

@@ -2,12 +2,22 @@
 
 #include "client/cpp/transport/local/local_layout.hpp"
 
-#include <algorithm>
+#include <grpcpp/support/status_code_enum.h>
 
+#include <algorithm>
+#include <string>
+
+#include "client/cpp/error.hpp"
 #include "client/cpp/positions.hpp"
 #include "proto/constants.hpp"
 
 namespace collided::client {
+
+namespace {
+
+constexpr uint64_t kMaxVertices = uint64_t{1} << 40;
+
+}  // namespace
 
 LocalLayout local_layout(const v1::Scene& scene, uint32_t window, const LocalOptions& options) {
   const v1::SceneSpec& spec = scene.spec();
@@ -16,6 +26,9 @@ LocalLayout local_layout(const v1::Scene& scene, uint32_t window, const LocalOpt
   const uint64_t worlds = std::max(scene.worlds(), 1u);
   uint64_t vertices = 0;
   for (const v1::MeshSpec& mesh : spec.meshes()) vertices += mesh.vertex_count();
+  if (vertices > kMaxVertices / worlds)  // as the daemon tells it, and so large that its bytes would overflow
+    throw Error(grpc::RESOURCE_EXHAUSTED, "the scene has " + std::to_string(vertices) + " vertices in each of " +
+                                              std::to_string(worlds) + " worlds, more than shared memory can hold");
   const uint64_t bytes = v1::max_frame_input_bytes(worlds * vertices, positions * position,
                                                    worlds * static_cast<uint64_t>(spec.meshes_size()));
   const bool is_device = !options.cuda_ipc_handle.empty();

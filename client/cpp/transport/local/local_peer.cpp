@@ -5,6 +5,7 @@
 #include <grpcpp/support/status_code_enum.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -46,13 +47,21 @@ void check_folder(const std::string& path, TrustedUsers& trusted) {
 
 }  // namespace
 
-LocalFd connect_to_socket(const std::string& path, int kind) {
+void limit_sending(const LocalFd& socket, std::chrono::milliseconds time) {
+  using std::chrono::milliseconds;
+  const auto limit = std::clamp<milliseconds>(time, milliseconds(1), std::chrono::hours(240));  // 0 would be none
+  const timeval timeout{limit.count() / 1000, limit.count() % 1000 * 1000};
+  setsockopt(socket.get(), SOL_SOCKET, SO_SNDTIMEO, &timeout, sizeof(timeout));
+}
+
+LocalFd connect_to_socket(const std::string& path, int kind, std::chrono::milliseconds patience) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof(address.sun_path))
     throw Error(grpc::INVALID_ARGUMENT, "local_socket is \"" + path + "\", which is not a socket path");
   path.copy(address.sun_path, path.size());
   LocalFd socket(::socket(AF_UNIX, kind | SOCK_CLOEXEC, 0));
+  if (socket.get() >= 0) limit_sending(socket, patience);
   if (socket.get() < 0 || connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0)
     throw Error(grpc::UNAVAILABLE, "no daemon answers at " + path + ": " + std::strerror(errno));
   return socket;
@@ -66,8 +75,8 @@ uid_t user_at(const LocalFd& socket) {
   return peer.uid;
 }
 
-TrustedUsers::TrustedUsers(std::string grpc_address, int64_t daemon_user)
-    : grpc_address_(std::move(grpc_address)), users_{geteuid(), kRoot} {
+TrustedUsers::TrustedUsers(std::string grpc_address, int64_t daemon_user, std::chrono::milliseconds patience)
+    : grpc_address_(std::move(grpc_address)), patience_(patience), users_{geteuid(), kRoot} {
   if (daemon_user >= 0) users_.push_back(static_cast<uid_t>(daemon_user));
 }
 
@@ -76,7 +85,7 @@ bool TrustedUsers::contains(uid_t user) {
   if (is_known() || grpc_address_.empty()) return is_known();
   const std::string path = socket_path(std::exchange(grpc_address_, ""));
   if (!path.empty()) try {
-      users_.push_back(user_at(connect_to_socket(path, SOCK_STREAM)));
+      users_.push_back(user_at(connect_to_socket(path, SOCK_STREAM, patience_)));
     } catch (const Error&) {  // an address that only gRPC understands adds no trusted user
     }
   return is_known();

@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,11 @@
 namespace collided::client {
 
 /// A connection to the socket at `path`, of a kind such as SOCK_STREAM. Throws Error: INVALID_ARGUMENT if no socket can
-/// have that path, UNAVAILABLE if nobody listens there.
-LocalFd connect_to_socket(const std::string& path, int kind);
+/// have that path, UNAVAILABLE if nobody listens there, or takes the connection within `patience`.
+LocalFd connect_to_socket(const std::string& path, int kind, std::chrono::milliseconds patience);
+
+/// Has connecting and sending, which wait for a listener that takes nothing, fail after `time`.
+void limit_sending(const LocalFd& socket, std::chrono::milliseconds time);
 
 /// The user who listens at the other end of a connected Unix socket. Throws Error (UNAVAILABLE).
 uid_t user_at(const LocalFd& socket);
@@ -22,7 +26,8 @@ uid_t user_at(const LocalFd& socket);
 /// `grpc_address` if that is a Unix socket, since that user gets the token anyway.
 class TrustedUsers {
  public:
-  TrustedUsers(std::string grpc_address, int64_t daemon_user);
+  TrustedUsers(std::string grpc_address, int64_t daemon_user,
+               std::chrono::milliseconds patience = std::chrono::seconds(5));
   /// Connects to `grpc_address` only for a user who is not trusted otherwise.
   bool contains(uid_t user);
   /// The ids known so far, for messages.
@@ -30,6 +35,7 @@ class TrustedUsers {
 
  private:
   std::string grpc_address_;
+  std::chrono::milliseconds patience_;
   std::vector<uid_t> users_;
 };
 

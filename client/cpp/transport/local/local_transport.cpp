@@ -21,8 +21,9 @@ constexpr uint64_t kAlignment = 64;
 constexpr size_t kMaxInlineBytes = 64;  // up to this many go into the packet itself
 
 LocalFd connect_to(const LocalPeer& peer) {
-  LocalFd socket = connect_to_socket(peer.path, SOCK_SEQPACKET);
+  LocalFd socket = connect_to_socket(peer.path, SOCK_SEQPACKET, peer.patience);
   check_trusted(socket, peer.path, peer.trusted);
+  limit_sending(socket, peer.deadline);
   return socket;
 }
 
@@ -74,7 +75,10 @@ bool has_arrived(int socket, FrameTransport::Time deadline) {
 
 LocalTransport::LocalTransport(const LocalPeer& peer, const LocalLayout& layout, const std::string& token,
                                const LocalOptions& options)
-    : layout_(layout), socket_(connect_to(peer)), region_(layout.input_in_file() + layout.output_in_file()) {
+    : layout_(layout),
+      socket_(connect_to(peer)),
+      region_(layout.input_in_file() + layout.output_in_file()),
+      deadline_(peer.deadline) {
   opening_.set_version(v1::kLocalVersion);
   opening_.set_token(token);
   opening_.set_input_bytes(layout.input_in_file());
@@ -197,7 +201,12 @@ v1::SharedRange LocalTransport::place_if_long(const v1::Frame& frame) {
 bool LocalTransport::send_packet(const v1::LocalRequest& request) {
   packet_.clear();
   request.AppendToString(&packet_);
-  return send_with_file(socket_.get(), packet_, -1);
+  if (send_with_file(socket_.get(), packet_, -1)) return true;
+  if (errno == EAGAIN || errno == EWOULDBLOCK) {
+    is_late_ = true;
+    shutdown(socket_.get(), SHUT_RDWR);
+  }
+  return false;
 }
 
 FrameTransport::Arrival LocalTransport::read(v1::StreamFramesResponse& response, Time deadline) {
@@ -234,6 +243,9 @@ void LocalTransport::cancel() {
 std::optional<Error> LocalTransport::finish() {
   if (closed_ && closed_->code() == grpc::OK) return std::nullopt;
   if (closed_) return Error(closed_->code(), closed_->message(), closed_->field());
+  if (is_late_)
+    return Error(grpc::DEADLINE_EXCEEDED,
+                 "the daemon took no packet within " + std::to_string(deadline_.count()) + " ms (deadline)");
   if (is_cancelled_) return Error(grpc::CANCELLED, "the stream was cancelled");
   return Error(grpc::UNAVAILABLE, "the daemon's local socket was closed");
 }

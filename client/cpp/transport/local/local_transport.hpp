@@ -19,6 +19,8 @@ namespace collided::client {
 struct LocalPeer {
   std::string path;
   TrustedUsers trusted;
+  std::chrono::milliseconds patience;  ///< to connect
+  std::chrono::milliseconds deadline;  ///< until a packet is taken
 };
 
 class LocalTransport final : public FrameTransport {
@@ -56,7 +58,9 @@ class LocalTransport final : public FrameTransport {
   std::string incoming_;       ///< the reader's
   uint64_t frames_ = 0;        ///< sent so far; the next one's part of the input follows from it
   uint64_t used_ = 0;          ///< bytes of that part that are taken
+  std::chrono::milliseconds deadline_;
   std::atomic<bool> is_cancelled_ = false;
+  std::atomic<bool> is_late_ = false;  ///< a packet was not taken in time
   std::optional<v1::LocalClosed> closed_;
 };
 

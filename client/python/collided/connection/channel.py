@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import grpc
 
+import collided.leftovers as leftovers
 from collided.connection.options import ConnectOptions, is_local_address
 from collided.errors import DeadlineExceeded, Unavailable, error_of_call
 from collided.v1 import collision_service_pb2 as api
@@ -52,6 +54,11 @@ def ask_for_info(channel: grpc.Channel, address: str, options: ConnectOptions, p
     except grpc.RpcError as error:
         raise Unavailable(f"no daemon answers at {address} within {patience:g} s (patience): "
                           f"{error_of_call(error).message}") from None
+
+
+def end_elsewhere(end: Callable[[], None]) -> None:
+    """Ends a call or a channel in a thread where no interrupt comes. Waits for that, but not for ever."""
+    leftovers.do_elsewhere(end)
 
 
 def metadata(options: ConnectOptions, scene_id: str = "") -> list[tuple[str, str]]:

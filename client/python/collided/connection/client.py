@@ -17,7 +17,7 @@ import numpy as np
 
 import collided.leftovers as leftovers
 from collided.choices import check_text
-from collided.connection.channel import MAX_ANSWER_BYTES, ask_for_info, metadata, open_channel
+from collided.connection.channel import MAX_ANSWER_BYTES, ask_for_info, end_elsewhere, metadata, open_channel
 from collided.connection.connection import Connection
 from collided.connection.mesh_elements import MeshElements, read_elements
 from collided.connection.options import ConnectOptions, is_local_address
@@ -119,9 +119,10 @@ class Client:
         until = time.monotonic() + self.options.deadline
 
         def page_from(element: int) -> api.GetMeshResponse:
-            # As an upload has: a second more for each 512 KiB.
+            # An upload has a second more for each 512 KiB, too.
             timeout = min(self._left(until + element / _TRIANGLES_PER_CHUNK), self.options.deadline)
-            return self.call("GetMesh", api.GetMeshRequest(scene_id=scene_id, mesh=mesh, first_element=element), scene_id, timeout)
+            request = api.GetMeshRequest(scene_id=scene_id, mesh=mesh, first_element=element)
+            return self.call("GetMesh", request, scene_id, timeout)
 
         return read_elements(page_from)
 
@@ -270,15 +271,17 @@ class Client:
         return open_channel(address, self.options, max_answer_bytes)
 
     @contextmanager
-    def stream_channel(self, scene: scene_pb2.Scene) -> Iterator[grpc.Channel]:
-        """A connection for one stream of the scene, at its endpoint, once a daemon answers there. It is closed if an error ends
-        the context. gRPC itself would not wait: it ends a stream if the connection is refused for a moment."""
+    def stream_channel(self, scene: scene_pb2.Scene, seconds: float = math.inf) -> Iterator[grpc.Channel]:
+        """A connection for one stream of the scene, once a daemon answers at its endpoint. Waits for that as `patience` says, but
+        no longer than so many seconds, because gRPC itself ends a stream whose connection is refused for a moment. An error that
+        ends the context closes the connection."""
         channel = self.separate_channel(scene.endpoint)
         try:
-            ask_for_info(channel, scene.endpoint or self.address, self.options, self.options.patience, scene.scene_id)
+            ask_for_info(channel, scene.endpoint or self.address, self.options, min(self.options.patience, seconds),
+                         scene.scene_id)
             yield channel
         except BaseException:
-            leftovers.do_elsewhere(channel.close)
+            end_elsewhere(channel.close)
             raise
 
     def local_socket(self, endpoint: str) -> str:

@@ -24,7 +24,8 @@ class ConnectOptions:
     tls_ca: file with the certificates to trust. tls_certificate, tls_key: files of the client's own (mTLS).
     tls_server_name: name in the daemon's certificate, if it is not the address's.
     allow_insecure_token: send the token in plain text even to another host.
-    patience: seconds to connect. deadline: seconds for one call; streams have none. Both above 0, perhaps infinite.
+    patience: seconds to connect, also for each stream. deadline: seconds for one call, and for a stream's first answer. Both
+        above 0, perhaps infinite.
     """
 
     token: str = ""

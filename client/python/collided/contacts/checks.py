@@ -1,4 +1,4 @@
-"""What an answer must be before anything is computed from it: a daemon that is wrong, or no daemon, may answer."""
+"""Checks that guard everything computed from an answer: the daemon may be wrong, or another program may answer."""
 
 from __future__ import annotations
 

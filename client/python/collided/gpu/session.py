@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any, Unpack, cast
 
 import collided.leftovers as leftovers
-from collided.errors import FailedPrecondition, InvalidArgument, ResourceExhausted, error_of_frame
+from collided.contacts.checks import check_done
+from collided.errors import DataLoss, FailedPrecondition, InvalidArgument, ResourceExhausted, error_of_frame
 from collided.frames.options import FrameOptions
 from collided.frames.updates import Update
 from collided.gpu.arrays import incoming, is_on_device
@@ -77,7 +78,7 @@ class DeviceSession:
             raise FailedPrecondition("the daemon has no local socket here (--local-socket)")
         self._memory = DeviceMemory(cuda, region_layout(self.scene.refresh(), window, *room))
         self._transport = LocalTransport(LocalPeer(path, client.address, daemon_user, client.options), self._memory)
-        opened_by(self._transport, api.OpenStream(scene_id=self.scene.id, window=window), client)
+        opened_by(self._transport, api.OpenStream(scene_id=self.scene.id, window=window), client, client.options.deadline)
 
     def step(self, positions: Any = None, start: Any = None, **options: Unpack[FrameOptions]) -> DeviceContacts:
         """Sends a frame and waits for its contacts."""
@@ -121,11 +122,15 @@ class DeviceSession:
         while True:
             response = self._transport.read(None)
             kind = response.WhichOneof("response") if response is not None else None
-            if response is None or response.frame_id != pending.wire_id:
+            if response is None or kind in (None, "draining"):
                 continue
+            if response.frame_id != pending.wire_id or kind not in ("contacts", "done", "error"):
+                raise DataLoss(f"the daemon answers frame {response.frame_id} with {kind!r} instead of frame {pending.wire_id}")
             if kind == "contacts":
                 contacts.add(response.contacts, self._memory)
                 continue
+            if kind == "done":
+                check_done(response.done)
             self._pending.popleft()
             if kind == "error":
                 raise error_of_frame(response.error, contacts.frame_id)

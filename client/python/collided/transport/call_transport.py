@@ -10,8 +10,7 @@ from typing import Any
 
 import grpc
 
-from collided import leftovers
-from collided.connection.channel import metadata
+from collided.connection.channel import end_elsewhere, metadata
 from collided.connection.client import Client
 from collided.errors import (DataLoss, Error, FailedPrecondition, InvalidArgument, NotFound, ResourceExhausted,
                              Unavailable, error_of_call)
@@ -100,7 +99,7 @@ class CallTransport:
 
     def close(self) -> None:
         self._requests.put(None)
-        leftovers.do_elsewhere(self._channel.close)
+        end_elsewhere(self._channel.close)
 
 
 def _serve(ask: Callable[[bytes], api.DetectFrameResponse], requests: queue.SimpleQueue[bytes | None],

@@ -9,7 +9,7 @@ from typing import Any
 
 import grpc
 
-from collided import leftovers
+from collided.connection.channel import end_elsewhere
 from collided.errors import Cancelled, Error, Unavailable, error_of_call
 
 
@@ -21,7 +21,7 @@ class Messages:
     """
 
     def __init__(self, channel: grpc.Channel, begin: Callable[[], Any]) -> None:
-        """begin: makes the call, on a channel that is closed with it."""
+        """begin: makes the call on `channel`, which `close` closes, too."""
         self._channel, self._begin = channel, begin
         self._call: Any = None
         self._requests: queue.SimpleQueue[bool] = queue.SimpleQueue()
@@ -69,10 +69,10 @@ class Messages:
             raise error_of_call(error) from None
 
     def close(self) -> None:
-        """Ends the call and its channel; whoever waits for a message is told."""
+        """Ends the call and its channel. A thread that waits for a message then raises Cancelled."""
         self.is_cancelled = True
         self._requests.put(False)
-        leftovers.do_elsewhere(self._end)
+        end_elsewhere(self._end)
 
     def _end(self) -> None:
         if self._call is not None:

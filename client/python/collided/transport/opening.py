@@ -49,26 +49,27 @@ class StreamOptions:
 
 
 def open_transport(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
-                   resume: bool) -> tuple[Transport, api.StreamOpened, str]:
-    """A stream of the scene, the daemon's answer, and why it is not through shared memory where that was tried."""
+                   resume: bool, seconds: float) -> tuple[Transport, api.StreamOpened, str]:
+    """A stream of the scene, the daemon's answer, and why it is not through shared memory where that was tried. seconds: for the
+    answer."""
     opening = api.OpenStream(scene_id=scene.scene_id, window=options.window, delivery=options.delivery,
                              resume_token=scene.resume_token if resume else "")
     refusal = ""
     if options.transport == "calls":
         calls = CallTransport(client)
-        return calls, opened_by(calls, opening, client), ""
+        return calls, opened_by(calls, opening, client, seconds), ""
     if options.transport != "grpc":
         try:
             local = _local(client, scene, options, opening)
             if local is not None:
-                return local, opened_by(local, opening, client), ""
+                return local, opened_by(local, opening, client, seconds), ""
         except Error as error:
             if options.transport == "shared_memory":
                 raise
             refusal = error.message  # if gRPC fails as well, its error is raised
-    with client.stream_channel(scene) as channel:
+    with client.stream_channel(scene, seconds) as channel:
         transport = GrpcTransport(channel, metadata(client.options, scene.scene_id), client.info.limits.max_message_bytes)
-        return transport, opened_by(transport, opening, client), refusal
+        return transport, opened_by(transport, opening, client, seconds), refusal
 
 
 def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
@@ -92,14 +93,13 @@ def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
                           Region(region_layout(known, window, options.output_bytes, options.edit_bytes, lasting)))
 
 
-def opened_by(transport: Transport, opening: api.OpenStream, client: Client) -> api.StreamOpened:
-    """The daemon's first answer. Raises DeadlineExceeded if none comes within the client's deadline."""
+def opened_by(transport: Transport, opening: api.OpenStream, client: Client, seconds: float) -> api.StreamOpened:
+    """The daemon's first answer. Raises DeadlineExceeded if none comes within so many seconds."""
     try:
         transport.open(opening)
-        seconds = client.options.deadline
         response = transport.read(seconds)
         if response is None:
-            raise DeadlineExceeded(f"the daemon at {client.place} did not open the stream within {seconds:g} s (deadline)")
+            raise DeadlineExceeded(f"the daemon at {client.place} did not open the stream within {seconds:.3g} s (deadline)")
         if not response.HasField("opened"):
             raise DataLoss("the daemon's first answer does not open the stream")
         opened, most = response.opened, opening.window or _MOST_FRAMES

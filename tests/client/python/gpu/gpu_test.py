@@ -16,7 +16,7 @@ import collided
 from collided.contacts.columns import COLUMNS
 from collided.gpu import Cuda, DeviceSession
 from collided.v1 import collision_service_pb2 as api
-from collided.v1 import contact_pb2, frame_pb2, local_pb2
+from collided.v1 import contact_pb2, frame_pb2, local_pb2, scene_pb2
 
 
 class HostCuda:
@@ -80,7 +80,8 @@ class DeviceDaemon:
         assert opening.cuda_ipc_handle == opening.output_cuda_ipc_handle and not opening.input_bytes
         self.memory = int(opening.cuda_ipc_handle.rstrip(b"\0"))
         self.room = opening.output_bytes // opening.open.window
-        self.answer(connection, 0, opened=api.StreamOpened(window=opening.open.window))
+        scene = scene_pb2.Scene(scene_id=opening.open.scene_id)
+        self.answer(connection, 0, opened=api.StreamOpened(scene=scene, window=opening.open.window))
         sent = 0
         while packet := connection.recv(1 << 16):
             frame = local_pb2.LocalRequest.FromString(packet).frame
