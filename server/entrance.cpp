@@ -11,9 +11,9 @@
 namespace collided::server {
 namespace {
 
-constexpr int kHandshakeMs = 10'000;      // of TLS, and until a client's first HTTP/2 frame
-constexpr int kMaxIdleMs = 10 * 60'000;   // without a call; clients connect again when they need to
-constexpr size_t kMaxUnaccepted = 512;   // calls of all connections
+constexpr int kHandshakeMs = 10'000;     // of TLS, and until a client's first HTTP/2 frame
+constexpr int kMaxIdleMs = 10 * 60'000;  // without a call; clients connect again when they need to
+constexpr size_t kMinUnaccepted = 512;   // calls of all connections
 
 ConnectionLimits connection_limits(const Config& config) {
   const size_t wanted = config.limits.max_connections, max = connections_for(descriptor_limit(), wanted);
@@ -35,8 +35,7 @@ void report(const std::string& obstacle, Lifecycle& lifecycle, Health& health) {
 
 }  // namespace
 
-Entrance::Entrance(const Config& config, Metrics& metrics)
-    : connections_(connection_limits(config)) {
+Entrance::Entrance(const Config& config, Metrics& metrics) : connections_(connection_limits(config)) {
   const std::chrono::duration<double> timeout(config.keepalive_timeout_seconds);
   for (const auto& address : config.addresses)
     listeners_.emplace_back(address).set_user_timeout(std::chrono::ceil<std::chrono::milliseconds>(timeout));
@@ -47,7 +46,7 @@ Entrance::Entrance(const Config& config, Metrics& metrics)
 void Entrance::add_to(grpc::ServerBuilder& builder, size_t max_calls) {
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kMaxIdleMs);
-  unaccepted_.emplace(max_calls, std::max(max_calls, kMaxUnaccepted));
+  unaccepted_.emplace(max_calls, std::max(max_calls, kMinUnaccepted));
   const AdmitCall admit = [this](const void* connection) { return unaccepted_->arrive(connection); };
   tcp_.credentials = tls_ ? make_credentials(*tls_, admit) : make_plain_credentials(admit);
   unix_.credentials = make_plain_credentials(admit);
@@ -70,9 +69,9 @@ void Entrance::open(Lifecycle& lifecycle, Health& health) {
       targets.push_back({fd, tls_ && !listener.is_unix(), listener.address()});
       fds.push_back(fd);
     }
-  loop_.emplace(std::move(fds), connections_,
-                [this](Fd connection, size_t place) { take(std::move(connection), place); },
-                [this] { return !unaccepted_->is_full(); });
+  loop_.emplace(
+      std::move(fds), connections_, [this](Fd connection, size_t place) { take(std::move(connection), place); },
+      [this] { return !unaccepted_->is_full(); });
   probe_.emplace(
       std::move(targets), [this] { return loop_->shortage(); },
       [&](const std::string& obstacle) { report(obstacle, lifecycle, health); });

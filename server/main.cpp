@@ -12,7 +12,9 @@
 #include <chrono>
 #include <cstdio>
 #include <exception>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "deploy/version/version.hpp"
 #include "gpu/detector.hpp"
@@ -27,6 +29,8 @@
 #include "server/ops/exit_deadline.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/log.hpp"
+#include "server/start_limits.hpp"
+#include "server/start_watch.hpp"
 #include "server/supervisor/ready_file.hpp"
 #include "server/supervisor/supervisor.hpp"
 #include "server/usable_memory.hpp"
@@ -38,6 +42,7 @@ using collided::server::ConfigError;
 using collided::server::Daemon;
 using collided::server::Lifecycle;
 using collided::server::Memory;
+using collided::server::StartWatch;
 using collided::server::Supervisor;
 
 constexpr double kSecondsToStop = 5;   // after the grace
@@ -51,15 +56,20 @@ struct Origin {
   Memory memory;
 };
 
-// Before any thread exists, so that all threads inherit the mask and only main takes signals.
+// Before any thread exists, so that all threads inherit the mask and only main takes signals: SIGTERM and SIGINT once
+// it serves.
 sigset_t block_signals() {
   signal(SIGPIPE, SIG_IGN);
+  collided::server::exit_on_signals();
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGHUP);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  sigset_t blocked;
+  sigemptyset(&blocked);
+  sigaddset(&blocked, SIGHUP);
+  pthread_sigmask(SIG_BLOCK, &blocked, nullptr);
   return signals;
 }
 
@@ -147,7 +157,7 @@ void drain(Daemon& daemon, double grace_seconds, const sigset_t& signals, Superv
   daemon.stop();
 }
 
-int serve(const Origin& origin, Config config, const sigset_t& signals) {
+int serve(const Origin& origin, Config config, const sigset_t& signals, std::optional<StartWatch>& watch) {
   check_ready_file(config.ready_file);
   Lifecycle lifecycle([] { kill(getpid(), SIGTERM); });
   Supervisor supervisor;
@@ -161,6 +171,7 @@ int serve(const Origin& origin, Config config, const sigset_t& signals) {
   collided::server::flush_log();  // whoever waits for the ready file may read the lines above
   collided::server::write_ready_file(config.ready_file, daemon.addresses());
   supervisor.ready(daemon.addresses());
+  watch.reset();
   const int signal = wait_for_end(origin, signals, config, daemon, supervisor);
   const int code = lifecycle.failed() ? 1 : 0;
   const double grace_seconds = code ? std::min(config.grace_seconds, kGraceOfFailure) : config.grace_seconds;
@@ -204,11 +215,13 @@ int main(int argc, char** argv) try {
       std::fputs(text.c_str(), stderr);
     return exit_code;
   }
+  if (!is_check) collided::server::check_start_limits(config);
+  std::optional<StartWatch> watch(std::in_place);
   collided::server::set_up_log(config.log_format, config.log_level);
   collided::server::flush_log_at_crash();
   const Memory memory = collided::server::usable_memory(config);
   derive_limits(config.limits, memory);
-  return is_check ? check(config, memory) : serve({argc, argv, memory}, config, signals);
+  return is_check ? check(config, memory) : serve({argc, argv, memory}, config, signals, watch);
 } catch (const ConfigError& error) {
   collided::server::write_line(std::string("collided: ") + error.what());
   return 2;

@@ -1,7 +1,7 @@
 // The memory that scenes may have.
 #include "server/usable_memory.hpp"
 
-#include "server/config/host_memory.hpp"
+#include "server/config/host_limits.hpp"
 #include "server/devices/chosen_devices.hpp"
 
 namespace collided::server {

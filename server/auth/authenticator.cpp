@@ -1,13 +1,13 @@
 // Finds the client of a call by its credentials.
 #include "server/auth/authenticator.hpp"
 
-#include <openssl/crypto.h>
 #include <strings.h>
 
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "server/auth/secrets.hpp"
 #include "server/auth/tokens.hpp"
 #include "server/errors.hpp"
 
@@ -40,12 +40,16 @@ std::string_view token_of(std::string_view authorization) {
   return authorization.substr(start);
 }
 
+std::string_view text_of(const Digest& digest) {
+  return {reinterpret_cast<const char*>(digest.data()), digest.size()};
+}
+
 // In constant time, whichever token matches, or none.
 Client find(const std::vector<Token>& tokens, std::string_view token) {
   const auto digest = digest_of(token);
   const Token* found = nullptr;
   for (const auto& known : tokens)
-    if (CRYPTO_memcmp(known.digest.data(), digest.data(), digest.size()) == 0) found = &known;
+    if (is_equal_secret(text_of(known.digest), text_of(digest))) found = &known;
   if (!found) throw Unauthenticated("the bearer token is not known");
   return found->client;
 }

@@ -21,8 +21,8 @@ constexpr int kRetryMs = 50;   // while the process has no descriptor left
 constexpr int kFullMs = 2;     // while evicted connections are being closed
 constexpr int kTurnMs = 2;     // while connections wait for their turn
 constexpr int kCheckMs = 500;  // between two searches for connections without a call
-constexpr size_t kMinUnread = 4;
 constexpr int kBatch = 64;     // connections from one socket before the next socket is served
+constexpr size_t kMinUnread = 2;
 
 // accept4() takes a descriptor before it checks whether a connection is waiting.
 bool has_waiting(int socket) {

@@ -9,10 +9,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <system_error>
 #include <utility>
 
 #include "server/ops/line_writer.hpp"
@@ -209,9 +211,12 @@ void flush_log_at_crash() {
   }
 }
 
-void write_line(const std::string& text) {
+void write_line(const std::string& text) try {
+  LineWriter& writer = the_writer();
   the_logger();  // registers the flush at exit
-  the_writer().write(text + "\n");
+  writer.write(text + "\n");
+} catch (const std::system_error&) {  // there is no thread for the writer
+  std::fputs((text + "\n").c_str(), stderr);
 }
 
 uint64_t dropped_log_lines() { return the_writer().dropped(); }

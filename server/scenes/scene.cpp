@@ -1,7 +1,6 @@
 // A resident scene: its plan, its detector, its worker, and its visible state.
 #include "server/scenes/scene.hpp"
 
-#include <openssl/crypto.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -9,17 +8,13 @@
 #include <span>
 #include <utility>
 
+#include "server/auth/secrets.hpp"
 #include "server/errors.hpp"
 #include "server/refusals/field_path.hpp"
 
 namespace collided::server {
 
 namespace {
-
-// In constant time.
-bool is_equal_secret(const std::string& a, const std::string& b) {
-  return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
-}
 
 // Ids rise strictly, from 1.
 void check_frame_id(uint64_t frame_id, uint64_t last_frame_id) {

@@ -4,21 +4,13 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <random>
 
+#include "server/auth/secrets.hpp"
 #include "server/errors.hpp"
 #include "server/shorten.hpp"
 
 namespace collided::server {
 namespace {
-
-// 128 random bits: ids never repeat, and none can be guessed from another.
-std::string random_id() {
-  std::random_device random;
-  std::string id;
-  for (int i = 0; i < 4; ++i) id += fmt::format("{:08x}", static_cast<uint32_t>(random()));
-  return id;
-}
 
 std::string scene_id(const std::string& daemon) { return daemon.empty() ? random_id() : daemon + "." + random_id(); }
 

@@ -3,14 +3,16 @@
 #include "client/cli/web/access.hpp"
 
 #include <arpa/inet.h>
+#include <sys/random.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cstdio>
 #include <fstream>
 #include <iomanip>
-#include <random>
 #include <stdexcept>
+#include <system_error>
 
 #include "client/cli/options/usage_error.hpp"
 
@@ -63,11 +65,13 @@ ListenAddress parse_listen_address(const std::string& text) {
 }
 
 std::string make_secret() {
-  std::random_device device;
+  unsigned char bytes[16] = {};
+  while (getrandom(bytes, sizeof bytes, 0) != sizeof bytes)
+    if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "getrandom");
   std::string secret;
-  char digits[9];
-  for (int word = 0; word < 4; ++word) {
-    std::snprintf(digits, sizeof digits, "%08x", static_cast<unsigned>(device()));
+  char digits[3];
+  for (const unsigned byte : bytes) {
+    std::snprintf(digits, sizeof digits, "%02x", byte);
     secret += digits;
   }
   return secret;

@@ -16,7 +16,7 @@ struct ListenAddress {
 /// "HOST:PORT", "[IPV6]:PORT", or one of them without the port. Throws UsageError naming --listen.
 ListenAddress parse_listen_address(const std::string& text);
 
-/// 128 random bits as hexadecimal digits.
+/// Returns 128 bits of the operating system's generator as hexadecimal digits.
 std::string make_secret();
 /// The one word in a file, 16 to 128 letters, digits, - and _. Throws std::runtime_error naming --secret-file.
 std::string read_secret(const std::string& file);

@@ -1,18 +1,15 @@
-// The memory that this process may use.
-#include "server/config/host_memory.hpp"
+// The memory and processes that this process may have.
+#include "server/config/host_limits.hpp"
 
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <charconv>
 #include <fstream>
-#include <limits>
 #include <sstream>
 
 namespace collided::server {
 namespace {
-
-constexpr uint64_t kNoLimit = std::numeric_limits<uint64_t>::max();
 
 uint64_t memory_total(const std::string& path) {
   std::ifstream file(path);
@@ -39,12 +36,20 @@ uint64_t min_along(const std::string& mount, std::string path, const std::string
   return min;
 }
 
-bool has_memory(const std::string& controllers) {
-  return ("," + controllers + ",").find(",memory,") != std::string::npos;
+bool has_controller(const std::string& controllers, const std::string& name) {
+  return ("," + controllers + ",").find("," + name + ",") != std::string::npos;
+}
+
+}  // namespace
+
+uint64_t soft_limit(int resource) {
+  rlimit limit{};
+  const auto which = static_cast<__rlimit_resource>(resource);
+  return getrlimit(which, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY ? limit.rlim_cur : kNoLimit;
 }
 
 // Lines of /proc/self/cgroup: 0::/path (cgroup v2), 4:memory:/path (v1).
-uint64_t group_limit(const std::string& root) {
+uint64_t cgroup_limit(const CgroupLimit& limit, const std::string& root) {
   const std::string mount = root + "/sys/fs/cgroup";
   std::ifstream file(root + "/proc/self/cgroup");
   uint64_t min = kNoLimit;
@@ -53,22 +58,16 @@ uint64_t group_limit(const std::string& root) {
     std::string id, controllers, path;
     std::getline(std::getline(std::getline(parts, id, ':'), controllers, ':'), path);
     if (!path.starts_with('/')) continue;
-    if (controllers.empty()) min = std::min(min, min_along(mount, path, "memory.max"));
-    if (has_memory(controllers)) min = std::min(min, min_along(mount + "/memory", path, "memory.limit_in_bytes"));
+    if (controllers.empty()) min = std::min(min, min_along(mount, path, limit.v2_file));
+    if (has_controller(controllers, limit.controller))
+      min = std::min(min, min_along(mount + "/" + limit.controller, path, limit.v1_file));
   }
   return min;
 }
 
-uint64_t address_space() {
-  rlimit limit{};
-  return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY ? limit.rlim_cur : kNoLimit;
-}
-
-}  // namespace
-
 uint64_t host_memory(const std::string& root) {
-  const uint64_t min =
-      std::min({memory_total(root + "/proc/meminfo"), group_limit(root), root.empty() ? address_space() : kNoLimit});
+  const uint64_t min = std::min({memory_total(root + "/proc/meminfo"), cgroup_limit(kCgroupMemory, root),
+                                 root.empty() ? soft_limit(RLIMIT_AS) : kNoLimit});
   return min == kNoLimit ? 0 : min;
 }
 

@@ -1,5 +1,5 @@
-// The memory that a process may use, read from files in the kernel's formats.
-#include "server/config/host_memory.hpp"
+// The memory and processes that a process may have, read from files in the kernel's formats.
+#include "server/config/host_limits.hpp"
 
 #include <gtest/gtest.h>
 
@@ -27,6 +27,7 @@ class HostMemory : public testing::Test {
     std::ofstream(root_ + path) << text;
   }
   uint64_t memory() const { return host_memory(root_); }
+  uint64_t processes() const { return cgroup_limit(kCgroupProcesses, root_); }
 
  private:
   std::string root_;
@@ -64,6 +65,18 @@ TEST_F(HostMemory, IsThatOfTheOldHierarchy) {
   EXPECT_EQ(memory(), 3 * kGigabyte);
   put("/sys/fs/cgroup/memory/job/memory.limit_in_bytes", "1073741824\n");
   EXPECT_EQ(memory(), kGigabyte);
+}
+
+TEST_F(HostMemory, ProcessesAreLimitedByTheGroupsOnTheWay) {
+  EXPECT_EQ(processes(), kNoLimit);
+  put("/proc/self/cgroup", "8:pids:/job/one\n0::/\n");
+  put("/sys/fs/cgroup/pids/job/one/pids.max", "max\n");
+  EXPECT_EQ(processes(), kNoLimit);
+  put("/sys/fs/cgroup/pids/job/pids.max", "12\n");
+  EXPECT_EQ(processes(), 12u);
+  put("/proc/self/cgroup", "0::/system.slice/collided.service\n");
+  put("/sys/fs/cgroup/system.slice/collided.service/pids.max", "40\n");
+  EXPECT_EQ(processes(), 40u);
 }
 
 TEST_F(HostMemory, IsUnknownWhereNothingTells) {
