@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <system_error>
 #include <utility>
 
 #include "server/net/sockets/descriptors.hpp"
+#include "server/net/sockets/peer.hpp"
 #include "server/ops/log.hpp"
 
 namespace collided::server {
@@ -14,6 +16,7 @@ namespace {
 constexpr int kHandshakeMs = 10'000;     // of TLS, and until a client's first HTTP/2 frame
 constexpr int kMaxIdleMs = 10 * 60'000;  // without a call; clients connect again when they need to
 constexpr size_t kMinUnaccepted = 512;   // calls of all connections
+constexpr size_t kUsers = 8;             // of Unix sockets that are told apart
 
 ConnectionLimits connection_limits(const Config& config) {
   const size_t wanted = config.limits.max_connections, max = connections_for(descriptor_limit(), wanted);
@@ -22,6 +25,12 @@ ConnectionLimits connection_limits(const Config& config) {
     log_event(spdlog::level::warn, "max-connections exceeds what the limit of file descriptors allows",
               {{"wanted", wanted}, {"connections", max}, {"descriptors", descriptor_limit()}});
   return {max, of_peer ? of_peer : max};
+}
+
+std::optional<uid_t> user_of(int socket) try {
+  return peer_uid(socket);
+} catch (const std::system_error&) {
+  return {};
 }
 
 void report(const std::string& obstacle, Lifecycle& lifecycle, Health& health) {
@@ -51,7 +60,14 @@ void Entrance::add_to(grpc::ServerBuilder& builder, size_t max_calls) {
   tcp_.credentials = tls_ ? make_credentials(*tls_, admit) : make_plain_credentials(admit);
   unix_.credentials = make_plain_credentials(admit);
   using Type = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
-  for (Gate* const gate : {&tcp_, &unix_})
+  std::vector<Gate*> gates{&tcp_, &unix_};
+  for (size_t i = 0; i < kUsers; ++i) {
+    UserGate& of_user = users_.emplace_back();
+    of_user.gate.credentials =
+        make_plain_credentials(admit, [&of_user] { return "uid:" + std::to_string(*of_user.user); });
+    gates.push_back(&of_user.gate);
+  }
+  for (Gate* const gate : gates)
     gate->acceptor = builder.experimental().AddExternalConnectionAcceptor(Type::FROM_FD, gate->credentials);
 }
 
@@ -78,11 +94,25 @@ void Entrance::open(Lifecycle& lifecycle, Health& health) {
 }
 
 // From now on the connection is gRPC's to close.
-void Entrance::take(Fd connection, size_t place) const {
+void Entrance::take(Fd connection, size_t place) {
+  const Gate& gate = gate_of(connection, place);
   grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
   parameters.listener_fd = sockets_[place].fd;
   parameters.fd = connection.release();
-  sockets_[place].gate->acceptor->HandleNewConnection(&parameters);
+  gate.acceptor->HandleNewConnection(&parameters);
+}
+
+// Users beyond the first kUsers share one gate.
+const Entrance::Gate& Entrance::gate_of(const Fd& connection, size_t place) {
+  const Gate& of_socket = *sockets_[place].gate;
+  if (&of_socket != &unix_) return of_socket;
+  const std::optional<uid_t> user = user_of(connection.get());
+  if (!user) return unix_;
+  for (UserGate& each : users_) {
+    if (!each.user) each.user = user;
+    if (*each.user == user) return each.gate;
+  }
+  return unix_;
 }
 
 void Entrance::close() {

@@ -4,6 +4,7 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,12 +54,18 @@ class Entrance {
     std::shared_ptr<grpc::ServerCredentials> credentials;
     std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   };
+  /// A gate for the Unix sockets of one user: gRPC does not tell a call's user, but which gate it came through.
+  struct UserGate {
+    std::optional<uid_t> user = {};  // set by the accepting thread, before gRPC has a connection of the gate
+    Gate gate = {};
+  };
   struct Socket {
     int fd = -1;
     const Gate* gate = nullptr;
   };
 
-  void take(Fd connection, size_t place) const;
+  void take(Fd connection, size_t place);
+  const Gate& gate_of(const Fd& connection, size_t place);
 
   std::vector<Listener> listeners_;
   std::optional<CertificateWatch> tls_;
@@ -66,6 +73,7 @@ class Entrance {
   std::optional<UnacceptedCalls> unaccepted_;
   std::vector<Socket> sockets_;
   Gate unix_, tcp_;
+  std::deque<UserGate> users_;  // of the Unix sockets
   std::optional<AcceptLoop> loop_;
   std::optional<AdmissionProbe> probe_;
 };

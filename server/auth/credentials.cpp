@@ -7,6 +7,7 @@
 #include <grpc/grpc_security.h>
 
 #include <deque>
+#include <mutex>
 #include <string_view>
 #include <utility>
 
@@ -15,6 +16,7 @@ namespace {
 
 // Every connection has this property, whose value it copies.
 constexpr const char* kOwnProperty = GRPC_TRANSPORT_SECURITY_TYPE_PROPERTY_NAME;
+constexpr const char* kPartyProperty = "collided_party";
 
 const void* connection_of(const grpc_auth_context* context) {
   auto found = grpc_auth_context_find_properties_by_name(context, kOwnProperty);
@@ -25,7 +27,8 @@ const void* connection_of(const grpc_auth_context* context) {
 // Credentials whose calls are admitted one by one.
 class AdmittingCredentials : public grpc::ServerCredentials {
  public:
-  explicit AdmittingCredentials(AdmitCall admit) : admit_(std::move(admit)) {}
+  explicit AdmittingCredentials(AdmitCall admit, Party party = {})
+      : admit_(std::move(admit)), party_(std::move(party)) {}
   void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>&) override {}
 
  private:
@@ -33,20 +36,33 @@ class AdmittingCredentials : public grpc::ServerCredentials {
 
   int AddPortToServer(const std::string& address, grpc_server* server) override {
     grpc_server_credentials* const credentials = make();
-    grpc_server_credentials_set_auth_metadata_processor(credentials, {ask, nullptr, &admit_});
+    grpc_server_credentials_set_auth_metadata_processor(credentials, {ask, nullptr, this});
     const int port = grpc_server_add_http2_port(server, address.c_str(), credentials);
     grpc_server_credentials_release(credentials);
     return port;
   }
 
-  static void ask(void* admit, grpc_auth_context* context, const grpc_metadata*, size_t,
+  static void ask(void* self, grpc_auth_context* context, const grpc_metadata*, size_t,
                   grpc_process_auth_metadata_done_cb done, void* call) {
-    const bool is_admitted = (*static_cast<const AdmitCall*>(admit))(connection_of(context));
+    auto& credentials = *static_cast<AdmittingCredentials*>(self);
+    if (credentials.party_) credentials.note_party(context);
+    const bool is_admitted = credentials.admit_(connection_of(context));
     done(call, nullptr, 0, nullptr, 0, is_admitted ? GRPC_STATUS_OK : GRPC_STATUS_RESOURCE_EXHAUSTED,
          is_admitted ? nullptr : "too many calls of this connection wait to be accepted");
   }
 
+  // All calls of a connection share its properties, which gRPC does not guard: only the first call adds one, before any
+  // of them is accepted and reads it.
+  void note_party(grpc_auth_context* context) {
+    const std::lock_guard lock(mutex_);
+    auto known = grpc_auth_context_find_properties_by_name(context, kPartyProperty);
+    if (grpc_auth_property_iterator_next(&known) != nullptr) return;
+    grpc_auth_context_add_cstring_property(context, kPartyProperty, party_().c_str());
+  }
+
   AdmitCall admit_;
+  Party party_;
+  std::mutex mutex_;
 };
 
 class PlainCredentials final : public AdmittingCredentials {
@@ -106,9 +122,11 @@ std::shared_ptr<grpc::ServerCredentials> make_credentials(const CertificateWatch
   return std::make_shared<WatchedCredentials>(watch, std::move(admit));
 }
 
-std::shared_ptr<grpc::ServerCredentials> make_plain_credentials(AdmitCall admit) {
-  return std::make_shared<PlainCredentials>(std::move(admit));
+std::shared_ptr<grpc::ServerCredentials> make_plain_credentials(AdmitCall admit, Party party) {
+  return std::make_shared<PlainCredentials>(std::move(admit), std::move(party));
 }
+
+std::string party_of(const grpc::AuthContext& context) { return first(context, kPartyProperty); }
 
 const void* connection_of(const grpc::AuthContext& context) {
   const auto values = context.FindPropertyValues(kOwnProperty);

@@ -19,8 +19,13 @@ using AdmitCall = std::function<bool(const void* connection)>;
 /// Each handshake uses the watch's current files; with a CA for clients, they must present a certificate. The
 /// credentials must outlive the server, and the watch must outlive them.
 std::shared_ptr<grpc::ServerCredentials> make_credentials(const CertificateWatch& watch, AdmitCall admit);
-/// Without TLS. The credentials must outlive the server.
-std::shared_ptr<grpc::ServerCredentials> make_plain_credentials(AdmitCall admit);
+/// Tells whose connections the credentials get, as Origin::party has it. Called for the first call of each connection.
+using Party = std::function<std::string()>;
+/// Without TLS. The credentials must outlive the server. `party`: may be empty.
+std::shared_ptr<grpc::ServerCredentials> make_plain_credentials(AdmitCall admit, Party party = {});
+
+/// Returns what the credentials' Party told of this connection; empty if there is none.
+std::string party_of(const grpc::AuthContext& context);
 
 /// The same for all calls of a connection; unique while one of them lives.
 const void* connection_of(const grpc::AuthContext& context);

@@ -25,6 +25,10 @@ struct IncomingFrame {
   std::span<std::byte> room = {};       ///< of the device, where contacts stay; within `memory`
 };
 
+/// Frames with more bytes than this are read and checked in turns of their client on the host. Smaller ones are not: to
+/// hand them over would cost more than it protects.
+constexpr size_t kMaxUnsharedBytes = size_t{4} << 20;
+
 /// Ids only rise: after the largest one, the scene could take no more frames. Negative ids wrap beyond the limit.
 /// Throws InvalidInput.
 void check_frame_id(uint64_t id);

@@ -18,9 +18,11 @@ std::string_view header(const Metadata& metadata, const char* name) {
   return found == metadata.end() ? std::string_view() : std::string_view(found->second.data(), found->second.size());
 }
 
-// gRPC has one name for all Unix sockets, and does not tell whose they are.
+// gRPC itself has one name for all Unix sockets.
 Origin origin_of(const grpc::ServerContextBase& context) {
-  return {source_of(context.peer()), fmt::format("{}", connection_of(*context.auth_context()))};
+  const auto auth = context.auth_context();
+  const std::string party = party_of(*auth);
+  return {party.empty() ? source_of(context.peer()) : party, fmt::format("{}", connection_of(*auth))};
 }
 
 }  // namespace

@@ -20,8 +20,6 @@ namespace {
 constexpr StreamKind kKind{"stream", "StreamFrames"};
 constexpr size_t kMaxOutgoing = size_t{16} << 20;   // bytes of unsent answers past which no frame is started
 constexpr auto kLinger = std::chrono::seconds(10);  // for the last message if the client does not take it
-// The completion-queue thread handles messages up to this size itself: a hand-over would cost more than it protects.
-constexpr size_t kMaxUnsharedBytes = size_t{4} << 20;
 constexpr size_t kAlignmentBytes = 4096;            // for the alignment of each update's positions
 
 }  // namespace

@@ -177,6 +177,7 @@ void Connection::take(Packet packet) {
 void Connection::open(const pb::LocalOpen& open, std::vector<PassedFile> files) {
   requested_scene_id_ = shorten(open.open().scene_id(), 64);
   opening_ = check_opening(open, std::move(files), rules_, origin_of_process(socket_.get()));
+  account_.emplace(rules_.host.host_turns().account(opening_.client->turn_path()));
   writer_ = std::make_unique<AnswerWriter>(opening_.region, opening_.terms.window);
   {
     const std::lock_guard lock(mutex_);
@@ -210,13 +211,27 @@ void Connection::submit(pb::LocalRequest& request) {
   incoming.answer_bytes_per_contact = scene.plan()->fields.contact_bytes();
   if (region && region->has_device_output()) incoming.room = region->output_part(submitted_, opening_.terms.window);
   ++submitted_;
-  PendingFrame frame = admit_frame(rules_.host, scene, std::move(incoming));
+  PendingFrame frame = admit(scene, std::move(incoming));
   {
     const std::lock_guard lock(mutex_);
     ++in_flight_;
     if (frame.input.edit) edit_in_flight_ = frame.frame_id;
   }
   session_->submit(std::move(frame));
+}
+
+// The connection's own thread waits for the turn, and nothing else of it goes on meanwhile.
+PendingFrame Connection::admit(Scene& scene, IncomingFrame incoming) {
+  size_t bytes = 0;
+  for (const PlacedPositions& placed : incoming.placed)
+    bytes += placed.start.size() + placed.end.size() + placed.indices.size();
+  std::optional<Turns::Turn> turn;
+  if (bytes > kMaxUnsharedBytes)
+    turn.emplace(rules_.host.host_turns().take(*account_, [this] {
+      const std::lock_guard lock(mutex_);
+      return closed_.has_value();
+    }));
+  return admit_frame(rules_.host, scene, std::move(incoming));
 }
 
 void Connection::opened(const Scene& scene) {

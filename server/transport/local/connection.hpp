@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "server/frames/intake.hpp"
 #include "server/frames/session.hpp"
 #include "server/ops/log.hpp"
 #include "server/ops/metrics.hpp"
@@ -64,6 +65,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   void take(Packet packet);
   void open(const pb::LocalOpen& open, std::vector<PassedFile> files);
   void submit(pb::LocalRequest& request);
+  PendingFrame admit(Scene& scene, IncomingFrame incoming);
   void end_edit(uint64_t frame_id);
   void flush_outbox();
   void end_socket();
@@ -90,6 +92,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   const CallIds ids_ = parse_ids({}, {});  // the protocol has none
   std::string requested_scene_id_;         // from the opening; owned by the thread
   Opening opening_;                        // set before the session
+  std::optional<TurnAccount> account_;     // of its client's turns on the host; set by the opening
   std::unique_ptr<AnswerWriter> writer_;   // set before the session; then owned by the worker
   uint64_t submitted_ = 0;                 // frames, each of which is answered in its turn; owned by the thread
 
