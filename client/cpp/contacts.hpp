@@ -66,7 +66,7 @@ constexpr ElementKind element_kind(const std::array<uint32_t, 4>& stencil) {
 /// that is none.
 void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport* transport = nullptr);
 
-/// How many vertices and elements a scene has.
+/// The numbers of vertices and elements of a scene.
 struct SceneSize {
   uint64_t vertices = 0, elements = 0;
 };
