@@ -71,6 +71,7 @@ struct SceneSize {
   uint64_t vertices = 0, elements = 0;
 };
 
+/// Returns the size of a scene of this spec; 0 if the spec has no meshes.
 SceneSize size_of(const v1::SceneSpec& spec);
 
 /// Throws Error (DATA_LOSS) if a contact from the `first` on names a vertex, edge or element that the scene has not.
