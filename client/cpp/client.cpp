@@ -154,7 +154,7 @@ struct Client::State {
     return response;
   }
 
-  /// For a call that is one of several. Throws Error (DEADLINE_EXCEEDED) once it is later.
+  /// Returns the context of one of several calls. Throws Error (DEADLINE_EXCEEDED) once it is later than `until`.
   std::unique_ptr<grpc::ClientContext> context_until(FrameTransport::Time until,
                                                      const std::string& scene_id = "") const;
 

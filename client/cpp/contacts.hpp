@@ -66,11 +66,12 @@ constexpr ElementKind element_kind(const std::array<uint32_t, 4>& stencil) {
 /// that is none.
 void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport* transport = nullptr);
 
-/// How many vertices and elements a scene has.
+/// The numbers of vertices and elements of a scene.
 struct SceneSize {
   uint64_t vertices = 0, elements = 0;
 };
 
+/// Returns the size of a scene of this spec; 0 if the spec has no meshes.
 SceneSize size_of(const v1::SceneSpec& spec);
 
 /// Throws Error (DATA_LOSS) if a contact from the `first` on names a vertex, edge or element that the scene has not.

@@ -62,7 +62,7 @@ struct StreamSetup {
   bool is_local = false;           ///< over shared memory
   std::string local_refusal = "";  ///< why not, although the daemon offers it
   KeeperPace keeper = {};
-  /// For the first answer, and for the next one once no more frames will come.
+  /// Limits the wait for the first answer, and for the next one once no more frames will come.
   std::chrono::milliseconds deadline = std::chrono::seconds(60);
   std::string address = "";  ///< of the daemon, for messages
 };

@@ -17,7 +17,7 @@ struct Record {
   std::string text;
 };
 
-/// Whether an open file is no pipe and no device, which could not be read back.
+/// Returns true if an open file is no pipe or device, neither of which can be read back.
 bool is_regular(int file);
 
 std::string record_bytes(const Record& record);
