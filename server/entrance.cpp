@@ -73,7 +73,9 @@ void Entrance::add_to(grpc::ServerBuilder& builder, size_t max_calls) {
 
 void Entrance::accepted(const grpc::ServerContextBase& context) {
   unaccepted_->accept(connection_of(*context.auth_context()));
-  connections_.called(context.peer());
+  if (connections_.called(context.peer()))
+    log_event(spdlog::level::warn, "connection ended: it makes call after call without a known caller",
+              {{"peer", context.peer()}});
 }
 
 void Entrance::open(Lifecycle& lifecycle, Health& health) {

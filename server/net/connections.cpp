@@ -17,8 +17,8 @@ constexpr auto kMaxTimeWithoutCall = std::chrono::seconds(60);
 // gRPC lets a client send 4 MiB on each stream before a call of it is accepted, which takes a while on a busy machine.
 constexpr uint64_t kMaxBytesWithoutCall = 64 << 20;
 constexpr auto kCountedTime = std::chrono::seconds(10);
-constexpr uint32_t kMaxAbandoned = 1000;          // calls; an honest client may cancel many at once
-constexpr uint32_t kMaxAbandonedOfStranger = 64;  // of a connection without a known caller
+constexpr uint32_t kMaxWasted = 1000;           // calls; an honest client may cancel many at once
+constexpr uint32_t kMaxWastedOfStranger = 256;  // of a connection without a known caller; some ask for health
 // Between two sweeps, of which a flood of connections would take thousands a second.
 constexpr auto kMinSweepInterval = std::chrono::milliseconds(5);
 
@@ -57,9 +57,12 @@ void Connections::handed_over(int socket) {
   if (found != entries_.rend()) found->second.is_handed_over = true;
 }
 
-void Connections::called(std::string_view peer) {
+bool Connections::called(std::string_view peer) {
   const std::lock_guard lock(mutex_);
-  if (Entry* const entry = find_locked(peer)) entry->has_called = true;
+  Entry* const entry = find_locked(peer);
+  if (!entry) return false;
+  entry->has_called = true;
+  return entry->client.empty() && waste_locked(*entry);
 }
 
 void Connections::identified(std::string_view peer, std::string_view client) {
@@ -71,14 +74,17 @@ void Connections::identified(std::string_view peer, std::string_view client) {
 bool Connections::abandoned(std::string_view peer) {
   const std::lock_guard lock(mutex_);
   Entry* const entry = find_locked(peer);
-  if (!entry || entry->is_ending) return false;
+  return entry && waste_locked(*entry);
+}
+
+bool Connections::waste_locked(Entry& entry) {
   const auto now = Clock::now();
-  if (now - entry->abandoned_since > kCountedTime) {
-    entry->abandoned_since = now;
-    entry->abandoned = 0;
+  if (now - entry.counted_since > kCountedTime) {
+    entry.counted_since = now;
+    entry.wasted = 0;
   }
-  if (++entry->abandoned < (entry->client.empty() ? kMaxAbandonedOfStranger : kMaxAbandoned)) return false;
-  end_locked(*entry);
+  if (entry.is_ending || ++entry.wasted < (entry.client.empty() ? kMaxWastedOfStranger : kMaxWasted)) return false;
+  end_locked(entry);
   ++evicted_;
   return true;
 }

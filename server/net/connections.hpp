@@ -44,13 +44,14 @@ class Connections {
   void admit(int socket, const Peer& peer);
   /// gRPC has the connection from now on. Until then it has sent nothing.
   void handed_over(int socket);
-  /// The connection made a call, whoever the caller is. gRPC does not tell Unix sockets apart by their calls, so calls
-  /// over these are ignored here and below.
-  void called(std::string_view peer);
+  /// The connection made a call, whose caller may still be found (`identified`). True if the connection was ended,
+  /// because it made 256 of these within 10 s without a known caller. gRPC does not tell Unix sockets apart by their
+  /// calls, so calls over these are ignored here and below.
+  bool called(std::string_view peer);
   /// The connection made a call as this client.
   void identified(std::string_view peer, std::string_view client);
   /// A call of the connection was abandoned before it sent a message. True if the connection was ended, because it had
-  /// 1,000 of these within 10 s, or 64 without a known caller.
+  /// 1,000 of these within 10 s.
   bool abandoned(std::string_view peer);
   /// Ends connections over TCP without a call that are too old or have sent too much. To be called about once a second.
   std::vector<EndedConnection> end_callless(Clock::time_point now = Clock::now());
@@ -72,8 +73,8 @@ class Connections {
     Clock::time_point begin = Clock::now();
     std::string client;  ///< empty: no caller was known
     bool is_handed_over = false, has_called = false, is_ending = false;
-    Clock::time_point abandoned_since{};
-    uint32_t abandoned = 0;  ///< calls since then
+    Clock::time_point counted_since{};
+    uint32_t wasted = 0;  ///< calls since then that were abandoned, or came while no caller was known
   };
   using Entries = std::map<uint64_t, Entry>;  // by age
   /// Finds strings by views, of each call's peer.
@@ -85,6 +86,7 @@ class Connections {
   void sweep_locked() const;
   void erase_locked(Entries::iterator entry) const;
   Entry* find_locked(std::string_view peer);
+  bool waste_locked(Entry& entry);
   bool is_evicting_enough_locked() const;
   bool make_room_locked(std::string_view source = {});
   Entries::iterator victim_locked(std::string_view source);

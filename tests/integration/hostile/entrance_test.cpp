@@ -66,7 +66,7 @@ TEST_P(Resets, TakeLittleMemory) {
   }
   EXPECT_LT(probe.peak_resident_bytes() - before, memory_limit(256));
   aftermath.expect_unharmed();
-  EXPECT_EQ(probe.metric("collided_reset_floods_total") >= 1, !is_unix);
+  EXPECT_EQ(probe.metric("collided_evicted_connections_total") >= 1, !is_unix);
 }
 
 INSTANTIATE_TEST_SUITE_P(Entrance, Resets,

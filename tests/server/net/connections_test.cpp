@@ -77,8 +77,20 @@ TEST_F(Table, AFloodOfFruitlessCallsEndsItsConnectionAlone) {
   EXPECT_FALSE(honest.is_ended());
   Pair& again = add();  // from the same address
   EXPECT_FALSE(again.is_ended());
-  EXPECT_EQ(calls_until_end(again), 64);  // its caller is not known
+  EXPECT_EQ(calls_until_end(again), 256);  // its caller is not known
   EXPECT_EQ(connections_.evicted(), 2u);
+}
+
+TEST_F(Table, AConnectionMakesFewCallsWithoutAKnownCaller) {
+  Pair& client = add("a");
+  Pair& guesser = add();
+  const std::string name = peer_of(guesser.server.get()).name;
+  for (int i = 1; i < 256; ++i) EXPECT_FALSE(connections_.called(name)) << i;
+  EXPECT_FALSE(guesser.is_ended());
+  EXPECT_TRUE(connections_.called(name));
+  EXPECT_TRUE(guesser.is_ended());
+  for (int i = 0; i < 5000; ++i) EXPECT_FALSE(connections_.called(peer_of(client.server.get()).name));
+  EXPECT_FALSE(client.is_ended());
 }
 
 /// Sends so many bytes and takes them at the other end, as gRPC would.
