@@ -1,7 +1,7 @@
 #pragma once
-// Runs work on the host for calls of clients: it checks messages, looks up scenes, makes answers. Jobs run in fair turns
-// on as many threads as there are turns. So no thread waits for a turn, and no client's calls wait behind another's. No
-// gRPC here.
+// Runs work on the host for calls of clients: it checks messages, looks up scenes and makes answers. Jobs run in fair
+// turns, on as many threads as there are turns. So no thread waits for a turn, and no client's calls wait behind
+// another's. No gRPC here.
 
 #include <condition_variable>
 #include <cstddef>
