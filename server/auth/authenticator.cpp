@@ -57,7 +57,7 @@ Client find(const std::vector<Token>& tokens, std::string_view token) {
 // Anonymous callers share a name and its limits, but each origin takes turns of its own.
 Client anonymous(const ClientTable& table, const Origin& origin) {
   ClientIdentity client{.limits = table.limits};
-  if (!origin.party.empty()) client.turns = {origin.party, origin.of_them};
+  if (!origin.party.empty()) client.turns = {origin.party, origin.member};
   return std::make_shared<const ClientIdentity>(std::move(client));
 }
 

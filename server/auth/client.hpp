@@ -20,7 +20,7 @@ struct ClientIdentity {
 /// Tells where a call comes from. Callers without a name take turns by it.
 struct Origin {
   std::string party;    ///< the address, or "uid:" and the user of a process on this host
-  std::string of_them;  ///< one of that party: a connection, or "pid:" and the process
+  std::string member;  ///< one of that party: a connection, or "pid:" and the process
 };
 
 using Client = std::shared_ptr<const ClientIdentity>;

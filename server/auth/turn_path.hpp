@@ -6,7 +6,7 @@
 
 namespace collided::server {
 
-/// A client among all: the names of its groups, the outermost first. Each group has an equal share of its parent's time.
+/// Names a client by its groups, the outermost first. Each group has an equal share of its parent's time.
 using TurnPath = std::vector<std::string>;
 
 }  // namespace collided::server

@@ -34,8 +34,8 @@ Turns::Options turn_options(const Config& config, Backend backend, uint64_t devi
   return {.concurrent = asked > 0 ? asked : by_default, .reserves_one = on_gpu, .now = now};
 }
 
-// Host work gets half of the cores, so that frames keep the other half however many clients ask for it. There are at least
-// two turns, of which a client leaves one to others: checking a message cannot yield.
+// Host work gets half of the cores, so that frames keep the other half however many clients ask for it. There are at
+// least two turns, of which a client leaves one to others: checking a message cannot yield.
 Turns::Options host_turn_options(const Now& now) {
   const unsigned half = std::thread::hardware_concurrency() / 2;
   return {.concurrent = std::clamp(half, 2u, 16u), .reserves_one = true, .now = now};

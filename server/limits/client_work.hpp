@@ -1,7 +1,7 @@
 #pragma once
-// Work on the host for calls of clients: messages are checked, scenes looked up, answers made. It runs in fair turns, on
-// as many threads as there are turns, so that no thread waits for a turn and no client's calls wait behind another's. No
-// gRPC here.
+// Runs work on the host for calls of clients: it checks messages, looks up scenes and makes answers. Jobs run in fair
+// turns, on as many threads as there are turns. So no thread waits for a turn, and no client's calls wait behind
+// another's. No gRPC here.
 
 #include <condition_variable>
 #include <cstddef>

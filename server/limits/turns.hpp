@@ -1,6 +1,6 @@
 #pragma once
-// Decides who works next when many share a device, by start-time fair queuing on a tree. The waiting group that has used
-// the least time goes first; within it, the group or scene that has used the least. No gRPC here.
+// Decides who works next when many share a device, by start-time fair queuing on a tree. The waiting group that has
+// used the least time goes first; within it, the group or scene that has used the least. No gRPC here.
 
 #include <condition_variable>
 #include <functional>
@@ -129,12 +129,12 @@ class Turns {
   bool should_yield(const TurnAccount& account);
 
   const Options options_;
-  std::mutex mutex_;     // guards what follows, and all shares
+  std::mutex mutex_;  // guards what follows, and all shares
   TurnShare root_;
-  size_t waiting_ = 0;   // accounts
+  size_t waiting_ = 0;  // accounts
   uint64_t arrivals_ = 0;
   std::vector<TurnAccount*> running_;
-  std::vector<std::shared_ptr<TurnShare>> debtors_;  // clients that have used more than their share, even if they are gone
+  std::vector<std::shared_ptr<TurnShare>> debtors_;  // clients that have used more than their share, even absent ones
   unsigned free_;
   Load load_;
 };

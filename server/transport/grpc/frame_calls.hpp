@@ -1,6 +1,7 @@
 #pragma once
 // The StreamFrames calls: raw messages on their own completion queue, whose threads read frames and never run engine
-// work; large ones are read in turns of their client. (The callback API is slower for large messages: it passes each one through more threads.)
+// work. Large ones are read in turns of their client. (The callback API is slower for large messages: it passes each
+// one through more threads.)
 
 #include <grpcpp/grpcpp.h>
 
