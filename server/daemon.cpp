@@ -129,11 +129,10 @@ void Daemon::listen(const Config& config) {
   core_.add_to(builder);
   health_.add_to(core_.router, pb::CollisionService::service_full_name());
   reflection_.add_to(core_.router, {pb::CollisionService::service_full_name(), "grpc.health.v1.Health"});
-  calls_ =
-      std::make_unique<FrameCalls>(builder, core_.service,
-                                   FrameCallParts{core_.host, core_.authenticator, core_.metrics,
-                                                  core_.service.waiting(), core_.service.parts().work,
-                                                  config.limits.max_message_bytes, events_});
+  calls_ = std::make_unique<FrameCalls>(
+      builder, core_.service,
+      FrameCallParts{core_.host, core_.authenticator, core_.metrics, core_.service.waiting(),
+                     core_.service.parts().work, config.limits.max_message_bytes, events_});
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> watches;
   watches.push_back(std::make_unique<CallWatches>(core_.metrics, events_));
   builder.experimental().SetInterceptorCreators(std::move(watches));

@@ -58,9 +58,8 @@ class Daemon {
   Reflection reflection_;
   Health health_;
   Entrance entrance_;
-  const CallEvents events_{
-      [this](const grpc::ServerContextBase& call) { entrance_.accepted(call); },
-      [this](const std::string& peer) { abandoned(peer); }};
+  const CallEvents events_{[this](const grpc::ServerContextBase& call) { entrance_.accepted(call); },
+                           [this](const std::string& peer) { abandoned(peer); }};
   std::unique_ptr<LocalServer> local_;
   std::unique_ptr<HttpServer> http_;
   std::unique_ptr<FrameCalls> calls_;

@@ -27,9 +27,7 @@ ConnectionLimits connection_limits(const Config& config) {
   return {max, of_peer ? of_peer : max};
 }
 
-std::optional<uid_t> user_of(int socket) try {
-  return peer_uid(socket);
-} catch (const std::system_error&) {
+std::optional<uid_t> user_of(int socket) try { return peer_uid(socket); } catch (const std::system_error&) {
   return {};
 }
 

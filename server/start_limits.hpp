@@ -1,6 +1,6 @@
 #pragma once
-// Refuses to start where the system's limits leave too few threads or too little memory. gRPC does not check whether its
-// threads start: without one it hangs, or reads through a null pointer.
+// Refuses to start where the system's limits leave too few threads or too little memory. gRPC does not check whether
+// its threads start: without one it hangs, or reads through a null pointer.
 
 #include <cstddef>
 #include <cstdint>

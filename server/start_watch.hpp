@@ -8,7 +8,8 @@
 
 namespace collided::server {
 
-/// Before any thread exists: from now on both signals end the process with exit code 0, by a handler of the main thread.
+/// Before any thread exists: from now on both signals end the process with exit code 0, by a handler of the main
+/// thread.
 void exit_on_signals();
 
 /// Blocks both signals for all threads from now on, and ends the process with exit code 0 if one comes while this

@@ -8,8 +8,9 @@
 namespace collided {
 
 std::string version_text(const std::string& program) {
-  return program + " " COLLIDED_VERSION "\ncommit: " COLLIDED_COMMIT "\nbuild:  " COLLIDED_BUILD
-                   "\nCUDA:   " COLLIDED_CUDA "\ngRPC:   " +
+  return program +
+         " " COLLIDED_VERSION "\ncommit: " COLLIDED_COMMIT "\nbuild:  " COLLIDED_BUILD "\nCUDA:   " COLLIDED_CUDA
+         "\ngRPC:   " +
          grpc::Version();
 }
 

@@ -5,8 +5,8 @@
 
 namespace collided {
 
-/// What `program` prints for --version: "PROGRAM VERSION", then a line each for commit, build, CUDA and gRPC; no newline
-/// at the end.
+/// What `program` prints for --version: "PROGRAM VERSION", then a line each for commit, build, CUDA and gRPC; no
+/// newline at the end.
 std::string version_text(const std::string& program);
 
 }  // namespace collided

@@ -56,13 +56,12 @@ void check_vertices(const std::array<uint32_t, N>& vertices, uint32_t vertex_cou
 
 /// The elements of one kind that a mesh has.
 template <class Elements>
-void append_elements(FeatureTables& out, const Elements& elements, const MeshSpec& mesh, size_t index,
-                     const char* name, Pace& pace) {
+void append_elements(FeatureTables& out, const Elements& elements, const MeshSpec& mesh, size_t index, const char* name,
+                     Pace& pace) {
   for (size_t i = 0; i < elements.size(); ++i) {
     pace.step();
-    check_vertices(vertices_of(elements[i]), mesh.vertex_count, [&] {
-      return "meshes[" + std::to_string(index) + "]." + name + "[" + std::to_string(i) + "]";
-    });
+    check_vertices(vertices_of(elements[i]), mesh.vertex_count,
+                   [&] { return "meshes[" + std::to_string(index) + "]." + name + "[" + std::to_string(i) + "]"; });
     Corners corners = corners_of(elements[i]);
     for (uint32_t& v : corners) v += out.topology.vertex_count;
     out.topology.triangles.push_back(corners);

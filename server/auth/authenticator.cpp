@@ -40,9 +40,7 @@ std::string_view token_of(std::string_view authorization) {
   return authorization.substr(start);
 }
 
-std::string_view text_of(const Digest& digest) {
-  return {reinterpret_cast<const char*>(digest.data()), digest.size()};
-}
+std::string_view text_of(const Digest& digest) { return {reinterpret_cast<const char*>(digest.data()), digest.size()}; }
 
 // In constant time, whichever token matches, or none.
 Client find(const std::vector<Token>& tokens, std::string_view token) {

@@ -19,7 +19,7 @@ struct ClientIdentity {
 
 /// Tells where a call comes from. Callers without a name take turns by it.
 struct Origin {
-  std::string party;    ///< the address, or "uid:" and the user of a process on this host
+  std::string party;   ///< the address, or "uid:" and the user of a process on this host
   std::string member;  ///< one of that party: a connection, or "pid:" and the process
 };
 

@@ -68,9 +68,10 @@ std::vector<std::string> exposure_warnings(const Config& config) {
   std::vector<std::string> warnings;
   for (const auto& address : config.addresses) {
     if (!is_public(address)) continue;
-    warnings.push_back(address +
-                       " is open to other hosts: this is for networks whose peers do not attack; elsewhere put an entrance "
-                       "in front (deploy/entrance)");
+    warnings.push_back(
+        address +
+        " is open to other hosts: this is for networks whose peers do not attack; elsewhere put an entrance "
+        "in front (deploy/entrance)");
     if (!config.tls.enabled())
       warnings.push_back(address + " is open to other hosts without TLS: frames and tokens can be read on the way");
     if (config.tokens_file.empty() && config.tls.client_ca.empty())

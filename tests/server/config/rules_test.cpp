@@ -38,7 +38,8 @@ TEST(Rules, WarnOfWhatIsExposed) {
   EXPECT_EQ(warnings({"--address", "0.0.0.0:1", "--allow-insecure"}).size(), 3u);
   EXPECT_EQ(warnings({"--address", "0.0.0.0:1", "--allow-insecure", "--tokens-file", "t"}).size(), 2u);
   EXPECT_EQ(warnings({"--address", "0.0.0.0:1", "--tls-certificate", "c", "--tls-key", "k"}).size(), 2u);
-  const auto best = warnings({"--address", "0.0.0.0:1", "--tls-certificate", "c", "--tls-key", "k", "--tokens-file", "t"});
+  const auto best =
+      warnings({"--address", "0.0.0.0:1", "--tls-certificate", "c", "--tls-key", "k", "--tokens-file", "t"});
   ASSERT_EQ(best.size(), 1u);
   EXPECT_NE(best[0].find("0.0.0.0:1 is open to other hosts: "), std::string::npos);
   EXPECT_NE(best[0].find("deploy/entrance"), std::string::npos);
@@ -94,7 +95,8 @@ TEST(Reload, NamesStreamsThatOneConnectionCannotCarryBeforeARestart) {
     before.limits.max_streams = 64;
     const auto [now, restart] = reload_config(static_cast<int>(line.size()), line.data(), before, {});
     EXPECT_EQ(now.limits.max_streams, static_cast<uint32_t>(std::stoi(streams)));
-    EXPECT_EQ(std::ranges::any_of(restart, [](const auto& name) { return name.starts_with("max-streams, "); }), is_named);
+    EXPECT_EQ(std::ranges::any_of(restart, [](const auto& name) { return name.starts_with("max-streams, "); }),
+              is_named);
   }
 }
 

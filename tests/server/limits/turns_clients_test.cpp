@@ -228,8 +228,10 @@ TEST_F(TurnsOfClients, GroupsOfClientsHaveEqualTime) {
     std::optional<Turns::Turn> turn = std::nullopt;
   };
   std::deque<Loop> loops;
-  for (const auto& [name, path] : {std::pair{'x', TurnPath{"one", "x"}}, {'y', TurnPath{"one", "y"}},
-                                   {'z', TurnPath{"one", "z"}}, {'o', TurnPath{"other", "o"}}})
+  for (const auto& [name, path] : {std::pair{'x', TurnPath{"one", "x"}},
+                                   {'y', TurnPath{"one", "y"}},
+                                   {'z', TurnPath{"one", "z"}},
+                                   {'o', TurnPath{"other", "o"}}})
     loops.push_back({name, shared.account(path)});
   const auto ask = [&](Loop& loop) {
     shared.request(loop.account, [&](Turns::Turn turn) { loop.turn.emplace(std::move(turn)); });

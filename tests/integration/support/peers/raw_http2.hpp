@@ -32,9 +32,7 @@ inline int connect_to_any(const std::string& address) {
 
 class RawHttp2 {
  public:
-  explicit RawHttp2(const std::string& address) : socket_(connect_to_any(address)) {
-    send(preface());
-  }
+  explicit RawHttp2(const std::string& address) : socket_(connect_to_any(address)) { send(preface()); }
   ~RawHttp2() { close(socket_); }
   RawHttp2(const RawHttp2&) = delete;
   RawHttp2& operator=(const RawHttp2&) = delete;
