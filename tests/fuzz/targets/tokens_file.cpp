@@ -12,7 +12,8 @@ namespace {
 constexpr std::string_view kSecret = "0123456789abcdef";  // in the corpus and the dictionary
 
 void check(const server::Token& token) {
-  const auto& [name, limits] = *token.client;
+  const std::string& name = token.client->name;
+  const server::ClientLimits& limits = token.client->limits;
   require(!name.empty() && name.size() <= 64 && name != "anonymous", "clients have names of their own");
   require(limits.max_frame_seconds > 0 && limits.max_frames_per_second > 0, "limits are above 0");
 }
