@@ -3,6 +3,9 @@
 
 #include <deque>
 #include <functional>
+#include <mutex>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "server/limits/turns.hpp"
@@ -32,15 +35,15 @@ class TurnsOfScene {
     for (Turns* turns : devices) accounts_.push_back({turns, turns->account(client)});
   }
 
-  /// Later turns are that client's. Not while there is a turn.
-  void charge_to(const TurnPath& client) {
-    if (client == client_) return;
-    for (auto& [turns, account] : accounts_) account = turns->account(client);
-    client_ = client;
+  /// Later turns are that client's. From any thread.
+  void charge_to(TurnPath client) {
+    const std::lock_guard lock(mutex_);
+    next_client_ = std::move(client);
   }
 
   /// Waits for a turn on each; for one frame at a time. Throws as Turns::take does.
   Turn take(const std::function<bool()>& cancelled) {
+    change_client();
     Turn turn;
     for (auto& [turns, account] : accounts_) turn.turns_.push_back(turns->take(account, cancelled));
     return turn;
@@ -51,6 +54,21 @@ class TurnsOfScene {
     Turns* turns;
     TurnAccount account;
   };
+
+  // Not while there is a turn.
+  void change_client() {
+    std::optional<TurnPath> next;
+    {
+      const std::lock_guard lock(mutex_);
+      next.swap(next_client_);
+    }
+    if (!next || *next == client_) return;
+    client_ = *std::move(next);
+    for (auto& [turns, account] : accounts_) account = turns->account(client_);
+  }
+
+  std::mutex mutex_;
+  std::optional<TurnPath> next_client_;  // guarded by mutex_
   TurnPath client_;
   std::deque<Account> accounts_;  // which never move
 };

@@ -24,7 +24,7 @@ constexpr short kEnds = POLLRDHUP | POLLHUP | POLLERR | POLLNVAL;
 
 bool has_left(int socket) {
   pollfd state{socket, POLLRDHUP, 0};
-  return poll(&state, 1, 0) != 0;
+  return poll(&state, 1, 0) > 0;
 }
 
 void WaitingRoom::add(Connection connection) { waiting_.push_back(std::move(connection)); }

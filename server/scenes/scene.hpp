@@ -139,9 +139,7 @@ class Scene {
   /// Waits for this scene's turn on its devices.
   TurnsOfScene::Turn take_turn(const std::function<bool()>& cancelled) { return turns_.take(cancelled); }
   /// Later frames take turns of this client: the one that sends them. From any thread.
-  void charge_to(const TurnPath& client) {
-    worker_.post([this, client] { turns_.charge_to(client); });
-  }
+  void charge_to(const TurnPath& client) { turns_.charge_to(client); }
 
   /// Whether nobody has used the scene for longer than its lease.
   bool is_expired(std::chrono::steady_clock::time_point now) const;

@@ -39,6 +39,7 @@ TEST(SetAnswers, HaveOneEntryOfAKind) {
   v1::SetAnswer answer;
   *answer.add_contacts() = contacts_of(v1::CONTACT_KIND_VERTEX_TRIANGLE, {0, 1, 2});
   *answer.add_contacts() = contacts_of(v1::CONTACT_KIND_EDGE_EDGE, {0, 0, 1});
+  answer.mutable_done()->set_contact_count(3);
   const SetOutput output = read_answer(v1::SetAnswer(answer), 2);
   EXPECT_EQ(output.vertex_triangle.begin, (std::vector<uint64_t>{0, 1, 2}));
   EXPECT_EQ(output.edge_edge.begin, (std::vector<uint64_t>{0, 0, 1}));
