@@ -65,7 +65,9 @@ TEST_P(Resets, TakeLittleMemory) {
       EXPECT_LT(sent, batches) << "the connection was not ended";
   }
   // Over Unix sockets calls pile up between their acceptance and their end, as many as come.
-  if (!is_unix) EXPECT_LT(probe.peak_resident_bytes() - before, memory_limit(256));
+  if (!is_unix) {
+    EXPECT_LT(probe.peak_resident_bytes() - before, memory_limit(256));
+  }
   aftermath.expect_unharmed();
   EXPECT_EQ(probe.metric("collided_evicted_connections_total") >= 1, !is_unix);
 }
