@@ -169,7 +169,7 @@ int serve(const Origin& origin, Config config, const sigset_t& signals, std::opt
   for (const auto& address : daemon.addresses()) spdlog::info("collided {} serves on {}", COLLIDED_VERSION, address);
   if (const auto address = daemon.http_address(); !address.empty()) spdlog::info("metrics and health on {}", address);
   collided::server::flush_log();  // whoever waits for the ready file may read the lines above
-  watch.reset();  // whoever is told that it serves may stop it as one that does
+  watch.reset();                  // whoever is told that it serves may stop it as one that does
   collided::server::write_ready_file(config.ready_file, daemon.addresses());
   supervisor.ready(daemon.addresses());
   const int signal = wait_for_end(origin, signals, config, daemon, supervisor);
