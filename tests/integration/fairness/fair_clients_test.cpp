@@ -39,23 +39,26 @@ TEST_F(FairClients, FortyScenesOfOneDoNotStopTheSceneOfAnother) {
 }
 
 // Many short frames run while a long one does: it yields to them repeatedly.
-TEST_F(FairClients, LongFramesGiveWayToShortOnes) {
+void expect_short_between_long(const TwoLoads& loads) {
   constexpr uint64_t kLong = 4, kLeastShort = 3 * kLong;
+  loads.wait_until_on();
+  const uint64_t of_many = loads.many.frames(), of_one = loads.one.frames();
+  eventually(
+      "long frames are answered", [&] { return loads.many.frames() >= of_many + kLong; }, kPatience);
+  EXPECT_GE(loads.one.frames() - of_one, kLeastShort);
+  EXPECT_EQ(loads.refused(), 0u);
+}
+
+TEST_F(FairClients, LongFramesGiveWayToShortOnes) {
   {
     const TwoLoads loads{{stubs("many", 4), layers_work(200, 2)}, {stubs("one", 1), layers_work(4, 1)}};
-    loads.wait_until_on();
-    const uint64_t of_many = loads.many.frames(), of_one = loads.one.frames();
-    eventually(
-        "long frames are answered", [&] { return loads.many.frames() >= of_many + kLong; }, kPatience);
-    EXPECT_GE(loads.one.frames() - of_one, kLeastShort);
-    EXPECT_EQ(loads.refused(), 0u);
+    expect_short_between_long(loads);
   }
   aftermath_.expect_unharmed();
 }
 
 // Without tokens all clients have one name, and each connection takes turns of its own.
 TEST(ClientsWithoutTokens, LongFramesGiveWayToShortOnesOfOtherConnections) {
-  constexpr uint64_t kLong = 4, kLeastShort = 3 * kLong;
   DaemonProcess daemon({"--threads", "2"}, "cpu");
   const auto stubs = [&](int first, int count) {
     std::vector<std::unique_ptr<Stub>> all;
@@ -64,12 +67,7 @@ TEST(ClientsWithoutTokens, LongFramesGiveWayToShortOnesOfOtherConnections) {
     return all;
   };
   const TwoLoads loads{{stubs(1, 4), layers_work(200, 2)}, {stubs(10, 1), layers_work(4, 1)}};
-  loads.wait_until_on();
-  const uint64_t of_many = loads.many.frames(), of_one = loads.one.frames();
-  eventually(
-      "long frames are answered", [&] { return loads.many.frames() >= of_many + kLong; }, kPatience);
-  EXPECT_GE(loads.one.frames() - of_one, kLeastShort);
-  EXPECT_EQ(loads.refused(), 0u);
+  expect_short_between_long(loads);
 }
 
 TEST_F(FairClients, AFrameThatRunsForTooLongIsRefusedAndItsStreamGoesOn) {

@@ -47,26 +47,35 @@ void add(Scene& scene, const std::vector<TriangleCorners>& triangles) {
   scene.add_triangles(1, received);
 }
 
+/// Holds all turns, so that whoever wants one waits.
+class AllTurns {
+ public:
+  explicit AllTurns(Turns& turns) : accounts_(turns.concurrent()) {
+    for (TurnAccount& account : accounts_) held_.push_back(turns.take(account));
+  }
+  void release() { held_.clear(); }
+
+ private:
+  std::vector<TurnAccount> accounts_;
+  std::vector<Turns::Turn> held_;  // which end before their accounts
+};
+
 // Building takes turns like frames do, but on the host.
 TEST_F(SceneTest, IsBuiltInTurnsOfItsClient) {
   Turns& turns = devices_.host_turns();
-  std::vector<TurnAccount> accounts(turns.concurrent());
-  std::vector<Turns::Turn> held;
-  for (TurnAccount& account : accounts) held.push_back(turns.take(account));
+  AllTurns held(turns);
   const auto scene = make(tip_plan());
   std::thread builder([&] { scene->build_if_complete(); });
   EXPECT_TRUE(wait_until([&] { return turns.waiting() == 1; }));
   EXPECT_FALSE(scene->snapshot().ready);
-  held.clear();
+  held.release();
   builder.join();
   EXPECT_TRUE(scene->snapshot().ready);
 }
 
 TEST_F(SceneTest, IsNotBuiltOnceItIsDeleted) {
   Turns& turns = devices_.host_turns();
-  std::vector<TurnAccount> accounts(turns.concurrent());
-  std::vector<Turns::Turn> held;
-  for (TurnAccount& account : accounts) held.push_back(turns.take(account));
+  const AllTurns held(turns);
   const auto scene = make(tip_plan());
   std::thread builder([&] { EXPECT_THROW(scene->build_if_complete(), NotFound); });
   EXPECT_TRUE(wait_until([&] { return turns.waiting() == 1; }));
