@@ -19,7 +19,7 @@ ClientWork::ClientWork(Turns& turns) : turns_(turns) {
 ClientWork::~ClientWork() {
   {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return size_ == 0; });
+    changed_.wait(lock, [this] { return is_idle(); });
     is_over_ = true;
   }
   changed_.notify_all();
@@ -27,37 +27,49 @@ ClientWork::~ClientWork() {
 }
 
 void ClientWork::post(const TurnPath& client, Job job) {
-  auto task = std::make_unique<Task>(turns_.account(client), std::move(job), std::nullopt);
-  TurnAccount& account = task->account;
+  Tasks posted;
+  posted.emplace_back(turns_.account(client), std::move(job), std::nullopt);
+  const auto task = posted.begin();
   {
     const std::lock_guard lock(mutex_);
-    ++size_;
+    waiting_.splice(waiting_.end(), posted);
   }
-  turns_.request(account, [this, waiting = task.release()](Turns::Turn turn) {
-    waiting->turn.emplace(std::move(turn));
+  try {
+    turns_.request(task->account, [this, task](Turns::Turn turn) {  // moves the task only: it cannot run out of memory
+      task->turn.emplace(std::move(turn));
+      const std::lock_guard lock(mutex_);
+      granted_.splice(granted_.end(), waiting_, task);
+      changed_.notify_one();
+    });
+  } catch (...) {
     const std::lock_guard lock(mutex_);
-    granted_.emplace_back(waiting);
-    changed_.notify_one();
-  });
+    posted.splice(posted.end(), waiting_, task);
+    if (is_idle()) changed_.notify_all();
+    throw;
+  }
 }
 
 size_t ClientWork::size() const {
   const std::lock_guard lock(mutex_);
-  return size_;
+  return waiting_.size() + granted_.size() + running_;
 }
+
+bool ClientWork::is_idle() const { return waiting_.empty() && granted_.empty() && running_ == 0; }
 
 void ClientWork::run() {
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [this] { return is_over_ || !granted_.empty(); });
     if (granted_.empty()) return;
-    auto task = std::move(granted_.front());
-    granted_.pop_front();
+    Tasks task;
+    task.splice(task.end(), granted_, granted_.begin());
+    ++running_;
     lock.unlock();
-    task->job();
-    task.reset();
+    task.front().job();
+    task.clear();
     lock.lock();
-    if (--size_ == 0) changed_.notify_all();
+    --running_;
+    if (is_idle()) changed_.notify_all();
   }
 }
 

@@ -5,9 +5,8 @@
 
 #include <condition_variable>
 #include <cstddef>
-#include <deque>
 #include <functional>
-#include <memory>
+#include <list>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -28,20 +27,22 @@ class ClientWork {
   ClientWork(const ClientWork&) = delete;
   ClientWork& operator=(const ClientWork&) = delete;
 
-  /// Jobs of one client begin in the order of the calls.
+  /// Jobs of one client begin in the order of the calls. If this throws, as memory is short, the job does not run.
   void post(const TurnPath& client, Job job);
   /// Jobs that are not done.
   size_t size() const;
 
  private:
   struct Task;
+  using Tasks = std::list<Task>;
   void run();
+  bool is_idle() const;
 
   Turns& turns_;
   mutable std::mutex mutex_;  // guards what follows; taken while the turns' own is held, so never the other way
   std::condition_variable changed_;
-  std::deque<std::unique_ptr<Task>> granted_;
-  size_t size_ = 0;
+  Tasks waiting_, granted_;  // for their turns, then for a thread
+  size_t running_ = 0;
   bool is_over_ = false;
   std::vector<std::thread> threads_;
 };

@@ -16,7 +16,18 @@ constexpr size_t kWaitersOfOnePoll = 16;
 /// less often, so that a thousand do not keep the processors busy with asking.
 std::chrono::milliseconds poll_of(size_t waiters) { return kCancelPoll * (1 + waiters / kWaitersOfOnePoll); }
 
+/// So many can be added without allocating.
+template <class Item>
+void make_room(std::vector<Item>& items, size_t more) {
+  const size_t needed = items.size() + more;
+  if (items.capacity() < needed) items.reserve(std::max(needed, 2 * items.size()));
+}
+
 }  // namespace
+
+Turns::Turns(Options options) : options_(std::move(options)), free_(options_.concurrent), load_(options_.now()) {
+  running_.reserve(options_.concurrent);
+}
 
 // use(share, the one above it), up to the root.
 template <class Use>
@@ -111,7 +122,11 @@ void Turns::await(Lock& lock, TurnAccount& account, const std::function<bool()>&
   }
 }
 
+// Whatever a turn needs later is allocated here, where a shortage can still be told to the caller: a turn that has been
+// granted always reaches its owner, and always ends.
 void Turns::join(TurnAccount& account, std::function<void()> granted) {
+  for_each_up(account, [](TurnShare&, TurnShare& above) { make_room(above.waiting_, 1); });
+  make_room(debtors_, waiting_ + running_.size() + 1);
   account.granted_ = std::move(granted);
   account.account_ = &account;
   const uint64_t arrival = arrivals_++;

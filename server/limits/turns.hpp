@@ -64,7 +64,7 @@ class Turns {
   /// A turn that has run for this long yields to clients that have used less time.
   static constexpr std::chrono::milliseconds kQuantum{10};
 
-  explicit Turns(Options options) : options_(std::move(options)), free_(options_.concurrent), load_(options_.now()) {}
+  explicit Turns(Options options);
   explicit Turns(unsigned concurrent) : Turns(Options{.concurrent = concurrent}) {}
 
   /// A turn, held while this object lives and charged as it runs.
@@ -92,8 +92,8 @@ class Turns {
   TurnAccount account(const TurnPath& client);
   /// Waits for a turn; an account for one at a time. Throws Cancelled soon after `cancelled` turns true.
   Turn take(TurnAccount& account, const std::function<bool()>& cancelled = {});
-  /// Calls `granted` with the turn once it has come, on any thread and perhaps at once. `granted` must neither wait nor
-  /// end the turn, but pass it on. The account outlives the turn.
+  /// Calls `granted` with the turn once it has come, on any thread and perhaps at once. `granted` must not throw, wait
+  /// or end the turn, but pass it on. The account outlives the turn. If this throws, `granted` is not called.
   void request(TurnAccount& account, std::function<void(Turn)> granted);
 
   unsigned concurrent() const { return options_.concurrent; }

@@ -63,8 +63,13 @@ class TurnsOfScene {
       next.swap(next_client_);
     }
     if (!next || *next == client_) return;
+    std::deque<TurnAccount> accounts;
+    for (auto& [turns, account] : accounts_) accounts.push_back(turns->account(*next));
+    for (auto& [turns, account] : accounts_) {
+      account = std::move(accounts.front());
+      accounts.pop_front();
+    }
     client_ = *std::move(next);
-    for (auto& [turns, account] : accounts_) account = turns->account(client_);
   }
 
   std::mutex mutex_;

@@ -7,7 +7,6 @@
 #include <list>
 #include <map>
 #include <utility>
-#include <vector>
 
 #include "server/errors.hpp"
 
@@ -23,6 +22,30 @@ Clock::time_point after(double seconds) {
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
+/// The exception that `make` makes, or that memory was short for it.
+template <class Make>
+std::exception_ptr exception_of(const Make& make) {
+  try {
+    return std::make_exception_ptr(make());
+  } catch (...) {
+    return std::current_exception();
+  }
+}
+
+std::exception_ptr eviction(const WaitRule& rule, const std::string& client) {
+  return exception_of([&] {
+    return LimitExceeded::quota(
+        "client:" + client,
+        fmt::format("{} calls of a client, and {} in all, may wait for {}; more arrived, and the oldest is ended first",
+                    rule.max_of_client, rule.max, rule.what));
+  });
+}
+
+std::exception_ptr lateness(const WaitRule& rule) {
+  return exception_of(
+      [&] { return DeadlineExceeded(fmt::format("{} did not come within {} s", rule.what, rule.seconds)); });
+}
+
 }  // namespace
 
 struct WaitingCalls::Wait::State {
@@ -32,7 +55,7 @@ struct WaitingCalls::Wait::State {
   const End end;
   const Clock::time_point deadline;
   // Guarded by shared->mutex:
-  bool is_finished = false;
+  bool is_finished = true;                                 // until it waits
   uint64_t number = 0;                                     // the lower, the older
   std::list<std::shared_ptr<State>>::iterator place = {};  // until it is finished
 };
@@ -70,12 +93,22 @@ struct WaitingCalls::Shared {
   uint64_t next_number = 0;
   std::map<std::string, Line> lines;  // by what is awaited; none is empty
 
+  // Where memory is short this throws, and nothing has changed.
   void put_in_locked(const Waiting& wait) {
-    Line& line = lines[wait->rule.what];
-    Waits& waits = line.of_source[wait->source];
+    Waits one{wait};
+    const auto line = lines.try_emplace(wait->rule.what).first;
+    Waits* waits = nullptr;
+    try {
+      waits = &line->second.of_source[wait->source];
+    } catch (...) {
+      if (line->second.size == 0) lines.erase(line);
+      throw;
+    }
     wait->number = next_number++;
-    wait->place = waits.insert(waits.end(), wait);
-    ++line.size;
+    wait->place = one.begin();
+    wait->is_finished = false;
+    waits->splice(waits->end(), one);
+    ++line->second.size;
   }
 
   void take_out_locked(const Waiting& wait) {
@@ -92,15 +125,24 @@ struct WaitingCalls::Shared {
     return line == lines.end() ? nullptr : line->second.oldest_to_evict(wait);
   }
 
-  std::vector<Waiting> take_late() {
+  Waits take_late() {
     const std::lock_guard lock(mutex);
     const auto now = Clock::now();
-    std::vector<Waiting> late;
-    for (const auto& [what, line] : lines)
-      for (const auto& [source, waits] : line.of_source)
-        for (const auto& wait : waits)
-          if (now >= wait->deadline) late.push_back(wait);
-    for (const auto& wait : late) take_out_locked(wait);
+    Waits late;
+    for (auto& [what, line] : lines) {
+      for (auto& [source, waits] : line.of_source)
+        for (auto wait = waits.begin(); wait != waits.end();) {
+          const auto next = std::next(wait);
+          if (now >= (*wait)->deadline) {
+            (*wait)->is_finished = true;
+            late.splice(late.end(), waits, wait);
+            --line.size;
+          }
+          wait = next;
+        }
+      std::erase_if(line.of_source, [](const auto& of) { return of.second.empty(); });
+    }
+    std::erase_if(lines, [](const auto& line) { return line.second.size == 0; });
     return late;
   }
 };
@@ -130,14 +172,10 @@ std::unique_ptr<WaitingCalls::Wait> WaitingCalls::wait(const WaitRule& rule, con
   {
     const std::lock_guard lock(shared_->mutex);
     evicted = shared_->oldest_to_evict_locked(*wait->state_);
-    if (evicted) shared_->take_out_locked(evicted);
     shared_->put_in_locked(wait->state_);
+    if (evicted) shared_->take_out_locked(evicted);
   }
-  if (evicted)
-    evicted->end(std::make_exception_ptr(LimitExceeded::quota(
-        "client:" + evicted->source.first,
-        fmt::format("{} calls of a client, and {} in all, may wait for {}; more arrived, and the oldest is ended first",
-                    rule.max_of_client, rule.max, rule.what))));
+  if (evicted) evicted->end(eviction(rule, evicted->source.first));
   return wait;
 }
 
@@ -152,9 +190,7 @@ void WaitingCalls::run() {
   std::unique_lock lock(shared_->mutex);
   while (!shared_->changed.wait_for(lock, kPeriod, [this] { return shared_->is_stopping; })) {
     lock.unlock();
-    for (const auto& wait : shared_->take_late())
-      wait->end(std::make_exception_ptr(
-          DeadlineExceeded(fmt::format("{} did not come within {} s", wait->rule.what, wait->rule.seconds))));
+    for (const auto& wait : shared_->take_late()) wait->end(lateness(wait->rule));
     lock.lock();
   }
 }
