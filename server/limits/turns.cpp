@@ -16,7 +16,7 @@ constexpr size_t kWaitersOfOnePoll = 16;
 /// less often, so that a thousand do not keep the processors busy with asking.
 std::chrono::milliseconds poll_of(size_t waiters) { return kCancelPoll * (1 + waiters / kWaitersOfOnePoll); }
 
-/// So many can be added without allocating.
+/// Afterwards `more` items can be added without allocating.
 template <class Item>
 void make_room(std::vector<Item>& items, size_t more) {
   const size_t needed = items.size() + more;
@@ -122,8 +122,8 @@ void Turns::await(Lock& lock, TurnAccount& account, const std::function<bool()>&
   }
 }
 
-// Whatever a turn needs later is allocated here, where a shortage can still be told to the caller: a turn that has been
-// granted always reaches its owner, and always ends.
+// A turn allocates here all that it needs later, for only here can the caller be told that memory is short. Once it has
+// been granted it reaches its owner, and it ends.
 void Turns::join(TurnAccount& account, std::function<void()> granted) {
   for_each_up(account, [](TurnShare&, TurnShare& above) { make_room(above.waiting_, 1); });
   make_room(debtors_, waiting_ + running_.size() + 1);

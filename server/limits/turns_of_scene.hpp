@@ -63,12 +63,9 @@ class TurnsOfScene {
       next.swap(next_client_);
     }
     if (!next || *next == client_) return;
-    std::deque<TurnAccount> accounts;
-    for (auto& [turns, account] : accounts_) accounts.push_back(turns->account(*next));
-    for (auto& [turns, account] : accounts_) {
-      account = std::move(accounts.front());
-      accounts.pop_front();
-    }
+    std::deque<Account> accounts;
+    for (const Account& old : accounts_) accounts.push_back({old.turns, old.turns->account(*next)});
+    accounts_.swap(accounts);
     client_ = *std::move(next);
   }
 

@@ -93,7 +93,7 @@ struct WaitingCalls::Shared {
   uint64_t next_number = 0;
   std::map<std::string, Line> lines;  // by what is awaited; none is empty
 
-  // Where memory is short this throws, and nothing has changed.
+  // If this throws, as memory is short, nothing has changed.
   void put_in_locked(const Waiting& wait) {
     Waits one{wait};
     const auto line = lines.try_emplace(wait->rule.what).first;

@@ -34,7 +34,7 @@ void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 namespace collided::server {
 namespace {
 
-/// Whether it could allocate all that it needs, where `count` allocations succeed.
+/// Runs `use`, whose allocations fail after the first `count`. Whether it needed no more.
 template <class Use>
 bool with_allocations(int count, const Use& use) {
   allocations_left = count;
