@@ -1,14 +1,14 @@
 #include "gpu/exec/cpu/cpu_exec.hpp"
+#include "gpu/positions/format.hpp"
 #include "gpu/scene/backends.hpp"
-#include "gpu/scene/scene_detector.hpp"
-#include "gpu/search/cpu/searcher.hpp"
+#include "gpu/scene/scalar_backends.hpp"
 
 namespace collided {
 
 std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables features, const PartOf* part) {
-  const int threads = spec.threads;
-  const MemoryLimits memory(spec.memory_budget, spec.memory_quota);
-  return make_scene_detector<CpuExec>(std::move(spec), std::move(features), part, threads, memory);
+  return with_real(spec.scalar, [&]<class Real>(Real) {
+    return make_cpu_detector_of<Real>(std::move(spec), std::move(features), part);
+  });
 }
 
 AnswerRoom::MakeBlock cpu_host_blocks() { return &CpuExec::host_block; }

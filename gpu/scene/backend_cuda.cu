@@ -1,9 +1,9 @@
-#include "gpu/exec/cuda/cuda_exec.cuh"
+#include "gpu/exec/cuda/cuda_memory.cuh"
 #include "gpu/exec/cuda/device.cuh"
 #include "gpu/exec/cuda/shared_memory.cuh"
+#include "gpu/positions/format.hpp"
 #include "gpu/scene/backends.hpp"
-#include "gpu/scene/scene_detector.hpp"
-#include "gpu/search/cuda/searcher.cuh"
+#include "gpu/scene/scalar_backends.hpp"
 
 namespace collided {
 
@@ -23,9 +23,9 @@ void link_to(int device, int other) {
 }  // namespace
 
 std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features, const PartOf* part) {
-  const int device = spec.device.ordinal, threads = spec.threads;
-  const MemoryLimits memory(spec.memory_budget, spec.memory_quota);
-  return make_scene_detector<CudaExec>(std::move(spec), std::move(features), part, device, threads, memory);
+  return with_real(spec.scalar, [&]<class Real>(Real) {
+    return make_cuda_detector_of<Real>(std::move(spec), std::move(features), part);
+  });
 }
 
 AnswerRoom::MakeBlock cuda_host_blocks(int device) {

@@ -1,0 +1,17 @@
+#pragma once
+#include "gpu/exec/cuda/cuda_exec.cuh"
+#include "gpu/scene/scalar_backends.hpp"
+#include "gpu/scene/scene_detector.hpp"
+#include "gpu/search/cuda/searcher.cuh"
+
+namespace collided {
+
+template <class Real>
+std::unique_ptr<Detector> make_cuda_detector_of(SceneSpec spec, FeatureTables features, const PartOf* part) {
+  const int device = spec.device.ordinal, threads = spec.threads;
+  const MemoryLimits memory(spec.memory_budget, spec.memory_quota);
+  return std::make_unique<SceneDetector<CudaExec, Real>>(std::move(spec), std::move(features), part, device, threads,
+                                                         memory);
+}
+
+}  // namespace collided

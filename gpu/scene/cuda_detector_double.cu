@@ -1,0 +1,7 @@
+#include "gpu/scene/cuda_detector.cuh"
+
+namespace collided {
+
+template std::unique_ptr<Detector> make_cuda_detector_of<double>(SceneSpec spec, FeatureTables features, const PartOf* part);
+
+}  // namespace collided
