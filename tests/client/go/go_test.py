@@ -36,10 +36,14 @@ class Go(unittest.TestCase):
 
     def test_it_is_formatted_and_nothing_is_suspicious(self):
         gofmt = shutil.which("gofmt")
-        unformatted = subprocess.run([gofmt, "-l", REPOSITORY / "client" / "go", REPOSITORY / "tests" / "interop"],
+        unformatted = subprocess.run([gofmt, "-l", REPOSITORY / "client" / "go", REPOSITORY / "tests" / "interop", REPOSITORY / "tests" / "client"],
                                      text=True, capture_output=True, timeout=60, check=True)
         self.assertEqual(unformatted.stdout, "")
         WORKSPACE.run("vet", *PACKAGES)
+
+    def test_its_types_hold_on_other_systems(self):
+        said = WORKSPACE.run("run", REPOSITORY / "tests" / "client" / "go" / "systems.go", *PACKAGES).decode()
+        self.assertRegex(said, r"\Adarwin: (\d\d) files\nwindows: \1 files\n\Z")
 
     def test_the_example_starts_a_daemon_or_takes_one(self):
         example = f"{PACKAGE}/examples/first_contact"
