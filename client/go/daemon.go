@@ -40,6 +40,10 @@ type Daemon struct {
 
 // FindDaemon tells where the daemon's program is: $COLLIDED_DAEMON, or collided on the PATH. NotFound if there is none.
 func FindDaemon() (string, error) {
+	if runtime.GOOS != "linux" {
+		return "", failf(codes.NotFound, "", "the daemon runs on Linux, and this is %s: run it in a container, in WSL or on a Linux "+
+			"host, and connect to its address", runtime.GOOS)
+	}
 	if named := os.Getenv("COLLIDED_DAEMON"); named != "" {
 		if _, err := exec.LookPath(named); err != nil {
 			return "", failf(codes.NotFound, "", "COLLIDED_DAEMON is '%s', which is not a program", named)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from collided import leftovers
@@ -152,7 +152,7 @@ class Scene:
         self._leftover.take()
         self._resident.delete()
 
-    def left_by(self, kind: str, streams: list[Callable[[], object]]) -> Leftover:
+    def left_by(self, kind: str, streams: Sequence[Callable[[], object]]) -> Leftover:
         """Hands the scene over to an object of this kind: the leftover of its streams and of the scene."""
         self._leftover.take()
         return Leftover(kind, streams, self._resident)

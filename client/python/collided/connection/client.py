@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 import threading
 import time
 import uuid
@@ -285,8 +286,10 @@ class Client:
             raise
 
     def local_socket(self, endpoint: str) -> str:
-        """Path of the daemon's local socket, if it has one and is on this host; else empty."""
-        return self.info.local_socket if not endpoint and is_local_address(self.address) else ""
+        """Path of the daemon's local socket, if it has one and may be on this host; else empty. A loopback address may be a port
+        that is forwarded to a container or another host: whoever connects learns whether the path leads to the daemon."""
+        is_here = sys.platform == "linux" and not endpoint and is_local_address(self.address)
+        return self.info.local_socket if is_here else ""
 
     def reconnect(self) -> None:
         """Forgets the connection, unless it is still being made: the daemon may be another one now."""

@@ -6,6 +6,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -13,6 +14,7 @@ import weakref
 
 import collided.leftovers as leftovers
 from collided.errors import FailedPrecondition, Unavailable
+from collided.programs import find_program, where_to_get_it
 
 _READY_SECONDS, _STOP_SECONDS, _EXIT_SECONDS, _POLL_SECONDS = 60.0, 10.0, 0.1, 0.01
 _SAID_LINES = 3  # of a daemon that does not start
@@ -23,12 +25,13 @@ _GUARD = ('exec 3<&0; "$@" </dev/null & daemon=$!; { cat >/dev/null; kill $daemo
 
 
 def find_daemon() -> str:
-    """The program: $COLLIDED_DAEMON, or `collided` on PATH. Raises FailedPrecondition if there is none."""
+    """The program: $COLLIDED_DAEMON, or one that a wheel brought along, or `collided` on PATH. Raises FailedPrecondition if there
+    is none."""
     named = os.environ.get("COLLIDED_DAEMON")
-    found = shutil.which(named) if named else shutil.which("collided")
+    found = shutil.which(named) if named else find_program("collided")
     if found is None:
         raise FailedPrecondition(f"COLLIDED_DAEMON is {named!r}, which is not a program" if named else
-                                 "no daemon 'collided' is on PATH; set COLLIDED_DAEMON, or name a server")
+                                 where_to_get_it("collided"))
     return found
 
 
@@ -79,7 +82,7 @@ class OwnDaemon:
             try:
                 self._process.wait(_STOP_SECONDS)
             except subprocess.TimeoutExpired:
-                os.killpg(self._process.pid, 9)
+                _kill(self._process)
                 self._process.wait()
             self._remove()
 
@@ -89,6 +92,8 @@ class OwnDaemon:
             self._process, self._folder = None, ""
 
     def _start(self) -> None:
+        if sys.platform != "linux":
+            raise FailedPrecondition(where_to_get_it("collided"))
         program = self._program or find_daemon()
         is_long = len(tempfile.gettempdir()) > 80  # the path of a socket has at most 107 bytes
         self._folder = tempfile.mkdtemp(prefix="collided-", dir="/tmp" if is_long else None)
@@ -158,10 +163,17 @@ def _end_all() -> None:
         try:
             process.wait(max(0.0, deadline - time.monotonic()))
         except subprocess.TimeoutExpired:
-            os.killpg(process.pid, 9)
+            _kill(process)
 
 
-os.register_at_fork(after_in_child=_running.clear)
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    """Kills the whole group: the shell that guards the daemon, and the daemon."""
+    if sys.platform == "linux":
+        os.killpg(process.pid, 9)
+
+
+if sys.platform != "win32":  # where no process forks
+    os.register_at_fork(after_in_child=_running.clear)
 _shared: OwnDaemon | None = None
 _shared_lock = threading.Lock()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,12 +10,13 @@ import numpy as np
 
 from collided.connection.channel import metadata
 from collided.connection.client import Client
-from collided.errors import DataLoss, DeadlineExceeded, Error, FailedPrecondition, InvalidArgument, ResourceExhausted
+from collided.errors import (DataLoss, DeadlineExceeded, Error, FailedPrecondition, InvalidArgument, NotFound,
+                             ResourceExhausted)
 from collided.transport.base import Transport
 from collided.transport.call_transport import CallTransport
 from collided.transport.grpc_transport import GrpcTransport
 from collided.transport.local_transport import LocalTransport
-from collided.transport.peer import LocalPeer
+from collided.transport.peer import NEEDS_LINUX, LocalPeer
 from collided.transport.region import Region, region_layout
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import scene_pb2
@@ -75,12 +77,9 @@ def open_transport(client: Client, scene: scene_pb2.Scene, options: StreamOption
 def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
            opening: api.OpenStream) -> LocalTransport | None:
     """None if the daemon has no local socket, or is on another host."""
-    path = client.local_socket(scene.endpoint)
-    if not path and options.transport == "auto":
+    if options.transport == "auto" and not client.local_socket(scene.endpoint):
         return None
-    if not path:
-        raise FailedPrecondition("transport is 'shared_memory', but the daemon has no local socket here (--local-socket)",
-                                 field="transport")
+    path = local_socket(client, scene)
     limit = client.info.limits.max_window
     window = options.window or min(_DEFAULT_WINDOW, limit)
     if not 1 <= window <= limit:
@@ -93,8 +92,18 @@ def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
                           Region(region_layout(known, window, options.output_bytes, options.edit_bytes, lasting)))
 
 
+def local_socket(client: Client, scene: scene_pb2.Scene) -> str:
+    """Path of the local socket of the scene's daemon. Raises FailedPrecondition if it has none that this client can use."""
+    path = client.local_socket(scene.endpoint)
+    if not path:
+        raise FailedPrecondition(NEEDS_LINUX if sys.platform != "linux" else "the daemon has no local socket here (--local-socket)",
+                                 field="transport")
+    return path
+
+
 def opened_by(transport: Transport, opening: api.OpenStream, client: Client, seconds: float) -> api.StreamOpened:
-    """The daemon's first answer. Raises DeadlineExceeded if none comes within so many seconds."""
+    """The daemon's first answer. Raises DeadlineExceeded if none comes within so many seconds, and FailedPrecondition if the local
+    socket is another daemon's, as it can be where the client's address is a forwarded port."""
     try:
         transport.open(opening)
         response = transport.read(seconds)
@@ -108,6 +117,9 @@ def opened_by(transport: Transport, opening: api.OpenStream, client: Client, sec
         if not 1 <= opened.window <= most:
             raise DataLoss(f"opened.window is {opened.window}; it must be from 1 to {most}")
         return opened
-    except BaseException:
+    except BaseException as error:
         transport.close()
+        if transport.is_local and isinstance(error, NotFound) and client.has_scene(opening.scene_id):
+            raise FailedPrecondition(f"the local socket {client.info.local_socket} belongs to another daemon than the one at "
+                                     f"{client.place}; gRPC reaches it (transport='grpc')", field="transport") from None
         raise

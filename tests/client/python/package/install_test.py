@@ -18,7 +18,7 @@ except ImportError as missing:
     print(f"skipped: {missing} (Debian: python3-venv, python3-wheel)")
     sys.exit(77)
 
-DAEMON, REPOSITORY = sys.argv[1], pathlib.Path(sys.argv[3])
+DAEMON, COLLIDECTL, REPOSITORY = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3])
 PACKAGE = REPOSITORY / "client" / "python"
 sys.path.insert(0, str(REPOSITORY / "tests" / "docs"))
 from markdown import Page  # noqa: E402
@@ -36,7 +36,8 @@ class Installed(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             self.run_in(folder, sys.executable, "-m", "venv", "--system-site-packages", "venv")
             python = f"{folder}/venv/bin/python"
-            self.run_in(folder, python, "-m", "pip", "install", "--no-index", "--no-build-isolation", "--no-cache-dir", PACKAGE)
+            pip = [python, "-m", "pip", "install", "--no-index", "--no-build-isolation", "--no-cache-dir"]
+            self.run_in(folder, *pip, PACKAGE, PATH=f"{folder}/venv/bin")  # without a compiler
             where = pathlib.Path(self.run_in(folder, python, "-c", "import collided; print(collided.__path__[0])").strip())
             self.assertTrue(where.is_relative_to(folder), where)
             for file in ("py.typed", "v1/frame_pb2.pyi", "v1/collision_service_pb2_grpc.py"):
@@ -44,6 +45,10 @@ class Installed(unittest.TestCase):
             first, *_ = Page(PACKAGE / "README.md").blocks("python")
             shown, *_ = Page(PACKAGE / "README.md").blocks("text")
             self.assertEqual(self.run_in(folder, python, "-c", first, COLLIDED_DAEMON=DAEMON), shown)
+            for script, program in (("collided", DAEMON), ("collidectl", COLLIDECTL)):
+                path = os.pathsep.join([f"{folder}/venv/bin", str(pathlib.Path(program).resolve().parent)])
+                said = self.run_in(folder, f"{folder}/venv/bin/{script}", "--version", PATH=path)
+                self.assertEqual(said, self.run_in(folder, program, "--version"))
         self.assertEqual(sorted(PACKAGE.rglob("*")), before, "the build left something beside the sources")
 
 
