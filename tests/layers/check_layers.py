@@ -64,7 +64,7 @@ SPEAKS_GRPC = re.compile(r"(refusals|convert|sets|frames|transport|batch|service
 
 
 def may_see_messages(path):
-    return path.startswith("client/") or SPEAKS_MESSAGES.match(path.removeprefix("server/"))
+    return path.startswith(("client/", "proto/")) or SPEAKS_MESSAGES.match(path.removeprefix("server/"))
 
 
 def server_room(path):
@@ -148,6 +148,9 @@ EXACT_BASE = {"gpu/base/host_device.hpp", "gpu/base/rounding.hpp", "gpu/base/vec
 IN_PROCESS = "client/in_process/"
 SERVER_IN_PROCESS = {"server/in_process.hpp"}
 
+# What reads the protocol's own descriptors.
+ADDITIONS = "proto/additions"
+
 # Inside the client: who must not include what, and why.
 CLIENT_RULES = [
     (r"client/scenes/", r"client/(?!scenes/)", "scenes know only themselves"),
@@ -189,7 +192,7 @@ def complaint(path, quote, target):
             return engine_complaint(path, target)
     if layer == "server":
         return server_complaint(path, target)
-    if layer == "proto" and not STANDARD.match(target):
+    if layer == "proto" and not STANDARD.match(target) and not path.startswith(ADDITIONS):
         return "the protocol's constants need the standard library alone"
     if layer == "client" and target.startswith(("gpu/", "server/")):
         if not path.startswith(IN_PROCESS):
