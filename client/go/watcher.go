@@ -55,7 +55,7 @@ type Watcher struct {
 }
 
 func openWatcher(ctx context.Context, connection *grpc.ClientConn, sceneID string, options WatchOptions,
-	deadline time.Duration) (*Watcher, error) {
+	deadline time.Duration, features *features) (*Watcher, error) {
 	ctx, cancel := context.WithCancel(ctx)
 	w := &Watcher{connection: connection, cancel: cancel}
 	request := &v1.WatchSceneRequest{
@@ -66,7 +66,11 @@ func openWatcher(ctx context.Context, connection *grpc.ClientConn, sceneID strin
 		PositionMeshes:     options.PositionMeshes,
 		VertexStride:       options.VertexStride,
 	}
-	var err error
+	err := features.checkCall(request)
+	if err != nil {
+		w.Close()
+		return nil, err
+	}
 	if w.call, err = v1.NewCollisionServiceClient(connection).WatchScene(ctx, request); err == nil {
 		err = w.open(deadline)
 	}

@@ -32,7 +32,7 @@ FIRST_CONTACT = b"vertex 3, triangle 0, t = 0.500000000\n"
 
 class Go(unittest.TestCase):
     def test_its_own_tests_pass(self):
-        WORKSPACE.run("test", "-count=1", "-timeout=150s", f"{PACKAGE}/test", COLLIDED_DAEMON=DAEMON)
+        WORKSPACE.run("test", "-count=1", "-timeout=150s", PACKAGE, f"{PACKAGE}/test", COLLIDED_DAEMON=DAEMON)
 
     def test_it_is_formatted_and_nothing_is_suspicious(self):
         gofmt = shutil.which("gofmt")
