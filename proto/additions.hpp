@@ -1,5 +1,5 @@
 #pragma once
-// What requests can have that release 0.1.0 does not know.
+// Lists what requests can have that release 0.1.0 does not know.
 
 #include <google/protobuf/descriptor.h>
 

@@ -15,6 +15,7 @@ import (
 	"google.golang.org/grpc/codes"
 	"google.golang.org/protobuf/proto"
 
+	"collided/client/go/internal/features"
 	v1 "collided/client/go/v1"
 )
 
@@ -31,8 +32,8 @@ type Client struct {
 	connection *grpc.ClientConn
 	service    v1.CollisionServiceClient
 	info       *v1.GetServerInfoResponse
-	features   *features // nil until info is known
-	daemon     *Daemon   // its own; nil: none
+	features   *features.Features // nil until info is known
+	daemon     *Daemon            // its own; nil: none
 }
 
 // Connect connects to the daemon at address, host:port or unix:/path. If it is empty, it starts a daemon of its own, which
@@ -74,7 +75,7 @@ func (c *connector) client(ctx context.Context) (*Client, error) {
 		connection.Close()
 		return nil, err
 	}
-	client.features = featuresOf(client.info, c.address, additions())
+	client.features = features.Of(client.info, c.address)
 	return client, nil
 }
 
@@ -307,8 +308,8 @@ func (c *Client) Session(ctx context.Context, spec *SceneSpec, meshes []Mesh, op
 
 func call[Q, A any](ctx context.Context, c *Client, sceneID string,
 	method func(context.Context, *Q, ...grpc.CallOption) (*A, error), request *Q) (*A, error) {
-	if err := c.features.checkCall(any(request).(proto.Message)); err != nil {
-		return nil, err
+	if lack := c.features.CheckCall(any(request).(proto.Message)); lack != nil {
+		return nil, errorOfLack(lack)
 	}
 	ctx, cancel := c.connector.callContext(ctx, sceneID, 0)
 	defer cancel()

@@ -9,6 +9,7 @@ import (
 	"google.golang.org/grpc"
 	"google.golang.org/grpc/codes"
 
+	"collided/client/go/internal/features"
 	v1 "collided/client/go/v1"
 )
 
@@ -55,7 +56,7 @@ type Watcher struct {
 }
 
 func openWatcher(ctx context.Context, connection *grpc.ClientConn, sceneID string, options WatchOptions,
-	deadline time.Duration, features *features) (*Watcher, error) {
+	deadline time.Duration, known *features.Features) (*Watcher, error) {
 	ctx, cancel := context.WithCancel(ctx)
 	w := &Watcher{connection: connection, cancel: cancel}
 	request := &v1.WatchSceneRequest{
@@ -66,11 +67,11 @@ func openWatcher(ctx context.Context, connection *grpc.ClientConn, sceneID strin
 		PositionMeshes:     options.PositionMeshes,
 		VertexStride:       options.VertexStride,
 	}
-	err := features.checkCall(request)
-	if err != nil {
+	if lack := known.CheckCall(request); lack != nil {
 		w.Close()
-		return nil, err
+		return nil, errorOfLack(lack)
 	}
+	var err error
 	if w.call, err = v1.NewCollisionServiceClient(connection).WatchScene(ctx, request); err == nil {
 		err = w.open(deadline)
 	}

@@ -1,4 +1,4 @@
-"""A conversation of a client with a daemon: messages in both directions, in the order in which they passed the recorder.
+"""Reads and writes conversations: messages in both directions, in the order in which they passed the recorder.
 
 An event belongs to a call, which is a gRPC call or a connection to the local socket, and is one of
     begin: the method, or "local"; metadata that matters

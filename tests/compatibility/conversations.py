@@ -1,4 +1,4 @@
-"""What clients say to a daemon in the recordings: each function is a conversation, with the Python package or the command line.
+"""Holds the conversations that are recorded: each function is one, with the Python package or the command line.
 
 All inputs are small and have a few contacts of each kind. Engines are named where the answer would depend on measured times.
 """
@@ -247,7 +247,7 @@ def _in_turn(client, requests):
 
 
 def command_line(program):
-    """The client in C++, as the command line uses it: over the local socket, with loose parts of its own making."""
+    """The client in C++, as the command line uses it: over the local socket."""
     def converse(server):
         with tempfile.TemporaryDirectory() as folder:
             files = []

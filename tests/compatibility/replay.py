@@ -1,4 +1,4 @@
-"""Says what a client said in a recording to a daemon, and compares the answers."""
+"""Sends the requests of a recording to a daemon, and compares the answers."""
 
 import array
 import fcntl
@@ -14,13 +14,13 @@ from differences import differences
 from recorder import PACKET, refused_field
 
 SECONDS = 30
-# What the daemon chose, by the full name of its field in answers, and where clients repeat it: in requests, in any message.
+# Fields of answers that hold ids and tokens, and fields of requests that repeat them.
 CHOSEN = {"collided.v1.Scene.scene_id", "collided.v1.Scene.resume_token", "collided.v1.ListScenesResponse.next_page_token"}
 REPEATED = {"scene_id", "resume_token", "page_token"}
 
 
 class Names:
-    """What stands for the recording's ids and tokens now."""
+    """Maps ids and tokens of the recording to those that the daemon has chosen now."""
 
     def __init__(self):
         self._now = {}
@@ -130,7 +130,7 @@ class Replay:
         self._calls = {}
 
     def run(self, events):
-        """What differs from the recording, in words."""
+        """Returns what differs from the recording, in words."""
         found, methods = [], {}
         for number, event in enumerate(events, 1):
             call = event["call"]

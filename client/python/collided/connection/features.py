@@ -1,4 +1,4 @@
-"""What a daemon that is older than this package does not know: it would ignore a field, and answer another question."""
+"""Finds what an older daemon does not know: it would ignore a field, and answer another question."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from collided.v1 import collision_service_pb2 as api
 
 
 class Features:
-    """What the protocol of this package has gained since release 0.1.0 (added_in.proto) and a daemon lacks; mostly nothing."""
+    """Holds what the protocol has gained since release 0.1.0 (added_in.proto) and a daemon lacks; usually that is nothing."""
 
     def __init__(self, info: api.GetServerInfoResponse, address: str) -> None:
         self._daemon = f"the daemon at {address} is {info.version or 'of an unknown version'}"

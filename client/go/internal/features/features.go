@@ -1,25 +1,37 @@
-package collided
+// Package features finds what an older daemon does not know: it would ignore a field, and answer another question.
+package features
 
 import (
 	"fmt"
 	"sync"
 
-	"google.golang.org/grpc/codes"
 	"google.golang.org/protobuf/proto"
 	"google.golang.org/protobuf/reflect/protoreflect"
 
 	v1 "collided/client/go/v1"
 )
 
-// features is what the protocol of this package has gained since release 0.1.0 (added_in.proto) and a daemon lacks, mostly
-// nothing: an older daemon would ignore a field, and answer another question.
-type features struct {
+// Lack is something that a request has and the daemon does not know.
+type Lack struct {
+	// What is the path of a field, with its value where that is an enum's, or the name of a method.
+	What string
+	// Message names what is missing, the release that brought it, and the daemon.
+	Message string
+}
+
+// Features holds what the protocol has gained since release 0.1.0 (added_in.proto) and a daemon lacks; usually nothing.
+type Features struct {
 	daemon  string
 	missing map[protoreflect.FullName]string // with the release that brought each
 }
 
-func featuresOf(info *v1.GetServerInfoResponse, address string, additions map[protoreflect.FullName]string) *features {
-	f := &features{daemon: fmt.Sprintf("the daemon at %s is %s", address, info.GetVersion()), missing: map[protoreflect.FullName]string{}}
+// Of compares the protocol's own additions with those that a daemon lists.
+func Of(info *v1.GetServerInfoResponse, address string) *Features {
+	return of(info, address, additions())
+}
+
+func of(info *v1.GetServerInfoResponse, address string, additions map[protoreflect.FullName]string) *Features {
+	f := &Features{daemon: fmt.Sprintf("the daemon at %s is %s", address, info.GetVersion()), missing: map[protoreflect.FullName]string{}}
 	for name, release := range additions {
 		f.missing[name] = release
 	}
@@ -29,17 +41,16 @@ func featuresOf(info *v1.GetServerInfoResponse, address string, additions map[pr
 	return f
 }
 
-// check fails with Unimplemented, naming field, release and daemon, if the daemon would ignore something of a message, whose path
-// in a request is path.
-func (f *features) check(message proto.Message, path string) error {
+// Check finds what the daemon would ignore of a message, whose path in a request is path; nil: nothing.
+func (f *Features) Check(message proto.Message, path string) *Lack {
 	if f == nil || len(f.missing) == 0 {
 		return nil
 	}
 	return f.checkFields(message.ProtoReflect(), path)
 }
 
-// checkCall is check of a call's request, and of the method that takes it.
-func (f *features) checkCall(request proto.Message) error {
+// CheckCall is Check of a call's request, and of the method that takes it.
+func (f *Features) CheckCall(request proto.Message) *Lack {
 	if f == nil || len(f.missing) == 0 {
 		return nil
 	}
@@ -51,36 +62,36 @@ func (f *features) checkCall(request proto.Message) error {
 			if method.Input().FullName() != descriptor.FullName() {
 				continue
 			}
-			if err := f.require(method.FullName(), string(method.Name())); err != nil {
-				return err
+			if lack := f.require(method.FullName(), string(method.Name())); lack != nil {
+				return lack
 			}
 		}
 	}
-	return f.check(request, "")
+	return f.Check(request, "")
 }
 
-func (f *features) checkFields(message protoreflect.Message, path string) (err error) {
+func (f *Features) checkFields(message protoreflect.Message, path string) (lack *Lack) {
 	message.Range(func(field protoreflect.FieldDescriptor, value protoreflect.Value) bool {
 		at := string(field.Name())
 		if path != "" {
 			at = path + "." + at
 		}
-		if err = f.require(field.FullName(), at); err != nil {
+		if lack = f.require(field.FullName(), at); lack != nil {
 			return false
 		}
 		if !field.IsList() {
-			err = f.checkEntry(field, value, at)
-			return err == nil
+			lack = f.checkEntry(field, value, at)
+			return lack == nil
 		}
-		for i := 0; i < value.List().Len() && err == nil && field.Kind() != protoreflect.BytesKind; i++ {
-			err = f.checkEntry(field, value.List().Get(i), fmt.Sprintf("%s[%d]", at, i))
+		for i := 0; i < value.List().Len() && lack == nil && field.Kind() != protoreflect.BytesKind; i++ {
+			lack = f.checkEntry(field, value.List().Get(i), fmt.Sprintf("%s[%d]", at, i))
 		}
-		return err == nil
+		return lack == nil
 	})
-	return err
+	return lack
 }
 
-func (f *features) checkEntry(field protoreflect.FieldDescriptor, value protoreflect.Value, at string) error {
+func (f *Features) checkEntry(field protoreflect.FieldDescriptor, value protoreflect.Value, at string) *Lack {
 	switch field.Kind() {
 	case protoreflect.MessageKind:
 		return f.checkFields(value.Message(), at)
@@ -92,9 +103,9 @@ func (f *features) checkEntry(field protoreflect.FieldDescriptor, value protoref
 	return nil
 }
 
-func (f *features) require(name protoreflect.FullName, what string) error {
+func (f *Features) require(name protoreflect.FullName, what string) *Lack {
 	if release, isMissing := f.missing[name]; isMissing {
-		return failf(codes.Unimplemented, what, "%s needs a daemon of release %s or later; %s", what, release, f.daemon)
+		return &Lack{what, fmt.Sprintf("%s needs a daemon of release %s or later; %s", what, release, f.daemon)}
 	}
 	return nil
 }

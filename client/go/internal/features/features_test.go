@@ -1,10 +1,8 @@
-package collided
+package features
 
 import (
-	"errors"
 	"testing"
 
-	"google.golang.org/grpc/codes"
 	"google.golang.org/protobuf/encoding/prototext"
 	"google.golang.org/protobuf/proto"
 	"google.golang.org/protobuf/reflect/protodesc"
@@ -96,30 +94,28 @@ func TestAClientRefusesWhatAnOlderDaemonWouldIgnore(t *testing.T) {
 		if err := prototext.Unmarshal([]byte(c.text), request); err != nil {
 			t.Fatal(err)
 		}
-		f := featuresOf(&v1.GetServerInfoResponse{Version: "0.1.0", Features: []string{c.known}}, "here", gained)
-		err := f.checkCall(request)
+		f := of(&v1.GetServerInfoResponse{Version: "0.1.0", Features: []string{c.known}}, "here", gained)
+		lack := f.CheckCall(request)
 		if c.refused == "" {
-			if err != nil {
-				t.Errorf("%s %s: %v", c.message, c.text, err)
+			if lack != nil {
+				t.Errorf("%s %s: %v", c.message, c.text, lack)
 			}
 			continue
 		}
-		var e *Error
-		want := c.refused + " needs a daemon of release 99.0.0 or later; the daemon at here is 0.1.0"
-		if !errors.As(err, &e) || e.Code != codes.Unimplemented || e.Field != c.refused || e.Message != want {
-			t.Errorf("%s %s: %v", c.message, c.text, err)
+		want := Lack{c.refused, c.refused + " needs a daemon of release 99.0.0 or later; the daemon at here is 0.1.0"}
+		if lack == nil || *lack != want {
+			t.Errorf("%s %s: %v", c.message, c.text, lack)
 		}
 	}
 }
 
 func TestAnOptionOfAFrameIsRefused(t *testing.T) {
-	lacking := featuresOf(&v1.GetServerInfoResponse{Version: "0.1.0"}, "here",
+	lacking := of(&v1.GetServerInfoResponse{Version: "0.1.0"}, "here",
 		map[protoreflect.FullName]string{"collided.v1.Frame.trial": release})
-	if err := lacking.check(&v1.Frame{FrameId: 1}, "frame"); err != nil {
-		t.Error(err)
+	if lack := lacking.Check(&v1.Frame{FrameId: 1}, "frame"); lack != nil {
+		t.Error(lack)
 	}
-	var e *Error
-	if err := lacking.check(&v1.Frame{FrameId: 1, Trial: true}, "frame"); !errors.As(err, &e) || e.Field != "frame.trial" {
-		t.Error(err)
+	if lack := lacking.Check(&v1.Frame{FrameId: 1, Trial: true}, "frame"); lack == nil || lack.What != "frame.trial" {
+		t.Error(lack)
 	}
 }
