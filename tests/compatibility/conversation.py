@@ -81,6 +81,8 @@ def is_message(field):
 
 
 def is_repeated(field):
+    if hasattr(field, "is_repeated"):  # labels are deprecated in protobuf 6 and later
+        return field.is_repeated
     return field.label == FieldDescriptor.LABEL_REPEATED
 
 

@@ -43,13 +43,19 @@ def _contents(message: Any, path: str) -> Iterator[tuple[str, str]]:
         yield at, field.full_name
         if field.message_type is None and field.enum_type is None:
             continue
-        is_repeated = field.label == field.LABEL_REPEATED
+        is_repeated = _is_repeated(field)
         for i, each in enumerate(value if is_repeated else (value,)):
             place = f"{at}[{i}]" if is_repeated else at
             if field.message_type is not None:
                 yield from _contents(each, place)
             elif known := field.enum_type.values_by_number.get(each):
                 yield f"{place} = {known.name}", f"{field.enum_type.full_name.rpartition('.')[0]}.{known.name}"
+
+
+def _is_repeated(field: Any) -> bool:
+    if hasattr(field, "is_repeated"):  # labels are deprecated in protobuf 6 and later
+        return field.is_repeated
+    return field.label == field.LABEL_REPEATED
 
 
 @lru_cache(1)
