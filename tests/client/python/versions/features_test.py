@@ -87,6 +87,13 @@ class NewerClient(unittest.TestCase):
         self.assertLessEqual(NAMES, additions().keys())
         self.assertEqual({additions()[name] for name in NAMES}, {"99.0.0"})
 
+    def test_the_daemon_lists_what_its_own_protocol_has_gained(self):
+        sys.path.append(str(REPOSITORY / "tests/proto"))
+        import compatibility
+
+        gained = compatibility.additions(compatibility.compile_protocol(REPOSITORY / "proto"))
+        self.assertEqual(list(self.client.info.features), sorted(gained))
+
     def test_a_field_is_refused(self):
         for method, request in (("CreateScene", api.CreateSceneRequest), ("EstimateScene", api.EstimateSceneRequest)):
             self.refused("spec.mirrored", self.client.call, method, request(spec=self.spec(mirrored=True)))
