@@ -28,13 +28,13 @@ from daemon import Daemon  # noqa: E402
 from markdown import Page  # noqa: E402
 from run_page import README_SOCKET  # noqa: E402
 
-PACKAGES = [PACKAGE, f"{PACKAGE}/test", f"{PACKAGE}/examples/first_contact"]
+PACKAGES = [PACKAGE, f"{PACKAGE}/internal/features", f"{PACKAGE}/test", f"{PACKAGE}/examples/first_contact"]
 FIRST_CONTACT = b"vertex 3, triangle 0, t = 0.500000000\n"
 
 
 class Go(unittest.TestCase):
     def test_its_own_tests_pass(self):
-        WORKSPACE.run("test", "-count=1", "-timeout=150s", f"{PACKAGE}/test", COLLIDED_DAEMON=DAEMON)
+        WORKSPACE.run("test", "-count=1", "-timeout=150s", f"{PACKAGE}/internal/features", f"{PACKAGE}/test", COLLIDED_DAEMON=DAEMON)
 
     def test_it_is_formatted_and_nothing_is_suspicious(self):
         gofmt = shutil.which("gofmt")

@@ -319,6 +319,7 @@ class Client:
         if channel is None:
             with self._channel_of_a_call() as own:
                 return self.call(method, request, scene_id, timeout, own)
+        self.check_known(request, method=method)
         try:
             call = getattr(CollisionServiceStub(channel), method)
             return call(request, timeout=timeout or self.options.deadline, metadata=metadata(self.options, scene_id))
@@ -326,6 +327,14 @@ class Client:
             raise error_of_call(error) from None
         except ValueError:  # of gRPC, where another thread has closed the channel meanwhile
             raise Unavailable("the connection was closed during the call") from None
+
+    def check_known(self, request: Any, path: str = "", method: str = "") -> None:
+        """Raises Unimplemented if the daemon is too old for a message, whose path in a request is `path`, or for a method."""
+        connection = self._connection  # another thread may hold the lock
+        if connection is not None and connection.features is not None:
+            if method:
+                connection.features.check_method(method)
+            connection.features.check(request, path)
 
     def _create(self, method: str, request: Any, tries: int = _CREATE_TRIES) -> scene_pb2.Scene:
         for tried in range(1, tries + 1):

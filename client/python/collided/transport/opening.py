@@ -56,6 +56,7 @@ def open_transport(client: Client, scene: scene_pb2.Scene, options: StreamOption
     answer."""
     opening = api.OpenStream(scene_id=scene.scene_id, window=options.window, delivery=options.delivery,
                              resume_token=scene.resume_token if resume else "")
+    client.check_known(opening, "open")
     refusal = ""
     if options.transport == "calls":
         calls = CallTransport(client)

@@ -166,16 +166,18 @@ class GetServerInfoRequest(_message.Message):
     def __init__(self) -> None: ...
 
 class GetServerInfoResponse(_message.Message):
-    __slots__ = ["devices", "limits", "local_socket", "version"]
+    __slots__ = ["devices", "features", "limits", "local_socket", "version"]
     DEVICES_FIELD_NUMBER: _ClassVar[int]
+    FEATURES_FIELD_NUMBER: _ClassVar[int]
     LIMITS_FIELD_NUMBER: _ClassVar[int]
     LOCAL_SOCKET_FIELD_NUMBER: _ClassVar[int]
     VERSION_FIELD_NUMBER: _ClassVar[int]
     devices: _containers.RepeatedCompositeFieldContainer[Device]
+    features: _containers.RepeatedScalarFieldContainer[str]
     limits: ServerLimits
     local_socket: str
     version: str
-    def __init__(self, version: _Optional[str] = ..., devices: _Optional[_Iterable[_Union[Device, _Mapping]]] = ..., limits: _Optional[_Union[ServerLimits, _Mapping]] = ..., local_socket: _Optional[str] = ...) -> None: ...
+    def __init__(self, version: _Optional[str] = ..., devices: _Optional[_Iterable[_Union[Device, _Mapping]]] = ..., limits: _Optional[_Union[ServerLimits, _Mapping]] = ..., local_socket: _Optional[str] = ..., features: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class ListScenesRequest(_message.Message):
     __slots__ = ["page_size", "page_token"]
