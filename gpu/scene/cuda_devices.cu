@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "gpu/exec/cuda/compatibility.hpp"
 #include "gpu/exec/cuda/device.cuh"
+#include "gpu/exec/cuda_compatibility.hpp"
 #include "gpu/scene/backends.hpp"
 
 namespace collided {

@@ -1,5 +1,5 @@
 // Which CUDA devices this build can use.
-#include "gpu/exec/cuda/compatibility.hpp"
+#include "gpu/exec/cuda_compatibility.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -1,5 +1,5 @@
 // Which CUDA devices a build can use: NVIDIA's rules of compatibility as tables of cases.
-#include "gpu/exec/cuda/compatibility.hpp"
+#include "gpu/exec/cuda_compatibility.hpp"
 
 #include <gtest/gtest.h>
 
