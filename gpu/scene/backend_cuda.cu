@@ -1,6 +1,7 @@
 #include "gpu/exec/cuda/cuda_exec.cuh"
 #include "gpu/exec/cuda/device.cuh"
 #include "gpu/exec/cuda/shared_memory.cuh"
+#include "gpu/exec/cuda/step_clock.cuh"
 #include "gpu/scene/backends.hpp"
 #include "gpu/scene/scene_detector.hpp"
 #include "gpu/search/cuda/searcher.cuh"
