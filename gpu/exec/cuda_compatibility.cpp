@@ -118,6 +118,10 @@ Kernels kernels_for(Capability device, std::span<const Architecture> built, cons
 }
 
 std::string machine_obstacle(const CudaMachine& machine) {
+  if (machine.driver == 0 && machine.has_module)
+    return "the NVIDIA driver's library libcuda.so.1 cannot be used: either the driver is too old, and driver " +
+           first_driver(machine.runtime) +
+           " or later helps, or a container was started without it (NVIDIA Container Toolkit)";
   if (machine.driver == 0) return "this machine has no NVIDIA driver";
   if (major_of(machine.driver) < major_of(machine.runtime))
     return "the NVIDIA driver is too old: it supports CUDA " + text_of(machine.driver) +
@@ -128,7 +132,8 @@ std::string machine_obstacle(const CudaMachine& machine) {
 }
 
 bool is_absent(const CudaMachine& machine) {
-  return machine.driver == 0 || (machine.error.empty() && !machine.has_devices);
+  if (machine.driver == 0) return !machine.has_module;
+  return machine.error.empty() && !machine.has_devices;
 }
 
 std::string device_obstacle(Capability device, std::span<const Architecture> built, const CudaMachine& machine) {

@@ -37,8 +37,9 @@ std::vector<Architecture> parse_architectures(std::string_view list);
 
 /// What the runtime reports of the machine. Versions as CUDA writes them: 13000 is 13.0.
 struct CudaMachine {
-  int runtime = 0;  ///< the toolkit that this build was made with
-  int driver = 0;   ///< the newest CUDA that the driver supports; 0: there is no driver
+  int runtime = 0;          ///< the toolkit that this build was made with
+  int driver = 0;           ///< the newest CUDA that the driver supports; 0: there is no driver
+  bool has_module = false;  ///< the driver's kernel module is loaded
   bool has_devices = true;
   std::string error = {};     ///< why devices cannot be counted, in CUDA's words; empty if they can
   bool ignores_code = false;  ///< CUDA_FORCE_PTX_JIT=1

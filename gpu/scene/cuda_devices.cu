@@ -2,7 +2,9 @@
 #include <cuda_runtime.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 
 #include "gpu/exec/cuda/device.cuh"
 #include "gpu/exec/cuda_compatibility.hpp"
@@ -29,6 +31,8 @@ struct Survey {
 // `count`: of the devices, if there are any.
 CudaMachine machine_of(int& count) {
   CudaMachine machine{.ignores_code = is_set("CUDA_FORCE_PTX_JIT"), .ignores_ptx = is_set("CUDA_DISABLE_PTX_JIT")};
+  std::error_code ignored;
+  machine.has_module = std::filesystem::exists("/proc/driver/nvidia/version", ignored);
   cudaRuntimeGetVersion(&machine.runtime);
   cudaDriverGetVersion(&machine.driver);
   const cudaError_t error = cudaGetDeviceCount(&count);
