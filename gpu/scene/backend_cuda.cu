@@ -40,30 +40,10 @@ void link_cuda_devices(const std::vector<Device>& devices) {
     for (const Device& other : devices) link_to(device.ordinal, other.ordinal);
 }
 
-std::vector<DeviceInfo> cuda_devices() {
-  int count = 0;
-  if (cudaGetDeviceCount(&count) != cudaSuccess) {
-    cudaGetLastError();
-    return {};
-  }
-  std::vector<DeviceInfo> devices;
-  for (int i = 0; i < count; ++i) {
-    cudaDeviceProp properties{};
-    if (cudaGetDeviceProperties(&properties, i) == cudaSuccess) devices.push_back(info_of(i, properties));
-  }
-  return devices;
-}
-
-void check_cuda_ordinal(int ordinal) {
-  int count = 0;
-  if (cudaGetDeviceCount(&count) == cudaSuccess && ordinal < count) return;
-  const std::vector<DeviceInfo> devices = cuda_devices();
-  if (devices.empty()) throw DeviceError("device: no usable CUDA device was found");
-  std::string there;
-  for (const DeviceInfo& info : devices) there += (there.empty() ? "" : ", ") + std::to_string(info.device.ordinal);
-  throw InvalidInput("device", "device is " + to_string(cuda_device(ordinal)) + ": this machine has " +
-                                   std::to_string(devices.size()) +
-                                   (devices.size() == 1 ? " CUDA device (" : " CUDA devices (") + there + ")");
+void load_cuda_kernels(int ordinal) {
+  use_device(ordinal);
+  load_cuda_kernels_of<float>();
+  load_cuda_kernels_of<double>();
 }
 
 uint64_t free_cuda_memory(int ordinal) { return free_bytes_of(ordinal); }

@@ -24,8 +24,11 @@ void link_cuda_devices(const std::vector<Device>& devices);
 /// `threads`: 0: all cores.
 DeviceInfo cpu_device(int threads);
 std::vector<DeviceInfo> cuda_devices();
+std::vector<UnusableDevice> unusable_cuda_devices();
 
 // As in detector.hpp, on CUDA.
+std::string why_no_cuda();
+void load_cuda_kernels(int ordinal);
 void check_cuda_ordinal(int ordinal);
 uint64_t free_cuda_memory(int ordinal);
 bool cuda_works(int ordinal);

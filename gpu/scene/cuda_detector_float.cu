@@ -3,5 +3,6 @@
 namespace collided {
 
 template std::unique_ptr<Detector> make_cuda_detector_of<float>(SceneSpec spec, FeatureTables features, const PartOf* part);
+template void load_cuda_kernels_of<float>();
 
 }  // namespace collided

@@ -13,4 +13,8 @@ std::unique_ptr<Detector> make_cpu_detector_of(SceneSpec spec, FeatureTables fea
 template <class Real>
 std::unique_ptr<Detector> make_cuda_detector_of(SceneSpec spec, FeatureTables features, const PartOf* part);
 
+/// Loads the kernels of that file on a GPU that is in use; where they come as PTX, the driver compiles them first.
+template <class Real>
+void load_cuda_kernels_of();
+
 }  // namespace collided

@@ -145,6 +145,13 @@ void fill_device(const DeviceState& device, pb::Device* out) {
   out->set_load(device.load);
 }
 
+void fill_unusable(const UnusableDevice& device, pb::UnusableDevice* out) {
+  out->set_backend(pb::BACKEND_CUDA);
+  if (device.device) out->set_id(to_string(*device.device));
+  out->set_name(device.name);
+  out->set_reason(device.reason);
+}
+
 void fill_limits(const Limits& limits, const ClientLimits& client, pb::ServerLimits* out) {
   out->set_max_message_bytes(limits.max_message_bytes);
   out->set_max_vertices(limits.max_vertices);

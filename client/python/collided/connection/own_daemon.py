@@ -16,6 +16,7 @@ import collided.leftovers as leftovers
 from collided.errors import FailedPrecondition, Unavailable
 from collided.programs import find_program, where_to_get_it
 
+_COMPILE_SECONDS = 1800.0  # a GPU's driver may have to compile the kernels
 _READY_SECONDS, _STOP_SECONDS, _EXIT_SECONDS, _POLL_SECONDS = 60.0, 10.0, 0.1, 0.01
 _SAID_LINES = 3  # of a daemon that does not start
 # Ends the daemon when this process is gone, however it ended: then the pipe to standard input is closed. Not by
@@ -113,9 +114,9 @@ class OwnDaemon:
         leftovers.after_all(_end_all)
         self._unless_removed = weakref.finalize(self, _let_go, self._process)
         self._unless_removed.atexit = False
-        deadline = time.monotonic() + _READY_SECONDS
+        start = time.monotonic()
         while not ready.exists():
-            if self._process.poll() is not None or time.monotonic() > deadline:
+            if self._process.poll() is not None or _is_late(start, log):
                 said = _last_lines(log)
                 self._process.kill()
                 self._remove()
@@ -132,6 +133,14 @@ class OwnDaemon:
         if self._folder:
             shutil.rmtree(self._folder, ignore_errors=True)
         self._folder = ""
+
+
+def _is_late(start: float, log: pathlib.Path) -> bool:
+    """A daemon that says that kernels are being compiled has more time."""
+    took = time.monotonic() - start
+    if took <= _READY_SECONDS:
+        return False
+    return took > _COMPILE_SECONDS or "compiling the kernels" not in log.read_text(errors="replace")
 
 
 def _last_lines(log: pathlib.Path) -> str:

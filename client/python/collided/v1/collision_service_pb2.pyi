@@ -166,18 +166,20 @@ class GetServerInfoRequest(_message.Message):
     def __init__(self) -> None: ...
 
 class GetServerInfoResponse(_message.Message):
-    __slots__ = ["devices", "features", "limits", "local_socket", "version"]
+    __slots__ = ["devices", "features", "limits", "local_socket", "unusable_devices", "version"]
     DEVICES_FIELD_NUMBER: _ClassVar[int]
     FEATURES_FIELD_NUMBER: _ClassVar[int]
     LIMITS_FIELD_NUMBER: _ClassVar[int]
     LOCAL_SOCKET_FIELD_NUMBER: _ClassVar[int]
+    UNUSABLE_DEVICES_FIELD_NUMBER: _ClassVar[int]
     VERSION_FIELD_NUMBER: _ClassVar[int]
     devices: _containers.RepeatedCompositeFieldContainer[Device]
     features: _containers.RepeatedScalarFieldContainer[str]
     limits: ServerLimits
     local_socket: str
+    unusable_devices: _containers.RepeatedCompositeFieldContainer[UnusableDevice]
     version: str
-    def __init__(self, version: _Optional[str] = ..., devices: _Optional[_Iterable[_Union[Device, _Mapping]]] = ..., limits: _Optional[_Union[ServerLimits, _Mapping]] = ..., local_socket: _Optional[str] = ..., features: _Optional[_Iterable[str]] = ...) -> None: ...
+    def __init__(self, version: _Optional[str] = ..., devices: _Optional[_Iterable[_Union[Device, _Mapping]]] = ..., limits: _Optional[_Union[ServerLimits, _Mapping]] = ..., local_socket: _Optional[str] = ..., unusable_devices: _Optional[_Iterable[_Union[UnusableDevice, _Mapping]]] = ..., features: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class ListScenesRequest(_message.Message):
     __slots__ = ["page_size", "page_token"]
@@ -280,6 +282,18 @@ class StreamOpened(_message.Message):
     scene: _scene_pb2.Scene
     window: int
     def __init__(self, scene: _Optional[_Union[_scene_pb2.Scene, _Mapping]] = ..., window: _Optional[int] = ...) -> None: ...
+
+class UnusableDevice(_message.Message):
+    __slots__ = ["backend", "id", "name", "reason"]
+    BACKEND_FIELD_NUMBER: _ClassVar[int]
+    ID_FIELD_NUMBER: _ClassVar[int]
+    NAME_FIELD_NUMBER: _ClassVar[int]
+    REASON_FIELD_NUMBER: _ClassVar[int]
+    backend: _scene_pb2.Backend
+    id: str
+    name: str
+    reason: str
+    def __init__(self, backend: _Optional[_Union[_scene_pb2.Backend, str]] = ..., id: _Optional[str] = ..., name: _Optional[str] = ..., reason: _Optional[str] = ...) -> None: ...
 
 class UploadMeshRequest(_message.Message):
     __slots__ = ["mesh", "scene_id", "triangles"]
