@@ -38,8 +38,8 @@ class Go(unittest.TestCase):
 
     def test_it_is_formatted_and_nothing_is_suspicious(self):
         gofmt = shutil.which("gofmt")
-        unformatted = subprocess.run([gofmt, "-l", REPOSITORY / "client" / "go", REPOSITORY / "tests" / "interop", REPOSITORY / "tests" / "client"],
-                                     text=True, capture_output=True, timeout=60, check=True)
+        folders = [REPOSITORY / folder for folder in ("client/go", "tests/interop", "tests/client")]
+        unformatted = subprocess.run([gofmt, "-l", *folders], text=True, capture_output=True, timeout=60, check=True)
         self.assertEqual(unformatted.stdout, "")
         WORKSPACE.run("vet", *PACKAGES)
 
@@ -48,7 +48,7 @@ class Go(unittest.TestCase):
         self.assertRegex(said, r"\Adarwin: (\d\d) files\nwindows: \1 files\n\Z")
 
     def test_go_takes_the_module_by_its_path(self):
-        """From a folder that is laid out as a module proxy, which is what a release is fetched from."""
+        """The test fetches it from a folder that is laid out as a module proxy."""
         version, path = "v0.0.1", PACKAGE
         with tempfile.TemporaryDirectory() as folder:
             place = pathlib.Path(folder, "proxy", path, "@v")

@@ -69,7 +69,7 @@ class Packed(unittest.TestCase):
         self.assertEqual([path.name for path in (self.folder / "node_modules" / "collided" / "dist").iterdir()], ["src"])
 
     def test_it_can_be_published(self):
-        """What users install is compiled: neither protoc nor a compiler of TypeScript is needed for it."""
+        """Users install compiled code, which needs neither protoc nor a compiler of TypeScript."""
         package = json.loads((self.folder / "node_modules" / "collided" / "package.json").read_text())
         self.assertNotIn("private", package)
         self.assertNotIn("install", " ".join(package["scripts"]))

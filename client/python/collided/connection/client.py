@@ -286,8 +286,8 @@ class Client:
             raise
 
     def local_socket(self, endpoint: str) -> str:
-        """Path of the daemon's local socket, if it has one and may be on this host; else empty. A loopback address may be a port
-        that is forwarded to a container or another host: whoever connects learns whether the path leads to the daemon."""
+        """Returns the path of the daemon's local socket, if it has one and may be on this host; else an empty string. A loopback
+        address may be a forwarded port: only connecting shows whether the path leads to this daemon."""
         is_here = sys.platform == "linux" and not endpoint and is_local_address(self.address)
         return self.info.local_socket if is_here else ""
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The package where its users are: on macOS and Windows, and beside a port that is forwarded to a daemon elsewhere.
+"""The package runs on macOS and Windows, and with a daemon elsewhere whose port is forwarded to this host.
 
 usage: elsewhere_test.py DAEMON COLLIDECTL REPOSITORY
 """
@@ -24,7 +24,7 @@ def port_of(daemon):
 
 
 class Systems(Case):
-    """Without a Mac: what another system lacks is taken away in a process of its own."""
+    """The package runs in a process from which the test takes away what another system lacks."""
 
     options = ("--address", "127.0.0.1:0")
 
@@ -35,8 +35,8 @@ class Systems(Case):
                 pathlib.Path(folder, program.name).symlink_to(program.resolve())
             path = os.pathsep.join([str(HERE), os.environ["PYTHONPATH"]])
             environment = {"PATH": folder, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"}
-            done = subprocess.run([sys.executable, "-W", "default", HERE / "program.py", system, port_of(self.daemon)], cwd=folder, text=True,
-                                  env=environment, capture_output=True, timeout=60)
+            command = [sys.executable, "-W", "default", HERE / "program.py", system, port_of(self.daemon)]
+            done = subprocess.run(command, cwd=folder, env=environment, text=True, capture_output=True, timeout=60)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("ResourceWarning: unclosed Session of scene", done.stderr)
         return json.loads(done.stdout)

@@ -49,7 +49,7 @@ class _Absent(importlib.abc.MetaPathFinder):
 
 
 def pretend(system):
-    """From here on this process is on `system`. Returns an event loop, which is made with what Linux has."""
+    """Makes this process believe that it runs on `system`. Returns an event loop, which needs what Linux has to be made."""
     loop = asyncio.new_event_loop()
     sys.meta_path.insert(0, _Absent(NO_MODULES[system]))
     for name in NO_MODULES[system]:

@@ -1,4 +1,4 @@
-"""What a user on macOS or Windows does, against a daemon on a loopback port that announces a local socket, as one in a container does.
+"""Does what a user on macOS or Windows does, against a daemon on a loopback port. It announces a local socket, as one in a container may.
 
 usage: program.py darwin|win32 HOST:PORT     prints a line of JSON
 """

@@ -38,7 +38,7 @@ def without_json_names(message):
 
 class Generated(unittest.TestCase):
     def test_its_messages_and_calls_are_those_of_the_protocol(self):
-        """With any compiler: what a file declares is compared, not how it is written."""
+        """The test compares what a file declares, not how it is written, so that any compiler will do."""
         files = sorted(path.relative_to(PROTO) for path in (PROTO / "collided" / "v1").glob("*.proto"))
         done = subprocess.run(["protoc", "-I", PROTO, "--include_imports", "-o", "/dev/stdout", *files], capture_output=True, check=True,
                               timeout=60, cwd=PROTO)

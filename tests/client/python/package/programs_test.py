@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Where the package finds the daemon and the command line: in itself, in collided_cuda, on PATH; and what its scripts run.
+"""The package finds the daemon and the command line in itself, in collided_cuda and on PATH, and its scripts run them.
 
 usage: programs_test.py DAEMON COLLIDECTL REPOSITORY
 """
@@ -36,8 +36,9 @@ class Programs(unittest.TestCase):
         self.bin.mkdir()
 
     def run_python(self, *words, **environment):
+        clean = {"PATH": str(self.bin), "PYTHONPATH": str(self.root / "site"), "PYTHONDONTWRITEBYTECODE": "1"}
         return subprocess.run([sys.executable, *words], text=True, capture_output=True, timeout=60, cwd=self.root,
-                              env={"PATH": str(self.bin), "PYTHONPATH": str(self.root / "site"), "PYTHONDONTWRITEBYTECODE": "1", **environment})
+                              env={**clean, **environment})
 
     def program(self, path, source=None):
         """A program that says its name and arguments, or a link to a real one."""
