@@ -17,8 +17,7 @@
 #include "client/cpp/transport/grpc/address.hpp"
 #include "client/cpp/transport/grpc/channel.hpp"
 #include "client/cpp/transport/grpc/grpc_transport.hpp"
-#include "client/cpp/transport/local/local_peer.hpp"
-#include "client/cpp/transport/local/local_transport.hpp"
+#include "client/cpp/transport/local/open_local.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
 #include "proto/constants.hpp"
 
@@ -282,10 +281,8 @@ FrameStream Client::State::stream_locally(const v1::Scene& scene, const v1::Open
   v1::OpenStream granted = open;
   granted.set_window(window);
   return FrameStream::open(
-      std::make_unique<LocalTransport>(
-          LocalPeer{info.local_socket(), TrustedUsers(channels.address(), options.daemon_user, connect.patience),
-                    connect.patience, connect.deadline},
-          local_layout(known, window, options), connect.token, options),
+      open_local({info.local_socket(), channels.address(), connect.token, connect.patience, connect.deadline},
+                 local_layout(known, window, options), options),
       granted,
       {.is_local = true,
        .keeper = stream.keeper,
@@ -390,7 +387,9 @@ FrameStream Client::stream(const v1::Scene& scene, const StreamOptions& options)
   check_handles(options.local);
   if (own.in_process()) return stream_in_process(*own.in_process(), open, options, state_->features);
   if (options.local.use == Local::kOn) return state_->stream_locally(scene, open, options);
-  if (options.local.use == Local::kAutomatic && is_local_address(own.address()) && state_->has_local(scene)) try {
+  if (options.local.use == Local::kAutomatic && has_local_transport() && is_local_address(own.address()) &&
+      state_->has_local(scene))
+    try {
       return state_->stream_locally(scene, open, options);
     } catch (const Error& e) {  // if gRPC fails as well, its error is thrown
       local_refusal = e.message();

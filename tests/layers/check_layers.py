@@ -60,6 +60,8 @@ SERVER_ROOMS = {
     "builtin": {"refusals", "ops", "auth", "limits", "convert", "transport/grpc"},
     "supervisor": set(),
 }
+# What the engine shows to others.
+ENGINE_API = {"gpu/detector.hpp", "gpu/types.hpp", "gpu/stencil.hpp"}
 SPEAKS_MESSAGES = re.compile(r"(refusals|convert|sets|transport|batch|service|builtin)/|frames/(answer|decode|intake|messages|watched)\.")
 SPEAKS_GRPC = re.compile(r"(refusals|convert|sets|frames|transport|batch|service|builtin)/|auth/credentials\.|[^/]+$")
 
@@ -79,8 +81,8 @@ def server_complaint(path, target):
     room = server_room(path)
     if GRPC.match(target) and not SPEAKS_GRPC.match(path.removeprefix("server/")):
         return "gRPC and protobuf begin at server/convert, except for server/refusals and server/auth/credentials"
-    if target.startswith("gpu/") and target not in ("gpu/detector.hpp", "gpu/types.hpp", QUOTA):
-        return "the server knows the engine by gpu/detector.hpp, and its quotas by gpu/parted_quota.hpp"
+    if target.startswith("gpu/") and target not in (*ENGINE_API, QUOTA):
+        return "the server knows the engine by gpu/detector.hpp and gpu/stencil.hpp, and its quotas by gpu/parted_quota.hpp"
     if target.startswith("client/"):
         return "the server must not know the client"
     if room is None or not target.startswith("server/") or target in SERVER_COMMON:
@@ -151,6 +153,8 @@ SERVER_IN_PROCESS = {"server/in_process.hpp"}
 
 # What reads the protocol's own descriptors.
 ADDITIONS = "proto/additions"
+# The engine for programs of any language: it is linked with the engine alone.
+C_LIBRARY = "client/c/"
 
 # Inside the client: who must not include what, and why.
 CLIENT_RULES = [
@@ -160,6 +164,8 @@ CLIENT_RULES = [
     (r"client/cpp/transport/", r"client/cpp/(client|frame_stream|session)", "transports know no stream"),
     (r"client/cli/manual/", r"client/(?!cli/manual/)", "what is made from options knows nothing of what they are for"),
     (r"client/cli/manual/(?!describe)", r"CLI/", "describe() is the only one that knows CLI11"),
+    (r"client/c/", r"client/(?!c/)|(grpc|grpcpp|google)/|collided/v1/", "the C library is the engine alone, without gRPC and protobuf"),
+    (r"client/(?!c/)", r"client/c/", "the C library is for programs of others"),
     (r"client/in_process/", r"client/(?!in_process/|cpp/)", "the engine in a process is a part of the C++ library"),
     (r"client/(?!in_process/)", r"client/in_process/", "what is linked with the client alone knows no engine"),
     (r"client/in_process/local\.hpp$", r"server/|client/cpp/transport/", "public headers show nothing inside"),
@@ -196,6 +202,8 @@ def complaint(path, quote, target):
     if layer == "proto" and not STANDARD.match(target) and not path.startswith(ADDITIONS):
         return "the protocol's constants need the standard library alone"
     if layer == "client" and target.startswith(("gpu/", "server/")):
+        if path.startswith(C_LIBRARY):
+            return None if target in ENGINE_API else "client/c knows the engine by its public headers alone"
         if not path.startswith(IN_PROCESS):
             return "the client knows the protocol alone"
         if target not in SERVER_IN_PROCESS:

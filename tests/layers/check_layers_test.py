@@ -40,6 +40,7 @@ GOOD = {
     "server/transport/local/packets.cpp": '#include "proto/constants.hpp"\n#include "server/frames/session.hpp"\n',
     "server/service/service.cpp": '#include "collided/v1/frame.pb.h"\n#include "server/transport/grpc/call.hpp"\n',
     "client/cpp/client.hpp": '#include "collided/v1/collision_service.grpc.pb.h"\n',
+    "client/c/scene.cpp": '#include "client/c/include/collided/collided.h"\n#include "gpu/detector.hpp"\n',
     "client/in_process/local.cpp": '#include "client/cpp/transport/channel.hpp"\n#include "server/in_process.hpp"\n',
 }
 BAD = [
@@ -47,6 +48,12 @@ BAD = [
     ("client/cli/bad.cpp", '#include "server/in_process.hpp"'),
     ("client/cli/bad.cpp", '#include "client/in_process/local.hpp"'),
     ("client/cpp/bad.cpp", '#include "client/in_process/local.hpp"'),
+    ("client/c/bad.cpp", '#include "gpu/scene/rules.hpp"'),
+    ("client/c/bad.cpp", '#include "server/errors.hpp"'),
+    ("client/c/bad.cpp", '#include "client/cpp/client.hpp"'),
+    ("client/c/bad.cpp", '#include <grpcpp/grpcpp.h>'),
+    ("client/c/bad.cpp", '#include "collided/v1/frame.pb.h"'),
+    ("client/cpp/bad.cpp", '#include "client/c/include/collided/collided.h"'),
     ("client/in_process/bad.cpp", '#include "server/scenes/scene.hpp"'),
     ("client/in_process/bad.cpp", '#include "gpu/detector.hpp"'),
     ("client/in_process/bad.cpp", '#include "client/scenes/scene.hpp"'),

@@ -15,7 +15,8 @@ ROOMS = {
     "frames": {"arrays", "choices", "errors", "layout", "meshes", "options", "positions"},
     "contacts": {"errors", "frames", "layout"},
     "connection": {"arrays", "choices", "errors", "layout", "leftovers", "options", "programs"},
-    "transport": {"connection", "errors", "frames"},
+    "in_process": {"connection", "errors", "frames", "layout", "options"},
+    "transport": {"connection", "errors", "frames", "in_process"},
     "gpu": {"contacts", "errors", "frames", "layout", "leftovers", "scene", "transport"},
 }
 # Packages of others, and where they may be used; numpy everywhere.

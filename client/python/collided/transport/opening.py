@@ -11,7 +11,9 @@ import numpy as np
 from collided.connection.channel import metadata
 from collided.connection.client import Client
 from collided.errors import (DataLoss, DeadlineExceeded, Error, FailedPrecondition, InvalidArgument, NotFound,
-                             ResourceExhausted)
+                             ResourceExhausted, Unimplemented)
+from collided.in_process.client import LocalClient
+from collided.in_process.transport import EngineTransport
 from collided.transport.base import Transport
 from collided.transport.call_transport import CallTransport
 from collided.transport.grpc_transport import GrpcTransport
@@ -58,6 +60,10 @@ def open_transport(client: Client, scene: scene_pb2.Scene, options: StreamOption
                              resume_token=scene.resume_token if resume else "")
     client.check_known(opening, "open")
     refusal = ""
+    if isinstance(client, LocalClient):
+        _check_local(options)
+        engine = EngineTransport(client, scene, resume)
+        return engine, opened_by(engine, opening, client, seconds), ""
     if options.transport == "calls":
         calls = CallTransport(client)
         return calls, opened_by(calls, opening, client, seconds), ""
@@ -73,6 +79,16 @@ def open_transport(client: Client, scene: scene_pb2.Scene, options: StreamOption
     with client.stream_channel(scene, seconds) as channel:
         transport = GrpcTransport(channel, metadata(client.options, scene.scene_id), client.info.limits.max_message_bytes)
         return transport, opened_by(transport, opening, client, seconds), refusal
+
+
+def _check_local(options: StreamOptions) -> None:
+    """Raises Unimplemented for what an engine in the process does not have."""
+    if options.transport != "auto":
+        raise Unimplemented(f"transport is {options.transport!r}, but server is 'local', and nothing is sent", field="transport")
+    if options.delivery == api.DELIVERY_POLICY_LATEST_WINS:
+        raise Unimplemented("delivery is 'latest_wins', but server is 'local', which answers every frame", field="delivery")
+    if options.window > _MOST_FRAMES:
+        raise ResourceExhausted(f"window is {options.window}; the limit is {_MOST_FRAMES}", field="window")
 
 
 def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
