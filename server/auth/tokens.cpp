@@ -10,8 +10,8 @@
 
 #include "server/auth/secret_file.hpp"
 #include "server/config/accuracy_names.hpp"
-#include "server/config/text_file.hpp"
-#include "server/config/toml_value.hpp"
+#include "server/config/file/text_file.hpp"
+#include "server/config/file/toml_value.hpp"
 
 namespace collided::server {
 namespace {

@@ -48,6 +48,9 @@ class LocalClient(Client):
     def info(self) -> api.GetServerInfoResponse:
         raise _unimplemented("info")
 
+    def check_known(self, request: Any, path: str = "", method: str = "") -> None:
+        """The engine comes with the package, and what it lacks is refused by name."""
+
     def call(self, method: str, request: Any, scene_id: str = "", timeout: float | None = None,
              channel: Any = None) -> Any:
         raise _unimplemented(method)

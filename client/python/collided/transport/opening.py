@@ -14,7 +14,6 @@ from collided.errors import (DataLoss, DeadlineExceeded, Error, FailedPreconditi
                              ResourceExhausted, Unimplemented)
 from collided.in_process.client import LocalClient
 from collided.in_process.transport import EngineTransport
-from collided.transport.base import Transport
 from collided.transport.call_transport import CallTransport
 from collided.transport.grpc_transport import GrpcTransport
 from collided.transport.local_transport import LocalTransport

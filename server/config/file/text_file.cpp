@@ -1,5 +1,5 @@
 // Small files that options name, as text, and as TOML that is safe to parse.
-#include "server/config/text_file.hpp"
+#include "server/config/file/text_file.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "server/config/options.hpp"
-#include "server/config/text_file.hpp"
-#include "server/config/toml_value.hpp"
+#include "server/config/file/text_file.hpp"
+#include "server/config/file/toml_value.hpp"
 
 namespace collided::server {
 namespace {
