@@ -4,7 +4,7 @@
 
 #include "gpu/base/float_environment.hpp"
 #include "gpu/exec/asks.hpp"
-#include "gpu/scene/backends.hpp"
+#include "gpu/scene/backends/backends.hpp"
 #include "gpu/scene/known_lengths.hpp"
 #include "gpu/scene/parts/parted_scene.hpp"
 #include "gpu/scene/rules.hpp"

@@ -41,11 +41,12 @@ GRPC = re.compile(r"^(grpc|grpcpp|google/protobuf)/")
 SERVER_COMMON = {"server/errors.hpp", "server/shorten.hpp"}
 SERVER_ROOMS = {
     "refusals": set(),
-    "config": set(),
+    "config/file": set(),
+    "config": {"config/file"},
     "net/sockets": set(),
     "net": {"net/sockets"},
     "ops": {"net", "net/sockets"},
-    "auth": {"config", "ops"},
+    "auth": {"config/file", "config", "ops"},
     "limits": {"ops", "auth"},
     "devices": {"config", "ops", "limits"},
     "scenes": {"refusals", "config", "ops", "auth", "limits", "devices"},

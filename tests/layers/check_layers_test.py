@@ -87,7 +87,7 @@ BAD = [
     ("gpu/exact/fixed/bad.hpp", '#include "gpu/exact/polynomial.hpp"'),
     ("gpu/step/bad.hpp", '#include "gpu/exact/fixed/integer.hpp"'),
     ("gpu/detector.cpp", "#include <gmpxx.h>"),
-    ("gpu/scene/backend_cpu.cpp", '#include "gpu/exact/polynomial.hpp"'),
+    ("gpu/scene/backends/backend_cpu.cpp", '#include "gpu/exact/polynomial.hpp"'),
     ("server/worker.cpp", "#include <gmpxx.h>"),
     ("server/worker.cpp", '#include "gpu/exact/exact.hpp"'),
     ("gpu/exec/bad.hpp", "#include <cuda_runtime.h>"),

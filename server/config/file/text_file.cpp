@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "server/config/config.hpp"
+#include "server/config/file/config_error.hpp"
 
 namespace collided::server {
 namespace {

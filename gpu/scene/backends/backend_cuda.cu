@@ -2,7 +2,7 @@
 #include "gpu/exec/cuda/device.cuh"
 #include "gpu/exec/cuda/shared_memory.cuh"
 #include "gpu/positions/format.hpp"
-#include "gpu/scene/backends.hpp"
+#include "gpu/scene/backends/backends.hpp"
 #include "gpu/scene/scalar_backends.hpp"
 
 namespace collided {

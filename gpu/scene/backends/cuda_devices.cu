@@ -8,7 +8,7 @@
 
 #include "gpu/exec/cuda/device.cuh"
 #include "gpu/exec/cuda_compatibility.hpp"
-#include "gpu/scene/backends.hpp"
+#include "gpu/scene/backends/backends.hpp"
 
 namespace collided {
 namespace {

@@ -1,6 +1,6 @@
 #include "gpu/exec/cpu/cpu_exec.hpp"
 #include "gpu/positions/format.hpp"
-#include "gpu/scene/backends.hpp"
+#include "gpu/scene/backends/backends.hpp"
 #include "gpu/scene/scalar_backends.hpp"
 
 namespace collided {

@@ -1,4 +1,4 @@
-#include "gpu/scene/backends.hpp"
+#include "gpu/scene/backends/backends.hpp"
 
 namespace collided {
 
