@@ -1,5 +1,5 @@
 #pragma once
-// What every call of the C library shares: exceptions become codes, and structures of any version are read and written.
+// Shared by every call of the C library: it turns exceptions into codes, and handles structures of any version.
 
 #include <cstring>
 #include <stdexcept>
@@ -123,7 +123,7 @@ void write_structure(T* to, T structure, const std::string& field) {
   std::memcpy(to, &structure, std::min(structure.struct_size, sizeof(T)));
 }
 
-/// The engine's value that an enumerator stands for: `values[enumerator]`, of which the first is the default.
+/// Converts an enumerator to the engine's value, `values[enumerator]`; the first is the default. Throws InvalidInput.
 template <class T, size_t N>
 T choose(const T (&values)[N], int32_t enumerator, const std::string& field) {
   if (enumerator < 0 || enumerator >= static_cast<int32_t>(N))

@@ -149,7 +149,7 @@ const T& at(const std::vector<T>& values, uint32_t index) {
   return values[index];
 }
 
-/// Where a caller wants an object; null until it is there.
+/// Returns where the caller wants an object, and sets it to null until the object exists.
 template <class T>
 T** output(T** to, const char* field) {
   *c::required(to, field) = nullptr;

@@ -61,7 +61,7 @@ SERVER_ROOMS = {
     "builtin": {"refusals", "ops", "auth", "limits", "convert", "transport/grpc"},
     "supervisor": set(),
 }
-# What the engine shows to others.
+# These headers are the engine for its users.
 ENGINE_API = {"gpu/detector.hpp", "gpu/types.hpp", "gpu/stencil.hpp"}
 SPEAKS_MESSAGES = re.compile(r"(refusals|convert|sets|transport|batch|service|builtin)/|frames/(answer|decode|intake|messages|watched)\.")
 SPEAKS_GRPC = re.compile(r"(refusals|convert|sets|frames|transport|batch|service|builtin)/|auth/credentials\.|[^/]+$")

@@ -1,4 +1,4 @@
-// What the C library is given that cannot be used: each value is refused with its field, and changes nothing.
+// The C library refuses each value that cannot be used, names its field, and changes nothing.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -181,7 +181,7 @@ TEST(CLibraryRefusals, NullPointersEverywhere) {
   collided_result_free(nullptr);
 }
 
-/// As a program has it that was compiled with a later header.
+/// A later header adds a member like this.
 struct LaterSpec {
   collided_scene_spec now;
   uint64_t later;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <ostream>
 #include <vector>
 
 #include "client/c/include/collided/collided.h"
@@ -47,6 +48,12 @@ struct CaseOfFrames {
   double thickness = 0;
   uint32_t kinds = 0;
   bool is_rigid = false;
+
+  /// The test's name must not show padding.
+  friend void PrintTo(const CaseOfFrames& of, std::ostream* out) {
+    *out << "mode " << of.mode << " accuracy " << of.accuracy << " format " << of.format << " kinds " << of.kinds
+         << (of.is_rigid ? " rigid" : "");
+  }
 };
 
 /// Both meshes, and the bytes of three frames: cloth, then the ground, which moves only if it is rigid.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What is installed, and moved to another folder, is enough to build programs with find_package(collided) and pkg-config.
+"""An installation that was moved is enough to build programs with find_package(collided) and pkg-config.
 
 usage: package_test.py CMAKE REPOSITORY BUILD EXAMPLE_BUILD
 """

@@ -23,7 +23,7 @@ _NAMES = {"excluded_rings": "exclude_rings", "excludes_rest_pairs": "exclude_res
 
 
 class Result:
-    """What a frame found: its messages, whose arrays lie in the library's memory until it is freed."""
+    """Holds what a frame found. Its messages name arrays in the library's memory, which free() gives back."""
 
     def __init__(self, loaded: Library, pointer: ctypes.c_void_p) -> None:
         self._library, self._pointer = loaded, pointer

@@ -74,7 +74,7 @@ class EngineTransport:
         return api.StreamFramesResponse(frame_id=frame_id, done=outcome.done(head.advance))
 
     def shared(self, shared_range: Any) -> memoryview:
-        """Of the message that was read last."""
+        """Returns an array of the message that was read last."""
         return memoryview((ctypes.c_ubyte * shared_range.size).from_address(shared_range.offset)).cast("B")
 
     def half_close(self) -> None:
@@ -114,7 +114,7 @@ def _serve(engine: EngineScene, frames: queue.SimpleQueue[_Frame | None], answer
 
 
 def _copy(update: Update) -> Update:
-    """In memory that stays as it is."""
+    """Copies arrays that the caller may change."""
 
     def copied(array: np.ndarray | None) -> np.ndarray | None:
         return None if array is None else np.array(array, order="C")
