@@ -52,6 +52,13 @@ class Wheels(unittest.TestCase):
         page = Page(PAGE)
         self.assertEqual(run(python, "-c", page.blocks("python")[0], env=NOTHING), page.blocks("text")[0])
 
+    def check_engine_in_process(self, python):
+        """The same program without a daemon."""
+        page = Page(PAGE)
+        program = page.blocks("python")[0].replace("[3, 4, 5]])", "[3, 4, 5]], server='local')")
+        self.assertIn("server='local'", program)
+        self.assertEqual(run(python, "-c", program, env=NOTHING), page.blocks("text")[0])
+
     def test_one_for_this_machine(self):
         python = self.environment("--system-site-packages")
         wheels = self.folder / "wheels"
@@ -61,6 +68,7 @@ class Wheels(unittest.TestCase):
         self.assertRegex(wheel.name, r"^collided-[0-9.]+-py3-none-linux_\w+\.whl$")
         run(python, "-m", "pip", "install", "--no-index", "--no-deps", wheel)
         self.check_example(python)
+        self.check_engine_in_process(python)
         for program in ("collided", "collidectl"):
             self.assertRegex(run(self.folder / "venv" / "bin" / program, "--version", env=NOTHING), r"\d+\.\d+\.\d+")
 
@@ -83,6 +91,7 @@ class Wheels(unittest.TestCase):
         self.assertEqual((out / "contacts.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
         self.assertEqual((out / "contacts.gif").read_bytes()[:6], b"GIF89a")
         self.check_example(out / "venv" / "bin" / "python")
+        self.check_engine_in_process(out / "venv" / "bin" / "python")
 
     def test_bad_words_are_refused(self):
         for words in (["--frames", "0"], ["--cells", "many"], ["--wheel", self.folder / "none.whl"], ["--what"]):
