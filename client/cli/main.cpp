@@ -57,8 +57,9 @@ void add_absent_render(CLI::App& app) {
   auto* const command = app.add_subcommand("render", "Draw steps and their contacts (not in this build)");
   command->allow_extras();
   command->callback([] {
-    throw collided::cli::UsageError("this build draws no pictures: it was made without Embree, as the Python wheels are; the "
-                                    "Debian package collided and a build from source have render");
+    throw collided::cli::UsageError(
+        "this build draws no pictures: it was made without Embree, as the Python wheels are; the "
+        "Debian package collided and a build from source have render");
   });
 }
 #endif

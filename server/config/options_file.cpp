@@ -4,9 +4,9 @@
 #include <limits>
 #include <sstream>
 
-#include "server/config/options.hpp"
 #include "server/config/file/text_file.hpp"
 #include "server/config/file/toml_value.hpp"
+#include "server/config/options.hpp"
 
 namespace collided::server {
 namespace {

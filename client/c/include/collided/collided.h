@@ -15,8 +15,9 @@
  *
  * Structures. The first member of each is its size in bytes as the program was compiled: set it to sizeof. All other
  * members may be 0, which is the default. In an array all elements have the same struct_size. A later version of the
- * library adds members at the end only, so a program need not be compiled again for it. An older library accepts a newer
- * program's structure if the members that it does not know are 0, and else refuses it with COLLIDED_UNIMPLEMENTED.
+ * library adds members at the end only, so a program need not be compiled again for it. An older library accepts a
+ * newer program's structure if the members that it does not know are 0, and else refuses it with
+ * COLLIDED_UNIMPLEMENTED.
  *
  * Ownership. The library copies what it is given before a call returns. Arrays that it hands out belong to the scene or
  * result they come from, and are valid until that is freed. A result may outlive its scene.
@@ -48,7 +49,8 @@
 extern "C" {
 #endif
 
-/* Version of this interface. It changes when a program has to be compiled again; the library's soname is the same number. */
+/* Version of this interface. It changes when a program has to be compiled again; the library's soname is the same
+ * number. */
 #define COLLIDED_ABI_VERSION 1
 COLLIDED_API uint32_t collided_abi_version(void);
 /* Release of the library, such as "0.1.0". */
@@ -64,7 +66,7 @@ enum {
   COLLIDED_FAILED_PRECONDITION = 9, /* the call does not fit the state: the scene is busy, or had no frame yet */
   COLLIDED_UNIMPLEMENTED = 12,      /* a structure has a member that this version of the library does not know */
   COLLIDED_INTERNAL = 13,           /* a bug */
-  COLLIDED_UNAVAILABLE = 14         /* there is no CUDA device, or it has failed and its scenes cannot be used any more */
+  COLLIDED_UNAVAILABLE = 14 /* there is no CUDA device, or it has failed and its scenes cannot be used any more */
 };
 
 /* Of the last call on this thread that failed; empty before the first. Valid until the next call that fails on this
@@ -170,7 +172,7 @@ typedef struct collided_mesh {
   uint32_t groups;       /* bits of the groups that the mesh is in; 0: 1 */
   uint32_t collide_mask; /* bits of the groups that it can touch; 0: all */
   int32_t no_self_contacts;
-  uint32_t excluded_rings; /* 0 to 8: leave out self contacts of features that so many edges or fewer connect */
+  uint32_t excluded_rings;     /* 0 to 8: leave out self contacts of features that so many edges or fewer connect */
   int32_t excludes_rest_pairs; /* leave out self contacts of features within rest_distance in the first frame */
   int32_t reserved;            /* 0 */
 } collided_mesh;
@@ -181,10 +183,10 @@ typedef struct collided_scene_spec {
   uint64_t mesh_count;
   const uint32_t* excluded_meshes; /* [excluded_mesh_count][2]: pairs of meshes that never touch, each once */
   uint64_t excluded_mesh_count;
-  const char* device;  /* "cpu", "cuda", "cuda:1"; null or "auto": the first CUDA device, or the CPU if there is none */
-  int32_t mode;        /* COLLIDED_CCD ... */
-  int32_t accuracy;    /* COLLIDED_CERTIFIED ... */
-  int32_t report;      /* COLLIDED_REPORT_ALL ... */
+  const char* device; /* "cpu", "cuda", "cuda:1"; null or "auto": the first CUDA device, or the CPU if there is none */
+  int32_t mode;       /* COLLIDED_CCD ... */
+  int32_t accuracy;   /* COLLIDED_CERTIFIED ... */
+  int32_t report;     /* COLLIDED_REPORT_ALL ... */
   int32_t position_format;    /* COLLIDED_F32 ... */
   int32_t broad_phase_engine; /* COLLIDED_OCTREE ... */
   int32_t reuse;              /* COLLIDED_REUSE_ON ... */
@@ -211,10 +213,10 @@ COLLIDED_API void collided_scene_free(collided_scene* scene);
 /* How the scene numbers its features: vertices and elements of each mesh follow those of the meshes before it. */
 typedef struct collided_topology {
   size_t struct_size;
-  const uint32_t* elements;        /* [element_count][3]: of each mesh its triangles, then its loose edges as a b b, then
-                                      its loose points as a a a; scene-wide vertices */
-  const uint32_t* edges;           /* [edge_count][2], lower vertex first, sorted */
-  const uint32_t* vertex_offsets;  /* [mesh_count + 1]: the first vertex of each mesh */
+  const uint32_t* elements;       /* [element_count][3]: of each mesh its triangles, then its loose edges as a b b, then
+                                     its loose points as a a a; scene-wide vertices */
+  const uint32_t* edges;          /* [edge_count][2], lower vertex first, sorted */
+  const uint32_t* vertex_offsets; /* [mesh_count + 1]: the first vertex of each mesh */
   const uint32_t* element_offsets; /* [mesh_count + 1]: the first element of each mesh */
   uint64_t vertex_count;
   uint64_t element_count;
@@ -227,14 +229,15 @@ COLLIDED_API collided_status collided_scene_topology(collided_scene* scene, coll
 COLLIDED_API collided_status collided_scene_memory(collided_scene* scene, uint64_t* bytes);
 /* The device that the scene is on. */
 COLLIDED_API collided_status collided_scene_device(collided_scene* scene, collided_device_info* info);
-/* Copies the positions of a mesh at the end of the last frame that counted, as float[3] or, in F64 scenes, double[3] per
- * vertex. bytes: size of `to`, exactly that of the positions. COLLIDED_FAILED_PRECONDITION before the first frame. */
+/* Copies the positions of a mesh at the end of the last frame that counted, as float[3] or, in F64 scenes, double[3]
+ * per vertex. bytes: size of `to`, exactly that of the positions. COLLIDED_FAILED_PRECONDITION before the first frame.
+ */
 COLLIDED_API collided_status collided_scene_positions(collided_scene* scene, uint32_t mesh, void* to, uint64_t bytes);
 
 /* ---- Frames ---- */
 
-/* New positions of one mesh, packed x y z in the scene's format. They may lie in memory of the scene's CUDA device; what
- * wrote them there must have finished. */
+/* New positions of one mesh, packed x y z in the scene's format. They may lie in memory of the scene's CUDA device;
+ * what wrote them there must have finished. */
 typedef struct collided_update {
   size_t struct_size;
   const void* start;       /* CCD: at t = 0; null: where the last frame left the mesh */
@@ -245,8 +248,8 @@ typedef struct collided_update {
   uint64_t index_count;
   int32_t is_sparse; /* only the vertices of `indices` change; else index_count is 0 */
   uint32_t mesh;     /* its number in the scene; each mesh at most once in a frame */
-  /* Rigid meshes: rows of [R | t], 12 doubles. R is a rotation to within 1e-4, and transforms the positions of the first
-   * frame. */
+  /* Rigid meshes: rows of [R | t], 12 doubles. R is a rotation to within 1e-4, and transforms the positions of the
+   * first frame. */
   const double* transform;       /* at t = 1 */
   const double* start_transform; /* CCD: at t = 0; null: where the last frame left the mesh */
 } collided_update;
@@ -256,28 +259,29 @@ typedef struct collided_frame {
   const collided_update* updates; /* [update_count]; the stride is updates[0].struct_size. The first frame names every
                                      mesh, later ones those that move */
   uint64_t update_count;
-  int32_t mode;           /* of this frame; 0: the scene's */
-  int32_t accuracy;       /* likewise */
-  int32_t report;         /* likewise */
-  int32_t ignore_separating; /* CCD from GUARDED on: contacts that come no closer do not count in earliest_toi */
-  int32_t advance;        /* CCD from CERTIFIED on: go only as far as is certified free of contact */
-  int32_t trial;          /* answer, and leave the scene as it was */
-  const double* delta;    /* of this frame; null: the scene's */
+  int32_t mode;                 /* of this frame; 0: the scene's */
+  int32_t accuracy;             /* likewise */
+  int32_t report;               /* likewise */
+  int32_t ignore_separating;    /* CCD from GUARDED on: contacts that come no closer do not count in earliest_toi */
+  int32_t advance;              /* CCD from CERTIFIED on: go only as far as is certified free of contact */
+  int32_t trial;                /* answer, and leave the scene as it was */
+  const double* delta;          /* of this frame; null: the scene's */
   const double* start_fraction; /* CCD: begin this far along the last frame's way, 0 to 1; null: at its end */
-  int32_t (*cancelled)(void* context); /* may be null. The calling thread asks it about every 8 ms; other than 0: give up.
-                                          It must not use this scene, nor leave by an exception or longjmp */
+  int32_t (*cancelled)(void* context); /* may be null. The calling thread asks it about every 8 ms; other than 0: give
+                                          up. It must not use this scene, nor leave by an exception or longjmp */
   void* cancelled_context;
 } collided_frame;
 
 typedef struct collided_result collided_result;
 
 /* Applies one frame and finds its contacts. Sets *result, to be freed by collided_result_free; to null if it fails. */
-COLLIDED_API collided_status collided_detect(collided_scene* scene, const collided_frame* frame, collided_result** result);
+COLLIDED_API collided_status collided_detect(collided_scene* scene, const collided_frame* frame,
+                                             collided_result** result);
 /* result: may be null. */
 COLLIDED_API void collided_result_free(collided_result* result);
 
-/* Contacts of one kind, sorted by their two elements. An array is null if there are no contacts, or if the scene does not
- * ask for it, or if mode and accuracy do not compute it. */
+/* Contacts of one kind, sorted by their two elements. An array is null if there are no contacts, or if the scene does
+ * not ask for it, or if mode and accuracy do not compute it. */
 typedef struct collided_contacts {
   size_t struct_size;
   uint64_t count;
@@ -304,17 +308,17 @@ COLLIDED_API collided_status collided_result_contacts(const collided_result* res
 /* What a frame found and what it cost, besides its contacts. */
 typedef struct collided_facts {
   size_t struct_size;
-  uint64_t contact_count; /* of all kinds */
-  double earliest_toi;    /* 0 to 1; 1 where there is none, and where times are not computed */
-  double advanced;        /* with `advance`: how far the scene went, 0 to 1; else 1 */
-  int32_t any_contact;    /* candidates do not count */
-  int32_t input_resolution;  /* the positions' own spacing is coarser than delta */
-  double step_milliseconds;  /* from positions on the device to sorted contacts there */
+  uint64_t contact_count;   /* of all kinds */
+  double earliest_toi;      /* 0 to 1; 1 where there is none, and where times are not computed */
+  double advanced;          /* with `advance`: how far the scene went, 0 to 1; else 1 */
+  int32_t any_contact;      /* candidates do not count */
+  int32_t input_resolution; /* the positions' own spacing is coarser than delta */
+  double step_milliseconds; /* from positions on the device to sorted contacts there */
   uint32_t stage_count;
   uint32_t unused_option_count;
-  uint32_t replays;        /* runs of the step that were repeated because memory had to grow */
-  uint32_t allocations;    /* of memory on the device */
-  uint32_t graph_launches; /* of CUDA graphs */
+  uint32_t replays;           /* runs of the step that were repeated because memory had to grow */
+  uint32_t allocations;       /* of memory on the device */
+  uint32_t graph_launches;    /* of CUDA graphs */
   int32_t broad_phase_engine; /* that found the pairs: COLLIDED_OCTREE ... */
   /* Work: */
   uint64_t cells, leaves, registrations, tests, pairs, exact_decisions;
